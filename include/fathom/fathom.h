@@ -1,0 +1,11 @@
+/* Fathom: a renderer whose every hit can be checked. The whole public API. */
+#ifndef FATHOM_FATHOM_H
+#define FATHOM_FATHOM_H
+
+#include <fathom/base.h>
+#include <fathom/read.h>
+#include <fathom/render.h>
+#include <fathom/scene.h>
+#include <fathom/trace.h>
+
+#endif

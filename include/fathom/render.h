@@ -1,0 +1,119 @@
+/* From a scene to an image. */
+#ifndef FATHOM_RENDER_H
+#define FATHOM_RENDER_H
+
+#include <fathom/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum fathom_pattern {
+    FATHOM_PATTERN_GRID,       /* n × n, regular; spp is a square number */
+    FATHOM_PATTERN_STRATIFIED, /* n × n, jittered in each cell; spp is a square number */
+    FATHOM_PATTERN_SOBOL       /* Owen-scrambled Sobol (0,2)-sequence; any spp */
+} fathom_pattern;
+
+typedef enum fathom_tracer_kind {
+    FATHOM_TRACER_EMBREE,
+    FATHOM_TRACER_REFERENCE /* linear search over the hand-written intersectors */
+} fathom_tracer_kind;
+
+/* Extra outputs, a bit each. */
+enum {
+    FATHOM_AOV_ALPHA = 1u << 0,  /* A: covered part of the pixel */
+    FATHOM_AOV_Z = 1u << 1,      /* Z: depth along the view axis, of the sample nearest the pixel's centre */
+    FATHOM_AOV_N = 1u << 2,      /* N.X N.Y N.Z: shading normal, world, averaged */
+    FATHOM_AOV_P = 1u << 3,      /* P.X P.Y P.Z: world position, of the sample nearest the centre */
+    FATHOM_AOV_ALBEDO = 1u << 4, /* albedo.R albedo.G albedo.B: k_d + k_s, averaged */
+    FATHOM_AOV_ID =
+        1u
+        << 5 /* id.object id.primitive id.instance: of the sample nearest the centre; FATHOM_NONE for none */
+};
+
+typedef struct fathom_settings {
+    uint32_t width, height; /* pixels, [1, 65536]; default 1280 × 720 */
+    uint32_t spp;           /* samples a pixel, [1, 65536]; default 1 */
+    fathom_pattern pattern; /* default grid */
+    uint64_t seed;          /* of the stratified and Sobol patterns; default 0 */
+    uint32_t crop[4];       /* x0 y0 x1 y1, half open, row 0 at the top; all 0 (default): the whole image */
+    uint32_t max_depth;     /* mirrored and refracted bounces, [0, 64]; default 8 */
+    float min_weight;       /* a path ends when its weight can change no channel by more; default 1/65536 */
+    double epsilon;         /* fixed ray epsilon; 0 (default): automatic, from error bounds */
+    bool terminator_fix;    /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
+    unsigned aovs;          /* FATHOM_AOV_ bits; default 0 */
+    fathom_tracer_kind tracer;
+    unsigned block_width; /* rays handed to the tracer at once: 1, 4, 8 or 16 (default) */
+    unsigned tile_size;   /* pixels, a multiple of 32; default 32. No pixel depends on it */
+} fathom_settings;
+
+FATHOM_API void fathom_settings_default(fathom_settings *settings);
+/* The settings the scene's file asked for, else the defaults. */
+FATHOM_API void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out);
+FATHOM_API fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settings *settings);
+
+typedef enum fathom_phase {
+    FATHOM_PHASE_READ,
+    FATHOM_PHASE_BUILD,
+    FATHOM_PHASE_RENDER,
+    FATHOM_PHASE_WRITE
+} fathom_phase;
+
+typedef struct fathom_progress {
+    fathom_phase phase;
+    double fraction; /* of this phase, [0,1] */
+    uint64_t rays;   /* traced so far */
+    double seconds;  /* since this phase began */
+} fathom_progress;
+
+/* Called about ten times a second from the calling thread. Return false to stop: the render then returns
+ * FATHOM_INTERRUPTED with the film as far as it got. */
+typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
+
+typedef struct fathom_stats {
+    uint64_t triangles, primitives,
+        instances; /* triangles stored; spheres + quads + planes + triangles; placed instances */
+    uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays;
+    double build_seconds, render_seconds;
+    uint64_t bvh_bytes;
+    uint64_t degenerate_triangles; /* rendered around */
+    unsigned threads;
+    char tracer[64]; /* "Embree 3.13.5, AVX-512" */
+} fathom_stats;
+
+typedef struct fathom_film fathom_film;
+
+/* Renders. On FATHOM_OK and FATHOM_INTERRUPTED *out is a film, to be released with fathom_film_destroy();
+ * otherwise *out is NULL. progress and stats may be NULL. */
+FATHOM_API fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
+                                       const fathom_settings *settings, fathom_progress_fn progress,
+                                       void *user, fathom_stats *stats, fathom_film **out);
+FATHOM_API void fathom_film_destroy(fathom_film *film);
+
+/* Size of the cropped image. */
+FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint32_t *height);
+/* One channel by its name ("R", "G", "B", "Z", "N.X", …): width × height values, top row first. NULL when the
+ * film has no such channel, or one of the other type. Valid as long as the film. */
+FATHOM_API const float *fathom_film_channel(const fathom_film *film, const char *name);
+FATHOM_API const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name);
+
+typedef struct fathom_write_options {
+    float exposure;      /* stops, applied before the view transform and not to EXR; default 0 */
+    const char *ocio;    /* OpenColorIO config file; NULL: $OCIO, else the built-in sRGB config */
+    const char *display; /* NULL: the config's default */
+    const char *view;    /* NULL: the display's default */
+    bool float_color;    /* EXR: R G B A albedo as 32-bit float rather than half; default false */
+} fathom_write_options;
+
+FATHOM_API void fathom_write_options_default(fathom_write_options *options);
+/* The format follows the extension: .exr (scene-linear, all channels), .png, .jpg, .jpeg, .tif, .tiff (8-bit,
+ * through OpenColorIO). The file appears whole or not at all. */
+FATHOM_API fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
+                                           const fathom_write_options *options);
+/* Starts loading the image module in the background, so that the first write does not wait for it. */
+FATHOM_API void fathom_image_prefetch(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

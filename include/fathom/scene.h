@@ -1,0 +1,200 @@
+/* Scenes from plain arrays.
+ *
+ * A scene owns plain arrays and hands out integer ids. Lengths share one unit of your choice; angles are
+ * radians; colours are linear Rec.709; positions are double, and are moved near the view's origin before
+ * they become float. Structs are copied unless a call says `_shared`. Fill them with their
+ * `_default` function first, then set what you need: later versions add fields. */
+#ifndef FATHOM_SCENE_H
+#define FATHOM_SCENE_H
+
+#include <fathom/base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct fathom_scene fathom_scene;
+typedef uint32_t fathom_id;
+
+#define FATHOM_NONE UINT32_MAX /* no id */
+#define FATHOM_ROOT 0u         /* the group that every scene starts with: the world */
+
+FATHOM_API fathom_status fathom_scene_create(fathom_context *context, fathom_scene **out);
+FATHOM_API void fathom_scene_destroy(fathom_scene *scene);
+
+/* ---- materials ---- */
+
+typedef enum fathom_specular {
+    FATHOM_SPECULAR_NONE,  /* k_s is not used */
+    FATHOM_SPECULAR_PHONG, /* k_s max(0, v·r)^n */
+    FATHOM_SPECULAR_BLINN  /* k_s max(0, n·h)^n */
+} fathom_specular;
+
+typedef struct fathom_material {
+    float k_a[3];    /* ambient reflectance; a negative first entry (the default) means: same as k_d */
+    float k_d[3];    /* Lambert reflectance, [0,1]; default 0.5 */
+    float k_s[3];    /* specular reflectance; default 0 */
+    float k_r[3];    /* mirror reflectance; default 0 */
+    float k_t[3];    /* transmittance; default 0 */
+    float k_e[3];    /* radiance the surface sends out by itself; lights nothing else; default 0 */
+    float shininess; /* the exponent n, [0, 1e9]; default 32 */
+    float ior;       /* inside over outside, > 0; default 1.5 */
+    fathom_specular specular; /* default FATHOM_SPECULAR_NONE */
+    bool fresnel;         /* k_r *= F and k_t *= 1 - F, F the dielectric Fresnel reflectance; default false */
+    bool lit_from_behind; /* lights on the viewer's far side count by |n·l|; default false */
+} fathom_material;
+
+FATHOM_API void fathom_material_default(fathom_material *material);
+
+/* name: for messages and the header; may be NULL. Every scene has material 0, the default, unnamed. */
+FATHOM_API fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
+                                                   const fathom_material *material, fathom_id *out);
+
+/* ---- lights ---- */
+
+typedef enum fathom_light_type {
+    FATHOM_LIGHT_POINT,
+    FATHOM_LIGHT_DIRECTIONAL,
+    FATHOM_LIGHT_SPOT
+} fathom_light_type;
+
+typedef struct fathom_light {
+    fathom_light_type type;
+    double position[3];  /* point and spot */
+    double direction[3]; /* the way the light travels (spot: the cone's axis); need not be unit; default
+                            (0,-1,0) */
+    float intensity[3];  /* k_l: radiance at unit distance for point and spot, constant for directional;
+                            default 1 */
+    float
+        inner_angle; /* spot: full strength within this angle from the axis; radians, [0, outer); default 0 */
+    float outer_angle; /* spot: nothing beyond; radians, (inner, pi/2]; default pi/4 */
+} fathom_light;
+
+FATHOM_API void fathom_light_default(fathom_light *light);
+FATHOM_API fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *light,
+                                                fathom_id *out);
+
+/* ---- shapes ----
+ * Each shape belongs to a group. FATHOM_ROOT is the world; any other group appears where it is instanced. */
+
+enum {
+    FATHOM_CASTS_NO_SHADOW = 1u, /* shadow rays pass through */
+};
+
+typedef struct fathom_sphere {
+    double center[3];
+    double radius; /* > 0 */
+    fathom_id material;
+    unsigned flags;
+} fathom_sphere;
+
+/* A planar convex quad, corners in order around it. The normal is (c1-c0)×(c3-c0); u runs from c0 to c1 and
+ * v from c0 to c3. */
+typedef struct fathom_quad {
+    double corners[4][3];
+    fathom_id material;
+    unsigned flags;
+} fathom_quad;
+
+/* The infinite plane through `point`. */
+typedef struct fathom_plane {
+    double point[3];
+    double normal[3]; /* need not be unit */
+    fathom_id material;
+    unsigned flags;
+} fathom_plane;
+
+/* Triangles over float vertices, placed at `origin`: vertex i is at origin + positions[i].
+ * Strides are in bytes, multiples of 4; 0 means tightly packed. normal_indices and uv_indices run beside
+ * indices (3 a triangle); NULL means the same as indices. */
+typedef struct fathom_mesh {
+    const float *positions; /* x y z */
+    size_t position_stride;
+    uint32_t vertex_count;
+    const uint32_t *indices; /* 3 a triangle, tightly packed */
+    uint32_t triangle_count;
+    const float *normals; /* shading normals, x y z, need not be unit; NULL: flat */
+    size_t normal_stride;
+    uint32_t normal_count;
+    const uint32_t *normal_indices;
+    const float *uvs; /* u v; NULL: barycentric */
+    size_t uv_stride;
+    uint32_t uv_count;
+    const uint32_t *uv_indices;
+    double origin[3];
+    fathom_id material;
+    unsigned flags;
+} fathom_mesh;
+
+FATHOM_API void fathom_sphere_default(fathom_sphere *sphere);
+FATHOM_API void fathom_quad_default(fathom_quad *quad);    /* the unit square around the origin, facing +z */
+FATHOM_API void fathom_plane_default(fathom_plane *plane); /* z = 0 facing +z */
+FATHOM_API void fathom_mesh_default(fathom_mesh *mesh);
+
+/* Corners center ± u ± v, facing u×v. */
+FATHOM_API void fathom_quad_from_axes(const double center[3], const double u[3], const double v[3],
+                                      fathom_quad *out);
+
+/* FATHOM_BAD_INPUT when a number is not finite, a radius is not positive, a quad has no area, is not planar
+ * or not convex, an index is out of range. Degenerate triangles are kept, counted and warned about when
+ * rendering starts. */
+FATHOM_API fathom_status fathom_scene_add_sphere(fathom_scene *scene, fathom_id group,
+                                                 const fathom_sphere *sphere, fathom_id *out);
+FATHOM_API fathom_status fathom_scene_add_quad(fathom_scene *scene, fathom_id group, const fathom_quad *quad,
+                                               fathom_id *out);
+FATHOM_API fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group,
+                                                const fathom_plane *plane, fathom_id *out);
+FATHOM_API fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                                               fathom_id *out);
+/* The arrays stay the caller's and must outlive the scene; at least 16 bytes past the end of `positions` must
+ * be readable. */
+FATHOM_API fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fathom_id group,
+                                                      const fathom_mesh *mesh, fathom_id *out);
+
+/* ---- groups and instances ---- */
+
+/* Places `group` inside `parent` (FATHOM_ROOT, or another group: frames nest). */
+typedef struct fathom_instance {
+    fathom_id group;
+    fathom_id parent;
+    double transform[12]; /* group to parent, 3 rows of 4: p' = M p + T. Any invertible affine map. */
+    fathom_id material;   /* replaces every material inside; FATHOM_NONE keeps them */
+} fathom_instance;
+
+FATHOM_API void fathom_instance_default(fathom_instance *instance); /* identity, in the root */
+FATHOM_API fathom_status fathom_scene_add_group(fathom_scene *scene, const char *name, fathom_id *out);
+/* FATHOM_BAD_INPUT when the map cannot be inverted. A cycle of groups is found by fathom_scene_check(). */
+FATHOM_API fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instance *instance,
+                                                   fathom_id *out);
+
+/* ---- camera and surroundings ---- */
+
+/* A pinhole looking along -z of its frame. Image plane at distance d, size w × h. */
+typedef struct fathom_camera {
+    double origin[3];
+    double x[3], y[3], z[3]; /* orthonormal, right-handed */
+    double d, h;             /* > 0; default d = 1, h = 2 tan(fovy/2) for a fovy of 45 degrees */
+    double w;                /* > 0, or 0: h times the image's width over height */
+} fathom_camera;
+
+FATHOM_API void fathom_camera_default(fathom_camera *camera);
+/* fovy: vertical field of view, radians, (0, pi). A valid frame comes back even when up is parallel to the
+ * view. */
+FATHOM_API void fathom_camera_look_at(const double eye[3], const double target[3], const double up[3],
+                                      double fovy, fathom_camera *out);
+FATHOM_API fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *camera);
+FATHOM_API fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3]);
+FATHOM_API fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]);
+FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name);
+
+/* Puts a camera that frames everything, and lights, where the scene has none. */
+FATHOM_API fathom_status fathom_scene_complete(fathom_scene *scene);
+
+/* All that can only be checked once the scene is whole: cycles, absent geometry, a light inside a sphere…
+ * Rendering calls it. */
+FATHOM_API fathom_status fathom_scene_check(const fathom_scene *scene);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,41 @@
+/* Rays of your own against a scene. */
+#ifndef FATHOM_TRACE_H
+#define FATHOM_TRACE_H
+
+#include <fathom/render.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct fathom_tracer fathom_tracer;
+
+typedef struct fathom_ray {
+    double origin[3];
+    double direction[3]; /* need not be unit: t is in its units */
+    double t_min, t_max; /* the open interval; t_max may be infinite */
+} fathom_ray;
+
+typedef struct fathom_hit {
+    double t; /* infinite: no hit, and nothing else is set */
+    double position[3];
+    float geometric_normal[3], shading_normal[3]; /* unit, world, outward as the shape defines it */
+    float u, v;
+    fathom_id object, primitive, instance, material; /* instance: FATHOM_NONE in the root group */
+} fathom_hit;
+
+/* Builds the acceleration structure. The scene must outlive the tracer and must not change. */
+FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
+                                              fathom_tracer_kind kind, fathom_tracer **out);
+FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
+/* Closest hits. FATHOM_BAD_USAGE when a ray is not finite or its direction is zero. Thread safe. */
+FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
+                                               size_t count, fathom_hit *hits);
+/* Whether anything is hit, shadow-casting or not. */
+FATHOM_API fathom_status fathom_tracer_any(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
+                                           bool *hits);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,24 @@
+/* Growing arrays: a pointer, a count, a capacity. */
+#ifndef BASE_ARRAY_H
+#define BASE_ARRAY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* items: the address of the array's pointer, of whatever type it is. Makes room for `more` further items of
+ * `size` bytes; false when there is no memory (the array is unchanged). */
+bool array_reserve(void *items, size_t *capacity, size_t count, size_t more, size_t size);
+
+/* ARRAY(type) name; then array_push(&name, value) -> false when out of memory. */
+#define ARRAY(type)                                                                                          \
+    struct {                                                                                                 \
+        type *items;                                                                                         \
+        size_t count, capacity;                                                                              \
+    }
+#define array_room(array, more)                                                                              \
+    array_reserve(&(array)->items, &(array)->capacity, (array)->count, (more), sizeof *(array)->items)
+#define array_push(array, value)                                                                             \
+    (array_room((array), 1) ? ((array)->items[(array)->count++] = (value), true) : false)
+#define array_free(array) free((array)->items)
+
+#endif

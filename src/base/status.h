@@ -1,0 +1,25 @@
+/* The context's message, and how functions fail. */
+#ifndef BASE_STATUS_H
+#define BASE_STATUS_H
+
+#include <fathom/base.h>
+#include <stdarg.h>
+
+/* Stores the message and returns the status, so that a failure is one line: return fail(ctx,
+ * FATHOM_BAD_INPUT, …); A message says where (file:line: or file: at byte N:), what was found, what was
+ * expected. */
+fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Puts text in front of the message that a callee left ("scene.json:12: objects[3]: "), and hands the status
+ * on. */
+fathom_status fail_within(fathom_context *context, fathom_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+fathom_status fail_memory(fathom_context *context, size_t bytes);
+
+/* A warning for the user; see fathom_context_on_warning(). Only from the calling thread, once for each kind.
+ */
+void warn(fathom_context *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

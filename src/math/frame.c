@@ -1,0 +1,36 @@
+#include "math/frame.h"
+
+/* The unit axis along which v is smallest: its cross product with v is at least sqrt(2/3) |v| long. */
+static vec3_f64 axis_least_along(vec3_f64 v) {
+    double x = fabs(v.x), y = fabs(v.y), z = fabs(v.z);
+    if (x <= y && x <= z) return (vec3_f64){1, 0, 0};
+    return y <= z ? (vec3_f64){0, 1, 0} : (vec3_f64){0, 0, 1};
+}
+
+frame_f64 frame_from(vec3_f64 origin, vec3_f64 z_hint, vec3_f64 y_hint) {
+    frame_f64 f = {.origin = origin, .z = normalize_f64(z_hint)};
+    if (length_f64(f.z) == 0) f.z = (vec3_f64){0, 0, 1};
+    vec3_f64 side = cross_f64(normalize_f64(y_hint), f.z);
+    /* Both factors are unit, so each product carries a rounding of 2^-53: below 2^-26 fewer than half of the
+     * digits of the side's direction are left. */
+    if (!(length_f64(side) > 0x1p-26)) side = cross_f64(axis_least_along(f.z), f.z);
+    f.x = normalize_f64(side);
+    f.y = cross_f64(f.z, f.x);
+    return f;
+}
+
+vec3_f64 frame_vector_to_local(const frame_f64 *f, vec3_f64 v) {
+    return (vec3_f64){dot_f64(v, f->x), dot_f64(v, f->y), dot_f64(v, f->z)};
+}
+
+vec3_f64 frame_point_to_local(const frame_f64 *f, vec3_f64 p) {
+    return frame_vector_to_local(f, sub_f64(p, f->origin));
+}
+
+vec3_f64 frame_vector_to_world(const frame_f64 *f, vec3_f64 v) {
+    return madd_f64(madd_f64(scale_f64(v.x, f->x), v.y, f->y), v.z, f->z);
+}
+
+vec3_f64 frame_point_to_world(const frame_f64 *f, vec3_f64 p) {
+    return add_f64(f->origin, frame_vector_to_world(f, p));
+}

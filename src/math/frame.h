@@ -1,0 +1,21 @@
+/* Frames: an origin and three orthonormal axes. */
+#ifndef MATH_FRAME_H
+#define MATH_FRAME_H
+
+#include "math/vec.h"
+
+typedef struct frame_f64 {
+    vec3_f64 origin, x, y, z;
+} frame_f64;
+
+/* z along z_hint, y near y_hint: z = z'/|z'|, x = y'×z/|y'×z|, y = z×x. A zero or (nearly) parallel y_hint is
+ * replaced by the coordinate axis least along z. Always right-handed and orthonormal; a zero z_hint counts as
+ * (0,0,1). */
+frame_f64 frame_from(vec3_f64 origin, vec3_f64 z_hint, vec3_f64 y_hint);
+
+vec3_f64 frame_point_to_local(const frame_f64 *f, vec3_f64 p);
+vec3_f64 frame_vector_to_local(const frame_f64 *f, vec3_f64 v);
+vec3_f64 frame_point_to_world(const frame_f64 *f, vec3_f64 p);
+vec3_f64 frame_vector_to_world(const frame_f64 *f, vec3_f64 v);
+
+#endif

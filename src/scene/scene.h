@@ -1,0 +1,84 @@
+/* The scene as plain arrays and integer handles. */
+#ifndef SCENE_SCENE_H
+#define SCENE_SCENE_H
+
+#include "base/array.h"
+#include "base/status.h"
+#include "math/affine.h"
+
+#include <fathom/read.h>
+
+typedef enum scene_kind { SCENE_SPHERE, SCENE_QUAD, SCENE_PLANE, SCENE_MESH } scene_kind;
+
+/* What the id of a shape stands for: item `index` of the array of its kind, in `group`. */
+typedef struct scene_object {
+    scene_kind kind;
+    uint32_t index;
+    fathom_id group;
+} scene_object;
+
+/* Memory that lives as long as the scene: copied arrays, mapped files. */
+typedef struct scene_blob {
+    void *data;
+    void (*release)(void *data);
+} scene_blob;
+
+typedef struct scene_named_material {
+    fathom_material value;
+    char *name; /* NULL when it has none */
+} scene_named_material;
+
+struct fathom_scene {
+    fathom_context *context;
+    char *name; /* never NULL */
+    ARRAY(scene_named_material) materials;
+    ARRAY(fathom_light) lights;
+    ARRAY(char *) groups; /* names, NULL for none; group 0 is the root */
+    ARRAY(scene_object) objects;
+    ARRAY(fathom_sphere) spheres;
+    ARRAY(fathom_quad) quads;
+    ARRAY(fathom_plane) planes;
+    ARRAY(fathom_mesh) meshes;
+    ARRAY(fathom_instance) instances;
+    ARRAY(scene_blob) blobs;
+    fathom_camera camera;
+    bool has_camera;
+    float background[3], ambient[3];
+    bool has_ambient;
+    fathom_settings settings;
+};
+
+/* Gives `data` to the scene, which calls release(data) when it is destroyed, or at once when it is out of
+ * memory. */
+fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void *data));
+
+/* malloc'ed memory owned by the scene, with 16 readable bytes past the end as Embree wants of a vertex
+ * buffer. */
+fathom_status scene_allocate(fathom_scene *scene, size_t bytes, void **out);
+
+/* The material with this name, FATHOM_NONE when there is none. */
+fathom_id scene_find_material(const fathom_scene *scene, const char *name);
+
+typedef struct scene_bounds {
+    vec3_f64 lower, upper; /* lower > upper: empty */
+} scene_bounds;
+
+scene_bounds bounds_empty(void);
+bool bounds_is_empty(const scene_bounds *b);
+void bounds_add(scene_bounds *b, vec3_f64 p);
+void bounds_join(scene_bounds *b, const scene_bounds *other);
+scene_bounds bounds_transformed(const scene_bounds *b, const affine_f64 *map);
+vec3_f64 bounds_center(const scene_bounds *b);
+/* Half the diagonal. */
+double bounds_radius(const scene_bounds *b);
+
+/* In the group's own coordinates; planes have no bounds and are left out. Vertices that are not finite do not
+ * count. */
+scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id object);
+/* Of all that is placed in the world, instances included. The scene must have no cycle. */
+scene_bounds scene_world_bounds(const fathom_scene *scene);
+
+/* FATHOM_BAD_INPUT when groups contain each other; the message names the groups on the cycle. */
+fathom_status scene_check_cycles(const fathom_scene *scene);
+
+#endif

@@ -1,0 +1,77 @@
+/* The world as tracers see it: float, near the origin, one level of instances.
+ *
+ * world_create() subtracts the view's origin in double before anything becomes float, gives every mesh that
+ * lies elsewhere a frame of its own, and flattens nested groups. Embree's ids follow from the order here:
+ * geometry i of a group is geomID i of its Embree scene; in the root, instance k is geomID groups[0].count +
+ * k. */
+#ifndef SCENE_WORLD_H
+#define SCENE_WORLD_H
+
+#include "scene/scene.h"
+
+typedef struct world_sphere {
+    vec3_f32 center;
+    float radius;
+} world_sphere;
+
+/* Corners in order. Split as Embree splits its QUAD: triangles (0,1,3) and (2,3,1). */
+typedef struct world_quad {
+    vec3_f32 corner[4];
+} world_quad;
+
+/* normal is unit; the plane holds the points P with normal·P = offset. */
+typedef struct world_plane {
+    vec3_f32 normal;
+    float offset;
+    vec3_f32 point, u, v; /* a point on it and two unit tangents */
+    fathom_id object, material;
+    unsigned flags;
+} world_plane;
+
+typedef enum world_kind { WORLD_SPHERES, WORLD_QUADS, WORLD_MESH } world_kind;
+
+/* One Embree geometry: a run of spheres or quads, or a mesh. */
+typedef struct world_geometry {
+    world_kind kind;
+    uint32_t first,
+        count; /* spheres, quads: where the run lies; mesh: first = index into meshes, count = triangles */
+    unsigned flags; /* FATHOM_CASTS_NO_SHADOW… of every primitive in it */
+    bool smooth;    /* a mesh with shading normals */
+} world_geometry;
+
+typedef struct world_group {
+    uint32_t first, count; /* geometries */
+} world_group;
+
+typedef struct world_instance {
+    uint32_t group;
+    fathom_id material; /* override, or FATHOM_NONE */
+    fathom_id id;       /* FATHOM_NONE for a frame that world_create() made for a mesh of the root group */
+    float to_world[3][4];
+    float to_object[3][4];
+} world_instance;
+
+typedef struct world {
+    const fathom_scene *scene;
+    vec3_f64 origin; /* world coordinates minus this are the tracer's */
+    ARRAY(world_sphere) spheres;
+    ARRAY(fathom_id) sphere_objects; /* beside spheres */
+    ARRAY(world_quad) quads;
+    ARRAY(fathom_id) quad_objects; /* beside quads */
+    ARRAY(world_plane) planes;
+    ARRAY(fathom_mesh) meshes;     /* as in the scene; origins are already in the instances */
+    ARRAY(fathom_id) mesh_objects; /* beside meshes */
+    ARRAY(world_geometry) geometries;
+    ARRAY(world_group) groups; /* 0: what is placed in the root itself */
+    ARRAY(world_instance) instances;
+} world;
+
+/* The scene must have passed fathom_scene_check() and must outlive the world. */
+fathom_status world_create(const fathom_scene *scene, world **out);
+void world_destroy(world *w);
+
+/* Object and material of a primitive. geometry: index into geometries. */
+fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);
+fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance);
+
+#endif

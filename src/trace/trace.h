@@ -1,0 +1,72 @@
+/* Closest and any hit over blocks of 16 rays: the one interface behind which every tracer stands.
+ *
+ * Coordinates are the world's (see world.h), not the scene's. No ray may hold a NaN or an infinity (but t_far
+ * may be infinite), and no direction may be zero: Debian's Embree can abort on those. */
+#ifndef TRACE_TRACE_H
+#define TRACE_TRACE_H
+
+#include "scene/world.h"
+
+#define TRACE_WIDTH 16
+
+/* Rays as a structure of arrays, laid out as Embree's RTCRay16. */
+typedef struct trace_rays {
+    _Alignas(64) float org_x[16];
+    float org_y[16], org_z[16], t_near[16];
+    float dir_x[16], dir_y[16], dir_z[16], time[16];
+    float t_far[16]; /* closest: becomes the hit's t; any: becomes -infinity where something is hit */
+    uint32_t mask[16], id[16], flags[16];
+} trace_rays;
+
+/* What was hit, laid out as Embree's RTCHit16 in either version. After trace_closest() the ids are the
+ * world's. */
+typedef struct trace_hits {
+    _Alignas(64) float ng_x[16];
+    float ng_y[16], ng_z[16], u[16], v[16]; /* as the tracer computed them; the renderer makes its own */
+    uint32_t primitive[16];                 /* within the geometry; of a plane: its index */
+    uint32_t geometry[16]; /* index into world.geometries, TRACE_PLANE, or FATHOM_NONE: no hit */
+    uint32_t instance[16]; /* index into world.instances, or FATHOM_NONE */
+    uint32_t reserved[16]; /* Embree 4 writes here */
+} trace_hits;
+
+#define TRACE_PLANE (FATHOM_NONE - 1)
+
+typedef struct trace_block {
+    trace_rays rays;
+    trace_hits hits;
+} trace_block;
+
+typedef struct trace_options {
+    fathom_tracer_kind kind;
+    unsigned width;   /* rays in one call of Embree: 1, 4, 8 or 16 */
+    unsigned threads; /* for building */
+    bool (*progress)(void *user,
+                     double fraction); /* while building, from any thread; false stops it; may be NULL */
+    void *user;
+} trace_options;
+
+typedef struct trace_tracer trace_tracer;
+
+/* FATHOM_INTERRUPTED when progress said stop. The world must outlive the tracer. */
+fathom_status trace_create(fathom_context *context, const world *w, const trace_options *options,
+                           trace_tracer **out);
+void trace_destroy(trace_tracer *tracer);
+
+/* Each rendering thread calls this before its first ray: Embree wants denormals flushed to zero, and every
+ * tracer gets the same arithmetic. Returns the state for trace_thread_end(). */
+unsigned trace_thread_begin(void);
+void trace_thread_end(unsigned state);
+
+typedef enum trace_coherence { TRACE_INCOHERENT, TRACE_COHERENT } trace_coherence;
+
+/* The first `count` lanes of the blocks, 16 to a block; the rest is left alone. The caller sets rays; hits
+ * may be uninitialised. */
+void trace_closest(const trace_tracer *tracer, trace_block *blocks, size_t count, trace_coherence coherence);
+/* Rays that meet anything that casts a shadow get t_far = -infinity. */
+void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
+
+/* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
+const char *trace_name(const trace_tracer *tracer);
+uint64_t trace_bvh_bytes(const trace_tracer *tracer);
+
+#endif

@@ -1,0 +1,62 @@
+/* Vectors, frames and affine maps: the laws they keep. */
+#include "math/affine.h"
+#include "math/frame.h"
+#include "unit.h"
+
+static void frame_is_orthonormal(const frame_f64 *f) {
+    /* Each axis is a normalised sum of products: a few roundings of 2^-53. */
+    const double tolerance = 8 * 0x1p-53;
+    assert_near(dot_f64(f->x, f->x), 1, tolerance);
+    assert_near(dot_f64(f->y, f->y), 1, tolerance);
+    assert_near(dot_f64(f->z, f->z), 1, tolerance);
+    assert_near(dot_f64(f->x, f->y), 0, tolerance);
+    assert_near(dot_f64(f->y, f->z), 0, tolerance);
+    assert_near(dot_f64(f->z, f->x), 0, tolerance);
+    assert_near(dot_f64(cross_f64(f->x, f->y), f->z), 1, tolerance);
+}
+
+static void frames_from_any_two_directions(void **state) {
+    (void)state;
+    const double values[] = {0, 1, -1, 1e-30, 1e30, 0.3};
+    const size_t n = sizeof values / sizeof *values;
+    for (size_t i = 0; i < n * n * n; ++i) {
+        for (size_t j = 0; j < n * n * n; ++j) {
+            vec3_f64 z = {values[i % n], values[i / n % n], values[i / n / n]};
+            vec3_f64 y = {values[j % n], values[j / n % n], values[j / n / n]};
+            frame_f64 f = frame_from((vec3_f64){1, 2, 3}, z, y);
+            frame_is_orthonormal(&f);
+        }
+    }
+}
+
+static void frame_round_trip(void **state) {
+    (void)state;
+    frame_f64 f = frame_from((vec3_f64){1, 2, 3}, (vec3_f64){1, -2, 0.5}, (vec3_f64){0, 1, 0});
+    vec3_f64 p = {0.25, -3, 7}, q = frame_point_to_world(&f, frame_point_to_local(&f, p));
+    assert_near(length_f64(sub_f64(p, q)), 0, 32 * 0x1p-53 * 10);
+}
+
+static void affine_inverse(void **state) {
+    (void)state;
+    affine_f64 rotation = affine_rotation_axis((vec3_f64){1, 2, 3}, 0.7);
+    affine_f64 scaling = affine_scaling((vec3_f64){1e-6, -1, 1e6});
+    affine_f64 map = affine_compose(&rotation, &scaling), inverse;
+    map.m[0][3] = 5, map.m[1][3] = -7;
+    assert_true(affine_invert(&map, &inverse));
+    vec3_f64 p = {3, 4, 5}, q = affine_point(&inverse, affine_point(&map, p));
+    /* The error of the forward map is carried back by a map with scale 1e6. */
+    assert_near(q.x, p.x, 64 * 0x1p-53 * 5e6 * 1e6);
+    assert_near(q.y, p.y, 64 * 0x1p-53 * 5e6);
+    assert_near(q.z, p.z, 64 * 0x1p-53 * 5e6);
+    affine_f64 flat = affine_scaling((vec3_f64){1, 1, 0});
+    assert_false(affine_invert(&flat, &inverse));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_from_any_two_directions),
+        cmocka_unit_test(frame_round_trip),
+        cmocka_unit_test(affine_inverse),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
