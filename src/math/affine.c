@@ -35,26 +35,31 @@ affine_f64 affine_compose(const affine_f64 *a, const affine_f64 *b) {
     return out;
 }
 
-/* By cofactors. The rows are scaled to unit size first, so that maps of tiny or huge scale neither underflow
- * nor overflow in the determinant. */
+/* By cofactors. Columns, then rows are scaled to unit size first: the scales of a map that turns and
+ * stretches are taken out, whichever it does first, and nothing underflows or overflows in the determinant.
+ */
 bool affine_invert(const affine_f64 *a, affine_f64 *out) {
+    double column[3], row[3];
     vec3_f64 r[3];
-    double size[3];
+    for (int j = 0; j < 3; ++j) {
+        column[j] = length_f64((vec3_f64){a->m[0][j], a->m[1][j], a->m[2][j]});
+        if (!(column[j] > 0) || !isfinite(column[j])) return false;
+    }
     for (int i = 0; i < 3; ++i) {
-        r[i] = (vec3_f64){a->m[i][0], a->m[i][1], a->m[i][2]};
-        size[i] = length_f64(r[i]);
-        if (!(size[i] > 0) || !isfinite(size[i])) return false;
-        r[i] = (vec3_f64){r[i].x / size[i], r[i].y / size[i], r[i].z / size[i]};
+        r[i] = (vec3_f64){a->m[i][0] / column[0], a->m[i][1] / column[1], a->m[i][2] / column[2]};
+        row[i] = length_f64(r[i]);
+        if (!(row[i] > 0)) return false;
+        r[i] = (vec3_f64){r[i].x / row[i], r[i].y / row[i], r[i].z / row[i]};
     }
     vec3_f64 c[3] = {cross_f64(r[1], r[2]), cross_f64(r[2], r[0]), cross_f64(r[0], r[1])};
     double det = dot_f64(r[0], c[0]);
     /* With unit rows |det| is the volume they span; 16 roundings of 2^-53 enter it, so less is no volume. */
     if (!(fabs(det) > 0x1p-49)) return false;
     for (int j = 0; j < 3; ++j) {
-        double s = 1 / (det * size[j]);
-        out->m[0][j] = c[j].x * s;
-        out->m[1][j] = c[j].y * s;
-        out->m[2][j] = c[j].z * s;
+        double s = 1 / (det * row[j]);
+        out->m[0][j] = c[j].x * s / column[0];
+        out->m[1][j] = c[j].y * s / column[1];
+        out->m[2][j] = c[j].z * s / column[2];
     }
     vec3_f64 t = affine_vector(out, (vec3_f64){a->m[0][3], a->m[1][3], a->m[2][3]});
     out->m[0][3] = -t.x;
