@@ -2,6 +2,10 @@
 
 affine_f64 affine_identity(void) { return (affine_f64){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; }
 
+void affine_load(affine_f64 *out, const double rows[12]) {
+    for (int i = 0; i < 12; ++i) out->m[i / 4][i % 4] = rows[i];
+}
+
 affine_f64 affine_translation(vec3_f64 t) {
     return (affine_f64){{{1, 0, 0, t.x}, {0, 1, 0, t.y}, {0, 0, 1, t.z}}};
 }

@@ -10,6 +10,8 @@ typedef struct affine_f64 {
 } affine_f64;
 
 affine_f64 affine_identity(void);
+/* From 3 rows of 4. */
+void affine_load(affine_f64 *out, const double rows[12]);
 affine_f64 affine_translation(vec3_f64 t);
 affine_f64 affine_scaling(vec3_f64 s);
 /* Rotation by a quaternion (x, y, z, w), which need not be unit but must not be zero. */

@@ -44,7 +44,7 @@ struct fathom_scene {
     fathom_camera camera;
     bool has_camera;
     float background[3], ambient[3];
-    bool has_ambient;
+    bool has_ambient, has_lights; /* said by the file, even if it said none: nothing is added by completing */
     fathom_settings settings;
 };
 
@@ -80,5 +80,8 @@ scene_bounds scene_world_bounds(const fathom_scene *scene);
 
 /* FATHOM_BAD_INPUT when groups contain each other; the message names the groups on the cycle. */
 fathom_status scene_check_cycles(const fathom_scene *scene);
+
+/* FATHOM_BAD_INPUT names the setting that is out of range. */
+fathom_status scene_check_settings(fathom_context *context, const fathom_settings *settings);
 
 #endif

@@ -1,0 +1,127 @@
+#include "base/threads.h"
+#include "scene/graph.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+scene_bounds bounds_empty(void) {
+    return (scene_bounds){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+}
+
+bool bounds_is_empty(const scene_bounds *b) { return !(b->lower.x <= b->upper.x); }
+
+void bounds_add(scene_bounds *b, vec3_f64 p) {
+    b->lower = (vec3_f64){fmin(b->lower.x, p.x), fmin(b->lower.y, p.y), fmin(b->lower.z, p.z)};
+    b->upper = (vec3_f64){fmax(b->upper.x, p.x), fmax(b->upper.y, p.y), fmax(b->upper.z, p.z)};
+}
+
+void bounds_join(scene_bounds *b, const scene_bounds *other) {
+    if (bounds_is_empty(other)) return;
+    bounds_add(b, other->lower);
+    bounds_add(b, other->upper);
+}
+
+scene_bounds bounds_transformed(const scene_bounds *b, const affine_f64 *map) {
+    scene_bounds out = bounds_empty();
+    for (int i = 0; i < 8 && !bounds_is_empty(b); ++i) {
+        bounds_add(&out, affine_point(map, (vec3_f64){i & 1 ? b->upper.x : b->lower.x,
+                                                      i & 2 ? b->upper.y : b->lower.y,
+                                                      i & 4 ? b->upper.z : b->lower.z}));
+    }
+    return out;
+}
+
+vec3_f64 bounds_center(const scene_bounds *b) { return scale_f64(0.5, add_f64(b->lower, b->upper)); }
+
+double bounds_radius(const scene_bounds *b) {
+    return bounds_is_empty(b) ? 0 : 0.5 * length_f64(sub_f64(b->upper, b->lower));
+}
+
+/* Extremes of a mesh over threads. Minima and maxima are the same in any order, so no result depends on who
+ * came first. */
+typedef struct mesh_extremes {
+    const fathom_mesh *mesh;
+    pthread_mutex_t lock;
+    float lower[3], upper[3];
+} mesh_extremes;
+
+static void add_run(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    mesh_extremes *all = user;
+    float lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    const char *base = (const char *)all->mesh->positions;
+    for (size_t i = begin; i < end; ++i) {
+        const float *v = (const float *)(const void *)(base + i * all->mesh->position_stride);
+        for (int k = 0; k < 3; ++k) {
+            lower[k] = v[k] < lower[k] ? v[k] : lower[k];
+            upper[k] = v[k] > upper[k] ? v[k] : upper[k];
+        }
+    }
+    pthread_mutex_lock(&all->lock);
+    for (int k = 0; k < 3; ++k) {
+        all->lower[k] = lower[k] < all->lower[k] ? lower[k] : all->lower[k];
+        all->upper[k] = upper[k] > all->upper[k] ? upper[k] : all->upper[k];
+    }
+    pthread_mutex_unlock(&all->lock);
+}
+
+static scene_bounds mesh_bounds(const fathom_scene *scene, const fathom_mesh *mesh) {
+    mesh_extremes all = {
+        mesh, PTHREAD_MUTEX_INITIALIZER, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    loop_parallel(fathom_context_threads(scene->context), mesh->vertex_count, 1u << 17, add_run, &all);
+    scene_bounds out = bounds_empty();
+    vec3_f64 origin = load_f64(mesh->origin);
+    bounds_add(&out, add_f64(origin, widen(load_f32(all.lower))));
+    bounds_add(&out, add_f64(origin, widen(load_f32(all.upper))));
+    return out;
+}
+
+scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
+    scene_object object = scene->objects.items[id];
+    scene_bounds out = bounds_empty();
+    switch (object.kind) {
+    case SCENE_SPHERE: {
+        const fathom_sphere *sphere = &scene->spheres.items[object.index];
+        vec3_f64 center = load_f64(sphere->center), radius = {sphere->radius, sphere->radius, sphere->radius};
+        bounds_add(&out, sub_f64(center, radius));
+        bounds_add(&out, add_f64(center, radius));
+        break;
+    }
+    case SCENE_QUAD:
+        for (int i = 0; i < 4; ++i) bounds_add(&out, load_f64(scene->quads.items[object.index].corners[i]));
+        break;
+    case SCENE_MESH: out = mesh_bounds(scene, &scene->meshes.items[object.index]); break;
+    case SCENE_PLANE: break;
+    }
+    return out;
+}
+
+scene_bounds scene_world_bounds(const fathom_scene *scene) {
+    scene_bounds out = bounds_empty();
+    scene_graph graph;
+    scene_bounds *of_group = malloc(scene->groups.count * sizeof *of_group);
+    if (!of_group || graph_create(scene, &graph) != FATHOM_OK) {
+        free(of_group);
+        return out;
+    }
+    /* Backwards through the order: what a group holds is known before the group. */
+    for (uint32_t k = graph.order_count; k-- > 0;) {
+        uint32_t g = graph.order[k];
+        of_group[g] = bounds_empty();
+        for (uint32_t i = graph.objects.first[g]; i < graph.objects.first[g + 1]; ++i) {
+            scene_bounds b = scene_object_bounds(scene, graph.objects.items[i]);
+            bounds_join(&of_group[g], &b);
+        }
+        for (uint32_t i = graph.instances.first[g]; i < graph.instances.first[g + 1]; ++i) {
+            const fathom_instance *instance = &scene->instances.items[graph.instances.items[i]];
+            affine_f64 map;
+            affine_load(&map, instance->transform);
+            scene_bounds b = bounds_transformed(&of_group[instance->group], &map);
+            bounds_join(&of_group[g], &b);
+        }
+    }
+    out = of_group[FATHOM_ROOT];
+    graph_destroy(&graph);
+    free(of_group);
+    return out;
+}

@@ -1,0 +1,105 @@
+#include "math/frame.h"
+#include "scene/scene.h"
+
+static const double default_fovy = 0.78539816339744831; /* 45 degrees */
+
+static void set_frame(fathom_camera *camera, const frame_f64 *frame) {
+    store_f64(camera->origin, frame->origin);
+    store_f64(camera->x, frame->x);
+    store_f64(camera->y, frame->y);
+    store_f64(camera->z, frame->z);
+}
+
+void fathom_camera_look_at(const double eye[3], const double target[3], const double up[3], double fovy,
+                           fathom_camera *out) {
+    vec3_f64 e = load_f64(eye);
+    frame_f64 frame = frame_from(e, sub_f64(e, load_f64(target)), load_f64(up));
+    *out = (fathom_camera){.d = 1, .h = 2 * tan(fovy / 2)};
+    set_frame(out, &frame);
+}
+
+void fathom_camera_default(fathom_camera *camera) {
+    fathom_camera_look_at((double[3]){0, 0, 0}, (double[3]){0, 0, -1}, (double[3]){0, 1, 0}, default_fovy,
+                          camera);
+}
+
+static bool is_frame(const fathom_camera *camera) {
+    vec3_f64 x = load_f64(camera->x), y = load_f64(camera->y), z = load_f64(camera->z);
+    /* Frames may come as float (glTF) or from decimal text: axes good to 1e-4 are meant as a frame. */
+    const double slack = 1e-4;
+    return finite_f64(load_f64(camera->origin)) && fabs(dot_f64(x, x) - 1) < slack &&
+           fabs(dot_f64(y, y) - 1) < slack && fabs(dot_f64(z, z) - 1) < slack &&
+           fabs(dot_f64(x, y)) < slack && fabs(dot_f64(x, z)) < slack && fabs(dot_f64(y, z)) < slack &&
+           dot_f64(cross_f64(x, y), z) > 0;
+}
+
+fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *camera) {
+    if (!is_frame(camera)) {
+        return fail(
+            scene->context, FATHOM_BAD_INPUT,
+            "camera: the axes are not a right-handed frame of unit vectors at right angles, or not finite");
+    }
+    if (!(camera->d > 0 && camera->h > 0 && camera->w >= 0) || !isfinite(camera->d + camera->h + camera->w)) {
+        return fail(
+            scene->context, FATHOM_BAD_INPUT,
+            "camera: expected d > 0, h > 0 and w >= 0, found d %g, h %g and w %g; a field of view must lie "
+            "between 0 and 180 degrees",
+            camera->d, camera->h, camera->w);
+    }
+    scene->camera = *camera;
+    frame_f64 frame = frame_from(load_f64(camera->origin), load_f64(camera->z), load_f64(camera->y));
+    set_frame(&scene->camera, &frame);
+    scene->has_camera = true;
+    return FATHOM_OK;
+}
+
+/* ---- completing ---- */
+
+/* Looks at the middle from ahead, a little to the right and above, with y up: far enough that the bounding
+ * sphere fits the image's shorter side. */
+static void frame_everything(fathom_scene *scene, const scene_bounds *bounds) {
+    vec3_f64 center = bounds_center(bounds);
+    double radius = bounds_radius(bounds), fovy = default_fovy;
+    if (!(radius > 0)) radius = 1;
+    double aspect = (double)scene->settings.width / scene->settings.height;
+    double half = aspect < 1 ? atan(tan(fovy / 2) * aspect) : fovy / 2;
+    vec3_f64 away = normalize_f64((vec3_f64){0.45, 0.35, 1});
+    vec3_f64 eye = madd_f64(center, radius / sin(half) * 0.95, away);
+    double from[3], to[3];
+    store_f64(from, eye);
+    store_f64(to, center);
+    fathom_camera_look_at(from, to, (double[3]){0, 1, 0}, fovy, &scene->camera);
+    scene->has_camera = true;
+}
+
+/* A key light from above the camera's left, and a weak one from its right that keeps shadowed sides readable.
+ * Directional, so that no scale enters; shadows of the ground under a model fall away from the viewer. */
+static fathom_status light_everything(fathom_scene *scene) {
+    vec3_f64 x = load_f64(scene->camera.x), y = load_f64(scene->camera.y), z = load_f64(scene->camera.z);
+    const struct {
+        double right, up, back;
+        float rgb[3];
+    } rig[] = {{-0.6, 0.9, 0.7, {0.85f, 0.82f, 0.78f}}, {0.9, 0.25, 0.5, {0.18f, 0.2f, 0.24f}}};
+    for (size_t i = 0; i < sizeof rig / sizeof *rig; ++i) {
+        fathom_light light;
+        fathom_light_default(&light);
+        light.type = FATHOM_LIGHT_DIRECTIONAL;
+        vec3_f64 to_light = madd_f64(madd_f64(scale_f64(rig[i].right, x), rig[i].up, y), rig[i].back, z);
+        store_f64(light.direction, neg_f64(to_light));
+        for (int c = 0; c < 3; ++c) light.intensity[c] = rig[i].rgb[c];
+        fathom_status status = fathom_scene_add_light(scene, &light, NULL);
+        if (status != FATHOM_OK) return status;
+    }
+    if (scene->has_ambient) return FATHOM_OK;
+    return fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
+}
+
+fathom_status fathom_scene_complete(fathom_scene *scene) {
+    fathom_status status = scene_check_cycles(scene);
+    if (status != FATHOM_OK) return status;
+    if (!scene->has_camera) {
+        scene_bounds bounds = scene_world_bounds(scene);
+        if (!bounds_is_empty(&bounds)) frame_everything(scene, &bounds);
+    }
+    return scene->lights.count || scene->has_lights ? FATHOM_OK : light_everything(scene);
+}

@@ -1,0 +1,120 @@
+#include "scene/graph.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef uint32_t (*key_fn)(const fathom_scene *scene, size_t item);
+
+static uint32_t object_group(const fathom_scene *scene, size_t i) { return scene->objects.items[i].group; }
+static uint32_t instance_parent(const fathom_scene *scene, size_t i) {
+    return scene->instances.items[i].parent;
+}
+
+/* A counting sort: items keep their order within a group. */
+static bool make_lists(const fathom_scene *scene, size_t count, key_fn key, graph_lists *out) {
+    size_t groups = scene->groups.count;
+    out->first = calloc(groups + 2, sizeof *out->first);
+    out->items = malloc((count ? count : 1) * sizeof *out->items);
+    if (!out->first || !out->items) return false;
+    /* One slot ahead: after the second loop first[g + 1] has moved to the end of g, which is where g + 1
+     * begins. */
+    for (size_t i = 0; i < count; ++i) ++out->first[key(scene, i) + 2];
+    for (size_t g = 2; g <= groups + 1; ++g) out->first[g] += out->first[g - 1];
+    for (size_t i = 0; i < count; ++i) out->items[out->first[key(scene, i) + 1]++] = (uint32_t)i;
+    return true;
+}
+
+typedef struct walk_step {
+    uint32_t group, next; /* next: position in the group's list of instances */
+} walk_step;
+
+static fathom_status report_cycle(const fathom_scene *scene, const walk_step *stack, size_t depth,
+                                  uint32_t group) {
+    char names[1024] = "";
+    size_t begin = 0, used = 0;
+    while (stack[begin].group != group) ++begin;
+    for (size_t i = begin; i <= depth && used < sizeof names - 80; ++i) {
+        uint32_t g = i < depth ? stack[i].group : group;
+        const char *name = scene->groups.items[g], *arrow = i > begin ? " -> " : "";
+        int length = name ? snprintf(names + used, 80, "%s\"%.60s\"", arrow, name)
+                          : snprintf(names + used, 80, "%sunnamed group %u", arrow, g);
+        used += (size_t)length;
+    }
+    return fail(scene->context, FATHOM_BAD_INPUT,
+                "groups contain each other in a cycle: %s; a group may not hold itself", names);
+}
+
+enum { UNSEEN, OPEN, DONE };
+
+/* Depth first from `start`; finished groups are written to order from its end, so that holders come before
+ * the held. */
+static fathom_status walk(const fathom_scene *scene, scene_graph *graph, uint32_t start, unsigned char *state,
+                          walk_step *stack, uint32_t *place) {
+    size_t depth = 1;
+    stack[0] = (walk_step){start, graph->instances.first[start]};
+    state[start] = OPEN;
+    while (depth) {
+        walk_step *top = &stack[depth - 1];
+        if (top->next == graph->instances.first[top->group + 1]) {
+            state[top->group] = DONE;
+            graph->order[--*place] = top->group;
+            --depth;
+            continue;
+        }
+        uint32_t child = scene->instances.items[graph->instances.items[top->next++]].group;
+        if (state[child] == OPEN) return report_cycle(scene, stack, depth, child);
+        if (state[child] == UNSEEN) {
+            state[child] = OPEN;
+            stack[depth++] = (walk_step){child, graph->instances.first[child]};
+        }
+    }
+    return FATHOM_OK;
+}
+
+/* Groups out of the root's reach are walked as well, after it: a cycle among them is wrong too. */
+static fathom_status sort_groups(const fathom_scene *scene, scene_graph *graph) {
+    uint32_t groups = (uint32_t)scene->groups.count, place = groups;
+    unsigned char *state = calloc(groups, 1);
+    walk_step *stack = malloc(groups * sizeof *stack);
+    graph->order = malloc(groups * sizeof *graph->order);
+    fathom_status status = state && stack && graph->order ? FATHOM_OK : fail_memory(scene->context, groups);
+    if (status == FATHOM_OK) status = walk(scene, graph, FATHOM_ROOT, state, stack, &place);
+    uint32_t reached = groups - place;
+    if (status == FATHOM_OK) {
+        for (uint32_t i = 0; i < reached; ++i) graph->order[i] = graph->order[place + i];
+        graph->order_count = reached;
+        uint32_t *order = graph->order, *spare = malloc(groups * sizeof *spare);
+        if (!spare) status = fail_memory(scene->context, groups);
+        graph->order = spare;
+        uint32_t end = groups;
+        for (uint32_t g = 0; g < groups && status == FATHOM_OK; ++g) {
+            if (state[g] == UNSEEN) status = walk(scene, graph, g, state, stack, &end);
+        }
+        free(spare);
+        graph->order = order;
+    }
+    free(state);
+    free(stack);
+    return status;
+}
+
+fathom_status graph_create(const fathom_scene *scene, scene_graph *out) {
+    *out = (scene_graph){.order = NULL};
+    fathom_status status = FATHOM_OK;
+    if (!make_lists(scene, scene->objects.count, object_group, &out->objects) ||
+        !make_lists(scene, scene->instances.count, instance_parent, &out->instances)) {
+        status = fail_memory(scene->context, scene->objects.count * sizeof(uint32_t));
+    }
+    if (status == FATHOM_OK) status = sort_groups(scene, out);
+    if (status != FATHOM_OK) graph_destroy(out);
+    return status;
+}
+
+void graph_destroy(scene_graph *graph) {
+    free(graph->objects.first);
+    free(graph->objects.items);
+    free(graph->instances.first);
+    free(graph->instances.items);
+    free(graph->order);
+    *graph = (scene_graph){.order = NULL};
+}

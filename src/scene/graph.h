@@ -1,0 +1,24 @@
+/* The scene's groups as a graph: what lies in each. */
+#ifndef SCENE_GRAPH_H
+#define SCENE_GRAPH_H
+
+#include "scene/scene.h"
+
+/* Items of group g: items[first[g]] up to items[first[g + 1]]. */
+typedef struct graph_lists {
+    uint32_t *first; /* groups + 1 */
+    uint32_t *items;
+} graph_lists;
+
+typedef struct scene_graph {
+    graph_lists objects;   /* object ids by group */
+    graph_lists instances; /* instance ids by parent */
+    uint32_t *order;       /* groups that the root reaches, each before those it holds; the root first */
+    uint32_t order_count;
+} scene_graph;
+
+/* FATHOM_BAD_INPUT on a cycle, naming the groups on it. Release with graph_destroy(). */
+fathom_status graph_create(const fathom_scene *scene, scene_graph *out);
+void graph_destroy(scene_graph *graph);
+
+#endif

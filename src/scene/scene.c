@@ -1,0 +1,232 @@
+#include "scene/scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static fathom_status add_default_material(fathom_scene *scene) {
+    fathom_material material;
+    fathom_material_default(&material);
+    return fathom_scene_add_material(scene, NULL, &material, NULL);
+}
+
+fathom_status fathom_scene_create(fathom_context *context, fathom_scene **out) {
+    *out = NULL;
+    fathom_scene *scene = calloc(1, sizeof *scene);
+    if (!scene) return fail_memory(context, sizeof *scene);
+    scene->context = context;
+    fathom_camera_default(&scene->camera);
+    fathom_settings_default(&scene->settings);
+    fathom_status status = fathom_scene_set_name(scene, "");
+    if (status == FATHOM_OK) status = fathom_scene_add_group(scene, "world", NULL);
+    if (status == FATHOM_OK) status = add_default_material(scene);
+    if (status != FATHOM_OK) {
+        fathom_scene_destroy(scene);
+        return status;
+    }
+    *out = scene;
+    return FATHOM_OK;
+}
+
+void fathom_scene_destroy(fathom_scene *scene) {
+    if (!scene) return;
+    for (size_t i = 0; i < scene->blobs.count; ++i) scene->blobs.items[i].release(scene->blobs.items[i].data);
+    for (size_t i = 0; i < scene->materials.count; ++i) free(scene->materials.items[i].name);
+    for (size_t i = 0; i < scene->groups.count; ++i) free(scene->groups.items[i]);
+    array_free(&scene->blobs);
+    array_free(&scene->materials);
+    array_free(&scene->lights);
+    array_free(&scene->groups);
+    array_free(&scene->objects);
+    array_free(&scene->spheres);
+    array_free(&scene->quads);
+    array_free(&scene->planes);
+    array_free(&scene->meshes);
+    array_free(&scene->instances);
+    free(scene->name);
+    free(scene);
+}
+
+fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void *data)) {
+    scene_blob blob = {data, release};
+    if (array_push(&scene->blobs, blob)) return FATHOM_OK;
+    release(data);
+    return fail_memory(scene->context, sizeof blob);
+}
+
+fathom_status scene_allocate(fathom_scene *scene, size_t bytes, void **out) {
+    *out = NULL;
+    /* Embree loads 16 bytes at a time and may read past the last vertex by that much. */
+    if (bytes > SIZE_MAX - 16) return fail_memory(scene->context, bytes);
+    char *data = malloc(bytes + 16);
+    if (!data) return fail_memory(scene->context, bytes + 16);
+    memset(data + bytes, 0, 16);
+    fathom_status status = scene_adopt(scene, data, free);
+    if (status == FATHOM_OK) *out = data;
+    return status;
+}
+
+/* NULL stays NULL. */
+static fathom_status copy_text(fathom_context *context, const char *text, char **out) {
+    *out = text ? strdup(text) : NULL;
+    return text && !*out ? fail_memory(context, strlen(text)) : FATHOM_OK;
+}
+
+static fathom_status check_color(fathom_context *context, const char *what, const float rgb[3],
+                                 float lowest) {
+    for (int i = 0; i < 3; ++i) {
+        if (!isfinite(rgb[i]) || rgb[i] < lowest) {
+            return fail(context, FATHOM_BAD_INPUT, "%s: expected finite numbers >= %g, found %g", what,
+                        (double)lowest, (double)rgb[i]);
+        }
+    }
+    return FATHOM_OK;
+}
+
+void fathom_material_default(fathom_material *material) {
+    *material = (fathom_material){.k_a = {-1, -1, -1},
+                                  .k_d = {0.5f, 0.5f, 0.5f},
+                                  .shininess = 32,
+                                  .ior = 1.5f,
+                                  .specular = FATHOM_SPECULAR_NONE};
+}
+
+static fathom_status check_material(fathom_context *context, const fathom_material *m) {
+    fathom_status status = m->k_a[0] < 0 ? FATHOM_OK : check_color(context, "k_a", m->k_a, 0);
+    const struct {
+        const char *name;
+        const float *rgb;
+    } colors[] = {{"k_d", m->k_d}, {"k_s", m->k_s}, {"k_r", m->k_r}, {"k_t", m->k_t}, {"k_e", m->k_e}};
+    for (size_t i = 0; i < sizeof colors / sizeof *colors && status == FATHOM_OK; ++i) {
+        status = check_color(context, colors[i].name, colors[i].rgb, 0);
+    }
+    if (status != FATHOM_OK) return status;
+    if (!(m->shininess >= 0 && m->shininess <= 1e9f)) {
+        return fail(context, FATHOM_BAD_INPUT, "shininess: expected a number in [0, 1e9], found %g",
+                    (double)m->shininess);
+    }
+    if (!(m->ior > 0) || !isfinite(m->ior)) {
+        return fail(context, FATHOM_BAD_INPUT, "ior: expected a number > 0, found %g", (double)m->ior);
+    }
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
+                                        const fathom_material *material, fathom_id *out) {
+    fathom_status status = check_material(scene->context, material);
+    if (status != FATHOM_OK) return status;
+    scene_named_material entry = {.value = *material};
+    status = copy_text(scene->context, name, &entry.name);
+    if (status != FATHOM_OK) return status;
+    if (!array_push(&scene->materials, entry)) {
+        free(entry.name);
+        return fail_memory(scene->context, sizeof entry);
+    }
+    if (out) *out = (fathom_id)(scene->materials.count - 1);
+    return FATHOM_OK;
+}
+
+fathom_id scene_find_material(const fathom_scene *scene, const char *name) {
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        const char *other = scene->materials.items[i].name;
+        if (other && strcmp(other, name) == 0) return (fathom_id)i;
+    }
+    return FATHOM_NONE;
+}
+
+void fathom_light_default(fathom_light *light) {
+    *light = (fathom_light){.type = FATHOM_LIGHT_POINT,
+                            .direction = {0, -1, 0},
+                            .intensity = {1, 1, 1},
+                            .outer_angle = 0.785398163f};
+}
+
+fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *light, fathom_id *out) {
+    fathom_context *context = scene->context;
+    fathom_status status = check_color(context, "intensity", light->intensity, 0);
+    if (status != FATHOM_OK) return status;
+    if (light->type != FATHOM_LIGHT_DIRECTIONAL && !finite_f64(load_f64(light->position))) {
+        return fail(context, FATHOM_BAD_INPUT, "position: expected three finite numbers");
+    }
+    vec3_f64 direction = load_f64(light->direction);
+    if (light->type != FATHOM_LIGHT_POINT && (!finite_f64(direction) || length_f64(direction) == 0)) {
+        return fail(context, FATHOM_BAD_INPUT, "direction: expected a finite vector that is not zero");
+    }
+    if (light->type == FATHOM_LIGHT_SPOT &&
+        !(light->inner_angle >= 0 && light->inner_angle < light->outer_angle &&
+          light->outer_angle <= 1.57079637f)) {
+        return fail(
+            context, FATHOM_BAD_INPUT,
+            "spot angles: expected 0 <= inner < outer <= 90 degrees, found inner %g and outer %g degrees",
+            (double)light->inner_angle * 57.29577951308232, (double)light->outer_angle * 57.29577951308232);
+    }
+    if (!array_push(&scene->lights, *light)) return fail_memory(context, sizeof *light);
+    if (out) *out = (fathom_id)(scene->lights.count - 1);
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_add_group(fathom_scene *scene, const char *name, fathom_id *out) {
+    char *copy;
+    fathom_status status = copy_text(scene->context, name, &copy);
+    if (status != FATHOM_OK) return status;
+    if (!array_push(&scene->groups, copy)) {
+        free(copy);
+        return fail_memory(scene->context, sizeof copy);
+    }
+    if (out) *out = (fathom_id)(scene->groups.count - 1);
+    return FATHOM_OK;
+}
+
+void fathom_instance_default(fathom_instance *instance) {
+    *instance = (fathom_instance){.group = FATHOM_NONE,
+                                  .parent = FATHOM_ROOT,
+                                  .transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
+                                  .material = FATHOM_NONE};
+}
+
+fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instance *instance,
+                                        fathom_id *out) {
+    fathom_context *context = scene->context;
+    if (instance->group >= scene->groups.count || instance->group == FATHOM_ROOT) {
+        return fail(context, FATHOM_BAD_INPUT, "instance: expected a group other than the world, found id %u",
+                    instance->group);
+    }
+    if (instance->parent >= scene->groups.count) {
+        return fail(context, FATHOM_BAD_INPUT, "instance: there is no group %u to place it in",
+                    instance->parent);
+    }
+    if (instance->material != FATHOM_NONE && instance->material >= scene->materials.count) {
+        return fail(context, FATHOM_BAD_INPUT, "instance: there is no material %u", instance->material);
+    }
+    affine_f64 map, inverse;
+    affine_load(&map, instance->transform);
+    if (!affine_invert(&map, &inverse)) {
+        return fail(context, FATHOM_BAD_INPUT,
+                    "transform: it flattens space or is not finite; expected one that can be inverted");
+    }
+    if (!array_push(&scene->instances, *instance)) return fail_memory(context, sizeof *instance);
+    if (out) *out = (fathom_id)(scene->instances.count - 1);
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3]) {
+    fathom_status status = check_color(scene->context, "background", rgb, 0);
+    if (status == FATHOM_OK) memcpy(scene->background, rgb, sizeof scene->background);
+    return status;
+}
+
+fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]) {
+    fathom_status status = check_color(scene->context, "ambient", rgb, 0);
+    if (status != FATHOM_OK) return status;
+    memcpy(scene->ambient, rgb, sizeof scene->ambient);
+    scene->has_ambient = true;
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name) {
+    char *copy;
+    fathom_status status = copy_text(scene->context, name, &copy);
+    if (status != FATHOM_OK) return status;
+    free(scene->name);
+    scene->name = copy;
+    return FATHOM_OK;
+}

@@ -1,0 +1,72 @@
+#include "scene/scene.h"
+
+void fathom_settings_default(fathom_settings *settings) {
+    *settings = (fathom_settings){.width = 1280,
+                                  .height = 720,
+                                  .spp = 1,
+                                  .pattern = FATHOM_PATTERN_GRID,
+                                  .max_depth = 8,
+                                  .min_weight = 1.0f / 65536,
+                                  .terminator_fix = true,
+                                  .tracer = FATHOM_TRACER_EMBREE,
+                                  .block_width = 16,
+                                  .tile_size = 32};
+}
+
+void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out) { *out = scene->settings; }
+
+static bool is_square(uint32_t n) {
+    uint32_t root = (uint32_t)(sqrt((double)n) + 0.5);
+    return root * root == n;
+}
+
+static fathom_status check_crop(fathom_context *context, const fathom_settings *s) {
+    const uint32_t *c = s->crop;
+    if (!c[0] && !c[1] && !c[2] && !c[3]) return FATHOM_OK;
+    if (c[0] < c[2] && c[1] < c[3] && c[2] <= s->width && c[3] <= s->height) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_INPUT,
+                "crop: expected x0 < x1 <= %u and y0 < y1 <= %u, found x0 %u, y0 %u, x1 %u, y1 %u", s->width,
+                s->height, c[0], c[1], c[2], c[3]);
+}
+
+fathom_status scene_check_settings(fathom_context *context, const fathom_settings *s) {
+    if (s->width < 1 || s->width > 65536 || s->height < 1 || s->height > 65536) {
+        return fail(context, FATHOM_BAD_INPUT, "image size: expected 1 to 65536 pixels each way, found %ux%u",
+                    s->width, s->height);
+    }
+    if (s->spp < 1 || s->spp > 65536) {
+        return fail(context, FATHOM_BAD_INPUT, "spp: expected 1 to 65536 samples a pixel, found %u", s->spp);
+    }
+    if (s->pattern != FATHOM_PATTERN_SOBOL && !is_square(s->spp)) {
+        uint32_t root = (uint32_t)sqrt((double)s->spp);
+        return fail(context, FATHOM_BAD_INPUT,
+                    "spp: the pattern is n x n, so expected a square number such as %u or %u, found %u; or "
+                    "use the pattern sobol",
+                    root * root, (root + 1) * (root + 1), s->spp);
+    }
+    if (s->max_depth > 64)
+        return fail(context, FATHOM_BAD_INPUT, "max depth: expected 0 to 64, found %u", s->max_depth);
+    if (!(s->min_weight >= 0 && s->min_weight < 1)) {
+        return fail(context, FATHOM_BAD_INPUT, "min weight: expected a number in [0, 1), found %g",
+                    (double)s->min_weight);
+    }
+    if (!(s->epsilon >= 0) || !isfinite(s->epsilon)) {
+        return fail(context, FATHOM_BAD_INPUT, "epsilon: expected a number >= 0 (0: automatic), found %g",
+                    s->epsilon);
+    }
+    if (s->block_width != 1 && s->block_width != 4 && s->block_width != 8 && s->block_width != 16) {
+        return fail(context, FATHOM_BAD_INPUT, "block width: expected 1, 4, 8 or 16, found %u",
+                    s->block_width);
+    }
+    if (s->tile_size < 32 || s->tile_size > 65536 || s->tile_size % 32) {
+        return fail(context, FATHOM_BAD_INPUT, "tile size: expected a multiple of 32 up to 65536, found %u",
+                    s->tile_size);
+    }
+    return check_crop(context, s);
+}
+
+fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settings *settings) {
+    fathom_status status = scene_check_settings(scene->context, settings);
+    if (status == FATHOM_OK) scene->settings = *settings;
+    return status;
+}

@@ -1,0 +1,300 @@
+/* Adding shapes: what is wrong with one alone is found here. */
+#include "base/threads.h"
+#include "scene/scene.h"
+
+#include <stdatomic.h>
+#include <string.h>
+
+void fathom_sphere_default(fathom_sphere *sphere) { *sphere = (fathom_sphere){.radius = 1}; }
+
+void fathom_quad_default(fathom_quad *quad) {
+    fathom_quad_from_axes((double[3]){0, 0, 0}, (double[3]){0.5, 0, 0}, (double[3]){0, 0.5, 0}, quad);
+}
+
+void fathom_quad_from_axes(const double center[3], const double u[3], const double v[3], fathom_quad *out) {
+    *out = (fathom_quad){.material = 0};
+    const double signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 3; ++k) out->corners[i][k] = center[k] + signs[i][0] * u[k] + signs[i][1] * v[k];
+    }
+}
+
+void fathom_plane_default(fathom_plane *plane) { *plane = (fathom_plane){.normal = {0, 0, 1}}; }
+
+void fathom_mesh_default(fathom_mesh *mesh) { *mesh = (fathom_mesh){.material = 0}; }
+
+/* Checks what all shapes have and books the object: kind, index, group. */
+static fathom_status book(fathom_scene *scene, scene_kind kind, size_t index, fathom_id group,
+                          fathom_id material, fathom_id *out) {
+    if (group >= scene->groups.count)
+        return fail(scene->context, FATHOM_BAD_INPUT, "there is no group %u", group);
+    if (material >= scene->materials.count) {
+        return fail(scene->context, FATHOM_BAD_INPUT, "there is no material %u", material);
+    }
+    if (scene->objects.count >= FATHOM_NONE - 2) {
+        return fail(scene->context, FATHOM_OUT_OF_RESOURCES, "too many objects: at most 2^32 - 3 fit");
+    }
+    scene_object object = {kind, (uint32_t)index, group};
+    if (!array_push(&scene->objects, object)) return fail_memory(scene->context, sizeof object);
+    if (out) *out = (fathom_id)(scene->objects.count - 1);
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_add_sphere(fathom_scene *scene, fathom_id group, const fathom_sphere *sphere,
+                                      fathom_id *out) {
+    if (!finite_f64(load_f64(sphere->center))) {
+        return fail(scene->context, FATHOM_BAD_INPUT, "center: expected three finite numbers");
+    }
+    if (!(sphere->radius > 0) || !isfinite(sphere->radius)) {
+        return fail(scene->context, FATHOM_BAD_INPUT, "radius: expected a number > 0, found %g",
+                    sphere->radius);
+    }
+    if (!array_room(&scene->spheres, 1)) return fail_memory(scene->context, sizeof *sphere);
+    fathom_status status = book(scene, SCENE_SPHERE, scene->spheres.count, group, sphere->material, out);
+    if (status == FATHOM_OK) array_push(&scene->spheres, *sphere);
+    return status;
+}
+
+/* Corners come from decimal text or float: each coordinate is off by up to 2^-24 of the largest one, and the
+ * fourth corner's distance from the plane of the others sums four such errors, stretched by the quad's shape
+ * at most twice. */
+static double planarity_slack(const fathom_quad *quad) {
+    double big = 0;
+    for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 3; ++k) big = fmax(big, fabs(quad->corners[i][k]));
+    }
+    return 8 * 0x1p-24 * big;
+}
+
+static fathom_status check_quad(fathom_context *context, const fathom_quad *quad) {
+    vec3_f64 c[4];
+    for (int i = 0; i < 4; ++i) {
+        c[i] = load_f64(quad->corners[i]);
+        if (!finite_f64(c[i]))
+            return fail(context, FATHOM_BAD_INPUT, "corners[%d]: expected three finite numbers", i);
+    }
+    vec3_f64 normal = cross_f64(sub_f64(c[2], c[0]), sub_f64(c[3], c[1]));
+    if (!(length_f64(normal) > 0)) return fail(context, FATHOM_BAD_INPUT, "quad: it has no area");
+    normal = normalize_f64(normal);
+    for (int i = 0; i < 4; ++i) {
+        vec3_f64 next = sub_f64(c[(i + 1) % 4], c[i]), last = sub_f64(c[(i + 3) % 4], c[i]);
+        if (!(dot_f64(cross_f64(next, last), normal) > 0)) {
+            return fail(
+                context, FATHOM_BAD_INPUT,
+                "corners[%d]: the quad is not convex there; expected four corners in order around it, or use "
+                "triangles",
+                i);
+        }
+        if (fabs(dot_f64(next, normal)) > planarity_slack(quad)) {
+            return fail(context, FATHOM_BAD_INPUT,
+                        "quad: its corners do not lie in one plane (off by %g); use two triangles",
+                        fabs(dot_f64(next, normal)));
+        }
+    }
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_add_quad(fathom_scene *scene, fathom_id group, const fathom_quad *quad,
+                                    fathom_id *out) {
+    fathom_status status = check_quad(scene->context, quad);
+    if (status != FATHOM_OK) return status;
+    if (!array_room(&scene->quads, 1)) return fail_memory(scene->context, sizeof *quad);
+    status = book(scene, SCENE_QUAD, scene->quads.count, group, quad->material, out);
+    if (status == FATHOM_OK) array_push(&scene->quads, *quad);
+    return status;
+}
+
+fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group, const fathom_plane *plane,
+                                     fathom_id *out) {
+    if (!finite_f64(load_f64(plane->point))) {
+        return fail(scene->context, FATHOM_BAD_INPUT, "point: expected three finite numbers");
+    }
+    vec3_f64 normal = load_f64(plane->normal);
+    if (!finite_f64(normal) || length_f64(normal) == 0) {
+        return fail(scene->context, FATHOM_BAD_INPUT, "normal: expected a finite vector that is not zero");
+    }
+    if (!array_room(&scene->planes, 1)) return fail_memory(scene->context, sizeof *plane);
+    fathom_status status = book(scene, SCENE_PLANE, scene->planes.count, group, plane->material, out);
+    if (status == FATHOM_OK) array_push(&scene->planes, *plane);
+    return status;
+}
+
+/* ---- meshes ---- */
+
+static const float *mesh_vertex(const float *base, size_t stride, uint32_t i) {
+    return (const float *)(const void *)((const char *)base + stride * i);
+}
+
+/* One array of a mesh under a parallel check. `bad` is the first bad item. */
+typedef struct array_check {
+    const float *values;
+    size_t stride, components;
+    const uint32_t *indices;
+    uint32_t limit;
+    _Atomic size_t bad;
+} array_check;
+
+static void note_bad(array_check *check, size_t i) {
+    size_t first = atomic_load(&check->bad);
+    while (i < first && !atomic_compare_exchange_weak(&check->bad, &first, i)) {
+    }
+}
+
+/* x - x is 0 for a finite x, NaN for an infinity or a NaN: a sum of those over a run of items vectorises, and
+ * only a run whose sum is not 0 is looked at one by one. */
+static void check_finite_run(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    array_check *check = user;
+    float sum = 0;
+    for (size_t i = begin; i < end; ++i) {
+        const float *v = mesh_vertex(check->values, check->stride, (uint32_t)i);
+        for (size_t k = 0; k < check->components; ++k) sum += v[k] - v[k];
+    }
+    if (sum == 0) return;
+    for (size_t i = begin; i < end; ++i) {
+        const float *v = mesh_vertex(check->values, check->stride, (uint32_t)i);
+        for (size_t k = 0; k < check->components; ++k) {
+            if (!isfinite(v[k])) {
+                note_bad(check, i);
+                return;
+            }
+        }
+    }
+}
+
+static void check_index_run(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    array_check *check = user;
+    uint32_t highest = 0;
+    for (size_t i = begin; i < end; ++i) highest = check->indices[i] > highest ? check->indices[i] : highest;
+    if (highest < check->limit) return;
+    for (size_t i = begin; i < end; ++i) {
+        if (check->indices[i] >= check->limit) {
+            note_bad(check, i);
+            return;
+        }
+    }
+}
+
+static fathom_status check_values(fathom_context *context, const char *what, const float *values,
+                                  size_t stride, size_t components, uint32_t count) {
+    if (stride % 4 || stride < components * sizeof(float)) {
+        return fail(context, FATHOM_BAD_INPUT,
+                    "%s: the stride is %zu; expected a multiple of 4 of at least %zu", what, stride,
+                    components * sizeof(float));
+    }
+    array_check check = {.values = values, .stride = stride, .components = components, .bad = SIZE_MAX};
+    loop_parallel(fathom_context_threads(context), count, 1u << 16, check_finite_run, &check);
+    size_t bad = atomic_load(&check.bad);
+    if (bad == SIZE_MAX) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_INPUT, "%s[%zu]: expected finite numbers, found a NaN or an infinity",
+                what, bad);
+}
+
+static fathom_status check_indices(fathom_context *context, const char *what, const uint32_t *indices,
+                                   uint32_t triangles, uint32_t limit) {
+    array_check check = {.indices = indices, .limit = limit, .bad = SIZE_MAX};
+    loop_parallel(fathom_context_threads(context), (size_t)triangles * 3, 1u << 18, check_index_run, &check);
+    size_t bad = atomic_load(&check.bad);
+    if (bad == SIZE_MAX) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_INPUT, "%s[%zu] (triangle %zu): %u is out of range, there are %u", what,
+                bad, bad / 3, indices[bad], limit);
+}
+
+static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m) {
+    if (!m->positions || !m->vertex_count)
+        return fail(context, FATHOM_BAD_INPUT, "positions: the mesh has no vertices");
+    if (!m->indices || !m->triangle_count)
+        return fail(context, FATHOM_BAD_INPUT, "indices: the mesh has no triangles");
+    if (!finite_f64(load_f64(m->origin)))
+        return fail(context, FATHOM_BAD_INPUT, "origin: expected three finite numbers");
+    if (m->normals && !m->normal_indices && m->normal_count < m->vertex_count) {
+        return fail(context, FATHOM_BAD_INPUT, "normals: there are %u for %u vertices", m->normal_count,
+                    m->vertex_count);
+    }
+    if (m->uvs && !m->uv_indices && m->uv_count < m->vertex_count) {
+        return fail(context, FATHOM_BAD_INPUT, "uvs: there are %u for %u vertices", m->uv_count,
+                    m->vertex_count);
+    }
+    fathom_status status =
+        check_values(context, "positions", m->positions, m->position_stride, 3, m->vertex_count);
+    if (status == FATHOM_OK)
+        status = check_indices(context, "indices", m->indices, m->triangle_count, m->vertex_count);
+    if (status == FATHOM_OK && m->normals) {
+        status = check_values(context, "normals", m->normals, m->normal_stride, 3, m->normal_count);
+        if (status == FATHOM_OK && m->normal_indices) {
+            status = check_indices(context, "normal indices", m->normal_indices, m->triangle_count,
+                                   m->normal_count);
+        }
+    }
+    if (status == FATHOM_OK && m->uvs) {
+        status = check_values(context, "uvs", m->uvs, m->uv_stride, 2, m->uv_count);
+        if (status == FATHOM_OK && m->uv_indices) {
+            status = check_indices(context, "uv indices", m->uv_indices, m->triangle_count, m->uv_count);
+        }
+    }
+    return status;
+}
+
+static void default_strides(fathom_mesh *mesh) {
+    if (!mesh->position_stride) mesh->position_stride = 3 * sizeof(float);
+    if (!mesh->normal_stride) mesh->normal_stride = 3 * sizeof(float);
+    if (!mesh->uv_stride) mesh->uv_stride = 2 * sizeof(float);
+    if (!mesh->normals) mesh->normal_indices = NULL;
+    if (!mesh->uvs) mesh->uv_indices = NULL;
+}
+
+fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                                           fathom_id *out) {
+    fathom_mesh stored = *mesh;
+    default_strides(&stored);
+    fathom_status status = check_mesh(scene->context, &stored);
+    if (status != FATHOM_OK) return status;
+    if (!array_room(&scene->meshes, 1)) return fail_memory(scene->context, sizeof stored);
+    status = book(scene, SCENE_MESH, scene->meshes.count, group, stored.material, out);
+    if (status == FATHOM_OK) array_push(&scene->meshes, stored);
+    return status;
+}
+
+/* Copies `count` items of `stride` bytes; the last one only as far as its `size` bytes reach. */
+static fathom_status copy_array(fathom_scene *scene, const void *from, size_t stride, size_t size,
+                                size_t count, const void **out) {
+    *out = NULL;
+    if (!from || !count) return FATHOM_OK;
+    void *to;
+    fathom_status status = scene_allocate(scene, stride * count, &to);
+    if (status != FATHOM_OK) return status;
+    memcpy(to, from, stride * (count - 1) + size);
+    *out = to;
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                                    fathom_id *out) {
+    fathom_mesh copy = *mesh;
+    default_strides(&copy);
+    fathom_status status = check_mesh(scene->context, &copy);
+    if (status != FATHOM_OK) return status;
+    size_t corners = (size_t)copy.triangle_count * 3, word = sizeof(uint32_t);
+    const struct {
+        const void *from;
+        size_t stride, size, count;
+    } arrays[6] = {{copy.positions, copy.position_stride, 12, copy.vertex_count},
+                   {copy.normals, copy.normal_stride, 12, copy.normal_count},
+                   {copy.uvs, copy.uv_stride, 8, copy.uv_count},
+                   {copy.indices, word, word, corners},
+                   {copy.normal_indices, word, word, corners},
+                   {copy.uv_indices, word, word, corners}};
+    const void *copies[6];
+    for (int i = 0; i < 6; ++i) {
+        status =
+            copy_array(scene, arrays[i].from, arrays[i].stride, arrays[i].size, arrays[i].count, &copies[i]);
+        if (status != FATHOM_OK) return status;
+    }
+    copy.positions = copies[0], copy.normals = copies[1], copy.uvs = copies[2];
+    copy.indices = copies[3], copy.normal_indices = copies[4], copy.uv_indices = copies[5];
+    if (!array_room(&scene->meshes, 1)) return fail_memory(scene->context, sizeof copy);
+    status = book(scene, SCENE_MESH, scene->meshes.count, group, copy.material, out);
+    if (status == FATHOM_OK) array_push(&scene->meshes, copy);
+    return status;
+}
