@@ -4,8 +4,8 @@
 
 #include "trace/trace.h"
 
-/* Planes nearer than t_far replace the hit; on equal t the earlier hit stays, so geometry wins over planes and
- * a plane over those after it. */
+/* Planes nearer than t_far replace the hit; on equal t the earlier hit stays, so geometry wins over planes
+ * and a plane over those after it. */
 void planes_closest(const world *w, trace_block *blocks, size_t count);
 /* Sets t_far = -infinity where a plane that casts shadows is met. */
 void planes_any(const world *w, trace_rays *blocks, size_t count);

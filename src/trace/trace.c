@@ -12,10 +12,8 @@ fathom_status trace_create(fathom_context *context, const world *w, const trace_
                            trace_tracer **out) {
     *out = NULL;
     switch (options->kind) {
-    case FATHOM_TRACER_EMBREE:
-        return embree_create(context, w, options, out);
-    case FATHOM_TRACER_REFERENCE:
-        return linear_create(context, w, options, out);
+    case FATHOM_TRACER_EMBREE: return embree_create(context, w, options, out);
+    case FATHOM_TRACER_REFERENCE: return linear_create(context, w, options, out);
     }
     return fail(context, FATHOM_BAD_USAGE, "trace_options: kind: %d; expected a fathom_tracer_kind",
                 (int)options->kind);
