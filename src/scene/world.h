@@ -64,6 +64,7 @@ typedef struct world {
     ARRAY(world_geometry) geometries;
     ARRAY(world_group) groups; /* 0: what is placed in the root itself */
     ARRAY(world_instance) instances;
+    uint64_t degenerate_triangles; /* without area: stored, never hit */
 } world;
 
 /* The scene must have passed fathom_scene_check() and must outlive the world. */

@@ -1,0 +1,189 @@
+#include "scene/world.h"
+
+#include "base/threads.h"
+#include "scene/world_build.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+/* ---- shapes of one group, as geometries ---- */
+
+static vec3_f32 relative(const double p[3], vec3_f64 origin) { return narrow(sub_f64(load_f64(p), origin)); }
+
+/* Extends the last geometry when it is of this kind and its flags fit, else begins one. */
+static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_group, uint32_t next,
+                                unsigned flags) {
+    if (w->geometries.count > first_of_group) {
+        world_geometry *last = &w->geometries.items[w->geometries.count - 1];
+        if (last->kind == kind && last->flags == flags) return last;
+    }
+    world_geometry fresh = {.kind = kind, .first = next, .flags = flags, .instance = FATHOM_NONE};
+    return array_push(&w->geometries, fresh) ? &w->geometries.items[w->geometries.count - 1] : NULL;
+}
+
+static bool add_sphere(world *w, const fathom_sphere *s, fathom_id object, uint32_t first_of_group,
+                       vec3_f64 origin) {
+    world_sphere sphere = {relative(s->center, origin), (float)s->radius};
+    world_geometry *run = open_run(w, WORLD_SPHERES, first_of_group, (uint32_t)w->spheres.count, s->flags);
+    if (!run || !array_push(&w->spheres, sphere) || !array_push(&w->sphere_objects, object)) return false;
+    ++run->count;
+    return true;
+}
+
+static bool add_quad(world *w, const fathom_quad *q, fathom_id object, uint32_t first_of_group,
+                     vec3_f64 origin) {
+    world_quad quad;
+    for (int i = 0; i < 4; ++i) quad.corner[i] = relative(q->corners[i], origin);
+    world_geometry *run = open_run(w, WORLD_QUADS, first_of_group, (uint32_t)w->quads.count, q->flags);
+    if (!run || !array_push(&w->quads, quad) || !array_push(&w->quad_objects, object)) return false;
+    ++run->count;
+    return true;
+}
+
+static bool add_mesh(world *w, const fathom_mesh *mesh, fathom_id object) {
+    world_geometry geometry = {.kind = WORLD_MESH,
+                               .first = (uint32_t)w->meshes.count,
+                               .count = mesh->triangle_count,
+                               .flags = mesh->flags,
+                               .smooth = mesh->normals != NULL,
+                               .instance = FATHOM_NONE};
+    return array_push(&w->geometries, geometry) && array_push(&w->meshes, *mesh) &&
+           array_push(&w->mesh_objects, object);
+}
+
+static bool same_point(const double p[3], vec3_f64 q) { return p[0] == q.x && p[1] == q.y && p[2] == q.z; }
+
+/* All of kind `kind` in the group, so that runs of spheres and of quads are as long as can be. */
+static bool add_kind(world *w, const scene_graph *graph, uint32_t group, scene_kind kind, uint32_t first,
+                     vec3_f64 origin) {
+    const fathom_scene *scene = w->scene;
+    for (uint32_t i = graph->objects.first[group]; i < graph->objects.first[group + 1]; ++i) {
+        fathom_id id = graph->objects.items[i];
+        scene_object object = scene->objects.items[id];
+        if (object.kind != kind) continue;
+        bool added = true;
+        switch (kind) {
+        case SCENE_SPHERE:
+            added = add_sphere(w, &scene->spheres.items[object.index], id, first, origin);
+            break;
+        case SCENE_QUAD: added = add_quad(w, &scene->quads.items[object.index], id, first, origin); break;
+        case SCENE_MESH: {
+            const fathom_mesh *mesh = &scene->meshes.items[object.index];
+            if (same_point(mesh->origin, origin)) added = add_mesh(w, mesh, id);
+            break;
+        }
+        case SCENE_PLANE: break;
+        }
+        if (!added) return false;
+    }
+    return true;
+}
+
+bool world_add_geometries(world *w, const scene_graph *graph, uint32_t group, vec3_f64 origin) {
+    uint32_t first = (uint32_t)w->geometries.count;
+    return add_kind(w, graph, group, SCENE_SPHERE, first, origin) &&
+           add_kind(w, graph, group, SCENE_QUAD, first, origin) &&
+           add_kind(w, graph, group, SCENE_MESH, first, origin);
+}
+
+bool world_add_lone_mesh(world *w, fathom_id object) {
+    return add_mesh(w, &w->scene->meshes.items[w->scene->objects.items[object].index], object);
+}
+
+/* ---- degenerate triangles ---- */
+
+typedef struct degenerate_count {
+    const fathom_mesh *mesh;
+    _Atomic uint64_t count;
+} degenerate_count;
+
+static vec3_f64 vertex(const fathom_mesh *m, uint32_t i) {
+    return widen(
+        load_f32((const float *)(const void *)((const char *)m->positions + (size_t)i * m->position_stride)));
+}
+
+static void count_run(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    degenerate_count *all = user;
+    const fathom_mesh *m = all->mesh;
+    uint64_t found = 0;
+    for (size_t i = begin; i < end; ++i) {
+        const uint32_t *t = &m->indices[3 * i];
+        vec3_f64 a = vertex(m, t[0]), ab = sub_f64(vertex(m, t[1]), a), ac = sub_f64(vertex(m, t[2]), a);
+        vec3_f64 n = cross_f64(ab, ac);
+        found += n.x == 0 && n.y == 0 && n.z == 0;
+    }
+    atomic_fetch_add(&all->count, found);
+}
+
+static void count_degenerate(world *w) {
+    unsigned threads = fathom_context_threads(w->scene->context);
+    for (size_t i = 0; i < w->meshes.count; ++i) {
+        degenerate_count all = {.mesh = &w->meshes.items[i]};
+        loop_parallel(threads, all.mesh->triangle_count, 1u << 15, count_run, &all);
+        w->degenerate_triangles += atomic_load(&all.count);
+    }
+}
+
+/* ---- the whole ---- */
+
+fathom_status world_create(const fathom_scene *scene, world **out) {
+    *out = NULL;
+    scene_graph graph;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    world *w = calloc(1, sizeof *w);
+    if (w) {
+        w->scene = scene;
+        status = world_place(w, &graph);
+    } else {
+        status = fail_memory(scene->context, sizeof *w);
+    }
+    graph_destroy(&graph);
+    if (status != FATHOM_OK) {
+        world_destroy(w);
+        return status;
+    }
+    count_degenerate(w);
+    *out = w;
+    return FATHOM_OK;
+}
+
+void world_destroy(world *w) {
+    if (!w) return;
+    array_free(&w->spheres);
+    array_free(&w->sphere_objects);
+    array_free(&w->quads);
+    array_free(&w->quad_objects);
+    array_free(&w->planes);
+    array_free(&w->meshes);
+    array_free(&w->mesh_objects);
+    array_free(&w->geometries);
+    array_free(&w->groups);
+    array_free(&w->instances);
+    free(w);
+}
+
+fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive) {
+    const world_geometry *g = &w->geometries.items[geometry];
+    switch (g->kind) {
+    case WORLD_SPHERES: return w->sphere_objects.items[g->first + primitive];
+    case WORLD_QUADS: return w->quad_objects.items[g->first + primitive];
+    case WORLD_MESH: return w->mesh_objects.items[g->first];
+    }
+    return FATHOM_NONE;
+}
+
+fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance) {
+    if (instance != FATHOM_NONE && w->instances.items[instance].material != FATHOM_NONE) {
+        return w->instances.items[instance].material;
+    }
+    scene_object object = w->scene->objects.items[world_object(w, geometry, primitive)];
+    switch (object.kind) {
+    case SCENE_SPHERE: return w->scene->spheres.items[object.index].material;
+    case SCENE_QUAD: return w->scene->quads.items[object.index].material;
+    case SCENE_PLANE: return w->scene->planes.items[object.index].material;
+    case SCENE_MESH: return w->scene->meshes.items[object.index].material;
+    }
+    return FATHOM_NONE;
+}
