@@ -1,0 +1,79 @@
+#include "read/read.h"
+
+#include "base/file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const struct format {
+    const char *extension;
+    fathom_status (*read)(fathom_scene *scene, fathom_id group, const char *path,
+                          const read_mesh_options *options);
+} mesh_formats[] = {{"obj", read_obj}, {"ply", read_ply}, {"gltf", read_gltf}, {"glb", read_gltf}};
+
+static const struct format *format_find(const char *extension) {
+    for (size_t i = 0; i < sizeof mesh_formats / sizeof *mesh_formats; ++i) {
+        if (strcmp(mesh_formats[i].extension, extension) == 0) return &mesh_formats[i];
+    }
+    return NULL;
+}
+
+static fathom_status fail_extension(fathom_context *context, const char *path, const char *extension,
+                                    const char *known) {
+    if (!*extension)
+        return fail(context, FATHOM_BAD_INPUT, "%s: the name has no extension; expected %s", path, known);
+    return fail(context, FATHOM_BAD_INPUT, "%s: the extension .%s is not known; expected %s", path, extension,
+                known);
+}
+
+fathom_status read_mesh(fathom_scene *scene, fathom_id group, const char *path,
+                        const read_mesh_options *options) {
+    char extension[16];
+    file_extension(path, extension);
+    const struct format *format = format_find(extension);
+    if (!format) return fail_extension(scene->context, path, extension, ".obj, .ply, .gltf or .glb");
+    return format->read(scene, group, path, options);
+}
+
+static fathom_status read_any(fathom_scene *scene, const char *path) {
+    char extension[16];
+    file_extension(path, extension);
+    if (strcmp(extension, "json") == 0) return read_json(scene, path);
+    if (!format_find(extension))
+        return fail_extension(scene->context, path, extension, ".json, .obj, .ply, .gltf or .glb");
+    const read_mesh_options options = {.material = FATHOM_NONE};
+    return read_mesh(scene, FATHOM_ROOT, path, &options);
+}
+
+/* "models/bunny.obj" -> "bunny" */
+static fathom_status name_after(fathom_scene *scene, const char *path) {
+    const char *slash = strrchr(path, '/'), *file = slash ? slash + 1 : path;
+    const char *dot = strrchr(file, '.');
+    char *name = strndup(file, dot && dot != file ? (size_t)(dot - file) : strlen(file));
+    if (!name) return fail_memory(scene->context, strlen(file));
+    fathom_status status = fathom_scene_set_name(scene, name);
+    free(name);
+    return status;
+}
+
+static fathom_status read_whole(fathom_scene *scene, const char *path) {
+    fathom_status status = name_after(scene, path);
+    if (status == FATHOM_OK) status = read_any(scene, path);
+    if (status != FATHOM_OK) return status;
+    status = fathom_scene_complete(scene);
+    if (status == FATHOM_OK) status = fathom_scene_check(scene);
+    return status == FATHOM_OK ? status : fail_within(scene->context, status, "%s: ", path);
+}
+
+fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out) {
+    *out = NULL;
+    fathom_scene *scene;
+    fathom_status status = fathom_scene_create(context, &scene);
+    if (status != FATHOM_OK) return status;
+    status = read_whole(scene, path);
+    if (status == FATHOM_OK)
+        *out = scene;
+    else
+        fathom_scene_destroy(scene);
+    return status;
+}
