@@ -35,8 +35,9 @@ typedef struct world_geometry {
     world_kind kind;
     uint32_t first,
         count; /* spheres, quads: where the run lies; mesh: first = index into meshes, count = triangles */
-    unsigned flags; /* FATHOM_CASTS_NO_SHADOW… of every primitive in it */
-    bool smooth;    /* a mesh with shading normals */
+    unsigned flags;     /* FATHOM_CASTS_NO_SHADOW… of every primitive in it */
+    bool smooth;        /* a mesh with shading normals */
+    fathom_id instance; /* the instance that placed it, where its frame was left out; else FATHOM_NONE */
 } world_geometry;
 
 typedef struct world_group {
@@ -46,7 +47,8 @@ typedef struct world_group {
 typedef struct world_instance {
     uint32_t group;
     fathom_id material; /* override, or FATHOM_NONE */
-    fathom_id id;       /* FATHOM_NONE for a frame that world_create() made for a mesh of the root group */
+    fathom_id id;       /* the scene's instance that placed the group (the innermost where frames nest), or
+                           FATHOM_NONE for a frame that world_create() made for a mesh of the root group */
     float to_world[3][4];
     float to_object[3][4];
 } world_instance;
