@@ -60,8 +60,8 @@ static fathom_status make_parts(placer *p, uint32_t group) {
 }
 
 /* to_object inverts the rounded to_world, so that both say the same place. */
-static fathom_status add_instance(placer *p, uint32_t world_group, const affine_f64 *to_world,
-                                  fathom_id material, fathom_id id) {
+static fathom_status add_instance(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
+                                  fathom_id id) {
     world_instance instance = {.group = group, .material = material, .id = id};
     affine_f64 rounded, inverse;
     for (int i = 0; i < 12; ++i) {
