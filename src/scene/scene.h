@@ -56,6 +56,11 @@ fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void 
  * buffer. */
 fathom_status scene_allocate(fathom_scene *scene, size_t bytes, void **out);
 
+/* fathom_scene_add_mesh_shared() for readers that have looked at every vertex and index themselves: a file's
+ * many meshes over the same vertices would have them all looked at again for each. */
+fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                                     fathom_id *out);
+
 /* The material with this name, FATHOM_NONE when there is none. */
 fathom_id scene_find_material(const fathom_scene *scene, const char *name);
 

@@ -244,16 +244,22 @@ static void default_strides(fathom_mesh *mesh) {
     if (!mesh->uvs) mesh->uv_indices = NULL;
 }
 
+fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                                     fathom_id *out) {
+    fathom_mesh stored = *mesh;
+    default_strides(&stored);
+    if (!array_room(&scene->meshes, 1)) return fail_memory(scene->context, sizeof stored);
+    fathom_status status = book(scene, SCENE_MESH, scene->meshes.count, group, stored.material, out);
+    if (status == FATHOM_OK) array_push(&scene->meshes, stored);
+    return status;
+}
+
 fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
                                            fathom_id *out) {
     fathom_mesh stored = *mesh;
     default_strides(&stored);
     fathom_status status = check_mesh(scene->context, &stored);
-    if (status != FATHOM_OK) return status;
-    if (!array_room(&scene->meshes, 1)) return fail_memory(scene->context, sizeof stored);
-    status = book(scene, SCENE_MESH, scene->meshes.count, group, stored.material, out);
-    if (status == FATHOM_OK) array_push(&scene->meshes, stored);
-    return status;
+    return status == FATHOM_OK ? scene_add_mesh_checked(scene, group, &stored, out) : status;
 }
 
 /* Copies `count` items of `stride` bytes; the last one only as far as its `size` bytes reach. */
