@@ -41,7 +41,7 @@ static fathom_status read_any(fathom_scene *scene, const char *path) {
     if (strcmp(extension, "json") == 0) return read_json(scene, path);
     if (!format_find(extension))
         return fail_extension(scene->context, path, extension, ".json, .obj, .ply, .gltf or .glb");
-    const read_mesh_options options = {.material = FATHOM_NONE};
+    const read_mesh_options options = {.material = FATHOM_NONE, .surroundings = true};
     return read_mesh(scene, FATHOM_ROOT, path, &options);
 }
 

@@ -10,6 +10,7 @@ typedef struct read_mesh_options {
     unsigned flags;     /* of every mesh: FATHOM_CASTS_NO_SHADOW… */
     bool flat;          /* normals and smoothing groups of the file are ignored */
     bool smooth;        /* smooth vertex normals are made where the file has none */
+    bool surroundings;  /* the file's camera and lights are taken too; into the root alone */
 } read_mesh_options;
 
 /* Each adds its meshes to `group`. FATHOM_BAD_INPUT names the file with its line (text) or byte offset
