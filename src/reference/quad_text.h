@@ -1,0 +1,65 @@
+/* Quads v0 v1 v2 v3, corners in order, and infinite planes: the one text that reference.h stamps for each
+ * precision. */
+
+/* The two triangles (v0,v1,v3) and (v2,v3,v1), as Embree splits its QUAD, by the watertight test: the
+ * diagonal leaks no more than the sides. The nearer hit, the first triangle's on equal t. (u,v) is (0,0) at
+ * v0, (1,0) at v1, (0,1) at v3, (1,1) at v2, and continuous over the diagonal. */
+static inline bool FN(quad_robust)(VEC3 v0, VEC3 v1, VEC3 v2, VEC3 v3, VEC3 org, VEC3 dir, REAL t_min,
+                                   REAL t_max, FN(reference_hit) * hit) {
+    FN(triangle_ray) ray = FN(triangle_ray_make)(org, dir);
+    VEC3 s0 = FN(sheared)(&ray, v0), s1 = FN(sheared)(&ray, v1), s2 = FN(sheared)(&ray, v2),
+         s3 = FN(sheared)(&ray, v3);
+    FN(reference_hit) second;
+    bool met = FN(triangle_sheared)(&ray, s0, s1, s3, t_min, t_max, hit) && FN(triangle_has_area)(v0, v1, v3);
+    if (met) t_max = hit->t;
+    if (FN(triangle_sheared)(&ray, s2, s3, s1, t_min, t_max, &second) && FN(triangle_has_area)(v2, v3, v1)) {
+        hit->t = second.t, hit->u = 1 - second.u, hit->v = 1 - second.v;
+        met = true;
+    }
+    return met;
+}
+
+/* Plane through v0 spanned by u = v1-v0 and v = v3-v0, t = (v0-E)·n / (d·n), then the coordinates of the
+ * point along u and v: inside when both are at least 0 and at most 1. Beyond the diagonal the sides v2 v3 and
+ * v2 v1 bound it, so planar quads that are no parallelograms are right too. Parallel rays miss. */
+static inline bool FN(quad_textbook)(VEC3 v0, VEC3 v1, VEC3 v2, VEC3 v3, VEC3 org, VEC3 dir, REAL t_min,
+                                     REAL t_max, FN(reference_hit) * hit) {
+    VEC3 e = FN(sub)(v1, v0), g = FN(sub)(v3, v0), n = FN(cross)(e, g);
+    REAL t = FN(dot)(FN(sub)(v0, org), n) / FN(dot)(dir, n);
+    if (!(t > t_min && t < t_max)) return false;
+    VEC3 p = FN(madd)(org, t, dir), q = FN(sub)(p, v0);
+    REAL n2 = FN(dot)(n, n), u = FN(dot)(FN(cross)(q, g), n) / n2, v = FN(dot)(FN(cross)(e, q), n) / n2;
+    bool inside = u >= 0 && v >= 0;
+    if (u + v > 1) {
+        e = FN(sub)(v3, v2), g = FN(sub)(v1, v2), q = FN(sub)(p, v2), n = FN(cross)(e, g), n2 = FN(dot)(n, n);
+        u = 1 - FN(dot)(FN(cross)(q, g), n) / n2, v = 1 - FN(dot)(FN(cross)(e, q), n) / n2;
+        inside = u <= 1 && v <= 1;
+    }
+    hit->t = t, hit->u = u, hit->v = v;
+    return inside;
+}
+
+/* The plane (P - point)·n = 0: t = (point-E)·n / (d·n). n need not be unit. Parallel rays miss. */
+static inline bool FN(plane_textbook)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
+                                      REAL *t) {
+    *t = FN(dot)(FN(sub)(point, org), normal) / FN(dot)(dir, normal);
+    return *t > t_min && *t < t_max;
+}
+
+/* The same, but where rounding could turn the sign of the numerator or the denominator (the origin as good as
+ * on the plane, the ray as good as along it), in the next wider precision. Difference, product and sums leave
+ * at most 4 u of each of three products, 12 u of the largest sides' product; from 64 u on both signs are
+ * beyond doubt. */
+static inline bool FN(plane_robust)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
+                                    REAL *t) {
+    VEC3 f = FN(sub)(point, org);
+    REAL above = FN(dot)(f, normal), along = FN(dot)(dir, normal), n = FN(largest)(normal);
+    REAL above_limit = 64 * UNIT * (n * FN(largest)(f)) + AREA_LOW,
+         along_limit = 64 * UNIT * (n * FN(largest)(dir)) + AREA_LOW;
+    *t = above / along;
+    if (!(ABS(above) > above_limit && ABS(above) < AREA_HIGH && ABS(along) > along_limit &&
+          ABS(along) < AREA_HIGH)) {
+        *t = FN(plane_wide)(point, normal, org, dir);
+    }
+    return *t > t_min && *t < t_max;
+}

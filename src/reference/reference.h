@@ -1,0 +1,41 @@
+/* The hand-written intersectors, in float (_f32) and double (_f64); reference_f128.h has them in quadruple.
+ *
+ * Two forms each: _textbook is what lectures have, formula by formula; _robust gives, for any finite input,
+ * the answer that its precision can give. A hit has t in the open interval (t_min, t_max); t is in units of
+ * |dir|, which need not be 1. NaN and infinite input is never met (but t_max may be infinite); nor is a
+ * direction of zero. None traps, allocates or keeps state.
+ *
+ * sphere_robust_f32(center, radius, org, dir, t_min, t_max, &t)
+ * triangle_robust_f32(a, b, c, org, dir, t_min, t_max, &hit)
+ * quad_robust_f32(v0, v1, v2, v3, org, dir, t_min, t_max, &hit)
+ * plane_robust_f32(point, normal, org, dir, t_min, t_max, &t) */
+#ifndef REFERENCE_REFERENCE_H
+#define REFERENCE_REFERENCE_H
+
+#include "math/vec.h"
+
+#define REAL float
+#define VEC3 vec3_f32
+#define FN(name) name##_f32
+#define SQRT sqrtf
+#define ABS fabsf
+#define UNIT 0x1p-24f
+#define RANGE_LOW 0x1p-30f
+#define RANGE_HIGH 0x1p30f
+#define AREA_LOW 0x1p-90f
+#define AREA_HIGH 0x1p120f
+#include "reference/stamp.h"
+
+#define REAL double
+#define VEC3 vec3_f64
+#define FN(name) name##_f64
+#define SQRT sqrt
+#define ABS fabs
+#define UNIT 0x1p-53
+#define RANGE_LOW 0x1p-240
+#define RANGE_HIGH 0x1p240
+#define AREA_LOW 0x1p-900
+#define AREA_HIGH 0x1p1000
+#include "reference/stamp.h"
+
+#endif

@@ -1,0 +1,37 @@
+/* Includes every text once, with REAL, VEC3, FN(name), SQRT, ABS and these defined:
+ * UNIT: the unit roundoff. RANGE_LOW, RANGE_HIGH: between them fourth powers keep full relative precision.
+ * AREA_LOW, AREA_HIGH: sums of products of that size keep it too, whether or not denormals are flushed. */
+
+/* u, v: P = (1-u-v) A + u B + v C; of a quad: see quad_text.h. */
+typedef struct FN(reference_hit) {
+    REAL t, u, v;
+} FN(reference_hit);
+
+static inline REAL FN(largest)(VEC3 a) {
+    REAL x = ABS(a.x), y = ABS(a.y), z = ABS(a.z), m = x > y ? x : y;
+    return m > z ? m : z;
+}
+
+/* What the next wider precision decides; reference.c. Rarely called. */
+bool FN(sphere_roots_wide)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]);
+/* Of three sheared vertices: the weights of B and C; false: miss. */
+bool FN(triangle_weights_wide)(VEC3 a, VEC3 b, VEC3 c, REAL weights[2]);
+bool FN(triangle_has_area_wide)(VEC3 a, VEC3 b, VEC3 c);
+REAL FN(plane_wide)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir);
+
+#include "reference/sphere_text.h"
+
+#include "reference/triangle_text.h"
+
+#include "reference/quad_text.h"
+
+#undef REAL
+#undef VEC3
+#undef FN
+#undef SQRT
+#undef ABS
+#undef UNIT
+#undef RANGE_LOW
+#undef RANGE_HIGH
+#undef AREA_LOW
+#undef AREA_HIGH

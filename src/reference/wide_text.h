@@ -1,0 +1,38 @@
+/* What the inline forms leave to the next wider precision. Included with REAL, VEC3, FN(name), and the wider
+ * WIDE, WIDE_VEC3, WIDE_FN(name), WIDER(v) (a VEC3 in the wider precision) and WIDE_ABS defined. */
+
+bool FN(sphere_roots_wide)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]) {
+    WIDE wide[2];
+    bool sure;
+    if (!WIDE_FN(sphere_plain)(WIDER(center), radius, WIDER(org), WIDER(dir), wide, &sure)) return false;
+    roots[0] = (REAL)wide[0], roots[1] = (REAL)wide[1];
+    return true;
+}
+
+bool FN(triangle_weights_wide)(VEC3 a, VEC3 b, VEC3 c, REAL weights[2]) {
+    WIDE ax = a.x, ay = a.y, bx = b.x, by = b.y, cx = c.x, cy = c.y;
+    WIDE u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax, sum = u + v + w;
+    bool negative = u < 0 || v < 0 || w<0, positive = u> 0 || v > 0 || w > 0;
+    if (negative == positive) return false; /* they differ, or the ray lies in the triangle's plane */
+    weights[0] = (REAL)(v / sum), weights[1] = (REAL)(w / sum);
+    return true;
+}
+
+bool FN(triangle_has_area_wide)(VEC3 a, VEC3 b, VEC3 c) {
+    WIDE_VEC3 e = WIDE_FN(sub)(WIDER(b), WIDER(a)), g = WIDE_FN(sub)(WIDER(c), WIDER(a));
+    return WIDE_FN(largest)(WIDE_FN(cross)(e, g)) > 8 * WIDE_UNIT * WIDE_FN(largest)(e) * WIDE_FN(largest)(g);
+}
+
+REAL FN(plane_wide)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir) {
+    WIDE_VEC3 f = WIDE_FN(sub)(WIDER(point), WIDER(org));
+    return (REAL)(WIDE_FN(dot)(f, WIDER(normal)) / WIDE_FN(dot)(WIDER(dir), WIDER(normal)));
+}
+
+#undef REAL
+#undef VEC3
+#undef FN
+#undef WIDE
+#undef WIDE_VEC3
+#undef WIDE_FN
+#undef WIDER
+#undef WIDE_UNIT
