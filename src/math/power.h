@@ -1,0 +1,59 @@
+/* x^n for highlights: the same bits on every processor, and vectorised inside loops.
+ *
+ * glibc's powf has variants by processor whose last bits may differ, and is a call; an image must depend on
+ * neither. */
+#ifndef MATH_POWER_H
+#define MATH_POWER_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* log2(x) for a normal x > 0. x = 2^e m with m in [sqrt(1/2), sqrt(2)), and log2 m = 2/ln2 atanh(z), z =
+ * (m-1)/(m+1), |z| <= 0.1716: the series to z^15 is cut off at a relative 2^-43, and near x = 1 nothing
+ * cancels. */
+static inline double power_log2(float x) {
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    /* 0x3f3504f3 is sqrt(1/2): subtracting it makes the exponent of numbers below it one less. */
+    uint32_t shifted = bits - 0x3f3504f3u;
+    int32_t e = (int32_t)shifted >> 23;
+    uint32_t mantissa = (shifted & 0x7fffffu) + 0x3f3504f3u;
+    float m;
+    memcpy(&m, &mantissa, sizeof m);
+    double z = ((double)m - 1) / ((double)m + 1), q = z * z;
+    double series =
+        1 + q * (1 / 3.0 +
+                 q * (1 / 5.0 + q * (1 / 7.0 + q * (1 / 9.0 + q * (1 / 11.0 + q * (1 / 13.0 + q / 15))))));
+    return (double)e + 2.8853900817779268 * z * series;
+}
+
+/* 2^y for y <= 0; 0 below the smallest normal float. 2^y = 2^k 2^f with |f| <= 1/2: the series of e^(f ln2)
+ * to the 9th power is cut off at a relative 2^-36. */
+static inline float power_exp2(double y) {
+    double low = y < -126 ? -126 : y;
+    int32_t k = (int32_t)(low - 0.5);
+    double f = (low - (double)k) * 0.69314718055994531;
+    double series =
+        1 +
+        f * (1 + f * (1 / 2.0 +
+                      f * (1 / 6.0 +
+                           f * (1 / 24.0 +
+                                f * (1 / 120.0 +
+                                     f * (1 / 720.0 + f * (1 / 5040.0 + f * (1 / 40320.0 + f / 362880))))))));
+    uint32_t bits = (uint32_t)(k + 127) << 23;
+    float scale;
+    memcpy(&scale, &bits, sizeof scale);
+    return y < -126 ? 0.0f : (float)series * scale;
+}
+
+/* x^n for x in [0, 1] and n in [0, 1e9], within 1 ulp of the true value (0 below 2^-126); 0^0 is 1. x a
+ * little above 1, as rounding makes it, counts as 1. */
+static inline float power_of(float x, float n) {
+    float inside = x < 0x1p-126f ? 0x1p-126f : (x > 1 ? 1.0f : x);
+    float value = power_exp2((double)n * power_log2(inside));
+    float at_zero = n > 0 ? 0.0f : 1.0f;
+    return x < 0x1p-126f ? at_zero : value;
+}
+
+#endif

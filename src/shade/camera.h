@@ -1,0 +1,26 @@
+/* The pinhole camera as rays. */
+#ifndef SHADE_CAMERA_H
+#define SHADE_CAMERA_H
+
+#include "scene/scene.h"
+
+/* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not yet unit. */
+typedef struct shade_camera {
+    vec3_f32 eye; /* in the world's coordinates */
+    vec3_f64 corner, across, down;
+    vec3_f64 view; /* unit, the way the camera looks */
+} shade_camera;
+
+void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height, vec3_f64 origin,
+                    shade_camera *out);
+
+/* The unit direction through image position (x, y): Q(u,v) - O of the pinhole, v counted from the bottom. */
+static inline vec3_f32 camera_direction(const shade_camera *c, double x, double y) {
+    vec3_f64 d = {c->corner.x + x * c->across.x + y * c->down.x,
+                  c->corner.y + x * c->across.y + y * c->down.y,
+                  c->corner.z + x * c->across.z + y * c->down.z};
+    double inverse = 1 / sqrt(dot_f64(d, d));
+    return (vec3_f32){(float)(d.x * inverse), (float)(d.y * inverse), (float)(d.z * inverse)};
+}
+
+#endif

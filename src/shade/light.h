@@ -1,0 +1,33 @@
+/* Lights: direction, distance and radiance at a point, and what of it the surface sends to the viewer. */
+#ifndef SHADE_LIGHT_H
+#define SHADE_LIGHT_H
+
+#include "scene/scene.h"
+#include "shade/surface.h"
+
+/* A light in the world's float coordinates. */
+typedef struct shade_light {
+    fathom_light_type type;
+    vec3_f32 position;
+    vec3_f32 to_light; /* directional: unit, towards the light; spot: unit, against the cone's axis */
+    float intensity[3];
+    float cone_scale,
+        cone_offset; /* spot: falloff = clamp(cos * scale + offset)^2, as KHR_lights_punctual has it */
+} shade_light;
+
+/* origin: the world's, see world.h. */
+void light_prepare(const fathom_light *light, vec3_f64 origin, shade_light *out);
+
+/* What arrives from one light at sixteen points, were nothing in the way. */
+typedef struct light_block {
+    _Alignas(64) lanes3 origin; /* of the shadow ray */
+    lanes3 direction;           /* towards the light, unit */
+    float distance[LANES];      /* to the light, from origin; infinite for directional lights */
+    lanes3 radiance; /* weight L (rho_d + rho_s) |n·l|: what the sample gains when the light is seen */
+} light_block;
+
+/* specular: whether any material in the scene has a highlight. */
+void light_evaluate(const shade_light *light, const surface_block *s, const material_block *m, bool specular,
+                    light_block *out);
+
+#endif

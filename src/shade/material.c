@@ -1,0 +1,41 @@
+#include "shade/material.h"
+
+static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
+
+unsigned material_features(const fathom_material *m) {
+    bool specular = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
+    return (any(m->k_d) || specular ? MATERIAL_LIT : 0u) | (any(m->k_r) ? MATERIAL_MIRROR : 0u) |
+           (any(m->k_t) ? MATERIAL_REFRACT : 0u) | (any(m->k_e) ? MATERIAL_EMIT : 0u) |
+           (specular ? MATERIAL_SPECULAR : 0u);
+}
+
+void material_gather(const scene_named_material *table, const surface_block *s, material_block *out) {
+    for (uint32_t i = 0; i < LANES; ++i) {
+        const fathom_material *m = &table[s->material[i]].value;
+        const float *k_a = m->k_a[0] < 0 ? m->k_d : m->k_a;
+        for (int c = 0; c < 3; ++c) {
+            out->k_a[c][i] = k_a[c];
+            out->k_d[c][i] = m->k_d[c];
+            out->k_s[c][i] = m->specular == FATHOM_SPECULAR_NONE ? 0 : m->k_s[c];
+            out->k_r[c][i] = m->k_r[c];
+            out->k_t[c][i] = m->k_t[c];
+            out->k_e[c][i] = m->k_e[c];
+        }
+        out->shininess[i] = m->shininess;
+        out->ior[i] = m->ior;
+        out->phong[i] = m->specular == FATHOM_SPECULAR_PHONG ? ~0u : 0;
+        out->blinn[i] = m->specular == FATHOM_SPECULAR_BLINN ? ~0u : 0;
+        out->fresnel[i] = m->fresnel ? ~0u : 0;
+        out->from_behind[i] = m->lit_from_behind ? ~0u : 0;
+    }
+}
+
+void material_add_constant(const material_block *m, const surface_block *s, const float ambient[3],
+                           float *const radiance[3]) {
+    for (int c = 0; c < 3; ++c) {
+        float value[LANES];
+        for (int i = 0; i < LANES; ++i)
+            value[i] = s->weight[c][i] * (m->k_a[c][i] * ambient[c] + m->k_e[c][i]);
+        for (uint32_t i = 0; i < s->count; ++i) radiance[c][s->slot[i]] += value[i];
+    }
+}
