@@ -46,20 +46,25 @@ static inline bool FN(plane_textbook)(VEC3 point, VEC3 normal, VEC3 org, VEC3 di
     return *t > t_min && *t < t_max;
 }
 
-/* The same, but where rounding could turn the sign of the numerator or the denominator (the origin as good as
- * on the plane, the ray as good as along it), in the next wider precision. Difference, product and sums leave
- * at most 4 u of each of three products, 12 u of the largest sides' product; from 64 u on both signs are
- * beyond doubt. */
-static inline bool FN(plane_robust)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
-                                    REAL *t) {
+/* t by the textbook's formula. *sure: rounding cannot have turned the sign of the numerator or the
+ * denominator. Difference, product and sums leave at most 4 u of each of three products, 12 u of the product
+ * of the largest sides; from 64 u on both signs are beyond doubt. */
+static inline REAL FN(plane_ratio)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, bool *sure) {
     VEC3 f = FN(sub)(point, org);
     REAL above = FN(dot)(f, normal), along = FN(dot)(dir, normal), n = FN(largest)(normal);
-    REAL above_limit = 64 * UNIT * (n * FN(largest)(f)) + AREA_LOW,
-         along_limit = 64 * UNIT * (n * FN(largest)(dir)) + AREA_LOW;
-    *t = above / along;
-    if (!(ABS(above) > above_limit && ABS(above) < AREA_HIGH && ABS(along) > along_limit &&
-          ABS(along) < AREA_HIGH)) {
-        *t = FN(plane_wide)(point, normal, org, dir);
-    }
+    REAL above_limit = 64 * UNIT * (n * FN(largest)(f)) + AREA_LOW;
+    REAL along_limit = 64 * UNIT * (n * FN(largest)(dir)) + AREA_LOW;
+    *sure = (ABS(above) > above_limit) & (ABS(above) < AREA_HIGH) & (ABS(along) > along_limit) &
+            (ABS(along) < AREA_HIGH);
+    return above / along;
+}
+
+/* The same, in the next wider precision where the origin is as good as on the plane or the ray as good as
+ * along it. */
+static inline bool FN(plane_robust)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
+                                    REAL *t) {
+    bool sure;
+    *t = FN(plane_ratio)(point, normal, org, dir, &sure);
+    if (!sure) *t = FN(plane_wide)(point, normal, org, dir);
     return *t > t_min && *t < t_max;
 }
