@@ -1,8 +1,7 @@
 /* Adding shapes: what is wrong with one alone is found here. */
-#include "base/threads.h"
+#include "scene/array_check.h"
 #include "scene/scene.h"
 
-#include <stdatomic.h>
 #include <string.h>
 
 void fathom_sphere_default(fathom_sphere *sphere) { *sphere = (fathom_sphere){.radius = 1}; }
@@ -121,86 +120,6 @@ fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group, const
 
 /* ---- meshes ---- */
 
-static const float *mesh_vertex(const float *base, size_t stride, uint32_t i) {
-    return (const float *)(const void *)((const char *)base + stride * i);
-}
-
-/* One array of a mesh under a parallel check. `bad` is the first bad item. */
-typedef struct array_check {
-    const float *values;
-    size_t stride, components;
-    const uint32_t *indices;
-    uint32_t limit;
-    _Atomic size_t bad;
-} array_check;
-
-static void note_bad(array_check *check, size_t i) {
-    size_t first = atomic_load(&check->bad);
-    while (i < first && !atomic_compare_exchange_weak(&check->bad, &first, i)) {
-    }
-}
-
-/* x - x is 0 for a finite x, NaN for an infinity or a NaN: a sum of those over a run of items vectorises, and
- * only a run whose sum is not 0 is looked at one by one. */
-static void check_finite_run(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    array_check *check = user;
-    float sum = 0;
-    for (size_t i = begin; i < end; ++i) {
-        const float *v = mesh_vertex(check->values, check->stride, (uint32_t)i);
-        for (size_t k = 0; k < check->components; ++k) sum += v[k] - v[k];
-    }
-    if (sum == 0) return;
-    for (size_t i = begin; i < end; ++i) {
-        const float *v = mesh_vertex(check->values, check->stride, (uint32_t)i);
-        for (size_t k = 0; k < check->components; ++k) {
-            if (!isfinite(v[k])) {
-                note_bad(check, i);
-                return;
-            }
-        }
-    }
-}
-
-static void check_index_run(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    array_check *check = user;
-    uint32_t highest = 0;
-    for (size_t i = begin; i < end; ++i) highest = check->indices[i] > highest ? check->indices[i] : highest;
-    if (highest < check->limit) return;
-    for (size_t i = begin; i < end; ++i) {
-        if (check->indices[i] >= check->limit) {
-            note_bad(check, i);
-            return;
-        }
-    }
-}
-
-static fathom_status check_values(fathom_context *context, const char *what, const float *values,
-                                  size_t stride, size_t components, uint32_t count) {
-    if (stride % 4 || stride < components * sizeof(float)) {
-        return fail(context, FATHOM_BAD_INPUT,
-                    "%s: the stride is %zu; expected a multiple of 4 of at least %zu", what, stride,
-                    components * sizeof(float));
-    }
-    array_check check = {.values = values, .stride = stride, .components = components, .bad = SIZE_MAX};
-    loop_parallel(fathom_context_threads(context), count, 1u << 16, check_finite_run, &check);
-    size_t bad = atomic_load(&check.bad);
-    if (bad == SIZE_MAX) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_INPUT, "%s[%zu]: expected finite numbers, found a NaN or an infinity",
-                what, bad);
-}
-
-static fathom_status check_indices(fathom_context *context, const char *what, const uint32_t *indices,
-                                   uint32_t triangles, uint32_t limit) {
-    array_check check = {.indices = indices, .limit = limit, .bad = SIZE_MAX};
-    loop_parallel(fathom_context_threads(context), (size_t)triangles * 3, 1u << 18, check_index_run, &check);
-    size_t bad = atomic_load(&check.bad);
-    if (bad == SIZE_MAX) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_INPUT, "%s[%zu] (triangle %zu): %u is out of range, there are %u", what,
-                bad, bad / 3, indices[bad], limit);
-}
-
 static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m) {
     if (!m->positions || !m->vertex_count)
         return fail(context, FATHOM_BAD_INPUT, "positions: the mesh has no vertices");
@@ -216,21 +135,22 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m) {
         return fail(context, FATHOM_BAD_INPUT, "uvs: there are %u for %u vertices", m->uv_count,
                     m->vertex_count);
     }
+    size_t corners = (size_t)m->triangle_count * 3;
     fathom_status status =
-        check_values(context, "positions", m->positions, m->position_stride, 3, m->vertex_count);
+        array_check_finite(context, "positions", m->positions, m->position_stride, 3, m->vertex_count);
     if (status == FATHOM_OK)
-        status = check_indices(context, "indices", m->indices, m->triangle_count, m->vertex_count);
+        status = array_check_indices(context, "indices", m->indices, corners, m->vertex_count);
     if (status == FATHOM_OK && m->normals) {
-        status = check_values(context, "normals", m->normals, m->normal_stride, 3, m->normal_count);
+        status = array_check_finite(context, "normals", m->normals, m->normal_stride, 3, m->normal_count);
         if (status == FATHOM_OK && m->normal_indices) {
-            status = check_indices(context, "normal indices", m->normal_indices, m->triangle_count,
-                                   m->normal_count);
+            status =
+                array_check_indices(context, "normal indices", m->normal_indices, corners, m->normal_count);
         }
     }
     if (status == FATHOM_OK && m->uvs) {
-        status = check_values(context, "uvs", m->uvs, m->uv_stride, 2, m->uv_count);
+        status = array_check_finite(context, "uvs", m->uvs, m->uv_stride, 2, m->uv_count);
         if (status == FATHOM_OK && m->uv_indices) {
-            status = check_indices(context, "uv indices", m->uv_indices, m->triangle_count, m->uv_count);
+            status = array_check_indices(context, "uv indices", m->uv_indices, corners, m->uv_count);
         }
     }
     return status;
