@@ -1,0 +1,217 @@
+/* glTF 2.0: what the gltf*.c files share.
+ *
+ * gltf.c            the whole: versions, extensions, the order of things, the end of it
+ * gltf_json.c       typed values that know their place in the document
+ * gltf_container.c  GLB chunks and the JSON text
+ * gltf_buffer.c     buffers: the GLB's own chunk, files beside it, base64
+ * gltf_accessor.c   typed arrays in buffers, checked
+ * gltf_convert.c    the same as plain arrays: in place or converted
+ * gltf_array.c      arrays for meshes, each made and looked through once
+ * gltf_mesh.c       meshes to groups
+ * gltf_material.c   materials to the model's
+ * gltf_node.c       the hierarchy, its instances
+ * gltf_light.c      lights and cameras */
+#ifndef READ_GLTF_H
+#define READ_GLTF_H
+
+#include "base/file.h"
+#include "read/read.h"
+
+#include <jansson.h>
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "glTF buffers are little-endian and used in place");
+
+/* A value and its place in the document, for messages. json is NULL where the file has none. The parent must
+ * outlive it: places live on the stack of the functions that walk down. */
+typedef struct gltf_value {
+    json_t *json;
+    const struct gltf_value *parent; /* NULL: the document */
+    const char *key;                 /* NULL: item `index` of an array */
+    size_t index;
+} gltf_value;
+
+/* Bytes that came from one file; given to the scene as soon as it points into them. */
+typedef struct gltf_source {
+    file_map map;
+    bool shared;
+} gltf_source;
+
+typedef struct gltf_buffer {
+    const unsigned char *bytes; /* NULL: not loaded yet */
+    uint64_t size;
+    gltf_source *source; /* NULL: memory of the scene */
+    bool owns_source;    /* false where source is the main file */
+} gltf_buffer;
+
+/* An accessor's elements as an array that a mesh can use. */
+typedef struct gltf_floats {
+    const float *values; /* NULL: not made yet; finite */
+    size_t stride;       /* bytes */
+    uint32_t count;
+} gltf_floats;
+
+typedef struct gltf_array_entry {
+    gltf_floats floats;
+    const uint32_t *indices; /* NULL: not made yet */
+    uint32_t vertices;       /* all indices are below; 0: not looked at */
+} gltf_array_entry;
+
+/* One bit for each kind of warning: each is given once a file. */
+enum {
+    GLTF_WARNED_TEXTURES = 1u << 0,
+    GLTF_WARNED_SKINS = 1u << 1,
+    GLTF_WARNED_MORPH = 1u << 2,
+    GLTF_WARNED_MODES = 1u << 3,
+    GLTF_WARNED_POSITIONS = 1u << 4,
+    GLTF_WARNED_REST = 1u << 5,
+    GLTF_WARNED_RANGE = 1u << 6,
+    GLTF_WARNED_ORTHOGRAPHIC = 1u << 7,
+};
+
+typedef struct gltf_material {
+    fathom_id id;   /* FATHOM_NONE: not made yet */
+    unsigned flags; /* of the meshes that wear it */
+} gltf_material;
+
+typedef struct gltf {
+    fathom_scene *scene;
+    fathom_context *context;
+    fathom_id group;
+    const char *path;
+    const read_mesh_options *options;
+    gltf_source *source;
+    const unsigned char *binary; /* the GLB's BIN chunk, or NULL */
+    uint64_t binary_size;
+    gltf_value root, accessors, views, buffers, materials, meshes, nodes, scenes, cameras;
+    gltf_value extensions, punctual, lights; /* of the document */
+    gltf_buffer *buffer_table;               /* beside buffers */
+    gltf_material *material_table;           /* beside materials, and the default one after them */
+    gltf_array_entry *array_table;           /* beside accessors */
+    fathom_id *mesh_table; /* beside meshes: the group, FATHOM_NONE (not made), GLTF_EMPTY */
+    bool has_camera;       /* one was taken from this file */
+    unsigned warned;
+} gltf;
+
+#define GLTF_EMPTY (FATHOM_NONE - 1) /* a mesh without a triangle */
+#define GLTF_ABSENT UINT32_MAX       /* no index given */
+
+/* ---- gltf_json.c ----
+ * Getters leave *out as it was where the member is absent: it holds the default. All fail with
+ * FATHOM_BAD_INPUT and the place: "file: meshes[2].name: is a number; expected a string". */
+
+/* `key` may be NULL: the value `at` itself. */
+fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+/* Puts file and place in front of the message that a call of the scene left. */
+fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
+void gltf_warn_once(gltf *g, unsigned kind, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+gltf_value gltf_member(const gltf_value *parent, const char *key);
+fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
+fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
+/* Item `index` of an array, which must be an object. */
+fathom_status gltf_item(gltf *g, const gltf_value *array, size_t index, gltf_value *out);
+/* The object extensions.NAME of `parent`; absent where either is. `holder` receives the object between. */
+fathom_status gltf_extension(gltf *g, const gltf_value *parent, const char *name, gltf_value *holder,
+                             gltf_value *out);
+size_t gltf_count(const gltf_value *array);
+
+/* In [lowest, highest]. */
+fathom_status gltf_number(gltf *g, const gltf_value *parent, const char *key, double lowest, double highest,
+                          double *out);
+/* Exactly n numbers, each in [lowest, highest]. */
+fathom_status gltf_numbers(gltf *g, const gltf_value *parent, const char *key, size_t n, double lowest,
+                           double highest, double *out);
+fathom_status gltf_integer(gltf *g, const gltf_value *parent, const char *key, uint64_t lowest,
+                           uint64_t highest, uint64_t *out);
+/* An index into `into`. */
+fathom_status gltf_index(gltf *g, const gltf_value *parent, const char *key, const gltf_value *into,
+                         uint32_t *out);
+/* The same for item i of an array of indices. */
+fathom_status gltf_index_item(gltf *g, const gltf_value *array, size_t i, const gltf_value *into,
+                              uint32_t *out);
+fathom_status gltf_text(gltf *g, const gltf_value *parent, const char *key, const char **out);
+fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool *out);
+
+/* ---- gltf_container.c, gltf_buffer.c ---- */
+
+/* Opens the file, finds its chunks and parses its JSON into g->root. */
+fathom_status gltf_open(gltf *g);
+fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
+/* From now on the scene keeps the buffer's bytes. Call before anything of the scene points into them. */
+fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer);
+void gltf_source_release(void *source);
+
+/* ---- gltf_accessor.c ---- */
+
+typedef enum gltf_type {
+    GLTF_BYTE = 5120,
+    GLTF_UBYTE = 5121,
+    GLTF_SHORT = 5122,
+    GLTF_USHORT = 5123,
+    GLTF_UINT = 5125,
+    GLTF_FLOAT = 5126
+} gltf_type;
+
+/* A bit for each component type, to say what is accepted. */
+enum {
+    GLTF_TAKES_FLOAT = 1u << 0,
+    GLTF_TAKES_SIGNED = 1u << 1,   /* byte and short */
+    GLTF_TAKES_UNSIGNED = 1u << 2, /* ubyte and ushort */
+    GLTF_TAKES_UINT = 1u << 3
+};
+
+/* Where the first element of an array lies; NULL bytes stand for zeros. */
+typedef struct gltf_span {
+    const unsigned char *bytes;
+    uint32_t stride;
+    gltf_buffer *buffer;
+} gltf_span;
+
+typedef struct gltf_accessor {
+    gltf_type type;
+    unsigned components; /* of an element: 1 to 4 */
+    bool normalized;
+    uint32_t count; /* elements */
+    gltf_span elements;
+    uint32_t sparse_count; /* elements that are replaced */
+    gltf_type sparse_type;
+    gltf_span sparse_indices, sparse_values;
+} gltf_accessor;
+
+/* The accessor that member `key` of `user` names by its index; components and `takes` say what is expected
+ * there. *index stays GLTF_ABSENT where there is no such member. */
+fathom_status gltf_accessor_open(gltf *g, const gltf_value *user, const char *key, unsigned components,
+                                 unsigned takes, uint32_t *index, gltf_accessor *out);
+/* Which element the i-th replaced one of a sparse accessor is. */
+uint32_t gltf_accessor_sparse_index(const gltf_accessor *accessor, uint32_t i);
+
+/* ---- gltf_convert.c ---- */
+
+/* The elements as floats: straight from the file where it holds aligned floats, otherwise converted into
+ * memory of the scene. stride in bytes. */
+fathom_status gltf_accessor_floats(gltf *g, const gltf_accessor *accessor, const float **out, size_t *stride);
+/* The same for indices, tightly packed. */
+fathom_status gltf_accessor_indices(gltf *g, const gltf_accessor *accessor, const uint32_t **out);
+
+/* ---- gltf_array.c ----
+ * Arguments as of gltf_accessor_open(). *present is false where there is no such member. */
+
+fathom_status gltf_array_floats(gltf *g, const gltf_value *user, const char *key, unsigned components,
+                                unsigned takes, bool *present, gltf_floats *out);
+/* All of them below `vertices`. */
+fathom_status gltf_array_indices(gltf *g, const gltf_value *user, const char *key, uint32_t vertices,
+                                 bool *present, const uint32_t **out, uint32_t *count);
+
+/* ---- what the document holds ---- */
+
+/* The group that holds mesh `index`, made when first asked for, or GLTF_EMPTY. */
+fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out);
+/* Material `index`; GLTF_ABSENT is the file format's default one. */
+fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
+/* Walks the nodes of the scene that is shown. */
+fathom_status gltf_nodes_place(gltf *g);
+fathom_status gltf_light_place(gltf *g, const gltf_value *node, const affine_f64 *to_world);
+fathom_status gltf_camera_place(gltf *g, const gltf_value *node, const affine_f64 *to_world);
+
+#endif
