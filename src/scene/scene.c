@@ -133,6 +133,17 @@ fathom_id scene_find_material(const fathom_scene *scene, const char *name) {
     return FATHOM_NONE;
 }
 
+fathom_id scene_object_material(const fathom_scene *scene, fathom_id id) {
+    scene_object object = scene->objects.items[id];
+    switch (object.kind) {
+    case SCENE_SPHERE: return scene->spheres.items[object.index].material;
+    case SCENE_QUAD: return scene->quads.items[object.index].material;
+    case SCENE_PLANE: return scene->planes.items[object.index].material;
+    case SCENE_MESH: return scene->meshes.items[object.index].material;
+    }
+    return FATHOM_NONE;
+}
+
 void fathom_light_default(fathom_light *light) {
     *light = (fathom_light){.type = FATHOM_LIGHT_POINT,
                             .direction = {0, -1, 0},

@@ -64,6 +64,9 @@ fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const
 /* The material with this name, FATHOM_NONE when there is none. */
 fathom_id scene_find_material(const fathom_scene *scene, const char *name);
 
+/* The material of a shape. */
+fathom_id scene_object_material(const fathom_scene *scene, fathom_id object);
+
 typedef struct scene_bounds {
     vec3_f64 lower, upper; /* lower > upper: empty */
 } scene_bounds;

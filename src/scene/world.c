@@ -178,12 +178,5 @@ fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, 
     if (instance != FATHOM_NONE && w->instances.items[instance].material != FATHOM_NONE) {
         return w->instances.items[instance].material;
     }
-    scene_object object = w->scene->objects.items[world_object(w, geometry, primitive)];
-    switch (object.kind) {
-    case SCENE_SPHERE: return w->scene->spheres.items[object.index].material;
-    case SCENE_QUAD: return w->scene->quads.items[object.index].material;
-    case SCENE_PLANE: return w->scene->planes.items[object.index].material;
-    case SCENE_MESH: return w->scene->meshes.items[object.index].material;
-    }
-    return FATHOM_NONE;
+    return scene_object_material(w->scene, world_object(w, geometry, primitive));
 }

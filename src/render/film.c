@@ -1,0 +1,92 @@
+#include "render/film.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static float *add_channel(fathom_film *film, const char *name, bool is_id, bool color) {
+    /* float and uint32_t are both four bytes: one allocation serves either. */
+    float *data = calloc((size_t)film->width * film->height, sizeof *data);
+    if (data) film->channels[film->channel_count++] = (film_channel){name, is_id, color, data};
+    return data;
+}
+
+static bool add_three(fathom_film *film, float *out[3], const char *a, const char *b, const char *c,
+                      bool color) {
+    out[0] = add_channel(film, a, false, color);
+    out[1] = add_channel(film, b, false, color);
+    out[2] = add_channel(film, c, false, color);
+    return out[0] && out[1] && out[2];
+}
+
+static bool add_id(fathom_film *film, uint32_t **out, const char *name) {
+    *out = (uint32_t *)(void *)add_channel(film, name, true, false);
+    return *out != NULL;
+}
+
+static bool add_channels(fathom_film *film, unsigned aovs) {
+    bool ok = add_three(film, film->rgb, "R", "G", "B", true);
+    if (aovs & FATHOM_AOV_ALPHA) ok = ok && (film->alpha = add_channel(film, "A", false, true));
+    if (aovs & FATHOM_AOV_Z) ok = ok && (film->z = add_channel(film, "Z", false, false));
+    if (aovs & FATHOM_AOV_N) ok = ok && add_three(film, film->n, "N.X", "N.Y", "N.Z", false);
+    if (aovs & FATHOM_AOV_P) ok = ok && add_three(film, film->p, "P.X", "P.Y", "P.Z", false);
+    if (aovs & FATHOM_AOV_ALBEDO)
+        ok = ok && add_three(film, film->albedo, "albedo.R", "albedo.G", "albedo.B", true);
+    if (aovs & FATHOM_AOV_ID) {
+        ok = ok && add_id(film, &film->object, "id.object") &&
+             add_id(film, &film->primitive, "id.primitive") && add_id(film, &film->instance, "id.instance");
+    }
+    return ok;
+}
+
+fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          fathom_film **out) {
+    *out = NULL;
+    fathom_film *film = calloc(1, sizeof *film);
+    if (!film) return fail_memory(context, sizeof *film);
+    const uint32_t *c = settings->crop;
+    bool cropped = c[2] && c[3];
+    film->x = c[0], film->y = c[1];
+    film->width = cropped ? c[2] - c[0] : settings->width;
+    film->height = cropped ? c[3] - c[1] : settings->height;
+    film->full_width = settings->width, film->full_height = settings->height;
+    film->settings = *settings;
+    film->camera = scene->camera;
+    film->scene_name = strdup(scene->name);
+    if (!film->scene_name || !add_channels(film, settings->aovs)) {
+        size_t pixels = (size_t)film->width * film->height;
+        fathom_film_destroy(film);
+        return fail(context, FATHOM_OUT_OF_RESOURCES,
+                    "out of memory: the film wants %zu bytes for each of its channels",
+                    pixels * sizeof(float));
+    }
+    *out = film;
+    return FATHOM_OK;
+}
+
+void fathom_film_destroy(fathom_film *film) {
+    if (!film) return;
+    for (uint32_t i = 0; i < film->channel_count; ++i) free(film->channels[i].data);
+    free(film->scene_name);
+    free(film);
+}
+
+void fathom_film_size(const fathom_film *film, uint32_t *width, uint32_t *height) {
+    *width = film->width;
+    *height = film->height;
+}
+
+static const void *find_channel(const fathom_film *film, const char *name, bool is_id) {
+    for (uint32_t i = 0; i < film->channel_count; ++i) {
+        const film_channel *c = &film->channels[i];
+        if (c->is_id == is_id && strcmp(c->name, name) == 0) return c->data;
+    }
+    return NULL;
+}
+
+const float *fathom_film_channel(const fathom_film *film, const char *name) {
+    return find_channel(film, name, false);
+}
+
+const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name) {
+    return find_channel(film, name, true);
+}

@@ -1,0 +1,34 @@
+/* The film: planar channels of the cropped image, top row first. */
+#ifndef RENDER_FILM_H
+#define RENDER_FILM_H
+
+#include "scene/scene.h"
+
+#include <fathom/render.h>
+
+#define FILM_CHANNELS 20
+
+typedef struct film_channel {
+    const char *name;
+    bool is_id, color;
+    void *data; /* float or uint32_t, width * height */
+} film_channel;
+
+struct fathom_film {
+    uint32_t width, height, x, y, full_width, full_height;
+    film_channel channels[FILM_CHANNELS];
+    uint32_t channel_count;
+    /* The same memory by meaning; NULL when not asked for. */
+    float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3];
+    uint32_t *object, *primitive, *instance;
+    /* For the header of image files. */
+    fathom_settings settings;
+    fathom_camera camera;
+    fathom_stats stats;
+    char *scene_name;
+};
+
+fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          fathom_film **out);
+
+#endif

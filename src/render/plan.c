@@ -1,0 +1,65 @@
+#include "render/plan.h"
+
+#include "shade/material.h"
+
+#include <stdlib.h>
+
+/* Materials of the objects there are, and of instances that override theirs. */
+static unsigned features_in_use(const fathom_scene *scene) {
+    unsigned features = 0;
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        fathom_id material = scene_object_material(scene, (fathom_id)i);
+        features |= material_features(&scene->materials.items[material].value);
+    }
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        fathom_id material = scene->instances.items[i].material;
+        if (material != FATHOM_NONE) features |= material_features(&scene->materials.items[material].value);
+    }
+    return features;
+}
+
+static bool lights_up(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
+
+uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s) {
+    uint64_t pixels = s->crop[2] ? (uint64_t)(s->crop[2] - s->crop[0]) * (s->crop[3] - s->crop[1])
+                                 : (uint64_t)s->width * s->height;
+    unsigned bends = features_in_use(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? 2 : 1;
+    return pixels * s->spp * (1 + scene->lights.count) * bends;
+}
+
+fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
+                          const fathom_settings *settings, render_plan **out) {
+    *out = NULL;
+    const fathom_scene *scene = w->scene;
+    render_plan *plan = calloc(1, sizeof *plan);
+    shade_light *lights = malloc((scene->lights.count + 1) * sizeof *lights);
+    if (!plan || !lights) {
+        free(plan);
+        free(lights);
+        return fail_memory(context, sizeof *plan);
+    }
+    plan->scene = scene;
+    plan->world = w;
+    plan->tracer = tracer;
+    plan->settings = *settings;
+    plan->lights = lights;
+    plan->features = features_in_use(scene);
+    camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
+    for (size_t i = 0; i < scene->lights.count && plan->features & MATERIAL_LIT; ++i) {
+        const fathom_light *light = &scene->lights.items[i];
+        if (lights_up(light->intensity)) light_prepare(light, w->origin, &lights[plan->light_count++]);
+    }
+    plan->constant_term = lights_up(scene->ambient) || plan->features & MATERIAL_EMIT;
+    plan->max_depth = plan->features & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? settings->max_depth : 0;
+    plan->grid = (uint32_t)(sqrt((double)settings->spp) + 0.5);
+    plan->t_near = (float)settings->epsilon;
+    plan->first_hits = settings->aovs != 0;
+    *out = plan;
+    return FATHOM_OK;
+}
+
+void plan_destroy(render_plan *plan) {
+    if (!plan) return;
+    free(plan->lights);
+    free(plan);
+}

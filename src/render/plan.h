@@ -1,0 +1,33 @@
+/* What this scene needs, and nothing else: computed once before rendering. */
+#ifndef RENDER_PLAN_H
+#define RENDER_PLAN_H
+
+#include "shade/camera.h"
+#include "shade/light.h"
+#include "trace/trace.h"
+
+typedef struct render_plan {
+    const fathom_scene *scene;
+    const world *world;
+    const trace_tracer *tracer;
+    fathom_settings settings;
+    shade_camera camera;
+    shade_light *lights;
+    uint32_t light_count;
+    unsigned features;  /* MATERIAL_ bits of the materials in use */
+    bool constant_term; /* some point has ambient or emitted radiance */
+    uint32_t max_depth; /* 0 when nothing mirrors or refracts */
+    uint32_t grid;      /* n of the n × n patterns */
+    float t_near;       /* 0, or the fixed epsilon */
+    bool first_hits;    /* some AOV wants the first hit */
+} render_plan;
+
+/* Release with plan_destroy(). */
+fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
+                          const fathom_settings *settings, render_plan **out);
+void plan_destroy(render_plan *plan);
+
+/* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */
+uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *settings);
+
+#endif

@@ -1,0 +1,102 @@
+#include "base/clock.h"
+#include "render/job.h"
+
+typedef struct build_watch {
+    fathom_progress_fn progress;
+    void *user;
+    double began;
+} build_watch;
+
+/* Embree calls this from its building threads, one at a time. */
+static bool on_build(void *user, double fraction) {
+    const build_watch *watch = user;
+    fathom_progress now = {
+        .phase = FATHOM_PHASE_BUILD, .fraction = fraction, .seconds = clock_seconds() - watch->began};
+    return watch->progress(watch->user, &now);
+}
+
+static fathom_status build(fathom_context *context, const world *w, const fathom_settings *settings,
+                           fathom_progress_fn progress, void *user, trace_tracer **out) {
+    build_watch watch = {progress, user, clock_seconds()};
+    trace_options options = {.kind = settings->tracer,
+                             .width = settings->block_width,
+                             .threads = fathom_context_threads(context),
+                             .progress = progress ? on_build : NULL,
+                             .user = &watch};
+    return trace_create(context, w, &options, out);
+}
+
+static void count_scene(const world *w, const trace_tracer *tracer, fathom_stats *stats) {
+    const fathom_scene *scene = w->scene;
+    for (size_t i = 0; i < scene->meshes.count; ++i)
+        stats->triangles += scene->meshes.items[i].triangle_count;
+    stats->primitives = stats->triangles + scene->spheres.count + scene->quads.count + scene->planes.count;
+    stats->instances = w->instances.count;
+    stats->degenerate_triangles = w->degenerate_triangles;
+    stats->bvh_bytes = trace_bvh_bytes(tracer);
+    stats->threads = fathom_context_threads(scene->context);
+    const char *name = trace_name(tracer);
+    for (size_t i = 0; name[i] && i + 1 < sizeof stats->tracer; ++i) stats->tracer[i] = name[i];
+}
+
+static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
+                                  const fathom_settings *settings, fathom_progress_fn progress, void *user,
+                                  fathom_film *film) {
+    render_plan *plan;
+    fathom_status status = plan_create(context, w, tracer, settings, &plan);
+    if (status != FATHOM_OK) return status;
+    ray_counts rays;
+    double began = clock_seconds();
+    status = job_run(context, plan, film, progress, user, &rays);
+    plan_destroy(plan);
+    film->stats.render_seconds = clock_seconds() - began;
+    film->stats.camera_rays = rays.camera;
+    film->stats.shadow_rays = rays.shadow;
+    film->stats.reflection_rays = rays.reflection;
+    film->stats.refraction_rays = rays.refraction;
+    return status;
+}
+
+static fathom_status render_film(fathom_context *context, const fathom_scene *scene,
+                                 const fathom_settings *settings, fathom_progress_fn progress, void *user,
+                                 fathom_film *film) {
+    double began = clock_seconds();
+    world *w;
+    fathom_status status = world_create(scene, &w);
+    if (status != FATHOM_OK) return status;
+    if (w->degenerate_triangles) {
+        warn(context, "%llu degenerate triangles (without area) are left out",
+             (unsigned long long)w->degenerate_triangles);
+    }
+    trace_tracer *tracer = NULL;
+    status = build(context, w, settings, progress, user, &tracer);
+    film->stats.build_seconds = clock_seconds() - began;
+    if (status == FATHOM_OK) {
+        count_scene(w, tracer, &film->stats);
+        status = render_world(context, w, tracer, settings, progress, user, film);
+    }
+    trace_destroy(tracer);
+    world_destroy(w);
+    return status;
+}
+
+fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
+                            const fathom_settings *settings, fathom_progress_fn progress, void *user,
+                            fathom_stats *stats, fathom_film **out) {
+    *out = NULL;
+    if (stats) *stats = (fathom_stats){0};
+    fathom_status status = scene_check_settings(context, settings);
+    if (status == FATHOM_OK) status = fathom_scene_check(scene);
+    if (status != FATHOM_OK) return status;
+    fathom_film *film;
+    status = film_create(context, scene, settings, &film);
+    if (status != FATHOM_OK) return status;
+    status = render_film(context, scene, settings, progress, user, film);
+    if (stats) *stats = film->stats;
+    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
+        fathom_film_destroy(film);
+        return status;
+    }
+    *out = film;
+    return status;
+}

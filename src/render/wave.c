@@ -1,0 +1,114 @@
+#include "render/wave.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Embree wants its 16-wide structures aligned to 64 bytes, which realloc does not keep. */
+static bool grow(void **items, size_t used, size_t bytes) {
+    void *grown = aligned_alloc(64, (bytes + 63) / 64 * 64);
+    if (!grown) return false;
+    /* Lanes that no ray fills are handed over as inactive, but are read by vector code all the same. */
+    memset(grown, 0, bytes);
+    if (used) memcpy(grown, *items, used);
+    free(*items);
+    *items = grown;
+    return true;
+}
+
+static size_t grown_capacity(size_t capacity, size_t need) {
+    size_t room = capacity + capacity / 2;
+    if (room < need) room = need;
+    return (room + LANES - 1) / LANES * LANES;
+}
+
+static bool grow_blocks(wave *w, void **rays, size_t ray_size, void **paths, size_t *capacity, size_t used,
+                        size_t need) {
+    if (need <= *capacity) return true;
+    size_t room = grown_capacity(*capacity, need), blocks = room / LANES, old = (used + LANES - 1) / LANES;
+    if (!grow(rays, old * ray_size, blocks * ray_size) ||
+        !grow(paths, old * sizeof(path_block), blocks * sizeof(path_block))) {
+        w->out_of_memory = true;
+        return false;
+    }
+    *capacity = room;
+    return true;
+}
+
+bool wave_reserve_paths(wave *w, path_queue *queue, size_t count) {
+    void *rays = queue->rays, *paths = queue->paths;
+    bool ok = grow_blocks(w, &rays, sizeof(trace_block), &paths, &queue->capacity, queue->count,
+                          queue->count + count);
+    queue->rays = rays;
+    queue->paths = paths;
+    return ok;
+}
+
+bool wave_reserve_shadows(wave *w, size_t count) {
+    shadow_queue *queue = &w->shadows;
+    void *rays = queue->rays, *paths = queue->paths;
+    bool ok = grow_blocks(w, &rays, sizeof(trace_rays), &paths, &queue->capacity, queue->count,
+                          queue->count + count);
+    queue->rays = rays;
+    queue->paths = paths;
+    return ok;
+}
+
+bool wave_reserve_surfaces(wave *w, size_t count) {
+    if (w->surface_count + count <= w->surface_capacity) return true;
+    size_t room = grown_capacity(w->surface_capacity, w->surface_count + count);
+    size_t used = (w->surface_count + LANES - 1) / LANES * sizeof(surface_block);
+    void *surfaces = w->surfaces;
+    w->out_of_memory = !grow(&surfaces, used, room / LANES * sizeof(surface_block));
+    w->surfaces = surfaces;
+    if (!w->out_of_memory) w->surface_capacity = room;
+    return !w->out_of_memory;
+}
+
+bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out) {
+    *out = (wave){.plan = plan, .stop = stop};
+    float *radiance = calloc(3 * WAVE_SLOTS, sizeof *radiance);
+    for (int c = 0; c < 3; ++c) out->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
+    if (plan->first_hits) out->first = malloc(sizeof *out->first);
+    bool ok = radiance && (out->first || !plan->first_hits) &&
+              wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_surfaces(out, WAVE_SLOTS) &&
+              wave_reserve_shadows(out, WAVE_SLOTS);
+    if (!ok) wave_destroy(out);
+    return ok;
+}
+
+void wave_destroy(wave *w) {
+    free(w->now.rays);
+    free(w->now.paths);
+    free(w->next.rays);
+    free(w->next.paths);
+    free(w->shadows.rays);
+    free(w->shadows.paths);
+    free(w->surfaces);
+    free(w->radiance[0]);
+    free(w->first);
+    *w = (wave){.plan = NULL};
+}
+
+static bool trace_all(wave *w, trace_coherence coherence) {
+    for (size_t done = 0; done < w->now.count; done += wave_trace_piece(w)) {
+        if (atomic_load_explicit(w->stop, memory_order_relaxed)) return false;
+        size_t left = w->now.count - done, piece = wave_trace_piece(w);
+        trace_closest(w->plan->tracer, w->now.rays + done / LANES, left < piece ? left : piece, coherence);
+    }
+    return true;
+}
+
+bool wave_run(wave *w, const wave_region *region, uint32_t index) {
+    memset(w->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    wave_camera_rays(w, region, index);
+    for (uint32_t depth = 0; w->now.count; ++depth) {
+        if (!trace_all(w, depth ? TRACE_INCOHERENT : TRACE_COHERENT)) return false;
+        if (!wave_surfaces(w, depth == 0) || !wave_light(w, depth == 0)) return false;
+        w->next.count = 0;
+        if (depth < w->plan->max_depth && !wave_bend(w)) return false;
+        path_queue spare = w->now;
+        w->now = w->next;
+        w->next = spare;
+    }
+    return true;
+}

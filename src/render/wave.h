@@ -1,0 +1,97 @@
+/* A wave: the paths of 32 × 32 pixels, one sample each, going through the stages together in blocks of 16.
+ *
+ * The grid of waves is fixed to the image, not to tiles, crops or threads, and every queue keeps the order of
+ * its parents: what is added to a pixel, and in which order, depends on nothing else. */
+#ifndef RENDER_WAVE_H
+#define RENDER_WAVE_H
+
+#include "render/plan.h"
+#include "shade/bend.h"
+#include "shade/material.h"
+
+#include <stdatomic.h>
+
+#define WAVE_SIDE 32
+#define WAVE_SLOTS (WAVE_SIDE * WAVE_SIDE)
+
+/* Beside each block of rays: what the paths carry. */
+typedef struct path_block {
+    _Alignas(64) float weight[3][LANES];
+    uint32_t slot[LANES];
+} path_block;
+
+/* Rays waiting for their closest hit. */
+typedef struct path_queue {
+    trace_block *rays;
+    path_block *paths;
+    size_t count, capacity; /* in rays; capacity is a multiple of 16 */
+} path_queue;
+
+/* Shadow rays, with what their sample gains when nothing is in the way. */
+typedef struct shadow_queue {
+    trace_rays *rays;
+    path_block *paths; /* weight: the gain */
+    size_t count, capacity;
+} shadow_queue;
+
+/* What the first hit of each slot's sample leaves for the AOVs. */
+typedef struct first_hits {
+    float z[WAVE_SLOTS], n[3][WAVE_SLOTS], p[3][WAVE_SLOTS], albedo[3][WAVE_SLOTS], alpha[WAVE_SLOTS];
+    uint32_t object[WAVE_SLOTS], primitive[WAVE_SLOTS], instance[WAVE_SLOTS];
+} first_hits;
+
+typedef struct ray_counts {
+    uint64_t camera, shadow, reflection, refraction;
+} ray_counts;
+
+typedef struct wave {
+    const render_plan *plan;
+    const atomic_bool *stop;
+    path_queue now, next;
+    shadow_queue shadows;
+    surface_block *surfaces;
+    size_t surface_count, surface_capacity; /* in points */
+    float *radiance[3];                     /* by slot */
+    first_hits *first;                      /* NULL when no AOV wants it */
+    ray_counts rays;
+    bool out_of_memory;
+} wave;
+
+/* Room for n more rays or points; false and wave->out_of_memory when there is none. */
+bool wave_reserve_paths(wave *w, path_queue *queue, size_t count);
+bool wave_reserve_shadows(wave *w, size_t count);
+bool wave_reserve_surfaces(wave *w, size_t count);
+
+/* Rays between two looks at the stop flag, a multiple of 16. Linear search may take milliseconds for each
+ * ray. */
+static inline size_t wave_trace_piece(const wave *w) {
+    return w->plan->settings.tracer == FATHOM_TRACER_EMBREE ? 4096 : LANES;
+}
+
+bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out);
+void wave_destroy(wave *w);
+
+/* The pixels of a wave: the part of its 32 × 32 square that is rendered, in image coordinates, half open. */
+typedef struct wave_region {
+    uint32_t x0, y0, x1, y1;
+    uint32_t left, top; /* the square's corner: slot = (y - top) * 32 + x - left */
+} wave_region;
+
+/* Traces sample `index` of every pixel and leaves its radiance, and first hits, by slot. False when it was
+ * stopped or ran out of memory: then nothing of it may be used. */
+bool wave_run(wave *w, const wave_region *region, uint32_t index);
+
+/* Where in the pixel its sample `index` lies, in [0,1) from the top left. */
+void wave_sample_position(const render_plan *plan, uint32_t x, uint32_t y, uint32_t index, double *dx,
+                          double *dy);
+
+/* ---- the stages, in order ---- */
+void wave_camera_rays(wave *w, const wave_region *region, uint32_t index);
+/* Points of all hits; misses add the background. */
+bool wave_surfaces(wave *w, bool first);
+/* Ambient and emitted radiance, then each light in turn. */
+bool wave_light(wave *w, bool first);
+/* Fills wave->next. */
+bool wave_bend(wave *w);
+
+#endif

@@ -1,0 +1,47 @@
+#include "render/wave.h"
+
+/* A path whose weight can no longer change the image ends here. */
+static bool worth_tracing(const wave *w, const bend_block *from, uint32_t i) {
+    float limit = w->plan->settings.min_weight;
+    return from->weight[0][i] > limit || from->weight[1][i] > limit || from->weight[2][i] > limit;
+}
+
+static void push_path(wave *w, const bend_block *from, uint32_t slot, uint32_t i) {
+    size_t block = w->next.count / LANES, lane = w->next.count % LANES;
+    trace_rays *rays = &w->next.rays[block].rays;
+    path_block *path = &w->next.paths[block];
+    rays->org_x[lane] = from->origin[0][i];
+    rays->org_y[lane] = from->origin[1][i];
+    rays->org_z[lane] = from->origin[2][i];
+    rays->dir_x[lane] = from->direction[0][i];
+    rays->dir_y[lane] = from->direction[1][i];
+    rays->dir_z[lane] = from->direction[2][i];
+    rays->t_near[lane] = w->plan->t_near;
+    rays->t_far[lane] = INFINITY;
+    for (int c = 0; c < 3; ++c) path->weight[c][lane] = from->weight[c][i];
+    path->slot[lane] = slot;
+    ++w->next.count;
+}
+
+bool wave_bend(wave *w) {
+    const scene_named_material *table = w->plan->scene->materials.items;
+    for (size_t b = 0; b * LANES < w->surface_count; ++b) {
+        const surface_block *s = &w->surfaces[b];
+        material_block materials;
+        bend_block mirrored, refracted;
+        material_gather(table, s, &materials);
+        bend_rays(s, &materials, &mirrored, &refracted);
+        if (!wave_reserve_paths(w, &w->next, 2 * LANES)) return false;
+        for (uint32_t i = 0; i < s->count; ++i) {
+            if (worth_tracing(w, &mirrored, i)) {
+                push_path(w, &mirrored, s->slot[i], i);
+                ++w->rays.reflection;
+            }
+            if (worth_tracing(w, &refracted, i)) {
+                push_path(w, &refracted, s->slot[i], i);
+                ++w->rays.refraction;
+            }
+        }
+    }
+    return true;
+}

@@ -1,0 +1,80 @@
+#include "render/wave.h"
+
+/* The shadow ray ends just short of the light: a surface that holds the light does not shade itself. Two
+ * roundings enter the distance, and one the product. */
+static const float before_light = 1 - 4 * 0x1p-24f;
+
+static void push_shadow(wave *w, const light_block *from, const surface_block *s, uint32_t i) {
+    size_t block = w->shadows.count / LANES, lane = w->shadows.count % LANES;
+    trace_rays *rays = &w->shadows.rays[block];
+    path_block *path = &w->shadows.paths[block];
+    rays->org_x[lane] = from->origin[0][i];
+    rays->org_y[lane] = from->origin[1][i];
+    rays->org_z[lane] = from->origin[2][i];
+    rays->dir_x[lane] = from->direction[0][i];
+    rays->dir_y[lane] = from->direction[1][i];
+    rays->dir_z[lane] = from->direction[2][i];
+    rays->t_near[lane] = w->plan->t_near;
+    rays->t_far[lane] = from->distance[i] * before_light;
+    for (int c = 0; c < 3; ++c) path->weight[c][lane] = from->radiance[c][i];
+    path->slot[lane] = s->slot[i];
+    ++w->shadows.count;
+}
+
+/* Rays only where there is something to gain. */
+static void push_shadows(wave *w, const light_block *from, const surface_block *s) {
+    for (uint32_t i = 0; i < s->count; ++i) {
+        float gain = from->radiance[0][i] + from->radiance[1][i] + from->radiance[2][i];
+        if (gain > 0 && from->distance[i] > 0) push_shadow(w, from, s, i);
+    }
+}
+
+static void add_seen(wave *w) {
+    for (size_t k = 0; k < w->shadows.count; ++k) {
+        size_t block = k / LANES, lane = k % LANES;
+        if (w->shadows.rays[block].t_far[lane] < 0) continue;
+        const path_block *path = &w->shadows.paths[block];
+        for (int c = 0; c < 3; ++c) w->radiance[c][path->slot[lane]] += path->weight[c][lane];
+    }
+}
+
+static bool trace_shadows(wave *w, trace_coherence coherence) {
+    size_t piece = wave_trace_piece(w);
+    for (size_t done = 0; done < w->shadows.count; done += piece) {
+        if (atomic_load_explicit(w->stop, memory_order_relaxed)) return false;
+        size_t left = w->shadows.count - done;
+        trace_any(w->plan->tracer, w->shadows.rays + done / LANES, left < piece ? left : piece, coherence);
+    }
+    w->rays.shadow += w->shadows.count;
+    add_seen(w);
+    return true;
+}
+
+/* Light by light: rays of one queue all run towards the same point. */
+static bool add_light(wave *w, const shade_light *light, trace_coherence coherence) {
+    const render_plan *plan = w->plan;
+    w->shadows.count = 0;
+    if (!wave_reserve_shadows(w, w->surface_count)) return false;
+    for (size_t b = 0; b * LANES < w->surface_count; ++b) {
+        const surface_block *s = &w->surfaces[b];
+        material_block materials;
+        light_block arriving;
+        material_gather(plan->scene->materials.items, s, &materials);
+        light_evaluate(light, s, &materials, (plan->features & MATERIAL_SPECULAR) != 0, &arriving);
+        push_shadows(w, &arriving, s);
+    }
+    return trace_shadows(w, coherence);
+}
+
+bool wave_light(wave *w, bool first) {
+    const render_plan *plan = w->plan;
+    for (size_t b = 0; plan->constant_term && b * LANES < w->surface_count; ++b) {
+        material_block materials;
+        material_gather(plan->scene->materials.items, &w->surfaces[b], &materials);
+        material_add_constant(&materials, &w->surfaces[b], plan->scene->ambient, w->radiance);
+    }
+    for (uint32_t i = 0; i < plan->light_count; ++i) {
+        if (!add_light(w, &plan->lights[i], first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
+    }
+    return true;
+}
