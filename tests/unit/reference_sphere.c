@@ -1,0 +1,285 @@
+/* Spheres against quadruple precision, for the same float or double input. */
+#include "random.h"
+#include "reference/reference.h"
+#include "reference/reference_f128.h"
+#include "reference/surface.h"
+#include "unit.h"
+
+#include <float.h>
+
+/* What there is to know about the line and the sphere, all but exact. */
+typedef struct sphere_truth {
+    real_f128 f, l, d;       /* lengths of E-C, its rejection on d, d */
+    real_f128 D;             /* R² - l² */
+    real_f128 s, q[2], t[2]; /* √(a D); b ∓ s; the roots */
+} sphere_truth;
+
+static sphere_truth truth_of(vec3_f64 center, double radius, vec3_f64 org, vec3_f64 dir) {
+    sphere_truth truth = {0};
+    vec3_f128 d = quadruple_f64(dir), f = sub_f128(quadruple_f64(org), quadruple_f64(center));
+    real_f128 a = dot_f128(d, d), b = -dot_f128(f, d), r = radius;
+    vec3_f128 l = madd_f128(f, b / a, d);
+    truth.f = length_f128(f), truth.l = length_f128(l), truth.d = length_f128(d);
+    truth.D = (r - truth.l) * (r + truth.l);
+    if (truth.D < 0) return truth;
+    truth.s = sqrt_f128(a * truth.D);
+    truth.q[0] = b - truth.s, truth.q[1] = b + truth.s;
+    bool sure;
+    sphere_plain_f128(quadruple_f64(center), r, quadruple_f64(org), d, truth.t, &sure);
+    return truth;
+}
+
+/* How far the root may be off where the unit roundoff is u: with sphere_text.h, b by 5 u |f||d|, D by
+ * 20 u |f| l + 5 u (R² + l²), s by half D's relative error and 3 u, c by 54 u of itself; and a quotient. The
+ * root is q/a or c/q', so |δt/t| ≤ |δq/q| + 60 u, with the q of larger size. First-order: doubled. */
+static double root_tolerance(const sphere_truth *truth, int root, double radius, double u) {
+    double f = (double)truth->f, l = (double)truth->l, D = (double)truth->D, s = (double)truth->s;
+    double dD = 20 * u * f * l + 5 * u * (radius * radius + l * l);
+    double ds = D > 0 ? s * (dD / (2 * D) + 3 * u) : (double)INFINITY;
+    double big = fmax(fabs((double)truth->q[0]), fabs((double)truth->q[1]));
+    return 2 * fabs((double)truth->t[root]) * ((5 * u * f * (double)truth->d + ds) / big + 60 * u);
+}
+
+static vec3_f64 random_direction(random_state *r, double length) {
+    for (;;) {
+        vec3_f64 d = {random_in(r, -1, 1), random_in(r, -1, 1), random_in(r, -1, 1)};
+        double l = length_f64(d);
+        if (l > 0.1 && l < 1) return scale_f64(length / l, d);
+    }
+}
+
+typedef struct sphere_case {
+    vec3_f32 center, org, dir;
+    float radius;
+} sphere_case;
+
+/* A ray that passes the centre at `aim` radii, from `distance` away. */
+static sphere_case aimed(random_state *r, double radius, double distance, double aim, double length) {
+    vec3_f64 away = random_direction(r, distance), side = cross_f64(away, random_direction(r, 1));
+    vec3_f64 target = scale_f64(aim * radius / length_f64(side), side);
+    vec3_f64 center = random_direction(r, random_in(r, 0, 1) * fmax(radius, distance));
+    vec3_f64 dir = sub_f64(target, away);
+    sphere_case c = {narrow(center), narrow(add_f64(center, away)),
+                     narrow(scale_f64(length / length_f64(dir), dir)), (float)radius};
+    return c;
+}
+
+static sphere_truth truth_of_case(const sphere_case *c) {
+    return truth_of(widen(c->center), (double)c->radius, widen(c->org), widen(c->dir));
+}
+
+/* Where the wider precision (unit roundoff u) cannot tell hit from miss: 36 u |f| √(R² + l²) from
+ * sphere_text.h. */
+static bool in_band(const sphere_truth *truth, double radius, double u) {
+    double f = (double)truth->f, l = (double)truth->l;
+    return fabs((double)truth->D) <= 36 * u * f * hypot(radius, l);
+}
+
+static void check_f32(const sphere_case *c, const sphere_truth *truth) {
+    float t = NAN;
+    bool hit = sphere_robust_f32(c->center, c->radius, c->org, c->dir, 0, INFINITY, &t);
+    if (in_band(truth, (double)c->radius, 0x1p-53)) return;
+    bool meets = truth->D >= 0 && truth->t[1] > 0;
+    assert_int_equal(hit, meets);
+    if (!hit) return;
+    int root = truth->t[0] > 0 ? 0 : 1;
+    assert_near(t, truth->t[root], root_tolerance(truth, root, (double)c->radius, 0x1p-24));
+}
+
+static void check_f64(const sphere_case *c, const sphere_truth *truth) {
+    double t = (double)NAN;
+    bool hit =
+        sphere_robust_f64(widen(c->center), (double)c->radius, widen(c->org), widen(c->dir), 0, INFINITY, &t);
+    bool meets = truth->D >= 0 && truth->t[1] > 0;
+    assert_int_equal(hit, meets);
+    if (!hit) return;
+    int root = truth->t[0] > 0 ? 0 : 1;
+    assert_near(t, truth->t[root], root_tolerance(truth, root, (double)c->radius, 0x1p-53));
+}
+
+static void robust_is_right_at_any_ratio(void **state) {
+    (void)state;
+    random_state r = {1};
+    for (int i = 0; i < 60000; ++i) {
+        double radius = random_log(&r, 1e-3, 1e3), distance = radius * random_log(&r, 1e-5, 1e5);
+        double aim = i % 2 ? random_in(&r, 0, 2) : 1 + random_in(&r, -1, 1) * random_log(&r, 1e-7, 1e-1);
+        sphere_case c = aimed(&r, radius, distance, aim, random_log(&r, 1e-3, 1e3));
+        sphere_truth truth = truth_of_case(&c);
+        check_f32(&c, &truth);
+        check_f64(&c, &truth);
+    }
+}
+
+static void robust_is_right_at_any_size(void **state) {
+    (void)state;
+    random_state r = {2};
+    for (int i = 0; i < 20000; ++i) {
+        /* t = distance / length stays within float's range. */
+        double radius = random_log(&r, 1e-18, 1e18), distance = random_log(&r, 1e-18, 1e18);
+        sphere_case c = aimed(&r, radius, distance, random_in(&r, 0, 1.5), random_log(&r, 1e-18, 1e18));
+        sphere_truth truth = truth_of_case(&c);
+        if (truth.D >= 0 && fabs((double)truth.t[0]) < 1e-36) continue;
+        check_f32(&c, &truth);
+        check_f64(&c, &truth);
+    }
+}
+
+/* Fractions of wrong answers among rays that pass within a tenth of a radius of the silhouette. */
+static void textbook_loses_what_robust_keeps(void **state) {
+    (void)state;
+    random_state r = {3};
+    const int rays = 100000;
+    int textbook = 0, plain = 0, robust = 0;
+    for (int i = 0; i < rays; ++i) {
+        sphere_case c = aimed(&r, 1, 1e3, random_in(&r, 0.9, 1.1), 1);
+        sphere_truth truth = truth_of_case(&c);
+        bool meets = truth.D >= 0, sure;
+        float t = NAN, roots[2];
+        textbook += meets != sphere_textbook_f32(c.center, c.radius, c.org, c.dir, 0, INFINITY, &t);
+        plain += meets != sphere_plain_f32(c.center, c.radius, c.org, c.dir, roots, &sure);
+        robust += meets != sphere_robust_f32(c.center, c.radius, c.org, c.dir, 0, INFINITY, &t);
+    }
+    print_message("wrong at distance/radius 1e3, of %d: textbook %d, without cancellation %d, robust %d\n",
+                  rays, textbook, plain, robust);
+    assert_true(textbook > rays / 100);
+    assert_true(plain < rays / 1000);
+    assert_int_equal(robust, 0);
+}
+
+static void textbook_agrees_where_it_is_well_conditioned(void **state) {
+    (void)state;
+    random_state r = {4};
+    for (int i = 0; i < 20000; ++i) {
+        sphere_case c = aimed(&r, random_in(&r, 0.5, 2), random_in(&r, 3, 6), random_in(&r, 0, 0.9), 1);
+        sphere_truth truth = truth_of_case(&c);
+        float t = NAN;
+        double td = (double)NAN, u = 0x1p-24;
+        assert_true(sphere_textbook_f32(c.center, c.radius, c.org, c.dir, 0, INFINITY, &t));
+        assert_true(sphere_textbook_f64(widen(c.center), (double)c.radius, widen(c.org), widen(c.dir), 0,
+                                        INFINITY, &td));
+        /* b² and 4ac, each up to 4 f² d², carry 12 u: 96 u f² d² in the discriminant 4 s², an eighth of that
+         * over s in s; b carries 5 u f d. Halved by 2a = 2 d²; the quotient and sum add 8 u t. */
+        double f = (double)truth.f, d = (double)truth.d, s = (double)truth.s;
+        double tolerance = (12 * f * f * d * d / s + 5 * f * d) / (d * d) + 8 * (double)truth.t[0];
+        assert_near(t, truth.t[0], tolerance * u);
+        assert_near(td, truth.t[0], tolerance * 0x1p-53);
+    }
+}
+
+static void interval_is_open_and_chooses_the_root(void **state) {
+    (void)state;
+    /* From -3 along x: roots 2 and 4, exact in float. */
+    vec3_f32 c = {0, 0, 0}, e = {-3, 0, 0}, d = {1, 0, 0}, twice = {2, 0, 0};
+    float t = NAN;
+    assert_true(sphere_robust_f32(c, 1, e, d, 0, INFINITY, &t));
+    assert_true(t == 2);
+    assert_true(sphere_robust_f32(c, 1, e, d, 2, INFINITY, &t)); /* t_min on the near root: the far one */
+    assert_true(t == 4);
+    assert_true(sphere_robust_f32(c, 1, e, d, 3, INFINITY, &t)); /* t_min inside */
+    assert_true(t == 4);
+    assert_false(sphere_robust_f32(c, 1, e, d, 0, 2, &t));
+    assert_false(sphere_robust_f32(c, 1, e, d, 2, 4, &t));
+    assert_false(sphere_robust_f32(c, 1, e, d, 4, INFINITY, &t));
+    assert_false(sphere_robust_f32(c, 1, e, d, 5, INFINITY, &t));
+    assert_true(sphere_robust_f32(c, 1, e, twice, 0, INFINITY, &t)); /* t counts in lengths of d */
+    assert_true(t == 1);
+    assert_true(sphere_robust_f32(c, 1, c, twice, 0, INFINITY, &t)); /* from the centre */
+    assert_true(t == 0.5f);
+    assert_false(sphere_robust_f32(c, 1, e, vec_f32(-1, 0, 0), 0, INFINITY, &t)); /* behind */
+}
+
+/* From a float point beside or on the surface, whether the ray enters or leaves is decided by the exact sign
+ * of |E-C|² - R²: outside and away is no hit, inside is one. */
+static void starts_at_the_surface(void **state) {
+    (void)state;
+    random_state r = {5};
+    for (int i = 0; i < 20000; ++i) {
+        sphere_case c = aimed(&r, 1, 1, 0, 1);
+        vec3_f64 n = sub_f64(widen(c.org), widen(c.center));
+        vec3_f128 f = sub_f128(quadruple_f32(c.org), quadruple_f32(c.center));
+        real_f128 outside = dot_f128(f, f) - 1;
+        if (outside == 0) continue;
+        c.dir = narrow(random_direction(&r, 1));
+        float t = NAN;
+        bool hit = sphere_robust_f32(c.center, c.radius, c.org, c.dir, 0, INFINITY, &t);
+        if (outside < 0)
+            assert_true(hit);
+        else if (dot_f64(widen(c.dir), n) >= 0)
+            assert_false(hit);
+    }
+}
+
+static void odd_input_is_a_miss(void **state) {
+    (void)state;
+    const float odd[] = {NAN, INFINITY, -INFINITY, 0, -0.0f, -1, 1, FLT_MAX, -FLT_MAX, FLT_MIN, 0x1p-149f};
+    const unsigned n = sizeof odd / sizeof *odd;
+    random_state r = {6};
+    for (int i = 0; i < 200000; ++i) {
+        float v[10], t = NAN;
+        bool finite = true;
+        for (int k = 0; k < 10; ++k) {
+            v[k] = odd[random_bits(&r) % n];
+            finite = finite && isfinite(v[k]);
+        }
+        bool hit = sphere_robust_f32(load_f32(v), v[9], load_f32(v + 3), load_f32(v + 6), 0, INFINITY, &t);
+        bool zero = v[6] == 0 && v[7] == 0 && v[8] == 0;
+        if (hit) assert_true(finite && !zero && v[9] > 0 && t > 0 && t < INFINITY);
+    }
+}
+
+static void frame_is_orthonormal_everywhere(void **state) {
+    (void)state;
+    random_state r = {7};
+    const vec3_f64 poles[] = {{0, 0, 2},           {0, 0, -2}, {1e-200, 0, 2},
+                              {-1e-17, 1e-17, -2}, {0, 0, 0},  {2, 0, 0}};
+    for (int i = 0; i < 1000; ++i) {
+        vec3_f64 p = i < 6 ? poles[i] : random_direction(&r, 2);
+        frame_f64 f = sphere_frame_f64(vec_f64(0, 0, 0), p);
+        /* Each axis: a normalised vector or a product of two, a few roundings of 2^-53. */
+        const double tolerance = 8 * 0x1p-53;
+        assert_near(dot_f64(f.x, f.y), 0, tolerance);
+        assert_near(dot_f64(f.y, f.z), 0, tolerance);
+        assert_near(dot_f64(f.z, f.x), 0, tolerance);
+        assert_near(dot_f64(f.x, f.x), 1, tolerance);
+        assert_near(dot_f64(cross_f64(f.x, f.y), f.z), 1, tolerance);
+        if (i < 6) continue;
+        assert_near(length_f64(sub_f64(scale_f64(2, f.z), p)), 0, 2 * tolerance);
+        double phi = atan2(p.y, p.x), theta = acos(p.z / 2);
+        vec3_f64 x = {-sin(phi), cos(phi), 0};
+        vec3_f64 y = {-cos(theta) * cos(phi), -cos(theta) * sin(phi), sin(theta)};
+        /* acos loses 2^-53 / sin θ. */
+        assert_near(length_f64(sub_f64(f.x, x)), 0, tolerance);
+        assert_near(length_f64(sub_f64(f.y, y)), 0, tolerance / sin(theta));
+    }
+}
+
+static void square_root_to_one_unit(void **state) {
+    (void)state;
+    random_state r = {8};
+    for (int i = 0; i < 20000; ++i) {
+        real_f128 x = random_in(&r, 1, 4);
+        x += (real_f128)random_unit(&r) * (real_f128)0x1p-53;
+        int exponent = (int)random_in(&r, -8000, 8000);
+        for (int k = 0; k < abs(exponent); ++k) x *= exponent > 0 ? (real_f128)4 : (real_f128)0.25;
+        real_f128 s = sqrt_f128(x), off = (s * s - x) / x;
+        /* One unit is at most 2^-112 of s, twice that of s²; and the square is rounded. */
+        assert_true(abs_f128(off) <= (real_f128)0x1p-111 + (real_f128)0x1p-113);
+    }
+    assert_true(sqrt_f128(0) == 0 && sqrt_f128((real_f128)INFINITY) == (real_f128)INFINITY);
+    assert_true(sqrt_f128(-1) != sqrt_f128(-1));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(robust_is_right_at_any_ratio),
+        cmocka_unit_test(robust_is_right_at_any_size),
+        cmocka_unit_test(textbook_loses_what_robust_keeps),
+        cmocka_unit_test(textbook_agrees_where_it_is_well_conditioned),
+        cmocka_unit_test(interval_is_open_and_chooses_the_root),
+        cmocka_unit_test(starts_at_the_surface),
+        cmocka_unit_test(odd_input_is_a_miss),
+        cmocka_unit_test(frame_is_orthonormal_everywhere),
+        cmocka_unit_test(square_root_to_one_unit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
