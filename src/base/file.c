@@ -98,6 +98,8 @@ fathom_status file_writer_open(fathom_context *context, const char *path, file_w
 
 const char *file_writer_temporary(const file_writer *writer) { return writer->temporary; }
 
+int file_writer_descriptor(const file_writer *writer) { return fileno(writer->stream); }
+
 void file_writer_put(file_writer *writer, const void *bytes, size_t size) {
     if (writer->error || !size) return;
     if (fwrite(bytes, 1, size, writer->stream) != size) writer->error = errno ? errno : EIO;
@@ -123,6 +125,26 @@ void file_writer_abort(file_writer *writer) {
     fclose(writer->stream);
     unlink(writer->temporary);
     writer_free(writer);
+}
+
+fathom_status file_check_writable(fathom_context *context, const char *path) {
+    struct stat info;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: is not a regular file", path);
+    }
+    char *folder = file_beside(path, ".");
+    if (!folder) return fail_memory(context, strlen(path) + 2);
+    int error = faccessat(AT_FDCWD, folder, W_OK | X_OK, AT_EACCESS) == 0 ? 0 : errno;
+    free(folder);
+    if (error == ENOENT || error == ENOTDIR) {
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: its folder does not exist",
+                    path);
+    }
+    if (error) {
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: its folder: %s", path,
+                    strerror(error));
+    }
+    return FATHOM_OK;
 }
 
 void file_extension(const char *path, char out[16]) {

@@ -22,11 +22,17 @@ typedef struct file_writer file_writer;
 fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out);
 /* The name of the temporary file, for libraries that write by name. */
 const char *file_writer_temporary(const file_writer *writer);
+/* The open temporary file, for those that write by offset; not together with file_writer_put(). */
+int file_writer_descriptor(const file_writer *writer);
 /* Buffered; errors are kept and reported by file_writer_commit(). */
 void file_writer_put(file_writer *writer, const void *bytes, size_t size);
 /* Either one ends the writer's life. Commit returns FATHOM_OUT_OF_RESOURCES when the disk is full. */
 fathom_status file_writer_commit(file_writer *writer);
 void file_writer_abort(file_writer *writer);
+
+/* FATHOM_OUT_OF_RESOURCES when file_writer_open() and the rename would fail: `path` is a folder or a device,
+ * its folder does not exist or cannot be written to. */
+fathom_status file_check_writable(fathom_context *context, const char *path);
 
 /* Extension without the dot, in lower case, "" when there is none. `out` has room for 16 bytes. */
 void file_extension(const char *path, char out[16]);

@@ -1,5 +1,7 @@
-/* Writing images. OpenImageIO and OpenColorIO live in a module of their own, fathom_image.so, which is loaded
- * on the first use: its 260 libraries cost a quarter of a second. */
+/* Images in files. OpenImageIO and OpenColorIO live in a module of their own, fathom_image.so, which is
+ * loaded on the first use: its 260 libraries cost a quarter of a second. It is looked for at
+ * $FATHOM_IMAGE_MODULE, else in the folder `fathom` beside the file that holds this code, else in the library
+ * folders that belong to that file's place. */
 #ifndef IMAGE_IMAGE_H
 #define IMAGE_IMAGE_H
 
@@ -18,7 +20,9 @@ typedef struct image_channel {
     size_t stride;
 } image_channel;
 
-/* A header entry: text when it is not NULL, else `count` numbers. */
+/* A header entry: text when it is not NULL, else `count` numbers. EXR stores 1, 2, 3, 9 and 16 numbers as a
+ * double, vector or matrix of doubles, and any other count as a text of numbers. The other formats keep texts
+ * where they have a place for them (Software, ImageDescription; PNG: any). */
 typedef struct image_attribute {
     const char *name;
     const char *text;
@@ -36,16 +40,32 @@ typedef struct image {
 } image;
 
 /* Writes the image whole or not at all; see fathom_film_write() for formats and options.
+ *
+ * EXR: scene-linear, every value as it is, infinities and NaN too; a finite value beyond half's range becomes
+ * the largest half, so that a bright pixel stays a number. The other formats hold R, G and B (A too in PNG
+ * and TIFF, not premultiplied): value · 2^exposure, then the display and view, then round(255 v) of v in
+ * [0,1]; NaN becomes 0. A pixel of a view that ends in sRGB is marked as such in the file. A config of the
+ * user's has to know linear Rec.709 by one of its usual names or through the role aces_interchange; else its
+ * role scene_linear is taken to be linear Rec.709.
+ *
  * FATHOM_BAD_USAGE: unknown extension, display or view (the message lists those there are), no such config;
- * FATHOM_OUT_OF_RESOURCES: cannot be written; FATHOM_INTERNAL: the module cannot be loaded. */
+ * FATHOM_BAD_INPUT: the config is broken; FATHOM_OUT_OF_RESOURCES: cannot be written; FATHOM_INTERNAL: the
+ * module cannot be loaded. */
 fathom_status image_write(fathom_context *context, const image *img, const char *path,
                           const fathom_write_options *options);
 
-/* Checks path and options as image_write() would, before anything is rendered for them; loads OpenColorIO
- * only when the format needs it and a display, view or config was named. */
+/* Checks path and options as image_write() would, before anything is rendered for them: the extension, that
+ * the folder exists and can be written to, that the module is there. Loads OpenColorIO only when the format
+ * needs it and a display, view or config ($OCIO counts) was named. */
 fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options);
 
-/* Starts loading the module on a thread of its own. */
+/* Reads every channel, in the file's order: unsigned 32-bit channels as IMAGE_UINT, all others as float (8-
+ * and 16-bit integers as fractions of their maximum). Values are as stored: no colour transform, no change of
+ * alpha. Release with image_release(). FATHOM_BAD_INPUT when the file is missing or is no image. */
+fathom_status image_read(fathom_context *context, const char *path, const image **out);
+void image_release(const image *img);
+
+/* Starts loading the module on a thread of its own. Leaving the process waits for that thread. */
 void image_prefetch(void);
 
 #endif

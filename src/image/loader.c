@@ -1,0 +1,169 @@
+#include "image/loader.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <link.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define MODULE_FILE "fathom/fathom_image.so"
+
+/* Where the module may be, seen from the folder of the file that holds this code: libfathom.so in a library
+ * folder, or a program in bin/. IMAGE_LIBRARY_FOLDER is where the installation puts libraries, seen from
+ * where it puts programs; IMAGE_MULTIARCH is the system's name for the architecture, perhaps "". */
+static const char *const places[] = {"", IMAGE_LIBRARY_FOLDER "/", "../lib/", "../lib/" IMAGE_MULTIARCH "/"};
+
+static struct {
+    pthread_mutex_t lock; /* guards module and closing; held while loading */
+    const image_module *module;
+    bool closing;
+
+    pthread_mutex_t thread_lock; /* guards the rest */
+    bool thread_runs, thread_was_started;
+    pthread_t thread;
+    pid_t process;
+} loader = {.lock = PTHREAD_MUTEX_INITIALIZER, .thread_lock = PTHREAD_MUTEX_INITIALIZER};
+
+/* The absolute path of the file that holds this code; release with free(). The main program is known by its
+ * empty name in the link map: the name it was called by may be anything. */
+static char *own_file(void) {
+    Dl_info info;
+    struct link_map *map = NULL;
+    if (!dladdr1((void *)(uintptr_t)&loader, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return NULL;
+    return realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", NULL);
+}
+
+/* The path of the module, to be released with free(); NULL with a reason when there is none. */
+static char *find(char *reason, size_t room) {
+    const char *named = getenv("FATHOM_IMAGE_MODULE");
+    if (named && named[0]) {
+        char *path = realpath(named, NULL);
+        if (!path) snprintf(reason, room, "$FATHOM_IMAGE_MODULE: %s: %s", named, strerror(errno));
+        return path;
+    }
+    char *own = own_file(), *found = NULL;
+    for (size_t i = 0; own && !found && i < sizeof places / sizeof *places; ++i) {
+        const char *slash = strrchr(own, '/');
+        size_t size = (size_t)(slash - own) + 1 + strlen(places[i]) + sizeof MODULE_FILE;
+        char *path = malloc(size);
+        if (!path) break;
+        snprintf(path, size, "%.*s/%s" MODULE_FILE, (int)(slash - own), own, places[i]);
+        if (access(path, R_OK) == 0)
+            found = path;
+        else
+            free(path);
+    }
+    if (!found) {
+        snprintf(reason, room,
+                 "%s was found neither beside %s nor in the library folders near it; set "
+                 "$FATHOM_IMAGE_MODULE to its path",
+                 MODULE_FILE, own ? own : "(unknown program)");
+    }
+    free(own);
+    return found;
+}
+
+/* With loader.lock held. */
+static void load(char *reason, size_t room) {
+    char *path = find(reason, room);
+    if (!path) return;
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    const image_module *module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
+    if (!module) {
+        const char *error = dlerror();
+        snprintf(reason, room, "%s", error ? error : path);
+    } else if (module->version != IMAGE_MODULE_VERSION) {
+        snprintf(reason, room, "%s: is of another build: version %u, expected %d", path, module->version,
+                 IMAGE_MODULE_VERSION);
+    } else {
+        loader.module = module;
+    }
+    if (library && !loader.module) dlclose(library);
+    free(path);
+}
+
+fathom_status loader_module(fathom_context *context, const image_module **out) {
+    char reason[1024] = "";
+    pthread_mutex_lock(&loader.lock);
+    if (!loader.module) load(reason, sizeof reason);
+    *out = loader.module;
+    pthread_mutex_unlock(&loader.lock);
+    if (*out) return FATHOM_OK;
+    return fail(context, FATHOM_INTERNAL, "image module: %s", reason);
+}
+
+const image_module *loader_loaded(void) {
+    pthread_mutex_lock(&loader.lock);
+    const image_module *module = loader.module;
+    pthread_mutex_unlock(&loader.lock);
+    return module;
+}
+
+fathom_status loader_find(fathom_context *context) {
+    char reason[1024] = "";
+    char *path = find(reason, sizeof reason);
+    if (!path) return fail(context, FATHOM_INTERNAL, "image module: %s", reason);
+    free(path);
+    return FATHOM_OK;
+}
+
+static void *prefetch(void *unused) {
+    (void)unused;
+    char reason[1024];
+    pthread_mutex_lock(&loader.lock);
+    /* A failure is reported by whoever needs the module: loader_module() tries again. */
+    if (!loader.module && !loader.closing) load(reason, sizeof reason);
+    pthread_mutex_unlock(&loader.lock);
+    return NULL;
+}
+
+static void join_prefetch(void) {
+    if (loader.process != getpid()) return; /* a forked child has no such thread */
+    /* What has not begun to load need not. */
+    if (pthread_mutex_trylock(&loader.lock) == 0) {
+        loader.closing = true;
+        pthread_mutex_unlock(&loader.lock);
+    }
+    pthread_mutex_lock(&loader.thread_lock);
+    if (loader.thread_runs) pthread_join(loader.thread, NULL);
+    loader.thread_runs = false;
+    pthread_mutex_unlock(&loader.thread_lock);
+}
+
+static void join_prefetch_of_thread(void *unused) {
+    (void)unused;
+    join_prefetch();
+}
+
+/* The C library's side of C++'s thread_local destructors; glibc 2.18 and later, in no header. */
+extern int __cxa_thread_atexit_impl(void (*destructor)(void *), void *object, void *library);
+
+/* While a library is loaded, its constructors run and register destructors; exit() on another thread would
+ * run those at the same time. A handler of atexit() comes too late, after them: the last registered runs
+ * first. What exit() runs before all handlers are the thread's own destructors, so the thread that asked for
+ * the prefetch, nearly always the one that leaves the process, waits there. The handler is for those that
+ * exit elsewhere. */
+static void join_at_exit(void) {
+    __cxa_thread_atexit_impl(join_prefetch_of_thread, NULL, &loader);
+    atexit(join_prefetch);
+}
+
+void image_prefetch(void) {
+    pthread_mutex_lock(&loader.thread_lock);
+    if (!loader.thread_was_started) {
+        loader.process = getpid();
+        join_at_exit();
+        /* Signals are for the threads that know of them. */
+        sigset_t all, old;
+        sigfillset(&all);
+        pthread_sigmask(SIG_SETMASK, &all, &old);
+        loader.thread_runs = pthread_create(&loader.thread, NULL, prefetch, NULL) == 0;
+        pthread_sigmask(SIG_SETMASK, &old, NULL);
+        loader.thread_was_started = true;
+    }
+    pthread_mutex_unlock(&loader.thread_lock);
+}

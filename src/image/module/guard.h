@@ -1,0 +1,37 @@
+/* Where C++ exceptions end: as a status and a message. */
+#ifndef IMAGE_MODULE_GUARD_H
+#define IMAGE_MODULE_GUARD_H
+
+#include "image/module/module.h"
+
+#include <cstdio>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+struct failure : std::runtime_error {
+    failure(fathom_status s, const std::string &text) : std::runtime_error(text), status(s) {}
+    fathom_status status;
+};
+
+/* Runs body(); what the libraries throw themselves becomes `status`. */
+template <class Body>
+fathom_status guarded(image_message *message, fathom_status status, Body body) noexcept {
+    try {
+        body();
+        return FATHOM_OK;
+    } catch (const failure &e) {
+        status = e.status;
+        std::snprintf(message->text, sizeof message->text, "%s", e.what());
+    } catch (const std::bad_alloc &) {
+        status = FATHOM_OUT_OF_RESOURCES;
+        std::snprintf(message->text, sizeof message->text, "out of memory");
+    } catch (const std::exception &e) {
+        std::snprintf(message->text, sizeof message->text, "%s", e.what());
+    } catch (...) {
+        std::snprintf(message->text, sizeof message->text, "unknown exception");
+    }
+    return status;
+}
+
+#endif

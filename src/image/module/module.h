@@ -1,0 +1,77 @@
+/* What fathom_image.so offers: the only thing that crosses between C and the C++ of OpenImageIO and
+ * OpenColorIO. No exception passes: each call returns a status, and on failure leaves its reason in
+ * `message`. */
+#ifndef IMAGE_MODULE_MODULE_H
+#define IMAGE_MODULE_MODULE_H
+
+#include "image/image.h"
+
+/* Grows with every change of this file: a module of another build is refused, not called. */
+#define IMAGE_MODULE_VERSION 1
+#define IMAGE_MODULE_SYMBOL "fathom_image_module"
+
+typedef struct image_message {
+    char text[1024];
+} image_message;
+
+typedef enum image_format { IMAGE_EXR, IMAGE_PNG, IMAGE_JPEG, IMAGE_TIFF } image_format;
+typedef enum image_storage {
+    IMAGE_STORE_U8,
+    IMAGE_STORE_HALF,
+    IMAGE_STORE_FLOAT,
+    IMAGE_STORE_UINT
+} image_storage;
+
+/* A file to be written: its bytes go to `descriptor`, `path` is for messages. Nothing is kept beyond the
+ * call. */
+typedef struct image_target {
+    const char *path;
+    int descriptor;
+    image_format format;
+    unsigned threads;
+    bool srgb;                    /* mark the pixels as sRGB… */
+    const unsigned char *profile; /* …with this profile, where the format has no word of its own for it */
+    size_t profile_size;
+    const image *img;             /* sizes, attributes, names of the channels to write; not their pixels */
+    const image_storage *storage; /* of each channel; EXR takes a mixture, the other formats bytes */
+} image_target;
+
+/* A display and view of a config. NULL: the built-in config, the config's default display, the display's
+ * view. */
+typedef struct image_view_request {
+    const char *config, *display, *view;
+} image_view_request;
+
+typedef struct image_writer image_writer;
+typedef struct image_view image_view;
+
+typedef struct image_module {
+    unsigned version;
+
+    fathom_status (*writer_open)(const image_target *target, image_writer **out, image_message *message);
+    /* The next `count` rows from the top: pixels of interleaved channels, each in its storage. */
+    fathom_status (*writer_rows)(image_writer *writer, uint32_t count, const void *pixels,
+                                 image_message *message);
+    /* Ends the writer's life, whether it fails or not; `finish` is false to abandon the file. */
+    fathom_status (*writer_close)(image_writer *writer, bool finish, image_message *message);
+
+    fathom_status (*read)(const char *path, unsigned threads, const image **out, image_message *message);
+    void (*release)(const image *img);
+
+    /* *srgb: whether what the view gives is meant for an sRGB screen. */
+    fathom_status (*view_open)(const image_view_request *request, image_view **out, bool *srgb,
+                               image_message *message);
+    /* In place, on `count` pixels of four floats; finite values only. Any number of threads at once. */
+    fathom_status (*view_apply)(const image_view *view, float *rgba, size_t count, image_message *message);
+    void (*view_close)(image_view *view);
+} image_module;
+
+#ifdef __cplusplus
+fathom_status image_view_open(const image_view_request *request, image_view **out, bool *srgb,
+                              image_message *message) noexcept;
+fathom_status image_view_apply(const image_view *view, float *rgba, size_t count,
+                               image_message *message) noexcept;
+void image_view_close(image_view *view) noexcept;
+#endif
+
+#endif

@@ -1,0 +1,203 @@
+/* Displays and views of OpenColorIO. */
+#include "image/module/guard.h"
+
+#include <OpenColorIO/OpenColorIO.h>
+
+#include <cerrno>
+#include <cstring>
+#include <sstream>
+#include <strings.h>
+#include <unistd.h>
+
+namespace OCIO = OCIO_NAMESPACE;
+
+/* What is used when nobody names a config. OpenColorIO 2.1 has none of its own. The sRGB curve is the one of
+ * IEC 61966-2-1 with the slope of its linear part not rounded to 12.92: the largest difference is 1e-5. */
+static const char built_in_config[] = R"(ocio_profile_version: 2
+name: fathom
+description: Linear Rec.709 for sRGB screens.
+environment: {}
+strictparsing: true
+roles:
+  default: Linear Rec.709
+  scene_linear: Linear Rec.709
+file_rules:
+  - !<Rule> {name: Default, colorspace: default}
+displays:
+  sRGB:
+    - !<View> {name: sRGB, colorspace: sRGB}
+    - !<View> {name: ACES 1.0 SDR, colorspace: sRGB ACES 1.0 SDR}
+    - !<View> {name: Raw, colorspace: Raw}
+active_displays: []
+active_views: []
+colorspaces:
+  - !<ColorSpace>
+    name: Linear Rec.709
+    isdata: false
+  - !<ColorSpace>
+    name: sRGB
+    isdata: false
+    from_scene_reference: !<ExponentWithLinearTransform>
+      {gamma: 2.4, offset: 0.055, style: mirror, direction: inverse}
+  - !<ColorSpace>
+    name: sRGB ACES 1.0 SDR
+    isdata: false
+    from_scene_reference: !<GroupTransform>
+      children:
+        - !<BuiltinTransform> {style: UTILITY - ACES-AP1_to_LINEAR-REC709_BFD, direction: inverse}
+        - !<BuiltinTransform> {style: UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD}
+        - !<BuiltinTransform> {style: UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD, direction: inverse}
+        - !<BuiltinTransform> {style: ACES-OUTPUT - ACES2065-1_to_CIE-XYZ-D65 - SDR-VIDEO_1.0}
+        - !<BuiltinTransform> {style: DISPLAY - CIE-XYZ-D65_to_sRGB}
+  - !<ColorSpace>
+    name: Raw
+    isdata: true
+)";
+
+struct image_view {
+    OCIO::ConstCPUProcessorRcPtr processor;
+};
+
+static OCIO::ConstConfigRcPtr load_config(const char *path) {
+    /* The library reports through exceptions; what it would print besides is not ours to print. */
+    OCIO::SetLoggingLevel(OCIO::LOGGING_LEVEL_NONE);
+    if (!path) {
+        std::istringstream text(built_in_config);
+        return OCIO::Config::CreateFromStream(text);
+    }
+    bool named = std::strncmp(path, "ocio://", 7) == 0; /* a config that comes with newer libraries */
+    if (!named && access(path, R_OK) != 0) {
+        throw failure(FATHOM_BAD_USAGE, std::string("cannot be read: ") + std::strerror(errno));
+    }
+    return OCIO::Config::CreateFromFile(path);
+}
+
+/* The entry of a list that `wanted` names, whatever its case; a failure that lists them when there is none.
+ */
+template <class Name>
+static std::string choose(const char *wanted, const std::string &what, int count, Name name) {
+    std::string list;
+    for (int i = 0; i < count; ++i) {
+        if (strcasecmp(name(i), wanted) == 0) return name(i);
+        list += std::string(i ? ", " : "") + "\"" + name(i) + "\"";
+    }
+    throw failure(FATHOM_BAD_USAGE,
+                  "no " + what + " \"" + wanted + "\"; expected one of: " + (count ? list : "(none)"));
+}
+
+static std::string choose_display(const OCIO::ConstConfigRcPtr &config, const char *wanted) {
+    if (wanted) {
+        return choose(wanted, "display", config->getNumDisplays(),
+                      [&](int i) { return config->getDisplay(i); });
+    }
+    std::string display = config->getDefaultDisplay();
+    if (display.empty()) throw failure(FATHOM_BAD_INPUT, "the config has no display");
+    return display;
+}
+
+static std::string choose_view(const OCIO::ConstConfigRcPtr &config, const std::string &display,
+                               const char *wanted) {
+    const char *d = display.c_str();
+    if (wanted) {
+        return choose(wanted, "view of display \"" + display + "\" is", config->getNumViews(d),
+                      [&](int i) { return config->getView(d, i); });
+    }
+    std::string view = config->getDefaultView(d);
+    if (view.empty()) throw failure(FATHOM_BAD_INPUT, "display \"" + display + "\" has no view");
+    return view;
+}
+
+/* The config's own name of linear Rec.709: the names of the published configs, Blender's among them. */
+static std::string linear_rec709(const OCIO::ConstConfigRcPtr &config) {
+    static const char *const names[] = {"lin_rec709_scene",
+                                        "lin_rec709",
+                                        "Linear Rec.709 (sRGB)",
+                                        "Linear Rec.709",
+                                        "lin_srgb",
+                                        "Utility - Linear - sRGB",
+                                        "Utility - Linear - Rec.709"};
+    for (const char *name : names) {
+        if (OCIO::ConstColorSpaceRcPtr space = config->getColorSpace(name)) return space->getName();
+    }
+    return "";
+}
+
+static void append_builtin(const OCIO::GroupTransformRcPtr &group, const char *style,
+                           OCIO::TransformDirection direction) {
+    OCIO::BuiltinTransformRcPtr transform = OCIO::BuiltinTransform::Create();
+    transform->setStyle(style);
+    transform->setDirection(direction);
+    group->appendTransform(transform);
+}
+
+/* The name of the space that a view ends in, and whether it holds data: then nothing is transformed. */
+static std::string last_space(const OCIO::ConstConfigRcPtr &config, const std::string &display,
+                              const std::string &view, bool *data) {
+    std::string name = config->getDisplayViewColorSpaceName(display.c_str(), view.c_str());
+    if (name.empty() || name == "<USE_DISPLAY_NAME>") name = display;
+    OCIO::ConstColorSpaceRcPtr space = config->getColorSpace(name.c_str());
+    *data = space && space->isData();
+    return name;
+}
+
+/* From linear Rec.709 to the view. Where the config has no such space but says where ACES2065-1 is, the way
+ * leads through that. */
+static OCIO::ConstTransformRcPtr whole_way(const OCIO::ConstConfigRcPtr &config, const std::string &display,
+                                           const std::string &view) {
+    OCIO::DisplayViewTransformRcPtr last = OCIO::DisplayViewTransform::Create();
+    last->setDisplay(display.c_str());
+    last->setView(view.c_str());
+    std::string source = linear_rec709(config);
+    if (!source.empty()) {
+        last->setSrc(source.c_str());
+        return last;
+    }
+    bool data = false;
+    last_space(config, display, view, &data);
+    if (config->hasRole(OCIO::ROLE_INTERCHANGE_SCENE) && !data) {
+        OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
+        append_builtin(group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", OCIO::TRANSFORM_DIR_INVERSE);
+        append_builtin(group, "UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD", OCIO::TRANSFORM_DIR_FORWARD);
+        append_builtin(group, "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD", OCIO::TRANSFORM_DIR_INVERSE);
+        last->setSrc(OCIO::ROLE_INTERCHANGE_SCENE);
+        group->appendTransform(last);
+        return group;
+    }
+    if (!config->hasRole(OCIO::ROLE_SCENE_LINEAR)) {
+        throw failure(FATHOM_BAD_INPUT, "the config has no color space for linear Rec.709, no role "
+                                        "aces_interchange and no role scene_linear");
+    }
+    last->setSrc(OCIO::ROLE_SCENE_LINEAR);
+    return last;
+}
+
+static bool is_srgb(const OCIO::ConstConfigRcPtr &config, const std::string &display,
+                    const std::string &view) {
+    bool data = false;
+    std::string space = last_space(config, display, view, &data);
+    return !data && (strcasestr(space.c_str(), "srgb") || strcasestr(display.c_str(), "srgb"));
+}
+
+fathom_status image_view_open(const image_view_request *request, image_view **out, bool *srgb,
+                              image_message *message) noexcept {
+    return guarded(message, FATHOM_BAD_INPUT, [&] {
+        OCIO::ConstConfigRcPtr config = load_config(request->config);
+        std::string display = choose_display(config, request->display);
+        std::string view = choose_view(config, display, request->view);
+        OCIO::ConstProcessorRcPtr processor =
+            config->getProcessor(whole_way(config, display, view), OCIO::TRANSFORM_DIR_FORWARD);
+        OCIO::ConstCPUProcessorRcPtr cpu = processor->getDefaultCPUProcessor();
+        *srgb = is_srgb(config, display, view);
+        *out = new image_view{cpu};
+    });
+}
+
+fathom_status image_view_apply(const image_view *view, float *rgba, size_t count,
+                               image_message *message) noexcept {
+    return guarded(message, FATHOM_INTERNAL, [&] {
+        OCIO::PackedImageDesc pixels(rgba, static_cast<long>(count), 1, 4);
+        view->processor->apply(pixels);
+    });
+}
+
+void image_view_close(image_view *view) noexcept { delete view; }

@@ -1,0 +1,301 @@
+/* Image files through OpenImageIO, and the table that the loader looks up. */
+#include "image/module/guard.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <unistd.h>
+#include <vector>
+
+/* Bytes go to the descriptor by offset, and the first error is kept. The libraries' own files would not do:
+ * libjpeg ends the process when a write fails, and some of the others forget that one did. */
+class descriptor_output final : public OIIO::Filesystem::IOProxy {
+  public:
+    descriptor_output(const std::string &name, int descriptor)
+        : IOProxy(name, Write), m_descriptor(descriptor) {}
+    const char *proxytype() const override { return "descriptor"; }
+    size_t size() const override { return m_size; }
+    size_t write(const void *bytes, size_t count) override {
+        size_t done = pwrite(bytes, count, m_pos);
+        m_pos += static_cast<int64_t>(done);
+        return done;
+    }
+    size_t pwrite(const void *bytes, size_t count, int64_t offset) override {
+        const char *from = static_cast<const char *>(bytes);
+        size_t done = 0;
+        while (done < count) {
+            ssize_t n = ::pwrite(m_descriptor, from + done, count - done, offset + static_cast<off_t>(done));
+            if (n < 0 && errno == EINTR) continue;
+            if (n <= 0) {
+                if (!failed) failed = n < 0 ? errno : ENOSPC;
+                break;
+            }
+            done += static_cast<size_t>(n);
+        }
+        m_size = std::max(m_size, static_cast<size_t>(offset) + done);
+        return done;
+    }
+    int failed = 0;
+
+  private:
+    int m_descriptor;
+    size_t m_size = 0;
+};
+
+struct image_writer {
+    descriptor_output proxy;
+    std::unique_ptr<OIIO::ImageOutput> output;
+    uint32_t next_row = 0;
+    image_writer(const image_target &target) : proxy(target.path, target.descriptor) {}
+};
+
+static void check(const image_writer &writer, bool ok) {
+    std::string reason = writer.output->geterror();
+    if (writer.proxy.failed) throw failure(FATHOM_OUT_OF_RESOURCES, std::strerror(writer.proxy.failed));
+    if (!ok) throw failure(FATHOM_OUT_OF_RESOURCES, reason.empty() ? "unknown error" : reason);
+}
+
+static OIIO::TypeDesc type_of(image_storage storage) {
+    switch (storage) {
+    case IMAGE_STORE_U8: return OIIO::TypeDesc::UINT8;
+    case IMAGE_STORE_HALF: return OIIO::TypeDesc::HALF;
+    case IMAGE_STORE_FLOAT: return OIIO::TypeDesc::FLOAT;
+    case IMAGE_STORE_UINT: return OIIO::TypeDesc::UINT32;
+    }
+    return OIIO::TypeDesc::UNKNOWN;
+}
+
+static void add_numbers(OIIO::ImageSpec &spec, const image_attribute &a) {
+    using OIIO::TypeDesc;
+    switch (a.count) {
+    case 1: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE), a.numbers); return;
+    case 2: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::VEC2), a.numbers); return;
+    case 3: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::VEC3), a.numbers); return;
+    case 9: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::MATRIX33), a.numbers); return;
+    case 16: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::MATRIX44), a.numbers); return;
+    default: break;
+    }
+    std::string text;
+    for (size_t i = 0; i < a.count; ++i) {
+        char number[32];
+        std::snprintf(number, sizeof number, "%s%.17g", i ? " " : "", a.numbers[i]);
+        text += number;
+    }
+    spec.attribute(a.name, text);
+}
+
+static OIIO::ImageSpec describe(const image_target &target) {
+    const image &img = *target.img;
+    bool exr = target.format == IMAGE_EXR;
+    OIIO::ImageSpec spec(static_cast<int>(img.width), static_cast<int>(img.height),
+                         static_cast<int>(img.channel_count),
+                         exr ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+    spec.x = static_cast<int>(img.x);
+    spec.y = static_cast<int>(img.y);
+    spec.full_width = static_cast<int>(img.full_width);
+    spec.full_height = static_cast<int>(img.full_height);
+    for (size_t i = 0; i < img.channel_count; ++i) {
+        spec.channelnames[i] = img.channels[i].name;
+        if (exr) spec.channelformats.push_back(type_of(target.storage[i]));
+        if (spec.channelnames[i] == "A") spec.alpha_channel = static_cast<int>(i);
+        if (spec.channelnames[i] == "Z") spec.z_channel = static_cast<int>(i);
+    }
+    for (size_t i = 0; i < img.attribute_count; ++i) {
+        const image_attribute &a = img.attributes[i];
+        if (a.text)
+            spec.attribute(a.name, a.text);
+        else if (exr)
+            add_numbers(spec, a);
+    }
+    return spec;
+}
+
+/* What each format says about itself besides the image. */
+static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
+    /* Red, green, blue and white of ITU-R BT.709 as CIE x, y. */
+    static const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
+    switch (target.format) {
+    case IMAGE_EXR:
+        spec.attribute("compression", "zip");
+        spec.attribute("oiio:ColorSpace", "Linear");
+        spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
+        return;
+    case IMAGE_JPEG:
+        /* No chroma subsampling: it smears the edges of shadows and of coloured objects. */
+        spec.attribute("compression", "jpeg:95");
+        spec.attribute("jpeg:subsampling", "4:4:4");
+        break;
+    case IMAGE_TIFF:
+        spec.attribute("compression", "zip");
+        if (target.srgb) {
+            /* Not "oiio:ColorSpace", which becomes an EXIF directory: before 2.5.13 that one ruins files that
+             * are not written by name. */
+            auto size = static_cast<int>(target.profile_size);
+            spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, size), target.profile);
+        }
+        break;
+    case IMAGE_PNG: break;
+    }
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    if (target.srgb && target.format != IMAGE_TIFF) spec.attribute("oiio:ColorSpace", "sRGB");
+}
+
+static const char *format_name(image_format format) {
+    switch (format) {
+    case IMAGE_EXR: return "openexr";
+    case IMAGE_PNG: return "png";
+    case IMAGE_JPEG: return "jpeg";
+    case IMAGE_TIFF: return "tiff";
+    }
+    return "";
+}
+
+static fathom_status writer_open(const image_target *target, image_writer **out,
+                                 image_message *message) noexcept {
+    return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
+        OIIO::attribute("exr_threads", static_cast<int>(target->threads));
+        auto writer = std::make_unique<image_writer>(*target);
+        writer->output = OIIO::ImageOutput::create(format_name(target->format));
+        if (!writer->output) throw failure(FATHOM_INTERNAL, OIIO::geterror());
+        if (!writer->output->supports("ioproxy")) {
+            throw failure(FATHOM_INTERNAL, "this OpenImageIO writes the format to named files only");
+        }
+        OIIO::ImageSpec spec = describe(*target);
+        add_format(spec, *target);
+        writer->output->threads(static_cast<int>(target->threads));
+        writer->output->set_ioproxy(&writer->proxy);
+        check(*writer, writer->output->open(target->path, spec));
+        *out = writer.release();
+    });
+}
+
+static fathom_status writer_rows(image_writer *writer, uint32_t count, const void *pixels,
+                                 image_message *message) noexcept {
+    return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
+        const OIIO::ImageSpec &spec = writer->output->spec();
+        int begin = spec.y + static_cast<int>(writer->next_row), end = begin + static_cast<int>(count);
+        check(*writer, writer->output->write_scanlines(begin, end, 0, OIIO::TypeDesc::UNKNOWN, pixels));
+        writer->next_row += count;
+    });
+}
+
+static fathom_status writer_close(image_writer *writer, bool finish, image_message *message) noexcept {
+    return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
+        std::unique_ptr<image_writer> owner(writer);
+        bool ok = owner->output->close();
+        if (finish)
+            check(*owner, ok);
+        else
+            owner->output->geterror();
+    });
+}
+
+/* An image as it was read, with the memory that it points to. */
+struct file_image : image {
+    OIIO::ImageSpec spec;
+    std::vector<image_channel> channel_list;
+    std::vector<image_attribute> attribute_list;
+    std::vector<std::vector<uint32_t>> planes; /* floats too: both have 32 bits */
+    std::vector<std::vector<double>> numbers;
+};
+
+/* The numbers of an attribute; none when it is neither of the usual types. */
+static std::vector<double> numbers_of(const OIIO::ParamValue &a) {
+    size_t count = a.type().numelements() * a.type().aggregate;
+    std::vector<double> values;
+    auto copy = [&](auto from) { values.assign(from, from + count); };
+    switch (a.type().basetype) {
+    case OIIO::TypeDesc::INT: copy(static_cast<const int *>(a.data())); break;
+    case OIIO::TypeDesc::UINT: copy(static_cast<const unsigned *>(a.data())); break;
+    case OIIO::TypeDesc::FLOAT: copy(static_cast<const float *>(a.data())); break;
+    case OIIO::TypeDesc::DOUBLE: copy(static_cast<const double *>(a.data())); break;
+    default: break;
+    }
+    return values;
+}
+
+static void collect_attributes(file_image &file) {
+    for (const OIIO::ParamValue &a : file.spec.extra_attribs) {
+        image_attribute entry = {};
+        entry.name = a.name().c_str();
+        if (a.type() == OIIO::TypeDesc(OIIO::TypeDesc::STRING)) {
+            entry.text = *static_cast<const char *const *>(a.data());
+        } else {
+            file.numbers.push_back(numbers_of(a));
+            entry.numbers = file.numbers.back().data();
+            entry.count = file.numbers.back().size();
+            if (!entry.count) continue;
+        }
+        file.attribute_list.push_back(entry);
+    }
+}
+
+/* Spreads pixels as the file has them into a plane for each channel. */
+static void collect_channels(file_image &file, const std::vector<unsigned char> &pixels) {
+    const OIIO::ImageSpec &spec = file.spec;
+    const unsigned char *from = pixels.data();
+    auto pixel_bytes = static_cast<OIIO::stride_t>(spec.pixel_bytes(true));
+    for (int c = 0; c < spec.nchannels; ++c) {
+        OIIO::TypeDesc stored = spec.channelformat(c);
+        bool whole = stored == OIIO::TypeDesc(OIIO::TypeDesc::UINT32);
+        OIIO::TypeDesc type(whole ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT);
+        file.planes.emplace_back(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height));
+        if (!OIIO::convert_image(1, spec.width, spec.height, 1, from, stored, pixel_bytes,
+                                 pixel_bytes * spec.width, OIIO::AutoStride, file.planes.back().data(), type,
+                                 4, static_cast<OIIO::stride_t>(4) * spec.width, OIIO::AutoStride)) {
+            throw failure(FATHOM_BAD_INPUT, "channel " + spec.channelnames[static_cast<size_t>(c)] +
+                                                ": values of an unknown type");
+        }
+        from += stored.size();
+        file.channel_list.push_back(
+            {spec.channelnames[static_cast<size_t>(c)].c_str(), whole ? IMAGE_UINT : IMAGE_FLOAT,
+             stored == OIIO::TypeDesc(OIIO::TypeDesc::HALF), file.planes.back().data(), 4});
+    }
+}
+
+/* Where pixels lie outside the full image (overscan), the full image is what holds both. */
+static void fill(file_image &file) {
+    const OIIO::ImageSpec &spec = file.spec;
+    int x0 = std::min(spec.x, spec.full_x), y0 = std::min(spec.y, spec.full_y);
+    int x1 = std::max(spec.x + spec.width, spec.full_x + spec.full_width);
+    int y1 = std::max(spec.y + spec.height, spec.full_y + spec.full_height);
+    file.width = static_cast<uint32_t>(spec.width), file.height = static_cast<uint32_t>(spec.height);
+    file.x = static_cast<uint32_t>(spec.x - x0), file.y = static_cast<uint32_t>(spec.y - y0);
+    file.full_width = static_cast<uint32_t>(x1 - x0), file.full_height = static_cast<uint32_t>(y1 - y0);
+    file.channels = file.channel_list.data(), file.channel_count = file.channel_list.size();
+    file.attributes = file.attribute_list.data(), file.attribute_count = file.attribute_list.size();
+}
+
+static fathom_status image_file_read(const char *path, unsigned threads, const image **out,
+                                     image_message *message) noexcept {
+    return guarded(message, FATHOM_BAD_INPUT, [&] {
+        OIIO::attribute("exr_threads", static_cast<int>(threads));
+        OIIO::ImageSpec config;
+        config.attribute("oiio:UnassociatedAlpha", 1);
+        auto input = OIIO::ImageInput::open(path, &config);
+        if (!input) throw failure(FATHOM_BAD_INPUT, OIIO::geterror());
+        input->threads(static_cast<int>(threads));
+        auto file = std::make_unique<file_image>();
+        file->spec = input->spec();
+        const OIIO::ImageSpec &spec = file->spec;
+        if (spec.depth != 1 || spec.deep) throw failure(FATHOM_BAD_INPUT, "is not a flat image");
+        std::vector<unsigned char> pixels(spec.image_bytes(true));
+        if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data())) {
+            throw failure(FATHOM_BAD_INPUT, input->geterror());
+        }
+        collect_channels(*file, pixels);
+        collect_attributes(*file);
+        fill(*file);
+        *out = file.release();
+    });
+}
+
+static void image_file_release(const image *img) noexcept { delete static_cast<const file_image *>(img); }
+
+extern "C" __attribute__((visibility("default"))) const image_module fathom_image_module = {
+    IMAGE_MODULE_VERSION, writer_open,     writer_rows,      writer_close,    image_file_read,
+    image_file_release,   image_view_open, image_view_apply, image_view_close};

@@ -1,0 +1,94 @@
+#include "image/pack.h"
+
+#include "image/half.h"
+
+#include <string.h>
+
+size_t pack_storage_size(image_storage storage) {
+    switch (storage) {
+    case IMAGE_STORE_U8: return 1;
+    case IMAGE_STORE_HALF: return 2;
+    case IMAGE_STORE_FLOAT:
+    case IMAGE_STORE_UINT: return 4;
+    }
+    return 0;
+}
+
+static const unsigned char *row_of(const image *img, const image_channel *channel, uint32_t y) {
+    return (const unsigned char *)channel->data + (size_t)y * img->width * channel->stride;
+}
+
+static float load(const unsigned char *from) {
+    float value;
+    memcpy(&value, from, sizeof value);
+    return value;
+}
+
+void pack_row(const image_packing *packing, uint32_t y, unsigned char *out) {
+    const image *img = packing->img;
+    for (size_t c = 0; c < img->channel_count; ++c) {
+        const image_channel *channel = &img->channels[c];
+        const unsigned char *from = row_of(img, channel, y);
+        size_t size = pack_storage_size(packing->storage[c]), step = packing->pixel_bytes;
+        for (size_t x = 0; x < img->width; ++x, from += channel->stride) {
+            if (size == 2) {
+                uint16_t half = half_from_float(load(from));
+                memcpy(out + x * step, &half, 2);
+            } else {
+                memcpy(out + x * step, from, 4); /* floats and unsigned alike */
+            }
+        }
+        out += size;
+    }
+}
+
+/* What a view is given: views are made for numbers, and some turn infinity into NaN and 1e30 into black. The
+ * largest half is white in all of them. */
+static float viewable(float value) {
+    const float largest = 65504.0f;
+    if (!(value > -largest)) return value <= -largest ? -largest : 0.0f; /* NaN is 0 */
+    return value < largest ? value : largest;
+}
+
+/* round(255 v), v in [0,1]; NaN is 0. */
+static unsigned char quantise(float value) {
+    if (!(value > 0.0f)) return 0;
+    return value < 1.0f ? (unsigned char)(value * 255.0f + 0.5f) : 255;
+}
+
+static const image_channel *alpha_of(const image *img) {
+    return img->channel_count > 3 ? &img->channels[3] : NULL;
+}
+
+/* Colours as they are without their alpha: it is taken out of light, not out of what the view makes of it.
+ * Where alpha is 0 there is nothing to divide by, and the colour is kept. */
+static void gather_row(const image_packing *packing, uint32_t y, float *rgba) {
+    const image *img = packing->img;
+    const image_channel *alpha = alpha_of(img);
+    for (size_t x = 0; x < img->width; ++x) {
+        float scale = packing->gain;
+        if (alpha) {
+            float a = load(row_of(img, alpha, y) + x * alpha->stride);
+            if (a > 0.0f && a < 1.0f) scale /= a;
+        }
+        for (size_t c = 0; c < 3; ++c) {
+            const image_channel *channel = &img->channels[c];
+            rgba[4 * x + c] = viewable(load(row_of(img, channel, y) + x * channel->stride) * scale);
+        }
+        rgba[4 * x + 3] = 1.0f;
+    }
+}
+
+fathom_status pack_row_through_view(const image_packing *packing, uint32_t y, float *scratch,
+                                    unsigned char *out, image_message *message) {
+    const image *img = packing->img;
+    gather_row(packing, y, scratch);
+    fathom_status status = packing->module->view_apply(packing->view, scratch, img->width, message);
+    if (status != FATHOM_OK) return status;
+    const image_channel *alpha = alpha_of(img);
+    for (size_t x = 0; x < img->width; ++x) {
+        for (size_t c = 0; c < 3; ++c) *out++ = quantise(scratch[4 * x + c]);
+        if (alpha) *out++ = quantise(load(row_of(img, alpha, y) + x * alpha->stride));
+    }
+    return FATHOM_OK;
+}

@@ -1,0 +1,267 @@
+#include "base/file.h"
+#include "base/threads.h"
+#include "image/icc.h"
+#include "image/loader.h"
+#include "image/pack.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* libjpeg ends the process when it is asked for more. */
+#define JPEG_LARGEST_SIDE 65500u
+
+/* Rows are handed over in chunks of about so many bytes: enough blocks of rows for all threads of the
+ * compression, without a second copy of a large image. */
+#define CHUNK_BYTES ((size_t)16 << 20)
+#define CHUNK_ROWS 64u
+
+static fathom_status find_format(fathom_context *context, const char *path, image_format *out) {
+    static const struct {
+        const char *extension;
+        image_format format;
+    } formats[] = {{"exr", IMAGE_EXR},   {"png", IMAGE_PNG},  {"jpg", IMAGE_JPEG},
+                   {"jpeg", IMAGE_JPEG}, {"tif", IMAGE_TIFF}, {"tiff", IMAGE_TIFF}};
+    char extension[16];
+    file_extension(path, extension);
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i) {
+        if (strcmp(extension, formats[i].extension) == 0) {
+            *out = formats[i].format;
+            return FATHOM_OK;
+        }
+    }
+    return fail(context, FATHOM_BAD_USAGE,
+                "%s: unknown image extension \"%s\"; expected .exr, .png, .jpg, .jpeg, .tif or .tiff", path,
+                extension);
+}
+
+static const char *config_of(const fathom_write_options *options) {
+    if (options->ocio) return options->ocio;
+    const char *named = getenv("OCIO");
+    return named && named[0] ? named : NULL;
+}
+
+static fathom_status open_view(fathom_context *context, const image_module *module,
+                               const fathom_write_options *options, image_view **out, bool *srgb) {
+    image_message message = {""};
+    image_view_request request = {config_of(options), options->display, options->view};
+    fathom_status status = module->view_open(&request, out, srgb, &message);
+    if (status == FATHOM_OK) return status;
+    if (!request.config) return fail(context, status, "OpenColorIO: %s", message.text);
+    return fail(context, status, "OpenColorIO config %s%s: %s", options->ocio ? "" : "($OCIO) ",
+                request.config, message.text);
+}
+
+static fathom_status check_exposure(fathom_context *context, const fathom_write_options *options) {
+    if (isfinite(exp2f(options->exposure)) && isfinite(options->exposure)) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_USAGE, "exposure: %g; expected stops below 128",
+                (double)options->exposure);
+}
+
+fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options) {
+    image_format format = IMAGE_EXR;
+    fathom_status status = find_format(context, path, &format);
+    if (status == FATHOM_OK) status = check_exposure(context, options);
+    if (status == FATHOM_OK) status = file_check_writable(context, path);
+    if (status == FATHOM_OK) status = loader_find(context);
+    if (status != FATHOM_OK || format == IMAGE_EXR) return status;
+    if (!config_of(options) && !options->display && !options->view) return FATHOM_OK;
+    const image_module *module;
+    image_view *view;
+    bool srgb;
+    status = loader_module(context, &module);
+    if (status == FATHOM_OK) status = open_view(context, module, options, &view, &srgb);
+    if (status == FATHOM_OK) module->view_close(view);
+    return status;
+}
+
+static const image_channel *find_channel(const image *img, const char *name) {
+    for (size_t i = 0; i < img->channel_count; ++i) {
+        const image_channel *channel = &img->channels[i];
+        if (channel->type == IMAGE_FLOAT && strcmp(channel->name, name) == 0) return channel;
+    }
+    return NULL;
+}
+
+/* What is under way. */
+typedef struct writing {
+    fathom_context *context;
+    const char *path;
+    const image_module *module;
+    image_format format;
+    image shown; /* what the file will hold of the image */
+    image_channel *channels;
+    image_storage *storage;
+    image_packing packing;
+    image_view *view;
+    bool srgb;
+    unsigned threads;
+
+    unsigned char *rows; /* a chunk of packed rows from row `first` on */
+    size_t first;
+    float *scratch; /* 4 · width floats for each worker */
+    atomic_bool failed;
+    image_message *messages; /* one for each worker */
+} writing;
+
+static fathom_status choose_channels(writing *w, const image *img, const fathom_write_options *options) {
+    w->shown = *img;
+    w->shown.channels = w->channels;
+    w->shown.channel_count = 0;
+    size_t *count = &w->shown.channel_count;
+    if (w->format == IMAGE_EXR) {
+        for (size_t i = 0; i < img->channel_count; ++i) {
+            const image_channel *channel = &img->channels[i];
+            bool half = channel->color && !options->float_color;
+            w->storage[*count] = channel->type == IMAGE_UINT ? IMAGE_STORE_UINT
+                                 : half                      ? IMAGE_STORE_HALF
+                                                             : IMAGE_STORE_FLOAT;
+            w->channels[(*count)++] = *channel;
+        }
+        return FATHOM_OK;
+    }
+    static const char *const names[] = {"R", "G", "B", "A"};
+    for (size_t i = 0; i < (w->format == IMAGE_JPEG ? 3 : 4); ++i) {
+        const image_channel *channel = find_channel(img, names[i]);
+        if (!channel && i == 3) break;
+        if (!channel)
+            return fail(w->context, FATHOM_INTERNAL, "%s: the image has no channel %s", w->path, names[i]);
+        w->storage[*count] = IMAGE_STORE_U8;
+        w->channels[(*count)++] = *channel;
+    }
+    /* These formats have no word for a crop that all readers understand: the file is the crop. */
+    w->shown.x = w->shown.y = 0;
+    w->shown.full_width = img->width, w->shown.full_height = img->height;
+    return FATHOM_OK;
+}
+
+static void pack_rows(void *user, size_t begin, size_t end, unsigned worker) {
+    writing *w = user;
+    size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
+    for (size_t y = begin; y < end; ++y) {
+        unsigned char *out = w->rows + y * row_bytes;
+        if (w->format == IMAGE_EXR) {
+            pack_row(&w->packing, (uint32_t)(w->first + y), out);
+            continue;
+        }
+        fathom_status status = pack_row_through_view(&w->packing, (uint32_t)(w->first + y),
+                                                     w->scratch + (size_t)4 * w->shown.width * worker, out,
+                                                     &w->messages[worker]);
+        if (status != FATHOM_OK) atomic_store(&w->failed, true);
+    }
+}
+
+/* What the first of the workers that failed has to say. */
+static fathom_status pack_failure(const writing *w) {
+    for (unsigned i = 0; i < w->threads; ++i) {
+        if (w->messages[i].text[0]) {
+            return fail(w->context, FATHOM_INTERNAL, "%s: OpenColorIO: %s", w->path, w->messages[i].text);
+        }
+    }
+    return fail(w->context, FATHOM_INTERNAL, "%s: OpenColorIO failed", w->path);
+}
+
+static fathom_status write_rows(writing *w, image_writer *writer, size_t chunk, image_message *message) {
+    for (w->first = 0; w->first < w->shown.height; w->first += chunk) {
+        size_t left = w->shown.height - w->first, count = left < chunk ? left : chunk;
+        loop_parallel(w->threads, count, 4, pack_rows, w);
+        if (atomic_load(&w->failed)) return pack_failure(w);
+        fathom_status status = w->module->writer_rows(writer, (uint32_t)count, w->rows, message);
+        if (status != FATHOM_OK)
+            return fail(w->context, status, "%s: cannot be written: %s", w->path, message->text);
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status write_to(writing *w, int descriptor, size_t chunk) {
+    image_message message = {""};
+    unsigned char profile[ICC_SRGB_SIZE];
+    icc_srgb(profile);
+    image_target target = {.path = w->path,
+                           .descriptor = descriptor,
+                           .format = w->format,
+                           .threads = w->threads,
+                           .srgb = w->srgb,
+                           .profile = profile,
+                           .profile_size = sizeof profile,
+                           .img = &w->shown,
+                           .storage = w->storage};
+    image_writer *writer;
+    fathom_status status = w->module->writer_open(&target, &writer, &message);
+    if (status != FATHOM_OK)
+        return fail(w->context, status, "%s: cannot be written: %s", w->path, message.text);
+    status = write_rows(w, writer, chunk, &message);
+    fathom_status closed = w->module->writer_close(writer, status == FATHOM_OK, &message);
+    if (status == FATHOM_OK && closed != FATHOM_OK) {
+        status = fail(w->context, closed, "%s: cannot be written: %s", w->path, message.text);
+    }
+    return status;
+}
+
+/* Memory for the rows under way, then the file. */
+static fathom_status write_file(writing *w) {
+    w->packing.img = &w->shown, w->packing.storage = w->storage;
+    w->packing.module = w->module, w->packing.view = w->view;
+    for (size_t i = 0; i < w->shown.channel_count; ++i) {
+        w->packing.pixel_bytes += pack_storage_size(w->storage[i]);
+    }
+    size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
+    size_t chunk = CHUNK_BYTES / row_bytes / CHUNK_ROWS * CHUNK_ROWS;
+    if (chunk < CHUNK_ROWS) chunk = CHUNK_ROWS;
+    if (chunk > w->shown.height) chunk = w->shown.height;
+    size_t scratch_bytes = w->view ? sizeof(float) * 4 * w->shown.width * w->threads : 1;
+    w->rows = malloc(chunk * row_bytes);
+    w->scratch = malloc(scratch_bytes);
+    w->messages = calloc(w->threads, sizeof *w->messages);
+    fathom_status status = FATHOM_OK;
+    file_writer *file = NULL;
+    if (!w->rows || !w->scratch || !w->messages) {
+        status = fail_memory(w->context, chunk * row_bytes + scratch_bytes);
+    } else {
+        status = file_writer_open(w->context, w->path, &file);
+    }
+    if (status == FATHOM_OK) {
+        status = write_to(w, file_writer_descriptor(file), chunk);
+        if (status == FATHOM_OK)
+            status = file_writer_commit(file);
+        else
+            file_writer_abort(file);
+    }
+    free(w->rows), free(w->scratch), free(w->messages);
+    return status;
+}
+
+static fathom_status check_image(fathom_context *context, const image *img, const char *path,
+                                 image_format format) {
+    if (!img->width || !img->height || !img->channel_count) {
+        return fail(context, FATHOM_INTERNAL, "%s: the image is empty", path);
+    }
+    if (format == IMAGE_JPEG && (img->width > JPEG_LARGEST_SIDE || img->height > JPEG_LARGEST_SIDE)) {
+        return fail(context, FATHOM_BAD_USAGE, "%s: %u x %u pixels; JPEG holds at most %u x %u", path,
+                    img->width, img->height, JPEG_LARGEST_SIDE, JPEG_LARGEST_SIDE);
+    }
+    return FATHOM_OK;
+}
+
+fathom_status image_write(fathom_context *context, const image *img, const char *path,
+                          const fathom_write_options *options) {
+    writing w = {.context = context, .path = path, .threads = fathom_context_threads(context)};
+    fathom_status status = find_format(context, path, &w.format);
+    if (status == FATHOM_OK) status = check_exposure(context, options);
+    if (status == FATHOM_OK) status = check_image(context, img, path, w.format);
+    if (status == FATHOM_OK) status = loader_module(context, &w.module);
+    if (status != FATHOM_OK) return status;
+    w.packing.gain = exp2f(options->exposure);
+    w.channels = calloc(img->channel_count, sizeof *w.channels);
+    w.storage = calloc(img->channel_count, sizeof *w.storage);
+    if (!w.channels || !w.storage) status = fail_memory(context, img->channel_count * sizeof *w.channels);
+    if (status == FATHOM_OK) status = choose_channels(&w, img, options);
+    if (status == FATHOM_OK && w.format != IMAGE_EXR) {
+        status = open_view(context, w.module, options, &w.view, &w.srgb);
+    }
+    if (status == FATHOM_OK) status = write_file(&w);
+    if (w.view) w.module->view_close(w.view);
+    free(w.channels), free(w.storage);
+    return status;
+}
