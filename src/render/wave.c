@@ -100,7 +100,7 @@ static bool trace_all(wave *w, trace_coherence coherence) {
 
 bool wave_run(wave *w, const wave_region *region, uint32_t index) {
     memset(w->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
-    wave_camera_rays(w, region, index);
+    if (!wave_camera_rays(w, region, index)) return false;
     for (uint32_t depth = 0; w->now.count; ++depth) {
         if (!trace_all(w, depth ? TRACE_INCOHERENT : TRACE_COHERENT)) return false;
         if (!wave_surfaces(w, depth == 0) || !wave_light(w, depth == 0)) return false;

@@ -86,7 +86,7 @@ void wave_sample_position(const render_plan *plan, uint32_t x, uint32_t y, uint3
                           double *dy);
 
 /* ---- the stages, in order ---- */
-void wave_camera_rays(wave *w, const wave_region *region, uint32_t index);
+bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index);
 /* Points of all hits; misses add the background. */
 bool wave_surfaces(wave *w, bool first);
 /* Ambient and emitted radiance, then each light in turn. */

@@ -34,8 +34,9 @@ static void push_camera_ray(wave *w, const wave_region *region, uint32_t x, uint
 }
 
 /* A packet of 16 rays is a square of 4 × 4 pixels: its rays stay together longer than those of a line. */
-void wave_camera_rays(wave *w, const wave_region *region, uint32_t index) {
+bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index) {
     w->now.count = 0;
+    if (!wave_reserve_paths(w, &w->now, WAVE_SLOTS)) return false;
     for (uint32_t by = region->top; by < region->y1; by += 4) {
         for (uint32_t bx = region->left; bx < region->x1; bx += 4) {
             for (uint32_t k = 0; k < LANES; ++k) {
@@ -46,4 +47,5 @@ void wave_camera_rays(wave *w, const wave_region *region, uint32_t index) {
         }
     }
     w->rays.camera += w->now.count;
+    return true;
 }
