@@ -1,0 +1,294 @@
+/* glTF geometry: what meshes hold must be what the file says, and be in the file where it can be. */
+#include "gltf_file.h"
+
+/* Whether an address lies in a mapping of this file: the system's own list of mappings says. */
+static bool is_mapped_from(const void *address, const char *path) {
+    FILE *maps = fopen("/proc/self/maps", "r");
+    assert_non_null(maps);
+    char line[512];
+    bool found = false;
+    while (fgets(line, sizeof line, maps)) {
+        unsigned long long from, to;
+        if (sscanf(line, "%llx-%llx", &from, &to) != 2 || !strstr(line, path)) continue;
+        found = found || ((uintptr_t)address >= from && (uintptr_t)address < to);
+    }
+    fclose(maps);
+    return found;
+}
+
+static void assert_is_triangle(const fathom_scene *scene, size_t mesh, const int order[3]) {
+    assert_int_equal(scene->meshes.items[mesh].triangle_count, 1);
+    for (int c = 0; c < 3; ++c) {
+        const float *p = triangle.positions[order[c]];
+        assert_vec(corner(scene, mesh, 0, c), p[0], p[1], p[2], 0);
+    }
+}
+
+static void arrays_stay_in_the_file(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'"
+                                                 "NORMAL':4,'TEXCOORD_0':5},'indices':1}]}]"));
+    const fathom_mesh *mesh = &scene->meshes.items[0];
+    assert_true(is_mapped_from(mesh->positions, f->path));
+    assert_true(is_mapped_from(mesh->normals, f->path));
+    assert_true(is_mapped_from(mesh->uvs, f->path));
+    assert_true(is_mapped_from(mesh->indices, f->path));
+    assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
+    assert_memory_equal(mesh->normals, triangle.normals, sizeof triangle.normals);
+    assert_memory_equal(mesh->uvs, triangle.uvs, sizeof triangle.uvs);
+    assert_int_equal(f->warnings, 0);
+    fathom_scene_destroy(scene);
+}
+
+static void files_are_let_go(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(f, SHOWN(TRIANGLE_MESH));
+    const void *positions = scene->meshes.items[0].positions;
+    fathom_scene_destroy(scene);
+    assert_false(is_mapped_from(positions, f->path));
+}
+
+static void indices_of_every_width(void **state) {
+    fixture *f = *state;
+    const int orders[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
+    for (int i = 0; i < 3; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':%d}]}]"), i + 1);
+        fathom_scene *scene = read_triangle(f, json);
+        assert_is_triangle(scene, 0, orders[i]);
+        fathom_scene_destroy(scene);
+    }
+    fathom_scene *scene =
+        read_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]"));
+    assert_is_triangle(scene, 0, orders[0]);
+    fathom_scene_destroy(scene);
+}
+
+static void interleaved_and_misaligned(void **state) {
+    fixture *f = *state;
+    unsigned char bytes[160] = {0};
+    for (int i = 0; i < 3; ++i) {
+        memcpy(bytes + 24 * i, triangle.positions[i], 12);
+        memcpy(bytes + 24 * i + 12, triangle.normals[i], 12);
+        memcpy(bytes + 82 + 12 * i, triangle.positions[i], 12);
+    }
+    write_glb(
+        f,
+        "{" ASSET
+        ",'buffers':[{'byteLength':118}],'bufferViews':[{'buffer':0,'byteLength':72,'byteStride':24},"
+        "{'buffer':0,'byteOffset':82,'byteLength':36}],'accessors':["
+        "{'bufferView':0,'componentType':5126,'type':'VEC3','count':3},"
+        "{'bufferView':0,'byteOffset':12,'componentType':5126,'type':'VEC3','count':3},"
+        "{'bufferView':1,'componentType':5126,'type':'VEC3','count':3}],"
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':1}},{'attributes':{'POSITION':2}}]}]}",
+        bytes, 118);
+    fathom_scene *scene = read_file(f);
+    const fathom_mesh *mesh = &scene->meshes.items[0];
+    assert_int_equal(mesh->position_stride, 24);
+    assert_ptr_equal((const char *)mesh->positions + 12, mesh->normals);
+    assert_true(is_mapped_from(mesh->positions, f->path));
+    assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
+    assert_int_equal((uintptr_t)scene->meshes.items[1].positions % 4, 0);
+    assert_is_triangle(scene, 1, (const int[3]){0, 1, 2});
+    fathom_scene_destroy(scene);
+}
+
+/* KHR_mesh_quantization: f = max(c / (2^(bits-1) - 1), -1) when normalized, else f = c. */
+static void quantized(void **state) {
+    fixture *f = *state;
+    const struct {
+        int16_t shorts[3][4];
+        int8_t bytes[3][4];
+        uint16_t uvs[3][2];
+    } data = {{{-32768, 0, 0}, {32767, 0, 0}, {0, 16384, 0}},
+              {{-128, 0, 0}, {127, 0, 0}, {0, 64, 0}},
+              {{0, 0}, {65535, 0}, {0, 32768}}};
+    write_glb(f,
+              "{" ASSET
+              ",'extensionsRequired':['KHR_mesh_quantization'],'buffers':[{'byteLength':48}],'bufferViews':["
+              "{'buffer':0,'byteLength':24,'byteStride':8},{'buffer':0,'byteOffset':24,'byteLength':12,'"
+              "byteStride':4},"
+              "{'buffer':0,'byteOffset':36,'byteLength':12}],'accessors':["
+              "{'bufferView':0,'componentType':5122,'normalized':true,'type':'VEC3','count':3},"
+              "{'bufferView':1,'componentType':5120,'type':'VEC3','count':3},"
+              "{'bufferView':1,'componentType':5120,'normalized':true,'type':'VEC3','count':3},"
+              "{'bufferView':2,'componentType':5123,'normalized':true,'type':'VEC2','count':3}],"
+              "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':2,'TEXCOORD_0':3}},"
+              "{'attributes':{'POSITION':1}}]}]}",
+              &data, sizeof data);
+    fathom_scene *scene = read_file(f);
+    const float half = 16384 / 32767.0f;
+    assert_vec(corner(scene, 0, 0, 0), -1, 0, 0, 0);
+    assert_vec(corner(scene, 0, 0, 1), 1, 0, 0, 0);
+    assert_vec(corner(scene, 0, 0, 2), 0, (double)half, 0, 0);
+    assert_vec(corner(scene, 1, 0, 0), -128, 0, 0, 0);
+    assert_vec(corner(scene, 1, 0, 2), 0, 64, 0, 0);
+    const fathom_mesh *mesh = &scene->meshes.items[0];
+    assert_near(mesh->normals[0], -1, 0);
+    assert_near(mesh->normals[7], 64 / 127.0f, 0);
+    assert_near(mesh->uvs[2], 1, 0);
+    assert_near(mesh->uvs[5], 32768 / 65535.0f, 0);
+    fathom_scene_destroy(scene);
+}
+
+/* Every triangle of a flat strip or fan faces the way the first one does, and together they cover the whole.
+ */
+static void strips_and_fans(void **state) {
+    fixture *f = *state;
+    const struct {
+        float strip[6][3];
+        float fan[5][3];
+    } data = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}, {1, 2, 0}},
+              {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.5f, 2, 0}, {0, 1, 0}}};
+    const struct {
+        int accessor, mode;
+        uint32_t triangles;
+        double area;
+    } cases[] = {{0, 5, 4, 2}, {1, 6, 3, 1.5}};
+    for (int i = 0; i < 2; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 "{" ASSET ",'buffers':[{'byteLength':132}],'bufferViews':[{'buffer':0,'byteLength':132}],"
+                 "'accessors':[{'bufferView':0,'componentType':5126,'type':'VEC3','count':6},"
+                 "{'bufferView':0,'byteOffset':72,'componentType':5126,'type':'VEC3','count':5}],"
+                 "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'mode':%d}]}]}",
+                 cases[i].accessor, cases[i].mode);
+        write_glb(f, json, &data, sizeof data);
+        fathom_scene *scene = read_file(f);
+        assert_int_equal(scene->meshes.items[0].triangle_count, cases[i].triangles);
+        double area = 0;
+        for (uint32_t t = 0; t < cases[i].triangles; ++t) {
+            vec3_f64 a = corner(scene, 0, t, 0), b = corner(scene, 0, t, 1), c = corner(scene, 0, t, 2);
+            double twice = cross_f64(sub_f64(b, a), sub_f64(c, a)).z;
+            assert_true(twice > 0);
+            area += twice / 2;
+        }
+        assert_near(area, cases[i].area, 0); /* sums of multiples of 1/4 */
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Vertex 1 of the triangle is replaced, over the file's values and over zeros. */
+static void sparse(void **state) {
+    fixture *f = *state;
+    struct {
+        triangle_data base;
+        uint8_t which[4];
+        float value[3];
+        uint16_t replaced_index[2];
+    } data = {triangle, {1, 0, 0, 0}, {7, 8, 9}, {1, 0}};
+    write_glb(f,
+              "{" ASSET ",'buffers':[{'byteLength':140}],'bufferViews':[{'buffer':0,'byteLength':120},"
+              "{'buffer':0,'byteOffset':120,'byteLength':1},{'buffer':0,'byteOffset':124,'byteLength':12},"
+              "{'buffer':0,'byteOffset':136,'byteLength':2}],'accessors':["
+              "{'bufferView':0,'componentType':5126,'type':'VEC3','count':3,'sparse':{'count':1,"
+              "'indices':{'bufferView':1,'componentType':5121},'values':{'bufferView':2}}},"
+              "{'componentType':5126,'type':'VEC3','count':3,'sparse':{'count':1,"
+              "'indices':{'bufferView':1,'componentType':5121},'values':{'bufferView':2}}},"
+              "{'componentType':5123,'type':'SCALAR','count':3,'sparse':{'count':1,"
+              "'indices':{'bufferView':1,'componentType':5121},'values':{'bufferView':3}}}],"
+              "'meshes':[{'primitives':[{'attributes':{'POSITION':0}},{'attributes':{'POSITION':1},'indices':"
+              "2}]}]}",
+              &data, sizeof data);
+    fathom_scene *scene = read_file(f);
+    assert_vec(corner(scene, 0, 0, 0), 0, 0, 0, 0);
+    assert_vec(corner(scene, 0, 0, 1), 7, 8, 9, 0);
+    assert_vec(corner(scene, 0, 0, 2), 0, 1, 0.5, 0);
+    assert_vec(corner(scene, 1, 0, 0), 0, 0, 0, 0);
+    assert_vec(corner(scene, 1, 0, 1), 7, 8, 9, 0);
+    fathom_scene_destroy(scene);
+}
+
+static void encode_base64(const unsigned char *bytes, size_t size, char *out) {
+    static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < size; i += 3) {
+        uint32_t bits = 0;
+        for (size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < size ? bytes[i + k] : 0);
+        for (size_t k = 0; k < 4; ++k) *out++ = i + k <= size ? alphabet[bits >> (18 - 6 * k) & 63] : '=';
+    }
+    *out = '\0';
+}
+
+/* Every number of bytes at the end: 0, 1 or 2 over a multiple of three. */
+static void base64_buffers(void **state) {
+    fixture *f = *state;
+    for (size_t extra = 0; extra < 3; ++extra) {
+        unsigned char bytes[128] = {0};
+        memcpy(bytes, &triangle, sizeof triangle);
+        char text[256], json[4096];
+        encode_base64(bytes, sizeof triangle + extra, text);
+        snprintf(json, sizeof json,
+                 "{" ASSET
+                 ",'buffers':[{'byteLength':%zu,'uri':'data:application/octet-stream;base64,%s'}]," VIEWS
+                 "," ACCESSORS "," TRIANGLE_MESH "}",
+                 sizeof triangle + extra, text);
+        write_gltf(f, json);
+        fathom_scene *scene = read_file(f);
+        assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void external_buffers(void **state) {
+    fixture *f = *state;
+    write_bytes(f, "a mesh.bin", &triangle, sizeof triangle);
+    char binary[128];
+    strcpy(binary, f->path);
+    write_gltf(f, "{" ASSET ",'buffers':[{'byteLength':120,'uri':'a%20mesh.bin'}]," VIEWS "," ACCESSORS
+                  "," TRIANGLE_MESH "}");
+    fathom_scene *scene = read_file(f);
+    assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
+    assert_true(is_mapped_from(scene->meshes.items[0].positions, binary));
+    fathom_scene_destroy(scene);
+    assert_int_equal(unlink(binary), 0);
+    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    const read_mesh_options options = {.material = FATHOM_NONE};
+    assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &options), FATHOM_BAD_INPUT,
+                 "buffers[0].uri: ");
+    fathom_scene_destroy(scene);
+}
+
+static void shared_accessors_are_converted_once(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(
+        f,
+        SHOWN(
+            "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':2},{'attributes':{'POSITION':0},"
+            "'indices':2}]}]"));
+    assert_int_equal(scene->meshes.count, 2);
+    assert_ptr_equal(scene->meshes.items[0].indices, scene->meshes.items[1].indices);
+    assert_ptr_equal(scene->meshes.items[0].positions, scene->meshes.items[1].positions);
+    fathom_scene_destroy(scene);
+}
+
+static void options_are_followed(void **state) {
+    fixture *f = *state;
+    write_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':4},'indices':1}]},"
+                            "{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]"));
+    read_mesh_options options = {.material = 0, .flags = FATHOM_CASTS_NO_SHADOW, .flat = true};
+    fathom_scene *scene = read_with(f, &options);
+    assert_null(scene->meshes.items[0].normals);
+    assert_int_equal(scene->meshes.items[0].material, 0);
+    assert_int_equal(scene->meshes.items[0].flags, FATHOM_CASTS_NO_SHADOW);
+    assert_int_equal(scene->materials.count, 1);
+    fathom_scene_destroy(scene);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(arrays_stay_in_the_file),
+        TEST(files_are_let_go),
+        TEST(indices_of_every_width),
+        TEST(interleaved_and_misaligned),
+        TEST(quantized),
+        TEST(strips_and_fans),
+        TEST(sparse),
+        TEST(base64_buffers),
+        TEST(external_buffers),
+        TEST(shared_accessors_are_converted_once),
+        TEST(options_are_followed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
