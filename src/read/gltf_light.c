@@ -1,15 +1,18 @@
 /* Lights (KHR_lights_punctual) and cameras.
  *
- * The format gives a point's or spot's intensity I in candela (lm/sr) and a directional light's illuminance E
- * in lux (lm/m^2). A surface of base colour b then sends out the luminance L = b / pi · E · |n·l|,   E = I /
- * d^2 for a point, whereas the model computes C = k_d · k_l · |n·l| (/ d^2) with k_d = b. Both agree when k_l
- * = colour · I / pi     and     k_l = colour · E / pi, so a pixel holds the luminance in cd/m^2 (for lengths
- * in metres, as the format has them); highlights follow, since they are normalised like b / pi (see
- * gltf_material.c).
+ * The format gives a point's or spot's intensity I in candela (lm/sr) and a directional light's illuminance
+ * in lux (lm/m^2). A surface of base colour b at distance d of a point then sends out the luminance
  *
- * Nothing is rescaled: a file with the intensity of real lamps (a 1000 W lamp exported as 54,351 cd, 683 lm
- * for each watt) gives an image that bright, to be shown at an exposure of its own; viewers that ignore
- * units, and files made for them, use values around 1 to 10.
+ * - L = (b / pi) (I / d^2) |n·l|, whereas the model computes
+ * - C = k_d (k_l / d^2) |n·l| with k_d = b.
+ *
+ * Both agree when k_l = colour I / pi, and in the same way for directional lights. So a pixel holds the
+ * luminance in cd/m^2, for lengths in metres as the format has them. Highlights follow: they are normalised
+ * like b / pi (see gltf_material.c).
+ *
+ * Nothing is rescaled. A file with the intensities of real lamps (some exporters write 683 lm for each watt,
+ * so a lamp of 1000 W becomes 54,351 cd) gives an image that bright, to be shown at an exposure of its own.
+ * Files made for viewers that ignore units have values around 1 to 10.
  *
  * `range` is ignored: light falls off by 1 / d^2 for ever. The spot's falloff between its cones is the
  * model's. Lights and cameras look along their node's -z; scale does not touch them otherwise. */

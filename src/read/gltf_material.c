@@ -1,36 +1,40 @@
 /* glTF materials to the model's.
  *
- * glTF describes a microfacet surface: a dielectric layer over a diffuse base, mixed with a metal. The model
- * has Lambert, a Blinn highlight, a mirror and refraction. With m = metallic, b = base colour, r = roughness,
- * alpha = r^2, T = transmission, f0 = ((ior - 1) / (ior + 1))^2 tinted by KHR_materials_specular, and
- * F0 = (1 - m) f0 + m b:
+ * glTF describes a microfacet surface: a dielectric layer over a diffuse base, mixed with a metal. The
+ * model has Lambert, a Blinn highlight, a mirror and refraction. With m = metallic, b = base colour, r =
+ * roughness, alpha = r^2, T = transmission, f0 = ((ior - 1) / (ior + 1))^2 tinted by
+ * KHR_materials_specular, and F0 = (1 - m) f0 + m b:
  *
- *   k_d = (1 - m) (1 - T) (1 - f0) b    What the layer reflects does not reach the base. The BRDF of the
- * format is b / pi, the model's Lambert term has no 1 / pi: lights carry it (see gltf_light.c). n   = 2 /
- * alpha^2 - 2               Blinn's exponent whose lobe has the width of the format's (the slopes' in [1,
- * 1e6]                   variance of (n·h)^n is 2 / (n + 2), of a Beckmann lobe alpha^2). k_s = F0 N(n), but
- * k_d + k_s <= 1   N(n) = (n + 2)(n + 4) / (8 (2^(-n/2) + n)) makes the lobe reflect F0 of in every channel
- * the light that meets it head on: its integral with cos is pi / N(n). The cap keeps small bright lobes
- * displayable, hue unchanged. w   = t^2 / (alpha^2 + t^2),        The share of GGX microfacets tilted by less
- * than 3 degrees: that part t = tan(3 degrees)            of the reflection is so little blurred that a
- * mirror may stand for it. Below 5 % (r > 0.48) there is no mirror. k_r = w F0, or for a dielectric     m <
- * 1/2 counts as a dielectric: k_r = w times the specular factor, and w, with Fresnel               `fresnel`,
- * whose reflectance rises from f0. Metals keep their colour. k_t = (1 - m) T b                   refracted by
- * ior, with Fresnel; unblurred whatever r is. The format's transmission without a volume is thin; here the
- * mesh is a solid. k_a = k_d + (1 - w) F0              Light from all around is reflected by the rough part
- * alone; the mirror finds its own.
+ * - k_d = (1 - m) (1 - T) (1 - f0) b: what the layer reflects does not reach the base. The format's BRDF
+ *   is b / pi; the model's has no 1 / pi, which the lights carry (see gltf_light.c).
+ * - n = 2 / alpha^2 - 2, in [1, 1e6]: Blinn's exponent whose lobe is as wide as the format's. The variance
+ *   of its slopes is 2 / (n + 2), that of a Beckmann lobe alpha^2.
+ * - k_s = F0 N(n), N(n) = (n + 2)(n + 4) / (8 (2^(-n/2) + n)): the lobe sends back F0 of the light that
+ *   meets it head on, since its integral with the cosine is pi / N(n). Capped, hue unchanged, so that k_d
+ *   + k_s <= 1 in every channel: small bright lobes stay displayable.
+ * - k_r = w F0, w = t^2 / (alpha^2 + t^2), t = tan(3 degrees): the share of GGX microfacets tilted by less
+ *   than 3 degrees, the part of the reflection that is blurred so little that a mirror may stand for it.
+ *   Below 5 % (r > 0.48) there is none. A dielectric (m < 1/2) has k_r = w times the specular factor, and
+ *   `fresnel`, whose reflectance rises from f0; metals keep their colour instead.
+ * - k_t = (1 - m) T b, refracted by ior, with Fresnel (where there is none: times 1 - f0); unblurred
+ *   whatever r is. The format's transmission without a volume is a thin wall; here the mesh is taken as a
+ *   solid.
+ * - k_a = k_d + (1 - w) F0: light from all around is reflected by the rough part; the mirror finds its
+ *   own.
  *
- * Lights are never met by mirrored rays, so k_s (lights) and k_r (everything else) share F0 without counting
- * it twice: a surface's reflectance is k_d + max(k_s / N, k_r F) + k_t (1 - F) <= 1.
+ * Lights are never met by mirrored rays, so k_s (lights) and k_r (everything else) share F0 without
+ * counting it twice: what a surface reflects is k_d + max(k_s / N, k_r F) + k_t (1 - F) <= 1.
  *
- *   alphaMode MASK   base alpha below the cutoff: nothing is there (k_t = 1, ior 1).
- *   alphaMode BLEND  base alpha a covers: all of the above times a, and k_t gets 1 - a with ior 1, which
- * passes straight on. With T > 0 the refraction's ior stays. KHR_materials_unlit      k_e = b, nothing else.
- *   emissiveFactor           k_e = factor times KHR_materials_emissive_strength; it lights nothing else.
- *   ior 0                    F0 = specular colour, no refraction: how older workflows are carried over.
- *   textures                 not used, their factor stands alone; warned about once.
- * A mesh whose material lets more than half of the light through casts no shadow: shadow rays know only all
- * or nothing. */
+ * - alphaMode MASK: with a base alpha below the cutoff nothing is there (k_t = 1, ior 1).
+ * - alphaMode BLEND: the base alpha a covers. All of the above times a, and k_t gets 1 - a with ior 1,
+ *   which passes straight on. With T > 0 the refraction's ior stays.
+ * - KHR_materials_unlit: k_e = b, nothing else.
+ * - emissiveFactor: k_e = factor times KHR_materials_emissive_strength; it lights nothing else.
+ * - ior 0: F0 is the specular colour, no refraction. So older workflows are carried over.
+ * - Textures are not used, their factor stands alone; warned about once.
+ *
+ * A mesh whose material lets more than half of the light through casts no shadow: shadow rays know only
+ * all or nothing. */
 #include "read/gltf.h"
 
 #include <math.h>
@@ -95,7 +99,8 @@ static void map_lit(const factors *f, fathom_material *out) {
         if (f0[i] > 0) scale = fmin(scale, (1 - diffuse[i]) / f0[i]);
         double mirror = out->fresnel ? fmin(f->specular * f->specular_color[i], 1) : f0[i];
         out->k_r[i] = (float)(cover * w * mirror);
-        out->k_t[i] = (float)(cover * (1 - m) * f->transmission * b + 1 - cover);
+        double inward = out->fresnel ? 1 : 1 - layer;
+        out->k_t[i] = (float)(cover * (1 - m) * f->transmission * inward * b + 1 - cover);
         out->k_d[i] = (float)(cover * diffuse[i]);
         out->k_a[i] = (float)(cover * (diffuse[i] + (1 - w) * f0[i]));
     }

@@ -1,0 +1,318 @@
+/* glTF files that are wrong: one message that says where, and never a crash. */
+#include "gltf_file.h"
+
+static const read_mesh_options plain = {.material = FATHOM_NONE, .surroundings = true};
+
+/* Reads f->path and expects a message that holds the path and `text`. */
+static void assert_rejected(fixture *f, const char *text) {
+    fathom_scene *scene;
+    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &plain), FATHOM_BAD_INPUT, text);
+    assert_non_null(strstr(fathom_context_message(f->context), f->path));
+    fathom_scene_destroy(scene);
+}
+
+static void containers(void **state) {
+    fixture *f = *state;
+    unsigned char glb[4096];
+    size_t size = make_glb("{" ASSET "}", &triangle, sizeof triangle, glb);
+    uint32_t json_size;
+    memcpy(&json_size, glb + 12, 4);
+    const struct {
+        size_t at;
+        uint32_t word;
+        const char *text;
+    } cases[] = {{4, 1, "at byte 4: GLB version 1"},
+                 {8, (uint32_t)size + 1, "at byte 8: "},
+                 {8, 15, "at byte 8: "},
+                 {12, 0x7fffffff, "at byte 12: "},
+                 {16, 0x4E4942, "at byte 16: "},
+                 {20 + json_size, 0xffffffff, "only"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        unsigned char changed[4096];
+        memcpy(changed, glb, size);
+        memcpy(changed + cases[i].at, &cases[i].word, 4);
+        write_bytes(f, "test.glb", changed, size);
+        assert_rejected(f, cases[i].text);
+    }
+    write_bytes(f, "test.glb", "{}", 2);
+    assert_rejected(f, "at byte 0: ");
+    write_bytes(f, "test.glb", "glTF", 4);
+    assert_rejected(f, "at byte 4: ");
+    write_bytes(f, "test.gltf", "{\n\"asset\": {,}\n}", 16);
+    assert_rejected(f, "test.gltf:2:");
+    write_bytes(f, "test.gltf", "[]", 2);
+    assert_rejected(f, "expected a glTF object");
+    write_bytes(f, "test.gltf", "{\"a\":1,\"a\":2}", 13);
+    assert_rejected(f, "duplicate");
+}
+
+typedef struct bad_file {
+    const char *json, *text;
+} bad_file;
+
+static void assert_all_rejected(fixture *f, const bad_file *files, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+        write_triangle(f, files[i].json);
+        assert_rejected(f, files[i].text);
+    }
+}
+
+static void documents(void **state) {
+    const bad_file files[] = {
+        {"{}", "asset.version: is missing"},
+        {"{'asset':{'version':'1.0'}}", "asset.version: is \"1.0\""},
+        {"{'asset':{'version':'2.1','minVersion':'2.1'}}", "asset.minVersion: "},
+        {"{'asset':[]}", "asset: is an array; expected an object"},
+        {"{" ASSET ",'extensionsRequired':['KHR_draco_mesh_compression']}",
+         "extensionsRequired[0]: the file cannot be read without the extension "
+         "\"KHR_draco_mesh_compression\""},
+        {"{" ASSET ",'extensionsRequired':[1]}", "extensionsRequired[0]: "},
+        {"{" ASSET ",'meshes':{}}", "meshes: is an object; expected an array"},
+        {"{" ASSET ",'meshes':[1]}", "meshes[0]: is a number; expected an object"},
+        {"{" ASSET ",'extensions':{'KHR_lights_punctual':{'lights':3}}}",
+         "extensions.KHR_lights_punctual.lights: is a number; expected an array"},
+    };
+    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+}
+
+#define MESH(primitive) SHOWN("'meshes':[{'primitives':[{" primitive "}]}]")
+#define ONE_VIEW(view, accessor)                                                                             \
+    "{" ASSET ",'buffers':[{'byteLength':120}],'bufferViews':[{" view "}],'accessors':[{" accessor           \
+    "}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}"
+#define VEC3(count) "'componentType':5126,'type':'VEC3','count':" #count
+
+static void meshes(void **state) {
+    const bad_file files[] = {
+        {MESH("'attributes':{'POSITION':17}"),
+         "meshes[0].primitives[0].attributes.POSITION: is 17; expected an index into accessors, which has 6"},
+        {MESH("'attributes':{'POSITION':-1}"), "attributes.POSITION: is -1"},
+        {MESH("'attributes':{'POSITION':0.5}"), "attributes.POSITION: is 0.5; expected an integer"},
+        {MESH("'attributes':{'POSITION':5}"),
+         "meshes[0].primitives[0].attributes.POSITION: is accessors[5] of 2 × float; expected 3 × float"},
+        {MESH("'attributes':{'POSITION':0,'NORMAL':1}"),
+         "attributes.NORMAL: is accessors[1] of 1 × unsigned int"},
+        {MESH("'attributes':{'POSITION':0},'indices':0"),
+         "primitives[0].indices: is accessors[0] of 3 × float"},
+        {MESH("'attributes':{'POSITION':0},'mode':9"), "primitives[0].mode: is 9"},
+        {MESH("'attributes':{'POSITION':0},'material':2"), "primitives[0].material: is 2"},
+        {MESH("'attributes':7"), "primitives[0].attributes: is a number; expected an object"},
+    };
+    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+}
+
+static void accessors(void **state) {
+    const bad_file files[] = {
+        {ONE_VIEW("'buffer':0,'byteLength':121", "'bufferView':0," VEC3(3)), "bufferViews[0]: spans bytes"},
+        {ONE_VIEW("'buffer':0,'byteOffset':9007199254740993,'byteLength':36", "'bufferView':0," VEC3(3)),
+         "bufferViews[0]: spans bytes"},
+        {ONE_VIEW("'buffer':0,'byteLength':35", "'bufferView':0," VEC3(3)), "accessors[0]: needs 36 bytes"},
+        {ONE_VIEW("'buffer':0,'byteLength':120", "'bufferView':0,'byteOffset':88," VEC3(3)),
+         "accessors[0]: needs 36 bytes"},
+        {ONE_VIEW("'buffer':0,'byteLength':120", "'bufferView':0," VEC3(4294967294)), "accessors[0]: needs "},
+        {ONE_VIEW("'buffer':0,'byteLength':120", "'bufferView':0," VEC3(9007199254740993)),
+         "accessors[0].count: is "},
+        {ONE_VIEW("'buffer':0,'byteLength':120", "'bufferView':0," VEC3(0)), "accessors[0].count: is 0"},
+        {ONE_VIEW("'buffer':0,'byteLength':120,'byteStride':8", "'bufferView':0," VEC3(3)),
+         "bufferViews[0].byteStride: is 8"},
+        {ONE_VIEW("'buffer':1,'byteLength':120", "'bufferView':0," VEC3(3)), "bufferViews[0].buffer: is 1"},
+        {ONE_VIEW("'byteLength':120", "'bufferView':0," VEC3(3)), "bufferViews[0].buffer: is missing"},
+        {ONE_VIEW("'buffer':0,'byteLength':120", "'bufferView':3," VEC3(3)), "accessors[0].bufferView: is 3"},
+        {ONE_VIEW("'buffer':0,'byteLength':120",
+                  "'bufferView':0,'componentType':5124,'type':'VEC3','count':3"),
+         "accessors[0].componentType: is 5124"},
+        {ONE_VIEW("'buffer':0,'byteLength':120",
+                  "'bufferView':0,'componentType':5126,'type':'MAT3','count':3"),
+         "accessors[0].type: is \"MAT3\""},
+        {ONE_VIEW(
+             "'buffer':0,'byteLength':120",
+             "'sparse':{'count':2,'indices':{'bufferView':0,'componentType':5121},'values':{'bufferView':0}"
+             "}," VEC3(3)),
+         "accessors[0].sparse.indices: entry 1 is 0"},
+        {ONE_VIEW("'buffer':0,'byteLength':120", "'sparse':{'count':4}," VEC3(3)),
+         "accessors[0].sparse.count: is 4"},
+        {ONE_VIEW("'buffer':0,'byteLength':120", "'sparse':{'count':1}," VEC3(3)),
+         "accessors[0].sparse: is not whole"},
+        {"{" ASSET ",'buffers':[{'byteLength':121}]," VIEWS "," ACCESSORS "," TRIANGLE_MESH "}",
+         "buffers[0].byteLength: is 121; there are only 120 bytes"},
+        {"{" ASSET ",'buffers':[{}]," VIEWS "," ACCESSORS "," TRIANGLE_MESH "}",
+         "buffers[0].byteLength: is missing"},
+        {"{" ASSET ",'buffers':[{'byteLength':120,'uri':'data:;base64,AA!A'}]," VIEWS "," ACCESSORS
+         "," TRIANGLE_MESH "}",
+         "buffers[0].uri: is not base64 from its character 15 on"},
+        {"{" ASSET ",'buffers':[{'byteLength':120,'uri':'http://a/b'}]," VIEWS "," ACCESSORS "," TRIANGLE_MESH
+         "}",
+         "buffers[0].uri: is \"http://a/b\""},
+    };
+    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+}
+
+static void values(void **state) {
+    fixture *f = *state;
+    triangle_data data = triangle;
+    data.positions[2][1] = NAN;
+    write_glb(f, SHOWN(TRIANGLE_MESH), &data, sizeof data);
+    assert_rejected(f, "meshes[0].primitives[0].attributes.POSITION: entry[2]: expected finite numbers");
+    data = triangle;
+    data.indices[1] = 3;
+    write_glb(f, SHOWN(TRIANGLE_MESH), &data, sizeof data);
+    assert_rejected(f,
+                    "meshes[0].primitives[0].indices: entry[1] (triangle 0): 3 is out of range, there are 3");
+}
+
+#define NODES(nodes) WITH_DATA(TRIANGLE_MESH ",'nodes':[" nodes "]")
+
+static void nodes(void **state) {
+    const bad_file files[] = {
+        {NODES("{'children':[1]},{'children':[2]},{'children':[1]}"),
+         "names nodes[1], which is a child of nodes[0]"},
+        {NODES("{},{'children':[2]},{'children':[1]}"), "nodes[1].children: leads back to nodes[1]"},
+        {NODES("{'children':[0]}"), "nodes[0].children: leads back to nodes[0]"},
+        {NODES("{'children':[7]}"), "nodes[0].children[0]: is 7; expected an index into nodes"},
+        {NODES("{'mesh':1}"), "nodes[0].mesh: is 1; expected an index into meshes, which has 1"},
+        {NODES("{'mesh':0,'matrix':[1,0,0]}"), "nodes[0].matrix: has 3 entries; expected 16"},
+        {NODES("{'mesh':0,'matrix':[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}"),
+         "nodes[0].matrix: has the last row 1 0 0 1"},
+        {NODES("{'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],'scale':[1,1,1]}"),
+         "nodes[0].scale: stands beside"},
+        {NODES("{'rotation':[0,0,0,0]}"), "nodes[0].rotation: is zero"},
+        {NODES("{'translation':[0,'x',0]}"), "nodes[0].translation[1]: is a string; expected a number"},
+        {NODES("{'scale':[1e308,1,1],'children':[1]},{'scale':[1e308,1,1],'mesh':0}"), "out of the range"},
+        {NODES("{'children':[1]},{}],'scenes':[{'nodes':[1]}"),
+         "scenes[0].nodes: names nodes[1], a child of nodes[0]"},
+        {NODES("{}],'scenes':[{'nodes':[0,0]}"), "scenes[0].nodes: names nodes[0] twice"},
+        {NODES("{}],'scenes':[{}],'scene':[1"), "scene: is an array; expected an integer"},
+        {NODES("{'camera':0}"), "nodes[0].camera: is 0; expected an index into cameras"},
+        {NODES("{'camera':0}],'cameras':[{'type':'perspective','perspective':{'yfov':4}}"),
+         "cameras[0].perspective.yfov: is 4"},
+        {NODES("{'camera':0}],'cameras':[{'type':'fisheye'}"), "cameras[0].type: is \"fisheye\""},
+        {NODES("{'extensions':{'KHR_lights_punctual':{'light':0}}}"),
+         "nodes[0].extensions.KHR_lights_punctual.light: is 0; expected an index into lights"},
+    };
+    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+}
+
+#define LIGHT(light)                                                                                         \
+    "{" ASSET ",'extensions':{'KHR_lights_punctual':{'lights':[{" light                                      \
+    "}]}},'nodes':[{'extensions':{'KHR_lights_punctual':{'light':0}}}]}"
+#define MATERIAL(material)                                                                                   \
+    SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{" material   \
+          "}]")
+
+static void lights_and_materials(void **state) {
+    const bad_file files[] = {
+        {LIGHT("'type':'area'"), "extensions.KHR_lights_punctual.lights[0].type: is \"area\""},
+        {LIGHT("'type':'point','intensity':-1"), "lights[0].intensity: is -1; expected a number >= 0"},
+        {LIGHT("'type':'point','color':[1,1]"), "lights[0].color: has 2 entries"},
+        {LIGHT("'type':'spot','spot':{'innerConeAngle':0.5,'outerConeAngle':0.5}"),
+         "lights[0].spot.innerConeAngle: is 0.5"},
+        {LIGHT("'type':'spot','spot':{'outerConeAngle':2}"), "lights[0].spot.outerConeAngle: is 2"},
+        {MATERIAL("'pbrMetallicRoughness':{'baseColorFactor':[1,1,1]}"),
+         "materials[0].pbrMetallicRoughness.baseColorFactor: has 3 entries; expected 4"},
+        {MATERIAL("'pbrMetallicRoughness':{'metallicFactor':2}"),
+         "materials[0].pbrMetallicRoughness.metallicFactor: is 2; expected a number in [0, 1]"},
+        {MATERIAL("'emissiveFactor':[1,2,1]"), "materials[0].emissiveFactor[1]: is 2"},
+        {MATERIAL("'alphaMode':'HALF'"), "materials[0].alphaMode: is \"HALF\""},
+        {MATERIAL("'extensions':{'KHR_materials_ior':{'ior':0.5}}"),
+         "materials[0].extensions.KHR_materials_ior.ior: is 0.5"},
+        {MATERIAL("'name':3"), "materials[0].name: is a number; expected a string"},
+    };
+    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+}
+
+/* ---- damaged files ---- */
+
+#define RICH                                                                                                 \
+    WITH_DATA(                                                                                               \
+        "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'spot','intensity':4}]}},"                   \
+        "'materials':[{'name':'m','pbrMetallicRoughness':{'metallicFactor':0.5},'alphaMode':'BLEND'}],"      \
+        "'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"                                       \
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':4,'TEXCOORD_0':5},'indices':1,"       \
+        "'material':0},{'attributes':{'POSITION':0},'indices':2,'mode':5}]}],"                               \
+        "'nodes':[{'children':[1,2,3]},{'mesh':0,'scale':[1,2,3]},{'camera':0},{'extensions':{"              \
+        "'KHR_lights_punctual':{'light':0}}}],'scenes':[{'nodes':[0]}],'scene':0")
+
+/* OK or a message, and what was read can be walked over: every vertex that a triangle names is there. */
+static bool read_damaged(fixture *f) {
+    fathom_scene *scene;
+    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    fathom_status status = read_gltf(scene, FATHOM_ROOT, f->path, &plain);
+    if (status == FATHOM_OK) {
+        for (size_t m = 0; m < scene->meshes.count; ++m) {
+            for (uint32_t t = 0; t < scene->meshes.items[m].triangle_count; ++t) {
+                for (int c = 0; c < 3; ++c) assert_true(finite_f64(corner(scene, m, t, c)));
+            }
+        }
+    } else {
+        assert_int_equal(status, FATHOM_BAD_INPUT);
+        const char *message = fathom_context_message(f->context);
+        if (!strstr(message, f->path)) fail_msg("\"%s\" does not name the file", message);
+    }
+    fathom_scene_destroy(scene);
+    return status == FATHOM_OK;
+}
+
+static void truncated_anywhere(void **state) {
+    fixture *f = *state;
+    unsigned char glb[8192];
+    size_t size = make_glb(RICH, &triangle, sizeof triangle, glb);
+    for (size_t cut = 1; cut < size; ++cut) {
+        write_bytes(f, "test.glb", glb, cut);
+        assert_false(read_damaged(f));
+        /* With a header that fits, only the contents can tell. */
+        if (cut < 20) continue;
+        unsigned char changed[8192];
+        memcpy(changed, glb, cut);
+        uint32_t length = (uint32_t)cut;
+        memcpy(changed + 8, &length, 4);
+        write_bytes(f, "test.glb", changed, cut);
+        assert_false(read_damaged(f));
+    }
+    write_bytes(f, "test.glb", glb, size);
+    assert_true(read_damaged(f));
+}
+
+/* xorshift64: the same bytes on every machine. */
+static uint64_t next_random(uint64_t *x) {
+    *x ^= *x << 13;
+    *x ^= *x >> 7;
+    *x ^= *x << 17;
+    return *x;
+}
+
+static void random_bytes_changed(void **state) {
+    fixture *f = *state;
+    unsigned char glb[8192], changed[8192];
+    size_t size = make_glb(RICH, &triangle, sizeof triangle, glb), good = 0;
+    uint64_t random = 0x9E3779B97F4A7C15;
+    for (int i = 0; i < 10000; ++i) {
+        memcpy(changed, glb, size);
+        /* Digits for digits half of the time: those get past the JSON parser. */
+        for (uint64_t flips = 1 + next_random(&random) % 3; flips; --flips) {
+            size_t at = next_random(&random) % size;
+            unsigned char byte = (unsigned char)(next_random(&random) >> 32);
+            bool digit = changed[at] >= '0' && changed[at] <= '9';
+            changed[at] = digit && byte & 1 ? (unsigned char)('0' + byte % 10) : byte;
+        }
+        write_bytes(f, "test.glb", changed, size);
+        good += read_damaged(f);
+    }
+    /* Both happen, or the test tests nothing. */
+    assert_in_range(good, 100, 9900);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(containers),
+        TEST(documents),
+        TEST(meshes),
+        TEST(accessors),
+        TEST(values),
+        TEST(nodes),
+        TEST(lights_and_materials),
+        TEST(truncated_anywhere),
+        TEST(random_bytes_changed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

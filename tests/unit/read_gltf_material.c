@@ -1,0 +1,227 @@
+/* glTF materials: the mapping's laws, and each kind of material by name. */
+#include "gltf_file.h"
+
+static const double pi = 3.14159265358979324;
+
+/* The scene's first material of its own; everything else is as in the file. */
+static fathom_material read_material(fixture *f, const char *material) {
+    char json[4096];
+    snprintf(
+        json, sizeof json,
+        SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{%s}]"),
+        material);
+    fathom_scene *scene = read_triangle(f, json);
+    assert_int_equal(scene->materials.count, 2);
+    assert_int_equal(scene->meshes.items[0].material, 1);
+    fathom_material out = scene->materials.items[1].value;
+    fathom_scene_destroy(scene);
+    return out;
+}
+
+static fathom_material read_factors(fixture *f, double base, double metallic, double roughness,
+                                    const char *more) {
+    char text[2048];
+    snprintf(
+        text, sizeof text,
+        "'pbrMetallicRoughness':{'baseColorFactor':[%g,%g,%g,1],'metallicFactor':%g,'roughnessFactor':%g}%s",
+        base, base / 2, base / 4, metallic, roughness, more);
+    return read_material(f, text);
+}
+
+/* The integral of (n·h)^n cos over the light's directions, seen head on: h lies half way between normal and
+ * light. Midpoints; t = cos of the half angle runs over [cos 45°, 1]. */
+static double lobe_integral(double n) {
+    const int steps = 200000;
+    double sum = 0, low = sqrt(0.5), width = (1 - low) / steps;
+    for (int i = 0; i < steps; ++i) {
+        double t = low + (i + 0.5) * width;
+        /* cos theta = 2t^2 - 1, sin theta dtheta = 4t dt */
+        sum += pow(t, n) * (2 * t * t - 1) * 4 * t * width;
+    }
+    return 2 * pi * sum;
+}
+
+/* The highlight of a rough surface sends back F0 of the light that meets it head on: k_s times the lobe's
+ * integral is pi F0 (the model's terms carry no 1 / pi). F0 of glass 1.5 is 0.04. */
+static void highlight_reflects_f0(void **state) {
+    fixture *f = *state;
+    const double roughness[] = {1, 0.8, 0.6, 0.5};
+    for (size_t i = 0; i < sizeof roughness / sizeof *roughness; ++i) {
+        fathom_material m = read_factors(f, 0.25, 0, roughness[i], "");
+        double reflected = (double)m.k_s[0] * lobe_integral((double)m.shininess) / pi;
+        /* Midpoint rule with 2e5 steps on a smooth integrand, and floats: 1e-6. */
+        assert_near(reflected / 0.04, 1, 1e-6);
+    }
+    fathom_material metal = read_factors(f, 0.5, 1, 1, "");
+    assert_near((double)metal.k_s[0] * lobe_integral((double)metal.shininess) / pi, 0.5, 1e-6);
+}
+
+static double normal_reflectance(double ior) { return pow((ior - 1) / (ior + 1), 2); }
+
+/* No material of the format makes light: for every combination of factors, in every channel, k_d + k_s <= 1
+ * and k_d + k_r F + k_t (1 - F) <= 1 head on, and no coefficient is negative. */
+static void no_material_makes_light(void **state) {
+    fixture *f = *state;
+    const double values[] = {0, 0.3, 0.7, 1}, iors[] = {0, 1, 1.5, 2.4};
+    for (int i = 0; i < 1024; ++i) {
+        double base = values[i % 4], metallic = values[i / 4 % 4], roughness = values[i / 16 % 4],
+               transmission = values[i / 64 % 4], ior = iors[i / 256];
+        char more[256];
+        snprintf(more, sizeof more,
+                 ",'alphaMode':'%s','extensions':{'KHR_materials_ior':{'ior':%g},"
+                 "'KHR_materials_transmission':{'transmissionFactor':%g}}",
+                 i % 3 ? "OPAQUE" : "BLEND", ior, transmission);
+        fathom_material m = read_factors(f, base, metallic, roughness, more);
+        double fresnel = normal_reflectance((double)m.ior);
+        assert_true(m.shininess >= 1 && m.shininess <= 1e6f && m.ior > 0);
+        for (int c = 0; c < 3; ++c) {
+            double r = (double)m.k_r[c] * (m.fresnel ? fresnel : 1), d = (double)m.k_d[c],
+                   t = (double)m.k_t[c] * (m.fresnel ? 1 - fresnel : 1);
+            assert_true(m.k_d[c] >= 0 && m.k_s[c] >= 0 && m.k_r[c] >= 0 && m.k_t[c] >= 0 && m.k_a[c] >= 0);
+            /* Sums of a few floats below 1. */
+            assert_true(d + (double)m.k_s[c] <= 1 + 4 * 0x1p-24);
+            assert_true(d + r + t <= 1 + 4 * 0x1p-24);
+        }
+    }
+}
+
+static void plastic_and_metal(void **state) {
+    fixture *f = *state;
+    fathom_material plastic = read_factors(f, 0.8, 0, 0.5, "");
+    assert_near(plastic.k_d[0], 0.8 * 0.96, 0x1p-24);
+    assert_near(plastic.k_d[2], 0.2 * 0.96, 0x1p-24);
+    assert_int_equal(plastic.specular, FATHOM_SPECULAR_BLINN);
+    assert_near(plastic.shininess, 2 / pow(0.5, 4) - 2, 1e-5);
+    assert_near(plastic.k_s[0], plastic.k_s[2], 0); /* white highlight */
+    assert_near(plastic.k_r[0], 0, 0);
+    fathom_material metal = read_factors(f, 0.8, 1, 0.5, "");
+    assert_near(metal.k_d[0], 0, 0);
+    assert_near(metal.k_s[0] / metal.k_s[2], 4, 1e-6); /* coloured highlight */
+    fathom_material mirror = read_factors(f, 0.8, 1, 0, "");
+    assert_false(mirror.fresnel);
+    assert_near(mirror.k_r[0], 0.8, 0x1p-24);
+    assert_near(mirror.k_r[2], 0.2, 0x1p-24);
+    fathom_material polished = read_factors(f, 0.8, 0, 0, "");
+    assert_true(polished.fresnel);
+    assert_near(polished.k_r[0], 1, 0);
+}
+
+static void glass(void **state) {
+    fixture *f = *state;
+    fathom_material m = read_factors(f, 1, 0, 0,
+                                     ",'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},"
+                                     "'KHR_materials_ior':{'ior':1.33}}");
+    assert_true(m.fresnel);
+    assert_near(m.ior, 1.33, 0x1p-23);
+    assert_near(m.k_t[0], 1, 0);
+    assert_near(m.k_t[1], 0.5, 0);
+    assert_near(m.k_r[0], 1, 0);
+    assert_near(m.k_d[0], 0, 0);
+    /* A metal lets nothing through. */
+    m = read_factors(f, 1, 1, 0, ",'extensions':{'KHR_materials_transmission':{'transmissionFactor':1}}");
+    assert_near(m.k_t[0], 0, 0);
+}
+
+static void specular_and_ior_zero(void **state) {
+    fixture *f = *state;
+    fathom_material none =
+        read_factors(f, 0.8, 0, 0, ",'extensions':{'KHR_materials_specular':{'specularFactor':0}}");
+    assert_near(none.k_d[0], 0.8, 0x1p-24);
+    assert_near(none.k_s[0] + none.k_r[0], 0, 0);
+    /* The specular-glossiness workflow carried over: F0 is the specular colour. */
+    fathom_material old =
+        read_factors(f, 0.5, 0, 0,
+                     ",'extensions':{'KHR_materials_ior':{'ior':0},'KHR_materials_specular':{"
+                     "'specularColorFactor':[0.75,0.5,0.25]}}");
+    assert_false(old.fresnel);
+    assert_near(old.k_r[0], 0.75, 0x1p-24);
+    assert_near(old.k_d[0], 0.25 * 0.5, 0x1p-24);
+    assert_near(old.k_r[2], 0.25, 0x1p-24);
+}
+
+static void emission(void **state) {
+    fixture *f = *state;
+    fathom_material m = read_factors(f, 0, 0, 1,
+                                     ",'emissiveFactor':[1,0.5,0],'extensions':{"
+                                     "'KHR_materials_emissive_strength':{'emissiveStrength':6}}");
+    assert_near(m.k_e[0], 6, 0);
+    assert_near(m.k_e[1], 3, 0);
+    assert_near(m.k_e[2], 0, 0);
+    m = read_factors(f, 0.5, 0, 1, ",'extensions':{'KHR_materials_unlit':{}}");
+    assert_near(m.k_e[0], 0.5, 0);
+    assert_near(m.k_e[2], 0.125, 0);
+    for (int c = 0; c < 3; ++c) assert_near(m.k_d[c] + m.k_s[c] + m.k_r[c] + m.k_t[c] + m.k_a[c], 0, 0);
+}
+
+static void alpha(void **state) {
+    fixture *f = *state;
+    fathom_material opaque = read_factors(f, 0.8, 0, 1, "");
+    fathom_material half =
+        read_material(f, "'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[0.8,0.8,0.8,0.25],"
+                         "'metallicFactor':0}");
+    assert_near(half.k_t[0], 0.75, 0);
+    assert_near(half.ior, 1, 0);
+    assert_false(half.fresnel);
+    assert_near(half.k_d[0], 0.25 * (double)opaque.k_d[0], 0x1p-24);
+    assert_near(half.k_s[0], 0.25 * (double)opaque.k_s[0], 0x1p-24);
+    fathom_material hidden = read_material(
+        f, "'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25],'metallicFactor':0}");
+    assert_near(hidden.k_t[0], 1, 0);
+    assert_near(hidden.k_d[0] + hidden.k_s[0] + hidden.k_r[0], 0, 0);
+    fathom_material shown = read_material(f, "'alphaMode':'MASK','alphaCutoff':0.25,'pbrMetallicRoughness':{"
+                                             "'baseColorFactor':[1,1,1,0.25],'metallicFactor':0}");
+    assert_near(shown.k_t[0], 0, 0);
+    assert_near(shown.k_d[0], 0.96, 0x1p-24);
+}
+
+/* More than half of the light passes: no shadow. */
+static void shadows_of_clear_things(void **state) {
+    fixture *f = *state;
+    const double alphas[] = {0.25, 0.75};
+    for (int i = 0; i < 2; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{"
+                       "'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,%g]}}]"),
+                 alphas[i]);
+        fathom_scene *scene = read_triangle(f, json);
+        assert_int_equal(scene->meshes.items[0].flags, i ? 0 : FATHOM_CASTS_NO_SHADOW);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Names stay, a material is made once, and one that is not named is the format's default: white rough metal.
+ */
+static void names_and_default(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene =
+        read_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':1},{'"
+                               "attributes':{'POSITION':0},"
+                               "'material':1},{'attributes':{'POSITION':0}},{'attributes':{'POSITION':0}}]}],"
+                               "'materials':[{'name':'unused'},{'name':'gold'}]"));
+    assert_int_equal(scene->materials.count, 3);
+    assert_int_equal(scene_find_material(scene, "gold"), scene->meshes.items[0].material);
+    assert_int_equal(scene->meshes.items[0].material, scene->meshes.items[1].material);
+    assert_int_equal(scene->meshes.items[2].material, scene->meshes.items[3].material);
+    const fathom_material *m = &scene->materials.items[scene->meshes.items[2].material].value;
+    assert_near(m->k_d[0], 0, 0);
+    assert_near(m->k_s[0], 1, 0x1p-24);
+    assert_near(m->shininess, 1, 0);
+    fathom_scene_destroy(scene);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(highlight_reflects_f0),
+        TEST(no_material_makes_light),
+        TEST(plastic_and_metal),
+        TEST(glass),
+        TEST(specular_and_ior_zero),
+        TEST(emission),
+        TEST(alpha),
+        TEST(shadows_of_clear_things),
+        TEST(names_and_default),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,249 @@
+/* glTF scenes: where nodes put things, which camera looks, what the lights send. */
+#include "gltf_file.h"
+
+#include "math/affine.h"
+
+static const double pi = 3.14159265358979324;
+
+static vec3_f64 placed(const fathom_scene *scene, size_t instance, vec3_f64 p) {
+    affine_f64 map;
+    memcpy(map.m, scene->instances.items[instance].transform, sizeof map.m);
+    return affine_point(&map, p);
+}
+
+/* A quarter turn about y takes x to -z and z to x; quaternion (0, sin 45°, 0, cos 45°). The matrix of the
+ * inner node, column by column, doubles x and moves by (1, 2, 3). */
+static void transforms_nest(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(
+        f, WITH_DATA(
+               TRIANGLE_MESH
+               ",'nodes':[{'translation':[10,0,0],'rotation':[0,0.70710678118654752,0,0.70710678118654752],"
+               "'scale':[2,3,4],'children':[1]},"
+               "{'mesh':0,'matrix':[2,0,0,0, 0,1,0,0, 0,0,1,0, 1,2,3,1]}],'scenes':[{'nodes':[0]}]"));
+    assert_int_equal(scene->instances.count, 1);
+    /* (1,1,1) -> (3,3,4) -> scaled (6,9,16) -> turned (16,9,-6) -> moved. Tens of roundings of 2^-53 on
+     * numbers below 32. */
+    assert_vec(placed(scene, 0, (vec3_f64){1, 1, 1}), 26, 9, -6, 32 * 16 * 0x1p-53);
+    fathom_scene_destroy(scene);
+}
+
+/* 2^30 at the top of the hierarchy and -2^30 below it cancel without a loss that float would have. */
+static void transforms_are_double(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene =
+        read_triangle(f, WITH_DATA(TRIANGLE_MESH ",'nodes':[{'translation':[1073741824,0,0],'children':[1]},"
+                                                 "{'translation':[-1073741823.75,0,0],'mesh':0}]"));
+    assert_vec(placed(scene, 0, (vec3_f64){0, 0, 0}), 0.25, 0, 0, 0);
+    fathom_scene_destroy(scene);
+}
+
+static void a_mesh_is_stored_once(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene =
+        read_triangle(f, WITH_DATA(TRIANGLE_MESH ",'nodes':[{'mesh':0},{'mesh':0,'translation':[1,0,0]},"
+                                                 "{'children':[3]},{'mesh':0,'translation':[2,0,0]}]"));
+    assert_int_equal(scene->meshes.count, 1);
+    assert_int_equal(scene->instances.count, 3);
+    assert_string_equal(scene->groups.items[scene->instances.items[0].group], "tri");
+    for (size_t i = 0; i < 3; ++i) {
+        assert_int_equal(scene->instances.items[i].group, scene->instances.items[0].group);
+        assert_vec(placed(scene, i, (vec3_f64){0, 0, 0}), (double)i, 0, 0, 0);
+    }
+    fathom_scene_destroy(scene);
+}
+
+/* EXT_mesh_gpu_instancing: the positions serve as translations, the normals as scales. */
+static void instancing_extension(void **state) {
+    fixture *f = *state;
+    triangle_data data = triangle;
+    for (int i = 0; i < 9; ++i) data.normals[i / 3][i % 3] = (float)(i / 3 + 1);
+    write_glb(f,
+              WITH_DATA("'extensionsRequired':['EXT_mesh_gpu_instancing']," TRIANGLE_MESH
+                        ",'nodes':[{'mesh':0,'translation':[0,0,1],'extensions':{'EXT_mesh_gpu_instancing':{"
+                        "'attributes':{'TRANSLATION':0,'SCALE':4}}}}]"),
+              &data, sizeof data);
+    fathom_scene *scene = read_file(f);
+    assert_int_equal(scene->instances.count, 3);
+    for (int i = 0; i < 3; ++i) {
+        const float *t = triangle.positions[i];
+        assert_vec(placed(scene, (size_t)i, (vec3_f64){1, 1, 1}), t[0] + (float)(i + 1),
+                   t[1] + (float)(i + 1), t[2] + (float)(i + 2), 0);
+    }
+    fathom_scene_destroy(scene);
+}
+
+/* The default scene, else the first, else all roots, else every mesh. */
+static void which_nodes_are_shown(void **state) {
+    fixture *f = *state;
+    const struct {
+        const char *tail;
+        size_t count;
+        double x; /* of the first one */
+    } cases[] = {{"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
+                  "'scenes':[{'nodes':[0]},{'nodes':[1]}],'scene':1",
+                  1, 2},
+                 {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}],"
+                  "'scenes':[{'nodes':[0]},{'nodes':[1]}]",
+                  1, 1},
+                 {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}]", 2, 1},
+                 {"'nodes':[]", 1, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json, WITH_DATA(TRIANGLE_MESH ",%s"), cases[i].tail);
+        fathom_scene *scene = read_triangle(f, json);
+        assert_int_equal(scene->instances.count, cases[i].count);
+        assert_vec(placed(scene, 0, (vec3_f64){0, 0, 0}), cases[i].x, 0, 0, 0);
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void what_is_left_out_is_said_once(void **state) {
+    fixture *f = *state;
+    const struct {
+        const char *tail, *warning;
+    } cases[] = {
+        {"'nodes':[{'mesh':0},{'mesh':0,'scale':[0,0,0]}]," TRIANGLE_MESH, "scaled to nothing"},
+        {"'nodes':[{'mesh':0,'skin':0},{'mesh':0,'skin':0}]," TRIANGLE_MESH, "skins"},
+        {"'animations':[{},{}]," TRIANGLE_MESH, "animat"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode'"
+         ":1},"
+         "{'attributes':{'POSITION':0}}]}]",
+         "points or lines"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':0}]},"
+         "{'attributes':{'POSITION':0},'targets':[{'POSITION':0}]}]}]",
+         "morph"},
+        {"'meshes':[{'primitives':[{'attributes':{}},{'attributes':{}},{'attributes':{'POSITION':0}}]}]",
+         "without POSITION"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0},{'attributes':{'POSITION':0},"
+         "'material':1}]}],'materials':[{'normalTexture':{'index':0}},{'pbrMetallicRoughness':{"
+         "'baseColorTexture':{'index':0}}}]",
+         "textures"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json, WITH_DATA("%s"), cases[i].tail);
+        fathom_scene *scene = read_triangle(f, json);
+        assert_int_equal(f->warnings, 1);
+        if (!strstr(f->warning, cases[i].warning))
+            fail_msg("\"%s\" lacks \"%s\"", f->warning, cases[i].warning);
+        assert_non_null(strstr(f->warning, f->path));
+        assert_true(scene->meshes.count > 0 && scene->instances.count == 1 + (i == 1));
+        fathom_scene_destroy(scene);
+    }
+}
+
+#define CAMERAS                                                                                              \
+    "'cameras':[{'type':'orthographic','orthographic':{'xmag':1,'ymag':1,'zfar':9,'znear':1}},"              \
+    "{'type':'perspective','perspective':{'yfov':1,'aspectRatio':2,'znear':0.1}},"                           \
+    "{'type':'perspective','perspective':{'yfov':0.5,'znear':0.1}}]"
+
+/* The first perspective camera of the hierarchy, in the order of the file; its frame is its node's. */
+static void camera(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(
+        f,
+        WITH_DATA(TRIANGLE_MESH "," CAMERAS ",'nodes':[{'children':[1,2]},{'camera':0},"
+                                "{'camera':1,'translation':[1,2,3],'scale':[2,2,2],"
+                                "'rotation':[0,0.70710678118654752,0,0.70710678118654752]},{'camera':2}]"));
+    const fathom_camera *c = &scene->camera;
+    assert_true(scene->has_camera);
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "orthographic"));
+    const double tolerance = 16 * 0x1p-53;
+    assert_vec(load_f64(c->origin), 1, 2, 3, 0);
+    assert_vec(load_f64(c->x), 0, 0, -1, tolerance);
+    assert_vec(load_f64(c->y), 0, 1, 0, tolerance);
+    assert_vec(load_f64(c->z), 1, 0, 0, tolerance);
+    assert_near(c->h / c->d, 2 * tan(0.5), tolerance);
+    assert_near(c->w / c->d, 4 * tan(0.5), tolerance);
+    fathom_scene_destroy(scene);
+    /* Without an aspect ratio the image's own counts. */
+    scene = read_triangle(f, WITH_DATA(TRIANGLE_MESH "," CAMERAS ",'nodes':[{'camera':2},{'camera':1}]"));
+    assert_near(scene->camera.h, 2 * tan(0.25), tolerance);
+    assert_near(scene->camera.w, 0, 0);
+    fathom_scene_destroy(scene);
+}
+
+#define LIGHTS                                                                                               \
+    "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point','color':[1,0.5,0.25],'intensity':8},"    \
+    "{'type':'directional','intensity':3},{'type':'spot','spot':{'innerConeAngle':0.25,"                     \
+    "'outerConeAngle':0.5}},{'type':'spot'}]}}"
+#define LIGHT(i) "'extensions':{'KHR_lights_punctual':{'light':" #i "}}"
+
+/* A surface of base colour b lit head on by I candela from d metres has the luminance b / pi · I / d^2: the
+ * model's k_d k_l / d^2 must be that. */
+static void lights(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(
+        f,
+        WITH_DATA(TRIANGLE_MESH "," LIGHTS ",'nodes':[{'children':[1],'rotation':[1,0,0,0],'scale':[5,5,5]},"
+                                "{'translation':[0,0,1]," LIGHT(0) "},{'rotation':[1,0,0,0]," LIGHT(
+                                    1) "},"
+                                       "{'translation':[1,2,3]," LIGHT(2) "},{" LIGHT(3) "}]"));
+    assert_int_equal(scene->lights.count, 4);
+    const fathom_light *l = scene->lights.items;
+    assert_int_equal(l[0].type, FATHOM_LIGHT_POINT);
+    assert_vec(load_f64(l[0].position), 0, 0, -5, 16 * 0x1p-53);
+    const double b = 0.5, d = 2, lux[3] = {8 / (d * d), 4 / (d * d), 2 / (d * d)};
+    for (int c = 0; c < 3; ++c) {
+        double model = b * (double)l[0].intensity[c] / (d * d);
+        assert_near(model, b / pi * lux[c], 0x1p-24); /* one rounding to float below 1 */
+    }
+    assert_int_equal(l[1].type, FATHOM_LIGHT_DIRECTIONAL);
+    /* A half turn about x turns -z to z. */
+    assert_vec(load_f64(l[1].direction), 0, 0, 1, 16 * 0x1p-53);
+    assert_near(l[1].intensity[2], 3 / pi, 0x1p-24);
+    assert_int_equal(l[2].type, FATHOM_LIGHT_SPOT);
+    assert_vec(load_f64(l[2].position), 1, 2, 3, 0);
+    assert_vec(load_f64(l[2].direction), 0, 0, -1, 0);
+    assert_near(l[2].inner_angle, 0.25, 0);
+    assert_near(l[2].outer_angle, 0.5, 0);
+    assert_near(l[2].intensity[0], 1 / pi, 0x1p-24);
+    assert_near(l[3].inner_angle, 0, 0);
+    assert_near(l[3].outer_angle, pi / 4, 0x1p-24);
+    fathom_scene_destroy(scene);
+}
+
+static void surroundings_only_when_asked_for(void **state) {
+    fixture *f = *state;
+    write_triangle(
+        f, WITH_DATA(TRIANGLE_MESH "," LIGHTS "," CAMERAS ",'nodes':[{'mesh':0,'camera':1," LIGHT(0) "}]"));
+    const read_mesh_options options = {.material = FATHOM_NONE};
+    fathom_scene *scene = read_with(f, &options);
+    assert_false(scene->has_camera);
+    assert_int_equal(scene->lights.count, 0);
+    assert_int_equal(scene->instances.count, 1);
+    fathom_scene_destroy(scene);
+}
+
+/* Into a group other than the root: the instances lie in it. */
+static void into_a_group(void **state) {
+    fixture *f = *state;
+    write_triangle(f, SHOWN(TRIANGLE_MESH));
+    fathom_scene *scene;
+    fathom_id group;
+    const read_mesh_options options = {.material = FATHOM_NONE};
+    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    assert_ok(f->context, fathom_scene_add_group(scene, "here", &group));
+    assert_ok(f->context, read_gltf(scene, group, f->path, &options));
+    assert_int_equal(scene->instances.items[0].parent, group);
+    fathom_scene_destroy(scene);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(transforms_nest),
+        TEST(transforms_are_double),
+        TEST(a_mesh_is_stored_once),
+        TEST(instancing_extension),
+        TEST(which_nodes_are_shown),
+        TEST(what_is_left_out_is_said_once),
+        TEST(camera),
+        TEST(lights),
+        TEST(surroundings_only_when_asked_for),
+        TEST(into_a_group),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
