@@ -1,0 +1,47 @@
+/* Gradient noise and random numbers from integer hashes. Only + - * / and square roots, in double: the same
+ * bits on every processor. */
+#ifndef READ_GENERATE_NOISE_H
+#define READ_GENERATE_NOISE_H
+
+#include "math/vec.h"
+#include <stdint.h>
+
+typedef struct noise_value {
+    double value;
+    vec3_f64 gradient; /* of the value by the point */
+} noise_value;
+
+/* Octaves of one noise: each doubles the frequency and turns the lattice, so that no axis shows. */
+#define NOISE_MAX_OCTAVES 24
+
+/* 32 well-mixed bits of a lattice point. */
+uint32_t noise_hash(uint32_t seed, uint32_t x, uint32_t y, uint32_t z);
+
+/* Perlin's gradient noise with the quintic fade (Improving Noise, 2002), about [-1,1], zero on the integer
+ * lattice, with its exact gradient. Coordinates below 2^31. The plane's gradient is in x and y. */
+noise_value noise_3d(uint32_t seed, vec3_f64 p);
+noise_value noise_2d(uint32_t seed, double x, double y);
+
+/* Sum of gain^k noise_3d(2^k p), k < octaves. */
+noise_value noise_fbm(uint32_t seed, vec3_f64 p, unsigned octaves, double gain);
+
+/* The same in the plane, where octaves count the less the steeper the slope is already: crests are rough and
+ * valleys are smooth, as if eroded. */
+double noise_eroded(uint32_t seed, double x, double y, unsigned octaves, double gain);
+
+/* The number of octaves, at least one, from `frequency` on whose waves are longer than `shortest`. */
+unsigned noise_octaves(double frequency, double shortest);
+
+/* A sequence of random numbers; any state begins one (splitmix64). */
+typedef struct noise_random {
+    uint64_t state;
+} noise_random;
+
+noise_random noise_random_from(uint64_t seed, uint64_t stream);
+double random_unit(noise_random *random);                             /* [0,1) */
+double random_between(noise_random *random, double low, double high); /* [low,high) */
+vec3_f64 random_direction(noise_random *random);                      /* evenly over the unit sphere */
+/* Evenly over the unit circle in the plane y = 0. */
+vec3_f64 random_turn(noise_random *random);
+
+#endif
