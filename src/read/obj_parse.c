@@ -210,10 +210,11 @@ static const char *read_face(obj_parser *s, const char *p) {
             return NULL;
         }
         parts = of_corner;
-        if (!array_push(&s->face, corner)) {
+        if (s->face.count == s->face.capacity && !array_room(&s->face, 1)) {
             s->piece->out_of_memory = true;
             return NULL;
         }
+        s->face.items[s->face.count++] = corner;
     }
     if (push_face(s, first, parts)) return p;
     s->piece->out_of_memory = true;

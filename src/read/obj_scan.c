@@ -6,7 +6,10 @@
 #include <string.h>
 
 static bool is_keyword(const char *p, const char *keyword, size_t length) {
-    return memcmp(p, keyword, length) == 0 && text_is_break(p[length]);
+    for (size_t i = 0; i < length; ++i) {
+        if (p[i] != keyword[i]) return false;
+    }
+    return text_is_break(p[length]);
 }
 
 obj_statement obj_classify(const char **p) {
@@ -22,8 +25,7 @@ obj_statement obj_classify(const char **p) {
     *p = at;
     if (*at == '\n' || *at == '#') return OBJ_S_EMPTY;
     for (size_t i = 0; i < sizeof keywords / sizeof *keywords; ++i) {
-        if (*at != keywords[i].keyword[0] || !is_keyword(at, keywords[i].keyword, keywords[i].length))
-            continue;
+        if (!is_keyword(at, keywords[i].keyword, keywords[i].length)) continue;
         *p = at + keywords[i].length;
         return keywords[i].statement;
     }
