@@ -1,0 +1,37 @@
+#!/bin/sh
+# Installs what building (and, with "test", testing) needs from the distribution, if it is missing.
+# usage: sh tests/packages.sh build|test
+set -eu
+
+packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev"
+[ "${1:-build}" = test ] && packages="$packages libcmocka-dev libgmp-dev git clang-format python3-minimal"
+
+stop() {
+    echo "fathom set-up: $*" >&2
+    exit 1
+}
+
+missing=""
+command -v dpkg-query >/dev/null || stop "this is no Debian: install the likes of $packages by hand, then build with CMake"
+for package in $packages; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing="$missing $package"
+done
+[ -n "$missing" ] || exit 0
+
+root=""
+if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || stop "these packages are missing:$missing; install them as root, or install sudo"
+    root=sudo
+fi
+echo "Installing from the distribution:$missing"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+if ! $root apt-get update >"$log" 2>&1; then
+    tail -n 5 "$log" >&2
+    stop "apt-get update failed: is there a network, and a Debian mirror in /etc/apt/sources.list?"
+fi
+# shellcheck disable=SC2086 # the list is words
+if ! $root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $missing >"$log" 2>&1; then
+    tail -n 5 "$log" >&2
+    stop "could not be installed:$missing"
+fi
