@@ -56,7 +56,8 @@ struct image_writer {
 static void check(const image_writer &writer, bool ok) {
     std::string reason = writer.output->geterror();
     if (writer.proxy.failed) throw failure(FATHOM_OUT_OF_RESOURCES, std::strerror(writer.proxy.failed));
-    if (!ok) throw failure(FATHOM_OUT_OF_RESOURCES, reason.empty() ? "unknown error" : reason);
+    if (!ok || !reason.empty())
+        throw failure(FATHOM_OUT_OF_RESOURCES, reason.empty() ? "unknown error" : reason);
 }
 
 static OIIO::TypeDesc type_of(image_storage storage) {
@@ -131,9 +132,10 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
         break;
     case IMAGE_TIFF:
         spec.attribute("compression", "zip");
+        /* An EXIF directory, which could say sRGB too, ruins files that are not written by name
+         * before 2.5.13. */
+        spec.attribute("tiff:write_exif", 0);
         if (target.srgb) {
-            /* Not "oiio:ColorSpace", which becomes an EXIF directory: before 2.5.13 that one ruins files that
-             * are not written by name. */
             auto size = static_cast<int>(target.profile_size);
             spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, size), target.profile);
         }
@@ -284,7 +286,9 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         const OIIO::ImageSpec &spec = file->spec;
         if (spec.depth != 1 || spec.deep) throw failure(FATHOM_BAD_INPUT, "is not a flat image");
         std::vector<unsigned char> pixels(spec.image_bytes(true));
-        if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data())) {
+        /* Some of its readers succeed on a file cut short, with an error set aside. */
+        bool ok = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data());
+        if (!ok || input->has_error()) {
             throw failure(FATHOM_BAD_INPUT, input->geterror());
         }
         collect_channels(*file, pixels);

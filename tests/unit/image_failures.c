@@ -1,0 +1,282 @@
+/* What goes wrong with images is said, and leaves nothing behind. The tests of loading come first and run in
+ * child processes: the module is never unloaded. */
+#include "image/image.h"
+#include "unit.h"
+
+#include <dirent.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static fathom_context *context;
+static char folder[64];
+static const char *const files[] = {"a.exr", "a.png", "a.jpg", "a.tif"};
+
+static const char *in_folder(const char *name) {
+    static char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static fathom_write_options defaults(void) { return (fathom_write_options){0, NULL, NULL, NULL, false}; }
+
+enum { SIDE = 256 };
+static float noise[3 * SIDE * SIDE];
+static image_channel channels[3];
+static image noisy(void) {
+    const char *const names[] = {"R", "G", "B"};
+    for (size_t i = 0; i < 3 * SIDE * SIDE; ++i) noise[i] = (float)(i * 2654435761u % 65521) / 65521;
+    for (size_t c = 0; c < 3; ++c) channels[c] = (image_channel){names[c], IMAGE_FLOAT, true, noise + c, 12};
+    return (image){SIDE, SIDE, 0, 0, SIDE, SIDE, channels, 3, NULL, 0};
+}
+
+static void write_text(const char *path, const char *text) {
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    assert_true(fputs(text, f) >= 0);
+    assert_int_equal(fclose(f), 0);
+}
+
+static size_t files_in_folder(void) {
+    DIR *directory = opendir(folder);
+    assert_non_null(directory);
+    size_t count = 0;
+    for (struct dirent *e; (e = readdir(directory));) count += e->d_name[0] != '.';
+    closedir(directory);
+    return count;
+}
+
+/* Runs body() in a child; it has to end with exit code 0. */
+static void in_child(bool (*body)(void *user), void *user) {
+    fflush(NULL);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) _exit(body(user) ? 0 : 1);
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    if (!WIFEXITED(status) || WEXITSTATUS(status)) {
+        fail_msg("the child ended with %s %d", WIFEXITED(status) ? "code" : "signal",
+                 WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
+    }
+}
+
+static bool fails_with(fathom_status found, fathom_status expected, const char *text) {
+    const char *message = fathom_context_message(context);
+    if (found == expected && strstr(message, text)) return true;
+    fprintf(stderr, "status %d, message \"%s\"; expected %d, \"%s\"\n", found, message, expected, text);
+    return false;
+}
+
+static bool without_module(void *user) {
+    (void)user;
+    image img = noisy();
+    fathom_write_options options = defaults();
+    setenv("FATHOM_IMAGE_MODULE", "/nowhere/fathom_image.so", 1);
+    image_prefetch(); /* its failure is nobody's business yet */
+    bool ok = fails_with(image_check(context, in_folder("a.exr"), &options), FATHOM_INTERNAL,
+                         "/nowhere/fathom_image.so");
+    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_INTERNAL,
+                     "/nowhere/fathom_image.so");
+    setenv("FATHOM_IMAGE_MODULE", in_folder("a.txt"), 1);
+    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_INTERNAL, "a.txt");
+    /* Once it can be had, it is. */
+    unsetenv("FATHOM_IMAGE_MODULE");
+    return ok && image_write(context, &img, in_folder("a.exr"), &options) == FATHOM_OK;
+}
+
+static void missing_module(void **state) {
+    (void)state;
+    write_text(in_folder("a.txt"), "not a library\n");
+    in_child(without_module, NULL);
+    assert_int_equal(unlink(in_folder("a.exr")), 0);
+    assert_int_equal(unlink(in_folder("a.txt")), 0);
+}
+
+static bool prefetch_and_leave(void *user) {
+    image_prefetch();
+    nanosleep(user, NULL);
+    exit(0);
+}
+
+/* Leaving the process at any moment of the load, with all exit handlers. */
+static void leaving_while_loading(void **state) {
+    (void)state;
+    for (long i = 0; i < 16; ++i) {
+        struct timespec wait = {0, i * 17000000};
+        in_child(prefetch_and_leave, &wait);
+    }
+}
+
+static bool prefetch_and_fork(void *user) {
+    (void)user;
+    image_prefetch();
+    pid_t child = fork();
+    if (child == 0) exit(0); /* has no thread to wait for */
+    int status;
+    return waitpid(child, &status, 0) == child && status == 0;
+}
+
+static void forking_while_loading(void **state) {
+    (void)state;
+    in_child(prefetch_and_fork, NULL);
+}
+
+static bool write_after_prefetch(void *user) {
+    (void)user;
+    image img = noisy();
+    fathom_write_options options = defaults();
+    image_prefetch();
+    image_prefetch();
+    return image_write(context, &img, in_folder("a.png"), &options) == FATHOM_OK &&
+           unlink(in_folder("a.png")) == 0;
+}
+
+static void writing_waits_for_the_load(void **state) {
+    (void)state;
+    in_child(write_after_prefetch, NULL);
+}
+
+static void bad_paths(void **state) {
+    (void)state;
+    image img = noisy();
+    fathom_write_options options = defaults();
+    assert_int_equal(mkdir(in_folder("folder.png"), 0700), 0);
+    const struct {
+        const char *name, *text;
+        fathom_status status;
+    } cases[] = {
+        {"a.bmp", "unknown image extension \"bmp\"", FATHOM_BAD_USAGE},
+        {"a", "expected .exr, .png", FATHOM_BAD_USAGE},
+        {"nowhere/a.png", "cannot be written", FATHOM_OUT_OF_RESOURCES},
+        {"nowhere/a.exr", "cannot be written", FATHOM_OUT_OF_RESOURCES},
+        {"folder.png", "cannot be written", FATHOM_OUT_OF_RESOURCES},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const char *path = in_folder(cases[i].name);
+        assert_fails(context, image_check(context, path, &options), cases[i].status, cases[i].text);
+        assert_fails(context, image_write(context, &img, path, &options), cases[i].status, cases[i].text);
+    }
+    assert_ok(context, image_check(context, in_folder("a.EXR"), &options));
+    assert_int_equal(rmdir(in_folder("folder.png")), 0);
+    assert_int_equal(files_in_folder(), 0);
+}
+
+static bool as_nobody(void *user) {
+    image img = noisy();
+    fathom_write_options options = defaults();
+    if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) return false;
+    const char *path = user;
+    return fails_with(image_check(context, path, &options), FATHOM_OUT_OF_RESOURCES, "Permission denied") &&
+           fails_with(image_write(context, &img, path, &options), FATHOM_OUT_OF_RESOURCES,
+                      "Permission denied");
+}
+
+static void closed_folder(void **state) {
+    (void)state;
+    fathom_write_options options = defaults();
+    assert_ok(context, image_check(context, in_folder("a.png"), &options));
+    assert_int_equal(chmod(folder, 0555), 0);
+    in_child(as_nobody, (void *)(uintptr_t)in_folder("a.exr"));
+    assert_int_equal(chmod(folder, 0755), 0);
+}
+
+static bool with_small_disk(void *user) {
+    image img = noisy();
+    fathom_write_options options = defaults();
+    struct rlimit limit = {4096, 4096};
+    signal(SIGXFSZ, SIG_IGN);
+    return setrlimit(RLIMIT_FSIZE, &limit) == 0 &&
+           fails_with(image_write(context, &img, user, &options), FATHOM_OUT_OF_RESOURCES, "File too large");
+}
+
+/* The file that was there stays, and nothing else is left. */
+static void full_disk(void **state) {
+    (void)state;
+    for (size_t i = 0; i < 4; ++i) {
+        const char *path = in_folder(files[i]);
+        write_text(path, "precious");
+        in_child(with_small_disk, (void *)(uintptr_t)path);
+        char kept[16] = "";
+        FILE *f = fopen(path, "r");
+        assert_non_null(f);
+        assert_non_null(fgets(kept, sizeof kept, f));
+        fclose(f);
+        assert_string_equal(kept, "precious");
+        assert_int_equal(unlink(path), 0);
+        assert_int_equal(files_in_folder(), 0);
+    }
+}
+
+static void jpeg_has_a_largest_size(void **state) {
+    (void)state;
+    static const float black[3];
+    const char *const names[] = {"R", "G", "B"};
+    image_channel none[3];
+    for (size_t c = 0; c < 3; ++c) none[c] = (image_channel){names[c], IMAGE_FLOAT, true, black, 0};
+    image img = {65501, 1, 0, 0, 65501, 1, none, 3, NULL, 0};
+    fathom_write_options options = defaults();
+    assert_fails(context, image_write(context, &img, in_folder("a.jpg"), &options), FATHOM_BAD_USAGE,
+                 "65500");
+    img.channel_count = 2;
+    assert_fails(context, image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL,
+                 "no channel B");
+    assert_int_equal(files_in_folder(), 0);
+}
+
+static void bad_reads(void **state) {
+    (void)state;
+    const image *img;
+    assert_fails(context, image_read(context, in_folder("none.png"), &img), FATHOM_BAD_INPUT, "none.png");
+    assert_null(img);
+    write_text(in_folder("a.png"), "no image");
+    assert_fails(context, image_read(context, in_folder("a.png"), &img), FATHOM_BAD_INPUT, "a.png");
+    assert_null(img);
+    /* Every way to cut a file short. */
+    image whole = noisy();
+    fathom_write_options options = defaults();
+    for (size_t i = 0; i < 4; ++i) {
+        assert_ok(context, image_write(context, &whole, in_folder(files[i]), &options));
+        struct stat info;
+        assert_int_equal(stat(in_folder(files[i]), &info), 0);
+        for (long size = info.st_size / 2; size > 0; size /= 4) {
+            assert_int_equal(truncate(in_folder(files[i]), size), 0);
+            if (image_read(context, in_folder(files[i]), &img) == FATHOM_OK) {
+                /* libjpeg fills what is missing with grey. */
+                assert_int_equal(i, 2);
+                image_release(img);
+            }
+        }
+        assert_int_equal(unlink(in_folder(files[i])), 0);
+    }
+}
+
+static int open_folder(void **state) {
+    (void)state;
+    unsetenv("OCIO");
+    strcpy(folder, "/tmp/fathom-image-XXXXXX");
+    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    fathom_context_destroy(context);
+    return rmdir(folder); /* fails when anything was left */
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(missing_module),
+        cmocka_unit_test(leaving_while_loading),
+        cmocka_unit_test(forking_while_loading),
+        cmocka_unit_test(writing_waits_for_the_load),
+        cmocka_unit_test(bad_paths),
+        cmocka_unit_test(closed_folder),
+        cmocka_unit_test(full_disk),
+        cmocka_unit_test(jpeg_has_a_largest_size),
+        cmocka_unit_test(bad_reads),
+    };
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+}
