@@ -1,13 +1,23 @@
 #include "base/file.h"
 #include "image/loader.h"
 
+#include <string.h>
+
+/* A PNG without its last chunk. libpng would print an error, and OpenImageIO lose memory over it. */
+static bool png_is_cut(const file_map *map) {
+    static const char start[] = "\x89PNG\r\n\x1a\n", end[] = "IEND\xae\x42\x60\x82";
+    return map->size >= 8 && memcmp(map->bytes, start, 8) == 0 && !memmem(map->bytes, map->size, end, 8);
+}
+
 fathom_status image_read(fathom_context *context, const char *path, const image **out) {
     *out = NULL;
     /* Missing files, folders and empty files are told apart here, in the words of all other readers. */
     file_map map;
     fathom_status status = file_open(context, path, &map);
     if (status != FATHOM_OK) return status;
+    bool cut = png_is_cut(&map);
     file_close(&map);
+    if (cut) return fail(context, FATHOM_BAD_INPUT, "%s: the PNG file is cut short", path);
     const image_module *module;
     status = loader_module(context, &module);
     if (status != FATHOM_OK) return status;

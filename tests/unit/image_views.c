@@ -90,7 +90,8 @@ static void missing_and_broken_configs(void **state) {
     assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_INPUT,
                  "broken.ocio");
     options.ocio = folder;
-    assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_INPUT, folder);
+    assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_USAGE,
+                 "is a folder");
     write_config("no-role.ocio", "  default: Plain\n", PLAIN);
     options.ocio = in_folder("no-role.ocio");
     assert_fails(context, image_check(context, in_folder("a.png"), &options), FATHOM_BAD_INPUT,

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <sstream>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace OCIO = OCIO_NAMESPACE;
@@ -65,10 +66,12 @@ static OCIO::ConstConfigRcPtr load_config(const char *path) {
         std::istringstream text(built_in_config);
         return OCIO::Config::CreateFromStream(text);
     }
-    bool named = std::strncmp(path, "ocio://", 7) == 0; /* a config that comes with newer libraries */
-    if (!named && access(path, R_OK) != 0) {
+    struct stat info;
+    bool file = std::strncmp(path, "ocio://", 7) != 0; /* else a config that comes with newer libraries */
+    if (file && (stat(path, &info) != 0 || access(path, R_OK) != 0)) {
         throw failure(FATHOM_BAD_USAGE, std::string("cannot be read: ") + std::strerror(errno));
     }
+    if (file && S_ISDIR(info.st_mode)) throw failure(FATHOM_BAD_USAGE, "cannot be read: is a folder");
     return OCIO::Config::CreateFromFile(path);
 }
 

@@ -180,7 +180,9 @@ static fathom_status writer_rows(image_writer *writer, uint32_t count, const voi
     return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
         const OIIO::ImageSpec &spec = writer->output->spec();
         int begin = spec.y + static_cast<int>(writer->next_row), end = begin + static_cast<int>(count);
-        check(*writer, writer->output->write_scanlines(begin, end, 0, OIIO::TypeDesc::UNKNOWN, pixels));
+        /* "As the file has it" is for mixtures; PNG takes its stride to be 0 then. */
+        OIIO::TypeDesc type = spec.channelformats.empty() ? spec.format : OIIO::TypeDesc::UNKNOWN;
+        check(*writer, writer->output->write_scanlines(begin, end, 0, type, pixels));
         writer->next_row += count;
     });
 }
