@@ -83,6 +83,17 @@ static inline void write_gltf(fixture *f, const char *json) {
     free(text);
 }
 
+/* `out` has room for 4 characters for each 3 bytes begun, and the end. */
+static inline void encode_base64(const unsigned char *bytes, size_t size, char *out) {
+    static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < size; i += 3) {
+        uint32_t bits = 0;
+        for (size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < size ? bytes[i + k] : 0);
+        for (size_t k = 0; k < 4; ++k) *out++ = i + k <= size ? alphabet[bits >> (18 - 6 * k) & 63] : '=';
+    }
+    *out = '\0';
+}
+
 /* The bytes that most tests share, and accessors for them: 0 positions, 1 to 3 indices of 4, 2 and 1 bytes,
  * 4 normals, 5 uvs. */
 typedef struct triangle_data {

@@ -200,16 +200,6 @@ static void sparse(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void encode_base64(const unsigned char *bytes, size_t size, char *out) {
-    static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) {
-        uint32_t bits = 0;
-        for (size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < size ? bytes[i + k] : 0);
-        for (size_t k = 0; k < 4; ++k) *out++ = i + k <= size ? alphabet[bits >> (18 - 6 * k) & 63] : '=';
-    }
-    *out = '\0';
-}
-
 /* Every number of bytes at the end: 0, 1 or 2 over a multiple of three. */
 static void base64_buffers(void **state) {
     fixture *f = *state;

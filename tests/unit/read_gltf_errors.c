@@ -223,14 +223,15 @@ static void lights_and_materials(void **state) {
 /* ---- damaged files ---- */
 
 #define RICH                                                                                                 \
-    WITH_DATA(                                                                                               \
-        "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'spot','intensity':4}]}},"                   \
-        "'materials':[{'name':'m','pbrMetallicRoughness':{'metallicFactor':0.5},'alphaMode':'BLEND'}],"      \
-        "'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"                                       \
-        "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':4,'TEXCOORD_0':5},'indices':1,"       \
-        "'material':0},{'attributes':{'POSITION':0},'indices':2,'mode':5}]}],"                               \
-        "'nodes':[{'children':[1,2,3]},{'mesh':0,'scale':[1,2,3]},{'camera':0},{'extensions':{"              \
-        "'KHR_lights_punctual':{'light':0}}}],'scenes':[{'nodes':[0]}],'scene':0")
+    VIEWS "," ACCESSORS ",'extensions':{'KHR_lights_punctual':{'lights':[{'type':'spot','intensity':4}]}},"  \
+          "'materials':[{'name':'m','pbrMetallicRoughness':{'metallicFactor':0.5},'alphaMode':'BLEND'}],"    \
+          "'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"                                     \
+          "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':4,'TEXCOORD_0':5},'indices':1,"     \
+          "'material':0},{'attributes':{'POSITION':0},'indices':2,'mode':5}]}],"                             \
+          "'nodes':[{'children':[1,2,3]},{'mesh':0,'scale':[1,2,3]},{'camera':0},{'extensions':{"            \
+          "'KHR_lights_punctual':{'light':0}}}],'scenes':[{'nodes':[0]}],'scene':0}"
+#define RICH_GLB "{" ASSET ",'buffers':[{'byteLength':120}]," RICH
+#define RICH_GLTF "{" ASSET ",'buffers':[{'byteLength':120,'uri':'data:;base64,%s'}]," RICH
 
 /* OK or a message, and what was read can be walked over: every vertex that a triangle names is there. */
 static bool read_damaged(fixture *f) {
@@ -255,7 +256,7 @@ static bool read_damaged(fixture *f) {
 static void truncated_anywhere(void **state) {
     fixture *f = *state;
     unsigned char glb[8192];
-    size_t size = make_glb(RICH, &triangle, sizeof triangle, glb);
+    size_t size = make_glb(RICH_GLB, &triangle, sizeof triangle, glb);
     for (size_t cut = 1; cut < size; ++cut) {
         write_bytes(f, "test.glb", glb, cut);
         assert_false(read_damaged(f));
@@ -280,13 +281,13 @@ static uint64_t next_random(uint64_t *x) {
     return *x;
 }
 
-static void random_bytes_changed(void **state) {
-    fixture *f = *state;
-    unsigned char glb[8192], changed[8192];
-    size_t size = make_glb(RICH, &triangle, sizeof triangle, glb), good = 0;
+/* Reads the file 10^4 times, each time with one to three bytes changed. */
+static void damage(fixture *f, const char *name, const unsigned char *bytes, size_t size) {
+    unsigned char changed[8192];
+    size_t good = 0;
     uint64_t random = 0x9E3779B97F4A7C15;
     for (int i = 0; i < 10000; ++i) {
-        memcpy(changed, glb, size);
+        memcpy(changed, bytes, size);
         /* Digits for digits half of the time: those get past the JSON parser. */
         for (uint64_t flips = 1 + next_random(&random) % 3; flips; --flips) {
             size_t at = next_random(&random) % size;
@@ -294,11 +295,27 @@ static void random_bytes_changed(void **state) {
             bool digit = changed[at] >= '0' && changed[at] <= '9';
             changed[at] = digit && byte & 1 ? (unsigned char)('0' + byte % 10) : byte;
         }
-        write_bytes(f, "test.glb", changed, size);
+        write_bytes(f, name, changed, size);
         good += read_damaged(f);
     }
     /* Both happen, or the test tests nothing. */
     assert_in_range(good, 100, 9900);
+}
+
+static void random_bytes_changed(void **state) {
+    unsigned char glb[8192];
+    damage(*state, "test.glb", glb, make_glb(RICH_GLB, &triangle, sizeof triangle, glb));
+}
+
+/* The same with the buffer in base64, which is decoded into memory of its own. */
+static void random_characters_changed(void **state) {
+    char text[256], json[8192];
+    encode_base64((const unsigned char *)&triangle, sizeof triangle, text);
+    snprintf(json, sizeof json, RICH_GLTF, text);
+    for (char *c = json; *c; ++c) {
+        if (*c == '\'') *c = '"';
+    }
+    damage(*state, "test.gltf", (const unsigned char *)json, strlen(json));
 }
 
 int main(void) {
@@ -313,6 +330,7 @@ int main(void) {
         TEST(lights_and_materials),
         TEST(truncated_anywhere),
         TEST(random_bytes_changed),
+        TEST(random_characters_changed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
