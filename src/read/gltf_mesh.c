@@ -1,5 +1,6 @@
 /* Meshes to groups, a mesh of the scene for each primitive. */
 #include "read/gltf.h"
+#include "read/normals.h"
 
 enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 
@@ -81,12 +82,29 @@ static fathom_status check_count(gltf *g, const primitive *p, const char *key, u
                      p->mesh.vertex_count);
 }
 
+static fathom_status make_normals(gltf *g, primitive *p) {
+    void *normals;
+    fathom_status status =
+        scene_allocate(g->scene, (size_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
+    if (status != FATHOM_OK) return status;
+    const normals_input input = {.positions = p->mesh.positions,
+                                 .stride = p->mesh.position_stride,
+                                 .indices = p->mesh.indices,
+                                 .triangle_count = p->mesh.triangle_count,
+                                 .slot_count = p->mesh.vertex_count};
+    p->mesh.normals = normals;
+    p->mesh.normal_count = p->mesh.vertex_count;
+    return normals_smooth(g->context, &input, normals);
+}
+
+/* A mesh without normals is flat by the standard, unless smooth ones are asked for. */
 static fathom_status read_normals(gltf *g, primitive *p) {
     gltf_floats floats;
     bool present;
     fathom_status status = gltf_array_floats(g, p->attributes, "NORMAL", 3,
                                              GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
-    if (status != FATHOM_OK || !present) return status;
+    if (status != FATHOM_OK) return status;
+    if (!present) return g->options->smooth ? make_normals(g, p) : FATHOM_OK;
     p->mesh.normals = floats.values;
     p->mesh.normal_stride = floats.stride;
     p->mesh.normal_count = floats.count;

@@ -265,6 +265,27 @@ static void options_are_followed(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* A mesh without normals is flat by the standard; smooth ones are made when asked for, but never over the
+ * file's own. One triangle's are all its geometric normal. */
+static void smooth_normals_where_there_are_none(void **state) {
+    fixture *f = *state;
+    write_triangle(f, WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1},"
+                                "{'attributes':{'POSITION':0,'NORMAL':4},'indices':1}]}]"));
+    fathom_scene *scene = read_file(f);
+    assert_null(scene->meshes.items[0].normals);
+    fathom_scene_destroy(scene);
+    const read_mesh_options options = {.material = FATHOM_NONE, .smooth = true};
+    scene = read_with(f, &options);
+    vec3_f64 a = corner(scene, 0, 0, 0), b = corner(scene, 0, 0, 1), c = corner(scene, 0, 0, 2);
+    vec3_f64 n = normalize_f64(cross_f64(sub_f64(b, a), sub_f64(c, a)));
+    for (size_t i = 0; i < 3; ++i) {
+        /* A normal of unit length in float, a few roundings of 2^-24. */
+        assert_vec(widen(load_f32(scene->meshes.items[0].normals + 3 * i)), n.x, n.y, n.z, 4 * 0x1p-24);
+    }
+    assert_memory_equal(scene->meshes.items[1].normals, triangle.normals, sizeof triangle.normals);
+    fathom_scene_destroy(scene);
+}
+
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
@@ -279,6 +300,7 @@ int main(void) {
         TEST(external_buffers),
         TEST(shared_accessors_are_converted_once),
         TEST(options_are_followed),
+        TEST(smooth_normals_where_there_are_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
