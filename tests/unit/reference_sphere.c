@@ -209,6 +209,23 @@ static void starts_at_the_surface(void **state) {
     }
 }
 
+/* However the rejection is rounded, a line from inside always leaves. */
+static void from_inside_there_is_a_way_out(void **state) {
+    (void)state;
+    random_state r = {9};
+    int inside = 0;
+    for (int i = 0; i < 200000; ++i) {
+        vec3_f32 org = narrow(random_direction(&r, random_in(&r, 1 - 4e-7, 1 + 1e-7)));
+        vec3_f32 tangent = narrow(cross_f64(widen(org), random_direction(&r, 1)));
+        if (!(dot_f32(org, org) - 1 < 0)) continue;
+        float roots[2];
+        bool sure;
+        assert_true(sphere_plain_f32(vec_f32(0, 0, 0), 1, org, tangent, roots, &sure));
+        ++inside;
+    }
+    assert_true(inside > 1000);
+}
+
 static void odd_input_is_a_miss(void **state) {
     (void)state;
     const float odd[] = {NAN, INFINITY, -INFINITY, 0, -0.0f, -1, 1, FLT_MAX, -FLT_MAX, FLT_MIN, 0x1p-149f};
@@ -277,6 +294,7 @@ int main(void) {
         cmocka_unit_test(textbook_agrees_where_it_is_well_conditioned),
         cmocka_unit_test(interval_is_open_and_chooses_the_root),
         cmocka_unit_test(starts_at_the_surface),
+        cmocka_unit_test(from_inside_there_is_a_way_out),
         cmocka_unit_test(odd_input_is_a_miss),
         cmocka_unit_test(frame_is_orthonormal_everywhere),
         cmocka_unit_test(square_root_to_one_unit),
