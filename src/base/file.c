@@ -3,6 +3,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +56,27 @@ struct file_writer {
     char *path, *temporary;
 };
 
+/* Names of the temporary files there are now, for file_writer_abort_all(); further ones are not known to it.
+ */
+#define TEMPORARIES_MAX 16
+static _Atomic(char *) temporaries[TEMPORARIES_MAX];
+
+static void temporaries_swap(char *old, char *now) {
+    for (size_t i = 0; i < TEMPORARIES_MAX; ++i) {
+        char *expected = old;
+        if (atomic_compare_exchange_strong(&temporaries[i], &expected, now)) return;
+    }
+}
+
+void file_writer_abort_all(void) {
+    for (size_t i = 0; i < TEMPORARIES_MAX; ++i) {
+        const char *name = atomic_load(&temporaries[i]);
+        if (name) unlink(name);
+    }
+}
+
 static void writer_free(file_writer *writer) {
+    if (writer->temporary) temporaries_swap(writer->temporary, NULL);
     free(writer->path);
     free(writer->temporary);
     free(writer);
@@ -84,6 +105,7 @@ fathom_status file_writer_open(fathom_context *context, const char *path, file_w
         writer_free(writer);
         return fail_memory(context, strlen(path));
     }
+    temporaries_swap(NULL, writer->temporary);
     writer->stream = fopen(writer->temporary, "wbe");
     if (!writer->stream) {
         fathom_status status =

@@ -29,6 +29,9 @@ void file_writer_put(file_writer *writer, const void *bytes, size_t size);
 /* Either one ends the writer's life. Commit returns FATHOM_OUT_OF_RESOURCES when the disk is full. */
 fathom_status file_writer_commit(file_writer *writer);
 void file_writer_abort(file_writer *writer);
+/* Removes the temporary files of all writers, for a signal handler that is about to end the process: safe to
+ * call there, and nowhere else. */
+void file_writer_abort_all(void);
 
 /* FATHOM_OUT_OF_RESOURCES when file_writer_open() and the rename would fail: `path` is a folder or a device,
  * its folder does not exist or cannot be written to. */
