@@ -1,0 +1,148 @@
+#include "cli/args.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool args_wrong(args_problem *problem, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(problem->text, sizeof problem->text, format, args);
+    va_end(args);
+    return false;
+}
+
+/* Puts the option as it was typed in front of what its reader said. */
+static bool wrong_at(args_problem *problem, const char *option, size_t length) {
+    args_problem inner = *problem;
+    return args_wrong(problem, "%.*s: %.400s", (int)length, option, inner.text);
+}
+
+/* Letters to insert, delete, replace or swap with their neighbour to make b of a; at most NEAREST_LENGTH
+ * letters of either count. */
+#define NEAREST_LENGTH 31
+static size_t edit_distance(const char *a, const char *b) {
+    size_t rows[NEAREST_LENGTH + 1][NEAREST_LENGTH + 1];
+    size_t n = strnlen(a, NEAREST_LENGTH), m = strnlen(b, NEAREST_LENGTH);
+    for (size_t i = 0; i <= n; ++i) rows[i][0] = i;
+    for (size_t k = 0; k <= m; ++k) rows[0][k] = k;
+    for (size_t i = 1; i <= n; ++i) {
+        for (size_t k = 1; k <= m; ++k) {
+            size_t best = rows[i - 1][k - 1] + (a[i - 1] != b[k - 1]);
+            if (rows[i - 1][k] + 1 < best) best = rows[i - 1][k] + 1;
+            if (rows[i][k - 1] + 1 < best) best = rows[i][k - 1] + 1;
+            bool swapped = i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1];
+            if (swapped && rows[i - 2][k - 2] + 1 < best) best = rows[i - 2][k - 2] + 1;
+            rows[i][k] = best;
+        }
+    }
+    return rows[n][m];
+}
+
+const char *args_nearest(const char *wanted, const char *const *names, size_t count) {
+    const char *nearest = NULL;
+    size_t best = (strnlen(wanted, NEAREST_LENGTH) + 2) / 3 + 1;
+    for (size_t i = 0; i < count; ++i) {
+        if (!names[i]) continue;
+        size_t distance = edit_distance(wanted, names[i]);
+        if (distance < best) {
+            best = distance;
+            nearest = names[i];
+        }
+    }
+    return nearest;
+}
+
+typedef struct parser {
+    const args_spec *spec;
+    int argc, at;
+    char **argv;
+    char *settings;
+    size_t operands;
+    args_problem *problem;
+} parser;
+
+static bool unknown_option(parser *p, const char *name, size_t length) {
+    char wanted[64];
+    const char *names[64];
+    size_t count = 0;
+    snprintf(wanted, sizeof wanted, "%.*s", (int)length, name);
+    for (const args_option *o = p->spec->options; o && o->help && count < 64; ++o) names[count++] = o->name;
+    const char *nearest = args_nearest(wanted, names, count);
+    if (nearest) return args_wrong(p->problem, "unknown option --%s; did you mean --%s?", wanted, nearest);
+    return args_wrong(p->problem, "unknown option --%s", wanted);
+}
+
+static bool apply(parser *p, const args_option *option, const char *value, const char *typed, size_t length) {
+    if (option->take(option, value, p->settings + option->offset, p->problem)) return true;
+    return wrong_at(p->problem, typed, length);
+}
+
+/* The value in the next argument. One that looks like an option was more likely forgotten; --name=value takes
+ * it all the same. A dash and a digit is a negative number. */
+static bool next_value(parser *p, const args_option *option, const char *typed, const char **value) {
+    const char *next = p->at + 1 < p->argc ? p->argv[p->at + 1] : NULL;
+    if (!next || strncmp(next, "--", 2) == 0)
+        return args_wrong(p->problem, "%s: expected a value, %s", typed, option->value);
+    ++p->at;
+    *value = next;
+    return true;
+}
+
+static bool parse_long(parser *p, const char *typed) {
+    const char *name = typed + 2, *equals = strchr(name, '=');
+    size_t length = equals ? (size_t)(equals - name) : strlen(name);
+    for (const args_option *option = p->spec->options; option && option->help; ++option) {
+        if (!option->name || strlen(option->name) != length || strncmp(option->name, name, length) != 0)
+            continue;
+        const char *value = equals ? equals + 1 : NULL;
+        if (!option->value && value) return args_wrong(p->problem, "--%s takes no value", option->name);
+        if (option->value && !value && !next_value(p, option, typed, &value)) return false;
+        return apply(p, option, value, typed, length + 2);
+    }
+    return unknown_option(p, name, length);
+}
+
+static bool parse_short(parser *p, const char *typed) {
+    for (const args_option *option = p->spec->options; option && option->help; ++option) {
+        if (!option->letter || option->letter != typed[1]) continue;
+        const char *value = typed[2] ? typed + 2 : NULL;
+        if (!option->value && value)
+            return args_wrong(p->problem, "unknown option %s; -%c takes no value", typed, option->letter);
+        const char short_name[] = {'-', option->letter, '\0'};
+        if (option->value && !value && !next_value(p, option, short_name, &value)) return false;
+        return apply(p, option, value, typed, 2);
+    }
+    return args_wrong(p->problem, "unknown option %.40s", typed);
+}
+
+static bool parse_operand(parser *p, const char *text) {
+    if (p->operands == p->spec->operand_count)
+        return args_wrong(p->problem, "unexpected argument \"%.300s\"", text);
+    size_t offset = p->spec->operand_offsets[p->operands++];
+    memcpy(p->settings + offset, &text, sizeof text);
+    return true;
+}
+
+args_result args_parse(const args_spec *spec, int argc, char **argv, void *settings, args_problem *problem) {
+    parser p = {spec, argc, 1, argv, settings, 0, problem};
+    bool options_end = false;
+    for (; p.at < argc; ++p.at) {
+        const char *text = argv[p.at];
+        bool fine;
+        if (options_end || text[0] != '-' || !text[1]) {
+            fine = parse_operand(&p, text);
+        } else if (strcmp(text, "--") == 0) {
+            fine = options_end = true;
+        } else if (strcmp(text, "--help") == 0 || strcmp(text, "-h") == 0) {
+            return ARGS_HELP;
+        } else {
+            fine = text[1] == '-' ? parse_long(&p, text) : parse_short(&p, text);
+        }
+        if (!fine) return ARGS_WRONG;
+    }
+    if (p.operands == spec->operand_count) return ARGS_READY;
+    args_wrong(problem, "%s is missing", spec->operands[p.operands]);
+    return ARGS_WRONG;
+}

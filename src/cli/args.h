@@ -1,0 +1,84 @@
+/* Options of a command line, described by a table.
+ *
+ * A command has a plain struct of settings and a table that says which option fills which field and what its
+ * help is. Parsing twice is fine: once with the defaults to find wrong usage before anything is read, once
+ * more over the settings that the scene brought, so that only what was given replaces them. */
+#ifndef CLI_ARGS_H
+#define CLI_ARGS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define ARGS_LIST_MAX 16
+
+/* Values of an option that may be given several times. */
+typedef struct args_list {
+    const char *items[ARGS_LIST_MAX];
+    size_t count;
+} args_list;
+
+typedef struct args_problem {
+    char text[512];
+} args_problem;
+
+typedef struct args_option args_option;
+
+/* Reads `value` (NULL for a flag) into `field`; false, with what was expected in `problem`, when it is wrong.
+ */
+typedef bool (*args_take)(const args_option *option, const char *value, void *field, args_problem *problem);
+
+/* Without a name: a heading in the help. Without a help: the end of the table. */
+struct args_option {
+    const char *name;   /* "spp" for --spp */
+    char letter;        /* 'o' for -o; 0: none */
+    const char *value;  /* what the help calls the value; NULL: a flag */
+    args_take take;     /* what reads it */
+    size_t offset;      /* of the field in the settings */
+    double least, most; /* of a number, both included */
+    const char *help;
+};
+
+typedef struct args_spec {
+    const args_option *options;    /* NULL: none */
+    const char *const *operands;   /* "SCENE", all required */
+    const size_t *operand_offsets; /* of their const char * fields */
+    size_t operand_count;
+} args_spec;
+
+typedef enum args_result { ARGS_READY, ARGS_HELP, ARGS_WRONG } args_result;
+
+/* argv[0] is the command's own name and is passed over. Takes --name value, --name=value, -n value, -nvalue,
+ * "--" before operands that begin with a dash, and --help or -h. The strings stay argv's. */
+args_result args_parse(const args_spec *spec, int argc, char **argv, void *settings, args_problem *problem);
+
+/* The entry that `wanted` was probably meant to be, at most a third of its letters away; NULL: none. */
+const char *args_nearest(const char *wanted, const char *const *names, size_t count);
+
+/* Always false, for `return args_wrong(…)`. The text follows the option's name: "--spp: " + text. */
+bool args_wrong(args_problem *problem, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* ---- readers of values; the field's type is in the name ---- */
+
+bool take_true(const args_option *option, const char *value, void *field, args_problem *problem);
+bool take_false(const args_option *option, const char *value, void *field, args_problem *problem);
+bool take_text(const args_option *option, const char *value, void *field, args_problem *problem);
+bool take_list(const args_option *option, const char *value, void *field, args_problem *problem);
+/* uint32_t and unsigned, within [least, most]. */
+bool take_u32(const args_option *option, const char *value, void *field, args_problem *problem);
+/* Any uint64_t. */
+bool take_u64(const args_option *option, const char *value, void *field, args_problem *problem);
+/* A uint64_t within [least, most]; k, M and G multiply by a thousand, a million, a thousand million. */
+bool take_count(const args_option *option, const char *value, void *field, args_problem *problem);
+bool take_f32(const args_option *option, const char *value, void *field, args_problem *problem);
+bool take_f64(const args_option *option, const char *value, void *field, args_problem *problem);
+/* The option's `value` lists the words, "grid|sobol"; an unsigned or an enum gets the word's place. */
+bool take_choice(const args_option *option, const char *value, void *field, args_problem *problem);
+
+/* Whole strings only, digits only; false when `text` is not a number, is too large, or is not followed by
+ * `end`. On success *text is moved past `end`. */
+bool args_read_u64(const char **text, char end, uint64_t *out);
+/* A finite decimal number, whatever the locale. */
+bool args_read_f64(const char **text, char end, double *out);
+
+#endif

@@ -1,0 +1,68 @@
+#include "cli/command.h"
+
+#include "cli/progress.h"
+
+#include <string.h>
+
+const command *const commands[] = {&command_render, &command_info, &command_generate, &command_compare,
+                                   &command_help};
+const size_t command_count = sizeof commands / sizeof *commands;
+
+const command *command_find(const char *name, args_problem *problem) {
+    const char *names[sizeof commands / sizeof *commands];
+    for (size_t i = 0; i < command_count; ++i) {
+        names[i] = commands[i]->name;
+        if (strcmp(name, names[i]) == 0) return commands[i];
+    }
+    const char *nearest = args_nearest(name, names, command_count);
+    if (nearest)
+        args_wrong(problem, "unknown command \"%.60s\"; did you mean \"%s\"?", name, nearest);
+    else
+        args_wrong(problem, "unknown command \"%.60s\"", name);
+    return NULL;
+}
+
+void say_error(const char *text) {
+    progress_clear_line();
+    fprintf(stderr, "fathom: %s\n", text);
+}
+
+fathom_status say_usage(const command *c, const char *text) {
+    progress_clear_line();
+    fprintf(stderr, "fathom: %s; see fathom help%s%s\n", text, c ? " " : "", c ? c->name : "");
+    return FATHOM_BAD_USAGE;
+}
+
+fathom_status say_status(const command *c, const fathom_context *context, fathom_status status) {
+    if (status == FATHOM_BAD_USAGE) return say_usage(c, fathom_context_message(context));
+    if (status != FATHOM_OK) say_error(fathom_context_message(context));
+    return status;
+}
+
+bool command_parse(const command *c, int argc, char **argv, void *settings, fathom_status *status) {
+    args_problem problem;
+    *status = FATHOM_OK;
+    switch (args_parse(&c->args, argc, argv, settings, &problem)) {
+    case ARGS_READY: return true;
+    case ARGS_HELP: help_command(c, stdout); return false;
+    case ARGS_WRONG: *status = say_usage(c, problem.text); return false;
+    }
+    return false;
+}
+
+static void say_warning(void *user, const char *message) {
+    (void)user;
+    progress_clear_line();
+    fprintf(stderr, "fathom: warning: %s\n", message);
+}
+
+fathom_status command_context(unsigned threads, fathom_context **out) {
+    fathom_status status = fathom_context_create(out);
+    if (status != FATHOM_OK) {
+        say_error("out of memory");
+        return status;
+    }
+    fathom_context_set_threads(*out, threads);
+    fathom_context_on_warning(*out, say_warning, NULL);
+    return FATHOM_OK;
+}

@@ -1,0 +1,47 @@
+/* The subcommands, and what they share. */
+#ifndef CLI_COMMAND_H
+#define CLI_COMMAND_H
+
+#include "cli/args.h"
+
+#include <fathom/base.h>
+#include <stdio.h>
+
+typedef struct command {
+    const char *name;
+    const char *usage;   /* "SCENE -o IMAGE [-o IMAGE2 ...] [options]" */
+    const char *summary; /* one line, for the list of commands */
+    const char *text;    /* paragraphs between the usage and the options */
+    const char *examples;
+    args_spec args;
+    fathom_status (*run)(int argc, char **argv);
+} command;
+
+extern const command command_render, command_info, command_generate, command_compare, command_help;
+
+extern const command *const commands[];
+extern const size_t command_count;
+
+/* NULL: none of that name; `problem` then says so and names the nearest. */
+const command *command_find(const char *name, args_problem *problem);
+
+void help_overview(FILE *out);
+void help_command(const command *c, FILE *out);
+
+/* "fathom: " + text on stderr, one line. */
+void say_error(const char *text);
+/* The same for wrong usage: adds where help is, and returns FATHOM_BAD_USAGE. c: NULL when no command was
+ * found. */
+fathom_status say_usage(const command *c, const char *text);
+
+/* Says the context's message when `status` is a failure, as say_usage() or say_error(), and hands the status
+ * on. */
+fathom_status say_status(const command *c, const fathom_context *context, fathom_status status);
+
+/* Reads the command line into `settings`. False when the command is done: *status is then its exit code. */
+bool command_parse(const command *c, int argc, char **argv, void *settings, fathom_status *status);
+
+/* A context whose warnings go to stderr; the error is said when there is no memory for one. */
+fathom_status command_context(unsigned threads, fathom_context **out);
+
+#endif

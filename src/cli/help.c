@@ -1,0 +1,79 @@
+#include "cli/command.h"
+
+#include <string.h>
+
+#define HELP_WIDTH 80
+#define HELP_COLUMN 28
+
+void help_overview(FILE *out) {
+    fputs("Fathom renders scenes by ray tracing.\n\nUsage: fathom COMMAND ...\n\nCommands:\n", out);
+    for (size_t i = 0; i < command_count; ++i) {
+        fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
+    }
+    fputs("\nfathom help COMMAND tells more; fathom --version says which Fathom this is.\n"
+          "The first image:  fathom render model.glb -o image.png\n",
+          out);
+}
+
+/* Words from column `column` on, wrapped; the cursor stands at `at`. */
+static void put_wrapped(FILE *out, const char *text, size_t at, size_t column) {
+    while (*text) {
+        size_t word = strcspn(text, " ");
+        if (at > column && at + 1 + word > HELP_WIDTH) {
+            fputc('\n', out);
+            at = 0;
+        }
+        if (at < column) {
+            fprintf(out, "%*s", (int)(column - at), "");
+            at = column;
+        } else if (at > column) {
+            fputc(' ', out);
+            ++at;
+        }
+        fwrite(text, 1, word, out);
+        at += word;
+        text += word + strspn(text + word, " ");
+    }
+    fputc('\n', out);
+}
+
+static void put_option(FILE *out, const args_option *option) {
+    if (!option->name) {
+        fprintf(out, "\n%s:\n", option->help);
+        return;
+    }
+    char left[80], letter[8] = "";
+    if (option->letter) snprintf(letter, sizeof letter, "-%c, ", option->letter);
+    int length = snprintf(left, sizeof left, "  %s--%s%s%s", letter, option->name, option->value ? " " : "",
+                          option->value ? option->value : "");
+    size_t at = length < 0 ? 0 : (size_t)length;
+    fputs(left, out);
+    if (at + 2 > HELP_COLUMN) {
+        fputc('\n', out);
+        at = 0;
+    }
+    put_wrapped(out, option->help, at, HELP_COLUMN);
+}
+
+void help_command(const command *c, FILE *out) {
+    fprintf(out, "%s\n\nUsage: fathom %s%s%s\n", c->summary, c->name, *c->usage ? " " : "", c->usage);
+    if (c->text) fprintf(out, "\n%s", c->text);
+    for (const args_option *o = c->args.options; o && o->help; ++o) put_option(out, o);
+    if (c->examples) fprintf(out, "\nExamples:\n%s", c->examples);
+}
+
+static fathom_status run(int argc, char **argv) {
+    if (argc > 2) return say_usage(NULL, "help: expected at most one command");
+    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+        help_overview(stdout);
+        return FATHOM_OK;
+    }
+    args_problem problem;
+    const command *c = command_find(argv[1], &problem);
+    if (!c) return say_usage(NULL, problem.text);
+    help_command(c, stdout);
+    return FATHOM_OK;
+}
+
+const command command_help = {
+    .name = "help", .usage = "[COMMAND]", .summary = "Tell what a command does and takes.", .run = run};

@@ -1,0 +1,24 @@
+/* What a scene holds and what rendering it will take. */
+#ifndef CLI_INFO_FACTS_H
+#define CLI_INFO_FACTS_H
+
+#include "scene/scene.h"
+
+#define INFO_FEATURES_MAX 24
+
+typedef struct info_facts {
+    uint64_t spheres, quads, planes, meshes;
+    uint64_t triangles;        /* stored */
+    uint64_t placed_triangles; /* counted once for each instance they appear in */
+    uint64_t degenerate_triangles;
+    uint64_t materials, groups, instances;
+    uint64_t point_lights, directional_lights, spot_lights;
+    scene_bounds bounds; /* of the world; planes have none */
+    uint64_t geometry_bytes, bvh_bytes, film_bytes;
+    const char *features[INFO_FEATURES_MAX];
+    size_t feature_count;
+} info_facts;
+
+fathom_status info_gather(const fathom_scene *scene, info_facts *out);
+
+#endif

@@ -1,0 +1,63 @@
+#include "cli/interrupt.h"
+
+#include "base/file.h"
+#include "cli/progress.h"
+
+#include <fathom/base.h>
+#include <signal.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static volatile sig_atomic_t asked, keep_work;
+static struct timespec first;
+
+/* timeout(1) and some shells send the same signal to the process and once more to its group: a second one
+ * sooner than any hand could send it is the first. */
+#define SAME_SIGNAL_SECONDS 0.1
+
+static bool is_echo(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - first.tv_sec) + 1e-9 * (double)(now.tv_nsec - first.tv_nsec) <
+           SAME_SIGNAL_SECONDS;
+}
+
+/* Only makes calls that are safe in a signal handler. */
+static void on_signal(int number) {
+    if (asked) {
+        if (is_echo()) return;
+        file_writer_abort_all();
+        signal(number, SIG_DFL);
+        raise(number);
+        return;
+    }
+    clock_gettime(CLOCK_MONOTONIC, &first);
+    asked = 1;
+    if (keep_work) return;
+    static const char text[] = "fathom: interrupted; nothing was written\n";
+    const char *clear = progress_clear_text();
+    ssize_t ignored = write(STDERR_FILENO, clear, strlen(clear));
+    ignored = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)ignored;
+    file_writer_abort_all();
+    _exit(FATHOM_INTERRUPTED);
+}
+
+static void install(int number) {
+    struct sigaction old, action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaddset(&action.sa_mask, SIGINT);
+    sigaddset(&action.sa_mask, SIGTERM);
+    /* A shell that starts us in the background, or nohup, has the signal ignored; that holds. */
+    if (sigaction(number, NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(number, &action, NULL);
+}
+
+void interrupt_install(void) {
+    install(SIGINT);
+    install(SIGTERM);
+}
+
+void interrupt_keep_work(bool keep) { keep_work = keep; }
+
+bool interrupt_asked(void) { return asked; }

@@ -1,0 +1,13 @@
+/* Values for JSON that jansson has no call for. */
+#ifndef CLI_JSON_TEXT_H
+#define CLI_JSON_TEXT_H
+
+#include <jansson.h>
+#include <stdint.h>
+
+/* File names and messages need not be UTF-8, JSON must be: in what is not, each byte beyond ASCII becomes
+ * '?'. */
+json_t *json_text(const char *string);
+json_t *json_count(uint64_t number);
+
+#endif

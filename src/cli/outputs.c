@@ -1,0 +1,46 @@
+#include "cli/outputs.h"
+
+#include "base/file.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* The folder's real path and the name in it: works for files that do not exist yet. */
+static bool resolve(const char *path, char folder[PATH_MAX], const char **name) {
+    const char *slash = strrchr(path, '/');
+    *name = slash ? slash + 1 : path;
+    if (!slash) return realpath(".", folder) != NULL;
+    size_t length = (size_t)(slash - path) + 1;
+    char above[PATH_MAX];
+    if (length >= sizeof above) return false;
+    memcpy(above, path, length);
+    above[length] = '\0';
+    return realpath(above, folder) != NULL;
+}
+
+static bool same_file(const char *a, const char *b) {
+    struct stat info_a, info_b;
+    if (stat(a, &info_a) == 0 && stat(b, &info_b) == 0)
+        return info_a.st_dev == info_b.st_dev && info_a.st_ino == info_b.st_ino;
+    char folder_a[PATH_MAX], folder_b[PATH_MAX];
+    const char *name_a, *name_b;
+    return resolve(a, folder_a, &name_a) && resolve(b, folder_b, &name_b) && strcmp(name_a, name_b) == 0 &&
+           strcmp(folder_a, folder_b) == 0;
+}
+
+fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
+                                     const char *input) {
+    for (size_t i = 0; i < count; ++i) {
+        if (input && same_file(outputs[i], input))
+            return fail(context, FATHOM_BAD_USAGE, "%s: is the input; expected another name for the output",
+                        outputs[i]);
+        for (size_t k = 0; k < i; ++k) {
+            if (same_file(outputs[i], outputs[k]))
+                return fail(context, FATHOM_BAD_USAGE,
+                            "%s: the same file is named twice; expected different outputs", outputs[i]);
+        }
+    }
+    return FATHOM_OK;
+}

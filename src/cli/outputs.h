@@ -1,0 +1,12 @@
+/* Checks of what will be written, before any work is done for it. */
+#ifndef CLI_OUTPUTS_H
+#define CLI_OUTPUTS_H
+
+#include <fathom/base.h>
+
+/* FATHOM_BAD_USAGE when two of the outputs, or one of them and `input` (may be NULL), are the same file,
+ * however they are spelled. */
+fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
+                                     const char *input);
+
+#endif

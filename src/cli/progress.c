@@ -1,0 +1,139 @@
+#include "cli/progress.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+typedef enum display { DISPLAY_NONE, DISPLAY_LINES, DISPLAY_BAR } display;
+
+/* One process, one stderr. */
+static struct {
+    display display;
+    bool drawn;      /* a bar stands on the terminal's line */
+    unsigned tenths; /* last one printed of this phase */
+    fathom_phase phase;
+} state;
+
+/* Lines are for runs that someone waits for. */
+#define LINES_AFTER_SECONDS 1.0
+
+void progress_begin(bool quiet) {
+    const char *terminal = getenv("TERM");
+    bool dumb = !terminal || strcmp(terminal, "dumb") == 0;
+    state.display = quiet ? DISPLAY_NONE : isatty(STDERR_FILENO) && !dumb ? DISPLAY_BAR : DISPLAY_LINES;
+    state.drawn = false;
+    state.tenths = 0;
+}
+
+static const char *phase_name(fathom_phase phase) {
+    switch (phase) {
+    case FATHOM_PHASE_READ: return "read";
+    case FATHOM_PHASE_BUILD: return "build";
+    case FATHOM_PHASE_RENDER: return "render";
+    case FATHOM_PHASE_WRITE: return "write";
+    }
+    return "";
+}
+
+static unsigned columns(void) {
+    struct winsize size;
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+    return 80;
+}
+
+const char *progress_clear_text(void) { return state.display == DISPLAY_BAR ? "\r\033[K" : ""; }
+
+void progress_clear_line(void) {
+    if (!state.drawn) return;
+    fputs(progress_clear_text(), stderr);
+    state.drawn = false;
+}
+
+static double clamp_fraction(double fraction) { return fraction > 0 ? fraction < 1 ? fraction : 1 : 0; }
+
+/* Rounded down: 100 means done. */
+static unsigned percent(const fathom_progress *p) { return (unsigned)(100 * clamp_fraction(p->fraction)); }
+
+/* ", 45.2 Mrays/s, 0:12 left": each part only when it is known. */
+static void put_rate(const fathom_progress *p, char *out, size_t size) {
+    double fraction = clamp_fraction(p->fraction);
+    char rate[32] = "", left[32] = "";
+    if (p->rays && p->seconds > 0)
+        snprintf(rate, sizeof rate, ", %.1f Mrays/s", 1e-6 * (double)p->rays / p->seconds);
+    if (fraction > 0 && p->seconds > 0.2) {
+        double seconds = p->seconds * (1 - fraction) / fraction + 0.5;
+        unsigned whole = seconds < 359999 ? (unsigned)seconds : 359999;
+        if (whole < 3600)
+            snprintf(left, sizeof left, ", %u:%02u left", whole / 60, whole % 60);
+        else
+            snprintf(left, sizeof left, ", %u:%02u:%02u left", whole / 3600, whole / 60 % 60, whole % 60);
+    }
+    snprintf(out, size, "%s%s", rate, left);
+}
+
+void progress_line(const fathom_progress *p, char *out, size_t size) {
+    char rate[64];
+    put_rate(p, rate, sizeof rate);
+    snprintf(out, size, "%s %u %%%s", phase_name(p->phase), percent(p), rate);
+}
+
+/* "render  47% [=======>        ] 45.2 Mrays/s, 0:12 left". What does not fit is left out from the right,
+ * the bar first shrinking to 10. */
+void progress_bar(const fathom_progress *p, unsigned width, char *out, size_t size) {
+    double fraction = clamp_fraction(p->fraction);
+    char head[32], rate[64];
+    snprintf(head, sizeof head, "%-6s %3u%%", phase_name(p->phase), percent(p));
+    put_rate(p, rate, sizeof rate);
+    const char *tail = *rate ? rate + 2 : rate;
+    size_t room = width ? width - 1 : 0;
+    if (room >= size) room = size - 1;
+    /* Brackets and the spaces between the three parts. */
+    size_t taken = strlen(head) + strlen(tail) + 4;
+    size_t bar = room >= taken + 10 ? room - taken : 10;
+    if (bar > 50) bar = 50;
+    char cells[51];
+    size_t full = (size_t)(fraction * (double)bar);
+    for (size_t i = 0; i < bar; ++i) cells[i] = i < full ? '=' : i == full ? '>' : ' ';
+    cells[bar] = '\0';
+    snprintf(out, room + 1, "%s [%s] %s", head, cells, tail);
+}
+
+static void print_line(const fathom_progress *p) {
+    unsigned tenths = (unsigned)(10 * clamp_fraction(p->fraction));
+    if (p->seconds < LINES_AFTER_SECONDS || tenths <= state.tenths) return;
+    char text[128];
+    progress_line(p, text, sizeof text);
+    fprintf(stderr, "fathom: %s\n", text);
+    state.tenths = tenths;
+}
+
+static void draw_bar(const fathom_progress *p) {
+    char text[256];
+    progress_bar(p, columns(), text, sizeof text);
+    fprintf(stderr, "\r%s\033[K", text);
+    fflush(stderr);
+    state.drawn = true;
+}
+
+void progress_update(const fathom_progress *p) {
+    if (p->phase != state.phase) state.tenths = 0;
+    state.phase = p->phase;
+    switch (state.display) {
+    case DISPLAY_NONE: break;
+    case DISPLAY_LINES: print_line(p); break;
+    case DISPLAY_BAR: draw_bar(p); break;
+    }
+}
+
+void progress_phase(fathom_phase phase) {
+    state.phase = phase;
+    state.tenths = 0;
+    if (state.display != DISPLAY_BAR) return;
+    char text[64];
+    snprintf(text, sizeof text, "%s ...", phase_name(phase));
+    fprintf(stderr, "\r%.*s\033[K", (int)(columns() - 1), text);
+    fflush(stderr);
+    state.drawn = true;
+}

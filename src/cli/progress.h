@@ -1,0 +1,24 @@
+/* How far it is, on stderr: a bar redrawn in place on a terminal, else plain lines of percent. */
+#ifndef CLI_PROGRESS_H
+#define CLI_PROGRESS_H
+
+#include <fathom/render.h>
+
+/* quiet: nothing is ever shown. */
+void progress_begin(bool quiet);
+
+/* A phase that reports nothing while it lasts: shown by its name on a terminal. */
+void progress_phase(fathom_phase phase);
+void progress_update(const fathom_progress *progress);
+
+/* Takes the bar away, so that a line can be printed in its place; the next update draws it again. */
+void progress_clear_line(void);
+/* What clears the line, for a signal handler; "" when there is no bar. */
+const char *progress_clear_text(void);
+
+/* The bar's text for a terminal of so many columns, at most columns - 1 characters. */
+void progress_bar(const fathom_progress *progress, unsigned columns, char *out, size_t size);
+/* The same facts as one line: "render 30 %, 45.2 Mrays/s, 0:12 left". */
+void progress_line(const fathom_progress *progress, char *out, size_t size);
+
+#endif

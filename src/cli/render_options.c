@@ -1,0 +1,213 @@
+#include "cli/render_options.h"
+
+#include "base/file.h"
+
+#include <string.h>
+#include <strings.h>
+
+static bool take_size(const args_option *option, const char *value, void *field, args_problem *problem) {
+    uint64_t width, height;
+    const char *text = value;
+    bool fine = args_read_u64(&text, 'x', &width) && args_read_u64(&text, '\0', &height);
+    double least = option->least, most = option->most;
+    if (!fine || (double)width < least || (double)width > most || (double)height < least ||
+        (double)height > most) {
+        return args_wrong(problem,
+                          "expected WIDTHxHEIGHT, each from %.0f to %.0f, such as 1280x720, found \"%.60s\"",
+                          least, most, value);
+    }
+    *(render_size *)field = (render_size){(uint32_t)width, (uint32_t)height};
+    return true;
+}
+
+static bool take_crop(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    uint64_t c[4];
+    const char *text = value;
+    for (size_t i = 0; i < 4; ++i) {
+        if (!args_read_u64(&text, i < 3 ? ',' : '\0', &c[i]) || c[i] > 65536)
+            return args_wrong(problem, "expected X0,Y0,X1,Y1 in pixels, such as 0,0,640,360, found \"%.60s\"",
+                              value);
+    }
+    if (c[0] >= c[2] || c[1] >= c[3])
+        return args_wrong(problem, "expected X0 < X1 and Y0 < Y1, found \"%.60s\"", value);
+    for (size_t i = 0; i < 4; ++i) ((uint32_t *)field)[i] = (uint32_t)c[i];
+    return true;
+}
+
+static bool take_epsilon(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    double epsilon;
+    const char *text = value;
+    if (strcmp(value, "auto") == 0) {
+        epsilon = 0;
+    } else if (!args_read_f64(&text, '\0', &epsilon) || epsilon <= 0) {
+        return args_wrong(problem, "expected auto or a number above 0, found \"%.60s\"", value);
+    }
+    *(double *)field = epsilon;
+    return true;
+}
+
+static bool take_block_width(const args_option *option, const char *value, void *field,
+                             args_problem *problem) {
+    unsigned place;
+    if (!take_choice(option, value, &place, problem)) return false;
+    static const unsigned widths[] = {1, 4, 8, 16};
+    *(unsigned *)field = widths[place];
+    return true;
+}
+
+static bool take_tile_size(const args_option *option, const char *value, void *field, args_problem *problem) {
+    uint32_t size;
+    if (!take_u32(option, value, &size, problem)) return false;
+    if (size % 32) return args_wrong(problem, "expected a multiple of 32, found \"%.60s\"", value);
+    *(unsigned *)field = size;
+    return true;
+}
+
+static bool take_rgb(const args_option *option, const char *value, void *field, args_problem *problem) {
+    render_background background = {.given = true};
+    const char *text = value;
+    for (size_t i = 0; i < 3; ++i) {
+        double number;
+        if (!args_read_f64(&text, i < 2 ? ',' : '\0', &number) || number < option->least ||
+            number > option->most) {
+            return args_wrong(problem,
+                              "expected R,G,B, each from %g to %g, such as 0.5,0.7,1, found \"%.60s\"",
+                              option->least, option->most, value);
+        }
+        background.rgb[i] = (float)number;
+    }
+    *(render_background *)field = background;
+    return true;
+}
+
+static const struct {
+    const char *name;
+    unsigned bits;
+} aov_names[] = {
+    {"alpha", FATHOM_AOV_ALPHA},
+    {"Z", FATHOM_AOV_Z},
+    {"N", FATHOM_AOV_N},
+    {"P", FATHOM_AOV_P},
+    {"albedo", FATHOM_AOV_ALBEDO},
+    {"id", FATHOM_AOV_ID},
+    {"all",
+     FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID},
+    {"none", 0},
+};
+
+static bool find_aov(const char *name, size_t length, unsigned *bits) {
+    for (size_t i = 0; i < sizeof aov_names / sizeof *aov_names; ++i) {
+        if (strlen(aov_names[i].name) != length || strncasecmp(aov_names[i].name, name, length) != 0)
+            continue;
+        *bits |= aov_names[i].bits;
+        return true;
+    }
+    return false;
+}
+
+static bool take_aovs(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    unsigned bits = 0;
+    for (const char *name = value;;) {
+        size_t length = strcspn(name, ",");
+        if (!find_aov(name, length, &bits)) {
+            return args_wrong(problem,
+                              "expected names from alpha,Z,N,P,albedo,id, or all, or none, found \"%.*s\"",
+                              length < 60 ? (int)length : 60, name);
+        }
+        if (!name[length]) break;
+        name += length + 1;
+    }
+    render_options *options = field;
+    options->settings.aovs = bits;
+    options->aovs_given = true;
+    return true;
+}
+
+#define FIELD(name) offsetof(render_options, name)
+
+const args_option render_option_table[] = {
+    {.help = "Output"},
+    {"output", 'o', "IMAGE", take_list, FIELD(outputs), 0, 0,
+     ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); give it again for more images of the "
+     "same render"},
+    {"aov", 0, "LIST", take_aovs, 0, 0, 0,
+     "further channels: any of alpha,Z,N,P,albedo,id, or all, or none; all but alpha need an .exr"},
+    {"exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,
+     "colours in the .exr as 32-bit float rather than half"},
+    {"stats", 0, "FILE.json", take_text, FIELD(stats), 0, 0, "write counts, times, rays and memory as JSON"},
+
+    {.help = "Image"},
+    {"size", 0, "WxH", take_size, FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)"},
+    {"crop", 0, "X0,Y0,X1,Y1", take_crop, FIELD(settings.crop), 0, 0,
+     "only these pixels: from (X0,Y0) up to but without (X1,Y1), counted from the top left"},
+    {"spp", 0, "N", take_u32, FIELD(settings.spp), 1, 65536,
+     "samples a pixel (the scene's, else 1); a square number unless the pattern is sobol"},
+    {"pattern", 0, "grid|stratified|sobol", take_choice, FIELD(settings.pattern), 0, 0,
+     "where the samples lie (the scene's, else grid)"},
+    {"seed", 0, "N", take_u64, FIELD(settings.seed), 0, 0, "of stratified and sobol samples (0)"},
+    {"background", 0, "R,G,B", take_rgb, FIELD(background), 0, 1e9,
+     "linear Rec.709 colour of rays that hit nothing (the scene's)"},
+
+    {.help = "Light transport"},
+    {"max-depth", 0, "N", take_u32, FIELD(settings.max_depth), 0, 64,
+     "mirrored and refracted bounces, 0 to 64 (8)"},
+    {"epsilon", 0, "E|auto", take_epsilon, FIELD(settings.epsilon), 0, 0,
+     "fixed distance that rays keep from where they start; auto follows from error bounds (auto)"},
+    {"no-terminator-fix", 0, NULL, take_false, FIELD(settings.terminator_fix), 0, 0,
+     "let the facets of smooth meshes shadow themselves"},
+    {"tracer", 0, "embree|reference", take_choice, FIELD(settings.tracer), 0, 0,
+     "reference: linear search, for comparing small scenes (embree)"},
+
+    {.help = "Colour of .png, .jpg and .tif"},
+    {"exposure", 0, "STOPS", take_f32, FIELD(write.exposure), -64, 64, "each doubles the light (0)"},
+    {"display", 0, "NAME", take_text, FIELD(write.display), 0, 0, "of the OpenColorIO config (its default)"},
+    {"view", 0, "NAME", take_text, FIELD(write.view), 0, 0, "of the display (its default)"},
+    {"ocio", 0, "FILE", take_text, FIELD(write.ocio), 0, 0,
+     "OpenColorIO config ($OCIO, else a built-in one for sRGB)"},
+
+    {.help = "Running"},
+    {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "1 to 1024 (one a processor)"},
+    {"block-width", 0, "1|4|8|16", take_block_width, FIELD(settings.block_width), 0, 0,
+     "rays handed to Embree at once (16); no pixel depends on it"},
+    {"tile-size", 0, "N", take_tile_size, FIELD(settings.tile_size), 32, 65536,
+     "pixels, a multiple of 32 (32); no pixel depends on it"},
+    {"quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings"},
+    {"verbose", 'v', NULL, take_true, FIELD(verbose), 0, 0,
+     "tell what was traced and how long each step took"},
+    {.help = NULL},
+};
+
+void render_options_default(render_options *options, const fathom_settings *settings) {
+    *options = (render_options){.settings = *settings};
+    fathom_write_options_default(&options->write);
+}
+
+/* The AOVs that at least one of the outputs can hold: .exr all, .png and .tif alpha, .jpg none. */
+static unsigned held_aovs(const args_list *outputs) {
+    unsigned held = 0;
+    for (size_t i = 0; i < outputs->count; ++i) {
+        char extension[16];
+        file_extension(outputs->items[i], extension);
+        if (strcmp(extension, "exr") == 0) return ~0u;
+        if (strncmp(extension, "jp", 2) != 0) held |= FATHOM_AOV_ALPHA;
+    }
+    return held;
+}
+
+bool render_options_finish(render_options *options, args_problem *problem) {
+    if (!options->outputs.count) return args_wrong(problem, "-o IMAGE is missing");
+    if (options->size.width) {
+        options->settings.width = options->size.width;
+        options->settings.height = options->size.height;
+    }
+    if (options->quiet && options->verbose)
+        return args_wrong(problem, "--quiet and --verbose exclude each other");
+    unsigned held = held_aovs(&options->outputs);
+    if (options->aovs_given && options->settings.aovs & ~held)
+        return args_wrong(problem, "--aov: only .exr holds these channels; expected one more -o FILE.exr");
+    options->settings.aovs &= held;
+    return true;
+}

@@ -1,0 +1,38 @@
+/* What `fathom render` is told. */
+#ifndef CLI_RENDER_OPTIONS_H
+#define CLI_RENDER_OPTIONS_H
+
+#include "cli/args.h"
+
+#include <fathom/render.h>
+
+typedef struct render_size {
+    uint32_t width, height;
+} render_size;
+
+typedef struct render_background {
+    bool given;
+    float rgb[3];
+} render_background;
+
+typedef struct render_options {
+    const char *scene;
+    args_list outputs;
+    fathom_settings settings;
+    bool aovs_given;
+    render_size size; /* 0 × 0: the settings' own */
+    unsigned threads; /* 0: all processors */
+    render_background background;
+    fathom_write_options write;
+    const char *stats; /* NULL: none */
+    bool quiet, verbose;
+} render_options;
+
+/* Everything not given stays as `settings` says. */
+void render_options_default(render_options *options, const fathom_settings *settings);
+/* What the options' fields make of each other, after parsing. False: wrong usage. */
+bool render_options_finish(render_options *options, args_problem *problem);
+
+extern const args_option render_option_table[];
+
+#endif

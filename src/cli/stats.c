@@ -1,0 +1,117 @@
+#include "cli/stats.h"
+
+#include "base/file.h"
+#include "cli/json_text.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+
+uint64_t report_rays(const render_report *report) {
+    const fathom_stats *s = &report->stats;
+    return s->camera_rays + s->shadow_rays + s->reflection_rays + s->refraction_rays;
+}
+
+double report_rays_per_second(const render_report *report) {
+    double seconds = report->stats.render_seconds;
+    return seconds > 0 ? (double)report_rays(report) / seconds : 0;
+}
+
+uint64_t report_peak_bytes(void) {
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024 : 0;
+}
+
+/* "Embree 3.13.5, AVX-512" -> "3.13.5" and "AVX-512"; the reference tracer has neither. */
+static void set_embree(json_t *root, const char *tracer) {
+    char version[64] = "", isa[64] = "";
+    bool embree = sscanf(tracer, "Embree %63[^,], %63[^\n]", version, isa) == 2;
+    json_object_set_new(root, "tracer", json_string(tracer));
+    json_object_set_new(root, "embreeVersion", embree ? json_string(version) : json_null());
+    json_object_set_new(root, "isa", embree ? json_string(isa) : json_null());
+}
+
+static json_t *pack_seconds(const render_report *r) {
+    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "read", r->read_seconds, "build", r->stats.build_seconds,
+                     "render", r->stats.render_seconds, "write", r->write_seconds, "total", r->total_seconds);
+}
+
+static json_t *pack_rays(const render_report *r) {
+    const fathom_stats *s = &r->stats;
+    return json_pack("{s:o, s:o, s:o, s:o, s:o}", "camera", json_count(s->camera_rays), "shadow",
+                     json_count(s->shadow_rays), "reflection", json_count(s->reflection_rays), "refraction",
+                     json_count(s->refraction_rays), "total", json_count(report_rays(r)));
+}
+
+static json_t *pack_outputs(const args_list *outputs) {
+    json_t *array = json_array();
+    for (size_t i = 0; i < outputs->count; ++i) json_array_append_new(array, json_text(outputs->items[i]));
+    return array;
+}
+
+static json_t *pack(const render_report *r, const render_options *options) {
+    json_t *root = json_object();
+    const fathom_stats *s = &r->stats;
+    json_object_set_new(root, "fathom", json_string(fathom_version()));
+    json_object_set_new(root, "scene", json_text(r->scene));
+    json_object_set_new(root, "image",
+                        json_pack("{s:i, s:i, s:i}", "width", (int)r->width, "height", (int)r->height, "spp",
+                                  (int)options->settings.spp));
+    json_object_set_new(root, "outputs", pack_outputs(&options->outputs));
+    json_object_set_new(root, "interrupted", json_boolean(r->interrupted));
+    json_object_set_new(root, "triangles", json_count(s->triangles));
+    json_object_set_new(root, "primitives", json_count(s->primitives));
+    json_object_set_new(root, "instances", json_count(s->instances));
+    json_object_set_new(root, "degenerateTriangles", json_count(s->degenerate_triangles));
+    json_object_set_new(root, "seconds", pack_seconds(r));
+    json_object_set_new(root, "rays", pack_rays(r));
+    json_object_set_new(root, "raysPerSecond", json_real(report_rays_per_second(r)));
+    json_object_set_new(root, "peakMemoryBytes", json_count(report_peak_bytes()));
+    json_object_set_new(root, "bvhBytes", json_count(s->bvh_bytes));
+    set_embree(root, s->tracer);
+    json_object_set_new(root, "threads", json_count(s->threads));
+    return root;
+}
+
+fathom_status stats_write(fathom_context *context, const render_report *report,
+                          const render_options *options) {
+    json_t *root = pack(report, options);
+    char *bytes = root ? json_dumps(root, JSON_INDENT(2)) : NULL;
+    json_decref(root);
+    if (!bytes) return fail_memory(context, 4096);
+    file_writer *writer;
+    fathom_status status = file_writer_open(context, options->stats, &writer);
+    if (status == FATHOM_OK) {
+        file_writer_put(writer, bytes, strlen(bytes));
+        file_writer_put(writer, "\n", 1);
+        status = file_writer_commit(writer);
+    }
+    free(bytes);
+    return status;
+}
+
+static void print_details(const render_report *r) {
+    const fathom_stats *s = &r->stats;
+    printf("scene    %s: %llu primitives, of them %llu triangles; %llu instances\n", r->scene,
+           (unsigned long long)s->primitives, (unsigned long long)s->triangles,
+           (unsigned long long)s->instances);
+    printf("tracer   %s, %u threads\n", s->tracer, s->threads);
+    printf("seconds  read %.3f, build %.3f, render %.3f, write %.3f, total %.3f\n", r->read_seconds,
+           s->build_seconds, s->render_seconds, r->write_seconds, r->total_seconds);
+    printf("rays     camera %llu, shadow %llu, reflection %llu, refraction %llu\n",
+           (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
+           (unsigned long long)s->reflection_rays, (unsigned long long)s->refraction_rays);
+    printf("memory   %.1f MB at most, BVH %.1f MB\n", 1e-6 * (double)report_peak_bytes(),
+           1e-6 * (double)s->bvh_bytes);
+}
+
+void stats_print(const render_report *report, const render_options *options) {
+    if (options->quiet) return;
+    if (options->verbose) print_details(report);
+    for (size_t i = 0; i < options->outputs.count; ++i)
+        printf("%s%s", i ? ", " : "", options->outputs.items[i]);
+    printf(": %ux%u, %u spp, %.2f s, %.1f Mrays/s", report->width, report->height, options->settings.spp,
+           report->total_seconds, 1e-6 * report_rays_per_second(report));
+    if (report->interrupted) printf(", interrupted at %u %%", (unsigned)(100 * report->finished));
+    putchar('\n');
+}

@@ -1,0 +1,28 @@
+/* What a render did, as numbers. */
+#ifndef CLI_STATS_H
+#define CLI_STATS_H
+
+#include "cli/render_options.h"
+
+typedef struct render_report {
+    fathom_stats stats;
+    const char *scene;      /* its name */
+    uint32_t width, height; /* as written, cropped */
+    double read_seconds, write_seconds, total_seconds;
+    bool interrupted;
+    double finished; /* of the render, [0,1] */
+} render_report;
+
+uint64_t report_rays(const render_report *report);
+double report_rays_per_second(const render_report *report);
+/* The most memory the process ever held. */
+uint64_t report_peak_bytes(void);
+
+/* --stats: one JSON object, whole or not at all. */
+fathom_status stats_write(fathom_context *context, const render_report *report,
+                          const render_options *options);
+
+/* One line to stdout; several with --verbose, none with --quiet. */
+void stats_print(const render_report *report, const render_options *options);
+
+#endif
