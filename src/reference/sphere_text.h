@@ -1,40 +1,43 @@
 /* Spheres |P - C| = R: the one text that reference.h stamps for each precision. */
 
-/* Both roots in order, or false, for numbers whose squares and products stay in range.
+/* Both roots in order, or false, by plain arithmetic without branches.
  *
  * With f = E - C, a = |d|², b = -f·d: the rejection l = f + (b/a) d carries the discriminant D = R² - |l|²,
  * so that nothing of size |f|² is subtracted; q = b + sign(b) √(a D), and the roots are c/q and q/a with c =
  * |f|² - R², so that nothing is subtracted from √ either (Haines et al., Ray Tracing Gems, chapter 7).
  *
  * Error, with u the unit roundoff: f, b, a and the sum leave |δl| ≤ 10 u |f|, so |δD| ≤ 20 u |f||l| + 5 u (R²
- * + |l|²), at most 36 u |f| √(R² + |l|²) where D is near 0; and |δc| ≤ 6 u (|f|² + R²). *sure says that |D|
- * is at least 256 u |f| √(R² + |l|²), seven times that, and |c| at least R²/4: hit or miss and inside or
- * outside are then beyond doubt, c has a relative error of at most 54 u, D of at most 1/7. */
+ * + |l|²), at most 36 u |f| √(R² + |l|²) where D is near 0; and |δc| ≤ 6 u (|f|² + R²). *sure says that sizes
+ * are in range, that |D| is at least 256 u |f| √(R² + |l|²), seven times its error, and |c| at least R²/4:
+ * hit or miss and inside or outside are then beyond doubt, c has a relative error of at most 54 u, D of at
+ * most 1/7. */
 static inline bool FN(sphere_plain)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2], bool *sure) {
     VEC3 f = FN(sub)(org, center);
+    REAL far = FN(largest)(f), big = far > radius ? far : radius, longest = FN(largest)(dir);
     REAL a = FN(dot)(dir, dir), b = -FN(dot)(f, dir);
     VEC3 l = FN(madd)(f, b / a, dir);
     REAL f2 = FN(dot)(f, f), l2 = FN(dot)(l, l), r2 = radius * radius;
     REAL c = f2 - r2, D = r2 - l2;
-    *sure = D * D > 65536 * UNIT * UNIT * f2 * (r2 + l2) && 4 * ABS(c) > r2;
-    if (c < 0 && D < 0) D = 0; /* from inside, every line leaves */
-    if (!(D >= 0)) return false;
-    REAL s = SQRT(a * D), q = b < 0 ? b - s : b + s;
+    *sure = (big > RANGE_LOW) & (big < RANGE_HIGH) & (longest > RANGE_LOW) & (longest < RANGE_HIGH) &
+            (D * D > 65536 * UNIT * UNIT * f2 * (r2 + l2)) & (4 * ABS(c) > r2);
+    D = (c < 0) & (D < 0) ? 0 : D; /* from inside, every line leaves */
+    REAL s = SQRT(a * (D < 0 ? 0 : D)), q = b < 0 ? b - s : b + s;
     REAL by_c = q != 0 ? c / q : 0, by_a = q / a;
     roots[0] = b < 0 ? by_a : by_c;
     roots[1] = b < 0 ? by_c : by_a;
-    return radius > 0;
+    return (D >= 0) & (radius > 0);
 }
 
-/* The same for any finite numbers: what is out of range or not sure is decided in the next wider precision.
- */
+/* The same for any finite numbers: what is not sure is decided in the next wider precision. */
 static inline bool FN(sphere_roots)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]) {
-    REAL far = FN(largest)(FN(sub)(org, center)), long_side = FN(largest)(dir);
-    REAL big = far > radius ? far : radius;
-    bool in_range = big > RANGE_LOW && big < RANGE_HIGH && long_side > RANGE_LOW && long_side < RANGE_HIGH;
     bool sure, met = FN(sphere_plain)(center, radius, org, dir, roots, &sure);
-    if (in_range && sure) return met;
-    return FN(sphere_roots_wide)(center, radius, org, dir, roots);
+    return sure ? met : FN(sphere_roots_wide)(center, radius, org, dir, roots);
+}
+
+/* The smaller root in (t_min, t_max), else the larger one. */
+static inline bool FN(sphere_choose)(const REAL roots[2], REAL t_min, REAL t_max, REAL *t) {
+    *t = roots[0] > t_min ? roots[0] : roots[1];
+    return *t > t_min && *t < t_max;
 }
 
 /* Nearest root in (t_min, t_max). t is in units of |dir|, which need not be 1. Zero or negative radii and
@@ -43,9 +46,7 @@ static inline bool FN(sphere_roots)(VEC3 center, REAL radius, VEC3 org, VEC3 dir
 static inline bool FN(sphere_robust)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,
                                      REAL *t) {
     REAL roots[2];
-    if (!FN(sphere_roots)(center, radius, org, dir, roots)) return false;
-    *t = roots[0] > t_min ? roots[0] : roots[1];
-    return *t > t_min && *t < t_max;
+    return FN(sphere_roots)(center, radius, org, dir, roots) && FN(sphere_choose)(roots, t_min, t_max, t);
 }
 
 /* The quadratic as lectures have it: a = |d|², b = 2 d·(E-C), c = |E-C|² - R², b² - 4ac. It loses |E-C|²/R²

@@ -12,13 +12,26 @@ void linear_rays_prepare(linear_rays *rays) {
     }
 }
 
+/* sphere_robust_f32() for 16 lanes: plain arithmetic for all, the wider precision for those in doubt. */
 static unsigned sphere_robust(const linear_rays *rays, unsigned lanes, const world_sphere *sphere,
                               reference_hit_f32 *hits) {
+    float near[TRACE_WIDTH], far[TRACE_WIDTH];
+    int real[TRACE_WIDTH], doubt[TRACE_WIDTH];
+    for (int i = 0; i < TRACE_WIDTH; ++i) {
+        float roots[2];
+        bool sure;
+        real[i] = sphere_plain_f32(sphere->center, sphere->radius, rays->org[i], rays->dir[i], roots, &sure);
+        doubt[i] = !sure;
+        near[i] = roots[0], far[i] = roots[1];
+    }
     unsigned met = 0;
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    for (unsigned i = 0; lanes >> i; ++i) {
         if (!(lanes >> i & 1)) continue;
-        bool hit = sphere_robust_f32(sphere->center, sphere->radius, rays->org[i], rays->dir[i],
-                                     rays->t_min[i], rays->t_max[i], &hits[i].t);
+        float roots[2] = {near[i], far[i]};
+        if (doubt[i])
+            real[i] =
+                sphere_roots_wide_f32(sphere->center, sphere->radius, rays->org[i], rays->dir[i], roots);
+        bool hit = real[i] && sphere_choose_f32(roots, rays->t_min[i], rays->t_max[i], &hits[i].t);
         hits[i].u = hits[i].v = 0;
         met |= (unsigned)hit << i;
     }
