@@ -65,9 +65,11 @@ static void bend_lane(const surface_block *s, const material_block *m, int i, be
     float reflectance = total ? 1 : fresnel_reflectance(eta, cos_in, cos_out);
     float r_scale = m->fresnel[i] ? reflectance : 1, t_scale = m->fresnel[i] ? 1 - reflectance : 1;
     for (int c = 0; c < 3; ++c) {
-        float k_r = m->k_r[c][i] * r_scale, k_t = m->k_t[c][i] * t_scale;
-        mirrored->weight[c][i] = s->weight[c][i] * (total ? m->k_r[c][i] + m->k_t[c][i] : k_r);
-        refracted->weight[c][i] = total ? 0 : s->weight[c][i] * k_t;
+        float k_r = m->k_r[c][i], k_t = m->k_t[c][i];
+        /* Fresnel shares out what k_r and k_t each give whole: their sum would mirror the light twice. */
+        float all = m->fresnel[i] ? fmaxf(k_r, k_t) : k_r + k_t;
+        mirrored->weight[c][i] = s->weight[c][i] * (total ? all : k_r * r_scale);
+        refracted->weight[c][i] = total ? 0 : s->weight[c][i] * (k_t * t_scale);
     }
 }
 

@@ -1,0 +1,240 @@
+/* Building scenes: what is refused, and what the world of the tracers becomes. */
+#include "scene/world.h"
+#include "unit.h"
+
+typedef struct fixture {
+    fathom_context *context;
+    fathom_scene *scene;
+} fixture;
+
+static fixture open_scene(void) {
+    fixture f;
+    assert_int_equal(fathom_context_create(&f.context), FATHOM_OK);
+    assert_ok(f.context, fathom_scene_create(f.context, &f.scene));
+    return f;
+}
+
+static void close_scene(fixture *f) {
+    fathom_scene_destroy(f->scene);
+    fathom_context_destroy(f->context);
+}
+
+static fathom_status add_sphere(fixture *f, fathom_id group, double x, double y, double z, double radius) {
+    fathom_sphere sphere;
+    fathom_sphere_default(&sphere);
+    sphere.center[0] = x, sphere.center[1] = y, sphere.center[2] = z, sphere.radius = radius;
+    return fathom_scene_add_sphere(f->scene, group, &sphere, NULL);
+}
+
+static fathom_id add_group(fixture *f, const char *name) {
+    fathom_id id;
+    assert_ok(f->context, fathom_scene_add_group(f->scene, name, &id));
+    return id;
+}
+
+static fathom_status add_instance(fixture *f, fathom_id group, fathom_id parent, double x, double scale) {
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.group = group, instance.parent = parent;
+    instance.transform[0] = instance.transform[5] = instance.transform[10] = scale;
+    instance.transform[3] = x;
+    return fathom_scene_add_instance(f->scene, &instance, NULL);
+}
+
+static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+static const uint32_t two_triangles[6] = {0, 1, 2, 2, 1, 3};
+
+static fathom_mesh small_mesh(void) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = corners, mesh.vertex_count = 4;
+    mesh.indices = two_triangles, mesh.triangle_count = 2;
+    return mesh;
+}
+
+static void bad_shapes(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    assert_fails(f.context, add_sphere(&f, FATHOM_ROOT, 0, 0, 0, -1), FATHOM_BAD_INPUT, "radius");
+    assert_fails(f.context, add_sphere(&f, FATHOM_ROOT, NAN, 0, 0, 1), FATHOM_BAD_INPUT, "center");
+    assert_fails(f.context, add_sphere(&f, 7, 0, 0, 0, 1), FATHOM_BAD_INPUT, "group 7");
+    fathom_quad quad;
+    fathom_quad_default(&quad);
+    quad.corners[2][2] = 0.1;
+    assert_fails(f.context, fathom_scene_add_quad(f.scene, FATHOM_ROOT, &quad, NULL), FATHOM_BAD_INPUT,
+                 "one plane");
+    fathom_quad_default(&quad);
+    quad.corners[2][0] = quad.corners[2][1] = -0.4;
+    assert_fails(f.context, fathom_scene_add_quad(f.scene, FATHOM_ROOT, &quad, NULL), FATHOM_BAD_INPUT,
+                 "convex");
+    fathom_quad_from_axes((double[3]){0, 0, 0}, (double[3]){1, 0, 0}, (double[3]){2, 0, 0}, &quad);
+    assert_fails(f.context, fathom_scene_add_quad(f.scene, FATHOM_ROOT, &quad, NULL), FATHOM_BAD_INPUT,
+                 "area");
+    fathom_mesh mesh = small_mesh();
+    mesh.vertex_count = 3;
+    assert_fails(f.context, fathom_scene_add_mesh(f.scene, FATHOM_ROOT, &mesh, NULL), FATHOM_BAD_INPUT,
+                 "out of range");
+    mesh = small_mesh(), mesh.position_stride = 10;
+    assert_fails(f.context, fathom_scene_add_mesh(f.scene, FATHOM_ROOT, &mesh, NULL), FATHOM_BAD_INPUT,
+                 "stride");
+    float bad[12];
+    memcpy(bad, corners, sizeof bad);
+    bad[7] = INFINITY;
+    mesh = small_mesh(), mesh.positions = bad;
+    assert_fails(f.context, fathom_scene_add_mesh(f.scene, FATHOM_ROOT, &mesh, NULL), FATHOM_BAD_INPUT,
+                 "positions[2]");
+    fathom_instance flat;
+    fathom_instance_default(&flat);
+    flat.group = add_group(&f, "g"), flat.transform[0] = 0;
+    assert_fails(f.context, fathom_scene_add_instance(f.scene, &flat, NULL), FATHOM_BAD_INPUT, "inverted");
+    close_scene(&f);
+}
+
+static void wholes_that_cannot_be(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    assert_fails(f.context, fathom_scene_check(f.scene), FATHOM_BAD_INPUT, "no geometry");
+    fathom_id a = add_group(&f, "arm"), b = add_group(&f, "hand");
+    assert_ok(f.context, add_instance(&f, a, FATHOM_ROOT, 0, 1));
+    assert_ok(f.context, add_instance(&f, b, a, 1, 1));
+    assert_fails(f.context, fathom_scene_check(f.scene), FATHOM_BAD_INPUT, "no geometry");
+    assert_ok(f.context, add_sphere(&f, b, 0, 0, 0, 1));
+    assert_ok(f.context, fathom_scene_check(f.scene));
+    assert_ok(f.context, add_instance(&f, a, b, 1, 1));
+    assert_fails(f.context, fathom_scene_check(f.scene), FATHOM_BAD_INPUT, "\"arm\" -> \"hand\" -> \"arm\"");
+    close_scene(&f);
+}
+
+static void lights_in_spheres(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    assert_ok(f.context, add_sphere(&f, FATHOM_ROOT, 0, 0, -5, 1));
+    fathom_light light;
+    fathom_light_default(&light);
+    light.position[2] = -4.5;
+    assert_ok(f.context, fathom_scene_add_light(f.scene, &light, NULL));
+    assert_fails(f.context, fathom_scene_check(f.scene), FATHOM_BAD_INPUT,
+                 "lights[0]: it lies inside the sphere");
+    /* A room: the camera is in there too. */
+    fathom_camera camera;
+    fathom_camera_default(&camera);
+    camera.origin[2] = -5;
+    assert_ok(f.context, fathom_scene_set_camera(f.scene, &camera));
+    assert_ok(f.context, fathom_scene_check(f.scene));
+    close_scene(&f);
+}
+
+/* Two levels of frames: scale by 2 at x = 10, in a frame scaled by 3 at x = 100. */
+static void nested_frames_multiply(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    fathom_id outer = add_group(&f, "outer"), inner = add_group(&f, "inner");
+    assert_ok(f.context, add_sphere(&f, inner, 1, 0, 0, 0.5));
+    assert_ok(f.context, add_instance(&f, inner, outer, 10, 2));
+    assert_ok(f.context, add_instance(&f, outer, FATHOM_ROOT, 100, 3));
+    assert_ok(f.context, add_instance(&f, inner, FATHOM_ROOT, -4, 1));
+    world *w;
+    assert_ok(f.context, world_create(f.scene, &w));
+    assert_int_equal(w->instances.count, 2);
+    const world_instance *nested = &w->instances.items[0];
+    assert_near(nested->to_world[0][0], 6, 0);
+    assert_near(nested->to_world[0][3], 130, 0);
+    assert_near(nested->to_object[0][0], 1 / 6.0, 0x1p-26);
+    assert_near(w->instances.items[1].to_world[0][3], -4, 0);
+    scene_bounds bounds = scene_world_bounds(f.scene);
+    assert_near(bounds.upper.x, 139, 0);
+    assert_near(bounds.lower.x, -3.5, 0);
+    world_destroy(w);
+    close_scene(&f);
+}
+
+/* A group that is placed once, unmoved, needs no frame; its instance is still named. */
+static void needless_frames_are_left_out(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    fathom_id group = add_group(&f, "model");
+    fathom_mesh mesh = small_mesh();
+    assert_ok(f.context, fathom_scene_add_mesh_shared(f.scene, group, &mesh, NULL));
+    assert_ok(f.context, add_instance(&f, group, FATHOM_ROOT, 0, 1));
+    world *w;
+    assert_ok(f.context, world_create(f.scene, &w));
+    assert_int_equal(w->instances.count, 0);
+    assert_int_equal(w->geometries.count, 1);
+    assert_int_equal(w->geometries.items[0].instance, 0);
+    assert_ptr_equal(w->meshes.items[0].positions, corners);
+    world_destroy(w);
+    close_scene(&f);
+}
+
+/* A mesh at Earth's radius: its own origin becomes the world's, and nothing is lost to float. */
+static void far_scenes_are_brought_near(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    fathom_mesh mesh = small_mesh();
+    mesh.origin[0] = 6378137.125;
+    assert_ok(f.context, fathom_scene_add_mesh_shared(f.scene, FATHOM_ROOT, &mesh, NULL));
+    assert_ok(f.context, add_sphere(&f, FATHOM_ROOT, 6378139.375, 0, 0, 0.5));
+    world *w;
+    assert_ok(f.context, world_create(f.scene, &w));
+    double sphere_x = w->origin.x + (double)w->spheres.items[0].center.x;
+    assert_near(sphere_x, 6378139.375, 0);
+    assert_true(fabsf(w->spheres.items[0].center.x) < 4);
+    double mesh_x = w->instances.count ? (double)w->instances.items[0].to_world[0][3] : 0;
+    assert_near(w->origin.x + mesh_x, 6378137.125, 0);
+    world_destroy(w);
+    close_scene(&f);
+}
+
+static void degenerate_triangles_are_counted(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    const uint32_t indices[12] = {0, 1, 2, 0, 0, 1, 2, 1, 3, 3, 3, 3};
+    fathom_mesh mesh = small_mesh();
+    mesh.indices = indices, mesh.triangle_count = 4;
+    assert_ok(f.context, fathom_scene_add_mesh(f.scene, FATHOM_ROOT, &mesh, NULL));
+    world *w;
+    assert_ok(f.context, world_create(f.scene, &w));
+    assert_int_equal(w->degenerate_triangles, 2);
+    world_destroy(w);
+    close_scene(&f);
+}
+
+/* Whatever there is, the added camera sees all of it. */
+static void completing_frames_everything(void **state) {
+    (void)state;
+    const double scales[] = {1e-8, 1, 1e8};
+    for (int i = 0; i < 3; ++i) {
+        fixture f = open_scene();
+        double k = scales[i];
+        assert_ok(f.context, add_sphere(&f, FATHOM_ROOT, 5 * k, 2 * k, 0, k));
+        assert_ok(f.context, add_sphere(&f, FATHOM_ROOT, -3 * k, 0, 7 * k, 2 * k));
+        assert_ok(f.context, fathom_scene_complete(f.scene));
+        assert_true(f.scene->lights.count > 0);
+        const fathom_camera *c = &f.scene->camera;
+        scene_bounds b = scene_world_bounds(f.scene);
+        for (int corner = 0; corner < 8; ++corner) {
+            vec3_f64 p = {corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
+                          corner & 4 ? b.upper.z : b.lower.z};
+            vec3_f64 d = sub_f64(p, load_f64(c->origin));
+            double depth = -dot_f64(d, load_f64(c->z));
+            assert_true(depth > 0);
+            assert_true(fabs(dot_f64(d, load_f64(c->y))) * c->d / depth <= c->h / 2);
+            assert_true(fabs(dot_f64(d, load_f64(c->x))) * c->d / depth <= c->h / 2 * 16 / 9);
+        }
+        close_scene(&f);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bad_shapes),
+        cmocka_unit_test(wholes_that_cannot_be),
+        cmocka_unit_test(lights_in_spheres),
+        cmocka_unit_test(nested_frames_multiply),
+        cmocka_unit_test(needless_frames_are_left_out),
+        cmocka_unit_test(far_scenes_are_brought_near),
+        cmocka_unit_test(degenerate_triangles_are_counted),
+        cmocka_unit_test(completing_frames_everything),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
