@@ -1,0 +1,162 @@
+/* The format of scene JSON as tables: what is allowed where, and which member of a struct it fills.
+ *
+ * The reader follows these tables, and the tests hold scenes/fathom.schema.json against them, key by key. */
+#ifndef READ_JSON_FORM_H
+#define READ_JSON_FORM_H
+
+#include <fathom/read.h>
+#include <jansson.h>
+
+typedef enum form_kind {
+    FORM_BOOL,   /* bool */
+    FORM_F32,    /* float, or count of them */
+    FORM_F64,    /* double, or count of them, or rows × count */
+    FORM_U32,    /* uint32_t, or count of them */
+    FORM_U64,    /* uint64_t */
+    FORM_TEXT,   /* const char *, borrowed from the document */
+    FORM_TAG,    /* the form's own name, which told it from its siblings; stored nowhere */
+    FORM_WORD,   /* int: the place of the word in `words` */
+    FORM_WORDS,  /* unsigned: a bit for each word of `words` */
+    FORM_OBJECT, /* another form, read into the member itself */
+    FORM_ROWS,   /* json_t *: one or more rows of `count` numbers, each checked */
+    FORM_LIST,   /* json_t *: an array, whose items the reader reads by `form` */
+    FORM_MAP,    /* json_t *: names, each with an object of `form` */
+    FORM_MAP_OF_LISTS
+} form_kind;
+
+enum { FORM_OPEN_LOW = 1, FORM_OPEN_HIGH = 2 };
+
+/* Of each number. All zero: any finite number. */
+typedef struct form_range {
+    double low, high; /* may be infinite */
+    unsigned open;    /* the ends that do not belong to it */
+} form_range;
+
+typedef struct form form;
+
+typedef struct form_key {
+    const char *name; /* NULL ends a table */
+    form_kind kind;
+    size_t offset; /* of the member it fills */
+    form_range range;
+    unsigned count, rows; /* 0: a single number; a single row */
+    bool required;
+    bool nonzero; /* the numbers are not all 0 */
+    bool whole;   /* FORM_ROWS: integers */
+    const char *const *words;
+    const form *form;
+} form_key;
+
+typedef enum form_rule_kind {
+    FORM_NO_RULE,  /* ends a table */
+    FORM_NEEDS,    /* where `key` is, all the others are */
+    FORM_EXCLUDES, /* where `key` is, none of the others is */
+    FORM_ONE_OF    /* exactly one of the others is there */
+} form_rule_kind;
+
+typedef struct form_rule {
+    form_rule_kind kind;
+    const char *key;
+    const char *others[6];
+} form_rule;
+
+/* An object of the document. With variants, its "type" chooses which of them it is. */
+struct form {
+    const char *name;
+    int id;                      /* which variant this is: a form_light_id or form_object_id */
+    const form_key *parts[5];    /* tables of keys */
+    const form_rule *rules[3];   /* tables of rules */
+    const form *const *variants; /* ended by NULL */
+};
+
+/* The whole document, and what it is made of. */
+extern const form form_scene, form_camera, form_image, form_material, form_light, form_object, form_frame,
+    form_turn;
+
+/* NULL when the form knows no such key. */
+const form_key *form_find(const form *f, const char *name);
+
+/* ---- what the forms fill ---- */
+
+typedef struct form_frame_values {
+    double origin[3], x[3], y[3], z[3];
+} form_frame_values;
+
+typedef struct form_camera_values {
+    double eye[3], target[3], up[3];
+    form_frame_values frame;
+    double fovy, d, w, h; /* fovy in degrees */
+} form_camera_values;
+
+typedef enum form_light_id { FORM_POINT, FORM_DIRECTIONAL, FORM_SPOT } form_light_id;
+
+typedef struct form_light_values {
+    const char *name;
+    double position[3], direction[3], target[3];
+    float color[3], intensity;
+    double inner_angle, outer_angle; /* degrees */
+} form_light_values;
+
+typedef struct form_turn_values {
+    double axis[3], angle; /* degrees */
+} form_turn_values;
+
+typedef struct form_place_values {
+    double translation[3], rotation[4], scale[3], matrix[16];
+    form_turn_values rotate;
+    form_frame_values frame;
+} form_place_values;
+
+typedef enum form_object_id {
+    FORM_SPHERE,
+    FORM_QUAD,
+    FORM_PLANE,
+    FORM_TRIANGLE,
+    FORM_MESH,
+    FORM_GENERATE,
+    FORM_GROUP,
+    FORM_INSTANCE
+} form_object_id;
+
+typedef enum form_shading { FORM_AS_GIVEN, FORM_FLAT, FORM_SMOOTH } form_shading;
+
+typedef struct form_object_values {
+    const char *name, *material;
+    bool casts_shadow;
+    form_place_values place;
+    union {
+        fathom_sphere sphere;
+        fathom_plane plane;
+        struct {
+            double corners[4][3], center[3], u[3], v[3];
+        } quad;
+        struct {
+            double vertices[3][3], normals[3][3], uvs[3][2];
+        } triangle;
+        struct {
+            const char *file;
+            json_t *positions, *indices, *normals, *uvs;
+            int shading; /* form_shading */
+        } mesh;
+        struct {
+            int kind; /* fathom_generator */
+            uint64_t triangles, seed;
+        } generate;
+        struct {
+            json_t *children;
+        } group;
+        struct {
+            const char *of;
+        } instance;
+    } as;
+} form_object_values;
+
+typedef struct form_scene_values {
+    const char *schema, *name;
+    form_camera_values camera;
+    fathom_settings image;
+    float background[3], ambient[3];
+    json_t *materials, *lights, *groups, *objects;
+} form_scene_values;
+
+#endif

@@ -1,0 +1,65 @@
+/* Scene JSON from text, for tests. */
+#ifndef TESTS_JSON_SCENE_H
+#define TESTS_JSON_SCENE_H
+
+#include "read/read.h"
+#include "unit.h"
+
+#include <unistd.h>
+
+/* A folder of the test's own with triangle.obj and the scene.json that is being read. */
+typedef struct json_scene {
+    fathom_context *context;
+    char folder[64], file[96], mesh[96];
+} json_scene;
+
+static inline void json_scene_write(const char *path, const char *text, size_t size) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static inline void json_scene_open(json_scene *s) {
+    static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    assert_int_equal(fathom_context_create(&s->context), FATHOM_OK);
+    snprintf(s->folder, sizeof s->folder, "/tmp/fathom-json-XXXXXX");
+    assert_non_null(mkdtemp(s->folder));
+    snprintf(s->file, sizeof s->file, "%s/scene.json", s->folder);
+    snprintf(s->mesh, sizeof s->mesh, "%s/triangle.obj", s->folder);
+    json_scene_write(s->mesh, triangle, strlen(triangle));
+}
+
+static inline void json_scene_close(json_scene *s) {
+    unlink(s->file);
+    unlink(s->mesh);
+    rmdir(s->folder);
+    fathom_context_destroy(s->context);
+}
+
+/* Reads the text into a new scene, which is destroyed again when that fails. */
+static inline fathom_status json_scene_read(json_scene *s, const char *text, size_t size,
+                                            fathom_scene **out) {
+    json_scene_write(s->file, text, size);
+    assert_int_equal(fathom_scene_create(s->context, out), FATHOM_OK);
+    fathom_status status = read_json(*out, s->file);
+    if (status != FATHOM_OK) {
+        fathom_scene_destroy(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
+static inline fathom_scene *json_scene_good(json_scene *s, const char *text) {
+    fathom_scene *scene;
+    assert_ok(s->context, json_scene_read(s, text, strlen(text), &scene));
+    return scene;
+}
+
+/* The text is refused with a message that holds all of `message`. */
+static inline void json_scene_bad(json_scene *s, const char *text, const char *message) {
+    fathom_scene *scene;
+    assert_fails(s->context, json_scene_read(s, text, strlen(text), &scene), FATHOM_BAD_INPUT, message);
+}
+
+#endif
