@@ -1,6 +1,7 @@
 #include "read/json_near.h"
 
 #include <ctype.h>
+#include <stdbool.h>
 #include <string.h>
 
 /* Longer names are not compared. */
@@ -8,18 +9,23 @@ enum { NEAR_LENGTH = 64 };
 
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
-/* Levenshtein's distance, with letters of either case alike. */
+static bool alike(char a, char b) { return tolower((unsigned char)a) == tolower((unsigned char)b); }
+
+/* How many letters must be changed, added, left out or swapped with their neighbour (the optimal string
+ * alignment distance); letters of either case are alike. Three rows of its table suffice. */
 static size_t edit_distance(const char *a, const char *b) {
-    size_t row[NEAR_LENGTH + 1], length = strlen(b);
+    size_t rows[3][NEAR_LENGTH + 1], length = strlen(b);
+    size_t *before = rows[0], *last = rows[1], *row = rows[2];
     for (size_t j = 0; j <= length; ++j) row[j] = j;
-    for (size_t i = 0; a[i]; ++i) {
-        size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (size_t j = 0; j < length; ++j) {
-            size_t change =
-                diagonal + (tolower((unsigned char)a[i]) == tolower((unsigned char)b[j]) ? 0u : 1u);
-            diagonal = row[j + 1];
-            row[j + 1] = least(change, least(row[j], row[j + 1]) + 1);
+    for (size_t i = 1; i <= strlen(a); ++i) {
+        size_t *spare = before;
+        before = last, last = row, row = spare;
+        row[0] = i;
+        for (size_t j = 1; j <= length; ++j) {
+            size_t changed = last[j - 1] + (alike(a[i - 1], b[j - 1]) ? 0u : 1u);
+            row[j] = least(changed, least(row[j - 1], last[j]) + 1);
+            bool swapped = i > 1 && j > 1 && alike(a[i - 1], b[j - 2]) && alike(a[i - 2], b[j - 1]);
+            if (swapped) row[j] = least(row[j], before[j - 2] + 1);
         }
     }
     return row[length];

@@ -29,9 +29,9 @@ static fathom_status find_id(const object_reader *r, const where *at, const char
 
 static fathom_status read_object(const object_reader *r, const where *at, json_t *value, object *out) {
     const form *f;
+    memset(out, 0, sizeof *out);
     fathom_status status = doc_choose(r->doc, at, value, &form_object, &f);
     if (status != FATHOM_OK) return status;
-    memset(out, 0, sizeof *out);
     out->kind = (form_object_id)f->id;
     out->material = FATHOM_NONE;
     out->values.casts_shadow = true;
@@ -167,10 +167,11 @@ static fathom_status add_instance(const object_reader *r, const where *at, const
 static fathom_status add_object(const object_reader *r, const where *at, json_t *value, fathom_id parent,
                                 mesh_batch *batch) {
     object o;
-    fathom_id group;
+    fathom_id group = parent;
     fathom_status status = read_object(r, at, value, &o);
     if (status == FATHOM_OK) status = choose_group(r, at, &o, parent, &group);
-    if (status == FATHOM_OK && group != parent) status = add_instance(r, at, &o, parent, group);
+    bool instanced = o.kind == FORM_GROUP || o.kind == FORM_INSTANCE || o.placed;
+    if (status == FATHOM_OK && instanced) status = add_instance(r, at, &o, parent, group);
     if (status == FATHOM_OK && o.kind != FORM_TRIANGLE) status = mesh_batch_flush(r, batch);
     return status == FATHOM_OK ? add_content(r, at, value, &o, group, batch) : status;
 }
