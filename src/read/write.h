@@ -1,0 +1,117 @@
+/* What the writers of mesh files share. */
+#ifndef READ_WRITE_H
+#define READ_WRITE_H
+
+#include "base/file.h"
+#include "scene/graph.h"
+
+/* The binary formats are little-endian, as is every machine that Embree runs on. */
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are written as they lie in memory");
+
+/* Each writes the whole file or none. The graph is the scene's; at least one mesh is placed. */
+fathom_status write_glb(const fathom_scene *scene, const scene_graph *graph, const char *path);
+fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, const char *path);
+fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path);
+
+/* ---- meshes with one number for each vertex ---- */
+
+/* A fathom_mesh as formats want it that know one index for position, normal and uv together. Vertex i has
+ * position positions[i] of the mesh, and so on; NULL means position i. `facets`: every corner is a vertex of
+ * its own and has the facet's normal. */
+typedef struct write_mesh {
+    const fathom_mesh *mesh; /* NULL: not prepared */
+    uint32_t vertex_count;
+    uint32_t *positions, *normals, *uvs, *indices; /* owned */
+    bool facets;
+} write_mesh;
+
+/* FATHOM_OUT_OF_RESOURCES; also when there would be more than 2^32 - 1 vertices. */
+fathom_status write_mesh_prepare(fathom_context *context, const fathom_mesh *mesh, bool facets,
+                                 write_mesh *out);
+void write_mesh_free(write_mesh *m);
+
+vec3_f32 write_mesh_position(const write_mesh *m, uint32_t vertex);
+vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex); /* the mesh has normals, or facets is set */
+void write_mesh_uv(const write_mesh *m, uint32_t vertex, float uv[2]); /* 0 0 where the mesh has none */
+uint32_t write_mesh_index(const write_mesh *m, size_t corner);
+
+/* ---- placing ---- */
+
+/* A mesh as it stands in the world. */
+typedef struct write_placement {
+    fathom_id object;
+    const fathom_mesh *mesh;
+    uint32_t mesh_index; /* in the scene's array */
+    fathom_id material;
+    bool plain;     /* positions and normals stay as they are, to the bit */
+    bool mirrored;  /* the winding turns around: normals keep their side */
+    affine_f64 map; /* mesh to world, the mesh's origin included */
+    affine_f64 inverse;
+} write_placement;
+
+vec3_f32 write_placed_position(const write_placement *p, vec3_f32 position);
+vec3_f32 write_placed_normal(const write_placement *p, vec3_f32 normal);
+
+/* Calls visit for each placed mesh, always in the same order, until it fails. */
+typedef fathom_status (*write_visit)(void *user, const write_placement *p);
+fathom_status write_each_placement(const fathom_scene *scene, const scene_graph *graph, write_visit visit,
+                                   void *user);
+
+/* How often each group is placed, by group; SIZE_MAX for more than that. Release with free(). */
+fathom_status write_count_ways(const fathom_scene *scene, const scene_graph *graph, size_t **out);
+size_t write_add(size_t a, size_t b); /* SIZE_MAX when they overflow */
+size_t write_multiply(size_t a, size_t b);
+
+/* ---- streams ---- */
+
+/* A file that is filled by all threads: pieces are made in parallel and written in order. */
+typedef struct write_stream {
+    fathom_context *context;
+    file_writer *file;
+    char *buffer;
+    size_t *sizes; /* of the pieces that are in the buffer */
+    size_t pieces;
+} write_stream;
+
+/* Makes the bytes of items [begin,end) at `out` and returns how many. */
+typedef size_t (*write_format)(const void *user, size_t begin, size_t end, char *out);
+
+fathom_status write_stream_open(fathom_context *context, const char *path, write_stream *out);
+/* most: bytes that one item can take, at most a few hundred. */
+void write_items(write_stream *s, size_t count, size_t most, write_format format, const void *user);
+void write_bytes(write_stream *s, const void *bytes, size_t size);
+/* Ends the stream: commits when status is FATHOM_OK, else removes what was written and returns status. */
+fathom_status write_stream_close(write_stream *s, fathom_status status);
+
+/* ---- text ---- */
+
+/* Room that each number can take, its end not marked. */
+#define WRITE_NUMBER_BYTES 32
+/* Decimal text that reads back as the same value; the dot is a dot in any locale. Each returns the length. */
+size_t write_float(char *out, float value);
+size_t write_double(char *out, double value);
+size_t write_integer(char *out, uint64_t value);
+
+/* A text that grows. */
+typedef struct write_text {
+    ARRAY(char) bytes;
+    bool failed; /* out of memory: adds nothing more */
+} write_text;
+
+void write_put(write_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void write_put_text(write_text *t, const char *text);
+void write_put_double(write_text *t, double value);
+/* "key": of a JSON object, after a comma unless it is the object's first. */
+void write_put_key(write_text *t, const char *key);
+/* In quotes, escaped for JSON; bytes that are not UTF-8 become '?'. */
+void write_put_json(write_text *t, const char *text);
+
+/* ---- materials of an .obj ---- */
+
+/* A name for each material: one word, unlike the others. *out is to be released with write_names_free() even
+ * after a failure. */
+fathom_status write_names(const fathom_scene *scene, char ***out);
+void write_names_free(const fathom_scene *scene, char **names);
+fathom_status write_mtl(const fathom_scene *scene, const char *path, char **names);
+
+#endif
