@@ -45,10 +45,12 @@ fathom_status doc_expected(const doc *d, const where *at, json_t *value, const c
         return doc_fail(d, at, "expected %s, found an array of %zu", expected, json_array_size(value));
     if (json_is_object(value)) return doc_fail(d, at, "expected %s, found an object", expected);
     where_place place = where_find(d->text, at);
-    const int most = 40;
-    bool cut = place.length > (size_t)most;
-    return doc_fail(d, at, "expected %s, found %.*s%s", expected, cut ? most : (int)place.length, place.value,
-                    cut ? "..." : "");
+    size_t most = 40;
+    if (place.length <= most)
+        return doc_fail(d, at, "expected %s, found %.*s", expected, (int)place.length, place.value);
+    /* Not in the middle of a UTF-8 sequence. */
+    while (((unsigned char)place.value[most] & 0xC0) == 0x80) --most;
+    return doc_fail(d, at, "expected %s, found %.*s...", expected, (int)most, place.value);
 }
 
 /* Appends to a list in text, with `mark` around the word. */

@@ -80,7 +80,7 @@ const form form_camera = {.name = "camera", .parts = {camera_keys}, .rules = {ca
 
 /* In the order of fathom_pattern, and of the FATHOM_AOV_ bits. */
 static const char *const pattern_words[] = {"grid", "stratified", "sobol", NULL};
-static const char *const aov_words[] = {"A", "Z", "N", "P", "albedo", "id", NULL};
+static const char *const aov_words[] = {"alpha", "Z", "N", "P", "albedo", "id", NULL};
 
 static const form_key image_keys[] = {
     {"width", FORM_U32, AT(fathom_settings, width), .range = {1, 65536, 0}},

@@ -35,13 +35,14 @@ static void assert_floats(const float *found, const double *expected, size_t cou
 
 static void surroundings(void **state) {
     (void)state;
-    fathom_scene *scene = json_scene_good(&s, "{\"$schema\": \"./x\", \"name\": \"a \\u00e9\", "
-                                              "\"background\": [0.25, 0.5, 7], \"ambient\": [1, 2, 3],"
-                                              "\"image\": {\"width\": 11, \"height\": 12, \"spp\": 5, "
-                                              "\"pattern\": \"sobol\", \"seed\": 9007199254740991,"
-                                              "\"crop\": [1, 2, 3, 4], \"maxDepth\": 0, \"minWeight\": 0.5, "
-                                              "\"epsilon\": 1e-5, \"terminatorFix\": false,"
-                                              "\"aovs\": [\"id\", \"A\"]}, \"lights\": [], \"objects\": []}");
+    fathom_scene *scene =
+        json_scene_good(&s, "{\"$schema\": \"./x\", \"name\": \"a \\u00e9\", "
+                            "\"background\": [0.25, 0.5, 7], \"ambient\": [1, 2, 3],"
+                            "\"image\": {\"width\": 11, \"height\": 12, \"spp\": 5, "
+                            "\"pattern\": \"sobol\", \"seed\": 9007199254740991,"
+                            "\"crop\": [1, 2, 3, 4], \"maxDepth\": 0, \"minWeight\": 0.5, "
+                            "\"epsilon\": 1e-5, \"terminatorFix\": false,"
+                            "\"aovs\": [\"id\", \"alpha\"]}, \"lights\": [], \"objects\": []}");
     fathom_settings expected;
     fathom_settings_default(&expected);
     expected.width = 11, expected.height = 12, expected.spp = 5, expected.pattern = FATHOM_PATTERN_SOBOL;

@@ -63,6 +63,10 @@ static void assert_refused(const char *from, const char *to, unsigned line, cons
 static void lines_and_places(void **state) {
     (void)state;
     assert_refused("\"\\n\\u0041\"", "7", 3, "name: expected a string, found 7");
+    /* Cut before the character that would not fit whole. */
+    assert_refused(
+        "64, \"height\"", "\"aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\xc3\xa9\", \"height\"", 5,
+        "image.width: expected an integer in [1, 65536], found \"aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa...");
     assert_refused("[0, 0, 5]", "[0, 0, \"x\"]", 3, "camera.eye[2]: expected a number, found \"x\"");
     assert_refused("[0, 0, 0]},", "[0, 0, 5]},", 4, "camera.target: it is where the eye is");
     assert_refused("\"width\": 64", "\"width\": 0", 5,
