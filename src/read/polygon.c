@@ -67,8 +67,11 @@ typedef struct ring {
     uint32_t *cell_first, *cell_items;
     uint32_t *triangles; /* corner numbers, 3 each */
     uint32_t *moved;     /* n, for carrying streams along */
+    uint32_t *queue;     /* corners that may be ears: a circle of n */
+    uint32_t *queued;    /* whether a corner is in it */
+    uint32_t queue_begin, queue_count;
     turn *turns;
-    double low[2], scale[2]; /* cell = (point - low) * scale */
+    double low[2], scale[2];
     uint32_t triangle_count;
 } ring;
 
@@ -93,6 +96,8 @@ static bool ring_allocate(polygon_work *work, uint32_t n, ring *r) {
                       n,
                       3 * (size_t)n,
                       n,
+                      n,
+                      n,
                       (size_t)n * sizeof *r->turns / sizeof(uint32_t)};
     size_t bytes = 0;
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i) bytes += words[i] * sizeof(uint32_t);
@@ -104,7 +109,8 @@ static bool ring_allocate(polygon_work *work, uint32_t n, ring *r) {
     }
     r->point = work->memory;
     uint32_t *at = (uint32_t *)work->memory + words[0];
-    uint32_t **parts[] = {&r->next, &r->last, &r->cell_first, &r->cell_items, &r->triangles, &r->moved};
+    uint32_t **parts[] = {&r->next,      &r->last,  &r->cell_first, &r->cell_items,
+                          &r->triangles, &r->moved, &r->queue,      &r->queued};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         *parts[i] = at;
         at += words[i + 1];
@@ -155,13 +161,17 @@ static bool is_convex(const ring *r) {
     return reversals <= 2;
 }
 
-static uint32_t cell_of(const ring *r, double x, int axis) {
-    double cell = (x - r->low[axis]) * r->scale[axis];
+/* In cells, from 0 to r->cells. */
+static double in_cells(const ring *r, double x, int axis) { return (x - r->low[axis]) * r->scale[axis]; }
+
+static uint32_t cell_number(const ring *r, double cell) {
     return cell <= 0 ? 0 : cell >= r->cells - 1 ? r->cells - 1 : (uint32_t)cell;
 }
 
 static uint32_t *cell_at(const ring *r, uint32_t i) {
-    return r->cell_first + cell_of(r, r->point[i][1], 1) * r->cells + cell_of(r, r->point[i][0], 0);
+    uint32_t x = cell_number(r, in_cells(r, r->point[i][0], 0));
+    uint32_t y = cell_number(r, in_cells(r, r->point[i][1], 1));
+    return r->cell_first + y * r->cells + x;
 }
 
 /* Counting sort of the corners that are not convex into cells. */
@@ -198,18 +208,49 @@ static bool blocks(const ring *r, uint32_t k, const double *a, const double *b, 
            !same_point(p, a) && !same_point(p, b) && !same_point(p, c);
 }
 
+static double clamp(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
+
+/* The part of a row of cells, from y to y + 1, that the triangle t covers: from x[0] to x[1]. The row is
+ * taken a little higher: places in the grid, numbers up to 2^10, are rounded by less than 2^-40. */
+static void row_range(double t[3][2], double y, double x[2]) {
+    const double low = y - 0x1p-20, high = y + 1 + 0x1p-20;
+    x[0] = (double)INFINITY, x[1] = -(double)INFINITY;
+    for (int k = 0; k < 3; ++k) {
+        const double *a = t[k], *b = t[(k + 1) % 3];
+        if (a[1] > b[1]) {
+            const double *swap = a;
+            a = b;
+            b = swap;
+        }
+        if (b[1] < low || a[1] > high) continue;
+        for (int end = 0; end < 2; ++end) {
+            double rise = b[1] - a[1],
+                   part = rise > 0 ? (clamp(end ? high : low, a[1], b[1]) - a[1]) / rise : end;
+            double at = a[0] + part * (b[0] - a[0]);
+            x[0] = at < x[0] ? at : x[0];
+            x[1] = at > x[1] ? at : x[1];
+        }
+    }
+}
+
+/* Only the cells that the triangle touches are looked at, not those of its box: ears can be long and thin. */
 static bool is_ear(const ring *r, uint32_t i) {
     if (r->turns[i] != TURN_CONVEX) return false;
     const double *a = r->point[r->last[i]], *b = r->point[i], *c = r->point[r->next[i]];
-    uint32_t from[2], to[2];
+    double t[3][2];
     for (int k = 0; k < 2; ++k) {
-        from[k] = cell_of(r, fmin(a[k], fmin(b[k], c[k])), k);
-        to[k] = cell_of(r, fmax(a[k], fmax(b[k], c[k])), k);
+        t[0][k] = in_cells(r, a[k], k);
+        t[1][k] = in_cells(r, b[k], k);
+        t[2][k] = in_cells(r, c[k], k);
     }
-    for (uint32_t y = from[1]; y <= to[1]; ++y) {
+    uint32_t top = cell_number(r, fmax(t[0][1], fmax(t[1][1], t[2][1])) + 0x1p-20);
+    for (uint32_t y = cell_number(r, fmin(t[0][1], fmin(t[1][1], t[2][1])) - 0x1p-20); y <= top; ++y) {
+        double x[2];
+        row_range(t, y, x);
         /* Cells of a row lie one after the other. */
         const uint32_t *row = r->cell_first + y * r->cells;
-        for (uint32_t item = row[from[0]]; item < row[to[0] + 1]; ++item) {
+        uint32_t end = row[cell_number(r, x[1] + 0x1p-20) + 1];
+        for (uint32_t item = row[cell_number(r, x[0] - 0x1p-20)]; item < end; ++item) {
             if (blocks(r, r->cell_items[item], a, b, c)) return false;
         }
     }
@@ -238,21 +279,46 @@ static uint32_t least_bad(const ring *r, uint32_t i) {
     return best;
 }
 
+static void enqueue(ring *r, uint32_t i) {
+    if (r->queued[i]) return;
+    uint32_t place = r->queue_begin + r->queue_count++;
+    r->queue[place < r->n ? place : place - r->n] = i;
+    r->queued[i] = 1;
+}
+
+static uint32_t dequeue(ring *r) {
+    uint32_t i = r->queue[r->queue_begin];
+    r->queue_begin = r->queue_begin + 1 < r->n ? r->queue_begin + 1 : 0;
+    --r->queue_count;
+    r->queued[i] = 0;
+    return i;
+}
+
+/* Cutting an ear makes at most its two neighbours into ears: a corner in the way of another ear is reflex,
+ * and is neither cut nor turned convex while it is in there (Eberly, "Triangulation by ear clipping"). So
+ * each cut looks at two corners again, not at all. The one after an ear waits: cutting on and on would make a
+ * fan of slivers. */
 static void cut_ears(ring *r) {
-    uint32_t i = 0, left = r->n, misses = 0;
-    while (left > 2) {
-        bool stuck = misses >= left;
-        if (stuck) i = least_bad(r, i);
-        if (!stuck && !is_ear(r, i)) {
-            i = r->next[i];
-            ++misses;
+    for (uint32_t i = 0; i < r->n; ++i) {
+        r->queued[i] = 0;
+        enqueue(r, i);
+    }
+    uint32_t waits = r->n;
+    for (uint32_t left = r->n, i = 0; left > 2;) {
+        bool stuck = !r->queue_count;
+        i = stuck ? least_bad(r, i) : dequeue(r);
+        if (i == waits && !stuck) {
+            waits = r->n;
+            enqueue(r, i);
             continue;
         }
+        if (!stuck && !is_ear(r, i)) continue;
         cut(r, i);
-        /* Going on one corner further leaves fewer slivers than cutting a fan. */
-        i = r->next[r->next[i]];
+        waits = r->next[i];
+        enqueue(r, r->next[i]);
+        enqueue(r, r->last[i]);
+        i = r->next[i];
         --left;
-        misses = 0;
     }
 }
 

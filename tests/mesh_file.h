@@ -1,0 +1,122 @@
+/* For the tests of OBJ, MTL and PLY: files in a folder of their own, scenes read from them, warnings kept. */
+#ifndef TESTS_MESH_FILE_H
+#define TESTS_MESH_FILE_H
+
+#include "read/read.h"
+#include "unit.h"
+
+#include <unistd.h>
+
+static fathom_context *context;
+static char mesh_folder[64];
+static char mesh_warnings[4096]; /* one a line */
+static char mesh_files[8][16];   /* written in the folder */
+
+static void mesh_keep_warning(void *user, const char *message) {
+    (void)user;
+    size_t used = strlen(mesh_warnings);
+    snprintf(mesh_warnings + used, sizeof mesh_warnings - used, "%s\n", message);
+}
+
+/* The path of a file in the folder; valid until the eighth call after. */
+static const char *mesh_path(const char *name) {
+    static char paths[8][128];
+    static unsigned next;
+    char *path = paths[next++ % 8];
+    snprintf(path, sizeof paths[0], "%s/%s", mesh_folder, name);
+    return path;
+}
+
+static const char *mesh_write(const char *name, const void *bytes, size_t size) {
+    const char *path = mesh_path(name);
+    for (int i = 0; i < 8; ++i) {
+        if (strcmp(mesh_files[i], name) == 0) break;
+        if (mesh_files[i][0]) continue;
+        snprintf(mesh_files[i], sizeof mesh_files[i], "%s", name);
+        break;
+    }
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+    return path;
+}
+
+typedef fathom_status (*mesh_reader)(fathom_scene *scene, fathom_id group, const char *path,
+                                     const read_mesh_options *options);
+
+/* NULL after a failure, whose message the context has. */
+static fathom_scene *mesh_try(mesh_reader reader, const char *path, read_mesh_options options,
+                              fathom_status *status) {
+    fathom_scene *scene;
+    mesh_warnings[0] = '\0';
+    assert_ok(context, fathom_scene_create(context, &scene));
+    *status = reader(scene, FATHOM_ROOT, path, &options);
+    if (*status == FATHOM_OK) return scene;
+    fathom_scene_destroy(scene);
+    return NULL;
+}
+
+static int mesh_setup(void **state) {
+    (void)state;
+    strcpy(mesh_folder, "/tmp/fathom_mesh_XXXXXX");
+    if (!mkdtemp(mesh_folder) || fathom_context_create(&context) != FATHOM_OK) return -1;
+    fathom_context_on_warning(context, mesh_keep_warning, NULL);
+    return 0;
+}
+
+static int mesh_teardown(void **state) {
+    (void)state;
+    for (int i = 0; i < 8; ++i) {
+        if (mesh_files[i][0]) unlink(mesh_path(mesh_files[i]));
+    }
+    fathom_context_destroy(context);
+    return rmdir(mesh_folder);
+}
+
+static inline const fathom_mesh *mesh_at(const fathom_scene *scene, size_t i) {
+    assert_true(i < scene->meshes.count);
+    return &scene->meshes.items[i];
+}
+
+/* Vertex i, origin included. */
+static inline vec3_f64 mesh_point(const fathom_mesh *mesh, uint32_t i) {
+    const char *base = (const char *)mesh->positions;
+    const float *p = (const float *)(const void *)(base + i * mesh->position_stride);
+    return add_f64(load_f64(mesh->origin), widen(load_f32(p)));
+}
+
+static inline void mesh_expect_point(const fathom_mesh *mesh, uint32_t i, double x, double y, double z) {
+    vec3_f64 p = mesh_point(mesh, i);
+    if (p.x != x || p.y != y || p.z != z) fail_msg("vertex %u is (%.17g, %.17g, %.17g)", i, p.x, p.y, p.z);
+}
+
+static inline void mesh_expect_indices(const uint32_t *found, const uint32_t *expected, size_t count) {
+    assert_non_null(found);
+    for (size_t i = 0; i < count; ++i) {
+        if (found[i] != expected[i]) fail_msg("index %zu is %u, expected %u", i, found[i], expected[i]);
+    }
+}
+
+/* The same numbers and indices, bit for bit. */
+static inline void mesh_expect_equal(const fathom_mesh *a, const fathom_mesh *b) {
+    assert_int_equal(a->vertex_count, b->vertex_count);
+    assert_int_equal(a->triangle_count, b->triangle_count);
+    assert_int_equal(a->normal_count, b->normal_count);
+    assert_int_equal(a->material, b->material);
+    assert_memory_equal(a->origin, b->origin, sizeof a->origin);
+    for (uint32_t i = 0; i < a->vertex_count; ++i) {
+        const char *p = (const char *)a->positions + i * a->position_stride;
+        assert_memory_equal(p, (const char *)b->positions + i * b->position_stride, 12);
+    }
+    size_t bytes = 12 * (size_t)a->triangle_count;
+    assert_memory_equal(a->indices, b->indices, bytes);
+    assert_true(!a->normal_indices == !b->normal_indices);
+    if (a->normal_indices) assert_memory_equal(a->normal_indices, b->normal_indices, bytes);
+    for (uint32_t i = 0; i < a->normal_count; ++i) {
+        const char *n = (const char *)a->normals + i * a->normal_stride;
+        assert_memory_equal(n, (const char *)b->normals + i * b->normal_stride, 12);
+    }
+}
+
+#endif
