@@ -20,7 +20,7 @@ static void mesh_keep_warning(void *user, const char *message) {
 
 /* The path of a file in the folder; valid until the eighth call after. */
 static const char *mesh_path(const char *name) {
-    static char paths[8][128];
+    static char paths[8][256];
     static unsigned next;
     char *path = paths[next++ % 8];
     snprintf(path, sizeof paths[0], "%s/%s", mesh_folder, name);
@@ -46,7 +46,7 @@ typedef fathom_status (*mesh_reader)(fathom_scene *scene, fathom_id group, const
                                      const read_mesh_options *options);
 
 /* NULL after a failure, whose message the context has. */
-static fathom_scene *mesh_try(mesh_reader reader, const char *path, read_mesh_options options,
+static inline fathom_scene *mesh_try(mesh_reader reader, const char *path, read_mesh_options options,
                               fathom_status *status) {
     fathom_scene *scene;
     mesh_warnings[0] = '\0';

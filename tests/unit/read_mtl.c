@@ -1,0 +1,188 @@
+/* MTL materials: what each model of the format means here. */
+#include "mesh_file.h"
+
+#include "read/mtl.h"
+
+static fathom_material material_of(const char *body) {
+    char text[512];
+    mtl_library library = {0};
+    mesh_warnings[0] = '\0';
+    snprintf(text, sizeof text, "newmtl m\n%s", body);
+    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+    assert_int_equal(library.materials.count, 1);
+    fathom_material material = library.materials.items[0].value;
+    mtl_free(&library);
+    return material;
+}
+
+static void expect_color(const char *body, const char *field, const float found[3], double r, double g,
+                         double b) {
+    /* 1 - d and products are rounded to double, then to float. */
+    const double expected[3] = {r, g, b};
+    for (int k = 0; k < 3; ++k) {
+        if (!(fabs((double)found[k] - expected[k]) <= 0x1p-24)) {
+            fail_msg("%s: %s[%d] is %g, expected %g", body, field, k, (double)found[k], expected[k]);
+        }
+    }
+}
+
+static void defaults(void **state) {
+    (void)state;
+    fathom_material plain, found = material_of("");
+    fathom_material_default(&plain);
+    assert_memory_equal(found.k_d, plain.k_d, sizeof plain.k_d);
+    assert_true(found.k_a[0] < 0);
+    assert_int_equal(found.specular, FATHOM_SPECULAR_NONE);
+    expect_color("", "k_t", found.k_t, 0, 0, 0);
+    expect_color("", "k_r", found.k_r, 0, 0, 0);
+}
+
+static void diffuse_and_highlights(void **state) {
+    (void)state;
+    const char *body = "Kd 0.1 0.2 0.3\nKs 0.4 0.5 0.6\nNs 50\nKe 1 2 3\nKa 0.7 0.8 0.9\nillum 2\n";
+    fathom_material m = material_of(body);
+    expect_color(body, "k_d", m.k_d, 0.1, 0.2, 0.3);
+    expect_color(body, "k_s", m.k_s, 0.4, 0.5, 0.6);
+    expect_color(body, "k_e", m.k_e, 1, 2, 3);
+    expect_color(body, "k_a", m.k_a, 0.7, 0.8, 0.9);
+    assert_true(m.shininess == 50 && m.specular == FATHOM_SPECULAR_BLINN);
+    expect_color(body, "k_r", m.k_r, 0, 0, 0);
+    /* No illum: highlights if there is a colour for them. */
+    assert_int_equal(material_of("Ks 1 1 1\nNs 10\n").specular, FATHOM_SPECULAR_BLINN);
+    assert_int_equal(material_of("Ks 0 0 0\nNs 10\n").specular, FATHOM_SPECULAR_NONE);
+    assert_int_equal(material_of("Ks 1 1 1\nNs 10\nillum 1\n").specular, FATHOM_SPECULAR_NONE);
+    /* Ns 0 would be a highlight as wide as the world. */
+    assert_int_equal(material_of("Ks 1 1 1\nNs 0\nillum 2\n").specular, FATHOM_SPECULAR_NONE);
+    /* One number is grey. */
+    m = material_of("Kd 0.25\n");
+    expect_color("Kd 0.25", "k_d", m.k_d, 0.25, 0.25, 0.25);
+}
+
+static void ambient(void **state) {
+    (void)state;
+    assert_true(material_of("Kd 0.1 0.2 0.3\nKa 1 1 1\nillum 2\n").k_a[0] < 0);
+    fathom_material m = material_of("Ka 0 0 0\nillum 1\n");
+    expect_color("Ka 0", "k_a", m.k_a, 0, 0, 0);
+    m = material_of("Ka 1 1 1\nillum 0\n");
+    expect_color("illum 0", "k_a", m.k_a, 0, 0, 0);
+}
+
+/* What Blender and others write for a surface that is simply opaque. */
+static void as_exported(void **state) {
+    (void)state;
+    const char *body =
+        "Ns 250.000000\nKa 1.000000 1.000000 1.000000\nKd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\n"
+        "d 1.000000\nTr 0.0\nTf 1 1 1\nillum 2\n";
+    fathom_material m = material_of(body);
+    expect_color(body, "k_d", m.k_d, 0.8, 0.8, 0.8);
+    expect_color(body, "k_t", m.k_t, 0, 0, 0);
+    expect_color(body, "k_r", m.k_r, 0, 0, 0);
+    assert_true(m.shininess == 250);
+    assert_false(m.fresnel);
+    assert_string_equal(mesh_warnings, "");
+}
+
+static void mirrors(void **state) {
+    (void)state;
+    const char *models[] = {"illum 3", "illum 5\nNi 1.5", "illum 8"};
+    for (int i = 0; i < 3; ++i) {
+        char body[64];
+        snprintf(body, sizeof body, "Kd 0.5 0.5 0.5\nKs 0.2 0.4 0.6\nNs 99\n%s\n", models[i]);
+        fathom_material m = material_of(body);
+        expect_color(body, "k_r", m.k_r, 0.2, 0.4, 0.6);
+        expect_color(body, "k_t", m.k_t, 0, 0, 0);
+        expect_color(body, "k_d", m.k_d, 0.5, 0.5, 0.5);
+        assert_int_equal(m.fresnel, i == 1);
+    }
+    /* Fresnel's law with an index of 1 would take the mirror away. */
+    assert_false(material_of("Ks 1 1 1\nillum 5\nNi 1\n").fresnel);
+    /* Without an index, that of glass. */
+    fathom_material m = material_of("Ks 1 1 1\nillum 5\n");
+    assert_true(m.fresnel && m.ior == 1.5f);
+}
+
+/* Dissolving fades all that the surface sends out and bends nothing, however it is written. */
+static void dissolve(void **state) {
+    (void)state;
+    const char *bodies[] = {
+        "Kd 0.8 0.8 0.8\nKs 1 1 1\nNs 10\nKe 1 1 1\nKa 0.4 0.4 0.4\nillum 2\nNi 1.45\nd 0.25\n",
+        "Kd 0.8 0.8 0.8\nKs 1 1 1\nNs 10\nKe 1 1 1\nKa 0.4 0.4 0.4\nillum 2\nNi 1.45\nTr 0.75\n",
+        "Kd 0.8 0.8 0.8\nKs 1 1 1\nNs 10\nKe 1 1 1\nKa 0.4 0.4 0.4\nillum 2\nd -halo 0.25\n"};
+    for (int i = 0; i < 3; ++i) {
+        fathom_material m = material_of(bodies[i]);
+        expect_color(bodies[i], "k_t", m.k_t, 0.75, 0.75, 0.75);
+        expect_color(bodies[i], "k_d", m.k_d, 0.2, 0.2, 0.2);
+        expect_color(bodies[i], "k_s", m.k_s, 0.25, 0.25, 0.25);
+        expect_color(bodies[i], "k_e", m.k_e, 0.25, 0.25, 0.25);
+        expect_color(bodies[i], "k_a", m.k_a, 0.1, 0.1, 0.1);
+        assert_true(m.ior == 1);
+        assert_false(m.fresnel);
+    }
+}
+
+static void glass(void **state) {
+    (void)state;
+    /* By Fresnel's law: all goes through or is mirrored, highlights stay. */
+    const char *body = "Kd 0.01 0.01 0.01\nKs 1 1 1\nNs 200\nNi 1.5\nTf 0.9 1 0.8\nillum 7\n";
+    fathom_material m = material_of(body);
+    expect_color(body, "k_t", m.k_t, 0.9, 1, 0.8);
+    expect_color(body, "k_r", m.k_r, 1, 1, 1);
+    expect_color(body, "k_s", m.k_s, 1, 1, 1);
+    expect_color(body, "k_d", m.k_d, 0, 0, 0);
+    assert_true(m.fresnel && m.ior == 1.5f);
+    /* The format's own formula without d or Tf. */
+    body = "Ks 0.25 0.5 0\nNi 1.33\nillum 6\nd 1\n";
+    m = material_of(body);
+    expect_color(body, "k_t", m.k_t, 0.75, 0.5, 1);
+    expect_color(body, "k_r", m.k_r, 0.25, 0.5, 0);
+    assert_false(m.fresnel);
+    assert_true(m.ior == 1.33f);
+    /* d says how clear; no more comes back than there is. */
+    body = "Kd 0.5 0.5 0.5\nKs 1 1 1\nNi 1.45\nd 0.25\nillum 9\n";
+    m = material_of(body);
+    expect_color(body, "k_t", m.k_t, 0.75, 0.75, 0.75);
+    expect_color(body, "k_r", m.k_r, 0.25, 0.25, 0.25);
+    expect_color(body, "k_d", m.k_d, 0.125, 0.125, 0.125);
+    assert_true(m.ior == 1);
+    for (int illum = 4; illum <= 9; ++illum) {
+        char text[64];
+        if (illum == 5 || illum == 8) continue;
+        snprintf(text, sizeof text, "Ks 1 1 1\nTf 0.5 0.5 0.5\nNi 1.7\nd 0.5\nillum %d\n", illum);
+        m = material_of(text);
+        expect_color(text, "k_t", m.k_t, 0.25, 0.25, 0.25);
+        assert_true(m.ior == (illum == 6 || illum == 7 ? 1.7f : 1));
+    }
+}
+
+static void left_out(void **state) {
+    (void)state;
+    material_of("Kd 1 1 1\nmap_Kd a.png\nbump b.png\nPr 0.5\nKs spectral x.rfl\n");
+    assert_non_null(strstr(
+        mesh_warnings, "m.mtl:3: textures and other statements that are not rendered are left out (4 such"));
+    assert_ptr_equal(strchr(mesh_warnings, '\n'), mesh_warnings + strlen(mesh_warnings) - 1);
+}
+
+/* Names are whole lines; a later material of a name takes the place of the earlier. */
+static void names(void **state) {
+    (void)state;
+    const char *text =
+        "newmtl Material #25 \r\nKd 1 0 0\r\nnewmtl b\nKd 0 1 0\nnewmtl Material #25\nKd 0 0 1\n";
+    mtl_library library = {0};
+    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+    assert_int_equal(library.materials.count, 2);
+    assert_string_equal(library.materials.items[0].name, "Material #25");
+    assert_true(library.materials.items[0].value.k_d[2] == 1);
+    assert_true(library.materials.items[1].value.k_d[1] == 1);
+    mtl_free(&library);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults), cmocka_unit_test(diffuse_and_highlights),
+        cmocka_unit_test(ambient),  cmocka_unit_test(as_exported),
+        cmocka_unit_test(mirrors),  cmocka_unit_test(dissolve),
+        cmocka_unit_test(glass),    cmocka_unit_test(left_out),
+        cmocka_unit_test(names),
+    };
+    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
+}

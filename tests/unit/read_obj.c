@@ -1,0 +1,301 @@
+/* OBJ files: what they mean. What is wrong with them is in read_obj_errors.c. */
+#include "mesh_file.h"
+
+#include "random.h"
+
+static const read_mesh_options plain = {.material = FATHOM_NONE};
+
+static fathom_scene *read_with(const char *text, read_mesh_options options) {
+    fathom_status status;
+    fathom_scene *scene = mesh_try(read_obj, mesh_write("a.obj", text, strlen(text)), options, &status);
+    if (!scene) fail_msg("%s", fathom_context_message(context));
+    return scene;
+}
+
+static fathom_scene *read_text(const char *text) { return read_with(text, plain); }
+
+#define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+static void expect_square(const char *text, uint32_t triangles) {
+    fathom_scene *scene = read_text(text);
+    assert_int_equal(scene->meshes.count, 1);
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    const uint32_t expected[6] = {0, 1, 2, 0, 2, 3};
+    assert_int_equal(mesh->vertex_count, 4);
+    assert_int_equal(mesh->triangle_count, triangles);
+    mesh_expect_indices(mesh->indices, expected, 3 * triangles);
+    mesh_expect_point(mesh, 2, 1, 1, 0);
+    assert_null(mesh->normals);
+    assert_null(mesh->uvs);
+    fathom_scene_destroy(scene);
+}
+
+/* One square, written in all the ways the format allows. */
+static void ways_to_write(void **state) {
+    (void)state;
+    expect_square(SQUARE "f 1 2 3\nf 1 3 4\n", 2);
+    expect_square(SQUARE "f 1 2 3 4\n", 2);
+    expect_square(SQUARE "f -4 -3 -2 -1", 2);
+    expect_square("# comment\n\n  v 0 0 0 # more\n\tv\t1.0 0e0 -0.0\nv 1 1 0 1.0\nv 0 1 0 0.5 0.5 0.5\no "
+                  "x\ng a b\ng\nf 1 2 3 4 # end\n",
+                  2);
+    expect_square("v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nf 1 2 3 4\r\n", 2);
+    expect_square("v 0 0 0\nv 1 \\\n 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 \\\r\n 3 4\n", 2);
+    /* A backslash that ends a comment joins nothing. */
+    expect_square("# C:\\\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\n", 1);
+    /* Faces may come before their vertices. */
+    expect_square("f 1 2 3 4\n" SQUARE, 2);
+    expect_square(SQUARE "f 1/ 2/ 3/ 4/\n", 2);
+    expect_square(SQUARE "f 1// 2// 3// 4//\n", 2);
+}
+
+/* Negative indices count back from where they stand. */
+static void negative_indices(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf -4 -3 -1\n");
+    const uint32_t expected[6] = {1, 2, 3, 1, 2, 4};
+    mesh_expect_indices(mesh_at(scene, 0)->indices, expected, 6);
+    fathom_scene_destroy(scene);
+}
+
+static void uvs_and_normals(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text(SQUARE "vt 0.25 0.5\nvt 0.75\nvt 1 2 3\nvn 0 0 1\nvn 0 0 2\n"
+                                           "f 1/1/1 2/2/2 3/3/1\nf 1/-1/-1 3/-2/-2 4/-3/-1\n");
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    const uint32_t uv[6] = {0, 1, 2, 2, 1, 0}, normal[6] = {0, 1, 0, 1, 0, 1};
+    mesh_expect_indices(mesh->uv_indices, uv, 6);
+    mesh_expect_indices(mesh->normal_indices, normal, 6);
+    assert_int_equal(mesh->uv_count, 3);
+    assert_int_equal(mesh->normal_count, 2);
+    assert_true(mesh->uvs[0] == 0.25f && mesh->uvs[1] == 0.5f && mesh->uvs[2] == 0.75f && mesh->uvs[3] == 0);
+    assert_true(mesh->normals[5] == 2);
+    fathom_scene_destroy(scene);
+}
+
+/* Indices that equal the vertices' take no memory of their own; too few values for that, and they do. */
+static void same_indices(void **state) {
+    (void)state;
+    const char *four = SQUARE "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf 1//1 2//2 3//3 4//4\n";
+    fathom_scene *scene = read_text(four);
+    assert_null(mesh_at(scene, 0)->normal_indices);
+    fathom_scene_destroy(scene);
+    scene = read_text(SQUARE "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf 1//1 2//2 3//3\n");
+    const uint32_t expected[3] = {0, 1, 2};
+    mesh_expect_indices(mesh_at(scene, 0)->normal_indices, expected, 3);
+    fathom_scene_destroy(scene);
+}
+
+/* One mesh a material and kind of data, over the same vertices, each face in one of them. */
+static void meshes_by_material(void **state) {
+    (void)state;
+    const char *mtl = "newmtl red\nKd 1 0 0\nnewmtl a b\nKd 0 1 0\n";
+    mesh_write("m.mtl", mtl, strlen(mtl));
+    fathom_scene *scene =
+        read_text("mtllib m.mtl\n" SQUARE "vn 0 0 1\nf 1 2 3\nusemtl red\nf 1 2 4\nusemtl a b\nf 2 3 4\n"
+                  "usemtl red\nf 1 3 4\nf 1//1 2//1 3//1\n");
+    assert_int_equal(scene->meshes.count, 4);
+    const fathom_mesh *meshes = scene->meshes.items;
+    const uint32_t red[6] = {0, 1, 3, 0, 2, 3};
+    assert_int_equal(meshes[0].material, 0);
+    assert_int_equal(meshes[1].triangle_count, 2);
+    mesh_expect_indices(meshes[1].indices, red, 6);
+    assert_string_equal(scene->materials.items[meshes[1].material].name, "red");
+    assert_string_equal(scene->materials.items[meshes[2].material].name, "a b");
+    assert_int_equal(meshes[3].material, meshes[1].material);
+    assert_non_null(meshes[3].normals);
+    assert_null(meshes[1].normals);
+    for (int i = 1; i < 4; ++i) assert_ptr_equal(meshes[i].positions, meshes[0].positions);
+    assert_string_equal(mesh_warnings, "");
+    fathom_scene_destroy(scene);
+}
+
+/* A material that is asked for goes on everything, and the file's own are not looked for. */
+static void material_given(void **state) {
+    (void)state;
+    const read_mesh_options options = {.material = 0, .flags = FATHOM_CASTS_NO_SHADOW};
+    fathom_scene *scene =
+        read_with("mtllib nowhere.mtl\n" SQUARE "usemtl x\nf 1 2 3\nusemtl y\nf 1 3 4\n", options);
+    assert_int_equal(scene->meshes.count, 1);
+    assert_int_equal(mesh_at(scene, 0)->flags, FATHOM_CASTS_NO_SHADOW);
+    assert_string_equal(mesh_warnings, "");
+    fathom_scene_destroy(scene);
+}
+
+/* A roof of two slopes that meet in the edge 2-3. */
+#define ROOF "v -1 0 0\nv 0 0 1\nv 0 1 1\nv 1 0 0\n"
+
+static void expect_roof(const char *faces, read_mesh_options options, int smooth) {
+    char text[256];
+    snprintf(text, sizeof text, "%s%s", ROOF, faces);
+    fathom_scene *scene = read_with(text, options);
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    assert_int_equal(scene->meshes.count, 1);
+    if (smooth < 0) {
+        assert_null(mesh->normals);
+    } else {
+        /* The normal of the first triangle's second corner, on the ridge: upright if smooth across. */
+        const uint32_t *indices = mesh->normal_indices ? mesh->normal_indices : mesh->indices;
+        const float *n = mesh->normals + 3 * (size_t)indices[1];
+        assert_near(n[0], smooth ? 0 : -sqrt(0.5), 0x1p-23);
+        assert_near(n[2], smooth ? 1 : sqrt(0.5), 0x1p-23);
+    }
+    fathom_scene_destroy(scene);
+}
+
+static void smoothing_groups(void **state) {
+    (void)state;
+    const read_mesh_options smooth = {.material = FATHOM_NONE, .smooth = true};
+    const read_mesh_options flat = {.material = FATHOM_NONE, .flat = true};
+    expect_roof("f 1 2 3\nf 2 4 3\n", plain, -1);
+    expect_roof("s off\nf 1 2 3\ns 0\nf 2 4 3\n", plain, -1);
+    expect_roof("s 1\nf 1 2 3\nf 2 4 3\n", plain, 1);
+    expect_roof("s on\nf 1 2 3\nf 2 4 3\n", plain, 1);
+    expect_roof("s 1\nf 1 2 3\ns 2\nf 2 4 3\n", plain, 0);
+    expect_roof("s 7\nf 1 2 3\ns 1\nf 2 4 3\ns 7\nf 2 4 3\n", plain, 1);
+    expect_roof("f 1 2 3\nf 2 4 3\n", smooth, 1);
+    expect_roof("s 1\nf 1 2 3\nf 2 4 3\n", flat, -1);
+    expect_roof("vn 1 0 0\nf 1//1 2//1 3//1\nf 2//1 4//1 3//1\n", flat, -1);
+    /* Made normals beside the file's own. */
+    expect_roof("s 1\nf 1 2 3\nf 2 4 3\nvn 1 0 0\nf 1//1 2//1 4//1\n", plain, 1);
+}
+
+/* Polygons of any size; concave ones, whose fan would turn over. */
+static void polygons(void **state) {
+    (void)state;
+    fathom_scene *scene =
+        read_text("v 0 0 0\nv 2 -1 0\nv 0.5 0 0\nv 2 1 0\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 2 0\nvt 3 0\n"
+                  "f 1/1 2/2 3/3 4/4\nf 4/4 5/1 1/2 2/3 3/4\n");
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    assert_int_equal(mesh->triangle_count, 5);
+    double area = 0;
+    for (uint32_t t = 0; t < 5; ++t) {
+        const uint32_t *c = mesh->indices + 3 * t;
+        vec3_f64 a = mesh_point(mesh, c[0]);
+        vec3_f64 n = cross_f64(sub_f64(mesh_point(mesh, c[1]), a), sub_f64(mesh_point(mesh, c[2]), a));
+        assert_true(n.z > 0);
+        area += 0.5 * n.z;
+    }
+    /* The dart: 0.5; with the triangle (1, 4, 5), 3, on top: 3.5. */
+    assert_true(area == 0.5 + 3.5);
+    /* uvs of the first polygon run as its vertices do. */
+    for (int i = 0; i < 6; ++i) assert_int_equal(mesh->uv_indices[i], mesh->indices[i]);
+    fathom_scene_destroy(scene);
+}
+
+/* Earth-sized coordinates with details of a millimetre come back to the last digit that a float of the extent
+ * has: 1.5 × 2^-24 of half of it, plus double's own. */
+static void far_from_origin(void **state) {
+    (void)state;
+    const double x = 6378137.123456, y = -6378000.654321, z = 12.3456789;
+    char text[512];
+    snprintf(text, sizeof text, "v %.9f %.9f %.9f\nv %.9f %.9f %.9f\nv %.9f %.9f %.9f\nf 1 2 3\n", x, y, z,
+             x + 2, y, z, x, y + 0.001, z + 2);
+    fathom_scene *scene = read_text(text);
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    vec3_f64 p = mesh_point(mesh, 2);
+    assert_near(p.x, x, 1.5 * 0x1p-24 + 0x1p-30);
+    assert_near(p.y, y + 0.001, 1.5 * 0x1p-24 + 0x1p-30);
+    assert_near(p.z, z + 2, 1.5 * 0x1p-24 + 0x1p-30);
+    assert_true(mesh->origin[0] != 0);
+    fathom_scene_destroy(scene);
+    /* Near enough, 6 <= 16 × 0.5: no origin. */
+    scene = read_text("v 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\n");
+    assert_true(mesh_at(scene, 0)->origin[0] == 0);
+    fathom_scene_destroy(scene);
+    /* Floats that are moved lose no bit. */
+    snprintf(text, sizeof text, "v %.9g 0 0\nv %.9g 0 0\nv %.9g 1 0\nf 1 2 3\n", 16777215.0, 16777213.0,
+             16777211.0);
+    scene = read_text(text);
+    mesh = mesh_at(scene, 0);
+    assert_true(mesh->origin[0] != 0);
+    mesh_expect_point(mesh, 0, 16777215, 0, 0);
+    mesh_expect_point(mesh, 1, 16777213, 0, 0);
+    mesh_expect_point(mesh, 2, 16777211, 1, 0);
+    fathom_scene_destroy(scene);
+}
+
+static void warnings(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text(
+        SQUARE "f 1 2 3\nl 1 2\nl 2 3\np 1\nf 1 2\ncurv 0 1 1 2\nmtllib none.mtl\nusemtl x\nusemtl y\n");
+    const char *expected[] = {
+        ":6: lines and points are not rendered (3 such",
+        ":9: faces of less than 3 corners are left out (1 such", ":10: statements that are not read",
+        ":11: mtllib: there is no file \"none.mtl\"", ":12: usemtl: no material \"x\" is defined"};
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) {
+        if (!strstr(mesh_warnings, expected[i])) fail_msg("no \"%s\" in:\n%s", expected[i], mesh_warnings);
+    }
+    size_t lines = 0;
+    for (const char *c = mesh_warnings; (c = strchr(c, '\n')) != NULL; ++c) ++lines;
+    assert_int_equal(lines, 5);
+    fathom_scene_destroy(scene);
+}
+
+/* A strip of quads over many pieces of text. Every index is negative, and materials, groups and normals
+ * change on the way: what the pieces make together is what one would. */
+static char *big_file(size_t *size) {
+    enum { cells = 60000 };
+    char *text = malloc((size_t)cells * 160), *p = text;
+    random_state random = {6};
+    for (int i = 0; i < cells; ++i) {
+        if (i % 20011 == 0) p += sprintf(p, "usemtl m%d\n", i % 3);
+        if (i % 17011 == 0) p += sprintf(p, "s %d\n", i % 4);
+        p += sprintf(p, "v %d 0 %.6f\nv %d 1 %.6f\n", i, random_unit(&random), i, random_unit(&random));
+        if (i % 100 == 50) p += sprintf(p, "vn 0 %d 1\n", i % 7);
+        if (i < 60) continue;
+        if (i % 1000 < 300)
+            p += sprintf(p, "f -4//-1 -2//-1 -1//-1 -3//-1\n");
+        else
+            p += sprintf(p, "f -4 -2 -1 -3\n");
+    }
+    *size = (size_t)(p - text);
+    return text;
+}
+
+static void any_threads(void **state) {
+    (void)state;
+    const unsigned threads[] = {1, 2, 7};
+    fathom_scene *scenes[3];
+    size_t size;
+    char *text = big_file(&size);
+    assert_true(size > 3000000);
+    const char *path = mesh_write("big.obj", text, size);
+    free(text);
+    for (int i = 0; i < 3; ++i) {
+        fathom_status status;
+        fathom_context_set_threads(context, threads[i]);
+        scenes[i] = mesh_try(read_obj, path, plain, &status);
+        assert_ok(context, status);
+    }
+    size_t triangles = 0;
+    for (size_t m = 0; m < scenes[0]->meshes.count; ++m) {
+        mesh_expect_equal(mesh_at(scenes[0], m), mesh_at(scenes[1], m));
+        mesh_expect_equal(mesh_at(scenes[0], m), mesh_at(scenes[2], m));
+        triangles += scenes[0]->meshes.items[m].triangle_count;
+    }
+    assert_int_equal(triangles, 2 * (60000 - 60));
+    /* Every quad joins neighbours, so every edge is short however far back its indices reach. */
+    for (size_t m = 0; m < scenes[0]->meshes.count; ++m) {
+        const fathom_mesh *mesh = mesh_at(scenes[0], m);
+        for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+            const uint32_t *c = mesh->indices + 3 * (size_t)t;
+            assert_true(fabs(mesh_point(mesh, c[0]).x - mesh_point(mesh, c[1]).x) <= 1);
+            assert_true(fabs(mesh_point(mesh, c[0]).x - mesh_point(mesh, c[2]).x) <= 1);
+        }
+    }
+    for (int i = 0; i < 3; ++i) fathom_scene_destroy(scenes[i]);
+    fathom_context_set_threads(context, 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ways_to_write),      cmocka_unit_test(negative_indices),
+        cmocka_unit_test(uvs_and_normals),    cmocka_unit_test(same_indices),
+        cmocka_unit_test(meshes_by_material), cmocka_unit_test(material_given),
+        cmocka_unit_test(smoothing_groups),   cmocka_unit_test(polygons),
+        cmocka_unit_test(far_from_origin),    cmocka_unit_test(warnings),
+        cmocka_unit_test(any_threads),
+    };
+    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
+}

@@ -1,0 +1,132 @@
+/* OBJ and MTL files that are wrong: one message each, with the line, and nothing left behind. */
+#include "mesh_file.h"
+
+static const read_mesh_options plain = {.material = FATHOM_NONE};
+
+static void expect_error_with(const char *text, size_t size, read_mesh_options options, const char *message) {
+    fathom_status status;
+    assert_null(mesh_try(read_obj, mesh_write("a.obj", text, size), options, &status));
+    assert_int_equal(status, FATHOM_BAD_INPUT);
+    if (!strstr(fathom_context_message(context), message)) {
+        fail_msg("message \"%s\" does not hold \"%s\"", fathom_context_message(context), message);
+    }
+}
+
+static void expect_error(const char *text, const char *message) {
+    expect_error_with(text, strlen(text), plain, message);
+}
+
+#define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+
+static void vertices(void **state) {
+    (void)state;
+    expect_error("v 0 0\n", "a.obj:1: v: number 3 of 3: expected a number, found the end of the line");
+    expect_error(TRIANGLE "v 0 zero 0\n", "a.obj:4: v: number 2 of 3: expected a number, found \"zero\"");
+    expect_error("v 0 1,5 0\n", "found \"1,5\"");
+    expect_error("v 0 0 1.5.5\n", "found \"1.5.5\"");
+    expect_error("v nan 0 0\n",
+                 "a.obj:1: v: number 1 of 3: expected a finite number that fits a float, found \"nan\"");
+    expect_error("v 0 -inf 0\n", "found \"-inf\"");
+    expect_error("v 0 0 1e39\n", "found \"1e39\"");
+    expect_error("vt\n", "vt: number 1 of 2: expected a number");
+    expect_error("vt x\n", "vt: number 1 of 2: expected a number, found \"x\"");
+    expect_error("\n\nvn 0 0\n", "a.obj:3: vn: number 3 of 3");
+    expect_error("v 1 \\\n2 \\\nx\n", "a.obj:3: v: number 3 of 3");
+}
+
+static void faces(void **state) {
+    (void)state;
+    expect_error(TRIANGLE "f 1 2 4\n", "a.obj:4: f: corner 3: v: index 4 is out of range; the file has 3");
+    expect_error(TRIANGLE "f 1 2 -4\n",
+                 "a.obj:4: f: corner 3: v: index -4 goes back beyond the first; there are 3 above");
+    expect_error("v 0 0 0\nf -1 -1 -2\n" TRIANGLE,
+                 "a.obj:2: f: corner 3: v: index -2 goes back beyond the first; there are 1");
+    expect_error(TRIANGLE "f 0 1 2\n", "corner 1: v: 0 is no index");
+    expect_error(TRIANGLE "f 1 2 99999999999999999999999\n", "corner 3: v: index");
+    expect_error(TRIANGLE "vt 0 0\nf 1/1 2/2 3/1\n",
+                 "a.obj:5: f: corner 2: vt: index 2 is out of range; the file has 1");
+    expect_error(TRIANGLE "f 1//1 2//1 3//1\n", "corner 1: vn: index 1 is out of range; the file has 0");
+    expect_error(TRIANGLE "f 1 2 x\n", "corner 3: v: expected an index, found \"x\"");
+    expect_error(TRIANGLE "f 1 2 3.5\n", "corner 3: expected v, v/vt, v//vn or v/vt/vn, found \"3.5\"");
+    expect_error(TRIANGLE "vt 0 0\nf 1/1 2/1 3\n", "corner 3: it has other parts");
+    expect_error(TRIANGLE "vt 0 0\nf 1/1/1/1 2 3\n", "corner 1: vn: index 1 is out of range");
+    expect_error(TRIANGLE "s red\nf 1 2 3\n", "a.obj:4: s: expected a number, on or off, found \"red\"");
+}
+
+/* Of several faults the one that comes first in the file is told, whichever thread met it. */
+static void first_fault(void **state) {
+    (void)state;
+    const size_t lines = 200000;
+    char *text = malloc(lines * 16 + 64), *p = text;
+    for (size_t i = 0; i < lines; ++i) p += sprintf(p, i == 60000 || i == 150000 ? "v x 0 0\n" : "v 1 2 3\n");
+    for (unsigned threads = 1; threads < 8; threads += 3) {
+        fathom_context_set_threads(context, threads);
+        expect_error_with(text, (size_t)(p - text), plain, "a.obj:60001: v: number 1");
+    }
+    fathom_context_set_threads(context, 0);
+    free(text);
+}
+
+static void nothing_to_render(void **state) {
+    (void)state;
+    fathom_status status;
+    expect_error(TRIANGLE, "a.obj: it has no faces (3 vertices)");
+    expect_error("# nothing\n", "it has no faces (0 vertices)");
+    expect_error(TRIANGLE "f 1 2\n", "it has no faces");
+    expect_error_with("\x7f"
+                      "ELF\0\0\0\0",
+                      8, plain, "it has no faces");
+    assert_null(mesh_try(read_obj, mesh_path("none.obj"), plain, &status));
+    assert_fails(context, status, FATHOM_BAD_INPUT, "none.obj: No such file");
+    assert_null(mesh_try(read_obj, mesh_write("empty.obj", "", 0), plain, &status));
+    assert_fails(context, status, FATHOM_BAD_INPUT, "empty");
+    assert_null(mesh_try(read_obj, mesh_folder, plain, &status));
+    assert_fails(context, status, FATHOM_BAD_INPUT, "is a folder");
+}
+
+static void expect_mtl_error(const char *mtl, const char *message) {
+    mesh_write("m.mtl", mtl, strlen(mtl));
+    expect_error("mtllib m.mtl\n" TRIANGLE "f 1 2 3\n", message);
+}
+
+static void materials(void **state) {
+    (void)state;
+    expect_mtl_error("Kd 1 0 0\n", "m.mtl:1: Kd: expected newmtl before it");
+    expect_mtl_error("newmtl\n", "m.mtl:1: newmtl: expected a name");
+    expect_mtl_error("newmtl a\nKd 1 x 0\n", "m.mtl:2: Kd: expected three numbers, found \"x\"");
+    expect_mtl_error("newmtl a\nKd 1 0\n", "m.mtl:2: Kd: expected three numbers, found the end of the line");
+    expect_mtl_error("newmtl a\nKs -1 0 0\n", "m.mtl:2: Ks: expected a number in [0, 1e+09], found \"-1\"");
+    expect_mtl_error("newmtl a\n\nNs nan\n", "m.mtl:3: Ns: expected a number in");
+    expect_mtl_error("newmtl a\nd 1.5\n", "m.mtl:2: d: expected a number in [0, 1], found \"1.5\"");
+    expect_mtl_error("newmtl a\nillum 11\n", "m.mtl:2: illum: expected a number in [0, 10]");
+    expect_mtl_error("newmtl a\nillum 2.5\n", "m.mtl:2: illum: expected a whole number");
+    expect_mtl_error("newmtl a\nNi\n", "m.mtl:2: Ni: expected a number, found the end of the line");
+}
+
+/* A file that holds a bit of everything, cut after each byte: read or refused, and never more (the sanitizers
+ * watch). */
+static void cut_anywhere(void **state) {
+    (void)state;
+    const char mtl[] = "newmtl a\nKd 0.5 0.5 \\\n0.5\nillum 7\nNi 1.5\nmap_Kd x.png\nd -halo 0.5\n";
+    const char text[] =
+        "# x\nmtllib m.mtl\nv 0 0 0\nv 1e0 0 .5 \\\n 1\nv 1 1 0\r\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl a\ns 1\n"
+        "f 1/1/1 2/1/1 3/1/1\nf -4 -3 -2 -1\ns 2\nf 1 2 3 4\nl 1 2\nfoo\nf 1 4 2 3 1";
+    for (size_t size = 1; size < sizeof text; ++size) {
+        fathom_status status;
+        mesh_write("m.mtl", mtl, 1 + size % (sizeof mtl - 1));
+        fathom_scene *scene = mesh_try(read_obj, mesh_write("a.obj", text, size), plain, &status);
+        assert_true(status == FATHOM_OK || status == FATHOM_BAD_INPUT);
+        if (status == FATHOM_OK)
+            fathom_scene_destroy(scene);
+        else
+            assert_non_null(strstr(fathom_context_message(context), mesh_folder));
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(vertices),          cmocka_unit_test(faces),     cmocka_unit_test(first_fault),
+        cmocka_unit_test(nothing_to_render), cmocka_unit_test(materials), cmocka_unit_test(cut_anywhere),
+    };
+    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
+}
