@@ -22,19 +22,25 @@ typedef enum fathom_generator {
 
 typedef struct fathom_generate_options {
     fathom_generator kind;
-    uint64_t
-        triangles; /* asked for; what comes is the nearest count the kind allows, counted with instances */
+    /* Asked for, default 1e6; what comes is the nearest count the kind allows, counted with instances. Sphere
+     * and terrain store all of them: [1, 4e9]. Sponge and forest: [1, 1e11]. */
+    uint64_t triangles;
     uint64_t seed;
-    fathom_id material;
+    fathom_id material; /* 0 (default) or FATHOM_NONE: material 0; a forest gets materials of its own */
 } fathom_generate_options;
 
 FATHOM_API void fathom_generate_options_default(fathom_generate_options *options);
 /* Adds the generated geometry to a group, about 2 units across around the origin, y up. Same options, same
- * mesh, on any thread count. */
+ * mesh, on any thread count and machine.
+ * FATHOM_BAD_USAGE when an option is out of range; FATHOM_OUT_OF_RESOURCES, before anything is made, when a
+ * mesh would not fit the memory that is free. */
 FATHOM_API fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id group,
                                                const fathom_generate_options *options);
-/* Writes all triangles of the scene, instances placed (.glb keeps them as nodes), to .glb, .ply (binary) or
- * .obj. */
+/* Writes all triangles of the scene. The format follows the extension: .glb keeps instances as nodes, and
+ * materials as far as glTF has them; .ply (binary) and .obj (with an .mtl beside it) have instances placed.
+ * Positions become float there. Other shapes are left out with a warning. Files appear whole or not at all.
+ * FATHOM_BAD_USAGE: unknown extension, no triangles, or more than the format can count (4 GiB of .glb, 2^32
+ * vertices); FATHOM_OUT_OF_RESOURCES: cannot be written. */
 FATHOM_API fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *path);
 
 #ifdef __cplusplus

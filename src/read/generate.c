@@ -5,24 +5,32 @@
 
 #include <inttypes.h>
 #include <stdio.h>
-#include <unistd.h>
+#include <string.h>
 
 void fathom_generate_options_default(fathom_generate_options *options) {
     *options = (fathom_generate_options){.kind = FATHOM_GENERATE_SPHERE, .triangles = 1000000};
 }
 
-/* The bytes that can be had without swapping; SIZE_MAX when the system does not say. Linux hands out more
- * than there is and kills who uses it, so that malloc() alone does not tell. */
-static size_t free_memory(void) {
-    size_t bytes = SIZE_MAX;
-    FILE *file = fopen("/proc/meminfo", "re");
+/* The number behind `key` in a file of the system, SIZE_MAX when there is none. */
+static size_t system_number(const char *path, const char *key, size_t unit) {
+    FILE *file = fopen(path, "re");
     char line[256];
-    unsigned long long kilobytes;
-    while (file && fgets(line, sizeof line, file)) {
-        if (sscanf(line, "MemAvailable: %llu kB", &kilobytes) == 1) bytes = (size_t)kilobytes * 1024;
+    size_t number = SIZE_MAX, length = strlen(key);
+    while (file && number == SIZE_MAX && fgets(line, sizeof line, file)) {
+        unsigned long long value;
+        if (strncmp(line, key, length) == 0 && sscanf(line + length, "%llu", &value) == 1)
+            number = (size_t)value * unit;
     }
     if (file) fclose(file);
-    return bytes;
+    return number;
+}
+
+/* Linux hands out more memory than there is and kills who uses it, so that malloc() alone does not tell. A
+ * container has a limit of its own. */
+static size_t free_memory(void) {
+    size_t machine = system_number("/proc/meminfo", "MemAvailable:", 1024);
+    size_t container = system_number("/sys/fs/cgroup/memory.max", "", 1);
+    return machine < container ? machine : container;
 }
 
 fathom_status generate_allocate(fathom_scene *scene, uint32_t vertices, uint32_t triangles, unsigned arrays,

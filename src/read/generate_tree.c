@@ -34,7 +34,7 @@ void tree_leaf(tree_part *part, vec3_f64 a, vec3_f64 b, vec3_f64 c) {
     tree_triangle(part, first, first + 1, first + 2);
 }
 
-/* Taylor's series within an eighth of a turn, off by less than 2^-45. */
+/* Taylor's series within an eighth of a turn, off by less than 2^-41. */
 vec3_f64 tree_turn(double turns) {
     turns -= (double)(uint64_t)turns;
     int quarter = (int)(turns * 4 + 0.5);

@@ -172,6 +172,8 @@ static fathom_status put_all(obj *o, const char *path, const char *library) {
     write_bytes(&o->stream, beside, strlen(beside));
     write_bytes(&o->stream, "\n", 1);
     status = write_each_placement(o->scene, o->graph, put_placement, o);
+    /* The library is there before the file that names it is. */
+    if (status == FATHOM_OK) status = write_mtl(o->scene, library, o->names);
     return write_stream_close(&o->stream, status);
 }
 
@@ -180,7 +182,6 @@ fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, con
     char *library = library_path(path);
     fathom_status status = library ? check_count(&o, path) : fail_memory(scene->context, strlen(path));
     if (status == FATHOM_OK) status = write_names(scene, &o.names);
-    if (status == FATHOM_OK) status = write_mtl(scene, library, o.names);
     if (status == FATHOM_OK) status = put_all(&o, path, library);
     write_names_free(scene, o.names);
     free(library);

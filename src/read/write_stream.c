@@ -4,9 +4,12 @@
 #include <stdlib.h>
 
 #define PIECE_BYTES ((size_t)1 << 18)
+#define MOST_PIECES 256u
 
 fathom_status write_stream_open(fathom_context *context, const char *path, write_stream *out) {
-    *out = (write_stream){.context = context, .pieces = 4 * fathom_context_threads(context)};
+    unsigned threads = fathom_context_threads(context);
+    *out = (write_stream){.context = context};
+    out->pieces = threads < MOST_PIECES / 4 ? 4 * threads : MOST_PIECES;
     out->buffer = malloc(out->pieces * PIECE_BYTES);
     out->sizes = malloc(out->pieces * sizeof *out->sizes);
     fathom_status status = FATHOM_OK;

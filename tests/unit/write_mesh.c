@@ -550,7 +550,7 @@ static void what_cannot_be_written_is_said(void **state) {
     assert_non_null(strstr(last_warning, "spheres"));
     remove_file("a.ply");
     assert_fails(context, fathom_scene_write_mesh(scene, in_folder("none/a.obj")), FATHOM_OUT_OF_RESOURCES,
-                 "none/a.mtl");
+                 "none/a.obj");
     fathom_scene_destroy(scene);
 }
 
