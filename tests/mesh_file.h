@@ -35,6 +35,8 @@ static const char *mesh_write(const char *name, const void *bytes, size_t size) 
         snprintf(mesh_files[i], sizeof mesh_files[i], "%s", name);
         break;
     }
+    /* A new file rather than a truncated one: some file systems wait for the disk after a truncation. */
+    unlink(path);
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(bytes, 1, size, file), size);

@@ -1,0 +1,351 @@
+/* PLY files: every flavour of the same thing gives the same mesh. What is wrong with them is in
+ * read_ply_errors.c. */
+#include "ply_file.h"
+
+#include "random.h"
+
+/* All formats, at all alignments. */
+static void triangles_and_quads(void **state) {
+    (void)state;
+    for (int i = 0; i < 4 * FLAVOURS; ++i) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)(i / 4), XYZ FACES(2), (size_t)i);
+        ply_square(&m);
+        ROW(&m, "biii biii", 3, 0, 1, 2, 3, 0, 2, 3);
+        fathom_scene *scene = ply_read(&m);
+        ply_expect_square(scene);
+        fathom_scene_destroy(scene);
+        ply_header(&m, (ply_flavour)(i / 4), XYZ FACES(1), (size_t)i);
+        ply_square(&m);
+        ROW(&m, "biiii", 4, 0, 1, 2, 3);
+        scene = ply_read(&m);
+        ply_expect_square(scene);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* The scene keeps a file whose vertices it can use as they are: aligned, little endian, floats side by side.
+ */
+static void in_place(void **state) {
+    (void)state;
+    for (size_t shift = 0; shift < 2; ++shift) {
+        ply_maker m;
+        ply_header(
+            &m, LITTLE,
+            "element vertex 4\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float x\n"
+            "property float y\nproperty float z\nproperty uchar a\nproperty ushort b\nproperty uchar "
+            "c\n" FACES(1),
+            shift);
+        for (int i = 0; i < 4; ++i) ROW(&m, "ffffffbsb", 0, 0, i + 1, i % 2, i / 2, 0, 1, 2, 3);
+        ROW(&m, "biiii", 4, 0, 1, 3, 2);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        assert_int_equal(mesh->position_stride, shift ? 12 : 28);
+        assert_int_equal(mesh->normal_stride, shift ? 12 : 28);
+        for (uint32_t i = 0; i < 4; ++i) {
+            mesh_expect_point(mesh, i, i % 2, i / 2, 0);
+            assert_true(((const float *)(const void *)((const char *)mesh->normals +
+                                                       i * mesh->normal_stride))[2] == (float)i + 1);
+        }
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Every type and both of its names, for coordinates and for indices. */
+static void all_types(void **state) {
+    (void)state;
+    static const struct {
+        const char *names[2];
+        char code;
+    } types[] = {{{"char", "int8"}, 'b'},     {{"uchar", "uint8"}, 'b'},   {{"short", "int16"}, 's'},
+                 {{"ushort", "uint16"}, 's'}, {{"int", "int32"}, 'i'},     {{"uint", "uint32"}, 'i'},
+                 {{"float", "float32"}, 'f'}, {{"double", "float64"}, 'd'}};
+    for (int i = 0; i < 8 * 2 * FLAVOURS; ++i) {
+        ply_maker m;
+        char lines[512], codes[32];
+        const char *name = types[i % 8].names[i / 8 % 2], code = types[i % 8].code;
+        snprintf(lines, sizeof lines,
+                 "element vertex 4\nproperty %s x\nproperty %s y\nproperty %s z\n"
+                 "element face 2\nproperty list %s %s vertex_index\n",
+                 name, name, name, name, name);
+        ply_header(&m, (ply_flavour)(i / 16), lines, 0);
+        memset(codes, code, sizeof codes);
+        codes[3] = codes[7] = codes[11] = ' ', codes[15] = '\0';
+        ply_row(&m, codes, (const double[]){0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+        codes[3] = code, codes[4] = ' ', codes[7] = code, codes[9] = '\0';
+        ply_row(&m, codes, (const double[]){3, 0, 1, 2, 3, 0, 2, 3});
+        fathom_scene *scene = ply_read(&m);
+        ply_expect_square(scene);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Signs are kept: characters and shorts below zero, indices above 127 and 32767. */
+static void signs(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "element vertex 201\nproperty char x\nproperty short y\nproperty int z\n"
+                   "element face 1\nproperty list uchar uchar vertex_indices\n",
+                   0);
+        for (int i = 0; i < 201; ++i) ROW(&m, "bsi", -i / 2, -i * 100, -i * 100000);
+        ROW(&m, "bbbb", 3, 0, 128, 200);
+        fathom_scene *scene = ply_read(&m);
+        const uint32_t expected[3] = {0, 128, 200};
+        mesh_expect_indices(mesh_at(scene, 0)->indices, expected, 3);
+        mesh_expect_point(mesh_at(scene, 0), 200, -100, -20000, -20000000);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Properties in any order, lists among the vertex's, faces before vertices, elements between and behind. */
+static void any_order(void **state) {
+    (void)state;
+    const char *lines =
+        "comment made by hand\nobj_info x\nelement camera 1\nproperty list uchar float view\nproperty int "
+        "id\n"
+        "element face 3\nproperty uchar red\nproperty list uint float weights\n"
+        "property list short ushort vertex_indices\nproperty double area\n"
+        "element edge 2\nproperty int vertex1\nproperty int vertex2\n"
+        "element vertex 5\nproperty float z\nproperty uchar red\nproperty list uchar short neighbours\n"
+        "property float y\nproperty float t\nproperty double x\nproperty float s\n"
+        "element rest 1\nproperty float a\n";
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour, lines, 0);
+        ROW(&m, "bffi", 2, 0.5, 0.25, 7);
+        ROW(&m, "bisssssd", 1, 0, 4, 0, 1, 2, 3, 1.5);
+        ROW(&m, "bifssssd", 1, 1, 0.5, 3, 0, 1, 4, 2.5);
+        ROW(&m, "biffssssd", 1, 2, 0.5, 0.5, 3, 4, 1, 2, 2.5);
+        ROW(&m, "ii ii", 0, 1, 1, 2);
+        for (int i = 0; i < 5; ++i) {
+            ply_row(&m, i % 2 ? "fbbffdf" : "fbbsffdf",
+                    i % 2 ? (const double[]){0.5 * i, 9, 0, i / 2, i * 10, i % 2, i}
+                          : (const double[]){0.5 * i, 9, 1, 77, i / 2, i * 10, i % 2, i});
+        }
+        ROW(&m, "f", 1);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        assert_int_equal(mesh->triangle_count, 4);
+        for (uint32_t i = 0; i < 5; ++i) {
+            mesh_expect_point(mesh, i, i % 2, i / 2, 0.5 * i);
+            assert_true(mesh->uvs[2 * i] == (float)i && mesh->uvs[2 * i + 1] == 10 * (float)i);
+        }
+        const uint32_t expected[6] = {0, 1, 4, 4, 1, 2};
+        mesh_expect_indices(mesh->indices + 6, expected, 6);
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void names_of_uvs(void **state) {
+    (void)state;
+    const char *names[3][2] = {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}};
+    for (int i = 0; i < 3; ++i) {
+        char lines[256];
+        ply_maker m;
+        snprintf(lines, sizeof lines,
+                 "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                 "property float %s\nproperty float %s\n" FACES(1),
+                 names[i][0], names[i][1]);
+        ply_header(&m, ASCII, lines, 0);
+        ROW(&m, "fffff fffff fffff biii", 0, 0, 0, 0, 1, 1, 0, 0, 2, 3, 0, 1, 0, 4, 5, 3, 0, 1, 2);
+        fathom_scene *scene = ply_read(&m);
+        for (int k = 0; k < 6; ++k) assert_true(mesh_at(scene, 0)->uvs[k] == (float)k);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Concave polygons of different sizes in one file, faces too small to be any. */
+static void polygons(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n" FACES(4), 0);
+        ROW(&m, "fff fff fff fff fff fff", 0, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0, 1, 2, 0, 0, 2, 0);
+        ROW(&m, "biiiiii bii biii biiii", 6, 1, 2, 3, 4, 5, 0, 2, 0, 1, 3, 0, 1, 2, 4, 2, 4, 3, 1);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        double area = 0;
+        for (uint32_t t = 0; t < 4; ++t) {
+            const uint32_t *c = mesh->indices + 3 * t;
+            vec3_f64 a = mesh_point(mesh, c[0]);
+            vec3_f64 n = cross_f64(sub_f64(mesh_point(mesh, c[1]), a), sub_f64(mesh_point(mesh, c[2]), a));
+            assert_true(n.z > 0);
+            area += 0.5 * n.z;
+        }
+        assert_true(area == 3);
+        assert_int_equal(mesh->triangle_count, 7);
+        assert_non_null(strstr(mesh_warnings, "faces of less than 3 corners are left out (1 such)"));
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* A strip zigzags: every other triangle is turned round. -1 starts again. */
+static void strips(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+                   "element tristrips 1\nproperty list int int vertex_indices\n",
+                   0);
+        ROW(&m, "fff fff fff fff fff", 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0);
+        ROW(&m, "iiiiiiiiii", 9, 0, 1, 2, 3, 4, -1, 1, 3, 2);
+        const uint32_t expected[12] = {0, 1, 2, 2, 1, 3, 2, 3, 4, 1, 3, 2};
+        fathom_scene *scene = ply_read(&m);
+        assert_int_equal(mesh_at(scene, 0)->triangle_count, 4);
+        mesh_expect_indices(mesh_at(scene, 0)->indices, expected, 12);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Doubles far out keep what a float of their extent can hold; floats are moved without losing a bit. */
+static void far_from_origin(void **state) {
+    (void)state;
+    for (int i = 0; i < 2 * FLAVOURS; ++i) {
+        bool wide = i % 2;
+        ply_maker m;
+        ply_header(
+            &m, (ply_flavour)(i / 2),
+            wide ? "element vertex 3\nproperty double x\nproperty double y\nproperty double z\n" FACES(1)
+                 : "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n" FACES(1),
+            0);
+        const double x = wide ? 6378137.123456789 : 8388607;
+        ply_row(&m, wide ? "ddd ddd ddd biii" : "fff fff fff biii",
+                (const double[]){x, -x, 0, x - 3, -x, 0, x, 1 - x, 0, 3, 0, 1, 2});
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        assert_true(mesh->origin[0] != 0);
+        vec3_f64 p = mesh_point(mesh, 1), q = mesh_point(mesh, 2);
+        /* 1.5 × 2^-24 of half the extent of 3, and double's own. */
+        double tolerance = wide ? 1.5 * 1.5 * 0x1p-24 + 0x1p-30 : 0;
+        assert_near(p.x, x - 3, tolerance);
+        assert_near(p.y, -x, tolerance);
+        assert_near(q.y, 1 - x, tolerance);
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void options(void **state) {
+    (void)state;
+    ply_maker m;
+    fathom_status status;
+    ply_header(&m, LITTLE, XYZ "property float nx\nproperty float ny\nproperty float nz\n" FACES(1), 0);
+    for (int i = 0; i < 4; ++i) ROW(&m, "ffffff", i % 2, i / 2, 0, 1, 0, 0);
+    ROW(&m, "biiii", 4, 0, 1, 3, 2);
+    const char *path = mesh_write("a.ply", m.bytes, m.size);
+    fathom_scene *scene =
+        mesh_try(read_ply, path, (read_mesh_options){.material = 0, .flat = true, .flags = 1}, &status);
+    assert_ok(context, status);
+    assert_null(mesh_at(scene, 0)->normals);
+    assert_int_equal(mesh_at(scene, 0)->flags, 1);
+    fathom_scene_destroy(scene);
+    /* The file's normals are kept. */
+    scene = mesh_try(read_ply, path, (read_mesh_options){.material = 0, .smooth = true}, &status);
+    assert_ok(context, status);
+    assert_true(mesh_at(scene, 0)->normals[0] == 1);
+    fathom_scene_destroy(scene);
+    ply_header(&m, BIG, XYZ FACES(1), 0);
+    ply_square(&m);
+    ROW(&m, "biiii", 4, 0, 1, 2, 3);
+    scene = mesh_try(read_ply, mesh_write("a.ply", m.bytes, m.size),
+                     (read_mesh_options){.material = FATHOM_NONE, .smooth = true}, &status);
+    assert_ok(context, status);
+    assert_true(mesh_at(scene, 0)->normals[11] == 1);
+    fathom_scene_destroy(scene);
+}
+
+/* Blank lines, tabs and \r\n are no rows; rows beyond those promised are warned about. */
+static void loose_text(void **state) {
+    (void)state;
+    const char *text = "ply\r\nformat ascii 1.0\r\n" XYZ FACES(
+        2) "end_header\r\n"
+           "\r\n0 0 0\r\n\t1 0\t0 \r\n\n1 1 0\n0 1 0\n\n3 0 1 2\n3 0 2 3\n\n5 5\n";
+    fathom_status status;
+    fathom_scene *scene = mesh_try(read_ply, mesh_write("a.ply", text, strlen(text)), plain, &status);
+    assert_ok(context, status);
+    ply_expect_square(scene);
+    assert_non_null(strstr(mesh_warnings, "1 rows after the 6 that the header promises"));
+    fathom_scene_destroy(scene);
+}
+
+/* Many blocks and pieces; rows all alike (7 corners) or of 3 to 7. */
+static size_t big_file(char **out, ply_flavour flavour, bool alike) {
+    enum { vertices = 70000, faces = 50000 };
+    static ply_maker m;
+    char *text = malloc(8 << 20), lines[256];
+    size_t size = 0;
+    random_state random = {8};
+    snprintf(lines, sizeof lines,
+             "element vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face %d\nproperty list uchar int vertex_indices\n",
+             vertices, faces);
+    ply_header(&m, flavour, lines, 0);
+    for (int i = 0; i < vertices + faces; ++i) {
+        double values[8];
+        int n = alike ? 7 : 3 + (int)(random_bits(&random) % 5);
+        for (int k = 0; k < 8; ++k)
+            values[k] = i < vertices ? (double)(float)random_unit(&random) : i % 60000 + k * k;
+        values[0] = i < vertices ? values[0] : n;
+        const char *types = "biiiiiii";
+        char row[9];
+        snprintf(row, sizeof row, "%.*s", n + 1, types);
+        ply_row(&m, i < vertices ? "fff" : row, values);
+        memcpy(text + size, m.bytes, m.size);
+        size += m.size;
+        m.size = 0;
+    }
+    *out = text;
+    return size;
+}
+
+/* All flavours of a file, on any number of threads, are one mesh. */
+static void expect_one_mesh(bool alike) {
+    fathom_scene *first = NULL;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        char *bytes;
+        size_t size = big_file(&bytes, (ply_flavour)flavour, alike);
+        const char *path = mesh_write("big.ply", bytes, size);
+        free(bytes);
+        for (unsigned threads = 1; threads <= 7; threads += 3) {
+            fathom_status status;
+            fathom_context_set_threads(context, threads);
+            fathom_scene *scene = mesh_try(read_ply, path, plain, &status);
+            assert_ok(context, status);
+            if (first) mesh_expect_equal(mesh_at(first, 0), mesh_at(scene, 0));
+            if (first)
+                fathom_scene_destroy(scene);
+            else
+                first = scene;
+        }
+    }
+    if (alike) assert_int_equal(mesh_at(first, 0)->triangle_count, 5 * 50000);
+    fathom_scene_destroy(first);
+    fathom_context_set_threads(context, 0);
+}
+
+static void any_threads(void **state) {
+    (void)state;
+    expect_one_mesh(true);
+    expect_one_mesh(false);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(triangles_and_quads),
+        cmocka_unit_test(in_place),
+        cmocka_unit_test(all_types),
+        cmocka_unit_test(signs),
+        cmocka_unit_test(any_order),
+        cmocka_unit_test(names_of_uvs),
+        cmocka_unit_test(polygons),
+        cmocka_unit_test(strips),
+        cmocka_unit_test(far_from_origin),
+        cmocka_unit_test(options),
+        cmocka_unit_test(loose_text),
+        cmocka_unit_test(any_threads),
+    };
+    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
+}

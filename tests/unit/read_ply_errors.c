@@ -1,0 +1,241 @@
+/* PLY files that are wrong: one message each, with the line of text or the byte, and nothing left behind. */
+#include "ply_file.h"
+
+#include "random.h"
+
+static void expect_error(const ply_maker *m, const char *message) {
+    fathom_status status;
+    if (ply_try(m, &status)) fail_msg("read, expected \"%s\"", message);
+    assert_int_equal(status, FATHOM_BAD_INPUT);
+    if (!strstr(fathom_context_message(context), message)) {
+        fail_msg("message \"%s\" does not hold \"%s\"", fathom_context_message(context), message);
+    }
+}
+
+static void expect_text_error(const char *text, const char *message) {
+    ply_maker m = {.flavour = ASCII};
+    ply_text(&m, text);
+    expect_error(&m, message);
+}
+
+#define START "ply\nformat ascii 1.0\n"
+
+static void headers(void **state) {
+    (void)state;
+    expect_text_error("plx\n", "a.ply:1: expected \"ply\" as the first line of a PLY file, found \"plx\"");
+    expect_text_error("ply", "a.ply:1: the file ends inside the header");
+    expect_text_error(START, "a.ply:3: the file ends inside the header; expected end_header");
+    expect_text_error("ply\nformat binary 1.0\n", "a.ply:2: format: expected ascii, binary_little_endian or");
+    expect_text_error("ply\nformat ascii 2.0\n", "format: expected version 1.0, found \"2.0\"");
+    expect_text_error("ply\nend_header\n", "a.ply:2: end_header: expected a format statement before it");
+    expect_text_error(START "property float x\n", "a.ply:3: property: expected an element before it");
+    expect_text_error(START "element vertex\n",
+                      "a.ply:3: element vertex: expected a count, found the end of the line");
+    expect_text_error(START "element vertex -1\n", "expected a count, found \"-1\"");
+    expect_text_error(START "element\n", "element: expected a name and a count");
+    expect_text_error(START "element vertex 1\nproperty half x\n",
+                      "a.ply:4: property: the type \"half\" is not known");
+    expect_text_error(START "element vertex 1\nproperty list uchar\n",
+                      "the type the end of the line is not known");
+    expect_text_error(START "element vertex 1\nproperty float\n", "a.ply:4: property: expected a name");
+    expect_text_error(START "elephant\n",
+                      "a.ply:3: expected format, comment, element, property or end_header");
+    expect_text_error(START "end_header\n", "element vertex: the header has none");
+    expect_text_error(START "element vertex 1\nproperty float x\nproperty float y\nend_header\n",
+                      "a.ply:3: element vertex: it has no number z; expected x, y and z");
+    expect_text_error(
+        START
+        "element vertex 1\nproperty float x\nproperty float y\nproperty list uchar float z\nend_header\n",
+        "it has no number z");
+    expect_text_error(START XYZ FACES(1) "element x 3\nend_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 2\n",
+                      "a.ply:9: element x: it has no properties");
+}
+
+static void no_surface(void **state) {
+    (void)state;
+    expect_text_error(START XYZ "end_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n",
+                      "no faces: a cloud of 4 points has no surface");
+    expect_text_error(START XYZ FACES(0) "end_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n",
+                      "no faces: a cloud of 4 points");
+    expect_text_error(
+        START XYZ
+        "element face 1\nproperty list uchar int corners\nend_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n1 0\n",
+        "a.ply:7: element face: it has no list vertex_indices or vertex_index");
+    expect_text_error(START XYZ FACES(1) "end_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n2 0 1\n",
+                      "no faces: expected at least one with 3 corners");
+}
+
+/* Counts that the file has no room for are refused before anything is allocated for them. */
+static void lying_counts(void **state) {
+    (void)state;
+    expect_text_error(
+        START "element vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\n" FACES(
+            1) "end_header\n0 0 0\n",
+        "a.ply:3: element vertex: 4000000000 rows of at least 6 bytes do not fit into the 7 bytes");
+    expect_text_error(
+        START
+        "element vertex 99999999999999999999\nproperty float x\nproperty float y\nproperty float z\n" FACES(
+            1) "end_header\n0 0 0\n",
+        "a.ply:3: element vertex:");
+    ply_maker m;
+    for (int flavour = LITTLE; flavour <= BIG; ++flavour) {
+        ply_header(&m, (ply_flavour)flavour, XYZ FACES(1000000000), 0);
+        ply_square(&m);
+        expect_error(
+            &m, "a.ply:7: element face: 1000000000 rows of at least 1 bytes do not fit into the 0 bytes");
+        /* Lists that say they are longer than the file. */
+        ply_header(&m, (ply_flavour)flavour, XYZ "element face 1\nproperty list uint int vertex_indices\n",
+                   0);
+        ply_square(&m);
+        ROW(&m, "iiii", 4000000000.0, 0, 1, 2);
+        expect_error(
+            &m, "vertex_indices: a list of 4000000000 numbers does not fit into the 12 bytes that follow");
+        ply_header(&m, (ply_flavour)flavour, XYZ "element face 1\nproperty list int int vertex_indices\n", 0);
+        ply_square(&m);
+        ROW(&m, "iiii", -3, 0, 1, 2);
+        expect_error(&m, "vertex_indices: a list of length -3");
+        ply_header(&m, (ply_flavour)flavour, XYZ "element face 1\nproperty list float int vertex_indices\n",
+                   0);
+        ply_square(&m);
+        ROW(&m, "fiii", 2.5, 0, 1, 2);
+        expect_error(&m, "vertex_indices: a list of length 2.5");
+    }
+}
+
+static void wrong_text(void **state) {
+    (void)state;
+#define TEXT(rows) START XYZ FACES(1) "end_header\n" rows
+    expect_text_error(TEXT("0 0 0\n0 x 0\n0 0 0\n0 0 0\n3 0 1 2\n"),
+                      "a.ply:11: y: expected a number, found \"x\"");
+    expect_text_error(TEXT("0 0 0\n0 0\n0 0 0\n0 0 0\n3 0 1 2\n"),
+                      "a.ply:11: z: expected a number, found the end of the line");
+    expect_text_error(TEXT("0 0 0\n0 0 0 7\n0 0 0\n0 0 0\n3 0 1 2\n"),
+                      "a.ply:11: vertex: expected the end of the row, found \"7\"");
+    expect_text_error(TEXT("0 0 0\n0 0 0\n0 nan 0\n0 0 0\n3 0 1 2\n"),
+                      "a.ply:12: vertex 2: y is nan; expected a finite number");
+    expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 1e40\n0 0 0\n3 0 1 2\n"),
+                      "a.ply:12: vertex 2: z is 1e+40; expected a finite number");
+    expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 4\n"),
+                      "a.ply:14: face: vertex index 4 is out of range; there are 4 vertices");
+    expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 -1\n"),
+                      "a.ply:14: face: vertex index -1 is out of range");
+    expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 1.5\n"),
+                      "a.ply:14: vertex_indices: expected a whole number, found \"1.5\"");
+    expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 0\n0 0 0\n4 0 1 2\n"),
+                      "a.ply:14: vertex_indices: expected a whole number, found the end");
+    expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 0\n0 0 0\n-1\n"),
+                      "a.ply:14: vertex_indices: a list of -1 numbers");
+    expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 0\n\n  \n3 0 1 2\n"),
+                      "a.ply:16: the file ends after 4 rows; its header promises 5");
+}
+
+static void wrong_bytes(void **state) {
+    (void)state;
+    for (int flavour = LITTLE; flavour <= BIG; ++flavour) {
+        for (size_t shift = 0; shift < 2; ++shift) {
+            ply_maker m;
+            char expected[96];
+            ply_header(&m, (ply_flavour)flavour, XYZ FACES(2), shift);
+            size_t body = m.size;
+            ROW(&m, "fff fff fff fff", 0, 0, 0, 1, 0, 0, 1, (double)NAN, 0, 0, 1, (double)INFINITY);
+            ROW(&m, "biii biii", 3, 0, 1, 2, 3, 0, 2, 3);
+            snprintf(expected, sizeof expected, "at byte %zu: vertex 2: y is %s", body + 24, "nan");
+            expect_error(&m, expected);
+            ply_header(&m, (ply_flavour)flavour, XYZ FACES(2), shift);
+            ply_square(&m);
+            ROW(&m, "biii biii", 3, 0, 1, 2, 3, 0, -2, 3);
+            snprintf(expected, sizeof expected, "at byte %zu: face: vertex index -2 is out of range",
+                     body + 48 + 13 + 5);
+            expect_error(&m, expected);
+            ply_header(&m, (ply_flavour)flavour, XYZ FACES(2), shift);
+            ply_square(&m);
+            ROW(&m, "biii biiii", 3, 0, 1, 2, 4, 0, 2, 3, 4);
+            snprintf(expected, sizeof expected, "at byte %zu: face: vertex index 4 is out of range",
+                     body + 48 + 13);
+            expect_error(&m, expected);
+            ply_header(&m, (ply_flavour)flavour,
+                       XYZ "element face 1\nproperty list uchar double vertex_index\n", shift);
+            ply_square(&m);
+            ROW(&m, "bddd", 3, 0, 1, 1.5);
+            expect_error(&m, "face: the index 1.5 is not a whole number");
+        }
+    }
+}
+
+/* Of several faults the one that comes first in the file is told, whichever thread met it. */
+static void first_fault(void **state) {
+    (void)state;
+    enum { vertices = 300000 };
+    ply_maker m;
+    ply_header(&m, LITTLE,
+               "element vertex 300000\nproperty float x\nproperty float y\nproperty float z\n" FACES(1), 0);
+    size_t size = m.size + vertices * 12 + 13;
+    unsigned char *bytes = calloc(1, size);
+    memcpy(bytes, m.bytes, m.size);
+    const float nan = NAN;
+    for (size_t i = 90000; i < vertices; i += 90000) memcpy(bytes + m.size + 12 * i, &nan, 4);
+    const char *path = mesh_write("a.ply", bytes, size);
+    free(bytes);
+    for (unsigned threads = 1; threads < 8; threads += 3) {
+        fathom_status status;
+        fathom_context_set_threads(context, threads);
+        assert_null(mesh_try(read_ply, path, plain, &status));
+        assert_fails(context, status, FATHOM_BAD_INPUT, "vertex 90000: x is nan");
+    }
+    fathom_context_set_threads(context, 0);
+}
+
+/* Files that hold a bit of everything, in all formats. */
+static void make_any(ply_maker *m, int flavour, bool strips) {
+    ply_header(m, (ply_flavour)flavour,
+               strips ? "element vertex 4\nproperty double x\nproperty float y\nproperty short z\n"
+                        "element tristrips 1\nproperty list int int vertex_indices\n"
+                      : "element junk 2\nproperty list uchar short a\n" XYZ
+                        "property float nx\nproperty float ny\nproperty float nz\n" FACES(3),
+               0);
+    if (strips) {
+        ROW(m, "dfs dfs dfs dfs iiiiii", 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 0, 1, 2, 3, -1);
+        return;
+    }
+    ROW(m, "bss b", 2, 1, 2, 0);
+    for (int i = 0; i < 4; ++i) ROW(m, "ffffff", i % 2, i / 2, 0, 0, 0, 1);
+    ROW(m, "biii biiii bii", 3, 0, 1, 2, 4, 0, 1, 3, 2, 2, 0, 1);
+}
+
+static void read_or_refuse(const unsigned char *bytes, size_t size) {
+    fathom_status status;
+    fathom_scene *scene = mesh_try(read_ply, mesh_write("a.ply", bytes, size), plain, &status);
+    assert_true(status == FATHOM_OK || status == FATHOM_BAD_INPUT);
+    if (status == FATHOM_OK)
+        fathom_scene_destroy(scene);
+    else
+        assert_non_null(strstr(fathom_context_message(context), mesh_folder));
+}
+
+/* Cut after each byte, and with random bytes changed: read or refused, and never more (the sanitizers watch).
+ */
+static void damaged_anywhere(void **state) {
+    (void)state;
+    random_state random = {11};
+    for (int i = 0; i < 2 * FLAVOURS; ++i) {
+        ply_maker m;
+        make_any(&m, i / 2, i % 2);
+        read_or_refuse(m.bytes, m.size);
+        for (size_t size = 1; size < m.size; ++size) read_or_refuse(m.bytes, size);
+        for (int round = 0; round < 1000; ++round) {
+            ply_maker bad = m;
+            for (int k = 0; k < 3; ++k)
+                bad.bytes[random_bits(&random) % m.size] = (unsigned char)random_bits(&random);
+            read_or_refuse(bad.bytes, bad.size);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(headers),          cmocka_unit_test(no_surface),  cmocka_unit_test(lying_counts),
+        cmocka_unit_test(wrong_text),       cmocka_unit_test(wrong_bytes), cmocka_unit_test(first_fault),
+        cmocka_unit_test(damaged_anywhere),
+    };
+    return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
+}
