@@ -2,12 +2,6 @@
 #include "trace/planes.h"
 #include "trace/tracer.h"
 
-#if defined(__SSE2__)
-#include <xmmintrin.h>
-#define FLUSH_TO_ZERO 0x8000u
-#define DENORMALS_ARE_ZERO 0x0040u
-#endif
-
 fathom_status trace_create(fathom_context *context, const world *w, const trace_options *options,
                            trace_tracer **out) {
     *out = NULL;
@@ -35,15 +29,3 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 
 const char *trace_name(const trace_tracer *tracer) { return tracer->name; }
 uint64_t trace_bvh_bytes(const trace_tracer *tracer) { return tracer->bvh_bytes; }
-
-#if defined(__SSE2__)
-unsigned trace_thread_begin(void) {
-    unsigned state = _mm_getcsr();
-    _mm_setcsr(state | FLUSH_TO_ZERO | DENORMALS_ARE_ZERO);
-    return state;
-}
-void trace_thread_end(unsigned state) { _mm_setcsr(state); }
-#else
-unsigned trace_thread_begin(void) { return 0; }
-void trace_thread_end(unsigned state) { (void)state; }
-#endif

@@ -3,6 +3,7 @@
 #include "reference/reference.h"
 #include "reference/reference_f128.h"
 #include "reference/surface.h"
+#include "trace/trace.h"
 #include "unit.h"
 
 #include <float.h>
@@ -299,5 +300,9 @@ int main(void) {
         cmocka_unit_test(frame_is_orthonormal_everywhere),
         cmocka_unit_test(square_root_to_one_unit),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int failed = cmocka_run_group_tests_name("denormals as they are", tests, NULL, NULL);
+    unsigned state = trace_thread_begin();
+    failed += cmocka_run_group_tests_name("denormals flushed", tests, NULL, NULL);
+    trace_thread_end(state);
+    return failed;
 }

@@ -2,6 +2,7 @@
 #include "random.h"
 #include "reference/reference.h"
 #include "reference/reference_f128.h"
+#include "trace/trace.h"
 #include "unit.h"
 
 #include <float.h>
@@ -358,5 +359,9 @@ int main(void) {
         cmocka_unit_test(without_area_never_met),
         cmocka_unit_test(odd_input_is_a_miss),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int failed = cmocka_run_group_tests_name("denormals as they are", tests, NULL, NULL);
+    unsigned state = trace_thread_begin();
+    failed += cmocka_run_group_tests_name("denormals flushed", tests, NULL, NULL);
+    trace_thread_end(state);
+    return failed;
 }
