@@ -28,13 +28,22 @@ static struct {
     pid_t process;
 } loader = {.lock = PTHREAD_MUTEX_INITIALIZER, .thread_lock = PTHREAD_MUTEX_INITIALIZER};
 
-/* The absolute path of the file that holds this code; release with free(). The main program is known by its
- * empty name in the link map: the name it was called by may be anything. */
-static char *own_file(void) {
+/* The absolute path of the file that holds this code, or NULL. It is asked for once, and before the load
+ * begins: dladdr1() waits for a dlopen() that is under way. The main program is known by its empty name in
+ * the link map: the name it was called by may be anything. */
+static pthread_once_t own_file_once = PTHREAD_ONCE_INIT;
+static char *own_file_path;
+
+static void find_own_file(void) {
     Dl_info info;
     struct link_map *map = NULL;
-    if (!dladdr1((void *)(uintptr_t)&loader, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return NULL;
-    return realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", NULL);
+    if (!dladdr1((void *)(uintptr_t)&loader, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return;
+    own_file_path = realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", NULL);
+}
+
+static const char *own_file(void) {
+    pthread_once(&own_file_once, find_own_file);
+    return own_file_path;
 }
 
 /* The path of the module, to be released with free(); NULL with a reason when there is none. */
@@ -45,7 +54,8 @@ static char *find(char *reason, size_t room) {
         if (!path) snprintf(reason, room, "$FATHOM_IMAGE_MODULE: %s: %s", named, strerror(errno));
         return path;
     }
-    char *own = own_file(), *found = NULL;
+    const char *own = own_file();
+    char *found = NULL;
     for (size_t i = 0; own && !found && i < sizeof places / sizeof *places; ++i) {
         const char *slash = strrchr(own, '/');
         size_t size = (size_t)(slash - own) + 1 + strlen(places[i]) + sizeof MODULE_FILE;
@@ -63,7 +73,6 @@ static char *find(char *reason, size_t room) {
                  "$FATHOM_IMAGE_MODULE to its path",
                  MODULE_FILE, own ? own : "(unknown program)");
     }
-    free(own);
     return found;
 }
 
@@ -156,6 +165,7 @@ void image_prefetch(void) {
     pthread_mutex_lock(&loader.thread_lock);
     if (!loader.thread_was_started) {
         loader.process = getpid();
+        own_file();
         join_at_exit();
         /* Signals are for the threads that know of them. */
         sigset_t all, old;

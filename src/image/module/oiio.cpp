@@ -132,6 +132,7 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
         break;
     case IMAGE_TIFF:
         spec.attribute("compression", "zip");
+        spec.attribute("tiff:zipquality", 4);
         /* An EXIF directory, which could say sRGB too, ruins files that are not written by name
          * before 2.5.13. */
         spec.attribute("tiff:write_exif", 0);
@@ -140,7 +141,12 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
             spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, size), target.profile);
         }
         break;
-    case IMAGE_PNG: break;
+    case IMAGE_PNG:
+        /* On a rendered image a third of the default's time, for 4 % more bytes. 16: each value less its left
+         * neighbour. */
+        spec.attribute("png:compressionLevel", 4);
+        spec.attribute("png:filter", 16);
+        break;
     }
     spec.attribute("oiio:UnassociatedAlpha", 1);
     if (target.srgb && target.format != IMAGE_TIFF) spec.attribute("oiio:ColorSpace", "sRGB");
