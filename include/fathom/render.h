@@ -102,7 +102,8 @@ typedef struct fathom_write_options {
     const char *ocio;    /* OpenColorIO config file; NULL: $OCIO, else the built-in sRGB config */
     const char *display; /* NULL: the config's default */
     const char *view;    /* NULL: the display's default */
-    bool float_color;    /* EXR: R G B A albedo as 32-bit float rather than half, which ends at 65504; default false */
+    bool float_color;    /* EXR: R G B A albedo as 32-bit float rather than half, which ends at 65504; default
+                            false */
 } fathom_write_options;
 
 FATHOM_API void fathom_write_options_default(fathom_write_options *options);
