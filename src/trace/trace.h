@@ -1,7 +1,8 @@
 /* Closest and any hit over blocks of 16 rays: the one interface behind which every tracer stands.
  *
  * Coordinates are the world's (see world.h), not the scene's. No ray may hold a NaN or an infinity (but t_far
- * may be infinite), and no direction may be zero: Debian's Embree can abort on those. */
+ * may be infinite), and no direction may be zero: Debian's Embree can abort on those. 0 <= t_near. A hit has
+ * t in the open interval (t_near, t_far). */
 #ifndef TRACE_TRACE_H
 #define TRACE_TRACE_H
 
@@ -15,7 +16,7 @@ typedef struct trace_rays {
     float org_y[16], org_z[16], t_near[16];
     float dir_x[16], dir_y[16], dir_z[16], time[16];
     float t_far[16]; /* closest: becomes the hit's t; any: becomes -infinity where something is hit */
-    uint32_t mask[16], id[16], flags[16];
+    uint32_t mask[16], id[16], flags[16]; /* with time: the tracer's own; callers need not set them */
 } trace_rays;
 
 /* What was hit, laid out as Embree's RTCHit16 in either version. After trace_closest() the ids are the
@@ -36,10 +37,20 @@ typedef struct trace_block {
     trace_hits hits;
 } trace_block;
 
+/* How much time goes into the acceleration structure. No hit depends on it. */
+typedef enum trace_quality {
+    TRACE_QUALITY_AUTO, /* by expected_rays */
+    TRACE_QUALITY_LOW,
+    TRACE_QUALITY_MEDIUM,
+    TRACE_QUALITY_HIGH
+} trace_quality;
+
 typedef struct trace_options {
     fathom_tracer_kind kind;
-    unsigned width;   /* rays in one call of Embree: 1, 4, 8 or 16 */
-    unsigned threads; /* for building */
+    unsigned width;   /* rays in one call of Embree: 1, 4, 8 or 16; 0 counts as 1. No hit depends on it */
+    unsigned threads; /* for building; 0: the context's */
+    uint64_t expected_rays; /* of all kinds; 0: unknown, taken as many */
+    trace_quality quality;
     bool (*progress)(void *user,
                      double fraction); /* while building, from any thread; false stops it; may be NULL */
     void *user;

@@ -1,0 +1,69 @@
+/* What the files of the Embree tracer share. */
+#ifndef TRACE_EMBREE_H
+#define TRACE_EMBREE_H
+
+#include "trace/embree_api.h"
+#include "trace/tracer.h"
+
+#include <stdatomic.h>
+
+/* Ray and geometry masks: a ray meets what shares a bit with it. Camera and mirrored rays ask for the first,
+ * shadow rays for the second. */
+#define EMBREE_SEEN 1u
+#define EMBREE_SHADOWS 2u
+
+typedef struct embree_tracer {
+    trace_tracer base;
+    RTCDevice device;
+    RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
+    unsigned width;   /* rays in one call */
+    bool narrow_shadows;     /* coherent shadow rays go by eight: see embree_any() */
+    _Atomic int64_t bytes;   /* held by Embree */
+    _Atomic int error;       /* the first RTCError that the device reported */
+    char error_text[256];    /* its message; written once, by whoever set error */
+    fathom_context *context; /* while building */
+    const trace_options *options;
+    double work, work_done; /* primitives to build, and built */
+    double work_now;        /* of the scene being built */
+} embree_tracer;
+
+/* ---- embree_build.c ---- */
+
+/* Fills tracer->scenes. FATHOM_INTERRUPTED when progress said stop. */
+fathom_status embree_build(embree_tracer *tracer, enum RTCBuildQuality quality);
+
+/* ---- embree_shapes.c ---- */
+
+/* Spheres and quads as user geometry over the hand-written intersectors; NULL when Embree is out of memory.
+ */
+RTCGeometry embree_spheres(RTCDevice device, const world *w, const world_geometry *geometry);
+RTCGeometry embree_quads(RTCDevice device, const world *w, const world_geometry *geometry);
+
+/* ---- embree_settle.c: which of several candidates is the closest hit ---- */
+
+/* What a closest-hit call carries besides Embree's own context, by lane of the block (the ray's id). */
+typedef struct embree_call {
+    embree_context context;   /* first, so that a callback's context is the call */
+    float best[TRACE_WIDTH];  /* nearest t offered so far */
+    float far[TRACE_WIDTH];   /* t_far as it was asked */
+    int tied[TRACE_WIDTH];    /* another candidate lies within the window of the best */
+    struct embree_vote *vote; /* not NULL: the call settles one tied ray */
+} embree_call;
+
+/* Arms a call, or several in a row, for the lanes whose t_far these are. */
+void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far);
+
+/* The filter for triangles. */
+void embree_filter(const struct RTCFilterFunctionNArguments *args);
+
+/* A candidate of a user geometry at t, its hit in rows of n numbers: returns the ray's new t_far. */
+float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t);
+
+/* Decides a tied lane anew, with the t_far that it was asked for; ids are Embree's. */
+void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far);
+
+/* ---- embree_trace.c ---- */
+void embree_closest(const trace_tracer *tracer, trace_block *blocks, size_t count, trace_coherence coherence);
+void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
+
+#endif

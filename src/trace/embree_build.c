@@ -1,0 +1,254 @@
+/* From the world to Embree's scenes: one for each group, instances in the root. */
+#include "reference/reference.h"
+#include "trace/embree.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- errors and progress ---- */
+
+static fathom_status device_status(embree_tracer *tracer) {
+    int error = atomic_load(&tracer->error);
+    if (error == RTC_ERROR_NONE) error = (int)rtcGetDeviceError(tracer->device);
+    if (error == RTC_ERROR_NONE) return FATHOM_OK;
+    if (error == RTC_ERROR_CANCELLED) {
+        return fail(tracer->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
+    }
+    return fail(tracer->context, error == RTC_ERROR_OUT_OF_MEMORY ? FATHOM_OUT_OF_RESOURCES : FATHOM_INTERNAL,
+                "Embree, while building: error %d: %s", error, tracer->error_text);
+}
+
+static bool go_on(embree_tracer *tracer, double fraction_of_scene) {
+    if (!tracer->options->progress) return true;
+    double part = fraction_of_scene < 1 ? fraction_of_scene : 1;
+    double done = tracer->work_done + part * tracer->work_now;
+    return tracer->options->progress(tracer->options->user, tracer->work > 0 ? done / tracer->work : 1);
+}
+
+static bool on_progress(void *user, double fraction) { return go_on(user, fraction); }
+
+/* ---- geometries ---- */
+
+static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!geometry) return NULL;
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
+                               mesh->position_stride ? mesh->position_stride : 3 * sizeof(float),
+                               mesh->vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
+                               3 * sizeof(uint32_t), mesh->triangle_count);
+    return geometry;
+}
+
+/* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. */
+static void attach(RTCScene scene, RTCGeometry geometry, uint32_t id, unsigned mask) {
+    if (!geometry) return;
+    rtcSetGeometryMask(geometry, mask);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world_group *group) {
+    const world *w = tracer->base.world;
+    for (uint32_t i = 0; i < group->count; ++i) {
+        const world_geometry *geometry = &w->geometries.items[group->first + i];
+        if (!geometry->count) continue;
+        RTCGeometry made = NULL;
+        switch (geometry->kind) {
+        case WORLD_SPHERES: made = embree_spheres(tracer->device, w, geometry); break;
+        case WORLD_QUADS: made = embree_quads(tracer->device, w, geometry); break;
+        case WORLD_MESH: made = mesh_geometry(tracer->device, &w->meshes.items[geometry->first]); break;
+        }
+        bool shadows = !(geometry->flags & FATHOM_CASTS_NO_SHADOW);
+        attach(scene, made, i, shadows ? EMBREE_SEEN | EMBREE_SHADOWS : EMBREE_SEEN);
+    }
+}
+
+static void attach_instances(embree_tracer *tracer, RTCScene root) {
+    const world *w = tracer->base.world;
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        const world_instance *instance = &w->instances.items[k];
+        RTCScene scene = tracer->scenes[instance->group];
+        if (!scene) continue;
+        RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+        if (!geometry) return;
+        rtcSetGeometryInstancedScene(geometry, scene);
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->to_world);
+        attach(root, geometry, w->groups.items[0].count + (uint32_t)k, EMBREE_SEEN | EMBREE_SHADOWS);
+    }
+}
+
+/* ---- that what was built is there ----
+ * A configuration that Embree does not support builds nothing and says nothing, and every ray misses. So the
+ * bounds of each scene must hold a point of each geometry. Embree drops primitives whose coordinates are not
+ * below 1.844e18; a geometry that has no other is not missed. Half of that leaves room for sums. */
+
+#define EMBREE_LARGEST 1.844e18f
+
+static bool usable(vec3_f32 p) { return largest_f32(p) < EMBREE_LARGEST / 2; }
+
+static bool mesh_point(const fathom_mesh *mesh, vec3_f32 *out) {
+    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i += 3) {
+        bool whole = true;
+        for (size_t c = 0; c < 3 && whole; ++c) {
+            const char *p = (const char *)mesh->positions + mesh->indices[i + c] * stride;
+            *out = load_f32((const float *)(const void *)p);
+            whole = usable(*out);
+        }
+        if (whole) return true;
+    }
+    return false;
+}
+
+static bool geometry_point(const world *w, const world_geometry *geometry, vec3_f32 *out) {
+    if (!geometry->count) return false;
+    switch (geometry->kind) {
+    case WORLD_SPHERES: {
+        const world_sphere *s = &w->spheres.items[geometry->first];
+        *out = s->center;
+        return largest_f32(s->center) + s->radius < EMBREE_LARGEST / 2;
+    }
+    case WORLD_QUADS: {
+        const vec3_f32 *v = w->quads.items[geometry->first].corner;
+        *out = v[0];
+        return usable(v[0]) && usable(v[1]) && usable(v[2]) && usable(v[3]);
+    }
+    case WORLD_MESH: return mesh_point(&w->meshes.items[geometry->first], out);
+    }
+    return false;
+}
+
+static bool holds(const struct RTCBounds *b, vec3_f32 p, float slack) {
+    return p.x >= b->lower_x - slack && p.x <= b->upper_x + slack && p.y >= b->lower_y - slack &&
+           p.y <= b->upper_y + slack && p.z >= b->lower_z - slack && p.z <= b->upper_z + slack;
+}
+
+static fathom_status missing(embree_tracer *tracer, const char *what, uint32_t index, vec3_f32 p,
+                             const struct RTCBounds *b) {
+    return fail(tracer->context, FATHOM_INTERNAL,
+                "Embree built a scene without %s %u: its point (%g, %g, %g) lies outside "
+                "[%g, %g] x [%g, %g] x [%g, %g]",
+                what, index, (double)p.x, (double)p.y, (double)p.z, (double)b->lower_x, (double)b->upper_x,
+                (double)b->lower_y, (double)b->upper_y, (double)b->lower_z, (double)b->upper_z);
+}
+
+/* The middle of an instance, with a bound on what rounding does to it: 8 units of its products. */
+static bool instance_point(const embree_tracer *tracer, const world_instance *instance, vec3_f32 *out,
+                           float *slack) {
+    RTCScene scene = tracer->scenes[instance->group];
+    if (!scene) return false;
+    struct RTCBounds b;
+    rtcGetSceneBounds(scene, &b);
+    float x = (b.lower_x + b.upper_x) / 2, y = (b.lower_y + b.upper_y) / 2, z = (b.lower_z + b.upper_z) / 2;
+    float p[3], size = 0;
+    for (int i = 0; i < 3; ++i) {
+        const float *m = instance->to_world[i];
+        p[i] = m[0] * x + m[1] * y + m[2] * z + m[3];
+        size += fabsf(m[0] * x) + fabsf(m[1] * y) + fabsf(m[2] * z) + fabsf(m[3]);
+    }
+    *out = load_f32(p), *slack = 8 * 0x1p-24f * size;
+    return usable(*out);
+}
+
+static fathom_status check_bounds(embree_tracer *tracer, uint32_t index) {
+    const world *w = tracer->base.world;
+    const world_group *group = &w->groups.items[index];
+    struct RTCBounds bounds;
+    rtcGetSceneBounds(tracer->scenes[index], &bounds);
+    vec3_f32 p;
+    float slack;
+    for (uint32_t g = group->first; g < group->first + group->count; ++g) {
+        if (geometry_point(w, &w->geometries.items[g], &p) && !holds(&bounds, p, 0))
+            return missing(tracer, "geometry", g, p, &bounds);
+    }
+    for (uint32_t k = 0; index == 0 && k < w->instances.count; ++k) {
+        if (instance_point(tracer, &w->instances.items[k], &p, &slack) && !holds(&bounds, p, slack))
+            return missing(tracer, "instance", k, p, &bounds);
+    }
+    return FATHOM_OK;
+}
+
+/* ---- scenes ---- */
+
+/* The robust flag always: it costs packets next to nothing. Never together with the compact flag: with both,
+ * occlusion of coherent packets does not return on AVX-512. The filter flag costs nothing until a call
+ * brings a filter. */
+static RTCScene new_scene(embree_tracer *tracer, enum RTCBuildQuality quality) {
+    RTCScene scene = rtcNewScene(tracer->device);
+    if (!scene) return NULL;
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | EMBREE_SCENE_FLAG_FILTER);
+    rtcSetSceneBuildQuality(scene, quality);
+    if (tracer->options->progress) rtcSetSceneProgressMonitorFunction(scene, on_progress, tracer);
+    return scene;
+}
+
+static double group_work(const world *w, const world_group *group) {
+    double work = 0;
+    for (uint32_t i = 0; i < group->count; ++i) work += w->geometries.items[group->first + i].count;
+    return work;
+}
+
+static fathom_status build_scene(embree_tracer *tracer, uint32_t index, enum RTCBuildQuality quality) {
+    const world *w = tracer->base.world;
+    const world_group *group = &w->groups.items[index];
+    RTCScene scene = tracer->scenes[index] = new_scene(tracer, quality);
+    if (scene) {
+        attach_geometries(tracer, scene, group);
+        if (index == 0) attach_instances(tracer, scene);
+    }
+    fathom_status status = device_status(tracer);
+    if (status != FATHOM_OK) return status;
+    tracer->work_now = group_work(w, group) + (index == 0 ? (double)w->instances.count : 0);
+    rtcCommitScene(scene);
+    status = device_status(tracer);
+    if (status != FATHOM_OK) return status;
+    tracer->work_done += tracer->work_now;
+    tracer->work_now = 0;
+    return check_bounds(tracer, index);
+}
+
+/* Which groups are placed and have something that can be hit. */
+static void mark_placed(const world *w, bool *placed) {
+    for (size_t k = 0; k < w->instances.count; ++k) placed[w->instances.items[k].group] = true;
+    for (size_t g = 1; g < w->groups.count; ++g) {
+        bool something = false;
+        vec3_f32 point;
+        const world_group *group = &w->groups.items[g];
+        for (uint32_t i = 0; i < group->count && placed[g] && !something; ++i) {
+            something = geometry_point(w, &w->geometries.items[group->first + i], &point);
+        }
+        placed[g] = something;
+    }
+    placed[0] = true;
+}
+
+static fathom_status build_all(embree_tracer *tracer, const bool *placed, enum RTCBuildQuality quality) {
+    const world *w = tracer->base.world;
+    tracer->work = (double)w->instances.count;
+    for (size_t g = 0; g < w->groups.count; ++g) {
+        if (placed[g]) tracer->work += group_work(w, &w->groups.items[g]);
+    }
+    for (uint32_t g = (uint32_t)w->groups.count; g-- > 0;) {
+        if (!go_on(tracer, 0)) {
+            return fail(tracer->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
+        }
+        fathom_status status = placed[g] ? build_scene(tracer, g, quality) : FATHOM_OK;
+        if (status != FATHOM_OK) return status;
+    }
+    return FATHOM_OK;
+}
+
+fathom_status embree_build(embree_tracer *tracer, enum RTCBuildQuality quality) {
+    const world *w = tracer->base.world;
+    tracer->scenes = calloc(w->groups.count, sizeof *tracer->scenes);
+    bool *placed = calloc(w->groups.count, sizeof *placed);
+    fathom_status status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
+    if (tracer->scenes && placed) {
+        mark_placed(w, placed);
+        status = build_all(tracer, placed, quality);
+    }
+    free(placed);
+    return status;
+}

@@ -1,0 +1,153 @@
+/* Blocks of rays to Embree's calls and back: whole where the call takes 16, else in packets. */
+#include "trace/embree.h"
+
+#include <string.h>
+
+/* A copy of part of a block, for calls that take fewer than 16. */
+typedef struct packet {
+    _Alignas(64) uint32_t rows[(EMBREE_RAY_ROWS + EMBREE_HIT_ROWS + 1) * 8];
+} packet;
+
+static void packet_load(packet *p, unsigned width, const trace_rays *rays, unsigned first) {
+    const char *from = (const char *)rays + first * sizeof(float);
+    for (unsigned r = 0; r < EMBREE_RAY_ROWS; ++r) {
+        memcpy(&p->rows[r * width], from + r * TRACE_WIDTH * sizeof(float), width * sizeof(float));
+    }
+    uint32_t *hit = &p->rows[EMBREE_RAY_ROWS * width];
+    for (unsigned i = 0; i < width; ++i) hit[EMBREE_ROW_GEOMETRY * width + i] = RTC_INVALID_GEOMETRY_ID;
+    for (unsigned i = 0; i < width; ++i) hit[EMBREE_ROW_INSTANCE * width + i] = RTC_INVALID_GEOMETRY_ID;
+}
+
+static void packet_store_hits(const packet *p, unsigned width, unsigned used, trace_hits *hits,
+                              unsigned first) {
+    char *to = (char *)hits + first * sizeof(float);
+    for (unsigned r = 0; r <= EMBREE_ROW_INSTANCE; ++r) {
+        memcpy(to + r * TRACE_WIDTH * sizeof(float), &p->rows[(EMBREE_RAY_ROWS + r) * width],
+               used * sizeof(float));
+    }
+}
+
+/* Marks the lanes to trace. Embree can abort on numbers that are not finite, so such lanes never reach it: a
+ * sum of products with zero is zero exactly when all are finite. The far end of the interval is open, and
+ * Embree's is closed: t_far moves to the float below (infinity and what is not positive stays). */
+static void prepare(trace_rays *rays, unsigned lanes, uint32_t mask, int valid[TRACE_WIDTH]) {
+    for (unsigned i = lanes; i < TRACE_WIDTH; ++i) valid[i] = 0;
+    for (unsigned i = 0; i < lanes; ++i) {
+        float zero = rays->org_x[i] * 0 + rays->org_y[i] * 0 + rays->org_z[i] * 0 + rays->dir_x[i] * 0 +
+                     rays->dir_y[i] * 0 + rays->dir_z[i] * 0;
+        valid[i] = (zero == 0) & (rays->t_near[i] < rays->t_far[i]) ? -1 : 0;
+    }
+    for (unsigned i = 0; i < lanes; ++i) {
+        uint32_t bits;
+        memcpy(&bits, &rays->t_far[i], sizeof bits);
+        bits -= bits - 1 < 0x7f7fffffu;
+        memcpy(&rays->t_far[i], &bits, sizeof bits);
+    }
+    for (unsigned i = 0; i < lanes; ++i) {
+        rays->time[i] = 0, rays->mask[i] = mask, rays->id[i] = i, rays->flags[i] = 0;
+    }
+}
+
+/* ---- closest hit ---- */
+
+static void closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
+                            bool coherent, embree_call *call) {
+    unsigned width = tracer->width;
+    for (unsigned first = 0; first < lanes; first += width) {
+        if (width == 1 && !valid[first]) continue;
+        packet p;
+        packet_load(&p, width, &block->rays, first);
+        embree_intersect(width, &valid[first], tracer->scenes[0], &call->context, coherent, embree_filter,
+                         p.rows);
+        packet_store_hits(&p, width, lanes - first < width ? lanes - first : width, &block->hits, first);
+    }
+}
+
+/* Embree's ids to the world's. */
+static void translate(const world *w, trace_hits *hits, unsigned lane) {
+    uint32_t group = 0, roots = w->groups.items[0].count;
+    if (hits->instance[lane] != RTC_INVALID_GEOMETRY_ID) {
+        hits->instance[lane] -= roots;
+        group = w->instances.items[hits->instance[lane]].group;
+    }
+    hits->geometry[lane] += w->groups.items[group].first;
+}
+
+static void closest_block(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool coherent) {
+    _Alignas(64) int valid[TRACE_WIDTH];
+    float asked[TRACE_WIDTH];
+    memcpy(asked, block->rays.t_far, lanes * sizeof *asked);
+    prepare(&block->rays, lanes, EMBREE_SEEN, valid);
+    for (unsigned i = 0; i < lanes; ++i) block->hits.geometry[i] = RTC_INVALID_GEOMETRY_ID;
+    for (unsigned i = 0; i < lanes; ++i) block->hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
+    embree_call call;
+    embree_call_begin(&call, lanes, block->rays.t_far);
+    if (tracer->width == TRACE_WIDTH) {
+        embree_intersect(TRACE_WIDTH, valid, tracer->scenes[0], &call.context, coherent, embree_filter,
+                         block);
+    } else {
+        closest_packets(tracer, block, valid, lanes, coherent, &call);
+    }
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) {
+            block->rays.t_far[i] = asked[i];
+        } else {
+            block->rays.t_far[i] = call.best[i];
+            if (call.tied[i]) embree_settle(tracer, block, i, call.far[i]);
+            translate(tracer->base.world, &block->hits, i);
+        }
+    }
+}
+
+static unsigned lanes_of(size_t count, size_t block) {
+    size_t left = count - block * TRACE_WIDTH;
+    return left < TRACE_WIDTH ? (unsigned)left : TRACE_WIDTH;
+}
+
+void embree_closest(const trace_tracer *tracer, trace_block *blocks, size_t count,
+                    trace_coherence coherence) {
+    for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
+        closest_block((const embree_tracer *)tracer, &blocks[b], lanes_of(count, b),
+                      coherence == TRACE_COHERENT);
+    }
+}
+
+/* ---- any hit ---- */
+
+static void any_packets(const embree_tracer *tracer, trace_rays *rays, const int *valid, unsigned lanes,
+                        unsigned width, bool coherent, embree_context *context) {
+    for (unsigned first = 0; first < lanes; first += width) {
+        if (width == 1 && !valid[first]) continue;
+        packet p;
+        packet_load(&p, width, rays, first);
+        embree_occluded(width, &valid[first], tracer->scenes[0], context, coherent, p.rows);
+        memcpy(&rays->t_far[first], &p.rows[EMBREE_ROW_T_FAR * width], width * sizeof *rays->t_far);
+    }
+}
+
+static void any_block(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool coherent) {
+    _Alignas(64) int valid[TRACE_WIDTH];
+    float asked[TRACE_WIDTH];
+    memcpy(asked, rays->t_far, lanes * sizeof *asked);
+    prepare(rays, lanes, EMBREE_SHADOWS, valid);
+    embree_context context;
+    embree_context_init(&context);
+    unsigned width = tracer->width;
+    if (EMBREE_COHERENT_16_MAY_HANG && coherent && tracer->base.world->instances.count && width > 8)
+        width = 8;
+    if (width == TRACE_WIDTH) {
+        embree_occluded(TRACE_WIDTH, valid, tracer->scenes[0], &context, coherent, rays);
+    } else {
+        any_packets(tracer, width, rays, valid, lanes, width, coherent, &context);
+    }
+    for (unsigned i = 0; i < lanes; ++i) {
+        bool met = valid[i] && rays->t_far[i] < 0;
+        rays->t_far[i] = met ? -INFINITY : asked[i];
+    }
+}
+
+void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
+    for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
+        any_block((const embree_tracer *)tracer, &blocks[b], lanes_of(count, b), coherence == TRACE_COHERENT);
+    }
+}
