@@ -110,14 +110,6 @@ static void describe(embree_tracer *tracer) {
     tracer->base.bvh_bytes = (uint64_t)atomic_load(&tracer->bytes);
 }
 
-/* Whether the root holds meshes and nothing else. */
-static bool plain_triangles(const world *w) {
-    bool plain = w->instances.count == 0;
-    for (size_t g = 0; g < w->geometries.count; ++g)
-        plain = plain && w->geometries.items[g].kind == WORLD_MESH;
-    return plain;
-}
-
 fathom_status embree_create(fathom_context *context, const world *w, const trace_options *options,
                             trace_tracer **out) {
     static const trace_ops ops = {destroy, embree_closest, embree_any};
@@ -137,7 +129,6 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
         destroy(&tracer->base);
         return status;
     }
-    tracer->narrow_shadows = !plain_triangles(w);
     describe(tracer);
     tracer->context = NULL, tracer->options = NULL;
     *out = &tracer->base;

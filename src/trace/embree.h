@@ -17,7 +17,6 @@ typedef struct embree_tracer {
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     unsigned width;   /* rays in one call */
-    bool narrow_shadows;     /* coherent shadow rays go by eight: see embree_any() */
     _Atomic int64_t bytes;   /* held by Embree */
     _Atomic int error;       /* the first RTCError that the device reported */
     char error_text[256];    /* its message; written once, by whoever set error */

@@ -138,7 +138,7 @@ static void any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     if (width == TRACE_WIDTH) {
         embree_occluded(TRACE_WIDTH, valid, tracer->scenes[0], &context, coherent, rays);
     } else {
-        any_packets(tracer, width, rays, valid, lanes, width, coherent, &context);
+        any_packets(tracer, rays, valid, lanes, width, coherent, &context);
     }
     for (unsigned i = 0; i < lanes; ++i) {
         bool met = valid[i] && rays->t_far[i] < 0;
