@@ -75,15 +75,22 @@ static fathom_status count_all(ply *p) {
 
 /* ---- writing ---- */
 
+/* Returns the length. `blanks` behind the comment. */
+static int format_header(const ply *p, int blanks, char text[512]) {
+    return snprintf(text, 512,
+                    "ply\nformat binary_little_endian 1.0\ncomment Fathom %s%*s\nelement vertex %zu\n"
+                    "property float x\nproperty float y\nproperty float z\n%s%selement face %zu\n"
+                    "property list uchar uint vertex_indices\nend_header\n",
+                    fathom_version(), blanks, "", p->vertices,
+                    p->normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
+                    p->uvs ? "property float s\nproperty float t\n" : "", p->triangles);
+}
+
+/* Padded to a multiple of 4 bytes: the vertices behind it can then be used straight from the mapped file. */
 static void put_header(ply *p) {
     char text[512];
-    int length = snprintf(text, sizeof text,
-                          "ply\nformat binary_little_endian 1.0\ncomment Fathom %s\nelement vertex %zu\n"
-                          "property float x\nproperty float y\nproperty float z\n%s%selement face %zu\n"
-                          "property list uchar uint vertex_indices\nend_header\n",
-                          fathom_version(), p->vertices,
-                          p->normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-                          p->uvs ? "property float s\nproperty float t\n" : "", p->triangles);
+    int length = format_header(p, 0, text);
+    length = format_header(p, (4 - length % 4) % 4, text);
     write_bytes(&p->stream, text, (size_t)length);
 }
 
