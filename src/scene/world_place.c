@@ -79,7 +79,7 @@ static fathom_status add_instance(placer *p, uint32_t group, const affine_f64 *t
 
 static bool add_plane(placer *p, const fathom_plane *plane, fathom_id object, const affine_f64 *to_world,
                       const affine_f64 *to_group, fathom_id material) {
-    vec3_f64 point = affine_point(to_world, load_f64(plane->point));
+    vec3_f64 point = sub_f64(affine_point(to_world, load_f64(plane->point)), p->w->origin);
     vec3_f64 normal =
         normalize_f64(affine_transposed_vector(to_group, normalize_f64(load_f64(plane->normal))));
     frame_f64 frame = frame_from(point, normal, (vec3_f64){0, 0, 0});

@@ -174,6 +174,10 @@ static void far_scenes_are_brought_near(void **state) {
     mesh.origin[0] = 6378137.125;
     assert_ok(f.context, fathom_scene_add_mesh_shared(f.scene, FATHOM_ROOT, &mesh, NULL));
     assert_ok(f.context, add_sphere(&f, FATHOM_ROOT, 6378139.375, 0, 0, 0.5));
+    fathom_plane plane;
+    fathom_plane_default(&plane);
+    plane.point[0] = 6378136.25, plane.normal[0] = -2, plane.normal[2] = 0;
+    assert_ok(f.context, fathom_scene_add_plane(f.scene, FATHOM_ROOT, &plane, NULL));
     world *w;
     assert_ok(f.context, world_create(f.scene, &w));
     double sphere_x = w->origin.x + (double)w->spheres.items[0].center.x;
@@ -181,6 +185,7 @@ static void far_scenes_are_brought_near(void **state) {
     assert_true(fabsf(w->spheres.items[0].center.x) < 4);
     double mesh_x = w->instances.count ? (double)w->instances.items[0].to_world[0][3] : 0;
     assert_near(w->origin.x + mesh_x, 6378137.125, 0);
+    assert_near(w->origin.x - (double)w->planes.items[0].offset, 6378136.25, 0);
     world_destroy(w);
     close_scene(&f);
 }
