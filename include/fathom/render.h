@@ -21,7 +21,8 @@ typedef enum fathom_tracer_kind {
 
 /* Extra outputs, a bit each. */
 enum {
-    FATHOM_AOV_ALPHA = 1u << 0,  /* A: covered part of the pixel */
+    FATHOM_AOV_ALPHA = 1u << 0,  /* A: covered part of the pixel; R G B are then premultiplied, without the
+                                    background behind (mirrors and glass still show it) */
     FATHOM_AOV_Z = 1u << 1,      /* Z: depth along the view axis, of the sample nearest the pixel's centre */
     FATHOM_AOV_N = 1u << 2,      /* N.X N.Y N.Z: shading normal, world, averaged */
     FATHOM_AOV_P = 1u << 3,      /* P.X P.Y P.Z: world position, of the sample nearest the centre */

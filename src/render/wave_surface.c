@@ -127,7 +127,10 @@ static void push_surface(wave *w, const ray_hit *ray, const local_hit *hit, cons
 }
 
 static void add_background(wave *w, const path_block *path, size_t lane, bool first) {
-    for (int c = 0; c < 3; ++c) {
+    /* With coverage asked for, the image is to be laid over something else: colours are premultiplied, and
+     * the background is not among them. Mirrors and glass still show it. */
+    bool seen = !(first && w->plan->settings.aovs & FATHOM_AOV_ALPHA);
+    for (int c = 0; c < 3 && seen; ++c) {
         w->radiance[c][path->slot[lane]] += path->weight[c][lane] * w->plan->scene->background[c];
     }
     if (!first || !w->first) return;

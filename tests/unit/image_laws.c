@@ -275,6 +275,26 @@ static void stopping(void **state) {
     stage_close(&s);
 }
 
+/* With coverage asked for, the background behind is left out, and what is left is premultiplied: laid over
+ * the background it is the plain image, to a rounding of each of the 4 samples. */
+static void coverage(void **state) {
+    (void)state;
+    stage s = demo(&plain);
+    fathom_film *whole = stage_render(&s);
+    s.settings.aovs = FATHOM_AOV_ALPHA;
+    fathom_film *cut = stage_render(&s);
+    const float *a = fathom_film_channel(cut, "A"), *b = fathom_film_channel(cut, "B");
+    size_t partly = 0;
+    for (size_t i = 0; i < 128 * 96; ++i) {
+        partly += a[i] > 0 && a[i] < 1;
+        assert_near((double)b[i] + (1 - (double)a[i]) * 0.5, fathom_film_channel(whole, "B")[i], 8 * 0x1p-24);
+    }
+    assert_true(partly > 20);
+    fathom_film_destroy(whole);
+    fathom_film_destroy(cut);
+    stage_close(&s);
+}
+
 /* Settings out of range are refused before anything is allocated. */
 static void bad_settings(void **state) {
     (void)state;
@@ -305,6 +325,7 @@ int main(void) {
         cmocka_unit_test(tracers_agree),
         cmocka_unit_test(shadow_terminator),
         cmocka_unit_test(stopping),
+        cmocka_unit_test(coverage),
         cmocka_unit_test(bad_settings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
