@@ -86,7 +86,10 @@ static void attach_instances(embree_tracer *tracer, RTCScene root) {
 
 #define EMBREE_LARGEST 1.844e18f
 
-static bool usable(vec3_f32 p) { return largest_f32(p) < EMBREE_LARGEST / 2; }
+static bool usable(vec3_f32 p) {
+    const float limit = EMBREE_LARGEST / 2; /* and no NaN is below it */
+    return fabsf(p.x) < limit && fabsf(p.y) < limit && fabsf(p.z) < limit;
+}
 
 static bool mesh_point(const fathom_mesh *mesh, vec3_f32 *out) {
     size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);

@@ -2,6 +2,8 @@
 #include "reference/reference.h"
 #include "trace/embree.h"
 
+#include <string.h>
+
 /* ---- bounds ----
  * A box must hold every point at which the intersector can report a hit, or Embree skips the primitive where
  * the linear search meets it. With u = 2^-24, |f| the distance from the ray's origin and S the primitive's
@@ -80,17 +82,27 @@ static void packet_record(const struct RTCIntersectFunctionNArguments *args, pac
     p.ray[EMBREE_ROW_T_FAR * p.n + i] = embree_offer(call, packet_lane(p, i), row, p.n, hit->t);
 }
 
+/* The open end of the ray's interval: t_far as Embree has it is the last float inside. */
+static float packet_end(packet p, unsigned i) {
+    uint32_t bits;
+    memcpy(&bits, &p.ray[EMBREE_ROW_T_FAR * p.n + i], sizeof bits);
+    bits += bits < 0x7f800000u;
+    float end;
+    memcpy(&end, &bits, sizeof end);
+    return end;
+}
+
 static bool sphere_met(const world_sphere *s, packet p, unsigned i, reference_hit_f32 *hit) {
     hit->u = hit->v = 0;
     return sphere_robust_f32(s->center, s->radius, packet_vector(p, EMBREE_ROW_ORG, i),
                              packet_vector(p, EMBREE_ROW_DIR, i), p.ray[EMBREE_ROW_T_NEAR * p.n + i],
-                             p.ray[EMBREE_ROW_T_FAR * p.n + i], &hit->t);
+                             packet_end(p, i), &hit->t);
 }
 
 static bool quad_met(const world_quad *q, packet p, unsigned i, reference_hit_f32 *hit) {
     return quad_robust_f32(q->corner[0], q->corner[1], q->corner[2], q->corner[3],
                            packet_vector(p, EMBREE_ROW_ORG, i), packet_vector(p, EMBREE_ROW_DIR, i),
-                           p.ray[EMBREE_ROW_T_NEAR * p.n + i], p.ray[EMBREE_ROW_T_FAR * p.n + i], hit);
+                           p.ray[EMBREE_ROW_T_NEAR * p.n + i], packet_end(p, i), hit);
 }
 
 static void sphere_closest(const struct RTCIntersectFunctionNArguments *args) {

@@ -1,0 +1,342 @@
+/* What Embree builds and how calls behave at their edges: masks, empty and damaged geometry, interruption,
+ * intervals, lanes, and that no call hangs. */
+#include "stage.h"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
+static const unsigned widths[] = {1, 4, 8, 16};
+
+/* One ray from (x, y, 5) down z. */
+static ray_set ray_down(double x, double y) {
+    ray_set set = rays_new(1);
+    const double org[3] = {x, y, 5}, dir[3] = {0, 0, -1};
+    ray_set_to(&set, 0, org, dir, INFINITY);
+    return set;
+}
+
+static bool blocked(const trace_tracer *tracer, double x, double y) {
+    ray_set set = ray_down(x, y);
+    unsigned char *any = occluded(tracer, &set, TRACE_COHERENT);
+    bool met = any[0];
+    free(any), free(set.blocks);
+    return met;
+}
+
+/* The t of the closest hit, or infinity. */
+static float depth(const trace_tracer *tracer, double x, double y) {
+    ray_set set = ray_down(x, y), got = traced(tracer, &set, TRACE_COHERENT);
+    float t = hit_t(&got, 0);
+    free(set.blocks), free(got.blocks);
+    return t;
+}
+
+/* Three columns of a shadow caster below what casts none, in the root, instanced, and as a plane far below.
+ */
+static void shadows_pass_what_casts_none(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    fathom_id group;
+    assert_ok(s.context, fathom_scene_add_group(s.scene, "glass", &group));
+    const double move[12] = {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0};
+    const double origin[3] = {0, 0, 0}, u[3] = {0.5, 0, 0}, v[3] = {0, 0.5, 0};
+    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
+    add_sphere(&s, FATHOM_ROOT, 0, 3, 0, 1, 0);
+    add_sphere(&s, group, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
+    add_sphere(&s, group, 0, 3, 0, 1, 0);
+    add_ball(&s, FATHOM_ROOT, 6, 0, 1, -4, FATHOM_CASTS_NO_SHADOW);
+    add_quad(&s, group, origin, u, v, FATHOM_CASTS_NO_SHADOW);
+    add_instance(&s, group, move);
+    add_plane(&s, -10, FATHOM_CASTS_NO_SHADOW);
+    for (size_t i = 0; i < 4; ++i) {
+        trace_tracer *tracer = stage_embree(&s, widths[i]);
+        assert_true(!blocked(tracer, 0, 0) && depth(tracer, 0, 0) == 4);
+        assert_true(blocked(tracer, 0, 3) && depth(tracer, 0, 3) == 4);
+        assert_true(!blocked(tracer, 4, 0) && depth(tracer, 4, 0) == 4);
+        assert_true(blocked(tracer, 4, 3) && depth(tracer, 4, 3) == 4);
+        assert_true(!blocked(tracer, -4, 0.1) && depth(tracer, -4, 0.1) < 4.5f);
+        assert_true(!blocked(tracer, 9, 9) && depth(tracer, 9, 9) == 15);
+        trace_destroy(tracer);
+    }
+    stage_close(&s);
+}
+
+static void nothing_to_hit(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    fathom_id group;
+    assert_ok(s.context, fathom_scene_add_group(s.scene, "empty", &group));
+    const double identity[12] = {2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    add_instance(&s, group, identity);
+    for (size_t i = 0; i < 4; ++i) {
+        trace_tracer *tracer = stage_embree(&s, widths[i]);
+        assert_true(depth(tracer, 0, 0) == INFINITY && !blocked(tracer, 0, 0));
+        trace_destroy(tracer);
+    }
+    add_plane(&s, 1, 0);
+    world_destroy(s.world), s.world = NULL;
+    trace_tracer *tracer = stage_embree(&s, 16);
+    assert_true(depth(tracer, 0, 0) == 4 && blocked(tracer, 0, 0));
+    trace_destroy(tracer);
+    stage_close(&s);
+}
+
+/* Triangles 0 and 1 are good, the others hold a NaN, an infinity, a number too large for Embree, or no area.
+ */
+static void damaged_triangles_are_left_out(void **state) {
+    (void)state;
+    static float p[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0, 0, 0,
+                        1,  0,  0, 2, 0,  0, 3, 0, 0, 0,  0, 0, 0, 0};
+    static const uint32_t t[] = {0, 1, 2, 2, 3, 0, 0, 1, 4, 1, 2, 5, 2, 3, 6, 0, 0, 1, 0, 2, 0};
+    stage s;
+    stage_open(&s);
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p, mesh.vertex_count = 7, mesh.indices = t, mesh.triangle_count = 7;
+    assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
+    p[3 * 4] = NAN, p[3 * 5 + 1] = INFINITY, p[3 * 6 + 2] = 1e30f;
+    for (size_t i = 0; i < 4; ++i) {
+        trace_tracer *tracer = stage_embree(&s, widths[i]);
+        assert_true(depth(tracer, 0.5, 0.25) == 5 && depth(tracer, -0.5, 0.25) == 5);
+        assert_true(depth(tracer, 3, 3) == INFINITY);
+        trace_destroy(tracer);
+    }
+    stage_close(&s);
+    /* Nothing but damage is an empty scene, not a failure. */
+    stage_open(&s);
+    mesh.indices = t + 6, mesh.triangle_count = 3;
+    p[3 * 4] = 0, p[3 * 5 + 1] = 0, p[3 * 6 + 2] = 3;
+    assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
+    p[3 * 4] = NAN, p[3 * 5 + 1] = INFINITY, p[3 * 6 + 2] = 1e30f;
+    trace_tracer *tracer = stage_embree(&s, 16);
+    assert_true(depth(tracer, 0.5, 0.25) == INFINITY);
+    trace_destroy(tracer);
+    stage_close(&s);
+}
+
+typedef struct watched {
+    size_t calls;
+    double highest;
+    double stop_at;
+} watched;
+
+static bool watch(void *user, double fraction) {
+    watched *w = user;
+    ++w->calls;
+    w->highest = fmax(w->highest, fraction);
+    return fraction < w->stop_at;
+}
+
+static void building_can_be_stopped(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_ball(&s, FATHOM_ROOT, 150, 0.05, 1, 0, 0);
+    assert_ok(s.context, world_create(s.scene, &s.world));
+    watched all = {.stop_at = 2}, at_once = {.stop_at = -1}, half = {.stop_at = 0.3};
+    trace_options options = {.width = 16, .threads = 1, .progress = watch, .user = &all};
+    trace_tracer *tracer = NULL;
+    assert_ok(s.context, trace_create(s.context, s.world, &options, &tracer));
+    assert_true(all.calls > 1 && all.highest <= 1 && all.highest > 0.5);
+    trace_destroy(tracer);
+    options.user = &at_once;
+    assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_INTERRUPTED,
+                 "stopped");
+    assert_null(tracer);
+    options.user = &half;
+    assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_INTERRUPTED,
+                 "stopped");
+    assert_null(tracer);
+    stage_close(&s);
+}
+
+static void tells_what_it_is(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_ball(&s, FATHOM_ROOT, 50, 0.05, 1, 0, 0);
+    trace_tracer *tracer = stage_embree(&s, 16);
+    assert_true(strncmp(trace_name(tracer), "Embree ", 7) == 0 && strstr(trace_name(tracer), ", "));
+    /* A robust leaf holds 4 triangles in at least 4 * (9 + 2) * 4 bytes. */
+    assert_true(trace_bvh_bytes(tracer) >= 44 * 4 * 50 * 49);
+    trace_destroy(tracer);
+    stage_close(&s);
+}
+
+/* The interval is open at both ends: to the last bit for shapes of our own, within Embree's t (4 units) for
+ * triangles. */
+static void intervals_are_open(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    const double origin[3] = {0, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
+    add_quad(&s, FATHOM_ROOT, origin, u, v, 0);
+    add_grid(&s, 4, -3);
+    for (size_t i = 0; i < 4; ++i) {
+        trace_tracer *tracer = stage_embree(&s, widths[i]);
+        const struct {
+            float t_near, t_far, expected;
+        } cases[] = {{0, 5, INFINITY}, {0, nextafterf(5, 6), 5}, {5, 8, INFINITY},
+                     {5, 9, 8},        {5, INFINITY, 8},         {8 * (1 + 0x1p-21f), INFINITY, INFINITY},
+                     {4, 5, INFINITY}, {4, INFINITY, 5},         {6, 7.5, INFINITY},
+                     {7, 7, INFINITY}};
+        for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+            ray_set set = ray_down(0.3, 0.2);
+            set.blocks[0].rays.t_near[0] = cases[c].t_near, set.blocks[0].rays.t_far[0] = cases[c].t_far;
+            ray_set got = traced(tracer, &set, TRACE_COHERENT);
+            unsigned char *any = occluded(tracer, &set, TRACE_COHERENT);
+            bool met = cases[c].expected < INFINITY;
+            assert_true(hit_t(&got, 0) == (met ? cases[c].expected : cases[c].t_far));
+            assert_int_equal(got.blocks[0].hits.geometry[0] != FATHOM_NONE, met);
+            assert_int_equal(any[0], met);
+            free(set.blocks), free(got.blocks), free(any);
+        }
+        trace_destroy(tracer);
+    }
+    stage_close(&s);
+}
+
+/* Lanes past the count keep every bit, and lanes that are not finite miss without harm to the others. */
+static void lanes_are_apart(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_ball(&s, FATHOM_ROOT, 10, 0, 1, 0, 0);
+    for (size_t i = 0; i < 4; ++i) {
+        trace_tracer *tracer = stage_embree(&s, widths[i]);
+        for (size_t count = 0; count <= 16; ++count) {
+            ray_set set = rays_new(16);
+            memset(set.blocks, 0xa5, sizeof *set.blocks);
+            const double org[3] = {0.1, 0.2, 5}, dir[3] = {0, 0, -1};
+            for (size_t k = 0; k < count; ++k) ray_set_to(&set, k, org, dir, INFINITY);
+            if (count > 2) set.blocks->rays.org_y[1] = NAN, set.blocks->rays.dir_z[count - 1] = INFINITY;
+            trace_block before = *set.blocks;
+            unsigned mode = trace_thread_begin();
+            trace_closest(tracer, set.blocks, count, TRACE_COHERENT);
+            trace_thread_end(mode);
+            for (size_t row = 0; row < sizeof before / sizeof(float) / 16; ++row) {
+                size_t past = 16 * row + count;
+                assert_memory_equal((float *)(void *)&before + past, (float *)(void *)set.blocks + past,
+                                    (16 - count) * sizeof(float));
+            }
+            for (size_t k = 0; k < count; ++k) {
+                bool broken = count > 2 && (k == 1 || k == count - 1);
+                assert_int_equal(set.blocks->hits.geometry[k], broken ? FATHOM_NONE : 0);
+            }
+            free(set.blocks);
+        }
+        trace_destroy(tracer);
+    }
+    stage_close(&s);
+}
+
+static void threads_get_their_mode_back(void **state) {
+    (void)state;
+#if defined(__SSE2__)
+    unsigned before = _mm_getcsr(), saved = trace_thread_begin();
+    volatile float tiny = 0x1p-140f;
+    assert_true(tiny * 1.0f == 0); /* denormals are zero in between */
+    trace_thread_end(saved);
+    assert_int_equal(_mm_getcsr(), before);
+    assert_true(tiny * 1.0f > 0);
+#endif
+}
+
+/* Rays that graze spheres, near and far: hit or miss is decided by the intersector, so no box may stand in
+ * the way. */
+static void boxes_hide_no_sphere(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    enum { spheres = 40, rays = 40000 };
+    double c[spheres][4];
+    for (int i = 0; i < spheres; ++i) {
+        for (int k = 0; k < 3; ++k) c[i][k] = between(-10, 10);
+        c[i][3] = pow(10, between(-2, 0));
+        add_sphere(&s, FATHOM_ROOT, c[i][0], c[i][1], c[i][2], c[i][3], 0);
+    }
+    ray_set set = rays_new(rays);
+    for (size_t i = 0; i < rays; ++i) {
+        const double *sphere = c[i % spheres];
+        vec3_f64 axis = normalize_f64(vec_f64(between(-1, 1), between(-1, 1), between(-1, 1)));
+        vec3_f64 side =
+            normalize_f64(cross_f64(axis, vec_f64(between(-1, 1), between(-1, 1), between(-1, 1))));
+        if (i % 4 == 0) side = vec_f64(1, 0, 0), axis = vec_f64(0, 0.6, 0.8); /* along a face of the box */
+        double off = sphere[3] * (1 + between(-1e-6, 1e-6)), back = sphere[3] * pow(10, between(0.1, 2));
+        double target[3], org[3];
+        store_f64(target, madd_f64(load_f64(sphere), off, side));
+        store_f64(org, madd_f64(load_f64(target), -back, axis));
+        ray_towards(&set, i, org, target);
+    }
+    trace_tracer *embree = stage_embree(&s, 16), *linear = stage_trace(&s, FATHOM_TRACER_REFERENCE, 16, 0, 1);
+    ray_set e = traced(embree, &set, TRACE_COHERENT), l = traced(linear, &set, TRACE_COHERENT);
+    unsigned char *eo = occluded(embree, &set, TRACE_COHERENT), *lo = occluded(linear, &set, TRACE_COHERENT);
+    for (size_t i = 0; i < rays; ++i) {
+        assert_true(same_hit(&e, &l, i) && hit_t(&e, i) == hit_t(&l, i));
+        assert_int_equal(eo[i], lo[i]);
+    }
+    free(e.blocks), free(l.blocks), free(set.blocks), free(eo), free(lo);
+    trace_destroy(embree), trace_destroy(linear);
+    stage_close(&s);
+}
+
+/* Debian 12's Embree has kernels for coherent shadow rays that may never return. In a child process with a
+ * time limit: 40,000 triangles, and meshes, spheres and quads behind instances, at every width. */
+static void trace_all(void (*fill)(stage *)) {
+    stage s;
+    stage_open(&s);
+    fill(&s);
+    for (size_t i = 0; i < 4; ++i) {
+        for (trace_quality quality = TRACE_QUALITY_LOW; quality <= TRACE_QUALITY_HIGH; ++quality) {
+            trace_tracer *tracer = stage_trace(&s, FATHOM_TRACER_EMBREE, widths[i], quality, 2);
+            ray_set set = random_rays(4000);
+            free(occluded(tracer, &set, TRACE_COHERENT));
+            free(traced(tracer, &set, TRACE_COHERENT).blocks);
+            free(set.blocks);
+            trace_destroy(tracer);
+        }
+    }
+    stage_close(&s);
+}
+
+static void fill_ball(stage *s) { add_ball(s, FATHOM_ROOT, 101, 0.05, 1, 0, 0); }
+
+static void no_call_hangs(void **state) {
+    (void)state;
+    void (*const scenes[])(stage *) = {fill_ball, add_everything};
+    for (size_t i = 0; i < 2; ++i) {
+        fflush(NULL);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            alarm(60);
+            trace_all(scenes[i]);
+            _exit(0);
+        }
+        int status = -1;
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_call_hangs), /* first: a child wants no threads in its parent */
+        cmocka_unit_test(shadows_pass_what_casts_none),
+        cmocka_unit_test(nothing_to_hit),
+        cmocka_unit_test(damaged_triangles_are_left_out),
+        cmocka_unit_test(building_can_be_stopped),
+        cmocka_unit_test(tells_what_it_is),
+        cmocka_unit_test(intervals_are_open),
+        cmocka_unit_test(lanes_are_apart),
+        cmocka_unit_test(threads_get_their_mode_back),
+        cmocka_unit_test(boxes_hide_no_sphere),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
