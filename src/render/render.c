@@ -21,6 +21,7 @@ static fathom_status build(fathom_context *context, const world *w, const fathom
     trace_options options = {.kind = settings->tracer,
                              .width = settings->block_width,
                              .threads = fathom_context_threads(context),
+                             .expected_rays = plan_expected_rays(w->scene, settings),
                              .progress = progress ? on_build : NULL,
                              .user = &watch};
     return trace_create(context, w, &options, out);
