@@ -52,7 +52,7 @@ static fathom_status choose_materials(forest *f, fathom_id material) {
     if (status == FATHOM_OK) status = add_material(f->scene, "bark", 0.20f, 0.13f, 0.08f, false, &f->bark);
     if (status == FATHOM_OK) status = add_material(f->scene, "leaves", 0.17f, 0.30f, 0.05f, true, &f->leaves);
     if (status == FATHOM_OK)
-        status = add_material(f->scene, "needles", 0.06f, 0.17f, 0.07f, true, &f->needles);
+        status = add_material(f->scene, "needles", 0.08f, 0.20f, 0.08f, true, &f->needles);
     return status;
 }
 

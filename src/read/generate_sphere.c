@@ -83,7 +83,7 @@ static void store_uv(float *uv, vec3_f64 u) {
  * that is tangent to the sphere. */
 static void make_vertex(const sphere_job *job, uint32_t index, vec3_f64 u) {
     const double frequency = 1.6, base = 0.9, amplitude = 0.16;
-    noise_value h = noise_fbm(job->seed, scale_f64(frequency, u), job->octaves, 0.48);
+    noise_value h = noise_fbm(job->seed, scale_f64(frequency, u), job->octaves, 0.44);
     double r = base + amplitude * h.value;
     vec3_f64 g = scale_f64(amplitude * frequency, h.gradient);
     vec3_f64 normal = sub_f64(scale_f64(r + dot_f64(g, u), u), g);
