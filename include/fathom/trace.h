@@ -13,22 +13,28 @@ typedef struct fathom_tracer fathom_tracer;
 typedef struct fathom_ray {
     double origin[3];
     double direction[3]; /* need not be unit: t is in its units */
-    double t_min, t_max; /* the open interval; t_max may be infinite */
+    double t_min, t_max; /* the open interval; t_min may be negative, t_max infinite */
 } fathom_ray;
 
 typedef struct fathom_hit {
     double t; /* infinite: no hit, and nothing else is set */
     double position[3];
     float geometric_normal[3], shading_normal[3]; /* unit, world, outward as the shape defines it */
-    float u, v;
-    fathom_id object, primitive, instance, material; /* instance: FATHOM_NONE in the root group */
+    float u, v; /* mesh: its uvs, else barycentric (u of the second corner, v of the third); quad: along its
+                   sides; plane: distances along its tangents; sphere: azimuth / 2 pi and polar angle / pi
+                   around its own z */
+    fathom_id object;    /* as fathom_scene_add_…() gave it */
+    fathom_id primitive; /* of a mesh: the triangle; else 0 */
+    fathom_id instance;  /* FATHOM_NONE in the root group */
+    fathom_id material;
 } fathom_hit;
 
 /* Builds the acceleration structure. The scene must outlive the tracer and must not change. */
 FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
                                               fathom_tracer_kind kind, fathom_tracer **out);
 FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
-/* Closest hits. FATHOM_BAD_USAGE when a ray is not finite or its direction is zero. Thread safe. */
+/* Closest hits. FATHOM_BAD_USAGE when a ray is not finite or its direction is zero: the message names it, and
+ * hits of the rays before it are set. Any number of threads may call at the same time. */
 FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
                                                size_t count, fathom_hit *hits);
 /* Whether anything is hit, shadow-casting or not. */

@@ -1,0 +1,247 @@
+/* Rays of one's own: what a hit says, against closed forms, on both tracers and at any place and size. */
+#include "stage.h"
+
+#include <pthread.h>
+
+static const fathom_tracer_kind kinds[] = {FATHOM_TRACER_EMBREE, FATHOM_TRACER_REFERENCE};
+
+static fathom_tracer *stage_tracer(stage *s, fathom_tracer_kind kind) {
+    fathom_tracer *tracer = NULL;
+    assert_ok(s->context, fathom_tracer_create(s->context, s->scene, kind, &tracer));
+    return tracer;
+}
+
+static fathom_hit shoot(stage *s, const fathom_tracer *tracer, fathom_ray ray) {
+    fathom_hit hit;
+    bool any;
+    assert_ok(s->context, fathom_tracer_closest(tracer, &ray, 1, &hit));
+    assert_ok(s->context, fathom_tracer_any(tracer, &ray, 1, &any));
+    assert_int_equal(any, hit.t < HUGE_VAL);
+    return hit;
+}
+
+static void vectors_near(const double *a, double x, double y, double z, double tolerance) {
+    assert_near(a[0], x, tolerance);
+    assert_near(a[1], y, tolerance);
+    assert_near(a[2], z, tolerance);
+}
+
+static void normals_near(const float *a, double x, double y, double z) {
+    /* Computed in double, stored as float. */
+    assert_near(a[0], x, 0x1p-23);
+    assert_near(a[1], y, 0x1p-23);
+    assert_near(a[2], z, 0x1p-23);
+}
+
+/* Any place that float would lose, any length of the direction. What is left is double's rounding of the
+ * place, and float's of a radius: 0.3 is not one. */
+static void a_sphere_anywhere(void **state) {
+    (void)state;
+    const double places[] = {0, 1000, 1e7}, lengths[] = {1, 1e-200, 1e200};
+    for (int k = 0; k < 18; ++k) {
+        double at = places[k % 3], length = lengths[k / 3 % 3];
+        stage s;
+        stage_open(&s);
+        add_sphere(&s, FATHOM_ROOT, at, 2 * at, -at, 0.25, FATHOM_CASTS_NO_SHADOW);
+        fathom_tracer *tracer = stage_tracer(&s, kinds[k / 9]);
+        fathom_ray ray = {{at + 4, 2 * at, -at}, {-length, 0, 0}, 0, HUGE_VAL};
+        fathom_hit hit = shoot(&s, tracer, ray);
+        double rounding = 0x1p-52 * (2 * at + 4);
+        assert_near(hit.t * length, 3.75, rounding);
+        vectors_near(hit.position, at + 0.25, 2 * at, -at, rounding);
+        normals_near(hit.geometric_normal, 1, 0, 0);
+        assert_true(hit.object == 0 && hit.primitive == 0 && hit.instance == FATHOM_NONE &&
+                    hit.material == 0);
+        assert_true(hit.u == 0 && hit.v == 0.5f);
+        fathom_tracer_destroy(tracer);
+        stage_close(&s);
+    }
+}
+
+/* A triangle with normals and uvs in a group that is stretched and mirrored: the shading normal follows the
+ * inverse transpose, so it stays across the surface. */
+static void a_mesh_instanced(void **state) {
+    (void)state;
+    static const float p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0}, uv[] = {0, 0, 1, 0, 0, 1};
+    static const float n[] = {1, 0, 1, 1, 0, 1, 1, 0, 1};
+    static const uint32_t t[] = {0, 1, 2};
+    for (int k = 0; k < 2; ++k) {
+        stage s;
+        stage_open(&s);
+        fathom_id group, material, instance_material;
+        fathom_material value;
+        fathom_material_default(&value);
+        assert_ok(s.context, fathom_scene_add_material(s.scene, "a", &value, &material));
+        assert_ok(s.context, fathom_scene_add_material(s.scene, "b", &value, &instance_material));
+        assert_ok(s.context, fathom_scene_add_group(s.scene, "g", &group));
+        fathom_mesh mesh;
+        fathom_mesh_default(&mesh);
+        mesh.positions = p, mesh.vertex_count = 3, mesh.indices = t, mesh.triangle_count = 1;
+        mesh.normals = n, mesh.normal_count = 3, mesh.uvs = uv, mesh.uv_count = 3, mesh.material = material;
+        fathom_id object, first, second;
+        assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, group, &mesh, &object));
+        fathom_instance instance;
+        fathom_instance_default(&instance);
+        instance.group = group;
+        const double m[12] = {-2, 0, 0, 10, 0, 4, 0, 0, 0, 0, 1, 0};
+        memcpy(instance.transform, m, sizeof m);
+        assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, &first));
+        instance.transform[3] = 20, instance.material = instance_material;
+        assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, &second));
+        fathom_tracer *tracer = stage_tracer(&s, kinds[k]);
+        fathom_ray ray = {{9.5, 2, 8}, {0, 0, -1}, 0, HUGE_VAL};
+        fathom_hit hit = shoot(&s, tracer, ray);
+        vectors_near(hit.position, 9.5, 2, 0, 8 * 0x1p-52 * 10);
+        normals_near(hit.geometric_normal, 0, 0, 1);
+        double length = sqrt(0.25 + 1);
+        normals_near(hit.shading_normal, -0.5 / length, 0, 1 / length);
+        assert_near(hit.u, 0.25, 0x1p-24);
+        assert_near(hit.v, 0.5, 0x1p-24);
+        assert_true(hit.object == object && hit.primitive == 0);
+        assert_true(hit.instance == first && hit.material == material);
+        ray.origin[0] = 19.5;
+        hit = shoot(&s, tracer, ray);
+        assert_true(hit.instance == second && hit.material == instance_material);
+        fathom_tracer_destroy(tracer);
+        stage_close(&s);
+    }
+}
+
+static void a_quad_and_a_plane(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        stage s;
+        stage_open(&s);
+        const double center[3] = {0.5, 0.5, 1}, u[3] = {0.5, 0, 0}, v[3] = {0, 0.5, 0};
+        add_quad(&s, FATHOM_ROOT, center, u, v, 0);
+        add_plane(&s, -1, 0);
+        fathom_tracer *tracer = stage_tracer(&s, kinds[k]);
+        fathom_ray ray = {{0.75, 0.875, 3}, {0, 0, -2}, 0, HUGE_VAL};
+        fathom_hit hit = shoot(&s, tracer, ray);
+        assert_true(hit.t == 1 && hit.object == 0 && hit.u == 0.75f && hit.v == 0.875f);
+        vectors_near(hit.position, 0.75, 0.875, 1, 0);
+        ray.t_min = 1; /* the interval is open: on to the plane */
+        hit = shoot(&s, tracer, ray);
+        assert_true(hit.t == 2 && hit.object == 1);
+        vectors_near(hit.position, 0.75, 0.875, -1, 0);
+        normals_near(hit.geometric_normal, 0, 0, 1);
+        ray.t_max = 2;
+        assert_true(shoot(&s, tracer, ray).t == HUGE_VAL);
+        /* Behind the origin counts when t_min says so. */
+        fathom_ray back = {{0.75, 0.875, -3}, {0, 0, -1}, -3, 0};
+        assert_true(shoot(&s, tracer, back).t == -2);
+        back.t_min = -2;
+        assert_true(shoot(&s, tracer, back).t == HUGE_VAL);
+        fathom_tracer_destroy(tracer);
+        stage_close(&s);
+    }
+}
+
+/* A ray continued from its own hit, with t_min 0, never finds the same surface again nearer than double's
+ * rounding of the hit point: about 2^-50, not float's 2^-24. */
+static void continuing_from_a_hit(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_everything(&s);
+    fathom_tracer *tracer = stage_tracer(&s, FATHOM_TRACER_EMBREE);
+    for (int i = 0; i < 2000; ++i) {
+        fathom_ray ray = {{between(-4, 4), between(-4, 4), between(-4, 4)},
+                          {between(-1, 1), between(-1, 1), between(-1, 1)},
+                          0,
+                          HUGE_VAL};
+        fathom_hit hit = shoot(&s, tracer, ray);
+        if (!(hit.t < HUGE_VAL)) continue;
+        fathom_ray on = ray;
+        on.t_min = hit.t;
+        fathom_hit next = shoot(&s, tracer, on);
+        assert_true(next.t > hit.t);
+        bool same = next.t < HUGE_VAL && next.object == hit.object && next.primitive == hit.primitive &&
+                    next.instance == hit.instance;
+        if (same) assert_true(next.t > hit.t * (1 + 1e-6)); /* a sphere's other side */
+    }
+    fathom_tracer_destroy(tracer);
+    stage_close(&s);
+}
+
+static void wrong_rays_are_refused(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
+    fathom_tracer *tracer = stage_tracer(&s, FATHOM_TRACER_EMBREE);
+    fathom_ray rays[2] = {{{3, 0, 0}, {-1, 0, 0}, 0, HUGE_VAL}, {{3, 0, 0}, {-1, 0, 0}, 0, HUGE_VAL}};
+    fathom_hit hits[2];
+    const struct {
+        size_t field;
+        double value;
+        const char *message;
+    } cases[] = {{0, (double)NAN, "rays[1]: origin"},     {1, HUGE_VAL, "rays[1]: origin"},
+                 {4, (double)NAN, "rays[1]: direction"},  {3, 0, "rays[1]: direction: is zero"},
+                 {6, (double)NAN, "rays[1]: t_min"},      {7, (double)NAN, "rays[1]: t_max"},
+                 {0, 1e30, "rays[1]: origin: lies more"}, {6, -HUGE_VAL, "rays[1]: t_min"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        rays[1] = rays[0];
+        memcpy((char *)&rays[1] + cases[i].field * sizeof(double), &cases[i].value, sizeof(double));
+        assert_fails(s.context, fathom_tracer_closest(tracer, rays, 2, hits), FATHOM_BAD_USAGE,
+                     cases[i].message);
+    }
+    assert_ok(s.context, fathom_tracer_closest(tracer, rays, 0, NULL));
+    fathom_tracer_destroy(tracer);
+    stage_close(&s);
+}
+
+/* Many threads, one tracer. */
+typedef struct job {
+    const fathom_tracer *tracer;
+    const fathom_ray *rays;
+    fathom_hit hits[1000];
+    fathom_status status;
+} job;
+
+static void *run(void *user) {
+    job *j = user;
+    j->status = fathom_tracer_closest(j->tracer, j->rays, 1000, j->hits);
+    return NULL;
+}
+
+static void threads_share_a_tracer(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_everything(&s);
+    fathom_tracer *tracer = stage_tracer(&s, FATHOM_TRACER_EMBREE);
+    static fathom_ray rays[1000];
+    for (int i = 0; i < 1000; ++i) {
+        rays[i] = (fathom_ray){{between(-4, 4), between(-4, 4), between(-4, 4)},
+                               {between(-1, 1), between(-1, 1), between(-1, 1)},
+                               0,
+                               HUGE_VAL};
+    }
+    static job jobs[4];
+    pthread_t threads[4];
+    for (int i = 0; i < 4; ++i) {
+        jobs[i].tracer = tracer, jobs[i].rays = rays;
+        assert_int_equal(pthread_create(&threads[i], NULL, run, &jobs[i]), 0);
+    }
+    for (int i = 0; i < 4; ++i) pthread_join(threads[i], NULL);
+    for (int i = 0; i < 4; ++i) {
+        assert_int_equal(jobs[i].status, FATHOM_OK);
+        for (int k = 0; k < 1000; ++k) {
+            assert_true(jobs[i].hits[k].t == jobs[0].hits[k].t);
+            if (jobs[0].hits[k].t < HUGE_VAL)
+                assert_int_equal(jobs[i].hits[k].object, jobs[0].hits[k].object);
+        }
+    }
+    fathom_tracer_destroy(tracer);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sphere_anywhere),      cmocka_unit_test(a_mesh_instanced),
+        cmocka_unit_test(a_quad_and_a_plane),     cmocka_unit_test(continuing_from_a_hit),
+        cmocka_unit_test(wrong_rays_are_refused), cmocka_unit_test(threads_share_a_tracer),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
