@@ -55,25 +55,35 @@ fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *
 
 /* ---- completing ---- */
 
-/* Looks at the middle from ahead, a little to the right and above, with y up: far enough that the bounding
- * sphere fits the image's shorter side. */
+/* How far from the box's middle the eye must be, looking along -frame->z, for all corners to lie within
+ * `slope` of the view's axis, up and across. */
+static double fitting_distance(const scene_bounds *b, const frame_f64 *frame, double slope) {
+    double distance = 0;
+    for (int i = 0; i < 8; ++i) {
+        vec3_f64 corner = {i & 1 ? b->upper.x : b->lower.x, i & 2 ? b->upper.y : b->lower.y,
+                           i & 4 ? b->upper.z : b->lower.z};
+        vec3_f64 c = frame_vector_to_local(frame, sub_f64(corner, bounds_center(b)));
+        distance = fmax(distance, c.z + fmax(fabs(c.x), fabs(c.y)) / slope);
+    }
+    return distance;
+}
+
+/* Looks at the middle from ahead, a little to the right and above, with y up: as near as the box of
+ * everything, and a margin of a twelfth, allow in a square image. */
 static void frame_everything(fathom_scene *scene, const scene_bounds *bounds) {
-    vec3_f64 center = bounds_center(bounds);
-    double radius = bounds_radius(bounds), fovy = default_fovy;
-    if (!(radius > 0)) radius = 1;
-    double aspect = (double)scene->settings.width / scene->settings.height;
-    double half = aspect < 1 ? atan(tan(fovy / 2) * aspect) : fovy / 2;
-    vec3_f64 away = normalize_f64((vec3_f64){0.45, 0.35, 1});
-    vec3_f64 eye = madd_f64(center, radius / sin(half) * 0.95, away);
+    vec3_f64 center = bounds_center(bounds), away = {0.45, 0.35, 1};
+    frame_f64 frame = frame_from(center, away, (vec3_f64){0, 1, 0});
+    double distance = fitting_distance(bounds, &frame, tan(default_fovy / 2) * 11 / 12);
     double from[3], to[3];
-    store_f64(from, eye);
+    store_f64(from, madd_f64(center, distance > 0 ? distance : 1, frame.z));
     store_f64(to, center);
-    fathom_camera_look_at(from, to, (double[3]){0, 1, 0}, fovy, &scene->camera);
+    fathom_camera_look_at(from, to, (double[3]){0, 1, 0}, default_fovy, &scene->camera);
     scene->has_camera = true;
 }
 
 /* A key light from above the camera's left, and a weak one from its right that keeps shadowed sides readable.
- * Directional, so that no scale enters; shadows of the ground under a model fall away from the viewer. */
+ * Directional, so that no scale enters. Some ambient light and a dark grey behind, where the file says
+ * nothing of them, keep the shadowed side apart from the background. */
 static fathom_status light_everything(fathom_scene *scene) {
     vec3_f64 x = load_f64(scene->camera.x), y = load_f64(scene->camera.y), z = load_f64(scene->camera.z);
     const struct {
@@ -90,7 +100,10 @@ static fathom_status light_everything(fathom_scene *scene) {
         fathom_status status = fathom_scene_add_light(scene, &light, NULL);
         if (status != FATHOM_OK) return status;
     }
-    if (scene->has_ambient) return FATHOM_OK;
+    fathom_status status = FATHOM_OK;
+    if (!scene->has_background)
+        status = fathom_scene_set_background(scene, (float[3]){0.05f, 0.055f, 0.065f});
+    if (status != FATHOM_OK || scene->has_ambient) return status;
     return fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
 }
 

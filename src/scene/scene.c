@@ -221,8 +221,10 @@ fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instan
 
 fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3]) {
     fathom_status status = check_color(scene->context, "background", rgb, 0);
-    if (status == FATHOM_OK) memcpy(scene->background, rgb, sizeof scene->background);
-    return status;
+    if (status != FATHOM_OK) return status;
+    memcpy(scene->background, rgb, sizeof scene->background);
+    scene->has_background = true;
+    return FATHOM_OK;
 }
 
 fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]) {

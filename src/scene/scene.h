@@ -44,7 +44,8 @@ struct fathom_scene {
     fathom_camera camera;
     bool has_camera;
     float background[3], ambient[3];
-    bool has_ambient, has_lights; /* said by the file, even if it said none: nothing is added by completing */
+    /* Said by the file, even if it said none: nothing is added by completing. */
+    bool has_ambient, has_background, has_lights;
     fathom_settings settings;
 };
 
