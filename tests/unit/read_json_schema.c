@@ -1,6 +1,6 @@
 /* scenes/fathom.schema.json and scenes/README.md against the tables that the reader follows: neither may know
  * a key, type, range or rule that the other does not. */
-#include "read/json_form.h"
+#include "read/json/json_form.h"
 #include "unit.h"
 
 /* ---- the schema that the tables stand for ---- */

@@ -1,7 +1,7 @@
 /* MTL materials: what each model of the format means here. */
 #include "mesh_file.h"
 
-#include "read/mtl.h"
+#include "read/obj/mtl.h"
 
 static fathom_material material_of(const char *body) {
     char text[512];

@@ -1,5 +1,5 @@
 /* Smooth normals: weighted by angle, whatever the triangles, threads and sizes are. */
-#include "read/normals.h"
+#include "read/mesh/normals.h"
 
 #include "math/vec.h"
 #include "random.h"

@@ -1,5 +1,5 @@
 /* Numbers from text: what the C library reads in the C locale, in every locale. */
-#include "read/number.h"
+#include "read/mesh/number.h"
 
 #include "random.h"
 #include "unit.h"

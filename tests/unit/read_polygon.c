@@ -1,5 +1,5 @@
 /* Polygons into triangles: as many as there should be, all turning the polygon's way, covering its area. */
-#include "read/polygon.h"
+#include "read/mesh/polygon.h"
 
 #include "random.h"
 #include "unit.h"

@@ -1,6 +1,6 @@
 /* Mesh files: what is written reads back as the same triangles, bit for bit. */
 #include "base/file.h"
-#include "read/write.h"
+#include "read/write/write.h"
 #include "unit.h"
 
 #include <fathom/read.h>

@@ -1,0 +1,123 @@
+/* glTF 2.0 and GLB: the whole of it.
+ *
+ * What is read: the nodes of the default scene (else the first scene, else all root nodes; else every mesh
+ * once), triangles of any mode, materials, the first perspective camera, KHR_lights_punctual. Skins, morph
+ * targets and animations are left in the rest pose, textures are not used: each is warned about once. */
+#include "read/gltf/gltf.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Extensions that are followed, and those that only touch textures, which are not used anyway. */
+static const char *const known_extensions[] = {
+    "KHR_lights_punctual",    "KHR_materials_ior",       "KHR_materials_transmission",
+    "KHR_materials_specular", "KHR_materials_unlit",     "KHR_materials_emissive_strength",
+    "KHR_mesh_quantization",  "EXT_mesh_gpu_instancing", "KHR_texture_transform",
+    "KHR_texture_basisu",     "EXT_texture_webp",        "EXT_texture_avif",
+};
+
+static bool is_known(const char *name) {
+    for (size_t i = 0; i < sizeof known_extensions / sizeof *known_extensions; ++i) {
+        if (strcmp(known_extensions[i], name) == 0) return true;
+    }
+    return false;
+}
+
+static fathom_status check_extensions(gltf *g) {
+    gltf_value required;
+    fathom_status status = gltf_array(g, &g->root, "extensionsRequired", &required);
+    for (size_t i = 0; i < gltf_count(&required) && status == FATHOM_OK; ++i) {
+        const char *name = json_string_value(json_array_get(required.json, i));
+        if (name && is_known(name)) continue;
+        gltf_value at = {.parent = &required, .index = i};
+        if (!name) return gltf_fail(g, &at, NULL, "is not a string; expected the name of an extension");
+        status = gltf_fail(g, &at, NULL,
+                           "the file cannot be read without the extension \"%.80s\", which is not supported; "
+                           "export it without",
+                           name);
+    }
+    return status;
+}
+
+/* "2.0" and any "2.x": a later minor version stays readable unless minVersion says otherwise. */
+static fathom_status check_version(gltf *g) {
+    gltf_value asset;
+    const char *version = NULL, *least = NULL;
+    fathom_status status = gltf_object(g, &g->root, "asset", &asset);
+    if (status == FATHOM_OK) status = gltf_text(g, &asset, "version", &version);
+    if (status == FATHOM_OK) status = gltf_text(g, &asset, "minVersion", &least);
+    if (status != FATHOM_OK) return status;
+    if (!version) return gltf_fail(g, &asset, "version", "is missing; expected a glTF file with \"2.0\"");
+    if (strncmp(version, "2.", 2) != 0)
+        return gltf_fail(g, &asset, "version", "is \"%.40s\"; expected \"2.0\"", version);
+    if (least && strcmp(least, "2.0") != 0)
+        return gltf_fail(g, &asset, "minVersion", "is \"%.40s\"; 2.0 is what is understood", least);
+    return FATHOM_OK;
+}
+
+static fathom_status open_arrays(gltf *g) {
+    const struct {
+        const char *key;
+        gltf_value *out;
+    } arrays[] = {{"accessors", &g->accessors}, {"bufferViews", &g->views}, {"buffers", &g->buffers},
+                  {"materials", &g->materials}, {"meshes", &g->meshes},     {"nodes", &g->nodes},
+                  {"scenes", &g->scenes},       {"cameras", &g->cameras}};
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == FATHOM_OK; ++i) {
+        status = gltf_array(g, &g->root, arrays[i].key, arrays[i].out);
+        if (gltf_count(arrays[i].out) >= GLTF_EMPTY)
+            return gltf_fail(g, arrays[i].out, NULL, "has more than 2^32 - 3 entries");
+    }
+    if (status == FATHOM_OK)
+        status = gltf_extension(g, &g->root, "KHR_lights_punctual", &g->extensions, &g->punctual);
+    return status == FATHOM_OK ? gltf_array(g, &g->punctual, "lights", &g->lights) : status;
+}
+
+static fathom_status make_tables(gltf *g) {
+    size_t buffers = gltf_count(&g->buffers), materials = gltf_count(&g->materials) + 1,
+           meshes = gltf_count(&g->meshes), accessors = gltf_count(&g->accessors);
+    g->buffer_table = calloc(buffers + 1, sizeof *g->buffer_table);
+    g->material_table = calloc(materials, sizeof *g->material_table);
+    g->mesh_table = calloc(meshes + 1, sizeof *g->mesh_table);
+    g->array_table = calloc(accessors + 1, sizeof *g->array_table);
+    if (!g->buffer_table || !g->material_table || !g->mesh_table || !g->array_table)
+        return fail_memory(g->context, (buffers + materials + meshes + accessors) * sizeof *g->array_table);
+    for (size_t i = 0; i < materials; ++i) g->material_table[i].id = FATHOM_NONE;
+    for (size_t i = 0; i < meshes; ++i) g->mesh_table[i] = FATHOM_NONE;
+    return FATHOM_OK;
+}
+
+static void warn_animations(gltf *g) {
+    if (json_array_size(json_object_get(g->root.json, "animations")))
+        warn(g->context,
+             "%s: it is animated; animations are not followed, everything rests where its node is", g->path);
+}
+
+/* Sources that the scene took over stay open. */
+static void finish(gltf *g) {
+    for (size_t i = 0; g->buffer_table && i < gltf_count(&g->buffers); ++i) {
+        gltf_buffer *buffer = &g->buffer_table[i];
+        if (buffer->owns_source && buffer->source && !buffer->source->shared)
+            gltf_source_release(buffer->source);
+    }
+    if (g->source && !g->source->shared) gltf_source_release(g->source);
+    free(g->buffer_table);
+    free(g->material_table);
+    free(g->mesh_table);
+    free(g->array_table);
+    json_decref(g->root.json);
+}
+
+fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
+                        const read_mesh_options *options) {
+    gltf g = {.scene = scene, .context = scene->context, .group = group, .path = path, .options = options};
+    fathom_status status = gltf_open(&g);
+    if (status == FATHOM_OK) status = check_version(&g);
+    if (status == FATHOM_OK) status = check_extensions(&g);
+    if (status == FATHOM_OK) status = open_arrays(&g);
+    if (status == FATHOM_OK) status = make_tables(&g);
+    if (status == FATHOM_OK) status = gltf_nodes_place(&g);
+    if (status == FATHOM_OK) warn_animations(&g);
+    finish(&g);
+    return status;
+}

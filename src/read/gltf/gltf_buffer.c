@@ -1,0 +1,150 @@
+/* Buffers: the GLB's own chunk, files beside it, base64. Each is loaded when an accessor first needs it. */
+#include "read/gltf/gltf.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* The six bits that a base64 character stands for, 0xff for none. */
+static void make_base64_table(unsigned char table[256]) {
+    static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    memset(table, 0xff, 256);
+    for (unsigned i = 0; i < 64; ++i) table[(unsigned char)alphabet[i]] = (unsigned char)i;
+}
+
+/* Into `out`, with room for 3 bytes for each 4 characters begun. Returns how many of the `length` characters
+ * are good: all of them on success. Padding may be left out. */
+static size_t decode_base64(const char *text, size_t length, unsigned char *out, size_t *size) {
+    unsigned char table[256];
+    make_base64_table(table);
+    size_t end = length;
+    while (end && length - end < 2 && text[end - 1] == '=') --end;
+    *size = 0;
+    for (size_t i = 0; i < end; i += 4) {
+        size_t n = end - i < 4 ? end - i : 4;
+        uint32_t bits = 0;
+        for (size_t k = 0; k < n; ++k) {
+            unsigned char six = table[(unsigned char)text[i + k]];
+            if (six == 0xff) return i + k;
+            bits |= (uint32_t)six << (18 - 6 * k);
+        }
+        if (n == 1) return i; /* six bits are no byte */
+        for (size_t k = 0; k + 1 < n; ++k) out[(*size)++] = (unsigned char)(bits >> (16 - 8 * k));
+    }
+    return length;
+}
+
+static fathom_status load_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+    const char *comma = strchr(uri, ',');
+    static const char mark[] = ";base64";
+    const size_t mark_length = sizeof mark - 1;
+    if (!comma || (size_t)(comma - uri) < mark_length ||
+        strncasecmp(comma - mark_length, mark, mark_length) != 0) {
+        return gltf_fail(g, at, "uri", "is a data URI without \";base64,\"; expected base64");
+    }
+    const char *text = comma + 1;
+    size_t length = strlen(text), size;
+    void *bytes;
+    fathom_status status = scene_allocate(g->scene, (length + 3) / 4 * 3, &bytes);
+    if (status != FATHOM_OK) return status;
+    size_t good = decode_base64(text, length, bytes, &size);
+    if (good != length) {
+        return gltf_fail(g, at, "uri", "is not base64 from its character %zu on",
+                         (size_t)(text - uri) + good);
+    }
+    out->bytes = bytes;
+    out->size = size;
+    return FATHOM_OK;
+}
+
+static int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    c = (char)(c | 32);
+    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/* "my%20mesh.bin" -> "my mesh.bin", in place. */
+static void decode_percent(char *text) {
+    char *to = text;
+    for (const char *from = text; *from; ++from) {
+        int high = *from == '%' ? hex_digit(from[1]) : -1, low = high >= 0 ? hex_digit(from[2]) : -1;
+        if (low >= 0 && (high || low)) {
+            *to++ = (char)(high * 16 + low);
+            from += 2;
+        } else {
+            *to++ = *from;
+        }
+    }
+    *to = '\0';
+}
+
+static fathom_status load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+    const char *colon = strchr(uri, ':'), *slash = strchr(uri, '/');
+    if (colon && (!slash || colon < slash)) {
+        return gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file beside this one or a data URI", uri);
+    }
+    char *path = file_beside(g->path, uri);
+    gltf_source *source = calloc(1, sizeof *source);
+    if (!path || !source) {
+        free(path);
+        free(source);
+        return fail_memory(g->context, sizeof *source);
+    }
+    decode_percent(path + (strlen(path) - strlen(uri)));
+    fathom_status status = file_open(g->context, path, &source->map);
+    free(path);
+    if (status != FATHOM_OK) {
+        free(source);
+        return gltf_within(g, at, "uri", status);
+    }
+    *out = (gltf_buffer){source->map.bytes, source->map.size, source, true};
+    return FATHOM_OK;
+}
+
+static fathom_status load(gltf *g, const gltf_value *at, gltf_buffer *out) {
+    const char *uri = NULL;
+    fathom_status status = gltf_text(g, at, "uri", &uri);
+    if (status != FATHOM_OK) return status;
+    if (uri)
+        return strncasecmp(uri, "data:", 5) == 0 ? load_data_uri(g, at, uri, out)
+                                                 : load_file(g, at, uri, out);
+    if (at->index || !g->binary) {
+        return gltf_fail(g, at, NULL, "has no uri%s",
+                         at->index ? "; only the first buffer may lack one, as the GLB's BIN chunk"
+                                   : ", and the file has no BIN chunk");
+    }
+    *out = (gltf_buffer){g->binary, g->binary_size, g->source, false};
+    return FATHOM_OK;
+}
+
+fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out) {
+    gltf_buffer *buffer = *out = &g->buffer_table[index];
+    if (buffer->bytes) return FATHOM_OK;
+    gltf_value at;
+    fathom_status status = gltf_item(g, &g->buffers, index, &at);
+    uint64_t size = 0;
+    if (status == FATHOM_OK) status = gltf_integer(g, &at, "byteLength", 1, INT64_MAX, &size);
+    if (status != FATHOM_OK) return status;
+    if (!size) return gltf_fail(g, &at, "byteLength", "is missing; expected the buffer's size");
+    status = load(g, &at, buffer);
+    if (status != FATHOM_OK) return status;
+    if (buffer->size < size) {
+        return gltf_fail(g, &at, "byteLength", "is %llu; there are only %llu bytes: the data is cut short",
+                         (unsigned long long)size, (unsigned long long)buffer->size);
+    }
+    buffer->size = size;
+    return FATHOM_OK;
+}
+
+fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer) {
+    gltf_source *source = buffer ? buffer->source : NULL;
+    if (!source || source->shared) return FATHOM_OK;
+    source->shared = true;
+    fathom_status status = scene_adopt(g->scene, source, gltf_source_release);
+    if (status == FATHOM_OK) return FATHOM_OK;
+    /* It is released already. */
+    buffer->source = NULL;
+    buffer->bytes = NULL;
+    if (!buffer->owns_source) g->source = NULL;
+    return status;
+}

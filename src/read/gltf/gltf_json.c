@@ -1,0 +1,194 @@
+/* Typed values that know their place in the document. */
+#include "read/gltf/gltf.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* "meshes[2].primitives[0]"; returns the length, at most room - 1. */
+static size_t write_place(const gltf_value *v, char *out, size_t room) {
+    if (!v || !v->parent) {
+        out[0] = '\0';
+        return 0;
+    }
+    size_t used = write_place(v->parent, out, room);
+    int length = v->key ? snprintf(out + used, room - used, "%s%s", used ? "." : "", v->key)
+                        : snprintf(out + used, room - used, "[%zu]", v->index);
+    if (length > 0) used += (size_t)length;
+    return used < room ? used : room - 1;
+}
+
+static void write_member(const gltf_value *at, const char *key, char *out, size_t room) {
+    size_t used = write_place(at, out, room);
+    if (key) snprintf(out + used, room - used, "%s%s", used ? "." : "", key);
+}
+
+fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {
+    char place[256], text[1024];
+    write_member(at, key, place, sizeof place);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return fail(g->context, FATHOM_BAD_INPUT, "%s: %s%s%s", g->path, place, place[0] ? ": " : "", text);
+}
+
+fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status) {
+    if (status != FATHOM_BAD_INPUT) return status;
+    char place[256];
+    write_member(at, key, place, sizeof place);
+    return fail_within(g->context, status, "%s: %s%s", g->path, place, place[0] ? ": " : "");
+}
+
+void gltf_warn_once(gltf *g, unsigned kind, const char *format, ...) {
+    if (g->warned & kind) return;
+    g->warned |= kind;
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    warn(g->context, "%s: %s", g->path, text);
+}
+
+static const char *kind_name(const json_t *json) {
+    switch (json_typeof(json)) {
+    case JSON_OBJECT: return "an object";
+    case JSON_ARRAY: return "an array";
+    case JSON_STRING: return "a string";
+    case JSON_INTEGER:
+    case JSON_REAL: return "a number";
+    case JSON_TRUE:
+    case JSON_FALSE: return "a boolean";
+    case JSON_NULL: return "null";
+    }
+    return "something unknown";
+}
+
+static fathom_status fail_kind(gltf *g, const gltf_value *at, const char *expected) {
+    return gltf_fail(g, at, NULL, "is %s; expected %s", kind_name(at->json), expected);
+}
+
+gltf_value gltf_member(const gltf_value *parent, const char *key) {
+    return (gltf_value){.json = json_object_get(parent->json, key), .parent = parent, .key = key};
+}
+
+fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out) {
+    *out = gltf_member(parent, key);
+    return !out->json || json_is_object(out->json) ? FATHOM_OK : fail_kind(g, out, "an object");
+}
+
+fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out) {
+    *out = gltf_member(parent, key);
+    return !out->json || json_is_array(out->json) ? FATHOM_OK : fail_kind(g, out, "an array");
+}
+
+fathom_status gltf_item(gltf *g, const gltf_value *array, size_t index, gltf_value *out) {
+    *out = (gltf_value){.json = json_array_get(array->json, index), .parent = array, .index = index};
+    return json_is_object(out->json) ? FATHOM_OK : fail_kind(g, out, "an object");
+}
+
+fathom_status gltf_extension(gltf *g, const gltf_value *parent, const char *name, gltf_value *holder,
+                             gltf_value *out) {
+    fathom_status status = gltf_object(g, parent, "extensions", holder);
+    return status == FATHOM_OK ? gltf_object(g, holder, name, out) : status;
+}
+
+size_t gltf_count(const gltf_value *array) { return json_array_size(array->json); }
+
+static fathom_status number_of(gltf *g, const gltf_value *v, double lowest, double highest, double *out) {
+    if (!json_is_number(v->json)) return fail_kind(g, v, "a number");
+    double value = json_number_value(v->json);
+    if (!(value >= lowest && value <= highest)) {
+        if (isinf(lowest) || isinf(highest)) {
+            return gltf_fail(g, v, NULL, "is %g; expected a number %s %g", value,
+                             isinf(highest) ? ">=" : "<=", isinf(highest) ? lowest : highest);
+        }
+        return gltf_fail(g, v, NULL, "is %g; expected a number in [%g, %g]", value, lowest, highest);
+    }
+    *out = value;
+    return FATHOM_OK;
+}
+
+fathom_status gltf_number(gltf *g, const gltf_value *parent, const char *key, double lowest, double highest,
+                          double *out) {
+    gltf_value v = gltf_member(parent, key);
+    return v.json ? number_of(g, &v, lowest, highest, out) : FATHOM_OK;
+}
+
+fathom_status gltf_numbers(gltf *g, const gltf_value *parent, const char *key, size_t n, double lowest,
+                           double highest, double *out) {
+    gltf_value array;
+    fathom_status status = gltf_array(g, parent, key, &array);
+    if (status != FATHOM_OK || !array.json) return status;
+    if (gltf_count(&array) != n) {
+        return gltf_fail(g, &array, NULL, "has %zu entries; expected %zu numbers", gltf_count(&array), n);
+    }
+    for (size_t i = 0; i < n && status == FATHOM_OK; ++i) {
+        gltf_value v = {.json = json_array_get(array.json, i), .parent = &array, .index = i};
+        status = number_of(g, &v, lowest, highest, &out[i]);
+    }
+    return status;
+}
+
+/* Numbers such as 3.0 count as integers: JSON writers of some languages know only one kind of number. */
+static fathom_status integer_of(gltf *g, const gltf_value *v, uint64_t lowest, uint64_t highest,
+                                uint64_t *out) {
+    if (!json_is_number(v->json)) return fail_kind(g, v, "an integer");
+    double real = json_number_value(v->json);
+    bool whole = json_is_integer(v->json) || (fabs(real) < 0x1p53 && floor(real) == real);
+    if (!whole) return gltf_fail(g, v, NULL, "is %g; expected an integer", real);
+    int64_t value = json_is_integer(v->json) ? (int64_t)json_integer_value(v->json) : (int64_t)real;
+    if (value < 0 || (uint64_t)value < lowest || (uint64_t)value > highest) {
+        return gltf_fail(g, v, NULL, "is %lld; expected an integer in [%llu, %llu]", (long long)value,
+                         (unsigned long long)lowest, (unsigned long long)highest);
+    }
+    *out = (uint64_t)value;
+    return FATHOM_OK;
+}
+
+fathom_status gltf_integer(gltf *g, const gltf_value *parent, const char *key, uint64_t lowest,
+                           uint64_t highest, uint64_t *out) {
+    gltf_value v = gltf_member(parent, key);
+    return v.json ? integer_of(g, &v, lowest, highest, out) : FATHOM_OK;
+}
+
+static fathom_status index_of(gltf *g, const gltf_value *v, const gltf_value *into, uint32_t *out) {
+    uint64_t index = 0;
+    fathom_status status = integer_of(g, v, 0, INT64_MAX, &index);
+    if (status != FATHOM_OK) return status;
+    if (index >= gltf_count(into) || index >= GLTF_ABSENT) {
+        return gltf_fail(g, v, NULL, "is %llu; expected an index into %s, which has %zu entries",
+                         (unsigned long long)index, into->key, gltf_count(into));
+    }
+    *out = (uint32_t)index;
+    return FATHOM_OK;
+}
+
+fathom_status gltf_index(gltf *g, const gltf_value *parent, const char *key, const gltf_value *into,
+                         uint32_t *out) {
+    gltf_value v = gltf_member(parent, key);
+    return v.json ? index_of(g, &v, into, out) : FATHOM_OK;
+}
+
+fathom_status gltf_index_item(gltf *g, const gltf_value *array, size_t i, const gltf_value *into,
+                              uint32_t *out) {
+    gltf_value v = {.json = json_array_get(array->json, i), .parent = array, .index = i};
+    return index_of(g, &v, into, out);
+}
+
+fathom_status gltf_text(gltf *g, const gltf_value *parent, const char *key, const char **out) {
+    gltf_value v = gltf_member(parent, key);
+    if (!v.json) return FATHOM_OK;
+    if (!json_is_string(v.json)) return fail_kind(g, &v, "a string");
+    *out = json_string_value(v.json);
+    return FATHOM_OK;
+}
+
+fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool *out) {
+    gltf_value v = gltf_member(parent, key);
+    if (!v.json) return FATHOM_OK;
+    if (!json_is_boolean(v.json)) return fail_kind(g, &v, "true or false");
+    *out = json_is_true(v.json);
+    return FATHOM_OK;
+}

@@ -1,0 +1,139 @@
+/* Lights (KHR_lights_punctual) and cameras.
+ *
+ * The format gives a point's or spot's intensity I in candela (lm/sr) and a directional light's illuminance
+ * in lux (lm/m^2). A surface of base colour b at distance d of a point then sends out the luminance
+ *
+ * - L = (b / pi) (I / d^2) |n·l|, whereas the model computes
+ * - C = k_d (k_l / d^2) |n·l| with k_d = b.
+ *
+ * Both agree when k_l = colour I / pi, and in the same way for directional lights. So a pixel holds the
+ * luminance in cd/m^2, for lengths in metres as the format has them. Highlights follow: they are normalised
+ * like b / pi (see gltf_material.c).
+ *
+ * Nothing is rescaled. A file with the intensities of real lamps (some exporters write 683 lm for each watt,
+ * so a lamp of 1000 W becomes 54,351 cd) gives an image that bright, to be shown at an exposure of its own.
+ * Files made for viewers that ignore units have values around 1 to 10.
+ *
+ * `range` is ignored: light falls off by 1 / d^2 for ever. The spot's falloff between its cones is the
+ * model's. Lights and cameras look along their node's -z; scale does not touch them otherwise. */
+#include "math/frame.h"
+#include "read/gltf/gltf.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double pi = 3.14159265358979324;
+
+static vec3_f64 origin_of(const affine_f64 *map) {
+    return (vec3_f64){map->m[0][3], map->m[1][3], map->m[2][3]};
+}
+
+/* ---- lights ---- */
+
+static fathom_status read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
+    const char *type = "";
+    fathom_status status = gltf_text(g, at, "type", &type);
+    if (status != FATHOM_OK) return status;
+    if (strcmp(type, "point") == 0)
+        *out = FATHOM_LIGHT_POINT;
+    else if (strcmp(type, "directional") == 0)
+        *out = FATHOM_LIGHT_DIRECTIONAL;
+    else if (strcmp(type, "spot") == 0)
+        *out = FATHOM_LIGHT_SPOT;
+    else
+        return gltf_fail(g, at, "type", "is \"%.40s\"; expected point, directional or spot", type);
+    return FATHOM_OK;
+}
+
+static fathom_status read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
+    gltf_value spot;
+    double inner = 0, outer = pi / 4;
+    /* One float step over pi/2: that is what exporters write for a right angle. */
+    const double right_angle = 1.57079637050628662;
+    fathom_status status = gltf_object(g, at, "spot", &spot);
+    if (status == FATHOM_OK) status = gltf_number(g, &spot, "innerConeAngle", 0, right_angle, &inner);
+    if (status == FATHOM_OK) status = gltf_number(g, &spot, "outerConeAngle", 0, right_angle, &outer);
+    if (status != FATHOM_OK) return status;
+    out->inner_angle = (float)inner;
+    out->outer_angle = (float)outer;
+    if (!(out->inner_angle < out->outer_angle))
+        return gltf_fail(g, &spot, "innerConeAngle", "is %g; expected less than outerConeAngle, %g", inner,
+                         outer);
+    return FATHOM_OK;
+}
+
+static fathom_status read_light(gltf *g, const gltf_value *at, fathom_light *out) {
+    double color[3] = {1, 1, 1}, intensity = 1;
+    fathom_light_default(out);
+    fathom_status status = read_type(g, at, &out->type);
+    if (status == FATHOM_OK) status = gltf_numbers(g, at, "color", 3, 0, INFINITY, color);
+    if (status == FATHOM_OK) status = gltf_number(g, at, "intensity", 0, INFINITY, &intensity);
+    if (status == FATHOM_OK && out->type == FATHOM_LIGHT_SPOT) status = read_cone(g, at, out);
+    for (int i = 0; i < 3; ++i) out->intensity[i] = (float)(color[i] * intensity / pi);
+    if (json_object_get(at->json, "range"))
+        gltf_warn_once(g, GLTF_WARNED_RANGE, "the range of lights is ignored; they fall off for ever");
+    return status;
+}
+
+fathom_status gltf_light_place(gltf *g, const gltf_value *node, const affine_f64 *to_world) {
+    gltf_value extensions, punctual, at;
+    uint32_t index = GLTF_ABSENT;
+    fathom_light light;
+    fathom_status status = gltf_extension(g, node, "KHR_lights_punctual", &extensions, &punctual);
+    if (status == FATHOM_OK) status = gltf_index(g, &punctual, "light", &g->lights, &index);
+    if (status != FATHOM_OK || index == GLTF_ABSENT) return status;
+    status = gltf_item(g, &g->lights, index, &at);
+    if (status == FATHOM_OK) status = read_light(g, &at, &light);
+    if (status != FATHOM_OK) return status;
+    store_f64(light.position, origin_of(to_world));
+    store_f64(light.direction, normalize_f64(affine_vector(to_world, (vec3_f64){0, 0, -1})));
+    return gltf_within(g, node, NULL, fathom_scene_add_light(g->scene, &light, NULL));
+}
+
+/* ---- cameras ---- */
+
+static fathom_status read_perspective(gltf *g, const gltf_value *at, fathom_camera *out) {
+    gltf_value perspective;
+    double fovy = 0, aspect = 0;
+    fathom_status status = gltf_object(g, at, "perspective", &perspective);
+    if (status == FATHOM_OK) status = gltf_number(g, &perspective, "yfov", 0, INFINITY, &fovy);
+    if (status == FATHOM_OK) status = gltf_number(g, &perspective, "aspectRatio", 0, INFINITY, &aspect);
+    if (status != FATHOM_OK) return status;
+    if (!(fovy > 0 && fovy < pi))
+        return gltf_fail(g, &perspective, "yfov", "is %g; expected radians between 0 and pi", fovy);
+    if (json_object_get(perspective.json, "aspectRatio") && !(aspect > 0))
+        return gltf_fail(g, &perspective, "aspectRatio", "is %g; expected a number > 0", aspect);
+    out->d = 1;
+    out->h = 2 * tan(fovy / 2);
+    out->w = out->h * aspect;
+    return FATHOM_OK;
+}
+
+fathom_status gltf_camera_place(gltf *g, const gltf_value *node, const affine_f64 *to_world) {
+    uint32_t index = GLTF_ABSENT;
+    gltf_value at;
+    const char *type = "perspective";
+    fathom_status status = gltf_index(g, node, "camera", &g->cameras, &index);
+    if (status != FATHOM_OK || index == GLTF_ABSENT || g->has_camera) return status;
+    status = gltf_item(g, &g->cameras, index, &at);
+    if (status == FATHOM_OK) status = gltf_text(g, &at, "type", &type);
+    if (status != FATHOM_OK) return status;
+    if (strcmp(type, "orthographic") == 0) {
+        gltf_warn_once(g, GLTF_WARNED_ORTHOGRAPHIC, "orthographic cameras are left out");
+        return FATHOM_OK;
+    }
+    if (strcmp(type, "perspective") != 0)
+        return gltf_fail(g, &at, "type", "is \"%.40s\"; expected perspective or orthographic", type);
+    fathom_camera camera;
+    fathom_camera_default(&camera);
+    status = read_perspective(g, &at, &camera);
+    if (status != FATHOM_OK) return status;
+    frame_f64 frame = frame_from(origin_of(to_world), affine_vector(to_world, (vec3_f64){0, 0, 1}),
+                                 affine_vector(to_world, (vec3_f64){0, 1, 0}));
+    store_f64(camera.origin, frame.origin);
+    store_f64(camera.x, frame.x);
+    store_f64(camera.y, frame.y);
+    store_f64(camera.z, frame.z);
+    g->has_camera = true;
+    return gltf_within(g, node, NULL, fathom_scene_set_camera(g->scene, &camera));
+}

@@ -1,0 +1,194 @@
+/* Meshes to groups, a mesh of the scene for each primitive. */
+#include "read/gltf/gltf.h"
+#include "read/mesh/normals.h"
+
+enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
+
+typedef struct primitive {
+    const gltf_value *at;
+    const gltf_value *attributes;
+    uint32_t mode;
+    fathom_mesh mesh;
+} primitive;
+
+/* 0, 1, 2… for a primitive without indices. */
+static fathom_status count_up(gltf *g, uint32_t count, const uint32_t **out) {
+    void *memory;
+    fathom_status status = scene_allocate(g->scene, (size_t)count * sizeof(uint32_t), &memory);
+    if (status != FATHOM_OK) return status;
+    uint32_t *indices = memory;
+    for (uint32_t i = 0; i < count; ++i) indices[i] = i;
+    *out = indices;
+    return FATHOM_OK;
+}
+
+/* Triangle i of a strip is i, then its two followers in the order that keeps its front where triangle 0 has
+ * it; of a fan, the vertices i + 1, i + 2 and 0. */
+static fathom_status unroll(gltf *g, uint32_t mode, const uint32_t *from, uint32_t triangles,
+                            const uint32_t **out) {
+    void *memory;
+    fathom_status status = scene_allocate(g->scene, (size_t)triangles * 3 * sizeof(uint32_t), &memory);
+    if (status != FATHOM_OK) return status;
+    uint32_t *to = memory;
+    for (uint32_t i = 0; i < triangles; ++i, to += 3) {
+        bool strip = mode == MODE_STRIP;
+        to[0] = from[strip ? i : i + 1];
+        to[1] = from[strip ? i + 1 + i % 2 : i + 2];
+        to[2] = from[strip ? i + 2 - i % 2 : 0];
+    }
+    *out = memory;
+    return FATHOM_OK;
+}
+
+static uint32_t triangles_of(uint32_t mode, uint32_t corners) {
+    return mode == MODE_TRIANGLES ? corners / 3 : corners < 3 ? 0 : corners - 2;
+}
+
+static fathom_status read_indices(gltf *g, primitive *p) {
+    const uint32_t *corners = NULL;
+    uint32_t count = p->mesh.vertex_count;
+    bool present;
+    fathom_status status =
+        gltf_array_indices(g, p->at, "indices", p->mesh.vertex_count, &present, &corners, &count);
+    if (status == FATHOM_OK && !present) status = count_up(g, count, &corners);
+    if (status != FATHOM_OK) return status;
+    p->mesh.triangle_count = triangles_of(p->mode, count);
+    if (!p->mesh.triangle_count || (p->mode == MODE_TRIANGLES && count % 3)) {
+        gltf_warn_once(g, GLTF_WARNED_REST,
+                       "a mesh has vertices that make up no whole triangle; they are left out");
+    }
+    if (p->mode == MODE_TRIANGLES || !p->mesh.triangle_count) {
+        p->mesh.indices = corners;
+        return FATHOM_OK;
+    }
+    return unroll(g, p->mode, corners, p->mesh.triangle_count, &p->mesh.indices);
+}
+
+static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
+    gltf_floats floats;
+    fathom_status status =
+        gltf_array_floats(g, p->attributes, "POSITION", 3,
+                          GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, present, &floats);
+    if (status != FATHOM_OK || !*present) return status;
+    p->mesh.positions = floats.values;
+    p->mesh.position_stride = floats.stride;
+    p->mesh.vertex_count = floats.count;
+    return FATHOM_OK;
+}
+
+static fathom_status check_count(gltf *g, const primitive *p, const char *key, uint32_t count) {
+    if (count == p->mesh.vertex_count) return FATHOM_OK;
+    return gltf_fail(g, p->attributes, key, "has %u entries; expected as many as POSITION has, %u", count,
+                     p->mesh.vertex_count);
+}
+
+static fathom_status make_normals(gltf *g, primitive *p) {
+    void *normals;
+    fathom_status status =
+        scene_allocate(g->scene, (size_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
+    if (status != FATHOM_OK) return status;
+    const normals_input input = {.positions = p->mesh.positions,
+                                 .stride = p->mesh.position_stride,
+                                 .indices = p->mesh.indices,
+                                 .triangle_count = p->mesh.triangle_count,
+                                 .slot_count = p->mesh.vertex_count};
+    p->mesh.normals = normals;
+    p->mesh.normal_count = p->mesh.vertex_count;
+    return normals_smooth(g->context, &input, normals);
+}
+
+/* A mesh without normals is flat by the standard, unless smooth ones are asked for. */
+static fathom_status read_normals(gltf *g, primitive *p) {
+    gltf_floats floats;
+    bool present;
+    fathom_status status = gltf_array_floats(g, p->attributes, "NORMAL", 3,
+                                             GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
+    if (status != FATHOM_OK) return status;
+    if (!present) return g->options->smooth ? make_normals(g, p) : FATHOM_OK;
+    p->mesh.normals = floats.values;
+    p->mesh.normal_stride = floats.stride;
+    p->mesh.normal_count = floats.count;
+    return check_count(g, p, "NORMAL", floats.count);
+}
+
+static fathom_status read_uvs(gltf *g, primitive *p) {
+    gltf_floats floats;
+    bool present;
+    fathom_status status =
+        gltf_array_floats(g, p->attributes, "TEXCOORD_0", 2,
+                          GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, &present, &floats);
+    if (status != FATHOM_OK || !present) return status;
+    p->mesh.uvs = floats.values;
+    p->mesh.uv_stride = floats.stride;
+    p->mesh.uv_count = floats.count;
+    return check_count(g, p, "TEXCOORD_0", floats.count);
+}
+
+static fathom_status read_material(gltf *g, primitive *p) {
+    p->mesh.flags = g->options->flags;
+    p->mesh.material = g->options->material;
+    if (p->mesh.material != FATHOM_NONE) return FATHOM_OK;
+    uint32_t index = GLTF_ABSENT;
+    gltf_material material;
+    fathom_status status = gltf_index(g, p->at, "material", &g->materials, &index);
+    if (status == FATHOM_OK) status = gltf_material_make(g, index, &material);
+    if (status != FATHOM_OK) return status;
+    p->mesh.material = material.id;
+    p->mesh.flags |= material.flags;
+    return FATHOM_OK;
+}
+
+/* Points and lines have no surface; *mode is then 0. */
+static fathom_status read_mode(gltf *g, const gltf_value *at, uint32_t *mode) {
+    uint64_t value = MODE_TRIANGLES;
+    fathom_status status = gltf_integer(g, at, "mode", 0, MODE_FAN, &value);
+    *mode = value < MODE_TRIANGLES ? 0 : (uint32_t)value;
+    if (status == FATHOM_OK && !*mode)
+        gltf_warn_once(g, GLTF_WARNED_MODES, "it holds points or lines, which are left out");
+    return status;
+}
+
+static fathom_status add_primitive(gltf *g, const gltf_value *at, fathom_id group) {
+    gltf_value attributes, targets;
+    primitive p = {.at = at, .attributes = &attributes};
+    fathom_mesh_default(&p.mesh);
+    bool present = false;
+    fathom_status status = gltf_object(g, at, "attributes", &attributes);
+    if (status == FATHOM_OK) status = gltf_array(g, at, "targets", &targets);
+    if (status == FATHOM_OK) status = read_mode(g, at, &p.mode);
+    if (status != FATHOM_OK || !p.mode) return status;
+    if (gltf_count(&targets))
+        gltf_warn_once(g, GLTF_WARNED_MORPH, "morph targets are not applied; meshes have their base shape");
+    status = read_positions(g, &p, &present);
+    if (status != FATHOM_OK) return status;
+    if (!present) {
+        gltf_warn_once(g, GLTF_WARNED_POSITIONS, "a mesh without POSITION is left out");
+        return FATHOM_OK;
+    }
+    status = read_indices(g, &p);
+    if (status != FATHOM_OK || !p.mesh.triangle_count) return status;
+    if (!g->options->flat) status = read_normals(g, &p);
+    if (status == FATHOM_OK) status = read_uvs(g, &p);
+    if (status == FATHOM_OK) status = read_material(g, &p);
+    if (status != FATHOM_OK) return status;
+    return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, NULL));
+}
+
+fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out) {
+    *out = g->mesh_table[index];
+    if (*out != FATHOM_NONE) return FATHOM_OK;
+    gltf_value mesh, primitives, at;
+    const char *name = NULL;
+    fathom_status status = gltf_item(g, &g->meshes, index, &mesh);
+    if (status == FATHOM_OK) status = gltf_text(g, &mesh, "name", &name);
+    if (status == FATHOM_OK) status = gltf_array(g, &mesh, "primitives", &primitives);
+    if (status == FATHOM_OK) status = fathom_scene_add_group(g->scene, name, out);
+    size_t before = g->scene->meshes.count;
+    for (size_t i = 0; i < gltf_count(&primitives) && status == FATHOM_OK; ++i) {
+        status = gltf_item(g, &primitives, i, &at);
+        if (status == FATHOM_OK) status = add_primitive(g, &at, *out);
+    }
+    if (g->scene->meshes.count == before) *out = GLTF_EMPTY;
+    g->mesh_table[index] = *out;
+    return status;
+}

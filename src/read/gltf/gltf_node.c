@@ -1,0 +1,305 @@
+/* The hierarchy: every mesh a node shows becomes an instance of the mesh's group, placed by the product of
+ * the transforms above it, formed in double. */
+#include "read/gltf/gltf.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct step {
+    uint32_t node;
+    affine_f64 to_world; /* of the node's parent */
+} step;
+
+typedef struct walk {
+    uint32_t *parents; /* GLTF_ABSENT: a root */
+    ARRAY(step) stack;
+    uint32_t flattened; /* nodes left out because they are scaled to nothing */
+} walk;
+
+/* ---- the graph ---- */
+
+static fathom_status find_parents(gltf *g, uint32_t *parents) {
+    uint32_t count = (uint32_t)gltf_count(&g->nodes);
+    for (uint32_t i = 0; i < count; ++i) parents[i] = GLTF_ABSENT;
+    for (uint32_t i = 0; i < count; ++i) {
+        gltf_value node, children;
+        fathom_status status = gltf_item(g, &g->nodes, i, &node);
+        if (status == FATHOM_OK) status = gltf_array(g, &node, "children", &children);
+        for (size_t k = 0; k < gltf_count(&children) && status == FATHOM_OK; ++k) {
+            uint32_t child = GLTF_ABSENT;
+            status = gltf_index_item(g, &children, k, &g->nodes, &child);
+            if (status != FATHOM_OK) return status;
+            if (parents[child] != GLTF_ABSENT) {
+                return gltf_fail(
+                    g, &children, NULL,
+                    "names nodes[%u], which is a child of nodes[%u] already; expected one parent", child,
+                    parents[child]);
+            }
+            parents[child] = i;
+        }
+        if (status != FATHOM_OK) return status;
+    }
+    return FATHOM_OK;
+}
+
+/* With one parent each, a node lies on a cycle or below one exactly if no root is above it. Every node is
+ * stepped over once: `seen` holds which walk upwards came by. */
+static fathom_status find_cycle(gltf *g, const uint32_t *parents) {
+    uint32_t count = (uint32_t)gltf_count(&g->nodes);
+    uint32_t *seen = calloc((size_t)count + 1, sizeof *seen), at = GLTF_ABSENT;
+    if (!seen) return fail_memory(g->context, count * sizeof *seen);
+    for (uint32_t i = 0; i < count && at == GLTF_ABSENT; ++i) {
+        uint32_t k = i;
+        while (k != GLTF_ABSENT && !seen[k]) {
+            seen[k] = i + 1;
+            k = parents[k];
+        }
+        if (k != GLTF_ABSENT && seen[k] == i + 1) at = k;
+    }
+    free(seen);
+    if (at == GLTF_ABSENT) return FATHOM_OK;
+    gltf_value node = {.parent = &g->nodes, .index = at};
+    return gltf_fail(g, &node, "children", "leads back to nodes[%u]: a node may not hold itself", at);
+}
+
+/* ---- transforms ---- */
+
+static fathom_status read_matrix(gltf *g, const gltf_value *node, affine_f64 *out) {
+    double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    fathom_status status = gltf_numbers(g, node, "matrix", 16, -INFINITY, INFINITY, m);
+    if (status != FATHOM_OK) return status;
+    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+        return gltf_fail(g, node, "matrix", "has the last row %g %g %g %g; expected 0 0 0 1", m[3], m[7],
+                         m[11], m[15]);
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) out->m[row][column] = m[column * 4 + row];
+    }
+    return FATHOM_OK;
+}
+
+static affine_f64 compose_parts(const double t[3], const double r[4], const double s[3]) {
+    affine_f64 scaling = affine_scaling(load_f64(s)), rotation = affine_rotation(r);
+    affine_f64 out = affine_compose(&rotation, &scaling);
+    for (int i = 0; i < 3; ++i) out.m[i][3] = t[i];
+    return out;
+}
+
+static fathom_status read_transform(gltf *g, const gltf_value *node, affine_f64 *out) {
+    static const char *const parts[] = {"translation", "rotation", "scale"};
+    if (json_object_get(node->json, "matrix")) {
+        for (int i = 0; i < 3; ++i) {
+            if (json_object_get(node->json, parts[i]))
+                return gltf_fail(g, node, parts[i], "stands beside a matrix; expected one or the other");
+        }
+        return read_matrix(g, node, out);
+    }
+    double t[3] = {0, 0, 0}, r[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
+    fathom_status status = gltf_numbers(g, node, parts[0], 3, -INFINITY, INFINITY, t);
+    if (status == FATHOM_OK) status = gltf_numbers(g, node, parts[1], 4, -1e30, 1e30, r);
+    if (status == FATHOM_OK) status = gltf_numbers(g, node, parts[2], 3, -INFINITY, INFINITY, s);
+    if (status != FATHOM_OK) return status;
+    if (!(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] > 0))
+        return gltf_fail(g, node, parts[1], "is zero; expected a unit quaternion x, y, z, w");
+    *out = compose_parts(t, r, s);
+    return FATHOM_OK;
+}
+
+/* ---- placing ---- */
+
+static fathom_status add_instance(gltf *g, walk *w, const gltf_value *node, fathom_id group,
+                                  const affine_f64 *to_world) {
+    affine_f64 inverse;
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.group = group;
+    instance.parent = g->group;
+    bool finite = true;
+    for (int i = 0; i < 12; ++i) {
+        instance.transform[i] = to_world->m[i / 4][i % 4];
+        finite = finite && isfinite(instance.transform[i]);
+    }
+    if (!finite) return gltf_fail(g, node, NULL, "is placed out of the range of numbers by its transforms");
+    /* A scale of zero is how files hide things. */
+    if (!affine_invert(to_world, &inverse)) {
+        ++w->flattened;
+        return FATHOM_OK;
+    }
+    return gltf_within(g, node, NULL, fathom_scene_add_instance(g->scene, &instance, NULL));
+}
+
+typedef struct instance_parts {
+    gltf_floats translations, rotations, scales; /* values NULL: not given */
+    uint32_t count;
+} instance_parts;
+
+static fathom_status read_part(gltf *g, const gltf_value *attributes, const char *key, unsigned components,
+                               unsigned takes, gltf_floats *out, uint32_t *count) {
+    bool present;
+    fathom_status status = gltf_array_floats(g, attributes, key, components, takes, &present, out);
+    if (status != FATHOM_OK || !present) return status;
+    if (*count && out->count != *count)
+        return gltf_fail(g, attributes, key, "has %u entries where another attribute has %u", out->count,
+                         *count);
+    *count = out->count;
+    return FATHOM_OK;
+}
+
+static void part_at(const gltf_floats *part, uint32_t i, int n, double *out) {
+    if (!part->values) return;
+    float values[4];
+    memcpy(values, (const char *)part->values + part->stride * i, (size_t)n * sizeof(float));
+    for (int k = 0; k < n; ++k) out[k] = (double)values[k];
+}
+
+/* EXT_mesh_gpu_instancing: one node, many places. */
+static fathom_status add_many(gltf *g, walk *w, const gltf_value *node, const gltf_value *instancing,
+                              fathom_id group, const affine_f64 *to_world) {
+    gltf_value attributes;
+    instance_parts p = {.count = 0};
+    fathom_status status = gltf_object(g, instancing, "attributes", &attributes);
+    if (status == FATHOM_OK)
+        status = read_part(g, &attributes, "TRANSLATION", 3, GLTF_TAKES_FLOAT, &p.translations, &p.count);
+    if (status == FATHOM_OK)
+        status = read_part(g, &attributes, "ROTATION", 4, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &p.rotations,
+                           &p.count);
+    if (status == FATHOM_OK)
+        status = read_part(g, &attributes, "SCALE", 3, GLTF_TAKES_FLOAT, &p.scales, &p.count);
+    for (uint32_t i = 0; i < p.count && status == FATHOM_OK; ++i) {
+        double t[3] = {0, 0, 0}, r[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
+        part_at(&p.translations, i, 3, t);
+        part_at(&p.rotations, i, 4, r);
+        part_at(&p.scales, i, 3, s);
+        if (!(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] > 0))
+            return gltf_fail(g, &attributes, "ROTATION", "entry %u is zero; expected unit quaternions", i);
+        affine_f64 one = compose_parts(t, r, s), map = affine_compose(to_world, &one);
+        status = add_instance(g, w, node, group, &map);
+    }
+    return status;
+}
+
+static fathom_status place_mesh(gltf *g, walk *w, const gltf_value *node, const affine_f64 *to_world) {
+    uint32_t mesh = GLTF_ABSENT;
+    fathom_id group = GLTF_EMPTY;
+    gltf_value extensions, instancing;
+    fathom_status status = gltf_index(g, node, "mesh", &g->meshes, &mesh);
+    if (status != FATHOM_OK || mesh == GLTF_ABSENT) return status;
+    if (json_object_get(node->json, "skin"))
+        gltf_warn_once(g, GLTF_WARNED_SKINS,
+                       "skins are not applied; meshes keep the shape they are stored in");
+    status = gltf_mesh_group(g, mesh, &group);
+    if (status != FATHOM_OK || group == GLTF_EMPTY) return status;
+    status = gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
+    if (status != FATHOM_OK) return status;
+    if (instancing.json) return add_many(g, w, node, &instancing, group, to_world);
+    return add_instance(g, w, node, group, to_world);
+}
+
+/* Children are stacked last to first, so that nodes come in the order in which a reader of the file meets
+ * them. */
+static fathom_status stack_children(gltf *g, walk *w, const gltf_value *list, const affine_f64 *to_world) {
+    for (size_t i = gltf_count(list); i-- > 0;) {
+        step next = {.to_world = *to_world};
+        fathom_status status = gltf_index_item(g, list, i, &g->nodes, &next.node);
+        if (status != FATHOM_OK) return status;
+        if (!array_push(&w->stack, next)) return fail_memory(g->context, sizeof next);
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status visit(gltf *g, walk *w, const step *at) {
+    gltf_value node, children;
+    affine_f64 local;
+    fathom_status status = gltf_item(g, &g->nodes, at->node, &node);
+    if (status == FATHOM_OK) status = read_transform(g, &node, &local);
+    if (status != FATHOM_OK) return status;
+    affine_f64 to_world = affine_compose(&at->to_world, &local);
+    status = place_mesh(g, w, &node, &to_world);
+    if (status == FATHOM_OK && g->options->surroundings) {
+        status = gltf_camera_place(g, &node, &to_world);
+        if (status == FATHOM_OK) status = gltf_light_place(g, &node, &to_world);
+    }
+    if (status == FATHOM_OK) status = gltf_array(g, &node, "children", &children);
+    return status == FATHOM_OK ? stack_children(g, w, &children, &to_world) : status;
+}
+
+static fathom_status walk_down(gltf *g, walk *w) {
+    fathom_status status = FATHOM_OK;
+    while (w->stack.count && status == FATHOM_OK) {
+        step at = w->stack.items[--w->stack.count];
+        status = visit(g, w, &at);
+    }
+    return status;
+}
+
+/* ---- where to begin ---- */
+
+#define IN_SCENE (GLTF_ABSENT - 1) /* as a parent: none, and the scene's list names the node */
+
+static fathom_status check_scene_roots(gltf *g, walk *w, const gltf_value *list) {
+    for (size_t i = 0; i < gltf_count(list); ++i) {
+        uint32_t node = GLTF_ABSENT;
+        fathom_status status = gltf_index_item(g, list, i, &g->nodes, &node);
+        if (status != FATHOM_OK) return status;
+        if (w->parents[node] == IN_SCENE) return gltf_fail(g, list, NULL, "names nodes[%u] twice", node);
+        if (w->parents[node] != GLTF_ABSENT)
+            return gltf_fail(g, list, NULL, "names nodes[%u], a child of nodes[%u]; expected root nodes",
+                             node, w->parents[node]);
+        w->parents[node] = IN_SCENE;
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status walk_scene(gltf *g, walk *w) {
+    uint32_t index = 0;
+    gltf_value scene, list;
+    affine_f64 identity = affine_identity();
+    fathom_status status = gltf_index(g, &g->root, "scene", &g->scenes, &index);
+    if (status == FATHOM_OK) status = gltf_item(g, &g->scenes, index, &scene);
+    if (status == FATHOM_OK) status = gltf_array(g, &scene, "nodes", &list);
+    if (status == FATHOM_OK) status = check_scene_roots(g, w, &list);
+    if (status == FATHOM_OK) status = stack_children(g, w, &list, &identity);
+    return status == FATHOM_OK ? walk_down(g, w) : status;
+}
+
+static fathom_status walk_roots(gltf *g, walk *w) {
+    fathom_status status = FATHOM_OK;
+    for (uint32_t i = 0; i < gltf_count(&g->nodes) && status == FATHOM_OK; ++i) {
+        step root = {i, affine_identity()};
+        if (w->parents[i] == GLTF_ABSENT) status = visit(g, w, &root);
+        if (status == FATHOM_OK) status = walk_down(g, w);
+    }
+    return status;
+}
+
+/* A file that is a library of meshes: each is shown once, where it is. */
+static fathom_status place_all_meshes(gltf *g, walk *w) {
+    affine_f64 identity = affine_identity();
+    fathom_status status = FATHOM_OK;
+    for (uint32_t i = 0; i < gltf_count(&g->meshes) && status == FATHOM_OK; ++i) {
+        fathom_id group = GLTF_EMPTY;
+        gltf_value mesh = {.parent = &g->meshes, .index = i};
+        status = gltf_mesh_group(g, i, &group);
+        if (status == FATHOM_OK && group != GLTF_EMPTY) status = add_instance(g, w, &mesh, group, &identity);
+    }
+    return status;
+}
+
+static fathom_status place_all(gltf *g, walk *w) {
+    if (!gltf_count(&g->nodes)) return place_all_meshes(g, w);
+    fathom_status status = find_parents(g, w->parents);
+    if (status == FATHOM_OK) status = find_cycle(g, w->parents);
+    if (status != FATHOM_OK) return status;
+    return gltf_count(&g->scenes) ? walk_scene(g, w) : walk_roots(g, w);
+}
+
+fathom_status gltf_nodes_place(gltf *g) {
+    size_t count = gltf_count(&g->nodes);
+    walk w = {.parents = malloc((count + 1) * sizeof *w.parents)};
+    fathom_status status = w.parents ? place_all(g, &w) : fail_memory(g->context, count * sizeof *w.parents);
+    if (status == FATHOM_OK && w.flattened)
+        warn(g->context, "%s: %u instances are scaled to nothing and left out", g->path, w.flattened);
+    free(w.parents);
+    array_free(&w.stack);
+    return status;
+}

@@ -1,0 +1,214 @@
+/* Scene JSON. The format itself is in json_form.c. */
+#include "base/file.h"
+#include "read/json/json_object.h"
+#include "read/json/json_place.h"
+#include "read/read.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- camera and image ---- */
+
+static fathom_status set_camera(const object_reader *r, json_t *value, const form_camera_values *c) {
+    const where at = {NULL, "camera", 0}, target = {&at, "target", 0}, framed = {&at, "frame", 0};
+    fathom_camera camera;
+    if (doc_has(value, "eye")) {
+        vec3_f64 view = sub_f64(load_f64(c->target), load_f64(c->eye));
+        if (!(length_f64(view) > 0)) return doc_fail(r->doc, &target, "it is where the eye is");
+        fathom_camera_look_at(c->eye, c->target, c->up, place_radians(c->fovy), &camera);
+    } else {
+        frame_f64 frame;
+        fathom_status status =
+            place_frame(r->doc, &framed, json_object_get(value, "frame"), &c->frame, &frame);
+        if (status != FATHOM_OK) return status;
+        camera = (fathom_camera){.d = 1, .h = 2 * tan(place_radians(c->fovy) / 2)};
+        store_f64(camera.origin, frame.origin);
+        store_f64(camera.x, frame.x);
+        store_f64(camera.y, frame.y);
+        store_f64(camera.z, frame.z);
+    }
+    if (doc_has(value, "h")) camera.d = c->d, camera.h = c->h;
+    if (doc_has(value, "w")) camera.w = c->w;
+    fathom_status status = fathom_scene_set_camera(r->scene, &camera);
+    return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
+}
+
+static fathom_status set_image(const object_reader *r, const fathom_settings *settings) {
+    const where at = {NULL, "image", 0};
+    fathom_status status = fathom_scene_set_settings(r->scene, settings);
+    return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
+}
+
+/* ---- materials and lights ---- */
+
+static fathom_status add_material(const object_reader *r, const where *at, const char *name, json_t *value) {
+    fathom_material material;
+    fathom_id id;
+    fathom_material_default(&material);
+    fathom_status status = doc_read(r->doc, at, value, &form_material, &material);
+    if (status != FATHOM_OK) return status;
+    status = fathom_scene_add_material(r->scene, name, &material, &id);
+    if (status != FATHOM_OK) return doc_within(r->doc, at, status);
+    if (json_object_set_new(r->materials, name, json_integer(id)) != 0)
+        return fail_memory(r->scene->context, strlen(name));
+    return FATHOM_OK;
+}
+
+static fathom_status add_materials(const object_reader *r, json_t *materials) {
+    const where at = {NULL, "materials", 0};
+    fathom_status status = FATHOM_OK;
+    const char *name;
+    json_t *value;
+    json_object_foreach(materials, name, value) {
+        const where item = {&at, name, 0};
+        if (status == FATHOM_OK) status = add_material(r, &item, name, value);
+    }
+    return status;
+}
+
+static fathom_status add_light(const object_reader *r, const where *at, json_t *value) {
+    const form *f;
+    fathom_status status = doc_choose(r->doc, at, value, &form_light, &f);
+    if (status != FATHOM_OK) return status;
+    form_light_values v = {.color = {1, 1, 1}, .intensity = 1, .outer_angle = 45};
+    status = doc_read(r->doc, at, value, f, &v);
+    if (status != FATHOM_OK) return status;
+    fathom_light light;
+    fathom_light_default(&light);
+    switch ((form_light_id)f->id) {
+    case FORM_POINT: light.type = FATHOM_LIGHT_POINT; break;
+    case FORM_DIRECTIONAL: light.type = FATHOM_LIGHT_DIRECTIONAL; break;
+    case FORM_SPOT: light.type = FATHOM_LIGHT_SPOT; break;
+    }
+    for (int i = 0; i < 3; ++i) {
+        light.position[i] = v.position[i];
+        light.direction[i] = doc_has(value, "target") ? v.target[i] - v.position[i] : v.direction[i];
+        light.intensity[i] = v.color[i] * v.intensity;
+    }
+    light.inner_angle = (float)place_radians(v.inner_angle);
+    light.outer_angle = (float)place_radians(v.outer_angle);
+    status = fathom_scene_add_light(r->scene, &light, NULL);
+    return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
+}
+
+static fathom_status add_lights(const object_reader *r, json_t *lights) {
+    const where at = {NULL, "lights", 0};
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < json_array_size(lights) && status == FATHOM_OK; ++i) {
+        const where item = {&at, NULL, i};
+        status = add_light(r, &item, json_array_get(lights, i));
+    }
+    return status;
+}
+
+/* ---- groups and objects ---- */
+
+/* All names first: groups may use each other in any order. */
+static fathom_status name_groups(const object_reader *r, json_t *groups) {
+    const char *name;
+    json_t *list;
+    json_object_foreach(groups, name, list) {
+        fathom_id id;
+        fathom_status status = fathom_scene_add_group(r->scene, name, &id);
+        if (status != FATHOM_OK) return status;
+        if (json_object_set_new(r->groups, name, json_integer(id)) != 0)
+            return fail_memory(r->scene->context, strlen(name));
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status fill_groups(const object_reader *r, json_t *groups) {
+    const where at = {NULL, "groups", 0};
+    fathom_status status = name_groups(r, groups);
+    const char *name;
+    json_t *list;
+    json_object_foreach(groups, name, list) {
+        const where item = {&at, name, 0};
+        fathom_id id = (fathom_id)json_integer_value(json_object_get(r->groups, name));
+        if (status == FATHOM_OK) status = object_list(r, &item, list, id);
+    }
+    return status;
+}
+
+static fathom_status check_cycles(const object_reader *r, json_t *groups) {
+    fathom_status status = scene_check_cycles(r->scene);
+    if (status != FATHOM_BAD_INPUT) return status;
+    const where at = {NULL, "groups", 0};
+    fathom_status found = object_find_cycle(r->doc, groups);
+    return found == FATHOM_OK ? doc_within(r->doc, &at, status) : found;
+}
+
+static fathom_status add_objects(const object_reader *r, const form_scene_values *v) {
+    const where at = {NULL, "objects", 0};
+    fathom_status status = fill_groups(r, v->groups);
+    if (status == FATHOM_OK) status = object_list(r, &at, v->objects, FATHOM_ROOT);
+    return status == FATHOM_OK ? check_cycles(r, v->groups) : status;
+}
+
+/* Of the scene's own checks this one alone is about a value of the file, and waits for the objects and the
+ * camera. The others come when the scene is complete. */
+static fathom_status check_lights(const object_reader *r) {
+    unsigned light;
+    if (!r->scene->has_camera || fathom_scene_check(r->scene) != FATHOM_BAD_INPUT) return FATHOM_OK;
+    const char *message = fathom_context_message(r->scene->context), *what = strstr(message, ": ");
+    if (!what || sscanf(message, "lights[%u]", &light) != 1) return FATHOM_OK;
+    const where at = {NULL, "lights", 0}, item = {&at, NULL, light};
+    return doc_fail(r->doc, &item, "%s", what + 2);
+}
+
+/* ---- the document ---- */
+
+static fathom_status build(const object_reader *r, json_t *root, const form_scene_values *v) {
+    fathom_scene *scene = r->scene;
+    fathom_status status = v->name ? fathom_scene_set_name(scene, v->name) : FATHOM_OK;
+    if (status == FATHOM_OK) status = set_image(r, &v->image);
+    if (status == FATHOM_OK && doc_has(root, "background"))
+        status = fathom_scene_set_background(scene, v->background);
+    if (status == FATHOM_OK && doc_has(root, "ambient")) status = fathom_scene_set_ambient(scene, v->ambient);
+    if (status == FATHOM_OK) status = add_materials(r, v->materials);
+    if (status == FATHOM_OK) status = add_lights(r, v->lights);
+    if (status == FATHOM_OK) status = add_objects(r, v);
+    if (status == FATHOM_OK && doc_has(root, "camera"))
+        status = set_camera(r, json_object_get(root, "camera"), &v->camera);
+    if (doc_has(root, "lights")) scene->has_lights = true;
+    return status == FATHOM_OK ? check_lights(r) : status;
+}
+
+static fathom_status read_root(const doc *d, json_t *root, fathom_scene *scene) {
+    form_scene_values values = {.camera = {.up = {0, 1, 0}, .fovy = 45}};
+    fathom_settings_default(&values.image);
+    fathom_status status = doc_read(d, NULL, root, &form_scene, &values);
+    if (status != FATHOM_OK) return status;
+    const object_reader reader = {d, scene, json_object(), json_object()};
+    if (reader.materials && reader.groups)
+        status = build(&reader, root, &values);
+    else
+        status = fail_memory(d->context, sizeof values);
+    json_decref(reader.materials);
+    json_decref(reader.groups);
+    return status;
+}
+
+static fathom_status fail_syntax(const doc *d, const json_error_t *error) {
+    if (json_error_code(error) == json_error_out_of_memory) return fail_memory(d->context, strlen(d->text));
+    return fail(d->context, FATHOM_BAD_INPUT, "%s:%d:%d: %s", d->path, error->line, error->column,
+                error->text);
+}
+
+fathom_status read_json(fathom_scene *scene, const char *path) {
+    file_map map;
+    fathom_status status = file_open(scene->context, path, &map);
+    if (status != FATHOM_OK) return status;
+    const char *text = (const char *)map.bytes;
+    size_t size = map.size;
+    /* Some editors begin a file with a byte order mark, which is not JSON. */
+    if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) text += 3, size -= 3;
+    const doc d = {scene->context, path, text};
+    json_error_t error;
+    /* Every number is read as double: 1, 1.0 and 1e0 mean the same, and 1e20 needs no point. */
+    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
+    status = root ? read_root(&d, root, scene) : fail_syntax(&d, &error);
+    json_decref(root);
+    file_close(&map);
+    return status;
+}

@@ -1,0 +1,357 @@
+#include "read/json/json_doc.h"
+
+#include "read/json/json_near.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- what is wrong, and where ---- */
+
+enum { PATH_ROOM = 512, TEXT_ROOM = 512 };
+
+static fathom_status place_message(const doc *d, const where *at, fathom_status status) {
+    char path[PATH_ROOM];
+    where_path(at, path, sizeof path);
+    return fail_within(d->context, status, "%s:%u: %s%s", d->path, where_find(d->text, at).line, path,
+                       *path ? ": " : "");
+}
+
+fathom_status doc_within(const doc *d, const where *at, fathom_status status) {
+    /* A callee's message often begins with a field, and the document often has it under the same name. */
+    char text[1024];
+    snprintf(text, sizeof text, "%s", fathom_context_message(d->context));
+    char *colon = strstr(text, ": ");
+    if (!colon) return place_message(d, at, status);
+    *colon = '\0';
+    const where field = {at, text, 0};
+    if (!where_find(d->text, &field).whole) return place_message(d, at, status);
+    fail(d->context, status, "%s", colon + 2);
+    return place_message(d, &field, status);
+}
+
+fathom_status doc_fail(const doc *d, const where *at, const char *format, ...) {
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    fail(d->context, FATHOM_BAD_INPUT, "%s", text);
+    return place_message(d, at, FATHOM_BAD_INPUT);
+}
+
+fathom_status doc_expected(const doc *d, const where *at, json_t *value, const char *expected) {
+    if (json_is_array(value))
+        return doc_fail(d, at, "expected %s, found an array of %zu", expected, json_array_size(value));
+    if (json_is_object(value)) return doc_fail(d, at, "expected %s, found an object", expected);
+    where_place place = where_find(d->text, at);
+    size_t most = 40;
+    if (place.length <= most)
+        return doc_fail(d, at, "expected %s, found %.*s", expected, (int)place.length, place.value);
+    /* Not in the middle of a UTF-8 sequence. */
+    while (((unsigned char)place.value[most] & 0xC0) == 0x80) --most;
+    return doc_fail(d, at, "expected %s, found %.*s...", expected, (int)most, place.value);
+}
+
+/* Appends to a list in text, with `mark` around the word. */
+static void list_word(char *text, size_t room, const char *word, const char *mark) {
+    size_t used = strlen(text);
+    snprintf(text + used, room - used, "%s%s%s%s", used ? ", " : "", mark, word, mark);
+}
+
+fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, const char *name,
+                               json_t *names) {
+    near_search search = near_begin(name);
+    char all[TEXT_ROOM] = "";
+    const char *key;
+    json_t *value;
+    json_object_foreach(names, key, value) {
+        near_offer(&search, key);
+        list_word(all, sizeof all, key, "\"");
+    }
+    if (search.best) {
+        return doc_fail(d, at, "there is no %s \"%.60s\"; did you mean \"%.60s\"?", what, name, search.best);
+    }
+    if (!*all) return doc_fail(d, at, "there is no %s \"%.60s\"; the file has none", what, name);
+    return doc_fail(d, at, "there is no %s \"%.60s\"; there are: %s", what, name, all);
+}
+
+static fathom_status fail_unknown_key(const doc *d, const where *at, const form *f) {
+    near_search search = near_begin(at->key);
+    char all[TEXT_ROOM] = "";
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            near_offer(&search, key->name);
+            list_word(all, sizeof all, key->name, "");
+        }
+    }
+    if (search.best) return doc_fail(d, at, "unknown key; did you mean \"%s\"?", search.best);
+    return doc_fail(d, at, "unknown key; known here: %s", all);
+}
+
+/* ---- numbers ---- */
+
+static void describe_range(form_range r, char *out, size_t room) {
+    out[0] = '\0';
+    bool open_low = r.open & FORM_OPEN_LOW, open_high = r.open & FORM_OPEN_HIGH;
+    if (r.low == 0 && r.high == 0) return;
+    if (isinf(r.high))
+        snprintf(out, room, " %s %.16g", open_low ? ">" : ">=", r.low);
+    else
+        snprintf(out, room, " in %c%.16g, %.16g%c", open_low ? '(' : '[', r.low, r.high,
+                 open_high ? ')' : ']');
+}
+
+static bool is_whole(const form_key *key) {
+    return key->kind == FORM_U32 || key->kind == FORM_U64 || key->whole;
+}
+
+static fathom_status fail_number(const doc *d, const where *at, json_t *value, const form_key *key) {
+    char range[80], text[120];
+    describe_range(key->range, range, sizeof range);
+    snprintf(text, sizeof text, "%s%s", is_whole(key) ? "an integer" : "a number", range);
+    return doc_expected(d, at, value, text);
+}
+
+static fathom_status fail_count(const doc *d, const where *at, json_t *value, const form_key *key,
+                                unsigned rows) {
+    char range[80], numbers[160], text[200];
+    describe_range(key->range, range, sizeof range);
+    snprintf(numbers, sizeof numbers, "%u %s%s", key->count, is_whole(key) ? "integers" : "numbers", range);
+    if (rows)
+        snprintf(text, sizeof text, "an array of %u arrays of %s", rows, numbers);
+    else
+        snprintf(text, sizeof text, "an array of %s", numbers);
+    return doc_expected(d, at, value, text);
+}
+
+static bool in_range(form_range r, double x) {
+    if (r.low == 0 && r.high == 0) return true;
+    if (r.open & FORM_OPEN_LOW ? !(x > r.low) : !(x >= r.low)) return false;
+    return r.open & FORM_OPEN_HIGH ? x < r.high : x <= r.high;
+}
+
+/* `to` is NULL when the number is only checked; `place` is its place in the member's array. */
+static fathom_status read_number(const doc *d, const where *at, json_t *value, const form_key *key, void *to,
+                                 size_t place) {
+    double x = json_number_value(value);
+    if (!json_is_number(value) || !in_range(key->range, x) || (is_whole(key) && floor(x) != x)) {
+        return fail_number(d, at, value, key);
+    }
+    if (!to) return FATHOM_OK;
+    if (key->kind == FORM_F32) ((float *)to)[place] = (float)x;
+    if (key->kind == FORM_F64) ((double *)to)[place] = x;
+    if (key->kind == FORM_U32) ((uint32_t *)to)[place] = (uint32_t)x;
+    if (key->kind == FORM_U64) ((uint64_t *)to)[place] = (uint64_t)x;
+    return FATHOM_OK;
+}
+
+static fathom_status read_row(const doc *d, const where *at, json_t *value, const form_key *key, void *to,
+                              size_t place) {
+    if (!json_is_array(value) || json_array_size(value) != key->count)
+        return fail_count(d, at, value, key, 0);
+    bool nonzero = false;
+    for (size_t i = 0; i < key->count; ++i) {
+        const where item = {at, NULL, i};
+        json_t *number = json_array_get(value, i);
+        fathom_status status = read_number(d, &item, number, key, to, place + i);
+        if (status != FATHOM_OK) return status;
+        nonzero = nonzero || json_number_value(number) != 0;
+    }
+    if (key->nonzero && !nonzero) return doc_fail(d, at, "expected numbers that are not all 0");
+    return FATHOM_OK;
+}
+
+static fathom_status read_numbers(const doc *d, const where *at, json_t *value, const form_key *key,
+                                  void *to) {
+    if (!key->count) return read_number(d, at, value, key, to, 0);
+    if (!key->rows) return read_row(d, at, value, key, to, 0);
+    if (!json_is_array(value) || json_array_size(value) != key->rows)
+        return fail_count(d, at, value, key, key->rows);
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < key->rows && status == FATHOM_OK; ++i) {
+        const where row = {at, NULL, i};
+        status = read_row(d, &row, json_array_get(value, i), key, to, i * key->count);
+    }
+    return status;
+}
+
+/* Any number of rows, checked here and loaded by doc_rows(). */
+static fathom_status read_rows(const doc *d, const where *at, json_t *value, const form_key *key,
+                               json_t **to) {
+    if (!json_is_array(value) || !json_array_size(value))
+        return doc_expected(d, at, value, "an array of one or more arrays of numbers");
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < json_array_size(value) && status == FATHOM_OK; ++i) {
+        const where row = {at, NULL, i};
+        status = read_row(d, &row, json_array_get(value, i), key, NULL, 0);
+    }
+    *to = value;
+    return status;
+}
+
+void doc_rows(json_t *rows, unsigned count, double *out) {
+    for (size_t i = 0; i < json_array_size(rows); ++i) {
+        json_t *row = json_array_get(rows, i);
+        for (unsigned k = 0; k < count; ++k) *out++ = json_number_value(json_array_get(row, k));
+    }
+}
+
+/* ---- words ---- */
+
+/* The place of the word, or -1. */
+static int find_word(const char *const *words, json_t *value) {
+    for (int i = 0; json_is_string(value) && words[i]; ++i) {
+        if (strcmp(words[i], json_string_value(value)) == 0) return i;
+    }
+    return -1;
+}
+
+static fathom_status fail_word(const doc *d, const where *at, json_t *value, const char *all) {
+    char text[TEXT_ROOM + 8];
+    snprintf(text, sizeof text, "one of %s", all);
+    return doc_expected(d, at, value, text);
+}
+
+/* *word: the place of the word in the list. */
+static fathom_status choose_word(const doc *d, const where *at, json_t *value, const char *const *words,
+                                 int *word) {
+    *word = find_word(words, value);
+    if (*word >= 0) return FATHOM_OK;
+    char all[TEXT_ROOM] = "";
+    for (; *words; ++words) list_word(all, sizeof all, *words, "\"");
+    return fail_word(d, at, value, all);
+}
+
+static fathom_status read_words(const doc *d, const where *at, json_t *value, const form_key *key,
+                                unsigned *to) {
+    if (!json_is_array(value)) return doc_expected(d, at, value, "an array of words");
+    *to = 0;
+    for (size_t i = 0; i < json_array_size(value); ++i) {
+        const where item = {at, NULL, i};
+        int word;
+        fathom_status status = choose_word(d, &item, json_array_get(value, i), key->words, &word);
+        if (status != FATHOM_OK) return status;
+        if (*to & 1u << word) return doc_fail(d, &item, "\"%s\" is there twice", key->words[word]);
+        *to |= 1u << word;
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status read_text(const doc *d, const where *at, json_t *value, const char **to) {
+    if (!json_is_string(value)) return doc_expected(d, at, value, "a string");
+    *to = json_string_value(value);
+    return FATHOM_OK;
+}
+
+static fathom_status read_bool(const doc *d, const where *at, json_t *value, bool *to) {
+    if (!json_is_boolean(value)) return doc_expected(d, at, value, "true or false");
+    *to = json_is_true(value);
+    return FATHOM_OK;
+}
+
+/* ---- objects ---- */
+
+static fathom_status read_list(const doc *d, const where *at, json_t *value, json_t **to) {
+    if (!json_is_array(value)) return doc_expected(d, at, value, "an array");
+    *to = value;
+    return FATHOM_OK;
+}
+
+static fathom_status read_map(const doc *d, const where *at, json_t *value, json_t **to) {
+    if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
+    *to = value;
+    return FATHOM_OK;
+}
+
+static fathom_status read_member(const doc *d, const where *at, json_t *value, const form_key *key,
+                                 void *to) {
+    void *member = (char *)to + key->offset;
+    switch (key->kind) {
+    case FORM_BOOL: return read_bool(d, at, value, member);
+    case FORM_F32:
+    case FORM_F64:
+    case FORM_U32:
+    case FORM_U64: return read_numbers(d, at, value, key, member);
+    case FORM_TEXT: return read_text(d, at, value, member);
+    case FORM_TAG: return FATHOM_OK;
+    case FORM_WORD: return choose_word(d, at, value, key->words, member);
+    case FORM_WORDS: return read_words(d, at, value, key, member);
+    case FORM_OBJECT: return doc_read(d, at, value, key->form, member);
+    case FORM_ROWS: return read_rows(d, at, value, key, member);
+    case FORM_LIST: return read_list(d, at, value, member);
+    case FORM_MAP:
+    case FORM_MAP_OF_LISTS: return read_map(d, at, value, member);
+    }
+    return FATHOM_INTERNAL;
+}
+
+static fathom_status fail_missing(const doc *d, const where *at, const char *key, const form *f) {
+    return doc_fail(d, at, "\"%s\" is missing; every %s needs it", key, f->name);
+}
+
+static fathom_status check_required(const doc *d, const where *at, json_t *value, const form *f) {
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            if (!key->required || doc_has(value, key->name)) continue;
+            return fail_missing(d, at, key->name, f);
+        }
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status check_rule(const doc *d, const where *at, json_t *value, const form_rule *rule) {
+    bool applies = rule->kind == FORM_ONE_OF || doc_has(value, rule->key);
+    if (!applies) return FATHOM_OK;
+    size_t present = 0;
+    for (const char *const *other = rule->others; *other; ++other) {
+        bool has = doc_has(value, *other);
+        present += has;
+        if (rule->kind == FORM_NEEDS && !has)
+            return doc_fail(d, at, "\"%s\" is given without \"%s\"", rule->key, *other);
+        if (rule->kind == FORM_EXCLUDES && has)
+            return doc_fail(d, at, "\"%s\" and \"%s\" exclude each other", rule->key, *other);
+    }
+    if (rule->kind != FORM_ONE_OF || present == 1) return FATHOM_OK;
+    return doc_fail(d, at, "expected either \"%s\" or \"%s\", found %s", rule->others[0], rule->others[1],
+                    present ? "both" : "neither");
+}
+
+static fathom_status check_rules(const doc *d, const where *at, json_t *value, const form *f) {
+    for (const form_rule *const *part = f->rules; *part; ++part) {
+        for (const form_rule *rule = *part; rule->kind != FORM_NO_RULE; ++rule) {
+            fathom_status status = check_rule(d, at, value, rule);
+            if (status != FATHOM_OK) return status;
+        }
+    }
+    return FATHOM_OK;
+}
+
+fathom_status doc_read(const doc *d, const where *at, json_t *value, const form *f, void *to) {
+    if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
+    const char *name;
+    json_t *member;
+    json_object_foreach(value, name, member) {
+        const where inner = {at, name, 0};
+        const form_key *key = form_find(f, name);
+        if (!key) return fail_unknown_key(d, &inner, f);
+        fathom_status status = read_member(d, &inner, member, key, to);
+        if (status != FATHOM_OK) return status;
+    }
+    fathom_status status = check_required(d, at, value, f);
+    return status == FATHOM_OK ? check_rules(d, at, value, f) : status;
+}
+
+fathom_status doc_choose(const doc *d, const where *at, json_t *value, const form *f, const form **out) {
+    if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
+    const where type = {at, "type", 0};
+    json_t *tag = json_object_get(value, "type");
+    if (!tag) return fail_missing(d, at, "type", f);
+    char all[TEXT_ROOM] = "";
+    for (const form *const *variant = f->variants; *variant; ++variant) {
+        *out = *variant;
+        if (json_is_string(tag) && strcmp(json_string_value(tag), (*out)->name) == 0) return FATHOM_OK;
+        list_word(all, sizeof all, (*out)->name, "\"");
+    }
+    return fail_word(d, &type, tag, all);
+}

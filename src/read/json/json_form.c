@@ -1,0 +1,294 @@
+#include "read/json/json_form.h"
+
+#include <math.h>
+#include <string.h>
+
+#define AT(values, member) .offset = offsetof(values, member)
+#define END_KEYS                                                                                             \
+    { .name = NULL }
+#define END_RULES                                                                                            \
+    { .kind = FORM_NO_RULE }
+
+#define NOT_NEGATIVE .range = {0, INFINITY, 0}
+#define POSITIVE .range = {0, INFINITY, FORM_OPEN_LOW}
+#define UNIT .range = {0, 1, 0}
+/* What is kept as float is bounded well inside its range, so that products of a few stay finite. */
+#define FLOATS .range = {-1e30, 1e30, 0}
+#define RADIANCE .range = {0, 1e30, 0}
+
+/* ---- frames and placement ---- */
+
+static const form_key frame_keys[] = {
+    {"origin", FORM_F64, AT(form_frame_values, origin), .count = 3, .required = true},
+    {"x", FORM_F64, AT(form_frame_values, x), .count = 3, .nonzero = true},
+    {"y", FORM_F64, AT(form_frame_values, y), .count = 3, .nonzero = true},
+    {"z", FORM_F64, AT(form_frame_values, z), .count = 3, .nonzero = true, .required = true},
+    END_KEYS,
+};
+static const form_rule frame_rules[] = {{FORM_NEEDS, "x", {"y"}}, END_RULES};
+const form form_frame = {.name = "frame", .parts = {frame_keys}, .rules = {frame_rules}};
+
+static const form_key turn_keys[] = {
+    {"axis", FORM_F64, AT(form_turn_values, axis), .count = 3, .nonzero = true, .required = true},
+    {"angle", FORM_F64, AT(form_turn_values, angle), .required = true},
+    END_KEYS,
+};
+const form form_turn = {.name = "rotate", .parts = {turn_keys}};
+
+#define PLACE(member) AT(form_object_values, place.member)
+static const form_key place_keys[] = {
+    {"translation", FORM_F64, PLACE(translation), .count = 3},
+    {"rotation", FORM_F64, PLACE(rotation), .count = 4, .nonzero = true, .range = {-1, 1, 0}},
+    {"rotate", FORM_OBJECT, PLACE(rotate), .form = &form_turn},
+    {"scale", FORM_F64, PLACE(scale), .count = 3},
+    {"frame", FORM_OBJECT, PLACE(frame), .form = &form_frame},
+    {"matrix", FORM_F64, PLACE(matrix), .count = 16},
+    END_KEYS,
+};
+static const form_rule place_rules[] = {
+    {FORM_EXCLUDES, "matrix", {"translation", "rotation", "rotate", "scale", "frame"}},
+    {FORM_EXCLUDES, "frame", {"translation", "rotation", "rotate"}},
+    {FORM_EXCLUDES, "rotation", {"rotate"}},
+    END_RULES,
+};
+
+/* ---- camera and image ---- */
+
+static const form_key camera_keys[] = {
+    {"eye", FORM_F64, AT(form_camera_values, eye), .count = 3},
+    {"target", FORM_F64, AT(form_camera_values, target), .count = 3},
+    {"up", FORM_F64, AT(form_camera_values, up), .count = 3, .nonzero = true},
+    {"frame", FORM_OBJECT, AT(form_camera_values, frame), .form = &form_frame},
+    {"fovy", FORM_F64, AT(form_camera_values, fovy), .range = {0, 180, FORM_OPEN_LOW | FORM_OPEN_HIGH}},
+    {"d", FORM_F64, AT(form_camera_values, d), POSITIVE},
+    {"w", FORM_F64, AT(form_camera_values, w), POSITIVE},
+    {"h", FORM_F64, AT(form_camera_values, h), POSITIVE},
+    END_KEYS,
+};
+static const form_rule camera_rules[] = {
+    {FORM_ONE_OF, NULL, {"eye", "frame"}},
+    {FORM_NEEDS, "eye", {"target"}},
+    {FORM_NEEDS, "target", {"eye"}},
+    {FORM_NEEDS, "up", {"eye"}},
+    {FORM_NEEDS, "d", {"h"}},
+    {FORM_NEEDS, "h", {"d"}},
+    {FORM_NEEDS, "w", {"h"}},
+    {FORM_EXCLUDES, "fovy", {"d", "w", "h"}},
+    END_RULES,
+};
+const form form_camera = {.name = "camera", .parts = {camera_keys}, .rules = {camera_rules}};
+
+/* In the order of fathom_pattern, and of the FATHOM_AOV_ bits. */
+static const char *const pattern_words[] = {"grid", "stratified", "sobol", NULL};
+static const char *const aov_words[] = {"alpha", "Z", "N", "P", "albedo", "id", NULL};
+
+static const form_key image_keys[] = {
+    {"width", FORM_U32, AT(fathom_settings, width), .range = {1, 65536, 0}},
+    {"height", FORM_U32, AT(fathom_settings, height), .range = {1, 65536, 0}},
+    {"spp", FORM_U32, AT(fathom_settings, spp), .range = {1, 65536, 0}},
+    {"pattern", FORM_WORD, AT(fathom_settings, pattern), .words = pattern_words},
+    /* Integers up to 2^53 - 1 mean the same in every JSON tool. */
+    {"seed", FORM_U64, AT(fathom_settings, seed), .range = {0, 9007199254740991, 0}},
+    {"crop", FORM_U32, AT(fathom_settings, crop), .count = 4, .range = {0, 65536, 0}},
+    {"maxDepth", FORM_U32, AT(fathom_settings, max_depth), .range = {0, 64, 0}},
+    {"minWeight", FORM_F32, AT(fathom_settings, min_weight), .range = {0, 1, FORM_OPEN_HIGH}},
+    {"epsilon", FORM_F64, AT(fathom_settings, epsilon), NOT_NEGATIVE},
+    {"terminatorFix", FORM_BOOL, AT(fathom_settings, terminator_fix)},
+    {"aovs", FORM_WORDS, AT(fathom_settings, aovs), .words = aov_words},
+    END_KEYS,
+};
+const form form_image = {.name = "image", .parts = {image_keys}};
+
+/* ---- materials ---- */
+
+/* In the order of fathom_specular. */
+static const char *const specular_words[] = {"none", "phong", "blinn", NULL};
+
+static const form_key material_keys[] = {
+    {"kd", FORM_F32, AT(fathom_material, k_d), .count = 3, UNIT},
+    {"ks", FORM_F32, AT(fathom_material, k_s), .count = 3, RADIANCE},
+    {"specular", FORM_WORD, AT(fathom_material, specular), .words = specular_words},
+    {"shininess", FORM_F32, AT(fathom_material, shininess), .range = {0, 1e9, 0}},
+    {"kr", FORM_F32, AT(fathom_material, k_r), .count = 3, UNIT},
+    {"kt", FORM_F32, AT(fathom_material, k_t), .count = 3, UNIT},
+    {"ior", FORM_F32, AT(fathom_material, ior), .range = {1e-3, 1e3, 0}},
+    {"fresnel", FORM_BOOL, AT(fathom_material, fresnel)},
+    {"ka", FORM_F32, AT(fathom_material, k_a), .count = 3, UNIT},
+    {"ke", FORM_F32, AT(fathom_material, k_e), .count = 3, RADIANCE},
+    {"litFromBehind", FORM_BOOL, AT(fathom_material, lit_from_behind)},
+    END_KEYS,
+};
+/* Without a lobe, k_s and its exponent would be dropped in silence. */
+static const form_rule material_rules[] = {
+    {FORM_NEEDS, "ks", {"specular"}},
+    {FORM_NEEDS, "shininess", {"specular"}},
+    END_RULES,
+};
+const form form_material = {.name = "material", .parts = {material_keys}, .rules = {material_rules}};
+
+/* ---- lights ---- */
+
+static const form_key light_keys[] = {
+    {"type", FORM_TAG, .required = true},
+    {"name", FORM_TEXT, AT(form_light_values, name)},
+    {"color", FORM_F32, AT(form_light_values, color), .count = 3, RADIANCE},
+    {"intensity", FORM_F32, AT(form_light_values, intensity), RADIANCE},
+    END_KEYS,
+};
+static const form_key position_keys[] = {
+    {"position", FORM_F64, AT(form_light_values, position), .count = 3, .required = true},
+    END_KEYS,
+};
+static const form_key direction_keys[] = {
+    {"direction", FORM_F64, AT(form_light_values, direction), .count = 3, .nonzero = true, .required = true},
+    END_KEYS,
+};
+static const form_key spot_keys[] = {
+    {"direction", FORM_F64, AT(form_light_values, direction), .count = 3, .nonzero = true},
+    {"target", FORM_F64, AT(form_light_values, target), .count = 3},
+    {"innerAngle", FORM_F64, AT(form_light_values, inner_angle), .range = {0, 90, FORM_OPEN_HIGH}},
+    {"outerAngle", FORM_F64, AT(form_light_values, outer_angle), .range = {0, 90, FORM_OPEN_LOW}},
+    END_KEYS,
+};
+static const form_rule spot_rules[] = {{FORM_ONE_OF, NULL, {"direction", "target"}}, END_RULES};
+
+static const form point_form = {.name = "point", .id = FORM_POINT, .parts = {light_keys, position_keys}};
+static const form directional_form = {
+    .name = "directional", .id = FORM_DIRECTIONAL, .parts = {light_keys, direction_keys}};
+static const form spot_form = {
+    .name = "spot", .id = FORM_SPOT, .parts = {light_keys, position_keys, spot_keys}, .rules = {spot_rules}};
+static const form *const light_forms[] = {&point_form, &directional_form, &spot_form, NULL};
+const form form_light = {.name = "light", .variants = light_forms};
+
+/* ---- objects ---- */
+
+#define OBJECT(member) AT(form_object_values, member)
+static const form_key object_keys[] = {
+    {"type", FORM_TAG, .required = true},
+    {"name", FORM_TEXT, OBJECT(name)},
+    {"material", FORM_TEXT, OBJECT(material)},
+    END_KEYS,
+};
+static const form_key shadow_keys[] = {{"castsShadow", FORM_BOOL, OBJECT(casts_shadow)}, END_KEYS};
+
+static const form_key sphere_keys[] = {
+    {"center", FORM_F64, OBJECT(as.sphere.center), .count = 3, .required = true},
+    {"radius", FORM_F64, OBJECT(as.sphere.radius), POSITIVE, .required = true},
+    END_KEYS,
+};
+static const form_key quad_keys[] = {
+    {"corners", FORM_F64, OBJECT(as.quad.corners), .count = 3, .rows = 4},
+    {"center", FORM_F64, OBJECT(as.quad.center), .count = 3},
+    {"u", FORM_F64, OBJECT(as.quad.u), .count = 3, .nonzero = true},
+    {"v", FORM_F64, OBJECT(as.quad.v), .count = 3, .nonzero = true},
+    END_KEYS,
+};
+static const form_rule quad_rules[] = {
+    {FORM_ONE_OF, NULL, {"corners", "center"}},
+    {FORM_NEEDS, "center", {"u", "v"}},
+    {FORM_NEEDS, "u", {"center"}},
+    {FORM_NEEDS, "v", {"center"}},
+    END_RULES,
+};
+static const form_key plane_keys[] = {
+    {"point", FORM_F64, OBJECT(as.plane.point), .count = 3, .required = true},
+    {"normal", FORM_F64, OBJECT(as.plane.normal), .count = 3, .nonzero = true, .required = true},
+    END_KEYS,
+};
+static const form_key triangle_keys[] = {
+    {"vertices", FORM_F64, OBJECT(as.triangle.vertices), FLOATS, .count = 3, .rows = 3, .required = true},
+    {"normals", FORM_F64, OBJECT(as.triangle.normals), FLOATS, .count = 3, .rows = 3},
+    {"uvs", FORM_F64, OBJECT(as.triangle.uvs), FLOATS, .count = 2, .rows = 3},
+    END_KEYS,
+};
+
+/* In the order of form_shading. */
+static const char *const shading_words[] = {"given", "flat", "smooth", NULL};
+
+static const form_key mesh_keys[] = {
+    {"file", FORM_TEXT, OBJECT(as.mesh.file)},
+    {"positions", FORM_ROWS, OBJECT(as.mesh.positions), FLOATS, .count = 3},
+    {"indices", FORM_ROWS, OBJECT(as.mesh.indices), .count = 3, .whole = true, .range = {0, UINT32_MAX, 0}},
+    {"normals", FORM_ROWS, OBJECT(as.mesh.normals), FLOATS, .count = 3},
+    {"uvs", FORM_ROWS, OBJECT(as.mesh.uvs), FLOATS, .count = 2},
+    {"shading", FORM_WORD, OBJECT(as.mesh.shading), .words = shading_words},
+    END_KEYS,
+};
+static const form_rule mesh_rules[] = {
+    {FORM_ONE_OF, NULL, {"file", "positions"}}, {FORM_NEEDS, "positions", {"indices"}},
+    {FORM_NEEDS, "indices", {"positions"}},     {FORM_NEEDS, "normals", {"positions"}},
+    {FORM_NEEDS, "uvs", {"positions"}},         END_RULES,
+};
+
+/* In the order of fathom_generator. */
+static const char *const generator_words[] = {"sphere", "terrain", "sponge", "forest", NULL};
+
+static const form_key generate_keys[] = {
+    {"kind", FORM_WORD, OBJECT(as.generate.kind), .words = generator_words, .required = true},
+    {"triangles", FORM_U64, OBJECT(as.generate.triangles), .range = {1, 1e12, 0}, .required = true},
+    {"seed", FORM_U64, OBJECT(as.generate.seed), .range = {0, 9007199254740991, 0}},
+    END_KEYS,
+};
+static const form_key group_keys[] = {
+    {"children", FORM_LIST, OBJECT(as.group.children), .form = &form_object, .required = true},
+    END_KEYS,
+};
+static const form_key instance_keys[] = {
+    {"of", FORM_TEXT, OBJECT(as.instance.of), .required = true},
+    END_KEYS,
+};
+
+/* Every shape takes a material, may cast no shadow, and may be placed. */
+#define SHAPE(shape, shape_id, shape_rules)                                                                  \
+    {                                                                                                        \
+        .name = #shape, .id = shape_id, .parts = {object_keys, shape##_keys, shadow_keys, place_keys},       \
+        .rules = {                                                                                           \
+            place_rules,                                                                                     \
+            shape_rules                                                                                      \
+        }                                                                                                    \
+    }
+
+static const form sphere_form = SHAPE(sphere, FORM_SPHERE, NULL);
+static const form quad_form = SHAPE(quad, FORM_QUAD, quad_rules);
+static const form plane_form = SHAPE(plane, FORM_PLANE, NULL);
+static const form triangle_form = SHAPE(triangle, FORM_TRIANGLE, NULL);
+static const form mesh_form = SHAPE(mesh, FORM_MESH, mesh_rules);
+static const form generate_form = SHAPE(generate, FORM_GENERATE, NULL);
+static const form group_form = {.name = "group",
+                                .id = FORM_GROUP,
+                                .parts = {object_keys, group_keys, place_keys},
+                                .rules = {place_rules}};
+static const form instance_form = {.name = "instance",
+                                   .id = FORM_INSTANCE,
+                                   .parts = {object_keys, instance_keys, place_keys},
+                                   .rules = {place_rules}};
+static const form *const object_forms[] = {&sphere_form,   &quad_form,     &plane_form,
+                                           &triangle_form, &mesh_form,     &generate_form,
+                                           &group_form,    &instance_form, NULL};
+const form form_object = {.name = "object", .variants = object_forms};
+
+/* ---- the document ---- */
+
+static const form_key scene_keys[] = {
+    {"$schema", FORM_TEXT, AT(form_scene_values, schema)},
+    {"name", FORM_TEXT, AT(form_scene_values, name)},
+    {"camera", FORM_OBJECT, AT(form_scene_values, camera), .form = &form_camera},
+    {"image", FORM_OBJECT, AT(form_scene_values, image), .form = &form_image},
+    {"background", FORM_F32, AT(form_scene_values, background), .count = 3, RADIANCE},
+    {"ambient", FORM_F32, AT(form_scene_values, ambient), .count = 3, RADIANCE},
+    {"materials", FORM_MAP, AT(form_scene_values, materials), .form = &form_material},
+    {"lights", FORM_LIST, AT(form_scene_values, lights), .form = &form_light},
+    {"groups", FORM_MAP_OF_LISTS, AT(form_scene_values, groups), .form = &form_object},
+    {"objects", FORM_LIST, AT(form_scene_values, objects), .form = &form_object, .required = true},
+    END_KEYS,
+};
+const form form_scene = {.name = "scene", .parts = {scene_keys}};
+
+const form_key *form_find(const form *f, const char *name) {
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            if (strcmp(key->name, name) == 0) return key;
+        }
+    }
+    return NULL;
+}

@@ -1,0 +1,197 @@
+#include "read/json/json_mesh.h"
+
+#include "read/mesh/normals.h"
+#include "read/mesh/origin.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct mesh_arrays {
+    const double *positions, *normals, *uvs; /* one a vertex; normals and uvs may be NULL */
+    const uint32_t *indices;
+    size_t vertices, triangles;
+    bool smooth; /* normals are made where there are none */
+} mesh_arrays;
+
+/* `width` numbers a vertex, each counted from `origin`. NULL stays NULL. */
+static fathom_status narrow_all(const object_reader *r, const double *from, size_t vertices, unsigned width,
+                                const double origin[3], float **out) {
+    *out = NULL;
+    if (!from) return FATHOM_OK;
+    size_t count = vertices * width;
+    float *to = *out = malloc(count * sizeof *to);
+    if (!to) return fail_memory(r->scene->context, count * sizeof *to);
+    for (size_t i = 0; i < count; ++i) to[i] = (float)(from[i] - origin[i % width]);
+    return FATHOM_OK;
+}
+
+static fathom_status make_smooth(const object_reader *r, const mesh_arrays *a, const float *positions,
+                                 float **normals) {
+    *normals = malloc(3 * a->vertices * sizeof **normals);
+    if (!*normals) return fail_memory(r->scene->context, 3 * a->vertices * sizeof **normals);
+    const normals_input input = {.positions = positions,
+                                 .stride = 3 * sizeof *positions,
+                                 .indices = a->indices,
+                                 .triangle_count = a->triangles,
+                                 .slot_count = (uint32_t)a->vertices};
+    return normals_smooth(r->scene->context, &input, *normals);
+}
+
+static vec3_f64 choose_origin(const mesh_arrays *a) {
+    scene_bounds box = bounds_empty();
+    for (size_t i = 0; i < a->vertices; ++i) bounds_add(&box, load_f64(a->positions + 3 * i));
+    return origin_for(&box);
+}
+
+static fathom_status add_arrays(const object_reader *r, fathom_id group, const mesh_arrays *a,
+                                fathom_id material, unsigned flags) {
+    if (a->vertices >= UINT32_MAX || a->triangles >= UINT32_MAX)
+        return fail(r->scene->context, FATHOM_BAD_INPUT, "more than 2^32 - 2 vertices or triangles");
+    static const double zero[3] = {0, 0, 0};
+    float *positions = NULL, *normals = NULL, *uvs = NULL;
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    store_f64(mesh.origin, choose_origin(a));
+    fathom_status status = narrow_all(r, a->positions, a->vertices, 3, mesh.origin, &positions);
+    if (status == FATHOM_OK) status = narrow_all(r, a->normals, a->vertices, 3, zero, &normals);
+    if (status == FATHOM_OK) status = narrow_all(r, a->uvs, a->vertices, 2, zero, &uvs);
+    if (status == FATHOM_OK && a->smooth && !normals) status = make_smooth(r, a, positions, &normals);
+    if (status == FATHOM_OK) {
+        mesh.positions = positions, mesh.normals = normals, mesh.uvs = uvs;
+        mesh.indices = a->indices;
+        mesh.vertex_count = (uint32_t)a->vertices;
+        mesh.normal_count = normals ? mesh.vertex_count : 0;
+        mesh.uv_count = uvs ? mesh.vertex_count : 0;
+        mesh.triangle_count = (uint32_t)a->triangles;
+        mesh.material = material;
+        mesh.flags = flags;
+        status = fathom_scene_add_mesh(r->scene, group, &mesh, NULL);
+    }
+    free(positions);
+    free(normals);
+    free(uvs);
+    return status;
+}
+
+/* ---- loose triangles ---- */
+
+void mesh_batch_free(mesh_batch *batch) {
+    array_free(&batch->positions);
+    array_free(&batch->normals);
+    array_free(&batch->uvs);
+}
+
+fathom_status mesh_batch_flush(const object_reader *r, mesh_batch *batch) {
+    size_t vertices = batch->positions.count / 3;
+    if (!vertices) return FATHOM_OK;
+    uint32_t *indices = malloc(vertices * sizeof *indices);
+    if (!indices) return fail_memory(r->scene->context, vertices * sizeof *indices);
+    for (size_t i = 0; i < vertices; ++i) indices[i] = (uint32_t)i;
+    const mesh_arrays arrays = {.positions = batch->positions.items,
+                                .normals = batch->normals.count ? batch->normals.items : NULL,
+                                .uvs = batch->uvs.count ? batch->uvs.items : NULL,
+                                .indices = indices,
+                                .vertices = vertices,
+                                .triangles = vertices / 3};
+    fathom_status status = add_arrays(r, batch->group, &arrays, batch->material, batch->flags);
+    free(indices);
+    batch->positions.count = batch->normals.count = batch->uvs.count = 0;
+    return status;
+}
+
+fathom_status mesh_batch_add(const object_reader *r, json_t *value, const form_object_values *o,
+                             fathom_id group, fathom_id material, unsigned flags, mesh_batch *batch) {
+    bool normals = doc_has(value, "normals"), uvs = doc_has(value, "uvs");
+    if (batch->group != group || batch->material != material || batch->flags != flags ||
+        normals != (batch->normals.count > 0) || uvs != (batch->uvs.count > 0)) {
+        fathom_status status = mesh_batch_flush(r, batch);
+        if (status != FATHOM_OK) return status;
+    }
+    batch->group = group, batch->material = material, batch->flags = flags;
+    if (!array_room(&batch->positions, 9) || !array_room(&batch->normals, 9) || !array_room(&batch->uvs, 6))
+        return fail_memory(r->scene->context, batch->positions.count * sizeof(double));
+    memcpy(batch->positions.items + batch->positions.count, o->as.triangle.vertices, 9 * sizeof(double));
+    memcpy(batch->normals.items + batch->normals.count, o->as.triangle.normals, 9 * sizeof(double));
+    memcpy(batch->uvs.items + batch->uvs.count, o->as.triangle.uvs, 6 * sizeof(double));
+    batch->positions.count += 9;
+    batch->normals.count += normals ? 9 : 0;
+    batch->uvs.count += uvs ? 6 : 0;
+    return FATHOM_OK;
+}
+
+/* ---- meshes with arrays ---- */
+
+static fathom_status load_rows(const object_reader *r, json_t *rows, unsigned count, double **out) {
+    size_t numbers = json_array_size(rows) * count;
+    *out = malloc((numbers ? numbers : 1) * sizeof **out);
+    if (!*out) return fail_memory(r->scene->context, numbers * sizeof **out);
+    doc_rows(rows, count, *out);
+    return FATHOM_OK;
+}
+
+static fathom_status load_indices(const object_reader *r, const where *at, json_t *rows, size_t vertices,
+                                  uint32_t **out) {
+    size_t triangles = json_array_size(rows);
+    uint32_t *indices = *out = malloc(triangles * 3 * sizeof *indices);
+    if (!indices) return fail_memory(r->scene->context, triangles * 3 * sizeof *indices);
+    for (size_t i = 0; i < triangles * 3; ++i) {
+        json_t *index = json_array_get(json_array_get(rows, i / 3), i % 3);
+        double x = json_number_value(index);
+        if (x >= (double)vertices) {
+            const where list = {at, "indices", 0}, row = {&list, NULL, i / 3}, item = {&row, NULL, i % 3};
+            return doc_fail(r->doc, &item, "expected an integer < %zu, the number of positions, found %.0f",
+                            vertices, x);
+        }
+        indices[i] = (uint32_t)x;
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status check_same_count(const object_reader *r, const where *at, const char *key, json_t *rows,
+                                      size_t vertices) {
+    if (!rows || json_array_size(rows) == vertices) return FATHOM_OK;
+    const where list = {at, key, 0};
+    return doc_fail(r->doc, &list, "expected one for each of the %zu positions, found %zu", vertices,
+                    json_array_size(rows));
+}
+
+typedef struct inline_arrays {
+    double *positions, *normals, *uvs;
+    uint32_t *indices;
+} inline_arrays;
+
+static fathom_status load_inline(const object_reader *r, const where *at, const form_object_values *o,
+                                 inline_arrays *own, mesh_arrays *out) {
+    size_t vertices = json_array_size(o->as.mesh.positions);
+    json_t *normals = o->as.mesh.shading == FORM_FLAT ? NULL : o->as.mesh.normals;
+    fathom_status status = check_same_count(r, at, "normals", o->as.mesh.normals, vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "uvs", o->as.mesh.uvs, vertices);
+    if (status == FATHOM_OK) status = load_rows(r, o->as.mesh.positions, 3, &own->positions);
+    if (status == FATHOM_OK && normals) status = load_rows(r, normals, 3, &own->normals);
+    if (status == FATHOM_OK && o->as.mesh.uvs) status = load_rows(r, o->as.mesh.uvs, 2, &own->uvs);
+    if (status == FATHOM_OK) status = load_indices(r, at, o->as.mesh.indices, vertices, &own->indices);
+    *out = (mesh_arrays){.positions = own->positions,
+                         .normals = own->normals,
+                         .uvs = own->uvs,
+                         .indices = own->indices,
+                         .vertices = vertices,
+                         .triangles = json_array_size(o->as.mesh.indices),
+                         .smooth = o->as.mesh.shading == FORM_SMOOTH};
+    return status;
+}
+
+fathom_status mesh_inline(const object_reader *r, const where *at, const form_object_values *o,
+                          fathom_id group, fathom_id material, unsigned flags) {
+    inline_arrays own = {0};
+    mesh_arrays arrays;
+    fathom_status status = load_inline(r, at, o, &own, &arrays);
+    if (status == FATHOM_OK) {
+        status = add_arrays(r, group, &arrays, material, flags);
+        if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
+    }
+    free(own.positions);
+    free(own.normals);
+    free(own.uvs);
+    free(own.indices);
+    return status;
+}

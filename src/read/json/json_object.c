@@ -1,0 +1,190 @@
+#include "read/json/json_object.h"
+
+#include "base/file.h"
+#include "read/json/json_mesh.h"
+#include "read/json/json_place.h"
+#include "read/read.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* An object as read, with what it names looked up. */
+typedef struct object {
+    form_object_id kind;
+    form_object_values values;
+    fathom_id material; /* FATHOM_NONE: not given */
+    unsigned flags;
+    bool placed;
+    affine_f64 map;
+} object;
+
+static fathom_status find_id(const object_reader *r, const where *at, const char *key, const char *what,
+                             const char *name, json_t *ids, fathom_id *out) {
+    json_t *id = json_object_get(ids, name);
+    const where named = {at, key, 0};
+    if (!id) return doc_unknown_name(r->doc, &named, what, name, ids);
+    *out = (fathom_id)json_integer_value(id);
+    return FATHOM_OK;
+}
+
+static fathom_status read_object(const object_reader *r, const where *at, json_t *value, object *out) {
+    const form *f;
+    memset(out, 0, sizeof *out);
+    fathom_status status = doc_choose(r->doc, at, value, &form_object, &f);
+    if (status != FATHOM_OK) return status;
+    out->kind = (form_object_id)f->id;
+    out->material = FATHOM_NONE;
+    out->values.casts_shadow = true;
+    status = doc_read(r->doc, at, value, f, &out->values);
+    if (status != FATHOM_OK) return status;
+    if (!out->values.casts_shadow) out->flags |= FATHOM_CASTS_NO_SHADOW;
+    if (out->values.material)
+        status = find_id(r, at, "material", "material", out->values.material, r->materials, &out->material);
+    if (status != FATHOM_OK) return status;
+    return place_object(r->doc, at, value, &out->values.place, &out->map, &out->placed);
+}
+
+/* ---- each kind ---- */
+
+static fathom_status add_sphere(const object_reader *r, const object *o, fathom_id group,
+                                fathom_id material) {
+    fathom_sphere sphere = o->values.as.sphere;
+    sphere.material = material;
+    sphere.flags = o->flags;
+    return fathom_scene_add_sphere(r->scene, group, &sphere, NULL);
+}
+
+static fathom_status add_quad(const object_reader *r, json_t *value, const object *o, fathom_id group,
+                              fathom_id material) {
+    fathom_quad quad;
+    fathom_quad_from_axes(o->values.as.quad.center, o->values.as.quad.u, o->values.as.quad.v, &quad);
+    if (doc_has(value, "corners")) memcpy(quad.corners, o->values.as.quad.corners, sizeof quad.corners);
+    quad.material = material;
+    quad.flags = o->flags;
+    return fathom_scene_add_quad(r->scene, group, &quad, NULL);
+}
+
+static fathom_status add_plane(const object_reader *r, const object *o, fathom_id group, fathom_id material) {
+    fathom_plane plane = o->values.as.plane;
+    plane.material = material;
+    plane.flags = o->flags;
+    return fathom_scene_add_plane(r->scene, group, &plane, NULL);
+}
+
+static fathom_status add_file(const object_reader *r, const where *at, const object *o, fathom_id group) {
+    const where file = {at, "file", 0};
+    const char *name = o->values.as.mesh.file;
+    char *path = file_beside(r->doc->path, name);
+    if (!path) return fail_memory(r->scene->context, strlen(name));
+    const read_mesh_options options = {.material = o->material,
+                                       .flags = o->flags,
+                                       .flat = o->values.as.mesh.shading == FORM_FLAT,
+                                       .smooth = o->values.as.mesh.shading == FORM_SMOOTH};
+    fathom_status status = read_mesh(r->scene, group, path, &options);
+    free(path);
+    return status == FATHOM_OK ? status : doc_within(r->doc, &file, status);
+}
+
+/* Objects added since there were `first`. */
+static void set_flags(fathom_scene *scene, size_t first, unsigned flags) {
+    for (size_t i = first; i < scene->objects.count; ++i) {
+        scene_object o = scene->objects.items[i];
+        switch (o.kind) {
+        case SCENE_SPHERE: scene->spheres.items[o.index].flags |= flags; break;
+        case SCENE_QUAD: scene->quads.items[o.index].flags |= flags; break;
+        case SCENE_PLANE: scene->planes.items[o.index].flags |= flags; break;
+        case SCENE_MESH: scene->meshes.items[o.index].flags |= flags; break;
+        }
+    }
+}
+
+static fathom_status add_generated(const object_reader *r, const object *o, fathom_id group,
+                                   fathom_id material) {
+    fathom_generate_options options;
+    fathom_generate_options_default(&options);
+    options.kind = (fathom_generator)o->values.as.generate.kind;
+    options.triangles = o->values.as.generate.triangles;
+    options.seed = o->values.as.generate.seed;
+    options.material = material;
+    size_t first = r->scene->objects.count;
+    fathom_status status = fathom_scene_generate(r->scene, group, &options);
+    set_flags(r->scene, first, o->flags);
+    return status;
+}
+
+static fathom_status add_children(const object_reader *r, const where *at, const object *o, fathom_id group) {
+    const where children = {at, "children", 0};
+    return object_list(r, &children, o->values.as.group.children, group);
+}
+
+/* What an object holds, into the group it stands in. Messages of the scene's own checks get their place here;
+ * the others have it. */
+static fathom_status add_content(const object_reader *r, const where *at, json_t *value, const object *o,
+                                 fathom_id group, mesh_batch *batch) {
+    fathom_id material = o->material == FATHOM_NONE ? 0 : o->material;
+    fathom_status status = FATHOM_OK;
+    switch (o->kind) {
+    case FORM_SPHERE: status = add_sphere(r, o, group, material); break;
+    case FORM_QUAD: status = add_quad(r, value, o, group, material); break;
+    case FORM_PLANE: status = add_plane(r, o, group, material); break;
+    case FORM_GENERATE: status = add_generated(r, o, group, material); break;
+    case FORM_TRIANGLE:
+        status = mesh_batch_add(r, value, &o->values, group, material, o->flags, batch);
+        break;
+    case FORM_MESH:
+        if (o->values.as.mesh.file) return add_file(r, at, o, group);
+        return mesh_inline(r, at, &o->values, group, material, o->flags);
+    case FORM_GROUP: return add_children(r, at, o, group);
+    case FORM_INSTANCE: return FATHOM_OK;
+    }
+    return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
+}
+
+/* ---- placing ---- */
+
+/* The group that the object's content goes to. A placed shape and a group get one of their own. */
+static fathom_status choose_group(const object_reader *r, const where *at, const object *o, fathom_id parent,
+                                  fathom_id *out) {
+    *out = parent;
+    if (o->kind == FORM_INSTANCE)
+        return find_id(r, at, "of", "group", o->values.as.instance.of, r->groups, out);
+    if (o->kind != FORM_GROUP && !o->placed) return FATHOM_OK;
+    return fathom_scene_add_group(r->scene, o->values.name, out);
+}
+
+static fathom_status add_instance(const object_reader *r, const where *at, const object *o, fathom_id parent,
+                                  fathom_id group) {
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.group = group;
+    instance.parent = parent;
+    memcpy(instance.transform, o->map.m, sizeof instance.transform);
+    if (o->kind == FORM_GROUP || o->kind == FORM_INSTANCE) instance.material = o->material;
+    fathom_status status = fathom_scene_add_instance(r->scene, &instance, NULL);
+    return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
+}
+
+static fathom_status add_object(const object_reader *r, const where *at, json_t *value, fathom_id parent,
+                                mesh_batch *batch) {
+    object o;
+    fathom_id group = parent;
+    fathom_status status = read_object(r, at, value, &o);
+    if (status == FATHOM_OK) status = choose_group(r, at, &o, parent, &group);
+    bool instanced = o.kind == FORM_GROUP || o.kind == FORM_INSTANCE || o.placed;
+    if (status == FATHOM_OK && instanced) status = add_instance(r, at, &o, parent, group);
+    if (status == FATHOM_OK && o.kind != FORM_TRIANGLE) status = mesh_batch_flush(r, batch);
+    return status == FATHOM_OK ? add_content(r, at, value, &o, group, batch) : status;
+}
+
+fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group) {
+    if (!json_is_array(list)) return doc_expected(r->doc, at, list, "an array");
+    mesh_batch batch = {.group = group};
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < json_array_size(list) && status == FATHOM_OK; ++i) {
+        const where item = {at, NULL, i};
+        status = add_object(r, &item, json_array_get(list, i), group, &batch);
+    }
+    if (status == FATHOM_OK) status = mesh_batch_flush(r, &batch);
+    mesh_batch_free(&batch);
+    return status;
+}

@@ -1,0 +1,59 @@
+#include "read/mesh/number.h"
+
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <strings.h>
+
+unsigned number_significant(const char *text, const char *end) {
+    const char *first = text;
+    while (first < end && (*first == '0' || *first == '.')) ++first;
+    unsigned count = 0;
+    for (const char *p = first; p < end; ++p) count += *p != '.';
+    return count;
+}
+
+bool number_read_special(const char **cursor, double *out) {
+    const char *p = *cursor;
+    bool negative = *p == '-';
+    p += *p == '-' || *p == '+';
+    double value;
+    if (strncasecmp(p, "infinity", 8) == 0)
+        value = (double)INFINITY, p += 8;
+    else if (strncasecmp(p, "inf", 3) == 0)
+        value = (double)INFINITY, p += 3;
+    else if (strncasecmp(p, "nan", 3) == 0)
+        value = (double)NAN, p += 3;
+    else
+        return false;
+    *out = negative ? -value : value;
+    *cursor = p;
+    return true;
+}
+
+static double by_library(const char *text) {
+    /* glibc has the C locale built in: this neither allocates nor fails. Elsewhere a failure must not become
+     * a number: a NaN is refused by every reader. */
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (!c) return (double)NAN;
+    double value = strtod_l(text, NULL, c);
+    freelocale(c);
+    return value;
+}
+
+/* 10^n = 5^n 2^n, and 5^27 < 2^63: the product of 64-bit digits with 5^n is exact in 128 bits, and a quotient
+ * by 5^n with its remainder says all that rounding needs. Conversion of a 128-bit integer to double rounds to
+ * nearest even; the power of two that is left is exact, as 10^±46 is far from either end of double. */
+double number_rounded(uint64_t digits, unsigned significant, int64_t exponent, const char *text) {
+    if (significant > 19 || exponent < -27 || exponent > 27) return by_library(text);
+    if (!digits) return 0;
+    uint64_t five = 1;
+    for (int64_t i = exponent < 0 ? -exponent : exponent; i > 0; --i) five *= 5;
+    if (exponent >= 0) return ldexp((double)((unsigned __int128)digits * five), (int)exponent);
+    int zeros = __builtin_clzll(digits);
+    unsigned __int128 dividend = (unsigned __int128)(digits << zeros) << 64;
+    /* The dividend has its top bit set, so the quotient has at least 64 bits: a remainder is a bit below all
+     * that count. */
+    unsigned __int128 quotient = dividend / five | (dividend % five != 0);
+    return ldexp((double)quotient, (int)exponent - 64 - zeros);
+}

@@ -1,0 +1,93 @@
+#include "read/mesh/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool text_wrong(text_fault *fault, const char *at, const char *format, ...) {
+    if (fault->at) return false;
+    fault->at = at;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(fault->what, sizeof fault->what, format, args);
+    va_end(args);
+    return false;
+}
+
+size_t text_line(const text_file *file, const char *at) {
+    size_t line = 1;
+    for (const char *p = file->begin; (p = memchr(p, '\n', (size_t)(at - p))) != NULL; ++p) ++line;
+    return line;
+}
+
+fathom_status text_fail(const text_file *file, const text_fault *fault) {
+    return fail(file->context, FATHOM_BAD_INPUT, "%s:%zu: %s", file->path, text_line(file, fault->at),
+                fault->what);
+}
+
+const char *text_quote(const char *at, char out[48]) {
+    if (text_is_end(*at)) return "the end of the line";
+    size_t n = 0;
+    out[n++] = '"';
+    while (n < 41 && !text_is_blank(*at) && !text_is_end(*at)) {
+        out[n++] = *at < ' ' || *at == 127 ? '?' : *at;
+        ++at;
+    }
+    if (!text_is_blank(*at) && !text_is_end(*at)) {
+        memcpy(out + n, "...", 3);
+        n += 3;
+    }
+    out[n++] = '"';
+    out[n] = '\0';
+    return out;
+}
+
+/* Whether the line end at `newline`, not before `begin`, is taken back by a backslash. */
+static bool is_joined(const char *newline, const char *begin) {
+    const char *p = newline;
+    if (p > begin && p[-1] == '\r') --p;
+    return p > begin && p[-1] == '\\';
+}
+
+const char *text_next(const char *p, const char *end) {
+    for (const char *from = p; from < end;) {
+        const char *newline = memchr(from, '\n', (size_t)(end - from));
+        if (!newline) return end;
+        if (!is_joined(newline, p)) return newline + 1;
+        from = newline + 1;
+    }
+    return end;
+}
+
+size_t text_rest(const char **p, const char *end) {
+    const char *first = text_skip(*p);
+    const char *last = first;
+    while (last < end && !text_is_end(*last)) ++last;
+    while (last > first && text_is_blank(last[-1])) --last;
+    *p = first;
+    return (size_t)(last - first);
+}
+
+size_t *text_pieces(const text_file *file, size_t grain, size_t *count) {
+    size_t size = (size_t)(file->end - file->begin);
+    size_t *starts = malloc((size / grain + 2) * sizeof *starts);
+    if (!starts) return NULL;
+    size_t n = 0;
+    starts[0] = 0;
+    while (starts[n] < size) {
+        size_t target = starts[n] + grain;
+        /* From one byte before the target, so that a line end there is seen; backslashes need no more than
+         * that, as a line end that is joined is never the end of a piece. */
+        const char *next = file->end;
+        if (target < size) {
+            next = memchr(file->begin + target - 1, '\n', size - target + 1);
+            while (next && is_joined(next, file->begin)) {
+                next = memchr(next + 1, '\n', (size_t)(file->end - next - 1));
+            }
+            next = next ? next + 1 : file->end;
+        }
+        starts[++n] = (size_t)(next - file->begin);
+    }
+    *count = n;
+    return starts;
+}

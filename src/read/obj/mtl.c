@@ -1,0 +1,271 @@
+/* Wavefront MTL to Fathom's materials.
+ *
+ *   Kd      k_d
+ *   Ka      k_a; none, or white, means as k_d: exporters without an ambient colour write white, which would
+ *           make every material reflect the ambient light alike
+ *   Ks, Ns  k_s and shininess with Blinn's highlight, as the format defines it ((N·H)^Ns); no highlight where
+ *           Ns < 1, which exporters write for rough surfaces and which would add Ks to all that faces a light
+ *   Ke      k_e
+ *   Ni      ior where light is bent or reflected by Fresnel's law; none or 0: 1.5
+ *   d, Tr   opacity and 1 - opacity; the last of the two that the file has counts
+ *   Tf      filter of the glass models; others do not look at it, since exporters write white everywhere
+ *
+ *   illum   none: 2 if there is a Ks that is not black, else 1
+ *   0       Lambert without ambient light
+ *   1       Lambert
+ *   2, 10   with highlights
+ *   3, 8    and a mirror: k_r = Ks
+ *   5       and a mirror by Fresnel's law
+ *   4, 9    glass that does not bend light (ior 1): k_t, k_r
+ *   6       glass: k_t, k_r, ior
+ *   7       glass by Fresnel's law
+ *
+ * Models other than glass dissolve where d < 1: all they send out is scaled by d, and k_t = 1 - d goes
+ * straight on (ior 1). This is what "illum 2, d 0.3, Ni 1.45" means to those who write it. Glass: k_t = 1 - d
+ * if d < 1, times Tf if there is one; else Tf; else, as in the format's own formula, 1 - Ks. Its diffuse part
+ * fades as it clears: times d if d < 1, else by 1 - the largest of k_t; highlights stay. Without Fresnel's
+ * law k_r is cut to 1 - k_t where the file has both: a surface gives back no more than it gets. Fresnel's law
+ * needs ior != 1: where Ni is 1 it would reflect nothing, and the mirror is a plain one. */
+#include "read/obj/mtl.h"
+
+#include "read/mesh/number.h"
+#include "read/mesh/text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What a file says of a material, as it says it. */
+typedef struct mtl_entry {
+    double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum;
+    unsigned given; /* bits of the kinds below */
+} mtl_entry;
+
+enum { MTL_KA, MTL_KD, MTL_KS, MTL_KE, MTL_TF, MTL_NS, MTL_NI, MTL_D, MTL_TR, MTL_ILLUM, MTL_KINDS };
+
+static bool given(const mtl_entry *m, int kind) { return m->given >> kind & 1; }
+
+static void set(float out[3], const double rgb[3], double factor) {
+    for (int k = 0; k < 3; ++k) out[k] = (float)(factor * rgb[k]);
+}
+
+static double largest(const float rgb[3]) {
+    return fmax((double)rgb[0], fmax((double)rgb[1], (double)rgb[2]));
+}
+
+/* k_t and k_r of the glass models; returns what is left of the diffuse part. */
+static double make_glass(const mtl_entry *m, bool fresnel, fathom_material *out) {
+    const double white[3] = {1, 1, 1}, clear[3] = {1 - m->ks[0], 1 - m->ks[1], 1 - m->ks[2]};
+    bool dissolves = m->d < 1, filters = given(m, MTL_TF);
+    set(out->k_t, filters ? m->tf : dissolves || fresnel ? white : clear, dissolves ? 1 - m->d : 1);
+    for (int k = 0; k < 3; ++k) {
+        if (out->k_t[k] < 0) out->k_t[k] = 0;
+        float left = out->k_t[k] < 1 ? 1 - out->k_t[k] : 0;
+        if (!fresnel && out->k_r[k] > left) out->k_r[k] = left;
+    }
+    return dissolves ? m->d : fmax(0, 1 - largest(out->k_t));
+}
+
+static void make_surface(const mtl_entry *m, int illum, fathom_material *out) {
+    const double black[3] = {0, 0, 0};
+    bool white = m->ka[0] == 1 && m->ka[1] == 1 && m->ka[2] == 1;
+    set(out->k_d, m->kd, 1);
+    if (given(m, MTL_KA) && !white) set(out->k_a, m->ka, 1);
+    if (illum == 0) set(out->k_a, black, 1);
+    set(out->k_e, m->ke, 1);
+    if (illum >= 2 && m->ns >= 1) {
+        out->specular = FATHOM_SPECULAR_BLINN;
+        out->shininess = (float)m->ns;
+        set(out->k_s, m->ks, 1);
+    }
+    if (illum >= 3 && illum <= 9) set(out->k_r, m->ks, 1);
+}
+
+static void scale(float rgb[3], double factor) {
+    for (int k = 0; k < 3; ++k) rgb[k] = (float)(factor * (double)rgb[k]);
+}
+
+static fathom_material material_from(const mtl_entry *m) {
+    fathom_material out;
+    fathom_material_default(&out);
+    bool shines = m->ks[0] > 0 || m->ks[1] > 0 || m->ks[2] > 0;
+    int illum = given(m, MTL_ILLUM) ? (int)m->illum : shines ? 2 : 1;
+    bool glass = illum == 4 || illum == 6 || illum == 7 || illum == 9;
+    bool dissolves = !glass && m->d < 1;
+    bool straight = illum == 4 || illum == 9 || dissolves;
+    make_surface(m, illum, &out);
+    out.ior = straight ? 1 : m->ni > 0 ? (float)m->ni : 1.5f;
+    out.fresnel = (illum == 5 || illum == 7) && out.ior != 1;
+    double left = glass ? make_glass(m, out.fresnel, &out) : m->d;
+    scale(out.k_d, left);
+    if (out.k_a[0] >= 0) scale(out.k_a, left);
+    if (dissolves) {
+        const double white[3] = {1, 1, 1};
+        set(out.k_t, white, 1 - m->d);
+        scale(out.k_s, left);
+        scale(out.k_r, left);
+        scale(out.k_e, left);
+    }
+    return out;
+}
+
+typedef struct mtl_reader {
+    text_file file;
+    text_fault fault;
+    mtl_library *library;
+    mtl_entry entry;
+    size_t current; /* index of the material that is being read */
+    bool begun;
+    size_t unused; /* statements passed over */
+    const char *first_unused;
+} mtl_reader;
+
+static void finish_material(mtl_reader *r) {
+    if (r->begun) r->library->materials.items[r->current].value = material_from(&r->entry);
+}
+
+static bool begin_material(mtl_reader *r, const char *p) {
+    finish_material(r);
+    size_t length = text_rest(&p, r->file.end);
+    if (!length) return text_wrong(&r->fault, p, "newmtl: expected a name");
+    uint32_t known = names_find(&r->library->names, p, length);
+    if (known == UINT32_MAX) {
+        mtl_material material = {.name = strndup(p, length)};
+        if (!material.name) return false;
+        if (!array_push(&r->library->materials, material)) {
+            free(material.name);
+            return false;
+        }
+        known = names_add(&r->library->names, material.name, length);
+        if (known == UINT32_MAX) return false;
+    }
+    r->current = known;
+    r->begun = true;
+    fathom_material plain;
+    fathom_material_default(&plain);
+    r->entry = (mtl_entry){.ns = 0, .d = 1};
+    for (int k = 0; k < 3; ++k) r->entry.kd[k] = (double)plain.k_d[k];
+    return true;
+}
+
+static const struct mtl_field {
+    const char *keyword;
+    size_t offset;
+    int numbers;
+    double lowest, highest;
+} mtl_fields[MTL_KINDS] = {
+    [MTL_KA] = {"Ka", offsetof(mtl_entry, ka), 3, 0, 1e9},
+    [MTL_KD] = {"Kd", offsetof(mtl_entry, kd), 3, 0, 1e9},
+    [MTL_KS] = {"Ks", offsetof(mtl_entry, ks), 3, 0, 1e9},
+    [MTL_KE] = {"Ke", offsetof(mtl_entry, ke), 3, 0, 1e9},
+    [MTL_TF] = {"Tf", offsetof(mtl_entry, tf), 3, 0, 1},
+    [MTL_NS] = {"Ns", offsetof(mtl_entry, ns), 1, 0, 1e9},
+    [MTL_NI] = {"Ni", offsetof(mtl_entry, ni), 1, 0, 1e9},
+    [MTL_D] = {"d", offsetof(mtl_entry, d), 1, 0, 1},
+    [MTL_TR] = {"Tr", offsetof(mtl_entry, d), 1, 0, 1},
+    [MTL_ILLUM] = {"illum", offsetof(mtl_entry, illum), 1, 0, 10},
+};
+
+/* One number stands for all three of a colour. */
+static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const char *p, double *out) {
+    char quote[48];
+    for (int i = 0; i < field->numbers; ++i) {
+        const char *at = text_skip(p);
+        p = at;
+        if (i == 1 && (text_is_end(*at) || *at == '#')) {
+            out[1] = out[2] = out[0];
+            return true;
+        }
+        if (!number_read(&p, &out[i]) || !text_is_break(*p)) {
+            return text_wrong(&r->fault, at, "%s: expected %s, found %s", field->keyword,
+                              field->numbers == 3 ? "three numbers" : "a number", text_quote(at, quote));
+        }
+        if (!(out[i] >= field->lowest && out[i] <= field->highest)) {
+            return text_wrong(&r->fault, at, "%s: expected a number in [%g, %g], found %s", field->keyword,
+                              field->lowest, field->highest, text_quote(at, quote));
+        }
+    }
+    return true;
+}
+
+static bool is_word(const char *p, const char *word) {
+    size_t length = strlen(word);
+    return strncmp(p, word, length) == 0 && text_is_break(p[length]);
+}
+
+static void pass_over(mtl_reader *r, const char *at) {
+    if (!r->unused++) r->first_unused = at;
+}
+
+static bool read_field(mtl_reader *r, int kind, const char *at) {
+    const struct mtl_field *field = &mtl_fields[kind];
+    if (!r->begun) return text_wrong(&r->fault, at, "%s: expected newmtl before it", field->keyword);
+    const char *p = text_skip(at + strlen(field->keyword));
+    if (is_word(p, "spectral") || is_word(p, "xyz")) {
+        pass_over(r, at);
+        return true;
+    }
+    /* The halo would fade towards the outline; the number means the same. */
+    if (kind == MTL_D && is_word(p, "-halo")) p += 5;
+    double *out = (double *)(void *)((char *)&r->entry + field->offset);
+    if (!read_numbers(r, field, p, out)) return false;
+    if (kind == MTL_TR) *out = 1 - *out;
+    if (kind == MTL_ILLUM && *out != floor(*out)) {
+        return text_wrong(&r->fault, p, "illum: expected a whole number from 0 to 10");
+    }
+    r->entry.given |= 1u << kind;
+    return true;
+}
+
+static bool read_line(mtl_reader *r, const char *at) {
+    if (text_is_end(*at) && at >= r->file.end) return true;
+    if (is_word(at, "newmtl")) return begin_material(r, at + strlen("newmtl"));
+    for (int kind = 0; kind < MTL_KINDS; ++kind) {
+        if (is_word(at, mtl_fields[kind].keyword)) return read_field(r, kind, at);
+    }
+    pass_over(r, at);
+    return true;
+}
+
+static fathom_status read_lines(mtl_reader *r) {
+    for (const char *p = r->file.begin; p < r->file.end;) {
+        p = text_skip(p);
+        bool empty = *p == '\n' || *p == '#';
+        if (!empty && !read_line(r, p)) {
+            return r->fault.at ? text_fail(&r->file, &r->fault)
+                               : fail_memory(r->file.context, sizeof(mtl_material));
+        }
+        const char *newline = memchr(p, '\n', (size_t)(r->file.end - p));
+        p = !empty ? text_next(p, r->file.end) : newline ? newline + 1 : r->file.end;
+    }
+    finish_material(r);
+    return FATHOM_OK;
+}
+
+fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *library) {
+    file_map map;
+    fathom_status status = file_open(context, path, &map);
+    if (status == FATHOM_BAD_INPUT) {
+        warn(context, "%s; materials named from it get the default", fathom_context_message(context));
+        return FATHOM_OK;
+    }
+    if (status != FATHOM_OK) return status;
+    const char *text = (const char *)map.bytes;
+    mtl_reader r = {.file = {context, path, text, text + map.size}, .library = library};
+    status = read_lines(&r);
+    if (status == FATHOM_OK && r.unused) {
+        char quote[48];
+        warn(context,
+             "%s:%zu: textures and other statements that are not rendered are left out (%zu such, the first "
+             "%s)",
+             path, text_line(&r.file, r.first_unused), r.unused, text_quote(r.first_unused, quote));
+    }
+    file_close(&map);
+    return status;
+}
+
+void mtl_free(mtl_library *library) {
+    for (size_t i = 0; i < library->materials.count; ++i) free(library->materials.items[i].name);
+    array_free(&library->materials);
+    names_free(&library->names);
+    *library = (mtl_library){0};
+}

@@ -1,0 +1,121 @@
+/* How a Wavefront OBJ file becomes meshes, in five steps over pieces of the text, each in parallel:
+ * scan (obj_scan.c) counts vertices and notes which material and smoothing group each piece starts with, so
+ * that every index, negative ones too, is known without its neighbours; parse (obj_parse.c) writes vertices
+ * to their places and each piece's triangles to the piece; then polygons are split, smooth normals made
+ * (obj_smooth.c), and the triangles sorted into one mesh a material (obj_build.c). No step depends on how
+ * many threads there are: the pieces are cut by size alone. */
+#ifndef READ_OBJ_H
+#define READ_OBJ_H
+
+#include "read/mesh/names.h"
+#include "read/mesh/text.h"
+#include "read/read.h"
+
+/* What a corner of a face points at, in the order of "f v/vt/vn". */
+enum { OBJ_POSITION, OBJ_UV, OBJ_NORMAL, OBJ_KINDS };
+
+#define OBJ_ALL_GROUPS UINT32_MAX /* the smoothing group of faces that options.smooth makes smooth */
+
+/* A line that names something. */
+typedef struct obj_mention {
+    const char *at; /* the name in the file */
+    size_t length;
+    uint32_t slot; /* usemtl: index into obj_reader.slots */
+} obj_mention;
+
+/* Successive triangles of a piece that are alike. */
+typedef struct obj_run {
+    size_t first, count;  /* triangles of the piece */
+    uint32_t slot;        /* material */
+    uint32_t group;       /* smoothing group; 0: not to be smoothed */
+    bool has[OBJ_KINDS];  /* OBJ_UV, OBJ_NORMAL */
+    bool same[OBJ_KINDS]; /* the indices of this kind equal those of the positions */
+    size_t target;        /* where it starts in its mesh */
+} obj_run;
+
+/* Corners of one polygon, written as a fan. */
+typedef struct obj_polygon {
+    size_t first; /* triangle */
+    uint32_t corners;
+} obj_polygon;
+
+/* What is passed over: how often, and where first. */
+typedef struct obj_tally {
+    size_t count;
+    const char *first;
+} obj_tally;
+
+typedef struct obj_piece {
+    const char *begin, *end;
+    /* From the scan. */
+    uint64_t count[OBJ_KINDS], base[OBJ_KINDS];
+    ARRAY(obj_mention) materials, libraries;
+    bool sets_group;
+    uint32_t last_group;              /* if sets_group */
+    uint32_t first_slot, first_group; /* in force where the piece begins */
+    /* From the parse. Indices of uvs and normals are kept only once one differs from the position's: an empty
+     * array means that all are the same. */
+    ARRAY(uint32_t) corners[OBJ_KINDS];
+    ARRAY(obj_run) runs;
+    ARRAY(obj_polygon) polygons;
+    double lower[3], upper[3];       /* of the positions */
+    obj_tally lines, small, unknown; /* l and p; faces of less than 3 corners; statements not read */
+    text_fault fault;
+    bool out_of_memory;
+} obj_piece;
+
+/* A material name, or none (slot 0). */
+typedef struct obj_slot {
+    fathom_id material;
+    uint32_t same_as; /* the first slot with this material */
+} obj_slot;
+
+typedef struct obj_reader {
+    fathom_scene *scene;
+    fathom_id group;
+    read_mesh_options options;
+    text_file file;
+    unsigned threads;
+    obj_piece *pieces;
+    size_t piece_count;
+    uint64_t total[OBJ_KINDS];
+    name_table names;
+    ARRAY(obj_slot) slots;    /* 1 + index into names */
+    float *values[OBJ_KINDS]; /* as many as total[] says, 16 bytes of padding behind */
+    bool adopted[OBJ_KINDS];  /* values[] belong to the scene */
+    vec3_f64 origin;
+} obj_reader;
+
+/* The statements that are told apart. */
+typedef enum obj_statement {
+    OBJ_S_EMPTY, /* comments too */
+    OBJ_S_POSITION,
+    OBJ_S_UV,
+    OBJ_S_NORMAL,
+    OBJ_S_FACE,
+    OBJ_S_LINE, /* or points */
+    OBJ_S_NAME, /* g and o, which change nothing here */
+    OBJ_S_SMOOTHING,
+    OBJ_S_MATERIAL,
+    OBJ_S_LIBRARY,
+    OBJ_S_UNKNOWN
+} obj_statement;
+
+/* The statement at *p, which moves past its keyword. */
+obj_statement obj_classify(const char **p);
+
+/* The group of an s statement, *p past its keyword; false when it is none. */
+bool obj_smoothing_group(const char *p, uint32_t *group);
+
+/* From `p` in the line of `statement` to the next line. A backslash joins lines, but not comments. */
+const char *obj_next(obj_statement statement, const char *p, const char *end);
+
+fathom_status obj_scan(obj_reader *r);
+/* Reads the libraries and finds the material of each name. */
+fathom_status obj_find_materials(obj_reader *r);
+/* Vertices and triangles; then polygons, which need the vertices. */
+fathom_status obj_parse(obj_reader *r);
+fathom_status obj_smooth(obj_reader *r);
+fathom_status obj_build(obj_reader *r);
+
+#endif

@@ -1,0 +1,158 @@
+#include "read/obj/obj.h"
+
+#include "base/threads.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The triangles of one material that have the same kinds of data. */
+typedef struct obj_mesh {
+    uint32_t slot;
+    bool has[OBJ_KINDS], same[OBJ_KINDS];
+    size_t count;
+    uint32_t *indices[OBJ_KINDS];
+} obj_mesh;
+
+typedef struct obj_builder {
+    obj_reader *r;
+    ARRAY(obj_mesh) meshes; /* in the order in which they first appear */
+    uint32_t *mesh_of;      /* slot × has uvs × has normals -> mesh + 1 */
+} obj_builder;
+
+static uint32_t *mesh_slot(const obj_builder *b, const obj_run *run) {
+    uint32_t slot = b->r->slots.items[run->slot].same_as;
+    return &b->mesh_of[4 * (size_t)slot + 2 * run->has[OBJ_UV] + run->has[OBJ_NORMAL]];
+}
+
+static bool place_run(obj_builder *b, obj_run *run) {
+    uint32_t *number = mesh_slot(b, run);
+    if (!*number) {
+        obj_mesh mesh = {.slot = run->slot, .same = {true, true, true}};
+        memcpy(mesh.has, run->has, sizeof mesh.has);
+        if (!array_push(&b->meshes, mesh)) return false;
+        *number = (uint32_t)b->meshes.count;
+    }
+    obj_mesh *mesh = &b->meshes.items[*number - 1];
+    run->target = mesh->count;
+    mesh->count += run->count;
+    for (int k = OBJ_UV; k < OBJ_KINDS; ++k) mesh->same[k] = mesh->same[k] && run->same[k];
+    return true;
+}
+
+static fathom_status place_runs(obj_builder *b) {
+    obj_reader *r = b->r;
+    b->mesh_of = calloc(4 * r->slots.count, sizeof *b->mesh_of);
+    if (!b->mesh_of) return fail_memory(r->scene->context, 4 * r->slots.count * sizeof *b->mesh_of);
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        for (size_t k = 0; k < r->pieces[i].runs.count; ++k) {
+            if (!place_run(b, &r->pieces[i].runs.items[k]))
+                return fail_memory(r->scene->context, sizeof(obj_mesh));
+        }
+    }
+    return FATHOM_OK;
+}
+
+/* Arrays that do not differ from the positions' indices are not made. */
+static fathom_status allocate_meshes(obj_builder *b) {
+    for (size_t i = 0; i < b->meshes.count; ++i) {
+        obj_mesh *mesh = &b->meshes.items[i];
+        for (int k = 0; k < OBJ_KINDS; ++k) {
+            if (k != OBJ_POSITION && (!mesh->has[k] || mesh->same[k])) continue;
+            void *memory;
+            fathom_status status = scene_allocate(b->r->scene, 3 * mesh->count * sizeof(uint32_t), &memory);
+            if (status != FATHOM_OK) return status;
+            mesh->indices[k] = memory;
+        }
+    }
+    return FATHOM_OK;
+}
+
+static void copy_pieces(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const obj_builder *b = user;
+    for (size_t i = begin; i < end; ++i) {
+        obj_piece *piece = &b->r->pieces[i];
+        for (size_t k = 0; k < piece->runs.count; ++k) {
+            const obj_run *run = &piece->runs.items[k];
+            const obj_mesh *mesh = &b->meshes.items[*mesh_slot(b, run) - 1];
+            for (int kind = 0; kind < OBJ_KINDS; ++kind) {
+                if (!mesh->indices[kind]) continue;
+                int from = piece->corners[kind].count ? kind : OBJ_POSITION;
+                memcpy(mesh->indices[kind] + 3 * run->target, piece->corners[from].items + 3 * run->first,
+                       3 * run->count * sizeof(uint32_t));
+            }
+        }
+        for (int kind = 0; kind < OBJ_KINDS; ++kind) {
+            array_free(&piece->corners[kind]);
+            piece->corners[kind].items = NULL;
+        }
+    }
+}
+
+static fathom_status adopt_values(obj_builder *b) {
+    for (int k = 0; k < OBJ_KINDS; ++k) {
+        bool used = k == OBJ_POSITION;
+        for (size_t i = 0; i < b->meshes.count; ++i) used = used || b->meshes.items[i].has[k];
+        if (!used) continue;
+        b->r->adopted[k] = true;
+        fathom_status status = scene_adopt(b->r->scene, b->r->values[k], free);
+        if (status != FATHOM_OK) return status;
+    }
+    return FATHOM_OK;
+}
+
+/* The indices of uvs or normals. Where they equal the positions' none are needed, unless a vertex has no
+ * value: without indices a mesh has to have one for each. */
+static const uint32_t *shared_indices(const obj_builder *b, const obj_mesh *mesh, int kind) {
+    if (mesh->indices[kind]) return mesh->indices[kind];
+    return b->r->total[kind] < b->r->total[OBJ_POSITION] ? mesh->indices[OBJ_POSITION] : NULL;
+}
+
+static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from) {
+    const obj_reader *r = b->r;
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = r->values[OBJ_POSITION];
+    mesh.vertex_count = (uint32_t)r->total[OBJ_POSITION];
+    mesh.indices = from->indices[OBJ_POSITION];
+    mesh.triangle_count = (uint32_t)from->count;
+    if (from->has[OBJ_UV]) {
+        mesh.uvs = r->values[OBJ_UV];
+        mesh.uv_count = (uint32_t)r->total[OBJ_UV];
+        mesh.uv_indices = shared_indices(b, from, OBJ_UV);
+    }
+    if (from->has[OBJ_NORMAL]) {
+        mesh.normals = r->values[OBJ_NORMAL];
+        mesh.normal_count = (uint32_t)r->total[OBJ_NORMAL];
+        mesh.normal_indices = shared_indices(b, from, OBJ_NORMAL);
+    }
+    store_f64(mesh.origin, r->origin);
+    mesh.material = r->slots.items[from->slot].material;
+    mesh.flags = r->options.flags;
+    return scene_add_mesh_checked(r->scene, r->group, &mesh, NULL);
+}
+
+static fathom_status add_meshes(obj_builder *b) {
+    fathom_status status = place_runs(b);
+    if (status == FATHOM_OK && !b->meshes.count) {
+        return fail(b->r->scene->context, FATHOM_BAD_INPUT,
+                    "%s: it has no faces (%llu vertices); expected at least one f statement with 3 corners",
+                    b->r->file.path, (unsigned long long)b->r->total[OBJ_POSITION]);
+    }
+    if (status == FATHOM_OK) status = allocate_meshes(b);
+    if (status != FATHOM_OK) return status;
+    loop_parallel(b->r->threads, b->r->piece_count, 1, copy_pieces, b);
+    status = adopt_values(b);
+    for (size_t i = 0; i < b->meshes.count && status == FATHOM_OK; ++i) {
+        status = add_mesh(b, &b->meshes.items[i]);
+    }
+    return status;
+}
+
+fathom_status obj_build(obj_reader *r) {
+    obj_builder b = {.r = r};
+    fathom_status status = add_meshes(&b);
+    array_free(&b.meshes);
+    free(b.mesh_of);
+    return status;
+}

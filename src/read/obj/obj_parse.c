@@ -1,0 +1,351 @@
+#include "read/obj/obj.h"
+
+#include "base/threads.h"
+#include "read/mesh/number.h"
+#include "read/mesh/origin.h"
+#include "read/mesh/polygon.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+typedef struct obj_corner {
+    uint32_t index[OBJ_KINDS];
+} obj_corner;
+
+/* Where the parse of a piece stands. */
+typedef struct obj_parser {
+    const obj_reader *r;
+    obj_piece *piece;
+    uint64_t seen[OBJ_KINDS]; /* in the whole file */
+    uint32_t slot, group;
+    size_t next_material;
+    ARRAY(obj_corner) face;
+} obj_parser;
+
+/* Numbers of a vertex: `required` of `count`, the others 0 when they are left out. NULL after a fault. */
+static const char *read_values(obj_parser *s, const char *what, const char *p, int required, int count,
+                               double *out) {
+    char quote[48];
+    text_fault *fault = &s->piece->fault;
+    for (int i = 0; i < count; ++i) {
+        const char *at = text_skip(p);
+        p = at;
+        out[i] = 0;
+        if (i >= required && (text_is_end(*at) || *at == '#')) continue;
+        if (!number_read(&p, &out[i]) || !text_is_break(*p)) {
+            text_wrong(fault, at, "%s: number %d of %d: expected a number, found %s", what, i + 1, count,
+                       text_quote(at, quote));
+            return NULL;
+        }
+        if (!(fabs(out[i]) <= (double)FLT_MAX)) {
+            text_wrong(fault, at, "%s: number %d of %d: expected a finite number that fits a float, found %s",
+                       what, i + 1, count, text_quote(at, quote));
+            return NULL;
+        }
+    }
+    return p;
+}
+
+static const char *read_position(obj_parser *s, const char *p) {
+    double v[3];
+    p = read_values(s, "v", p, 3, 3, v);
+    if (!p) return NULL;
+    const double origin[3] = {s->r->origin.x, s->r->origin.y, s->r->origin.z};
+    float *out = s->r->values[OBJ_POSITION] + 3 * s->seen[OBJ_POSITION]++;
+    for (int k = 0; k < 3; ++k) {
+        out[k] = (float)(v[k] - origin[k]);
+        s->piece->lower[k] = v[k] < s->piece->lower[k] ? v[k] : s->piece->lower[k];
+        s->piece->upper[k] = v[k] > s->piece->upper[k] ? v[k] : s->piece->upper[k];
+    }
+    return p;
+}
+
+static const char *read_uv(obj_parser *s, const char *p) {
+    double v[2];
+    p = read_values(s, "vt", p, 1, 2, v);
+    if (!p) return NULL;
+    float *out = s->r->values[OBJ_UV] + 2 * s->seen[OBJ_UV]++;
+    out[0] = (float)v[0], out[1] = (float)v[1];
+    return p;
+}
+
+static const char *read_normal(obj_parser *s, const char *p) {
+    double v[3];
+    p = read_values(s, "vn", p, 3, 3, v);
+    if (!p) return NULL;
+    float *out = s->r->values[OBJ_NORMAL] + 3 * s->seen[OBJ_NORMAL]++;
+    for (int k = 0; k < 3; ++k) out[k] = (float)v[k];
+    return p;
+}
+
+/* One index of a corner: from 1, or negative, counted back from the last vertex above. */
+static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
+    static const char *const kinds[] = {"v", "vt", "vn"};
+    char quote[48];
+    int64_t index;
+    const char *at = *p;
+    text_fault *fault = &s->piece->fault;
+    size_t corner = s->face.count + 1;
+    if (!number_read_integer(p, &index)) {
+        return text_wrong(fault, at, "f: corner %zu: %s: expected an index, found %s", corner, kinds[kind],
+                          text_quote(at, quote));
+    }
+    int64_t found = index > 0 ? index - 1 : (int64_t)s->seen[kind] + index;
+    if (index == 0)
+        return text_wrong(fault, at, "f: corner %zu: %s: 0 is no index; the first is 1", corner, kinds[kind]);
+    if (index < 0 && found < 0) {
+        return text_wrong(fault, at,
+                          "f: corner %zu: %s: index %lld goes back beyond the first; there are %llu above",
+                          corner, kinds[kind], (long long)index, (unsigned long long)s->seen[kind]);
+    }
+    if ((uint64_t)found >= s->r->total[kind]) {
+        return text_wrong(fault, at, "f: corner %zu: %s: index %lld is out of range; the file has %llu",
+                          corner, kinds[kind], (long long)index, (unsigned long long)s->r->total[kind]);
+    }
+    *out = (uint32_t)found;
+    return true;
+}
+
+/* v, v/vt, v//vn or v/vt/vn; `parts` gets a bit for each kind that is there. */
+static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned *parts) {
+    char quote[48];
+    const char *at = *p;
+    *parts = 1u << OBJ_POSITION;
+    if (!read_index(s, OBJ_POSITION, p, &out->index[OBJ_POSITION])) return false;
+    for (int kind = OBJ_UV; kind < OBJ_KINDS && **p == '/'; ++kind) {
+        ++*p;
+        if (**p == '/' || text_is_break(**p)) continue;
+        if (!read_index(s, kind, p, &out->index[kind])) return false;
+        *parts |= 1u << kind;
+    }
+    if (text_is_break(**p)) return true;
+    return text_wrong(&s->piece->fault, at, "f: corner %zu: expected v, v/vt, v//vn or v/vt/vn, found %s",
+                      s->face.count + 1, text_quote(at, quote));
+}
+
+/* The last run, if the face goes on with it, or a new one. */
+static obj_run *run_for(obj_parser *s, unsigned parts) {
+    obj_piece *piece = s->piece;
+    const read_mesh_options *options = &s->r->options;
+    obj_run run = {
+        .first = piece->corners[OBJ_POSITION].count / 3, .slot = s->slot, .same = {true, true, true}};
+    run.has[OBJ_UV] = parts >> OBJ_UV & 1;
+    run.has[OBJ_NORMAL] = !options->flat && parts >> OBJ_NORMAL & 1;
+    if (!options->flat && !run.has[OBJ_NORMAL]) {
+        run.group = s->group ? s->group : options->smooth ? OBJ_ALL_GROUPS : 0;
+    }
+    obj_run *last = piece->runs.count ? &piece->runs.items[piece->runs.count - 1] : NULL;
+    if (last && last->slot == run.slot && last->group == run.group && last->has[OBJ_UV] == run.has[OBJ_UV] &&
+        last->has[OBJ_NORMAL] == run.has[OBJ_NORMAL]) {
+        return last;
+    }
+    return array_push(&piece->runs, run) ? &piece->runs.items[piece->runs.count - 1] : NULL;
+}
+
+/* The fan's indices of uvs or normals. */
+static bool push_kind(obj_parser *s, obj_run *run, int kind) {
+    const obj_corner *c = s->face.items;
+    size_t n = s->face.count, before = s->piece->corners[OBJ_POSITION].count;
+    int from = run->has[kind] ? kind : OBJ_POSITION;
+    bool same = true;
+    for (size_t i = 0; i < n; ++i) same = same && c[i].index[from] == c[i].index[OBJ_POSITION];
+    if (!same) run->same[kind] = false;
+    size_t have = s->piece->corners[kind].count;
+    if (same && have == 0) return true;
+    if (!array_room(&s->piece->corners[kind], before - have + 3 * (n - 2))) return false;
+    uint32_t *out = s->piece->corners[kind].items;
+    for (size_t i = have; i < before; ++i) out[i] = s->piece->corners[OBJ_POSITION].items[i];
+    out += before;
+    for (size_t i = 2; i < n; ++i) {
+        *out++ = c[0].index[from];
+        *out++ = c[i - 1].index[from];
+        *out++ = c[i].index[from];
+    }
+    s->piece->corners[kind].count = before + 3 * (n - 2);
+    return true;
+}
+
+static void tally(obj_tally *t, const char *at) {
+    if (!t->count++) t->first = at;
+}
+
+static bool push_face(obj_parser *s, const char *at, unsigned parts) {
+    obj_piece *piece = s->piece;
+    size_t n = s->face.count;
+    if (n < 3) {
+        tally(&piece->small, at);
+        return true;
+    }
+    obj_run *run = run_for(s, parts);
+    if (!run || !push_kind(s, run, OBJ_UV) || !push_kind(s, run, OBJ_NORMAL)) return false;
+    if (!array_room(&piece->corners[OBJ_POSITION], 3 * (n - 2))) return false;
+    obj_polygon polygon = {piece->corners[OBJ_POSITION].count / 3, (uint32_t)n};
+    if (n > 3 && !array_push(&piece->polygons, polygon)) return false;
+    uint32_t *out = piece->corners[OBJ_POSITION].items + piece->corners[OBJ_POSITION].count;
+    for (size_t i = 2; i < n; ++i) {
+        *out++ = s->face.items[0].index[OBJ_POSITION];
+        *out++ = s->face.items[i - 1].index[OBJ_POSITION];
+        *out++ = s->face.items[i].index[OBJ_POSITION];
+    }
+    piece->corners[OBJ_POSITION].count += 3 * (n - 2);
+    run->count += n - 2;
+    return true;
+}
+
+static const char *read_face(obj_parser *s, const char *p) {
+    const char *first = p;
+    unsigned parts = 0;
+    s->face.count = 0;
+    for (;;) {
+        const char *at = text_skip(p);
+        p = at;
+        if (text_is_end(*p) || *p == '#') break;
+        obj_corner corner = {{0}};
+        unsigned of_corner;
+        if (!read_corner(s, &p, &corner, &of_corner)) return NULL;
+        if (s->face.count && of_corner != parts) {
+            text_wrong(&s->piece->fault, at,
+                       "f: corner %zu: it has other parts (v/vt/vn) than corner 1; expected the same in all",
+                       s->face.count + 1);
+            return NULL;
+        }
+        parts = of_corner;
+        if (s->face.count == s->face.capacity && !array_room(&s->face, 1)) {
+            s->piece->out_of_memory = true;
+            return NULL;
+        }
+        s->face.items[s->face.count++] = corner;
+    }
+    if (push_face(s, first, parts)) return p;
+    s->piece->out_of_memory = true;
+    return NULL;
+}
+
+static const char *read_smoothing(obj_parser *s, const char *p) {
+    char quote[48];
+    if (obj_smoothing_group(p, &s->group)) return p;
+    p = text_skip(p);
+    text_wrong(&s->piece->fault, p, "s: expected a number, on or off, found %s", text_quote(p, quote));
+    return NULL;
+}
+
+/* What is left of the line is not looked at: weights and colours of vertices are no part of a mesh here. */
+static const char *read_statement(obj_parser *s, obj_statement statement, const char *p) {
+    switch (statement) {
+    case OBJ_S_POSITION: return read_position(s, p);
+    case OBJ_S_UV: return read_uv(s, p);
+    case OBJ_S_NORMAL: return read_normal(s, p);
+    case OBJ_S_FACE: return read_face(s, p);
+    case OBJ_S_SMOOTHING: return read_smoothing(s, p);
+    case OBJ_S_MATERIAL: s->slot = s->piece->materials.items[s->next_material++].slot; return p;
+    case OBJ_S_LINE: tally(&s->piece->lines, p); return p;
+    case OBJ_S_UNKNOWN:
+        if (p < s->piece->end) tally(&s->piece->unknown, p);
+        return p;
+    case OBJ_S_EMPTY:
+    case OBJ_S_NAME:
+    case OBJ_S_LIBRARY: return p;
+    }
+    return p;
+}
+
+static void parse_piece(const obj_reader *r, obj_piece *piece) {
+    obj_parser s = {.r = r, .piece = piece, .slot = piece->first_slot, .group = piece->first_group};
+    for (int k = 0; k < 3; ++k) {
+        s.seen[k] = piece->base[k];
+        piece->lower[k] = (double)INFINITY;
+        piece->upper[k] = -(double)INFINITY;
+    }
+    for (const char *p = piece->begin; p < piece->end;) {
+        obj_statement statement = obj_classify(&p);
+        p = read_statement(&s, statement, p);
+        if (!p) break;
+        p = obj_next(statement, p, piece->end);
+    }
+    array_free(&s.face);
+}
+
+static void parse_pieces(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    obj_reader *r = user;
+    for (size_t i = begin; i < end; ++i) parse_piece(r, &r->pieces[i]);
+}
+
+/* The vertices once more, now that the origin is known; they have passed all checks. */
+static void move_pieces(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    obj_reader *r = user;
+    for (size_t i = begin; i < end; ++i) {
+        obj_piece *piece = &r->pieces[i];
+        obj_parser s = {.r = r, .piece = piece, .seen = {piece->base[OBJ_POSITION]}};
+        for (const char *p = piece->begin; p < piece->end;) {
+            obj_statement statement = obj_classify(&p);
+            if (statement == OBJ_S_POSITION) p = read_position(&s, p);
+            p = obj_next(statement, p, piece->end);
+        }
+    }
+}
+
+static void split_polygons(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    obj_reader *r = user;
+    polygon_work work = {0};
+    const polygon_vertices vertices = {r->values[OBJ_POSITION], 3 * sizeof(float)};
+    for (size_t i = begin; i < end; ++i) {
+        obj_piece *piece = &r->pieces[i];
+        for (size_t k = 0; k < piece->polygons.count && !piece->out_of_memory; ++k) {
+            obj_polygon polygon = piece->polygons.items[k];
+            uint32_t *fan[OBJ_KINDS];
+            for (int kind = 0; kind < OBJ_KINDS; ++kind) {
+                fan[kind] =
+                    piece->corners[kind].count ? piece->corners[kind].items + 3 * polygon.first : NULL;
+            }
+            if (!polygon_split(&work, &vertices, polygon.corners, fan[0], fan[1], fan[2])) {
+                piece->out_of_memory = true;
+            }
+        }
+    }
+    polygon_work_free(&work);
+}
+
+/* The first fault in the order of the file, whichever thread met one first. */
+static fathom_status first_fault(const obj_reader *r) {
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        const obj_piece *piece = &r->pieces[i];
+        if (piece->out_of_memory) return fail_memory(r->scene->context, (size_t)(piece->end - piece->begin));
+        if (piece->fault.at) return text_fail(&r->file, &piece->fault);
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status allocate_values(obj_reader *r) {
+    static const size_t sizes[OBJ_KINDS] = {3 * sizeof(float), 2 * sizeof(float), 3 * sizeof(float)};
+    for (int k = 0; k < OBJ_KINDS; ++k) {
+        if (!r->total[k]) continue;
+        size_t bytes = (size_t)r->total[k] * sizes[k] + 16;
+        r->values[k] = malloc(bytes);
+        if (!r->values[k]) return fail_memory(r->scene->context, bytes);
+    }
+    return FATHOM_OK;
+}
+
+static vec3_f64 choose_origin(const obj_reader *r) {
+    scene_bounds bounds = bounds_empty();
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        scene_bounds of_piece = {load_f64(r->pieces[i].lower), load_f64(r->pieces[i].upper)};
+        bounds_join(&bounds, &of_piece);
+    }
+    return origin_for(&bounds);
+}
+
+fathom_status obj_parse(obj_reader *r) {
+    fathom_status status = allocate_values(r);
+    if (status != FATHOM_OK) return status;
+    loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
+    status = first_fault(r);
+    if (status != FATHOM_OK) return status;
+    r->origin = choose_origin(r);
+    if (length_f64(r->origin) > 0) loop_parallel(r->threads, r->piece_count, 1, move_pieces, r);
+    loop_parallel(r->threads, r->piece_count, 1, split_polygons, r);
+    return first_fault(r);
+}

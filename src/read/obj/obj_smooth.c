@@ -1,0 +1,168 @@
+#include "read/obj/obj.h"
+
+#include "read/mesh/normals.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A vertex has one made normal for each smoothing group that its faces are in: a chain of links. The number
+ * of a link is the normal's. */
+typedef struct chain_link {
+    uint32_t group, next;
+} chain_link;
+
+typedef struct smooth_faces {
+    size_t triangle_count;
+    uint32_t group;    /* of the first */
+    bool one_group;    /* all are in it: then a normal's number is its vertex's */
+    uint32_t *indices; /* of the triangles that are to be smoothed, in the order of the file */
+    uint32_t *slots;   /* beside them; NULL with one group */
+    uint32_t slot_count;
+} smooth_faces;
+
+typedef struct run_cursor {
+    size_t piece, run;
+} run_cursor;
+
+/* The next run that is to be smoothed, NULL after the last. Start from {0, 0}. */
+static obj_run *next_run(const obj_reader *r, run_cursor *c, obj_piece **piece) {
+    for (; c->piece < r->piece_count; ++c->piece, c->run = 0) {
+        *piece = &r->pieces[c->piece];
+        while (c->run < (*piece)->runs.count) {
+            obj_run *run = &(*piece)->runs.items[c->run++];
+            if (run->group) return run;
+        }
+    }
+    return NULL;
+}
+
+static void count_faces(const obj_reader *r, smooth_faces *faces) {
+    faces->one_group = true;
+    run_cursor cursor = {0, 0};
+    obj_piece *piece;
+    for (const obj_run *run; (run = next_run(r, &cursor, &piece)) != NULL;) {
+        if (!faces->triangle_count) faces->group = run->group;
+        if (run->group != faces->group) faces->one_group = false;
+        faces->triangle_count += run->count;
+    }
+}
+
+static fathom_status gather_indices(const obj_reader *r, smooth_faces *faces) {
+    size_t bytes = faces->triangle_count * 3 * sizeof *faces->indices;
+    faces->indices = malloc(bytes);
+    if (!faces->indices) return fail_memory(r->scene->context, bytes);
+    run_cursor cursor = {0, 0};
+    obj_piece *piece;
+    uint32_t *out = faces->indices;
+    for (const obj_run *run; (run = next_run(r, &cursor, &piece)) != NULL; out += 3 * run->count) {
+        memcpy(out, piece->corners[OBJ_POSITION].items + 3 * run->first, 3 * run->count * sizeof *out);
+    }
+    faces->slot_count = (uint32_t)r->total[OBJ_POSITION];
+    return FATHOM_OK;
+}
+
+typedef struct chains {
+    uint32_t *heads; /* of each vertex; UINT32_MAX: none */
+    ARRAY(chain_link) links;
+} chains;
+
+/* UINT32_MAX when out of memory, or when there are as many normals as numbers. */
+static uint32_t chain_find(chains *c, uint32_t vertex, uint32_t group) {
+    for (uint32_t i = c->heads[vertex]; i != UINT32_MAX; i = c->links.items[i].next) {
+        if (c->links.items[i].group == group) return i;
+    }
+    chain_link made = {group, c->heads[vertex]};
+    if (c->links.count >= UINT32_MAX || !array_push(&c->links, made)) return UINT32_MAX;
+    return c->heads[vertex] = (uint32_t)(c->links.count - 1);
+}
+
+static bool fill_slots(const obj_reader *r, smooth_faces *faces, chains *c) {
+    run_cursor cursor = {0, 0};
+    obj_piece *piece;
+    size_t corner = 0;
+    for (const obj_run *run; (run = next_run(r, &cursor, &piece)) != NULL;) {
+        for (size_t i = 0; i < 3 * run->count; ++i, ++corner) {
+            faces->slots[corner] = chain_find(c, faces->indices[corner], run->group);
+            if (faces->slots[corner] == UINT32_MAX) return false;
+        }
+    }
+    faces->slot_count = (uint32_t)c->links.count;
+    return true;
+}
+
+static fathom_status make_slots(const obj_reader *r, smooth_faces *faces) {
+    if (faces->one_group) return FATHOM_OK;
+    chains c = {.heads = malloc((size_t)r->total[OBJ_POSITION] * sizeof *c.heads)};
+    size_t bytes = faces->triangle_count * 3 * sizeof *faces->slots;
+    faces->slots = malloc(bytes);
+    bool done = c.heads && faces->slots;
+    if (done) {
+        memset(c.heads, 0xff, (size_t)r->total[OBJ_POSITION] * sizeof *c.heads);
+        done = fill_slots(r, faces, &c);
+    }
+    free(c.heads);
+    array_free(&c.links);
+    return done ? FATHOM_OK : fail_memory(r->scene->context, bytes);
+}
+
+/* Behind the file's own normals. */
+static fathom_status make_normals(obj_reader *r, const smooth_faces *faces) {
+    fathom_context *context = r->scene->context;
+    size_t before = (size_t)r->total[OBJ_NORMAL], count = before + faces->slot_count;
+    if (count >= UINT32_MAX)
+        return fail(context, FATHOM_BAD_INPUT, "%s: too many normals: at most 2^32 - 2 can be indexed",
+                    r->file.path);
+    size_t bytes = count * 3 * sizeof(float) + 16;
+    float *normals = realloc(r->values[OBJ_NORMAL], bytes);
+    if (!normals) return fail_memory(context, bytes);
+    r->values[OBJ_NORMAL] = normals;
+    r->total[OBJ_NORMAL] = count;
+    const normals_input input = {.positions = r->values[OBJ_POSITION],
+                                 .stride = 3 * sizeof(float),
+                                 .indices = faces->indices,
+                                 .slots = faces->slots,
+                                 .triangle_count = faces->triangle_count,
+                                 .slot_count = faces->slot_count};
+    return normals_smooth(context, &input, normals + 3 * before);
+}
+
+/* Room for every corner's normal, as far as there was none. */
+static bool keep_normal_indices(obj_piece *piece) {
+    size_t count = piece->corners[OBJ_POSITION].count;
+    if (piece->corners[OBJ_NORMAL].count == count) return true;
+    if (!array_room(&piece->corners[OBJ_NORMAL], count)) return false;
+    memcpy(piece->corners[OBJ_NORMAL].items, piece->corners[OBJ_POSITION].items, count * sizeof(uint32_t));
+    piece->corners[OBJ_NORMAL].count = count;
+    return true;
+}
+
+static fathom_status point_at_normals(obj_reader *r, const smooth_faces *faces) {
+    uint32_t before = (uint32_t)(r->total[OBJ_NORMAL] - faces->slot_count);
+    const uint32_t *slots = faces->slots ? faces->slots : faces->indices;
+    bool same = !faces->slots && before == 0;
+    run_cursor cursor = {0, 0};
+    obj_piece *piece;
+    for (obj_run *run; (run = next_run(r, &cursor, &piece)) != NULL; slots += 3 * run->count) {
+        run->has[OBJ_NORMAL] = true;
+        run->same[OBJ_NORMAL] = same;
+        if (same) continue;
+        if (!keep_normal_indices(piece))
+            return fail_memory(r->scene->context, piece->corners[OBJ_POSITION].count);
+        uint32_t *out = piece->corners[OBJ_NORMAL].items + 3 * run->first;
+        for (size_t i = 0; i < 3 * run->count; ++i) out[i] = before + slots[i];
+    }
+    return FATHOM_OK;
+}
+
+fathom_status obj_smooth(obj_reader *r) {
+    smooth_faces faces = {0};
+    count_faces(r, &faces);
+    if (!faces.triangle_count) return FATHOM_OK;
+    fathom_status status = gather_indices(r, &faces);
+    if (status == FATHOM_OK) status = make_slots(r, &faces);
+    if (status == FATHOM_OK) status = make_normals(r, &faces);
+    if (status == FATHOM_OK) status = point_at_normals(r, &faces);
+    free(faces.indices);
+    free(faces.slots);
+    return status;
+}

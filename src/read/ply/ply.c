@@ -1,0 +1,203 @@
+#include "read/ply/ply.h"
+
+#include "read/mesh/normals.h"
+#include "read/mesh/origin.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+bool ply_wrong(ply_reader *r, const void *at, const char *format, ...) {
+    pthread_mutex_lock(&r->lock);
+    if (!r->fault.at || (const char *)at < r->fault.at) {
+        va_list args;
+        va_start(args, format);
+        vsnprintf(r->fault.what, sizeof r->fault.what, format, args);
+        va_end(args);
+        r->fault.at = at;
+    }
+    pthread_mutex_unlock(&r->lock);
+    return false;
+}
+
+void ply_join_bounds(ply_reader *r, const scene_bounds *bounds) {
+    pthread_mutex_lock(&r->lock);
+    bounds_join(&r->bounds, bounds);
+    pthread_mutex_unlock(&r->lock);
+}
+
+void ply_no_memory(ply_reader *r) {
+    pthread_mutex_lock(&r->lock);
+    r->out_of_memory = true;
+    pthread_mutex_unlock(&r->lock);
+}
+
+fathom_status ply_status(ply_reader *r) {
+    fathom_context *context = r->scene->context;
+    if (r->out_of_memory) return fail_memory(context, r->map.size);
+    if (!r->fault.at) return FATHOM_OK;
+    if (r->header.format == PLY_ASCII || r->fault.at < r->header.body) return text_fail(&r->file, &r->fault);
+    return fail(context, FATHOM_BAD_INPUT, "%s: at byte %zu: %s", r->file.path,
+                (size_t)(r->fault.at - r->file.begin), r->fault.what);
+}
+
+fathom_status ply_allocate_arrays(ply_reader *r) {
+    for (int a = 0; a < PLY_ARRAYS; ++a) {
+        ply_array *array = &r->arrays[a];
+        if (!array->present || array->values) continue;
+        void *memory;
+        array->stride = (size_t)array->components * sizeof(float);
+        fathom_status status = scene_allocate(r->scene, r->vertex_count * array->stride, &memory);
+        if (status != FATHOM_OK) return status;
+        array->values = array->own = memory;
+    }
+    return FATHOM_OK;
+}
+
+static void put_array(const ply_array *array, uint32_t i, const double values[PLY_ROLES]) {
+    float *out = array->own + (size_t)i * (size_t)array->components;
+    for (int k = 0; k < array->components; ++k) out[k] = (float)values[array->first_role + k];
+}
+
+bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], const void *at,
+                    scene_bounds *bounds) {
+    static const char *const names[PLY_ROLES] = {"x", "y", "z", "nx", "ny", "nz", "u", "v"};
+    for (int role = 0; role < PLY_ROLES; ++role) {
+        if (fabs(values[role]) <= (double)FLT_MAX) continue;
+        return ply_wrong(r, at, "vertex %u: %s is %g; expected a finite number that fits a float", i,
+                         names[role], values[role]);
+    }
+    bounds->lower.x = values[PLY_X] < bounds->lower.x ? values[PLY_X] : bounds->lower.x;
+    bounds->lower.y = values[PLY_Y] < bounds->lower.y ? values[PLY_Y] : bounds->lower.y;
+    bounds->lower.z = values[PLY_Z] < bounds->lower.z ? values[PLY_Z] : bounds->lower.z;
+    bounds->upper.x = values[PLY_X] > bounds->upper.x ? values[PLY_X] : bounds->upper.x;
+    bounds->upper.y = values[PLY_Y] > bounds->upper.y ? values[PLY_Y] : bounds->upper.y;
+    bounds->upper.z = values[PLY_Z] > bounds->upper.z ? values[PLY_Z] : bounds->upper.z;
+    for (int a = 0; a < PLY_ARRAYS; ++a) {
+        if (r->arrays[a].own) put_array(&r->arrays[a], i, values);
+    }
+    return true;
+}
+
+void ply_put_position(ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
+    const double moved[PLY_ROLES] = {values[PLY_X] - r->origin.x, values[PLY_Y] - r->origin.y,
+                                     values[PLY_Z] - r->origin.z};
+    put_array(&r->arrays[PLY_POSITIONS], i, moved);
+}
+
+fathom_status ply_choose_origin(ply_reader *r, bool *again) {
+    r->origin = origin_for(&r->bounds);
+    *again = length_f64(r->origin) > 0;
+    ply_array *positions = &r->arrays[PLY_POSITIONS];
+    if (*again && !positions->own) positions->values = NULL;
+    return ply_allocate_arrays(r);
+}
+
+static void choose_arrays(ply_reader *r) {
+    const ply_array kinds[PLY_ARRAYS] = {{.first_role = PLY_X, .components = 3},
+                                         {.first_role = PLY_NX, .components = 3},
+                                         {.first_role = PLY_U, .components = 2}};
+    for (int a = 0; a < PLY_ARRAYS; ++a) {
+        r->arrays[a] = kinds[a];
+        r->arrays[a].present = !(a == PLY_NORMALS && r->options.flat);
+        for (int k = 0; k < kinds[a].components; ++k) {
+            if (r->role[kinds[a].first_role + k] < 0) r->arrays[a].present = false;
+        }
+        /* What makes no array is not read. */
+        for (int k = 0; k < kinds[a].components && !r->arrays[a].present; ++k) {
+            r->role[kinds[a].first_role + k] = -1;
+        }
+    }
+}
+
+static fathom_status make_normals(ply_reader *r) {
+    ply_array *normals = &r->arrays[PLY_NORMALS], *positions = &r->arrays[PLY_POSITIONS];
+    if (!r->options.smooth || r->options.flat || normals->present) return FATHOM_OK;
+    normals->present = true;
+    fathom_status status = ply_allocate_arrays(r);
+    if (status != FATHOM_OK) return status;
+    const normals_input input = {.positions = positions->values,
+                                 .stride = positions->stride,
+                                 .indices = r->indices,
+                                 .triangle_count = r->triangle_count,
+                                 .slot_count = r->vertex_count};
+    return normals_smooth(r->scene->context, &input, normals->own);
+}
+
+static void release_map(void *data) {
+    file_close(data);
+    free(data);
+}
+
+/* The scene keeps the mapped file if it uses its bytes. */
+static fathom_status keep_map(ply_reader *r) {
+    bool used = false;
+    for (int a = 0; a < PLY_ARRAYS; ++a) used = used || (r->arrays[a].values && !r->arrays[a].own);
+    if (!used) return FATHOM_OK;
+    file_map *kept = malloc(sizeof *kept);
+    if (!kept) return fail_memory(r->scene->context, sizeof *kept);
+    *kept = r->map;
+    r->map = (file_map){0};
+    return scene_adopt(r->scene, kept, release_map);
+}
+
+static fathom_status add_mesh(ply_reader *r) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = r->arrays[PLY_POSITIONS].values;
+    mesh.position_stride = r->arrays[PLY_POSITIONS].stride;
+    mesh.vertex_count = r->vertex_count;
+    mesh.indices = r->indices;
+    mesh.triangle_count = (uint32_t)r->triangle_count;
+    if (r->arrays[PLY_NORMALS].present) {
+        mesh.normals = r->arrays[PLY_NORMALS].values;
+        mesh.normal_stride = r->arrays[PLY_NORMALS].stride;
+        mesh.normal_count = r->vertex_count;
+    }
+    if (r->arrays[PLY_UVS].present) {
+        mesh.uvs = r->arrays[PLY_UVS].values;
+        mesh.uv_stride = r->arrays[PLY_UVS].stride;
+        mesh.uv_count = r->vertex_count;
+    }
+    store_f64(mesh.origin, r->origin);
+    mesh.material = r->options.material == FATHOM_NONE ? 0 : r->options.material;
+    mesh.flags = r->options.flags;
+    return scene_add_mesh_checked(r->scene, r->group, &mesh, NULL);
+}
+
+static fathom_status read_mapped(ply_reader *r) {
+    fathom_context *context = r->scene->context;
+    fathom_status status = ply_read_header(r);
+    if (status != FATHOM_OK) return status;
+    choose_arrays(r);
+    status = r->header.format == PLY_ASCII ? ply_read_ascii(r) : ply_read_binary(r);
+    if (status != FATHOM_OK) return status;
+    if (r->small) {
+        warn(context, "%s: faces of less than 3 corners are left out (%zu such)", r->file.path, r->small);
+    }
+    if (!r->triangle_count) {
+        return fail(context, FATHOM_BAD_INPUT, "%s: no faces: expected at least one with 3 corners or more",
+                    r->file.path);
+    }
+    status = make_normals(r);
+    if (status == FATHOM_OK) status = keep_map(r);
+    return status == FATHOM_OK ? add_mesh(r) : status;
+}
+
+fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
+                       const read_mesh_options *options) {
+    ply_reader r = {.scene = scene,
+                    .group = group,
+                    .options = *options,
+                    .threads = fathom_context_threads(scene->context),
+                    .bounds = bounds_empty(),
+                    .lock = PTHREAD_MUTEX_INITIALIZER};
+    fathom_status status = file_open(scene->context, path, &r.map);
+    if (status != FATHOM_OK) return status;
+    const char *text = (const char *)r.map.bytes;
+    r.file = (text_file){scene->context, path, text, text + r.map.size};
+    status = read_mapped(&r);
+    ply_free_header(&r.header);
+    file_close(&r.map);
+    return status;
+}
