@@ -142,10 +142,10 @@ const command command_compare = {
     .name = "compare",
     .usage = "A B [--tolerance T]",
     .summary = "Tell how much two images differ.",
-    .text = "Compares every channel of two images as stored, and prints the largest difference\n"
-            "of a value, the root mean square of all, and how many pixels differ. The exit code\n"
-            "is 0 when none does, 1 when some do or the images have not the same size, crop and\n"
-            "channels.\n",
+    .text = "Compares every channel of two images as stored, and prints the largest\n"
+            "difference of a value, the root mean square of all, and how many pixels differ.\n"
+            "The exit code is 0 when none does, 1 when some do or the images have not the\n"
+            "same size, crop and channels.\n",
     .examples = "  fathom compare old.exr new.exr --tolerance 0.001\n",
     .args = {options, operands, operand_offsets, 2},
     .run = run,

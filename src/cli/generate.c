@@ -65,7 +65,7 @@ static fathom_status run(int argc, char **argv) {
     generate_settings settings = {.kind = NULL};
     fathom_status status;
     if (!command_parse(&command_generate, argc, argv, &settings, &status)) return status;
-    fathom_generator kind;
+    fathom_generator kind = FATHOM_GENERATE_SPHERE;
     args_problem problem;
     if (!check(&settings, &kind, &problem)) return say_usage(&command_generate, problem.text);
     fathom_context *context;

@@ -64,12 +64,13 @@ void help_command(const command *c, FILE *out) {
 
 static fathom_status run(int argc, char **argv) {
     if (argc > 2) return say_usage(NULL, "help: expected at most one command");
-    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+    if (argc < 2) {
         help_overview(stdout);
         return FATHOM_OK;
     }
     args_problem problem;
-    const command *c = command_find(argv[1], &problem);
+    bool itself = strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0;
+    const command *c = itself ? &command_help : command_find(argv[1], &problem);
     if (!c) return say_usage(NULL, problem.text);
     help_command(c, stdout);
     return FATHOM_OK;

@@ -39,10 +39,11 @@ static void print_bounds(const scene_bounds *b) {
 static void print_facts(const fathom_scene *scene, const info_facts *f) {
     const fathom_settings *s = &scene->settings;
     printf("scene     %s\n", scene->name);
-    printf("triangles %llu", (unsigned long long)f->triangles);
+    printf("triangles %llu in %llu mesh%s", (unsigned long long)f->triangles, (unsigned long long)f->meshes,
+           f->meshes == 1 ? "" : "es");
     if (f->placed_triangles != f->triangles)
-        printf(" stored, %llu placed", (unsigned long long)f->placed_triangles);
-    printf(" (%llu meshes)\n", (unsigned long long)f->meshes);
+        printf("; %llu with instances", (unsigned long long)f->placed_triangles);
+    putchar('\n');
     printf("shapes    %llu spheres, %llu quads, %llu planes\n", (unsigned long long)f->spheres,
            (unsigned long long)f->quads, (unsigned long long)f->planes);
     printf("instances %llu of %llu groups\n", (unsigned long long)f->instances,
@@ -55,9 +56,9 @@ static void print_facts(const fathom_scene *scene, const info_facts *f) {
            scene->camera.origin[1], scene->camera.origin[2], -scene->camera.z[0], -scene->camera.z[1],
            -scene->camera.z[2]);
     printf("image     %ux%u, %u spp\n", s->width, s->height, s->spp);
-    printf("memory    about %.1f MB: geometry %.1f, BVH %.1f, film %.1f\n",
-           megabytes(f->geometry_bytes + f->bvh_bytes + f->film_bytes), megabytes(f->geometry_bytes),
-           megabytes(f->bvh_bytes), megabytes(f->film_bytes));
+    printf("memory    about %.0f MB: program %.0f, geometry %.1f, BVH %.1f, building it %.1f, film %.1f\n",
+           megabytes(f->total_bytes), megabytes(f->program_bytes), megabytes(f->geometry_bytes),
+           megabytes(f->bvh_bytes), megabytes(f->build_bytes), megabytes(f->film_bytes));
     printf("features ");
     for (size_t i = 0; i < f->feature_count; ++i) printf("%s %s", i ? "," : "", f->features[i]);
     putchar('\n');
@@ -100,9 +101,10 @@ static void set_facts(json_t *root, const fathom_scene *scene, const info_facts 
         root, "image",
         json_pack("{s:i, s:i, s:i}", "width", (int)s->width, "height", (int)s->height, "spp", (int)s->spp));
     json_object_set_new(root, "memoryBytes",
-                        json_pack("{s:o, s:o, s:o, s:o}", "geometry", json_count(f->geometry_bytes), "bvh",
-                                  json_count(f->bvh_bytes), "film", json_count(f->film_bytes), "total",
-                                  json_count(f->geometry_bytes + f->bvh_bytes + f->film_bytes)));
+                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "program", json_count(f->program_bytes),
+                                  "geometry", json_count(f->geometry_bytes), "bvh", json_count(f->bvh_bytes),
+                                  "building", json_count(f->build_bytes), "film", json_count(f->film_bytes),
+                                  "total", json_count(f->total_bytes)));
     json_t *features = json_array();
     for (size_t i = 0; i < f->feature_count; ++i)
         json_array_append_new(features, json_string(f->features[i]));

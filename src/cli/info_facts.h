@@ -14,7 +14,8 @@ typedef struct info_facts {
     uint64_t materials, groups, instances;
     uint64_t point_lights, directional_lights, spot_lights;
     scene_bounds bounds; /* of the world; planes have none */
-    uint64_t geometry_bytes, bvh_bytes, film_bytes;
+    /* Memory at its highest: building adds to the tree what is given back when it stands. */
+    uint64_t program_bytes, geometry_bytes, bvh_bytes, build_bytes, film_bytes, total_bytes;
     const char *features[INFO_FEATURES_MAX];
     size_t feature_count;
 } info_facts;

@@ -79,25 +79,24 @@ void progress_line(const fathom_progress *p, char *out, size_t size) {
     snprintf(out, size, "%s %u %%%s", phase_name(p->phase), percent(p), rate);
 }
 
-/* "render  47% [=======>        ] 45.2 Mrays/s, 0:12 left". What does not fit is left out from the right,
- * the bar first shrinking to 10. */
+/* "render  47% [=======>        ] 45.2 Mrays/s, 0:12 left". What does not fit is cut off at the right. The
+ * bar's own length follows from the columns alone, so that it does not jump about. */
+#define BAR_LEAST 10u
+#define BAR_MOST 50u
+#define BAR_OTHERS 46u /* what stands beside it, up to "render 100% [] 12345.6 Mrays/s, 10:00:00 left" */
+
 void progress_bar(const fathom_progress *p, unsigned width, char *out, size_t size) {
-    double fraction = clamp_fraction(p->fraction);
-    char head[32], rate[64];
-    snprintf(head, sizeof head, "%-6s %3u%%", phase_name(p->phase), percent(p));
+    char rate[64], cells[BAR_MOST + 1];
     put_rate(p, rate, sizeof rate);
-    const char *tail = *rate ? rate + 2 : rate;
     size_t room = width ? width - 1 : 0;
     if (room >= size) room = size - 1;
-    /* Brackets and the spaces between the three parts. */
-    size_t taken = strlen(head) + strlen(tail) + 4;
-    size_t bar = room >= taken + 10 ? room - taken : 10;
-    if (bar > 50) bar = 50;
-    char cells[51];
-    size_t full = (size_t)(fraction * (double)bar);
+    size_t bar = room > BAR_OTHERS + BAR_LEAST ? room - BAR_OTHERS : BAR_LEAST;
+    if (bar > BAR_MOST) bar = BAR_MOST;
+    size_t full = (size_t)(clamp_fraction(p->fraction) * (double)bar);
     for (size_t i = 0; i < bar; ++i) cells[i] = i < full ? '=' : i == full ? '>' : ' ';
     cells[bar] = '\0';
-    snprintf(out, room + 1, "%s [%s] %s", head, cells, tail);
+    snprintf(out, room + 1, "%-6s %3u%% [%s] %s", phase_name(p->phase), percent(p), cells,
+             *rate ? rate + 2 : rate);
 }
 
 static void print_line(const fathom_progress *p) {

@@ -76,7 +76,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
 fathom_status stats_write(fathom_context *context, const render_report *report,
                           const render_options *options) {
     json_t *root = pack(report, options);
-    char *bytes = root ? json_dumps(root, JSON_INDENT(2)) : NULL;
+    char *bytes = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     json_decref(root);
     if (!bytes) return fail_memory(context, 4096);
     file_writer *writer;
