@@ -1,0 +1,62 @@
+# fathom info: counts, bounds, features, memory, problems.
+. "$SOURCE/tests/cli/check.inc"
+write_scene
+
+run 0 info scene.json
+said out.txt 'scene     ball on a floor'
+said out.txt '1 spheres, 1 quads, 0 planes'
+said out.txt 'lights    1 point, 0 directional, 0 spot'
+said out.txt 'bounds    (-3, 0, -3) to (3, 1.6, 3)'
+said out.txt 'image     96x64, 1 spp'
+said out.txt 'features  spheres, quads, point lights, Phong, mirrors'
+said out.txt 'problems  none'
+silent err.txt
+
+cat >mesh.obj <<'OBJ'
+v 0 0 0
+v 1 0 0
+v 0 1 0
+v 2 0 0
+f 1 2 3
+f 1 2 4
+OBJ
+cat >nested.json <<'JSON'
+{
+  "lights": [],
+  "groups": {
+    "pair": [ { "type": "mesh", "file": "mesh.obj" }, { "type": "mesh", "file": "mesh.obj", "translation": [0, 0, 5] } ],
+    "row": [ { "type": "instance", "of": "pair" }, { "type": "instance", "of": "pair", "translation": [3, 0, 0] } ]
+  },
+  "objects": [ { "type": "instance", "of": "row" }, { "type": "instance", "of": "row", "translation": [0, 9, 0] },
+               { "type": "plane", "point": [0, -1, 0], "normal": [0, 1, 0] } ]
+}
+JSON
+run 0 info nested.json --json
+said out.txt '"renderable": true'
+[ "$(number out.txt planes)" = 1 ] || die 'planes'
+# Two meshes of 2 triangles, in 2 pairs, in 2 rows.
+[ "$(number out.txt placedTriangles)" = 16 ] || die "placed triangles: $(number out.txt placedTriangles)"
+said out.txt '"nested groups"'
+said out.txt 'degenerate'
+said out.txt 'every surface is black'
+cp out.txt info.json
+if python3 -c 'import json' 2>/dev/null; then
+    python3 -c 'import json; json.load(open("info.json"))' || die 'not JSON'
+fi
+
+# What cannot be rendered: said, code 3.
+printf '{ "objects": [\n  { "type": "sphere", "radius": -1 }\n] }\n' >bad.json
+refused 3 'bad.json:2: objects[0].radius' info bad.json
+run 3 info bad.json --json
+said out.txt '"renderable": false'
+said out.txt 'bad.json:2: objects[0].radius'
+refused 3 'nothing.glb: No such file' info nothing.glb
+
+# The estimate of memory against what a render takes: within a quarter, for a mesh that outweighs the program.
+run 0 generate sphere --triangles 1M -o big.glb
+run 0 info big.glb --json
+estimate=$(number out.txt total)
+run 0 render big.glb -o big.exr --stats stats.json
+peak=$(number stats.json peakMemoryBytes)
+[ -n "$SANITIZE" ] || awk "BEGIN { exit !($estimate > 0.75 * $peak && $estimate < 1.25 * $peak) }" ||
+    die "info expects $estimate bytes, the render took $peak"

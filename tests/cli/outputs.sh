@@ -1,0 +1,91 @@
+# Outputs appear whole or not at all, and what cannot be written is said before anything is rendered.
+. "$SOURCE/tests/cli/check.inc"
+write_scene
+
+# Several outputs of one render.
+run 0 render scene.json -o one.exr -o two.png -o three.jpg -o four.tiff --stats stats.json
+said out.txt 'one.exr, two.png, three.jpg, four.tiff: 96x64'
+for file in one.exr two.png three.jpg four.tiff stats.json; do [ -s $file ] || die "$file is missing"; done
+[ "$(ls -A | wc -l)" -eq 8 ] || die "something was left behind: $(ls -A)"
+for file in one.exr two.png three.jpg four.tiff; do same $file $file; done
+rm one.exr two.png three.jpg four.tiff stats.json out.txt err.txt
+
+# An output that is there is replaced; one that cannot be made leaves it as it was.
+echo old >a.png
+run 0 render scene.json -o a.png
+same a.png a.png
+echo old >a.png
+refused 3 'nothing.json: No such file' render nothing.json -o a.png
+[ "$(cat a.png)" = old ] || die 'a failed render touched the output'
+rm a.png
+
+refused 4 'no/folder/a.png' render scene.json -o no/folder/a.png
+mkdir folder.png
+refused 4 'folder.png' render scene.json -o folder.png
+refused 4 'folder.png' render scene.json -o a.exr --stats folder.png
+refused 4 'no/stats.json' render scene.json -o a.exr --stats no/stats.json
+rmdir folder.png
+refused 2 'unknown image extension "bmp"' render scene.json -o a.bmp
+refused 2 'unknown image extension ""' render scene.json -o a
+refused 4 'no/a.glb' generate sphere --triangles 100 -o no/a.glb
+
+# One name for two things, however it is spelled.
+refused 2 'a.png: the same file is named twice' render scene.json -o a.png -o a.png
+refused 2 'the same file is named twice' render scene.json -o a.png -o ./a.png
+refused 2 'the same file is named twice' render scene.json -o a.png -o "$PWD/a.png"
+refused 2 'the same file is named twice' render scene.json -o a.png --stats a.png
+refused 2 'scene.json: is the input' render scene.json -o a.png --stats scene.json
+refused 2 'is the input' render scene.json -o a.png --stats ./scene.json
+ln -s scene.json link.json
+refused 2 'link.json: is the input' render scene.json -o a.png --stats link.json
+rm link.json
+mkdir folder
+run 0 render scene.json -o a.png -o folder/a.png
+same a.png folder/a.png
+rm -r folder a.png
+
+# Bad input: one line, code 3, no output. The readers' own tests know every message; here each kind comes through.
+printf '{ "objects": [\n  { "type": "sphere", "radius": -1 }\n] }\n' >bad.json
+refused 3 'bad.json:2: objects[0].radius' render bad.json -o a.png
+printf '{ "objects": [ }\n' >bad.json
+refused 3 'bad.json:1' render bad.json -o a.png
+printf '{ "objects": [] }\n' >bad.json
+refused 3 'no geometry' render bad.json -o a.png
+printf 'v 0 0 0\nv 1 0 0\nf 1 2 3\n' >bad.obj
+refused 3 'bad.obj:3' render bad.obj -o a.png
+printf 'glTF' >bad.glb
+refused 3 'bad.glb' render bad.glb -o a.png
+: >bad.ply
+refused 3 'bad.ply: the file is empty' render bad.ply -o a.png
+refused 3 'scene.txt' render scene.txt -o a.png
+refused 3 'no extension' render scene -o a.png
+mkdir folder.json
+refused 3 'folder.json: is a folder' render folder.json -o a.png
+rmdir folder.json
+
+# A folder that may not be written to; root may write anywhere.
+if [ "$(id -u)" -ne 0 ]; then
+    mkdir closed
+    chmod 555 closed
+    refused 4 'closed/a.png' render scene.json -o closed/a.png
+    chmod 755 closed
+    rmdir closed
+fi
+
+# A full disk: what is there stays, nothing half comes.
+if [ "$(id -u)" -eq 0 ] && mkdir full && mount -t tmpfs -o size=16k none full 2>/dev/null; then
+    code=0
+    "$FATHOM" render scene.json -o full/a.tif -o b.png --size 512x512 >out.txt 2>err.txt || code=$?
+    left=$(ls -A full)
+    umount full
+    [ $code -eq 4 ] || die "a full disk: exit code $code, expected 4"
+    said err.txt 'full/a.tif: cannot be written'
+    [ -z "$left" ] || die "a full disk: $left was left behind"
+    same b.png b.png
+fi
+
+# Odd names.
+run 0 render scene.json -o 'a name with spaces.png' --stats 'ä.json'
+said 'ä.json' '"a name with spaces.png"'
+cp scene.json ./-scene.json
+run 0 render -o a.png -- -scene.json

@@ -1,0 +1,118 @@
+# Each option of render does what its help says, and nothing else.
+. "$SOURCE/tests/cli/check.inc"
+write_scene
+
+run 0 render scene.json -o base.exr --exr-float --stats base.json
+said out.txt 'base.exr: 96x64, 1 spp, '
+silent err.txt
+same base.exr base.exr
+
+# The two ways to spell a value, and the last one of an option.
+run 0 render --output=a.exr scene.json --exr-float --spp=9 --spp 1
+same base.exr a.exr
+
+# What must not change a pixel.
+for option in '--threads 1' '--threads 3' '--tile-size 64' '--tile-size 96' '--block-width 1' '--block-width 4' \
+    '--block-width 8' '--seed 5' '--epsilon auto' '--size 96x64' '--crop 0,0,96,64' '--exposure 3' '--max-depth 8'; do
+    # shellcheck disable=SC2086
+    run 0 render scene.json -o a.exr --exr-float $option
+    same base.exr a.exr
+done
+
+# What must.
+for option in '--spp 4' '--pattern stratified' '--pattern sobol' '--max-depth 0' '--max-depth 1' '--epsilon 0.4' \
+    '--background 1,0,0'; do
+    # shellcheck disable=SC2086
+    run 0 render scene.json -o a.exr --exr-float $option
+    differ base.exr a.exr
+done
+
+# Half floats round to 11 bits; nothing here reaches 64, so the error is at most 64 / 2^12.
+run 0 render scene.json -o a.exr
+differ base.exr a.exr
+run 0 compare base.exr a.exr --tolerance 0.015625
+
+run 0 render scene.json -o a.exr --size 48x32 --stats a.json
+[ "$(number a.json width)x$(number a.json height)" = 48x32 ] || die '--size'
+run 0 render scene.json -o a.exr --crop 10,20,40,30 --stats a.json
+[ "$(number a.json width)x$(number a.json height)" = 30x10 ] || die '--crop'
+[ "$(number a.json camera)" = 300 ] || die '--crop: camera rays'
+run 0 render scene.json -o a.exr --spp 9 --stats a.json
+[ "$(number a.json camera)" = 55296 ] || die '--spp: camera rays'
+[ "$(number a.json spp)" = 9 ] || die '--spp'
+run 0 render scene.json -o a.exr --threads 3 --stats a.json
+[ "$(number a.json threads)" = 3 ] || die '--threads'
+
+# A crop shows what the whole shows there: what differs from the whole cropped elsewhere is the place alone.
+run 0 render scene.json -o a.png --crop 32,32,64,64
+run 0 render scene.json -o b.png --crop 32,32,64,64 --tile-size 64
+same a.png b.png
+
+# Seeds: jittered samples follow them, one seed is one image.
+run 0 render scene.json -o a.exr --pattern sobol --spp 3 --seed 1
+run 0 render scene.json -o b.exr --pattern sobol --spp 3 --seed 1 --threads 1
+run 0 render scene.json -o c.exr --pattern sobol --spp 3 --seed 2
+same a.exr b.exr
+differ a.exr c.exr
+
+# What the scene asks for holds until the command line says otherwise.
+sed 's/"width": 96, "height": 64/"width": 40, "height": 30, "spp": 4, "aovs": ["Z"]/' scene.json >asks.json
+run 0 render asks.json -o a.exr --stats a.json
+[ "$(number a.json width) $(number a.json spp)" = '40 4' ] || die 'the settings of the scene'
+run 0 render asks.json -o b.exr --aov none
+run 1 compare a.exr b.exr
+said out.txt 'channel Z is only in the first'
+run 0 render asks.json -o a.png
+said err.txt 'fathom: warning: asks.json: asks for AOVs that only .exr holds; they are left out'
+refused 2 'crop: expected x0 < x1 <= 40' render asks.json -o a.exr --crop 0,0,41,5
+refused 2 'so expected a square number such as 1 or 4, found 3' render scene.json -o a.exr --spp 3
+
+# AOVs by name, in any order, and all of them.
+run 0 render scene.json -o a.exr --aov Z,alpha
+run 0 render scene.json -o b.exr --aov alpha,z
+same a.exr b.exr
+run 0 render scene.json -o a.exr --aov all
+for channel in A:alpha Z:Z N.:N P.:P albedo.:albedo id.:id; do
+    names=$(echo alpha,Z,N,P,albedo,id | sed "s/${channel#*:}//; s/,,/,/; s/^,//; s/,\$//")
+    run 0 render scene.json -o b.exr --aov "$names"
+    run 1 compare a.exr b.exr
+    grep -q "^channel ${channel%:*}[^ ]* is only in the first" out.txt || die "${channel#*:} is not an AOV of its own"
+done
+run 0 render scene.json -o a.png --aov alpha
+run 0 render scene.json -o b.png
+run 1 compare a.png b.png
+said out.txt 'channel A is only in the first'
+
+# Colour: display formats only.
+run 0 render scene.json -o a.png -o a.exr -o a.jpg -o a.tif
+run 0 render scene.json -o b.png -o b.exr -o b.jpg -o b.tif --exposure 1
+same a.exr b.exr
+for kind in png jpg tif; do differ a.$kind b.$kind; done
+same a.png a.tif
+refused 2 'No Such View' render scene.json -o c.png --view 'No Such View'
+refused 2 'No Such Display' render scene.json -o c.png --display 'No Such Display'
+refused 2 'missing.ocio' render scene.json -o c.png --ocio missing.ocio
+run 0 render scene.json -o c.exr --exr-float
+same base.exr c.exr
+
+# The facets of a coarse smooth mesh shadow themselves only when asked to.
+run 0 generate sphere --triangles 200 -o coarse.glb
+run 0 render coarse.glb -o a.exr --size 96x64
+run 0 render coarse.glb -o b.exr --size 96x64 --no-terminator-fix
+differ a.exr b.exr
+
+# The tracers agree but where rounding moves an edge: 1 pixel in 100 at most, and those are few of 6144.
+run 0 render scene.json -o a.exr --exr-float --tracer reference --stats a.json
+said a.json '"tracer": "reference"'
+said base.json '"tracer": "Embree '
+code=0
+"$FATHOM" compare base.exr a.exr --tolerance 1e-4 >out.txt || code=$?
+pixels=$(sed -n 's/.*, \([0-9]*\) of 6144 pixels.*/\1/p' out.txt)
+[ "$pixels" -le 61 ] || die "the tracers differ in $pixels pixels"
+
+# How much is said.
+run 0 render scene.json -o a.exr --quiet
+silent out.txt
+silent err.txt
+run 0 render scene.json -o a.exr -v
+for line in scene tracer seconds rays memory; do grep -q "^$line  " out.txt || die "-v says no $line"; done

@@ -1,0 +1,54 @@
+# --stats: every number is there, and the numbers agree with each other.
+. "$SOURCE/tests/cli/check.inc"
+write_scene
+
+at_least() { awk "BEGIN { exit !($1 >= $2) }" || die "expected $1 >= $2: $3"; }
+
+run 0 render scene.json -o a.exr --spp 4 --stats s.json
+cat s.json >out.txt
+for key in triangles primitives instances degenerateTriangles read build render write total camera shadow reflection \
+    refraction raysPerSecond peakMemoryBytes bvhBytes threads width height spp; do
+    [ -n "$(number s.json $key)" ] || die "--stats: no number $key"
+done
+said s.json '"interrupted": false'
+said s.json '"scene": "ball on a floor"'
+said s.json "\"fathom\": \"$("$FATHOM" --version | cut -d ' ' -f 2)\""
+grep -qE '"embreeVersion": "[34]\.[0-9.]+"' s.json || die '--stats: embreeVersion'
+grep -qE '"isa": "[A-Z]' s.json || die '--stats: isa'
+said s.json '"a.exr"'
+
+[ "$(number s.json primitives)" = 2 ] || die 'primitives'
+[ "$(number s.json triangles)" = 0 ] || die 'triangles'
+[ "$(number s.json camera)" = $((96 * 64 * 4)) ] || die 'camera rays'
+[ "$(number s.json refraction)" = 0 ] || die 'refraction rays'
+at_least "$(number s.json reflection)" 1 'reflection rays'
+at_least "$(number s.json shadow)" 1 'shadow rays'
+sum=0
+for key in camera shadow reflection refraction; do sum=$((sum + $(number s.json $key))); done
+# "total" stands once under rays and once under seconds.
+[ "$(sed -n '/"rays": {/,/}/p' s.json | sed -n 's/.*"total": \([0-9]*\).*/\1/p')" = $sum ] || die 'rays.total'
+seconds=$(sed -n '/"seconds": {/,/}/p' s.json | sed -n 's/.*"total": \([-+.e0-9]*\).*/\1/p')
+at_least "$seconds + 1e-6" "$(number s.json read) + $(number s.json build) + $(number s.json render) + $(number s.json write)" \
+    'the parts of the time'
+at_least "$(number s.json peakMemoryBytes)" 4000000 'memory'
+rate=$(number s.json raysPerSecond)
+at_least "$rate * $(number s.json render)" "$sum * 0.999" 'rays/s'
+at_least "$sum * 1.001" "$rate * $(number s.json render)" 'rays/s'
+
+# Instances, triangles and degenerate triangles are counted.
+cat >mesh.obj <<'OBJ'
+v 0 0 0
+v 1 0 0
+v 0 1 0
+v 2 0 0
+f 1 2 3
+f 1 2 4
+OBJ
+run 0 render mesh.obj -o a.exr --size 32x32 --stats s.json
+[ "$(number s.json triangles) $(number s.json degenerateTriangles)" = '2 1' ] || die 'degenerate triangles'
+[ "$(grep -c 'fathom: warning: 1 degenerate triangle' err.txt)" = 1 ] || die 'one warning'
+
+# Where python is at hand: it is JSON for others, too.
+if python3 -c 'import json' 2>/dev/null; then
+    python3 -c 'import json; json.load(open("s.json"))' || die 'not JSON'
+fi

@@ -1,0 +1,112 @@
+# Help, versions, and everything that is wrong on the command line.
+. "$SOURCE/tests/cli/check.inc"
+
+run 2
+silent out.txt
+said err.txt 'Usage: fathom COMMAND'
+run 0 --version
+grep -qE '^fathom [0-9]+\.[0-9]+\.[0-9]+$' out.txt || die 'the version'
+for arguments in --help -h help 'help help'; do
+    # shellcheck disable=SC2086
+    run 0 $arguments
+    said out.txt 'Usage: fathom'
+    silent err.txt
+done
+for command in render info generate compare help; do
+    run 0 help
+    said out.txt "  $command "
+    run 0 help $command
+    said out.txt "Usage: fathom $command"
+    cp out.txt help.txt
+    run 0 $command --help
+    cmp -s out.txt help.txt || die "fathom $command --help is not fathom help $command"
+    awk 'length($0) > 80 { exit 1 }' out.txt || die "the help of $command is wider than 80 columns"
+done
+# Every option is in the help.
+run 0 help render
+for option in --output --size --spp --pattern --crop --threads --seed --max-depth --epsilon --no-terminator-fix \
+    --tracer --aov --exposure --view --display --ocio --exr-float --background --block-width --tile-size --quiet \
+    --verbose --stats; do
+    said out.txt " $option"
+done
+rm -f help.txt
+
+refused 2 'unknown command "rendr"; did you mean "render"?; see fathom help' rendr
+refused 2 'unknown command "xyzzy"; see fathom help' xyzzy
+refused 2 'expected a command before "--spp"' --spp 4
+refused 2 'unknown command "nothing"' help nothing
+refused 2 'at most one command' help render info
+
+refused 2 'SCENE is missing; see fathom help render' render
+refused 2 '-o IMAGE is missing; see fathom help render' render scene.json
+refused 2 'unexpected argument "b.json"' render a.json b.json -o a.png
+refused 2 'unknown option --szie; did you mean --size?; see fathom help render' render a.json -o a.png --szie 3x3
+refused 2 'unknown option --zebra; see fathom help render' render a.json -o a.png --zebra
+refused 2 'unknown option -z' render a.json -o a.png -z
+refused 2 '--spp: expected a value, N' render a.json -o a.png --spp
+refused 2 '--quiet takes no value' render a.json -o a.png --quiet=yes
+refused 2 '--quiet and --verbose exclude each other' render a.json -o a.png -q -v
+
+# option, wrong value, what is said
+while IFS='|' read -r option value text; do
+    refused 2 "$option: $text" render a.json -o a.png "$option=$value"
+    said err.txt "found \"$value\""
+    said err.txt '; see fathom help render'
+done <<'TABLE'
+--size|1280|expected WIDTHxHEIGHT, each from 1 to 65536
+--size|0x10|expected WIDTHxHEIGHT
+--size|10x0|expected WIDTHxHEIGHT
+--size|1000000000x1|expected WIDTHxHEIGHT
+--size|10x10x10|expected WIDTHxHEIGHT
+--size|-5x5|expected WIDTHxHEIGHT
+--size|5,5|expected WIDTHxHEIGHT
+--spp|0|expected a whole number from 1 to 65536
+--spp|65537|expected a whole number from 1 to 65536
+--spp|4.0|expected a whole number from 1 to 65536
+--crop|1,2,3|expected X0,Y0,X1,Y1
+--crop|1,2,3,4,5|expected X0,Y0,X1,Y1
+--crop|5,0,5,9|expected X0 < X1 and Y0 < Y1
+--crop|0,0,0,0|expected X0 < X1 and Y0 < Y1
+--crop|-1,0,5,9|expected X0,Y0,X1,Y1
+--threads|0|expected a whole number from 1 to 1024
+--threads|all|expected a whole number from 1 to 1024
+--seed|-1|expected a whole number from 0 to 2^64 - 1
+--max-depth|65|expected a whole number from 0 to 64
+--epsilon|0|expected auto or a number above 0
+--epsilon|-1e-5|expected auto or a number above 0
+--epsilon|nan|expected auto or a number above 0
+--block-width|2|expected 1|4|8|16
+--tile-size|48|expected a multiple of 32
+--tile-size|0|expected a whole number from 32 to 65536
+--pattern|random|expected grid|stratified|sobol
+--tracer|cuda|expected embree|reference
+--exposure|1e3|expected a number from -64 to 64
+--exposure|bright|expected a number from -64 to 64
+--background|1,2|expected R,G,B
+--background|1,2,-3|expected R,G,B
+--aov|normals|expected names from alpha,Z,N,P,albedo,id
+TABLE
+refused 2 '--aov: expected names' render a.json -o a.exr --aov Z,,N
+refused 2 '--ocio: expected FILE, found nothing' render a.json -o a.png --ocio=
+
+refused 2 '--aov: only .exr holds these channels' render a.json -o a.png --aov Z
+refused 2 '--aov: only .exr holds these channels' render a.json -o a.jpg --aov alpha
+
+refused 2 'SCENE is missing' info
+refused 2 'unknown option --jsn; did you mean --json?; see fathom help info' info a.json --jsn
+refused 2 'KIND is missing' generate
+refused 2 'expected sphere, terrain, sponge or forest, found "spere"; did you mean sphere?' generate spere -t 9 -o a.glb
+refused 2 '--triangles N is missing' generate sphere -o a.glb
+refused 2 '-o FILE is missing' generate sphere --triangles 100
+refused 2 'ends in .glb, .ply or .obj, found "a.stl"' generate sphere --triangles 100 -o a.stl
+refused 2 '--triangles: expected a whole number from 1 to' generate sphere --triangles 0 -o a.glb
+refused 2 'B is missing; see fathom help compare' compare a.exr
+refused 2 '--tolerance: expected a number from 0' compare a.exr b.exr --tolerance -1
+
+# A result that cannot be delivered is a failure.
+if [ -w /dev/full ]; then
+    code=0
+    "$FATHOM" help >/dev/full 2>err.txt || code=$?
+    [ $code -eq 4 ] || die "help to a full disk: exit code $code, expected 4"
+    said err.txt 'standard output cannot be written'
+fi
