@@ -3,8 +3,8 @@
 # usage: sh tests/packages.sh build|test
 set -eu
 
-packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev"
-[ "${1:-build}" = test ] && packages="$packages libcmocka-dev libgmp-dev git clang-format python3-minimal"
+packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev libgmp-dev"
+[ "${1:-build}" = test ] && packages="$packages libcmocka-dev git clang-format python3-minimal"
 
 stop() {
     echo "fathom set-up: $*" >&2
