@@ -10,9 +10,9 @@ silent err.txt
 run 0 generate sphere -t 2k -o slow.glb
 spp=1
 while :; do
-    run 0 render slow.glb -o a.exr --size 160x120 --tracer reference --spp $spp --stats s.json
+    run 0 render slow.glb -o a.exr --size 160x120 --tracer reference --pattern sobol --spp $spp --stats s.json
     awk "BEGIN { exit !($(number s.json render) > 2) }" && break
-    spp=$((spp * 4))
+    spp=$((spp + spp))
 done
 grep -qE '^fathom: render [0-9]+ %, [0-9.]+ Mrays/s, [0-9]+:[0-9][0-9] left$' err.txt || die 'no percent lines'
 grep -vqE '^fathom: (render|build) [0-9]+ %(, .*)?$' err.txt && die 'something else on stderr'
@@ -22,7 +22,7 @@ sort -n -c percents.txt || die 'percents go back'
 [ "$(awk '{ print int($1 / 10) }' percents.txt | uniq -d | wc -l)" -eq 0 ] || die 'two lines for the same 10 %'
 grep -q "$(printf '[\r\033]')" err.txt && die 'terminal codes in a file'
 
-run 0 render slow.glb -o a.exr --size 160x120 --tracer reference --spp $spp --quiet
+run 0 render slow.glb -o a.exr --size 160x120 --tracer reference --pattern sobol --spp $spp --quiet
 silent err.txt
 silent out.txt
 
@@ -31,7 +31,8 @@ command -v script >/dev/null || { echo 'script is not installed: the bar is not 
 TERM=xterm
 export TERM
 bar() {
-    script -qec "stty cols $1; '$FATHOM' render slow.glb -o a.exr --size 160x120 --tracer reference --spp $spp $2" \
+    script -qec "stty cols $1; '$FATHOM' render slow.glb -o a.exr --size 160x120 --tracer reference --pattern sobol \
+        --spp $((spp / 3 + 1)) $2" \
         /dev/null </dev/null >tty.txt
     tr '\r' '\n' <tty.txt | sed "s/$(printf '\033')\\[K//g" >lines.txt
 }
