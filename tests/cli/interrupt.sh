@@ -52,6 +52,7 @@ stop INT 0.1 render large.obj -o i.exr --stats i2.json
 [ $code -eq 5 ] || die "while reading: exit code $code, expected 5"
 said err.txt 'fathom: interrupted; nothing was written'
 [ ! -e i.exr ] && [ ! -e i2.json ] || die 'an output of nothing'
+rm -f large.obj large.mtl
 
 # While a mesh is made or written: nothing is left.
 for after in 0.1 0.6; do
