@@ -111,13 +111,13 @@ static oracle_pair pair_of(const oracle_primitive *primitive, const oracle_answe
     return pair;
 }
 
-/* The nearer hit, the first part's on equal t; else a part whose line meets; else the one that came closer.
- */
+/* The hit; of two hits, and of two that lie outside the interval, the nearer, the first part's on equal t;
+ * else a part that the line meets; else the one that it came closer to. */
 static unsigned better_part(const oracle_ray *ray, const oracle_primitive *quad, const oracle_answer part[2],
                             oracle_way way) {
     if (part[0].parallel || part[1].parallel) return part[0].parallel;
     if (part[0].hit != part[1].hit) return part[1].hit;
-    if (part[0].hit) {
+    if (part[0].line && part[1].line) {
         oracle_pair a = pair_of(quad, &part[0]), b = pair_of(quad, &part[1]);
         return oracle_compare(ray, &a, &b, way) > 0;
     }

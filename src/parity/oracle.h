@@ -47,7 +47,8 @@ typedef struct oracle_answer {
     bool exact;    /* whole numbers were needed */
     bool parallel; /* the ray lies along the plane, or there is no such shape or ray: nothing below is set */
     bool line;     /* the whole line meets the shape, wherever t lies */
-    unsigned part; /* quad: the triangle, 0 or 1; sphere: 0 the smaller root, 1 the larger */
+    unsigned part; /* quad: the triangle, 0 or 1, of a miss the one that came closer; sphere: 0 the smaller
+                      root, 1 the larger */
     ball t;     /* of the hit. Of a miss: where the plane is met; the root that was rejected last; of a sphere
                    that     the line misses, the closest approach */
     ball other; /* sphere with line set: the other root */
