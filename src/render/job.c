@@ -2,9 +2,8 @@
 
 #include "base/clock.h"
 #include "base/threads.h"
-#include "math/sampling.h"
+#include "render/watch.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,10 +14,11 @@ typedef struct job {
     uint32_t tiles_x, tiles_y;
     atomic_bool stop, failed;
     _Atomic uint64_t pixels_done, rays_done;
-    ray_counts rays; /* under lock */
-    bool finished;   /* under lock */
-    pthread_mutex_t lock;
-    pthread_cond_t done;
+    ray_counts rays;
+    fathom_progress_fn progress; /* these, on the calling thread alone */
+    void *progress_user;
+    double began;
+    bool interrupted;
     unsigned threads;
 } job;
 
@@ -185,9 +185,8 @@ static void collect(job *j, worker_pool *pool) {
     }
 }
 
-/* All the rendering: on a thread of its own, so that the calling one is free for progress and stopping. */
-static void *run(void *argument) {
-    job *j = argument;
+static void run(void *user) {
+    job *j = user;
     worker_pool pool = {j, calloc(j->threads, sizeof *pool.workers)};
     if (pool.workers) {
         loop_parallel(j->threads, (size_t)j->tiles_x * j->tiles_y, 1, run_tiles, &pool);
@@ -196,76 +195,41 @@ static void *run(void *argument) {
         atomic_store(&j->failed, true);
     }
     free(pool.workers);
-    pthread_mutex_lock(&j->lock);
-    j->finished = true;
-    pthread_cond_signal(&j->done);
-    pthread_mutex_unlock(&j->lock);
-    return NULL;
 }
 
-static bool report(job *j, fathom_progress_fn progress, void *user, double began) {
-    double pixels = (double)j->film->width * j->film->height;
+/* Once all is rendered there is nothing left to stop. */
+static void report(void *user) {
+    job *j = user;
+    uint64_t pixels = (uint64_t)j->film->width * j->film->height, done = atomic_load(&j->pixels_done);
     fathom_progress now = {.phase = FATHOM_PHASE_RENDER,
-                           .fraction = (double)atomic_load(&j->pixels_done) / pixels,
+                           .fraction = (double)done / (double)pixels,
                            .rays = atomic_load(&j->rays_done),
-                           .seconds = clock_seconds() - began};
-    return progress(user, &now);
-}
-
-/* Waits for the end, asking about ten times a second whether to go on. */
-static bool watch(job *j, fathom_progress_fn progress, void *user) {
-    double began = clock_seconds();
-    bool go_on = true, finished = false;
-    while (!finished) {
-        struct timespec until;
-        clock_gettime(CLOCK_MONOTONIC, &until);
-        until.tv_nsec += 100000000;
-        if (until.tv_nsec >= 1000000000) ++until.tv_sec, until.tv_nsec -= 1000000000;
-        pthread_mutex_lock(&j->lock);
-        while (!j->finished && pthread_cond_timedwait(&j->done, &j->lock, &until) == 0) {
-        }
-        finished = j->finished;
-        pthread_mutex_unlock(&j->lock);
-        if (progress && go_on && !report(j, progress, user, began)) {
-            go_on = finished && atomic_load(&j->pixels_done) == (uint64_t)j->film->width * j->film->height;
-            atomic_store(&j->stop, true);
-        }
-    }
-    return go_on;
-}
-
-static void init_lock(job *j) {
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_mutex_init(&j->lock, NULL);
-    pthread_cond_init(&j->done, &attributes);
-    pthread_condattr_destroy(&attributes);
+                           .seconds = clock_seconds() - j->began};
+    if (!j->progress || j->interrupted || j->progress(j->progress_user, &now) || done == pixels) return;
+    j->interrupted = true;
+    atomic_store(&j->stop, true);
 }
 
 fathom_status job_run(fathom_context *context, const render_plan *plan, fathom_film *film,
                       fathom_progress_fn progress, void *user, ray_counts *rays) {
     uint32_t size = plan->settings.tile_size;
-    job j = {.plan = plan, .film = film, .threads = fathom_context_threads(context)};
+    job j = {.plan = plan,
+             .film = film,
+             .threads = fathom_context_threads(context),
+             .progress = progress,
+             .progress_user = user,
+             .began = clock_seconds()};
     j.first_x = film->x / size * size;
     j.first_y = film->y / size * size;
     j.tiles_x = (film->x + film->width - j.first_x + size - 1) / size;
     j.tiles_y = (film->y + film->height - j.first_y + size - 1) / size;
-    init_lock(&j);
-    pthread_t thread;
-    bool go_on = true;
-    if (pthread_create(&thread, NULL, run, &j) == 0) {
-        go_on = watch(&j, progress, user);
-        pthread_join(thread, NULL);
-    } else {
-        run(&j);
-    }
-    pthread_cond_destroy(&j.done);
-    pthread_mutex_destroy(&j.lock);
+    static const watch_calls calls = {run, report};
+    watch_run(&calls, &j);
     *rays = j.rays;
     if (atomic_load(&j.failed)) {
         return fail(context, FATHOM_OUT_OF_RESOURCES,
                     "out of memory while rendering; lower the depth limit or the threads");
     }
-    return go_on ? FATHOM_OK : fail(context, FATHOM_INTERRUPTED, "stopped; what was finished is kept");
+    return !j.interrupted ? FATHOM_OK
+                          : fail(context, FATHOM_INTERRUPTED, "stopped; what was finished is kept");
 }

@@ -1,30 +1,58 @@
 #include "base/clock.h"
 #include "render/job.h"
+#include "render/watch.h"
 
-typedef struct build_watch {
-    fathom_progress_fn progress;
-    void *user;
+typedef struct build {
+    fathom_context *context;
+    const world *world;
+    trace_options options;
+    trace_tracer *tracer;
+    fathom_status status;
+    fathom_progress_fn progress; /* on the calling thread alone */
+    void *progress_user;
     double began;
-} build_watch;
+    _Atomic double fraction; /* as Embree's building threads last said */
+    atomic_bool stop;
+} build;
 
-/* Embree calls this from its building threads, one at a time. */
 static bool on_build(void *user, double fraction) {
-    const build_watch *watch = user;
-    fathom_progress now = {
-        .phase = FATHOM_PHASE_BUILD, .fraction = fraction, .seconds = clock_seconds() - watch->began};
-    return watch->progress(watch->user, &now);
+    build *b = user;
+    atomic_store(&b->fraction, fraction);
+    return !atomic_load(&b->stop);
 }
 
-static fathom_status build(fathom_context *context, const world *w, const fathom_settings *settings,
-                           fathom_progress_fn progress, void *user, trace_tracer **out) {
-    build_watch watch = {progress, user, clock_seconds()};
-    trace_options options = {.kind = settings->tracer,
-                             .width = settings->block_width,
-                             .threads = fathom_context_threads(context),
-                             .expected_rays = plan_expected_rays(w->scene, settings),
-                             .progress = progress ? on_build : NULL,
-                             .user = &watch};
-    return trace_create(context, w, &options, out);
+static void build_tracer(void *user) {
+    build *b = user;
+    b->status = trace_create(b->context, b->world, &b->options, &b->tracer);
+}
+
+static void report_build(void *user) {
+    build *b = user;
+    fathom_progress now = {.phase = FATHOM_PHASE_BUILD,
+                           .fraction = fmin(fmax(atomic_load(&b->fraction), 0), 1),
+                           .seconds = clock_seconds() - b->began};
+    if (b->progress && !atomic_load(&b->stop) && !b->progress(b->progress_user, &now))
+        atomic_store(&b->stop, true);
+}
+
+static fathom_status run_build(fathom_context *context, const world *w, const fathom_settings *settings,
+                               fathom_progress_fn progress, void *user, trace_tracer **out) {
+    static const watch_calls calls = {build_tracer, report_build};
+    build b = {.context = context,
+               .world = w,
+               .progress = progress,
+               .progress_user = user,
+               .began = clock_seconds()};
+    b.options = (trace_options){.kind = settings->tracer,
+                                .width = settings->block_width,
+                                .threads = fathom_context_threads(context),
+                                .expected_rays = plan_expected_rays(w->scene, settings),
+                                .progress = progress ? on_build : NULL,
+                                .user = &b};
+    watch_run(&calls, &b);
+    *out = b.tracer;
+    if (b.status != FATHOM_OK || !atomic_load(&b.stop)) return b.status;
+    return fail(context, FATHOM_INTERRUPTED, "stopped while building; there is no image yet");
 }
 
 static void count_scene(const world *w, const trace_tracer *tracer, fathom_stats *stats) {
@@ -70,7 +98,7 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
              (unsigned long long)w->degenerate_triangles);
     }
     trace_tracer *tracer = NULL;
-    status = build(context, w, settings, progress, user, &tracer);
+    status = run_build(context, w, settings, progress, user, &tracer);
     film->stats.build_seconds = clock_seconds() - began;
     if (status == FATHOM_OK) {
         count_scene(w, tracer, &film->stats);

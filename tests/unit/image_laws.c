@@ -1,6 +1,8 @@
 /* What must not change an image, and what two ways to it must agree on. */
 #include "render.h"
 
+#include <pthread.h>
+
 static const double pi = 3.14159265358979324;
 
 /* How a demonstration scene is laid out. */
@@ -251,11 +253,13 @@ static void shadow_terminator(void **state) {
 
 typedef struct stopper {
     int calls, stop_at;
+    pthread_t caller;
 } stopper;
 
 static bool stop_after(void *user, const fathom_progress *progress) {
     stopper *s = user;
     assert_true(progress->fraction >= 0 && progress->fraction <= 1);
+    assert_true(pthread_equal(s->caller, pthread_self()));
     return ++s->calls < s->stop_at;
 }
 
@@ -264,7 +268,7 @@ static void stopping(void **state) {
     (void)state;
     stage s = demo(&plain);
     s.settings.width = 640, s.settings.height = 480, s.settings.spp = 1024;
-    stopper stop = {0, 2};
+    stopper stop = {0, 3, pthread_self()};
     fathom_film *film = NULL;
     fathom_stats stats;
     assert_int_equal(fathom_render(s.context, s.scene, &s.settings, stop_after, &stop, &stats, &film),
