@@ -123,6 +123,7 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     fathom_status status = open_device(tracer);
     if (status == FATHOM_OK) {
         tracer->width = call_width(tracer->device, options->width);
+        tracer->filter = embree_filter(tracer->width);
         status = embree_build(tracer, build_quality(options));
     }
     if (status != FATHOM_OK) {

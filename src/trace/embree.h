@@ -17,6 +17,7 @@ typedef struct embree_tracer {
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     unsigned width;   /* rays in one call */
+    RTCFilterFunctionN filter;
     _Atomic int64_t bytes;   /* held by Embree */
     _Atomic int error;       /* the first RTCError that the device reported */
     char error_text[256];    /* its message; written once, by whoever set error */
@@ -42,18 +43,18 @@ RTCGeometry embree_quads(RTCDevice device, const world *w, const world_geometry 
 
 /* What a closest-hit call carries besides Embree's own context, by lane of the block (the ray's id). */
 typedef struct embree_call {
-    embree_context context;   /* first, so that a callback's context is the call */
-    float best[TRACE_WIDTH];  /* nearest t offered so far */
-    float far[TRACE_WIDTH];   /* t_far as it was asked */
-    int tied[TRACE_WIDTH];    /* another candidate lies within the window of the best */
-    struct embree_vote *vote; /* not NULL: the call settles one tied ray */
+    embree_context context;               /* first, so that a callback's context is the call */
+    _Alignas(64) float best[TRACE_WIDTH]; /* nearest t offered so far */
+    float far[TRACE_WIDTH];               /* t_far as it was asked */
+    int tied[TRACE_WIDTH];                /* another candidate lies within the window of the best */
+    struct embree_vote *vote;             /* not NULL: the call settles one tied ray */
 } embree_call;
 
 /* Arms a call, or several in a row, for the lanes whose t_far these are. */
 void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far);
 
-/* The filter for triangles. */
-void embree_filter(const struct RTCFilterFunctionNArguments *args);
+/* The filter for triangles in calls of this width. */
+RTCFilterFunctionN embree_filter(unsigned width);
 
 /* A candidate of a user geometry at t, its hit in rows of n numbers: returns the ray's new t_far. */
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t);

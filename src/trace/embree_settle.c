@@ -18,8 +18,6 @@
 #include "reference/reference.h"
 #include "trace/embree.h"
 
-#include <string.h>
-
 #define WINDOW (1 + 0x1p-14f)
 #define HALF_WINDOW (1 + 0x1p-15f)
 
@@ -135,9 +133,38 @@ float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned 
     return reach < call->far[lane] ? reach : call->far[lane];
 }
 
-/* embree_offer() for n lanes from `first` on, as a loop that vectorises. */
+/* Accepts every candidate and lengthens the ray again, as filters may. */
+static __attribute__((noinline)) void filter_any(const struct RTCFilterFunctionNArguments *args) {
+    embree_call *call = (embree_call *)args->context;
+    unsigned n = args->N;
+    float *ray = (float *)(void *)args->ray, *t_far = ray + EMBREE_ROW_T_FAR * n;
+    const uint32_t *ids = (const uint32_t *)(const void *)(ray + EMBREE_ROW_ID * n);
+    const float *hit = (const float *)(const void *)args->hit;
+    for (unsigned i = 0; i < n; ++i) {
+        if (args->valid[i]) t_far[i] = embree_offer(call, ids[i], hit + i, n, t_far[i]);
+    }
+}
+
+/* Whether the rays of a packet are a run of the block's lanes in order, as they are unless Embree regrouped
+ * them. */
+static inline __attribute__((always_inline)) bool in_order(const uint32_t *ids, unsigned n) {
+    uint32_t first = ids[0] & (TRACE_WIDTH - n), moved = 0;
+    for (unsigned i = 0; i < n; ++i) moved |= ids[i] ^ (first + i);
+    return !moved;
+}
+
+/* The same for a packet of n rays, n known to the compiler, as a loop that vectorises. */
 static inline __attribute__((always_inline)) void
-offer_all(embree_call *call, unsigned first, const int *restrict valid, float *restrict t_far, unsigned n) {
+filter_packet(const struct RTCFilterFunctionNArguments *args, unsigned n) {
+    embree_call *call = (embree_call *)args->context;
+    float *ray = (float *)(void *)args->ray, *restrict t_far = ray + EMBREE_ROW_T_FAR * n;
+    const uint32_t *ids = (const uint32_t *)(const void *)(ray + EMBREE_ROW_ID * n);
+    if (args->N != n || !in_order(ids, n)) {
+        filter_any(args);
+        return;
+    }
+    uint32_t first = n == TRACE_WIDTH ? 0 : ids[0];
+    const int *restrict valid = args->valid;
     float *restrict bests = call->best + first, *restrict fars = call->far + first;
     int *restrict ties = call->tied + first;
     for (unsigned i = 0; i < n; ++i) {
@@ -150,28 +177,23 @@ offer_all(embree_call *call, unsigned first, const int *restrict valid, float *r
     }
 }
 
-/* Whether the rays of a packet are a run of lanes in order, as they are unless Embree regrouped them. */
-static bool in_order(const uint32_t *ids, unsigned n) {
-    static const uint32_t order[TRACE_WIDTH] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    return ids[0] <= TRACE_WIDTH - n && memcmp(ids, order + ids[0], n * sizeof *ids) == 0;
+/* Where Embree runs packets of 16 or 8 the processor has the instructions for them. Compares, selects and
+ * products come out the same with all of them. */
+#if defined(__x86_64__)
+#define INSTRUCTIONS(isa) __attribute__((target(isa)))
+#else
+#define INSTRUCTIONS(isa)
+#endif
+
+INSTRUCTIONS("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")
+static void filter_16(const struct RTCFilterFunctionNArguments *args) { filter_packet(args, 16); }
+
+INSTRUCTIONS("avx") static void filter_8(const struct RTCFilterFunctionNArguments *args) {
+    filter_packet(args, 8);
 }
 
-/* Accepts every candidate and lengthens the ray again, as filters may. */
-void embree_filter(const struct RTCFilterFunctionNArguments *args) {
-    embree_call *call = (embree_call *)args->context;
-    unsigned n = args->N;
-    float *ray = (float *)(void *)args->ray, *t_far = ray + EMBREE_ROW_T_FAR * n;
-    const uint32_t *ids = (const uint32_t *)(const void *)(ray + EMBREE_ROW_ID * n);
-    if (n == 16 && in_order(ids, 16)) {
-        offer_all(call, ids[0], args->valid, t_far, 16);
-    } else if (n == 8 && in_order(ids, 8)) {
-        offer_all(call, ids[0], args->valid, t_far, 8);
-    } else {
-        const float *hit = (const float *)(const void *)args->hit;
-        for (unsigned i = 0; i < n; ++i) {
-            if (args->valid[i]) t_far[i] = embree_offer(call, ids[i], hit + i, n, t_far[i]);
-        }
-    }
+RTCFilterFunctionN embree_filter(unsigned width) {
+    return width == 16 ? filter_16 : (width == 8 ? filter_8 : filter_any);
 }
 
 /* ---- the tied ray asked again ---- */
@@ -208,7 +230,7 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
     embree_call call;
     embree_call_begin(&call, 1, &alone.ray.tfar);
     call.vote = &vote;
-    embree_intersect(1, NULL, tracer->scenes[0], &call.context, false, embree_filter, &alone);
+    embree_intersect(1, NULL, tracer->scenes[0], &call.context, false, filter_any, &alone);
     bool near = vote.any_met && vote.met.t_exact <= vote.offered.t * HALF_WINDOW;
     if (vote.any_offered) announce(block, lane, near ? &vote.met : &vote.offered);
 }

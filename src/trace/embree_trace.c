@@ -57,7 +57,7 @@ static void closest_packets(const embree_tracer *tracer, trace_block *block, con
         if (width == 1 && !valid[first]) continue;
         packet p;
         packet_load(&p, width, &block->rays, first);
-        embree_intersect(width, &valid[first], tracer->scenes[0], &call->context, coherent, embree_filter,
+        embree_intersect(width, &valid[first], tracer->scenes[0], &call->context, coherent, tracer->filter,
                          p.rows);
         packet_store_hits(&p, width, lanes - first < width ? lanes - first : width, &block->hits, first);
     }
@@ -83,7 +83,7 @@ static void closest_block(const embree_tracer *tracer, trace_block *block, unsig
     embree_call call;
     embree_call_begin(&call, lanes, block->rays.t_far);
     if (tracer->width == TRACE_WIDTH) {
-        embree_intersect(TRACE_WIDTH, valid, tracer->scenes[0], &call.context, coherent, embree_filter,
+        embree_intersect(TRACE_WIDTH, valid, tracer->scenes[0], &call.context, coherent, tracer->filter,
                          block);
     } else {
         closest_packets(tracer, block, valid, lanes, coherent, &call);
