@@ -1,0 +1,336 @@
+#include "parity/search.h"
+#include "parity/filter.h"
+#include "parity/mode.h"
+#include "trace/trace.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define RUN 16   /* primitives in one bounding sphere */
+#define BATCH 64 /* spheres tested at a time */
+
+struct search {
+    const world *world;
+    filter_spheres bounds; /* of runs of all geometries, one after another */
+    size_t *first;         /* of each geometry; one more at the end */
+};
+
+/* ---- primitives ---- */
+
+static vec3_f32 vertex(const fathom_mesh *mesh, uint32_t index) {
+    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
+    return load_f32((const float *)(const void *)((const char *)mesh->positions + index * stride));
+}
+
+static void set_plane(const world *w, uint32_t index, oracle_primitive *out) {
+    out->shape = ORACLE_PLANE;
+    out->v[0] = w->planes.items[index].point, out->v[1] = w->planes.items[index].normal;
+}
+
+oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance) {
+    oracle_primitive p;
+    memset(&p, 0, sizeof p);
+    if (instance != FATHOM_NONE) p.instance = &w->instances.items[instance];
+    if (geometry == TRACE_PLANE) {
+        set_plane(w, primitive, &p);
+        return p;
+    }
+    const world_geometry *g = &w->geometries.items[geometry];
+    switch (g->kind) {
+    case WORLD_SPHERES:
+        p.shape = ORACLE_SPHERE;
+        p.v[0] = w->spheres.items[g->first + primitive].center;
+        p.radius = w->spheres.items[g->first + primitive].radius;
+        break;
+    case WORLD_QUADS:
+        p.shape = ORACLE_QUAD;
+        memcpy(p.v, w->quads.items[g->first + primitive].corner, sizeof p.v);
+        break;
+    case WORLD_MESH: {
+        const fathom_mesh *mesh = &w->meshes.items[g->first];
+        p.shape = ORACLE_TRIANGLE;
+        for (unsigned c = 0; c < 3; ++c) p.v[c] = vertex(mesh, mesh->indices[3 * (size_t)primitive + c]);
+        break;
+    }
+    }
+    return p;
+}
+
+static int corners(const oracle_primitive *p) {
+    return p->shape == ORACLE_SPHERE ? 1 : p->shape == ORACLE_QUAD ? 4 : 3;
+}
+
+/* Others are never met. */
+static bool has_finite_corners(const oracle_primitive *p) {
+    for (int k = 0; k < corners(p); ++k) {
+        if (!finite_f32(p->v[k])) return false;
+    }
+    return true;
+}
+
+/* ---- bounding spheres ---- */
+
+typedef struct box {
+    vec3_f64 low, high;
+} box;
+
+static void grow(box *b, vec3_f64 p) {
+    b->low = vec_f64(fmin(b->low.x, p.x), fmin(b->low.y, p.y), fmin(b->low.z, p.z));
+    b->high = vec_f64(fmax(b->high.x, p.x), fmax(b->high.y, p.y), fmax(b->high.z, p.z));
+}
+
+/* The sphere around the middle of the box of all corners (of primitives that are spheres: their centres). Its
+ * radius is rounded up by far more than a difference, a square root and a sum round. Around nothing it is
+ * NaN, and rejects nothing. */
+static void enclose(search *s, size_t slot, uint32_t geometry, uint32_t first, uint32_t count) {
+    const double inf = (double)INFINITY;
+    box b = {{inf, inf, inf}, {-inf, -inf, -inf}};
+    for (uint32_t i = first; i < first + count; ++i) {
+        oracle_primitive p = search_primitive(s->world, geometry, i, FATHOM_NONE);
+        for (int k = 0; has_finite_corners(&p) && k < corners(&p); ++k) grow(&b, widen(p.v[k]));
+    }
+    vec3_f64 center = scale_f64(0.5, add_f64(b.low, b.high));
+    double radius = 0;
+    for (uint32_t i = first; i < first + count; ++i) {
+        oracle_primitive p = search_primitive(s->world, geometry, i, FATHOM_NONE);
+        for (int k = 0; has_finite_corners(&p) && k < corners(&p); ++k) {
+            vec3_f64 d = sub_f64(widen(p.v[k]), center);
+            radius = fmax(radius, sqrt(dot_f64(d, d)) + fabs((double)p.radius));
+        }
+    }
+    s->bounds.x[slot] = center.x, s->bounds.y[slot] = center.y, s->bounds.z[slot] = center.z;
+    s->bounds.radius[slot] = radius * (1 + 0x1p-45) + FILTER_LEAST;
+}
+
+static size_t runs_of(const world_geometry *g) { return (g->count + RUN - 1) / RUN; }
+
+static bool allocate(search *s) {
+    const world *w = s->world;
+    size_t runs = 0;
+    for (size_t g = 0; g < w->geometries.count; ++g) runs += runs_of(&w->geometries.items[g]);
+    s->first = malloc((w->geometries.count + 1) * sizeof *s->first);
+    double *all = malloc((4 * runs + 1) * sizeof *all);
+    s->bounds = (filter_spheres){all, all + runs, all + 2 * runs, all + 3 * runs};
+    return s->first && all;
+}
+
+static void enclose_all(search *s) {
+    const world *w = s->world;
+    size_t slot = 0;
+    for (uint32_t g = 0; g < w->geometries.count; ++g) {
+        uint32_t count = w->geometries.items[g].count;
+        s->first[g] = slot;
+        for (uint32_t i = 0; i < count; i += RUN) {
+            enclose(s, slot++, g, i, count - i < RUN ? count - i : RUN);
+        }
+    }
+    s->first[w->geometries.count] = slot;
+}
+
+static MODE_APART void prepare(search *s) { enclose_all(s); }
+
+fathom_status search_create(fathom_context *context, const world *w, search **out) {
+    *out = NULL;
+    search *s = calloc(1, sizeof *s);
+    if (!s) return fail_memory(context, sizeof *s);
+    s->world = w;
+    if (!allocate(s)) {
+        search_destroy(s);
+        return fail_memory(context, w->geometries.count * sizeof *s->first);
+    }
+    unsigned mode = mode_enter();
+    prepare(s);
+    mode_leave(mode);
+    *out = s;
+    return FATHOM_OK;
+}
+
+void search_destroy(search *s) {
+    if (!s) return;
+    free(s->bounds.x);
+    free(s->first);
+    free(s);
+}
+
+void search_result_free(search_result *result) {
+    array_free(&result->ties);
+    array_free(&result->candidates);
+    memset(result, 0, sizeof *result);
+}
+
+/* ---- candidates ---- */
+
+/* One ray on its way through the world. */
+typedef struct search_walk {
+    const search *search;
+    const oracle_ray *ray;
+    search_result *result;
+    filter_ray local; /* the ray in the space of the instance at hand; its t_far shrinks with `closest` */
+    double closest;   /* t of no closest hit is above: from hits that are certain */
+    uint32_t geometry, instance;
+    bool any, found; /* any hit will do; one that is certain was found */
+    bool failed;     /* no memory */
+} search_walk;
+
+static void add(search_walk *walk, uint32_t primitive, double low) {
+    search_candidate c = {walk->geometry, primitive, walk->instance, low};
+    if (!array_push(&walk->result->candidates, c)) walk->failed = true;
+}
+
+/* A certain hit makes the ray shorter for all that follows, but not so short that an equal t is lost. */
+static void shorten(search_walk *walk, double high) {
+    if (high < walk->closest) walk->closest = high;
+    double limit = walk->closest + fabs(walk->closest) * 0x1p-50;
+    if (limit < walk->local.t_far) walk->local.t_far = limit;
+}
+
+static void consider_triangle(search_walk *walk, const vec3_f32 v[3], double *low, filter_verdict *verdict) {
+    double first, high;
+    filter_verdict one = filter_triangle(&walk->local, widen(v[0]), widen(v[1]), widen(v[2]), &first, &high);
+    if (one == FILTER_MISS) return;
+    if (*verdict == FILTER_MISS || first < *low) *low = first;
+    if (one > *verdict) *verdict = one;
+    if (one == FILTER_HIT) shorten(walk, high);
+}
+
+static void consider(search_walk *walk, uint32_t primitive, double run_low) {
+    oracle_primitive p = search_primitive(walk->search->world, walk->geometry, primitive, FATHOM_NONE);
+    if (!has_finite_corners(&p)) return;
+    filter_verdict verdict = FILTER_MISS;
+    double low = run_low;
+    switch (p.shape) {
+    case ORACLE_SPHERE: {
+        bool meets = filter_sphere(&walk->local, widen(p.v[0]), fabs((double)p.radius), &low);
+        verdict = meets ? FILTER_DOUBT : FILTER_MISS;
+        break;
+    }
+    case ORACLE_QUAD: {
+        const vec3_f32 first[3] = {p.v[0], p.v[1], p.v[3]}, second[3] = {p.v[2], p.v[3], p.v[1]};
+        consider_triangle(walk, first, &low, &verdict);
+        consider_triangle(walk, second, &low, &verdict);
+        break;
+    }
+    case ORACLE_TRIANGLE: consider_triangle(walk, p.v, &low, &verdict); break;
+    case ORACLE_PLANE: verdict = FILTER_DOUBT; break;
+    }
+    if (verdict == FILTER_MISS) return;
+    add(walk, primitive, low > run_low ? low : run_low);
+    walk->found |= verdict == FILTER_HIT;
+}
+
+static void walk_geometry(search_walk *walk) {
+    const search *s = walk->search;
+    const world_geometry *g = &s->world->geometries.items[walk->geometry];
+    size_t first = s->first[walk->geometry], runs = runs_of(g);
+    uint8_t meets[BATCH];
+    double low[BATCH];
+    for (size_t i = 0; i < runs && !walk->failed; i += BATCH) {
+        size_t count = runs - i < BATCH ? runs - i : BATCH;
+        filter_run(&walk->local, &s->bounds, first + i, count, meets, low);
+        for (size_t k = 0; k < count; ++k) {
+            if (!meets[k]) continue;
+            uint32_t from = (uint32_t)(i + k) * RUN, end = g->count - from < RUN ? g->count : from + RUN;
+            for (uint32_t p = from; p < end; ++p) consider(walk, p, low[k]);
+        }
+        if (walk->any && walk->found) return;
+    }
+}
+
+static void walk_group(search_walk *walk, uint32_t group, uint32_t instance) {
+    const world *w = walk->search->world;
+    const world_instance *placed = instance == FATHOM_NONE ? NULL : &w->instances.items[instance];
+    walk->local = filter_ray_of(walk->ray, placed);
+    shorten(walk, walk->closest);
+    walk->instance = instance;
+    for (uint32_t g = 0; g < w->groups.items[group].count && !walk->failed; ++g) {
+        walk->geometry = w->groups.items[group].first + g;
+        if (walk->any && w->geometries.items[walk->geometry].flags & FATHOM_CASTS_NO_SHADOW) continue;
+        walk_geometry(walk);
+        if (walk->any && walk->found) return;
+    }
+}
+
+static void walk_planes(search_walk *walk) {
+    const world *w = walk->search->world;
+    walk->geometry = TRACE_PLANE, walk->instance = FATHOM_NONE;
+    for (uint32_t p = 0; p < w->planes.count; ++p) {
+        if (walk->any && w->planes.items[p].flags & FATHOM_CASTS_NO_SHADOW) continue;
+        add(walk, p, -(double)INFINITY);
+    }
+}
+
+static void walk_world(search_walk *walk) {
+    const world *w = walk->search->world;
+    if (w->groups.count) walk_group(walk, 0, FATHOM_NONE);
+    for (uint32_t k = 0; k < w->instances.count && !walk->failed; ++k) {
+        if (walk->any && walk->found) break;
+        walk_group(walk, w->instances.items[k].group, k);
+    }
+    walk_planes(walk);
+}
+
+/* ---- the oracle on what is left ---- */
+
+static search_hit ask(search_walk *walk, const search_candidate *c, oracle_primitive *primitive) {
+    search_hit hit = {c->geometry, c->primitive, c->instance, {0}};
+    *primitive = search_primitive(walk->search->world, c->geometry, c->primitive, c->instance);
+    oracle_ask(walk->ray, primitive, ORACLE_FAST, &hit.answer);
+    ++walk->result->asked, walk->result->exact += hit.answer.exact;
+    return hit;
+}
+
+static bool same_shape(const oracle_primitive *a, const oracle_primitive *b) {
+    return a->shape == b->shape && a->instance == b->instance && a->radius == b->radius &&
+           memcmp(a->v, b->v, sizeof a->v) == 0;
+}
+
+static int order_of(search_walk *walk, const search_hit *hit, const oracle_primitive *primitive,
+                    const search_hit *best) {
+    oracle_pair a = {*primitive, hit->answer};
+    oracle_pair b = {search_primitive(walk->search->world, best->geometry, best->primitive, best->instance),
+                     best->answer};
+    if (same_shape(&a.primitive, &b.primitive)) return 0; /* 10,000 copies need no 10,000 comparisons */
+    return oracle_compare(walk->ray, &a, &b, ORACLE_FAST);
+}
+
+static void decide(search_walk *walk) {
+    search_result *result = walk->result;
+    for (size_t i = 0; i < result->candidates.count && !walk->failed; ++i) {
+        const search_candidate *c = &result->candidates.items[i];
+        if (c->t_low > walk->closest) continue;
+        oracle_primitive primitive;
+        search_hit hit = ask(walk, c, &primitive);
+        if (!hit.answer.hit) continue;
+        int order = result->ties.count ? order_of(walk, &hit, &primitive, &result->ties.items[0]) : -1;
+        if (order > 0) continue;
+        if (order < 0) result->ties.count = 0;
+        if (!array_push(&result->ties, hit)) walk->failed = true;
+        if (walk->any) return;
+        /* To the next double above, since the sum may be rounded down. */
+        real_f128 most = hit.answer.t.value + (real_f128)hit.answer.t.error;
+        double above = nextafter((double)most, (double)INFINITY);
+        if (above < walk->closest) walk->closest = above;
+    }
+}
+
+static MODE_APART bool run(const search *s, const oracle_ray *ray, search_result *result, bool any) {
+    search_walk walk = {.search = s, .ray = ray, .result = result, .closest = (double)INFINITY, .any = any};
+    result->ties.count = result->candidates.count = 0;
+    walk_world(&walk);
+    decide(&walk);
+    return !walk.failed;
+}
+
+static bool search_run(const search *s, const oracle_ray *ray, search_result *result, bool any) {
+    unsigned mode = mode_enter();
+    bool done = run(s, ray, result, any);
+    mode_leave(mode);
+    return done;
+}
+
+bool search_closest(const search *s, const oracle_ray *ray, search_result *result) {
+    return search_run(s, ray, result, false);
+}
+bool search_any(const search *s, const oracle_ray *ray, search_result *result) {
+    return search_run(s, ray, result, true);
+}
