@@ -80,7 +80,8 @@ static int set_up(void **state) {
     const double flat[12] = {2, 0, 0, -1, 0, 2, 0, 0, 0, 0, -0x1p-20, 7};
     add_instance(f->scene, group, turned);
     add_instance(f->scene, group, flat);
-    add_instance(f->scene, group, flat); /* everything in it twice */
+    add_instance(f->scene, group, turned); /* everything in them twice */
+    add_instance(f->scene, group, flat);
     fathom_plane plane;
     fathom_plane_default(&plane);
     plane.point[2] = -9;
