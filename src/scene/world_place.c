@@ -131,23 +131,48 @@ static placement child_placement(const placer *p, const placement *parent, fatho
     return child;
 }
 
-/* The root's geometries first, with those of groups that join it: they must lie together. */
-static fathom_status join_root(placer *p, const placement *place) {
-    for (uint32_t i = p->graph->instances.first[place->group];
-         i < p->graph->instances.first[place->group + 1]; ++i) {
-        placement child = child_placement(p, place, p->graph->instances.items[i]);
-        if (!joins_root(p, child.group, &child.to_world, child.material)) continue;
-        size_t first = p->w->geometries.count;
-        if (!world_add_geometries(p->w, p->graph, child.group, p->w->origin)) return no_memory(p);
-        for (size_t g = first; g < p->w->geometries.count; ++g) p->w->geometries.items[g].instance = child.id;
-        p->in_root[child.group] = true;
-        fathom_status status = join_root(p, &child);
-        if (status != FATHOM_OK) return status;
+/* Placements still to visit, the next one last. Groups nest to any depth, so no visit calls another. */
+typedef ARRAY(placement) placement_stack;
+
+/* Puts the instances in the group of `at` on the stack, in such an order that the first is visited first. */
+static fathom_status push_children(const placer *p, placement_stack *stack, const placement *at) {
+    uint32_t first = p->graph->instances.first[at->group];
+    for (uint32_t i = p->graph->instances.first[at->group + 1]; i-- > first;) {
+        if (!array_push(stack, child_placement(p, at, p->graph->instances.items[i]))) return no_memory(p);
     }
     return FATHOM_OK;
 }
 
-static fathom_status place(placer *p, const placement *at) {
+typedef fathom_status (*visit_fn)(placer *p, const placement *at, bool *descend);
+
+/* The root, then what it holds: each placement before those in it. */
+static fathom_status visit_all(placer *p, visit_fn visit) {
+    placement_stack stack = {.items = NULL};
+    placement at = {FATHOM_ROOT, affine_identity(), FATHOM_NONE, FATHOM_NONE};
+    fathom_status status = array_push(&stack, at) ? FATHOM_OK : no_memory(p);
+    while (stack.count && status == FATHOM_OK) {
+        at = stack.items[--stack.count];
+        bool descend = true;
+        status = visit(p, &at, &descend);
+        if (status == FATHOM_OK && descend) status = push_children(p, &stack, &at);
+    }
+    array_free(&stack);
+    return status;
+}
+
+/* The root's geometries first, with those of groups that join it: they must lie together. */
+static fathom_status join_root(placer *p, const placement *at, bool *descend) {
+    *descend = at->group == FATHOM_ROOT || joins_root(p, at->group, &at->to_world, at->material);
+    if (!*descend) return FATHOM_OK;
+    size_t first = p->w->geometries.count;
+    if (!world_add_geometries(p->w, p->graph, at->group, p->w->origin)) return no_memory(p);
+    for (size_t g = first; g < p->w->geometries.count; ++g) p->w->geometries.items[g].instance = at->id;
+    p->in_root[at->group] = true;
+    return FATHOM_OK;
+}
+
+static fathom_status place(placer *p, const placement *at, bool *descend) {
+    *descend = true;
     fathom_status status = make_parts(p, at->group);
     if (status == FATHOM_OK) status = place_planes(p, at->group, &at->to_world, at->material);
     affine_f64 move = affine_translation(neg_f64(p->w->origin));
@@ -156,12 +181,6 @@ static fathom_status place(placer *p, const placement *at) {
         affine_f64 shift = affine_translation(part.origin), moved = affine_compose(&at->to_world, &shift);
         affine_f64 to_world = affine_compose(&move, &moved);
         status = add_instance(p, part.world_group, &to_world, at->material, at->id);
-    }
-    for (uint32_t i = p->graph->instances.first[at->group]; i < p->graph->instances.first[at->group + 1];
-         ++i) {
-        if (status != FATHOM_OK) return status;
-        placement child = child_placement(p, at, p->graph->instances.items[i]);
-        status = place(p, &child);
     }
     return status;
 }
@@ -189,14 +208,11 @@ static fathom_status place_all(placer *p) {
     if (status == FATHOM_OK) status = world_choose_origins(p->w->scene, p->graph, p->origins);
     if (status != FATHOM_OK) return status;
     p->w->origin = p->origins[FATHOM_ROOT];
-    placement root = {FATHOM_ROOT, affine_identity(), FATHOM_NONE, FATHOM_NONE};
-    /* The root's own geometries, then those that join: one run, group 0. */
-    p->in_root[FATHOM_ROOT] = true;
-    if (!world_add_geometries(p->w, p->graph, FATHOM_ROOT, p->w->origin)) return no_memory(p);
-    status = join_root(p, &root);
+    /* The root's own geometries and those that join: one run, group 0. */
+    status = visit_all(p, join_root);
     if (status != FATHOM_OK) return status;
     if (!add_group(p->w, 0)) return no_memory(p);
-    return place(p, &root);
+    return visit_all(p, place);
 }
 
 fathom_status world_place(world *w, const scene_graph *graph) {

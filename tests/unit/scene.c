@@ -125,6 +125,25 @@ static void lights_in_spheres(void **state) {
 }
 
 /* Two levels of frames: scale by 2 at x = 10, in a frame scaled by 3 at x = 100. */
+/* A chain of groups, each holding the next: deeper than a stack of calls would hold. */
+static void nests_to_any_depth(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    fathom_id parent = FATHOM_ROOT;
+    for (int depth = 0; depth < 200000; ++depth) {
+        fathom_id group = add_group(&f, NULL);
+        assert_ok(f.context, add_instance(&f, group, parent, depth == 0 ? 1 : 0, 1));
+        parent = group;
+    }
+    assert_ok(f.context, add_sphere(&f, parent, 0, 0, 0, 1));
+    world *w;
+    assert_ok(f.context, world_create(f.scene, &w));
+    assert_int_equal(w->instances.count, 1);
+    assert_near(w->instances.items[0].to_world[0][3], 1, 0);
+    world_destroy(w);
+    close_scene(&f);
+}
+
 static void nested_frames_multiply(void **state) {
     (void)state;
     fixture f = open_scene();
@@ -235,6 +254,7 @@ int main(void) {
         cmocka_unit_test(bad_shapes),
         cmocka_unit_test(wholes_that_cannot_be),
         cmocka_unit_test(lights_in_spheres),
+        cmocka_unit_test(nests_to_any_depth),
         cmocka_unit_test(nested_frames_multiply),
         cmocka_unit_test(needless_frames_are_left_out),
         cmocka_unit_test(far_scenes_are_brought_near),
