@@ -51,6 +51,8 @@ printf '{ "objects": [ }\n' >bad.json
 refused 3 'bad.json:1' render bad.json -o a.png
 printf '{ "objects": [] }\n' >bad.json
 refused 3 'no geometry' render bad.json -o a.png
+printf '{ "objects": [\n { "type": "generate", "kind": "sphere", "triangles": 1e11 } ] }' >bad.json
+refused 3 'bad.json:2: objects[0]: generate sphere: triangles' render bad.json -o a.png
 printf 'v 0 0 0\nv 1 0 0\nf 1 2 3\n' >bad.obj
 refused 3 'bad.obj:3' render bad.obj -o a.png
 printf 'glTF' >bad.glb

@@ -109,7 +109,8 @@ static fathom_status add_generated(const object_reader *r, const object *o, fath
     size_t first = r->scene->objects.count;
     fathom_status status = fathom_scene_generate(r->scene, group, &options);
     set_flags(r->scene, first, o->flags);
-    return status;
+    /* What a caller of the library asked for in error, the file did here. */
+    return status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status;
 }
 
 static fathom_status add_children(const object_reader *r, const where *at, const object *o, fathom_id group) {
