@@ -1,4 +1,4 @@
-/* Renders a golden pyramid on a chessboard from arrays in memory:
+/* Renders a golden pyramid on the ground from arrays in memory:
  * cc render_arrays.c $(pkg-config --cflags --libs fathom) -o render_arrays && ./render_arrays out.png */
 #include <fathom/fathom.h>
 #include <stdio.h>
@@ -14,23 +14,17 @@ static fathom_status build(fathom_scene *scene) {
     fathom_status status;
     fathom_material gold;
     fathom_mesh pyramid;
+    fathom_plane ground = {.normal = {0, 1, 0}};
     fathom_light light;
     fathom_camera camera;
-    fathom_material_default(&gold);
-    gold.specular = FATHOM_SPECULAR_BLINN;
+    fathom_material_default(&gold), gold.specular = FATHOM_SPECULAR_BLINN;
     gold.k_d[1] = gold.k_s[1] = 0.35f, gold.k_d[2] = gold.k_s[2] = 0.08f, gold.k_s[0] = 0.5f;
     fathom_mesh_default(&pyramid);
     pyramid.positions = corners, pyramid.vertex_count = 5;
     pyramid.indices = faces, pyramid.triangle_count = 4;
     TRY(fathom_scene_add_material(scene, "gold", &gold, &pyramid.material));
     TRY(fathom_scene_add_mesh(scene, FATHOM_ROOT, &pyramid, NULL));
-    for (int i = 0; i < 32; ++i) {
-        const double center[] = {2 * (i % 4) + i / 4 % 2 - 3.5, 0, i / 4 - 3.5}, u[] = {0, 0, 0.5},
-                     v[] = {0.5, 0, 0};
-        fathom_quad tile;
-        fathom_quad_from_axes(center, u, v, &tile);
-        TRY(fathom_scene_add_quad(scene, FATHOM_ROOT, &tile, NULL));
-    }
+    TRY(fathom_scene_add_plane(scene, FATHOM_ROOT, &ground, NULL));
     fathom_light_default(&light);
     light.position[0] = 3, light.position[1] = 5, light.position[2] = 4;
     light.intensity[0] = light.intensity[1] = light.intensity[2] = 60;
