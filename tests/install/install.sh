@@ -31,7 +31,9 @@ fi
 "$prefix/bin/fathom" --version | grep -q '^fathom [0-9]' || fail "the program does not run"
 
 flags=${SANITIZE:+-fsanitize=$SANITIZE}
-"$CMAKE" -S "$SOURCE/tests/install" -B outside-cmake -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$CC" \
+# The generator that Fathom was configured with is there; make may not be.
+generator=$(sed -n 's/^CMAKE_GENERATOR:INTERNAL=//p' "$BUILD/CMakeCache.txt")
+"$CMAKE" -G "$generator" -S "$SOURCE/tests/install" -B outside-cmake -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$CC" \
     -DCMAKE_C_FLAGS="$flags" >cmake.log 2>&1 || { cat cmake.log; fail "find_package failed"; }
 "$CMAKE" --build outside-cmake >cmake.log 2>&1 || { cat cmake.log; fail "the CMake project does not build"; }
 ./outside-cmake/outside outside.png >outside.log 2>&1 || { cat outside.log; fail "the CMake project does not run"; }
