@@ -48,9 +48,7 @@ for kind; do
         ;;
     thread)
         build thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
-        # Embree and TBB are not instrumented: what they do among themselves cannot be judged.
-        TSAN_OPTIONS=suppressions=$source/tests/threads.supp:ignore_noninstrumented_modules=1 FATHOM_SLOW=1 \
-            ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
+        FATHOM_SLOW=1 ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
         ;;
     *)
         echo "usage: sh tests/run.sh [release] [sanitize] [thread]" >&2

@@ -23,8 +23,8 @@ typedef struct embree_tracer {
     char error_text[256];    /* its message; written once, by whoever set error */
     fathom_context *context; /* while building */
     const trace_options *options;
-    double work, work_done; /* primitives to build, and built */
-    double work_now;        /* of the scene being built */
+    _Atomic double work, work_done; /* primitives to build, and built; read by Embree's threads */
+    _Atomic double work_now;        /* of the scene being built */
 } embree_tracer;
 
 /* ---- embree_build.c ---- */
