@@ -57,6 +57,17 @@ static inline trace_tracer *stage_trace(stage *s, fathom_tracer_kind kind, unsig
     return tracer;
 }
 
+/* A tracer by its words. */
+static inline trace_tracer *stage_spec(stage *s, const char *text) {
+    if (!s->world) assert_ok(s->context, world_create(s->scene, &s->world));
+    trace_spec spec;
+    assert_ok(s->context, trace_spec_parse(s->context, text, &spec));
+    trace_options options = {.spec = &spec, .threads = 2};
+    trace_tracer *tracer = NULL;
+    assert_ok(s->context, trace_create(s->context, s->world, &options, &tracer));
+    return tracer;
+}
+
 static inline trace_tracer *stage_embree(stage *s, unsigned width) {
     return stage_trace(s, FATHOM_TRACER_EMBREE, width, TRACE_QUALITY_AUTO, 2);
 }

@@ -29,8 +29,8 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
  * million rays. Both shrink alike with more threads. */
 #define LOW_QUALITY_RAYS UINT64_C(73000000)
 
-static enum RTCBuildQuality build_quality(const trace_options *options) {
-    switch (options->quality) {
+static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_options *options) {
+    switch (spec->quality) {
     case TRACE_QUALITY_LOW: return RTC_BUILD_QUALITY_LOW;
     case TRACE_QUALITY_MEDIUM: return RTC_BUILD_QUALITY_MEDIUM;
     case TRACE_QUALITY_HIGH: return RTC_BUILD_QUALITY_HIGH;
@@ -110,21 +110,23 @@ static void describe(embree_tracer *tracer) {
     tracer->base.bvh_bytes = (uint64_t)atomic_load(&tracer->bytes);
 }
 
-fathom_status embree_create(fathom_context *context, const world *w, const trace_options *options,
-                            trace_tracer **out) {
-    static const trace_ops ops = {destroy, embree_closest, embree_any};
+fathom_status embree_create(fathom_context *context, const world *w, const trace_spec *spec,
+                            const trace_options *options, trace_tracer **out) {
+    static const trace_ops ops = {destroy, embree_closest, embree_any, false, false};
     *out = NULL;
     embree_tracer *tracer = calloc(1, sizeof *tracer);
     if (!tracer) return fail_memory(context, sizeof *tracer);
     tracer->base.ops = &ops;
     tracer->base.world = w;
+    tracer->base.unit = 0x1p-24;
+    tracer->spec = *spec;
     tracer->context = context;
     tracer->options = options;
     fathom_status status = open_device(tracer);
     if (status == FATHOM_OK) {
         tracer->width = call_width(tracer->device, options->width);
         tracer->filter = embree_filter(tracer->width);
-        status = embree_build(tracer, build_quality(options));
+        status = embree_build(tracer, build_quality(spec, options));
     }
     if (status != FATHOM_OK) {
         destroy(&tracer->base);

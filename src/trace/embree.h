@@ -23,6 +23,7 @@ typedef struct embree_tracer {
     char error_text[256];    /* its message; written once, by whoever set error */
     fathom_context *context; /* while building */
     const trace_options *options;
+    trace_spec spec;
     _Atomic double work, work_done; /* primitives to build, and built; read by Embree's threads */
     _Atomic double work_now;        /* of the scene being built */
 } embree_tracer;
@@ -63,7 +64,8 @@ float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned 
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far);
 
 /* ---- embree_trace.c ---- */
-void embree_closest(const trace_tracer *tracer, trace_block *blocks, size_t count, trace_coherence coherence);
+void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                    trace_coherence coherence);
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
 
 #endif

@@ -104,8 +104,9 @@ static unsigned lanes_of(size_t count, size_t block) {
     return left < TRACE_WIDTH ? (unsigned)left : TRACE_WIDTH;
 }
 
-void embree_closest(const trace_tracer *tracer, trace_block *blocks, size_t count,
+void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence) {
+    (void)fine;
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
         closest_block((const embree_tracer *)tracer, &blocks[b], lanes_of(count, b),
                       coherence == TRACE_COHERENT);

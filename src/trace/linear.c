@@ -153,9 +153,9 @@ static void walk_world(const linear_tracer *tracer, trace_rays *rays, trace_hits
     }
 }
 
-static void linear_closest(const trace_tracer *tracer, trace_block *blocks, size_t count,
+static void linear_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                            trace_coherence coherence) {
-    (void)coherence;
+    (void)fine, (void)coherence;
     for (size_t first = 0; first < count; first += TRACE_WIDTH) {
         trace_block *block = &blocks[first / TRACE_WIDTH];
         walk_world((const linear_tracer *)tracer, &block->rays, &block->hits, count - first);
@@ -172,14 +172,13 @@ static void linear_any(const trace_tracer *tracer, trace_rays *blocks, size_t co
 
 static void linear_destroy(trace_tracer *tracer) { free(tracer); }
 
-fathom_status linear_create(fathom_context *context, const world *w, const trace_options *options,
-                            trace_tracer **out) {
-    static const trace_ops ops = {linear_destroy, linear_closest, linear_any};
-    (void)options;
+fathom_status linear_create(fathom_context *context, const world *w, trace_tracer **out) {
+    static const trace_ops ops = {linear_destroy, linear_closest, linear_any, false, false};
     linear_tracer *tracer = calloc(1, sizeof *tracer);
     if (!tracer) return fail_memory(context, sizeof *tracer);
     tracer->base.ops = &ops;
     tracer->base.world = w;
+    tracer->base.unit = 0x1p-24;
     tracer->form = &linear_robust_f32;
     snprintf(tracer->base.name, sizeof tracer->base.name, "%s", tracer->form->name);
     *out = &tracer->base;

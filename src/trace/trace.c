@@ -2,12 +2,28 @@
 #include "trace/planes.h"
 #include "trace/tracer.h"
 
+static fathom_status create(fathom_context *context, const world *w, const trace_spec *spec,
+                            const trace_options *options, trace_tracer **out) {
+    switch (spec->kind) {
+    case TRACE_LINEAR:
+        /* What renders goes by blocks. */
+        if (spec->form == TRACE_ROBUST && spec->precision == TRACE_F32) return linear_create(context, w, out);
+        return linear_single_create(context, w, spec, out);
+    case TRACE_EMBREE: return embree_create(context, w, spec, options, out);
+    case TRACE_BVH:
+    case TRACE_PLUGIN: break;
+    }
+    return fail(context, FATHOM_BAD_USAGE, "trace_spec: kind: %d; expected a trace_kind", (int)spec->kind);
+}
+
 fathom_status trace_create(fathom_context *context, const world *w, const trace_options *options,
                            trace_tracer **out) {
     *out = NULL;
+    if (options->spec) return create(context, w, options->spec, options, out);
+    const trace_spec embree = {.kind = TRACE_EMBREE, .quality = options->quality};
     switch (options->kind) {
-    case FATHOM_TRACER_EMBREE: return embree_create(context, w, options, out);
-    case FATHOM_TRACER_REFERENCE: return linear_create(context, w, options, out);
+    case FATHOM_TRACER_EMBREE: return create(context, w, &embree, options, out);
+    case FATHOM_TRACER_REFERENCE: return linear_create(context, w, out);
     }
     return fail(context, FATHOM_BAD_USAGE, "trace_options: kind: %d; expected a fathom_tracer_kind",
                 (int)options->kind);
@@ -18,14 +34,30 @@ void trace_destroy(trace_tracer *tracer) {
 }
 
 void trace_closest(const trace_tracer *tracer, trace_block *blocks, size_t count, trace_coherence coherence) {
-    tracer->ops->closest(tracer, blocks, count, coherence);
-    planes_closest(tracer->world, blocks, count);
+    tracer->ops->closest(tracer, blocks, NULL, count, coherence);
+    if (!tracer->ops->planes) planes_closest(tracer->world, blocks, count);
+}
+
+void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                        trace_coherence coherence) {
+    tracer->ops->closest(tracer, blocks, fine, count, coherence);
+    if (!tracer->ops->planes) planes_closest(tracer->world, blocks, count);
+    for (size_t i = 0; i < count; ++i) {
+        const trace_block *block = &blocks[i / TRACE_WIDTH];
+        trace_fine *to = &fine[i / TRACE_WIDTH];
+        size_t lane = i % TRACE_WIDTH;
+        bool plane = block->hits.geometry[lane] == TRACE_PLANE;
+        if (plane ? tracer->ops->planes : tracer->ops->fine) continue;
+        to->t[lane] = (double)block->rays.t_far[lane], to->t_low[lane] = 0;
+        to->u[lane] = (double)block->hits.u[lane], to->v[lane] = (double)block->hits.v[lane];
+    }
 }
 
 void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
     tracer->ops->any(tracer, blocks, count, coherence);
-    planes_any(tracer->world, blocks, count);
+    if (!tracer->ops->planes) planes_any(tracer->world, blocks, count);
 }
 
 const char *trace_name(const trace_tracer *tracer) { return tracer->name; }
 uint64_t trace_bvh_bytes(const trace_tracer *tracer) { return tracer->bvh_bytes; }
+double trace_unit(const trace_tracer *tracer) { return tracer->unit; }

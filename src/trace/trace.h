@@ -2,11 +2,12 @@
  *
  * Coordinates are the world's (see world.h), not the scene's. No ray may hold a NaN or an infinity (but t_far
  * may be infinite), and no direction may be zero: Debian's Embree can abort on those. 0 <= t_near. A hit has
- * t in the open interval (t_near, t_far). */
+ * t in the open interval (t_near, t_far), as the tracer computes it. */
 #ifndef TRACE_TRACE_H
 #define TRACE_TRACE_H
 
 #include "scene/world.h"
+#include "trace/spec.h"
 
 #define TRACE_WIDTH 16
 
@@ -37,15 +38,14 @@ typedef struct trace_block {
     trace_hits hits;
 } trace_block;
 
-/* How much time goes into the acceleration structure. No hit depends on it. */
-typedef enum trace_quality {
-    TRACE_QUALITY_AUTO, /* by expected_rays */
-    TRACE_QUALITY_LOW,
-    TRACE_QUALITY_MEDIUM,
-    TRACE_QUALITY_HIGH
-} trace_quality;
+/* The hits of a block as the tracer computed them, before they became float. */
+typedef struct trace_fine {
+    double t[16], t_low[16]; /* t + t_low is the hit's t; t_low is 0 but for tracers in quadruple precision */
+    double u[16], v[16];
+} trace_fine;
 
 typedef struct trace_options {
+    const trace_spec *spec; /* NULL: by kind */
     fathom_tracer_kind kind;
     unsigned width;   /* rays in one call of Embree: 1, 4, 8 or 16; 0 counts as 1. No hit depends on it */
     unsigned threads; /* for building; 0: the context's */
@@ -73,11 +73,16 @@ typedef enum trace_coherence { TRACE_INCOHERENT, TRACE_COHERENT } trace_coherenc
 /* The first `count` lanes of the blocks, 16 to a block; the rest is left alone. The caller sets rays; hits
  * may be uninitialised. */
 void trace_closest(const trace_tracer *tracer, trace_block *blocks, size_t count, trace_coherence coherence);
+/* The same, and `fine`, one for each block, gets the lanes that hit. */
+void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                        trace_coherence coherence);
 /* Rays that meet anything that casts a shadow get t_far = -infinity. */
 void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
 
 /* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
 const char *trace_name(const trace_tracer *tracer);
 uint64_t trace_bvh_bytes(const trace_tracer *tracer);
+/* The unit roundoff of the arithmetic in which t is computed: 2^-24 for float. */
+double trace_unit(const trace_tracer *tracer);
 
 #endif

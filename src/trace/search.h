@@ -1,0 +1,42 @@
+/* One ray on its way through the world, in the precision of its choice: what the hand-written tracers share.
+ * search_f32, search_f64 and search_f128; see search_text.h. */
+#ifndef TRACE_SEARCH_H
+#define TRACE_SEARCH_H
+
+#include "reference/reference.h"
+#include "reference/reference_f128.h"
+#include "trace/tracer.h"
+
+static inline vec3_f32 same_f32(vec3_f32 v) { return v; }
+/* The corners of a triangle. */
+static inline void search_corners(const fathom_mesh *mesh, uint32_t triangle, vec3_f32 out[3]) {
+    const char *positions = (const char *)mesh->positions;
+    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
+    for (unsigned c = 0; c < 3; ++c) {
+        const char *p = positions + mesh->indices[3 * (size_t)triangle + c] * stride;
+        out[c] = load_f32((const float *)(const void *)p);
+    }
+}
+
+#define REAL float
+#define VEC3 vec3_f32
+#define FN(name) name##_f32
+#define FROM same_f32
+#define SUM double
+#include "trace/search_text.h"
+
+#define REAL double
+#define VEC3 vec3_f64
+#define FN(name) name##_f64
+#define FROM widen
+#define SUM double
+#include "trace/search_text.h"
+
+#define REAL real_f128
+#define VEC3 vec3_f128
+#define FN(name) name##_f128
+#define FROM quadruple_f32
+#define SUM real_f128
+#include "trace/search_text.h"
+
+#endif

@@ -1,0 +1,171 @@
+/* The one text that search.h stamps for each precision. Included with REAL, VEC3, FN(name), FROM(v), a
+ * vec3_f32 in that precision, and SUM, the precision in which rays are carried into other spaces. */
+
+typedef struct FN(search) {
+    const world *world;
+    trace_form form;
+    vec3_f32 world_org, world_dir;
+    VEC3 org, dir; /* in the space at hand */
+    FN(triangle_ray) ray;
+    REAL t_min, t_max;
+    bool any;                    /* any hit will do, and what casts no shadow is passed by */
+    bool met;                    /* what follows is set */
+    FN(reference_hit) best;      /* on equal t the first in world order */
+    uint32_t at[3], best_ids[3]; /* instance, geometry, primitive: at hand, and of the best hit */
+} FN(search);
+
+/* A row of the map applied to p and w, rounded once: the products of floats are exact in double. */
+static inline REAL FN(search_row)(const float row[4], vec3_f32 p, float w) {
+    return (REAL)((SUM)row[0] * (SUM)p.x + (SUM)row[1] * (SUM)p.y + (SUM)row[2] * (SUM)p.z +
+                  (SUM)row[3] * (SUM)w);
+}
+
+/* Into the space of an instance, or the world's for FATHOM_NONE. Directions keep their length, so t keeps its
+ * meaning. */
+static inline void FN(search_enter)(FN(search) * s, uint32_t instance) {
+    s->at[0] = instance;
+    if (instance == FATHOM_NONE) {
+        s->org = FROM(s->world_org), s->dir = FROM(s->world_dir);
+    } else {
+        const float(*m)[4] = s->world->instances.items[instance].to_object;
+        vec3_f32 o = s->world_org, d = s->world_dir;
+        s->org = FN(vec)(FN(search_row)(m[0], o, 1), FN(search_row)(m[1], o, 1), FN(search_row)(m[2], o, 1));
+        s->dir = FN(vec)(FN(search_row)(m[0], d, 0), FN(search_row)(m[1], d, 0), FN(search_row)(m[2], d, 0));
+    }
+    s->ray = FN(triangle_ray_make)(s->org, s->dir);
+}
+
+/* The order of the world: the root's geometries, then the instances in order; an id of no instance wraps to
+ * 0. */
+static inline bool FN(search_comes_before)(const uint32_t a[3], const uint32_t b[3]) {
+    if (a[0] != b[0]) return a[0] + 1 < b[0] + 1;
+    return a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
+}
+
+static inline void FN(search_offer)(FN(search) * s, uint32_t primitive, const FN(reference_hit) * hit) {
+    s->at[2] = primitive;
+    if (s->met &&
+        (hit->t > s->best.t || (hit->t == s->best.t && !FN(search_comes_before)(s->at, s->best_ids)))) {
+        return;
+    }
+    s->met = true;
+    s->best = *hit;
+    s->best_ids[0] = s->at[0], s->best_ids[1] = s->at[1], s->best_ids[2] = primitive;
+}
+
+/* ---- one primitive of the geometry at hand ----
+ * The interval stays as it was asked: whether a primitive is met and at which t does not depend on what was
+ * met before, so the order in which primitives are tried decides nothing. */
+
+static inline void FN(search_sphere)(FN(search) * s, const world_sphere *sphere, uint32_t k) {
+    FN(reference_hit) hit = {0, 0, 0};
+    VEC3 c = FROM(sphere->center);
+    bool met = s->form == TRACE_ROBUST
+                   ? FN(sphere_robust)(c, (REAL)sphere->radius, s->org, s->dir, s->t_min, s->t_max, &hit.t)
+                   : FN(sphere_textbook)(c, (REAL)sphere->radius, s->org, s->dir, s->t_min, s->t_max, &hit.t);
+    if (met) FN(search_offer)(s, k, &hit);
+}
+
+static inline void FN(search_quad)(FN(search) * s, const world_quad *quad, uint32_t k) {
+    FN(reference_hit) hit;
+    VEC3 v[4] = {FROM(quad->corner[0]), FROM(quad->corner[1]), FROM(quad->corner[2]), FROM(quad->corner[3])};
+    bool met = s->form == TRACE_ROBUST
+                   ? FN(quad_robust)(v[0], v[1], v[2], v[3], s->org, s->dir, s->t_min, s->t_max, &hit)
+                   : FN(quad_textbook)(v[0], v[1], v[2], v[3], s->org, s->dir, s->t_min, s->t_max, &hit);
+    if (met) FN(search_offer)(s, k, &hit);
+}
+
+static inline void FN(search_triangle)(FN(search) * s, const vec3_f32 corner[3], uint32_t k) {
+    FN(reference_hit) hit;
+    VEC3 v[3] = {FROM(corner[0]), FROM(corner[1]), FROM(corner[2])};
+    bool met = s->form == TRACE_ROBUST
+                   ? FN(triangle_robust_ray)(v[0], v[1], v[2], &s->ray, s->t_min, s->t_max, &hit)
+                   : FN(triangle_textbook)(v[0], v[1], v[2], s->org, s->dir, s->t_min, s->t_max, &hit);
+    if (met) FN(search_offer)(s, k, &hit);
+}
+
+/* Planes come last: on equal t geometry wins. */
+static inline void FN(search_planes)(FN(search) * s) {
+    FN(search_enter)(s, FATHOM_NONE);
+    s->at[1] = TRACE_PLANE;
+    for (size_t p = 0; p < s->world->planes.count && !(s->any && s->met); ++p) {
+        const world_plane *plane = &s->world->planes.items[p];
+        if (s->any && plane->flags & FATHOM_CASTS_NO_SHADOW) continue;
+        FN(reference_hit) hit = {0, 0, 0};
+        VEC3 point = FROM(plane->point), normal = FROM(plane->normal);
+        bool met = s->form == TRACE_ROBUST
+                       ? FN(plane_robust)(point, normal, s->org, s->dir, s->t_min, s->t_max, &hit.t)
+                       : FN(plane_textbook)(point, normal, s->org, s->dir, s->t_min, s->t_max, &hit.t);
+        if (met && (!s->met || hit.t < s->best.t)) {
+            s->met = true;
+            s->best = hit;
+            s->best_ids[0] = FATHOM_NONE, s->best_ids[1] = TRACE_PLANE, s->best_ids[2] = (uint32_t)p;
+        }
+    }
+}
+
+/* ---- from blocks and back ---- */
+
+/* False: the lane has nothing to look for. */
+static inline bool FN(search_begin)(FN(search) * s, const world *w, trace_form form, const trace_rays *rays,
+                                    unsigned lane, bool any) {
+    *s = (FN(search)){.world = w,
+                      .form = form,
+                      .world_org = {rays->org_x[lane], rays->org_y[lane], rays->org_z[lane]},
+                      .world_dir = {rays->dir_x[lane], rays->dir_y[lane], rays->dir_z[lane]},
+                      .t_min = (REAL)rays->t_near[lane],
+                      .t_max = (REAL)rays->t_far[lane],
+                      .any = any};
+    return rays->t_near[lane] < rays->t_far[lane];
+}
+
+/* The normal as the tracer has it, in the space of the primitive. */
+static inline vec3_f32 FN(search_normal)(FN(search) * s) {
+    const world *w = s->world;
+    if (s->best_ids[1] == TRACE_PLANE) return w->planes.items[s->best_ids[2]].normal;
+    const world_geometry *geometry = &w->geometries.items[s->best_ids[1]];
+    VEC3 n = {0, 0, 0};
+    switch (geometry->kind) {
+    case WORLD_SPHERES:
+        FN(search_enter)(s, s->best_ids[0]);
+        n = FN(sub)(FN(madd)(s->org, s->best.t, s->dir),
+                    FROM(w->spheres.items[geometry->first + s->best_ids[2]].center));
+        break;
+    case WORLD_QUADS: {
+        const vec3_f32 *v = w->quads.items[geometry->first + s->best_ids[2]].corner;
+        n = FN(cross)(FN(sub)(FROM(v[1]), FROM(v[0])), FN(sub)(FROM(v[3]), FROM(v[0])));
+        break;
+    }
+    case WORLD_MESH: {
+        vec3_f32 v[3];
+        search_corners(&w->meshes.items[geometry->first], s->best_ids[2], v);
+        n = FN(cross)(FN(sub)(FROM(v[1]), FROM(v[0])), FN(sub)(FROM(v[2]), FROM(v[0])));
+        break;
+    }
+    }
+    return vec_f32((float)n.x, (float)n.y, (float)n.z);
+}
+
+/* Sets the lane of the block, and of `fine` unless NULL. */
+static inline void FN(search_end)(FN(search) * s, trace_block *block, trace_fine *fine, unsigned lane) {
+    trace_hits *hits = &block->hits;
+    hits->geometry[lane] = FATHOM_NONE;
+    if (!s->met) return;
+    block->rays.t_far[lane] = (float)s->best.t;
+    hits->instance[lane] = s->best_ids[0];
+    hits->geometry[lane] = s->best_ids[1];
+    hits->primitive[lane] = s->best_ids[2];
+    hits->u[lane] = (float)s->best.u, hits->v[lane] = (float)s->best.v;
+    vec3_f32 n = FN(search_normal)(s);
+    hits->ng_x[lane] = n.x, hits->ng_y[lane] = n.y, hits->ng_z[lane] = n.z;
+    if (!fine) return;
+    fine->t[lane] = (double)s->best.t;
+    fine->t_low[lane] = (double)(s->best.t - (REAL)fine->t[lane]);
+    fine->u[lane] = (double)s->best.u, fine->v[lane] = (double)s->best.v;
+}
+
+#undef REAL
+#undef VEC3
+#undef FN
+#undef FROM
+#undef SUM

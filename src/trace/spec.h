@@ -1,0 +1,93 @@
+/* What a tracer is, in words: "linear:robust:f64", "bvh:f32", "embree:user:robust:high:16", "./mine.so".
+ *
+ * A kind, then options in any order, at most one of each sort; what is not given has its default. */
+#ifndef TRACE_SPEC_H
+#define TRACE_SPEC_H
+
+#include "base/status.h"
+
+typedef enum trace_kind {
+    TRACE_LINEAR, /* every ray against every primitive */
+    TRACE_BVH,    /* the hand-written bounding volume hierarchy */
+    TRACE_EMBREE,
+    TRACE_PLUGIN /* a shared library: fathom/plugin.h */
+} trace_kind;
+
+typedef enum trace_form { TRACE_ROBUST, TRACE_TEXTBOOK } trace_form;
+typedef enum trace_precision { TRACE_F32, TRACE_F64, TRACE_F128 } trace_precision;
+
+/* Which shapes are whose: Embree's own intersectors, or the hand-written ones as user geometry. */
+typedef enum trace_shapes {
+    TRACE_SHAPES_TRIANGLES, /* triangles Embree's, spheres and quads ours */
+    TRACE_SHAPES_USER,      /* all ours */
+    TRACE_SHAPES_QUAD,      /* triangles and QUAD Embree's, spheres ours */
+    TRACE_SHAPES_SPHERE     /* triangles and SPHERE_POINT Embree's, quads ours */
+} trace_shapes;
+
+typedef enum trace_scene_flags {
+    TRACE_SCENE_ROBUST,
+    TRACE_SCENE_DEFAULT,
+    TRACE_SCENE_COMPACT
+} trace_scene_flags;
+
+/* How much time goes into the acceleration structure. No settled hit depends on it. */
+typedef enum trace_quality {
+    TRACE_QUALITY_AUTO, /* by expected_rays */
+    TRACE_QUALITY_LOW,
+    TRACE_QUALITY_MEDIUM,
+    TRACE_QUALITY_HIGH
+} trace_quality;
+
+/* How rays reach Embree. A given width is kept even where the kernels are narrower and Embree takes packets
+ * apart. */
+typedef enum trace_calls {
+    TRACE_CALLS_AUTO, /* by trace_options.width, but no wider than the kernels */
+    TRACE_CALLS_1,
+    TRACE_CALLS_4,
+    TRACE_CALLS_8,
+    TRACE_CALLS_16,
+    TRACE_CALLS_STREAM_1M, /* rtcIntersect1M(): an array of rays; Embree 3 only */
+    TRACE_CALLS_STREAM_NM  /* rtcIntersectNM(): an array of blocks; Embree 3 only */
+} trace_calls;
+
+typedef enum trace_ties {
+    TRACE_SETTLED, /* one answer, however rays are grouped: embree_settle.c */
+    TRACE_RAW      /* whatever Embree says */
+} trace_ties;
+
+/* The most that Embree may use; the processor may have less. */
+typedef enum trace_isa {
+    TRACE_ISA_BEST,
+    TRACE_ISA_SSE2,
+    TRACE_ISA_SSE42,
+    TRACE_ISA_AVX,
+    TRACE_ISA_AVX2,
+    TRACE_ISA_AVX512
+} trace_isa;
+
+typedef struct trace_spec {
+    trace_kind kind;
+    trace_form form;           /* linear */
+    trace_precision precision; /* linear, bvh */
+    trace_shapes shapes;       /* embree, as all that follow */
+    trace_scene_flags flags;
+    trace_quality quality;
+    trace_calls calls;
+    trace_ties ties;
+    trace_isa isa;
+    const char *path; /* plugin: as given; not owned */
+} trace_spec;
+
+/* FATHOM_BAD_USAGE says which word is wrong and which there are. A text that ends in ".so" is a file; `text`
+ * must then outlive `out`. "reference" is "linear". */
+fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_spec *out);
+
+/* The same in full, every option named: "embree:triangles:robust:auto:16:settled". */
+#define TRACE_SPEC_LENGTH 256
+void trace_spec_print(const trace_spec *spec, char out[TRACE_SPEC_LENGTH]);
+
+/* Calls visit for each tracer that this build can make from words alone (with the best instruction set, and
+ * build quality and calls never left to it), until it returns false. */
+void trace_spec_list(bool (*visit)(void *user, const trace_spec *spec), void *user);
+
+#endif

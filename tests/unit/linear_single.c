@@ -1,0 +1,198 @@
+/* Linear search in every precision and form: what they agree on, where they must differ, and what a block is
+ * promised by all of them. */
+#include "stage.h"
+
+static const char *const forms[] = {"linear:robust:f32",   "linear:textbook:f32", "linear:robust:f64",
+                                    "linear:textbook:f64", "linear:robust:f128",  "linear:textbook:f128"};
+enum { FORMS = 6, TRUTH = 4 };
+
+typedef struct answers {
+    ray_set rays;
+    trace_fine *fine;
+} answers;
+
+static answers answer(const trace_tracer *tracer, const ray_set *set) {
+    answers a = {rays_copy(set), calloc((set->count + 15) / 16, sizeof *a.fine)};
+    assert_non_null(a.fine);
+    unsigned state = trace_thread_begin();
+    trace_closest_fine(tracer, a.rays.blocks, a.fine, set->count, TRACE_INCOHERENT);
+    trace_thread_end(state);
+    return a;
+}
+
+static void forget(answers *a) { free(a->rays.blocks), free(a->fine); }
+
+/* The t of a flat shape is off by some 8 units over the cosine to its normal; a random ray meets a surface at
+ * a cosine below c with probability c^2, so 2^12 units are exceeded once in (2^9)^2 rays. The textbook's
+ * sphere of radius R seen from f is off by |f| / (2 R cos) times as much again, up to 40 here: that comes to
+ * 1 ray in 100 on the smallest sphere, some 1e-4 of all. Rays come within float's reach of an edge or a
+ * silhouette once in some 10^4. */
+static void agree_but_for_precision(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_everything(&s);
+    trace_destroy(stage_spec(&s, forms[0]));
+    ray_set set = random_rays(800);
+    trace_tracer *truth = stage_spec(&s, forms[TRUTH]);
+    answers exact = answer(truth, &set);
+    size_t met = 0;
+    for (size_t f = 0; f < FORMS; ++f) {
+        trace_tracer *tracer = stage_spec(&s, forms[f]);
+        answers got = answer(tracer, &set);
+        size_t differ = 0, far = 0;
+        for (size_t i = 0; i < set.count; ++i) {
+            if (!same_hit(&got.rays, &exact.rays, i)) {
+                ++differ;
+                continue;
+            }
+            if (exact.rays.blocks[i / 16].hits.geometry[i % 16] == FATHOM_NONE) continue;
+            ++met;
+            double t = got.fine[i / 16].t[i % 16], low = got.fine[i / 16].t_low[i % 16];
+            double right = exact.fine[i / 16].t[i % 16], right_low = exact.fine[i / 16].t_low[i % 16];
+            double error = fabs((t - right) + (low - right_low));
+            far += error > 0x1p12 * trace_unit(tracer) * right;
+            assert_true(hit_t(&got.rays, i) == (float)t);
+            if (f < 4) assert_true(low == 0);
+        }
+        assert_in_range(differ, 0, f < 2 ? 2 : 0);
+        assert_in_range(far, 0, f % 2 ? 2 : 0);
+        forget(&got);
+        trace_destroy(tracer);
+    }
+    assert_true(met > FORMS * 200);
+    trace_destroy(truth);
+    forget(&exact), free(set.blocks);
+    stage_close(&s);
+}
+
+/* Past a sphere 4096 radii away, by a hundredth of its radius inside or outside: beyond the textbook form in
+ * float, and no other. */
+static void only_the_textbook_in_float_loses_far_spheres(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
+    trace_destroy(stage_spec(&s, forms[0]));
+    enum { rays = 1000 };
+    ray_set set = rays_new(rays);
+    for (size_t i = 0; i < rays; ++i) {
+        vec3_f64 to = normalize_f64(vec_f64(between(-1, 1), between(-1, 1), between(-1, 1)));
+        vec3_f64 side = normalize_f64(cross_f64(to, vec_f64(between(-1, 1), between(-1, 1), between(-1, 1))));
+        double org[3], target[3];
+        store_f64(org, scale_f64(-4096, to));
+        store_f64(target, scale_f64(i % 2 ? 0.99 : 1.01, side));
+        ray_towards(&set, i, org, target);
+    }
+    for (size_t f = 0; f < FORMS; ++f) {
+        trace_tracer *tracer = stage_spec(&s, forms[f]);
+        ray_set got = traced(tracer, &set, TRACE_COHERENT);
+        size_t wrong = 0;
+        for (size_t i = 0; i < rays; ++i) wrong += (got.blocks[i / 16].hits.geometry[i % 16] == 0) != i % 2;
+        if (f == 1)
+            assert_true(wrong > rays / 10);
+        else
+            assert_int_equal(wrong, 0);
+        free(got.blocks);
+        trace_destroy(tracer);
+    }
+    free(set.blocks);
+    stage_close(&s);
+}
+
+/* Two triangles whose t differ by less than float can tell: double finds the nearer one, the second; float
+ * ties, and the first stays. */
+static void the_nearer_by_own_precision(void **state) {
+    (void)state;
+    static const float p[] = {-1,       -1, 0,  1,        -1, 0, 0,        1, 0, -1, -1,
+                              0x1p-30f, 1,  -1, 0x1p-30f, 0,  1, 0x1p-30f, 0, 0, 0,  0};
+    static const uint32_t t[] = {0, 1, 2, 3, 4, 5};
+    stage s;
+    stage_open(&s);
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p, mesh.vertex_count = 6, mesh.indices = t, mesh.triangle_count = 2;
+    assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
+    const double org[3] = {0, 0, 1}, dir[3] = {0, 0, -1};
+    for (size_t f = 0; f < FORMS; ++f) {
+        trace_tracer *tracer = stage_spec(&s, forms[f]);
+        ray_set set = rays_new(1);
+        ray_set_to(&set, 0, org, dir, INFINITY);
+        answers got = answer(tracer, &set);
+        assert_int_equal(got.rays.blocks[0].hits.primitive[0], f < 2 ? 0 : 1);
+        assert_true(got.fine[0].t[0] == (f < 2 ? 1 : 1 - 0x1p-30));
+        forget(&got), free(set.blocks);
+        trace_destroy(tracer);
+    }
+    stage_close(&s);
+}
+
+/* Shadows pass what casts none, planes are seen, lanes past the count and empty intervals stay, and any hit
+ * says what closest hit says. */
+static void blocks_are_kept_to(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
+    add_sphere(&s, FATHOM_ROOT, 10, 0, 0, 1, 0);
+    add_plane(&s, -5, FATHOM_CASTS_NO_SHADOW);
+    for (size_t f = 0; f < FORMS; ++f) {
+        trace_tracer *tracer = stage_spec(&s, forms[f]);
+        ray_set set = rays_new(16);
+        memset(set.blocks, 0x5a, sizeof *set.blocks);
+        for (size_t i = 0; i < 6; ++i) {
+            const double org[3] = {i < 3 ? 5 * (double)i : 0, 0, 3}, dir[3] = {0, 0, -1};
+            ray_set_to(&set, i, org, dir, INFINITY);
+        }
+        trace_rays *r = &set.blocks->rays;
+        r->t_far[3] = -INFINITY;                                 /* done before */
+        r->t_near[4] = 2, r->t_far[4] = 4;                       /* both ends are excluded */
+        r->t_near[5] = nextafterf(2, 1), r->t_far[5] = INFINITY; /* the sphere is just inside */
+        trace_rays shadows = *r;
+        trace_closest(tracer, set.blocks, 6, TRACE_COHERENT);
+        trace_any(tracer, &shadows, 6, TRACE_COHERENT);
+        const uint32_t *geometry = set.blocks->hits.geometry;
+        assert_true(r->t_far[0] == 2 && r->t_far[1] == 8 && r->t_far[2] == 2 && r->t_far[5] == 2);
+        assert_true(geometry[1] == TRACE_PLANE && geometry[3] == FATHOM_NONE && geometry[4] == FATHOM_NONE);
+        assert_true(r->t_far[3] == -INFINITY && r->t_far[4] == 4);
+        assert_true(set.blocks->hits.ng_z[0] == 1);
+        assert_true(shadows.t_far[0] == INFINITY && shadows.t_far[1] == INFINITY);
+        assert_true(shadows.t_far[2] == -INFINITY && shadows.t_far[4] == 4);
+        for (size_t i = 6; i < 16; ++i) assert_int_equal(geometry[i], 0x5a5a5a5a);
+        free(set.blocks);
+        trace_destroy(tracer);
+    }
+    stage_close(&s);
+}
+
+static void any_is_closest(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_everything(&s);
+    trace_destroy(stage_spec(&s, forms[0]));
+    ray_set set = random_rays(160);
+    for (size_t f = 0; f < FORMS; ++f) {
+        trace_tracer *tracer = stage_spec(&s, forms[f]);
+        ray_set got = traced(tracer, &set, TRACE_INCOHERENT);
+        unsigned char *any = occluded(tracer, &set, TRACE_INCOHERENT);
+        for (size_t i = 0; i < set.count; ++i) {
+            assert_int_equal(any[i], got.blocks[i / 16].hits.geometry[i % 16] != FATHOM_NONE);
+        }
+        free(any), free(got.blocks);
+        trace_destroy(tracer);
+    }
+    free(set.blocks);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(agree_but_for_precision),
+        cmocka_unit_test(only_the_textbook_in_float_loses_far_spheres),
+        cmocka_unit_test(the_nearer_by_own_precision),
+        cmocka_unit_test(blocks_are_kept_to),
+        cmocka_unit_test(any_is_closest),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
