@@ -10,7 +10,7 @@ static fathom_status create(fathom_context *context, const world *w, const trace
         if (spec->form == TRACE_ROBUST && spec->precision == TRACE_F32) return linear_create(context, w, out);
         return linear_single_create(context, w, spec, out);
     case TRACE_EMBREE: return embree_create(context, w, spec, options, out);
-    case TRACE_BVH:
+    case TRACE_BVH: return bvh_create(context, w, spec, options, out);
     case TRACE_PLUGIN: break;
     }
     return fail(context, FATHOM_BAD_USAGE, "trace_spec: kind: %d; expected a trace_kind", (int)spec->kind);

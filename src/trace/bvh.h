@@ -1,0 +1,74 @@
+/* The hand-written bounding volume hierarchy: for scenes where linear search would take days, with its very
+ * answers. Boxes and leaves are float, which the world's numbers are too, so one structure serves every
+ * precision.
+ *
+ * One tree for each geometry, and one for each group over its geometries; the root's also holds the
+ * instances. */
+#ifndef TRACE_BVH_H
+#define TRACE_BVH_H
+
+#include "trace/tracer.h"
+
+typedef struct bvh_node {
+    float lower[3], upper[3];
+    uint32_t first; /* inner: its first child, the other follows; leaf: of its items, or its block */
+    uint32_t count; /* of items, at most BVH_LEAF; 0: an inner node */
+} bvh_node;
+
+#define BVH_LEAF 4
+
+/* Up to four triangles as a structure of arrays: [corner][axis][triangle]. */
+typedef struct bvh_block {
+    float v[3][3][BVH_LEAF];
+    uint32_t primitive[BVH_LEAF];
+} bvh_block;
+
+/* What a tree holds: the primitives of a geometry, or the parts of a group. */
+typedef enum bvh_kind { BVH_SPHERES, BVH_QUADS, BVH_TRIANGLES, BVH_PARTS } bvh_kind;
+
+typedef struct bvh_tree {
+    bvh_kind kind;
+    uint32_t of;         /* the geometry or group */
+    bvh_node *nodes;     /* [0] is the root */
+    uint32_t node_count; /* 0: nothing in it can be met */
+    bvh_block *blocks;   /* triangles */
+    uint32_t *items;     /* else: primitives; of a group: its geometries, then the instances */
+    uint32_t count;      /* of blocks or items */
+    /* How far a ray may pass outside a box and still meet what is in it, and how much nearer along the ray:
+     * unit roundoffs of the ray's distance to the box, unit roundoffs of 1, and a length. bvh_text.h. */
+    double spread, offset, reach;
+} bvh_tree;
+
+typedef struct bvh_tracer {
+    trace_tracer base;
+    bvh_tree *geometries; /* beside the world's */
+    bvh_tree *groups;
+} bvh_tracer;
+
+/* An item to be put into a tree. */
+typedef struct bvh_item {
+    float lower[3], upper[3];
+    uint32_t id;
+} bvh_item;
+
+/* Fills nodes and items, or leaves `count` 0 blocks to be filled, from items in any order, which it reorders.
+ * The tree depends on the items alone, not on threads. `go_on` (or NULL) is asked now and then, on the
+ * calling thread; false: FATHOM_INTERRUPTED. */
+typedef struct bvh_build {
+    fathom_context *context;
+    unsigned threads;
+    bool (*go_on)(void *user, double fraction);
+    void *user;
+} bvh_build;
+fathom_status bvh_tree_build(const bvh_build *build, bvh_item *items, uint32_t count, bvh_tree *tree);
+
+/* bvh_world.c: all trees of the world. */
+fathom_status bvh_world_build(const bvh_build *build, bvh_tracer *tracer);
+
+/* bvh_trace.c: the calls of each precision. */
+extern const trace_ops bvh_ops_f32, bvh_ops_f64, bvh_ops_f128;
+
+/* bvh.c */
+void bvh_destroy(trace_tracer *tracer);
+
+#endif

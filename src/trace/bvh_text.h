@@ -1,0 +1,229 @@
+/* Going through the trees with one ray: the one text that bvh_trace.c stamps for each precision. Included
+ * with REAL, FN(name), ABS and UNIT defined.
+ *
+ * No box may be passed by that holds a primitive which the linear search meets (the aim of Ize 2013, Robust
+ * BVH Ray Traversal, JCGT 2(2)). For triangles and quads that holds to the last bit, without any slack: the
+ * watertight test shears each vertex, X = fl(fl(x - ox) - fl(sx fl(z - oz))), and meets the triangle only if
+ * the origin lies in the hull of its sheared vertices. Rounding is monotonic, so the same operations on the
+ * box's faces bound the X of every vertex in it; the triangle is met only if these bounds hold 0. The same
+ * goes for Y. A box is thus cut away by the rectangle around its shadow along the ray, and needs no division.
+ *
+ * Along the ray: the reported depth is that of A plus positive weights of at most 1 in sum times differences
+ * to it, so it lies between the vertices' depths but for 14 units of the largest: 6 of the differences, each
+ * at most twice the largest, 1 of the sum, and the rest in second order. 16 units stand for them and for
+ * rounding here. It is only the depth that is bounded so: the t of a sliver may lie well outside of the
+ * other two slabs. Hence boxes are put in order, and cut off behind the best hit, by their depth alone.
+ *
+ * Spheres, F the largest coordinate of the box as seen from the ray's origin, |f| <= √3 F the distance to the
+ * centre, u a unit: where the form is sure, the point at the reported t satisfies |P - C|² = R² + δD with
+ * |δD| <= 51 u |f| R (sphere_text.h), so it lies within 26 u |f| of the sphere; c / q is off by 54 u for c,
+ * by δD / q <= 102 u |f|, since q >= √c >= R / 2, and a few u for the rest: together 256 u |f|. Where it is
+ * not sure, the wider precision decides, whose own error vanishes beside that, even √u R where both roots
+ * vanish; quadruple has no wider one, so there double's units are taken. Shearing adds 5 u F: 512 u F holds
+ * all of it.
+ *
+ * Instances: a ray is carried into the object's space with 4 units of each product for origin and direction,
+ * with M the map, B and T the largest coordinate in the world and of M's translation: 4 u (|M| (F + B) + T)
+ * and 4 u |M| 3 F. Shearing there adds 5 u |M| F. Carried back, all grow by |M⁻¹|: 21 u κ F + 4 u (κ B +
+ * |M⁻¹| T), κ = |M| |M⁻¹|; 32 and 8 units hold it with shearing here. What an object's tree itself allows
+ * grows by κ. A sliver's t may lie outside its box by the box's extent, `reach` in the world. */
+
+/* The ray as the boxes of one tree see it. */
+typedef struct FN(bvh_view) {
+    REAL ox, oy, oz, sx, sy; /* turned, so that z is the axis of the ray */
+    int x, y, z;
+    bool up;                    /* the ray runs along +z */
+    REAL spread, offset, reach; /* of the tree */
+    REAL length, near;          /* |dz|; depths below cannot matter */
+} FN(bvh_view);
+
+static inline FN(bvh_view) FN(bvh_view_make)(const FN(search) * s, const bvh_tree *tree) {
+    const FN(triangle_ray) *ray = &s->ray;
+    REAL length = ABS(ray->dz);
+    const REAL org[3] = {s->org.x, s->org.y, s->org.z};
+    const REAL unit = tree->spread > 0 && UNIT < (REAL)0x1p-53 ? (REAL)0x1p-53 : (REAL)UNIT;
+    FN(bvh_view)
+    v = {.sx = ray->sx,
+         .sy = ray->sy,
+         .x = (ray->axis + 1) % 3,
+         .y = (ray->axis + 2) % 3,
+         .z = ray->axis,
+         .up = ray->dz > 0,
+         .spread = (REAL)tree->spread * unit,
+         .offset = (REAL)tree->offset * unit,
+         .reach = (REAL)tree->reach + (REAL)TINY,
+         .length = length,
+         .near = s->t_min * length * (1 - 8 * UNIT)};
+    v.ox = org[v.x], v.oy = org[v.y], v.oz = org[v.z];
+    return v;
+}
+
+/* Depths above cannot matter: t <= best means depth <= best |dz| (1 + 2 u), and rounding takes 3 more. */
+static inline REAL FN(bvh_limit)(const FN(search) * s, const FN(bvh_view) * v) {
+    return (s->met ? s->best.t : s->t_max) * v->length * (1 + 8 * UNIT);
+}
+
+/* Whether anything in the box can be met before `limit`; *depth: no nearer than that. Comparisons are such
+ * that a NaN, from infinities, never hides a box. */
+static inline bool FN(bvh_meets)(const FN(bvh_view) * v, const bvh_node *node, REAL limit, REAL *depth) {
+    REAL x0 = (REAL)node->lower[v->x] - v->ox, x1 = (REAL)node->upper[v->x] - v->ox;
+    REAL y0 = (REAL)node->lower[v->y] - v->oy, y1 = (REAL)node->upper[v->y] - v->oy;
+    REAL z0 = (REAL)node->lower[v->z] - v->oz, z1 = (REAL)node->upper[v->z] - v->oz;
+    REAL left = x0 - v->sx * (v->sx >= 0 ? z1 : z0), right = x1 - v->sx * (v->sx >= 0 ? z0 : z1);
+    REAL low = y0 - v->sy * (v->sy >= 0 ? z1 : z0), high = y1 - v->sy * (v->sy >= 0 ? z0 : z1);
+    REAL deep = -z0 > z1 ? -z0 : z1; /* the larger of |z0| and |z1|, as z0 <= z1 */
+    REAL wide = -x0 > x1 ? -x0 : x1, tall = -y0 > y1 ? -y0 : y1, far = wide > tall ? wide : tall;
+    REAL slack = v->spread * (far > deep ? far : deep) + v->offset;
+    REAL along = 16 * UNIT * deep + (slack + v->reach);
+    REAL begin = (v->up ? z0 : -z1) - along, end = (v->up ? z1 : -z0) + along;
+    *depth = begin;
+    return !((left > slack) | (right < -slack) | (low > slack) | (high < -slack) | (begin > limit) |
+             (end < v->near));
+}
+
+/* The triangles of a block whose edge functions do not differ in sign: triangle_sheared() up to its first
+ * return, the same operations in the same order, for four at once. */
+static inline unsigned FN(bvh_candidates)(const FN(bvh_view) * v, const bvh_block *block) {
+    int candidate[BVH_LEAF];
+    for (int i = 0; i < BVH_LEAF; ++i) {
+        REAL az = (REAL)block->v[0][v->z][i] - v->oz, bz = (REAL)block->v[1][v->z][i] - v->oz,
+             cz = (REAL)block->v[2][v->z][i] - v->oz;
+        REAL ax = ((REAL)block->v[0][v->x][i] - v->ox) - v->sx * az,
+             ay = ((REAL)block->v[0][v->y][i] - v->oy) - v->sy * az;
+        REAL bx = ((REAL)block->v[1][v->x][i] - v->ox) - v->sx * bz,
+             by = ((REAL)block->v[1][v->y][i] - v->oy) - v->sy * bz;
+        REAL cx = ((REAL)block->v[2][v->x][i] - v->ox) - v->sx * cz,
+             cy = ((REAL)block->v[2][v->y][i] - v->oy) - v->sy * cz;
+        REAL e = cx * by - cy * bx, f = ax * cy - ay * cx, g = bx * ay - by * ax;
+        int negative = (e < 0) | (f < 0) | (g < 0), positive = (e > 0) | (f > 0) | (g > 0);
+        candidate[i] = !(negative & positive);
+    }
+    unsigned all = 0;
+    for (unsigned i = 0; i < BVH_LEAF; ++i) all |= (unsigned)candidate[i] << i;
+    return all;
+}
+
+static inline void FN(bvh_triangles)(FN(search) * s, const FN(bvh_view) * v, const bvh_block *block,
+                                     unsigned count) {
+    unsigned candidates = FN(bvh_candidates)(v, block) & ((1u << count) - 1);
+    for (unsigned i = 0; candidates >> i; ++i) {
+        if (!(candidates >> i & 1)) continue;
+        vec3_f32 corner[3];
+        for (int c = 0; c < 3; ++c) {
+            corner[c] = vec_f32(block->v[c][0][i], block->v[c][1][i], block->v[c][2][i]);
+        }
+        FN(search_triangle)(s, corner, block->primitive[i]);
+    }
+}
+
+static void FN(bvh_walk)(FN(search) * s, const bvh_tracer *tracer, const bvh_tree *tree);
+
+/* A geometry, or an instance of a group. */
+static void FN(bvh_part)(FN(search) * s, const bvh_tracer *tracer, uint32_t part) {
+    const world *w = tracer->base.world;
+    if (part < w->geometries.count) {
+        if (s->any && w->geometries.items[part].flags & FATHOM_CASTS_NO_SHADOW) return;
+        s->at[1] = part;
+        FN(bvh_walk)(s, tracer, &tracer->geometries[part]);
+        return;
+    }
+    uint32_t instance = part - (uint32_t)w->geometries.count;
+    FN(search_enter)(s, instance);
+    FN(bvh_walk)(s, tracer, &tracer->groups[w->instances.items[instance].group]);
+    FN(search_enter)(s, FATHOM_NONE);
+}
+
+static inline void FN(bvh_leaf)(FN(search) * s, const FN(bvh_view) * v, const bvh_tracer *tracer,
+                                const bvh_tree *tree, const bvh_node *node) {
+    const world *w = tracer->base.world;
+    if (tree->kind == BVH_TRIANGLES) {
+        FN(bvh_triangles)(s, v, &tree->blocks[node->first], node->count);
+        return;
+    }
+    for (uint32_t i = node->first; i < node->first + node->count && !(s->any && s->met); ++i) {
+        uint32_t k = tree->items[i];
+        switch (tree->kind) {
+        case BVH_SPHERES:
+            FN(search_sphere)(s, &w->spheres.items[w->geometries.items[s->at[1]].first + k], k);
+            break;
+        case BVH_QUADS:
+            FN(search_quad)(s, &w->quads.items[w->geometries.items[s->at[1]].first + k], k);
+            break;
+        case BVH_PARTS: FN(bvh_part)(s, tracer, k); break;
+        case BVH_TRIANGLES: break;
+        }
+    }
+}
+
+/* Depth first, the nearer child first. A child that begins exactly at the best hit is still visited: what is
+ * in it may be as near, and earlier in the world's order. */
+static void FN(bvh_walk)(FN(search) * s, const bvh_tracer *tracer, const bvh_tree *tree) {
+    struct {
+        REAL depth;
+        uint32_t node;
+    } stack[BVH_STACK];
+    unsigned waiting = 0;
+    FN(bvh_view) v = FN(bvh_view_make)(s, tree);
+    REAL limit = FN(bvh_limit)(s, &v), depth[2];
+    if (!tree->node_count || !FN(bvh_meets)(&v, tree->nodes, limit, depth)) return;
+    for (uint32_t at = 0;;) {
+        const bvh_node *node = &tree->nodes[at];
+        if (node->count) {
+            FN(bvh_leaf)(s, &v, tracer, tree, node);
+            if (s->any && s->met) return;
+            limit = FN(bvh_limit)(s, &v);
+        } else {
+            bool first = FN(bvh_meets)(&v, &tree->nodes[node->first], limit, &depth[0]);
+            bool second = FN(bvh_meets)(&v, &tree->nodes[node->first + 1], limit, &depth[1]);
+            unsigned nearer = first & second ? depth[1] < depth[0] : second;
+            at = node->first + nearer;
+            if (first & second) {
+                stack[waiting].depth = depth[!nearer];
+                stack[waiting++].node = node->first + !nearer;
+            }
+            if (first | second) continue;
+        }
+        do {
+            if (!waiting) return;
+        } while (stack[--waiting].depth > limit);
+        at = stack[waiting].node;
+    }
+}
+
+/* ---- blocks ---- */
+
+static void FN(bvh_closest)(const trace_tracer *base, trace_block *blocks, trace_fine *fine, size_t count,
+                            trace_coherence coherence) {
+    (void)coherence;
+    const bvh_tracer *tracer = (const bvh_tracer *)base;
+    for (size_t i = 0; i < count; ++i) {
+        trace_block *block = &blocks[i / TRACE_WIDTH];
+        FN(search) s;
+        if (FN(search_begin)(&s, base->world, TRACE_ROBUST, &block->rays, i % TRACE_WIDTH, false)) {
+            FN(search_enter)(&s, FATHOM_NONE);
+            FN(bvh_walk)(&s, tracer, &tracer->groups[0]);
+            FN(search_planes)(&s);
+        }
+        FN(search_end)(&s, block, fine ? &fine[i / TRACE_WIDTH] : NULL, i % TRACE_WIDTH);
+    }
+}
+
+static void FN(bvh_any)(const trace_tracer *base, trace_rays *blocks, size_t count,
+                        trace_coherence coherence) {
+    (void)coherence;
+    const bvh_tracer *tracer = (const bvh_tracer *)base;
+    for (size_t i = 0; i < count; ++i) {
+        trace_rays *rays = &blocks[i / TRACE_WIDTH];
+        FN(search) s;
+        if (!FN(search_begin)(&s, base->world, TRACE_ROBUST, rays, i % TRACE_WIDTH, true)) continue;
+        FN(search_enter)(&s, FATHOM_NONE);
+        FN(bvh_walk)(&s, tracer, &tracer->groups[0]);
+        FN(search_planes)(&s);
+        if (s.met) rays->t_far[i % TRACE_WIDTH] = -INFINITY;
+    }
+}
+
+#undef REAL
+#undef FN
+#undef ABS
+#undef UNIT
