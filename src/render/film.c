@@ -1,5 +1,7 @@
 #include "render/film.h"
 
+#include "base/memory.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,6 +40,23 @@ static bool add_channels(fathom_film *film, unsigned aovs) {
     return ok;
 }
 
+/* Channels that these outputs take. */
+static uint32_t channel_count(unsigned aovs) {
+    const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z,
+                   three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
+    return 3 + (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
+}
+
+static fathom_status check_memory(fathom_context *context, const fathom_film *film, unsigned aovs) {
+    size_t bytes = (size_t)film->width * film->height * sizeof(float) * channel_count(aovs),
+           room = memory_free();
+    if (bytes <= room) return FATHOM_OK;
+    return fail(context, FATHOM_OUT_OF_RESOURCES,
+                "out of memory: %u x %u pixels take %.1f GiB, and %.1f GiB are free; render a smaller image "
+                "or a crop",
+                film->width, film->height, (double)bytes * 0x1p-30, (double)room * 0x1p-30);
+}
+
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out) {
     *out = NULL;
@@ -52,12 +71,13 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->settings = *settings;
     film->camera = scene->camera;
     film->scene_name = strdup(scene->name);
-    if (!film->scene_name || !add_channels(film, settings->aovs)) {
-        size_t pixels = (size_t)film->width * film->height;
+    fathom_status status = check_memory(context, film, settings->aovs);
+    if (status == FATHOM_OK && (!film->scene_name || !add_channels(film, settings->aovs))) {
+        status = fail_memory(context, (size_t)film->width * film->height * sizeof(float));
+    }
+    if (status != FATHOM_OK) {
         fathom_film_destroy(film);
-        return fail(context, FATHOM_OUT_OF_RESOURCES,
-                    "out of memory: the film wants %zu bytes for each of its channels",
-                    pixels * sizeof(float));
+        return status;
     }
     *out = film;
     return FATHOM_OK;

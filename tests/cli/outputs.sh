@@ -91,3 +91,8 @@ run 0 render scene.json -o 'a name with spaces.png' --stats 'ä.json'
 said 'ä.json' '"a name with spaces.png"'
 cp scene.json ./-scene.json
 run 0 render -o a.png -- -scene.json
+
+# An image that no memory holds is refused before anything is traced for it: 51 GB for its colours alone.
+if [ "$(awk '/MemAvailable/ { print $2 }' /proc/meminfo)" -lt 50000000 ]; then
+    refused 4 'render a smaller image or a crop' render scene.json -o a.exr --size 65536x65536 --quiet
+fi

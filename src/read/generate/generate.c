@@ -1,36 +1,13 @@
 /* Heavy meshes from nothing: which kind, how many, and whether they fit. */
 #include "read/generate/generate.h"
 
+#include "base/memory.h"
 #include "base/threads.h"
 
 #include <inttypes.h>
-#include <stdio.h>
-#include <string.h>
 
 void fathom_generate_options_default(fathom_generate_options *options) {
     *options = (fathom_generate_options){.kind = FATHOM_GENERATE_SPHERE, .triangles = 1000000};
-}
-
-/* The number behind `key` in a file of the system, SIZE_MAX when there is none. */
-static size_t system_number(const char *path, const char *key, size_t unit) {
-    FILE *file = fopen(path, "re");
-    char line[256];
-    size_t number = SIZE_MAX, length = strlen(key);
-    while (file && number == SIZE_MAX && fgets(line, sizeof line, file)) {
-        unsigned long long value;
-        if (strncmp(line, key, length) == 0 && sscanf(line + length, "%llu", &value) == 1)
-            number = (size_t)value * unit;
-    }
-    if (file) fclose(file);
-    return number;
-}
-
-/* Linux hands out more memory than there is and kills who uses it, so that malloc() alone does not tell. A
- * container has a limit of its own. */
-static size_t free_memory(void) {
-    size_t machine = system_number("/proc/meminfo", "MemAvailable:", 1024);
-    size_t container = system_number("/sys/fs/cgroup/memory.max", "", 1);
-    return machine < container ? machine : container;
 }
 
 fathom_status generate_allocate(fathom_scene *scene, uint32_t vertices, uint32_t triangles, unsigned arrays,
@@ -38,7 +15,7 @@ fathom_status generate_allocate(fathom_scene *scene, uint32_t vertices, uint32_t
     size_t vectors = (size_t)vertices * 3, normals = arrays & GENERATE_NORMALS ? vectors : 0;
     size_t uvs = arrays & GENERATE_UVS ? (size_t)vertices * 2 : 0, corners = (size_t)triangles * 3;
     size_t bytes = (vectors + normals + uvs) * sizeof(float) + corners * sizeof(uint32_t);
-    size_t room = free_memory();
+    size_t room = memory_free();
     if (bytes > room) {
         return fail(scene->context, FATHOM_OUT_OF_RESOURCES,
                     "%" PRIu32 " generated triangles take %.1f GiB of memory, and %.1f GiB are free",

@@ -1,0 +1,25 @@
+#include "base/memory.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+/* The number behind `key` in a file of the system, SIZE_MAX when there is none. */
+static size_t system_number(const char *path, const char *key, size_t unit) {
+    FILE *file = fopen(path, "re");
+    char line[256];
+    size_t number = SIZE_MAX, length = strlen(key);
+    while (file && number == SIZE_MAX && fgets(line, sizeof line, file)) {
+        unsigned long long value;
+        if (strncmp(line, key, length) == 0 && sscanf(line + length, "%llu", &value) == 1)
+            number = (size_t)value * unit;
+    }
+    if (file) fclose(file);
+    return number;
+}
+
+size_t memory_free(void) {
+    size_t machine = system_number("/proc/meminfo", "MemAvailable:", 1024);
+    size_t container = system_number("/sys/fs/cgroup/memory.max", "", 1);
+    return machine < container ? machine : container;
+}

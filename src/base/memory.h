@@ -1,0 +1,12 @@
+/* How much memory there is. */
+#ifndef BASE_MEMORY_H
+#define BASE_MEMORY_H
+
+#include <stddef.h>
+
+/* Bytes that can be used before the machine swaps or a container's limit ends the process; SIZE_MAX when the
+ * system does not tell. Linux hands out more memory than there is and kills who uses it, so that malloc()
+ * alone does not tell. */
+size_t memory_free(void);
+
+#endif
