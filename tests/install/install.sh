@@ -55,7 +55,7 @@ LD_LIBRARY_PATH=$libdir ./outside outside.png >outside.log 2>&1 ||
 for wanted in 0.2 1.0; do
     sed "s/find_package(fathom 0.1/find_package(fathom $wanted/" "$SOURCE/tests/install/CMakeLists.txt" >later.txt
     mkdir -p later && mv later.txt later/CMakeLists.txt
-    if "$CMAKE" -S later -B later/build -DCMAKE_PREFIX_PATH="$prefix" >later.log 2>&1; then
+    if "$CMAKE" -G "$generator" -S later -B later/build -DCMAKE_PREFIX_PATH="$prefix" >later.log 2>&1; then
         fail "version $wanted was found"
     fi
     grep -q "considered but not accepted" later.log || { cat later.log; fail "version $wanted: another error"; }
