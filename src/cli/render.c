@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/status.h"
 #include "image/image.h"
 #include "scene/scene.h"
 
@@ -88,6 +89,8 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     fathom_film *film;
     fathom_status status =
         fathom_render(context, scene, &options->settings, on_progress, report, &report->stats, &film);
+    /* What no reader could see: how the scene's parts fit together. */
+    if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", options->scene);
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED)
         return say_status(&command_render, context, status);
     interrupt_keep_work(true);

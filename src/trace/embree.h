@@ -17,6 +17,7 @@ typedef struct embree_tracer {
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     unsigned width;   /* rays in one call */
+    float reach, longest; /* what coordinates of origins and directions may be; see embree_build.c */
     RTCFilterFunctionN filter;
     _Atomic int64_t bytes;   /* held by Embree */
     _Atomic int error;       /* the first RTCError that the device reported */

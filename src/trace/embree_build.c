@@ -123,6 +123,46 @@ static bool geometry_point(const world *w, const world_geometry *geometry, vec3_
     return false;
 }
 
+/* ---- how far rays may start ----
+ * Embree may abort on a ray with a coordinate beyond its largest, in the space of an instance too: there an
+ * origin has coordinates of up to s |o| + |m|, and a direction s |d|, s the largest sum of a row of the map,
+ * m its translation. Rays from beyond the reach are not given to Embree, so all there is must lie within. */
+
+static float largest_bound(const struct RTCBounds *b) {
+    float x = fmaxf(fabsf(b->lower_x), fabsf(b->upper_x)), y = fmaxf(fabsf(b->lower_y), fabsf(b->upper_y));
+    return fmaxf(fmaxf(x, y), fmaxf(fabsf(b->lower_z), fabsf(b->upper_z)));
+}
+
+/* Lowers the tracer's limits to what is good for the instance. */
+static void limit_rays(embree_tracer *tracer, const world_instance *instance) {
+    const float limit = EMBREE_LARGEST / 2;
+    for (int i = 0; i < 3; ++i) {
+        const float *m = instance->to_object[i];
+        float s = fabsf(m[0]) + fabsf(m[1]) + fabsf(m[2]);
+        tracer->reach = fminf(tracer->reach, (limit - fabsf(m[3])) / s);
+        tracer->longest = fminf(tracer->longest, limit / s);
+    }
+}
+
+/* Directions of up to 2, which unit vectors and those of user rays are not, must be good anywhere. */
+static fathom_status find_reach(embree_tracer *tracer) {
+    const world *w = tracer->base.world;
+    struct RTCBounds bounds;
+    rtcGetSceneBounds(tracer->scenes[0], &bounds);
+    float size = bounds.lower_x <= bounds.upper_x ? largest_bound(&bounds) : 0;
+    tracer->reach = tracer->longest = EMBREE_LARGEST / 2;
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        const world_instance *instance = &w->instances.items[k];
+        if (tracer->scenes[instance->group]) limit_rays(tracer, instance);
+        if (tracer->reach >= size && tracer->longest >= 2) continue;
+        return fail(tracer->context, FATHOM_BAD_INPUT,
+                    "instance %u: it shrinks its group so far that coordinates of the scene, of up to %g, "
+                    "leave Embree's range of 1.8e18 in the group; scale its contents instead",
+                    instance->id, (double)size);
+    }
+    return FATHOM_OK;
+}
+
 static bool holds(const struct RTCBounds *b, vec3_f32 p, float slack) {
     return p.x >= b->lower_x - slack && p.x <= b->upper_x + slack && p.y >= b->lower_y - slack &&
            p.y <= b->upper_y + slack && p.z >= b->lower_z - slack && p.z <= b->upper_z + slack;
@@ -251,6 +291,7 @@ fathom_status embree_build(embree_tracer *tracer, enum RTCBuildQuality quality) 
     if (tracer->scenes && placed) {
         mark_placed(w, placed);
         status = build_all(tracer, placed, quality);
+        if (status == FATHOM_OK) status = find_reach(tracer);
     }
     free(placed);
     return status;

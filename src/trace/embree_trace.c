@@ -1,6 +1,7 @@
 /* Blocks of rays to Embree's calls and back: whole where the call takes 16, else in packets. */
 #include "trace/embree.h"
 
+#include <math.h>
 #include <string.h>
 
 /* A copy of part of a block, for calls that take fewer than 16. */
@@ -27,15 +28,19 @@ static void packet_store_hits(const packet *p, unsigned width, unsigned used, tr
     }
 }
 
-/* Marks the lanes to trace. Embree can abort on numbers that are not finite, so such lanes never reach it: a
- * sum of products with zero is zero exactly when all are finite. The far end of the interval is open, and
- * Embree's is closed: t_far moves to the float below (infinity and what is not positive stays). */
-static void prepare(trace_rays *rays, unsigned lanes, uint32_t mask, int valid[TRACE_WIDTH]) {
+/* Marks the lanes to trace. Embree can abort on numbers that are not finite or too large for it, so such
+ * lanes never reach it, and meet nothing. The far end of the interval is open, and Embree's is closed: t_far
+ * moves to the float below (infinity and what is not positive stays). */
+static void prepare(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
+                    int valid[TRACE_WIDTH]) {
+    const float reach = tracer->reach, longest = tracer->longest; /* and no NaN is within them */
     for (unsigned i = lanes; i < TRACE_WIDTH; ++i) valid[i] = 0;
     for (unsigned i = 0; i < lanes; ++i) {
-        float zero = rays->org_x[i] * 0 + rays->org_y[i] * 0 + rays->org_z[i] * 0 + rays->dir_x[i] * 0 +
-                     rays->dir_y[i] * 0 + rays->dir_z[i] * 0;
-        valid[i] = (zero == 0) & (rays->t_near[i] < rays->t_far[i]) ? -1 : 0;
+        bool from = (fabsf(rays->org_x[i]) <= reach) & (fabsf(rays->org_y[i]) <= reach) &
+                    (fabsf(rays->org_z[i]) <= reach);
+        bool to = (fabsf(rays->dir_x[i]) <= longest) & (fabsf(rays->dir_y[i]) <= longest) &
+                  (fabsf(rays->dir_z[i]) <= longest);
+        valid[i] = from & to & (rays->t_near[i] < rays->t_far[i]) ? -1 : 0;
     }
     for (unsigned i = 0; i < lanes; ++i) {
         uint32_t bits;
@@ -77,7 +82,7 @@ static void closest_block(const embree_tracer *tracer, trace_block *block, unsig
     _Alignas(64) int valid[TRACE_WIDTH];
     float asked[TRACE_WIDTH];
     memcpy(asked, block->rays.t_far, lanes * sizeof *asked);
-    prepare(&block->rays, lanes, EMBREE_SEEN, valid);
+    prepare(tracer, &block->rays, lanes, EMBREE_SEEN, valid);
     for (unsigned i = 0; i < lanes; ++i) block->hits.geometry[i] = RTC_INVALID_GEOMETRY_ID;
     for (unsigned i = 0; i < lanes; ++i) block->hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
     embree_call call;
@@ -130,7 +135,7 @@ static void any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     _Alignas(64) int valid[TRACE_WIDTH];
     float asked[TRACE_WIDTH];
     memcpy(asked, rays->t_far, lanes * sizeof *asked);
-    prepare(rays, lanes, EMBREE_SHADOWS, valid);
+    prepare(tracer, rays, lanes, EMBREE_SHADOWS, valid);
     embree_context context;
     embree_context_init(&context);
     unsigned width = tracer->width;

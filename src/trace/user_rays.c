@@ -62,8 +62,9 @@ static fathom_status refuse(const fathom_tracer *tracer, size_t index, const cha
     return FATHOM_BAD_USAGE;
 }
 
-/* Embree leaves coordinates beyond 1.8e18 out. */
-static bool in_range(vec3_f64 p) { return fabs(p.x) < 1e18 && fabs(p.y) < 1e18 && fabs(p.z) < 1e18; }
+static bool in_range(vec3_f64 p) {
+    return fabs(p.x) < TRACE_REACH && fabs(p.y) < TRACE_REACH && fabs(p.z) < TRACE_REACH;
+}
 
 /* The direction is scaled by a power of two, exactly, so that any length is good. What lies before t = 0
  * becomes part of the ray by moving its origin there. */

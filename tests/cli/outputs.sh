@@ -53,6 +53,9 @@ printf '{ "objects": [] }\n' >bad.json
 refused 3 'no geometry' render bad.json -o a.png
 printf '{ "objects": [\n { "type": "generate", "kind": "sphere", "triangles": 1e11 } ] }' >bad.json
 refused 3 'bad.json:2: objects[0]: generate sphere: triangles' render bad.json -o a.png
+printf '{ "camera": { "eye": [0, 0, 1e20], "target": [0, 0, 0] },
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >bad.json
+refused 3 'bad.json: camera: it stands 1e+20 from the scene' render bad.json -o a.png
 printf 'v 0 0 0\nv 1 0 0\nf 1 2 3\n' >bad.obj
 refused 3 'bad.obj:3' render bad.obj -o a.png
 printf 'glTF' >bad.glb

@@ -120,6 +120,43 @@ static void damaged_triangles_are_left_out(void **state) {
     stage_close(&s);
 }
 
+/* Beyond 1.8e18 Embree would abort, in the space of an instance too: a ray from there meets nothing. */
+static void far_rays_are_harmless(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    fathom_id group;
+    assert_ok(s.context, fathom_scene_add_group(s.scene, "small", &group));
+    add_sphere(&s, group, 0, 0, 0, 1e8, 0);
+    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 0.5, 0);
+    add_instance(&s, group, (double[12]){1e-8, 0, 0, 0, 0, 1e-8, 0, 0, 0, 0, 1e-8, 0});
+    for (size_t i = 0; i < 4; ++i) {
+        trace_tracer *tracer = stage_embree(&s, widths[i]);
+        assert_true(depth(tracer, 0, 0) < 5);
+        assert_true(depth(tracer, 1e12, 0) == INFINITY && depth(tracer, 1e20, 0) == INFINITY);
+        trace_destroy(tracer);
+    }
+    stage_close(&s);
+}
+
+/* Rays of unit length would leave Embree's range in the group. */
+static void too_small_an_instance_is_refused(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    fathom_id group;
+    assert_ok(s.context, fathom_scene_add_group(s.scene, "tiny", &group));
+    add_sphere(&s, group, 0, 0, 0, 1, 0);
+    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
+    add_instance(&s, group, (double[12]){1e-30, 0, 0, 0, 0, 1e-30, 0, 0, 0, 0, 1e-30, 0});
+    assert_ok(s.context, world_create(s.scene, &s.world));
+    trace_options options = {.kind = FATHOM_TRACER_EMBREE, .width = 16, .threads = 1};
+    trace_tracer *tracer;
+    assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_BAD_INPUT,
+                 "instance 0: it shrinks");
+    stage_close(&s);
+}
+
 typedef struct watched {
     size_t calls;
     double highest;
@@ -331,6 +368,8 @@ int main(void) {
         cmocka_unit_test(shadows_pass_what_casts_none),
         cmocka_unit_test(nothing_to_hit),
         cmocka_unit_test(damaged_triangles_are_left_out),
+        cmocka_unit_test(far_rays_are_harmless),
+        cmocka_unit_test(too_small_an_instance_is_refused),
         cmocka_unit_test(building_can_be_stopped),
         cmocka_unit_test(tells_what_it_is),
         cmocka_unit_test(intervals_are_open),
