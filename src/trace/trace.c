@@ -11,7 +11,7 @@ static fathom_status create(fathom_context *context, const world *w, const trace
         return linear_single_create(context, w, spec, out);
     case TRACE_EMBREE: return embree_create(context, w, spec, options, out);
     case TRACE_BVH: return bvh_create(context, w, spec, options, out);
-    case TRACE_PLUGIN: break;
+    case TRACE_PLUGIN: return plugin_create(context, w, spec, options, out);
     }
     return fail(context, FATHOM_BAD_USAGE, "trace_spec: kind: %d; expected a trace_kind", (int)spec->kind);
 }
