@@ -50,18 +50,18 @@ static unsigned call_width(RTCDevice device, unsigned asked) {
 
 /* Embree does not tell which kernels it picked, but their native widths do, up to pairs that only the
  * processor tells apart. */
-static const char *isa_name(RTCDevice device) {
+static const char *isa_name(RTCDevice device, trace_isa most) {
 #if defined(__x86_64__)
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return "AVX-512";
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) {
-        return __builtin_cpu_supports("avx2") ? "AVX2" : "AVX";
+        return most != TRACE_ISA_AVX && __builtin_cpu_supports("avx2") ? "AVX2" : "AVX";
     }
-    return __builtin_cpu_supports("sse4.2") ? "SSE4.2" : "SSE2";
+    return most != TRACE_ISA_SSE2 && __builtin_cpu_supports("sse4.2") ? "SSE4.2" : "SSE2";
 #elif defined(__aarch64__)
-    (void)device;
+    (void)device, (void)most;
     return "NEON";
 #else
-    (void)device;
+    (void)device, (void)most;
     return "unknown instruction set";
 #endif
 }
@@ -79,10 +79,12 @@ static void destroy(trace_tracer *base) {
 }
 
 static fathom_status open_device(embree_tracer *tracer) {
+    static const char *const isas[] = {"",         ",isa=sse2", ",isa=sse4.2",
+                                       ",isa=avx", ",isa=avx2", ",isa=avx512"};
     char config[64];
     unsigned threads = tracer->options->threads;
     if (!threads) threads = fathom_context_threads(tracer->context);
-    snprintf(config, sizeof config, "threads=%u", threads);
+    snprintf(config, sizeof config, "threads=%u%s", threads, isas[tracer->spec.isa]);
     tracer->device = rtcNewDevice(config);
     if (!tracer->device) {
         enum RTCError error = rtcGetDeviceError(NULL);
@@ -101,12 +103,27 @@ static fathom_status open_device(embree_tracer *tracer) {
     return FATHOM_OK;
 }
 
+/* The filters for wide packets use the instructions of the kernels for them. */
+static void choose_calls(embree_tracer *tracer) {
+    static const unsigned widths[] = {0, 1, 4, 8, 16, 16, 16};
+    unsigned asked = widths[tracer->spec.calls];
+    unsigned native = call_width(tracer->device, asked ? asked : tracer->options->width);
+    tracer->width = asked ? asked : native;
+    if (tracer->spec.ties == TRACE_SETTLED)
+        tracer->filter = embree_filter(native == tracer->width ? native : 1);
+#if EMBREE_HAS_STREAMS
+    static const trace_ops streams = {destroy, embree_stream_closest, embree_stream_any, false, false};
+    if (tracer->spec.calls >= TRACE_CALLS_STREAM_1M) tracer->base.ops = &streams;
+#endif
+}
+
 static void describe(embree_tracer *tracer) {
     RTCDevice device = tracer->device;
     snprintf(tracer->base.name, sizeof tracer->base.name, "Embree %d.%d.%d, %s",
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
-             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH), isa_name(device));
+             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
+             isa_name(device, tracer->spec.isa));
     tracer->base.bvh_bytes = (uint64_t)atomic_load(&tracer->bytes);
 }
 
@@ -124,8 +141,7 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     tracer->options = options;
     fathom_status status = open_device(tracer);
     if (status == FATHOM_OK) {
-        tracer->width = call_width(tracer->device, options->width);
-        tracer->filter = embree_filter(tracer->width);
+        choose_calls(tracer);
         status = embree_build(tracer, build_quality(spec, options));
     }
     if (status != FATHOM_OK) {

@@ -17,12 +17,12 @@ typedef struct embree_tracer {
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     unsigned width;   /* rays in one call */
-    float reach, longest; /* what coordinates of origins and directions may be; see embree_build.c */
-    RTCFilterFunctionN filter;
-    _Atomic int64_t bytes;   /* held by Embree */
-    _Atomic int error;       /* the first RTCError that the device reported */
-    char error_text[256];    /* its message; written once, by whoever set error */
-    fathom_context *context; /* while building */
+    float reach, longest;      /* what coordinates of origins and directions may be; see embree_build.c */
+    RTCFilterFunctionN filter; /* NULL: ties are not settled */
+    _Atomic int64_t bytes;     /* held by Embree */
+    _Atomic int error;         /* the first RTCError that the device reported */
+    char error_text[256];      /* its message; written once, by whoever set error */
+    fathom_context *context;   /* while building */
     const trace_options *options;
     trace_spec spec;
     _Atomic double work, work_done; /* primitives to build, and built; read by Embree's threads */
@@ -36,10 +36,13 @@ fathom_status embree_build(embree_tracer *tracer, enum RTCBuildQuality quality);
 
 /* ---- embree_shapes.c ---- */
 
-/* Spheres and quads as user geometry over the hand-written intersectors; NULL when Embree is out of memory.
- */
-RTCGeometry embree_spheres(RTCDevice device, const world *w, const world_geometry *geometry);
-RTCGeometry embree_quads(RTCDevice device, const world *w, const world_geometry *geometry);
+/* User geometry over the hand-written intersectors; NULL when Embree is out of memory. */
+RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_geometry *geometry);
+
+/* ---- embree_native.c ---- */
+
+/* Embree's own triangles, quads or spheres; NULL when Embree is out of memory. */
+RTCGeometry embree_native_geometry(RTCDevice device, const world *w, const world_geometry *geometry);
 
 /* ---- embree_settle.c: which of several candidates is the closest hit ---- */
 
@@ -50,6 +53,7 @@ typedef struct embree_call {
     float far[TRACE_WIDTH];               /* t_far as it was asked */
     int tied[TRACE_WIDTH];                /* another candidate lies within the window of the best */
     struct embree_vote *vote;             /* not NULL: the call settles one tied ray */
+    bool raw;                             /* nothing is noted: the nearest stays, or the last of those */
 } embree_call;
 
 /* Arms a call, or several in a row, for the lanes whose t_far these are. */
@@ -65,8 +69,24 @@ float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned 
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far);
 
 /* ---- embree_trace.c ---- */
+
+/* Marks the lanes to trace, those that are finite and whose interval is not empty, and moves t_far to the
+ * last float inside the interval. */
+void embree_prepare(trace_rays *rays, unsigned lanes, uint32_t mask, int valid[TRACE_WIDTH]);
+/* Embree's ids to the world's. */
+void embree_translate(const world *w, trace_hits *hits, unsigned lane);
+unsigned embree_lanes(size_t count, size_t block);
+/* Whether coherent shadow rays must not go by sixteen. */
+bool embree_may_hang(const embree_tracer *tracer);
+
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence);
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
+
+/* ---- embree_stream.c: the same by streams, raw; only where EMBREE_HAS_STREAMS ---- */
+void embree_stream_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                           trace_coherence coherence);
+void embree_stream_any(const trace_tracer *tracer, trace_rays *blocks, size_t count,
+                       trace_coherence coherence);
 
 #endif

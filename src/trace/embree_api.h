@@ -12,6 +12,7 @@
 typedef struct RTCRayQueryContext embree_context;
 #define EMBREE_SCENE_FLAG_FILTER RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS
 #define EMBREE_COHERENT_16_MAY_HANG false
+#define EMBREE_HAS_STREAMS 0
 #elif FATHOM_EMBREE_MAJOR == 3
 #include <embree3/rtcore.h>
 typedef struct RTCIntersectContext embree_context;
@@ -20,6 +21,7 @@ typedef struct RTCIntersectContext embree_context;
  * and over triangles that are both compact and robust, keep the 16-bit mask of rays still to do in a 64-bit
  * slot whose upper bits are whatever the stack held, and loop until it is zero. */
 #define EMBREE_COHERENT_16_MAY_HANG true
+#define EMBREE_HAS_STREAMS 1
 #else
 #error "Fathom needs Embree 3.13 or 4"
 #endif
@@ -79,13 +81,14 @@ static inline void embree_context_init(embree_context *context) { rtcInitRayQuer
 #define EMBREE_QUERY_FLAGS(coherent)                                                                         \
     ((coherent) ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT)
 
-/* Closest hits of `width` rays, 1, 4, 8 or 16; `filter` is called for each candidate on triangles. */
+/* Closest hits of `width` rays, 1, 4, 8 or 16; `filter`, unless NULL, is called for each
+ * candidate on Embree's own shapes. */
 static inline void embree_intersect(unsigned width, const int *valid, RTCScene scene, embree_context *context,
                                     bool coherent, RTCFilterFunctionN filter, void *rayhit) {
     struct RTCIntersectArguments args;
     rtcInitIntersectArguments(&args);
-    args.flags =
-        (enum RTCRayQueryFlags)(EMBREE_QUERY_FLAGS(coherent) | RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER);
+    args.flags = (enum RTCRayQueryFlags)(EMBREE_QUERY_FLAGS(coherent) |
+                                         (filter ? RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER : 0));
     args.context = context;
     args.filter = filter;
     switch (width) {
@@ -118,7 +121,8 @@ static inline void embree_context_init(embree_context *context) { rtcInitInterse
 #define EMBREE_QUERY_FLAGS(coherent)                                                                         \
     ((coherent) ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
 
-/* Closest hits of `width` rays, 1, 4, 8 or 16; `filter` is called for each candidate on triangles. */
+/* Closest hits of `width` rays, 1, 4, 8 or 16; `filter`, unless NULL, is called for each
+ * candidate on Embree's own shapes. */
 static inline void embree_intersect(unsigned width, const int *valid, RTCScene scene, embree_context *context,
                                     bool coherent, RTCFilterFunctionN filter, void *rayhit) {
     context->flags = EMBREE_QUERY_FLAGS(coherent);
@@ -142,6 +146,34 @@ static inline void embree_occluded(unsigned width, const int *valid, RTCScene sc
     case 4: rtcOccluded4(valid, scene, context, ray); break;
     default: rtcOccluded1(scene, context, ray); break;
     }
+}
+
+/* Closest hits of a stream: `count` blocks of 16 rays, or `count` rays one by one. Rays whose interval is
+ * empty are left out. */
+static inline void embree_intersect_blocks(RTCScene scene, embree_context *context, bool coherent,
+                                           trace_block *blocks, unsigned count) {
+    context->flags = EMBREE_QUERY_FLAGS(coherent);
+    context->filter = NULL;
+    rtcIntersectNM(scene, context, (struct RTCRayHitN *)blocks, TRACE_WIDTH, count, sizeof *blocks);
+}
+static inline void embree_intersect_rays(RTCScene scene, embree_context *context, bool coherent,
+                                         struct RTCRayHit *rays, unsigned count) {
+    context->flags = EMBREE_QUERY_FLAGS(coherent);
+    context->filter = NULL;
+    rtcIntersect1M(scene, context, rays, count, sizeof *rays);
+}
+/* The same for any hit. */
+static inline void embree_occluded_blocks(RTCScene scene, embree_context *context, bool coherent,
+                                          trace_block *blocks, unsigned count) {
+    context->flags = EMBREE_QUERY_FLAGS(coherent);
+    context->filter = NULL;
+    rtcOccludedNM(scene, context, (struct RTCRayN *)blocks, TRACE_WIDTH, count, sizeof *blocks);
+}
+static inline void embree_occluded_rays(RTCScene scene, embree_context *context, bool coherent,
+                                        struct RTCRayHit *rays, unsigned count) {
+    context->flags = EMBREE_QUERY_FLAGS(coherent);
+    context->filter = NULL;
+    rtcOccluded1M(scene, context, &rays->ray, count, sizeof *rays);
 }
 
 #endif

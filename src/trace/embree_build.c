@@ -29,15 +29,14 @@ static bool on_progress(void *user, double fraction) { return go_on(user, fracti
 
 /* ---- geometries ---- */
 
-static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    if (!geometry) return NULL;
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
-                               mesh->position_stride ? mesh->position_stride : 3 * sizeof(float),
-                               mesh->vertex_count);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
-                               3 * sizeof(uint32_t), mesh->triangle_count);
-    return geometry;
+/* Whether Embree's own intersector answers for the geometry. */
+static bool is_native(trace_shapes shapes, world_kind kind) {
+    switch (kind) {
+    case WORLD_SPHERES: return shapes == TRACE_SHAPES_SPHERE;
+    case WORLD_QUADS: return shapes == TRACE_SHAPES_QUAD;
+    case WORLD_MESH: break;
+    }
+    return shapes != TRACE_SHAPES_USER;
 }
 
 /* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. */
@@ -54,12 +53,9 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
     for (uint32_t i = 0; i < group->count; ++i) {
         const world_geometry *geometry = &w->geometries.items[group->first + i];
         if (!geometry->count) continue;
-        RTCGeometry made = NULL;
-        switch (geometry->kind) {
-        case WORLD_SPHERES: made = embree_spheres(tracer->device, w, geometry); break;
-        case WORLD_QUADS: made = embree_quads(tracer->device, w, geometry); break;
-        case WORLD_MESH: made = mesh_geometry(tracer->device, &w->meshes.items[geometry->first]); break;
-        }
+        RTCGeometry made = is_native(tracer->spec.shapes, geometry->kind)
+                               ? embree_native_geometry(tracer->device, w, geometry)
+                               : embree_user_geometry(tracer->device, w, geometry);
         bool shadows = !(geometry->flags & FATHOM_CASTS_NO_SHADOW);
         attach(scene, made, i, shadows ? EMBREE_SEEN | EMBREE_SHADOWS : EMBREE_SEEN);
     }
@@ -215,13 +211,23 @@ static fathom_status check_bounds(embree_tracer *tracer, uint32_t index) {
 
 /* ---- scenes ---- */
 
-/* The robust flag always: it costs packets next to nothing. Never together with the compact flag: with both,
- * occlusion of coherent packets does not return on AVX-512. The filter flag costs nothing until a call
+/* Robust unless asked otherwise: it costs packets next to nothing. Never together with the compact flag: with
+ * both, occlusion of coherent packets does not return on AVX-512. The filter flag costs nothing until a call
  * brings a filter. */
+static enum RTCSceneFlags scene_flags(const trace_spec *spec) {
+    enum RTCSceneFlags filter = spec->ties == TRACE_SETTLED ? EMBREE_SCENE_FLAG_FILTER : RTC_SCENE_FLAG_NONE;
+    switch (spec->flags) {
+    case TRACE_SCENE_ROBUST: return filter | RTC_SCENE_FLAG_ROBUST;
+    case TRACE_SCENE_COMPACT: return filter | RTC_SCENE_FLAG_COMPACT;
+    case TRACE_SCENE_DEFAULT: break;
+    }
+    return filter;
+}
+
 static RTCScene new_scene(embree_tracer *tracer, enum RTCBuildQuality quality) {
     RTCScene scene = rtcNewScene(tracer->device);
     if (!scene) return NULL;
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | EMBREE_SCENE_FLAG_FILTER);
+    rtcSetSceneFlags(scene, scene_flags(&tracer->spec));
     rtcSetSceneBuildQuality(scene, quality);
     if (tracer->options->progress) rtcSetSceneProgressMonitorFunction(scene, on_progress, tracer);
     return scene;

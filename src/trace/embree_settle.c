@@ -127,6 +127,7 @@ void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far) {
     for (unsigned i = 0; i < lanes; ++i) call->far[i] = t_far[i];
     for (unsigned i = 0; i < lanes; ++i) call->tied[i] = 0;
     call->vote = NULL;
+    call->raw = false;
 }
 
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t) {

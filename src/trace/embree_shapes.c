@@ -1,6 +1,7 @@
-/* Spheres and quads in Embree's BVH: bounds and callbacks over the hand-written intersectors. */
+/* Our shapes in Embree's BVH: bounds and callbacks over the hand-written intersectors. */
 #include "reference/reference.h"
 #include "trace/embree.h"
+#include "trace/search.h"
 
 #include <string.h>
 
@@ -14,9 +15,9 @@
  * |δD| <= 36 u |f| √(R² + l²) <= 51 u |f| R, so |P - C|² <= R² + |δD| and P lies within 26 u |f| of the
  * sphere.
  *
- * Quad, S = its longest side: the edge functions are exact on sheared corners, and a sheared coordinate is
- * off by at most u |f| from the difference, 2 u |f| from the shear's ratio, u |f| each from product and
- * difference: 5 u |f| along each of two axes, 8 u |f| together, and no more along the third.
+ * Quad and triangle, S = the longest side: the edge functions are exact on sheared corners, and a sheared
+ * coordinate is off by at most u |f| from the difference, 2 u |f| from the shear's ratio, u |f| each from
+ * product and difference: 5 u |f| along each of two axes, 8 u |f| together, and no more along the third.
  *
  * The margin S 2^-12 + |c| 2^-19, |c| the largest coordinate, is at least 26 u |f| as long as |f| is below
  * 157 S or below 1.2 |c|: rays from where the shape shows at more than a third of a degree, or from within
@@ -52,6 +53,22 @@ static void quad_bounds(const struct RTCBoundsFunctionArguments *args) {
     bounds_set(args->bounds_o, lower, upper, margin(largest_f32(sub_f32(upper, lower)), coordinate));
 }
 
+/* Triangles with a corner that is not finite are never met; a box that is none leaves them out. */
+static void triangle_bounds(const struct RTCBoundsFunctionArguments *args) {
+    vec3_f32 v[3], lower, upper, none = {NAN, NAN, NAN};
+    search_corners(args->geometryUserPtr, args->primID, v);
+    if (!finite_f32(v[0]) || !finite_f32(v[1]) || !finite_f32(v[2])) {
+        bounds_set(args->bounds_o, none, none, 0);
+        return;
+    }
+    lower = vec_f32(fminf(v[0].x, fminf(v[1].x, v[2].x)), fminf(v[0].y, fminf(v[1].y, v[2].y)),
+                    fminf(v[0].z, fminf(v[1].z, v[2].z)));
+    upper = vec_f32(fmaxf(v[0].x, fmaxf(v[1].x, v[2].x)), fmaxf(v[0].y, fmaxf(v[1].y, v[2].y)),
+                    fmaxf(v[0].z, fmaxf(v[1].z, v[2].z)));
+    float coordinate = fmaxf(largest_f32(lower), largest_f32(upper));
+    bounds_set(args->bounds_o, lower, upper, margin(largest_f32(sub_f32(upper, lower)), coordinate));
+}
+
 /* ---- callbacks ---- */
 
 /* The rays of a callback: rows of N numbers. */
@@ -79,7 +96,8 @@ static void packet_record(const struct RTCIntersectFunctionNArguments *args, pac
     id[EMBREE_ROW_PRIMITIVE * p.n] = args->primID;
     id[EMBREE_ROW_GEOMETRY * p.n] = args->geomID;
     id[EMBREE_ROW_INSTANCE * p.n] = call->context.instID[0];
-    p.ray[EMBREE_ROW_T_FAR * p.n + i] = embree_offer(call, packet_lane(p, i), row, p.n, hit->t);
+    p.ray[EMBREE_ROW_T_FAR * p.n + i] =
+        call->raw ? hit->t : embree_offer(call, packet_lane(p, i), row, p.n, hit->t);
 }
 
 /* The open end of the ray's interval: t_far as Embree has it is the last float inside. */
@@ -126,6 +144,33 @@ static void quad_closest(const struct RTCIntersectFunctionNArguments *args) {
     }
 }
 
+static bool triangle_met(const vec3_f32 v[3], packet p, unsigned i, reference_hit_f32 *hit) {
+    return triangle_robust_f32(v[0], v[1], v[2], packet_vector(p, EMBREE_ROW_ORG, i),
+                               packet_vector(p, EMBREE_ROW_DIR, i), p.ray[EMBREE_ROW_T_NEAR * p.n + i],
+                               packet_end(p, i), hit);
+}
+
+static void triangle_closest(const struct RTCIntersectFunctionNArguments *args) {
+    packet p = {(float *)(void *)args->rayhit, args->N};
+    vec3_f32 v[3];
+    search_corners(args->geometryUserPtr, args->primID, v);
+    vec3_f32 normal = cross_f32(sub_f32(v[1], v[0]), sub_f32(v[2], v[0]));
+    reference_hit_f32 hit;
+    for (unsigned i = 0; i < p.n; ++i) {
+        if (args->valid[i] && triangle_met(v, p, i, &hit)) packet_record(args, p, i, &hit, normal);
+    }
+}
+
+static void triangle_any(const struct RTCOccludedFunctionNArguments *args) {
+    packet p = {(float *)(void *)args->ray, args->N};
+    vec3_f32 v[3];
+    search_corners(args->geometryUserPtr, args->primID, v);
+    reference_hit_f32 hit;
+    for (unsigned i = 0; i < p.n; ++i) {
+        if (args->valid[i] && triangle_met(v, p, i, &hit)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
+    }
+}
+
 static void sphere_any(const struct RTCOccludedFunctionNArguments *args) {
     const world_sphere *s = (const world_sphere *)args->geometryUserPtr + args->primID;
     packet p = {(float *)(void *)args->ray, args->N};
@@ -159,12 +204,16 @@ static RTCGeometry user_geometry(RTCDevice device, const void *first, uint32_t c
     return geometry;
 }
 
-RTCGeometry embree_spheres(RTCDevice device, const world *w, const world_geometry *geometry) {
-    return user_geometry(device, &w->spheres.items[geometry->first], geometry->count, sphere_bounds,
-                         sphere_closest, sphere_any);
-}
-
-RTCGeometry embree_quads(RTCDevice device, const world *w, const world_geometry *geometry) {
-    return user_geometry(device, &w->quads.items[geometry->first], geometry->count, quad_bounds, quad_closest,
-                         quad_any);
+RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_geometry *geometry) {
+    switch (geometry->kind) {
+    case WORLD_SPHERES:
+        return user_geometry(device, &w->spheres.items[geometry->first], geometry->count, sphere_bounds,
+                             sphere_closest, sphere_any);
+    case WORLD_QUADS:
+        return user_geometry(device, &w->quads.items[geometry->first], geometry->count, quad_bounds,
+                             quad_closest, quad_any);
+    case WORLD_MESH: break;
+    }
+    return user_geometry(device, &w->meshes.items[geometry->first], geometry->count, triangle_bounds,
+                         triangle_closest, triangle_any);
 }

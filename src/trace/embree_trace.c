@@ -31,7 +31,7 @@ static void packet_store_hits(const packet *p, unsigned width, unsigned used, tr
 /* Marks the lanes to trace. Embree can abort on numbers that are not finite or too large for it, so such
  * lanes never reach it, and meet nothing. The far end of the interval is open, and Embree's is closed: t_far
  * moves to the float below (infinity and what is not positive stays). */
-static void prepare(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
+void embree_prepare(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
                     int valid[TRACE_WIDTH]) {
     const float reach = tracer->reach, longest = tracer->longest; /* and no NaN is within them */
     for (unsigned i = lanes; i < TRACE_WIDTH; ++i) valid[i] = 0;
@@ -64,12 +64,13 @@ static void closest_packets(const embree_tracer *tracer, trace_block *block, con
         packet_load(&p, width, &block->rays, first);
         embree_intersect(width, &valid[first], tracer->scenes[0], &call->context, coherent, tracer->filter,
                          p.rows);
-        packet_store_hits(&p, width, lanes - first < width ? lanes - first : width, &block->hits, first);
+        unsigned used = lanes - first < width ? lanes - first : width;
+        packet_store_hits(&p, width, used, &block->hits, first);
+        memcpy(&block->rays.t_far[first], &p.rows[EMBREE_ROW_T_FAR * width], used * sizeof(float));
     }
 }
 
-/* Embree's ids to the world's. */
-static void translate(const world *w, trace_hits *hits, unsigned lane) {
+void embree_translate(const world *w, trace_hits *hits, unsigned lane) {
     uint32_t group = 0, roots = w->groups.items[0].count;
     if (hits->instance[lane] != RTC_INVALID_GEOMETRY_ID) {
         hits->instance[lane] -= roots;
@@ -82,11 +83,12 @@ static void closest_block(const embree_tracer *tracer, trace_block *block, unsig
     _Alignas(64) int valid[TRACE_WIDTH];
     float asked[TRACE_WIDTH];
     memcpy(asked, block->rays.t_far, lanes * sizeof *asked);
-    prepare(tracer, &block->rays, lanes, EMBREE_SEEN, valid);
+    embree_prepare(tracer, &block->rays, lanes, EMBREE_SEEN, valid);
     for (unsigned i = 0; i < lanes; ++i) block->hits.geometry[i] = RTC_INVALID_GEOMETRY_ID;
     for (unsigned i = 0; i < lanes; ++i) block->hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
     embree_call call;
     embree_call_begin(&call, lanes, block->rays.t_far);
+    call.raw = !tracer->filter;
     if (tracer->width == TRACE_WIDTH) {
         embree_intersect(TRACE_WIDTH, valid, tracer->scenes[0], &call.context, coherent, tracer->filter,
                          block);
@@ -96,15 +98,17 @@ static void closest_block(const embree_tracer *tracer, trace_block *block, unsig
     for (unsigned i = 0; i < lanes; ++i) {
         if (block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) {
             block->rays.t_far[i] = asked[i];
-        } else {
+            continue;
+        }
+        if (!call.raw) {
             block->rays.t_far[i] = call.best[i];
             if (call.tied[i]) embree_settle(tracer, block, i, call.far[i]);
-            translate(tracer->base.world, &block->hits, i);
         }
+        embree_translate(tracer->base.world, &block->hits, i);
     }
 }
 
-static unsigned lanes_of(size_t count, size_t block) {
+unsigned embree_lanes(size_t count, size_t block) {
     size_t left = count - block * TRACE_WIDTH;
     return left < TRACE_WIDTH ? (unsigned)left : TRACE_WIDTH;
 }
@@ -113,7 +117,7 @@ void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine 
                     trace_coherence coherence) {
     (void)fine;
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
-        closest_block((const embree_tracer *)tracer, &blocks[b], lanes_of(count, b),
+        closest_block((const embree_tracer *)tracer, &blocks[b], embree_lanes(count, b),
                       coherence == TRACE_COHERENT);
     }
 }
@@ -131,16 +135,23 @@ static void any_packets(const embree_tracer *tracer, trace_rays *rays, const int
     }
 }
 
+/* Four kernels may; which two they are besides those of embree_api.h is not known, so Embree's own quads and
+ * spheres are not trusted either. */
+bool embree_may_hang(const embree_tracer *tracer) {
+    trace_shapes shapes = tracer->spec.shapes;
+    return EMBREE_COHERENT_16_MAY_HANG && (tracer->base.world->instances.count ||
+                                           shapes == TRACE_SHAPES_QUAD || shapes == TRACE_SHAPES_SPHERE);
+}
+
 static void any_block(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool coherent) {
     _Alignas(64) int valid[TRACE_WIDTH];
     float asked[TRACE_WIDTH];
     memcpy(asked, rays->t_far, lanes * sizeof *asked);
-    prepare(tracer, rays, lanes, EMBREE_SHADOWS, valid);
+    embree_prepare(tracer, rays, lanes, EMBREE_SHADOWS, valid);
     embree_context context;
     embree_context_init(&context);
     unsigned width = tracer->width;
-    if (EMBREE_COHERENT_16_MAY_HANG && coherent && tracer->base.world->instances.count && width > 8)
-        width = 8;
+    if (coherent && width > 8 && embree_may_hang(tracer)) width = 8;
     if (width == TRACE_WIDTH) {
         embree_occluded(TRACE_WIDTH, valid, tracer->scenes[0], &context, coherent, rays);
     } else {
@@ -154,6 +165,7 @@ static void any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
 
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
-        any_block((const embree_tracer *)tracer, &blocks[b], lanes_of(count, b), coherence == TRACE_COHERENT);
+        any_block((const embree_tracer *)tracer, &blocks[b], embree_lanes(count, b),
+                  coherence == TRACE_COHERENT);
     }
 }
