@@ -70,9 +70,10 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
 
 /* ---- embree_trace.c ---- */
 
-/* Marks the lanes to trace, those that are finite and whose interval is not empty, and moves t_far to the
+/* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and moves t_far to the
  * last float inside the interval. */
-void embree_prepare(trace_rays *rays, unsigned lanes, uint32_t mask, int valid[TRACE_WIDTH]);
+void embree_prepare(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
+                    int valid[TRACE_WIDTH]);
 /* Embree's ids to the world's. */
 void embree_translate(const world *w, trace_hits *hits, unsigned lane);
 unsigned embree_lanes(size_t count, size_t block);

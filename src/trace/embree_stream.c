@@ -15,10 +15,11 @@ typedef struct stream {
 } stream;
 
 /* The lanes in use of a block, and an empty ray in all others. */
-static void stream_load(stream *s, unsigned b, const trace_rays *from, unsigned lanes, uint32_t mask) {
+static void stream_load(const embree_tracer *tracer, stream *s, unsigned b, const trace_rays *from,
+                        unsigned lanes, uint32_t mask) {
     trace_rays *rays = &s->blocks[b].rays;
     *rays = *from;
-    embree_prepare(rays, lanes, mask, s->valid[b]);
+    embree_prepare(tracer, rays, lanes, mask, s->valid[b]);
     for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
         if (s->valid[b][i]) continue;
         rays->org_x[i] = rays->org_y[i] = rays->org_z[i] = rays->dir_x[i] = rays->dir_y[i] = 0;
@@ -87,7 +88,7 @@ void embree_stream_closest(const trace_tracer *base, trace_block *blocks, trace_
     for (size_t first = 0; first < total; first += STREAM) {
         unsigned n = total - first < STREAM ? (unsigned)(total - first) : STREAM;
         for (unsigned b = 0; b < n; ++b) {
-            stream_load(&s, b, &blocks[first + b].rays, embree_lanes(count, first + b), EMBREE_SEEN);
+            stream_load(tracer, &s, b, &blocks[first + b].rays, embree_lanes(count, first + b), EMBREE_SEEN);
         }
         if (tracer->spec.calls == TRACE_CALLS_STREAM_NM) {
             embree_intersect_blocks(tracer->scenes[0], &call.context, coherent, s.blocks, n);
@@ -125,7 +126,7 @@ void embree_stream_any(const trace_tracer *base, trace_rays *blocks, size_t coun
     for (size_t first = 0; first < total; first += STREAM) {
         unsigned n = total - first < STREAM ? (unsigned)(total - first) : STREAM;
         for (unsigned b = 0; b < n; ++b) {
-            stream_load(&s, b, &blocks[first + b], embree_lanes(count, first + b), EMBREE_SHADOWS);
+            stream_load(tracer, &s, b, &blocks[first + b], embree_lanes(count, first + b), EMBREE_SHADOWS);
         }
         occluded(tracer, &s, n, coherent);
         for (size_t i = first * TRACE_WIDTH; i < count && i < (first + n) * TRACE_WIDTH; ++i) {
