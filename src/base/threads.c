@@ -1,9 +1,9 @@
 #include "base/threads.h"
 
-#include <pthread.h>
+#include "base/pool.h"
+
 #include <sched.h>
 #include <stdatomic.h>
-#include <stdlib.h>
 
 #define MAX_THREADS 1024
 
@@ -23,14 +23,15 @@ typedef struct loop {
 typedef struct worker {
     loop *loop;
     unsigned index;
+    pool_task task;
 } worker;
 
-static void *work(void *argument) {
-    worker *self = argument;
+static void work(void *user) {
+    worker *self = user;
     loop *l = self->loop;
     for (;;) {
         size_t begin = atomic_fetch_add(&l->next, l->grain);
-        if (begin >= l->count) return NULL;
+        if (begin >= l->count) return;
         size_t end = l->count - begin > l->grain ? begin + l->grain : l->count;
         l->body(l->user, begin, end, self->index);
     }
@@ -42,15 +43,14 @@ void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body,
     size_t pieces = (count + l.grain - 1) / l.grain;
     if (threads > MAX_THREADS) threads = MAX_THREADS;
     if (threads > pieces) threads = (unsigned)pieces;
-    pthread_t handles[MAX_THREADS];
     worker workers[MAX_THREADS];
-    unsigned started = 0;
-    for (unsigned i = 1; i < threads; ++i) {
-        workers[i] = (worker){&l, i};
-        if (pthread_create(&handles[started], NULL, work, &workers[i]) != 0) break;
-        ++started;
+    unsigned started = 1;
+    for (; started < threads; ++started) {
+        worker *w = &workers[started];
+        *w = (worker){&l, started, {.run = work, .user = w}};
+        if (!pool_run(&w->task)) break;
     }
-    workers[0] = (worker){&l, 0};
+    workers[0] = (worker){.loop = &l, .index = 0};
     work(&workers[0]);
-    for (unsigned i = 0; i < started; ++i) pthread_join(handles[i], NULL);
+    for (unsigned i = 1; i < started; ++i) pool_wait(&workers[i].task, -1);
 }

@@ -1,5 +1,8 @@
 #include "image/loader.h"
 
+#include "base/pool.h"
+#include "base/threads.h"
+
 #include <dlfcn.h>
 #include <errno.h>
 #include <link.h>
@@ -171,6 +174,9 @@ void image_prefetch(void) {
         sigset_t all, old;
         sigfillset(&all);
         pthread_sigmask(SIG_SETMASK, &all, &old);
+        /* While the module loads, making a thread waits for it: reading and rendering find theirs made
+         * already, one for each processor and one that watches. */
+        pool_start(processor_count() + 1);
         loader.thread_runs = pthread_create(&loader.thread, NULL, prefetch, NULL) == 0;
         pthread_sigmask(SIG_SETMASK, &old, NULL);
         loader.thread_was_started = true;

@@ -1,0 +1,105 @@
+/* Loops over threads and the pool under them: every item once, however loops nest, meet or are forked. */
+#include "base/threads.h"
+#include "base/pool.h"
+#include "unit.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define ITEMS 1000
+
+typedef struct tally {
+    _Atomic unsigned char seen[ITEMS];
+    atomic_uint inner;
+    bool nested;
+} tally;
+
+static void count_inner(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    atomic_fetch_add(&((tally *)user)->inner, (unsigned)(end - begin));
+}
+
+static void count_items(void *user, size_t begin, size_t end, unsigned worker) {
+    tally *t = user;
+    assert_true(worker < 4);
+    for (size_t i = begin; i < end; ++i) atomic_fetch_add(&t->seen[i], 1);
+    if (t->nested) loop_parallel(3, 10, 1, count_inner, t);
+}
+
+static void check_loop(bool nested) {
+    tally *t = calloc(1, sizeof *t);
+    assert_non_null(t);
+    t->nested = nested;
+    loop_parallel(4, ITEMS, 7, count_items, t);
+    for (size_t i = 0; i < ITEMS; ++i) assert_int_equal(t->seen[i], 1);
+    assert_int_equal(t->inner, nested ? 10 * ((ITEMS + 6) / 7) : 0);
+    free(t);
+}
+
+static void every_item_once(void **state) {
+    (void)state;
+    for (int i = 0; i < 100; ++i) check_loop(false);
+}
+
+static void loops_in_loops(void **state) {
+    (void)state;
+    for (int i = 0; i < 20; ++i) check_loop(true);
+}
+
+static void *loop_of_its_own(void *unused) {
+    (void)unused;
+    for (int i = 0; i < 20; ++i) check_loop(true);
+    return NULL;
+}
+
+static void loops_side_by_side(void **state) {
+    (void)state;
+    pthread_t threads[4];
+    for (int i = 0; i < 4; ++i) assert_int_equal(pthread_create(&threads[i], NULL, loop_of_its_own, NULL), 0);
+    for (int i = 0; i < 4; ++i) pthread_join(threads[i], NULL);
+}
+
+static void wait_for_flag(void *user) {
+    while (!atomic_load((atomic_bool *)user)) usleep(1000);
+}
+
+/* Waiting with a limit says that the work goes on, and when it has ended. */
+static void waiting(void **state) {
+    (void)state;
+    atomic_bool flag = false;
+    pool_task task = {.run = wait_for_flag, .user = &flag};
+    assert_true(pool_run(&task));
+    assert_false(pool_wait(&task, 0.01));
+    atomic_store(&flag, true);
+    assert_true(pool_wait(&task, -1));
+}
+
+/* A forked child has none of the threads, and makes its own. */
+static void forked_child(void **state) {
+    (void)state;
+#ifdef __SANITIZE_THREAD__
+    skip(); /* it does not support threads in a forked child */
+#endif
+    check_loop(false);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        alarm(60);
+        check_loop(true);
+        _exit(0);
+    }
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_item_once),    cmocka_unit_test(loops_in_loops),
+        cmocka_unit_test(loops_side_by_side), cmocka_unit_test(waiting),
+        cmocka_unit_test(forked_child),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
