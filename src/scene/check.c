@@ -22,7 +22,8 @@ static fathom_status check_lights(const fathom_scene *scene) {
             scene_object object = scene->objects.items[k];
             if (object.kind != SCENE_SPHERE || object.group != FATHOM_ROOT) continue;
             const fathom_sphere *sphere = &scene->spheres.items[object.index];
-            if (sphere->flags & FATHOM_CASTS_NO_SHADOW || inside(sphere, scene->camera.origin)) continue;
+            if (sphere->flags & FATHOM_CASTS_NO_SHADOW) continue;
+            if (scene->has_camera && inside(sphere, scene->camera.origin)) continue;
             if (!inside(sphere, light->position)) continue;
             return fail(scene->context, FATHOM_BAD_INPUT,
                         "lights[%zu]: it lies inside the sphere at (%g, %g, %g) of radius %g, which no light "

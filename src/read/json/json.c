@@ -149,7 +149,7 @@ static fathom_status add_objects(const object_reader *r, const form_scene_values
  * camera. The others come when the scene is complete. */
 static fathom_status check_lights(const object_reader *r) {
     unsigned light;
-    if (!r->scene->has_camera || fathom_scene_check(r->scene) != FATHOM_BAD_INPUT) return FATHOM_OK;
+    if (fathom_scene_check(r->scene) != FATHOM_BAD_INPUT) return FATHOM_OK;
     const char *message = fathom_context_message(r->scene->context), *what = strstr(message, ": ");
     if (!what || sscanf(message, "lights[%u]", &light) != 1) return FATHOM_OK;
     const where at = {NULL, "lights", 0}, item = {&at, NULL, light};
