@@ -148,7 +148,10 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
     fathom_scene *scene = NULL;
     info_facts facts;
     fathom_status status = fathom_scene_read(context, settings->scene, &scene);
-    if (status == FATHOM_OK) status = info_gather(scene, &facts);
+    if (status == FATHOM_OK) {
+        status = info_gather(scene, &facts);
+        if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", settings->scene);
+    }
     bool renderable = status == FATHOM_OK;
     if (renderable)
         look_for_problems(scene, &facts, problems);

@@ -179,8 +179,9 @@ static fathom_status look_at_world(const fathom_scene *scene, info_facts *out) {
     out->bvh_bytes = (uint64_t)(BVH_TRIANGLE_BYTES * triangles + BVH_SHAPE_BYTES * shapes +
                                 BVH_INSTANCE_BYTES * (double)w->instances.count);
     out->build_bytes = (uint64_t)(BUILD_PRIMITIVE_BYTES * (triangles + shapes));
+    status = world_check(w);
     world_destroy(w);
-    return FATHOM_OK;
+    return status;
 }
 
 fathom_status info_gather(const fathom_scene *scene, info_facts *out) {

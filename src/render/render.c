@@ -2,8 +2,6 @@
 #include "render/job.h"
 #include "render/watch.h"
 
-#include <math.h>
-
 typedef struct build {
     fathom_context *context;
     const world *world;
@@ -88,15 +86,6 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     return status;
 }
 
-/* Farther out no ray of the camera could be traced (see src/trace/embree_build.c), nor float tell one pixel's
- * ray from the next. */
-static fathom_status check_camera(const world *w) {
-    vec3_f64 eye = sub_f64(load_f64(w->scene->camera.origin), w->origin);
-    if (fabs(eye.x) < TRACE_REACH && fabs(eye.y) < TRACE_REACH && fabs(eye.z) < TRACE_REACH) return FATHOM_OK;
-    return fail(w->scene->context, FATHOM_BAD_INPUT,
-                "camera: it stands %g from the scene; expected less than %g", length_f64(eye), TRACE_REACH);
-}
-
 static fathom_status render_film(fathom_context *context, const fathom_scene *scene,
                                  const fathom_settings *settings, fathom_progress_fn progress, void *user,
                                  fathom_film *film) {
@@ -104,12 +93,12 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
     world *w;
     fathom_status status = world_create(scene, &w);
     if (status != FATHOM_OK) return status;
-    if (w->degenerate_triangles) {
+    status = world_check(w);
+    if (status == FATHOM_OK && w->degenerate_triangles) {
         warn(context, "%llu degenerate triangles (without area) are left out",
              (unsigned long long)w->degenerate_triangles);
     }
     trace_tracer *tracer = NULL;
-    status = check_camera(w);
     if (status == FATHOM_OK) status = run_build(context, w, settings, progress, user, &tracer);
     film->stats.build_seconds = clock_seconds() - began;
     if (status == FATHOM_OK) {

@@ -125,6 +125,31 @@ static void count_degenerate(world *w) {
     }
 }
 
+/* Some triangles without area are rendered around; a scene of nothing else shows nothing. */
+static fathom_status check_area(const world *w) {
+    uint64_t triangles = 0;
+    for (size_t i = 0; i < w->meshes.count; ++i) triangles += w->meshes.items[i].triangle_count;
+    if (w->spheres.count || w->quads.count || w->planes.count || w->degenerate_triangles < triangles ||
+        !triangles)
+        return FATHOM_OK;
+    return fail(w->scene->context, FATHOM_BAD_INPUT,
+                "the scene holds no geometry with an area: its triangles (%llu) are all degenerate",
+                (unsigned long long)triangles);
+}
+
+/* Farther out no ray of the camera could be traced, nor float tell one pixel's ray from the next. */
+static fathom_status check_camera(const world *w) {
+    vec3_f64 eye = sub_f64(load_f64(w->scene->camera.origin), w->origin);
+    if (fabs(eye.x) < WORLD_REACH && fabs(eye.y) < WORLD_REACH && fabs(eye.z) < WORLD_REACH) return FATHOM_OK;
+    return fail(w->scene->context, FATHOM_BAD_INPUT,
+                "camera: it stands %g from the scene; expected less than %g", length_f64(eye), WORLD_REACH);
+}
+
+fathom_status world_check(const world *w) {
+    fathom_status status = check_area(w);
+    return status == FATHOM_OK ? check_camera(w) : status;
+}
+
 /* ---- the whole ---- */
 
 fathom_status world_create(const fathom_scene *scene, world **out) {

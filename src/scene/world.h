@@ -9,6 +9,10 @@
 
 #include "scene/scene.h"
 
+/* Coordinates of what is traced, and of where rays start, must be smaller: Embree leaves those beyond 1.8e18
+ * out. */
+#define WORLD_REACH 1e18
+
 typedef struct world_sphere {
     vec3_f32 center;
     float radius;
@@ -72,6 +76,10 @@ typedef struct world {
 /* The scene must have passed fathom_scene_check() and must outlive the world. */
 fathom_status world_create(const fathom_scene *scene, world **out);
 void world_destroy(world *w);
+
+/* FATHOM_BAD_INPUT when the scene's camera could not see anything of it: nothing has an area, or the camera
+ * is out of reach. */
+fathom_status world_check(const world *w);
 
 /* Object and material of a primitive. geometry: index into geometries. */
 fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);

@@ -11,10 +11,6 @@
 
 #define TRACE_WIDTH 16
 
-/* Coordinates of what is traced, and of where rays start, must be smaller: Embree leaves those beyond 1.8e18
- * out. */
-#define TRACE_REACH 1e18
-
 /* Rays as a structure of arrays, laid out as Embree's RTCRay16. */
 typedef struct trace_rays {
     _Alignas(64) float org_x[16];

@@ -63,7 +63,7 @@ static fathom_status refuse(const fathom_tracer *tracer, size_t index, const cha
 }
 
 static bool in_range(vec3_f64 p) {
-    return fabs(p.x) < TRACE_REACH && fabs(p.y) < TRACE_REACH && fabs(p.z) < TRACE_REACH;
+    return fabs(p.x) < WORLD_REACH && fabs(p.y) < WORLD_REACH && fabs(p.z) < WORLD_REACH;
 }
 
 /* The direction is scaled by a power of two, exactly, so that any length is good. What lies before t = 0
