@@ -1,0 +1,184 @@
+#include "parity/verdict.h"
+#include "parity/verdict_bound.h"
+#include "trace/trace.h"
+
+#include <string.h>
+
+/* One answer on its way to a verdict. */
+typedef struct judge {
+    const search *search;
+    const world *world;
+    const verdict_tracer *tracer;
+    const oracle_ray *ray;
+    search_result *room;
+    bool failed; /* out of memory */
+} judge;
+
+const char *verdict_name(verdict v) {
+    static const char *const names[VERDICT_COUNT] = {"agree",       "tie",  "edge", "range",
+                                                     "conditioned", "leak", "wrong"};
+    return names[v];
+}
+
+static double value(ball b) { return (double)b.value; }
+
+/* The exact t of the nearest hit, infinite for a miss. */
+static double nearest(judge *j, const oracle_ray *ray) {
+    if (!search_closest(j->search, ray, j->room)) {
+        j->failed = true;
+        return (double)INFINITY;
+    }
+    return j->room->ties.count ? value(j->room->ties.items[0].answer.t) : (double)INFINITY;
+}
+
+/* ---- what was skipped ---- */
+
+/* The ray moved aside, at right angles to itself, to side `k` of eight. */
+static oracle_ray moved_aside(const oracle_ray *ray, double by, int k) {
+    vec3_f64 d = normalize_f64(widen(ray->dir));
+    vec3_f64 other = fabs(d.x) < 0.6 ? vec_f64(1, 0, 0) : vec_f64(0, 1, 0);
+    vec3_f64 x = normalize_f64(cross_f64(d, other)), y = cross_f64(d, x);
+    double angle = k * 0.7853981633974483 + 0.2;
+    vec3_f64 aside = add_f64(scale_f64(by * cos(angle), x), scale_f64(by * sin(angle), y));
+    oracle_ray out = *ray;
+    out.org = narrow(add_f64(widen(ray->org), aside));
+    return out;
+}
+
+/* Whether a ray that the precision cannot tell from this one meets nothing before t. A surface that goes on
+ * beyond the edge is met on all sides. */
+static bool passes_aside(judge *j, double by, double before) {
+    for (int k = 0; k < 8; ++k) {
+        oracle_ray ray = moved_aside(j->ray, by, k);
+        if (!finite_f32(ray.org)) return true;
+        if (nearest(j, &ray) >= before) return true;
+    }
+    return false;
+}
+
+/* Whether nothing is met before t by a ray whose interval leaves out what lies at its ends. */
+static bool passes_in_range(judge *j, const search_hit *hit, const verdict_bound *bound, double before) {
+    oracle_ray ray = *j->ray;
+    double t = value(hit->answer.t);
+    if (value(hit->answer.above_near) <= bound->t)
+        ray.t_near = nextafterf((float)(t + bound->t), INFINITY);
+    else if (value(hit->answer.below_far) <= bound->t)
+        ray.t_far = nextafterf((float)(t - bound->t), -INFINITY);
+    else
+        return false;
+    return !(ray.t_near < ray.t_far) || nearest(j, &ray) >= before;
+}
+
+/* Why `hit`, exactly the nearest, was not reported; the tracer saw nothing before t (infinite: at all). */
+static verdict judge_skip(judge *j, const search_hit *hit, double before) {
+    oracle_primitive p = search_primitive(j->world, hit->geometry, hit->primitive, hit->instance);
+    verdict_bound bound = verdict_bound_of(j->tracer, j->ray, &p, &hit->answer);
+    /* A ray moved aside by 2 aside may meet a slanted surface earlier by twice its bound, and once more for
+     * what is left of the first order. */
+    if (isfinite(before)) before -= 3 * bound.t;
+    if (passes_in_range(j, hit, &bound, before)) return VERDICT_RANGE;
+    if (value(hit->answer.edge) > bound.edge) return VERDICT_WRONG;
+    /* Twice as far, so that rounding the moved origin to float leaves it outside the bound. */
+    if (passes_aside(j, 2 * bound.aside, before)) return VERDICT_EDGE;
+    return j->tracer->leaks ? VERDICT_LEAK : VERDICT_WRONG;
+}
+
+/* ---- what was reported ---- */
+
+static bool names_primitive(const world *w, const verdict_answer *a) {
+    if (a->geometry == TRACE_PLANE) return a->primitive < w->planes.count;
+    if (a->geometry >= w->geometries.count) return false;
+    if (a->instance != FATHOM_NONE && a->instance >= w->instances.count) return false;
+    uint32_t group = a->instance == FATHOM_NONE ? 0 : w->instances.items[a->instance].group;
+    const world_group *g = &w->groups.items[group];
+    return a->geometry - g->first < g->count && a->primitive < w->geometries.items[a->geometry].count;
+}
+
+/* The exact intersection nearest to the tracer's t: of a sphere, of the root that it took. */
+static void ask_nearest(const judge *j, const oracle_primitive *p, double t, oracle_answer *out) {
+    oracle_ask(j->ray, p, ORACLE_FAST, out);
+    if (out->parallel || p->shape != ORACLE_SPHERE || !out->line) return;
+    double here = value(out->t), other = value(out->other);
+    if (fabs(t - here) <= fabs(t - other)) return;
+    oracle_ray ray = *j->ray;
+    float middle = (float)((here + other) / 2);
+    ray.t_near = other > here ? middle : -INFINITY;
+    ray.t_far = other > here ? INFINITY : middle;
+    oracle_answer narrowed;
+    oracle_ask(&ray, p, ORACLE_FAST, &narrowed);
+    if (!narrowed.hit) return;
+    *out = narrowed;
+    /* In the interval that was asked for. */
+    out->above_near.value = out->t.value - (real_f128)j->ray->t_near;
+    out->below_far.value = (real_f128)j->ray->t_far - out->t.value;
+    out->hit = out->above_near.value > 0 && out->below_far.value > 0;
+}
+
+/* Whether the reported primitive may be met at that t at all; AGREE: it is, exactly. */
+static verdict judge_meeting(const judge *j, const oracle_primitive *p, const oracle_answer *a, double t,
+                             verdict_bound *bound) {
+    /* In its plane a ray exactly misses, but it is as good as on a ray through it. */
+    if (a->parallel) return verdict_in_plane(j->tracer, j->ray, p) ? VERDICT_EDGE : VERDICT_WRONG;
+    *bound = verdict_bound_of(j->tracer, j->ray, p, a);
+    if (!a->line && value(a->edge) < -bound->edge) return VERDICT_WRONG;
+    if (fabs(t - value(a->t)) > bound->t) return VERDICT_WRONG;
+    if (!a->line) return VERDICT_EDGE;
+    if (a->hit) return VERDICT_AGREE;
+    return value(a->above_near) >= -bound->t && value(a->below_far) >= -bound->t ? VERDICT_RANGE
+                                                                                 : VERDICT_WRONG;
+}
+
+static bool is_tie(const search_hit *hit, const verdict_answer *a) {
+    return hit->geometry == a->geometry && hit->primitive == a->primitive && hit->instance == a->instance;
+}
+
+static verdict judge_tie(const search_result *ties, const verdict_answer *a, double exact) {
+    if (!is_tie(&ties->ties.items[0], a)) return VERDICT_TIE;
+    bool close = fabs((double)a->t - exact) <= VERDICT_ULPS * 0x1p-23 * fabs(exact);
+    return close ? VERDICT_AGREE : VERDICT_CONDITIONED;
+}
+
+static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *out) {
+    const oracle_ray *ray = j->ray;
+    if (!names_primitive(j->world, said)) return VERDICT_WRONG;
+    if (!(said->t >= ray->t_near && said->t <= ray->t_far)) return VERDICT_WRONG;
+    oracle_primitive p = search_primitive(j->world, said->geometry, said->primitive, said->instance);
+    oracle_answer a;
+    verdict_bound bound = {0, 0, 0};
+    ask_nearest(j, &p, (double)said->t, &a);
+    out->measured = !a.parallel && a.line;
+    if (out->measured) {
+        out->exact_t = value(a.t), out->t_error = (double)fabsl((long double)(a.t.value - said->t));
+        out->condition = j->tracer->inverted ? a.inverted.t : a.condition.t;
+    }
+    verdict met = judge_meeting(j, &p, &a, (double)said->t, &bound);
+    if (met == VERDICT_WRONG) return met;
+    (void)nearest(j, ray);
+    const search_result *ties = j->room;
+    if (!ties->ties.count) return met;
+    search_hit first = ties->ties.items[0];
+    for (size_t i = 0; i < ties->ties.count && met == VERDICT_AGREE; ++i) {
+        if (is_tie(&ties->ties.items[i], said)) return judge_tie(ties, said, value(a.t));
+    }
+    oracle_primitive q = search_primitive(j->world, first.geometry, first.primitive, first.instance);
+    verdict_bound nearer = verdict_bound_of(j->tracer, ray, &q, &first.answer);
+    double reported = a.parallel ? (double)said->t : value(a.t);
+    if (value(first.answer.t) >= reported - bound.t - nearer.t)
+        return met == VERDICT_AGREE ? VERDICT_TIE : met;
+    return judge_skip(j, &first, reported - bound.t);
+}
+
+static verdict judge_miss(judge *j) {
+    (void)nearest(j, j->ray);
+    if (!j->room->ties.count) return VERDICT_AGREE;
+    search_hit first = j->room->ties.items[0];
+    return judge_skip(j, &first, (double)INFINITY);
+}
+
+bool verdict_closest(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
+                     const verdict_answer *answer, search_result *room, verdict_report *out) {
+    judge j = {s, w, tracer, ray, room, false};
+    *out = (verdict_report){.measured = false};
+    out->verdict = answer->geometry == FATHOM_NONE ? judge_miss(&j) : judge_hit(&j, answer, out);
+    return !j.failed;
+}

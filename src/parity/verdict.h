@@ -1,0 +1,49 @@
+/* What an answer of a tracer is worth, held against the exact one. */
+#ifndef PARITY_VERDICT_H
+#define PARITY_VERDICT_H
+
+#include "parity/search.h"
+
+typedef enum verdict {
+    VERDICT_AGREE,       /* the oracle's primitive, t within VERDICT_ULPS; or a miss where it says miss */
+    VERDICT_TIE,         /* another primitive, whose exact t is the same or too near for the precision */
+    VERDICT_EDGE,        /* right for a ray moved by less than the precision can tell, past an edge */
+    VERDICT_RANGE,       /* t too near an end of the interval for the precision */
+    VERDICT_CONDITIONED, /* the oracle's primitive, t off by no more than the bound of verdict_bound.h */
+    VERDICT_LEAK, /* a surface missed at an edge or vertex though it goes on at the other side: a fault that
+                     the tracer is known for */
+    VERDICT_WRONG,
+    VERDICT_COUNT
+} verdict;
+
+/* "agree" … */
+const char *verdict_name(verdict v);
+
+/* t may be off by so many units of its own rounding before its condition matters. */
+#define VERDICT_ULPS 2
+
+typedef struct verdict_tracer {
+    double unit;   /* roundoff of its arithmetic: 2^-24 for float */
+    bool inverted; /* inverts to_world itself, as Embree does */
+    bool leaks;    /* leaks are its own class; else they are wrong */
+} verdict_tracer;
+
+/* What the tracer said: ids as in trace_hits, geometry FATHOM_NONE for a miss. */
+typedef struct verdict_answer {
+    uint32_t geometry, primitive, instance;
+    float t;
+} verdict_answer;
+
+typedef struct verdict_report {
+    verdict verdict;
+    bool measured;    /* the line meets the primitive, so that t has an error */
+    double exact_t;   /* of the primitive that the tracer named */
+    double t_error;   /* |t - exact_t| */
+    double condition; /* of exact_t: a relative change of u in all inputs moves it by at most u times this */
+} verdict_report;
+
+/* Judges one closest hit. `room` is for searches and is written over. False when out of memory. */
+bool verdict_closest(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
+                     const verdict_answer *answer, search_result *room, verdict_report *out);
+
+#endif

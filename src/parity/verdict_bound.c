@@ -1,0 +1,145 @@
+/* Forward error of the intersectors, to first order in the unit roundoff u.
+ *
+ * S bounds the size of every number that enters as a length: in object space |E| + |t d| + the largest |V|,
+ * where the map M of an instance makes |M| (|E| + |T| + |t d|) of the ray's share, T its translation; times
+ * |M| |A| for a tracer that computes the inverse M of A itself. In an object's space the ray is rounded once
+ * more: by u S. L is the longest side, n = e × e' with |n| <= L².
+ *
+ * Triangle, by edge planes (Embree's robust mode) or Cramer's rule: differences and cross products leave
+ * 4 u L S in an edge's normal e × v, products and sums 3 more: 7 u |d| L S, so weights are off by 7 u |d| L S
+ * / |d·n|, and by as much again for the division by their sum: 14. t = n·v / n·d: 7 u L² S in the numerator,
+ * 6 u L² |d| in the denominator, which is 6 u L² S / |d·n| in t: 13, and 3 more for an approximate
+ * reciprocal. By shearing (Woop): a sheared coordinate is off by 5 u S, the edge functions of what is sheared
+ * are exact where a sign is in doubt, so weights are off by 2 · 5 u |d| L S / |d·n|, otherwise by 13 of them;
+ * depth is interpolated over two sides of depth at most L / |d|: 26 u L² S / |d·n|. So 32 bounds all of them,
+ * with room for the rounding of the ray in object space. Grazing rays and slivers are in |d·n|.
+ *
+ * Quad: as its triangles.
+ *
+ * Sphere in the form without cancellation (sphere_text.h): |δD| <= 36 u |f| √(R² + l²), |f| <= S: 1 - l²/R²
+ * is off by 36 u S √(R² + l²) / R²; l is near R where that matters: 51 u S / R. The root moves by |δD| /
+ * (2 |d| √D) <= 26 u S R / |d·m| with m = P - C and |d·m| = |d| √D; c / q adds 27 u |t|, b / a 6 u |f| / |d|:
+ * at most 33 u S R / |d·m|, since |d·m| <= |d| R. 64 bounds both sums. |d·m| = |d|² |t - t'| / 2, with t' the
+ * other root. The textbook's quadratic has no such bound: it loses |f|² / R².
+ *
+ * Plane: f·n is off by 4 u |n| S, d·n by 3 u |n| |d|: together 7 u |n| S / |d·n|, and 16 with the origin's
+ * and the quotient's rounding. */
+#include "parity/verdict_bound.h"
+
+typedef struct frame {
+    vec3_f64 org, dir;
+    double norm, inverse_norm; /* of the map's linear part and its inverse; 1 in the world */
+    double shift;              /* of to_world */
+} frame;
+
+static double norm_of(const float m[3][4]) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) sum += (double)m[i][j] * (double)m[i][j];
+    }
+    return sqrt(sum);
+}
+
+static vec3_f64 carried(const float m[3][4], vec3_f64 p, double w) {
+    double r[3];
+    for (int i = 0; i < 3; ++i) {
+        r[i] = (double)m[i][0] * p.x + (double)m[i][1] * p.y + (double)m[i][2] * p.z + (double)m[i][3] * w;
+    }
+    return load_f64(r);
+}
+
+static frame frame_of(const oracle_ray *ray, const world_instance *instance) {
+    frame f = {widen(ray->org), widen(ray->dir), 1, 1, 0};
+    if (!instance) return f;
+    const float(*m)[4] = instance->to_object;
+    f.org = carried(m, f.org, 1), f.dir = carried(m, f.dir, 0);
+    f.norm = norm_of(m), f.inverse_norm = norm_of(instance->to_world);
+    vec3_f64 shift = {(double)instance->to_world[0][3], (double)instance->to_world[1][3],
+                      (double)instance->to_world[2][3]};
+    f.shift = length_f64(shift);
+    return f;
+}
+
+double verdict_constant(oracle_shape shape) {
+    switch (shape) {
+    case ORACLE_SPHERE: return 64;
+    case ORACLE_TRIANGLE:
+    case ORACLE_QUAD: return 32;
+    case ORACLE_PLANE: return 16;
+    }
+    return 0;
+}
+
+static verdict_bound of_triangle(const frame *f, const vec3_f32 v[3], double size) {
+    vec3_f64 a = widen(v[0]), b = widen(v[1]), c = widen(v[2]), n = cross_f64(sub_f64(b, a), sub_f64(c, a));
+    double along = fabs(dot_f64(f->dir, n)), d = length_f64(f->dir);
+    double side = fmax(length_f64(sub_f64(b, a)), fmax(length_f64(sub_f64(c, a)), length_f64(sub_f64(c, b))));
+    return (verdict_bound){side * side * size / along, d * side * size / along, size};
+}
+
+/* Past the rim, the closest approach at t' stands in for the roots, which part from it by at most √|δD| /
+ * |d|: that is of the order √u, so `factor` goes under the root. */
+static verdict_bound of_sphere(const frame *f, double radius, const oracle_answer *answer, double size,
+                               double factor) {
+    double d = length_f64(f->dir), edge = size / radius;
+    if (!answer->line) return (verdict_bound){(size + radius * sqrt(edge / factor)) / d, edge, size};
+    double gap = fabs((double)(answer->t.value - answer->other.value));
+    return (verdict_bound){size * radius / (d * d * gap / 2), edge, size};
+}
+
+static verdict_bound of_plane(const frame *f, vec3_f64 n, double size) {
+    return (verdict_bound){length_f64(n) * size / fabs(dot_f64(f->dir, n)), 0, size};
+}
+
+static verdict_bound of_shape(const frame *f, const oracle_primitive *p, const oracle_answer *answer,
+                              double size, double factor) {
+    switch (p->shape) {
+    case ORACLE_SPHERE: return of_sphere(f, (double)p->radius, answer, size, factor);
+    case ORACLE_PLANE: return of_plane(f, widen(p->v[1]), size);
+    case ORACLE_TRIANGLE:
+    case ORACLE_QUAD: break;
+    }
+    const vec3_f32 parts[2][3] = {{p->v[0], p->v[1], p->v[p->shape == ORACLE_QUAD ? 3 : 2]},
+                                  {p->v[2], p->v[3], p->v[1]}};
+    return of_triangle(f, parts[p->shape == ORACLE_QUAD ? answer->part : 0], size);
+}
+
+static double largest_corner(const oracle_primitive *p) {
+    if (p->shape == ORACLE_PLANE) return length_f64(widen(p->v[0]));
+    if (p->shape == ORACLE_SPHERE) return length_f64(widen(p->v[0])) + (double)p->radius;
+    double size = 0;
+    for (int k = 0; k < (p->shape == ORACLE_QUAD ? 4 : 3); ++k) size = fmax(size, length_f64(widen(p->v[k])));
+    return size;
+}
+
+/* S at the ray's t. */
+static double size_of(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
+                      const frame *f, double t) {
+    double reach = length_f64(widen(ray->org)) + f->shift + fabs(t) * length_f64(widen(ray->dir));
+    double size = f->norm * reach;
+    if (tracer->inverted && p->instance) size *= f->norm * f->inverse_norm;
+    return size + largest_corner(p);
+}
+
+verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
+                               const oracle_primitive *primitive, const oracle_answer *answer) {
+    frame f = frame_of(ray, primitive->instance);
+    double t = (double)answer->t.value, size = size_of(tracer, ray, primitive, &f, t);
+    double factor = verdict_constant(primitive->shape) * tracer->unit;
+    verdict_bound bound = of_shape(&f, primitive, answer, size, factor);
+    bound.t = factor * bound.t + 0x1p-24 * VERDICT_ULPS * fabs(t);
+    bound.edge *= factor;
+    bound.aside = factor * (primitive->instance ? f.inverse_norm : 1) * size;
+    return bound;
+}
+
+bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p) {
+    if (p->shape == ORACLE_SPHERE) return false;
+    frame f = frame_of(ray, p->instance);
+    vec3_f64 v = widen(p->v[0]), n = widen(p->v[1]);
+    if (p->shape != ORACLE_PLANE)
+        n = cross_f64(sub_f64(n, v), sub_f64(widen(p->v[p->shape == ORACLE_QUAD ? 3 : 2]), v));
+    double limit = verdict_constant(p->shape) * tracer->unit * size_of(tracer, ray, p, &f, 0);
+    double length = length_f64(n);
+    return length > 0 && fabs(dot_f64(sub_f64(f.org, v), n)) <= limit * length;
+}

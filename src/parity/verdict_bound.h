@@ -1,0 +1,24 @@
+/* How far a tracer's arithmetic may be off: forward error bounds, each a constant times a condition number
+ * times the unit roundoff. */
+#ifndef PARITY_VERDICT_BOUND_H
+#define PARITY_VERDICT_BOUND_H
+
+#include "parity/verdict.h"
+
+typedef struct verdict_bound {
+    double t;     /* of t, in its units */
+    double edge;  /* of oracle_answer.edge */
+    double aside; /* in world coordinates, of where the ray passes */
+} verdict_bound;
+
+/* Of an answer that is not parallel. */
+verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
+                               const oracle_primitive *primitive, const oracle_answer *answer);
+
+/* Whether rounding may bring a ray that is exactly parallel to the primitive's plane into it. */
+bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive);
+
+/* The constants, for reports. */
+double verdict_constant(oracle_shape shape);
+
+#endif
