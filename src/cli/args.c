@@ -142,7 +142,7 @@ args_result args_parse(const args_spec *spec, int argc, char **argv, void *setti
         }
         if (!fine) return ARGS_WRONG;
     }
-    if (p.operands == spec->operand_count) return ARGS_READY;
+    if (p.operands + spec->operands_optional >= spec->operand_count) return ARGS_READY;
     args_wrong(problem, "%s is missing", spec->operands[p.operands]);
     return ARGS_WRONG;
 }

@@ -41,9 +41,10 @@ struct args_option {
 
 typedef struct args_spec {
     const args_option *options;    /* NULL: none */
-    const char *const *operands;   /* "SCENE", all required */
+    const char *const *operands;   /* "SCENE"; all required but the optional */
     const size_t *operand_offsets; /* of their const char * fields */
     size_t operand_count;
+    size_t operands_optional; /* of the last ones */
 } args_spec;
 
 typedef enum args_result { ARGS_READY, ARGS_HELP, ARGS_WRONG } args_result;

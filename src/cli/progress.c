@@ -14,6 +14,7 @@ static struct {
     bool drawn;      /* a bar stands on the terminal's line */
     unsigned tenths; /* last one printed of this phase */
     fathom_phase phase;
+    const char *work; /* the name of the phase of rendering; NULL: "render" */
 } state;
 
 /* Lines are for runs that someone waits for. */
@@ -27,11 +28,13 @@ void progress_begin(bool quiet) {
     state.tenths = 0;
 }
 
+void progress_call(const char *name) { state.work = name; }
+
 static const char *phase_name(fathom_phase phase) {
     switch (phase) {
     case FATHOM_PHASE_READ: return "read";
     case FATHOM_PHASE_BUILD: return "build";
-    case FATHOM_PHASE_RENDER: return "render";
+    case FATHOM_PHASE_RENDER: return state.work ? state.work : "render";
     case FATHOM_PHASE_WRITE: return "write";
     }
     return "";

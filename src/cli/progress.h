@@ -6,6 +6,8 @@
 
 /* quiet: nothing is ever shown. */
 void progress_begin(bool quiet);
+/* What the phase of rendering is called: "render" unless said. Borrowed. */
+void progress_call(const char *name);
 
 /* A phase that reports nothing while it lasts: shown by its name on a terminal. */
 void progress_phase(fathom_phase phase);

@@ -32,17 +32,18 @@ static void put_ray(trace_block *block, unsigned lane, const oracle_ray *ray) {
     r->t_near[lane] = ray->t_near, r->t_far[lane] = ray->t_far;
 }
 
-static verdict_answer answer_of(const trace_block *block, unsigned lane) {
+static verdict_answer answer_of(const trace_block *block, const trace_fine *fine, unsigned lane) {
     return (verdict_answer){block->hits.geometry[lane], block->hits.primitive[lane],
-                            block->hits.instance[lane], block->rays.t_far[lane]};
+                            block->hits.instance[lane], fine->t[lane]};
 }
 
-static void trace_rays_of(const trace_tracer *tracer, trace_block *block, const oracle_ray *rays,
-                          unsigned count) {
+static void trace_rays_of(const trace_tracer *tracer, trace_block *block, trace_fine *fine,
+                          const oracle_ray *rays, unsigned count) {
     memset(block, 0, sizeof *block);
+    memset(fine, 0, sizeof *fine);
     for (unsigned i = 0; i < count; ++i) put_ray(block, i, &rays[i]);
     unsigned state = trace_thread_begin();
-    trace_closest(tracer, block, count, TRACE_INCOHERENT);
+    trace_closest_fine(tracer, block, fine, count, TRACE_INCOHERENT);
     trace_thread_end(state);
 }
 
@@ -88,11 +89,12 @@ static void compare_block(const comparison *c, worker *w, uint64_t first, unsign
     const compare_subject *s = c->subject;
     oracle_ray rays[TRACE_WIDTH];
     trace_block block;
+    trace_fine fine;
     for (unsigned i = 0; i < lanes; ++i)
         rays[i] = rays_make(s->source, c->family, c->options->seed, first + i);
-    trace_rays_of(s->tracer, &block, rays, lanes);
+    trace_rays_of(s->tracer, &block, &fine, rays, lanes);
     for (unsigned i = 0; i < lanes; ++i) {
-        verdict_answer answer = answer_of(&block, i);
+        verdict_answer answer = answer_of(&block, &fine, i);
         verdict_report report;
         if (!verdict_closest(s->search, s->world, &s->precision, &rays[i], &answer, &w->room, &report)) {
             w->failed = true;
@@ -114,12 +116,13 @@ static void compare_piece(void *user, size_t begin, size_t end, unsigned index) 
 bool compare_one(const compare_subject *s, const oracle_ray *ray, verdict_answer *answer,
                  verdict_report *out) {
     trace_block block;
-    trace_rays_of(s->tracer, &block, ray, 1);
-    *answer = answer_of(&block, 0);
+    trace_fine fine;
+    trace_rays_of(s->tracer, &block, &fine, ray, 1);
+    *answer = answer_of(&block, &fine, 0);
     search_result room = {.asked = 0};
-    bool fine = verdict_closest(s->search, s->world, &s->precision, ray, answer, &room, out);
+    bool judged = verdict_closest(s->search, s->world, &s->precision, ray, answer, &room, out);
     search_result_free(&room);
-    return fine;
+    return judged;
 }
 
 /* ---- joining what the threads have ---- */

@@ -109,7 +109,7 @@ static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
 
 static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
     draft ray = make_uniform(s, r, index);
-    ray.dir = scale_f64(rays_power(r, -20, 20), normalize_f64(ray.dir));
+    ray.dir = scale_f64(rays_power(r, -20, 18), normalize_f64(ray.dir));
     return ray;
 }
 
@@ -151,14 +151,20 @@ static float normal_f32(double x) { return fabs(x) < (double)FLT_MIN ? (float)co
 
 static vec3_f32 rounded(vec3_f64 v) { return vec_f32(normal_f32(v.x), normal_f32(v.y), normal_f32(v.z)); }
 
+bool rays_allowed(const rays_source *source, const oracle_ray *ray) {
+    bool moves = ray->dir.x != 0 || ray->dir.y != 0 || ray->dir.z != 0;
+    bool in_range = source->stretch * length_f64(widen(ray->dir)) <= RAYS_LARGEST &&
+                    source->stretch * length_f64(widen(ray->org)) + source->shift <= RAYS_LARGEST;
+    return in_range && moves && ray->t_near >= 0 && isfinite(ray->t_near) && ray->t_near <= ray->t_far;
+}
+
 oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index) {
     rays_random r = rays_random_of(seed, (uint64_t)family, index);
     oracle_ray ray;
     for (int attempt = 0; attempt < 64; ++attempt) {
         draft d = families[family].make(source, &r, index);
         ray = (oracle_ray){rounded(d.org), rounded(d.dir), normal_f32(d.t_near), (float)d.t_far};
-        bool moves = ray.dir.x != 0 || ray.dir.y != 0 || ray.dir.z != 0;
-        if (finite_f32(ray.org) && finite_f32(ray.dir) && moves) return ray;
+        if (rays_allowed(source, &ray)) return ray;
     }
     /* Nothing in this world can be aimed at in float. */
     return (oracle_ray){{0, 0, 0}, {0, 0, 1}, 0, INFINITY};

@@ -1,6 +1,7 @@
 /* Families of rays that look for the weak places of intersectors. Ray `index` of a family depends on the
- * world, the seed and the index alone. Every ray is finite (but t_far may be infinite), has a direction that
- * is not zero, and 0 <= t_near <= t_far. */
+ * world, the seed and the index alone. Every ray is allowed: no coordinate above RAYS_LARGEST,
+ * a direction
+ * that is not zero, 0 <= t_near <= t_far; t_far may be infinite. */
 #ifndef PARITY_RAYS_H
 #define PARITY_RAYS_H
 
@@ -16,7 +17,7 @@ typedef enum rays_family {
     RAYS_SURFACE,  /* from a point on a surface, as float rounds it */
     RAYS_FAR,      /* from 10 to 1e6 times the world's radius away */
     RAYS_AXIS,     /* one or two components of the direction are 0 or -0 */
-    RAYS_SCALED,   /* directions 1e-20 to 1e20 long */
+    RAYS_SCALED,   /* directions 1e-20 to 1e18 long */
     RAYS_INTERVAL, /* intervals around a hit, down to nothing; tiny and huge ones */
     RAYS_FAMILIES
 } rays_family;
@@ -30,6 +31,12 @@ typedef struct rays_source rays_source;
 /* FATHOM_BAD_INPUT when nothing is in the world. The world must outlive it. */
 fathom_status rays_create(fathom_context *context, const world *w, rays_source **out);
 void rays_destroy(rays_source *source);
+
+/* Embree's limit for coordinates of rays: Debian's build ends the process on larger ones. */
+#define RAYS_LARGEST 1.8e18
+/* Whether a ray may be handed to any tracer: no coordinate is above RAYS_LARGEST, in the space of any
+ * instance either. */
+bool rays_allowed(const rays_source *source, const oracle_ray *ray);
 
 /* Any number of threads at once. */
 oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index);

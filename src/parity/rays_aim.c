@@ -152,11 +152,27 @@ static bool add_all(rays_source *source) {
     return planes.count == 0 || array_push(&source->runs, planes);
 }
 
+/* By the Frobenius norm. */
+static void set_stretch(rays_source *source) {
+    source->stretch = 1;
+    for (size_t k = 0; k < source->world->instances.count; ++k) {
+        const float(*m)[4] = source->world->instances.items[k].to_object;
+        double sum = 0, shift = 0;
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) sum += (double)m[i][j] * (double)m[i][j];
+            shift += fabs((double)m[i][3]);
+        }
+        source->stretch = fmax(source->stretch, sqrt(sum));
+        source->shift = fmax(source->shift, shift);
+    }
+}
+
 fathom_status rays_create(fathom_context *context, const world *w, rays_source **out) {
     *out = NULL;
     rays_source *source = calloc(1, sizeof *source);
     if (!source) return fail_memory(context, sizeof *source);
     source->world = w;
+    set_stretch(source);
     fathom_status status = FATHOM_OK;
     if (!add_all(source))
         status = fail_memory(context, sizeof *source->runs.items);

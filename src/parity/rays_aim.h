@@ -29,6 +29,7 @@ struct rays_source {
     ARRAY(rays_run) runs; /* planes are the last */
     vec3_f64 center;
     double radius;
+    double stretch, shift; /* at most, of what instances do to lengths and to the origin; stretch >= 1 */
 };
 
 /* A place to aim at. */

@@ -20,6 +20,11 @@ const char *verdict_name(verdict v) {
     return names[v];
 }
 
+verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
+    bool embree = spec->kind == TRACE_EMBREE;
+    return (verdict_tracer){.unit = unit, .inverted = embree, .leaks = embree, .clamped = embree ? 1e-18 : 0};
+}
+
 static double value(ball b) { return (double)b.value; }
 
 /* The exact t of the nearest hit, infinite for a miss. */
@@ -69,17 +74,32 @@ static bool passes_in_range(judge *j, const search_hit *hit, const verdict_bound
     return !(ray.t_near < ray.t_far) || nearest(j, &ray) >= before;
 }
 
+/* Embree's rcp_safe(): no component of a direction is taken for less than 1e-18 where boxes are tested. That
+ * bends the ray for them, by more than rounding does if the whole direction is that small. */
+static bool is_clamped(const judge *j, const oracle_primitive *p) {
+    vec3_f32 d = j->ray->dir;
+    double clamped = j->tracer->clamped, least = clamped / j->tracer->unit;
+    for (int pass = 0; pass < (p->instance ? 2 : 1); ++pass) {
+        double part[3] = {fabs((double)d.x), fabs((double)d.y), fabs((double)d.z)};
+        double most = fmax(part[0], fmax(part[1], part[2])), small = fmin(part[0], fmin(part[1], part[2]));
+        if (most < least && small < clamped) return true;
+        if (p->instance) d = verdict_object_direction(j->ray, p);
+    }
+    return false;
+}
+
 /* Why `hit`, exactly the nearest, was not reported; the tracer saw nothing before t (infinite: at all). */
 static verdict judge_skip(judge *j, const search_hit *hit, double before) {
     oracle_primitive p = search_primitive(j->world, hit->geometry, hit->primitive, hit->instance);
     verdict_bound bound = verdict_bound_of(j->tracer, j->ray, &p, &hit->answer);
-    /* A ray moved aside by 2 aside may meet a slanted surface earlier by twice its bound, and once more for
-     * what is left of the first order. */
-    if (isfinite(before)) before -= 3 * bound.t;
-    if (passes_in_range(j, hit, &bound, before)) return VERDICT_RANGE;
+    /* A slanted surface is met earlier by its bound, times as much as the ray is moved aside. */
+    if (passes_in_range(j, hit, &bound, isfinite(before) ? before - bound.t : before)) return VERDICT_RANGE;
+    if (is_clamped(j, &p)) return VERDICT_LEAK;
     if (value(hit->answer.edge) > bound.edge) return VERDICT_WRONG;
-    /* Twice as far, so that rounding the moved origin to float leaves it outside the bound. */
-    if (passes_aside(j, 2 * bound.aside, before)) return VERDICT_EDGE;
+    /* Twice as far, and by some units of a float at least, which the origin is rounded to. */
+    double aside = fmax(2 * bound.aside, 0x1p-21 * length_f64(widen(j->ray->org)));
+    if (passes_aside(j, aside, isfinite(before) ? before - 2 * bound.t * aside / bound.aside : before))
+        return VERDICT_EDGE;
     return j->tracer->leaks ? VERDICT_LEAK : VERDICT_WRONG;
 }
 
@@ -132,37 +152,37 @@ static bool is_tie(const search_hit *hit, const verdict_answer *a) {
     return hit->geometry == a->geometry && hit->primitive == a->primitive && hit->instance == a->instance;
 }
 
-static verdict judge_tie(const search_result *ties, const verdict_answer *a, double exact) {
-    if (!is_tie(&ties->ties.items[0], a)) return VERDICT_TIE;
-    bool close = fabs((double)a->t - exact) <= VERDICT_ULPS * 0x1p-23 * fabs(exact);
+static verdict judge_tie(const judge *j, const verdict_answer *a, double exact) {
+    if (!is_tie(&j->room->ties.items[0], a)) return VERDICT_TIE;
+    bool close = fabs(a->t - exact) <= verdict_rounding(j->tracer, exact);
     return close ? VERDICT_AGREE : VERDICT_CONDITIONED;
 }
 
 static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *out) {
     const oracle_ray *ray = j->ray;
     if (!names_primitive(j->world, said)) return VERDICT_WRONG;
-    if (!(said->t >= ray->t_near && said->t <= ray->t_far)) return VERDICT_WRONG;
+    if (!(said->t >= (double)ray->t_near && said->t <= (double)ray->t_far)) return VERDICT_WRONG;
     oracle_primitive p = search_primitive(j->world, said->geometry, said->primitive, said->instance);
     oracle_answer a;
     verdict_bound bound = {0, 0, 0};
-    ask_nearest(j, &p, (double)said->t, &a);
+    ask_nearest(j, &p, said->t, &a);
     out->measured = !a.parallel && a.line;
     if (out->measured) {
         out->exact_t = value(a.t), out->t_error = (double)fabsl((long double)(a.t.value - said->t));
         out->condition = j->tracer->inverted ? a.inverted.t : a.condition.t;
     }
-    verdict met = judge_meeting(j, &p, &a, (double)said->t, &bound);
+    verdict met = judge_meeting(j, &p, &a, said->t, &bound);
     if (met == VERDICT_WRONG) return met;
     (void)nearest(j, ray);
     const search_result *ties = j->room;
     if (!ties->ties.count) return met;
     search_hit first = ties->ties.items[0];
     for (size_t i = 0; i < ties->ties.count && met == VERDICT_AGREE; ++i) {
-        if (is_tie(&ties->ties.items[i], said)) return judge_tie(ties, said, value(a.t));
+        if (is_tie(&ties->ties.items[i], said)) return judge_tie(j, said, value(a.t));
     }
     oracle_primitive q = search_primitive(j->world, first.geometry, first.primitive, first.instance);
     verdict_bound nearer = verdict_bound_of(j->tracer, ray, &q, &first.answer);
-    double reported = a.parallel ? (double)said->t : value(a.t);
+    double reported = a.parallel ? said->t : value(a.t);
     if (value(first.answer.t) >= reported - bound.t - nearer.t)
         return met == VERDICT_AGREE ? VERDICT_TIE : met;
     return judge_skip(j, &first, reported - bound.t);

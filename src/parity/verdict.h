@@ -3,6 +3,7 @@
 #define PARITY_VERDICT_H
 
 #include "parity/search.h"
+#include "trace/spec.h"
 
 typedef enum verdict {
     VERDICT_AGREE,       /* the oracle's primitive, t within VERDICT_ULPS; or a miss where it says miss */
@@ -10,8 +11,8 @@ typedef enum verdict {
     VERDICT_EDGE,        /* right for a ray moved by less than the precision can tell, past an edge */
     VERDICT_RANGE,       /* t too near an end of the interval for the precision */
     VERDICT_CONDITIONED, /* the oracle's primitive, t off by no more than the bound of verdict_bound.h */
-    VERDICT_LEAK, /* a surface missed at an edge or vertex though it goes on at the other side: a fault that
-                     the tracer is known for */
+    VERDICT_LEAK, /* what a tracer is known to miss: a surface at an edge or vertex though it goes on at the
+                     other side; by directions whose reciprocals it clamps */
     VERDICT_WRONG,
     VERDICT_COUNT
 } verdict;
@@ -23,15 +24,16 @@ const char *verdict_name(verdict v);
 #define VERDICT_ULPS 2
 
 typedef struct verdict_tracer {
-    double unit;   /* roundoff of its arithmetic: 2^-24 for float */
-    bool inverted; /* inverts to_world itself, as Embree does */
-    bool leaks;    /* leaks are its own class; else they are wrong */
+    double unit;    /* roundoff of its arithmetic: 2^-24 for float */
+    bool inverted;  /* inverts to_world itself, as Embree does */
+    bool leaks;     /* misses surfaces at edges and vertices; else that is wrong */
+    double clamped; /* components of directions below this count as this where boxes are tested; 0: none */
 } verdict_tracer;
 
 /* What the tracer said: ids as in trace_hits, geometry FATHOM_NONE for a miss. */
 typedef struct verdict_answer {
     uint32_t geometry, primitive, instance;
-    float t;
+    double t; /* as the tracer computed it */
 } verdict_answer;
 
 typedef struct verdict_report {
@@ -41,6 +43,9 @@ typedef struct verdict_report {
     double t_error;   /* |t - exact_t| */
     double condition; /* of exact_t: a relative change of u in all inputs moves it by at most u times this */
 } verdict_report;
+
+/* What is known of a tracer by its words. */
+verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit);
 
 /* Judges one closest hit. `room` is for searches and is written over. False when out of memory. */
 bool verdict_closest(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,

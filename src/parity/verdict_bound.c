@@ -14,10 +14,15 @@
  * depth is interpolated over two sides of depth at most L / |d|: 26 u L² S / |d·n|. So 32 bounds all of them,
  * with room for the rounding of the ray in object space. Grazing rays and slivers are in |d·n|.
  *
+ * All of this is to first order, for a denominator that is known: d·n is off by 6 u L² |d|, d itself by the
+ * map. Where K u L² |d| / |d·n| = r is not small the quotients are bounded by 1 / (1 - r) times as much, from
+ * r = 1 on by nothing: the ray cannot be told from one in the triangle's plane.
+ *
  * Quad: as its triangles.
  *
  * Sphere in the form without cancellation (sphere_text.h): |δD| <= 36 u |f| √(R² + l²), |f| <= S: 1 - l²/R²
- * is off by 36 u S √(R² + l²) / R²; l is near R where that matters: 51 u S / R. The root moves by |δD| /
+ * is off by 36 u S √(R² + l²) / R² <= 36 u S (R + l) / R²; from so far that l is off by more than R, l is the
+ * larger. The root moves by |δD| /
  * (2 |d| √D) <= 26 u S R / |d·m| with m = P - C and |d·m| = |d| √D; c / q adds 27 u |t|, b / a 6 u |f| / |d|:
  * at most 33 u S R / |d·m|, since |d·m| <= |d| R. 64 bounds both sums. |d·m| = |d|² |t - t'| / 2, with t' the
  * other root. The textbook's quadratic has no such bound: it loses |f|² / R².
@@ -30,6 +35,7 @@ typedef struct frame {
     vec3_f64 org, dir;
     double norm, inverse_norm; /* of the map's linear part and its inverse; 1 in the world */
     double shift;              /* of to_world */
+    double dir_size;           /* bounds |dir| and what its error is relative to */
 } frame;
 
 static double norm_of(const float m[3][4]) {
@@ -48,8 +54,8 @@ static vec3_f64 carried(const float m[3][4], vec3_f64 p, double w) {
     return load_f64(r);
 }
 
-static frame frame_of(const oracle_ray *ray, const world_instance *instance) {
-    frame f = {widen(ray->org), widen(ray->dir), 1, 1, 0};
+static frame frame_of(const verdict_tracer *tracer, const oracle_ray *ray, const world_instance *instance) {
+    frame f = {widen(ray->org), widen(ray->dir), 1, 1, 0, length_f64(widen(ray->dir))};
     if (!instance) return f;
     const float(*m)[4] = instance->to_object;
     f.org = carried(m, f.org, 1), f.dir = carried(m, f.dir, 0);
@@ -57,7 +63,12 @@ static frame frame_of(const oracle_ray *ray, const world_instance *instance) {
     vec3_f64 shift = {(double)instance->to_world[0][3], (double)instance->to_world[1][3],
                       (double)instance->to_world[2][3]};
     f.shift = length_f64(shift);
+    f.dir_size *= f.norm * (tracer->inverted ? f.norm * f.inverse_norm : 1);
     return f;
+}
+
+double verdict_rounding(const verdict_tracer *tracer, double t) {
+    return VERDICT_ULPS * 2 * fmax(tracer->unit, 0x1p-53) * fabs(t);
 }
 
 double verdict_constant(oracle_shape shape) {
@@ -70,38 +81,44 @@ double verdict_constant(oracle_shape shape) {
     return 0;
 }
 
-static verdict_bound of_triangle(const frame *f, const vec3_f32 v[3], double size) {
+/* 1 / (1 - r), or infinite. */
+static double widened(double r) { return r < 1 ? 1 / (1 - r) : (double)INFINITY; }
+
+static verdict_bound of_triangle(const frame *f, const vec3_f32 v[3], double size, double factor) {
     vec3_f64 a = widen(v[0]), b = widen(v[1]), c = widen(v[2]), n = cross_f64(sub_f64(b, a), sub_f64(c, a));
     double along = fabs(dot_f64(f->dir, n)), d = length_f64(f->dir);
     double side = fmax(length_f64(sub_f64(b, a)), fmax(length_f64(sub_f64(c, a)), length_f64(sub_f64(c, b))));
-    return (verdict_bound){side * side * size / along, d * side * size / along, size};
+    double wide = widened(factor * side * side * f->dir_size / along) / along;
+    return (verdict_bound){side * side * size * wide, d * side * size * wide, size};
 }
 
 /* Past the rim, the closest approach at t' stands in for the roots, which part from it by at most √|δD| /
  * |d|: that is of the order √u, so `factor` goes under the root. */
 static verdict_bound of_sphere(const frame *f, double radius, const oracle_answer *answer, double size,
                                double factor) {
-    double d = length_f64(f->dir), edge = size / radius;
+    double d = length_f64(f->dir), l = sqrt(fmax(0, 1 - (double)answer->edge.value)); /* over R */
+    double edge = size * (1 + l) / radius;
     if (!answer->line) return (verdict_bound){(size + radius * sqrt(edge / factor)) / d, edge, size};
     double gap = fabs((double)(answer->t.value - answer->other.value));
     return (verdict_bound){size * radius / (d * d * gap / 2), edge, size};
 }
 
-static verdict_bound of_plane(const frame *f, vec3_f64 n, double size) {
-    return (verdict_bound){length_f64(n) * size / fabs(dot_f64(f->dir, n)), 0, size};
+static verdict_bound of_plane(const frame *f, vec3_f64 n, double size, double factor) {
+    double along = fabs(dot_f64(f->dir, n)), r = factor * length_f64(n) * f->dir_size / along;
+    return (verdict_bound){length_f64(n) * size / along * widened(r), 0, size};
 }
 
 static verdict_bound of_shape(const frame *f, const oracle_primitive *p, const oracle_answer *answer,
                               double size, double factor) {
     switch (p->shape) {
     case ORACLE_SPHERE: return of_sphere(f, (double)p->radius, answer, size, factor);
-    case ORACLE_PLANE: return of_plane(f, widen(p->v[1]), size);
+    case ORACLE_PLANE: return of_plane(f, widen(p->v[1]), size, factor);
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: break;
     }
     const vec3_f32 parts[2][3] = {{p->v[0], p->v[1], p->v[p->shape == ORACLE_QUAD ? 3 : 2]},
                                   {p->v[2], p->v[3], p->v[1]}};
-    return of_triangle(f, parts[p->shape == ORACLE_QUAD ? answer->part : 0], size);
+    return of_triangle(f, parts[p->shape == ORACLE_QUAD ? answer->part : 0], size, factor);
 }
 
 static double largest_corner(const oracle_primitive *p) {
@@ -123,19 +140,24 @@ static double size_of(const verdict_tracer *tracer, const oracle_ray *ray, const
 
 verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
                                const oracle_primitive *primitive, const oracle_answer *answer) {
-    frame f = frame_of(ray, primitive->instance);
+    frame f = frame_of(tracer, ray, primitive->instance);
     double t = (double)answer->t.value, size = size_of(tracer, ray, primitive, &f, t);
     double factor = verdict_constant(primitive->shape) * tracer->unit;
     verdict_bound bound = of_shape(&f, primitive, answer, size, factor);
-    bound.t = factor * bound.t + 0x1p-24 * VERDICT_ULPS * fabs(t);
+    bound.t = factor * bound.t + verdict_rounding(tracer, t);
     bound.edge *= factor;
     bound.aside = factor * (primitive->instance ? f.inverse_norm : 1) * size;
     return bound;
 }
 
+vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *p) {
+    vec3_f64 dir = widen(ray->dir);
+    return narrow(p->instance ? carried(p->instance->to_object, dir, 0) : dir);
+}
+
 bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p) {
     if (p->shape == ORACLE_SPHERE) return false;
-    frame f = frame_of(ray, p->instance);
+    frame f = frame_of(tracer, ray, p->instance);
     vec3_f64 v = widen(p->v[0]), n = widen(p->v[1]);
     if (p->shape != ORACLE_PLANE)
         n = cross_f64(sub_f64(n, v), sub_f64(widen(p->v[p->shape == ORACLE_QUAD ? 3 : 2]), v));

@@ -18,6 +18,12 @@ verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *r
 /* Whether rounding may bring a ray that is exactly parallel to the primitive's plane into it. */
 bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive);
 
+/* What t may be off by whatever its condition: VERDICT_ULPS, of answers in double at most. */
+double verdict_rounding(const verdict_tracer *tracer, double t);
+
+/* The ray's direction in the primitive's space. */
+vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *primitive);
+
 /* The constants, for reports. */
 double verdict_constant(oracle_shape shape);
 

@@ -1,0 +1,259 @@
+#include "cli/validate.h"
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/threads.h"
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/outputs.h"
+#include "cli/progress.h"
+#include "parity/builtin.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FAILURES_KEPT 1000000 /* of each family */
+
+/* ---- running ---- */
+
+typedef struct work {
+    const validate_settings *settings;
+    validate_runs runs;
+    uint64_t before, total; /* rays */
+    double start;
+} work;
+
+static bool on_progress(void *user, uint64_t rays) {
+    const work *k = user;
+    uint64_t done = k->before + rays;
+    fathom_progress p = {FATHOM_PHASE_RENDER, (double)done / (double)k->total, done,
+                         clock_seconds() - k->start};
+    progress_update(&p);
+    return !interrupt_asked();
+}
+
+static fathom_status run_tracer(fathom_context *context, work *k, const validate_stage *stage,
+                                const char *scene, const char *spec) {
+    compare_subject subject;
+    trace_tracer *tracer;
+    fathom_status status = validate_subject(context, stage, spec, &subject, &tracer);
+    if (status != FATHOM_OK) return status;
+    validate_run *run = array_room(&k->runs, 1) ? &k->runs.items[k->runs.count++] : NULL;
+    if (run) {
+        memset(run, 0, sizeof *run);
+        run->scene = strdup(scene), run->spec = strdup(spec);
+    }
+    if (!run || !run->scene || !run->spec) {
+        trace_destroy(tracer);
+        return fail_memory(context, sizeof *run);
+    }
+    snprintf(run->tracer, sizeof run->tracer, "%s", trace_name(tracer));
+    compare_options options = {.families = k->settings->families,
+                               .rays = k->settings->rays,
+                               .seed = k->settings->seed,
+                               .threads = fathom_context_threads(context),
+                               .failures = k->settings->failures ? FAILURES_KEPT : 0,
+                               .progress = on_progress,
+                               .user = k};
+    if (!options.threads) options.threads = processor_count();
+    double start = clock_seconds();
+    status = compare_run(context, &subject, &options, &run->result);
+    run->seconds = clock_seconds() - start;
+    trace_destroy(tracer);
+    return status;
+}
+
+static const args_list default_tracers = {{"embree", "reference"}, 2};
+
+static unsigned family_count(unsigned families) {
+    unsigned count = 0;
+    for (; families; families &= families - 1) ++count;
+    return count;
+}
+
+static fathom_status run_scene(fathom_context *context, work *k, const char *scene) {
+    const args_list *tracers = &k->settings->tracers;
+    validate_stage stage;
+    fathom_status status = validate_stage_open(context, scene, &stage);
+    for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i) {
+        status = run_tracer(context, k, &stage, scene, tracers->items[i]);
+        k->before += k->settings->rays * family_count(k->settings->families);
+    }
+    validate_stage_close(&stage);
+    return status;
+}
+
+static fathom_status run_all(fathom_context *context, work *k) {
+    unsigned scenes = 0;
+    while (builtin_name(scenes)) ++scenes;
+    if (k->settings->scene) scenes = 1;
+    k->total = scenes * k->settings->tracers.count * family_count(k->settings->families) * k->settings->rays;
+    k->start = clock_seconds();
+    fathom_status status = FATHOM_OK;
+    for (unsigned i = 0; i < scenes && status == FATHOM_OK; ++i)
+        status = run_scene(context, k, k->settings->scene ? k->settings->scene : builtin_name(i));
+    progress_clear_line();
+    return status;
+}
+
+/* ---- results ---- */
+
+static int by_tracer(const void *a, const void *b) {
+    return strcmp(((const validate_run *)a)->spec, ((const validate_run *)b)->spec);
+}
+
+static fathom_status write_results(fathom_context *context, work *k, uint64_t *wrong) {
+    /* Few runs: an insertion keeps the scenes' order within each tracer. */
+    for (size_t i = 1; i < k->runs.count; ++i) {
+        validate_run run = k->runs.items[i];
+        size_t at = i;
+        for (; at > 0 && by_tracer(&k->runs.items[at - 1], &run) > 0; --at)
+            k->runs.items[at] = k->runs.items[at - 1];
+        k->runs.items[at] = run;
+    }
+    uint64_t leaks = 0;
+    for (size_t i = 0; i < k->runs.count; ++i) {
+        compare_family sum = validate_sum(&k->runs.items[i]);
+        *wrong += sum.counts[VERDICT_WRONG], leaks += sum.counts[VERDICT_LEAK];
+    }
+    if (!k->settings->quiet) {
+        validate_print(&k->runs, k->settings);
+        printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)*wrong,
+               (unsigned long long)leaks, clock_seconds() - k->start);
+    }
+    fathom_status status = FATHOM_OK;
+    if (k->settings->json) status = validate_write_json(context, &k->runs, k->settings);
+    if (status == FATHOM_OK && k->settings->failures)
+        status = validate_write_failures(context, &k->runs, k->settings);
+    return status;
+}
+
+static fathom_status check(fathom_context *context, const validate_settings *settings) {
+    const char *outputs[2];
+    size_t count = 0;
+    if (settings->json) outputs[count++] = settings->json;
+    if (settings->failures) outputs[count++] = settings->failures;
+    fathom_status status = outputs_check_distinct(context, outputs, count, settings->scene);
+    for (size_t i = 0; i < count && status == FATHOM_OK; ++i)
+        status = file_check_writable(context, outputs[i]);
+    for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
+        trace_spec spec;
+        status = trace_spec_parse(context, settings->tracers.items[i], &spec);
+    }
+    return status;
+}
+
+static fathom_status validate(fathom_context *context, const validate_settings *settings) {
+    fathom_status status = check(context, settings);
+    if (status != FATHOM_OK) return say_status(&command_validate, context, status);
+    interrupt_install();
+    if (settings->replay) {
+        status = validate_replay(context, settings);
+        return status == FATHOM_CHECK_FAILED ? status : say_status(&command_validate, context, status);
+    }
+    progress_begin(settings->quiet);
+    progress_call("validate");
+    interrupt_keep_work(true);
+    work k = {.settings = settings};
+    uint64_t wrong = 0;
+    status = run_all(context, &k);
+    say_status(&command_validate, context, status);
+    if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
+        fathom_status written = write_results(context, &k, &wrong);
+        if (written != FATHOM_OK) status = say_status(&command_validate, context, written);
+    }
+    for (size_t i = 0; i < k.runs.count; ++i) {
+        compare_result_free(&k.runs.items[i].result);
+        free(k.runs.items[i].scene);
+        free(k.runs.items[i].spec);
+    }
+    array_free(&k.runs);
+    return status == FATHOM_OK && wrong ? FATHOM_CHECK_FAILED : status;
+}
+
+static fathom_status run(int argc, char **argv) {
+    validate_settings settings = {.rays = 3000, .families = (1u << RAYS_FAMILIES) - 1};
+    fathom_status status;
+    if (!command_parse(&command_validate, argc, argv, &settings, &status)) return status;
+    if (!settings.tracers.count && !settings.replay) settings.tracers = default_tracers;
+    fathom_context *context;
+    status = command_context(settings.threads, &context);
+    if (status != FATHOM_OK) return status;
+    status = validate(context, &settings);
+    fathom_context_destroy(context);
+    return status;
+}
+
+static bool take_families(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    unsigned families = 0;
+    for (const char *word = value;; ++word) {
+        size_t length = strcspn(word, ",");
+        int found = -1;
+        for (int f = 0; f < RAYS_FAMILIES; ++f) {
+            const char *name = rays_family_name((rays_family)f);
+            if (strlen(name) == length && strncmp(name, word, length) == 0) found = f;
+        }
+        if (found < 0)
+            return args_wrong(problem,
+                              "expected names from camera,uniform,edge,vertex,grazing,tangent,surface,far,"
+                              "axis,scaled,interval, found \"%.60s\"",
+                              value);
+        families |= 1u << found;
+        word += length;
+        if (!*word) break;
+    }
+    *(unsigned *)field = families;
+    return true;
+}
+
+static const args_option options[] = {
+    {.help = "Options"},
+    {"tracer", 0, "SPEC", take_list, offsetof(validate_settings, tracers), 0, 0,
+     "what is judged; may be given several times (embree and reference)"},
+    {"rays", 0, "N", take_count, offsetof(validate_settings, rays), 1, 1e15,
+     "of each family, scene and tracer (3000); 20k, 8M and 1G are understood"},
+    {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, 0, "of the rays (0)"},
+    {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
+     "camera,uniform,edge,vertex,grazing,tangent,surface,far,axis,scaled,interval (all)"},
+    {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
+     "1 to 1024 (one a processor)"},
+    {.help = "Results"},
+    {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0, "a row for each family"},
+    {"quiet", 'q', NULL, take_true, offsetof(validate_settings, quiet), 0, 0, "only the exit code"},
+    {"json", 0, "FILE", take_text, offsetof(validate_settings, json), 0, 0, "all figures"},
+    {"failures", 0, "FILE", take_text, offsetof(validate_settings, failures), 0, 0,
+     "every ray with a leak or a wrong answer, a line each"},
+    {"replay", 0, "FILE", take_text, offsetof(validate_settings, replay), 0, 0,
+     "ask the rays of such a file again, each alone"},
+    {.help = NULL},
+};
+static const char *const operands[] = {"SCENE"};
+static const size_t operand_offsets[] = {offsetof(validate_settings, scene)};
+
+const command command_validate = {
+    .name = "validate",
+    .usage = "[SCENE] [--tracer SPEC ...] [options]",
+    .summary = "Hold tracers against exact arithmetic.",
+    .text = "Traces families of difficult rays and judges every answer by an exact oracle:\n"
+            "  agree        the exact hit or miss, t to the last places\n"
+            "  tie          another primitive at the same t\n"
+            "  edge         closer to an edge than the tracer's precision can tell\n"
+            "  range        closer to an end of the interval than it can tell\n"
+            "  conditioned  t off by no more than a bound: a constant times the condition\n"
+            "               number of that intersection times the unit roundoff\n"
+            "  leak         what the tracer is known to miss: Embree, surfaces at edges and\n"
+            "               vertices, and by directions with parts below 1e-18\n"
+            "  wrong        anything else\n"
+            "Without SCENE built-in scenes of every shape are used. Errors of t are in units\n"
+            "of its last place as a float; `constant` is the largest error in units of the\n"
+            "condition number times the unit roundoff. SPEC is embree, reference, linear,\n"
+            "bvh and their options, as linear:f64 or embree:robust:high:16.\n"
+            "The exit code is 1 when anything is wrong.\n",
+    .examples = "  fathom validate\n"
+                "  fathom validate bunny.obj --rays 100k --families edge,vertex -v\n"
+                "  fathom validate --tracer linear:f64 --failures bad.txt\n"
+                "  fathom validate --replay bad.txt\n",
+    .args = {options, operands, operand_offsets, 1, 1},
+    .run = run,
+};

@@ -1,0 +1,57 @@
+/* What the files of `fathom validate` share. */
+#ifndef CLI_VALIDATE_H
+#define CLI_VALIDATE_H
+
+#include "cli/args.h"
+#include "parity/compare.h"
+
+typedef struct validate_settings {
+    const char *scene; /* NULL: the built-in ones */
+    args_list tracers;
+    uint64_t rays, seed;
+    unsigned families; /* bit i: rays_family i */
+    unsigned threads;
+    const char *json, *failures, *replay;
+    bool quiet, verbose;
+} validate_settings;
+
+/* One tracer over one scene. */
+typedef struct validate_run {
+    char *scene, *spec; /* as asked for */
+    char tracer[64];    /* as the tracer calls itself */
+    compare_result result;
+    double seconds;
+} validate_run;
+
+typedef ARRAY(validate_run) validate_runs;
+
+/* A scene and what is made of it. */
+typedef struct validate_stage {
+    fathom_scene *scene;
+    world *world;
+    search *search;
+    rays_source *source;
+} validate_stage;
+
+/* ---- validate_stage.c ---- */
+
+/* `name`: a built-in scene or a file. Release with validate_stage_close() whatever comes back. */
+fathom_status validate_stage_open(fathom_context *context, const char *name, validate_stage *out);
+void validate_stage_close(validate_stage *stage);
+/* text must outlive the subject; release its tracer with trace_destroy(). */
+fathom_status validate_subject(fathom_context *context, const validate_stage *stage, const char *text,
+                               compare_subject *out, trace_tracer **tracer);
+
+/* ---- validate_print.c ---- */
+compare_family validate_sum(const validate_run *run);
+void validate_print(const validate_runs *runs, const validate_settings *settings);
+fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,
+                                  const validate_settings *settings);
+
+/* ---- validate_failures.c ---- */
+fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,
+                                      const validate_settings *settings);
+/* FATHOM_CHECK_FAILED when any ray's answer is still wrong. */
+fathom_status validate_replay(fathom_context *context, const validate_settings *settings);
+
+#endif

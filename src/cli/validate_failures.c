@@ -1,0 +1,174 @@
+/* Failing rays as text: what they were asked of, and their numbers as hexadecimal floats, which lose nothing.
+ */
+#include "cli/validate.h"
+
+#include "base/file.h"
+#include "cli/command.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LINE_HEAD "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n"
+
+static void put_line(file_writer *writer, const validate_run *run, const compare_failure *f) {
+    char line[512];
+    const oracle_ray *r = &f->ray;
+    int size = snprintf(line, sizeof line, "%.100s %s %llu %s %a %a %a %a %a %a %a %a ", run->spec,
+                        rays_family_name(f->family), (unsigned long long)f->index, verdict_name(f->verdict),
+                        (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x,
+                        (double)r->dir.y, (double)r->dir.z, (double)r->t_near, (double)r->t_far);
+    file_writer_put(writer, line, (size_t)size);
+    file_writer_put(writer, run->scene, strlen(run->scene));
+    file_writer_put(writer, "\n", 1);
+}
+
+fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,
+                                      const validate_settings *settings) {
+    file_writer *writer;
+    fathom_status status = file_writer_open(context, settings->failures, &writer);
+    if (status != FATHOM_OK) return status;
+    file_writer_put(writer, LINE_HEAD, strlen(LINE_HEAD));
+    for (size_t i = 0; i < runs->count; ++i) {
+        const validate_run *run = &runs->items[i];
+        for (size_t k = 0; k < run->result.failures.count; ++k)
+            put_line(writer, run, &run->result.failures.items[k]);
+    }
+    return file_writer_commit(writer);
+}
+
+/* ---- replay ---- */
+
+typedef struct replay {
+    const validate_settings *settings;
+    validate_stage stage;
+    char scene[4096], spec[128]; /* that are open; "" at first */
+    trace_tracer *tracer;
+    compare_subject subject;
+    uint64_t rays, wrong;
+} replay;
+
+typedef struct replay_line {
+    char spec[128], family[32], scene[4096];
+    unsigned long long index;
+    oracle_ray ray;
+} replay_line;
+
+/* A field up to the next space, by its own reading of hexadecimal floats. */
+static bool take_number(const char **text, float *out) {
+    char *end;
+    double x = strtod(*text, &end);
+    if (end == *text || *end != ' ' || (isfinite(x) && (double)(float)x != x)) return false;
+    *out = (float)x;
+    *text = end + 1;
+    return true;
+}
+
+static bool parse_line(const char *text, replay_line *out) {
+    int used = 0;
+    char was[16];
+    memset(out, 0, sizeof *out);
+    if (sscanf(text, "%127s %31s %llu %15s %n", out->spec, out->family, &out->index, was, &used) != 4)
+        return false;
+    text += used;
+    float *numbers[8] = {&out->ray.org.x, &out->ray.org.y, &out->ray.org.z,  &out->ray.dir.x,
+                         &out->ray.dir.y, &out->ray.dir.z, &out->ray.t_near, &out->ray.t_far};
+    for (int i = 0; i < 8; ++i) {
+        if (!take_number(&text, numbers[i])) return false;
+    }
+    snprintf(out->scene, sizeof out->scene, "%s", text);
+    return *text != '\0';
+}
+
+/* The scene and the tracer of the line, unless they are open already. */
+static fathom_status open_subject(fathom_context *context, replay *r, const replay_line *line) {
+    const char *scene = r->settings->scene ? r->settings->scene : line->scene;
+    const char *spec = r->settings->tracers.count ? r->settings->tracers.items[0] : line->spec;
+    bool same = strcmp(scene, r->scene) == 0;
+    if (same && strcmp(spec, r->spec) == 0) return FATHOM_OK;
+    trace_destroy(r->tracer);
+    r->tracer = NULL;
+    fathom_status status = FATHOM_OK;
+    if (!same) {
+        validate_stage_close(&r->stage);
+        snprintf(r->scene, sizeof r->scene, "%s", scene);
+        status = validate_stage_open(context, scene, &r->stage);
+    }
+    snprintf(r->spec, sizeof r->spec, "%s", spec);
+    if (status == FATHOM_OK) status = validate_subject(context, &r->stage, r->spec, &r->subject, &r->tracer);
+    return status;
+}
+
+static void print_answer(const verdict_answer *a) {
+    if (a->geometry == FATHOM_NONE)
+        printf("miss");
+    else
+        printf("geometry %u primitive %u instance %d t %a", a->geometry, a->primitive, (int)a->instance,
+               a->t);
+}
+
+static bool print_exact(const replay *r, const oracle_ray *ray) {
+    search_result room = {.asked = 0};
+    bool fine = search_closest(r->stage.search, ray, &room);
+    if (fine && room.ties.count) {
+        const search_hit *hit = &room.ties.items[0];
+        print_answer(
+            &(verdict_answer){hit->geometry, hit->primitive, hit->instance, (double)hit->answer.t.value});
+        if (room.ties.count > 1) printf(" (%zu at this t)", room.ties.count);
+    } else {
+        printf("miss");
+    }
+    search_result_free(&room);
+    return fine;
+}
+
+static fathom_status replay_one(fathom_context *context, replay *r, const replay_line *line) {
+    verdict_answer answer;
+    verdict_report report;
+    if (!compare_one(&r->subject, &line->ray, &answer, &report)) return fail_memory(context, 1);
+    ++r->rays;
+    r->wrong += report.verdict == VERDICT_WRONG;
+    if (r->settings->quiet) return FATHOM_OK;
+    printf("%s %s %s %llu: %s\n  tracer: ", r->scene, r->spec, line->family, line->index,
+           verdict_name(report.verdict));
+    print_answer(&answer);
+    printf("\n  exact:  ");
+    bool fine = print_exact(r, &line->ray);
+    putchar('\n');
+    return fine ? FATHOM_OK : fail_memory(context, 1);
+}
+
+static fathom_status replay_text(fathom_context *context, replay *r, const char *text) {
+    fathom_status status = FATHOM_OK;
+    for (unsigned number = 1; *text && status == FATHOM_OK; ++number) {
+        size_t length = strcspn(text, "\n");
+        char copy[4608];
+        replay_line line;
+        snprintf(copy, sizeof copy, "%.*s", (int)(length < 4600 ? length : 4600), text);
+        text += length + (text[length] == '\n');
+        if (copy[0] == '#' || !copy[0]) continue;
+        if (!parse_line(copy, &line))
+            return fail(context, FATHOM_BAD_INPUT, "%s:%u: not a ray as --failures writes it",
+                        r->settings->replay, number);
+        status = open_subject(context, r, &line);
+        if (status == FATHOM_OK && !rays_allowed(r->stage.source, &line.ray))
+            status = fail(context, FATHOM_BAD_INPUT, "%s:%u: the ray has no direction or is out of range",
+                          r->settings->replay, number);
+        if (status == FATHOM_OK) status = replay_one(context, r, &line);
+    }
+    return status;
+}
+
+fathom_status validate_replay(fathom_context *context, const validate_settings *settings) {
+    replay r = {.settings = settings};
+    file_map map;
+    fathom_status status = file_open(context, settings->replay, &map);
+    if (status != FATHOM_OK) return status;
+    status = replay_text(context, &r, (const char *)map.bytes);
+    file_close(&map);
+    trace_destroy(r.tracer);
+    validate_stage_close(&r.stage);
+    if (status != FATHOM_OK) return status;
+    printf("%llu rays, %llu wrong\n", (unsigned long long)r.rays, (unsigned long long)r.wrong);
+    return r.wrong ? FATHOM_CHECK_FAILED : FATHOM_OK;
+}

@@ -1,0 +1,50 @@
+# fathom validate: every shape by default, results as table and JSON, failures that can be asked again.
+. "$SOURCE/tests/cli/check.inc"
+write_scene
+
+# The hand-written intersectors and Embree are right on every shape and family, Embree's known faults apart.
+run 0 validate --rays 300 --seed 7 --json all.json
+said out.txt 'embree (Embree'
+said out.txt 'reference (reference)'
+grep -q '^0 wrong, ' out.txt || die 'no sum'
+for scene in spheres quads triangles planes instances; do
+    said out.txt "$scene "
+    said all.json "\"scene\": \"$scene\""
+done
+for family in camera uniform edge vertex grazing tangent surface far axis scaled interval; do
+    said all.json "\"family\": \"$family\""
+done
+[ "$(number all.json raysPerFamily)" = 300 ] || die 'rays in the JSON'
+! grep -q '"wrong": [1-9]' all.json || die 'something is wrong in the JSON'
+
+# A scene of one's own; a row for each family.
+run 0 validate scene.json --rays 200 --families edge,tangent --tracer linear:f64 -v
+said out.txt '  tangent '
+not_said out.txt '  camera '
+# The same numbers on any thread count.
+run 0 validate scene.json --rays 1000 --tracer reference --threads 1 --json one.json
+run 0 validate scene.json --rays 1000 --tracer reference --threads 3 --json three.json
+grep -v '"seconds"' one.json >one.txt
+grep -v '"seconds"' three.json >three.txt
+cmp -s one.txt three.txt || die 'results depend on the number of threads'
+
+# The textbook's sphere is wrong from afar: that is found, written, and found again by asking again.
+cat >far.json <<'JSON'
+{ "name": "far", "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }
+JSON
+run 1 validate far.json --rays 3000 --families far,tangent --tracer linear:textbook --failures bad.txt
+grep -q '^linear:textbook \(far\|tangent\) [0-9]* wrong .*0x.* far.json$' bad.txt || die 'no failing ray'
+count=$(grep -c ' wrong ' bad.txt)
+run 1 validate --replay bad.txt
+said out.txt "$count rays, $count wrong"
+run 0 validate --replay bad.txt --tracer reference
+said out.txt "$count rays, 0 wrong"
+head -n 2 bad.txt | cut -d' ' -f1-9 >broken.txt
+
+refused 2 '--families: expected names from camera' validate --families edges
+refused 2 '--rays: expected a whole number from 1' validate --rays 0
+refused 2 'unexpected argument "b.json"' validate a.json b.json
+refused 2 'xyzzy' validate --tracer xyzzy
+refused 3 'nothing.json' validate nothing.json
+refused 3 'broken.txt:2: not a ray' validate --replay broken.txt
+refused 2 'same file' validate --json a.txt --failures a.txt

@@ -1,0 +1,321 @@
+/* Each verdict by a constructed case, and faults that a comparison must find. */
+#include "parity/compare.h"
+#include "parity/verdict_bound.h"
+#include "stage.h"
+#include "trace/tracer.h"
+
+static const verdict_tracer plain = {.unit = 0x1p-24}, embree = {.unit = 0x1p-24, .leaks = true};
+
+typedef struct court {
+    stage stage;
+    search *search;
+    search_result room;
+} court;
+
+static void court_open(court *c) {
+    memset(c, 0, sizeof *c);
+    stage_open(&c->stage);
+}
+
+static void court_begin(court *c) {
+    assert_ok(c->stage.context, world_create(c->stage.scene, &c->stage.world));
+    assert_ok(c->stage.context, search_create(c->stage.context, c->stage.world, &c->search));
+}
+
+static void court_close(court *c) {
+    search_result_free(&c->room);
+    search_destroy(c->search);
+    stage_close(&c->stage);
+}
+
+static verdict judged(court *c, const verdict_tracer *tracer, oracle_ray ray, verdict_answer answer) {
+    verdict_report report;
+    assert_true(verdict_closest(c->search, c->stage.world, tracer, &ray, &answer, &c->room, &report));
+    return report.verdict;
+}
+
+static const verdict_answer miss = {FATHOM_NONE, 0, FATHOM_NONE, 0};
+
+/* Two triangles that make the square [-1,1]² at z = 0 (grid of one cell), and another square at z = -1. */
+static void squares(court *c) {
+    court_open(c);
+    add_grid(&c->stage, 1, 0);
+    add_grid(&c->stage, 1, -1);
+    court_begin(c);
+}
+
+static oracle_ray down(float x, float y) { return (oracle_ray){{x, y, 1}, {0, 0, -1}, 0, INFINITY}; }
+
+static verdict_answer at(uint32_t geometry, uint32_t primitive, double t) {
+    return (verdict_answer){geometry, primitive, FATHOM_NONE, t};
+}
+
+static void test_agree(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    assert_int_equal(judged(&c, &plain, down(-0.5f, -0.5f), at(0, 0, 1)), VERDICT_AGREE);
+    assert_int_equal(judged(&c, &plain, down(-0.5f, -0.5f), at(0, 0, 1 + 0x1p-23)), VERDICT_AGREE);
+    assert_int_equal(judged(&c, &plain, down(3, 0), miss), VERDICT_AGREE);
+    court_close(&c);
+}
+
+/* On the diagonal both triangles are met at the same t. */
+static void test_tie(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    verdict a = judged(&c, &plain, down(0.25f, -0.25f), at(0, 0, 1));
+    verdict b = judged(&c, &plain, down(0.25f, -0.25f), at(0, 1, 1));
+    assert_int_equal(a, VERDICT_AGREE);
+    assert_int_equal(b, VERDICT_TIE);
+    court_close(&c);
+}
+
+/* Beside an open edge by less than u times the numbers at hand, a hit is as good as a miss; inside the mesh a
+ * miss at the diagonal is not. Further out nothing excuses either. */
+static void test_edge_and_leak(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    float in = nextafterf(1, 0), out = nextafterf(1, 2);
+    assert_int_equal(judged(&c, &plain, down(in, 0.5f), miss), VERDICT_EDGE);
+    assert_int_equal(judged(&c, &plain, down(out, 0.5f), at(0, 1, 1)), VERDICT_EDGE);
+    assert_int_equal(judged(&c, &plain, down(1.001f, 0.5f), at(0, 1, 1)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &plain, down(0.999f, 0.5f), miss), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &embree, down(0.25f, -0.25f), miss), VERDICT_LEAK);
+    assert_int_equal(judged(&c, &embree, down(0.25f, -0.25f), at(1, 0, 2)), VERDICT_LEAK);
+    assert_int_equal(judged(&c, &plain, down(0.25f, -0.25f), miss), VERDICT_WRONG);
+    court_close(&c);
+}
+
+/* The surface behind is right only where the interval or an edge hides the one in front. */
+static void test_range(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    oracle_ray ray = down(-0.5f, -0.5f);
+    ray.t_near = nextafterf(1, 0);
+    assert_int_equal(judged(&c, &plain, ray, at(0, 0, 1)), VERDICT_AGREE);
+    assert_int_equal(judged(&c, &plain, ray, at(1, 0, 2)), VERDICT_RANGE);
+    ray.t_near = 1;
+    assert_int_equal(judged(&c, &plain, ray, at(0, 0, 1 + 0x1p-23)), VERDICT_RANGE);
+    assert_int_equal(judged(&c, &plain, ray, at(0, 0, 1.001)), VERDICT_WRONG);
+    ray.t_near = 0.9f;
+    assert_int_equal(judged(&c, &plain, ray, at(1, 0, 2)), VERDICT_WRONG);
+    ray.t_far = nextafterf(1, 2);
+    assert_int_equal(judged(&c, &plain, ray, miss), VERDICT_RANGE);
+    ray.t_far = 1.1f;
+    assert_int_equal(judged(&c, &plain, ray, miss), VERDICT_WRONG);
+    court_close(&c);
+}
+
+/* At 1e-4 radians off the surface an error of 1e-5 is what rounding does; head on it is a fault. */
+static void test_conditioned(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    const double tilt = 1e-4;
+    oracle_ray ray = {{-1, -0.3f, (float)(0.4 * tilt)}, {1, 0, -(float)tilt}, 0, INFINITY};
+    assert_int_equal(judged(&c, &plain, ray, at(0, 0, 0.4 + 1e-3)), VERDICT_CONDITIONED);
+    assert_int_equal(judged(&c, &plain, ray, at(0, 0, 0.4 + 0.3)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &plain, down(-0.5f, -0.5f), at(0, 0, 1 + 1e-3)), VERDICT_WRONG);
+    court_close(&c);
+}
+
+static void test_wrong(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), miss), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(1, 0, 2)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(0, 1, 1)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(7, 0, 1)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(0, 9, 1)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(0, 0, -1)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(0, 0, (double)NAN)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &embree, down(3, 0), at(0, 0, 1)), VERDICT_WRONG);
+    court_close(&c);
+}
+
+/* ---- mutants ---- */
+
+typedef enum fault {
+    MUTANT_NONE,
+    MUTANT_SIGN,    /* a hit behind, for some rays */
+    MUTANT_BOUND,   /* hits beyond an edge: the sphere is larger */
+    MUTANT_EPSILON, /* t a little too large */
+    MUTANT_T_NEAR,  /* misses what is near */
+    MUTANT_ORDER    /* the farther of two hits */
+} fault;
+
+typedef struct mutant {
+    trace_tracer base;
+    trace_tracer *inner;
+    fault mutation;
+} mutant;
+
+static void mutate(const mutant *m, trace_block *block, size_t lane) {
+    trace_rays *r = &block->rays;
+    switch (m->mutation) {
+    case MUTANT_NONE:
+    case MUTANT_BOUND:
+    case MUTANT_T_NEAR:
+    case MUTANT_ORDER: break;
+    case MUTANT_SIGN: r->t_far[lane] = -r->t_far[lane]; break;
+    case MUTANT_EPSILON: r->t_far[lane] *= 1 + 1e-4f; break;
+    }
+}
+
+static void mutant_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                           trace_coherence coherence) {
+    const mutant *m = (const mutant *)tracer;
+    trace_block asked = blocks[0];
+    (void)fine;
+    for (size_t i = 0; i < count && m->mutation == MUTANT_T_NEAR; ++i) blocks[0].rays.t_near[i] += 0.05f;
+    trace_closest(m->inner, blocks, count, coherence);
+    for (size_t i = 0; i < count; ++i) {
+        if (blocks[0].hits.geometry[i] == FATHOM_NONE) continue;
+        mutate(m, blocks, i);
+        if (m->mutation != MUTANT_ORDER) continue;
+        /* Asks once more behind what was met. */
+        trace_block behind = asked;
+        for (size_t k = 0; k < count; ++k) {
+            if (k == i) behind.rays.t_near[k] = nextafterf(blocks[0].rays.t_far[k] * 1.001f, INFINITY);
+        }
+        trace_closest(m->inner, &behind, count, coherence);
+        if (behind.hits.geometry[i] == FATHOM_NONE) continue;
+        blocks[0].rays.t_far[i] = behind.rays.t_far[i];
+        blocks[0].hits.geometry[i] = behind.hits.geometry[i];
+        blocks[0].hits.primitive[i] = behind.hits.primitive[i];
+        blocks[0].hits.instance[i] = behind.hits.instance[i];
+    }
+}
+
+static const trace_ops mutant_ops = {.closest = mutant_closest};
+
+/* Wrong answers of the reference tracer with this fault, in 2000 rays of each of the families. */
+static uint64_t wrong_of(fault mutation, unsigned families, unsigned threads, compare_result *out) {
+    court c;
+    court_open(&c);
+    add_everything(&c.stage);
+    court_begin(&c);
+    world *wider = NULL;
+    assert_ok(c.stage.context, world_create(c.stage.scene, &wider));
+    for (size_t i = 0; i < wider->spheres.count; ++i) wider->spheres.items[i].radius *= 1.001f;
+    trace_options kind = {.kind = FATHOM_TRACER_REFERENCE};
+    const world *seen = mutation == MUTANT_BOUND ? wider : c.stage.world;
+    mutant m = {.base = {.ops = &mutant_ops, .world = c.stage.world, .unit = 0x1p-24}, .mutation = mutation};
+    assert_ok(c.stage.context, trace_create(c.stage.context, seen, &kind, &m.inner));
+    rays_source *source;
+    assert_ok(c.stage.context, rays_create(c.stage.context, c.stage.world, &source));
+    compare_subject subject = {c.stage.world, c.search, source, &m.base, plain};
+    compare_options options = {.families = families, .rays = 2000, .threads = threads, .failures = 1000};
+    compare_result result;
+    memset(&result, 0, sizeof result);
+    assert_ok(c.stage.context, compare_run(c.stage.context, &subject, &options, &result));
+    uint64_t wrong = 0;
+    for (int f = 0; f < RAYS_FAMILIES; ++f) wrong += result.families[f].counts[VERDICT_WRONG];
+    /* Each failure fails again by itself. */
+    for (size_t i = 0; i < result.failures.count && i < 20; ++i) {
+        verdict_answer answer;
+        verdict_report report;
+        assert_true(compare_one(&subject, &result.failures.items[i].ray, &answer, &report));
+        assert_int_equal(report.verdict, VERDICT_WRONG);
+    }
+    if (out)
+        *out = result;
+    else
+        compare_result_free(&result);
+    rays_destroy(source);
+    trace_destroy(m.inner);
+    world_destroy(wider);
+    court_close(&c);
+    return wrong;
+}
+
+#define ALL ((1u << RAYS_FAMILIES) - 1)
+
+static void test_no_mutant(void **state) {
+    (void)state;
+    assert_int_equal(wrong_of(MUTANT_NONE, ALL, 2, NULL), 0);
+}
+
+static void test_mutants(void **state) {
+    (void)state;
+    unsigned uniform = 1u << RAYS_UNIFORM;
+    assert_true(wrong_of(MUTANT_SIGN, uniform, 2, NULL) > 100);
+    assert_true(wrong_of(MUTANT_EPSILON, uniform, 2, NULL) > 100);
+    assert_true(wrong_of(MUTANT_ORDER, uniform, 2, NULL) > 100);
+    assert_true(wrong_of(MUTANT_T_NEAR, uniform | 1u << RAYS_INTERVAL, 2, NULL) > 10);
+    assert_true(wrong_of(MUTANT_BOUND, 1u << RAYS_TANGENT, 2, NULL) > 10);
+}
+
+/* No number and no failure depends on the threads. */
+static void test_threads(void **state) {
+    (void)state;
+    compare_result one, three;
+    unsigned families = 1u << RAYS_TANGENT | 1u << RAYS_UNIFORM;
+    (void)wrong_of(MUTANT_EPSILON, families, 1, &one);
+    (void)wrong_of(MUTANT_EPSILON, families, 3, &three);
+    assert_memory_equal(one.families, three.families, sizeof one.families);
+    assert_int_equal(one.failures.count, three.failures.count);
+    for (size_t i = 0; i < one.failures.count; ++i)
+        assert_int_equal(one.failures.items[i].index, three.failures.items[i].index);
+    compare_result_free(&one);
+    compare_result_free(&three);
+}
+
+/* ---- rays and counts ---- */
+
+/* Every ray of every family is allowed, and the same when asked for again; another seed makes others. */
+static void test_rays(void **state) {
+    (void)state;
+    court c;
+    court_open(&c);
+    add_everything(&c.stage);
+    court_begin(&c);
+    rays_source *source;
+    assert_ok(c.stage.context, rays_create(c.stage.context, c.stage.world, &source));
+    for (int f = 0; f < RAYS_FAMILIES; ++f) {
+        unsigned same = 0;
+        for (uint64_t i = 0; i < 2000; ++i) {
+            oracle_ray a = rays_make(source, (rays_family)f, 5, i),
+                       b = rays_make(source, (rays_family)f, 5, i);
+            oracle_ray other = rays_make(source, (rays_family)f, 6, i);
+            assert_true(rays_allowed(source, &a));
+            assert_memory_equal(&a, &b, sizeof a);
+            same += memcmp(&a, &other, sizeof a) == 0;
+        }
+        assert_true(same < 20);
+    }
+    rays_destroy(source);
+    court_close(&c);
+}
+
+static void test_histogram(void **state) {
+    (void)state;
+    histogram h;
+    memset(&h, 0, sizeof h);
+    assert_true(histogram_quantile(&h, 0.5) == 0);
+    for (int i = 1; i <= 1000; ++i) histogram_add(&h, i);
+    for (double q = 0.1; q < 1; q += 0.1) {
+        double found = histogram_quantile(&h, q), wanted = 1000 * q;
+        /* A bin is a quarter of an octave. */
+        assert_true(found >= wanted * (1 - 1e-9) && found <= wanted * 1.19);
+    }
+    histogram_add(&h, (double)INFINITY);
+    assert_int_equal(h.total, 1001);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_agree),         cmocka_unit_test(test_tie),
+        cmocka_unit_test(test_edge_and_leak), cmocka_unit_test(test_range),
+        cmocka_unit_test(test_conditioned),   cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_no_mutant),     cmocka_unit_test(test_mutants),
+        cmocka_unit_test(test_threads),       cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_histogram),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
