@@ -109,7 +109,7 @@ static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
 
 static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
     draft ray = make_uniform(s, r, index);
-    ray.dir = scale_f64(rays_power(r, -20, 18), normalize_f64(ray.dir));
+    ray.dir = scale_f64(rays_power(r, -20, 17), normalize_f64(ray.dir));
     return ray;
 }
 

@@ -17,7 +17,7 @@ typedef enum rays_family {
     RAYS_SURFACE,  /* from a point on a surface, as float rounds it */
     RAYS_FAR,      /* from 10 to 1e6 times the world's radius away */
     RAYS_AXIS,     /* one or two components of the direction are 0 or -0 */
-    RAYS_SCALED,   /* directions 1e-20 to 1e18 long */
+    RAYS_SCALED,   /* directions 1e-20 to 1e17 long */
     RAYS_INTERVAL, /* intervals around a hit, down to nothing; tiny and huge ones */
     RAYS_FAMILIES
 } rays_family;
@@ -32,8 +32,8 @@ typedef struct rays_source rays_source;
 fathom_status rays_create(fathom_context *context, const world *w, rays_source **out);
 void rays_destroy(rays_source *source);
 
-/* Embree's limit for coordinates of rays: Debian's build ends the process on larger ones. */
-#define RAYS_LARGEST 1.8e18
+/* The tracers' limit: Embree takes no coordinate above 1.84e18, and its tracer keeps rays well below that. */
+#define RAYS_LARGEST 4e17
 /* Whether a ray may be handed to any tracer: no coordinate is above RAYS_LARGEST, in the space of any
  * instance either. */
 bool rays_allowed(const rays_source *source, const oracle_ray *ray);

@@ -30,7 +30,7 @@ static const args_option table[] = {
 };
 static const char *const operands[] = {"SCENE"};
 static const size_t operand_offsets[] = {offsetof(settings, scene)};
-static const args_spec spec = {table, operands, operand_offsets, 1};
+static const args_spec spec = {table, operands, operand_offsets, 1, 0};
 
 static settings got;
 static args_problem problem;
