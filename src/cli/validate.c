@@ -215,7 +215,8 @@ static const args_option options[] = {
      "of each family, scene and tracer (3000); 20k, 8M and 1G are understood"},
     {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, 0, "of the rays (0)"},
     {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
-     "camera,uniform,edge,vertex,grazing,tangent,surface,far,axis,scaled,interval (all)"},
+     "camera, uniform, edge, vertex, grazing, tangent, surface, far, axis, scaled and interval, separated by "
+     "commas (all)"},
     {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
      "1 to 1024 (one a processor)"},
     {.help = "Results"},
