@@ -87,7 +87,7 @@ static void count(worker *w, const comparison *c, uint64_t index, const oracle_r
 
 static void compare_block(const comparison *c, worker *w, uint64_t first, unsigned lanes) {
     const compare_subject *s = c->subject;
-    oracle_ray rays[TRACE_WIDTH];
+    oracle_ray rays[TRACE_WIDTH] = {{.t_near = 0}};
     trace_block block;
     trace_fine fine;
     for (unsigned i = 0; i < lanes; ++i)
