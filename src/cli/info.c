@@ -132,7 +132,7 @@ static fathom_status print_json(fathom_context *context, const char *path, const
 static void look_for_problems(const fathom_scene *scene, const info_facts *f, problem_list *problems) {
     char text[128];
     if (f->degenerate_triangles) {
-        snprintf(text, sizeof text, "%llu degenerate triangles (without area): they are left out",
+        snprintf(text, sizeof text, "triangles without area that are left out: %llu",
                  (unsigned long long)f->degenerate_triangles);
         add_problem(problems, text);
     }

@@ -17,11 +17,18 @@ static float largest3(float a, float b, float c) {
 
 static float largest(vec3_f32 v) { return largest3(v.x, v.y, v.z); }
 
-/* 1/sqrt alone where the square is in range, else scaled. */
+/* v / |v|. Where the square would leave the range of float, v is first multiplied by a power of two, which is
+ * exact: a scene of another size gets the same bits. */
 static vec3_f32 unit_of(vec3_f32 v) {
     float square = dot_f32(v, v);
-    if (square > 0x1p-100f && square < 0x1p100f) return scale_f32(1 / sqrtf(square), v);
-    return normalize_f32(v);
+    if (!(square > 0x1p-100f && square < 0x1p100f)) {
+        int exponent;
+        frexpf(largest(v), &exponent);
+        /* In two halves: the whole power may itself be out of range. */
+        v = scale_f32(ldexpf(1, -exponent / 2), scale_f32(ldexpf(1, -exponent - (-exponent / 2)), v));
+        square = dot_f32(v, v);
+    }
+    return square > 0 ? scale_f32(1 / sqrtf(square), v) : v;
 }
 
 static vec3_f32 flat_error(vec3_f32 corner_size, float extent) {

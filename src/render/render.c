@@ -95,7 +95,7 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
     if (status != FATHOM_OK) return status;
     status = world_check(w);
     if (status == FATHOM_OK && w->degenerate_triangles) {
-        warn(context, "%llu degenerate triangles (without area) are left out",
+        warn(context, "triangles without area that are left out: %llu",
              (unsigned long long)w->degenerate_triangles);
     }
     trace_tracer *tracer = NULL;

@@ -46,7 +46,7 @@ f 1 2 4
 OBJ
 run 0 render mesh.obj -o a.exr --size 32x32 --stats s.json
 [ "$(number s.json triangles) $(number s.json degenerateTriangles)" = '2 1' ] || die 'degenerate triangles'
-[ "$(grep -c 'fathom: warning: 1 degenerate triangle' err.txt)" = 1 ] || die 'one warning'
+[ "$(grep -c 'fathom: warning: triangles without area that are left out: 1' err.txt)" = 1 ] || die 'one warning'
 
 # Where python is at hand: it is JSON for others, too.
 if python3 -c 'import json' 2>/dev/null; then

@@ -10,12 +10,13 @@ typedef struct layout {
     double shift[3];
     bool reversed; /* shapes and lights added in the other order */
     bool turned;   /* the whole scene by 90 degrees about y: (x, y, z) -> (z, y, -x) */
+    double scale;  /* of all lengths */
 } layout;
 
 static void place(const layout *l, double x, double y, double z, double out[3]) {
-    out[0] = (l->turned ? z : x) + l->shift[0];
-    out[1] = y + l->shift[1];
-    out[2] = (l->turned ? -x : z) + l->shift[2];
+    out[0] = (l->turned ? z : x) * l->scale + l->shift[0];
+    out[1] = y * l->scale + l->shift[1];
+    out[2] = (l->turned ? -x : z) * l->scale + l->shift[2];
 }
 
 static void turn(const layout *l, double x, double y, double z, double out[3]) {
@@ -48,7 +49,7 @@ static void add_shape(stage *s, const layout *l, const fathom_id material[MATERI
         {-1.2, 0.6, 0.3, 0.6}, {0.2, 0.5, 0.9, 0.5}, {1.3, 0.7, -0.2, 0.7}, {0.1, 0.3, -1.5, 0.3}};
     if (which < 4) {
         place(l, ball[which][0], ball[which][1], ball[which][2], p);
-        stage_sphere(s, p[0], p[1], p[2], ball[which][3], material[which]);
+        stage_sphere(s, p[0], p[1], p[2], ball[which][3] * l->scale, material[which]);
     } else if (which == 4) {
         place(l, 0, 0, 0, p), turn(l, 4, 0, 0, u), turn(l, 0, 0, -4, v);
         stage_quad(s, p, u, v, material[MATTE]);
@@ -80,7 +81,7 @@ static void add_meshes(stage *s, const layout *l, const fathom_id material[MATER
 static void add_light(stage *s, const layout *l, int which) {
     fathom_light light;
     fathom_light_default(&light);
-    for (int c = 0; c < 3; ++c) light.intensity[c] = which == 2 ? 0.3f : 12;
+    for (int c = 0; c < 3; ++c) light.intensity[c] = which == 2 ? 0.3f : (float)(12 * l->scale * l->scale);
     light.type = which == 0 ? FATHOM_LIGHT_POINT : which == 1 ? FATHOM_LIGHT_SPOT : FATHOM_LIGHT_DIRECTIONAL;
     place(l, which ? 3 : -3, 4, 2, light.position);
     turn(l, which == 1 ? -3 : 0.2, -4, -2, light.direction);
@@ -103,7 +104,7 @@ static stage demo(const layout *l) {
     return s;
 }
 
-static const layout plain = {{0, 0, 0}, false, false};
+static const layout plain = {{0, 0, 0}, false, false, 1};
 
 static size_t differing(const fathom_film *a, const fathom_film *b, double tolerance) {
     uint32_t w, h;
@@ -165,7 +166,7 @@ static void crop_is_a_part(void **state) {
 /* The order in which shapes are added changes no pixel. */
 static void order_of_shapes(void **state) {
     (void)state;
-    const layout reversed = {{0, 0, 0}, true, false};
+    const layout reversed = {{0, 0, 0}, true, false, 1};
     stage a = demo(&plain), b = demo(&reversed);
     fathom_film *fa = stage_render(&a), *fb = stage_render(&b);
     assert_int_equal(differing(fa, fb, 0), 0);
@@ -182,10 +183,10 @@ static void order_of_shapes(void **state) {
  * by highlights (exponent 60) and bent rays: 1e-3. */
 static void rigid_motion(void **state) {
     (void)state;
-    const layout moves[] = {{{0, 0, 0}, false, true},
-                            {{3, -5, 7.5}, false, false},
-                            {{6378137, 1000, -2000}, false, true},
-                            {{-6378137, 6378137, 6378137}, false, false}};
+    const layout moves[] = {{{0, 0, 0}, false, true, 1},
+                            {{3, -5, 7.5}, false, false, 1},
+                            {{6378137, 1000, -2000}, false, true, 1},
+                            {{-6378137, 6378137, 6378137}, false, false, 1}};
     stage still = demo(&plain);
     fathom_film *expected = stage_render(&still);
     for (size_t i = 0; i < sizeof moves / sizeof *moves; ++i) {
@@ -198,6 +199,32 @@ static void rigid_motion(void **state) {
     }
     fathom_film_destroy(expected);
     stage_close(&still);
+}
+
+/* A scene of another size, its lights' strength grown with the square: powers of two scale every float
+ * exactly, so not a bit of the image may change, from a millionth to a hundred million. At a
+ * hundred-millionth the sphere's intersector goes on in double, as what it computes falls below 2^-30: the
+ * points it finds are others by a rounding, as in a rigid motion. */
+static void any_scale(void **state) {
+    (void)state;
+    const struct {
+        double scale, tolerance;
+        size_t pixels;
+    } cases[] = {{0x1p-26, 1e-3, 16}, {0x1p-20, 0, 0}, {0x1p-13, 0, 0}, {0x1p13, 0, 0}, {0x1p26, 0, 0}};
+    stage s = demo(&plain);
+    fathom_film *expected = stage_render(&s);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        layout sized = plain;
+        sized.scale = cases[i].scale;
+        stage other = demo(&sized);
+        fathom_film *film = stage_render(&other);
+        size_t count = differing(expected, film, cases[i].tolerance);
+        if (count > cases[i].pixels) fail_msg("scale %g: %zu pixels differ", sized.scale, count);
+        fathom_film_destroy(film);
+        stage_close(&other);
+    }
+    fathom_film_destroy(expected);
+    stage_close(&s);
 }
 
 /* Embree and linear search: the renderer computes position and normal from the primitive alone, so that
@@ -326,6 +353,7 @@ int main(void) {
         cmocka_unit_test(crop_is_a_part),
         cmocka_unit_test(order_of_shapes),
         cmocka_unit_test(rigid_motion),
+        cmocka_unit_test(any_scale),
         cmocka_unit_test(tracers_agree),
         cmocka_unit_test(shadow_terminator),
         cmocka_unit_test(stopping),
