@@ -44,12 +44,16 @@ typedef struct fathom_settings {
     bool terminator_fix;    /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
     unsigned aovs;          /* FATHOM_AOV_ bits; default 0 */
     fathom_tracer_kind tracer;
-    unsigned block_width; /* rays handed to the tracer at once: 1, 4, 8 or 16 (default) */
-    unsigned tile_size;   /* pixels, a multiple of 32; default 32. No pixel depends on it */
+    const char *tracer_spec; /* a tracer in words, "bvh:f64" or "embree:user:high", or a library FILE.so (see
+                                plugin.h), instead of `tracer`; default NULL: by that. The text stays the
+                                caller's; fathom_scene_set_settings() copies it. */
+    unsigned block_width;    /* rays handed to the tracer at once: 1, 4, 8 or 16 (default) */
+    unsigned tile_size;      /* pixels, a multiple of 32; default 32. No pixel depends on it */
 } fathom_settings;
 
 FATHOM_API void fathom_settings_default(fathom_settings *settings);
-/* The settings the scene's file asked for, else the defaults. */
+/* The settings the scene's file asked for, else the defaults. A text in them is the scene's, and is good
+ * until they are set anew. */
 FATHOM_API void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out);
 FATHOM_API fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settings *settings);
 
@@ -84,8 +88,9 @@ typedef struct fathom_stats {
 
 typedef struct fathom_film fathom_film;
 
-/* Renders. On FATHOM_OK and FATHOM_INTERRUPTED *out is a film, to be released with fathom_film_destroy();
- * otherwise *out is NULL. progress and stats may be NULL. */
+/* Renders. FATHOM_BAD_USAGE when there is no tracer of these words (the message lists those there are), or
+ * when it cannot hold the scene's shapes. On FATHOM_OK and FATHOM_INTERRUPTED *out is a film, to be released
+ * with fathom_film_destroy(); otherwise *out is NULL. progress and stats may be NULL. */
 FATHOM_API fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
                                        const fathom_settings *settings, fathom_progress_fn progress,
                                        void *user, fathom_stats *stats, fathom_film **out);

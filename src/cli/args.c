@@ -16,7 +16,7 @@ bool args_wrong(args_problem *problem, const char *format, ...) {
 /* Puts the option as it was typed in front of what its reader said. */
 static bool wrong_at(args_problem *problem, const char *option, size_t length) {
     args_problem inner = *problem;
-    return args_wrong(problem, "%.*s: %.400s", (int)length, option, inner.text);
+    return args_wrong(problem, "%.*s: %.460s", (int)length, option, inner.text);
 }
 
 /* Letters to insert, delete, replace or swap with their neighbour to make b of a; at most NEAREST_LENGTH

@@ -1,6 +1,7 @@
 #include "cli/render_options.h"
 
 #include "base/file.h"
+#include "trace/spec.h"
 
 #include <string.h>
 #include <strings.h>
@@ -82,6 +83,18 @@ static bool take_rgb(const args_option *option, const char *value, void *field, 
     return true;
 }
 
+static bool take_tracer(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    trace_spec spec;
+    fathom_context *context;
+    if (fathom_context_create(&context) != FATHOM_OK) return args_wrong(problem, "out of memory");
+    bool fine = trace_spec_parse(context, value, &spec) == FATHOM_OK;
+    if (!fine) args_wrong(problem, "%s", fathom_context_message(context));
+    fathom_context_destroy(context);
+    *(const char **)field = value;
+    return fine;
+}
+
 static const struct {
     const char *name;
     unsigned bits;
@@ -158,8 +171,11 @@ const args_option render_option_table[] = {
      "fixed distance that rays keep from where they start; auto follows from error bounds (auto)"},
     {"no-terminator-fix", 0, NULL, take_false, FIELD(settings.terminator_fix), 0, 0,
      "let the facets of smooth meshes shadow themselves"},
-    {"tracer", 0, "embree|reference", take_choice, FIELD(settings.tracer), 0, 0,
-     "reference: linear search, for comparing small scenes (embree)"},
+    {"tracer", 0, "SPEC|FILE.so", take_tracer, FIELD(settings.tracer_spec), 0, 0,
+     "what answers the rays (embree): embree, bvh, linear or reference, which is linear:robust:f32, each "
+     "with "
+     "options such as bvh:f64, linear:textbook:f32 or embree:user:high:16; or a library as in "
+     "fathom/plugin.h"},
 
     {.help = "Colour of .png, .jpg and .tif"},
     {"exposure", 0, "STOPS", take_f32, FIELD(write.exposure), -64, 64, "each doubles the light (0)"},

@@ -69,6 +69,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->height = cropped ? c[3] - c[1] : settings->height;
     film->full_width = settings->width, film->full_height = settings->height;
     film->settings = *settings;
+    film->settings.tracer_spec = NULL; /* not the film's; the tracer's name is in the statistics */
     film->camera = scene->camera;
     film->scene_name = strdup(scene->name);
     fathom_status status = check_memory(context, film, settings->aovs);

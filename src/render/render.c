@@ -38,12 +38,17 @@ static void report_build(void *user) {
 static fathom_status run_build(fathom_context *context, const world *w, const fathom_settings *settings,
                                fathom_progress_fn progress, void *user, trace_tracer **out) {
     static const watch_calls calls = {build_tracer, report_build};
+    trace_spec spec;
+    const char *words = settings->tracer_spec;
+    fathom_status status = words ? trace_spec_parse(context, words, &spec) : FATHOM_OK;
+    if (status != FATHOM_OK) return status;
     build b = {.context = context,
                .world = w,
                .progress = progress,
                .progress_user = user,
                .began = clock_seconds()};
-    b.options = (trace_options){.kind = settings->tracer,
+    b.options = (trace_options){.spec = words ? &spec : NULL,
+                                .kind = settings->tracer,
                                 .width = settings->block_width,
                                 .threads = fathom_context_threads(context),
                                 .expected_rays = plan_expected_rays(w->scene, settings),
@@ -115,7 +120,10 @@ fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
                             fathom_stats *stats, fathom_film **out) {
     *out = NULL;
     if (stats) *stats = (fathom_stats){0};
+    trace_spec spec; /* told before the world is built, which can take a while */
     fathom_status status = scene_check_settings(context, settings);
+    if (status == FATHOM_OK && settings->tracer_spec)
+        status = trace_spec_parse(context, settings->tracer_spec, &spec);
     if (status == FATHOM_OK) status = fathom_scene_check(scene);
     if (status != FATHOM_OK) return status;
     fathom_film *film;

@@ -43,6 +43,7 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->meshes);
     array_free(&scene->instances);
     free(scene->name);
+    free(scene->tracer_spec);
     free(scene);
 }
 

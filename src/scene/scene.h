@@ -47,6 +47,7 @@ struct fathom_scene {
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;
     fathom_settings settings;
+    char *tracer_spec; /* of the settings; NULL: none */
 };
 
 /* Gives `data` to the scene, which calls release(data) when it is destroyed, or at once when it is out of

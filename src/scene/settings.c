@@ -1,5 +1,8 @@
 #include "scene/scene.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 void fathom_settings_default(fathom_settings *settings) {
     *settings = (fathom_settings){.width = 1280,
                                   .height = 720,
@@ -67,6 +70,11 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
 
 fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settings *settings) {
     fathom_status status = scene_check_settings(scene->context, settings);
-    if (status == FATHOM_OK) scene->settings = *settings;
-    return status;
+    if (status != FATHOM_OK) return status;
+    char *spec = settings->tracer_spec ? strdup(settings->tracer_spec) : NULL; /* may be the scene's own */
+    if (settings->tracer_spec && !spec) return fail_memory(scene->context, strlen(settings->tracer_spec) + 1);
+    free(scene->tracer_spec);
+    scene->settings = *settings;
+    scene->settings.tracer_spec = scene->tracer_spec = spec;
+    return FATHOM_OK;
 }

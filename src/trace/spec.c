@@ -126,9 +126,9 @@ static fathom_status unknown_kind(const reader *r, size_t length) {
     char options[3][200];
     for (int i = 0; i < 3; ++i) list_options(1u << kinds[i].kind, options[i], sizeof options[i]);
     return fail(r->context, FATHOM_BAD_USAGE,
-                "tracer \"%s\": there is no \"%.*s\"; expected reference, a shared library FILE.so, linear "
-                "(options %s), bvh (%s) or embree (%s), such as embree:user:high",
-                r->text, (int)length, r->text, options[0], options[1], options[2]);
+                "no tracer is called \"%.*s\"; expected reference, a shared library FILE.so, linear (options "
+                "%s), bvh (%s) or embree (%s), such as embree:user:high, found \"%.99s\"",
+                (int)(length < 40 ? length : 40), r->text, options[0], options[1], options[2], r->text);
 }
 
 static fathom_status read_option(reader *r, const char *text, size_t length) {
@@ -141,19 +141,15 @@ static fathom_status read_option(reader *r, const char *text, size_t length) {
     if (!found) {
         char options[200];
         list_options(r->kinds, options, sizeof options);
-        return fail(r->context, FATHOM_BAD_USAGE, "tracer \"%s\": there is no option \"%.*s\"; expected %s",
-                    r->text, (int)length, text, options);
-    }
-    if (r->given[found->sort] && found->sort == SORT_FLAGS) {
-        return fail(
-            r->context, FATHOM_BAD_USAGE,
-            "tracer \"%s\": \"%s\" and \"%s\" exclude each other: with both, some of Embree's kernels "
-            "never return",
-            r->text, r->given[found->sort], found->text);
+        return fail(r->context, FATHOM_BAD_USAGE,
+                    "tracers of this kind have no option \"%.*s\"; expected %s, found \"%.99s\"",
+                    (int)(length < 40 ? length : 40), text, options, r->text);
     }
     if (r->given[found->sort]) {
-        return fail(r->context, FATHOM_BAD_USAGE, "tracer \"%s\": \"%s\" and \"%s\" exclude each other",
-                    r->text, r->given[found->sort], found->text);
+        return fail(
+            r->context, FATHOM_BAD_USAGE, "options \"%s\" and \"%s\" exclude each other%s, found \"%.99s\"",
+            r->given[found->sort], found->text,
+            found->sort == SORT_FLAGS ? ": with both, some of Embree's kernels never return" : "", r->text);
     }
     r->given[found->sort] = found->text;
     r->value[found->sort] = found->value;
@@ -181,7 +177,7 @@ fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_
     if (streams(r.value[SORT_CALLS])) {
         if (r.given[SORT_TIES] && r.value[SORT_TIES] == TRACE_SETTLED) {
             return fail(context, FATHOM_BAD_USAGE,
-                        "tracer \"%s\": streams are raw: in them no tie is settled", text);
+                        "streams are raw: in them no tie is settled, found \"%.99s\"", text);
         }
         r.value[SORT_TIES] = TRACE_RAW;
     }

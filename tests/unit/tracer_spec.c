@@ -48,22 +48,25 @@ static void refuses(const char *text, const char *message) {
 static void wrong_words_are_told(void **state) {
     (void)state;
     refuses("optix",
-            "there is no \"optix\"; expected reference, a shared library FILE.so, linear (options "
+            "no tracer is called \"optix\"; expected reference, a shared library FILE.so, linear (options "
             "robust, textbook; f32, f64, f128), bvh (robust; f32, f64, f128) or embree (triangles, ");
-    refuses("", "there is no \"\"");
-    refuses("lin", "there is no \"lin\"");
-    refuses("linear:", "there is no option \"\"");
-    refuses("linear:f16", "there is no option \"f16\"; expected robust, textbook; f32, f64, f128");
-    refuses("linear:f32:f64", "\"f32\" and \"f64\" exclude each other");
+    refuses("optix", ", such as embree:user:high, found \"optix\"");
+    refuses("", "is called \"\"");
+    refuses("lin", "is called \"lin\"");
+    refuses("lin:f32", "is called \"lin\"");
+    refuses("linear:", "have no option \"\"");
+    refuses("linear:f16",
+            "have no option \"f16\"; expected robust, textbook; f32, f64, f128, found \"linear:f16\"");
+    refuses("linear:f32:f64", "\"f32\" and \"f64\" exclude each other, found \"linear:f32:f64\"");
     refuses("linear:f32:f32", "\"f32\" and \"f32\" exclude each other");
-    refuses("bvh:textbook", "there is no option \"textbook\"");
-    refuses("embree:f64", "there is no option \"f64\"");
+    refuses("bvh:textbook", "have no option \"textbook\"");
+    refuses("embree:f64", "have no option \"f64\"");
     refuses("embree:compact:robust", "never return");
     refuses("embree:16:8", "exclude each other");
 #if FATHOM_EMBREE_MAJOR == 3
     refuses("embree:stream1m:settled", "streams are raw");
 #else
-    refuses("embree:stream1m", "there is no option \"stream1m\"");
+    refuses("embree:stream1m", "have no option \"stream1m\"");
 #endif
 }
 

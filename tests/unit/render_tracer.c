@@ -1,0 +1,87 @@
+/* Rendering with tracers by name, through the public interface. */
+#include "stage.h"
+
+static void fill(stage *s) {
+    stage_open(s);
+    add_ball(s, FATHOM_ROOT, 10, 0.05, 1, 0, 0);
+    add_sphere(s, FATHOM_ROOT, 1, 1, 0, 0.4, 0);
+    assert_ok(s->context, fathom_scene_complete(s->scene));
+}
+
+static fathom_film *rendered(stage *s, const char *spec, fathom_stats *stats) {
+    fathom_settings settings;
+    fathom_settings_default(&settings);
+    settings.width = 48, settings.height = 32, settings.tracer_spec = spec;
+    fathom_film *film;
+    assert_ok(s->context, fathom_render(s->context, s->scene, &settings, NULL, NULL, stats, &film));
+    return film;
+}
+
+static void words_choose_the_tracer(void **state) {
+    (void)state;
+    stage s;
+    fill(&s);
+    fathom_stats stats;
+    fathom_film *linear = rendered(&s, "linear", &stats);
+    assert_string_equal(stats.tracer, "reference");
+    fathom_film *bvh = rendered(&s, "bvh", &stats);
+    assert_string_equal(stats.tracer, "reference BVH, f32");
+    assert_true(stats.bvh_bytes > 0);
+    const size_t bytes = 48 * 32 * sizeof(float);
+    const char *const channels[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c) {
+        assert_memory_equal(fathom_film_channel(linear, channels[c]), fathom_film_channel(bvh, channels[c]),
+                            bytes);
+    }
+    fathom_film_destroy(linear), fathom_film_destroy(bvh);
+    fathom_film_destroy(rendered(&s, NULL, &stats));
+    assert_int_equal(strncmp(stats.tracer, "Embree", 6), 0);
+    stage_close(&s);
+}
+
+static void wrong_words_are_refused(void **state) {
+    (void)state;
+    stage s;
+    fill(&s);
+    fathom_settings settings;
+    fathom_settings_default(&settings);
+    settings.tracer_spec = "cuda";
+    fathom_film *film;
+    assert_fails(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film),
+                 FATHOM_BAD_USAGE, "found \"cuda\"");
+    assert_null(film);
+    stage_close(&s);
+}
+
+/* The scene keeps a copy, also when it is given its own text again. */
+static void the_scene_copies_the_words(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    char words[] = "bvh:f64";
+    fathom_settings settings;
+    fathom_settings_default(&settings);
+    assert_null(settings.tracer_spec);
+    settings.tracer_spec = words;
+    assert_ok(s.context, fathom_scene_set_settings(s.scene, &settings));
+    memset(words, 'x', sizeof words - 1);
+    fathom_scene_settings(s.scene, &settings);
+    assert_string_equal(settings.tracer_spec, "bvh:f64");
+    assert_ok(s.context, fathom_scene_set_settings(s.scene, &settings));
+    fathom_scene_settings(s.scene, &settings);
+    assert_string_equal(settings.tracer_spec, "bvh:f64");
+    settings.tracer_spec = NULL;
+    assert_ok(s.context, fathom_scene_set_settings(s.scene, &settings));
+    fathom_scene_settings(s.scene, &settings);
+    assert_null(settings.tracer_spec);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(words_choose_the_tracer),
+        cmocka_unit_test(wrong_words_are_refused),
+        cmocka_unit_test(the_scene_copies_the_words),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
