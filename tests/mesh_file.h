@@ -49,7 +49,7 @@ typedef fathom_status (*mesh_reader)(fathom_scene *scene, fathom_id group, const
 
 /* NULL after a failure, whose message the context has. */
 static inline fathom_scene *mesh_try(mesh_reader reader, const char *path, read_mesh_options options,
-                              fathom_status *status) {
+                                     fathom_status *status) {
     fathom_scene *scene;
     mesh_warnings[0] = '\0';
     assert_ok(context, fathom_scene_create(context, &scene));
