@@ -140,7 +140,7 @@ static void ties(void **state) {
     stage_close(&s);
 }
 
-/* Spheres by their silhouettes, small and large, near and far: where boxes are the tightest. */
+/* Spheres by their silhouettes, small and large, near and far. */
 static void silhouettes(void **state) {
     (void)state;
     stage s;
@@ -171,7 +171,24 @@ static void silhouettes(void **state) {
     stage_close(&s);
 }
 
-/* Instances squeezed, sheared, mirrored, far from the origin, and within one another's boxes. */
+/* A triangle of aspect 10^4 around c. */
+static void add_sliver(stage *s, fathom_id group, const double c[3]) {
+    static const uint32_t index[] = {0, 1, 2};
+    float *p = stage_memory(s, 9 * sizeof *p);
+    for (int k = 0; k < 3; ++k) {
+        double along = between(-1, 1);
+        p[k] = (float)(c[k] - along), p[3 + k] = (float)(c[k] + along);
+        p[6 + k] = (float)(c[k] + 1e-4 * between(-1, 1));
+    }
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p, mesh.vertex_count = 3, mesh.indices = index, mesh.triangle_count = 1;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
+}
+
+/* Instances squeezed, sheared, mirrored, far from the origin, and within one another's boxes; from near by
+ * and from as far as float lets a ray find them, where carrying it into their space moves it by their size.
+ */
 static void instances(void **state) {
     (void)state;
     stage s;
@@ -199,6 +216,10 @@ static void instances(void **state) {
                 (double)m[k][0] * p[0] + (double)m[k][1] * p[1] + (double)m[k][2] * p[2] + (double)m[k][3];
             org[k] = between(-40, 40) + (i % 3 ? 0 : target[k]);
         }
+        if (i % 4 == 0) {
+            double far = pow(10, between(2, 8)), away[3] = {between(-1, 1), between(-1, 1), between(-1, 1)};
+            for (int k = 0; k < 3; ++k) org[k] = target[k] + far * away[k];
+        }
         ray_towards(&set, i, org, target);
     }
     assert_true(same_as_linear(&s, "f32", &set) > 600);
@@ -206,6 +227,55 @@ static void instances(void **state) {
     assert_true(same_as_linear(&s, "f64", &set) > 75);
     free(set.blocks);
     stage_close(&s);
+}
+
+/* A map of random shape whose inverse shrinks by up to a thousand. */
+static void random_map(double m[12]) {
+    for (int k = 0; k < 12; ++k) m[k] = k % 4 == 3 ? between(-5, 5) : between(-1, 1);
+    double thin = pow(10, between(-3, 0));
+    for (int k = 0; k < 3; ++k) m[4 + k] = thin * m[4 + k] + (1 - thin) * m[k];
+}
+
+/* One thing alone, so that its box is no larger than itself: a sphere, a sphere in an instance, a sliver in
+ * an instance. From so far that float moves rays by the thing's own size, and carrying them by more: a box
+ * without slack would stand beside what the intersector meets. */
+static void lone_boxes(void **state) {
+    (void)state;
+    size_t met = 0;
+    for (int round = 0; round < 60; ++round) {
+        stage s;
+        stage_open(&s);
+        seed += 7919 * (uint64_t)round;
+        double m[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
+               c[3] = {between(-9, 9), between(-9, 9), between(-9, 9)};
+        fathom_id group = FATHOM_ROOT;
+        if (round % 3) {
+            assert_ok(s.context, fathom_scene_add_group(s.scene, "group", &group));
+            random_map(m);
+            add_instance(&s, group, m);
+        }
+        if (round % 3 < 2)
+            add_sphere(&s, group, c[0], c[1], c[2], 1, 0);
+        else
+            add_sliver(&s, group, c);
+        trace_destroy(stage_spec(&s, "bvh"));
+        ray_set set = rays_new(1600);
+        for (size_t i = 0; i < set.count; ++i) {
+            double far = pow(10, between(0, 8)), p[3], target[3], org[3];
+            for (int k = 0; k < 3; ++k) p[k] = c[k] + between(-1, 1);
+            for (int k = 0; k < 3; ++k) {
+                target[k] = m[4 * k] * p[0] + m[4 * k + 1] * p[1] + m[4 * k + 2] * p[2] + m[4 * k + 3];
+                org[k] = target[k] + far * (i % 5 == (size_t)k ? 0 : between(-1, 1));
+            }
+            store_f64(target, sub_f64(load_f64(target), s.world->origin));
+            store_f64(org, sub_f64(load_f64(org), s.world->origin));
+            ray_towards(&set, i, org, target);
+        }
+        met += same_as_linear(&s, "f32", &set) + same_as_linear(&s, "f64", &set);
+        free(set.blocks);
+        stage_close(&s);
+    }
+    assert_true(met > 60 * 300);
 }
 
 /* ---- scales, damage, nothing ---- */
@@ -394,6 +464,7 @@ int main(void) {
         cmocka_unit_test(ties),
         cmocka_unit_test(silhouettes),
         cmocka_unit_test(instances),
+        cmocka_unit_test(lone_boxes),
         cmocka_unit_test(scales),
         cmocka_unit_test(damaged_triangles_are_left_out),
         cmocka_unit_test(shadows_and_planes),
