@@ -2,12 +2,7 @@
 
 #include <float.h>
 
-/* A ray while it is being made. */
-typedef struct draft {
-    vec3_f64 org, dir;
-    double t_near, t_far;
-} draft;
-
+typedef rays_draft draft;
 typedef draft (*maker)(const rays_source *s, rays_random *r, uint64_t index);
 
 static draft towards(vec3_f64 org, vec3_f64 target) {
@@ -158,11 +153,16 @@ bool rays_allowed(const rays_source *source, const oracle_ray *ray) {
     return in_range && moves && ray->t_near >= 0 && isfinite(ray->t_near) && ray->t_near <= ray->t_far;
 }
 
+void rays_set_maker(rays_source *source, rays_maker make, const void *user) {
+    source->own = make, source->own_user = user;
+}
+
 oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index) {
     rays_random r = rays_random_of(seed, (uint64_t)family, index);
     oracle_ray ray;
     for (int attempt = 0; attempt < 64; ++attempt) {
-        draft d = families[family].make(source, &r, index);
+        draft d =
+            source->own ? source->own(source->own_user, &r, index) : families[family].make(source, &r, index);
         ray = (oracle_ray){rounded(d.org), rounded(d.dir), normal_f32(d.t_near), (float)d.t_far};
         if (rays_allowed(source, &ray)) return ray;
     }

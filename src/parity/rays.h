@@ -41,6 +41,20 @@ bool rays_allowed(const rays_source *source, const oracle_ray *ray);
 /* Any number of threads at once. */
 oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index);
 
+/* A ray in double, in the world's coordinates; rays_make() rounds it, and asks again with other numbers if it
+ * is not allowed. */
+typedef struct rays_draft {
+    vec3_f64 org, dir;
+    double t_near, t_far;
+} rays_draft;
+
+/* `random`: see rays_aim.h. */
+struct rays_random;
+typedef rays_draft (*rays_maker)(const void *user, struct rays_random *random, uint64_t index);
+
+/* From now on every family is these rays. */
+void rays_set_maker(rays_source *source, rays_maker make, const void *user);
+
 /* Of a sphere around all that has bounds; at least 1e-30. Errors of position are told relative to it. */
 double rays_world_radius(const rays_source *source);
 

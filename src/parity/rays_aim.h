@@ -30,6 +30,8 @@ struct rays_source {
     vec3_f64 center;
     double radius;
     double stretch, shift; /* at most, of what instances do to lengths and to the origin; stretch >= 1 */
+    rays_maker own;        /* makes the rays of every family; may be NULL */
+    const void *own_user;
 };
 
 /* A place to aim at. */
