@@ -1,0 +1,45 @@
+/* Stiff and extreme cases of shading: small scenes through the real renderer, each held against a formula
+ * evaluated in double, within a bound that follows from roundings counted beside the case. */
+#ifndef EXTREMES_SHADING_H
+#define EXTREMES_SHADING_H
+
+#include "base/array.h"
+
+#include <fathom/fathom.h>
+
+/* One case. A case of many pixels is told by the one whose error is the largest share of its bound. */
+typedef struct shading_row {
+    const char *group; /* "mirrors", "ior"…: what one plot shows */
+    double parameter;  /* its x axis */
+    char what[120];    /* the case in words for a person */
+    const char *spec;  /* the tracer, as asked for: the caller's text */
+    double measured, expected, error, bound;
+    bool ok; /* error <= bound, and every channel of every pixel is finite */
+} shading_row;
+
+typedef ARRAY(shading_row) shading_rows;
+
+typedef struct shading_image {
+    char title[64], caption[400];
+    unsigned char *png;
+    size_t png_bytes;
+} shading_image;
+
+typedef ARRAY(shading_image) shading_images;
+
+typedef struct shading_options {
+    const char *spec; /* what traces, as trace_spec_parse() reads it; outlives the rows */
+    double twist;     /* for tests: the formulas' parameters are taken wrong by this share; 0 */
+} shading_options;
+
+/* Appends a row for each case. What comes back is FATHOM_OK whether the rows are or not. */
+fathom_status shading_run(fathom_context *context, const shading_options *options, shading_rows *out);
+
+/* A demonstration scene at the origin of coordinates and moved by the Earth's radius: rows that compare them,
+ * and images of both, beside what plain float would show. */
+fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows,
+                            shading_images *images);
+
+void shading_images_free(shading_images *images);
+
+#endif
