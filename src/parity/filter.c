@@ -72,33 +72,39 @@ void filter_run(const filter_ray *ray, const filter_spheres *spheres, size_t fir
     for (size_t i = 0; i < count; ++i) out[i] = 1, low[i] = -(double)INFINITY;
 }
 
-/* Corners as seen from the origin, A their largest component, ε = u A + org_error the error of each, B the
- * largest component of dir. Edge functions d·(p×q) have six terms d p q; each is moved by 2.1 A ε B by the
- * corners, by 1.2 A² dir_error by the direction (for ε <= A/16), and by 5.1 u A² B by rounding: less than 16
- * A B ε + 8 A² dir_error + 64 u A² B in all, of which 33 u A² B are left for adding three of them up. a·(b×c)
- * likewise: 24 A² ε + 64 u A³. */
+static double larger(double a, double b) { return a > b ? a : b; }
+
+static double largest(vec3_f64 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
+
+/* Corners p, q, r as seen from the origin, A their largest component, ε = u A + org_error the error of each;
+ * sides as differences of floats, L their largest component, u L the error of each; B the largest component
+ * of dir. From afar L is much less than A, so edge functions are formed as d·(q×r) = d·(q×(r-q)), six terms d
+ * q s: each is moved by 1.1 B L ε by the corner, by 1.1 u A B L by the side, by 1.2 A L dir_error by the
+ * direction (for ε <= A/16), and by 5.1 u A B L by rounding: less than 16 B L ε + 64 u A B L + 8 A L
+ * dir_error in all. Their sum is d·n with n = s×s' of two sides: six terms d s s', each moved by 2.2 u B L²,
+ * 1.1 L² dir_error, and 5.1 u B L². p·n likewise: 1.1 L² ε, 2.2 u A L² and 5.1 u A L². */
 filter_verdict filter_triangle(const filter_ray *ray, vec3_f64 a, vec3_f64 b, vec3_f64 c, double *low,
                                double *high) {
     *low = -(double)INFINITY, *high = (double)INFINITY;
     vec3_f64 p = sub_f64(a, ray->org), q = sub_f64(b, ray->org), r = sub_f64(c, ray->org);
-    double size = fabs(p.x);
-    const double others[8] = {p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z};
-    for (int i = 0; i < 8; ++i) size = size > fabs(others[i]) ? size : fabs(others[i]);
-    double off = UNIT * size + ray->org_error, B = ray->largest;
-    if (ray->vague || !(off <= size / 16)) return FILTER_DOUBT;
-    double edge_error = 16 * size * B * off + 8 * size * size * ray->dir_error + 64 * UNIT * size * size * B +
-                        FILTER_LEAST * FILTER_LEAST;
-    vec3_f64 qr = cross_f64(q, r);
-    double u = dot_f64(ray->dir, qr), v = dot_f64(ray->dir, cross_f64(r, p)),
-           w = dot_f64(ray->dir, cross_f64(p, q));
+    vec3_f64 ab = sub_f64(b, a), bc = sub_f64(c, b), ca = sub_f64(a, c);
+    double A = larger(largest(p), larger(largest(q), largest(r))), B = ray->largest;
+    double L = larger(largest(ab), larger(largest(bc), largest(ca)));
+    const double tiny = FILTER_LEAST * FILTER_LEAST;
+    double off = UNIT * A + ray->org_error;
+    if (ray->vague || !(off <= A / 16)) return FILTER_DOUBT;
+    double edge_error = L * (16 * B * off + 64 * UNIT * A * B + 8 * A * ray->dir_error) + tiny;
+    double u = dot_f64(ray->dir, cross_f64(q, bc)), v = dot_f64(ray->dir, cross_f64(r, ca)),
+           w = dot_f64(ray->dir, cross_f64(p, ab));
     double least = u < v ? u : v, most = u < v ? v : u;
     least = least < w ? least : w, most = most > w ? most : w;
     if (least < -edge_error && most > edge_error) return FILTER_MISS;
-    double sum = u + v + w, sum_error = 3 * edge_error, left = fabs(sum) - sum_error;
+    vec3_f64 n = cross_f64(ab, bc);
+    double sum = dot_f64(ray->dir, n), sum_error = L * L * (64 * UNIT * B + 8 * ray->dir_error) + tiny;
+    double left = fabs(sum) - sum_error;
     if (!(left > 0)) return FILTER_DOUBT;
-    double above_error =
-        24 * size * size * off + 64 * UNIT * size * size * size + FILTER_LEAST * FILTER_LEAST;
-    double t = dot_f64(p, qr) / sum;
+    double above_error = L * L * (8 * off + 64 * UNIT * A) + tiny;
+    double t = dot_f64(p, n) / sum;
     double t_error = (above_error + fabs(t) * sum_error) / left * (1 + 0x1p-40) + fabs(t) * 0x1p-50;
     *low = t - t_error, *high = t + t_error;
     if (*low >= ray->t_far || *high <= ray->t_near) return FILTER_MISS;

@@ -104,7 +104,7 @@ static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
 
 static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
     draft ray = make_uniform(s, r, index);
-    ray.dir = scale_f64(rays_power(r, -20, 17), normalize_f64(ray.dir));
+    ray.dir = scale_f64(rays_power(r, -20, 20), normalize_f64(ray.dir));
     return ray;
 }
 
@@ -148,7 +148,7 @@ static vec3_f32 rounded(vec3_f64 v) { return vec_f32(normal_f32(v.x), normal_f32
 
 bool rays_allowed(const rays_source *source, const oracle_ray *ray) {
     bool moves = ray->dir.x != 0 || ray->dir.y != 0 || ray->dir.z != 0;
-    bool in_range = source->stretch * length_f64(widen(ray->dir)) <= RAYS_LARGEST &&
+    bool in_range = source->stretch * length_f64(widen(ray->dir)) <= RAYS_LONGEST &&
                     source->stretch * length_f64(widen(ray->org)) + source->shift <= RAYS_LARGEST;
     return in_range && moves && ray->t_near >= 0 && isfinite(ray->t_near) && ray->t_near <= ray->t_far;
 }

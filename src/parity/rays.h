@@ -1,7 +1,7 @@
 /* Families of rays that look for the weak places of intersectors. Ray `index` of a family depends on the
- * world, the seed and the index alone. Every ray is allowed: no coordinate above RAYS_LARGEST,
- * a direction
- * that is not zero, 0 <= t_near <= t_far; t_far may be infinite. */
+ * world, the seed and the index alone. Every ray is allowed: no coordinate of its origin above RAYS_LARGEST,
+ * none of its direction, which is not zero, above RAYS_LONGEST, 0 <= t_near <= t_far; t_far may be infinite.
+ */
 #ifndef PARITY_RAYS_H
 #define PARITY_RAYS_H
 
@@ -17,7 +17,7 @@ typedef enum rays_family {
     RAYS_SURFACE,  /* from a point on a surface, as float rounds it */
     RAYS_FAR,      /* from 10 to 1e6 times the world's radius away */
     RAYS_AXIS,     /* one or two components of the direction are 0 or -0 */
-    RAYS_SCALED,   /* directions 1e-20 to 1e17 long */
+    RAYS_SCALED,   /* directions 1e-20 to 1e20 long */
     RAYS_INTERVAL, /* intervals around a hit, down to nothing; tiny and huge ones */
     RAYS_FAMILIES
 } rays_family;
@@ -32,10 +32,11 @@ typedef struct rays_source rays_source;
 fathom_status rays_create(fathom_context *context, const world *w, rays_source **out);
 void rays_destroy(rays_source *source);
 
-/* The tracers' limit: Embree takes no coordinate above 1.84e18, and its tracer keeps rays well below that. */
-#define RAYS_LARGEST 4e17
-/* Whether a ray may be handed to any tracer: no coordinate is above RAYS_LARGEST, in the space of any
- * instance either. */
+/* Sums and differences of such coordinates are floats. What a tracer itself cannot take of it is
+ * VERDICT_BEYOND. */
+#define RAYS_LARGEST 1e30
+#define RAYS_LONGEST 1e37
+/* Whether a ray may be handed to a tracer: it is within these limits, in the space of any instance too. */
 bool rays_allowed(const rays_source *source, const oracle_ray *ray);
 
 /* Any number of threads at once. */

@@ -15,14 +15,18 @@ typedef struct judge {
 } judge;
 
 const char *verdict_name(verdict v) {
-    static const char *const names[VERDICT_COUNT] = {"agree",       "tie",  "edge", "range",
-                                                     "conditioned", "leak", "wrong"};
+    static const char *const names[VERDICT_COUNT] = {"agree",       "tie",    "edge", "range",
+                                                     "conditioned", "beyond", "leak", "wrong"};
     return names[v];
 }
 
 verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
     bool embree = spec->kind == TRACE_EMBREE;
-    return (verdict_tracer){.unit = unit, .inverted = embree, .leaks = embree, .clamped = embree ? 1e-18 : 0};
+    return (verdict_tracer){.unit = unit,
+                            .inverted = embree,
+                            .leaks = embree,
+                            .clamped = embree ? 1e-18 : 0,
+                            .largest = embree ? 1.844e18 / 2 : 0};
 }
 
 static double value(ball b) { return (double)b.value; }
@@ -75,22 +79,23 @@ static bool passes_in_range(judge *j, const search_hit *hit, const verdict_bound
 }
 
 /* Embree's rcp_safe(): no component of a direction is taken for less than 1e-18 where boxes are tested. That
- * bends the ray for them, by more than rounding does if the whole direction is that small. */
+ * bends the ray for them, by more than rounding does if the whole direction is that small; in the world it
+ * never is (trace/stretch.h). */
 static bool is_clamped(const judge *j, const oracle_primitive *p) {
-    vec3_f32 d = j->ray->dir;
+    if (!p->instance) return false;
+    oracle_ray ray = *j->ray;
+    ray.dir = narrow(normalize_f64(widen(ray.dir)));
+    vec3_f32 d = verdict_object_direction(&ray, p);
     double clamped = j->tracer->clamped, least = clamped / j->tracer->unit;
-    for (int pass = 0; pass < (p->instance ? 2 : 1); ++pass) {
-        double part[3] = {fabs((double)d.x), fabs((double)d.y), fabs((double)d.z)};
-        double most = fmax(part[0], fmax(part[1], part[2])), small = fmin(part[0], fmin(part[1], part[2]));
-        if (most < least && small < clamped) return true;
-        if (p->instance) d = verdict_object_direction(j->ray, p);
-    }
-    return false;
+    double part[3] = {fabs((double)d.x), fabs((double)d.y), fabs((double)d.z)};
+    double most = fmax(part[0], fmax(part[1], part[2])), small = fmin(part[0], fmin(part[1], part[2]));
+    return most < least && small < clamped;
 }
 
 /* Why `hit`, exactly the nearest, was not reported; the tracer saw nothing before t (infinite: at all). */
 static verdict judge_skip(judge *j, const search_hit *hit, double before) {
     oracle_primitive p = search_primitive(j->world, hit->geometry, hit->primitive, hit->instance);
+    if (verdict_beyond(j->tracer, j->world, j->ray, &p, value(hit->answer.t))) return VERDICT_BEYOND;
     verdict_bound bound = verdict_bound_of(j->tracer, j->ray, &p, &hit->answer);
     /* A slanted surface is met earlier by its bound, times as much as the ray is moved aside. */
     if (passes_in_range(j, hit, &bound, isfinite(before) ? before - bound.t : before)) return VERDICT_RANGE;
@@ -172,7 +177,10 @@ static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *o
         out->condition = j->tracer->inverted ? a.inverted.t : a.condition.t;
     }
     verdict met = judge_meeting(j, &p, &a, said->t, &bound);
-    if (met == VERDICT_WRONG) return met;
+    if (met == VERDICT_WRONG) {
+        bool beyond = out->measured && verdict_beyond(j->tracer, j->world, ray, &p, out->exact_t);
+        return beyond ? VERDICT_BEYOND : VERDICT_WRONG;
+    }
     (void)nearest(j, ray);
     const search_result *ties = j->room;
     if (!ties->ties.count) return met;

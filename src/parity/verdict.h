@@ -11,6 +11,7 @@ typedef enum verdict {
     VERDICT_EDGE,        /* right for a ray moved by less than the precision can tell, past an edge */
     VERDICT_RANGE,       /* t too near an end of the interval for the precision */
     VERDICT_CONDITIONED, /* the oracle's primitive, t off by no more than the bound of verdict_bound.h */
+    VERDICT_BEYOND,      /* numbers that leave the range of the tracer's floats: see verdict_beyond() */
     VERDICT_LEAK, /* what a tracer is known to miss: a surface at an edge or vertex though it goes on at the
                      other side; by directions whose reciprocals it clamps */
     VERDICT_WRONG,
@@ -28,6 +29,7 @@ typedef struct verdict_tracer {
     bool inverted;  /* inverts to_world itself, as Embree does */
     bool leaks;     /* misses surfaces at edges and vertices; else that is wrong */
     double clamped; /* components of directions below this count as this where boxes are tested; 0: none */
+    double largest; /* takes no ray and no primitive with a coordinate above; 0: any float */
 } verdict_tracer;
 
 /* What the tracer said: ids as in trace_hits, geometry FATHOM_NONE for a miss. */

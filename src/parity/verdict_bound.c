@@ -35,6 +35,9 @@
  * Plane: f·n is off by 4 u |n| S, d·n by 3 u |n| |d|: together 7 u |n| S / |d·n|, and 16 with the origin's
  * and the quotient's rounding. */
 #include "parity/verdict_bound.h"
+#include "reference/reference.h"
+
+#include <float.h>
 
 typedef struct frame {
     vec3_f64 org, dir;
@@ -72,8 +75,11 @@ static frame frame_of(const verdict_tracer *tracer, const oracle_ray *ray, const
     return f;
 }
 
+static bool in_float(const verdict_tracer *tracer) { return tracer->unit >= 0x1p-24; }
+
 double verdict_rounding(const verdict_tracer *tracer, double t) {
-    return VERDICT_ULPS * 2 * fmax(tracer->unit, 0x1p-53) * fabs(t);
+    double flushed = in_float(tracer) ? (double)FLT_MIN : 0;
+    return VERDICT_ULPS * 2 * fmax(tracer->unit, 0x1p-53) * fabs(t) + flushed;
 }
 
 double verdict_constant(oracle_shape shape) {
@@ -156,6 +162,27 @@ verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *r
     bound.edge *= factor;
     bound.aside = factor * (primitive->instance ? f.inverse_norm : 1) * size;
     return bound;
+}
+
+/* As embree_build.c has it. */
+static bool origin_beyond(const world *w, vec3_f32 org, double limit) {
+    double size = (double)largest_f32(org);
+    if (size > limit) return true;
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        for (int i = 0; i < 3; ++i) {
+            const float *m = w->instances.items[k].to_object[i];
+            double s = fabs((double)m[0]) + fabs((double)m[1]) + fabs((double)m[2]);
+            if (size * s + fabs((double)m[3]) > limit) return true;
+        }
+    }
+    return false;
+}
+
+bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_ray *ray,
+                    const oracle_primitive *p, double t) {
+    if (in_float(tracer) && fabs(t) > (double)FLT_MAX) return true;
+    if (!tracer->largest) return false;
+    return largest_corner(p) > tracer->largest || origin_beyond(w, ray->org, tracer->largest);
 }
 
 vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *p) {

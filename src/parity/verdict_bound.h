@@ -18,7 +18,13 @@ verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *r
 /* Whether rounding may bring a ray that is exactly parallel to the primitive's plane into it. */
 bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive);
 
-/* What t may be off by whatever its condition: VERDICT_ULPS, of answers in double at most. */
+/* Whether the tracer's floats cannot hold what this intersection takes: t above the largest of them, or a
+ * coordinate above what it takes, of the ray in any space of the world or of the primitive. */
+bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_ray *ray,
+                    const oracle_primitive *primitive, double t);
+
+/* What t may be off by whatever its condition: VERDICT_ULPS, of answers in double at most; and what is
+ * flushed to zero. */
 double verdict_rounding(const verdict_tracer *tracer, double t);
 
 /* The ray's direction in the primitive's space. */

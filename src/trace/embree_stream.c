@@ -1,6 +1,7 @@
 /* Blocks by Embree's streams, which version 4 has no more. A stream has no mask, so lanes that are not to be
  * traced get an empty interval, in a copy. */
 #include "trace/embree.h"
+#include "trace/stretch.h"
 
 #if EMBREE_HAS_STREAMS
 #include <string.h>
@@ -12,6 +13,7 @@ typedef struct stream {
     trace_block blocks[STREAM];
     struct RTCRayHit rays[STREAM * TRACE_WIDTH];
     int valid[STREAM][TRACE_WIDTH];
+    stretch scale[STREAM];
 } stream;
 
 /* The lanes in use of a block, and an empty ray in all others. */
@@ -19,6 +21,7 @@ static void stream_load(const embree_tracer *tracer, stream *s, unsigned b, cons
                         unsigned lanes, uint32_t mask) {
     trace_rays *rays = &s->blocks[b].rays;
     *rays = *from;
+    stretch_rays(rays, lanes, &s->scale[b]);
     embree_prepare(tracer, rays, lanes, mask, s->valid[b]);
     for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
         if (s->valid[b][i]) continue;
@@ -64,10 +67,11 @@ static void rays_store(stream *s, unsigned count) {
 }
 
 /* A lane of the copy back to where it came from. */
-static void lane_store(const embree_tracer *tracer, const trace_block *from, trace_block *to, unsigned i) {
+static void lane_store(const embree_tracer *tracer, const trace_block *from, const stretch *scale,
+                       trace_block *to, unsigned i) {
     to->hits.geometry[i] = from->hits.geometry[i];
     if (from->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) return;
-    to->rays.t_far[i] = from->rays.t_far[i];
+    to->rays.t_far[i] = stretch_back(scale, i, from->rays.t_far[i], to->rays.t_near[i], to->rays.t_far[i]);
     to->hits.ng_x[i] = from->hits.ng_x[i], to->hits.ng_y[i] = from->hits.ng_y[i],
     to->hits.ng_z[i] = from->hits.ng_z[i];
     to->hits.u[i] = from->hits.u[i], to->hits.v[i] = from->hits.v[i];
@@ -99,7 +103,8 @@ void embree_stream_closest(const trace_tracer *base, trace_block *blocks, trace_
         }
         for (size_t i = first * TRACE_WIDTH; i < count && i < (first + n) * TRACE_WIDTH; ++i) {
             size_t b = i / TRACE_WIDTH;
-            lane_store(tracer, &s.blocks[b - first], &blocks[b], (unsigned)(i % TRACE_WIDTH));
+            lane_store(tracer, &s.blocks[b - first], &s.scale[b - first], &blocks[b],
+                       (unsigned)(i % TRACE_WIDTH));
         }
     }
 }

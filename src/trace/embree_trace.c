@@ -1,5 +1,6 @@
 /* Blocks of rays to Embree's calls and back: whole where the call takes 16, else in packets. */
 #include "trace/embree.h"
+#include "trace/stretch.h"
 
 #include <math.h>
 #include <string.h>
@@ -113,12 +114,28 @@ unsigned embree_lanes(size_t count, size_t block) {
     return left < TRACE_WIDTH ? (unsigned)left : TRACE_WIDTH;
 }
 
+/* By a copy, since the caller's rays stay as they are but for t_far. */
+static __attribute__((noinline)) void closest_stretched(const embree_tracer *tracer, trace_block *block,
+                                                        unsigned lanes, bool coherent) {
+    trace_block scaled = *block;
+    stretch s;
+    stretch_rays(&scaled.rays, lanes, &s);
+    closest_block(tracer, &scaled, lanes, coherent);
+    block->hits = scaled.hits;
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        float t = scaled.rays.t_far[i];
+        block->rays.t_far[i] = stretch_back(&s, i, t, block->rays.t_near[i], block->rays.t_far[i]);
+    }
+}
+
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence) {
     (void)fine;
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
-        closest_block((const embree_tracer *)tracer, &blocks[b], embree_lanes(count, b),
-                      coherence == TRACE_COHERENT);
+        unsigned lanes = embree_lanes(count, b);
+        (stretch_needed(&blocks[b].rays, lanes) ? closest_stretched : closest_block)(
+            (const embree_tracer *)tracer, &blocks[b], lanes, coherence == TRACE_COHERENT);
     }
 }
 
@@ -163,9 +180,21 @@ static void any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     }
 }
 
+static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer, trace_rays *rays,
+                                                    unsigned lanes, bool coherent) {
+    trace_rays scaled = *rays;
+    stretch s;
+    stretch_rays(&scaled, lanes, &s);
+    any_block(tracer, &scaled, lanes, coherent);
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (scaled.t_far[i] == -INFINITY) rays->t_far[i] = -INFINITY;
+    }
+}
+
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
-        any_block((const embree_tracer *)tracer, &blocks[b], embree_lanes(count, b),
-                  coherence == TRACE_COHERENT);
+        unsigned lanes = embree_lanes(count, b);
+        (stretch_needed(&blocks[b], lanes) ? any_stretched : any_block)(
+            (const embree_tracer *)tracer, &blocks[b], lanes, coherence == TRACE_COHERENT);
     }
 }

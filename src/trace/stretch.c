@@ -1,0 +1,24 @@
+#include "trace/stretch.h"
+
+#include <float.h>
+
+void stretch_rays(trace_rays *r, unsigned lanes, stretch *out) {
+    for (unsigned i = 0; i < lanes; ++i) {
+        float m = fmaxf(fabsf(r->dir_x[i]), fmaxf(fabsf(r->dir_y[i]), fabsf(r->dir_z[i])));
+        bool fits = m >= STRETCH_LOW && m <= STRETCH_HIGH, usable = m >= FLT_MIN && m <= FLT_MAX;
+        int e = out->exponent[i] = fits || !usable ? 0 : ilogbf(m);
+        if (e == 0) continue;
+        r->dir_x[i] = ldexpf(r->dir_x[i], -e);
+        r->dir_y[i] = ldexpf(r->dir_y[i], -e);
+        r->dir_z[i] = ldexpf(r->dir_z[i], -e);
+        r->t_near[i] = ldexpf(r->t_near[i], e), r->t_far[i] = ldexpf(r->t_far[i], e);
+    }
+}
+
+float stretch_back(const stretch *s, unsigned lane, float t, float t_near, float t_far) {
+    if (s->exponent[lane] == 0) return t;
+    t = ldexpf(t, -s->exponent[lane]);
+    /* Threads that trace take denormals for zero. */
+    float least = t_near < FLT_MIN ? FLT_MIN : nextafterf(t_near, INFINITY), most = nextafterf(t_far, 0);
+    return t < least ? least : t > most ? most : t;
+}

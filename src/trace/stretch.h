@@ -1,0 +1,40 @@
+/* Directions of any length for tracers that take lengths around 1: scaled by a power of two, which changes
+ * nothing but the unit of t.
+ *
+ * Embree takes no component of a direction for less than 1e-18 where it tests boxes, which bends short ones,
+ * and no coordinate above 1.84e18; the square of a direction leaves float's range beyond 1e±19. */
+#ifndef TRACE_STRETCH_H
+#define TRACE_STRETCH_H
+
+#include "trace/trace.h"
+
+#define STRETCH_LOW 0x1p-30f
+#define STRETCH_HIGH 0x1p30f
+
+/* Whether the largest component of some direction is not within [STRETCH_LOW, STRETCH_HIGH]. A loop without
+ * branches, for every block. */
+static inline bool stretch_needed(const trace_rays *rays, unsigned lanes) {
+    int odd = 0;
+    for (unsigned i = 0; i < lanes; ++i) {
+        float x = fabsf(rays->dir_x[i]), y = fabsf(rays->dir_y[i]), z = fabsf(rays->dir_z[i]);
+        float m = x > y ? x : y;
+        m = m > z ? m : z;
+        odd |= !((m >= STRETCH_LOW) & (m <= STRETCH_HIGH));
+    }
+    return odd;
+}
+
+/* What was done to each lane: its direction is 2^-exponent of what it was, its t 2^exponent. */
+typedef struct stretch {
+    int exponent[TRACE_WIDTH];
+} stretch;
+
+/* Scales the directions outside of the limits, so that their largest component is in [1, 2), and the
+ * intervals with them. Directions of zero and what is not finite stay. */
+void stretch_rays(trace_rays *rays, unsigned lanes, stretch *out);
+
+/* A lane's t in the units that the ray was asked in. What leaves float's range becomes the nearest float
+ * inside (t_near, t_far), the interval as asked. */
+float stretch_back(const stretch *s, unsigned lane, float t, float t_near, float t_far);
+
+#endif

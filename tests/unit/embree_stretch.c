@@ -1,0 +1,104 @@
+/* The length of a direction changes the unit of t and nothing else. */
+#include "stage.h"
+#include "trace/stretch.h"
+
+#include <float.h>
+
+/* Lengths of 1e-20 to 1e20, lengths around 1 in the same blocks. */
+static int exponent_of(size_t i) {
+    static const int exponents[] = {0, -66, 66, 0, -31, 31, 0, -50, 0, 44, 1};
+    return exponents[i % (sizeof exponents / sizeof *exponents)];
+}
+
+static ray_set stretched(const ray_set *set) {
+    ray_set out = rays_copy(set);
+    for (size_t i = 0; i < set->count; ++i) {
+        trace_rays *r = &out.blocks[i / 16].rays;
+        size_t k = i % 16;
+        int e = exponent_of(i);
+        r->dir_x[k] = ldexpf(r->dir_x[k], e), r->dir_y[k] = ldexpf(r->dir_y[k], e);
+        r->dir_z[k] = ldexpf(r->dir_z[k], e);
+        r->t_near[k] = ldexpf(r->t_near[k], -e), r->t_far[k] = ldexpf(r->t_far[k], -e);
+    }
+    return out;
+}
+
+typedef struct visit {
+    stage *s;
+    const ray_set *rays, *scaled;
+    size_t tracers;
+} visit;
+
+static bool scales(void *user, const trace_spec *spec) {
+    visit *v = user;
+    if (spec->kind != TRACE_EMBREE || spec->quality != TRACE_QUALITY_MEDIUM) return true;
+    char text[TRACE_SPEC_LENGTH];
+    trace_spec_print(spec, text);
+    trace_tracer *tracer = stage_spec(v->s, text);
+    ray_set plain = traced(tracer, v->rays, TRACE_INCOHERENT);
+    ray_set got = traced(tracer, v->scaled, TRACE_INCOHERENT);
+    unsigned char *any = occluded(tracer, v->rays, TRACE_INCOHERENT);
+    unsigned char *any_got = occluded(tracer, v->scaled, TRACE_INCOHERENT);
+    for (size_t i = 0; i < v->rays->count; ++i) {
+        if (!same_hit(&plain, &got, i) || hit_t(&got, i) != ldexpf(hit_t(&plain, i), -exponent_of(i)) ||
+            any[i] != any_got[i])
+            fail_msg("%s: ray %zu: t %g by 2^%d, %g, any %d %d", text, i, (double)hit_t(&plain, i),
+                     exponent_of(i), (double)hit_t(&got, i), any[i], any_got[i]);
+        const trace_rays *a = &v->scaled->blocks[i / 16].rays, *b = &got.blocks[i / 16].rays;
+        assert_true(a->dir_x[i % 16] == b->dir_x[i % 16] && a->t_near[i % 16] == b->t_near[i % 16]);
+    }
+    free(plain.blocks), free(got.blocks), free(any), free(any_got);
+    trace_destroy(tracer);
+    ++v->tracers;
+    return true;
+}
+
+static void test_embree(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_everything(&s);
+    ray_set rays = random_rays(403);
+    for (size_t i = 0; i < rays.count; i += 3) rays.blocks[i / 16].rays.t_far[i % 16] = 0.75f;
+    for (size_t i = 0; i < rays.count; i += 5) rays.blocks[i / 16].rays.t_near[i % 16] = 0.5f;
+    ray_set scaled = stretched(&rays);
+    visit v = {&s, &rays, &scaled, 0};
+    trace_spec_list(scales, &v);
+    assert_true(v.tracers > 10);
+    free(rays.blocks), free(scaled.blocks);
+    stage_close(&s);
+}
+
+/* t leaves float's range only to its nearest number in the interval. */
+static void test_back(void **state) {
+    (void)state;
+    const stretch s = {{100, -100}};
+    assert_true(stretch_back(&s, 0, 0x1p50f, 0, INFINITY) == 0x1p-50f);
+    assert_true(stretch_back(&s, 0, 0x1p-100f, 0, INFINITY) == FLT_MIN);
+    assert_true(stretch_back(&s, 0, 0x1p-100f, 0x1p-90f, INFINITY) == nextafterf(0x1p-90f, 1));
+    assert_true(stretch_back(&s, 1, 0x1p50f, 0, INFINITY) == FLT_MAX);
+    assert_true(stretch_back(&s, 1, 0x1p50f, 0, 3e38f) == nextafterf(3e38f, 0));
+}
+
+static void test_needed(void **state) {
+    (void)state;
+    ray_set set = random_rays(16);
+    trace_rays *r = &set.blocks[0].rays;
+    assert_false(stretch_needed(r, 16));
+    const float odd[] = {0x1p31f, 0x1p-31f, NAN, INFINITY, 0};
+    for (size_t k = 0; k < sizeof odd / sizeof *odd; ++k) {
+        r->dir_x[9] = r->dir_y[9] = r->dir_z[9] = odd[k];
+        assert_true(stretch_needed(r, 16));
+        assert_false(stretch_needed(r, 9));
+    }
+    free(set.blocks);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_embree),
+        cmocka_unit_test(test_back),
+        cmocka_unit_test(test_needed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
