@@ -99,7 +99,8 @@ FATHOM_API void fathom_film_destroy(fathom_film *film);
 /* Size of the cropped image. */
 FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint32_t *height);
 /* One channel by its name ("R", "G", "B", "Z", "N.X", …): width × height values, top row first. NULL when the
- * film has no such channel, or one of the other type. Valid as long as the film. */
+ * film has no such channel, or one of the other type. Valid as long as the film. Colours are finite: what one
+ * light or surface adds to a sample is at most 2^100. */
 FATHOM_API const float *fathom_film_channel(const fathom_film *film, const char *name);
 FATHOM_API const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name);
 

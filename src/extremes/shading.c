@@ -1,12 +1,14 @@
-#include "extremes/shading.h"
+#include "extremes/shading_studio.h"
 
 #include <stdlib.h>
 
 fathom_status shading_run(fathom_context *context, const shading_options *options, shading_rows *out) {
-    (void)context;
-    (void)options;
-    (void)out;
-    return FATHOM_OK;
+    static fathom_status (*const groups[])(fathom_context *, const shading_options *, shading_rows *) = {
+        shading_mirrors, shading_guide, shading_ior, shading_highlights, shading_lights, shading_slants};
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < sizeof groups / sizeof *groups && status == FATHOM_OK; ++i)
+        status = groups[i](context, options, out);
+    return status;
 }
 
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows,

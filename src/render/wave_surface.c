@@ -1,6 +1,7 @@
 /* Hits become surface points: object, world, viewer's side. */
 #include "render/local_hit.h"
 #include "render/wave.h"
+#include "shade/limit.h"
 
 static const float unit_round = 0x1p-24f;
 
@@ -131,7 +132,7 @@ static void add_background(wave *w, const path_block *path, size_t lane, bool fi
      * the background is not among them. Mirrors and glass still show it. */
     bool seen = !(first && w->plan->settings.aovs & FATHOM_AOV_ALPHA);
     for (int c = 0; c < 3 && seen; ++c) {
-        w->radiance[c][path->slot[lane]] += path->weight[c][lane] * w->plan->scene->background[c];
+        w->radiance[c][path->slot[lane]] += limited(path->weight[c][lane] * w->plan->scene->background[c]);
     }
     if (!first || !w->first) return;
     first_hits *f = w->first;

@@ -1,5 +1,7 @@
 #include "shade/bend.h"
 
+#include "shade/limit.h"
+
 #include <math.h>
 #include <stdbool.h>
 
@@ -33,20 +35,35 @@ static void set_unit(bend_block *out, int i, const float d[3]) {
     for (int c = 0; c < 3; ++c) out->direction[c][i] = d[c] * inverse;
 }
 
+/* The squared cosine of Snell's angle, 1 - eta^2 sin^2; negative on total internal reflection. Near the
+ * normal the sine is what is known well; away from it the cosine, and for eta = 1 nothing may be lost at
+ * grazing angles: 1 - eta^2 + eta^2 cos^2. Each eta by itself: its square may be out of range. */
+static float snell_cos2(float eta, float cos_in, float sin2) {
+    if (sin2 < 0.5f) return 1 - eta * (eta * sin2);
+    return (1 - eta) * (1 + eta) + eta * cos_in * (eta * cos_in);
+}
+
 static void bend_lane(const surface_block *s, const material_block *m, int i, bend_block *mirrored,
                       bend_block *refracted) {
-    float n[3], mirror[3], through[3];
+    float n[3], mirror[3], through[3], aside[3];
     choose_normal(s, i, n);
     float cos_in = n[0] * s->v[0][i] + n[1] * s->v[1][i] + n[2] * s->v[2][i];
     cos_in = cos_in > 1 ? 1 : (cos_in > 0 ? cos_in : 0);
-    float eta = s->entering[i] ? 1 / m->ior[i] : m->ior[i];
-    float sin2 = 1 - cos_in * cos_in, cos2 = 1 - eta * eta * sin2;
+    /* Past 2^100 only the normal itself gets through, and squares would leave the range of float. */
+    float ratio = s->entering[i] ? 1 / m->ior[i] : m->ior[i], eta = ratio < 0x1p100f ? ratio : 0x1p100f;
+    /* The sine from the part of v along the surface: 1 - cos^2 loses all angles below 2^-12. */
+    float sin2 = 0;
+    for (int c = 0; c < 3; ++c) {
+        aside[c] = s->v[c][i] - cos_in * n[c];
+        sin2 += aside[c] * aside[c];
+    }
+    float cos2 = snell_cos2(eta, cos_in, sin2);
     bool total = !(cos2 > 0);
     float cos_out = total ? 0 : sqrtf(cos2);
     float along = 0;
     for (int c = 0; c < 3; ++c) {
         mirror[c] = -s->v[c][i] + 2 * cos_in * n[c];
-        through[c] = -eta * s->v[c][i] + (eta * cos_in - cos_out) * n[c];
+        through[c] = -eta * aside[c] - cos_out * n[c];
         along += through[c] * s->ng[c][i];
     }
     /* A shading normal can bend the ray back to the viewer's side: then the way is along the geometric
@@ -67,9 +84,9 @@ static void bend_lane(const surface_block *s, const material_block *m, int i, be
     for (int c = 0; c < 3; ++c) {
         float k_r = m->k_r[c][i], k_t = m->k_t[c][i];
         /* Fresnel shares out what k_r and k_t each give whole: their sum would mirror the light twice. */
-        float all = m->fresnel[i] ? fmaxf(k_r, k_t) : k_r + k_t;
-        mirrored->weight[c][i] = s->weight[c][i] * (total ? all : k_r * r_scale);
-        refracted->weight[c][i] = total ? 0 : s->weight[c][i] * (k_t * t_scale);
+        float all = m->fresnel[i] ? fmaxf(k_r, k_t) : limited(k_r + k_t);
+        mirrored->weight[c][i] = limited(s->weight[c][i] * (total ? all : k_r * r_scale));
+        refracted->weight[c][i] = total ? 0 : limited(s->weight[c][i] * (k_t * t_scale));
     }
 }
 

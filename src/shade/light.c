@@ -1,6 +1,7 @@
 #include "shade/light.h"
 
 #include "math/power.h"
+#include "shade/limit.h"
 
 void light_prepare(const fathom_light *light, vec3_f64 origin, shade_light *out) {
     *out = (shade_light){.type = light->type};
@@ -12,46 +13,73 @@ void light_prepare(const fathom_light *light, vec3_f64 origin, shade_light *out)
         out->to_light = narrow(normalize_f64(neg_f64(load_f64(light->direction))));
     }
     if (light->type == FATHOM_LIGHT_SPOT) {
-        double outer = cos((double)light->outer_angle), width = cos((double)light->inner_angle) - outer;
-        /* inner < outer holds, but their cosines may round to the same: then the edge is as sharp as float
-         * shows. */
-        double scale = 1 / fmax(width, 0x1p-24);
-        out->cone_scale = (float)scale;
-        out->cone_offset = (float)(-outer * scale);
+        /* 1 - cos a = 2 sin^2(a/2), and the difference of two of them = 2 sin((o+i)/2) sin((o-i)/2). */
+        double outer = (double)light->outer_angle, inner = (double)light->inner_angle;
+        double edge = sin(outer / 2), width = 2 * sin((outer + inner) / 2) * sin((outer - inner) / 2);
+        out->cone_edge = (float)(2 * edge * edge);
+        out->cone_scale = (float)fmin(1 / width, 0x1p100);
     }
 }
 
-/* Direction, distance, and intensity over squared distance with the cone's falloff. */
-static void arrive(const shade_light *light, light_block *out, float strength[LANES]) {
+/* Lights so near or so far that the squared distance leaves the range of float. In the very point, or beyond
+ * float's reach, a light has no direction: it lights nothing there. */
+static void arrive_stiff(const shade_light *light, int i, light_block *out, float *inverse) {
+    double x = (double)light->position.x - (double)out->origin[0][i],
+           y = (double)light->position.y - (double)out->origin[1][i],
+           z = (double)light->position.z - (double)out->origin[2][i];
+    double distance = sqrt(x * x + y * y + z * z);
+    bool within = distance > 0x1p-126 && distance < 0x1p126;
+    double scale = within ? 1 / distance : 0;
+    out->direction[0][i] = within ? (float)(x * scale) : 0;
+    out->direction[1][i] = within ? (float)(y * scale) : 0;
+    out->direction[2][i] = within ? (float)(z * scale) : 0;
+    out->distance[i] = within ? (float)distance : 0;
+    *inverse = (float)scale;
+}
+
+/* (edge - (1 - cos)) scale, where 1 - cos of the angle between unit vectors is half their difference squared.
+ */
+static void fall_off(const shade_light *light, const light_block *out, float falloff[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        float x = out->direction[0][i] - light->to_light.x, y = out->direction[1][i] - light->to_light.y,
+              z = out->direction[2][i] - light->to_light.z;
+        float t = (light->cone_edge - 0.5f * (x * x + y * y + z * z)) * light->cone_scale;
+        t = t < 0 ? 0 : (t > 1 ? 1 : t);
+        falloff[i] = t * t;
+    }
+}
+
+/* Direction, distance, its inverse, and the cone's falloff. */
+static void arrive(const shade_light *light, light_block *out, float inverse[LANES], float falloff[LANES]) {
+    float square[LANES];
+    int stiff = 0;
     for (int i = 0; i < LANES; ++i) {
         float x = light->position.x - out->origin[0][i], y = light->position.y - out->origin[1][i],
               z = light->position.z - out->origin[2][i];
         float d2 = x * x + y * y + z * z, distance = sqrtf(d2);
-        /* A light in the very point has no direction: it lights nothing there. */
-        float inverse = d2 > 0 ? 1 / distance : 0;
-        out->direction[0][i] = x * inverse;
-        out->direction[1][i] = y * inverse;
-        out->direction[2][i] = z * inverse;
+        inverse[i] = 1 / distance;
+        out->direction[0][i] = x * inverse[i];
+        out->direction[1][i] = y * inverse[i];
+        out->direction[2][i] = z * inverse[i];
         out->distance[i] = distance;
-        strength[i] = inverse * inverse;
+        falloff[i] = 1;
+        square[i] = d2;
+        stiff |= !(d2 > 0x1p-100f) | !(d2 < 0x1p100f);
     }
-    if (light->type != FATHOM_LIGHT_SPOT) return;
-    for (int i = 0; i < LANES; ++i) {
-        float cosine = out->direction[0][i] * light->to_light.x + out->direction[1][i] * light->to_light.y +
-                       out->direction[2][i] * light->to_light.z;
-        float t = cosine * light->cone_scale + light->cone_offset;
-        t = t < 0 ? 0 : (t > 1 ? 1 : t);
-        strength[i] *= t * t;
+    for (int i = 0; stiff && i < LANES; ++i) {
+        if (!(square[i] > 0x1p-100f && square[i] < 0x1p100f)) arrive_stiff(light, i, out, &inverse[i]);
     }
+    if (light->type == FATHOM_LIGHT_SPOT) fall_off(light, out, falloff);
 }
 
-static void arrive_parallel(const shade_light *light, light_block *out, float strength[LANES]) {
+static void arrive_parallel(const shade_light *light, light_block *out, float inverse[LANES],
+                            float falloff[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         out->direction[0][i] = light->to_light.x;
         out->direction[1][i] = light->to_light.y;
         out->direction[2][i] = light->to_light.z;
         out->distance[i] = INFINITY;
-        strength[i] = 1;
+        inverse[i] = falloff[i] = 1;
     }
 }
 
@@ -88,43 +116,53 @@ static void begin_rays(const surface_block *s, const light_side *side, lanes3 or
     }
 }
 
-/* k_s max(0, v·r)^n with r = -l + 2(n·l)n, or k_s max(0, n·h)^n with h = (l+v)/|l+v|. */
+/* k_s max(0, v·r)^n with r = -l + 2(n·l)n, or k_s max(0, n·h)^n with h = (l+v)/|l+v|. The cosine of two unit
+ * vectors is 1 less half the square of their difference: that keeps the angle's digits where the cosine
+ * itself would round to 1, and exponents in the millions need them. */
 static void highlight(const surface_block *s, const material_block *m, const lanes3 l,
                       const float n_dot_l[LANES], float out[LANES]) {
     for (int i = 0; i < LANES; ++i) {
-        float v_dot_r = 0, n_dot_h = 0, h2 = 0;
+        float h[3], h2 = 0, apart_r = 0, apart_h = 0;
         for (int c = 0; c < 3; ++c) {
-            float r = -l[c][i] + 2 * n_dot_l[i] * s->ns[c][i], h = l[c][i] + s->v[c][i];
-            v_dot_r += s->v[c][i] * r;
-            n_dot_h += s->ns[c][i] * h;
-            h2 += h * h;
+            float r = -l[c][i] + 2 * n_dot_l[i] * s->ns[c][i], apart = s->v[c][i] - r;
+            apart_r += apart * apart;
+            h[c] = l[c][i] + s->v[c][i];
+            h2 += h[c] * h[c];
         }
-        float blinn = h2 > 0 ? n_dot_h / sqrtf(h2) : 0;
-        float cosine = m->phong[i] ? v_dot_r : blinn;
-        out[i] = power_of(cosine > 0 ? cosine : 0, m->shininess[i]);
-        /* max(0, ·) of a negative cosine to the power 0 is still no highlight. */
-        out[i] = cosine > 0 ? out[i] : 0;
+        float unit = 1 / sqrtf(h2);
+        for (int c = 0; c < 3; ++c) {
+            float apart = s->ns[c][i] - h[c] * unit;
+            apart_h += apart * apart;
+        }
+        float less = 0.5f * (m->phong[i] ? apart_r : apart_h);
+        /* Light from straight behind leaves no half vector: no highlight. */
+        out[i] = power_one_less(less < 1 ? less : 1, m->shininess[i]);
     }
 }
 
 void light_evaluate(const shade_light *light, const surface_block *s, const material_block *m, bool specular,
                     light_block *out) {
-    float strength[LANES], rho_s[LANES] = {0};
+    float inverse[LANES], falloff[LANES], rho_s[LANES] = {0};
     light_side side;
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) out->origin[c][i] = s->p[c][i] + s->lift[c][i];
     }
     if (light->type == FATHOM_LIGHT_DIRECTIONAL) {
-        arrive_parallel(light, out, strength);
+        arrive_parallel(light, out, inverse, falloff);
     } else {
-        arrive(light, out, strength);
+        arrive(light, out, inverse, falloff);
     }
     judge_sides(s, m, out->direction, &side);
     if (specular) highlight(s, m, out->direction, side.n_dot_l, rho_s);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) {
-            out->radiance[c][i] = s->weight[c][i] * light->intensity[c] * (strength[i] * side.cosine[i]) *
-                                  (m->k_d[c][i] + m->k_s[c][i] * rho_s[i]);
+            /* The squared distance is divided by in two steps: it may be out of range where the quotient is
+             * not. */
+            float once = light->intensity[c] * inverse[i], most = 0x1p127f;
+            float arriving = limited((once < most ? once : most) * inverse[i]);
+            float reflected = limited(m->k_d[c][i] + m->k_s[c][i] * rho_s[i]);
+            float weighed = limited(s->weight[c][i] * (arriving * (falloff[i] * side.cosine[i])));
+            out->radiance[c][i] = limited(weighed * reflected);
         }
     }
     begin_rays(s, &side, out->origin);

@@ -11,8 +11,9 @@ typedef struct shade_light {
     vec3_f32 position;
     vec3_f32 to_light; /* directional: unit, towards the light; spot: unit, against the cone's axis */
     float intensity[3];
-    float cone_scale,
-        cone_offset; /* spot: falloff = clamp(cos * scale + offset)^2, as KHR_lights_punctual has it */
+    /* Spot: falloff = clamp((cone_edge - (1 - cos)) cone_scale)^2. That is KHR_lights_punctual's, written in
+     * 1 - cos, which float holds for the narrowest of cones. */
+    float cone_edge, cone_scale;
 } shade_light;
 
 /* origin: the world's, see world.h. */

@@ -1,5 +1,7 @@
 #include "shade/material.h"
 
+#include "shade/limit.h"
+
 static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
 
 unsigned material_features(const fathom_material *m) {
@@ -44,7 +46,7 @@ void material_add_constant(const material_block *m, const surface_block *s, cons
     for (int c = 0; c < 3; ++c) {
         float value[LANES];
         for (int i = 0; i < LANES; ++i)
-            value[i] = s->weight[c][i] * (m->k_a[c][i] * ambient[c] + m->k_e[c][i]);
+            value[i] = limited(s->weight[c][i] * limited(m->k_a[c][i] * ambient[c] + m->k_e[c][i]));
         for (uint32_t i = 0; i < s->count; ++i) radiance[c][s->slot[i]] += value[i];
     }
 }

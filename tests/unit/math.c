@@ -1,6 +1,7 @@
 /* Vectors, frames and affine maps: the laws they keep. */
 #include "math/affine.h"
 #include "math/frame.h"
+#include "math/power.h"
 #include "unit.h"
 
 static void frame_is_orthonormal(const frame_f64 *f) {
@@ -55,10 +56,35 @@ static void affine_inverse(void **state) {
     assert_false(affine_invert(&flat, &inverse));
 }
 
+/* (1-d)^n within an ulp: 2 u of itself, and half an ulp of the smallest normal number. */
+static void powers_next_to_one(void **state) {
+    (void)state;
+    const float exponents[] = {0.5f, 1, 2, 12.5f, 400, 1e4f, 1e6f, 1e9f};
+    for (size_t e = 0; e < sizeof exponents / sizeof *exponents; ++e) {
+        for (float d = 1e-12f; d < 0.29f; d *= 1.07f) {
+            double exact = (double)expl((long double)exponents[e] * log1pl(-(long double)d));
+            float found = power_one_less(d, exponents[e]);
+            if (exact < 0x1p-125) {
+                assert_true(found <= 0x1p-125f);
+            } else {
+                assert_near(found, exact, exact * 2 * 0x1p-24);
+            }
+        }
+        assert_near(power_one_less(0, exponents[e]), 1, 0);
+        assert_near(power_one_less(1, exponents[e]), 0, 0);
+        assert_near(power_one_less(2, exponents[e]), 0, 0);
+        float x = 1 - 0.7f;
+        assert_near(power_one_less(0.7f, exponents[e]), pow((double)x, (double)exponents[e]), 4 * 0x1p-24);
+    }
+    assert_near(power_one_less(0.5f, 0), 1, 0);
+    assert_near(power_one_less(1, 0), 0, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_from_any_two_directions),
         cmocka_unit_test(frame_round_trip),
+        cmocka_unit_test(powers_next_to_one),
         cmocka_unit_test(affine_inverse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
