@@ -65,7 +65,8 @@ RTCFilterFunctionN embree_filter(unsigned width);
 /* A candidate of a user geometry at t, its hit in rows of n numbers: returns the ray's new t_far. */
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t);
 
-/* Decides a tied lane anew, with the t_far that it was asked for; ids are Embree's. */
+/* Decides a tied lane anew, with the t_far that it was asked for. The ids of its hit, Embree's until now,
+ * become the world's. */
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far);
 
 /* ---- embree_trace.c ---- */

@@ -9,8 +9,7 @@
  * So each candidate is noted when Embree accepts it, and the ray is kept longer than its best hit by
  * a window, within which further candidates are still seen. A ray that saw but one keeps it. A ray that saw
  * two is tied, and is asked once more, alone: the candidates within half the window of the best are put to
- * the reference intersector in its own arithmetic, and the smallest t wins, the first in world order where
- * that is equal: the definition of the linear search.
+ * the vote of embree_vote.h.
  *
  * The window, 2^-14 of t, is 1024 units of roundoff. The t of a triangle is off by some 8 u / cos θ, θ the
  * angle to its normal, so half of it covers rays that graze at cos θ = 1/64. Differences between kernels were
@@ -19,105 +18,10 @@
  * What is left: a ray that passes an edge within rounding can be accepted by the triangle but skipped by its
  * box, which depends on kernel and tree. None of 4e7 random and camera rays did; of rays aimed at edges and
  * vertices, 2 in a million. */
-#include "reference/reference.h"
-#include "trace/embree.h"
+#include "trace/embree_vote.h"
 
 #define WINDOW (1 + 0x1p-14f)
 #define HALF_WINDOW (1 + 0x1p-15f)
-
-/* ---- one tied ray: the candidates vote ---- */
-
-typedef struct candidate {
-    float t;         /* as Embree has it */
-    float t_exact;   /* as the reference intersector has it */
-    uint32_t ids[3]; /* Embree's: instance, geometry, primitive */
-    float normal[3], u, v;
-} candidate;
-
-typedef struct embree_vote {
-    const embree_tracer *tracer;
-    vec3_f32 org, dir;
-    float t_near, t_far;
-    bool any_met, any_offered;
-    candidate met;     /* first among those that the reference intersector meets */
-    candidate offered; /* first among all, by Embree's own t */
-} embree_vote;
-
-/* The root's geometries, then the instances in order: an id of no instance wraps to 0. */
-static bool comes_before(const uint32_t a[3], const uint32_t b[3]) {
-    if (a[0] != b[0]) return a[0] + 1 < b[0] + 1;
-    return a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
-}
-
-/* A row of the map applied to p and w, rounded once to float: the products of floats are exact in double. */
-static float carried(const float row[4], vec3_f32 p, float w) {
-    return (float)((double)row[0] * (double)p.x + (double)row[1] * (double)p.y +
-                   (double)row[2] * (double)p.z + (double)row[3] * (double)w);
-}
-
-static vec3_f32 carried_all(const float m[3][4], vec3_f32 p, float w) {
-    return vec_f32(carried(m[0], p, w), carried(m[1], p, w), carried(m[2], p, w));
-}
-
-static bool mesh_met(const fathom_mesh *mesh, uint32_t triangle, vec3_f32 org, vec3_f32 dir,
-                     const embree_vote *vote, reference_hit_f32 *hit) {
-    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
-    vec3_f32 v[3];
-    for (unsigned c = 0; c < 3; ++c) {
-        const char *p = (const char *)mesh->positions + mesh->indices[3 * (size_t)triangle + c] * stride;
-        v[c] = load_f32((const float *)(const void *)p);
-    }
-    return triangle_robust_f32(v[0], v[1], v[2], org, dir, vote->t_near, vote->t_far, hit);
-}
-
-/* Whether the reference intersector meets the primitive, and where. */
-static bool reference_met(const embree_vote *vote, const uint32_t ids[3], float *t) {
-    const world *w = vote->tracer->base.world;
-    uint32_t group = 0;
-    vec3_f32 org = vote->org, dir = vote->dir;
-    if (ids[0] != RTC_INVALID_GEOMETRY_ID) {
-        const world_instance *instance = &w->instances.items[ids[0] - w->groups.items[0].count];
-        group = instance->group;
-        org = carried_all(instance->to_object, org, 1), dir = carried_all(instance->to_object, dir, 0);
-    }
-    const world_geometry *geometry = &w->geometries.items[w->groups.items[group].first + ids[1]];
-    reference_hit_f32 hit;
-    bool met = false;
-    switch (geometry->kind) {
-    case WORLD_SPHERES: {
-        const world_sphere *s = &w->spheres.items[geometry->first + ids[2]];
-        met = sphere_robust_f32(s->center, s->radius, org, dir, vote->t_near, vote->t_far, &hit.t);
-        break;
-    }
-    case WORLD_QUADS: {
-        const vec3_f32 *v = w->quads.items[geometry->first + ids[2]].corner;
-        met = quad_robust_f32(v[0], v[1], v[2], v[3], org, dir, vote->t_near, vote->t_far, &hit);
-        break;
-    }
-    case WORLD_MESH: met = mesh_met(&w->meshes.items[geometry->first], ids[2], org, dir, vote, &hit); break;
-    }
-    if (met) *t = hit.t;
-    return met;
-}
-
-static void consider(embree_vote *vote, const float *hit, unsigned n, float t) {
-    const uint32_t *id = (const uint32_t *)(const void *)hit;
-    candidate c = {
-        .t = t,
-        .ids = {id[EMBREE_ROW_INSTANCE * n], id[EMBREE_ROW_GEOMETRY * n], id[EMBREE_ROW_PRIMITIVE * n]},
-        .normal = {hit[EMBREE_ROW_NG * n], hit[(EMBREE_ROW_NG + 1) * n], hit[(EMBREE_ROW_NG + 2) * n]},
-        .u = hit[EMBREE_ROW_U * n],
-        .v = hit[EMBREE_ROW_V * n]};
-    if (!vote->any_offered || t < vote->offered.t ||
-        (t == vote->offered.t && comes_before(c.ids, vote->offered.ids))) {
-        vote->offered = c, vote->any_offered = true;
-    }
-    if (!reference_met(vote, c.ids, &c.t_exact)) return;
-    if (!vote->any_met || c.t_exact < vote->met.t_exact ||
-        (c.t_exact == vote->met.t_exact && comes_before(c.ids, vote->met.ids))) {
-        vote->met = c, vote->any_met = true;
-    }
-}
 
 /* ---- every ray: noting candidates ---- */
 
@@ -131,7 +35,7 @@ void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far) {
 }
 
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t) {
-    if (call->vote) consider(call->vote, hit, n, t);
+    if (call->vote) embree_vote_consider(call->vote, hit, n, t);
     float best = call->best[lane], nearest = t < best ? t : best, reach = nearest * WINDOW;
     call->tied[lane] = best <= t * WINDOW;
     call->best[lane] = nearest;
@@ -203,7 +107,7 @@ RTCFilterFunctionN embree_filter(unsigned width) {
 
 /* ---- the tied ray asked again ---- */
 
-static void announce(trace_block *block, unsigned lane, const candidate *winner) {
+static void announce(trace_block *block, unsigned lane, const embree_offered *winner) {
     block->rays.t_far[lane] = winner->t;
     trace_hits *hits = &block->hits;
     hits->ng_x[lane] = winner->normal[0], hits->ng_y[lane] = winner->normal[1],
@@ -216,26 +120,23 @@ static void announce(trace_block *block, unsigned lane, const candidate *winner)
 
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far) {
     const trace_rays *r = &block->rays;
-    embree_vote vote = {.tracer = tracer,
-                        .org = {r->org_x[lane], r->org_y[lane], r->org_z[lane]},
-                        .dir = {r->dir_x[lane], r->dir_y[lane], r->dir_z[lane]},
-                        .t_near = r->t_near[lane],
-                        .t_far = t_far};
+    embree_vote vote;
+    embree_vote_begin(&vote, tracer, r, lane, t_far);
     struct RTCRayHit alone = {
-        .ray = {.org_x = vote.org.x,
-                .org_y = vote.org.y,
-                .org_z = vote.org.z,
-                .tnear = vote.t_near,
-                .dir_x = vote.dir.x,
-                .dir_y = vote.dir.y,
-                .dir_z = vote.dir.z,
-                .tfar = vote.t_far,
+        .ray = {.org_x = r->org_x[lane],
+                .org_y = r->org_y[lane],
+                .org_z = r->org_z[lane],
+                .tnear = r->t_near[lane],
+                .dir_x = r->dir_x[lane],
+                .dir_y = r->dir_y[lane],
+                .dir_z = r->dir_z[lane],
+                .tfar = t_far,
                 .mask = EMBREE_SEEN},
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
     embree_call call;
     embree_call_begin(&call, 1, &alone.ray.tfar);
     call.vote = &vote;
     embree_intersect(1, NULL, tracer->scenes[0], &call.context, false, filter_any, &alone);
-    bool near = vote.any_met && vote.met.t_exact <= vote.offered.t * HALF_WINDOW;
-    if (vote.any_offered) announce(block, lane, near ? &vote.met : &vote.offered);
+    bool near = vote.met.any && vote.search.best.t <= vote.offered.t * HALF_WINDOW;
+    if (vote.offered.any) announce(block, lane, near ? &vote.met : &vote.offered);
 }

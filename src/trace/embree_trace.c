@@ -101,11 +101,12 @@ static void closest_block(const embree_tracer *tracer, trace_block *block, unsig
             block->rays.t_far[i] = asked[i];
             continue;
         }
-        if (!call.raw) {
-            block->rays.t_far[i] = call.best[i];
-            if (call.tied[i]) embree_settle(tracer, block, i, call.far[i]);
+        if (!call.raw) block->rays.t_far[i] = call.best[i];
+        if (!call.raw && call.tied[i]) {
+            embree_settle(tracer, block, i, call.far[i]);
+        } else {
+            embree_translate(tracer->base.world, &block->hits, i);
         }
-        embree_translate(tracer->base.world, &block->hits, i);
     }
 }
 

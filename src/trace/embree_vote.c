@@ -1,0 +1,58 @@
+#include "trace/embree_vote.h"
+
+#include <string.h>
+
+void embree_vote_begin(embree_vote *vote, const embree_tracer *tracer, const trace_rays *rays, unsigned lane,
+                       float t_far) {
+    search_begin_f32(&vote->search, tracer->base.world, TRACE_ROBUST, rays, lane, false);
+    vote->search.t_max = t_far;
+    vote->met.any = vote->offered.any = false;
+}
+
+/* Embree's ids to the world's. */
+static void world_ids(const world *w, const uint32_t ids[3], uint32_t out[3]) {
+    uint32_t group = 0;
+    out[0] = ids[0], out[2] = ids[2];
+    if (ids[0] != RTC_INVALID_GEOMETRY_ID) {
+        out[0] -= w->groups.items[0].count;
+        group = w->instances.items[out[0]].group;
+    }
+    out[1] = ids[1] + w->groups.items[group].first;
+}
+
+/* Whether it is the best so far. */
+static bool try_primitive(search_f32 *s, const uint32_t ids[3]) {
+    const world *w = s->world;
+    const world_geometry *geometry = &w->geometries.items[ids[1]];
+    search_enter_f32(s, ids[0]);
+    s->at[1] = ids[1];
+    switch (geometry->kind) {
+    case WORLD_SPHERES: search_sphere_f32(s, &w->spheres.items[geometry->first + ids[2]], ids[2]); break;
+    case WORLD_QUADS: search_quad_f32(s, &w->quads.items[geometry->first + ids[2]], ids[2]); break;
+    case WORLD_MESH: {
+        vec3_f32 corner[3];
+        search_corners(&w->meshes.items[geometry->first], ids[2], corner);
+        search_triangle_f32(s, corner, ids[2]);
+        break;
+    }
+    }
+    return s->met && memcmp(s->best_ids, ids, sizeof s->best_ids) == 0;
+}
+
+void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float t) {
+    const uint32_t *id = (const uint32_t *)(const void *)hit;
+    const uint32_t from[3] = {id[EMBREE_ROW_INSTANCE * n], id[EMBREE_ROW_GEOMETRY * n],
+                              id[EMBREE_ROW_PRIMITIVE * n]};
+    embree_offered c = {
+        .any = true,
+        .t = t,
+        .normal = {hit[EMBREE_ROW_NG * n], hit[(EMBREE_ROW_NG + 1) * n], hit[(EMBREE_ROW_NG + 2) * n]},
+        .u = hit[EMBREE_ROW_U * n],
+        .v = hit[EMBREE_ROW_V * n]};
+    world_ids(vote->search.world, from, c.ids);
+    if (!vote->offered.any || t < vote->offered.t ||
+        (t == vote->offered.t && search_comes_before_f32(c.ids, vote->offered.ids))) {
+        vote->offered = c;
+    }
+    if (try_primitive(&vote->search, c.ids)) vote->met = c;
+}
