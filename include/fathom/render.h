@@ -79,6 +79,7 @@ typedef struct fathom_stats {
     uint64_t triangles, primitives,
         instances; /* triangles stored; spheres + quads + planes + triangles; placed instances */
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays;
+    uint64_t repaired_rays; /* of these: had slipped through a vertex of a closed mesh, and were traced again */
     double build_seconds, render_seconds;
     uint64_t bvh_bytes;
     uint64_t degenerate_triangles; /* rendered around */

@@ -33,8 +33,10 @@ typedef struct fathom_hit {
 FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
                                               fathom_tracer_kind kind, fathom_tracer **out);
 FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
-/* Closest hits. FATHOM_BAD_USAGE when a ray is not finite or its direction is zero: the message names it, and
- * hits of the rays before it are set. Any number of threads may call at the same time. */
+/* Closest hits. Rays within a few roundings of a vertex can slip through a mesh with Embree's own triangles,
+ * one in fifty of those aimed at vertices; renders repair that, single rays need tracer words such as
+ * "embree:user" or "bvh". FATHOM_BAD_USAGE when a ray is not finite or its direction is zero: the message
+ * names it, and hits of the rays before it are set. Any number of threads may call at the same time. */
 FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
                                                size_t count, fathom_hit *hits);
 /* Whether anything is hit, shadow-casting or not. */

@@ -38,9 +38,10 @@ static json_t *pack_seconds(const render_report *r) {
 
 static json_t *pack_rays(const render_report *r) {
     const fathom_stats *s = &r->stats;
-    return json_pack("{s:o, s:o, s:o, s:o, s:o}", "camera", json_count(s->camera_rays), "shadow",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "camera", json_count(s->camera_rays), "shadow",
                      json_count(s->shadow_rays), "reflection", json_count(s->reflection_rays), "refraction",
-                     json_count(s->refraction_rays), "total", json_count(report_rays(r)));
+                     json_count(s->refraction_rays), "total", json_count(report_rays(r)), "repaired",
+                     json_count(s->repaired_rays));
 }
 
 static json_t *pack_outputs(const args_list *outputs) {
@@ -98,9 +99,10 @@ static void print_details(const render_report *r) {
     printf("tracer   %s, %u threads\n", s->tracer, s->threads);
     printf("seconds  read %.3f, build %.3f, render %.3f, write %.3f, total %.3f\n", r->read_seconds,
            s->build_seconds, s->render_seconds, r->write_seconds, r->total_seconds);
-    printf("rays     camera %llu, shadow %llu, reflection %llu, refraction %llu\n",
+    printf("rays     camera %llu, shadow %llu, reflection %llu, refraction %llu; of them repaired %llu\n",
            (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
-           (unsigned long long)s->reflection_rays, (unsigned long long)s->refraction_rays);
+           (unsigned long long)s->reflection_rays, (unsigned long long)s->refraction_rays,
+           (unsigned long long)s->repaired_rays);
     printf("memory   %.1f MB at most, BVH %.1f MB\n", 1e-6 * (double)report_peak_bytes(),
            1e-6 * (double)s->bvh_bytes);
 }

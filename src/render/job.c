@@ -179,6 +179,7 @@ static void collect(job *j, worker_pool *pool) {
             j->rays.shadow += self->wave.rays.shadow;
             j->rays.reflection += self->wave.rays.reflection;
             j->rays.refraction += self->wave.rays.refraction;
+            j->rays.repaired += self->wave.rays.repaired;
             wave_destroy(&self->wave);
         }
         free(self->sums);

@@ -27,6 +27,20 @@ uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s)
     return pixels * s->spp * (1 + scene->lights.count) * bends;
 }
 
+/* Directional light comes from outside of all. */
+static fathom_status plan_watertight(fathom_context *context, render_plan *plan) {
+    fathom_status status = watertight_create(context, plan->tracer, &plan->watertight);
+    if (status != FATHOM_OK || !plan->watertight) return status;
+    plan->light_depths = calloc(plan->light_count + 1, 1);
+    if (!plan->light_depths) return fail_memory(context, plan->light_count + 1);
+    plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
+    for (uint32_t i = 0; i < plan->light_count; ++i) {
+        if (plan->lights[i].type != FATHOM_LIGHT_DIRECTIONAL)
+            plan->light_depths[i] = watertight_depth(plan->watertight, plan->lights[i].position);
+    }
+    return FATHOM_OK;
+}
+
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out) {
     *out = NULL;
@@ -54,12 +68,18 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->grid = (uint32_t)(sqrt((double)settings->spp) + 0.5);
     plan->t_near = (float)settings->epsilon;
     plan->first_hits = settings->aovs != 0;
-    *out = plan;
-    return FATHOM_OK;
+    fathom_status status = plan_watertight(context, plan);
+    if (status == FATHOM_OK)
+        *out = plan;
+    else
+        plan_destroy(plan);
+    return status;
 }
 
 void plan_destroy(render_plan *plan) {
     if (!plan) return;
+    watertight_destroy(plan->watertight);
+    free(plan->light_depths);
     free(plan->lights);
     free(plan);
 }

@@ -4,7 +4,7 @@
 
 #include "shade/camera.h"
 #include "shade/light.h"
-#include "trace/trace.h"
+#include "trace/watertight.h"
 
 typedef struct render_plan {
     const fathom_scene *scene;
@@ -14,6 +14,8 @@ typedef struct render_plan {
     shade_camera camera;
     shade_light *lights;
     uint32_t light_count;
+    watertight *watertight; /* NULL: no answer of the tracer needs another look */
+    uint8_t eye_depth, *light_depths; /* closed meshes around the camera and each light, where it is in use */
     unsigned features;  /* MATERIAL_ bits of the materials in use */
     bool constant_term; /* some point has ambient or emitted radiance */
     uint32_t max_depth; /* 0 when nothing mirrors or refracts */

@@ -77,10 +77,12 @@ static fathom_status render_world(fathom_context *context, const world *w, const
                                   const fathom_settings *settings, fathom_progress_fn progress, void *user,
                                   fathom_film *film) {
     render_plan *plan;
+    double began = clock_seconds();
     fathom_status status = plan_create(context, w, tracer, settings, &plan);
+    film->stats.build_seconds += clock_seconds() - began;
     if (status != FATHOM_OK) return status;
     ray_counts rays;
-    double began = clock_seconds();
+    began = clock_seconds();
     status = job_run(context, plan, film, progress, user, &rays);
     plan_destroy(plan);
     film->stats.render_seconds = clock_seconds() - began;
@@ -88,6 +90,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     film->stats.shadow_rays = rays.shadow;
     film->stats.reflection_rays = rays.reflection;
     film->stats.refraction_rays = rays.refraction;
+    film->stats.repaired_rays = rays.repaired;
     return status;
 }
 

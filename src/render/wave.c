@@ -89,11 +89,24 @@ void wave_destroy(wave *w) {
     *w = (wave){.plan = NULL};
 }
 
+/* A few instructions for each ray whose answer is possible. */
+static void repair(wave *w, size_t first, size_t count) {
+    if (!w->plan->watertight) return;
+    for (size_t done = 0; done < count; done += LANES) {
+        size_t block = (first + done) / LANES, left = count - done;
+        w->rays.repaired +=
+            watertight_closest(w->plan->watertight, &w->now.rays[block], w->now.paths[block].depth,
+                               left < LANES ? (unsigned)left : LANES);
+    }
+}
+
 static bool trace_all(wave *w, trace_coherence coherence) {
     for (size_t done = 0; done < w->now.count; done += wave_trace_piece(w)) {
         if (atomic_load_explicit(w->stop, memory_order_relaxed)) return false;
         size_t left = w->now.count - done, piece = wave_trace_piece(w);
-        trace_closest(w->plan->tracer, w->now.rays + done / LANES, left < piece ? left : piece, coherence);
+        if (left < piece) piece = left;
+        trace_closest(w->plan->tracer, w->now.rays + done / LANES, piece, coherence);
+        repair(w, done, piece);
     }
     return true;
 }

@@ -18,6 +18,7 @@
 typedef struct path_block {
     _Alignas(64) float weight[3][LANES];
     uint32_t slot[LANES];
+    uint8_t depth[LANES]; /* closed meshes around the ray's origin; see trace/watertight.h */
 } path_block;
 
 /* Rays waiting for their closest hit. */
@@ -42,6 +43,7 @@ typedef struct first_hits {
 
 typedef struct ray_counts {
     uint64_t camera, shadow, reflection, refraction;
+    uint64_t repaired; /* of these: answers put right by trace/watertight.h */
 } ray_counts;
 
 typedef struct wave {

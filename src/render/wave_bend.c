@@ -6,7 +6,7 @@ static bool worth_tracing(const wave *w, const bend_block *from, uint32_t i) {
     return from->weight[0][i] > limit || from->weight[1][i] > limit || from->weight[2][i] > limit;
 }
 
-static void push_path(wave *w, const bend_block *from, uint32_t slot, uint32_t i) {
+static void push_path(wave *w, const bend_block *from, uint32_t slot, uint8_t depth, uint32_t i) {
     size_t block = w->next.count / LANES, lane = w->next.count % LANES;
     trace_rays *rays = &w->next.rays[block].rays;
     path_block *path = &w->next.paths[block];
@@ -20,6 +20,7 @@ static void push_path(wave *w, const bend_block *from, uint32_t slot, uint32_t i
     rays->t_far[lane] = INFINITY;
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = from->weight[c][i];
     path->slot[lane] = slot;
+    path->depth[lane] = depth;
     ++w->next.count;
 }
 
@@ -34,11 +35,11 @@ bool wave_bend(wave *w) {
         if (!wave_reserve_paths(w, &w->next, 2 * LANES)) return false;
         for (uint32_t i = 0; i < s->count; ++i) {
             if (worth_tracing(w, &mirrored, i)) {
-                push_path(w, &mirrored, s->slot[i], i);
+                push_path(w, &mirrored, s->slot[i], s->depth[i], i);
                 ++w->rays.reflection;
             }
             if (worth_tracing(w, &refracted, i)) {
-                push_path(w, &refracted, s->slot[i], i);
+                push_path(w, &refracted, s->slot[i], s->depth_behind[i], i);
                 ++w->rays.refraction;
             }
         }

@@ -61,6 +61,7 @@ static void push_pixel(wave *w, const wave_region *r, const pixel_block *b, uint
     rays->t_far[lane] = INFINITY;
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = 1;
     path->slot[lane] = (b->y[i] - r->top) * WAVE_SIDE + b->x[i] - r->left;
+    path->depth[lane] = plan->eye_depth;
     ++w->now.count;
 }
 

@@ -18,6 +18,7 @@ static void push_shadow(wave *w, const light_block *from, const surface_block *s
     rays->t_far[lane] = from->distance[i] * before_light;
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = from->radiance[c][i];
     path->slot[lane] = s->slot[i];
+    path->depth[lane] = s->depth[i];
     ++w->shadows.count;
 }
 
@@ -38,21 +39,32 @@ static void add_seen(wave *w) {
     }
 }
 
-static bool trace_shadows(wave *w, trace_coherence coherence) {
+static void repair_shadows(wave *w, uint8_t light_depth) {
+    for (size_t done = 0; done < w->shadows.count; done += LANES) {
+        size_t block = done / LANES, left = w->shadows.count - done;
+        w->rays.repaired +=
+            watertight_any(w->plan->watertight, &w->shadows.rays[block], w->shadows.paths[block].depth,
+                           light_depth, left < LANES ? (unsigned)left : LANES);
+    }
+}
+
+static bool trace_shadows(wave *w, uint32_t light, trace_coherence coherence) {
     size_t piece = wave_trace_piece(w);
     for (size_t done = 0; done < w->shadows.count; done += piece) {
         if (atomic_load_explicit(w->stop, memory_order_relaxed)) return false;
         size_t left = w->shadows.count - done;
         trace_any(w->plan->tracer, w->shadows.rays + done / LANES, left < piece ? left : piece, coherence);
     }
+    if (w->plan->watertight) repair_shadows(w, w->plan->light_depths[light]);
     w->rays.shadow += w->shadows.count;
     add_seen(w);
     return true;
 }
 
 /* Light by light: rays of one queue all run towards the same point. */
-static bool add_light(wave *w, const shade_light *light, trace_coherence coherence) {
+static bool add_light(wave *w, uint32_t index, trace_coherence coherence) {
     const render_plan *plan = w->plan;
+    const shade_light *light = &plan->lights[index];
     w->shadows.count = 0;
     if (!wave_reserve_shadows(w, w->surface_count)) return false;
     for (size_t b = 0; b * LANES < w->surface_count; ++b) {
@@ -63,7 +75,7 @@ static bool add_light(wave *w, const shade_light *light, trace_coherence coheren
         light_evaluate(light, s, &materials, (plan->features & MATERIAL_SPECULAR) != 0, &arriving);
         push_shadows(w, &arriving, s);
     }
-    return trace_shadows(w, coherence);
+    return trace_shadows(w, index, coherence);
 }
 
 bool wave_light(wave *w, bool first) {
@@ -74,7 +86,7 @@ bool wave_light(wave *w, bool first) {
         material_add_constant(&materials, &w->surfaces[b], plan->scene->ambient, w->radiance);
     }
     for (uint32_t i = 0; i < plan->light_count; ++i) {
-        if (!add_light(w, &plan->lights[i], first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
+        if (!add_light(w, i, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
     }
     return true;
 }

@@ -186,6 +186,14 @@ static void pad(wave *w) {
     }
 }
 
+static void note_depths(wave *w, const trace_block *block, const path_block *path, size_t lane) {
+    watertight_sides sides =
+        watertight_sides_of(w->plan->watertight, block, (unsigned)lane, path->depth[lane]);
+    size_t k = w->surface_count - 1;
+    w->surfaces[k / LANES].depth[k % LANES] = sides.before;
+    w->surfaces[k / LANES].depth_behind[k % LANES] = sides.behind;
+}
+
 bool wave_surfaces(wave *w, bool first) {
     w->surface_count = 0;
     if (!wave_reserve_surfaces(w, w->now.count)) return false;
@@ -200,6 +208,7 @@ bool wave_surfaces(wave *w, bool first) {
         local_hit hit;
         evaluate(w, &ray, &hit);
         push_surface(w, &ray, &hit, path, k % LANES);
+        if (w->plan->watertight) note_depths(w, block, path, k % LANES);
         if (first && w->first) keep_first(w, &ray, &hit, path->slot[k % LANES]);
     }
     pad(w);

@@ -8,9 +8,11 @@
 #include <stdatomic.h>
 
 /* Ray and geometry masks: a ray meets what shares a bit with it. Camera and mirrored rays ask for the first,
- * shadow rays for the second. */
+ * shadow rays for the second, and the rays of embree_repair.c for Embree's own triangles alone. */
 #define EMBREE_SEEN 1u
 #define EMBREE_SHADOWS 2u
+#define EMBREE_MESHES 4u
+#define EMBREE_MESH_SHADOWS 8u
 
 typedef struct embree_tracer {
     trace_tracer base;
@@ -84,6 +86,11 @@ bool embree_may_hang(const embree_tracer *tracer);
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence);
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
+
+/* ---- embree_repair.c ---- */
+
+/* NULL where the tracer's own triangles are not Embree's, or where it answers raw. */
+const trace_retry *embree_retry(const trace_spec *spec);
 
 /* ---- embree_stream.c: the same by streams, raw; only where EMBREE_HAS_STREAMS ---- */
 void embree_stream_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,

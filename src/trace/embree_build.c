@@ -48,6 +48,13 @@ static void attach(RTCScene scene, RTCGeometry geometry, uint32_t id, unsigned m
     rtcReleaseGeometry(geometry);
 }
 
+static unsigned geometry_mask(const embree_tracer *tracer, const world_geometry *geometry) {
+    bool mesh = geometry->kind == WORLD_MESH && is_native(tracer->spec.shapes, WORLD_MESH);
+    unsigned mask = EMBREE_SEEN | (mesh ? EMBREE_MESHES : 0);
+    if (geometry->flags & FATHOM_CASTS_NO_SHADOW) return mask;
+    return mask | EMBREE_SHADOWS | (mesh ? EMBREE_MESH_SHADOWS : 0);
+}
+
 static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world_group *group) {
     const world *w = tracer->base.world;
     for (uint32_t i = 0; i < group->count; ++i) {
@@ -56,8 +63,7 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
         RTCGeometry made = is_native(tracer->spec.shapes, geometry->kind)
                                ? embree_native_geometry(tracer->device, w, geometry)
                                : embree_user_geometry(tracer->device, w, geometry);
-        bool shadows = !(geometry->flags & FATHOM_CASTS_NO_SHADOW);
-        attach(scene, made, i, shadows ? EMBREE_SEEN | EMBREE_SHADOWS : EMBREE_SEEN);
+        attach(scene, made, i, geometry_mask(tracer, geometry));
     }
 }
 
@@ -71,7 +77,8 @@ static void attach_instances(embree_tracer *tracer, RTCScene root) {
         if (!geometry) return;
         rtcSetGeometryInstancedScene(geometry, scene);
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->to_world);
-        attach(root, geometry, w->groups.items[0].count + (uint32_t)k, EMBREE_SEEN | EMBREE_SHADOWS);
+        attach(root, geometry, w->groups.items[0].count + (uint32_t)k,
+               EMBREE_SEEN | EMBREE_SHADOWS | EMBREE_MESHES | EMBREE_MESH_SHADOWS);
     }
 }
 

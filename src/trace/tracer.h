@@ -5,6 +5,15 @@
 
 #include "trace/trace.h"
 
+/* A triangle that a line crosses, as a tracer's own arithmetic sees it. */
+typedef struct trace_crossing {
+    float t;
+    uint32_t instance, geometry, primitive; /* the world's */
+    bool entering;                          /* through the side that its corners go round counter-clockwise */
+} trace_crossing;
+
+typedef ARRAY(trace_crossing) trace_crossings;
+
 typedef struct trace_ops {
     /* Releases the tracer and all that it owns. */
     void (*destroy)(trace_tracer *tracer);
@@ -18,8 +27,24 @@ typedef struct trace_ops {
     bool planes; /* closest() and any() see the planes too */
 } trace_ops;
 
+/* For watertight.c. */
+typedef struct trace_retry {
+    /* Looks again, thoroughly and slowly, for what the lane's ray meets by the reference intersector nearer
+     * than its t_far (any: inside its interval). `round` counts up from 0 as long as nothing helps. Whether
+     * anything was found: then the lane is as closest() leaves it, or its t_far -infinity. */
+    bool (*closest)(const trace_tracer *tracer, trace_block *block, unsigned lane, unsigned round);
+    bool (*any)(const trace_tracer *tracer, trace_rays *rays, unsigned lane, unsigned round);
+    /* Adds all triangles of a group, and for group 0 of the instances, on the way from org along dir, each
+     * once, in any order. False when out of memory. */
+    bool (*crossings)(const trace_tracer *tracer, uint32_t group, vec3_f32 org, vec3_f32 dir,
+                      trace_crossings *out);
+    /* A box around the group; lower > upper where it is empty. */
+    void (*bounds)(const trace_tracer *tracer, uint32_t group, vec3_f32 *lower, vec3_f32 *upper);
+} trace_retry;
+
 struct trace_tracer {
     const trace_ops *ops;
+    const trace_retry *retry; /* NULL: no triangle that a ray meets is ever missed */
     const world *world;
     uint64_t bvh_bytes;
     double unit; /* roundoff */

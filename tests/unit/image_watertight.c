@@ -1,0 +1,125 @@
+/* No light leaks through the vertices of a closed mesh, where every ray is aimed at one. */
+#include "render.h"
+
+#include "math/vec.h"
+
+#define W 96
+#define H 72
+
+/* A closed mesh whose front is a grid of these points and whose back is a fan to the apex. */
+static void add_cave(stage *s, const vec3_f64 *points, vec3_f64 apex, fathom_id material) {
+    static float p[(W * H + 1) * 3];
+    static uint32_t index[(2 * W * H + 4 * (W + H)) * 3];
+    uint32_t *t = index, top = W * H;
+    for (uint32_t i = 0; i < W * H; ++i) store_f32(&p[3 * i], narrow(points[i]));
+    store_f32(&p[3 * top], narrow(apex));
+    for (uint32_t y = 0; y + 1 < H; ++y) {
+        for (uint32_t x = 0; x + 1 < W; ++x) {
+            uint32_t a = y * W + x, b = a + 1, c = a + W, d = c + 1;
+            const uint32_t two[6] = {a, b, c, b, d, c};
+            memcpy(t, two, sizeof two), t += 6;
+        }
+    }
+    for (uint32_t x = 0; x + 1 < W; ++x) {
+        const uint32_t two[6] = {x + 1, x, top, (H - 1) * W + x, (H - 1) * W + x + 1, top};
+        memcpy(t, two, sizeof two), t += 6;
+    }
+    for (uint32_t y = 0; y + 1 < H; ++y) {
+        const uint32_t two[6] = {y * W, (y + 1) * W, top, (y + 2) * W - 1, (y + 1) * W - 1, top};
+        memcpy(t, two, sizeof two), t += 6;
+    }
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p, mesh.vertex_count = W * H + 1;
+    mesh.indices = index, mesh.triangle_count = (uint32_t)(t - index) / 3, mesh.material = material;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &mesh, NULL));
+}
+
+/* Where the middle of each pixel looks, at distance 1 along the axis. The camera stands at 0. */
+static void looks(double half_width, vec3_f64 *out) {
+    for (int y = 0; y < H; ++y) {
+        for (int x = 0; x < W; ++x) {
+            double u = (x + 0.5) / W * 2 - 1, v = 1 - (y + 0.5) / H * 2;
+            out[y * W + x] = vec_f64(u * half_width, v * half_width * H / W, -1);
+        }
+    }
+}
+
+static void set_camera(stage *s, double half_width) {
+    const double eye[3] = {0, 0, 0}, target[3] = {0, 0, -1}, up[3] = {0, 1, 0};
+    stage_camera(s, eye, target, up, 2 * atan(half_width * H / W));
+}
+
+static size_t bright(stage *s, const char *tracer, uint64_t *repaired) {
+    fathom_stats stats;
+    fathom_film *film;
+    s->settings.tracer_spec = tracer;
+    assert_ok(s->context, fathom_render(s->context, s->scene, &s->settings, NULL, NULL, &stats, &film));
+    const float *red = fathom_film_channel(film, "R");
+    size_t count = 0;
+    for (size_t i = 0; i < W * H; ++i) count += red[i] != 0;
+    fathom_film_destroy(film);
+    *repaired = stats.repaired_rays;
+    return count;
+}
+
+/* Raw answers must leak, or the test shows nothing: robust ones only where rays keep to the vertices within a
+ * few roundings. */
+static void only_raw_leaks(stage *s, bool robust_too) {
+    static const char *const tight[] = {"embree:default", "embree", "embree:high:1", "embree:user", "linear"};
+    uint64_t repaired;
+    assert_in_range(bright(s, "embree:default:raw", &repaired), 1, W * H);
+    if (robust_too) assert_in_range(bright(s, "embree:raw", &repaired), 1, W * H);
+    for (size_t i = 0; i < sizeof tight / sizeof *tight; ++i) {
+        assert_int_equal(bright(s, tight[i], &repaired), 0);
+        if (i < (robust_too ? 2 : 1)) assert_true(repaired > 0);
+    }
+}
+
+/* A black cave, and a bright world outside. */
+static void no_background_from_inside(void **state) {
+    (void)state;
+    static vec3_f64 points[W * H];
+    stage s = stage_open(W, H);
+    const float white[3] = {1, 1, 1};
+    fathom_scene_set_background(s.scene, white);
+    looks(0.5, points);
+    for (int i = 0; i < W * H; ++i) points[i] = scale_f64(3 + 0.3 * sin(0.7 * i), points[i]);
+    add_cave(&s, points, vec_f64(0.1, 0.2, 4), stage_lambert(&s, 0.5f));
+    set_camera(&s, 0.5);
+    only_raw_leaks(&s, true);
+    stage_close(&s);
+}
+
+/* A cave with a white floor, and a sun outside: the way from each point seen to the sun is through a vertex
+ * of the ceiling. */
+static void no_sun_from_outside(void **state) {
+    (void)state;
+    static vec3_f64 points[W * H];
+    stage s = stage_open(W, H);
+    fathom_id white = stage_lambert(&s, 1);
+    const double floor_at[3] = {0, 0, -3}, u[3] = {9, 0, 0}, v[3] = {0, 9, 0};
+    stage_quad(&s, floor_at, u, v, white);
+    fathom_light sun;
+    fathom_light_default(&sun);
+    sun.type = FATHOM_LIGHT_DIRECTIONAL;
+    const vec3_f64 to_sun = {0.1, 0.05, 1};
+    for (int c = 0; c < 3; ++c) sun.intensity[c] = 1;
+    sun.direction[0] = -to_sun.x, sun.direction[1] = -to_sun.y, sun.direction[2] = -to_sun.z;
+    assert_ok(s.context, fathom_scene_add_light(s.scene, &sun, NULL));
+    looks(0.5, points);
+    for (int i = 0; i < W * H; ++i)
+        points[i] = madd_f64(scale_f64(3, points[i]), 5 + 0.2 * sin(0.7 * i), to_sun);
+    add_cave(&s, points, vec_f64(-0.4, -0.2, -90), white);
+    set_camera(&s, 0.5);
+    only_raw_leaks(&s, false);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_background_from_inside),
+        cmocka_unit_test(no_sun_from_outside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
