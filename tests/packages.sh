@@ -4,7 +4,7 @@
 set -eu
 
 packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev libgmp-dev"
-[ "${1:-build}" = test ] && packages="$packages libcmocka-dev git clang-format python3-minimal"
+[ "${1:-build}" = test ] && packages="$packages libcmocka-dev git clang-format python3-minimal chromium"
 
 stop() {
     echo "fathom set-up: $*" >&2

@@ -12,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FAILURES_KEPT 1000000 /* of each family */
+#define FAILURES_KEPT 1000000 /* of each family, for a file */
+#define FAILURES_FIRST 1000   /* of each family, for the page, which shows the first that are wrong */
 
 /* ---- running ---- */
 
@@ -52,7 +53,7 @@ static fathom_status run_tracer(fathom_context *context, work *k, const validate
                                .rays = k->settings->rays,
                                .seed = k->settings->seed,
                                .threads = fathom_context_threads(context),
-                               .failures = k->settings->failures ? FAILURES_KEPT : 0,
+                               .failures = k->settings->failures ? FAILURES_KEPT : FAILURES_FIRST,
                                .progress = on_progress,
                                .user = k};
     if (!options.threads) options.threads = processor_count();
@@ -122,7 +123,8 @@ static fathom_status write_results(fathom_context *context, work *k, uint64_t *w
                (unsigned long long)leaks, clock_seconds() - k->start);
     }
     fathom_status status = FATHOM_OK;
-    if (k->settings->json) status = validate_write_json(context, &k->runs, k->settings);
+    if (k->settings->json || k->settings->report)
+        status = validate_write_json(context, &k->runs, k->settings);
     if (status == FATHOM_OK && k->settings->failures)
         status = validate_write_failures(context, &k->runs, k->settings);
     return status;
@@ -136,6 +138,7 @@ static fathom_status check(fathom_context *context, const validate_settings *set
     fathom_status status = outputs_check_distinct(context, outputs, count, settings->scene);
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i)
         status = file_check_writable(context, outputs[i]);
+    if (status == FATHOM_OK && settings->report) status = validate_check_report(context, settings);
     for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
         trace_spec spec;
         status = trace_spec_parse(context, settings->tracers.items[i], &spec);
@@ -223,6 +226,8 @@ static const args_option options[] = {
     {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0, "a row for each family"},
     {"quiet", 'q', NULL, take_true, offsetof(validate_settings, quiet), 0, 0, "only the exit code"},
     {"json", 0, "FILE", take_text, offsetof(validate_settings, json), 0, 0, "all figures"},
+    {"report", 0, "DIR", take_text, offsetof(validate_settings, report), 0, 0,
+     "all figures as one page with tables and plots, DIR/index.html"},
     {"failures", 0, "FILE", take_text, offsetof(validate_settings, failures), 0, 0,
      "every ray with a leak or a wrong answer, a line each"},
     {"replay", 0, "FILE", take_text, offsetof(validate_settings, replay), 0, 0,
@@ -253,6 +258,7 @@ const command command_validate = {
             "bvh and their options, as linear:f64 or embree:robust:high:16.\n"
             "The exit code is 1 when anything is wrong.\n",
     .examples = "  fathom validate\n"
+                "  fathom validate --report results\n"
                 "  fathom validate bunny.obj --rays 100k --families edge,vertex -v\n"
                 "  fathom validate --tracer linear:f64 --failures bad.txt\n"
                 "  fathom validate --replay bad.txt\n",

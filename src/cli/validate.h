@@ -5,13 +5,15 @@
 #include "cli/args.h"
 #include "parity/compare.h"
 
+#include <jansson.h>
+
 typedef struct validate_settings {
     const char *scene; /* NULL: the built-in ones */
     args_list tracers;
     uint64_t rays, seed;
     unsigned families; /* bit i: rays_family i */
     unsigned threads;
-    const char *json, *failures, *replay;
+    const char *json, *failures, *replay, *report;
     bool quiet, verbose;
 } validate_settings;
 
@@ -45,13 +47,24 @@ fathom_status validate_subject(fathom_context *context, const validate_stage *st
 /* ---- validate_print.c ---- */
 compare_family validate_sum(const validate_run *run);
 void validate_print(const validate_runs *runs, const validate_settings *settings);
+/* To --json and --report, whichever was asked for. */
 fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,
                                   const validate_settings *settings);
 
 /* ---- validate_failures.c ---- */
 fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,
                                       const validate_settings *settings);
+/* The first rays with a wrong answer, each as a line of --failures. */
+json_t *validate_failures_json(const validate_run *run);
 /* FATHOM_CHECK_FAILED when any ray's answer is still wrong. */
 fathom_status validate_replay(fathom_context *context, const validate_settings *settings);
+
+/* ---- validate_report.c ---- */
+
+/* Whether the page can be written, before any work is done for it. */
+fathom_status validate_check_report(fathom_context *context, const validate_settings *settings);
+/* results: what --json holds. */
+fathom_status validate_write_report(fathom_context *context, const json_t *results,
+                                    const validate_settings *settings);
 
 #endif

@@ -4,23 +4,45 @@
 
 #include "base/file.h"
 #include "cli/command.h"
+#include "cli/json_text.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define LINE_ROOM 512
+#define FAILURES_SHOWN 20
 #define LINE_HEAD "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n"
 
-static void put_line(file_writer *writer, const validate_run *run, const compare_failure *f) {
-    char line[512];
+/* All of a line but the scene's name, which may be long. */
+static void format_line(const validate_run *run, const compare_failure *f, char line[LINE_ROOM]) {
     const oracle_ray *r = &f->ray;
-    int size = snprintf(line, sizeof line, "%.100s %s %llu %s %a %a %a %a %a %a %a %a ", run->spec,
-                        rays_family_name(f->family), (unsigned long long)f->index, verdict_name(f->verdict),
-                        (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x,
-                        (double)r->dir.y, (double)r->dir.z, (double)r->t_near, (double)r->t_far);
-    file_writer_put(writer, line, (size_t)size);
+    snprintf(line, LINE_ROOM, "%.100s %s %llu %s %a %a %a %a %a %a %a %a ", run->spec,
+             rays_family_name(f->family), (unsigned long long)f->index, verdict_name(f->verdict),
+             (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x, (double)r->dir.y,
+             (double)r->dir.z, (double)r->t_near, (double)r->t_far);
+}
+
+static void put_line(file_writer *writer, const validate_run *run, const compare_failure *f) {
+    char line[LINE_ROOM];
+    format_line(run, f, line);
+    file_writer_put(writer, line, strlen(line));
     file_writer_put(writer, run->scene, strlen(run->scene));
     file_writer_put(writer, "\n", 1);
+}
+
+json_t *validate_failures_json(const validate_run *run) {
+    json_t *lines = json_array();
+    for (size_t i = 0; i < run->result.failures.count && json_array_size(lines) < FAILURES_SHOWN; ++i) {
+        const compare_failure *f = &run->result.failures.items[i];
+        if (f->verdict != VERDICT_WRONG) continue;
+        char line[LINE_ROOM + PATH_MAX];
+        format_line(run, f, line);
+        strncat(line, run->scene, PATH_MAX - 1);
+        json_array_append_new(lines, json_text(line));
+    }
+    return lines;
 }
 
 fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,

@@ -84,9 +84,9 @@ static json_t *pack_run(const validate_run *run) {
         json_array_append_new(families,
                               pack_family(rays_family_name((rays_family)f), &run->result.families[f]));
     }
-    return json_pack("{s:o, s:o, s:s, s:f, s:o}", "scene", json_text(run->scene), "spec",
+    return json_pack("{s:o, s:o, s:s, s:f, s:o, s:o}", "scene", json_text(run->scene), "spec",
                      json_text(run->spec), "tracer", run->tracer, "seconds", run->seconds, "families",
-                     families);
+                     families, "failures", validate_failures_json(run));
 }
 
 static json_t *pack(const validate_runs *runs, const validate_settings *settings) {
@@ -100,19 +100,27 @@ static json_t *pack(const validate_runs *runs, const validate_settings *settings
                      "boundConstants", bounds, "runs", list);
 }
 
-fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,
-                                  const validate_settings *settings) {
-    json_t *root = pack(runs, settings);
-    char *bytes = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
-    json_decref(root);
+static fathom_status write_text(fathom_context *context, const json_t *root, const char *path) {
+    char *bytes = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     if (!bytes) return fail_memory(context, 4096);
     file_writer *writer;
-    fathom_status status = file_writer_open(context, settings->json, &writer);
+    fathom_status status = file_writer_open(context, path, &writer);
     if (status == FATHOM_OK) {
         file_writer_put(writer, bytes, strlen(bytes));
         file_writer_put(writer, "\n", 1);
         status = file_writer_commit(writer);
     }
     free(bytes);
+    return status;
+}
+
+fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,
+                                  const validate_settings *settings) {
+    json_t *root = pack(runs, settings);
+    if (!root) return fail_memory(context, 4096);
+    fathom_status status = FATHOM_OK;
+    if (settings->json) status = write_text(context, root, settings->json);
+    if (status == FATHOM_OK && settings->report) status = validate_write_report(context, root, settings);
+    json_decref(root);
     return status;
 }

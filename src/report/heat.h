@@ -1,0 +1,36 @@
+/* Heat maps: one row a name, one column a number, a colour for each magnitude. */
+#ifndef REPORT_HEAT_H
+#define REPORT_HEAT_H
+
+#include "report/page.h"
+
+typedef enum heat_sign { HEAT_NONE, HEAT_PLAIN, HEAT_LEAK, HEAT_WRONG } heat_sign;
+
+typedef struct heat_cell {
+    heat_sign sign; /* HEAT_NONE: nothing was measured here */
+    double value;
+    char *title; /* shown when pointed at; escaped */
+} heat_cell;
+
+typedef struct heat_range {
+    double low, high; /* of colours, both positive; low < high */
+} heat_range;
+
+typedef struct heat {
+    const char *title, *summary, *caption; /* the title says what the columns are */
+    heat_range range;
+    const char *const *rows;
+    const double *columns;
+    size_t row_count, column_count;
+    const heat_cell *cells; /* row by row */
+} heat;
+
+/* Whole powers of ten around least and most; of nothing, 1 to 10. */
+heat_range heat_range_over(double least, double most);
+/* 0 … COLOUR_STEPS - 1: never less for a larger value. What is not positive counts as the least. */
+unsigned heat_step(const heat_range *range, double value);
+void heat_put(page *p, const heat *h);
+/* The scale of colours, and what the signs mean. */
+void heat_legend(page *p, const heat_range *range, const char *name);
+
+#endif
