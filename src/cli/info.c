@@ -136,6 +136,12 @@ static void look_for_problems(const fathom_scene *scene, const info_facts *f, pr
                  (unsigned long long)f->degenerate_triangles);
         add_problem(problems, text);
     }
+    if (f->beyond_reach) {
+        snprintf(text, sizeof text,
+                 "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu", WORLD_REACH,
+                 (unsigned long long)f->beyond_reach);
+        add_problem(problems, text);
+    }
     bool emits = false, ambient = false;
     for (size_t i = 0; i < f->feature_count; ++i) emits |= strcmp(f->features[i], "emission") == 0;
     for (int c = 0; c < 3; ++c) ambient |= scene->ambient[c] > 0;

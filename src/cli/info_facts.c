@@ -174,7 +174,7 @@ static fathom_status look_at_world(const fathom_scene *scene, info_facts *out) {
     world *w;
     fathom_status status = world_create(scene, &w);
     if (status != FATHOM_OK) return status;
-    out->degenerate_triangles = w->degenerate_triangles;
+    out->degenerate_triangles = w->degenerate_triangles, out->beyond_reach = w->beyond_reach;
     double triangles = (double)out->triangles, shapes = (double)(out->spheres + out->quads);
     out->bvh_bytes = (uint64_t)(BVH_TRIANGLE_BYTES * triangles + BVH_SHAPE_BYTES * shapes +
                                 BVH_INSTANCE_BYTES * (double)w->instances.count);

@@ -10,7 +10,7 @@ typedef struct info_facts {
     uint64_t spheres, quads, planes, meshes;
     uint64_t triangles;        /* stored */
     uint64_t placed_triangles; /* counted once for each instance they appear in */
-    uint64_t degenerate_triangles;
+    uint64_t degenerate_triangles, beyond_reach;
     uint64_t materials, groups, instances;
     uint64_t point_lights, directional_lights, spot_lights;
     scene_bounds bounds; /* of the world; planes have none */

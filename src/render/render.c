@@ -106,6 +106,10 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
         warn(context, "triangles without area that are left out: %llu",
              (unsigned long long)w->degenerate_triangles);
     }
+    if (status == FATHOM_OK && w->beyond_reach) {
+        warn(context, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
+             WORLD_REACH, (unsigned long long)w->beyond_reach);
+    }
     trace_tracer *tracer = NULL;
     if (status == FATHOM_OK) status = run_build(context, w, settings, progress, user, &tracer);
     film->stats.build_seconds = clock_seconds() - began;

@@ -5,6 +5,7 @@
 
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- shapes of one group, as geometries ---- */
 
@@ -90,38 +91,77 @@ bool world_add_lone_mesh(world *w, fathom_id object) {
     return add_mesh(w, &w->scene->meshes.items[w->scene->objects.items[object].index], object);
 }
 
-/* ---- degenerate triangles ---- */
+/* ---- what tracers are told about primitives ---- */
 
-typedef struct degenerate_count {
+typedef struct survey {
     const fathom_mesh *mesh;
-    _Atomic uint64_t count;
-} degenerate_count;
+    _Atomic uint64_t flat, beyond;
+    _Atomic uint32_t largest; /* bits of a float of at least 0, which order as it does */
+} survey;
 
-static vec3_f64 vertex(const fathom_mesh *m, uint32_t i) {
-    return widen(
-        load_f32((const float *)(const void *)((const char *)m->positions + (size_t)i * m->position_stride)));
+static vec3_f32 vertex(const fathom_mesh *m, uint32_t i) {
+    return load_f32(
+        (const float *)(const void *)((const char *)m->positions + (size_t)i * m->position_stride));
 }
 
-static void count_run(void *user, size_t begin, size_t end, unsigned worker) {
+static float larger(float a, float b) { return a > b ? a : b; }
+
+/* NaN for a NaN. */
+static float reach_of(vec3_f32 p) {
+    return larger(fabsf(p.x), larger(fabsf(p.y), fabsf(p.z))) + (p.x * 0 + p.y * 0 + p.z * 0);
+}
+
+static void raise_to(_Atomic uint32_t *to, float value) {
+    uint32_t bits, old = atomic_load(to);
+    memcpy(&bits, &value, sizeof bits);
+    while (old < bits && !atomic_compare_exchange_weak(to, &old, bits)) continue;
+}
+
+static void survey_run(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
-    degenerate_count *all = user;
+    survey *all = user;
     const fathom_mesh *m = all->mesh;
-    uint64_t found = 0;
+    uint64_t flat = 0, beyond = 0;
+    float largest = 0;
     for (size_t i = begin; i < end; ++i) {
         const uint32_t *t = &m->indices[3 * i];
-        vec3_f64 a = vertex(m, t[0]), ab = sub_f64(vertex(m, t[1]), a), ac = sub_f64(vertex(m, t[2]), a);
-        vec3_f64 n = cross_f64(ab, ac);
-        found += n.x == 0 && n.y == 0 && n.z == 0;
+        vec3_f32 a = vertex(m, t[0]), b = vertex(m, t[1]), c = vertex(m, t[2]);
+        vec3_f64 ab = sub_f64(widen(b), widen(a)), ac = sub_f64(widen(c), widen(a)), n = cross_f64(ab, ac);
+        flat += n.x == 0 && n.y == 0 && n.z == 0;
+        float x = reach_of(a), y = reach_of(b), z = reach_of(c), reach = larger(x, larger(y, z));
+        bool within = x < (float)WORLD_REACH && y < (float)WORLD_REACH && z < (float)WORLD_REACH;
+        beyond += !within;
+        largest = within ? larger(largest, reach) : largest;
     }
-    atomic_fetch_add(&all->count, found);
+    atomic_fetch_add(&all->flat, flat);
+    atomic_fetch_add(&all->beyond, beyond);
+    raise_to(&all->largest, largest);
 }
 
-static void count_degenerate(world *w) {
-    unsigned threads = fathom_context_threads(w->scene->context);
-    for (size_t i = 0; i < w->meshes.count; ++i) {
-        degenerate_count all = {.mesh = &w->meshes.items[i]};
-        loop_parallel(threads, all.mesh->triangle_count, 1u << 15, count_run, &all);
-        w->degenerate_triangles += atomic_load(&all.count);
+static void survey_mesh(world *w, world_geometry *geometry) {
+    survey all = {.mesh = &w->meshes.items[geometry->first]};
+    loop_parallel(fathom_context_threads(w->scene->context), all.mesh->triangle_count, 1u << 15, survey_run,
+                  &all);
+    uint32_t bits = atomic_load(&all.largest);
+    memcpy(&geometry->largest, &bits, sizeof bits);
+    geometry->flat = (uint32_t)atomic_load(&all.flat);
+    w->degenerate_triangles += geometry->flat;
+    w->beyond_reach += atomic_load(&all.beyond);
+}
+
+static bool within_reach(vec3_f32 p, float radius) { return reach_of(p) + radius < (float)WORLD_REACH; }
+
+void world_survey(world *w) {
+    w->degenerate_triangles = w->beyond_reach = 0;
+    for (size_t i = 0; i < w->geometries.count; ++i) {
+        if (w->geometries.items[i].kind == WORLD_MESH) survey_mesh(w, &w->geometries.items[i]);
+    }
+    for (size_t i = 0; i < w->spheres.count; ++i)
+        w->beyond_reach += !within_reach(w->spheres.items[i].center, w->spheres.items[i].radius);
+    for (size_t i = 0; i < w->quads.count; ++i) {
+        const vec3_f32 *c = w->quads.items[i].corner;
+        w->beyond_reach += !(within_reach(c[0], 0) && within_reach(c[1], 0) && within_reach(c[2], 0) &&
+                             within_reach(c[3], 0));
     }
 }
 
@@ -169,7 +209,7 @@ fathom_status world_create(const fathom_scene *scene, world **out) {
         world_destroy(w);
         return status;
     }
-    count_degenerate(w);
+    world_survey(w);
     *out = w;
     return FATHOM_OK;
 }

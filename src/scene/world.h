@@ -41,6 +41,8 @@ typedef struct world_geometry {
         count; /* spheres, quads: where the run lies; mesh: first = index into meshes, count = triangles */
     unsigned flags;     /* FATHOM_CASTS_NO_SHADOW… of every primitive in it */
     bool smooth;        /* a mesh with shading normals */
+    float largest;      /* a mesh: of the coordinates within WORLD_REACH; see world_survey() */
+    uint32_t flat;      /* a mesh: its triangles without area */
     fathom_id instance; /* the instance that placed it, where its frame was left out; else FATHOM_NONE */
 } world_geometry;
 
@@ -71,11 +73,16 @@ typedef struct world {
     ARRAY(world_group) groups; /* 0: what is placed in the root itself */
     ARRAY(world_instance) instances;
     uint64_t degenerate_triangles; /* without area: stored, never hit */
+    uint64_t beyond_reach; /* primitives with a coordinate not below WORLD_REACH, in their group's space:
+                              stored; Embree leaves them out */
 } world;
 
 /* The scene must have passed fathom_scene_check() and must outlive the world. */
 fathom_status world_create(const fathom_scene *scene, world **out);
 void world_destroy(world *w);
+
+/* Counts again what world_create() counted: for those who change a world's numbers. */
+void world_survey(world *w);
 
 /* FATHOM_BAD_INPUT when the scene's camera could not see anything of it: nothing has an area, or the camera
  * is out of reach. */

@@ -1,6 +1,7 @@
 /* From the world to Embree's scenes: one for each group, instances in the root. */
 #include "reference/reference.h"
 #include "trace/embree.h"
+#include "trace/search.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,14 +30,22 @@ static bool on_progress(void *user, double fraction) { return go_on(user, fracti
 
 /* ---- geometries ---- */
 
+/* Embree's triangles are met by products of three lengths, two sides and a distance from the ray's origin, in
+ * float: those of whole precision lie between 2^-102 and 2^127. In a mesh as large as c, with sides down to
+ * c 2^-12 (16 million triangles over a ball) and seen from up to 2^18 c, that is from c = 2^-24 to 2^36. Our
+ * own intersector goes on to wider numbers where it must. */
+static bool in_native_range(const world_geometry *mesh) {
+    return mesh->largest == 0 || (mesh->largest >= 0x1p-24f && mesh->largest <= 0x1p36f);
+}
+
 /* Whether Embree's own intersector answers for the geometry. */
-static bool is_native(trace_shapes shapes, world_kind kind) {
-    switch (kind) {
+static bool is_native(trace_shapes shapes, const world_geometry *geometry) {
+    switch (geometry->kind) {
     case WORLD_SPHERES: return shapes == TRACE_SHAPES_SPHERE;
     case WORLD_QUADS: return shapes == TRACE_SHAPES_QUAD;
     case WORLD_MESH: break;
     }
-    return shapes != TRACE_SHAPES_USER;
+    return shapes != TRACE_SHAPES_USER && in_native_range(geometry);
 }
 
 /* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. */
@@ -49,7 +58,7 @@ static void attach(RTCScene scene, RTCGeometry geometry, uint32_t id, unsigned m
 }
 
 static unsigned geometry_mask(const embree_tracer *tracer, const world_geometry *geometry) {
-    bool mesh = geometry->kind == WORLD_MESH && is_native(tracer->spec.shapes, WORLD_MESH);
+    bool mesh = geometry->kind == WORLD_MESH && is_native(tracer->spec.shapes, geometry);
     unsigned mask = EMBREE_SEEN | (mesh ? EMBREE_MESHES : 0);
     if (geometry->flags & FATHOM_CASTS_NO_SHADOW) return mask;
     return mask | EMBREE_SHADOWS | (mesh ? EMBREE_MESH_SHADOWS : 0);
@@ -60,7 +69,7 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
     for (uint32_t i = 0; i < group->count; ++i) {
         const world_geometry *geometry = &w->geometries.items[group->first + i];
         if (!geometry->count) continue;
-        RTCGeometry made = is_native(tracer->spec.shapes, geometry->kind)
+        RTCGeometry made = is_native(tracer->spec.shapes, geometry)
                                ? embree_native_geometry(tracer->device, w, geometry)
                                : embree_user_geometry(tracer->device, w, geometry);
         attach(scene, made, i, geometry_mask(tracer, geometry));
@@ -95,32 +104,38 @@ static bool usable(vec3_f32 p) {
 }
 
 static bool mesh_point(const fathom_mesh *mesh, vec3_f32 *out) {
-    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
-    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i += 3) {
-        bool whole = true;
-        for (size_t c = 0; c < 3 && whole; ++c) {
-            const char *p = (const char *)mesh->positions + mesh->indices[i + c] * stride;
-            *out = load_f32((const float *)(const void *)p);
-            whole = usable(*out);
-        }
-        if (whole) return true;
+    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
+        vec3_f32 v[3];
+        search_corners(mesh, i, v);
+        *out = v[0];
+        if (usable(v[0]) && usable(v[1]) && usable(v[2]) && triangle_has_area_f32(v[0], v[1], v[2]))
+            return true;
     }
     return false;
 }
 
-static bool geometry_point(const world *w, const world_geometry *geometry, vec3_f32 *out) {
-    if (!geometry->count) return false;
-    switch (geometry->kind) {
-    case WORLD_SPHERES: {
-        const world_sphere *s = &w->spheres.items[geometry->first];
-        *out = s->center;
-        return largest_f32(s->center) + s->radius < EMBREE_LARGEST / 2;
+static bool sphere_point(const world_sphere *spheres, uint32_t count, vec3_f32 *out) {
+    for (uint32_t i = 0; i < count; ++i) {
+        *out = spheres[i].center;
+        if (usable(*out) && largest_f32(*out) + fabsf(spheres[i].radius) < EMBREE_LARGEST / 2) return true;
     }
-    case WORLD_QUADS: {
-        const vec3_f32 *v = w->quads.items[geometry->first].corner;
+    return false;
+}
+
+static bool quad_point(const world_quad *quads, uint32_t count, vec3_f32 *out) {
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3_f32 *v = quads[i].corner;
         *out = v[0];
-        return usable(v[0]) && usable(v[1]) && usable(v[2]) && usable(v[3]);
+        if (usable(v[0]) && usable(v[1]) && usable(v[2]) && usable(v[3])) return true;
     }
+    return false;
+}
+
+/* A point that the bounds must hold; false: nothing of the geometry can be hit. */
+static bool geometry_point(const world *w, const world_geometry *geometry, vec3_f32 *out) {
+    switch (geometry->kind) {
+    case WORLD_SPHERES: return sphere_point(&w->spheres.items[geometry->first], geometry->count, out);
+    case WORLD_QUADS: return quad_point(&w->quads.items[geometry->first], geometry->count, out);
     case WORLD_MESH: return mesh_point(&w->meshes.items[geometry->first], out);
     }
     return false;

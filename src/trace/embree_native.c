@@ -1,14 +1,36 @@
 /* Embree's own shapes over the world's numbers. */
+#include "reference/reference.h"
 #include "trace/embree.h"
+#include "trace/search.h"
 
 #include <string.h>
 
-static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh) {
+/* In doubt Embree's robust mode meets triangles without area: rounding gives them a normal. It leaves out
+ * those that name no vertex, so in a mesh that has some, flat ones are told as such. */
+static bool copy_indices(RTCGeometry geometry, const fathom_mesh *mesh) {
+    uint32_t *to = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                           3 * sizeof *to, mesh->triangle_count);
+    if (!to) return false;
+    memcpy(to, mesh->indices, 3 * sizeof *to * (size_t)mesh->triangle_count);
+    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
+        vec3_f32 v[3];
+        search_corners(mesh, i, v);
+        if (!triangle_has_area_f32(v[0], v[1], v[2])) to[3 * (size_t)i] = UINT32_MAX;
+    }
+    return true;
+}
+
+static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh, bool flat) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!geometry) return NULL;
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
                                mesh->position_stride ? mesh->position_stride : 3 * sizeof(float),
                                mesh->vertex_count);
+    if (flat) {
+        if (copy_indices(geometry, mesh)) return geometry;
+        rtcReleaseGeometry(geometry);
+        return NULL;
+    }
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
                                3 * sizeof(uint32_t), mesh->triangle_count);
     return geometry;
@@ -53,5 +75,5 @@ RTCGeometry embree_native_geometry(RTCDevice device, const world *w, const world
     case WORLD_QUADS: return quad_geometry(device, &w->quads.items[geometry->first], geometry->count);
     case WORLD_MESH: break;
     }
-    return mesh_geometry(device, &w->meshes.items[geometry->first]);
+    return mesh_geometry(device, &w->meshes.items[geometry->first], geometry->flat > 0);
 }

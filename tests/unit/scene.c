@@ -223,6 +223,29 @@ static void degenerate_triangles_are_counted(void **state) {
     close_scene(&f);
 }
 
+/* What no tracer of Embree's sees is counted: beyond 1e18, or beyond float. */
+static void shapes_beyond_reach_are_counted(void **state) {
+    (void)state;
+    fixture f = open_scene();
+    const double places[6] = {0, 9e17, 1.1e18, -3e30, 1e300, 5};
+    for (int i = 0; i < 6; ++i) {
+        fathom_sphere sphere;
+        fathom_sphere_default(&sphere);
+        sphere.center[i % 3] = places[i], sphere.radius = i == 5 ? 1e18 : 1;
+        assert_ok(f.context, fathom_scene_add_sphere(f.scene, FATHOM_ROOT, &sphere, NULL));
+    }
+    const uint32_t indices[6] = {0, 1, 2, 0, 1, 3};
+    const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1e20f, 0};
+    fathom_mesh mesh = small_mesh();
+    mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = indices, mesh.triangle_count = 2;
+    assert_ok(f.context, fathom_scene_add_mesh(f.scene, FATHOM_ROOT, &mesh, NULL));
+    world *w;
+    assert_ok(f.context, world_create(f.scene, &w));
+    assert_int_equal(w->beyond_reach, 4 + 1);
+    world_destroy(w);
+    close_scene(&f);
+}
+
 /* Whatever there is, the added camera sees all of it. */
 static void completing_frames_everything(void **state) {
     (void)state;
@@ -259,6 +282,7 @@ int main(void) {
         cmocka_unit_test(needless_frames_are_left_out),
         cmocka_unit_test(far_scenes_are_brought_near),
         cmocka_unit_test(degenerate_triangles_are_counted),
+        cmocka_unit_test(shapes_beyond_reach_are_counted),
         cmocka_unit_test(completing_frames_everything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
