@@ -1,9 +1,13 @@
 /* Quads v0 v1 v2 v3, corners in order, and infinite planes: the one text that reference.h stamps for each
  * precision. */
 
+/* Zero times a number is zero unless it is infinite or NaN. */
+static inline bool FN(corner_is_finite)(VEC3 p) { return p.x * 0 + p.y * 0 + p.z * 0 == 0; }
+
 /* The two triangles (v0,v1,v3) and (v2,v3,v1), as Embree splits its QUAD, by the watertight test: the
  * diagonal leaks no more than the sides. The nearer hit, the first triangle's on equal t. (u,v) is (0,0) at
- * v0, (1,0) at v1, (0,1) at v3, (1,1) at v2, and continuous over the diagonal. */
+ * v0, (1,0) at v1, (0,1) at v3, (1,1) at v2, and continuous over the diagonal. A quad with a corner that is
+ * not finite is never met, not even the triangle without it. */
 static inline bool FN(quad_robust)(VEC3 v0, VEC3 v1, VEC3 v2, VEC3 v3, VEC3 org, VEC3 dir, REAL t_min,
                                    REAL t_max, FN(reference_hit) * hit) {
     FN(triangle_ray) ray = FN(triangle_ray_make)(org, dir);
@@ -16,7 +20,7 @@ static inline bool FN(quad_robust)(VEC3 v0, VEC3 v1, VEC3 v2, VEC3 v3, VEC3 org,
         hit->t = second.t, hit->u = 1 - second.u, hit->v = 1 - second.v;
         met = true;
     }
-    return met;
+    return met && FN(corner_is_finite)(v0) && FN(corner_is_finite)(v2);
 }
 
 /* Plane through v0 spanned by u = v1-v0 and v = v3-v0, t = (v0-E)·n / (d·n), then the coordinates of the

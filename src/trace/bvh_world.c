@@ -31,7 +31,7 @@ static bool add_triangle(bvh_item *item, vec3_f32 a, vec3_f32 b, vec3_f32 c) {
 static bool quad_box(const world_quad *quad, bvh_item *item) {
     const vec3_f32 *v = quad->corner;
     bool first = add_triangle(item, v[0], v[1], v[3]), second = add_triangle(item, v[2], v[3], v[1]);
-    return first || second;
+    return first && second;
 }
 
 /* The float beyond the double: outward by at least half a unit. */
