@@ -168,8 +168,10 @@ typedef struct search_walk {
     filter_ray local; /* the ray in the space of the instance at hand; its t_far shrinks with `closest` */
     double closest;   /* t of no closest hit is above: from hits that are certain */
     uint32_t geometry, instance;
-    bool any, found; /* any hit will do; one that is certain was found */
-    bool failed;     /* no memory */
+    bool any, found;  /* any hit will do; one that is certain was found */
+    bool failed;      /* no memory */
+    search_hit asked; /* the candidate asked last, whether met or not; geometry FATHOM_NONE: none yet */
+    oracle_primitive primitive; /* the same as the oracle takes it */
 } search_walk;
 
 static void add(search_walk *walk, uint32_t primitive, double low) {
@@ -276,27 +278,22 @@ static bool same_shape(const oracle_primitive *a, const oracle_primitive *b) {
            memcmp(a->v, b->v, sizeof a->v) == 0;
 }
 
-/* Of 10,000 copies at one place the first answers for all. */
-static search_hit ask(search_walk *walk, const search_candidate *c, oracle_primitive *primitive) {
-    search_hit hit = {c->geometry, c->primitive, c->instance, {0}};
-    *primitive = search_primitive(walk->search->world, c->geometry, c->primitive, c->instance);
-    if (walk->result->ties.count) {
-        const search_hit *first = &walk->result->ties.items[0];
-        oracle_primitive best =
-            search_primitive(walk->search->world, first->geometry, first->primitive, first->instance);
-        if (same_shape(primitive, &best)) {
-            hit.answer = first->answer;
-            return hit;
-        }
-    }
-    oracle_ask(walk->ray, primitive, ORACLE_FAST, &hit.answer);
-    ++walk->result->asked, walk->result->exact += hit.answer.exact;
-    return hit;
+/* Of 10,000 copies at one place the first is asked, and answers for all. */
+static const search_hit *ask(search_walk *walk, const search_candidate *c) {
+    oracle_primitive primitive =
+        search_primitive(walk->search->world, c->geometry, c->primitive, c->instance);
+    search_hit *asked = &walk->asked;
+    bool again = asked->geometry != FATHOM_NONE && same_shape(&primitive, &walk->primitive);
+    asked->geometry = c->geometry, asked->primitive = c->primitive, asked->instance = c->instance;
+    if (again) return asked;
+    walk->primitive = primitive;
+    oracle_ask(walk->ray, &primitive, ORACLE_FAST, &asked->answer);
+    ++walk->result->asked, walk->result->exact += asked->answer.exact;
+    return asked;
 }
 
-static int order_of(search_walk *walk, const search_hit *hit, const oracle_primitive *primitive,
-                    const search_hit *best) {
-    oracle_pair a = {*primitive, hit->answer};
+static int order_of(search_walk *walk, const search_hit *hit, const search_hit *best) {
+    oracle_pair a = {walk->primitive, hit->answer};
     oracle_pair b = {search_primitive(walk->search->world, best->geometry, best->primitive, best->instance),
                      best->answer};
     if (same_shape(&a.primitive, &b.primitive)) return 0;
@@ -308,16 +305,15 @@ static void decide(search_walk *walk) {
     for (size_t i = 0; i < result->candidates.count && !walk->failed; ++i) {
         const search_candidate *c = &result->candidates.items[i];
         if (c->t_low > walk->closest) continue;
-        oracle_primitive primitive;
-        search_hit hit = ask(walk, c, &primitive);
-        if (!hit.answer.hit) continue;
-        int order = result->ties.count ? order_of(walk, &hit, &primitive, &result->ties.items[0]) : -1;
+        const search_hit *hit = ask(walk, c);
+        if (!hit->answer.hit) continue;
+        int order = result->ties.count ? order_of(walk, hit, &result->ties.items[0]) : -1;
         if (order > 0) continue;
         if (order < 0) result->ties.count = 0;
-        if (!array_push(&result->ties, hit)) walk->failed = true;
+        if (!array_push(&result->ties, *hit)) walk->failed = true;
         if (walk->any) return;
         /* To the next double above, since the sum may be rounded down. */
-        real_f128 most = hit.answer.t.value + (real_f128)hit.answer.t.error;
+        real_f128 most = hit->answer.t.value + (real_f128)hit->answer.t.error;
         double above = nextafter((double)most, (double)INFINITY);
         if (above < walk->closest) walk->closest = above;
     }
@@ -325,6 +321,7 @@ static void decide(search_walk *walk) {
 
 static MODE_APART bool run(const search *s, const oracle_ray *ray, search_result *result, bool any) {
     search_walk walk = {.search = s, .ray = ray, .result = result, .closest = (double)INFINITY, .any = any};
+    walk.asked.geometry = FATHOM_NONE;
     result->ties.count = result->candidates.count = 0;
     walk_world(&walk);
     decide(&walk);

@@ -147,7 +147,8 @@ static double largest_corner(const oracle_primitive *p) {
 static double size_of(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
                       const frame *f, double t) {
     double reach = length_f64(widen(ray->org)) + f->shift + fabs(t) * length_f64(widen(ray->dir));
-    double size = f->norm * reach;
+    /* A flushed result is off by FLT_MIN at most, as rounding would be in one of FLT_MIN / u. */
+    double size = f->norm * reach + (in_float(tracer) ? (double)FLT_MIN / tracer->unit : 0);
     if (tracer->inverted && p->instance) size *= f->norm * f->inverse_norm;
     return size + largest_corner(p);
 }
