@@ -4,6 +4,7 @@
 #include "cli/json_text.h"
 
 #include "base/status.h"
+#include "scene/world.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "cli/validate.h"
+#include "cli/validate_extremes.h"
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -20,6 +20,7 @@
 typedef struct work {
     const validate_settings *settings;
     validate_runs runs;
+    extremes_rows extremes;
     uint64_t before, total; /* rays */
     double start;
 } work;
@@ -117,14 +118,16 @@ static fathom_status write_results(fathom_context *context, work *k, uint64_t *w
         compare_family sum = validate_sum(&k->runs.items[i]);
         *wrong += sum.counts[VERDICT_WRONG], leaks += sum.counts[VERDICT_LEAK];
     }
+    *wrong += validate_extremes_wrong(&k->extremes), leaks += validate_extremes_leaks(&k->extremes);
     if (!k->settings->quiet) {
         validate_print(&k->runs, k->settings);
+        if (k->settings->extremes) validate_extremes_print(&k->extremes, k->settings);
         printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)*wrong,
                (unsigned long long)leaks, clock_seconds() - k->start);
     }
     fathom_status status = FATHOM_OK;
     if (k->settings->json || k->settings->report)
-        status = validate_write_json(context, &k->runs, k->settings);
+        status = validate_write_json(context, &k->runs, &k->extremes, k->settings);
     if (status == FATHOM_OK && k->settings->failures)
         status = validate_write_failures(context, &k->runs, k->settings);
     return status;
@@ -160,6 +163,8 @@ static fathom_status validate(fathom_context *context, const validate_settings *
     work k = {.settings = settings};
     uint64_t wrong = 0;
     status = run_all(context, &k);
+    if (status == FATHOM_OK && settings->extremes)
+        status = validate_extremes_run(context, settings, &k.extremes);
     say_status(&command_validate, context, status);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
         fathom_status written = write_results(context, &k, &wrong);
@@ -171,6 +176,7 @@ static fathom_status validate(fathom_context *context, const validate_settings *
         free(k.runs.items[i].spec);
     }
     array_free(&k.runs);
+    array_free(&k.extremes);
     return status == FATHOM_OK && wrong ? FATHOM_CHECK_FAILED : status;
 }
 
@@ -178,7 +184,8 @@ static fathom_status run(int argc, char **argv) {
     validate_settings settings = {.rays = 3000, .families = (1u << RAYS_FAMILIES) - 1};
     fathom_status status;
     if (!command_parse(&command_validate, argc, argv, &settings, &status)) return status;
-    if (!settings.tracers.count && !settings.replay) settings.tracers = default_tracers;
+    settings.tracers_given = settings.tracers.count > 0;
+    if (!settings.tracers_given && !settings.replay) settings.tracers = default_tracers;
     fathom_context *context;
     status = command_context(settings.threads, &context);
     if (status != FATHOM_OK) return status;
@@ -220,6 +227,9 @@ static const args_option options[] = {
     {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
      "camera, uniform, edge, vertex, grazing, tangent, surface, far, axis, scaled and interval, separated by "
      "commas (all)"},
+    {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
+     "besides, the grid of extreme cases, each with an eighth of --rays; without --tracer of linear:f32, "
+     "linear:f64, bvh, embree and embree:user"},
     {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
      "1 to 1024 (one a processor)"},
     {.help = "Results"},
@@ -256,12 +266,16 @@ const command command_validate = {
             "of its last place as a float; `constant` is the largest error in units of the\n"
             "condition number times the unit roundoff. SPEC is embree, reference, linear,\n"
             "bvh and their options, as linear:f64 or embree:robust:high:16.\n"
+            "--extremes adds cases at the limits, by group and number: scales and places,\n"
+            "slivers, grazing and tangent rays, copies, nested frames, shapes and rays that\n"
+            "are none. A line sums up all tracers; -v has one for each, and what the case is.\n"
             "The exit code is 1 when anything is wrong.\n",
     .examples = "  fathom validate\n"
                 "  fathom validate --report results\n"
                 "  fathom validate bunny.obj --rays 100k --families edge,vertex -v\n"
                 "  fathom validate --tracer linear:f64 --failures bad.txt\n"
-                "  fathom validate --replay bad.txt\n",
+                "  fathom validate --replay bad.txt\n"
+                "  fathom validate --extremes --json all.json\n",
     .args = {options, operands, operand_offsets, 1, 1},
     .run = run,
 };

@@ -3,6 +3,7 @@
 #define CLI_VALIDATE_H
 
 #include "cli/args.h"
+#include "extremes/extremes.h"
 #include "parity/compare.h"
 
 #include <jansson.h>
@@ -15,6 +16,8 @@ typedef struct validate_settings {
     unsigned threads;
     const char *json, *failures, *replay, *report;
     bool quiet, verbose;
+    bool extremes;      /* the grid of extreme cases besides */
+    bool tracers_given; /* else `tracers` are the default ones */
 } validate_settings;
 
 /* One tracer over one scene. */
@@ -49,7 +52,7 @@ compare_family validate_sum(const validate_run *run);
 void validate_print(const validate_runs *runs, const validate_settings *settings);
 /* To --json and --report, whichever was asked for. */
 fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,
-                                  const validate_settings *settings);
+                                  const extremes_rows *extremes, const validate_settings *settings);
 
 /* ---- validate_failures.c ---- */
 fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,

@@ -1,4 +1,4 @@
-#include "cli/validate.h"
+#include "cli/validate_extremes.h"
 
 #include "base/file.h"
 #include "cli/command.h"
@@ -89,15 +89,18 @@ static json_t *pack_run(const validate_run *run) {
                      families, "failures", validate_failures_json(run));
 }
 
-static json_t *pack(const validate_runs *runs, const validate_settings *settings) {
+static json_t *pack(const validate_runs *runs, const extremes_rows *extremes,
+                    const validate_settings *settings) {
     json_t *list = json_array();
     for (size_t i = 0; i < runs->count; ++i) json_array_append_new(list, pack_run(&runs->items[i]));
     json_t *bounds = json_pack("{s:f, s:f, s:f, s:f}", "sphere", verdict_constant(ORACLE_SPHERE), "triangle",
                                verdict_constant(ORACLE_TRIANGLE), "quad", verdict_constant(ORACLE_QUAD),
                                "plane", verdict_constant(ORACLE_PLANE));
-    return json_pack("{s:s, s:o, s:o, s:o, s:o}", "fathom", fathom_version(), "seed",
-                     json_count(settings->seed), "raysPerFamily", json_count(settings->rays),
-                     "boundConstants", bounds, "runs", list);
+    json_t *root =
+        json_pack("{s:s, s:o, s:o, s:o, s:o}", "fathom", fathom_version(), "seed", json_count(settings->seed),
+                  "raysPerFamily", json_count(settings->rays), "boundConstants", bounds, "runs", list);
+    if (settings->extremes) json_object_set_new(root, "extremes", validate_extremes_json(extremes));
+    return root;
 }
 
 static fathom_status write_text(fathom_context *context, const json_t *root, const char *path) {
@@ -115,8 +118,8 @@ static fathom_status write_text(fathom_context *context, const json_t *root, con
 }
 
 fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,
-                                  const validate_settings *settings) {
-    json_t *root = pack(runs, settings);
+                                  const extremes_rows *extremes, const validate_settings *settings) {
+    json_t *root = pack(runs, extremes, settings);
     if (!root) return fail_memory(context, 4096);
     fathom_status status = FATHOM_OK;
     if (settings->json) status = write_text(context, root, settings->json);

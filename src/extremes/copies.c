@@ -1,0 +1,64 @@
+/* Surfaces at one place: which of them answers is a tie. */
+#include "extremes/case.h"
+
+static const vec3_f64 middle = {0, 0, 0};
+
+/* The oracle looks at every copy. */
+static void thin_out(extremes_case *c, double copies) { c->thin = (unsigned)fmax(1, copies / 500); }
+
+void copies_triangles(extremes_case *c, double count) {
+    uint32_t n = (uint32_t)count;
+    thin_out(c, count);
+    case_say(c, "one triangle %u times", n);
+    vec3_f64 *corners = case_memory(c, n * 3 * sizeof *corners);
+    for (uint32_t i = 0; corners && i < n; ++i) {
+        corners[3 * (size_t)i] = vec_f64(-1, -0.7, 0.1);
+        corners[3 * (size_t)i + 1] = vec_f64(1.1, -0.4, -0.3);
+        corners[3 * (size_t)i + 2] = vec_f64(0.2, 1.3, 0.2);
+    }
+    if (corners) put_triangles(c, FATHOM_ROOT, middle, corners, n);
+}
+
+void copies_quads(extremes_case *c, double count) {
+    case_say(c, "one quad %g times", count);
+    thin_out(c, count);
+    for (double i = 0; i < count; ++i)
+        put_quad(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), vec_f64(0.9, 0.1, 0.2), vec_f64(-0.2, 1, 0.3));
+}
+
+void copies_spheres(extremes_case *c, double count) {
+    case_say(c, "one sphere %g times", count);
+    thin_out(c, count);
+    for (double i = 0; i < count; ++i) put_sphere(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), 0.7);
+}
+
+/* ---- partly over each other ---- */
+
+/* Triangles and quads in one plane. */
+static void put_layer(extremes_case *c, double count, vec3_f64 x, vec3_f64 y) {
+    uint32_t n = (uint32_t)count;
+    thin_out(c, 10 * count);
+    vec3_f64 *corners = case_memory(c, n * 3 * sizeof *corners);
+    for (uint32_t i = 0; corners && i < 3 * n; ++i) {
+        /* Multiples of 1/64 are exact, and so are the level plane's sides and normals. */
+        double u = floor(scattered(i, 0, -64, 64)) / 64, v = floor(scattered(i, 1, -64, 64)) / 64;
+        corners[i] = add_f64(scale_f64(u, x), scale_f64(v, y));
+    }
+    if (corners) put_triangles(c, FATHOM_ROOT, middle, corners, n);
+    for (uint32_t i = 0; i < n; ++i) {
+        double u = floor(scattered(i, 2, -64, 64)) / 64, v = floor(scattered(i, 3, -64, 64)) / 64;
+        double size = (1 + floor(scattered(i, 4, 0, 32))) / 64;
+        put_quad(c, FATHOM_ROOT, add_f64(scale_f64(u, x), scale_f64(v, y)), scale_f64(size, x),
+                 scale_f64(size / 2, y));
+    }
+}
+
+void overlap_level(extremes_case *c, double count) {
+    case_say(c, "%g triangles and as many quads over each other in the plane z = 0", count);
+    put_layer(c, count, vec_f64(1, 0, 0), vec_f64(0, 1, 0));
+}
+
+void overlap_tilted(extremes_case *c, double count) {
+    case_say(c, "%g triangles and as many quads over each other in a tilted plane, as float has it", count);
+    put_layer(c, count, vec_f64(0.8, 0.13, 0.57), vec_f64(-0.3, 0.9, 0.31));
+}

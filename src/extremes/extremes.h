@@ -1,0 +1,45 @@
+/* The grid of stiff and extreme cases. A case is a small scene with rays that are hard in one respect; its
+ * answers are judged by the exact oracle as any other's. A group is a line of cases along one number. */
+#ifndef EXTREMES_EXTREMES_H
+#define EXTREMES_EXTREMES_H
+
+#include "parity/compare.h"
+
+#define EXTREMES_WORDS 120
+
+/* One case asked of one tracer. */
+typedef struct extremes_row {
+    const char *group, *spec; /* borrowed; spec from the options */
+    double parameter;
+    char words[EXTREMES_WORDS]; /* what the case is, for a person */
+    uint64_t rays, counts[VERDICT_COUNT];
+    double constant; /* as in compare_family */
+} extremes_row;
+
+typedef ARRAY(extremes_row) extremes_rows;
+
+typedef struct extremes_options {
+    const char *const *specs; /* tracers, as in trace/spec.h */
+    size_t spec_count;
+    uint64_t rays; /* of each case and tracer, about: families of rays share them */
+    uint64_t seed;
+    unsigned threads;
+    /* From the calling thread, with the rays done of the case. False stops it. May be NULL. */
+    bool (*progress)(void *user, uint64_t rays);
+    void *user;
+} extremes_options;
+
+/* Groups in the table's order, and the cases of each. */
+unsigned extremes_groups(void);
+const char *extremes_name(unsigned group);
+const char *extremes_meaning(unsigned group); /* of the number: "radius over distance" */
+unsigned extremes_cases(unsigned group);
+double extremes_parameter(unsigned group, unsigned index);
+
+/* Appends a row for each tracer that takes such scenes; a library's takes triangles alone. Cases of the
+ * public calls are asked once for each of their own tracers, whatever the options name. FATHOM_INTERRUPTED
+ * when progress said stop. */
+fathom_status extremes_run(fathom_context *context, unsigned group, unsigned index,
+                           const extremes_options *options, extremes_rows *rows);
+
+#endif

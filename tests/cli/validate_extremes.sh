@@ -1,0 +1,25 @@
+# fathom validate --extremes: the grid as table and JSON.
+. "$SOURCE/tests/cli/check.inc"
+
+run 0 validate --extremes --rays 100 --families camera --json all.json
+said out.txt 'scale-triangles'
+said out.txt 'extreme cases, all'
+said all.json '"extremes": ['
+for group in scale-spheres offset-raw sliver grazing-planes tangent ratio-outside planet-part copies-quads \
+    overlap-level nested-mirror broken refused user-rays; do
+    said all.json "\"group\": \"$group\""
+done
+for spec in linear:f32 linear:f64 bvh embree embree:user reference; do
+    said all.json "\"spec\": \"$spec\""
+done
+not_said all.json '"ok": false'
+
+# A tracer of one's own, each row by itself; the grid changes the exit code.
+run 1 validate --extremes --rays 100 --families camera --tracer linear:textbook -v --json one.json
+said out.txt 'a sphere from outside, its radius 1e-06 times'
+said one.json '"ok": false'
+not_said one.json '"spec": "embree:user"'
+
+# Nothing of it without being asked.
+run 0 validate --rays 20 --families camera --json none.json
+not_said none.json '"extremes"'
