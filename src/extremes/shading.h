@@ -21,6 +21,7 @@ typedef ARRAY(shading_row) shading_rows;
 
 typedef struct shading_image {
     char title[64], caption[400];
+    double difference; /* the most that a pixel differs by from the first image */
     unsigned char *png;
     size_t png_bytes;
 } shading_image;
@@ -35,8 +36,9 @@ typedef struct shading_options {
 /* Appends a row for each case. What comes back is FATHOM_OK whether the rows are or not. */
 fathom_status shading_run(fathom_context *context, const shading_options *options, shading_rows *out);
 
-/* A demonstration scene at the origin of coordinates and moved by the Earth's radius: rows that compare them,
- * and images of both, beside what plain float would show. */
+/* A demonstration scene at the origin of coordinates and moved by the Earth's radius and other distances:
+ * rows that compare them and, unless `images` is NULL, images of both beside what plain float would show.
+ * Images take the image module, and textbook intersectors some seconds. */
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows,
                             shading_images *images);
 

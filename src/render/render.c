@@ -1,3 +1,5 @@
+#include "render/render.h"
+
 #include "base/clock.h"
 #include "render/job.h"
 #include "render/watch.h"
@@ -95,11 +97,11 @@ static fathom_status render_world(fathom_context *context, const world *w, const
 }
 
 static fathom_status render_film(fathom_context *context, const fathom_scene *scene,
-                                 const fathom_settings *settings, fathom_progress_fn progress, void *user,
-                                 fathom_film *film) {
+                                 const fathom_settings *settings, const vec3_f64 *origin,
+                                 fathom_progress_fn progress, void *user, fathom_film *film) {
     double began = clock_seconds();
     world *w;
-    fathom_status status = world_create(scene, &w);
+    fathom_status status = world_create_from(scene, origin, &w);
     if (status != FATHOM_OK) return status;
     status = world_check(w);
     if (status == FATHOM_OK && w->degenerate_triangles) {
@@ -122,9 +124,9 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
     return status;
 }
 
-fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
-                            const fathom_settings *settings, fathom_progress_fn progress, void *user,
-                            fathom_stats *stats, fathom_film **out) {
+static fathom_status render(fathom_context *context, const fathom_scene *scene,
+                            const fathom_settings *settings, const vec3_f64 *origin,
+                            fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out) {
     *out = NULL;
     if (stats) *stats = (fathom_stats){0};
     trace_spec spec; /* told before the world is built, which can take a while */
@@ -136,7 +138,7 @@ fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
     fathom_film *film;
     status = film_create(context, scene, settings, &film);
     if (status != FATHOM_OK) return status;
-    status = render_film(context, scene, settings, progress, user, film);
+    status = render_film(context, scene, settings, origin, progress, user, film);
     if (stats) *stats = film->stats;
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
         fathom_film_destroy(film);
@@ -144,4 +146,15 @@ fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
     }
     *out = film;
     return status;
+}
+
+fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
+                            const fathom_settings *settings, fathom_progress_fn progress, void *user,
+                            fathom_stats *stats, fathom_film **out) {
+    return render(context, scene, settings, NULL, progress, user, stats, out);
+}
+
+fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          const vec3_f64 *origin, fathom_film **out) {
+    return render(context, scene, settings, origin, NULL, NULL, NULL, out);
 }

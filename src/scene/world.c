@@ -193,6 +193,10 @@ fathom_status world_check(const world *w) {
 /* ---- the whole ---- */
 
 fathom_status world_create(const fathom_scene *scene, world **out) {
+    return world_create_from(scene, NULL, out);
+}
+
+fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origin, world **out) {
     *out = NULL;
     scene_graph graph;
     fathom_status status = graph_create(scene, &graph);
@@ -200,7 +204,7 @@ fathom_status world_create(const fathom_scene *scene, world **out) {
     world *w = calloc(1, sizeof *w);
     if (w) {
         w->scene = scene;
-        status = world_place(w, &graph);
+        status = world_place(w, &graph, origin);
     } else {
         status = fail_memory(scene->context, sizeof *w);
     }

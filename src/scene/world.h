@@ -79,6 +79,9 @@ typedef struct world {
 
 /* The scene must have passed fathom_scene_check() and must outlive the world. */
 fathom_status world_create(const fathom_scene *scene, world **out);
+/* The same with the root's coordinates counted from `origin`, wherever the scene lies: to show what float
+ * makes of a scene that is not moved near it. NULL: where world_create() counts from. */
+fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origin, world **out);
 void world_destroy(world *w);
 
 /* Counts again what world_create() counted: for those who change a world's numbers. */

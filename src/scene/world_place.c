@@ -203,10 +203,11 @@ static fathom_status count_placements(placer *p) {
                 "nested instances place %.3g groups, at most 2^31 can be held; nest fewer", total);
 }
 
-static fathom_status place_all(placer *p) {
+static fathom_status place_all(placer *p, const vec3_f64 *origin) {
     fathom_status status = count_placements(p);
     if (status == FATHOM_OK) status = world_choose_origins(p->w->scene, p->graph, p->origins);
     if (status != FATHOM_OK) return status;
+    if (origin) p->origins[FATHOM_ROOT] = *origin;
     p->w->origin = p->origins[FATHOM_ROOT];
     /* The root's own geometries and those that join: one run, group 0. */
     status = visit_all(p, join_root);
@@ -215,7 +216,7 @@ static fathom_status place_all(placer *p) {
     return visit_all(p, place);
 }
 
-fathom_status world_place(world *w, const scene_graph *graph) {
+fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *origin) {
     size_t groups = w->scene->groups.count;
     placer p = {.w = w, .graph = graph};
     p.origins = calloc(groups, sizeof *p.origins);
@@ -226,7 +227,7 @@ fathom_status world_place(world *w, const scene_graph *graph) {
     fathom_status status = no_memory(&p);
     if (p.origins && p.in_root && p.first_part && p.part_count && p.placements) {
         for (size_t g = 0; g < groups; ++g) p.first_part[g] = FATHOM_NONE;
-        status = place_all(&p);
+        status = place_all(&p, origin);
     }
     free(p.origins);
     free(p.in_root);

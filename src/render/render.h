@@ -1,0 +1,14 @@
+/* Rendering, as modules beside this one may ask for it. */
+#ifndef RENDER_RENDER_H
+#define RENDER_RENDER_H
+
+#include "scene/world.h"
+
+#include <fathom/render.h>
+
+/* fathom_render(), but the world's coordinates are counted from `origin` (see world_create_from()): to show
+ * what would be lost if they were not counted from near the view. */
+fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          const vec3_f64 *origin, fathom_film **out);
+
+#endif

@@ -1,0 +1,51 @@
+/* A scene at the Earth's radius looks as at the origin, and the images beside it show what that saves. */
+#include "extremes/shading.h"
+#include "unit.h"
+
+static void moved_scene(void **state) {
+    (void)state;
+    fathom_context *context;
+    assert_int_equal(fathom_context_create(&context), FATHOM_OK);
+    const shading_options options = {"embree", 0};
+    shading_rows rows = {.items = NULL};
+    shading_images images = {.items = NULL};
+    assert_ok(context, shading_earth(context, &options, &rows, &images));
+    assert_int_equal(rows.count, 4);
+    for (size_t i = 0; i < rows.count; ++i) {
+        if (!rows.items[i].ok) fail_msg("%s: %g", rows.items[i].what, rows.items[i].error);
+        assert_near(rows.items[i].bound, 1e-3, 0);
+    }
+    assert_int_equal(images.count, 4);
+    for (size_t i = 0; i < images.count; ++i) {
+        assert_true(images.items[i].png_bytes > 1000);
+        assert_memory_equal(images.items[i].png, "\x89PNG", 4);
+        assert_true(strlen(images.items[i].caption) > 40);
+    }
+    assert_near(images.items[0].difference, 0, 0);
+    assert_near(images.items[1].difference, 0, 1e-3);
+    /* What is counted from the origin is elsewhere by up to a quarter of a metre, seen as whole objects. */
+    assert_true(images.items[2].difference > 0.3);
+    assert_true(images.items[3].difference > 0.3);
+    shading_images_free(&images);
+    array_free(&rows);
+    fathom_context_destroy(context);
+}
+
+/* Another field of view by a ten-thousandth is another image. */
+static void another_view(void **state) {
+    (void)state;
+    fathom_context *context;
+    assert_int_equal(fathom_context_create(&context), FATHOM_OK);
+    const shading_options options = {"embree", 1e-4};
+    shading_rows rows = {.items = NULL};
+    assert_ok(context, shading_earth(context, &options, &rows, NULL));
+    assert_int_equal(rows.count, 4);
+    for (size_t i = 0; i < rows.count; ++i) assert_false(rows.items[i].ok);
+    array_free(&rows);
+    fathom_context_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(moved_scene), cmocka_unit_test(another_view)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
