@@ -19,7 +19,7 @@ static const char rules[] =
     "*{box-sizing:border-box}\n"
     "body{margin:0;background:var(--paper);color:var(--ink);font:16px/1.5 system-ui,-apple-system,'Segoe "
     "UI',Roboto,'Liberation Sans','DejaVu Sans',sans-serif}\n"
-    "main{max-width:70rem;margin:0 auto;padding:1.5rem 1.25rem 4rem}\n"
+    "main{max-width:74rem;margin:0 auto;padding:1.5rem 1.25rem 4rem}\n"
     "h1{font-size:1.65rem;line-height:1.2;margin:.5rem 0 1rem;overflow-wrap:anywhere}\n"
     "h2{font-size:1.2rem;margin:3rem 0 .5rem;padding-top:.75rem;border-top:1px solid var(--line)}\n"
     "h3{font-size:.95rem;margin:0 0 .25rem}\n"
@@ -45,8 +45,10 @@ static const char rules[] =
     "th,td{padding:.22rem .5rem;text-align:left;vertical-align:baseline;white-space:nowrap}\n"
     "th:first-child,td:first-child{padding-left:0}\n"
     "td.wide{white-space:normal;min-width:16rem}\n"
-    "thead th{border-bottom:1px solid var(--ink);vertical-align:bottom;font-weight:600}\n"
-    "tbody th{font-weight:400}\n"
+    "thead th{border-bottom:1px solid var(--ink);vertical-align:bottom;font-weight:600;white-space:normal}\n"
+    "tbody th{font-weight:400;white-space:normal;overflow-wrap:anywhere;min-width:7rem;max-width:22rem}\n"
+    /* Names stay in sight while their numbers scroll. */
+    "th:first-child{position:sticky;left:0;background:var(--paper)}\n"
     "tbody tr+tr>*{border-top:1px solid var(--faint)}\n"
     "tr.group th{padding-top:1rem;font-weight:600;color:var(--soft)}\n"
     "tr.group code{color:var(--ink)}\n"
@@ -81,11 +83,13 @@ static const char rules[] =
 
 static const char narrow[] =
     "@media (max-width:40rem){main{padding:1rem .9rem 3rem}dl{grid-template-columns:1fr;gap:0}"
-    "dd{margin-bottom:.4rem}h1{font-size:1.35rem}}\n";
+    "dd{margin-bottom:.4rem}h1{font-size:1.35rem}tbody th{max-width:8rem}tr.group th{max-width:none}}\n";
+/* Tables are wide: paper lies on its side. */
 static const char print[] =
+    "@page{size:landscape;margin:12mm}\n"
     "@media print{body{font-size:10pt}main{max-width:none;padding:0}nav{display:none}"
-    "table{font-size:7.5pt}th,td{padding:.12rem .3rem}.scroll{overflow:visible}"
-    "h2,h3,caption{break-after:avoid}tr{break-inside:avoid}"
+    "table{font-size:8pt}th,td{padding:.12rem .3rem}tbody th{min-width:0}.scroll{overflow:visible}"
+    "h2,h3,caption{break-after:avoid}tr{break-inside:avoid}th:first-child{position:static}"
     ".figures{gap:1rem}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}\n";
 
 static void put_kinds(page *p) {
