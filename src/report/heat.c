@@ -10,12 +10,6 @@
 #define TOP 6.0
 #define BOTTOM 24.0
 
-heat_range heat_range_over(double least, double most) {
-    if (!(least > 0) || !(most >= least) || !isfinite(most)) return (heat_range){1, 10};
-    double low = floor(log10(least) + 1e-9), high = ceil(log10(most) - 1e-9);
-    return (heat_range){pow(10, low), pow(10, high > low ? high : low + 1)};
-}
-
 unsigned heat_step(const heat_range *range, double value) {
     if (!(value > range->low)) return 0;
     double place = log(value / range->low) / log(range->high / range->low) * COLOUR_STEPS;
@@ -105,11 +99,13 @@ void heat_legend(page *p, const heat_range *range, const char *name) {
     double step = 16, width = step * COLOUR_STEPS;
     page_put(p, "<ul class=\"legend\">\n<li>");
     page_text(p, name);
-    page_put(p, ": %s&nbsp;<svg viewBox=\"0 0 %g 14\" width=\"%g\" height=\"14\" aria-hidden=\"true\">",
-             number_tick(range->low).text, width, width);
+    page_put(
+        p,
+        ": \xe2\x89\xa4 %s&nbsp;<svg viewBox=\"0 0 %g 14\" width=\"%g\" height=\"14\" aria-hidden=\"true\">",
+        number_tick(range->low).text, width, width);
     for (unsigned i = 0; i < COLOUR_STEPS; ++i)
         page_put(p, "<rect class=\"h%u\" x=\"%g\" y=\"0\" width=\"%g\" height=\"14\"/>", i, step * i, step);
-    page_put(p, "</svg>&nbsp;%s</li>\n", number_tick(range->high).text);
+    page_put(p, "</svg>&nbsp;\xe2\x89\xa5 %s</li>\n", number_tick(range->high).text);
     static const struct {
         heat_sign sign;
         const char *name;

@@ -25,9 +25,7 @@ typedef struct heat {
     const heat_cell *cells; /* row by row */
 } heat;
 
-/* Whole powers of ten around least and most; of nothing, 1 to 10. */
-heat_range heat_range_over(double least, double most);
-/* 0 … COLOUR_STEPS - 1: never less for a larger value. What is not positive counts as the least. */
+/* 0 … COLOUR_STEPS - 1: never less for a larger value. What is out of the range counts as its end. */
 unsigned heat_step(const heat_range *range, double value);
 void heat_put(page *p, const heat *h);
 /* The scale of colours, and what the signs mean. */

@@ -64,6 +64,8 @@ static const char rules[] =
     "figure h3{overflow-wrap:anywhere}\n"
     "figure svg{display:block;max-width:100%;height:auto}\n"
     "figcaption{font-size:.85rem;color:var(--soft);margin-top:.25rem;width:0;min-width:100%}\n"
+    ".listed{display:flex;flex-wrap:wrap;gap:0 1.5rem}.listed ol{margin:1.5rem 0 "
+    "0;padding-left:2rem;font-size:.85rem;color:var(--soft);max-width:36rem}\n"
     ".pictures figure{flex:1 1 18rem;max-width:32rem}\n"
     ".pictures img{display:block;width:100%;height:auto;border:1px solid var(--line)}\n"
     ".legend{list-style:none;display:flex;flex-wrap:wrap;gap:.3rem 1.5rem;padding:0;margin:.75rem 0;"

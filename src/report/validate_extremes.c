@@ -3,10 +3,13 @@
 #include "report/table.h"
 #include "report/validate_parts.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define WORDS 400
 
 /* ---- from cases to rows and columns ---- */
 
@@ -96,38 +99,91 @@ static void grid_free(grid *g) {
     array_free(&g->columns);
 }
 
+/* ---- what a map shows, in words ---- */
+
+/* The words of the case with this parameter. */
+static const char *words_of(const grid *g, const json_t *cases, double parameter) {
+    size_t i;
+    json_t *item;
+    json_array_foreach(cases, i, item) {
+        if (is_of(g, item) && !(parameter_of(item) < parameter) && !(parameter_of(item) > parameter))
+            return text_at(item, "case");
+    }
+    return "";
+}
+
+static bool is_part_of_number(char c) {
+    return isalnum((unsigned char)c) || c == '.' || c == '-' || c == '+';
+}
+
+/* Where the words hold the number as a word of its own; NULL: nowhere. */
+static const char *find_number(const char *words, const char *plain) {
+    size_t length = strlen(plain);
+    for (const char *at = strstr(words, plain); at; at = strstr(at + 1, plain)) {
+        if ((at == words || !is_part_of_number(at[-1])) && !is_part_of_number(at[length])) return at;
+    }
+    return NULL;
+}
+
+/* "a ball of radius 1e-08" of the first or the last case becomes "a ball of radius 10⁻⁸ to 10⁸" of all. False
+ * where the words of neither hold the parameter: it then only numbers the cases. */
+static bool words_of_all(const grid *g, const json_t *cases, char out[WORDS]) {
+    double ends[2] = {g->columns.items[0], g->columns.items[g->columns.count - 1]};
+    out[0] = '\0';
+    for (int i = 0; i < 2; ++i) {
+        const char *words = words_of(g, cases, ends[i]);
+        char plain[32];
+        snprintf(plain, sizeof plain, "%g", ends[i]);
+        const char *at = find_number(words, plain);
+        if (!at) continue;
+        snprintf(out, WORDS, "%.*s%s to %s%s.", (int)(at - words), words, number_tick(ends[0]).text,
+                 number_tick(ends[1]).text, at + strlen(plain));
+        return true;
+    }
+    return false;
+}
+
+static void put_list(page *p, const grid *g, const json_t *cases) {
+    page_put(p, "<ol>\n");
+    for (size_t i = 0; i < g->columns.count; ++i) {
+        page_put(p, "<li>");
+        page_text(p, words_of(g, cases, g->columns.items[i]));
+        page_put(p, "</li>\n");
+    }
+    page_put(p, "</ol>\n");
+}
+
 /* ---- the maps ---- */
 
-static void put_grid(page *p, const json_t *cases, const char *group, const heat_range *range) {
+/* The same on each page. Verdicts bound the constant by 16 to 64, by the shape; below 0.1 an answer is as
+ * good as exact. */
+static const heat_range range = {0.1, 100};
+
+static void put_grid(page *p, const json_t *cases, const char *group) {
     grid g = {.group = group};
     if (fill(&g, cases)) {
+        char words[WORDS];
+        bool listed = !words_of_all(&g, cases, words);
+        if (listed) page_put(p, "<div class=\"listed\">");
         heat h = {.title = group,
                   .summary =
                       "Rows are tracers, columns values of the parameter; the table below has the numbers.",
-                  .caption = "",
-                  .range = *range,
+                  .caption = words,
+                  .range = range,
                   .rows = g.rows.items,
                   .columns = g.columns.items,
                   .row_count = g.rows.count,
                   .column_count = g.columns.count,
                   .cells = g.cells};
         heat_put(p, &h);
+        if (listed) {
+            put_list(p, &g, cases);
+            page_put(p, "</div>\n");
+        }
     } else {
         p->lost = true;
     }
     grid_free(&g);
-}
-
-static heat_range range_of(const json_t *cases) {
-    double least = INFINITY, most = 0;
-    size_t i;
-    json_t *item;
-    json_array_foreach(cases, i, item) {
-        double x = number_at(item, "constant");
-        if (x > 0 && isfinite(x)) least = fmin(least, x), most = fmax(most, x);
-    }
-    /* What is below a tenth of a unit is as good as exact. */
-    return heat_range_over(fmax(least, fmin(most, 0.1)), most);
 }
 
 /* The first case of its group: groups are shown in the order in which they come. */
@@ -181,11 +237,10 @@ void validate_extremes_put(page *p, const json_t *results) {
                 "the largest "
                 "error of t in units of the condition number times the unit roundoff, which the verdicts "
                 "bound.</p>\n");
-    heat_range range = range_of(cases);
     heat_legend(p, &range, "constant");
     page_put(p, "<div class=\"figures\">\n");
     for (size_t i = 0; i < json_array_size(cases); ++i) {
-        if (is_first(cases, i)) put_grid(p, cases, text_at(json_array_get(cases, i), "group"), &range);
+        if (is_first(cases, i)) put_grid(p, cases, text_at(json_array_get(cases, i), "group"));
     }
     page_put(p, "</div>\n");
     put_case_table(p, cases);
