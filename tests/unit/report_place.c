@@ -55,8 +55,9 @@ static void test_labels_of_spread_points(void **state) {
         assert_int_equal(check(labels, LABELS, taken, LABELS), LABELS);
         crossed += count_crossed(labels, LABELS);
     }
-    /* Rare, though these are more labels than a plot this size can hold well: of 800 not one in a hundred. */
-    assert_true(crossed < 8);
+    /* Rare, though these are more labels than a plot of this size holds well; without regard to lines six are
+     * crossed. */
+    assert_true(crossed < 4);
 }
 
 /* All in one corner: every label is away from its point, and still each has a place. */

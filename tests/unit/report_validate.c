@@ -36,7 +36,7 @@ static void test_everything_is_there(void **state) {
     char *text = page_of(results);
     assert_int_equal(count(text, "class=\"absent\""), 0);
     static const char *const there[] = {"12 answers wrong",
-                                        "1 of 26 extreme cases failed",
+                                        "1 of 32 extreme cases failed",
                                         "1 of 3 shading cases out of bounds",
                                         "AVX-512",
                                         "2026-11-21",
@@ -44,6 +44,9 @@ static void test_everything_is_there(void **state) {
                                         "data:image/png;base64,iVBOR",
                                         "beyond",
                                         "0x1.4p+0",
+                                        "spheres of radius 10⁻⁸ to 10⁸.",
+                                        "10⁻⁶ to 1 rad off &lt;the&gt; surface.",
+                                        "<li>flat &lt;triangles&gt;</li>",
                                         "--replay"};
     for (size_t i = 0; i < sizeof there / sizeof *there; ++i) {
         if (!strstr(text, there[i])) fail_msg("not on the page: %s", there[i]);
