@@ -1,29 +1,36 @@
-/* Error bounds below count roundings of u = 2^-24. For flat primitives two things keep a leaving ray from
- * meeting its own surface again. First, p is off the plane by the roundings of the weighted sum of the
- * corners: at most 6 u of the largest corner coordinate on each axis. Second, an intersector that starts
- * beside the surface sees the corners relative to the origin, each rounded, and takes dot products of them:
- * the plane's distance comes out wrong by up to 8 u of the primitive's extent. Both are doubled for the
- * products of errors left out, and for the addition that moves the origin. */
+/* Points are computed in double, so that what is left of their error is a matter of how they are used: see
+ * surface_point.c. `beside` is what an intersector itself may be wrong about. */
 #include "render/local_hit.h"
 
 #include "reference/reference.h"
 
-static const float unit_round = 0x1p-24f;
+/* Near its plane a triangle of side L and normal n is told from a ray by t = n·v / n·d, the corners v seen
+ * from the start: each is off by u L, each term of n and of the two products by some units of L², L³. Were
+ * all roundings at their worst and of one sign, 26 u L² / |n| sides of distance could be lost
+ * (parity/verdict_bound.c), 30 u L for an equilateral one. They are not: of 1e7 rays from triangles up to
+ * four times as long as wide none needs more than 2 u L, neither by our form nor by Embree's
+ * (bench/offset.sh). Six times that is taken; and all of it, with the point's own rounding, stays below 32
+ * units. Slivers would need more, as the inverse of their width: bench/README.md says how many of their rays
+ * meet them again. */
+static const double face_beside = 12 * 0x1p-24;
 
-static float largest3(float a, float b, float c) {
-    a = fabsf(a), b = fabsf(b), c = fabsf(c);
-    return a > b ? (a > c ? a : c) : (b > c ? b : c);
+static double largest3(double a, double b, double c) { return fmax(fabs(a), fmax(fabs(b), fabs(c))); }
+
+static double largest(vec3_f64 v) { return largest3(v.x, v.y, v.z); }
+
+/* v / |v|: the squares of what is computed of floats stay in the range of double. */
+static vec3_f64 unit_of(vec3_f64 v) {
+    double square = dot_f64(v, v);
+    return square > 0 ? scale_f64(1 / sqrt(square), v) : v;
 }
 
-static float largest(vec3_f32 v) { return largest3(v.x, v.y, v.z); }
-
-/* v / |v|. Where the square would leave the range of float, v is first multiplied by a power of two, which is
- * exact: a scene of another size gets the same bits. */
-static vec3_f32 unit_of(vec3_f32 v) {
+/* The same in float. Where the square would leave its range, v is first multiplied by a power of two, which
+ * is exact: a scene of another size gets the same bits. */
+static vec3_f32 unit_of_f32(vec3_f32 v) {
     float square = dot_f32(v, v);
     if (!(square > 0x1p-100f && square < 0x1p100f)) {
         int exponent;
-        frexpf(largest(v), &exponent);
+        frexpf(largest_f32(v), &exponent);
         /* In two halves: the whole power may itself be out of range. */
         v = scale_f32(ldexpf(1, -exponent / 2), scale_f32(ldexpf(1, -exponent - (-exponent / 2)), v));
         square = dot_f32(v, v);
@@ -31,58 +38,49 @@ static vec3_f32 unit_of(vec3_f32 v) {
     return square > 0 ? scale_f32(1 / sqrtf(square), v) : v;
 }
 
-static vec3_f32 flat_error(vec3_f32 corner_size, float extent) {
-    float beside = 16 * unit_round * extent;
-    return (vec3_f32){12 * unit_round * corner_size.x + beside, 12 * unit_round * corner_size.y + beside,
-                      12 * unit_round * corner_size.z + beside};
-}
-
-/* The point nearest to the centre on a ray that, recomputed, just misses: its tangent point. */
-static float tangent_t(const world_sphere *sphere, const local_ray *ray) {
-    return dot_f32(sub_f32(sphere->center, ray->org), ray->dir) / dot_f32(ray->dir, ray->dir);
-}
-
-/* p = C + R n with n the unit vector to the hit: 4 roundings of R, one of the sum; an intersector's c = |f|^2
- * - R^2 loses 8 u R^2, which is 4 u R of distance. */
+/* Whether a ray starts inside is decided in double wherever float is in doubt (sphere_text.h), by c = |f|² -
+ * R²: near the surface it is off by 6 (|f|² + R²) 2^-53, which is 6 R 2^-53 of distance. f and the point here
+ * are off by a few 2^-53 of |C| + R more. */
 void local_sphere(const world_sphere *sphere, const local_ray *ray, local_hit *out) {
-    float t;
-    if (!sphere_robust_f32(sphere->center, sphere->radius, ray->org, ray->dir, ray->t_near, INFINITY, &t)) {
-        t = tangent_t(sphere, ray);
+    vec3_f64 c = widen(sphere->center);
+    double radius = (double)sphere->radius, roots[2];
+    bool sure;
+    vec3_f64 from = sub_f64(ray->org, c);
+    /* A ray that, recomputed, just misses: the point nearest to the centre. */
+    double t = -dot_f64(from, ray->dir) / dot_f64(ray->dir, ray->dir);
+    if (sphere_plain_f64(c, radius, ray->org, ray->dir, roots, &sure)) {
+        t = roots[0] > (double)ray->t_near ? roots[0] : roots[1];
     }
-    vec3_f32 n = unit_of(madd_f32(sub_f32(ray->org, sphere->center), t, ray->dir));
-    float own = 16 * unit_round * sphere->radius;
-    vec3_f32 c = sphere->center;
-    *out = (local_hit){.p = madd_f32(c, sphere->radius, n),
-                       .ng = n,
-                       .ns = n,
-                       .error = {own + 4 * unit_round * fabsf(c.x), own + 4 * unit_round * fabsf(c.y),
-                                 own + 4 * unit_round * fabsf(c.z)}};
+    vec3_f64 n = unit_of(madd_f64(from, t, ray->dir));
+    *out = (local_hit){
+        .p = madd_f64(c, radius, n), .n = n, .ns = narrow(n), .beside = 16 * 0x1p-53 * (largest(c) + radius)};
 }
 
-static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
+static double clamp_unit(double x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
 
-/* The half of the quad on this side of the diagonal is a triangle: corner + weights times its two sides. */
-static vec3_f32 quad_point(const world_quad *q, float u, float v) {
-    const vec3_f32 *c = q->corner;
-    if (u + v <= 1) return madd_f32(madd_f32(scale_f32(1 - u - v, c[0]), u, c[1]), v, c[3]);
-    return madd_f32(madd_f32(scale_f32(u + v - 1, c[2]), 1 - u, c[3]), 1 - v, c[1]);
+/* The corner-weighted point of a face, and how far from its plane a ray that starts there may seem to start.
+ */
+static void set_face(vec3_f64 a, vec3_f64 ab, vec3_f64 ac, double u, double v, local_hit *out) {
+    vec3_f64 n = unit_of(cross_f64(ab, ac));
+    double extent = fmax(largest(sub_f64(ac, ab)), fmax(largest(ab), largest(ac)));
+    *out = (local_hit){
+        .p = madd_f64(madd_f64(a, u, ab), v, ac), .n = n, .ns = narrow(n), .beside = face_beside * extent};
 }
 
+/* A half of the quad is a triangle of its own, with a plane of its own where rounding has bent the quad. */
 void local_quad(const world_quad *quad, const local_ray *ray, local_hit *out) {
+    vec3_f32 org = narrow(ray->org), dir = narrow(ray->dir);
     const vec3_f32 *c = quad->corner;
     reference_hit_f32 hit = {0};
-    if (!quad_robust_f32(c[0], c[1], c[2], c[3], ray->org, ray->dir, ray->t_near, INFINITY, &hit) &&
-        !quad_textbook_f32(c[0], c[1], c[2], c[3], ray->org, ray->dir, ray->t_near, INFINITY, &hit)) {
-        hit.u = clamp_unit(hit.u), hit.v = clamp_unit(hit.v);
+    if (!quad_robust_f32(c[0], c[1], c[2], c[3], org, dir, ray->t_near, INFINITY, &hit) &&
+        !quad_textbook_f32(c[0], c[1], c[2], c[3], org, dir, ray->t_near, INFINITY, &hit)) {
+        hit.u = (float)clamp_unit((double)hit.u), hit.v = (float)clamp_unit((double)hit.v);
     }
-    vec3_f32 side = sub_f32(c[1], c[0]), other = sub_f32(c[3], c[0]), diagonal = sub_f32(c[2], c[0]);
-    vec3_f32 n = unit_of(cross_f32(side, other));
-    vec3_f32 size = {fmaxf(largest3(c[0].x, c[1].x, c[2].x), fabsf(c[3].x)),
-                     fmaxf(largest3(c[0].y, c[1].y, c[2].y), fabsf(c[3].y)),
-                     fmaxf(largest3(c[0].z, c[1].z, c[2].z), fabsf(c[3].z))};
-    float extent = largest3(largest(side), largest(other), largest(diagonal));
-    *out =
-        (local_hit){.p = quad_point(quad, hit.u, hit.v), .ng = n, .ns = n, .error = flat_error(size, extent)};
+    double u = (double)hit.u, v = (double)hit.v;
+    bool second = hit.u + hit.v > 1;
+    if (second) u = 1 - u, v = 1 - v;
+    vec3_f64 a = widen(c[second ? 2 : 0]), b = widen(c[second ? 3 : 1]), d = widen(c[second ? 1 : 3]);
+    set_face(a, sub_f64(b, a), sub_f64(d, a), u, v, out);
 }
 
 static vec3_f32 vector_at(const float *base, size_t stride, uint32_t i) {
@@ -91,16 +89,17 @@ static vec3_f32 vector_at(const float *base, size_t stride, uint32_t i) {
 
 /* Weights of the second and third corner (Möller and Trumbore 1997), clamped into the triangle: a tracer with
  * other arithmetic may have found a point that falls a rounding outside. */
-static void triangle_weights(vec3_f32 a, vec3_f32 ab, vec3_f32 ac, const local_ray *ray, float *u, float *v) {
-    vec3_f32 from_a = sub_f32(ray->org, a), across = cross_f32(ray->dir, ac), along = cross_f32(from_a, ab);
-    float determinant = dot_f32(ab, across);
+static void triangle_weights(vec3_f64 a, vec3_f64 ab, vec3_f64 ac, const local_ray *ray, double *u,
+                             double *v) {
+    vec3_f64 from_a = sub_f64(ray->org, a), across = cross_f64(ray->dir, ac), along = cross_f64(from_a, ab);
+    double determinant = dot_f64(ab, across);
     if (determinant == 0) {
-        *u = *v = 1 / 3.0f;
+        *u = *v = 1 / 3.0;
         return;
     }
-    *u = clamp_unit(dot_f32(from_a, across) / determinant);
-    *v = clamp_unit(dot_f32(ray->dir, along) / determinant);
-    float sum = *u + *v;
+    *u = clamp_unit(dot_f64(from_a, across) / determinant);
+    *v = clamp_unit(dot_f64(ray->dir, along) / determinant);
+    double sum = *u + *v;
     if (sum > 1) *u /= sum, *v /= sum;
 }
 
@@ -123,18 +122,19 @@ static void smooth_normals(const fathom_mesh *mesh, uint32_t triangle, const vec
         (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + 3 * (size_t)triangle;
     vec3_f32 normal[3], sum = {0, 0, 0};
     for (int k = 0; k < 3; ++k) {
-        normal[k] = unit_of(vector_at(mesh->normals, mesh->normal_stride, index[k]));
+        normal[k] = unit_of_f32(vector_at(mesh->normals, mesh->normal_stride, index[k]));
         sum = madd_f32(sum, weight[k], normal[k]);
     }
     /* Normals that cancel say nothing: the facet is then as flat as it looks. */
     if (!(dot_f32(sum, sum) > 0x1p-40f)) return;
-    out->ns = unit_of(sum);
+    out->ns = unit_of_f32(sum);
     if (!lift) return;
     out->smooth = true;
     /* Windings and normals may disagree on the outside: the normals' own side counts here. */
-    float side = dot_f32(out->ns, out->ng) < 0 ? -1.0f : 1.0f;
-    out->lift = lifted(out->p, corner, normal, weight, side);
-    out->lift_inside = lifted(out->p, corner, normal, weight, -side);
+    float side = dot_f64(widen(out->ns), out->n) < 0 ? -1.0f : 1.0f;
+    vec3_f32 p = narrow(out->p);
+    out->lift = lifted(p, corner, normal, weight, side);
+    out->lift_inside = lifted(p, corner, normal, weight, -side);
 }
 
 void local_triangle(const fathom_mesh *mesh, uint32_t triangle, const local_ray *ray, bool lift,
@@ -142,26 +142,20 @@ void local_triangle(const fathom_mesh *mesh, uint32_t triangle, const local_ray 
     const uint32_t *index = mesh->indices + 3 * (size_t)triangle;
     vec3_f32 c[3];
     for (int k = 0; k < 3; ++k) c[k] = vector_at(mesh->positions, mesh->position_stride, index[k]);
-    vec3_f32 ab = sub_f32(c[1], c[0]), ac = sub_f32(c[2], c[0]);
-    float weight[3];
-    triangle_weights(c[0], ab, ac, ray, &weight[1], &weight[2]);
-    weight[0] = 1 - weight[1] - weight[2];
-    vec3_f32 n = unit_of(cross_f32(ab, ac));
-    vec3_f32 size = {largest3(c[0].x, c[1].x, c[2].x), largest3(c[0].y, c[1].y, c[2].y),
-                     largest3(c[0].z, c[1].z, c[2].z)};
-    *out = (local_hit){.p = madd_f32(madd_f32(scale_f32(weight[0], c[0]), weight[1], c[1]), weight[2], c[2]),
-                       .ng = n,
-                       .ns = n,
-                       .error = flat_error(size, fmaxf(largest(ab), largest(ac)))};
+    vec3_f64 a = widen(c[0]), ab = sub_f64(widen(c[1]), a), ac = sub_f64(widen(c[2]), a);
+    double u, v;
+    triangle_weights(a, ab, ac, ray, &u, &v);
+    set_face(a, ab, ac, u, v, out);
+    const float weight[3] = {(float)(1 - u - v), (float)u, (float)v};
     if (mesh->normals) smooth_normals(mesh, triangle, c, weight, lift, out);
 }
 
-/* The point is put back on the plane: what is left is the rounding of normal·p and of the offset. */
+/* On which side of a plane a ray starts is decided in double wherever float is in doubt (quad_text.h). */
 void local_plane(const world_plane *plane, const local_ray *ray, local_hit *out) {
-    vec3_f32 n = plane->normal;
-    float t = (plane->offset - dot_f32(n, ray->org)) / dot_f32(n, ray->dir);
-    vec3_f32 p = madd_f32(ray->org, t, ray->dir);
-    p = madd_f32(p, plane->offset - dot_f32(n, p), n);
-    float own = 16 * unit_round * (fabsf(plane->offset) + largest(p));
-    *out = (local_hit){.p = p, .ng = n, .ns = n, .error = {own, own, own}};
+    vec3_f64 n = widen(plane->normal), point = widen(plane->point);
+    double along = dot_f64(n, ray->dir), t = dot_f64(n, sub_f64(point, ray->org)) / along;
+    vec3_f64 p = madd_f64(ray->org, along != 0 ? t : 0, ray->dir);
+    p = madd_f64(p, dot_f64(n, sub_f64(point, p)) / dot_f64(n, n), n);
+    *out = (local_hit){
+        .p = p, .n = unit_of(n), .ns = plane->normal, .beside = 16 * 0x1p-53 * (largest(point) + largest(p))};
 }

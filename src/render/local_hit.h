@@ -8,19 +8,20 @@
 #include "scene/world.h"
 
 typedef struct local_hit {
-    vec3_f32 p;      /* on the surface, within `error` along the normal */
-    vec3_f32 ng, ns; /* unit, as the shape defines its outside */
-    vec3_f32 lift;   /* for a viewer outside: off the facet to the round surface its normals stand for (Hanika
-                        2021) */
+    vec3_f64 p;    /* on the surface, but for a few roundings of double */
+    vec3_f64 n;    /* geometric normal, unit, as the shape defines its outside */
+    vec3_f32 ns;   /* shading normal, unit */
+    vec3_f32 lift; /* for a viewer outside: off the facet to the round surface its normals stand for (Hanika
+                      2021) */
     vec3_f32 lift_inside; /* the same for a viewer inside */
     bool smooth;
-    /* Bound on the distance, along each axis, between p and the point that an intersector finds again from
-     * beside it; the ray that leaves begins at least that far from the surface. */
-    vec3_f32 error;
+    /* A ray that starts farther than this from the surface, its rounded origin taken as it is, and leaves, is
+     * not found to meet it again. */
+    double beside;
 } local_hit;
 
 typedef struct local_ray {
-    vec3_f32 org, dir;
+    vec3_f64 org, dir;
     float t_near;
 } local_ray;
 

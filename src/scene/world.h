@@ -7,6 +7,7 @@
 #ifndef SCENE_WORLD_H
 #define SCENE_WORLD_H
 
+#include "math/affine.h"
 #include "scene/scene.h"
 
 /* Coordinates of what is traced, and of where rays start, must be smaller: Embree leaves those beyond 1.8e18
@@ -57,6 +58,8 @@ typedef struct world_instance {
                            FATHOM_NONE for a frame that world_create() made for a mesh of the root group */
     float to_world[3][4];
     float to_object[3][4];
+    float to_object_error[3][3]; /* bounds how far the linear part differs from that of a tracer which inverts
+                                    to_world itself, in float */
 } world_instance;
 
 typedef struct world {
@@ -86,6 +89,9 @@ void world_destroy(world *w);
 
 /* Counts again what world_create() counted: for those who change a world's numbers. */
 void world_survey(world *w);
+
+/* Sets the three maps of an instance from its place in the world. False when there is no inverse. */
+bool world_instance_set(world_instance *instance, const affine_f64 *to_world);
 
 /* FATHOM_BAD_INPUT when the scene's camera could not see anything of it: nothing has an area, or the camera
  * is out of reach. */

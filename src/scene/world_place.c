@@ -59,21 +59,14 @@ static fathom_status make_parts(placer *p, uint32_t group) {
     return FATHOM_OK;
 }
 
-/* to_object inverts the rounded to_world, so that both say the same place. */
 static fathom_status add_instance(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
                                   fathom_id id) {
     world_instance instance = {.group = group, .material = material, .id = id};
-    affine_f64 rounded, inverse;
-    for (int i = 0; i < 12; ++i) {
-        instance.to_world[i / 4][i % 4] = (float)to_world->m[i / 4][i % 4];
-        rounded.m[i / 4][i % 4] = (double)instance.to_world[i / 4][i % 4];
-    }
-    if (!affine_invert(&rounded, &inverse)) {
+    if (!world_instance_set(&instance, to_world)) {
         return fail(
             p->w->scene->context, FATHOM_BAD_INPUT,
             "instance %u: its frame, with those around it, flattens space or leaves the range of float", id);
     }
-    for (int i = 0; i < 12; ++i) instance.to_object[i / 4][i % 4] = (float)inverse.m[i / 4][i % 4];
     return array_push(&p->w->instances, instance) ? FATHOM_OK : no_memory(p);
 }
 

@@ -27,7 +27,9 @@ static void choose_normal(const surface_block *s, int i, float n[3]) {
 }
 
 static void set_origin(const surface_block *s, int i, float side, bend_block *out) {
-    for (int c = 0; c < 3; ++c) out->origin[c][i] = s->p[c][i] + side * s->offset[i] * s->ng[c][i];
+    for (int c = 0; c < 3; ++c) {
+        out->origin[c][i] = surface_start(s->p[c][i], side * s->offset[i], s->ng[c][i]);
+    }
 }
 
 static void set_unit(bend_block *out, int i, const float d[3]) {

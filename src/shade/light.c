@@ -109,8 +109,8 @@ static void judge_sides(const surface_block *s, const material_block *m, const l
 static void begin_rays(const surface_block *s, const light_side *side, lanes3 origin) {
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) {
-            float front = s->p[c][i] + s->lift[c][i] + s->offset[i] * s->ng[c][i];
-            float back = s->p[c][i] - s->offset[i] * s->ng[c][i];
+            float front = surface_start(s->p[c][i] + s->lift[c][i], s->offset[i], s->ng[c][i]);
+            float back = surface_start(s->p[c][i], -s->offset[i], s->ng[c][i]);
             origin[c][i] = side->behind[i] ? back : front;
         }
     }

@@ -25,6 +25,9 @@ typedef struct surface_block {
     uint32_t count;           /* lanes [0, count) are points; the rest repeats the last */
 } surface_block;
 
+/* A coordinate of where a ray begins that leaves p along ±n; offset is negative on the side away from n. */
+static inline float surface_start(float p, float offset, float n) { return p + offset * n; }
+
 /* The materials of a block, lane by lane. */
 typedef struct material_block {
     _Alignas(64) lanes3 k_a;
