@@ -49,6 +49,8 @@ fathom_status validate_subject(fathom_context *context, const validate_stage *st
 
 /* ---- validate_print.c ---- */
 compare_family validate_sum(const validate_run *run);
+/* Spent tracing closest hits, by one thread. */
+double validate_ns_per_ray(const validate_run *run);
 void validate_print(const validate_runs *runs, const validate_settings *settings);
 /* To --json and --report, whichever was asked for. */
 fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,

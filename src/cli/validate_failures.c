@@ -1,5 +1,5 @@
 /* Failing rays as text: what they were asked of, and their numbers as hexadecimal floats, which lose nothing.
- */
+ * A ray asked for any hit has "any-" before its verdict. */
 #include "cli/validate.h"
 
 #include "base/file.h"
@@ -13,15 +13,16 @@
 
 #define LINE_ROOM 512
 #define FAILURES_SHOWN 20
+#define ANY "any-"
 #define LINE_HEAD "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n"
 
 /* All of a line but the scene's name, which may be long. */
 static void format_line(const validate_run *run, const compare_failure *f, char line[LINE_ROOM]) {
     const oracle_ray *r = &f->ray;
-    snprintf(line, LINE_ROOM, "%.100s %s %llu %s %a %a %a %a %a %a %a %a ", run->spec,
-             rays_family_name(f->family), (unsigned long long)f->index, verdict_name(f->verdict),
-             (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x, (double)r->dir.y,
-             (double)r->dir.z, (double)r->t_near, (double)r->t_far);
+    snprintf(line, LINE_ROOM, "%.100s %s %llu %s%s %a %a %a %a %a %a %a %a ", run->spec,
+             rays_family_name(f->family), (unsigned long long)f->index, f->any ? ANY : "",
+             verdict_name(f->verdict), (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x,
+             (double)r->dir.y, (double)r->dir.z, (double)r->t_near, (double)r->t_far);
 }
 
 static void put_line(file_writer *writer, const validate_run *run, const compare_failure *f) {
@@ -73,6 +74,7 @@ typedef struct replay {
 typedef struct replay_line {
     char spec[128], family[32], scene[4096];
     unsigned long long index;
+    bool any;
     oracle_ray ray;
 } replay_line;
 
@@ -92,6 +94,7 @@ static bool parse_line(const char *text, replay_line *out) {
     memset(out, 0, sizeof *out);
     if (sscanf(text, "%127s %31s %llu %15s %n", out->spec, out->family, &out->index, was, &used) != 4)
         return false;
+    out->any = strncmp(was, ANY, strlen(ANY)) == 0;
     text += used;
     float *numbers[8] = {&out->ray.org.x, &out->ray.org.y, &out->ray.org.z,  &out->ray.dir.x,
                          &out->ray.dir.y, &out->ray.dir.z, &out->ray.t_near, &out->ray.t_far};
@@ -129,9 +132,9 @@ static void print_answer(const verdict_answer *a) {
                a->t);
 }
 
-static bool print_exact(const replay *r, const oracle_ray *ray) {
+static bool print_exact(const replay *r, const replay_line *line) {
     search_result room = {.asked = 0};
-    bool fine = search_closest(r->stage.search, ray, &room);
+    bool fine = (line->any ? search_shadow : search_closest)(r->stage.search, &line->ray, &room);
     if (fine && room.ties.count) {
         const search_hit *hit = &room.ties.items[0];
         print_answer(
@@ -144,18 +147,28 @@ static bool print_exact(const replay *r, const oracle_ray *ray) {
     return fine;
 }
 
+static void print_head(const replay *r, const replay_line *line, verdict v) {
+    printf("%s %s %s %llu: %s%s\n  tracer: ", r->scene, r->spec, line->family, line->index,
+           line->any ? ANY : "", verdict_name(v));
+}
+
 static fathom_status replay_one(fathom_context *context, replay *r, const replay_line *line) {
-    verdict_answer answer;
-    verdict_report report;
-    if (!compare_one(&r->subject, &line->ray, &answer, &report)) return fail_memory(context, 1);
+    verdict_answer answer = {.geometry = FATHOM_NONE};
+    verdict_report report = {.verdict = VERDICT_AGREE};
+    bool met = false;
+    bool judged = line->any ? compare_one_any(&r->subject, &line->ray, &met, &report.verdict)
+                            : compare_one(&r->subject, &line->ray, &answer, &report);
+    if (!judged) return fail_memory(context, 1);
     ++r->rays;
     r->wrong += report.verdict == VERDICT_WRONG;
     if (r->settings->quiet) return FATHOM_OK;
-    printf("%s %s %s %llu: %s\n  tracer: ", r->scene, r->spec, line->family, line->index,
-           verdict_name(report.verdict));
-    print_answer(&answer);
+    print_head(r, line, report.verdict);
+    if (line->any && met)
+        printf("met");
+    else
+        print_answer(&answer);
     printf("\n  exact:  ");
-    bool fine = print_exact(r, &line->ray);
+    bool fine = print_exact(r, line);
     putchar('\n');
     return fine ? FATHOM_OK : fail_memory(context, 1);
 }

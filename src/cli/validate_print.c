@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "cli/command.h"
 #include "cli/json_text.h"
+#include "cli/machine.h"
 #include "parity/verdict_bound.h"
 
 #include <stdlib.h>
@@ -15,19 +16,65 @@ compare_family validate_sum(const validate_run *run) {
     return sum;
 }
 
+double validate_ns_per_ray(const validate_run *run) {
+    uint64_t rays = run->result.rays;
+    return rays ? (double)run->result.nanoseconds / (double)rays : 0;
+}
+
 /* ---- the table ---- */
 
+static void print_counts(const char *name, uint64_t rays, const uint64_t counts[VERDICT_COUNT]) {
+    printf("%-16s %8llu", name, (unsigned long long)rays);
+    for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %7llu", (unsigned long long)counts[v]);
+}
+
 static void print_row(const char *name, const compare_family *f) {
-    printf("%-14s %9llu", name, (unsigned long long)f->rays);
-    for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %8llu", (unsigned long long)f->counts[v]);
-    printf(" %8.2g %8.2g %8.2g %8.2g\n", histogram_quantile(&f->ulps, 0.5),
-           histogram_quantile(&f->ulps, 0.999), f->most_ulps.value, f->constant.value);
+    const compare_error *t = &f->errors[COMPARE_T_ULPS];
+    print_counts(name, f->rays, f->counts);
+    printf(" %7.2g %7.2g %7.2g %8.2g\n", histogram_quantile(&t->counts, 0.5),
+           histogram_quantile(&t->counts, 0.999), t->most.value, f->constant.value);
+}
+
+static void print_any_row(const char *name, const compare_family *f) {
+    char any[40];
+    snprintf(any, sizeof any, "%s, any", name);
+    print_counts(any, f->any_rays, f->any_counts);
+    putchar('\n');
 }
 
 static void print_heading(void) {
-    printf("%-14s %9s", "", "rays");
-    for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %8.8s", verdict_name((verdict)v));
-    printf(" %8s %8s %8s %8s\n", "median", "99.9 %", "max ulp", "constant");
+    printf("%-16s %8s", "", "rays");
+    for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %7.7s", verdict_name((verdict)v));
+    printf(" %7s %7s %7s %8s\n", "median", "99.9 %", "max ulp", "constant");
+}
+
+/* Below the families of a run. */
+static void print_errors(const compare_family *f, double nanoseconds) {
+    static const char *const names[COMPARE_MEASURES] = {NULL, "t |d| / scene", "position, ulp", "normal, ulp",
+                                                        "u and v, ulp"};
+    for (int m = COMPARE_T_RELATIVE; m < COMPARE_MEASURES; ++m) {
+        const compare_error *e = &f->errors[m];
+        if (!e->counts.total) continue;
+        printf("  error of %-15s median %8.2g   99.9 %% %8.2g   max %8.2g\n", names[m],
+               histogram_quantile(&e->counts, 0.5), histogram_quantile(&e->counts, 0.999), e->most.value);
+    }
+    printf("  %.0f ns a ray\n", nanoseconds);
+}
+
+static void print_run(const validate_run *run, bool verbose) {
+    compare_family sum = validate_sum(run);
+    print_row(run->scene, &sum);
+    if (verbose || sum.any_counts[VERDICT_WRONG] || sum.any_counts[VERDICT_LEAK])
+        print_any_row(run->scene, &sum);
+    for (int f = 0; f < RAYS_FAMILIES && verbose; ++f) {
+        char name[32];
+        snprintf(name, sizeof name, "  %s", rays_family_name((rays_family)f));
+        const compare_family *family = &run->result.families[f];
+        if (!family->rays) continue;
+        print_row(name, family);
+        print_any_row(name, family);
+    }
+    if (verbose) print_errors(&sum, validate_ns_per_ray(run));
 }
 
 void validate_print(const validate_runs *runs, const validate_settings *settings) {
@@ -39,13 +86,7 @@ void validate_print(const validate_runs *runs, const validate_settings *settings
             print_heading();
         }
         spec = run->spec;
-        compare_family sum = validate_sum(run);
-        print_row(run->scene, &sum);
-        for (int f = 0; f < RAYS_FAMILIES && settings->verbose; ++f) {
-            char name[32];
-            snprintf(name, sizeof name, "  %s", rays_family_name((rays_family)f));
-            if (run->result.families[f].rays) print_row(name, &run->result.families[f]);
-        }
+        print_run(run, settings->verbose);
     }
 }
 
@@ -62,19 +103,48 @@ static json_t *pack_most(const compare_most *most) {
                      (double)most->ray.t_near, "tFar", far);
 }
 
-static json_t *pack_error(const histogram *h, const compare_most *most) {
-    return json_pack("{s:f, s:f, s:o}", "median", histogram_quantile(h, 0.5), "p99.9",
-                     histogram_quantile(h, 0.999), "max", pack_most(most));
+static json_t *pack_histogram(const histogram *h) {
+    unsigned used = HISTOGRAM_BINS;
+    while (used > 0 && h->bins[used - 1] == 0) --used;
+    json_t *bins = json_array();
+    for (unsigned i = 0; i < used; ++i) json_array_append_new(bins, json_count(h->bins[i]));
+    return json_pack("{s:o, s:i, s:i, s:o}", "zeros", json_count(h->zeros), "first", HISTOGRAM_FIRST,
+                     "perOctave", HISTOGRAM_PER_OCTAVE, "bins", bins);
+}
+
+static json_t *pack_error(const compare_error *e) {
+    return json_pack("{s:f, s:f, s:o, s:o}", "median", histogram_quantile(&e->counts, 0.5), "p99.9",
+                     histogram_quantile(&e->counts, 0.999), "max", pack_most(&e->most), "histogram",
+                     pack_histogram(&e->counts));
+}
+
+static json_t *pack_verdicts(const uint64_t counts[VERDICT_COUNT]) {
+    json_t *verdicts = json_object();
+    for (int v = 0; v < VERDICT_COUNT; ++v)
+        json_object_set_new(verdicts, verdict_name((verdict)v), json_count(counts[v]));
+    return verdicts;
+}
+
+static json_t *pack_any(const compare_family *f) {
+    return json_pack("{s:o, s:o}", "rays", json_count(f->any_rays), "verdicts", pack_verdicts(f->any_counts));
 }
 
 static json_t *pack_family(const char *name, const compare_family *f) {
-    json_t *verdicts = json_object();
-    for (int v = 0; v < VERDICT_COUNT; ++v)
-        json_object_set_new(verdicts, verdict_name((verdict)v), json_count(f->counts[v]));
-    return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "family", name, "rays", json_count(f->rays),
-                     "verdicts", verdicts, "tUlps", pack_error(&f->ulps, &f->most_ulps), "tRelative",
-                     pack_error(&f->relative, &f->most_relative), "constant", pack_most(&f->constant),
-                     "oracleAsked", json_count(f->asked), "oracleExact", json_count(f->exact));
+    static const char *const measures[COMPARE_MEASURES] = {"tUlps", "tRelative", "position", "normal", "uv"};
+    json_t *family = json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "family", name, "rays",
+                               json_count(f->rays), "verdicts", pack_verdicts(f->counts), "any", pack_any(f),
+                               "constant", pack_most(&f->constant), "oracleAsked", json_count(f->asked),
+                               "oracleExact", json_count(f->exact));
+    for (int m = 0; m < COMPARE_MEASURES; ++m) {
+        if (f->errors[m].counts.total) json_object_set_new(family, measures[m], pack_error(&f->errors[m]));
+    }
+    return family;
+}
+
+/* The instruction set stands behind Embree's version in its name: "Embree 3.13.5, AVX-512". */
+static json_t *pack_isa(const validate_run *run) {
+    const char *comma = strchr(run->tracer, ',');
+    return strncmp(run->tracer, "Embree ", 7) == 0 && comma ? json_string(comma + 2) : json_null();
 }
 
 static json_t *pack_run(const validate_run *run) {
@@ -84,9 +154,23 @@ static json_t *pack_run(const validate_run *run) {
         json_array_append_new(families,
                               pack_family(rays_family_name((rays_family)f), &run->result.families[f]));
     }
-    return json_pack("{s:o, s:o, s:s, s:f, s:o, s:o}", "scene", json_text(run->scene), "spec",
-                     json_text(run->spec), "tracer", run->tracer, "seconds", run->seconds, "families",
+    compare_family sum = validate_sum(run);
+    return json_pack("{s:o, s:o, s:s, s:o, s:f, s:f, s:o, s:o, s:o}", "scene", json_text(run->scene), "spec",
+                     json_text(run->spec), "tracer", run->tracer, "isa", pack_isa(run), "seconds",
+                     run->seconds, "nsPerRay", validate_ns_per_ray(run), "any", pack_any(&sum), "families",
                      families, "failures", validate_failures_json(run));
+}
+
+static json_t *pack_machine(const validate_runs *runs, unsigned threads) {
+    char cpu[128], embree[32] = "";
+    machine_cpu(cpu, sizeof cpu);
+    for (size_t i = 0; i < runs->count && !embree[0]; ++i) {
+        const char *name = runs->items[i].tracer;
+        if (strncmp(name, "Embree ", 7) == 0)
+            snprintf(embree, sizeof embree, "%.*s", (int)strcspn(name + 7, ","), name + 7);
+    }
+    return json_pack("{s:o, s:o, s:o, s:s}", "cpu", json_text(cpu), "threads", json_count(threads), "embree",
+                     embree[0] ? json_string(embree) : json_null(), "compiler", machine_compiler());
 }
 
 static json_t *pack(const validate_runs *runs, const extremes_rows *extremes,
@@ -96,9 +180,12 @@ static json_t *pack(const validate_runs *runs, const extremes_rows *extremes,
     json_t *bounds = json_pack("{s:f, s:f, s:f, s:f}", "sphere", verdict_constant(ORACLE_SPHERE), "triangle",
                                verdict_constant(ORACLE_TRIANGLE), "quad", verdict_constant(ORACLE_QUAD),
                                "plane", verdict_constant(ORACLE_PLANE));
+    char date[16];
+    machine_date(date);
     json_t *root =
-        json_pack("{s:s, s:o, s:o, s:o, s:o}", "fathom", fathom_version(), "seed", json_count(settings->seed),
-                  "raysPerFamily", json_count(settings->rays), "boundConstants", bounds, "runs", list);
+        json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "fathom", fathom_version(), "date", date, "machine",
+                  pack_machine(runs, settings->threads), "seed", json_count(settings->seed), "raysPerFamily",
+                  json_count(settings->rays), "boundConstants", bounds, "runs", list);
     if (settings->extremes) json_object_set_new(root, "extremes", validate_extremes_json(extremes));
     return root;
 }

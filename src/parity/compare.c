@@ -1,17 +1,21 @@
 #include "parity/compare.h"
 #include "base/threads.h"
+#include "parity/error.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-#define PIECE 256   /* rays that a thread takes at once */
-#define BATCH 16384 /* rays between two reports of progress */
+#define BLOCKS 16                    /* traced in one go, which is timed */
+#define PIECE (BLOCKS * TRACE_WIDTH) /* rays that a thread takes at once */
+#define BATCH 16384                  /* rays between two reports of progress */
 
 /* What one thread has counted. */
 typedef struct worker {
     search_result room;
     compare_family family;
     ARRAY(compare_failure) failures;
+    uint64_t nanoseconds;
     bool failed; /* out of memory */
 } worker;
 
@@ -23,7 +27,16 @@ typedef struct comparison {
     worker *workers;
 } comparison;
 
-/* ---- one block ---- */
+/* ---- asking the tracer ---- */
+
+/* Some rays, and what the tracer says to each. */
+typedef struct inquiry {
+    oracle_ray rays[PIECE];
+    trace_block blocks[BLOCKS];
+    trace_rays any[BLOCKS];
+    trace_fine fine[BLOCKS];
+    unsigned count;
+} inquiry;
 
 static void put_ray(trace_block *block, unsigned lane, const oracle_ray *ray) {
     trace_rays *r = &block->rays;
@@ -32,19 +45,38 @@ static void put_ray(trace_block *block, unsigned lane, const oracle_ray *ray) {
     r->t_near[lane] = ray->t_near, r->t_far[lane] = ray->t_far;
 }
 
-static verdict_answer answer_of(const trace_block *block, const trace_fine *fine, unsigned lane) {
-    return (verdict_answer){block->hits.geometry[lane], block->hits.primitive[lane],
-                            block->hits.instance[lane], fine->t[lane]};
+static verdict_answer answer_of(const inquiry *q, unsigned i) {
+    const trace_hits *hits = &q->blocks[i / TRACE_WIDTH].hits;
+    unsigned lane = i % TRACE_WIDTH;
+    return (verdict_answer){hits->geometry[lane], hits->primitive[lane], hits->instance[lane],
+                            q->fine[i / TRACE_WIDTH].t[lane]};
 }
 
-static void trace_rays_of(const trace_tracer *tracer, trace_block *block, trace_fine *fine,
-                          const oracle_ray *rays, unsigned count) {
-    memset(block, 0, sizeof *block);
-    memset(fine, 0, sizeof *fine);
-    for (unsigned i = 0; i < count; ++i) put_ray(block, i, &rays[i]);
+static bool any_of(const inquiry *q, unsigned i) {
+    return q->any[i / TRACE_WIDTH].t_far[i % TRACE_WIDTH] == -INFINITY;
+}
+
+/* Of this thread alone: others on the machine take no part in it. */
+static uint64_t thread_nanoseconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+/* Returns the nanoseconds that closest hits took. */
+static uint64_t ask_tracer(const trace_tracer *tracer, inquiry *q) {
+    memset(q->blocks, 0, sizeof q->blocks);
+    memset(q->fine, 0, sizeof q->fine);
+    for (unsigned i = 0; i < q->count; ++i)
+        put_ray(&q->blocks[i / TRACE_WIDTH], i % TRACE_WIDTH, &q->rays[i]);
+    for (unsigned b = 0; b < BLOCKS; ++b) q->any[b] = q->blocks[b].rays;
     unsigned state = trace_thread_begin();
-    trace_closest_fine(tracer, block, fine, count, TRACE_INCOHERENT);
+    uint64_t start = thread_nanoseconds();
+    trace_closest_fine(tracer, q->blocks, q->fine, q->count, TRACE_INCOHERENT);
+    uint64_t end = thread_nanoseconds();
+    trace_any(tracer, q->any, q->count, TRACE_INCOHERENT);
     trace_thread_end(state);
+    return end - start;
 }
 
 /* ---- counting ---- */
@@ -54,73 +86,116 @@ static void keep_most(compare_most *most, double value, uint64_t index, const or
         *most = (compare_most){value, index, *ray};
 }
 
-/* The distance between floats around x. */
-static double ulp_of(double x) {
-    int exponent;
-    (void)frexp(x, &exponent);
-    return ldexp(1, exponent - 24 < -149 ? -149 : exponent - 24);
+static void add_error(compare_error *e, double value, uint64_t index, const oracle_ray *ray) {
+    histogram_add(&e->counts, value);
+    keep_most(&e->most, value, index, ray);
 }
 
-static void measure(compare_family *f, const compare_subject *s, const verdict_report *report, uint64_t index,
-                    const oracle_ray *ray) {
-    double ulps = report->t_error / ulp_of(report->exact_t);
+static void measure(compare_family *f, const compare_subject *s, const inquiry *q, unsigned i,
+                    const verdict_report *report, uint64_t index) {
+    const oracle_ray *ray = &q->rays[i];
+    const trace_hits *hits = &q->blocks[i / TRACE_WIDTH].hits;
+    const trace_fine *fine = &q->fine[i / TRACE_WIDTH];
+    unsigned lane = i % TRACE_WIDTH;
+    error_said said = {.t = fine->t[lane],
+                       .normal = {hits->ng_x[lane], hits->ng_y[lane], hits->ng_z[lane]},
+                       .u = fine->u[lane],
+                       .v = fine->v[lane]};
+    error_report errors;
+    error_measure(ray, &report->primitive, &report->exact, &said, &errors);
     double relative = report->t_error * length_f64(widen(ray->dir)) / rays_world_radius(s->source);
-    histogram_add(&f->ulps, ulps);
-    histogram_add(&f->relative, relative);
-    keep_most(&f->most_ulps, ulps, index, ray);
-    keep_most(&f->most_relative, relative, index, ray);
+    add_error(&f->errors[COMPARE_T_ULPS], report->t_error / error_ulp(report->exact_t), index, ray);
+    add_error(&f->errors[COMPARE_T_RELATIVE], relative, index, ray);
+    add_error(&f->errors[COMPARE_POSITION], errors.position, index, ray);
+    add_error(&f->errors[COMPARE_NORMAL], errors.normal, index, ray);
+    if (errors.uv >= 0) add_error(&f->errors[COMPARE_UV], errors.uv, index, ray);
     if (report->condition > 0)
         keep_most(&f->constant, report->t_error / (s->precision.unit * report->condition), index, ray);
 }
 
-static void count(worker *w, const comparison *c, uint64_t index, const oracle_ray *ray,
-                  const verdict_answer *answer, const verdict_report *report) {
-    ++w->family.rays;
-    ++w->family.counts[report->verdict];
-    if (report->verdict == VERDICT_WRONG || report->verdict == VERDICT_LEAK) {
-        compare_failure failure = {c->family, index, *ray, report->verdict, *answer};
-        if (c->options->failures && !array_push(&w->failures, failure)) w->failed = true;
-    } else if (report->measured) {
-        measure(&w->family, c->subject, report, index, ray);
+static bool is_failure(verdict v) { return v == VERDICT_WRONG || v == VERDICT_LEAK; }
+
+static void keep_failure(worker *w, const comparison *c, compare_failure failure) {
+    failure.family = c->family;
+    if (c->options->failures && !array_push(&w->failures, failure)) w->failed = true;
+}
+
+/* ---- a piece ---- */
+
+static void judge_closest(const comparison *c, worker *w, const inquiry *q, unsigned i, uint64_t index) {
+    const compare_subject *s = c->subject;
+    verdict_answer answer = answer_of(q, i);
+    verdict_report report;
+    if (!verdict_closest(s->search, s->world, &s->precision, &q->rays[i], &answer, &w->room, &report)) {
+        w->failed = true;
+        return;
+    }
+    ++w->family.rays, ++w->family.counts[report.verdict];
+    if (is_failure(report.verdict)) {
+        compare_failure failure = {
+            .index = index, .ray = q->rays[i], .verdict = report.verdict, .answer = answer};
+        keep_failure(w, c, failure);
+    } else if (report.measured) {
+        measure(&w->family, s, q, i, &report, index);
     }
 }
 
-static void compare_block(const comparison *c, worker *w, uint64_t first, unsigned lanes) {
+static void judge_any(const comparison *c, worker *w, const inquiry *q, unsigned i, uint64_t index) {
     const compare_subject *s = c->subject;
-    oracle_ray rays[TRACE_WIDTH] = {{.t_near = 0}};
-    trace_block block;
-    trace_fine fine;
-    for (unsigned i = 0; i < lanes; ++i)
-        rays[i] = rays_make(s->source, c->family, c->options->seed, first + i);
-    trace_rays_of(s->tracer, &block, &fine, rays, lanes);
-    for (unsigned i = 0; i < lanes; ++i) {
-        verdict_answer answer = answer_of(&block, &fine, i);
-        verdict_report report;
-        if (!verdict_closest(s->search, s->world, &s->precision, &rays[i], &answer, &w->room, &report)) {
-            w->failed = true;
-            return;
-        }
-        count(w, c, first + i, &rays[i], &answer, &report);
+    bool met = any_of(q, i);
+    verdict_answer closest = answer_of(q, i);
+    verdict v;
+    if (!verdict_any(s->search, s->world, &s->precision, &q->rays[i], met, &closest, &w->room, &v)) {
+        w->failed = true;
+        return;
     }
+    ++w->family.any_rays, ++w->family.any_counts[v];
+    if (!is_failure(v)) return;
+    compare_failure failure = {.index = index, .ray = q->rays[i], .verdict = v, .any = true};
+    failure.answer.geometry = met ? 0 : FATHOM_NONE;
+    keep_failure(w, c, failure);
 }
 
 static void compare_piece(void *user, size_t begin, size_t end, unsigned index) {
     const comparison *c = user;
     worker *w = &c->workers[index];
-    for (size_t i = begin; i < end && !w->failed; i += TRACE_WIDTH) {
-        unsigned lanes = end - i < TRACE_WIDTH ? (unsigned)(end - i) : TRACE_WIDTH;
-        compare_block(c, w, c->first + i, lanes);
+    inquiry q;
+    for (size_t at = begin; at < end; at += PIECE) {
+        q.count = end - at < PIECE ? (unsigned)(end - at) : PIECE;
+        for (unsigned i = 0; i < q.count; ++i)
+            q.rays[i] = rays_make(c->subject->source, c->family, c->options->seed, c->first + at + i);
+        w->nanoseconds += ask_tracer(c->subject->tracer, &q);
+        for (unsigned i = 0; i < q.count && !w->failed; ++i) {
+            judge_closest(c, w, &q, i, c->first + at + i);
+            judge_any(c, w, &q, i, c->first + at + i);
+        }
     }
+}
+
+static void ask_one(const compare_subject *s, const oracle_ray *ray, inquiry *q) {
+    q->count = 1;
+    q->rays[0] = *ray;
+    (void)ask_tracer(s->tracer, q);
 }
 
 bool compare_one(const compare_subject *s, const oracle_ray *ray, verdict_answer *answer,
                  verdict_report *out) {
-    trace_block block;
-    trace_fine fine;
-    trace_rays_of(s->tracer, &block, &fine, ray, 1);
-    *answer = answer_of(&block, &fine, 0);
+    inquiry q;
+    ask_one(s, ray, &q);
+    *answer = answer_of(&q, 0);
     search_result room = {.asked = 0};
     bool judged = verdict_closest(s->search, s->world, &s->precision, ray, answer, &room, out);
+    search_result_free(&room);
+    return judged;
+}
+
+bool compare_one_any(const compare_subject *s, const oracle_ray *ray, bool *met, verdict *out) {
+    inquiry q;
+    ask_one(s, ray, &q);
+    *met = any_of(&q, 0);
+    verdict_answer closest = answer_of(&q, 0);
+    search_result room = {.asked = 0};
+    bool judged = verdict_any(s->search, s->world, &s->precision, ray, *met, &closest, &room, out);
     search_result_free(&room);
     return judged;
 }
@@ -128,20 +203,24 @@ bool compare_one(const compare_subject *s, const oracle_ray *ray, verdict_answer
 /* ---- joining what the threads have ---- */
 
 void compare_family_join(compare_family *to, const compare_family *from) {
-    to->rays += from->rays;
-    for (int i = 0; i < VERDICT_COUNT; ++i) to->counts[i] += from->counts[i];
-    histogram_join(&to->ulps, &from->ulps);
-    histogram_join(&to->relative, &from->relative);
-    keep_most(&to->most_ulps, from->most_ulps.value, from->most_ulps.index, &from->most_ulps.ray);
-    keep_most(&to->most_relative, from->most_relative.value, from->most_relative.index,
-              &from->most_relative.ray);
+    to->rays += from->rays, to->any_rays += from->any_rays;
+    for (int i = 0; i < VERDICT_COUNT; ++i) {
+        to->counts[i] += from->counts[i];
+        to->any_counts[i] += from->any_counts[i];
+    }
+    for (int i = 0; i < COMPARE_MEASURES; ++i) {
+        const compare_error *e = &from->errors[i];
+        histogram_join(&to->errors[i].counts, &e->counts);
+        keep_most(&to->errors[i].most, e->most.value, e->most.index, &e->most.ray);
+    }
     keep_most(&to->constant, from->constant.value, from->constant.index, &from->constant.ray);
     to->asked += from->asked, to->exact += from->exact;
 }
 
 static int by_index(const void *a, const void *b) {
-    uint64_t x = ((const compare_failure *)a)->index, y = ((const compare_failure *)b)->index;
-    return (x > y) - (x < y);
+    const compare_failure *x = a, *y = b;
+    if (x->index != y->index) return x->index < y->index ? -1 : 1;
+    return (int)x->any - (int)y->any;
 }
 
 /* Batches follow each other, so sorting each by itself sorts all. */
@@ -169,6 +248,8 @@ static bool join_workers(const comparison *c, compare_result *out, size_t family
         fine = fine && !w->failed;
         w->family.asked = w->room.asked, w->family.exact = w->room.exact;
         w->room.asked = w->room.exact = 0;
+        out->nanoseconds += w->nanoseconds, out->rays += w->family.rays;
+        w->nanoseconds = 0;
         compare_family_join(&out->families[c->family], &w->family);
         memset(&w->family, 0, sizeof w->family);
     }

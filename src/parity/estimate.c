@@ -1,10 +1,6 @@
 /* The first way: quadruple precision with its error carried along. */
 #include "parity/solution.h"
 
-typedef struct estimate_ray {
-    ball3 org, dir;
-} estimate_ray;
-
 static ball row_times(const float row[4], ball3 p, double w) {
     ball3 linear = {ball_exact((double)row[0]), ball_exact((double)row[1]), ball_exact((double)row[2])};
     return ball_add(ball3_dot(linear, p), ball_mul(ball_exact((double)row[3]), ball_exact(w)));
@@ -14,7 +10,7 @@ static ball3 carried(const float m[3][4], ball3 p, double w) {
     return (ball3){row_times(m[0], p, w), row_times(m[1], p, w), row_times(m[2], p, w)};
 }
 
-static estimate_ray ray_of(const oracle_ray *ray, const world_instance *instance) {
+estimate_ray estimate_ray_of(const oracle_ray *ray, const world_instance *instance) {
     estimate_ray r = {ball3_exact(ray->org), ball3_exact(ray->dir)};
     if (instance) {
         r.org = carried(instance->to_object, r.org, 1);
@@ -104,7 +100,7 @@ static bool solve_sphere(const oracle_ray *ray, const estimate_ray *r, const ora
 }
 
 bool estimate_solve(const oracle_ray *ray, const oracle_primitive *primitive, solution *out) {
-    estimate_ray r = ray_of(ray, primitive->instance);
+    estimate_ray r = estimate_ray_of(ray, primitive->instance);
     switch (primitive->shape) {
     case ORACLE_SPHERE: return solve_sphere(ray, &r, primitive, out);
     case ORACLE_PLANE: {

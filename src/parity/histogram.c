@@ -8,7 +8,7 @@ void histogram_add(histogram *h, double value) {
         ++h->zeros;
         return;
     }
-    double place = floor(4 * (log2(value) + 80));
+    double place = floor(HISTOGRAM_PER_OCTAVE * (log2(value) - HISTOGRAM_FIRST));
     unsigned bin = place < 0 ? 0 : place >= HISTOGRAM_BINS ? HISTOGRAM_BINS - 1 : (unsigned)place;
     ++h->bins[bin];
 }
@@ -23,7 +23,7 @@ double histogram_quantile(const histogram *h, double q) {
     if (below >= wanted) return 0;
     for (unsigned i = 0; i < HISTOGRAM_BINS; ++i) {
         below += (double)h->bins[i];
-        if (below >= wanted) return exp2((double)(i + 1) / 4 - 80);
+        if (below >= wanted) return exp2((double)(i + 1) / HISTOGRAM_PER_OCTAVE + HISTOGRAM_FIRST);
     }
     return (double)INFINITY;
 }

@@ -5,10 +5,12 @@
 #include <stdint.h>
 
 #define HISTOGRAM_BINS 640
+#define HISTOGRAM_PER_OCTAVE 4
+#define HISTOGRAM_FIRST (-80) /* the first bin begins at 2^-80 */
 
 typedef struct histogram {
     uint64_t zeros, total;
-    uint64_t bins[HISTOGRAM_BINS]; /* four an octave, from 2^-80 */
+    uint64_t bins[HISTOGRAM_BINS];
 } histogram;
 
 /* value: at least 0; an infinite one counts as the largest. */

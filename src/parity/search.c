@@ -13,6 +13,7 @@ struct search {
     const world *world;
     filter_spheres bounds; /* of runs of all geometries, one after another */
     size_t *first;         /* of each geometry; one more at the end */
+    double extent;         /* of the world around its origin */
 };
 
 /* ---- primitives ---- */
@@ -127,7 +128,30 @@ static void enclose_all(search *s) {
     s->first[w->geometries.count] = slot;
 }
 
-static MODE_APART void prepare(search *s) { enclose_all(s); }
+static double extent_of(const search *s, uint32_t group, const world_instance *placed) {
+    const world_group *g = &s->world->groups.items[group];
+    double most = 0, norm = 0, shift = 0;
+    for (size_t i = s->first[g->first]; i < s->first[g->first + g->count]; ++i) {
+        double far = length_f64(vec_f64(s->bounds.x[i], s->bounds.y[i], s->bounds.z[i]));
+        if (isfinite(far)) most = fmax(most, far + s->bounds.radius[i]);
+    }
+    if (!placed) return most;
+    for (int i = 0; i < 12; ++i) {
+        double part = fabs((double)placed->to_world[i / 4][i % 4]);
+        *(i % 4 == 3 ? &shift : &norm) += part;
+    }
+    return norm * most + shift;
+}
+
+static MODE_APART void prepare(search *s) {
+    const world *w = s->world;
+    enclose_all(s);
+    if (w->groups.count) s->extent = extent_of(s, 0, NULL);
+    for (size_t k = 0; k < w->instances.count; ++k)
+        s->extent = fmax(s->extent, extent_of(s, w->instances.items[k].group, &w->instances.items[k]));
+}
+
+double search_extent(const search *s) { return s->extent; }
 
 fathom_status search_create(fathom_context *context, const world *w, search **out) {
     *out = NULL;
@@ -168,7 +192,9 @@ typedef struct search_walk {
     filter_ray local; /* the ray in the space of the instance at hand; its t_far shrinks with `closest` */
     double closest;   /* t of no closest hit is above: from hits that are certain */
     uint32_t geometry, instance;
+    bool shadows;     /* what casts none is passed by */
     bool any, found;  /* any hit will do; one that is certain was found */
+    double aside;     /* not 0: search_near() */
     bool failed;      /* no memory */
     search_hit asked; /* the candidate asked last, whether met or not; geometry FATHOM_NONE: none yet */
     oracle_primitive primitive; /* the same as the oracle takes it */
@@ -181,6 +207,7 @@ static void add(search_walk *walk, uint32_t primitive, double low) {
 
 /* A certain hit makes the ray shorter for all that follows, but not so short that an equal t is lost. */
 static void shorten(search_walk *walk, double high) {
+    if (walk->aside > 0) return;
     if (high < walk->closest) walk->closest = high;
     double limit = walk->closest + fabs(walk->closest) * 0x1p-50;
     if (limit < walk->local.t_far) walk->local.t_far = limit;
@@ -238,15 +265,24 @@ static void walk_geometry(search_walk *walk) {
     }
 }
 
+/* As if the origin were known to `aside` only, and so t to what the whole ray may pass in that. */
+static void widen_filter(search_walk *walk, const world_instance *placed) {
+    double norm = 0;
+    for (int i = 0; placed && i < 9; ++i) norm += fabs((double)placed->to_object[i / 3][i % 3]);
+    walk->local.org_error += walk->aside * (placed ? norm : 1);
+    walk->local.t_near = -(double)INFINITY, walk->local.t_far = (double)INFINITY;
+}
+
 static void walk_group(search_walk *walk, uint32_t group, uint32_t instance) {
     const world *w = walk->search->world;
     const world_instance *placed = instance == FATHOM_NONE ? NULL : &w->instances.items[instance];
     walk->local = filter_ray_of(walk->ray, placed);
+    if (walk->aside > 0) widen_filter(walk, placed);
     shorten(walk, walk->closest);
     walk->instance = instance;
     for (uint32_t g = 0; g < w->groups.items[group].count && !walk->failed; ++g) {
         walk->geometry = w->groups.items[group].first + g;
-        if (walk->any && w->geometries.items[walk->geometry].flags & FATHOM_CASTS_NO_SHADOW) continue;
+        if (walk->shadows && w->geometries.items[walk->geometry].flags & FATHOM_CASTS_NO_SHADOW) continue;
         walk_geometry(walk);
         if (walk->any && walk->found) return;
     }
@@ -256,7 +292,7 @@ static void walk_planes(search_walk *walk) {
     const world *w = walk->search->world;
     walk->geometry = TRACE_PLANE, walk->instance = FATHOM_NONE;
     for (uint32_t p = 0; p < w->planes.count; ++p) {
-        if (walk->any && w->planes.items[p].flags & FATHOM_CASTS_NO_SHADOW) continue;
+        if (walk->shadows && w->planes.items[p].flags & FATHOM_CASTS_NO_SHADOW) continue;
         add(walk, p, -(double)INFINITY);
     }
 }
@@ -319,25 +355,32 @@ static void decide(search_walk *walk) {
     }
 }
 
-static MODE_APART bool run(const search *s, const oracle_ray *ray, search_result *result, bool any) {
-    search_walk walk = {.search = s, .ray = ray, .result = result, .closest = (double)INFINITY, .any = any};
-    walk.asked.geometry = FATHOM_NONE;
-    result->ties.count = result->candidates.count = 0;
-    walk_world(&walk);
-    decide(&walk);
-    return !walk.failed;
+static MODE_APART bool run(search_walk *walk) {
+    walk->asked.geometry = FATHOM_NONE;
+    walk->closest = (double)INFINITY;
+    walk->result->ties.count = walk->result->candidates.count = 0;
+    walk_world(walk);
+    if (walk->aside == 0) decide(walk);
+    return !walk->failed;
 }
 
-static bool search_run(const search *s, const oracle_ray *ray, search_result *result, bool any) {
+static bool search_run(search_walk walk) {
     unsigned mode = mode_enter();
-    bool done = run(s, ray, result, any);
+    bool done = run(&walk);
     mode_leave(mode);
     return done;
 }
 
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result) {
-    return search_run(s, ray, result, false);
+    return search_run((search_walk){.search = s, .ray = ray, .result = result});
 }
 bool search_any(const search *s, const oracle_ray *ray, search_result *result) {
-    return search_run(s, ray, result, true);
+    return search_run((search_walk){.search = s, .ray = ray, .result = result, .shadows = true, .any = true});
+}
+bool search_shadow(const search *s, const oracle_ray *ray, search_result *result) {
+    return search_run((search_walk){.search = s, .ray = ray, .result = result, .shadows = true});
+}
+bool search_near(const search *s, const oracle_ray *ray, double aside, search_result *result) {
+    return search_run(
+        (search_walk){.search = s, .ray = ray, .result = result, .shadows = true, .aside = aside});
 }

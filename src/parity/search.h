@@ -38,7 +38,14 @@ void search_destroy(search *s);
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result);
 /* Whether anything that casts a shadow is hit: then it is the one tie. */
 bool search_any(const search *s, const oracle_ray *ray, search_result *result);
+/* The closest hit among what casts shadows. */
+bool search_shadow(const search *s, const oracle_ray *ray, search_result *result);
+/* Fills `candidates` with all that casts shadows and that some ray may meet whose origin is moved by up to
+ * `aside` and whose interval may be wider by what that takes; `ties` stays empty. */
+bool search_near(const search *s, const oracle_ray *ray, double aside, search_result *result);
 void search_result_free(search_result *result);
+/* All but planes lies so far from the world's origin at most. */
+double search_extent(const search *s);
 
 /* The primitive as the oracle takes it. geometry may be TRACE_PLANE; instance FATHOM_NONE. */
 oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance);

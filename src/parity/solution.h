@@ -12,6 +12,12 @@ typedef struct solution {
     ball edge;      /* spheres */
 } solution;
 
+/* A ray in the space of the instance, or of the world for NULL. */
+typedef struct estimate_ray {
+    ball3 org, dir;
+} estimate_ray;
+estimate_ray estimate_ray_of(const oracle_ray *ray, const world_instance *instance);
+
 /* The primitive is a sphere with a radius above 0, a triangle or a plane; everything is finite but the
  * interval's ends. False when some ball is not known well enough. */
 bool estimate_solve(const oracle_ray *ray, const oracle_primitive *primitive, solution *out);

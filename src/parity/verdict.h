@@ -28,6 +28,7 @@ typedef struct verdict_tracer {
     double unit;    /* roundoff of its arithmetic: 2^-24 for float */
     bool inverted;  /* inverts to_world itself, as Embree does */
     bool leaks;     /* misses surfaces at edges and vertices; else that is wrong */
+    bool textbook;  /* spheres by the plain quadratic */
     double clamped; /* components of directions below this count as this where boxes are tested; 0: none */
     double largest; /* takes no ray and no primitive with a coordinate above; 0: any float */
 } verdict_tracer;
@@ -40,11 +41,16 @@ typedef struct verdict_answer {
 
 typedef struct verdict_report {
     verdict verdict;
-    bool measured;    /* the line meets the primitive, so that t has an error */
+    bool measured;    /* the line meets the primitive, so that t has an error; what follows is set */
     double exact_t;   /* of the primitive that the tracer named */
     double t_error;   /* |t - exact_t| */
     double condition; /* of exact_t: a relative change of u in all inputs moves it by at most u times this */
+    oracle_primitive primitive;
+    oracle_answer exact;
 } verdict_report;
+
+/* Whether there is such a primitive. */
+bool verdict_names_primitive(const world *w, const verdict_answer *answer);
 
 /* What is known of a tracer by its words. */
 verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit);
@@ -52,5 +58,11 @@ verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit);
 /* Judges one closest hit. `room` is for searches and is written over. False when out of memory. */
 bool verdict_closest(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
                      const verdict_answer *answer, search_result *room, verdict_report *out);
+
+/* Judges whether anything that casts a shadow is met: AGREE, EDGE, RANGE, BEYOND, LEAK or WRONG, which mean
+ * the same for the surfaces that were skipped or met. `hint`: what the tracer says is the closest hit, since
+ * that is likely what it met; or NULL. False when out of memory. */
+bool verdict_any(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
+                 bool met, const verdict_answer *hint, search_result *room, verdict *out);
 
 #endif

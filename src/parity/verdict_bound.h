@@ -15,6 +15,9 @@ typedef struct verdict_bound {
 verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
                                const oracle_primitive *primitive, const oracle_answer *answer);
 
+/* The largest verdict_bound.aside of anything within `extent` of the world's origin. */
+double verdict_aside(const verdict_tracer *tracer, const world *w, const oracle_ray *ray, double extent);
+
 /* Whether rounding may bring a ray that is exactly parallel to the primitive's plane into it. */
 bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive);
 

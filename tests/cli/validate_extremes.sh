@@ -15,7 +15,8 @@ done
 not_said all.json '"ok": false'
 
 # A tracer of one's own, each row by itself; the grid changes the exit code.
-run 1 validate --extremes --rays 100 --families camera --tracer linear:textbook -v --json one.json
+run 1 validate triangles --extremes --rays 100 --families camera --tracer linear:textbook \
+    --tracer "$BUILD/tests/plugin/culls.so" -v --json one.json
 said out.txt 'a sphere from outside, its radius 1e-06 times'
 said one.json '"ok": false'
 not_said one.json '"spec": "embree:user"'

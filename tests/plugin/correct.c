@@ -1,9 +1,9 @@
 /* A library that is right. */
 #include "linear.h"
 
-static bool inside(double u, double v, bool front) {
+static bool inside(const double weight[3], bool front) {
     (void)front;
-    return u >= 0 && v >= 0 && u + v <= 1;
+    return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
 }
 
 const fathom_plugin *fathom_plugin_get(void) {

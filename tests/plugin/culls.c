@@ -1,7 +1,9 @@
 /* A library with a deliberate bug: triangles are not hit from behind. */
 #include "linear.h"
 
-static bool inside(double u, double v, bool front) { return front && u >= 0 && v >= 0 && u + v <= 1; }
+static bool inside(const double weight[3], bool front) {
+    return front && weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
+}
 
 const fathom_plugin *fathom_plugin_get(void) {
     static const fathom_plugin plugin = LINEAR_PLUGIN("example: culls back faces");

@@ -2,9 +2,9 @@
  * millionth of the edge are lost. */
 #include "linear.h"
 
-static bool inside(double u, double v, bool front) {
+static bool inside(const double weight[3], bool front) {
     (void)front;
-    return u > 1e-6 && v > 1e-6 && u + v <= 1;
+    return weight[0] >= 0 && weight[1] > 1e-6 && weight[2] > 1e-6;
 }
 
 const fathom_plugin *fathom_plugin_get(void) {

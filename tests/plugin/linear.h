@@ -1,5 +1,6 @@
-/* A tracer as anyone might write one: linear search in double by Möller and Trumbore 1997. The libraries
- * beside it include this text, each with a test for "inside" of its own. */
+/* A tracer as anyone might write one: linear search in double by Woop, Benthin and Wald 2013, so that
+ * neighbours agree about their edge. The libraries beside it include this text, each with a test for "inside"
+ * of its own. */
 #ifndef TESTS_PLUGIN_LINEAR_H
 #define TESTS_PLUGIN_LINEAR_H
 
@@ -10,9 +11,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Whether weights u, v of the second and third vertex are inside; `front`: the ray comes from the side from
- * which the vertices run counterclockwise. */
-static bool inside(double u, double v, bool front);
+/* Whether a point with these weights of the three vertices is inside; `front`: the ray comes from the side
+ * from which the vertices run counterclockwise. */
+static bool inside(const double weight[3], bool front);
 
 typedef struct linear_mesh {
     fathom_plugin_mesh mesh;
@@ -30,17 +31,39 @@ static void subtract(const float *a, const float *b, double out[3]) {
     for (int k = 0; k < 3; ++k) out[k] = (double)a[k] - (double)b[k];
 }
 
+/* The vertex as seen by a ray that starts at 0 and runs along z. */
+static void shear(const float *vertex, const float org[3], const double dir[3], int axis, double out[3]) {
+    double p[3];
+    subtract(vertex, org, p);
+    int x = (axis + 1) % 3, y = (axis + 2) % 3;
+    out[0] = p[x] - dir[x] / dir[axis] * p[axis], out[1] = p[y] - dir[y] / dir[axis] * p[axis];
+    out[2] = p[axis];
+}
+
+static double side(const double a[3], const double b[3]) { return a[0] * b[1] - a[1] * b[0]; }
+
+static int longest_axis(const double v[3]) {
+    double x = fabs(v[0]), y = fabs(v[1]), z = fabs(v[2]);
+    return x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+}
+
 static bool meets(const fathom_plugin_mesh *mesh, uint32_t triangle, const float org[3], const double dir[3],
                   double t_near, double t_far, double hit[3]) {
     const uint32_t *index = &mesh->indices[3 * (size_t)triangle];
-    const float *a = &mesh->positions[3 * (size_t)index[0]], *b = &mesh->positions[3 * (size_t)index[1]],
-                *c = &mesh->positions[3 * (size_t)index[2]];
-    double e[3], g[3], s[3], p[3], q[3];
-    subtract(b, a, e), subtract(c, a, g), subtract(org, a, s);
-    cross(dir, g, p), cross(s, e, q);
-    double along = dot(e, p), t = dot(g, q) / along, u = dot(s, p) / along, v = dot(dir, q) / along;
-    if (!(along != 0 && t > t_near && t < t_far && inside(u, v, along > 0))) return false;
-    hit[0] = t, hit[1] = u, hit[2] = v;
+    const float *v[3];
+    double p[3][3], e[3], g[3], n[3];
+    int axis = longest_axis(dir);
+    for (int k = 0; k < 3; ++k) {
+        v[k] = &mesh->positions[3 * (size_t)index[k]];
+        shear(v[k], org, dir, axis, p[k]);
+    }
+    double weight[3] = {side(p[2], p[1]), side(p[0], p[2]), side(p[1], p[0])};
+    double sum = weight[0] + weight[1] + weight[2], depth = 0;
+    for (int k = 0; k < 3; ++k) weight[k] /= sum, depth += weight[k] * p[k][2];
+    subtract(v[1], v[0], e), subtract(v[2], v[0], g), cross(e, g, n);
+    double along = dot(dir, n), t = depth / dir[axis];
+    if (!(along != 0 && t > t_near && t < t_far && inside(weight, along < 0))) return false;
+    hit[0] = t, hit[1] = weight[1], hit[2] = weight[2];
     return true;
 }
 

@@ -1,8 +1,11 @@
 /* Each verdict by a constructed case, and faults that a comparison must find. */
 #include "parity/compare.h"
+#include "parity/error.h"
 #include "parity/verdict_bound.h"
 #include "stage.h"
 #include "trace/tracer.h"
+
+#include <float.h>
 
 static const verdict_tracer plain = {.unit = 0x1p-24}, embree = {.unit = 0x1p-24, .leaks = true};
 
@@ -138,6 +141,149 @@ static void test_wrong(void **state) {
     court_close(&c);
 }
 
+/* Numbers beyond what a tracer takes, or that its t cannot hold. */
+static void test_beyond(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    const verdict_tracer limited = {.unit = 0x1p-24, .leaks = true, .largest = 1e18},
+                         fine = {.unit = 0x1p-53};
+    oracle_ray far = {{-0.5f, -0.5f, 1e19f}, {0, 0, -1}, 0, INFINITY};
+    assert_int_equal(judged(&c, &limited, far, miss), VERDICT_BEYOND);
+    assert_int_equal(judged(&c, &plain, far, miss), VERDICT_EDGE); /* which float may pass from there */
+    assert_int_equal(judged(&c, &fine, far, miss), VERDICT_EDGE);
+    /* t = 1e39. */
+    oracle_ray slow = {{-0.5f, -0.5f, 1e9f}, {0, 0, -1e-30f}, 0, INFINITY};
+    assert_int_equal(judged(&c, &plain, slow, miss), VERDICT_BEYOND);
+    assert_int_equal(judged(&c, &fine, slow, miss), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &plain, slow, at(0, 0, (double)FLT_MAX)), VERDICT_BEYOND);
+    court_close(&c);
+}
+
+static verdict judged_any(court *c, const verdict_tracer *tracer, oracle_ray ray, bool met) {
+    verdict out;
+    assert_true(verdict_any(c->search, c->stage.world, tracer, &ray, met, NULL, &c->room, &out));
+    return out;
+}
+
+/* Each class of any hit: the squares one behind the other, so that an edge of one alone excuses nothing. */
+static void test_any(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    float in = nextafterf(1, 0), out = nextafterf(1, 2);
+    assert_int_equal(judged_any(&c, &plain, down(0.5f, 0.3f), true), VERDICT_AGREE);
+    assert_int_equal(judged_any(&c, &plain, down(3, 0), false), VERDICT_AGREE);
+    assert_int_equal(judged_any(&c, &plain, down(0.5f, 0.3f), false), VERDICT_WRONG);
+    assert_int_equal(judged_any(&c, &plain, down(3, 0), true), VERDICT_WRONG);
+    assert_int_equal(judged_any(&c, &plain, down(1.001f, 0.5f), true), VERDICT_WRONG);
+    assert_int_equal(judged_any(&c, &plain, down(in, 0.5f), false), VERDICT_EDGE);
+    assert_int_equal(judged_any(&c, &plain, down(out, 0.5f), true), VERDICT_EDGE);
+    assert_int_equal(judged_any(&c, &plain, down(0.25f, -0.25f), false), VERDICT_WRONG);
+    assert_int_equal(judged_any(&c, &embree, down(0.25f, -0.25f), false), VERDICT_LEAK);
+    oracle_ray slanted = {{0.5f, 0.3f, 1}, {0.25f, 0, -1}, 0, INFINITY}; /* on the second's edge */
+    assert_int_equal(judged_any(&c, &plain, slanted, false), VERDICT_WRONG);
+    /* Between the squares, from the one to just before the other: at neither end can float tell. */
+    oracle_ray ray = down(0.5f, 0.3f);
+    ray.t_near = 1, ray.t_far = 2;
+    assert_int_equal(judged_any(&c, &plain, ray, false), VERDICT_AGREE);
+    assert_int_equal(judged_any(&c, &plain, ray, true), VERDICT_RANGE);
+    ray.t_near = nextafterf(1, 0), ray.t_far = nextafterf(2, 3);
+    assert_int_equal(judged_any(&c, &plain, ray, false), VERDICT_RANGE);
+    ray.t_near = 1.001f, ray.t_far = 1.999f;
+    assert_int_equal(judged_any(&c, &plain, ray, true), VERDICT_WRONG);
+    court_close(&c);
+}
+
+/* What casts no shadow is not there for any hit. */
+static void test_any_shadows(void **state) {
+    (void)state;
+    court c;
+    court_open(&c);
+    add_sphere(&c.stage, FATHOM_ROOT, 0, 0, 0, 0.5, FATHOM_CASTS_NO_SHADOW);
+    court_begin(&c);
+    assert_int_equal(judged_any(&c, &plain, down(0, 0), false), VERDICT_AGREE);
+    assert_int_equal(judged_any(&c, &plain, down(0, 0), true), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &plain, down(0, 0), miss), VERDICT_WRONG);
+    court_close(&c);
+}
+
+/* The textbook's quadratic is excused by its own bound, where it loses |f|²/R² = 10^8 units, and no further.
+ */
+static void test_textbook(void **state) {
+    (void)state;
+    court c;
+    court_open(&c);
+    add_sphere(&c.stage, FATHOM_ROOT, 0, 0, 0, 1, 0);
+    court_begin(&c);
+    const verdict_tracer textbook = {.unit = 0x1p-24, .leaks = true, .textbook = true};
+    oracle_ray far = {{0.5f, 0, 1e4f}, {0, 0, -1}, 0, INFINITY},
+               near = {{0.5f, 0, 3}, {0, 0, -1}, 0, INFINITY};
+    assert_int_equal(judged(&c, &textbook, far, miss), VERDICT_EDGE);
+    assert_int_equal(judged(&c, &plain, far, miss), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &textbook, far, at(0, 0, 1e4 - 3)), VERDICT_CONDITIONED);
+    assert_int_equal(judged(&c, &plain, far, at(0, 0, 1e4 - 3)), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &textbook, near, miss), VERDICT_WRONG);
+    assert_int_equal(judged(&c, &textbook, far, at(0, 0, 1e4 - 300)), VERDICT_WRONG);
+    court_close(&c);
+}
+
+/* ---- errors ---- */
+
+/* By hand: a ray from (-0.5,-0.5,1) straight down onto the corner's half of the square. */
+static void test_errors(void **state) {
+    (void)state;
+    court c;
+    squares(&c);
+    oracle_ray ray = down(-0.5f, -0.5f);
+    oracle_primitive p = search_primitive(c.stage.world, 0, 0, FATHOM_NONE);
+    oracle_answer exact;
+    oracle_ask(&ray, &p, ORACLE_FAST, &exact);
+    assert_true(exact.hit);
+    double u = (double)exact.weight[1].value, v = (double)exact.weight[2].value;
+    error_said said = {1 + 0x1p-23, {0, 0, 7}, u, v};
+    error_report e;
+    error_measure(&ray, &p, &exact, &said, &e);
+    assert_true(e.position == 2); /* 2^-23 at a largest coordinate of 1/2, whose ulp is 2^-24 in [1/2, 1) */
+    assert_true(e.normal == 0 && e.uv == 0);
+    said = (error_said){1, {0x1p-20f, 0, 1}, u + 0x1p-22, v - 0x1p-24};
+    error_measure(&ray, &p, &exact, &said, &e);
+    assert_true(e.position == 0);
+    assert_true(fabs(e.normal - 16) < 1e-9);
+    assert_true(e.uv == 4);
+    said.normal = (vec3_f32){0, 0, -1};
+    error_measure(&ray, &p, &exact, &said, &e);
+    assert_true(fabs(e.normal * 0x1p-24 - 3.141592653589793) < 1e-15);
+    said.normal = (vec3_f32){0, 0, 0}, said.u = (double)NAN;
+    error_measure(&ray, &p, &exact, &said, &e);
+    assert_true(e.normal > 5e7 && isinf(e.uv));
+    court_close(&c);
+}
+
+/* On a sphere the normal is the point seen from the centre, in an instance's own space. */
+static void test_sphere_errors(void **state) {
+    (void)state;
+    court c;
+    court_open(&c);
+    fathom_id group;
+    assert_ok(c.stage.context, fathom_scene_add_group(c.stage.scene, "one", &group));
+    add_sphere(&c.stage, group, 0, 0, 0, 1, 0);
+    const double map[12] = {0, -2, 0, 0, 2, 0, 0, 0, 0, 0, 2, 0}; /* twice as large and turned about z */
+    add_instance(&c.stage, group, map);
+    court_begin(&c);
+    oracle_ray ray = {{1, 0, 9}, {0, 0, -1}, 0, INFINITY};
+    oracle_primitive p = search_primitive(c.stage.world, 0, 0, 0);
+    oracle_answer exact;
+    oracle_ask(&ray, &p, ORACLE_FAST, &exact);
+    assert_true(exact.hit);
+    double t = 9 - sqrt(3);
+    error_said said = {t, {0, -0.5f, (float)sqrt(0.75)}, 0, 0};
+    error_report e;
+    error_measure(&ray, &p, &exact, &said, &e);
+    assert_true(e.normal < 1 && e.uv < 0 && e.position < 1e-6);
+    court_close(&c);
+}
+
 /* ---- mutants ---- */
 
 typedef enum fault {
@@ -146,7 +292,8 @@ typedef enum fault {
     MUTANT_BOUND,   /* hits beyond an edge: the sphere is larger */
     MUTANT_EPSILON, /* t a little too large */
     MUTANT_T_NEAR,  /* misses what is near */
-    MUTANT_ORDER    /* the farther of two hits */
+    MUTANT_ORDER,   /* the farther of two hits */
+    MUTANT_ANY      /* any hit alone does not see one thing in eight */
 } fault;
 
 typedef struct mutant {
@@ -161,38 +308,54 @@ static void mutate(const mutant *m, trace_block *block, size_t lane) {
     case MUTANT_NONE:
     case MUTANT_BOUND:
     case MUTANT_T_NEAR:
+    case MUTANT_ANY:
     case MUTANT_ORDER: break;
     case MUTANT_SIGN: r->t_far[lane] = -r->t_far[lane]; break;
     case MUTANT_EPSILON: r->t_far[lane] *= 1 + 1e-4f; break;
     }
 }
 
-static void mutant_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
-                           trace_coherence coherence) {
-    const mutant *m = (const mutant *)tracer;
-    trace_block asked = blocks[0];
-    (void)fine;
-    for (size_t i = 0; i < count && m->mutation == MUTANT_T_NEAR; ++i) blocks[0].rays.t_near[i] += 0.05f;
-    trace_closest(m->inner, blocks, count, coherence);
+static void mutant_block(const mutant *m, trace_block *block, size_t count, trace_coherence coherence) {
+    trace_block asked = *block;
+    for (size_t i = 0; i < count && m->mutation == MUTANT_T_NEAR; ++i) block->rays.t_near[i] += 0.05f;
+    trace_closest(m->inner, block, count, coherence);
     for (size_t i = 0; i < count; ++i) {
-        if (blocks[0].hits.geometry[i] == FATHOM_NONE) continue;
-        mutate(m, blocks, i);
+        if (block->hits.geometry[i] == FATHOM_NONE) continue;
+        mutate(m, block, i);
         if (m->mutation != MUTANT_ORDER) continue;
         /* Asks once more behind what was met. */
         trace_block behind = asked;
-        for (size_t k = 0; k < count; ++k) {
-            if (k == i) behind.rays.t_near[k] = nextafterf(blocks[0].rays.t_far[k] * 1.001f, INFINITY);
-        }
+        behind.rays.t_near[i] = nextafterf(block->rays.t_far[i] * 1.001f, INFINITY);
         trace_closest(m->inner, &behind, count, coherence);
         if (behind.hits.geometry[i] == FATHOM_NONE) continue;
-        blocks[0].rays.t_far[i] = behind.rays.t_far[i];
-        blocks[0].hits.geometry[i] = behind.hits.geometry[i];
-        blocks[0].hits.primitive[i] = behind.hits.primitive[i];
-        blocks[0].hits.instance[i] = behind.hits.instance[i];
+        block->rays.t_far[i] = behind.rays.t_far[i];
+        block->hits.geometry[i] = behind.hits.geometry[i];
+        block->hits.primitive[i] = behind.hits.primitive[i];
+        block->hits.instance[i] = behind.hits.instance[i];
     }
 }
 
-static const trace_ops mutant_ops = {.closest = mutant_closest};
+static void mutant_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                           trace_coherence coherence) {
+    (void)fine;
+    for (size_t first = 0; first < count; first += 16) {
+        size_t lanes = count - first < 16 ? count - first : 16;
+        mutant_block((const mutant *)tracer, &blocks[first / 16], lanes, coherence);
+    }
+}
+
+/* No any hit is turned by a sign or an epsilon of t, nor by what lies behind. */
+static void mutant_any(const trace_tracer *tracer, trace_rays *blocks, size_t count,
+                       trace_coherence coherence) {
+    const mutant *m = (const mutant *)tracer;
+    size_t lanes = m->mutation == MUTANT_T_NEAR ? count : 0;
+    for (size_t i = 0; i < lanes; ++i) blocks[i / 16].t_near[i % 16] += 0.05f;
+    trace_any(m->inner, blocks, count, coherence);
+    for (size_t i = 0; i < count && m->mutation == MUTANT_ANY; i += 8)
+        if (blocks[i / 16].t_far[i % 16] == -INFINITY) blocks[i / 16].t_far[i % 16] = 1;
+}
+
+static const trace_ops mutant_ops = {.closest = mutant_closest, .any = mutant_any};
 
 /* Wrong answers of the reference tracer with this fault, in 2000 rays of each of the families. */
 static uint64_t wrong_of(fault mutation, unsigned families, unsigned threads, compare_result *out) {
@@ -215,12 +378,19 @@ static uint64_t wrong_of(fault mutation, unsigned families, unsigned threads, co
     memset(&result, 0, sizeof result);
     assert_ok(c.stage.context, compare_run(c.stage.context, &subject, &options, &result));
     uint64_t wrong = 0;
-    for (int f = 0; f < RAYS_FAMILIES; ++f) wrong += result.families[f].counts[VERDICT_WRONG];
+    for (int f = 0; f < RAYS_FAMILIES; ++f) {
+        const compare_family *family = &result.families[f];
+        assert_int_equal(family->any_rays, family->rays);
+        wrong += family->counts[VERDICT_WRONG] + family->any_counts[VERDICT_WRONG];
+    }
     /* Each failure fails again by itself. */
     for (size_t i = 0; i < result.failures.count && i < 20; ++i) {
+        const compare_failure *failure = &result.failures.items[i];
         verdict_answer answer;
         verdict_report report;
-        assert_true(compare_one(&subject, &result.failures.items[i].ray, &answer, &report));
+        bool met;
+        assert_true(failure->any ? compare_one_any(&subject, &failure->ray, &met, &report.verdict)
+                                 : compare_one(&subject, &failure->ray, &answer, &report));
         assert_int_equal(report.verdict, VERDICT_WRONG);
     }
     if (out)
@@ -249,6 +419,7 @@ static void test_mutants(void **state) {
     assert_true(wrong_of(MUTANT_ORDER, uniform, 2, NULL) > 100);
     assert_true(wrong_of(MUTANT_T_NEAR, uniform | 1u << RAYS_INTERVAL, 2, NULL) > 10);
     assert_true(wrong_of(MUTANT_BOUND, 1u << RAYS_TANGENT, 2, NULL) > 10);
+    assert_true(wrong_of(MUTANT_ANY, uniform, 2, NULL) > 100);
 }
 
 /* No number and no failure depends on the threads. */
@@ -313,6 +484,9 @@ int main(void) {
         cmocka_unit_test(test_agree),         cmocka_unit_test(test_tie),
         cmocka_unit_test(test_edge_and_leak), cmocka_unit_test(test_range),
         cmocka_unit_test(test_conditioned),   cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_beyond),        cmocka_unit_test(test_any),
+        cmocka_unit_test(test_any_shadows),   cmocka_unit_test(test_textbook),
+        cmocka_unit_test(test_errors),        cmocka_unit_test(test_sphere_errors),
         cmocka_unit_test(test_no_mutant),     cmocka_unit_test(test_mutants),
         cmocka_unit_test(test_threads),       cmocka_unit_test(test_rays),
         cmocka_unit_test(test_histogram),

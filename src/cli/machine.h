@@ -1,0 +1,15 @@
+/* What figures were measured on, for results that are kept. */
+#ifndef CLI_MACHINE_H
+#define CLI_MACHINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The processor's name as the system has it; "unknown". */
+void machine_cpu(char *out, size_t size);
+/* "gcc 12.2.0" */
+const char *machine_compiler(void);
+/* Today, as 2026-11-21 in universal time. */
+void machine_date(char out[16]);
+
+#endif
