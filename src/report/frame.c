@@ -45,8 +45,13 @@ static void put_tick(page *p, const box *area, bool across, double at, const cha
 static void put_axis(page *p, const box *area, const axis *a, bool across, size_t most) {
     double ticks[SCALE_TICKS];
     size_t count = scale_ticks(&a->scale, most, ticks);
-    for (size_t i = 0; i < count; ++i)
-        put_tick(p, area, across, scale_at(&a->scale, ticks[i]), number_tick(ticks[i]).text);
+    /* Powers of ten all look alike; so do numbers between them. */
+    bool powers = true;
+    for (size_t i = 0; i < count; ++i) powers &= number_is_power(ticks[i]);
+    for (size_t i = 0; i < count; ++i) {
+        number text = powers ? number_tick(ticks[i]) : number_of(ticks[i]);
+        put_tick(p, area, across, scale_at(&a->scale, ticks[i]), text.text);
+    }
     if (a->zero) put_tick(p, area, across, a->scale.zero, "0");
     if (across)
         page_put(p, "<text class=\"axis\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">",
@@ -65,7 +70,7 @@ void frame_open(page *p, const frame *f) {
     page_text(p, f->title);
     page_put(p, "</h3>\n<div class=\"scroll\">");
     frame_svg_open(p, f->width, f->height, f->title, f->summary, f->marks);
-    put_axis(p, &area, &f->x, true, f->width > 400 ? 8 : 6);
+    put_axis(p, &area, &f->x, true, f->width > 800 ? 12 : f->width > 400 ? 8 : 6);
     put_axis(p, &area, &f->y, false, f->height > 240 ? 8 : 5);
     page_put(p, "<path class=\"rule\" d=\"M%.1f %.1fV%.1fH%.1f\"/>\n", area.left, area.top, area.bottom,
              area.right);

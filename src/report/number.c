@@ -71,12 +71,14 @@ number number_of(double x) {
     return out;
 }
 
+bool number_is_power(double x) {
+    return x > 0 && isfinite(x) && fabs(x / pow(10, round(log10(x))) - 1) < 1e-9;
+}
+
 number number_tick(double x) {
-    double exponent = x > 0 ? round(log10(x)) : 0;
     number out;
-    if (!(x > 0) || !isfinite(x) || fabs(x / pow(10, exponent) - 1) > 1e-9 || fabs(exponent) < 3)
-        return number_of(x);
-    put_power(out.text, sizeof out.text, (int)exponent);
+    if (!number_is_power(x) || (x > 0.002 && x < 500)) return number_of(x);
+    put_power(out.text, sizeof out.text, (int)round(log10(x)));
     return out;
 }
 

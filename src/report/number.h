@@ -2,6 +2,7 @@
 #ifndef REPORT_NUMBER_H
 #define REPORT_NUMBER_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -14,6 +15,8 @@ typedef struct number {
 number number_of(double x);
 /* All digits, in groups of three. */
 number number_count(uint64_t n);
+/* Whether x is a power of ten. */
+bool number_is_power(double x);
 /* A number on an axis: a power of ten as "10⁻⁸", others by number_of(). */
 number number_tick(double x);
 /* Characters, not bytes, of UTF-8: what a text takes in a line of equally wide ones. */

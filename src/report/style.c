@@ -42,7 +42,7 @@ static const char rules[] =
     ".scroll{overflow-x:auto;max-width:100%}\n"
     "table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums;margin:.75rem 0}\n"
     "caption{text-align:left;color:var(--soft);padding-bottom:.35rem}\n"
-    "th,td{padding:.22rem .5rem;text-align:left;vertical-align:baseline;white-space:nowrap}\n"
+    "th,td{padding:.22rem .38rem;text-align:left;vertical-align:baseline;white-space:nowrap}\n"
     "th:first-child,td:first-child{padding-left:0}\n"
     "td.wide{white-space:normal;min-width:16rem}\n"
     "thead th{border-bottom:1px solid var(--ink);vertical-align:bottom;font-weight:600;white-space:normal}\n"

@@ -36,8 +36,8 @@ static void put_error_plot(page *p, const tracer_sums *sums, bool ordinary) {
             "Points: each tracer's error of t in ulp against its nanoseconds a ray, both logarithmic. The "
             "table of tracers and scenes has the numbers.",
         .caption = "",
-        .width = 470,
-        .height = 380,
+        .width = 1040,
+        .height = 400,
         .x_name = "nanoseconds a ray",
         .y_name = "error of t, ulp of a float",
         .x_log = true,

@@ -197,9 +197,9 @@ static void put_any(page *p, const verdicts *v, const json_t *runs) {
 static const struct {
     const char *key, *name;
 } others[] = {{"tRelative", "t, relative to the scene\xe2\x80\x99s size"},
-              {"position", "position"},
-              {"normal", "normal"},
-              {"uv", "uv"}};
+              {"position", "position, ulp"},
+              {"normal", "normal, ulp"},
+              {"uv", "u and v, ulp"}};
 #define OTHERS (sizeof others / sizeof *others)
 
 static void put_other(page *p, const json_t *runs, size_t first, size_t which) {
