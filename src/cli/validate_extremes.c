@@ -80,8 +80,10 @@ static void print_counts(const extremes_row *row) {
     printf(" %8.2g\n", row->constant);
 }
 
+#define NAME_WIDTH 36
+
 static void print_heading(const char *title) {
-    printf("\n%-30s %9s", title, "rays");
+    printf("\n%-*s %9s", NAME_WIDTH, title, "rays");
     for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %8.8s", verdict_name((verdict)v));
     printf(" %8s\n", "constant");
 }
@@ -98,21 +100,42 @@ static bool is_last_of_case(const extremes_rows *rows, size_t i) {
     return strcmp(a->group, b->group) != 0 || a->parameter != b->parameter;
 }
 
+static unsigned group_of(const char *name) {
+    unsigned g = 0;
+    while (g + 1 < extremes_groups() && strcmp(extremes_name(g), name) != 0) ++g;
+    return g;
+}
+
+static void print_group(const char *name) {
+    char title[96];
+    const char *meaning = extremes_meaning(group_of(name));
+    snprintf(title, sizeof title, *meaning ? "%s: %s" : "%s", name, meaning);
+    print_heading(title);
+}
+
+/* Where the number is only one of a list, by words. */
+static void print_name(const extremes_row *row) {
+    if (*extremes_meaning(group_of(row->group)))
+        printf("%-*g", NAME_WIDTH, row->parameter);
+    else
+        printf("%-*.*s", NAME_WIDTH, NAME_WIDTH, row->words);
+}
+
 /* A line a case, of all its tracers; with --verbose one for each tracer too. */
 static void print_cases(const extremes_rows *rows, bool verbose) {
     const char *group = "";
     extremes_row sum = {.rays = 0};
     for (size_t i = 0; i < rows->count; ++i) {
         const extremes_row *row = &rows->items[i];
-        if (strcmp(group, row->group) != 0) print_heading(row->group);
+        if (strcmp(group, row->group) != 0) print_group(row->group);
         group = row->group;
         add_row(&sum, row);
         if (verbose) {
-            printf("    %-26s", row->spec);
+            printf("    %-*s", NAME_WIDTH - 4, row->spec);
             print_counts(row);
         }
         if (!is_last_of_case(rows, i)) continue;
-        printf("%-30g", row->parameter);
+        print_name(row);
         print_counts(&sum);
         if (verbose) printf("  %s\n", row->words);
         sum = (extremes_row){.rays = 0};
@@ -130,14 +153,25 @@ static void print_tracers(const extremes_rows *rows) {
         for (size_t k = i; k < rows->count; ++k) {
             if (strcmp(rows->items[k].spec, spec) == 0) add_row(&sum, &rows->items[k]);
         }
-        printf("%-30s", spec);
+        printf("%-*s", NAME_WIDTH, spec);
         print_counts(&sum);
+    }
+}
+
+/* The table is long: what is wrong in it is said once more. */
+static void print_wrong(const extremes_rows *rows) {
+    for (size_t i = 0; i < rows->count; ++i) {
+        const extremes_row *row = &rows->items[i];
+        if (!row->counts[VERDICT_WRONG]) continue;
+        printf("wrong: %s %g, %s: %llu of %llu: %s\n", row->group, row->parameter, row->spec,
+               (unsigned long long)row->counts[VERDICT_WRONG], (unsigned long long)row->rays, row->words);
     }
 }
 
 void validate_extremes_print(const extremes_rows *rows, const validate_settings *settings) {
     print_cases(rows, settings->verbose);
     print_tracers(rows);
+    print_wrong(rows);
 }
 
 static json_t *pack_row(const extremes_row *row) {

@@ -1,5 +1,5 @@
-/* Primitives that are none: without area, not finite, or twice there. They are never hit and hide nothing.
- * What a scene does not take is put into the world behind its back. */
+/* Primitives that are none, among good ones: without area, not finite, or twice there. They are never hit and
+ * hide nothing. What a scene does not take is put into the world behind its back. */
 #include "extremes/case.h"
 
 #include <float.h>
@@ -97,14 +97,14 @@ static const struct {
     void (*put)(extremes_case *c);
     void (*patch)(extremes_case *c);
 } kinds[] = {
-    {"triangles whose corners lie on a line", put_collinear, NULL},
+    {"triangles with corners on a line", put_collinear, NULL},
     {"triangles that are a point", put_points, NULL},
     {"triangles with two equal corners", put_doubled_corners, NULL},
     {"every triangle twice", put_twice, NULL},
     {"triangles with a NaN", put_whole, nan_triangles},
-    {"triangles with an infinite coordinate", put_whole, infinite_triangles},
+    {"triangles with infinite coordinates", put_whole, infinite_triangles},
     {"quads with a NaN", NULL, nan_quads},
-    {"quads with an infinite coordinate", NULL, infinite_quads},
+    {"quads with infinite coordinates", NULL, infinite_quads},
     {"quads that are a line or a point", NULL, flat_quads},
     {"spheres of radius NaN", NULL, nan_radii},
     {"spheres of infinite radius", NULL, infinite_radii},
@@ -116,7 +116,7 @@ static const struct {
 
 void broken_make(extremes_case *c, double kind) {
     size_t k = (size_t)kind - 1;
-    case_say(c, "among good ones: %s", kinds[k].words);
+    case_say(c, "%s", kinds[k].words);
     put_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6);
     if (kinds[k].put) {
         kinds[k].put(c);

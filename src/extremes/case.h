@@ -88,6 +88,9 @@ void nested_back(extremes_case *c, double ratio);
 void nested_grow(extremes_case *c, double ratio);
 void nested_stretch(extremes_case *c, double ratio);
 void nested_mirror(extremes_case *c, double ratio);
+void beyond_spheres(extremes_case *c, double at);
+void beyond_quads(extremes_case *c, double at);
+void beyond_triangles(extremes_case *c, double at);
 void broken_make(extremes_case *c, double kind);
 
 /* Cases of the public calls: what was asked and what came back as it should, into the row's counts of AGREE

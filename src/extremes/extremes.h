@@ -32,7 +32,7 @@ typedef struct extremes_options {
 /* Groups in the table's order, and the cases of each. */
 unsigned extremes_groups(void);
 const char *extremes_name(unsigned group);
-const char *extremes_meaning(unsigned group); /* of the number: "radius over distance" */
+const char *extremes_meaning(unsigned group); /* of the number; "": one of a list */
 unsigned extremes_cases(unsigned group);
 double extremes_parameter(unsigned group, unsigned index);
 

@@ -95,11 +95,9 @@ static const struct {
     const char *words;
     void (*refuse)(fathom_context *context, fathom_scene *scene, extremes_row *row);
 } shapes[] = {
-    {"a scene refuses spheres that are none", refuse_spheres},
-    {"a scene refuses quads that are none", refuse_quads},
-    {"a scene refuses planes that are none", refuse_planes},
-    {"a scene refuses meshes that are none", refuse_meshes},
-    {"a scene refuses frames that are none", refuse_instances},
+    {"refused: spheres that are none", refuse_spheres},  {"refused: quads that are none", refuse_quads},
+    {"refused: planes that are none", refuse_planes},    {"refused: meshes that are none", refuse_meshes},
+    {"refused: frames that are none", refuse_instances},
 };
 
 fathom_status refused_check(fathom_context *context, fathom_tracer_kind kind, double which,
@@ -109,7 +107,7 @@ fathom_status refused_check(fathom_context *context, fathom_tracer_kind kind, do
     fathom_scene *scene;
     fathom_status status = fathom_scene_create(context, &scene);
     if (status != FATHOM_OK) return status;
-    snprintf(row->words, sizeof row->words, "%s, and says why", shapes[k].words);
+    snprintf(row->words, sizeof row->words, "%s", shapes[k].words);
     shapes[k].refuse(context, scene, row);
     fathom_scene_destroy(scene);
     return FATHOM_OK;
@@ -228,14 +226,14 @@ static const struct {
     const char *words;
     void (*check)(const ray_check *c);
 } rays[] = {
-    {"rays with NaN or infinity are refused by their number", refuse_bad_numbers},
-    {"rays of direction zero are refused", refuse_no_direction},
-    {"intervals with NaN, or from infinity on, are refused", refuse_bad_intervals},
-    {"empty intervals miss", miss_empty_intervals},
-    {"directions 1e-307 to 1e307 long meet at their t", meet_any_length},
-    {"a hit whose t no double holds is a miss", miss_beyond_range},
-    {"denormal parts are as good as 0", meet_denormal_parts},
-    {"origins beyond 1e18 are refused, nearer ones meet", miss_or_refuse_far_origins},
+    {"refused: rays with NaN or infinity", refuse_bad_numbers},
+    {"refused: directions of zero", refuse_no_direction},
+    {"refused: intervals with NaN", refuse_bad_intervals},
+    {"missed: empty intervals", miss_empty_intervals},
+    {"met: directions 1e-307 to 1e307 long", meet_any_length},
+    {"missed: t beyond any double", miss_beyond_range},
+    {"met: rays with denormal parts", meet_denormal_parts},
+    {"refused: origins beyond 1e18", miss_or_refuse_far_origins},
 };
 
 fathom_status user_rays_check(fathom_context *context, fathom_tracer_kind kind, double which,
