@@ -45,6 +45,8 @@ fathom_status validate_extremes_run(fathom_context *context, const validate_sett
     grid g = {.start = clock_seconds()};
     extremes_options options = options_of(context, settings, &g);
     for (unsigned k = 0; k < extremes_groups(); ++k) g.cases += extremes_cases(k);
+    progress_begin(settings->quiet);
+    progress_call("extremes");
     fathom_status status = FATHOM_OK;
     for (unsigned k = 0; k < extremes_groups(); ++k) {
         for (unsigned i = 0; i < extremes_cases(k) && status == FATHOM_OK; ++i) {
