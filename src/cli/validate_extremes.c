@@ -6,6 +6,7 @@
 #include "cli/json_text.h"
 #include "cli/progress.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ---- running ---- */
@@ -180,9 +181,10 @@ static json_t *pack_row(const extremes_row *row) {
     json_t *verdicts = json_object();
     for (int v = 0; v < VERDICT_COUNT; ++v)
         json_object_set_new(verdicts, verdict_name((verdict)v), json_count(row->counts[v]));
-    return json_pack("{s:s, s:f, s:s, s:o, s:o, s:o, s:f, s:b}", "group", row->group, "parameter",
+    json_t *constant = isfinite(row->constant) ? json_real(row->constant) : json_null();
+    return json_pack("{s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:b}", "group", row->group, "parameter",
                      row->parameter, "case", row->words, "spec", json_text(row->spec), "rays",
-                     json_count(row->rays), "verdicts", verdicts, "constant", row->constant, "ok",
+                     json_count(row->rays), "verdicts", verdicts, "constant", constant, "ok",
                      row->counts[VERDICT_WRONG] == 0);
 }
 

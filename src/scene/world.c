@@ -149,20 +149,50 @@ static void survey_mesh(world *w, world_geometry *geometry) {
     w->beyond_reach += atomic_load(&all.beyond);
 }
 
-static bool within_reach(vec3_f32 p, float radius) { return reach_of(p) + radius < (float)WORLD_REACH; }
+/* Takes one primitive into the counts; reach: of its largest coordinate. */
+static void survey_one(world *w, world_geometry *geometry, float reach, bool flat) {
+    bool within = reach < (float)WORLD_REACH;
+    w->beyond_reach += !within;
+    geometry->flat += flat;
+    if (within) geometry->largest = larger(geometry->largest, reach);
+}
+
+static void survey_sphere(world *w, world_geometry *geometry, const world_sphere *s) {
+    survey_one(w, geometry, reach_of(s->center) + fabsf(s->radius), !(s->radius > 0));
+}
+
+static void survey_quad(world *w, world_geometry *geometry, const world_quad *quad) {
+    float reach = 0;
+    for (int i = 0; i < 4; ++i) {
+        float corner = reach_of(quad->corner[i]);
+        reach = corner <= reach ? reach : corner; /* NaN too */
+        if (!(reach < INFINITY)) break;
+    }
+    vec3_f64 a = widen(quad->corner[0]), b = widen(quad->corner[1]), c = widen(quad->corner[2]),
+             d = widen(quad->corner[3]);
+    vec3_f64 m = cross_f64(sub_f64(b, a), sub_f64(d, a)), n = cross_f64(sub_f64(d, c), sub_f64(b, c));
+    bool area = (m.x != 0 || m.y != 0 || m.z != 0) && (n.x != 0 || n.y != 0 || n.z != 0);
+    survey_one(w, geometry, reach, !area);
+}
+
+static void survey_geometry(world *w, world_geometry *geometry) {
+    geometry->flat = 0, geometry->largest = 0;
+    switch (geometry->kind) {
+    case WORLD_SPHERES:
+        for (uint32_t i = 0; i < geometry->count; ++i)
+            survey_sphere(w, geometry, &w->spheres.items[geometry->first + i]);
+        break;
+    case WORLD_QUADS:
+        for (uint32_t i = 0; i < geometry->count; ++i)
+            survey_quad(w, geometry, &w->quads.items[geometry->first + i]);
+        break;
+    case WORLD_MESH: survey_mesh(w, geometry); break;
+    }
+}
 
 void world_survey(world *w) {
     w->degenerate_triangles = w->beyond_reach = 0;
-    for (size_t i = 0; i < w->geometries.count; ++i) {
-        if (w->geometries.items[i].kind == WORLD_MESH) survey_mesh(w, &w->geometries.items[i]);
-    }
-    for (size_t i = 0; i < w->spheres.count; ++i)
-        w->beyond_reach += !within_reach(w->spheres.items[i].center, w->spheres.items[i].radius);
-    for (size_t i = 0; i < w->quads.count; ++i) {
-        const vec3_f32 *c = w->quads.items[i].corner;
-        w->beyond_reach += !(within_reach(c[0], 0) && within_reach(c[1], 0) && within_reach(c[2], 0) &&
-                             within_reach(c[3], 0));
-    }
+    for (size_t i = 0; i < w->geometries.count; ++i) survey_geometry(w, &w->geometries.items[i]);
 }
 
 /* Some triangles without area are rendered around; a scene of nothing else shows nothing. */

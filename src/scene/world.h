@@ -42,8 +42,8 @@ typedef struct world_geometry {
         count; /* spheres, quads: where the run lies; mesh: first = index into meshes, count = triangles */
     unsigned flags;     /* FATHOM_CASTS_NO_SHADOW… of every primitive in it */
     bool smooth;        /* a mesh with shading normals */
-    float largest;      /* a mesh: of the coordinates within WORLD_REACH; see world_survey() */
-    uint32_t flat;      /* a mesh: its triangles without area */
+    float largest;      /* of the coordinates within WORLD_REACH; see world_survey() */
+    uint32_t flat;      /* primitives without area: never met */
     fathom_id instance; /* the instance that placed it, where its frame was left out; else FATHOM_NONE */
 } world_geometry;
 

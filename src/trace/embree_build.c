@@ -33,19 +33,21 @@ static bool on_progress(void *user, double fraction) { return go_on(user, fracti
 /* Embree's triangles are met by products of three lengths, two sides and a distance from the ray's origin, in
  * float: those of whole precision lie between 2^-102 and 2^127. In a mesh as large as c, with sides down to
  * c 2^-12 (16 million triangles over a ball) and seen from up to 2^18 c, that is from c = 2^-24 to 2^36. Our
- * own intersector goes on to wider numbers where it must. */
-static bool in_native_range(const world_geometry *mesh) {
-    return mesh->largest == 0 || (mesh->largest >= 0x1p-24f && mesh->largest <= 0x1p36f);
+ * own intersectors go on to wider numbers where they must. Quads are triangles, spheres are met by products
+ * of two lengths, of four where the direction is as long. */
+static bool in_native_range(const world_geometry *geometry) {
+    return geometry->largest == 0 || (geometry->largest >= 0x1p-24f && geometry->largest <= 0x1p36f);
 }
 
-/* Whether Embree's own intersector answers for the geometry. */
+/* Whether Embree's own intersector answers for the geometry. Flat triangles are kept from it one by one. */
 static bool is_native(trace_shapes shapes, const world_geometry *geometry) {
+    bool fit = in_native_range(geometry);
     switch (geometry->kind) {
-    case WORLD_SPHERES: return shapes == TRACE_SHAPES_SPHERE;
-    case WORLD_QUADS: return shapes == TRACE_SHAPES_QUAD;
+    case WORLD_SPHERES: return shapes == TRACE_SHAPES_SPHERE && fit && !geometry->flat;
+    case WORLD_QUADS: return shapes == TRACE_SHAPES_QUAD && fit && !geometry->flat;
     case WORLD_MESH: break;
     }
-    return shapes != TRACE_SHAPES_USER && in_native_range(geometry);
+    return shapes != TRACE_SHAPES_USER && fit;
 }
 
 /* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. */
