@@ -1,4 +1,5 @@
 #include "cli/validate_extremes.h"
+#include "cli/validate_shading.h"
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -19,8 +20,7 @@
 
 typedef struct work {
     const validate_settings *settings;
-    validate_runs runs;
-    extremes_rows extremes;
+    validate_results results;
     uint64_t before, total; /* rays */
     double start;
 } work;
@@ -40,7 +40,8 @@ static fathom_status run_tracer(fathom_context *context, work *k, const validate
     trace_tracer *tracer;
     fathom_status status = validate_subject(context, stage, spec, &subject, &tracer);
     if (status != FATHOM_OK) return status;
-    validate_run *run = array_room(&k->runs, 1) ? &k->runs.items[k->runs.count++] : NULL;
+    validate_run *run =
+        array_room(&k->results.runs, 1) ? &k->results.runs.items[k->results.runs.count++] : NULL;
     if (run) {
         memset(run, 0, sizeof *run);
         run->scene = strdup(scene), run->spec = strdup(spec);
@@ -105,31 +106,34 @@ static int by_tracer(const void *a, const void *b) {
 
 static fathom_status write_results(fathom_context *context, work *k, uint64_t *wrong) {
     /* Few runs: an insertion keeps the scenes' order within each tracer. */
-    for (size_t i = 1; i < k->runs.count; ++i) {
-        validate_run run = k->runs.items[i];
+    for (size_t i = 1; i < k->results.runs.count; ++i) {
+        validate_run run = k->results.runs.items[i];
         size_t at = i;
-        for (; at > 0 && by_tracer(&k->runs.items[at - 1], &run) > 0; --at)
-            k->runs.items[at] = k->runs.items[at - 1];
-        k->runs.items[at] = run;
+        for (; at > 0 && by_tracer(&k->results.runs.items[at - 1], &run) > 0; --at)
+            k->results.runs.items[at] = k->results.runs.items[at - 1];
+        k->results.runs.items[at] = run;
     }
     uint64_t leaks = 0;
-    for (size_t i = 0; i < k->runs.count; ++i) {
-        compare_family sum = validate_sum(&k->runs.items[i]);
+    for (size_t i = 0; i < k->results.runs.count; ++i) {
+        compare_family sum = validate_sum(&k->results.runs.items[i]);
         *wrong += sum.counts[VERDICT_WRONG] + sum.any_counts[VERDICT_WRONG];
         leaks += sum.counts[VERDICT_LEAK] + sum.any_counts[VERDICT_LEAK];
     }
-    *wrong += validate_extremes_wrong(&k->extremes), leaks += validate_extremes_leaks(&k->extremes);
+    *wrong += validate_extremes_wrong(&k->results.extremes),
+        leaks += validate_extremes_leaks(&k->results.extremes);
+    *wrong += validate_shading_wrong(&k->results.shading);
     if (!k->settings->quiet) {
-        validate_print(&k->runs, k->settings);
-        if (k->settings->extremes) validate_extremes_print(&k->extremes, k->settings);
+        validate_print(&k->results.runs, k->settings);
+        if (k->settings->extremes) validate_extremes_print(&k->results.extremes, k->settings);
+        validate_shading_print(&k->results.shading, k->settings);
         printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)*wrong,
                (unsigned long long)leaks, clock_seconds() - k->start);
     }
     fathom_status status = FATHOM_OK;
     if (k->settings->json || k->settings->report)
-        status = validate_write_json(context, &k->runs, &k->extremes, k->settings);
+        status = validate_write_json(context, &k->results, k->settings);
     if (status == FATHOM_OK && k->settings->failures)
-        status = validate_write_failures(context, &k->runs, k->settings);
+        status = validate_write_failures(context, &k->results.runs, k->settings);
     return status;
 }
 
@@ -164,19 +168,23 @@ static fathom_status validate(fathom_context *context, const validate_settings *
     uint64_t wrong = 0;
     status = run_all(context, &k);
     if (status == FATHOM_OK && settings->extremes)
-        status = validate_extremes_run(context, settings, &k.extremes);
+        status = validate_extremes_run(context, settings, &k.results.extremes);
+    if (status == FATHOM_OK && settings->extremes)
+        status = validate_shading_run(context, settings, &k.results.shading, &k.results.images);
     say_status(&command_validate, context, status);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
         fathom_status written = write_results(context, &k, &wrong);
         if (written != FATHOM_OK) status = say_status(&command_validate, context, written);
     }
-    for (size_t i = 0; i < k.runs.count; ++i) {
-        compare_result_free(&k.runs.items[i].result);
-        free(k.runs.items[i].scene);
-        free(k.runs.items[i].spec);
+    for (size_t i = 0; i < k.results.runs.count; ++i) {
+        compare_result_free(&k.results.runs.items[i].result);
+        free(k.results.runs.items[i].scene);
+        free(k.results.runs.items[i].spec);
     }
-    array_free(&k.runs);
-    array_free(&k.extremes);
+    array_free(&k.results.runs);
+    array_free(&k.results.extremes);
+    array_free(&k.results.shading);
+    shading_images_free(&k.results.images);
     return status == FATHOM_OK && wrong ? FATHOM_CHECK_FAILED : status;
 }
 
@@ -231,7 +239,7 @@ static const args_option options[] = {
      "commas (all)"},
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
      "besides, the grid of extreme cases, each with an eighth of --rays; without --tracer of linear:f32, "
-     "linear:f64, bvh, embree and embree:user"},
+     "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},
     {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
      "1 to 1024 (one a processor)"},
     {.help = "Results"},

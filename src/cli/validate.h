@@ -4,6 +4,7 @@
 
 #include "cli/args.h"
 #include "extremes/extremes.h"
+#include "extremes/shading.h"
 #include "parity/compare.h"
 
 #include <jansson.h>
@@ -30,6 +31,14 @@ typedef struct validate_run {
 
 typedef ARRAY(validate_run) validate_runs;
 
+/* All that was found. */
+typedef struct validate_results {
+    validate_runs runs;
+    extremes_rows extremes;
+    shading_rows shading;
+    shading_images images;
+} validate_results;
+
 /* A scene and what is made of it. */
 typedef struct validate_stage {
     fathom_scene *scene;
@@ -53,8 +62,8 @@ compare_family validate_sum(const validate_run *run);
 double validate_ns_per_ray(const validate_run *run);
 void validate_print(const validate_runs *runs, const validate_settings *settings);
 /* To --json and --report, whichever was asked for. */
-fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,
-                                  const extremes_rows *extremes, const validate_settings *settings);
+fathom_status validate_write_json(fathom_context *context, const validate_results *results,
+                                  const validate_settings *settings);
 
 /* ---- validate_failures.c ---- */
 fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,

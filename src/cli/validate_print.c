@@ -1,4 +1,5 @@
 #include "cli/validate_extremes.h"
+#include "cli/validate_shading.h"
 
 #include "base/file.h"
 #include "cli/command.h"
@@ -173,8 +174,8 @@ static json_t *pack_machine(const validate_runs *runs, unsigned threads) {
                      embree[0] ? json_string(embree) : json_null(), "compiler", machine_compiler());
 }
 
-static json_t *pack(const validate_runs *runs, const extremes_rows *extremes,
-                    const validate_settings *settings) {
+static json_t *pack(const validate_results *results, const validate_settings *settings) {
+    const validate_runs *runs = &results->runs;
     json_t *list = json_array();
     for (size_t i = 0; i < runs->count; ++i) json_array_append_new(list, pack_run(&runs->items[i]));
     json_t *bounds = json_pack("{s:f, s:f, s:f, s:f}", "sphere", verdict_constant(ORACLE_SPHERE), "triangle",
@@ -186,7 +187,10 @@ static json_t *pack(const validate_runs *runs, const extremes_rows *extremes,
         json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "fathom", fathom_version(), "date", date, "machine",
                   pack_machine(runs, settings->threads), "seed", json_count(settings->seed), "raysPerFamily",
                   json_count(settings->rays), "boundConstants", bounds, "runs", list);
-    if (settings->extremes) json_object_set_new(root, "extremes", validate_extremes_json(extremes));
+    if (!settings->extremes) return root;
+    json_object_set_new(root, "extremes", validate_extremes_json(&results->extremes));
+    json_object_set_new(root, "shading", validate_shading_json(&results->shading));
+    json_object_set_new(root, "images", validate_images_json(&results->images));
     return root;
 }
 
@@ -204,9 +208,9 @@ static fathom_status write_text(fathom_context *context, const json_t *root, con
     return status;
 }
 
-fathom_status validate_write_json(fathom_context *context, const validate_runs *runs,
-                                  const extremes_rows *extremes, const validate_settings *settings) {
-    json_t *root = pack(runs, extremes, settings);
+fathom_status validate_write_json(fathom_context *context, const validate_results *results,
+                                  const validate_settings *settings) {
+    json_t *root = pack(results, settings);
     if (!root) return fail_memory(context, 4096);
     fathom_status status = FATHOM_OK;
     if (settings->json) status = write_text(context, root, settings->json);

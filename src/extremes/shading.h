@@ -29,18 +29,23 @@ typedef struct shading_image {
 typedef ARRAY(shading_image) shading_images;
 
 typedef struct shading_options {
-    const char *spec; /* what traces, as trace_spec_parse() reads it; outlives the rows */
-    double twist;     /* for tests: the formulas' parameters are taken wrong by this share; 0 */
+    const char *spec;            /* what traces, as trace_spec_parse() reads it; outlives the rows */
+    double twist;                /* for tests: the formulas' parameters are taken wrong by this share; 0 */
+    fathom_progress_fn progress; /* of each small image, as fathom_render() tells; may be NULL */
+    void *user;
 } shading_options;
 
 /* Appends a row for each case. What comes back is FATHOM_OK whether the rows are or not. */
 fathom_status shading_run(fathom_context *context, const shading_options *options, shading_rows *out);
 
-/* A demonstration scene at the origin of coordinates and moved by the Earth's radius and other distances:
- * rows that compare them and, unless `images` is NULL, images of both beside what plain float would show.
- * Images take the image module, and textbook intersectors some seconds. */
-fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows,
-                            shading_images *images);
+/* A demonstration scene at the origin of coordinates, moved by the Earth's radius and by other distances: a
+ * row for each that compares the images. By linear search in quadruple precision it would take minutes: none
+ * then. */
+fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows);
+/* By Embree, whatever the options name: the scene at the origin and moved, beside what plain float makes of
+ * it. Takes the image module, and some seconds for textbook intersectors. */
+fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
+                                   shading_images *images);
 
 void shading_images_free(shading_images *images);
 

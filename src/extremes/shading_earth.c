@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "extremes/shading_studio.h"
 #include "render/render.h"
+#include "trace/spec.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,8 +14,6 @@
 
 #define WIDTH 240
 #define HEIGHT 180
-
-static const double earth_radius = 6.371e6; /* metres; the scene is some 10 across */
 
 /* ---- the scene ---- */
 
@@ -40,7 +39,7 @@ static void set_materials(demo *d) {
 }
 
 /* A ball of triangles with its own normals, in a group of its own. */
-enum { ROWS = 8, AROUND = 16, VERTICES = (ROWS + 1) * AROUND, TRIANGLES = 2 * ROWS * AROUND };
+enum { ROWS = 8, AROUND = 16, VERTICES = (ROWS + 1) * AROUND, TRIANGLES = 2 * (ROWS - 1) * AROUND };
 
 static void fill_ball(float *p, uint32_t *t) {
     for (uint32_t i = 0; i < VERTICES; ++i, p += 3) {
@@ -49,9 +48,11 @@ static void fill_ball(float *p, uint32_t *t) {
         p[1] = (float)cos(theta);
         p[2] = (float)(-sin(theta) * sin(phi));
     }
-    for (uint32_t i = 0; i < ROWS * AROUND; ++i, t += 6) {
-        uint32_t a = i, b = i / AROUND * AROUND + (i + 1) % AROUND, c = a + AROUND, e = b + AROUND;
-        t[0] = a, t[1] = c, t[2] = b, t[3] = b, t[4] = c, t[5] = e;
+    for (uint32_t i = 0; i < ROWS * AROUND; ++i) {
+        uint32_t a = i, b = i / AROUND * AROUND + (i + 1) % AROUND, c = a + AROUND, d = b + AROUND;
+        /* At the poles one of each two has no area. */
+        if (i >= AROUND) t[0] = a, t[1] = c, t[2] = b, t += 3;
+        if (i < (ROWS - 1) * AROUND) t[0] = b, t[1] = c, t[2] = d, t += 3;
     }
 }
 
@@ -123,15 +124,14 @@ static void set_view(demo *d) {
     if (s->status == FATHOM_OK) s->status = fathom_scene_set_camera(s->scene, &camera);
     if (s->status == FATHOM_OK) s->status = fathom_scene_set_background(s->scene, sky);
     if (s->status == FATHOM_OK) s->status = fathom_scene_set_ambient(s->scene, ambient);
-    s->settings.width = WIDTH, s->settings.height = HEIGHT, s->settings.spp = 4;
+    s->settings.width = WIDTH, s->settings.height = HEIGHT;
     s->settings.max_depth = 8, s->settings.min_weight = 1.0f / 65536;
 }
 
 /* Moved along (0.48, 0.6, 0.64), which is unit and along no axis. */
-static void open_demo(fathom_context *context, const shading_options *options, shading_rows *rows,
-                      double distance, demo *d) {
+static void open_demo(fathom_context *context, const shading_options *options, double distance, demo *d) {
     *d = (demo){.shift = scale_f64(distance, (vec3_f64){0.48, 0.6, 0.64}), .field = 0.68};
-    studio_open(context, options, rows, WIDTH, &d->s);
+    studio_open(context, options, NULL, WIDTH, &d->s);
     /* For tests of this test: another view at the origin. */
     if (distance == 0) d->field = studio_twisted(&d->s, d->field);
     set_materials(d);
@@ -147,20 +147,27 @@ static void open_demo(fathom_context *context, const shading_options *options, s
 typedef struct way {
     const char *spec;
     double distance;
+    uint32_t spp;
     bool counted_from_zero; /* the world's coordinates from the scene's own origin */
     double epsilon;
 } way;
 
-static fathom_status render_way(fathom_context *context, const shading_options *options, shading_rows *rows,
-                                const way *w, fathom_film **out) {
+static fathom_status render_way(fathom_context *context, const shading_options *options, const way *w,
+                                fathom_film **out) {
     static const vec3_f64 zero = {0, 0, 0};
     demo d;
     *out = NULL;
-    open_demo(context, options, rows, w->distance, &d);
+    open_demo(context, options, w->distance, &d);
+    d.s.settings.spp = w->spp;
     d.s.settings.tracer_spec = w->spec;
     d.s.settings.epsilon = w->epsilon;
     if (d.s.status == FATHOM_OK)
-        d.s.status = render_from(context, d.s.scene, &d.s.settings, w->counted_from_zero ? &zero : NULL, out);
+        d.s.status = render_from(context, d.s.scene, &d.s.settings, w->counted_from_zero ? &zero : NULL,
+                                 options->progress, options->user, out);
+    if (d.s.status != FATHOM_OK) {
+        fathom_film_destroy(*out); /* where it was stopped: a part of an image */
+        *out = NULL;
+    }
     return studio_close(&d.s);
 }
 
@@ -273,35 +280,63 @@ static fathom_status add_row(fathom_context *context, const shading_options *opt
     return s.status;
 }
 
-static fathom_status run_way(fathom_context *context, const shading_options *options, const way *w,
-                             unsigned k, fathom_film **first, shading_rows *rows, shading_images *images) {
-    fathom_film *film;
-    fathom_status status = render_way(context, options, rows, w, &film);
+/* Beside the image at the origin: w's; and what it is compared to. */
+static fathom_status render_beside(fathom_context *context, const shading_options *options, const way *w,
+                                   fathom_film **first, fathom_film **film, difference *out) {
+    fathom_status status = render_way(context, options, w, film);
     if (status != FATHOM_OK) return status;
-    if (!*first) *first = film;
-    difference d = compare(*first, film);
-    if (w->distance > 0 && !w->counted_from_zero) status = add_row(context, options, rows, w->distance, &d);
-    if (images && k < 4 && status == FATHOM_OK) status = keep(context, k, w, film, &d, images);
-    if (film != *first) fathom_film_destroy(film);
+    if (!*first) *first = *film;
+    *out = compare(*first, *film);
+    return FATHOM_OK;
+}
+
+static void release(fathom_film *film, const fathom_film *first) {
+    if (film != first) fathom_film_destroy(film);
+}
+
+/* What a ray costs decides how many there may be. */
+static bool is_slow(const trace_spec *spec) { return spec->kind != TRACE_EMBREE; }
+static bool is_hopeless(const trace_spec *spec) {
+    return spec->kind == TRACE_LINEAR && spec->precision == TRACE_F128;
+}
+
+fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows) {
+    static const double distances[] = {0, 6.371e6, 1e3, 1e5, 1e8};
+    trace_spec spec;
+    fathom_status status = trace_spec_parse(context, options->spec, &spec);
+    if (status != FATHOM_OK || is_hopeless(&spec)) return status;
+    size_t count = is_slow(&spec) ? 2 : sizeof distances / sizeof *distances;
+    fathom_film *first = NULL;
+    for (size_t k = 0; k < count && status == FATHOM_OK; ++k) {
+        const way w = {.spec = options->spec, .distance = distances[k], .spp = is_slow(&spec) ? 1 : 4};
+        fathom_film *film;
+        difference d;
+        status = render_beside(context, options, &w, &first, &film, &d);
+        if (status == FATHOM_OK && k) status = add_row(context, options, rows, w.distance, &d);
+        release(film, first);
+    }
+    fathom_film_destroy(first);
     return status;
 }
 
-fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows,
-                            shading_images *images) {
-    const char *spec = options->spec;
-    /* The first four are shown. */
-    const way ways[] = {{spec, 0, false, 0},
-                        {spec, earth_radius, false, 0},
-                        {"linear:textbook:f32", earth_radius, true, 1e-5},
-                        {"embree", earth_radius, true, 0},
-                        {spec, 1e3, false, 0},
-                        {spec, 1e5, false, 0},
-                        {spec, 1e8, false, 0}};
+fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
+                                   shading_images *images) {
+    static const way ways[] = {{.spec = "embree", .spp = 4},
+                               {.spec = "embree", .spp = 4, .distance = 6.371e6},
+                               {.spec = "linear:textbook:f32",
+                                .spp = 4,
+                                .distance = 6.371e6,
+                                .counted_from_zero = true,
+                                .epsilon = 1e-5},
+                               {.spec = "embree", .spp = 4, .distance = 6.371e6, .counted_from_zero = true}};
     fathom_film *first = NULL;
     fathom_status status = FATHOM_OK;
     for (unsigned k = 0; k < sizeof ways / sizeof *ways && status == FATHOM_OK; ++k) {
-        if (ways[k].counted_from_zero && !images) continue;
-        status = run_way(context, options, &ways[k], k, &first, rows, images);
+        fathom_film *film;
+        difference d;
+        status = render_beside(context, options, &ways[k], &first, &film, &d);
+        if (status == FATHOM_OK) status = keep(context, k, &ways[k], film, &d, images);
+        release(film, first);
     }
     fathom_film_destroy(first);
     return status;

@@ -120,7 +120,8 @@ bool studio_render(studio *s) {
     s->film = NULL;
     s->broken = 0;
     if (s->status == FATHOM_OK)
-        s->status = fathom_render(s->context, s->scene, &s->settings, NULL, NULL, NULL, &s->film);
+        s->status = fathom_render(s->context, s->scene, &s->settings, s->options->progress, s->options->user,
+                                  NULL, &s->film);
     if (s->status != FATHOM_OK) return false;
     for (int c = 0; c < 3; ++c) {
         s->channel[c] = fathom_film_channel(s->film, names[c]);

@@ -155,6 +155,7 @@ fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
 }
 
 fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
-                          const vec3_f64 *origin, fathom_film **out) {
-    return render(context, scene, settings, origin, NULL, NULL, NULL, out);
+                          const vec3_f64 *origin, fathom_progress_fn progress, void *user,
+                          fathom_film **out) {
+    return render(context, scene, settings, origin, progress, user, NULL, out);
 }

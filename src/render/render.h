@@ -9,6 +9,6 @@
 /* fathom_render(), but the world's coordinates are counted from `origin` (see world_create_from()): to show
  * what would be lost if they were not counted from near the view. */
 fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
-                          const vec3_f64 *origin, fathom_film **out);
+                          const vec3_f64 *origin, fathom_progress_fn progress, void *user, fathom_film **out);
 
 #endif

@@ -12,6 +12,13 @@ done
 for spec in linear:f32 linear:f64 bvh embree embree:user reference; do
     said all.json "\"spec\": \"$spec\""
 done
+# Shading against closed forms, and the scene at the Earth's radius, with its images.
+said out.txt 'error/bound'
+for group in mirrors 'light guide' 'critical angle' ior fresnel phong blinn 'light distance' terminator spot earth; do
+    said all.json "\"group\": \"$group\""
+done
+said all.json "At the Earth's radius, textbook float"
+test "$(grep -c '"png": "iVBORw0KGgo' all.json)" -eq 4
 not_said all.json '"ok": false'
 
 # A tracer of one's own, each row by itself; the grid changes the exit code.

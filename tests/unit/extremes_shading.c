@@ -5,7 +5,7 @@
 static fathom_context *context;
 
 static shading_rows run(const char *spec, double twist) {
-    const shading_options options = {spec, twist};
+    const shading_options options = {.spec = spec, .twist = twist};
     shading_rows rows = {.items = NULL};
     assert_ok(context, shading_run(context, &options, &rows));
     return rows;
@@ -89,7 +89,7 @@ static void what_is_wrong(void **state) {
     } cases[] = {{1, 1, 0, 0, true},           {1.5, 1, 0.5, 0, true},        {1.5, 1, 0.4, 0, false},
                  {1.5, 1, 0, 0, false},        {(double)NAN, 1, 1, 0, false}, {1, 1, 0, 1, false},
                  {1, 1, (double)NAN, 0, false}};
-    const shading_options options = {"embree", 0};
+    const shading_options options = {.spec = "embree"};
     shading_rows rows = {.items = NULL};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         studio s = {.context = context, .options = &options, .rows = &rows, .broken = cases[i].broken};

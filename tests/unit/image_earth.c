@@ -6,10 +6,11 @@ static void moved_scene(void **state) {
     (void)state;
     fathom_context *context;
     assert_int_equal(fathom_context_create(&context), FATHOM_OK);
-    const shading_options options = {"embree", 0};
+    const shading_options options = {.spec = "embree"};
     shading_rows rows = {.items = NULL};
     shading_images images = {.items = NULL};
-    assert_ok(context, shading_earth(context, &options, &rows, &images));
+    assert_ok(context, shading_earth(context, &options, &rows));
+    assert_ok(context, shading_earth_images(context, &options, &images));
     assert_int_equal(rows.count, 4);
     for (size_t i = 0; i < rows.count; ++i) {
         if (!rows.items[i].ok) fail_msg("%s: %g", rows.items[i].what, rows.items[i].error);
@@ -36,9 +37,9 @@ static void another_view(void **state) {
     (void)state;
     fathom_context *context;
     assert_int_equal(fathom_context_create(&context), FATHOM_OK);
-    const shading_options options = {"embree", 1e-4};
+    const shading_options options = {.spec = "embree", .twist = 1e-4};
     shading_rows rows = {.items = NULL};
-    assert_ok(context, shading_earth(context, &options, &rows, NULL));
+    assert_ok(context, shading_earth(context, &options, &rows));
     assert_int_equal(rows.count, 4);
     for (size_t i = 0; i < rows.count; ++i) assert_false(rows.items[i].ok);
     array_free(&rows);
