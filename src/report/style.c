@@ -54,7 +54,7 @@ static const char rules[] =
     "tr.group code{color:var(--ink)}\n"
     "tr.group th{border-bottom:1px solid var(--line)}\n"
     ".n{text-align:right}\n"
-    ".zero{color:var(--soft);opacity:.65}\n"
+    ".zero{color:var(--soft);opacity:.8}\n"
     "td.bad{color:var(--bad);font-weight:700}td.leak{color:var(--leak);font-weight:600}\n"
     "td.good{color:var(--good)}\n"
     "details{margin:.75rem 0}summary{cursor:pointer;color:var(--link)}\n"

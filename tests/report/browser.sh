@@ -43,7 +43,7 @@ equal "$(in_page '<g class="mark"><title>[^<]*ns a ray')" $((2 * tracers)) 'poin
 equal "$(in_page '[0-9] rays; median')" "$((2 * tracers))" 'histograms, each with a summary and a caption'
 [ "$(in_page 'class="mark bar"')" -gt $((10 * tracers)) ] || die 'histograms have hardly a bar'
 equal "$(in_page '</title><rect class="h[0-9]')" "$(in_data '"parameter".*"spec"')" 'cells of heat maps'
-equal "$(in_page 'class="mark \(fine\|over\)"')" "$(in_data '"bound"')" 'bars of the shading cases'
+equal "$(in_page 'class="mark \(fine\|over\)"')" $(($(in_data '"bound"') + 2)) 'bars of two groups and of the shading cases'
 equal "$(in_page '<img ')" "$(in_data '"png"')" images
 ! grep -q '<script>alert' dom.html || die 'a scene name has become markup'
 
