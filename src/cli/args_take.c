@@ -81,6 +81,21 @@ bool take_u64(const args_option *option, const char *value, void *field, args_pr
     return args_wrong(problem, "expected a whole number from 0 to 2^64 - 1, found \"%.60s\"", value);
 }
 
+/* "1e9": a whole number of decimal places. */
+static bool read_power(const char *text, uint64_t *out) {
+    uint64_t places;
+    if (!args_read_u64(&text, 'e', out) || !args_read_u64(&text, '\0', &places) || *text) return false;
+    for (; places > 0; --places) {
+        if (*out > UINT64_MAX / 10) return false;
+        *out *= 10;
+    }
+    return true;
+}
+
+static bool is_between(const args_option *option, uint64_t number) {
+    return number >= (uint64_t)option->least && number <= (uint64_t)option->most;
+}
+
 bool take_count(const args_option *option, const char *value, void *field, args_problem *problem) {
     static const struct {
         char suffix;
@@ -92,11 +107,17 @@ bool take_count(const args_option *option, const char *value, void *field, args_
         if (!args_read_u64(&text, units[i].suffix, &number) || *text) continue;
         if (number > UINT64_MAX / units[i].factor) break;
         number *= units[i].factor;
-        if (number < (uint64_t)option->least || number > (uint64_t)option->most) break;
+        if (!is_between(option, number)) break;
         *(uint64_t *)field = number;
         return true;
     }
-    return args_wrong(problem, "expected a whole number from %.0f to %.0f (also 20k, 8M), found \"%.60s\"",
+    uint64_t number;
+    if (read_power(value, &number) && is_between(option, number)) {
+        *(uint64_t *)field = number;
+        return true;
+    }
+    return args_wrong(problem,
+                      "expected a whole number from %.0f to %.0f (also 20k, 8M, 1e9), found \"%.60s\"",
                       option->least, option->most, value);
 }
 

@@ -63,8 +63,11 @@ static unsigned percent(const fathom_progress *p) { return (unsigned)(100 * clam
 static void put_rate(const fathom_progress *p, char *out, size_t size) {
     double fraction = clamp_fraction(p->fraction);
     char rate[32] = "", left[32] = "";
-    if (p->rays && p->seconds > 0)
-        snprintf(rate, sizeof rate, ", %.1f Mrays/s", 1e-6 * (double)p->rays / p->seconds);
+    if (p->rays && p->seconds > 0) {
+        double rays = (double)p->rays / p->seconds;
+        bool many = rays >= 1e5; /* 0.1 M */
+        snprintf(rate, sizeof rate, ", %.1f %crays/s", rays * (many ? 1e-6 : 1e-3), many ? 'M' : 'k');
+    }
     if (fraction > 0 && p->seconds > 0.2) {
         double seconds = p->seconds * (1 - fraction) / fraction + 0.5;
         unsigned whole = seconds < 359999 ? (unsigned)seconds : 359999;

@@ -54,6 +54,7 @@ static fathom_status run_tracer(fathom_context *context, work *k, const validate
     compare_options options = {.families = k->settings->families,
                                .rays = k->settings->rays,
                                .seed = k->settings->seed,
+                               .sample = k->settings->sample,
                                .threads = k->settings->threads,
                                .failures = k->settings->failures ? FAILURES_KEPT : FAILURES_FIRST,
                                .progress = on_progress,
@@ -62,6 +63,11 @@ static fathom_status run_tracer(fathom_context *context, work *k, const validate
     status = compare_run(context, &subject, &options, &run->result);
     run->seconds = clock_seconds() - start;
     trace_destroy(tracer);
+    if (run->result.differ)
+        return fail(context, FATHOM_INTERNAL,
+                    "%s: the search for exact hits and testing every primitive differ "
+                    "in %llu of %llu rays",
+                    scene, (unsigned long long)run->result.differ, (unsigned long long)run->result.sampled);
     return status;
 }
 
@@ -124,6 +130,7 @@ static fathom_status write_results(fathom_context *context, work *k, uint64_t *w
     *wrong += validate_shading_wrong(&k->results.shading);
     if (!k->settings->quiet) {
         validate_print(&k->results.runs, k->settings);
+        if (k->settings->isa) validate_print_isas(&k->results.runs);
         if (k->settings->extremes) validate_extremes_print(&k->results.extremes, k->settings);
         validate_shading_print(&k->results.shading, k->settings);
         printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)*wrong,
@@ -189,7 +196,7 @@ static fathom_status validate(fathom_context *context, const validate_settings *
 }
 
 static fathom_status run(int argc, char **argv) {
-    validate_settings settings = {.rays = 3000, .families = (1u << RAYS_FAMILIES) - 1};
+    validate_settings settings = {.rays = 3000, .sample = 2, .families = (1u << RAYS_FAMILIES) - 1};
     fathom_status status;
     if (!command_parse(&command_validate, argc, argv, &settings, &status)) return status;
     settings.tracers_given = settings.tracers.count > 0;
@@ -199,7 +206,10 @@ static fathom_status run(int argc, char **argv) {
     if (status != FATHOM_OK) return status;
     settings.threads = fathom_context_threads(context);
     if (!settings.threads) settings.threads = processor_count();
-    status = validate(context, &settings);
+    validate_isas isas;
+    if (settings.isa) status = validate_each_isa(context, &settings, &isas);
+    status =
+        status == FATHOM_OK ? validate(context, &settings) : say_status(&command_validate, context, status);
     fathom_context_destroy(context);
     return status;
 }
@@ -227,6 +237,13 @@ static bool take_families(const args_option *option, const char *value, void *fi
     return true;
 }
 
+static bool take_all(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    if (strcmp(value, "all") != 0) return args_wrong(problem, "expected all, found \"%.60s\"", value);
+    *(bool *)field = true;
+    return true;
+}
+
 static const args_option options[] = {
     {.help = "Options"},
     {"tracer", 0, "SPEC", take_list, offsetof(validate_settings, tracers), 0, 0,
@@ -237,6 +254,10 @@ static const args_option options[] = {
     {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
      "camera, uniform, edge, vertex, grazing, tangent, surface, far, axis, scaled and interval, separated by "
      "commas (all)"},
+    {"sample", 0, "N", take_count, offsetof(validate_settings, sample), 0, 1e15,
+     "rays of each family whose exact hit is also looked for among all primitives, without any tree (2)"},
+    {"isa", 0, "all", take_all, offsetof(validate_settings, isa), 0, 0,
+     "Embree once with each of its instruction sets that the processor has; leaks are then counted by set"},
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
      "besides, the grid of extreme cases, each with an eighth of --rays; without --tracer of linear:f32, "
      "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},

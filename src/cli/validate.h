@@ -13,6 +13,8 @@ typedef struct validate_settings {
     const char *scene; /* NULL: the built-in ones */
     args_list tracers;
     uint64_t rays, seed;
+    uint64_t sample;
+    bool isa;          /* Embree once with each instruction set */
     unsigned families; /* bit i: rays_family i */
     unsigned threads;
     const char *json, *failures, *replay, *report;
@@ -64,6 +66,20 @@ void validate_print(const validate_runs *runs, const validate_settings *settings
 /* To --json and --report, whichever was asked for. */
 fathom_status validate_write_json(fathom_context *context, const validate_results *results,
                                   const validate_settings *settings);
+
+/* ---- validate_isa.c ---- */
+
+/* Room for the words of tracers. */
+typedef struct validate_isas {
+    char text[ARGS_LIST_MAX][256];
+} validate_isas;
+
+/* Takes each tracer of Embree's apart into one for each instruction set that the processor has. `room` must
+ * outlive the settings. */
+fathom_status validate_each_isa(fathom_context *context, validate_settings *settings, validate_isas *room);
+/* "AVX2"; NULL for other tracers than Embree. */
+const char *validate_isa_of(const validate_run *run);
+void validate_print_isas(const validate_runs *runs);
 
 /* ---- validate_failures.c ---- */
 fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,

@@ -142,12 +142,6 @@ static json_t *pack_family(const char *name, const compare_family *f) {
     return family;
 }
 
-/* The instruction set stands behind Embree's version in its name: "Embree 3.13.5, AVX-512". */
-static json_t *pack_isa(const validate_run *run) {
-    const char *comma = strchr(run->tracer, ',');
-    return strncmp(run->tracer, "Embree ", 7) == 0 && comma ? json_string(comma + 2) : json_null();
-}
-
 static json_t *pack_run(const validate_run *run) {
     json_t *families = json_array();
     for (int f = 0; f < RAYS_FAMILIES; ++f) {
@@ -156,10 +150,11 @@ static json_t *pack_run(const validate_run *run) {
                               pack_family(rays_family_name((rays_family)f), &run->result.families[f]));
     }
     compare_family sum = validate_sum(run);
+    const char *isa = validate_isa_of(run);
     return json_pack("{s:o, s:o, s:s, s:o, s:f, s:f, s:o, s:o, s:o}", "scene", json_text(run->scene), "spec",
-                     json_text(run->spec), "tracer", run->tracer, "isa", pack_isa(run), "seconds",
-                     run->seconds, "nsPerRay", validate_ns_per_ray(run), "any", pack_any(&sum), "families",
-                     families, "failures", validate_failures_json(run));
+                     json_text(run->spec), "tracer", run->tracer, "isa", isa ? json_string(isa) : json_null(),
+                     "seconds", run->seconds, "nsPerRay", validate_ns_per_ray(run), "any", pack_any(&sum),
+                     "families", families, "failures", validate_failures_json(run));
 }
 
 static json_t *pack_machine(const validate_runs *runs, unsigned threads) {

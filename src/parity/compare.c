@@ -1,4 +1,5 @@
 #include "parity/compare.h"
+#include "base/clock.h"
 #include "base/threads.h"
 #include "parity/error.h"
 
@@ -8,14 +9,18 @@
 
 #define BLOCKS 16                    /* traced in one go, which is timed */
 #define PIECE (BLOCKS * TRACE_WIDTH) /* rays that a thread takes at once */
-#define BATCH 16384                  /* rays between two reports of progress */
+/* Rays between two reports of progress: as many as take about a tenth of a second. */
+#define BATCH_LEAST 1024
+#define BATCH_MOST 65536
+#define BATCH_SECONDS 0.1
 
 /* What one thread has counted. */
 typedef struct worker {
     search_result room;
     compare_family family;
     ARRAY(compare_failure) failures;
-    uint64_t nanoseconds;
+    search_result linear; /* of the sample */
+    uint64_t nanoseconds, sampled, differ;
     bool failed; /* out of memory */
 } worker;
 
@@ -140,6 +145,21 @@ static void judge_closest(const comparison *c, worker *w, const inquiry *q, unsi
     }
 }
 
+/* The exact answer by the tree of spheres against that by every primitive: the same ties. */
+static void check_search(const comparison *c, worker *w, const oracle_ray *ray) {
+    const search *s = c->subject->search;
+    if (!search_closest(s, ray, &w->room) || !search_exhaustive(s, ray, &w->linear)) {
+        w->failed = true;
+        return;
+    }
+    bool same = w->room.ties.count == w->linear.ties.count;
+    for (size_t i = 0; same && i < w->room.ties.count; ++i) {
+        const search_hit *a = &w->room.ties.items[i], *b = &w->linear.ties.items[i];
+        same = a->geometry == b->geometry && a->primitive == b->primitive && a->instance == b->instance;
+    }
+    ++w->sampled, w->differ += !same;
+}
+
 static void judge_any(const comparison *c, worker *w, const inquiry *q, unsigned i, uint64_t index) {
     const compare_subject *s = c->subject;
     bool met = any_of(q, i);
@@ -168,6 +188,7 @@ static void compare_piece(void *user, size_t begin, size_t end, unsigned index) 
         for (unsigned i = 0; i < q.count && !w->failed; ++i) {
             judge_closest(c, w, &q, i, c->first + at + i);
             judge_any(c, w, &q, i, c->first + at + i);
+            if (c->first + at + i < c->options->sample) check_search(c, w, &q.rays[i]);
         }
     }
 }
@@ -249,21 +270,31 @@ static bool join_workers(const comparison *c, compare_result *out, size_t family
         w->family.asked = w->room.asked, w->family.exact = w->room.exact;
         w->room.asked = w->room.exact = 0;
         out->nanoseconds += w->nanoseconds, out->rays += w->family.rays;
-        w->nanoseconds = 0;
+        out->sampled += w->sampled, out->differ += w->differ;
+        w->nanoseconds = w->sampled = w->differ = 0;
         compare_family_join(&out->families[c->family], &w->family);
         memset(&w->family, 0, sizeof w->family);
     }
     return fine;
 }
 
+/* No result depends on how many go at once. */
+static uint64_t next_batch(uint64_t batch, double seconds) {
+    if (seconds < BATCH_SECONDS / 2 && batch < BATCH_MOST) return 2 * batch;
+    return seconds > 2 * BATCH_SECONDS && batch > BATCH_LEAST ? batch / 2 : batch;
+}
+
 static fathom_status run_family(fathom_context *context, comparison *c, uint64_t *done, compare_result *out) {
     const compare_options *o = c->options;
     size_t family_begin = out->failures.count;
-    for (c->first = 0; c->first < o->rays; c->first += BATCH) {
-        uint64_t left = o->rays - c->first, batch = left < BATCH ? left : BATCH;
-        loop_parallel(o->threads, (size_t)batch, PIECE, compare_piece, c);
+    uint64_t batch = BATCH_LEAST;
+    for (c->first = 0; c->first < o->rays;) {
+        uint64_t left = o->rays - c->first, count = left < batch ? left : batch;
+        double start = clock_seconds();
+        loop_parallel(o->threads, (size_t)count, PIECE, compare_piece, c);
         if (!join_workers(c, out, family_begin)) return fail_memory(context, sizeof(compare_failure));
-        *done += batch;
+        batch = next_batch(batch, clock_seconds() - start);
+        c->first += count, *done += count;
         if (o->progress && !o->progress(o->user, *done))
             return fail(context, FATHOM_INTERRUPTED, "validation stopped after %llu rays",
                         (unsigned long long)*done);
@@ -284,6 +315,7 @@ fathom_status compare_run(fathom_context *context, const compare_subject *subjec
     }
     for (unsigned i = 0; i < options->threads; ++i) {
         search_result_free(&c.workers[i].room);
+        search_result_free(&c.workers[i].linear);
         array_free(&c.workers[i].failures);
     }
     free(c.workers);

@@ -62,6 +62,8 @@ typedef struct compare_options {
     uint64_t seed;
     unsigned threads;
     size_t failures; /* kept, of each family: the first ones */
+    uint64_t
+        sample; /* of each family so many rays first have their exact answer found by every primitive too */
     /* From the calling thread, with the number of rays done. False stops it. May be NULL. */
     bool (*progress)(void *user, uint64_t rays);
     void *user;
@@ -70,6 +72,7 @@ typedef struct compare_options {
 typedef struct compare_result {
     compare_family families[RAYS_FAMILIES];
     ARRAY(compare_failure) failures; /* leaks and what is wrong, by family and index, any hit after closest */
+    uint64_t sampled, differ;        /* rays of the sample; those where both ways did not find the same */
     uint64_t nanoseconds, rays; /* spent tracing closest hits, added up over threads, and of how many rays */
 } compare_result;
 

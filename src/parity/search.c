@@ -1,19 +1,17 @@
 #include "parity/search.h"
 #include "parity/filter.h"
 #include "parity/mode.h"
+#include "parity/search_tree.h"
 #include "trace/trace.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define RUN 16   /* primitives in one bounding sphere */
 #define BATCH 64 /* spheres tested at a time */
 
 struct search {
     const world *world;
-    filter_spheres bounds; /* of runs of all geometries, one after another */
-    size_t *first;         /* of each geometry; one more at the end */
-    double extent;         /* of the world around its origin */
+    search_tree tree;
 };
 
 /* ---- primitives ---- */
@@ -57,124 +55,33 @@ oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t pr
     return p;
 }
 
-static int corners(const oracle_primitive *p) {
-    return p->shape == ORACLE_SPHERE ? 1 : p->shape == ORACLE_QUAD ? 4 : 3;
-}
+/* ---- life ---- */
 
-/* Others are never met. */
-static bool has_finite_corners(const oracle_primitive *p) {
-    for (int k = 0; k < corners(p); ++k) {
-        if (!finite_f32(p->v[k])) return false;
-    }
-    return true;
-}
-
-/* ---- bounding spheres ---- */
-
-typedef struct box {
-    vec3_f64 low, high;
-} box;
-
-static void grow(box *b, vec3_f64 p) {
-    b->low = vec_f64(fmin(b->low.x, p.x), fmin(b->low.y, p.y), fmin(b->low.z, p.z));
-    b->high = vec_f64(fmax(b->high.x, p.x), fmax(b->high.y, p.y), fmax(b->high.z, p.z));
-}
-
-/* The sphere around the middle of the box of all corners (of primitives that are spheres: their centres). Its
- * radius is rounded up by far more than a difference, a square root and a sum round. Around nothing it is
- * NaN, and rejects nothing. */
-static void enclose(search *s, size_t slot, uint32_t geometry, uint32_t first, uint32_t count) {
-    const double inf = (double)INFINITY;
-    box b = {{inf, inf, inf}, {-inf, -inf, -inf}};
-    for (uint32_t i = first; i < first + count; ++i) {
-        oracle_primitive p = search_primitive(s->world, geometry, i, FATHOM_NONE);
-        for (int k = 0; has_finite_corners(&p) && k < corners(&p); ++k) grow(&b, widen(p.v[k]));
-    }
-    vec3_f64 center = scale_f64(0.5, add_f64(b.low, b.high));
-    double radius = 0;
-    for (uint32_t i = first; i < first + count; ++i) {
-        oracle_primitive p = search_primitive(s->world, geometry, i, FATHOM_NONE);
-        for (int k = 0; has_finite_corners(&p) && k < corners(&p); ++k) {
-            vec3_f64 d = sub_f64(widen(p.v[k]), center);
-            radius = fmax(radius, sqrt(dot_f64(d, d)) + fabs((double)p.radius));
-        }
-    }
-    s->bounds.x[slot] = center.x, s->bounds.y[slot] = center.y, s->bounds.z[slot] = center.z;
-    s->bounds.radius[slot] = radius * (1 + 0x1p-45) + FILTER_LEAST;
-}
-
-static size_t runs_of(const world_geometry *g) { return (g->count + RUN - 1) / RUN; }
-
-static bool allocate(search *s) {
-    const world *w = s->world;
-    size_t runs = 0;
-    for (size_t g = 0; g < w->geometries.count; ++g) runs += runs_of(&w->geometries.items[g]);
-    s->first = malloc((w->geometries.count + 1) * sizeof *s->first);
-    double *all = malloc((4 * runs + 1) * sizeof *all);
-    s->bounds = (filter_spheres){all, all + runs, all + 2 * runs, all + 3 * runs};
-    return s->first && all;
-}
-
-static void enclose_all(search *s) {
-    const world *w = s->world;
-    size_t slot = 0;
-    for (uint32_t g = 0; g < w->geometries.count; ++g) {
-        uint32_t count = w->geometries.items[g].count;
-        s->first[g] = slot;
-        for (uint32_t i = 0; i < count; i += RUN) {
-            enclose(s, slot++, g, i, count - i < RUN ? count - i : RUN);
-        }
-    }
-    s->first[w->geometries.count] = slot;
-}
-
-static double extent_of(const search *s, uint32_t group, const world_instance *placed) {
-    const world_group *g = &s->world->groups.items[group];
-    double most = 0, norm = 0, shift = 0;
-    for (size_t i = s->first[g->first]; i < s->first[g->first + g->count]; ++i) {
-        double far = length_f64(vec_f64(s->bounds.x[i], s->bounds.y[i], s->bounds.z[i]));
-        if (isfinite(far)) most = fmax(most, far + s->bounds.radius[i]);
-    }
-    if (!placed) return most;
-    for (int i = 0; i < 12; ++i) {
-        double part = fabs((double)placed->to_world[i / 4][i % 4]);
-        *(i % 4 == 3 ? &shift : &norm) += part;
-    }
-    return norm * most + shift;
-}
-
-static MODE_APART void prepare(search *s) {
-    const world *w = s->world;
-    enclose_all(s);
-    if (w->groups.count) s->extent = extent_of(s, 0, NULL);
-    for (size_t k = 0; k < w->instances.count; ++k)
-        s->extent = fmax(s->extent, extent_of(s, w->instances.items[k].group, &w->instances.items[k]));
-}
-
-double search_extent(const search *s) { return s->extent; }
+static MODE_APART bool prepare(search *s) { return search_tree_build(s->world, &s->tree); }
 
 fathom_status search_create(fathom_context *context, const world *w, search **out) {
     *out = NULL;
     search *s = calloc(1, sizeof *s);
     if (!s) return fail_memory(context, sizeof *s);
     s->world = w;
-    if (!allocate(s)) {
-        search_destroy(s);
-        return fail_memory(context, w->geometries.count * sizeof *s->first);
-    }
     unsigned mode = mode_enter();
-    prepare(s);
+    bool built = prepare(s);
     mode_leave(mode);
+    if (!built) {
+        search_destroy(s);
+        return fail_memory(context, w->geometries.count * sizeof *s->tree.parts);
+    }
     *out = s;
     return FATHOM_OK;
 }
 
 void search_destroy(search *s) {
     if (!s) return;
-    free(s->bounds.x);
-    free(s->first);
+    search_tree_free(&s->tree);
     free(s);
 }
+
+double search_extent(const search *s) { return s->tree.extent; }
 
 void search_result_free(search_result *result) {
     array_free(&result->ties);
@@ -194,6 +101,7 @@ typedef struct search_walk {
     uint32_t geometry, instance;
     bool shadows;     /* what casts none is passed by */
     bool any, found;  /* any hit will do; one that is certain was found */
+    bool exhaustive;  /* every primitive is tested */
     double aside;     /* not 0: search_near() */
     bool failed;      /* no memory */
     search_hit asked; /* the candidate asked last, whether met or not; geometry FATHOM_NONE: none yet */
@@ -224,7 +132,7 @@ static void consider_triangle(search_walk *walk, const vec3_f32 v[3], double *lo
 
 static void consider(search_walk *walk, uint32_t primitive, double run_low) {
     oracle_primitive p = search_primitive(walk->search->world, walk->geometry, primitive, FATHOM_NONE);
-    if (!has_finite_corners(&p)) return;
+    if (!search_tree_takes(&p)) return;
     filter_verdict verdict = FILTER_MISS;
     double low = run_low;
     switch (p.shape) {
@@ -247,22 +155,52 @@ static void consider(search_walk *walk, uint32_t primitive, double run_low) {
     walk->found |= verdict == FILTER_HIT;
 }
 
-static void walk_geometry(search_walk *walk) {
-    const search *s = walk->search;
-    const world_geometry *g = &s->world->geometries.items[walk->geometry];
-    size_t first = s->first[walk->geometry], runs = runs_of(g);
+static bool is_done(const search_walk *walk) { return walk->failed || (walk->any && walk->found); }
+
+static void consider_run(search_walk *walk, const search_part *part, size_t run, double low) {
+    uint32_t count = walk->search->world->geometries.items[walk->geometry].count;
+    uint32_t from = (uint32_t)run * SEARCH_RUN, end = count - from < SEARCH_RUN ? count : from + SEARCH_RUN;
+    for (uint32_t p = from; p < end; ++p) consider(walk, part->order ? part->order[p] : p, low);
+}
+
+/* The spheres first to first + count of a level, and what is in them. */
+static void walk_level(search_walk *walk, const search_part *part, unsigned level, size_t first,
+                       size_t count) {
     uint8_t meets[BATCH];
     double low[BATCH];
-    for (size_t i = 0; i < runs && !walk->failed; i += BATCH) {
-        size_t count = runs - i < BATCH ? runs - i : BATCH;
-        filter_run(&walk->local, &s->bounds, first + i, count, meets, low);
-        for (size_t k = 0; k < count; ++k) {
+    for (size_t i = first; i < first + count && !is_done(walk); i += BATCH) {
+        size_t n = first + count - i < BATCH ? first + count - i : BATCH;
+        filter_run(&walk->local, &walk->search->tree.bounds, part->slot[level] + i, n, meets, low);
+        for (size_t k = 0; k < n && !is_done(walk); ++k) {
             if (!meets[k]) continue;
-            uint32_t from = (uint32_t)(i + k) * RUN, end = g->count - from < RUN ? g->count : from + RUN;
-            for (uint32_t p = from; p < end; ++p) consider(walk, p, low[k]);
+            if (level == 0) {
+                consider_run(walk, part, i + k, low[k]);
+            } else {
+                size_t below = (i + k) * SEARCH_RUN, left = part->count[level - 1] - below;
+                walk_level(walk, part, level - 1, below, left < SEARCH_RUN ? left : SEARCH_RUN);
+            }
         }
-        if (walk->any && walk->found) return;
     }
+}
+
+static int by_primitive(const void *a, const void *b) {
+    uint32_t x = ((const search_candidate *)a)->primitive, y = ((const search_candidate *)b)->primitive;
+    return (x > y) - (x < y);
+}
+
+static void walk_geometry(search_walk *walk) {
+    const search_part *part = &walk->search->tree.parts[walk->geometry];
+    uint32_t count = walk->search->world->geometries.items[walk->geometry].count;
+    size_t begin = walk->result->candidates.count;
+    if (walk->exhaustive) {
+        for (uint32_t p = 0; p < count && !is_done(walk); ++p) consider(walk, p, -(double)INFINITY);
+    } else if (part->levels) {
+        walk_level(walk, part, part->levels - 1, 0, part->count[part->levels - 1]);
+    }
+    size_t found = walk->result->candidates.count - begin;
+    if (found > 1 && part->order)
+        qsort(walk->result->candidates.items + begin, found, sizeof *walk->result->candidates.items,
+              by_primitive);
 }
 
 /* As if the origin were known to `aside` only, and so t to what the whole ray may pass in that. */
@@ -373,6 +311,9 @@ static bool search_run(search_walk walk) {
 
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result) {
     return search_run((search_walk){.search = s, .ray = ray, .result = result});
+}
+bool search_exhaustive(const search *s, const oracle_ray *ray, search_result *result) {
+    return search_run((search_walk){.search = s, .ray = ray, .result = result, .exhaustive = true});
 }
 bool search_any(const search *s, const oracle_ray *ray, search_result *result) {
     return search_run((search_walk){.search = s, .ray = ray, .result = result, .shadows = true, .any = true});

@@ -1,9 +1,8 @@
-/* The exact answer over a whole world, by testing every primitive: closest hit with all its ties, and any
- * hit.
+/* The exact answer over a whole world: closest hit with all its ties, and any hit.
  *
  * A test in double precision with a proved error bound (filter.h) goes before the oracle and rejects only
- * what is certainly missed; runs of 16 primitives are rejected together by a sphere around them. What is left
- * is decided by the oracle. No tree is built and no order is assumed. */
+ * what is certainly missed; runs of primitives are rejected together by spheres around them, and runs of
+ * those (search_tree.h). What is left is decided by the oracle. */
 #ifndef PARITY_SEARCH_H
 #define PARITY_SEARCH_H
 
@@ -36,6 +35,8 @@ void search_destroy(search *s);
 
 /* False when out of memory. Many threads may search at once, each with a result of its own. */
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result);
+/* The same without any sphere: every primitive is tested. */
+bool search_exhaustive(const search *s, const oracle_ray *ray, search_result *result);
 /* Whether anything that casts a shadow is hit: then it is the one tie. */
 bool search_any(const search *s, const oracle_ray *ray, search_result *result);
 /* The closest hit among what casts shadows. */

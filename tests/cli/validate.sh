@@ -53,6 +53,25 @@ run 0 validate --replay bad.txt --tracer reference
 said out.txt "$count rays, 0 wrong"
 head -n 2 bad.txt | cut -d' ' -f1-9 >broken.txt
 
+# Each instruction set of Embree's by itself, and its leaks.
+run 0 validate triangles --isa all --rays 100 --families edge --tracer embree --tracer embree:1:avx --tracer linear --json isa.json
+grep -q '^tracer leaks .* at vertices' out.txt || die 'no table of sets'
+grep -q '"isa": "SSE\|"isa": "NEON' isa.json || [ "$(uname -m)" != x86_64 ] || die 'no SSE'
+[ "$(grep -c '"spec": "embree:1:avx' isa.json)" = 1 ] || die 'a set that was given is kept'
+refused 2 '--isa: expected all' validate --isa avx2
+
+# A heavy mesh is judged by a tree of spheres; a sample by every primitive; both agree, or this fails with 70.
+"$FATHOM" generate sphere --triangles 100k -o heavy.glb >/dev/null
+run 0 validate heavy.glb --rays 200 --sample 20 --tracer bvh --tracer embree
+
+# As many rays as one likes; what was done when one has enough is shown and written.
+status=0
+timeout --preserve-status -s TERM 3 "$FATHOM" validate spheres --rays 1e9 --families uniform,far --tracer linear --json part.json >out.txt 2>err.txt || status=$?
+[ $status = 5 ] || die "stopped: exit code $status, expected 5"
+said out.txt 'spheres '
+[ "$(number part.json raysPerFamily)" = 1000000000 ] || die 'rays asked for'
+grep -q 'rays/s' err.txt || grep -q 'stopped after' err.txt || die 'nothing about the stop'
+
 refused 2 '--families: expected names from camera' validate --families edges
 refused 2 '--rays: expected a whole number from 1' validate --rays 0
 refused 2 'unexpected argument "b.json"' validate a.json b.json
