@@ -304,6 +304,9 @@ const command command_validate = {
             "--extremes adds cases at the limits, by group and number: scales and places,\n"
             "slivers, grazing and tangent rays, copies, nested frames, shapes and rays that\n"
             "are none. A line sums up all tracers; -v has one for each, and what the case is.\n"
+            "Besides, small scenes are rendered by each tracer and held against closed forms:\n"
+            "facing mirrors, light guides, indices of refraction, highlights, lights and\n"
+            "spots at their limits, and a scene moved by the Earth's radius.\n"
             "The exit code is 1 when anything is wrong.\n",
     .examples = "  fathom validate\n"
                 "  fathom validate --report results\n"
