@@ -259,7 +259,7 @@ static const args_option options[] = {
     {"isa", 0, "all", take_all, offsetof(validate_settings, isa), 0, 0,
      "Embree once with each of its instruction sets that the processor has; leaks are then counted by set"},
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
-     "besides, the grid of extreme cases, each with an eighth of --rays; without --tracer of linear:f32, "
+     "besides, the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
      "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},
     {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
      "1 to 1024 (one a processor)"},

@@ -11,8 +11,8 @@
 
 /* ---- running ---- */
 
-/* A case gets an eighth of the rays that a family of a scene gets. */
-#define SHARE 8
+/* A case gets a twelfth of the rays that a family of a scene gets. */
+#define SHARE 12
 
 static const char *const default_tracers[] = {"linear:f32", "linear:f64", "bvh", "embree", "embree:user"};
 
@@ -65,7 +65,7 @@ fathom_status validate_extremes_run(fathom_context *context, const validate_sett
 
 static uint64_t total(const extremes_rows *rows, verdict v) {
     uint64_t sum = 0;
-    for (size_t i = 0; i < rows->count; ++i) sum += rows->items[i].counts[v];
+    for (size_t i = 0; i < rows->count; ++i) sum += rows->items[i].counts[v] + rows->items[i].any_counts[v];
     return sum;
 }
 
@@ -165,9 +165,12 @@ static void print_tracers(const extremes_rows *rows) {
 static void print_wrong(const extremes_rows *rows) {
     for (size_t i = 0; i < rows->count; ++i) {
         const extremes_row *row = &rows->items[i];
-        if (!row->counts[VERDICT_WRONG]) continue;
-        printf("wrong: %s %g, %s: %llu of %llu: %s\n", row->group, row->parameter, row->spec,
-               (unsigned long long)row->counts[VERDICT_WRONG], (unsigned long long)row->rays, row->words);
+        uint64_t any = row->any_counts[VERDICT_WRONG];
+        if (!row->counts[VERDICT_WRONG] && !any) continue;
+        printf("wrong: %s %g, %s: %llu of %llu", row->group, row->parameter, row->spec,
+               (unsigned long long)row->counts[VERDICT_WRONG], (unsigned long long)row->rays);
+        if (any) printf(", and %llu of any hit", (unsigned long long)any);
+        printf(": %s\n", row->words);
     }
 }
 
@@ -177,15 +180,22 @@ void validate_extremes_print(const extremes_rows *rows, const validate_settings 
     print_wrong(rows);
 }
 
-static json_t *pack_row(const extremes_row *row) {
+static json_t *pack_verdicts(const uint64_t counts[VERDICT_COUNT]) {
     json_t *verdicts = json_object();
     for (int v = 0; v < VERDICT_COUNT; ++v)
-        json_object_set_new(verdicts, verdict_name((verdict)v), json_count(row->counts[v]));
+        json_object_set_new(verdicts, verdict_name((verdict)v), json_count(counts[v]));
+    return verdicts;
+}
+
+static json_t *pack_row(const extremes_row *row) {
     json_t *constant = isfinite(row->constant) ? json_real(row->constant) : json_null();
-    return json_pack("{s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:b}", "group", row->group, "parameter",
+    bool ok = !row->counts[VERDICT_WRONG] && !row->any_counts[VERDICT_WRONG];
+    json_t *any = json_pack("{s:o, s:o}", "rays", json_count(row->any_rays), "verdicts",
+                            pack_verdicts(row->any_counts));
+    return json_pack("{s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:o, s:b}", "group", row->group, "parameter",
                      row->parameter, "case", row->words, "spec", json_text(row->spec), "rays",
-                     json_count(row->rays), "verdicts", verdicts, "constant", constant, "ok",
-                     row->counts[VERDICT_WRONG] == 0);
+                     json_count(row->rays), "verdicts", pack_verdicts(row->counts), "any", any, "constant",
+                     constant, "ok", ok);
 }
 
 json_t *validate_extremes_json(const extremes_rows *rows) {

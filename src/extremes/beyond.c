@@ -15,12 +15,14 @@ static void put_far_triangles(extremes_case *c, double at) {
 
 void beyond_triangles(extremes_case *c, double at) {
     case_say(c, "among good triangles: some with a corner %g away", at);
+    c->thin = 8; /* such exponents take the oracle's whole numbers long */
     put_ball(c, FATHOM_ROOT, middle, 0.3);
     put_far_triangles(c, at);
 }
 
 void beyond_quads(extremes_case *c, double at) {
     case_say(c, "among good quads: some with sides of %g", at);
+    c->thin = 4;
     put_quads(c, FATHOM_ROOT, middle, 1);
     for (unsigned i = 0; i < 6; ++i) {
         vec3_f64 u = vec_f64(scattered(i, 0, -1, 1), scattered(i, 1, -1, 1), scattered(i, 2, -1, 1));

@@ -34,22 +34,19 @@ void copies_spheres(extremes_case *c, double count) {
 
 /* ---- partly over each other ---- */
 
-/* Triangles and quads in one plane. */
+/* Triangles and quads in one plane, their corners anywhere: no side lies along another's, where surfaces that
+ * share no corners would leave a seam. */
 static void put_layer(extremes_case *c, double count, vec3_f64 x, vec3_f64 y) {
     uint32_t n = (uint32_t)count;
     thin_out(c, 10 * count);
     vec3_f64 *corners = case_memory(c, n * 3 * sizeof *corners);
-    for (uint32_t i = 0; corners && i < 3 * n; ++i) {
-        /* Multiples of 1/64 are exact, and so are the level plane's sides and normals. */
-        double u = floor(scattered(i, 0, -64, 64)) / 64, v = floor(scattered(i, 1, -64, 64)) / 64;
-        corners[i] = add_f64(scale_f64(u, x), scale_f64(v, y));
-    }
+    for (uint32_t i = 0; corners && i < 3 * n; ++i)
+        corners[i] = add_f64(scale_f64(scattered(i, 0, -1, 1), x), scale_f64(scattered(i, 1, -1, 1), y));
     if (corners) put_triangles(c, FATHOM_ROOT, middle, corners, n);
     for (uint32_t i = 0; i < n; ++i) {
-        double u = floor(scattered(i, 2, -64, 64)) / 64, v = floor(scattered(i, 3, -64, 64)) / 64;
-        double size = (1 + floor(scattered(i, 4, 0, 32))) / 64;
-        put_quad(c, FATHOM_ROOT, add_f64(scale_f64(u, x), scale_f64(v, y)), scale_f64(size, x),
-                 scale_f64(size / 2, y));
+        double size = scattered(i, 4, 0.02, 0.5);
+        vec3_f64 at = add_f64(scale_f64(scattered(i, 2, -1, 1), x), scale_f64(scattered(i, 3, -1, 1), y));
+        put_quad(c, FATHOM_ROOT, at, scale_f64(size, x), scale_f64(size / 2, y));
     }
 }
 

@@ -89,8 +89,11 @@ static unsigned bits(unsigned set) {
 static void sum_up(const compare_result *result, extremes_row *row) {
     for (int f = 0; f < RAYS_FAMILIES; ++f) {
         const compare_family *family = &result->families[f];
-        row->rays += family->rays;
-        for (int v = 0; v < VERDICT_COUNT; ++v) row->counts[v] += family->counts[v];
+        row->rays += family->rays, row->any_rays += family->any_rays;
+        for (int v = 0; v < VERDICT_COUNT; ++v) {
+            row->counts[v] += family->counts[v];
+            row->any_counts[v] += family->any_counts[v];
+        }
         row->constant = fmax(row->constant, family->constant.value);
     }
 }

@@ -13,7 +13,8 @@ typedef struct extremes_row {
     double parameter;
     char words[EXTREMES_WORDS]; /* what the case is, for a person */
     uint64_t rays, counts[VERDICT_COUNT];
-    double constant; /* as in compare_family */
+    uint64_t any_rays, any_counts[VERDICT_COUNT]; /* of the same rays, asked for any hit */
+    double constant;                              /* as in compare_family */
 } extremes_row;
 
 typedef ARRAY(extremes_row) extremes_rows;

@@ -12,7 +12,10 @@ const char *verdict_name(verdict v) {
 verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
     bool embree = spec->kind == TRACE_EMBREE;
     bool textbook = spec->kind == TRACE_LINEAR && spec->form == TRACE_TEXTBOOK;
+    unsigned seen = embree && spec->shapes != TRACE_SHAPES_USER ? 1u << ORACLE_TRIANGLE : 0;
+    if (embree && spec->shapes == TRACE_SHAPES_QUAD) seen |= 1u << ORACLE_QUAD;
     return (verdict_tracer){.unit = unit,
+                            .seen = seen,
                             .inverted = embree,
                             .leaks = embree || textbook,
                             .textbook = textbook,
@@ -72,6 +75,7 @@ static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *o
     double reported = a.parallel ? said->t : value(a.t);
     if (value(first.answer.t) >= reported - bound.t - nearer.t)
         return met == VERDICT_AGREE ? VERDICT_TIE : met;
+    j->said = said;
     return judge_skip(j, &first, reported - bound.t);
 }
 
@@ -84,7 +88,7 @@ static verdict judge_miss(judge *j) {
 
 bool verdict_closest(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
                      const verdict_answer *answer, search_result *room, verdict_report *out) {
-    judge j = {s, w, tracer, ray, room, false, false};
+    judge j = {s, w, tracer, ray, room, false, false, NULL};
     *out = (verdict_report){.measured = false};
     out->verdict = answer->geometry == FATHOM_NONE ? judge_miss(&j) : judge_hit(&j, answer, out);
     return !j.failed;

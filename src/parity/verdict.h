@@ -25,9 +25,11 @@ const char *verdict_name(verdict v);
 #define VERDICT_ULPS 2
 
 typedef struct verdict_tracer {
-    double unit;    /* roundoff of its arithmetic: 2^-24 for float */
-    bool inverted;  /* inverts to_world itself, as Embree does */
-    bool leaks;     /* misses surfaces at edges and vertices; else that is wrong */
+    double unit;   /* roundoff of its arithmetic: 2^-24 for float */
+    bool inverted; /* inverts to_world itself, as Embree does */
+    bool leaks;    /* misses surfaces at edges and vertices; else that is wrong */
+    unsigned
+        seen; /* bit i: oracle_shape i, whose sides it forms from corners as seen from the ray's origin */
     bool textbook;  /* spheres by the plain quadratic */
     double clamped; /* components of directions below this count as this where boxes are tested; 0: none */
     double largest; /* takes no ray and no primitive with a coordinate above; 0: any float */

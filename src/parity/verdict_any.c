@@ -53,7 +53,7 @@ static verdict judge_phantom(judge *j, const verdict_answer *hint) {
 
 bool verdict_any(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
                  bool met, const verdict_answer *hint, search_result *room, verdict *out) {
-    judge j = {s, w, tracer, ray, room, true, false};
+    judge j = {s, w, tracer, ray, room, true, false, NULL};
     bool exact = isfinite(judge_nearest(&j, ray));
     *out = VERDICT_AGREE;
     if (exact && !met) {

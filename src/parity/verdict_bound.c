@@ -17,7 +17,8 @@
  * Where sides are differences of corners seen from E, as in Embree, they are off by 2 u S, and n by 4 u L S.
  * It stands in both n·v and n·d, so t is off by 4 u L S |V - P| / |d·n| with P on the plane: within L S L for
  * hits; for a point beside the triangle, which the exact ray only passes, |V - P| <= L Σ|w_k|, with its
- * weights.
+ * weights. They also make d·n off by 4 u L S |d|: from so far that this is as large as d·n, nothing is left
+ * of the normal, and t is anything. That many u |d| L S / |d·n| are an eighth of the bound of the weights.
  *
  * All of this is to first order, for a denominator that is known: d·n is off by 6 u L² |d|, d itself by the
  * map. Where K u L² |d| / |d·n| = r is not small the quotients are bounded by 1 / (1 - r) times as much, from
@@ -205,6 +206,10 @@ double verdict_aside(const verdict_tracer *tracer, const world *w, const oracle_
         most = fmax(most, factor * spread * ((far + f.shift) * share + extent));
     }
     return most;
+}
+
+double verdict_reported(const verdict_tracer *tracer, const oracle_primitive *p, const verdict_bound *bound) {
+    return tracer->seen >> p->shape & 1 ? bound->t * widened(bound->edge / 8) : bound->t;
 }
 
 /* As embree_build.c has it. */

@@ -15,6 +15,10 @@ typedef struct verdict_bound {
 verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
                                const oracle_primitive *primitive, const oracle_answer *answer);
 
+/* Of a t that was reported: verdict_bound.t, but anything where the tracer has lost the normal. */
+double verdict_reported(const verdict_tracer *tracer, const oracle_primitive *primitive,
+                        const verdict_bound *bound);
+
 /* The largest verdict_bound.aside of anything within `extent` of the world's origin. */
 double verdict_aside(const verdict_tracer *tracer, const world *w, const oracle_ray *ray, double extent);
 

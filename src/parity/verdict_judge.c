@@ -25,13 +25,24 @@ static oracle_ray moved_aside(const oracle_ray *ray, double by, int k) {
     return out;
 }
 
-/* Whether a ray that the precision cannot tell from this one meets nothing before t. A surface that goes on
- * beyond the edge is met on all sides. */
+/* Whether the nearest hit is what was reported, or nothing that the tracer could report. */
+static bool is_fair(const judge *j, const oracle_ray *ray) {
+    const search_hit *hit = &j->room->ties.items[0];
+    oracle_primitive p = search_primitive(j->world, hit->geometry, hit->primitive, hit->instance);
+    if (verdict_beyond(j->tracer, j->world, ray, &p, value(hit->answer.t))) return true;
+    return j->said && hit->geometry == j->said->geometry && hit->primitive == j->said->primitive &&
+           hit->instance == j->said->instance;
+}
+
+/* Whether a ray that the precision cannot tell from this one meets nothing before t, or at whatever t what
+ * was reported, or what the tracer cannot hold. A surface that goes on beyond the edge is met on all sides.
+ */
 static bool passes_aside(judge *j, const oracle_ray *from, double by, double before) {
     for (int k = 0; k < 8; ++k) {
         oracle_ray ray = moved_aside(from, by, k);
         if (!finite_f32(ray.org)) return true;
-        if (judge_nearest(j, &ray) >= before) return true;
+        double t = judge_nearest(j, &ray);
+        if (t >= before || (t < (double)INFINITY && is_fair(j, &ray))) return true;
     }
     return false;
 }
@@ -119,7 +130,7 @@ verdict judge_meeting(const judge *j, const oracle_primitive *p, const oracle_an
     if (a->parallel) return verdict_in_plane(j->tracer, j->ray, p) ? VERDICT_EDGE : VERDICT_WRONG;
     *bound = verdict_bound_of(j->tracer, j->ray, p, a);
     if (!a->line && value(a->edge) < -bound->edge) return VERDICT_WRONG;
-    if (fabs(t - value(a->t)) > bound->t) return VERDICT_WRONG;
+    if (fabs(t - value(a->t)) > verdict_reported(j->tracer, p, bound)) return VERDICT_WRONG;
     if (!a->line) return VERDICT_EDGE;
     if (a->hit) return VERDICT_AGREE;
     return value(a->above_near) >= -bound->t && value(a->below_far) >= -bound->t ? VERDICT_RANGE

@@ -11,8 +11,9 @@ typedef struct judge {
     const verdict_tracer *tracer;
     const oracle_ray *ray;
     search_result *room;
-    bool shadows; /* only what casts shadows counts */
-    bool failed;  /* out of memory */
+    bool shadows;               /* only what casts shadows counts */
+    bool failed;                /* out of memory */
+    const verdict_answer *said; /* what was reported instead of the nearest; NULL: nothing */
 } judge;
 
 /* The exact t of the nearest hit, infinite for a miss; `room` then holds it. */

@@ -37,6 +37,7 @@ static void check_row(const extremes_row *row) {
     uint64_t sum = 0;
     for (int v = 0; v < VERDICT_COUNT; ++v) sum += row->counts[v];
     assert_true(row->rays > 0 && sum == row->rays);
+    assert_int_equal(row->any_counts[VERDICT_WRONG], 0);
     assert_true(strlen(row->words) > 8 && strlen(row->words) + 1 < sizeof row->words);
     if (row->counts[VERDICT_WRONG])
         fail_msg("%s %g, %s: %d wrong", row->group, row->parameter, row->spec,
