@@ -82,8 +82,13 @@ static inline void offset_add_geometry(offset_world *o, world_kind kind, size_t 
     array_push(&o->w.geometries, g);
 }
 
-static inline void offset_add_sphere(offset_world *o, vec3_f64 c, double radius) {
-    world_sphere s = {narrow(c), (float)radius};
+/* Every other one with twice the digits, wherever it lies. */
+static inline void offset_add_sphere(offset_world *o, random_state *r, vec3_f64 c, double radius) {
+    world_sphere s = {.center = narrow(c), .radius = (float)radius};
+    if (random_bits(r) % 2) {
+        s.center_rest = narrow(sub_f64(c, widen(s.center)));
+        s.radius_rest = (float)(radius - (double)s.radius);
+    }
     offset_add_geometry(o, WORLD_SPHERES, o->w.spheres.count);
     array_push(&o->w.spheres, s);
 }
@@ -152,7 +157,7 @@ static inline void offset_add_other(offset_world *o, random_state *r, offset_sha
     case 1: /* parallel */
         f.at = madd_f64(f.at, gap, f.n);
         if (shape == OFFSET_SPHERE) {
-            offset_add_sphere(o, f.center, radius + (gap < -radius / 2 ? -radius / 2 : gap));
+            offset_add_sphere(o, r, f.center, radius + (gap < -radius / 2 ? -radius / 2 : gap));
         } else {
             offset_add_face(o, r, &f, shape);
         }
@@ -167,7 +172,7 @@ static inline void offset_add_other(offset_world *o, random_state *r, offset_sha
     }
     default: /* a sphere at rest */
         radius = fmax(f.size * random_log(r, 1e-3, 0.5), 4 * least);
-        offset_add_sphere(o, madd_f64(f.at, side * radius, f.n), radius);
+        offset_add_sphere(o, r, madd_f64(f.at, side * radius, f.n), radius);
         break;
     }
 }
@@ -200,7 +205,7 @@ static inline void offset_world_make(offset_world *o, random_state *r, const off
     f.u = offset_across(r, f.n), f.v = cross_f64(f.n, f.u);
     f.center = madd_f64(f.at, -c->size, f.n);
     if (c->shape == OFFSET_SPHERE) {
-        offset_add_sphere(o, f.center, c->size);
+        offset_add_sphere(o, r, f.center, c->size);
     } else {
         offset_add_face(o, r, &f, c->shape);
     }
@@ -247,8 +252,8 @@ static inline int offset_faces(const world *w, offset_face out[4]) {
         offset_face face = {.geometry = g, .instance = instance};
         switch (geometry->kind) {
         case WORLD_SPHERES:
-            face.sphere = true, face.radius = (double)w->spheres.items[geometry->first].radius;
-            face.v[0] = widen(w->spheres.items[geometry->first].center);
+            face.sphere = true, face.radius = world_sphere_radius(&w->spheres.items[geometry->first]);
+            face.v[0] = world_sphere_center(&w->spheres.items[geometry->first]);
             break;
         case WORLD_QUADS: {
             const vec3_f32 *c = w->quads.items[geometry->first].corner;

@@ -112,8 +112,8 @@ static oracle_condition of_triangle(const oracle_primitive *triangle, const size
 
 static oracle_condition of_sphere(const oracle_primitive *sphere, const sizes *size,
                                   const oracle_answer *answer) {
-    vec3_f128 center = quadruple_f32(sphere->v[0]), f = sub_f128(size->o, center);
-    real r2 = (real)sphere->radius * (real)sphere->radius, s[3];
+    vec3_f128 center = quadruple_f64(oracle_center(sphere)), f = sub_f128(size->o, center);
+    real radius = (real)sphere->radius + (real)sphere->radius_rest, r2 = radius * radius, s[3];
     real approach = -dot_f128(f, size->d) / dot_f128(size->d, size->d);
     vec3_f128 l = madd_f128(f, approach, size->d), m = madd_f128(f, answer->t.value, size->d);
     moved(size, approach, s);

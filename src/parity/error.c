@@ -20,7 +20,8 @@ static ball3 exact_normal(const oracle_ray *ray, const oracle_primitive *p, cons
     if (p->shape == ORACLE_PLANE) return ball3_exact(p->v[1]);
     if (p->shape == ORACLE_SPHERE) {
         estimate_ray r = estimate_ray_of(ray, p->instance);
-        ball3 f = ball3_sub(r.org, ball3_exact(p->v[0]));
+        ball3 center = ball3_sub(ball3_exact(p->v[0]), ball3_exact(neg_f32(p->rest)));
+        ball3 f = ball3_sub(r.org, center);
         return (ball3){ball_add(f.x, ball_mul(answer->t, r.dir.x)),
                        ball_add(f.y, ball_mul(answer->t, r.dir.y)),
                        ball_add(f.z, ball_mul(answer->t, r.dir.z))};

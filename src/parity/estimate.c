@@ -76,8 +76,10 @@ static bool solve_triangle(const oracle_ray *ray, const estimate_ray *r, const v
  * nothing cancels, and mirrored for b > 0. D = 0 is told from its error by whole numbers alone. */
 static bool solve_sphere(const oracle_ray *ray, const estimate_ray *r, const oracle_primitive *sphere,
                          solution *out) {
-    ball radius = ball_exact((double)sphere->radius), r2 = ball_mul(radius, radius);
-    ball3 f = ball3_sub(r->org, ball3_exact(sphere->v[0]));
+    ball rest = ball_exact((double)sphere->radius_rest);
+    ball radius = ball_add(ball_exact((double)sphere->radius), rest), r2 = ball_mul(radius, radius);
+    ball3 center = ball3_sub(ball3_exact(sphere->v[0]), ball3_exact(neg_f32(sphere->rest)));
+    ball3 f = ball3_sub(r->org, center);
     ball a = ball3_dot(r->dir, r->dir), b = ball3_dot(f, r->dir);
     out->parallel = a.value == 0 && a.error == 0;
     if (out->parallel) return true;

@@ -44,19 +44,36 @@ static void accumulate(integer *r, const dyadic_sum *sum, int exponent, int sign
     }
 }
 
-/* extra: one more number that must be whole in the scale of points (a radius), or 0. */
-static void view(const oracle_ray *ray, const oracle_primitive *primitive, int points, float extra,
-                 exact_view *out) {
-    dyadic_sum org[3], dir[3], point[3][3], other = coordinate(NULL, 0, vec_f32(extra, 0, 0), 0);
+/* A coordinate of point k; the centre of a sphere has two terms. */
+static dyadic_sum point_of(const oracle_primitive *primitive, int k, int row) {
+    dyadic_sum sum = coordinate(NULL, row, primitive->v[k], 0);
+    if (primitive->shape == ORACLE_SPHERE) {
+        const float rest[3] = {primitive->rest.x, primitive->rest.y, primitive->rest.z};
+        add_term(&sum, dyadic_of(rest[row]), (dyadic){1, 0});
+    }
+    return sum;
+}
+
+/* The radius of a sphere, which must be whole in the scale of points; else 0. */
+static dyadic_sum radius_of(const oracle_primitive *primitive) {
+    dyadic_sum sum = {.count = 0};
+    if (primitive->shape != ORACLE_SPHERE) return sum;
+    add_term(&sum, dyadic_of(primitive->radius), (dyadic){1, 0});
+    add_term(&sum, dyadic_of(primitive->radius_rest), (dyadic){1, 0});
+    return sum;
+}
+
+static void view(const oracle_ray *ray, const oracle_primitive *primitive, int points, exact_view *out) {
+    dyadic_sum org[3], dir[3], point[3][3], radius = radius_of(primitive);
     int pe = 1000, de = 1000;
-    lower_exponent(&pe, &other);
+    lower_exponent(&pe, &radius);
     for (int i = 0; i < 3; ++i) {
         org[i] = coordinate(primitive->instance, i, ray->org, 1);
         dir[i] = coordinate(primitive->instance, i, ray->dir, 0);
         lower_exponent(&pe, &org[i]);
         lower_exponent(&de, &dir[i]);
         for (int k = 0; k < points; ++k) {
-            point[k][i] = coordinate(NULL, i, primitive->v[k], 0);
+            point[k][i] = point_of(primitive, k, i);
             lower_exponent(&pe, &point[k][i]);
         }
     }
@@ -83,10 +100,11 @@ typedef struct exact_sphere {
 
 static void sphere_of(const oracle_ray *ray, const oracle_primitive *sphere, exact_sphere *out) {
     exact_view v;
-    view(ray, sphere, 1, sphere->radius, &v);
+    view(ray, sphere, 1, &v);
     integer radius, c, product;
-    dyadic r = dyadic_of(sphere->radius);
-    integer_set(&radius, r.m, (unsigned)(r.e - v.point_exponent));
+    dyadic_sum r = radius_of(sphere);
+    radius.size = 0;
+    accumulate(&radius, &r, v.point_exponent, 1);
     integer_mul(&out->r2, &radius, &radius);
     integer_dot(&out->a, v.dir, v.dir);
     integer_dot(&out->b, v.from_org[0], v.dir);
@@ -120,7 +138,7 @@ typedef struct exact_plane {
 /* Corners a, b, c as seen from the origin: t = a·(b×c) / (d·(b×c) + d·(c×a) + d·(a×b)). */
 static void triangle_of(const oracle_ray *ray, const oracle_primitive *triangle, exact_plane *out) {
     exact_view v;
-    view(ray, triangle, 3, 0, &v);
+    view(ray, triangle, 3, &v);
     out->along.size = 0;
     for (int k = 0; k < 3; ++k) {
         integer cross[3];
@@ -134,7 +152,7 @@ static void triangle_of(const oracle_ray *ray, const oracle_primitive *triangle,
 
 static void plane_of(const oracle_ray *ray, const oracle_primitive *plane, exact_plane *out) {
     exact_view v;
-    view(ray, plane, 1, 0, &v);
+    view(ray, plane, 1, &v);
     const float n[3] = {plane->v[1].x, plane->v[1].y, plane->v[1].z};
     integer normal[3];
     for (int i = 0; i < 3; ++i) {

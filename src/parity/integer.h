@@ -2,7 +2,8 @@
  *
  * What the oracle forms of floats is bounded: coordinates, scaled to whole numbers, have at most 560 bits
  * after an instance's map, and the longest expression, the comparison of two spheres' roots (exact_root.c),
- * has 13,800. */
+ * has 13,800. Centres of spheres are sums of two floats: they are whole in the same scale, and have no more
+ * bits. */
 #ifndef PARITY_INTEGER_H
 #define PARITY_INTEGER_H
 

@@ -31,8 +31,18 @@ typedef struct oracle_primitive {
     oracle_shape shape;
     vec3_f32 v[4]; /* corners; of a sphere: v[0] is the centre; of a plane: v[0] a point, v[1] the normal */
     float radius;  /* of a sphere */
+    vec3_f32 rest; /* of a sphere: is added to its centre, and radius_rest to its radius (world_sphere) */
+    float radius_rest;
     const world_instance *instance; /* NULL: none. Borrowed */
 } oracle_primitive;
+
+/* Of a sphere, to the last digit of double. */
+static inline vec3_f64 oracle_center(const oracle_primitive *p) {
+    return add_f64(widen(p->v[0]), widen(p->rest));
+}
+static inline double oracle_radius(const oracle_primitive *p) {
+    return (double)p->radius + (double)p->radius_rest;
+}
 
 /* How far inputs off by a relative u each move a result, to first order: by at most u times this. Infinite
  * where it is not differentiable. */

@@ -59,8 +59,8 @@ static vec3_f64 in_triangle(rays_random *r, vec3_f64 a, vec3_f64 b, vec3_f64 c) 
 }
 
 static void aim_at_sphere(const oracle_primitive *p, rays_random *r, rays_target *out) {
-    vec3_f64 n = rays_direction(r), center = widen(p->v[0]);
-    out->point = placed(p->instance, madd_f64(center, (double)p->radius, n));
+    vec3_f64 n = rays_direction(r), center = oracle_center(p);
+    out->point = placed(p->instance, madd_f64(center, oracle_radius(p), n));
     vec3_f64 u = rays_perpendicular(r, n), v = cross_f64(n, u), origin = placed(p->instance, center);
     u = sub_f64(placed(p->instance, add_f64(center, u)), origin);
     v = sub_f64(placed(p->instance, add_f64(center, v)), origin);

@@ -26,6 +26,12 @@ static void set_plane(const world *w, uint32_t index, oracle_primitive *out) {
     out->v[0] = w->planes.items[index].point, out->v[1] = w->planes.items[index].normal;
 }
 
+static void set_sphere(const world_sphere *sphere, oracle_primitive *out) {
+    out->shape = ORACLE_SPHERE;
+    out->v[0] = sphere->center, out->radius = sphere->radius;
+    out->rest = sphere->center_rest, out->radius_rest = sphere->radius_rest;
+}
+
 oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance) {
     oracle_primitive p;
     memset(&p, 0, sizeof p);
@@ -36,11 +42,7 @@ oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t pr
     }
     const world_geometry *g = &w->geometries.items[geometry];
     switch (g->kind) {
-    case WORLD_SPHERES:
-        p.shape = ORACLE_SPHERE;
-        p.v[0] = w->spheres.items[g->first + primitive].center;
-        p.radius = w->spheres.items[g->first + primitive].radius;
-        break;
+    case WORLD_SPHERES: set_sphere(&w->spheres.items[g->first + primitive], &p); break;
     case WORLD_QUADS:
         p.shape = ORACLE_QUAD;
         memcpy(p.v, w->quads.items[g->first + primitive].corner, sizeof p.v);
@@ -137,7 +139,7 @@ static void consider(search_walk *walk, uint32_t primitive, double run_low) {
     double low = run_low;
     switch (p.shape) {
     case ORACLE_SPHERE: {
-        bool meets = filter_sphere(&walk->local, widen(p.v[0]), fabs((double)p.radius), &low);
+        bool meets = filter_sphere(&walk->local, oracle_center(&p), fabs(oracle_radius(&p)), &low);
         verdict = meets ? FILTER_DOUBT : FILTER_MISS;
         break;
     }
@@ -249,6 +251,7 @@ static void walk_world(search_walk *walk) {
 
 static bool same_shape(const oracle_primitive *a, const oracle_primitive *b) {
     return a->shape == b->shape && a->instance == b->instance && a->radius == b->radius &&
+           a->radius_rest == b->radius_rest && memcmp(&a->rest, &b->rest, sizeof a->rest) == 0 &&
            memcmp(a->v, b->v, sizeof a->v) == 0;
 }
 

@@ -65,8 +65,10 @@ static void enclose_primitives(search_tree *tree, const world *w, uint32_t geome
     double radius = 0;
     for (size_t i = first; i < end; ++i) {
         oracle_primitive p = primitive_of(w, part, geometry, i);
-        for (int k = 0; search_tree_takes(&p) && k < corners(&p); ++k)
-            radius = fmax(radius, distance(widen(p.v[k]), center) + fabs((double)p.radius));
+        for (int k = 0; search_tree_takes(&p) && k < corners(&p); ++k) {
+            vec3_f64 v = p.shape == ORACLE_SPHERE ? oracle_center(&p) : widen(p.v[k]);
+            radius = fmax(radius, distance(v, center) + fabs(oracle_radius(&p)));
+        }
     }
     put_sphere(tree, part->slot[0] + run, center, radius);
 }

@@ -147,7 +147,7 @@ static verdict_bound of_shape(const frame *f, const oracle_primitive *p, const o
                               double size, double factor, bool textbook) {
     switch (p->shape) {
     case ORACLE_SPHERE:
-        return (textbook ? of_textbook_sphere : of_sphere)(f, (double)p->radius, answer, size, factor);
+        return (textbook ? of_textbook_sphere : of_sphere)(f, oracle_radius(p), answer, size, factor);
     case ORACLE_PLANE: return of_plane(f, widen(p->v[1]), size, factor);
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: break;

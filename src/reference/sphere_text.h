@@ -49,6 +49,14 @@ static inline bool FN(sphere_robust)(VEC3 center, REAL radius, VEC3 org, VEC3 di
     return FN(sphere_roots)(center, radius, org, dir, roots) && FN(sphere_choose)(roots, t_min, t_max, t);
 }
 
+/* The same for a centre and a radius in two parts. */
+static inline bool FN(sphere_split)(const VEC3 center[2], const REAL radius[2], VEC3 org, VEC3 dir,
+                                    REAL t_min, REAL t_max, REAL *t) {
+    REAL roots[2];
+    return FN(sphere_roots_split)(center, radius, org, dir, roots) &&
+           FN(sphere_choose)(roots, t_min, t_max, t);
+}
+
 /* The quadratic as lectures have it: a = |d|², b = 2 d·(E-C), c = |E-C|² - R², b² - 4ac. It loses |E-C|²/R²
  * units of roundoff in the discriminant: at 4096 radii a third of near-silhouette rays go wrong in float. */
 static inline bool FN(sphere_textbook)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL t_min, REAL t_max,

@@ -14,6 +14,9 @@ static inline REAL FN(largest)(VEC3 a) {
 
 /* What the next wider precision decides; reference.c. Rarely called. */
 bool FN(sphere_roots_wide)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]);
+/* Of a sphere whose centre and radius are sums of two numbers each, the second below the last place of the
+ * first: always in the next wider precision. */
+bool FN(sphere_roots_split)(const VEC3 center[2], const REAL radius[2], VEC3 org, VEC3 dir, REAL roots[2]);
 /* Of three sheared vertices: the weights of B and C; false: miss. */
 bool FN(triangle_weights_wide)(VEC3 a, VEC3 b, VEC3 c, REAL weights[2]);
 bool FN(triangle_has_area_wide)(VEC3 a, VEC3 b, VEC3 c);

@@ -1,12 +1,21 @@
 /* What the inline forms leave to the next wider precision. Included with REAL, VEC3, FN(name), and the wider
  * WIDE, WIDE_VEC3, WIDE_FN(name), WIDER(v) (a VEC3 in the wider precision) and WIDE_ABS defined. */
 
-bool FN(sphere_roots_wide)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]) {
+static bool FN(plain_wide)(WIDE_VEC3 center, WIDE radius, VEC3 org, VEC3 dir, REAL roots[2]) {
     WIDE wide[2];
     bool sure;
-    if (!WIDE_FN(sphere_plain)(WIDER(center), radius, WIDER(org), WIDER(dir), wide, &sure)) return false;
+    if (!WIDE_FN(sphere_plain)(center, radius, WIDER(org), WIDER(dir), wide, &sure)) return false;
     roots[0] = (REAL)wide[0], roots[1] = (REAL)wide[1];
     return true;
+}
+
+bool FN(sphere_roots_wide)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]) {
+    return FN(plain_wide)(WIDER(center), radius, org, dir, roots);
+}
+
+bool FN(sphere_roots_split)(const VEC3 center[2], const REAL radius[2], VEC3 org, VEC3 dir, REAL roots[2]) {
+    WIDE_VEC3 c = WIDE_FN(add)(WIDER(center[0]), WIDER(center[1]));
+    return FN(plain_wide)(c, (WIDE)radius[0] + (WIDE)radius[1], org, dir, roots);
 }
 
 bool FN(triangle_weights_wide)(VEC3 a, VEC3 b, VEC3 c, REAL weights[2]) {

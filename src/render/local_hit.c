@@ -38,12 +38,12 @@ static vec3_f32 unit_of_f32(vec3_f32 v) {
     return square > 0 ? scale_f32(1 / sqrtf(square), v) : v;
 }
 
-/* Whether a ray starts inside is decided in double wherever float is in doubt (sphere_text.h), by c = |f|² -
- * R²: near the surface it is off by 6 (|f|² + R²) 2^-53, which is 6 R 2^-53 of distance. f and the point here
- * are off by a few 2^-53 of |C| + R more. */
+/* Whether a ray starts inside is decided in double wherever float is in doubt, and for split spheres
+ * (sphere_text.h), by c = |f|² - R²: near the surface it is off by 6 (|f|² + R²) 2^-53, which is 6 R 2^-53 of
+ * distance. f and the point here are off by a few 2^-53 of |C| + R more. */
 void local_sphere(const world_sphere *sphere, const local_ray *ray, local_hit *out) {
-    vec3_f64 c = widen(sphere->center);
-    double radius = (double)sphere->radius, roots[2];
+    vec3_f64 c = world_sphere_center(sphere);
+    double radius = world_sphere_radius(sphere), roots[2];
     bool sure;
     vec3_f64 from = sub_f64(ray->org, c);
     /* A ray that, recomputed, just misses: the point nearest to the centre. */

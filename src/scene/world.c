@@ -3,6 +3,7 @@
 #include "base/threads.h"
 #include "scene/world_build.h"
 
+#include <float.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,9 +23,30 @@ static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_gro
     return array_push(&w->geometries, fresh) ? &w->geometries.items[w->geometries.count - 1] : NULL;
 }
 
+/* What x loses as a float, as one that tracers do not flush to zero. */
+static float rest_of(double x) {
+    float rest = (float)(x - (double)(float)x);
+    return fabsf(rest) < FLT_MIN ? 0 : rest;
+}
+
+/* Where a sphere passes by the origin at a distance g, float tells things of 2^-24 g apart, and the view may
+ * show what is 2^-12 g large, a pixel. A planet's centre and radius, rounded to half a metre, would bury or
+ * lift all that stands on it. So what rounding takes from them is kept where it is more than 2^-16 g, a
+ * sixteenth of such a pixel: for spheres at least some 2^7 times larger than g. Others are the floats that
+ * all tracers share, Embree's own spheres too: more digits would not show. */
+static world_sphere sphere_of(vec3_f64 center, double radius) {
+    world_sphere sphere = {.center = narrow(center), .radius = (float)radius};
+    vec3_f32 rest = {rest_of(center.x), rest_of(center.y), rest_of(center.z)};
+    float radius_rest = rest_of(radius);
+    double lost = length_f64(widen(rest)) + fabs((double)radius_rest);
+    if (!(lost > 0x1p-16 * fabs(length_f64(center) - radius)) || !isfinite(lost)) return sphere;
+    sphere.center_rest = rest, sphere.radius_rest = radius_rest;
+    return sphere;
+}
+
 static bool add_sphere(world *w, const fathom_sphere *s, fathom_id object, uint32_t first_of_group,
                        vec3_f64 origin) {
-    world_sphere sphere = {relative(s->center, origin), (float)s->radius};
+    world_sphere sphere = sphere_of(sub_f64(load_f64(s->center), origin), s->radius);
     world_geometry *run = open_run(w, WORLD_SPHERES, first_of_group, (uint32_t)w->spheres.count, s->flags);
     if (!run || !array_push(&w->spheres, sphere) || !array_push(&w->sphere_objects, object)) return false;
     ++run->count;

@@ -14,10 +14,26 @@
  * out. */
 #define WORLD_REACH 1e18
 
+/* A sphere that passes close by the origin, where coordinates are finer than its own, is center + center_rest
+ * and radius + radius_rest: twice the digits of float (world.c). The rest of others is 0. */
 typedef struct world_sphere {
     vec3_f32 center;
     float radius;
+    vec3_f32 center_rest;
+    float radius_rest;
 } world_sphere;
+
+/* Exact: the sums fit in double. */
+static inline vec3_f64 world_sphere_center(const world_sphere *s) {
+    return add_f64(widen(s->center), widen(s->center_rest));
+}
+static inline double world_sphere_radius(const world_sphere *s) {
+    return (double)s->radius + (double)s->radius_rest;
+}
+static inline bool world_sphere_is_split(const world_sphere *s) {
+    return (s->radius_rest != 0) | (s->center_rest.x != 0) | (s->center_rest.y != 0) |
+           (s->center_rest.z != 0);
+}
 
 /* Corners in order. Split as Embree splits its QUAD: triangles (0,1,3) and (2,3,1). */
 typedef struct world_quad {

@@ -40,10 +40,11 @@ static float above(double x) { return nextafterf((float)x, INFINITY); }
 
 static bool sphere_box(const world_sphere *s, bvh_item *item) {
     if (!finite_f32(s->center) || !isfinite(s->radius)) return false;
-    const float c[3] = {s->center.x, s->center.y, s->center.z};
+    double c[3], radius = world_sphere_radius(s);
+    store_f64(c, world_sphere_center(s));
     for (int k = 0; k < 3; ++k) {
-        item->lower[k] = below((double)c[k] - (double)s->radius);
-        item->upper[k] = above((double)c[k] + (double)s->radius);
+        item->lower[k] = below(c[k] - radius);
+        item->upper[k] = above(c[k] + radius);
     }
     return true;
 }

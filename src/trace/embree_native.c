@@ -55,6 +55,7 @@ static RTCGeometry quad_geometry(RTCDevice device, const world_quad *quads, uint
 }
 _Static_assert(sizeof(world_quad) == 12 * sizeof(float), "four corners, tightly packed");
 
+/* Embree has no more than float for them: what a split sphere has besides is left out. */
 static RTCGeometry sphere_geometry(RTCDevice device, const world_sphere *spheres, uint32_t count) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     if (!geometry) return NULL;
@@ -64,10 +65,12 @@ static RTCGeometry sphere_geometry(RTCDevice device, const world_sphere *spheres
         rtcReleaseGeometry(geometry);
         return NULL;
     }
-    memcpy(vertices, spheres, count * sizeof *spheres);
+    for (uint32_t i = 0; i < count; ++i) {
+        store_f32(vertices + 4 * (size_t)i, spheres[i].center);
+        vertices[4 * (size_t)i + 3] = spheres[i].radius;
+    }
     return geometry;
 }
-_Static_assert(sizeof(world_sphere) == 4 * sizeof(float), "x, y, z, r");
 
 RTCGeometry embree_native_geometry(RTCDevice device, const world *w, const world_geometry *geometry) {
     switch (geometry->kind) {

@@ -32,7 +32,7 @@ static void bounds_set(struct RTCBounds *out, vec3_f32 lower, vec3_f32 upper, fl
     out->lower_z = nextafterf(lower.z - m, -INFINITY), out->upper_z = nextafterf(upper.z + m, INFINITY);
 }
 
-/* C - R and C + R round by u (|C| + R), a 32nd of the margin. */
+/* C - R and C + R round by u (|C| + R), a 32nd of the margin; what a split sphere has besides is less. */
 static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
     const world_sphere *s = (const world_sphere *)args->geometryUserPtr + args->primID;
     vec3_f32 r = {s->radius, s->radius, s->radius};
@@ -112,9 +112,9 @@ static float packet_end(packet p, unsigned i) {
 
 static bool sphere_met(const world_sphere *s, packet p, unsigned i, reference_hit_f32 *hit) {
     hit->u = hit->v = 0;
-    return sphere_robust_f32(s->center, s->radius, packet_vector(p, EMBREE_ROW_ORG, i),
-                             packet_vector(p, EMBREE_ROW_DIR, i), p.ray[EMBREE_ROW_T_NEAR * p.n + i],
-                             packet_end(p, i), &hit->t);
+    return search_sphere_robust_f32(s, packet_vector(p, EMBREE_ROW_ORG, i),
+                                    packet_vector(p, EMBREE_ROW_DIR, i), p.ray[EMBREE_ROW_T_NEAR * p.n + i],
+                                    packet_end(p, i), &hit->t);
 }
 
 static bool quad_met(const world_quad *q, packet p, unsigned i, reference_hit_f32 *hit) {

@@ -1,4 +1,5 @@
 #include "trace/linear.h"
+#include "trace/search.h"
 
 void linear_rays_prepare(linear_rays *rays) {
     rays->axis_lanes[0] = rays->axis_lanes[1] = rays->axis_lanes[2] = 0;
@@ -12,11 +13,25 @@ void linear_rays_prepare(linear_rays *rays) {
     }
 }
 
+static unsigned sphere_split(const linear_rays *rays, unsigned lanes, const world_sphere *sphere,
+                             reference_hit_f32 *hits) {
+    unsigned met = 0;
+    for (unsigned i = 0; lanes >> i; ++i) {
+        if (!(lanes >> i & 1)) continue;
+        hits[i].u = hits[i].v = 0;
+        met |= (unsigned)search_sphere_robust_f32(sphere, rays->org[i], rays->dir[i], rays->t_min[i],
+                                                  rays->t_max[i], &hits[i].t)
+               << i;
+    }
+    return met;
+}
+
 /* sphere_robust_f32() for 16 lanes: plain arithmetic for all, the wider precision for those in doubt. */
 static unsigned sphere_robust(const linear_rays *rays, unsigned lanes, const world_sphere *sphere,
                               reference_hit_f32 *hits) {
     float near[TRACE_WIDTH], far[TRACE_WIDTH];
     int real[TRACE_WIDTH], doubt[TRACE_WIDTH];
+    if (world_sphere_is_split(sphere)) return sphere_split(rays, lanes, sphere, hits);
     for (int i = 0; i < TRACE_WIDTH; ++i) {
         float roots[2];
         bool sure;

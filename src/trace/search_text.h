@@ -57,12 +57,21 @@ static inline void FN(search_offer)(FN(search) * s, uint32_t primitive, const FN
  * The interval stays as it was asked: whether a primitive is met and at which t does not depend on what was
  * met before, so the order in which primitives are tried decides nothing. */
 
+static inline bool FN(search_sphere_robust)(const world_sphere *sphere, VEC3 org, VEC3 dir, REAL t_min,
+                                            REAL t_max, REAL *t) {
+    VEC3 c[2] = {FROM(sphere->center), FROM(sphere->center_rest)};
+    REAL radius[2] = {(REAL)sphere->radius, (REAL)sphere->radius_rest};
+    if (world_sphere_is_split(sphere)) return FN(sphere_split)(c, radius, org, dir, t_min, t_max, t);
+    return FN(sphere_robust)(c[0], radius[0], org, dir, t_min, t_max, t);
+}
+
 static inline void FN(search_sphere)(FN(search) * s, const world_sphere *sphere, uint32_t k) {
     FN(reference_hit) hit = {0, 0, 0};
-    VEC3 c = FROM(sphere->center);
+    VEC3 c = FN(add)(FROM(sphere->center), FROM(sphere->center_rest));
+    REAL radius = (REAL)sphere->radius + (REAL)sphere->radius_rest;
     bool met = s->form == TRACE_ROBUST
-                   ? FN(sphere_robust)(c, (REAL)sphere->radius, s->org, s->dir, s->t_min, s->t_max, &hit.t)
-                   : FN(sphere_textbook)(c, (REAL)sphere->radius, s->org, s->dir, s->t_min, s->t_max, &hit.t);
+                   ? FN(search_sphere_robust)(sphere, s->org, s->dir, s->t_min, s->t_max, &hit.t)
+                   : FN(sphere_textbook)(c, radius, s->org, s->dir, s->t_min, s->t_max, &hit.t);
     if (met) FN(search_offer)(s, k, &hit);
 }
 

@@ -20,8 +20,8 @@ static vec3_f64 weighted(const vec3_f64 v[3], double u, double w) {
 
 /* The root nearest to t; for a ray that passes the sphere by, its nearest point. */
 static local_hit sphere_hit(const world_sphere *s, vec3_f64 org, vec3_f64 dir, double t) {
-    double roots[2], radius = (double)s->radius;
-    vec3_f64 center = widen(s->center), from = sub_f64(org, center);
+    double roots[2], radius = world_sphere_radius(s);
+    vec3_f64 center = world_sphere_center(s), from = sub_f64(org, center);
     if (sphere_roots_f64(center, radius, org, dir, roots)) {
         t = fabs(roots[0] - t) <= fabs(roots[1] - t) ? roots[0] : roots[1];
     } else {
