@@ -52,12 +52,11 @@ static heat_cell *cell_of(const grid *g, const json_t *item) {
 
 /* The numbers behind a cell. */
 static char *title_of(const json_t *item) {
-    const json_t *verdicts = json_object_get(item, "verdicts");
     char text[640];
     snprintf(text, sizeof text, "%.100s, %.200s: constant %s; %s rays, %s leak, %s wrong%s",
              text_at(item, "spec"), text_at(item, "case"), number_of(number_at(item, "constant")).text,
-             number_count(count_at(item, "rays")).text, number_count(count_at(verdicts, "leak")).text,
-             number_count(count_at(verdicts, "wrong")).text,
+             number_count(count_at(item, "rays")).text, number_count(case_verdicts(item, "leak")).text,
+             number_count(case_verdicts(item, "wrong")).text,
              json_is_true(json_object_get(item, "ok")) ? "" : "; FAILED");
     return strdup(text);
 }
@@ -65,10 +64,9 @@ static char *title_of(const json_t *item) {
 static bool is_of(const grid *g, const json_t *item) { return strcmp(text_at(item, "group"), g->group) == 0; }
 
 static bool fill_cell(grid *g, const json_t *item) {
-    const json_t *verdicts = json_object_get(item, "verdicts");
-    bool wrong = count_at(verdicts, "wrong") > 0 || !json_is_true(json_object_get(item, "ok"));
+    bool wrong = case_verdicts(item, "wrong") > 0 || !json_is_true(json_object_get(item, "ok"));
     heat_cell *cell = cell_of(g, item);
-    heat_sign sign = wrong ? HEAT_WRONG : count_at(verdicts, "leak") ? HEAT_LEAK : HEAT_PLAIN;
+    heat_sign sign = wrong ? HEAT_WRONG : case_verdicts(item, "leak") ? HEAT_LEAK : HEAT_PLAIN;
     double value = number_at(item, "constant");
     /* Two cases with one parameter share a cell: the worse of them is shown. */
     if (cell->sign > sign || (cell->sign == sign && cell->value >= value)) return true;
@@ -196,13 +194,12 @@ static bool is_first(const json_t *cases, size_t i) {
 }
 
 static void put_case(page *p, const json_t *item) {
-    const json_t *verdicts = json_object_get(item, "verdicts");
     bool ok = json_is_true(json_object_get(item, "ok"));
     table_row(p, text_at(item, "case"), false);
     table_code(p, text_at(item, "spec"));
     table_count(p, count_at(item, "rays"));
-    table_marked(p, count_at(verdicts, "leak"), "leak");
-    table_marked(p, count_at(verdicts, "wrong"), "bad");
+    table_marked(p, case_verdicts(item, "leak"), "leak");
+    table_marked(p, case_verdicts(item, "wrong"), "bad");
     table_number(p, number_at(item, "constant"));
     page_put(p, ok ? "<td class=\"good\">ok</td>\n" : "<td class=\"bad\">failed</td>\n");
 }

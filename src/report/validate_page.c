@@ -17,7 +17,7 @@ static void add_cases(outcome *o, const json_t *results) {
     json_t *item;
     json_array_foreach(json_object_get(results, "extremes"), i, item) {
         o->rays += count_at(item, "rays"), ++o->cases;
-        o->leaks += count_at(json_object_get(item, "verdicts"), "leak");
+        o->leaks += case_verdicts(item, "leak");
         o->cases_bad += !json_is_true(json_object_get(item, "ok"));
     }
     json_array_foreach(json_object_get(results, "shading"), i, item) {

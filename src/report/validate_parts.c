@@ -31,6 +31,12 @@ uint64_t verdicts_of(const json_t *run, const char *verdict, bool any) {
     return sum;
 }
 
+uint64_t case_verdicts(const json_t *item, const char *verdict) {
+    const json_t *any = json_object_get(item, "any");
+    return count_at(json_object_get(item, "verdicts"), verdict) +
+           count_at(json_object_get(any, "verdicts"), verdict);
+}
+
 uint64_t rays_of(const json_t *run) {
     uint64_t sum = 0;
     size_t i;

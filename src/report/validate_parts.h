@@ -14,6 +14,8 @@ uint64_t count_at(const json_t *object, const char *key);
 const char *text_at(const json_t *object, const char *key);
 /* A count of "verdicts" over all families of a run; `any`: of its any-hit queries. */
 uint64_t verdicts_of(const json_t *run, const char *verdict, bool any);
+/* The same of an extreme case, closest and any hit together. */
+uint64_t case_verdicts(const json_t *item, const char *verdict);
 /* The rays of all families of a run. */
 uint64_t rays_of(const json_t *run);
 
