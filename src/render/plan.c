@@ -1,7 +1,5 @@
 #include "render/plan.h"
 
-#include "shade/material.h"
-
 #include <stdlib.h>
 
 /* Materials of the objects there are, and of instances that override theirs. */
@@ -55,6 +53,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->scene = scene;
     plan->world = w;
     plan->tracer = tracer;
+    plan->kernels = shade_kernels_best();
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = features_in_use(scene);

@@ -2,8 +2,7 @@
 #ifndef RENDER_PLAN_H
 #define RENDER_PLAN_H
 
-#include "shade/camera.h"
-#include "shade/light.h"
+#include "shade/kernels.h"
 #include "trace/watertight.h"
 
 typedef struct render_plan {
@@ -11,17 +10,18 @@ typedef struct render_plan {
     const world *world;
     const trace_tracer *tracer;
     fathom_settings settings;
+    const shade_kernels *kernels;
     shade_camera camera;
     shade_light *lights;
     uint32_t light_count;
-    watertight *watertight; /* NULL: no answer of the tracer needs another look */
+    watertight *watertight;           /* NULL: no answer of the tracer needs another look */
     uint8_t eye_depth, *light_depths; /* closed meshes around the camera and each light, where it is in use */
-    unsigned features;  /* MATERIAL_ bits of the materials in use */
-    bool constant_term; /* some point has ambient or emitted radiance */
-    uint32_t max_depth; /* 0 when nothing mirrors or refracts */
-    uint32_t grid;      /* n of the n × n patterns */
-    float t_near;       /* 0, or the fixed epsilon */
-    bool first_hits;    /* some AOV wants the first hit */
+    unsigned features;                /* MATERIAL_ bits of the materials in use */
+    bool constant_term;               /* some point has ambient or emitted radiance */
+    uint32_t max_depth;               /* 0 when nothing mirrors or refracts */
+    uint32_t grid;                    /* n of the n × n patterns */
+    float t_near;                     /* 0, or the fixed epsilon */
+    bool first_hits;                  /* some AOV wants the first hit */
 } render_plan;
 
 /* Release with plan_destroy(). */

@@ -6,8 +6,6 @@
 #define RENDER_WAVE_H
 
 #include "render/plan.h"
-#include "shade/bend.h"
-#include "shade/material.h"
 
 #include <stdatomic.h>
 

@@ -25,13 +25,14 @@ static void push_path(wave *w, const bend_block *from, uint32_t slot, uint8_t de
 }
 
 bool wave_bend(wave *w) {
+    const shade_kernels *kernels = w->plan->kernels;
     const scene_named_material *table = w->plan->scene->materials.items;
     for (size_t b = 0; b * LANES < w->surface_count; ++b) {
         const surface_block *s = &w->surfaces[b];
         material_block materials;
         bend_block mirrored, refracted;
-        material_gather(table, s, &materials);
-        bend_rays(s, &materials, &mirrored, &refracted);
+        kernels->material_gather(table, s, &materials);
+        kernels->bend_rays(s, &materials, &mirrored, &refracted);
         if (!wave_reserve_paths(w, &w->next, 2 * LANES)) return false;
         for (uint32_t i = 0; i < s->count; ++i) {
             if (worth_tracing(w, &mirrored, i)) {

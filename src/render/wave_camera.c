@@ -1,6 +1,8 @@
 #include "math/sampling.h"
 #include "render/wave.h"
 
+#include <string.h>
+
 void wave_sample_position(const render_plan *plan, uint32_t x, uint32_t y, uint32_t index, double *dx,
                           double *dy) {
     switch (plan->settings.pattern) {
@@ -12,41 +14,43 @@ void wave_sample_position(const render_plan *plan, uint32_t x, uint32_t y, uint3
     }
 }
 
-/* Up to 16 pixels and the directions through their samples. */
+/* Up to 16 pixels, and what belongs to their samples. */
 typedef struct pixel_block {
-    uint32_t x[LANES], y[LANES], count;
+    uint32_t x[LANES], y[LANES], slot[LANES], count;
+    double at_x[LANES], at_y[LANES]; /* image positions */
     _Alignas(64) lanes3 direction;
 } pixel_block;
+
+static void add_pixel(const wave_region *r, uint32_t x, uint32_t y, pixel_block *out) {
+    uint32_t i = out->count++;
+    out->x[i] = x, out->y[i] = y;
+    out->slot[i] = (y - r->top) * WAVE_SIDE + x - r->left;
+}
 
 /* The pixels of a 4 × 4 square that are rendered. */
 static void gather_pixels(const wave_region *r, uint32_t left, uint32_t top, pixel_block *out) {
     out->count = 0;
+    bool whole = left >= r->x0 && left + 4 <= r->x1 && top >= r->y0 && top + 4 <= r->y1;
     for (uint32_t k = 0; k < LANES; ++k) {
         uint32_t x = left + k % 4, y = top + k / 4;
-        if (x < r->x0 || x >= r->x1 || y < r->y0 || y >= r->y1) continue;
-        out->x[out->count] = x;
-        out->y[out->count++] = y;
+        if (whole || (x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1)) add_pixel(r, x, y, out);
     }
 }
 
-static void aim(const render_plan *plan, uint32_t index, pixel_block *b) {
-    const shade_camera c = plan->camera;
-    double x[LANES] = {0}, y[LANES] = {0};
-    for (uint32_t i = 0; i < b->count; ++i) {
-        double dx, dy;
-        wave_sample_position(plan, b->x[i], b->y[i], index, &dx, &dy);
-        x[i] = b->x[i] + dx;
-        y[i] = b->y[i] + dy;
-    }
-    for (int i = 0; i < LANES; ++i) {
-        vec3_f32 d = camera_direction(&c, x[i], y[i]);
-        b->direction[0][i] = d.x;
-        b->direction[1][i] = d.y;
-        b->direction[2][i] = d.z;
+/* The grid's cells are the same in every pixel. */
+static void place_samples(const render_plan *plan, uint32_t index, pixel_block *b) {
+    double dx, dy;
+    bool same = plan->settings.pattern == FATHOM_PATTERN_GRID;
+    if (same) wave_sample_position(plan, 0, 0, index, &dx, &dy);
+    for (uint32_t i = 0; i < LANES; ++i) {
+        uint32_t k = i < b->count ? i : 0; /* unused lanes are computed too */
+        if (!same) wave_sample_position(plan, b->x[k], b->y[k], index, &dx, &dy);
+        b->at_x[i] = b->x[k] + dx;
+        b->at_y[i] = b->y[k] + dy;
     }
 }
 
-static void push_pixel(wave *w, const wave_region *r, const pixel_block *b, uint32_t i) {
+static void push_pixel(wave *w, const pixel_block *b, uint32_t i) {
     const render_plan *plan = w->plan;
     size_t block = w->now.count / LANES, lane = w->now.count % LANES;
     trace_rays *rays = &w->now.rays[block].rays;
@@ -60,9 +64,26 @@ static void push_pixel(wave *w, const wave_region *r, const pixel_block *b, uint
     rays->t_near[lane] = plan->t_near;
     rays->t_far[lane] = INFINITY;
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = 1;
-    path->slot[lane] = (b->y[i] - r->top) * WAVE_SIDE + b->x[i] - r->left;
+    path->slot[lane] = b->slot[i];
     path->depth[lane] = plan->eye_depth;
     ++w->now.count;
+}
+
+/* The rays of a whole square, where they fill a whole block: all but those at the rims of images. */
+static void push_square(wave *w, const pixel_block *b) {
+    const render_plan *plan = w->plan;
+    const vec3_f32 eye = plan->camera.eye;
+    trace_rays *rays = &w->now.rays[w->now.count / LANES].rays;
+    path_block *path = &w->now.paths[w->now.count / LANES];
+    memcpy(rays->dir_x, b->direction[0], sizeof rays->dir_x);
+    memcpy(rays->dir_y, b->direction[1], sizeof rays->dir_y);
+    memcpy(rays->dir_z, b->direction[2], sizeof rays->dir_z);
+    memcpy(path->slot, b->slot, sizeof path->slot);
+    for (int i = 0; i < LANES; ++i) rays->org_x[i] = eye.x, rays->org_y[i] = eye.y, rays->org_z[i] = eye.z;
+    for (int i = 0; i < LANES; ++i) rays->t_near[i] = plan->t_near, rays->t_far[i] = INFINITY;
+    for (int i = 0; i < LANES; ++i) path->weight[0][i] = path->weight[1][i] = path->weight[2][i] = 1;
+    memset(path->depth, plan->eye_depth, sizeof path->depth);
+    w->now.count += LANES;
 }
 
 /* A packet of 16 rays is a square of 4 × 4 pixels: its rays stay together longer than those of a line. */
@@ -74,8 +95,13 @@ bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index) {
             pixel_block block;
             gather_pixels(region, left, top, &block);
             if (!block.count) continue;
-            aim(w->plan, index, &block);
-            for (uint32_t i = 0; i < block.count; ++i) push_pixel(w, region, &block, i);
+            place_samples(w->plan, index, &block);
+            w->plan->kernels->camera_directions(&w->plan->camera, block.at_x, block.at_y, block.direction);
+            if (block.count == LANES && w->now.count % LANES == 0) {
+                push_square(w, &block);
+                continue;
+            }
+            for (uint32_t i = 0; i < block.count; ++i) push_pixel(w, &block, i);
         }
     }
     w->rays.camera += w->now.count;

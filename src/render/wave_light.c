@@ -71,8 +71,9 @@ static bool add_light(wave *w, uint32_t index, trace_coherence coherence) {
         const surface_block *s = &w->surfaces[b];
         material_block materials;
         light_block arriving;
-        material_gather(plan->scene->materials.items, s, &materials);
-        light_evaluate(light, s, &materials, (plan->features & MATERIAL_SPECULAR) != 0, &arriving);
+        plan->kernels->material_gather(plan->scene->materials.items, s, &materials);
+        plan->kernels->light_evaluate(light, s, &materials, (plan->features & MATERIAL_SPECULAR) != 0,
+                                      &arriving);
         push_shadows(w, &arriving, s);
     }
     return trace_shadows(w, index, coherence);
@@ -82,7 +83,7 @@ bool wave_light(wave *w, bool first) {
     const render_plan *plan = w->plan;
     for (size_t b = 0; plan->constant_term && b * LANES < w->surface_count; ++b) {
         material_block materials;
-        material_gather(plan->scene->materials.items, &w->surfaces[b], &materials);
+        plan->kernels->material_gather(plan->scene->materials.items, &w->surfaces[b], &materials);
         material_add_constant(&materials, &w->surfaces[b], plan->scene->ambient, w->radiance);
     }
     for (uint32_t i = 0; i < plan->light_count; ++i) {

@@ -80,9 +80,11 @@ static void pad(wave *w) {
     }
 }
 
+/* Only glass takes a path to the other side. */
 static void note_depths(wave *w, const trace_block *block, const path_block *path, size_t lane) {
-    watertight_sides sides =
-        watertight_sides_of(w->plan->watertight, block, (unsigned)lane, path->depth[lane]);
+    watertight_sides sides = {path->depth[lane], path->depth[lane]};
+    if (w->plan->features & MATERIAL_REFRACT)
+        sides = watertight_sides_of(w->plan->watertight, block, (unsigned)lane, path->depth[lane]);
     size_t k = w->surface_count - 1;
     w->surfaces[k / LANES].depth[k % LANES] = sides.before;
     w->surfaces[k / LANES].depth_behind[k % LANES] = sides.behind;

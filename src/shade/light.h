@@ -27,8 +27,4 @@ typedef struct light_block {
     lanes3 radiance; /* weight L (rho_d + rho_s) |n·l|: what the sample gains when the light is seen */
 } light_block;
 
-/* specular: whether any material in the scene has a highlight. */
-void light_evaluate(const shade_light *light, const surface_block *s, const material_block *m, bool specular,
-                    light_block *out);
-
 #endif

@@ -15,9 +15,6 @@ enum {
 };
 unsigned material_features(const fathom_material *m);
 
-/* Loads the materials of the block's points. `table` is indexed by material id. */
-void material_gather(const scene_named_material *table, const surface_block *s, material_block *out);
-
 /* Adds weight (k_a L_a + k_e) of each point to its sample in radiance[3][slots]. */
 void material_add_constant(const material_block *m, const surface_block *s, const float ambient[3],
                            float *const radiance[3]);

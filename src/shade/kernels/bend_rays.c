@@ -1,5 +1,4 @@
-#include "shade/bend.h"
-
+#include "shade/kernels/kernel.h"
 #include "shade/limit.h"
 
 #include <math.h>
@@ -92,6 +91,7 @@ static void bend_lane(const surface_block *s, const material_block *m, int i, be
     }
 }
 
-void bend_rays(const surface_block *s, const material_block *m, bend_block *mirrored, bend_block *refracted) {
+void KERNEL(bend_rays)(const surface_block *s, const material_block *m, bend_block *mirrored,
+                       bend_block *refracted) {
     for (int i = 0; i < LANES; ++i) bend_lane(s, m, i, mirrored, refracted);
 }

@@ -1,0 +1,38 @@
+/* Kernels over blocks of sixteen: one source each, in kernels/, compiled for several instruction sets, of
+ * which the processor's best is taken at run time. All give the same bits: nothing is contracted or
+ * reordered, and each operation rounds as IEEE 754 has it. */
+#ifndef SHADE_KERNELS_H
+#define SHADE_KERNELS_H
+
+#include "shade/bend.h"
+#include "shade/camera.h"
+#include "shade/light.h"
+#include "shade/material.h"
+
+typedef struct shade_kernels {
+    const char *name; /* "plain", "avx2", "avx512" */
+
+    /* Unit directions through image positions. */
+    void (*camera_directions)(const shade_camera *camera, const double x[LANES], const double y[LANES],
+                              lanes3 out);
+
+    /* Loads the materials of the block's points. `table` is indexed by material id. */
+    void (*material_gather)(const scene_named_material *table, const surface_block *s, material_block *out);
+
+    /* specular: whether any material in the scene has a highlight. */
+    void (*light_evaluate)(const shade_light *light, const surface_block *s, const material_block *m,
+                           bool specular, light_block *out);
+
+    /* Mirror: r = -v + 2(n·v)n, weight k_r. Refraction by Snell's law with eta = 1/ior on entering and ior on
+     * leaving, weight k_t; on total internal reflection k_t goes to the mirrored ray, with k_r. With
+     * `fresnel`, k_r and k_t are scaled by the unpolarised dielectric reflectance F and 1 - F. Directions
+     * that a bent shading normal would send through the surface are taken about the geometric normal. */
+    void (*bend_rays)(const surface_block *s, const material_block *m, bend_block *mirrored,
+                      bend_block *refracted);
+} shade_kernels;
+
+const shade_kernels *shade_kernels_best(void);
+/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+const shade_kernels *shade_kernels_at(unsigned index);
+
+#endif

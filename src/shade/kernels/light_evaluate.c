@@ -1,0 +1,150 @@
+#include "math/power.h"
+#include "shade/kernels/kernel.h"
+#include "shade/limit.h"
+
+/* Lights so near or so far that the squared distance leaves the range of float. In the very point, or beyond
+ * float's reach, a light has no direction: it lights nothing there. */
+static void arrive_stiff(const shade_light *light, int i, light_block *out, float *inverse) {
+    double x = (double)light->position.x - (double)out->origin[0][i],
+           y = (double)light->position.y - (double)out->origin[1][i],
+           z = (double)light->position.z - (double)out->origin[2][i];
+    double distance = sqrt(x * x + y * y + z * z);
+    bool within = distance > 0x1p-126 && distance < 0x1p126;
+    double scale = within ? 1 / distance : 0;
+    out->direction[0][i] = within ? (float)(x * scale) : 0;
+    out->direction[1][i] = within ? (float)(y * scale) : 0;
+    out->direction[2][i] = within ? (float)(z * scale) : 0;
+    out->distance[i] = within ? (float)distance : 0;
+    *inverse = (float)scale;
+}
+
+/* (edge - (1 - cos)) scale, where 1 - cos of the angle between unit vectors is half their difference squared.
+ */
+static void fall_off(const shade_light *light, const light_block *out, float falloff[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        float x = out->direction[0][i] - light->to_light.x, y = out->direction[1][i] - light->to_light.y,
+              z = out->direction[2][i] - light->to_light.z;
+        float t = (light->cone_edge - 0.5f * (x * x + y * y + z * z)) * light->cone_scale;
+        t = t < 0 ? 0 : (t > 1 ? 1 : t);
+        falloff[i] = t * t;
+    }
+}
+
+/* Direction, distance, its inverse, and the cone's falloff. */
+static void arrive(const shade_light *light, light_block *out, float inverse[LANES], float falloff[LANES]) {
+    float square[LANES];
+    int stiff = 0;
+    for (int i = 0; i < LANES; ++i) {
+        float x = light->position.x - out->origin[0][i], y = light->position.y - out->origin[1][i],
+              z = light->position.z - out->origin[2][i];
+        float d2 = x * x + y * y + z * z, distance = sqrtf(d2);
+        inverse[i] = 1 / distance;
+        out->direction[0][i] = x * inverse[i];
+        out->direction[1][i] = y * inverse[i];
+        out->direction[2][i] = z * inverse[i];
+        out->distance[i] = distance;
+        falloff[i] = 1;
+        square[i] = d2;
+        stiff |= !(d2 > 0x1p-100f) | !(d2 < 0x1p100f);
+    }
+    for (int i = 0; stiff && i < LANES; ++i) {
+        if (!(square[i] > 0x1p-100f && square[i] < 0x1p100f)) arrive_stiff(light, i, out, &inverse[i]);
+    }
+    if (light->type == FATHOM_LIGHT_SPOT) fall_off(light, out, falloff);
+}
+
+static void arrive_parallel(const shade_light *light, light_block *out, float inverse[LANES],
+                            float falloff[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        out->direction[0][i] = light->to_light.x;
+        out->direction[1][i] = light->to_light.y;
+        out->direction[2][i] = light->to_light.z;
+        out->distance[i] = INFINITY;
+        inverse[i] = falloff[i] = 1;
+    }
+}
+
+/* Where the light stands to the surface. */
+typedef struct light_side {
+    float n_dot_l[LANES];
+    float cosine[LANES];    /* what the radiance is multiplied with */
+    uint32_t behind[LANES]; /* on the viewer's far side */
+} light_side;
+
+/* Opaque: a light on the far side counts nothing. On smooth meshes the facets stand for a round surface,
+ * whose side the shading normal tells (Hanika 2021); lit_from_behind takes either side. */
+static void judge_sides(const surface_block *s, const material_block *m, const lanes3 l, light_side *out) {
+    for (int i = 0; i < LANES; ++i) {
+        float side = l[0][i] * s->ng[0][i] + l[1][i] * s->ng[1][i] + l[2][i] * s->ng[2][i];
+        float n_dot_l = l[0][i] * s->ns[0][i] + l[1][i] * s->ns[1][i] + l[2][i] * s->ns[2][i];
+        bool behind = s->smooth[i] ? !(n_dot_l > 0) : !(side > 0);
+        float facing = behind || !(n_dot_l > 0) ? 0 : n_dot_l;
+        out->n_dot_l[i] = n_dot_l;
+        out->behind[i] = behind ? ~0u : 0;
+        out->cosine[i] = m->from_behind[i] ? fabsf(n_dot_l) : facing;
+    }
+}
+
+/* Shadow rays leave on the light's side; a point lifted off its facet is clear of it wherever the light lies,
+ * but is of no use to a light behind. */
+static void begin_rays(const surface_block *s, const light_side *side, lanes3 origin) {
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) {
+            float front = surface_start(s->p[c][i] + s->lift[c][i], s->offset[i], s->ng[c][i]);
+            float back = surface_start(s->p[c][i], -s->offset[i], s->ng[c][i]);
+            origin[c][i] = side->behind[i] ? back : front;
+        }
+    }
+}
+
+/* k_s max(0, v·r)^n with r = -l + 2(n·l)n, or k_s max(0, n·h)^n with h = (l+v)/|l+v|. The cosine of two unit
+ * vectors is 1 less half the square of their difference: that keeps the angle's digits where the cosine
+ * itself would round to 1, and exponents in the millions need them. */
+static void highlight(const surface_block *s, const material_block *m, const lanes3 l,
+                      const float n_dot_l[LANES], float out[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        float h[3], h2 = 0, apart_r = 0, apart_h = 0;
+        for (int c = 0; c < 3; ++c) {
+            float r = -l[c][i] + 2 * n_dot_l[i] * s->ns[c][i], apart = s->v[c][i] - r;
+            apart_r += apart * apart;
+            h[c] = l[c][i] + s->v[c][i];
+            h2 += h[c] * h[c];
+        }
+        float unit = 1 / sqrtf(h2);
+        for (int c = 0; c < 3; ++c) {
+            float apart = s->ns[c][i] - h[c] * unit;
+            apart_h += apart * apart;
+        }
+        float less = 0.5f * (m->phong[i] ? apart_r : apart_h);
+        /* Light from straight behind leaves no half vector: no highlight. */
+        out[i] = power_one_less(less < 1 ? less : 1, m->shininess[i]);
+    }
+}
+
+void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, const material_block *m,
+                            bool specular, light_block *out) {
+    float inverse[LANES], falloff[LANES], rho_s[LANES] = {0};
+    light_side side;
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) out->origin[c][i] = s->p[c][i] + s->lift[c][i];
+    }
+    if (light->type == FATHOM_LIGHT_DIRECTIONAL) {
+        arrive_parallel(light, out, inverse, falloff);
+    } else {
+        arrive(light, out, inverse, falloff);
+    }
+    judge_sides(s, m, out->direction, &side);
+    if (specular) highlight(s, m, out->direction, side.n_dot_l, rho_s);
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) {
+            /* The squared distance is divided by in two steps: it may be out of range where the quotient is
+             * not. */
+            float once = light->intensity[c] * inverse[i], most = 0x1p127f;
+            float arriving = limited((once < most ? once : most) * inverse[i]);
+            float reflected = limited(m->k_d[c][i] + m->k_s[c][i] * rho_s[i]);
+            float weighed = limited(s->weight[c][i] * (arriving * (falloff[i] * side.cosine[i])));
+            out->radiance[c][i] = limited(weighed * reflected);
+        }
+    }
+    begin_rays(s, &side, out->origin);
+}

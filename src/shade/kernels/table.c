@@ -1,0 +1,12 @@
+#include "shade/kernels/kernel.h"
+
+#define TEXT_OF(isa) #isa
+#define TEXT(isa) TEXT_OF(isa)
+
+const shade_kernels KERNEL(shade_kernels) = {
+    .name = TEXT(KERNEL_ISA),
+    .camera_directions = KERNEL(camera_directions),
+    .material_gather = KERNEL(material_gather),
+    .light_evaluate = KERNEL(light_evaluate),
+    .bend_rays = KERNEL(bend_rays),
+};
