@@ -59,12 +59,22 @@ static void add_first_hit(const render_plan *plan, pixel_sums *sums, const first
     keep_centre(sums, f, slot);
 }
 
+/* What only AOVs need is not touched without them. */
+static void clear_sums(const wave *w, pixel_sums *sums) {
+    memset(sums, 0, w->first ? sizeof *sums : sizeof sums->rgb);
+}
+
+/* Slots outside the region hold no radiance. */
 static void add_sample(const wave *w, const wave_region *r, pixel_sums *sums, uint32_t index) {
-    for (uint32_t y = r->y0; y < r->y1; ++y) {
+    for (int c = 0; c < 3; ++c) {
+        const float *restrict from = w->radiance[c];
+        double *restrict to = sums->rgb[c];
+        for (uint32_t slot = 0; slot < WAVE_SLOTS; ++slot) to[slot] += (double)from[slot];
+    }
+    for (uint32_t y = r->y0; w->first && y < r->y1; ++y) {
         for (uint32_t x = r->x0; x < r->x1; ++x) {
             uint32_t slot = (y - r->top) * WAVE_SIDE + x - r->left;
-            for (int c = 0; c < 3; ++c) sums->rgb[c][slot] += (double)w->radiance[c][slot];
-            if (w->first) add_first_hit(w->plan, sums, w->first, x, y, slot, index);
+            add_first_hit(w->plan, sums, w->first, x, y, slot, index);
         }
     }
 }
@@ -99,7 +109,7 @@ static void store(fathom_film *film, const wave_region *r, const pixel_sums *sum
 static bool render_wave(job *j, wave *w, pixel_sums *sums, const wave_region *region) {
     uint32_t spp = j->plan->settings.spp;
     uint64_t pixels = (uint64_t)(region->x1 - region->x0) * (region->y1 - region->y0);
-    memset(sums, 0, sizeof *sums);
+    clear_sums(w, sums);
     for (uint32_t index = 0; index < spp; ++index) {
         const ray_counts before = w->rays;
         if (!wave_run(w, region, index)) return false;
