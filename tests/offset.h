@@ -582,13 +582,18 @@ static inline void offset_aim(offset_trial *t, const offset_case *c, trace_block
 
 static inline void offset_points(offset_trial *t, const trace_block *block) {
     surface_block s;
-    memset(&s, 0, sizeof s);
+    surface_gather g;
+    memset(&g, 0, sizeof g);
+    surface_gather_begin(&g);
     for (size_t i = 0; i < OFFSET_RAYS; ++i) {
         if (block->hits.geometry[i] == FATHOM_NONE) continue;
         ray_hit hit = ray_hit_load(block, i);
-        local_hit local;
-        surface_point(&t->o.w, &hit, false, &local);
-        surface_set(&s, i, &hit, &local, true);
+        surface_gather_add(&g, &t->o.w, &hit);
+    }
+    if (!g.count) return;
+    surface_gather_end(&g, &t->o.w, shade_kernels_best(), false, true, &s);
+    for (unsigned i = 0; i < g.count; ++i) {
+        ray_hit hit = g.hits[i];
         for (int side = -1; side <= 1; side += 2) {
             trace_block leaving;
             offset_ray ray;

@@ -21,18 +21,19 @@ static inline double power_log2(float x, float d) {
     uint32_t mantissa = (shifted & 0x7fffffu) + 0x3f3504f3u;
     float m;
     memcpy(&m, &mantissa, sizeof m);
-    double less = e ? (double)m - 1 : -(double)d;
+    /* Choices by numbers of their own kind, as loops of 16 lanes want. */
+    double whole = (double)e, less = whole != 0 ? (double)m - 1 : -(double)d;
     double z = less / (2 + less), q = z * z;
     double series =
         1 + q * (1 / 3.0 +
                  q * (1 / 5.0 + q * (1 / 7.0 + q * (1 / 9.0 + q * (1 / 11.0 + q * (1 / 13.0 + q / 15))))));
-    return (double)e + 2.8853900817779268 * z * series;
+    return whole + 2.8853900817779268 * z * series;
 }
 
 /* 2^y for y <= 0; 0 below the smallest normal float. 2^y = 2^k 2^f with |f| <= 1/2: the series of e^(f ln2)
  * to the 9th power is cut off at a relative 2^-36. */
 static inline float power_exp2(double y) {
-    double low = y < -126 ? -126 : y;
+    double some = y < -126 ? 0.0 : 1.0, low = some * y; /* factors, where a choice would become a branch */
     int32_t k = (int32_t)(low - 0.5);
     double f = (low - (double)k) * 0.69314718055994531;
     double series =
@@ -45,7 +46,7 @@ static inline float power_exp2(double y) {
     uint32_t bits = (uint32_t)(k + 127) << 23;
     float scale;
     memcpy(&scale, &bits, sizeof scale);
-    return y < -126 ? 0.0f : (float)series * scale;
+    return (float)(some * series) * scale;
 }
 
 /* (1-d)^n for d in [0, 2] and n in [0, 1e9]: within 1 ulp of the true value for d < 0.29, however close to 1
@@ -54,8 +55,8 @@ static inline float power_exp2(double y) {
 static inline float power_one_less(float d, float n) {
     float x = 1 - d;
     float inside = x < 0x1p-126f ? 0x1p-126f : x;
-    float value = power_exp2((double)n * power_log2(inside, d));
-    return x < 0x1p-126f ? 0.0f : value;
+    float some = x < 0x1p-126f ? 0.0f : 1.0f;
+    return some * power_exp2((double)n * power_log2(inside, d));
 }
 
 #endif

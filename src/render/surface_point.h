@@ -1,9 +1,10 @@
-/* From what a tracer found to the surface point that shading sees, and from which rays leave. */
+/* From what a tracer found to the surface points that shading sees, and from which rays leave. Sixteen hits
+ * are gathered, then computed together. */
 #ifndef RENDER_SURFACE_POINT_H
 #define RENDER_SURFACE_POINT_H
 
-#include "render/local_hit.h"
-#include "shade/surface.h"
+#include "scene/world.h"
+#include "shade/kernels.h"
 #include "trace/trace.h"
 
 /* A ray, and what it met. */
@@ -15,11 +16,23 @@ typedef struct ray_hit {
 
 ray_hit ray_hit_load(const trace_block *block, size_t lane);
 
-/* The point in the world's coordinates. lift: whether the points for shadow rays are wanted. */
-void surface_point(const world *w, const ray_hit *ray, bool lift, local_hit *out);
+typedef struct surface_gather {
+    local_block local;
+    facet_block facets;
+    ray_hit hits[LANES];
+    unsigned count;
+    uint32_t instances; /* bit i: lane i is in an instance */
+    bool faceted;       /* some lane met a triangle */
+} surface_gather;
 
-/* Fills a lane but for weight, slot and material. automatic: rays begin off the surface by the point's error;
- * else on it. */
-void surface_set(surface_block *s, size_t lane, const ray_hit *ray, const local_hit *hit, bool automatic);
+/* An empty one. */
+void surface_gather_begin(surface_gather *g);
+/* Adds a hit; there must be room. */
+void surface_gather_add(surface_gather *g, const world *w, const ray_hit *ray);
+/* Fills the first g->count lanes of s but for weight, slot, material and count, and what g->local says of
+ * them in the world's coordinates; all other lanes get something finite. lift: whether the points for shadow
+ * rays are wanted. automatic: rays begin off the surface by the point's error; else on it. */
+void surface_gather_end(surface_gather *g, const world *w, const shade_kernels *kernels, bool lift,
+                        bool automatic, surface_block *s);
 
 #endif

@@ -69,7 +69,9 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out) {
     float *radiance = calloc(3 * WAVE_SLOTS, sizeof *radiance);
     for (int c = 0; c < 3; ++c) out->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
     if (plan->first_hits) out->first = malloc(sizeof *out->first);
-    bool ok = radiance && (out->first || !plan->first_hits) &&
+    void *gather = NULL;
+    if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
+    bool ok = radiance && out->gather && (out->first || !plan->first_hits) &&
               wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_surfaces(out, WAVE_SLOTS) &&
               wave_reserve_shadows(out, WAVE_SLOTS);
     if (!ok) wave_destroy(out);
@@ -84,6 +86,7 @@ void wave_destroy(wave *w) {
     free(w->shadows.rays);
     free(w->shadows.paths);
     free(w->surfaces);
+    free(w->gather);
     free(w->radiance[0]);
     free(w->first);
     *w = (wave){.plan = NULL};

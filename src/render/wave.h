@@ -6,6 +6,7 @@
 #define RENDER_WAVE_H
 
 #include "render/plan.h"
+#include "render/surface_point.h"
 
 #include <stdatomic.h>
 
@@ -50,6 +51,7 @@ typedef struct wave {
     path_queue now, next;
     shadow_queue shadows;
     surface_block *surfaces;
+    surface_gather *gather;                 /* hits on their way to the next block of surfaces */
     size_t surface_count, surface_capacity; /* in points */
     float *radiance[3];                     /* by slot */
     first_hits *first;                      /* NULL when no AOV wants it */

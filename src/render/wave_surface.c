@@ -8,18 +8,6 @@ static fathom_id hit_material(const world *scene, const ray_hit *ray) {
     return world_material(scene, ray->geometry, ray->primitive, ray->instance);
 }
 
-static void push_surface(wave *w, const ray_hit *ray, const local_hit *hit, const path_block *path,
-                         size_t lane) {
-    surface_block *s = &w->surfaces[w->surface_count / LANES];
-    size_t i = w->surface_count % LANES;
-    surface_set(s, i, ray, hit, !(w->plan->settings.epsilon > 0));
-    for (int c = 0; c < 3; ++c) s->weight[c][i] = path->weight[c][lane];
-    s->slot[i] = path->slot[lane];
-    s->material[i] = hit_material(w->plan->world, ray);
-    s->count = (uint32_t)i + 1;
-    ++w->surface_count;
-}
-
 static void add_background(wave *w, const path_block *path, size_t lane, bool first) {
     /* With coverage asked for, the image is to be laid over something else: colours are premultiplied, and
      * the background is not among them. Mirrors and glass still show it. */
@@ -41,14 +29,18 @@ static fathom_id placed_by(const world *scene, const ray_hit *ray) {
                                         : scene->geometries.items[ray->geometry].instance;
 }
 
-static void keep_first(wave *w, const ray_hit *ray, const local_hit *hit, uint32_t slot) {
+/* Of lane i of the gathered hits. */
+static void keep_first(wave *w, unsigned i, uint32_t slot) {
     const world *scene = w->plan->world;
+    const ray_hit *ray = &w->gather->hits[i];
+    const local_block *b = &w->gather->local;
     const fathom_material *m = &w->plan->scene->materials.items[hit_material(scene, ray)].value;
     first_hits *f = w->first;
     bool plane = ray->geometry == TRACE_PLANE, specular = m->specular != FATHOM_SPECULAR_NONE;
-    vec3_f64 p = hit->p, from_eye = sub_f64(p, widen(w->plan->camera.eye));
-    vec3_f32 ng = narrow(hit->n);
-    vec3_f32 ns = dot_f32(hit->ns, ng) * dot_f32(ng, ray->dir) < 0 ? hit->ns : neg_f32(hit->ns);
+    vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]}, from_eye = sub_f64(p, widen(w->plan->camera.eye));
+    vec3_f32 ng = {(float)b->n[0][i], (float)b->n[1][i], (float)b->n[2][i]};
+    vec3_f32 ns = {b->ns[0][i], b->ns[1][i], b->ns[2][i]};
+    if (!(dot_f32(ns, ng) * dot_f32(ng, ray->dir) < 0)) ns = neg_f32(ns);
     const float world_p[3] = {(float)(p.x + scene->origin.x), (float)(p.y + scene->origin.y),
                               (float)(p.z + scene->origin.z)};
     const float normal[3] = {ns.x, ns.y, ns.z};
@@ -65,48 +57,64 @@ static void keep_first(wave *w, const ray_hit *ray, const local_hit *hit, uint32
     f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, ray);
 }
 
-/* The rest of the last block repeats its last point, so that stages may compute all 16 lanes. */
-static void pad(wave *w) {
-    if (w->surface_count % LANES == 0) return;
-    surface_block *s = &w->surfaces[w->surface_count / LANES];
-    for (size_t last = s->count - 1, i = s->count; i < LANES; ++i) {
-        for (int c = 0; c < 3; ++c) {
-            s->p[c][i] = s->p[c][last], s->ng[c][i] = s->ng[c][last], s->ns[c][i] = s->ns[c][last];
-            s->v[c][i] = s->v[c][last], s->lift[c][i] = s->lift[c][last],
-            s->weight[c][i] = s->weight[c][last];
-        }
-        s->offset[i] = s->offset[last], s->slot[i] = s->slot[last], s->material[i] = s->material[last];
-        s->entering[i] = s->entering[last], s->smooth[i] = s->smooth[last];
-    }
-}
-
 /* Only glass takes a path to the other side. */
-static void note_depths(wave *w, const trace_block *block, const path_block *path, size_t lane) {
+static void note_depths(const wave *w, const trace_block *block, const path_block *path, size_t lane,
+                        surface_block *s, unsigned i) {
     watertight_sides sides = {path->depth[lane], path->depth[lane]};
     if (w->plan->features & MATERIAL_REFRACT)
         sides = watertight_sides_of(w->plan->watertight, block, (unsigned)lane, path->depth[lane]);
-    size_t k = w->surface_count - 1;
-    w->surfaces[k / LANES].depth[k % LANES] = sides.before;
-    w->surfaces[k / LANES].depth_behind[k % LANES] = sides.behind;
+    s->depth[i] = sides.before;
+    s->depth_behind[i] = sides.behind;
+}
+
+/* A hit joins the block of surfaces that is being filled. */
+static void add_hit(wave *w, const ray_hit *ray, const trace_block *block, const path_block *path,
+                    size_t lane) {
+    surface_block *s = &w->surfaces[w->surface_count / LANES];
+    unsigned i = w->gather->count;
+    surface_gather_add(w->gather, w->plan->world, ray);
+    for (int c = 0; c < 3; ++c) s->weight[c][i] = path->weight[c][lane];
+    s->slot[i] = path->slot[lane];
+    s->material[i] = hit_material(w->plan->world, ray);
+    if (w->plan->watertight) note_depths(w, block, path, lane, s, i);
+}
+
+/* The rest of the last block repeats its last point, so that stages may compute all 16 lanes. */
+static void pad(surface_block *s) {
+    for (size_t last = s->count - 1, i = s->count; i < LANES; ++i) {
+        for (int c = 0; c < 3; ++c) s->weight[c][i] = s->weight[c][last];
+        s->slot[i] = s->slot[last], s->material[i] = s->material[last];
+    }
+}
+
+static void end_block(wave *w, bool first) {
+    const render_plan *plan = w->plan;
+    surface_block *s = &w->surfaces[w->surface_count / LANES];
+    if (!w->gather->count) return;
+    s->count = w->gather->count;
+    surface_gather_end(w->gather, plan->world, plan->kernels, plan->settings.terminator_fix,
+                       !(plan->settings.epsilon > 0), s);
+    pad(s);
+    for (unsigned i = 0; first && w->first && i < s->count; ++i) keep_first(w, i, s->slot[i]);
+    w->surface_count += s->count;
+    surface_gather_begin(w->gather);
 }
 
 bool wave_surfaces(wave *w, bool first) {
     w->surface_count = 0;
     if (!wave_reserve_surfaces(w, w->now.count)) return false;
+    surface_gather_begin(w->gather);
     for (size_t k = 0; k < w->now.count; ++k) {
         const trace_block *block = &w->now.rays[k / LANES];
         const path_block *path = &w->now.paths[k / LANES];
-        ray_hit ray = ray_hit_load(block, k % LANES);
-        if (ray.geometry == FATHOM_NONE) {
+        if (block->hits.geometry[k % LANES] == FATHOM_NONE) {
             add_background(w, path, k % LANES, first);
             continue;
         }
-        local_hit hit;
-        surface_point(w->plan->world, &ray, w->plan->settings.terminator_fix, &hit);
-        push_surface(w, &ray, &hit, path, k % LANES);
-        if (w->plan->watertight) note_depths(w, block, path, k % LANES);
-        if (first && w->first) keep_first(w, &ray, &hit, path->slot[k % LANES]);
+        ray_hit ray = ray_hit_load(block, k % LANES);
+        add_hit(w, &ray, block, path, k % LANES);
+        if (w->gather->count == LANES) end_block(w, first);
     }
-    pad(w);
+    end_block(w, first);
     return true;
 }

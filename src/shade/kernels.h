@@ -7,6 +7,7 @@
 #include "shade/bend.h"
 #include "shade/camera.h"
 #include "shade/light.h"
+#include "shade/local.h"
 #include "shade/material.h"
 
 typedef struct shade_kernels {
@@ -15,6 +16,14 @@ typedef struct shade_kernels {
     /* Unit directions through image positions. */
     void (*camera_directions)(const shade_camera *camera, const double x[LANES], const double y[LANES],
                               lanes3 out);
+
+    /* Points and normals of the lanes that met triangles; the other lanes stay. lifted: whether the points
+     * for shadow rays are wanted. */
+    void (*facets)(const facet_block *f, bool lifted, local_block *b);
+
+    /* Hits, in the world's coordinates by now, to points but for weight, slot, material and count. automatic:
+     * rays begin off the surface by the point's error; else on it. */
+    void (*surfaces)(const local_block *b, bool automatic, surface_block *s);
 
     /* Loads the materials of the block's points. `table` is indexed by material id. */
     void (*material_gather)(const scene_named_material *table, const surface_block *s, material_block *out);

@@ -77,22 +77,23 @@ static void judge_sides(const surface_block *s, const material_block *m, const l
     for (int i = 0; i < LANES; ++i) {
         float side = l[0][i] * s->ng[0][i] + l[1][i] * s->ng[1][i] + l[2][i] * s->ng[2][i];
         float n_dot_l = l[0][i] * s->ns[0][i] + l[1][i] * s->ns[1][i] + l[2][i] * s->ns[2][i];
-        bool behind = s->smooth[i] ? !(n_dot_l > 0) : !(side > 0);
-        float facing = behind || !(n_dot_l > 0) ? 0 : n_dot_l;
+        uint32_t unlit = n_dot_l > 0 ? 0 : ~0u, away = side > 0 ? 0 : ~0u, either = m->from_behind[i];
+        uint32_t behind = (s->smooth[i] & unlit) | (~s->smooth[i] & away);
+        float facing = chosen(behind | unlit, 0, n_dot_l);
         out->n_dot_l[i] = n_dot_l;
-        out->behind[i] = behind ? ~0u : 0;
-        out->cosine[i] = m->from_behind[i] ? fabsf(n_dot_l) : facing;
+        out->behind[i] = behind;
+        out->cosine[i] = chosen(either, fabsf(n_dot_l), facing);
     }
 }
 
 /* Shadow rays leave on the light's side; a point lifted off its facet is clear of it wherever the light lies,
  * but is of no use to a light behind. */
-static void begin_rays(const surface_block *s, const light_side *side, lanes3 origin) {
+static void begin_rays(const surface_block *s, const light_side *side, float (*restrict origin)[LANES]) {
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) {
             float front = surface_start(s->p[c][i] + s->lift[c][i], s->offset[i], s->ng[c][i]);
             float back = surface_start(s->p[c][i], -s->offset[i], s->ng[c][i]);
-            origin[c][i] = side->behind[i] ? back : front;
+            origin[c][i] = chosen(side->behind[i], back, front);
         }
     }
 }
@@ -101,7 +102,8 @@ static void begin_rays(const surface_block *s, const light_side *side, lanes3 or
  * vectors is 1 less half the square of their difference: that keeps the angle's digits where the cosine
  * itself would round to 1, and exponents in the millions need them. */
 static void highlight(const surface_block *s, const material_block *m, const lanes3 l,
-                      const float n_dot_l[LANES], float out[LANES]) {
+                      const float n_dot_l[LANES], float *restrict out) {
+    float less[LANES];
     for (int i = 0; i < LANES; ++i) {
         float h[3], h2 = 0, apart_r = 0, apart_h = 0;
         for (int c = 0; c < 3; ++c) {
@@ -115,14 +117,15 @@ static void highlight(const surface_block *s, const material_block *m, const lan
             float apart = s->ns[c][i] - h[c] * unit;
             apart_h += apart * apart;
         }
-        float less = 0.5f * (m->phong[i] ? apart_r : apart_h);
         /* Light from straight behind leaves no half vector: no highlight. */
-        out[i] = power_one_less(less < 1 ? less : 1, m->shininess[i]);
+        float half = 0.5f * chosen(m->phong[i], apart_r, apart_h);
+        less[i] = half < 1 ? half : 1;
     }
+    for (int i = 0; i < LANES; ++i) out[i] = power_one_less(less[i], m->shininess[i]);
 }
 
 void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, const material_block *m,
-                            bool specular, light_block *out) {
+                            bool specular, light_block *restrict out) {
     float inverse[LANES], falloff[LANES], rho_s[LANES] = {0};
     light_side side;
     for (int c = 0; c < 3; ++c) {

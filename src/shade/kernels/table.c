@@ -6,6 +6,8 @@
 const shade_kernels KERNEL(shade_kernels) = {
     .name = TEXT(KERNEL_ISA),
     .camera_directions = KERNEL(camera_directions),
+    .facets = KERNEL(facets),
+    .surfaces = KERNEL(surfaces),
     .material_gather = KERNEL(material_gather),
     .light_evaluate = KERNEL(light_evaluate),
     .bend_rays = KERNEL(bend_rays),

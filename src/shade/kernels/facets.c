@@ -1,0 +1,129 @@
+/* Triangles: points and normals of sixteen hits. */
+#include "shade/kernels/kernel.h"
+
+typedef float corner_weights[3][LANES];
+
+static inline double clamp_unit(double x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
+static inline double larger(double a, double b) { return a > b ? a : b; }
+static inline double largest(vec3_f64 v) { return larger(fabs(v.x), larger(fabs(v.y), fabs(v.z))); }
+
+static inline vec3_f64 lane_f64(const lanes3_f64 from, int i) {
+    return vec_f64(from[0][i], from[1][i], from[2][i]);
+}
+static inline vec3_f32 lane_f32(const float from[3][LANES], int i) {
+    return vec_f32(from[0][i], from[1][i], from[2][i]);
+}
+static inline void put_f64(lanes3_f64 to, int i, bool mine, vec3_f64 v) {
+    to[0][i] = mine ? v.x : to[0][i], to[1][i] = mine ? v.y : to[1][i], to[2][i] = mine ? v.z : to[2][i];
+}
+static inline void put_f32(float to[3][LANES], int i, uint32_t mine, vec3_f32 v) {
+    to[0][i] = chosen(mine, v.x, to[0][i]);
+    to[1][i] = chosen(mine, v.y, to[1][i]);
+    to[2][i] = chosen(mine, v.z, to[2][i]);
+}
+
+/* Weights of the second and third corner (Möller and Trumbore 1997), clamped into the triangle: a tracer with
+ * other arithmetic may have found a point that falls a rounding outside. */
+static inline void weigh(vec3_f64 a, vec3_f64 ab, vec3_f64 ac, vec3_f64 org, vec3_f64 dir, double *u,
+                         double *v) {
+    vec3_f64 from_a = sub_f64(org, a), across = cross_f64(dir, ac), along = cross_f64(from_a, ab);
+    double determinant = dot_f64(ab, across);
+    double x = clamp_unit(dot_f64(from_a, across) / determinant);
+    double y = clamp_unit(dot_f64(dir, along) / determinant);
+    bool flat = determinant == 0;
+    x = flat ? 1 / 3.0 : x, y = flat ? 1 / 3.0 : y;
+    double sum = x + y, over = sum > 1 ? sum : 1;
+    *u = x / over, *v = y / over;
+}
+
+static void find_points(const facet_block *f, local_block *restrict b, float (*restrict weight)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        bool mine = f->facet[i] != 0;
+        vec3_f64 a = widen(lane_f32(f->corner[0], i));
+        vec3_f64 ab = sub_f64(widen(lane_f32(f->corner[1], i)), a);
+        vec3_f64 ac = sub_f64(widen(lane_f32(f->corner[2], i)), a), n = cross_f64(ab, ac);
+        double u, v, square = dot_f64(n, n), inverse = 1 / sqrt(square > 0 ? square : 1);
+        weigh(a, ab, ac, lane_f64(b->org, i), lane_f64(b->dir, i), &u, &v);
+        double extent = larger(largest(sub_f64(ac, ab)), larger(largest(ab), largest(ac)));
+        put_f64(b->p, i, mine, madd_f64(madd_f64(a, u, ab), v, ac));
+        put_f64(b->n, i, mine, scale_f64(inverse, n));
+        b->beside[i] = mine ? LOCAL_FACE_BESIDE * extent : b->beside[i];
+        weight[0][i] = (float)(1 - u - v), weight[1][i] = (float)u, weight[2][i] = (float)v;
+    }
+}
+
+/* v / |v| where the square leaves the range of float: v is first multiplied by a power of two, which is
+ * exact, so a scene of another size gets the same bits. In two halves: the whole power may itself be out of
+ * range. */
+static vec3_f32 unit_of_stiff(vec3_f32 v) {
+    int exponent;
+    frexpf((float)largest(widen(v)), &exponent);
+    v = scale_f32(ldexpf(1, -exponent / 2), scale_f32(ldexpf(1, -exponent - (-exponent / 2)), v));
+    float square = dot_f32(v, v);
+    return square > 0 ? scale_f32(1 / sqrtf(square), v) : v;
+}
+
+static void make_unit(const float from[3][LANES], float to[3][LANES]) {
+    int stiff = 0;
+    for (int i = 0; i < LANES; ++i) {
+        vec3_f32 v = lane_f32(from, i);
+        float square = dot_f32(v, v);
+        stiff |= !((square > 0x1p-100f) & (square < 0x1p100f));
+        put_f32(to, i, ~0u, scale_f32(1 / sqrtf(square), v));
+    }
+    for (int i = 0; stiff && i < LANES; ++i) {
+        vec3_f32 v = lane_f32(from, i);
+        float square = dot_f32(v, v);
+        if (!(square > 0x1p-100f && square < 0x1p100f)) put_f32(to, i, ~0u, unit_of_stiff(v));
+    }
+}
+
+/* Normals that cancel say nothing: the facet is then as flat as it looks, and not `smooth`. */
+static void mix_normals(const facet_block *f, const corner_weights weight, float normal[3][3][LANES],
+                        local_block *restrict b) {
+    for (int k = 0; k < 3; ++k) make_unit(f->normal[k], normal[k]);
+    for (int i = 0; i < LANES; ++i) {
+        vec3_f32 sum = {0, 0, 0};
+        for (int k = 0; k < 3; ++k) sum = madd_f32(sum, weight[k][i], lane_f32(normal[k], i));
+        float square = dot_f32(sum, sum);
+        uint32_t mine = f->bent[i] & (square > 0x1p-40f ? ~0u : 0);
+        put_f32(b->ns, i, mine, scale_f32(1 / sqrtf(square), sum));
+        b->smooth[i] = mine;
+    }
+}
+
+/* Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II (2021): p plus the weighted mean of its
+ * distances to the tangent planes at the corners, where those lie above it. side: 1 for a viewer outside, -1
+ * inside; windings and normals may disagree on the outside, and the normals' own counts. */
+static void lift(const facet_block *f, const corner_weights weight, const float normal[3][3][LANES],
+                 float viewer, const local_block *b, float (*restrict out)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        vec3_f32 p = narrow(lane_f64(b->p, i)), sum = {0, 0, 0};
+        float along = (float)dot_f64(widen(lane_f32(b->ns, i)), lane_f64(b->n, i));
+        float side = along < 0 ? -viewer : viewer;
+        for (int k = 0; k < 3; ++k) {
+            vec3_f32 n = lane_f32(normal[k], i);
+            float above = side * dot_f32(sub_f32(p, lane_f32(f->corner[k], i)), n);
+            float by = -weight[k][i] * above * side;
+            sum = madd_f32(sum, above < 0 ? by : 0, n);
+        }
+        put_f32(out, i, b->smooth[i], sum);
+    }
+}
+
+void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b) {
+    corner_weights weight;
+    float normal[3][3][LANES];
+    uint32_t bent = 0;
+    find_points(f, b, weight);
+    for (int i = 0; i < LANES; ++i) bent |= f->bent[i];
+    for (int i = 0; i < LANES; ++i) put_f32(b->ns, i, f->facet[i], narrow(lane_f64(b->n, i)));
+    if (!bent) return;
+    mix_normals(f, weight, normal, b);
+    if (lifted) {
+        lift(f, weight, normal, 1, b, b->lift);
+        lift(f, weight, normal, -1, b, b->lift_inside);
+    } else {
+        memset(b->smooth, 0, sizeof b->smooth);
+    }
+}
