@@ -36,8 +36,15 @@ bar() {
         /dev/null </dev/null >tty.txt
     tr '\r' '\n' <tty.txt | sed "s/$(printf '\033')\\[K//g" >lines.txt
 }
+# The machine may have become faster meanwhile: a run too short for a bar is made longer, six times at most.
+has_bar() { grep -qE '^render +[0-9]+% \[=*>? *\] [0-9.]+ Mrays/s, [0-9]+:[0-9][0-9] left$' lines.txt; }
 bar 100 ''
-grep -qE '^render +[0-9]+% \[=*>? *\] [0-9.]+ Mrays/s, [0-9]+:[0-9][0-9] left$' lines.txt || die 'no bar'
+for longer in 1 2 3 4 5 6; do
+    has_bar && break
+    spp=$((spp + spp))
+    bar 100 ''
+done
+has_bar || die 'no bar'
 grep -q '^render 100% ' lines.txt || die 'the bar does not end at 100 %'
 # Each drawing clears the rest of its line, and the last one is taken away before the result.
 grep -q "$(printf '\r\033\\[K')a.exr: 160x120" tty.txt || die 'the bar stays beside the result'
