@@ -18,7 +18,7 @@ typedef struct command {
 } command;
 
 extern const command command_render, command_info, command_generate, command_compare, command_validate,
-    command_help;
+    command_bench, command_help;
 
 extern const command *const commands[];
 extern const size_t command_count;

@@ -1,4 +1,4 @@
-#include "cli/command.h"
+#include "cli/bench.h"
 
 #include <string.h>
 
@@ -63,6 +63,11 @@ void help_command(const command *c, FILE *out) {
 }
 
 static fathom_status run(int argc, char **argv) {
+    const command *bench = argc == 3 && strcmp(argv[1], "bench") == 0 ? bench_find(argv[2]) : NULL;
+    if (bench) {
+        help_command(bench, stdout);
+        return FATHOM_OK;
+    }
     if (argc > 2) return say_usage(NULL, "help: expected at most one command");
     if (argc < 2) {
         help_overview(stdout);

@@ -1,0 +1,32 @@
+#include "cli/bench.h"
+
+#include <string.h>
+
+/* What can be measured, a command of two words each. */
+static const command *const benches[] = {NULL};
+
+const command *bench_find(const char *name) {
+    for (size_t i = 0; benches[i]; ++i) {
+        if (strcmp(benches[i]->name + strlen("bench "), name) == 0) return benches[i];
+    }
+    return NULL;
+}
+
+static fathom_status run(int argc, char **argv) {
+    if (argc < 2) return say_usage(&command_bench, "bench: expected what to measure");
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+        help_command(&command_bench, stdout);
+        return FATHOM_OK;
+    }
+    const command *found = bench_find(argv[1]);
+    if (found) return found->run(argc - 1, argv + 1);
+    char text[128];
+    snprintf(text, sizeof text, "bench: there is nothing called \"%.60s\" to measure", argv[1]);
+    return say_usage(&command_bench, text);
+}
+
+const command command_bench = {.name = "bench",
+                               .usage = "WHAT SCENE [options]",
+                               .summary = "Measure speed, and error against time.",
+                               .text = NULL,
+                               .run = run};

@@ -1,0 +1,54 @@
+/* What measurements are told by: medians, intervals, lines. */
+#include "unit.h"
+
+#include "bench/statistics.h"
+
+static void medians(void **state) {
+    (void)state;
+    double odd[] = {5, 1, 3}, even[] = {4, 1, 3, 2};
+    assert_true(median_of(odd, 3) == 3);
+    assert_true(median_of(even, 4) == 2.5);
+    assert_true(isnan(median_of(odd, 0)));
+}
+
+/* For 2 degrees of freedom Student's distribution has the closed form P(|T| <= t) = t / √(2 + t²). */
+static void student(void **state) {
+    (void)state;
+    assert_true(isinf(student_95(0)));
+    assert_near(student_95(1), tan(0.475 * M_PI), 0.001); /* Cauchy's distribution */
+    assert_near(student_95(2), 0.95 * sqrt(2 / (1 - 0.95 * 0.95)), 0.001);
+    for (size_t n = 1; n < 200; ++n) assert_true(student_95(n + 1) < student_95(n));
+    assert_near(student_95(1000000), 1.959964, 0.001);
+}
+
+/* 1, 2, 3: deviation 1, so the half width is 4.303 / √3. */
+static void means(void **state) {
+    (void)state;
+    const double values[] = {1, 2, 3};
+    mean_interval m = mean_of(values, 3);
+    assert_true(m.mean == 2);
+    assert_near(m.half, student_95(2) / sqrt(3), 1e-15 * 4);
+    assert_true(isinf(mean_of(values, 1).half));
+    assert_true(isnan(mean_of(values, 0).mean));
+}
+
+/* By hand: x̄ = 1, ȳ = 4/3, Σ(x - x̄)(y - ȳ) = 1, Σ(x - x̄)² = 2. */
+static void lines(void **state) {
+    (void)state;
+    const double x[] = {0, 1, 2}, y[] = {1, 1, 2}, same[] = {3, 3, 3};
+    line_fit l = line_through(x, y, 3);
+    assert_near(l.slope, 0.5, 1e-15);
+    assert_near(l.intercept, 5.0 / 6, 1e-15);
+    assert_true(isnan(line_through(same, y, 3).slope));
+    assert_true(isnan(line_through(x, y, 0).slope));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(medians),
+        cmocka_unit_test(student),
+        cmocka_unit_test(means),
+        cmocka_unit_test(lines),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
