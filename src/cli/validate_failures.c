@@ -138,7 +138,7 @@ static bool print_exact(const replay *r, const replay_line *line) {
     if (fine && room.ties.count) {
         const search_hit *hit = &room.ties.items[0];
         print_answer(
-            &(verdict_answer){hit->geometry, hit->primitive, hit->instance, (double)hit->answer.t.value});
+            &(verdict_answer){hit->geometry, hit->primitive, hit->instance, (double)hit->answer.t.value, 0});
         if (room.ties.count > 1) printf(" (%zu at this t)", room.ties.count);
     } else {
         printf("miss");

@@ -54,7 +54,7 @@ static verdict_answer answer_of(const inquiry *q, unsigned i) {
     const trace_hits *hits = &q->blocks[i / TRACE_WIDTH].hits;
     unsigned lane = i % TRACE_WIDTH;
     return (verdict_answer){hits->geometry[lane], hits->primitive[lane], hits->instance[lane],
-                            q->fine[i / TRACE_WIDTH].t[lane]};
+                            q->fine[i / TRACE_WIDTH].t[lane], q->fine[i / TRACE_WIDTH].t_low[lane]};
 }
 
 static bool any_of(const inquiry *q, unsigned i) {

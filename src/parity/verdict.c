@@ -54,7 +54,8 @@ static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *o
     judge_ask(j, &p, said->t, &a);
     out->measured = !a.parallel && a.line;
     if (out->measured) {
-        out->exact_t = value(a.t), out->t_error = (double)fabsl((long double)(a.t.value - said->t));
+        out->exact_t = value(a.t),
+        out->t_error = fabs((double)(a.t.value - said->t - (real_f128)said->t_low));
         out->condition = j->tracer->inverted ? a.inverted.t : a.condition.t;
         out->primitive = p, out->exact = a;
     }

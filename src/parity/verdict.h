@@ -38,7 +38,7 @@ typedef struct verdict_tracer {
 /* What the tracer said: ids as in trace_hits, geometry FATHOM_NONE for a miss. */
 typedef struct verdict_answer {
     uint32_t geometry, primitive, instance;
-    double t; /* as the tracer computed it */
+    double t, t_low; /* their sum: as the tracer computed it */
 } verdict_answer;
 
 typedef struct verdict_report {

@@ -110,14 +110,19 @@ void judge_ask(const judge *j, const oracle_primitive *p, double t, oracle_answe
     if (out->parallel || p->shape != ORACLE_SPHERE || !out->line) return;
     double here = value(out->t), other = value(out->other);
     if (fabs(t - here) <= fabs(t - other)) return;
+    /* The oracle answers with the smaller root of the whole line: of the line run backwards that is the
+     * larger one. (A bound between both roots need not exist in float.) */
+    bool larger = other > here;
     oracle_ray ray = *j->ray;
-    float middle = (float)((here + other) / 2);
-    ray.t_near = other > here ? middle : -INFINITY;
-    ray.t_far = other > here ? INFINITY : middle;
-    oracle_answer narrowed;
-    oracle_ask(&ray, p, ORACLE_FAST, &narrowed);
-    if (!narrowed.hit) return;
-    *out = narrowed;
+    ray.t_near = -INFINITY, ray.t_far = INFINITY;
+    if (larger) ray.dir = neg_f32(ray.dir);
+    oracle_answer whole;
+    oracle_ask(&ray, p, ORACLE_FAST, &whole);
+    *out = whole;
+    if (larger) {
+        out->t = ball_neg(whole.t), out->other = ball_neg(whole.other);
+        out->part = 1 - whole.part;
+    }
     /* In the interval that was asked for. */
     out->above_near.value = out->t.value - (real_f128)j->ray->t_near;
     out->below_far.value = (real_f128)j->ray->t_far - out->t.value;

@@ -37,7 +37,7 @@ static verdict judged(court *c, const verdict_tracer *tracer, oracle_ray ray, ve
     return report.verdict;
 }
 
-static const verdict_answer miss = {FATHOM_NONE, 0, FATHOM_NONE, 0};
+static const verdict_answer miss = {FATHOM_NONE, 0, FATHOM_NONE, 0, 0};
 
 /* Two triangles that make the square [-1,1]² at z = 0 (grid of one cell), and another square at z = -1. */
 static void squares(court *c) {
@@ -50,7 +50,7 @@ static void squares(court *c) {
 static oracle_ray down(float x, float y) { return (oracle_ray){{x, y, 1}, {0, 0, -1}, 0, INFINITY}; }
 
 static verdict_answer at(uint32_t geometry, uint32_t primitive, double t) {
-    return (verdict_answer){geometry, primitive, FATHOM_NONE, t};
+    return (verdict_answer){geometry, primitive, FATHOM_NONE, t, 0};
 }
 
 static void test_agree(void **state) {
@@ -110,6 +110,29 @@ static void test_range(void **state) {
     assert_int_equal(judged(&c, &plain, ray, miss), VERDICT_RANGE);
     ray.t_far = 1.1f;
     assert_int_equal(judged(&c, &plain, ray, miss), VERDICT_WRONG);
+    court_close(&c);
+}
+
+/* Two roots with no float between them, 1 and 1 ± 2^-38: what was reported is held against the one it means.
+ */
+static void test_close_roots(void **state) {
+    (void)state;
+    const verdict_tracer quadruple = {.unit = 0x1p-113};
+    court c;
+    court_open(&c);
+    add_sphere(&c.stage, FATHOM_ROOT, 0, (double)0.001f, 0, (double)0.001f, 0);
+    court_begin(&c);
+    vec3_f32 d = {0x1.0343aep+24f, 0x1.a1d92ap+19f, 0x1.b246ecp+22f};
+    oracle_ray in = {neg_f32(d), d, 1, INFINITY}; /* through the origin, which lies on the sphere, at t = 1 */
+    assert_int_equal(judged(&c, &quadruple, in, at(0, 0, 1)), VERDICT_RANGE);
+    /* The larger one is the farther: past the nearer, but without an error of its own. */
+    d.y = -d.y;
+    oracle_ray out = {neg_f32(d), d, 0, 2};
+    verdict_answer far = at(0, 0, 1);
+    verdict_report report;
+    assert_true(verdict_closest(c.search, c.stage.world, &quadruple, &out, &far, &c.room, &report));
+    assert_int_equal(report.verdict, VERDICT_WRONG);
+    assert_true(report.measured && report.exact_t == 1 && report.t_error == 0);
     court_close(&c);
 }
 
@@ -489,7 +512,7 @@ int main(void) {
         cmocka_unit_test(test_errors),        cmocka_unit_test(test_sphere_errors),
         cmocka_unit_test(test_no_mutant),     cmocka_unit_test(test_mutants),
         cmocka_unit_test(test_threads),       cmocka_unit_test(test_rays),
-        cmocka_unit_test(test_histogram),
+        cmocka_unit_test(test_histogram),     cmocka_unit_test(test_close_roots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
