@@ -34,12 +34,20 @@ bool verdict_names_primitive(const world *w, const verdict_answer *a) {
     return a->geometry - g->first < g->count && a->primitive < w->geometries.items[a->geometry].count;
 }
 
-static bool is_tie(const search_hit *hit, const verdict_answer *a) {
+static bool same_primitive(const search_hit *hit, const verdict_answer *a) {
     return hit->geometry == a->geometry && hit->primitive == a->primitive && hit->instance == a->instance;
 }
 
+/* A sphere's other root is another hit, unless they coincide. */
+static bool is_tie(const search_hit *hit, const verdict_answer *said, oracle_shape shape,
+                   const oracle_answer *a) {
+    bool same_root =
+        shape != ORACLE_SPHERE || hit->answer.part == a->part || value(hit->answer.t) == value(a->t);
+    return same_primitive(hit, said) && same_root;
+}
+
 static verdict judge_tie(const judge *j, const verdict_answer *a, double exact) {
-    if (!is_tie(&j->room->ties.items[0], a)) return VERDICT_TIE;
+    if (!same_primitive(&j->room->ties.items[0], a)) return VERDICT_TIE;
     bool close = fabs(a->t - exact) <= verdict_rounding(j->tracer, exact);
     return close ? VERDICT_AGREE : VERDICT_CONDITIONED;
 }
@@ -69,13 +77,15 @@ static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *o
     if (!ties->ties.count) return met;
     search_hit first = ties->ties.items[0];
     for (size_t i = 0; i < ties->ties.count && met == VERDICT_AGREE; ++i) {
-        if (is_tie(&ties->ties.items[i], said)) return judge_tie(j, said, value(a.t));
+        if (is_tie(&ties->ties.items[i], said, p.shape, &a)) return judge_tie(j, said, value(a.t));
     }
     oracle_primitive q = search_primitive(j->world, first.geometry, first.primitive, first.instance);
     verdict_bound nearer = verdict_bound_of(j->tracer, ray, &q, &first.answer);
     double reported = a.parallel ? said->t : value(a.t);
-    if (value(first.answer.t) >= reported - bound.t - nearer.t)
-        return met == VERDICT_AGREE ? VERDICT_TIE : met;
+    if (value(first.answer.t) >= reported - bound.t - nearer.t) {
+        if (met != VERDICT_AGREE) return met;
+        return same_primitive(&first, said) ? VERDICT_CONDITIONED : VERDICT_TIE;
+    }
     j->said = said;
     return judge_skip(j, &first, reported - bound.t);
 }

@@ -54,5 +54,7 @@ void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float
         (t == vote->offered.t && search_comes_before_f32(c.ids, vote->offered.ids))) {
         vote->offered = c;
     }
-    if (try_primitive(&vote->search, c.ids)) vote->met = c;
+    /* Embree offers both roots of its own spheres. */
+    bool farther = vote->met.any && vote->met.t <= t && memcmp(vote->met.ids, c.ids, sizeof c.ids) == 0;
+    if (!farther && try_primitive(&vote->search, c.ids)) vote->met = c;
 }

@@ -113,6 +113,21 @@ static void test_range(void **state) {
     court_close(&c);
 }
 
+/* Where a line leaves a sphere is no hit while the way in counts. */
+static void test_far_root(void **state) {
+    (void)state;
+    court c;
+    court_open(&c);
+    add_sphere(&c.stage, FATHOM_ROOT, 0, 0, -3, 1, 0);
+    court_begin(&c);
+    oracle_ray ray = down(0, 0);
+    assert_int_equal(judged(&c, &plain, ray, at(0, 0, 3)), VERDICT_AGREE);
+    assert_int_equal(judged(&c, &plain, ray, at(0, 0, 5)), VERDICT_WRONG);
+    ray.t_near = 3.5f;
+    assert_int_equal(judged(&c, &plain, ray, at(0, 0, 5)), VERDICT_AGREE);
+    court_close(&c);
+}
+
 /* Two roots with no float between them, 1 and 1 ± 2^-38: what was reported is held against the one it means.
  */
 static void test_close_roots(void **state) {
@@ -513,6 +528,7 @@ int main(void) {
         cmocka_unit_test(test_no_mutant),     cmocka_unit_test(test_mutants),
         cmocka_unit_test(test_threads),       cmocka_unit_test(test_rays),
         cmocka_unit_test(test_histogram),     cmocka_unit_test(test_close_roots),
+        cmocka_unit_test(test_far_root),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
