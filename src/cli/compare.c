@@ -1,14 +1,14 @@
 #include "cli/command.h"
-
-#include "image/image.h"
+#include "cli/compare_flip.h"
+#include "image/flip.h"
 
 #include <math.h>
 #include <string.h>
 
 typedef struct compare_settings {
     const char *a, *b;
-    double tolerance;
-    bool quiet;
+    double tolerance, ppd;
+    bool quiet, flip;
 } compare_settings;
 
 typedef struct difference {
@@ -18,24 +18,6 @@ typedef struct difference {
     double square_sum; /* over all values */
     uint64_t values, pixels;
 } difference;
-
-static const image_channel *find_channel(const image *img, const char *name) {
-    for (size_t i = 0; i < img->channel_count; ++i) {
-        if (strcmp(img->channels[i].name, name) == 0) return &img->channels[i];
-    }
-    return NULL;
-}
-
-static double value_at(const image_channel *c, uint32_t width, uint32_t x, uint32_t y) {
-    const char *place = (const char *)c->data + ((size_t)y * width + x) * c->stride;
-    float number;
-    uint32_t id;
-    switch (c->type) {
-    case IMAGE_FLOAT: memcpy(&number, place, sizeof number); return (double)number;
-    case IMAGE_UINT: memcpy(&id, place, sizeof id); return (double)id;
-    }
-    return 0;
-}
 
 /* Equal infinities and two NaN do not differ; anything else that is not finite differs without bound. */
 static double distance(double a, double b) {
@@ -55,7 +37,7 @@ static bool check_alike(const image *a, const image *b, args_problem *problem) {
     for (int pass = 0; pass < 2; ++pass) {
         const image *one = pass ? b : a, *other = pass ? a : b;
         for (size_t i = 0; i < one->channel_count; ++i) {
-            const image_channel *c = &one->channels[i], *twin = find_channel(other, c->name);
+            const image_channel *c = &one->channels[i], *twin = compare_channel(other, c->name);
             if (!twin)
                 return args_wrong(problem, "channel %.60s is only in the %s", c->name,
                                   pass ? "second" : "first");
@@ -70,8 +52,8 @@ static void compare_pixel(const image *a, const image *b, uint32_t x, uint32_t y
                           difference *out) {
     bool differs = false;
     for (size_t i = 0; i < a->channel_count; ++i) {
-        const image_channel *c = &a->channels[i], *twin = find_channel(b, c->name);
-        double d = distance(value_at(c, a->width, x, y), value_at(twin, b->width, x, y));
+        const image_channel *c = &a->channels[i], *twin = compare_channel(b, c->name);
+        double d = distance(compare_value(c, a->width, x, y), compare_value(twin, b->width, x, y));
         differs |= d > tolerance;
         out->square_sum += d * d;
         ++out->values;
@@ -105,19 +87,37 @@ static fathom_status compare_images(const image *a, const image *b, const compar
     return d.pixels ? FATHOM_CHECK_FAILED : FATHOM_OK;
 }
 
+static fathom_status print_flip(fathom_context *context, const image *a, const image *b,
+                                const compare_settings *settings) {
+    const compare_side one = {a, settings->a}, other = {b, settings->b};
+    compare_flip f;
+    fathom_status status = compare_flip_of(context, &one, &other, settings->ppd, &f);
+    if (status != FATHOM_OK) return say_status(&command_compare, context, status);
+    printf("FLIP %.6g at %g pixels a degree", f.mean, settings->ppd);
+    if (f.nonfinite) printf(", %llu pixels not finite", (unsigned long long)f.nonfinite);
+    putchar('\n');
+    return status;
+}
+
 static fathom_status read_and_compare(fathom_context *context, const compare_settings *settings) {
     const image *a = NULL, *b = NULL;
     fathom_status status = image_read(context, settings->a, &a);
     if (status == FATHOM_OK) status = image_read(context, settings->b, &b);
     say_status(&command_compare, context, status);
+    args_problem unlike;
+    fathom_status flipped = FATHOM_OK;
     if (status == FATHOM_OK) status = compare_images(a, b, settings);
+    if (settings->flip && !settings->quiet && (status == FATHOM_OK || status == FATHOM_CHECK_FAILED) &&
+        check_alike(a, b, &unlike))
+        flipped = print_flip(context, a, b, settings);
+    if (flipped != FATHOM_OK) status = flipped;
     image_release(a);
     image_release(b);
     return status;
 }
 
 static fathom_status run(int argc, char **argv) {
-    compare_settings settings = {.tolerance = 0};
+    compare_settings settings = {.tolerance = 0, .ppd = FLIP_PPD};
     fathom_status status;
     if (!command_parse(&command_compare, argc, argv, &settings, &status)) return status;
     fathom_context *context;
@@ -132,6 +132,12 @@ static const args_option options[] = {
     {.help = "Options"},
     {"tolerance", 0, "T", take_f64, offsetof(compare_settings, tolerance), 0, 1e300,
      "differences up to T do not count (0)"},
+    {"flip", 0, NULL, take_true, offsetof(compare_settings, flip), 0, 0,
+     "also FLIP, the difference that is seen when flipping between the two, from 0 to 1, after sRGB: values "
+     "of "
+     ".exr are taken as linear, of others as sRGB's"},
+    {"ppd", 0, "N", take_f64, offsetof(compare_settings, ppd), FLIP_PPD_LEAST, FLIP_PPD_MOST,
+     "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
     {"quiet", 'q', NULL, take_true, offsetof(compare_settings, quiet), 0, 0, "only the exit code"},
     {.help = NULL},
 };
@@ -140,13 +146,14 @@ static const size_t operand_offsets[] = {offsetof(compare_settings, a), offsetof
 
 const command command_compare = {
     .name = "compare",
-    .usage = "A B [--tolerance T]",
+    .usage = "A B [--tolerance T] [--flip]",
     .summary = "Tell how much two images differ.",
     .text = "Compares every channel of two images as stored, and prints the largest\n"
             "difference of a value, the root mean square of all, and how many pixels differ.\n"
             "The exit code is 0 when none does, 1 when some do or the images have not the\n"
-            "same size, crop and channels.\n",
-    .examples = "  fathom compare old.exr new.exr --tolerance 0.001\n",
+            "same size, crop and channels. FLIP changes no exit code.\n",
+    .examples = "  fathom compare old.exr new.exr --tolerance 0.001\n"
+                "  fathom compare old.png new.png --flip\n",
     .args = {options, operands, operand_offsets, 2},
     .run = run,
 };

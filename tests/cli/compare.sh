@@ -15,9 +15,30 @@ run 0 compare a.exr b.exr --tolerance 0.1005
 run 1 compare a.exr b.exr --tolerance 0.0995
 run 1 compare a.png b.png
 
+# FLIP: nothing between equal images; the same from linear values as from those of a screen, but for their rounding to
+# bytes: half a step is some 0.3 in L*a*b*, and FLIP grows by 0.95 d^0.7 / 16.5 at most, 0.025.
+run 0 compare a.exr a.exr --flip
+said out.txt 'FLIP 0 at 67 pixels a degree'
+run 1 compare a.exr b.exr --flip
+linear=$(sed -n 's/^FLIP \([0-9.]*\) at.*/\1/p' out.txt)
+run 1 compare a.png b.png --flip
+screen=$(sed -n 's/^FLIP \([0-9.]*\) at.*/\1/p' out.txt)
+awk "BEGIN { exit !($linear > 0.05 && $linear - $screen < 0.025 && $screen - $linear < 0.025) }" ||
+    die "FLIP $linear between EXR files, $screen between PNG files"
+run 1 compare a.png b.png --flip --ppd 20
+not_said out.txt "FLIP $screen "
+said out.txt 'at 20 pixels a degree'
+run 1 compare a.png b.png --flip --quiet
+silent out.txt
+refused 2 'ppd' compare a.png b.png --flip --ppd 0.5
+run 0 render scene.json -o id.exr --aov id
+run 0 compare id.exr id.exr --flip
+
 run 0 render scene.json -o c.exr --size 48x64
 run 1 compare a.exr c.exr
 said out.txt 'different sizes: 96x64 and 48x64'
+run 1 compare a.exr c.exr --flip
+not_said out.txt FLIP
 run 0 render scene.json -o c.exr --crop 0,0,50,50
 run 0 render scene.json -o d.exr --crop 1,0,51,50
 run 1 compare c.exr d.exr
