@@ -30,24 +30,49 @@ static void add_pixel(const wave_region *r, uint32_t x, uint32_t y, pixel_block 
 /* The pixels of a 4 × 4 square that are rendered. */
 static void gather_pixels(const wave_region *r, uint32_t left, uint32_t top, pixel_block *out) {
     out->count = 0;
-    bool whole = left >= r->x0 && left + 4 <= r->x1 && top >= r->y0 && top + 4 <= r->y1;
     for (uint32_t k = 0; k < LANES; ++k) {
         uint32_t x = left + k % 4, y = top + k / 4;
-        if (whole || (x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1)) add_pixel(r, x, y, out);
+        if (x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1) add_pixel(r, x, y, out);
     }
 }
 
-/* The grid's cells are the same in every pixel. */
 static void place_samples(const render_plan *plan, uint32_t index, pixel_block *b) {
-    double dx, dy;
-    bool same = plan->settings.pattern == FATHOM_PATTERN_GRID;
-    if (same) wave_sample_position(plan, 0, 0, index, &dx, &dy);
     for (uint32_t i = 0; i < LANES; ++i) {
         uint32_t k = i < b->count ? i : 0; /* unused lanes are computed too */
-        if (!same) wave_sample_position(plan, b->x[k], b->y[k], index, &dx, &dy);
+        double dx, dy;
+        wave_sample_position(plan, b->x[k], b->y[k], index, &dx, &dy);
         b->at_x[i] = b->x[k] + dx;
         b->at_y[i] = b->y[k] + dy;
     }
+}
+
+/* The same for a whole square and the pattern whose cells are the same in every pixel: four columns and four
+ * rows. */
+static void place_grid(const render_plan *plan, const wave_region *r, uint32_t left, uint32_t top,
+                       uint32_t index, pixel_block *b) {
+    uint32_t first = (top - r->top) * WAVE_SIDE + left - r->left;
+    double dx, dy;
+    wave_sample_position(plan, left, top, index, &dx, &dy);
+    for (uint32_t row = 0; row < 4; ++row) {
+        double y = top + row + dy;
+        for (uint32_t column = 0; column < 4; ++column) {
+            b->at_x[4 * row + column] = left + column + dx;
+            b->at_y[4 * row + column] = y;
+            b->slot[4 * row + column] = first + row * WAVE_SIDE + column;
+        }
+    }
+    b->count = LANES;
+}
+
+static void place(const render_plan *plan, const wave_region *r, uint32_t left, uint32_t top, uint32_t index,
+                  pixel_block *b) {
+    bool whole = left >= r->x0 && left + 4 <= r->x1 && top >= r->y0 && top + 4 <= r->y1;
+    if (whole && plan->settings.pattern == FATHOM_PATTERN_GRID) {
+        place_grid(plan, r, left, top, index, b);
+        return;
+    }
+    gather_pixels(r, left, top, b);
+    if (b->count) place_samples(plan, index, b);
 }
 
 static void push_pixel(wave *w, const pixel_block *b, uint32_t i) {
@@ -93,9 +118,8 @@ bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index) {
     for (uint32_t top = region->top; top < region->y1; top += 4) {
         for (uint32_t left = region->left; left < region->x1; left += 4) {
             pixel_block block;
-            gather_pixels(region, left, top, &block);
+            place(w->plan, region, left, top, index, &block);
             if (!block.count) continue;
-            place_samples(w->plan, index, &block);
             w->plan->kernels->camera_directions(&w->plan->camera, block.at_x, block.at_y, block.direction);
             if (block.count == LANES && w->now.count % LANES == 0) {
                 push_square(w, &block);

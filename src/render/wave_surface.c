@@ -8,16 +8,19 @@ static fathom_id hit_material(const world *scene, const ray_hit *ray) {
     return world_material(scene, ray->geometry, ray->primitive, ray->instance);
 }
 
-static void add_background(wave *w, const path_block *path, size_t lane, bool first) {
-    /* With coverage asked for, the image is to be laid over something else: colours are premultiplied, and
-     * the background is not among them. Mirrors and glass still show it. */
-    bool seen = !(first && w->plan->settings.aovs & FATHOM_AOV_ALPHA);
-    for (int c = 0; c < 3 && seen; ++c) {
-        w->radiance[c][path->slot[lane]] += limited(path->weight[c][lane] * w->plan->scene->background[c]);
+/* The misses among the lanes of a block. */
+static void add_background(wave *w, const trace_block *block, const path_block *path, unsigned lanes) {
+    const float *background = w->plan->scene->background;
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (block->hits.geometry[i] != FATHOM_NONE) continue;
+        uint32_t slot = path->slot[i];
+        w->radiance[0][slot] += limited(path->weight[0][i] * background[0]);
+        w->radiance[1][slot] += limited(path->weight[1][i] * background[1]);
+        w->radiance[2][slot] += limited(path->weight[2][i] * background[2]);
     }
-    if (!first || !w->first) return;
-    first_hits *f = w->first;
-    uint32_t slot = path->slot[lane];
+}
+
+static void keep_miss(first_hits *f, uint32_t slot) {
     f->alpha[slot] = 0;
     f->z[slot] = INFINITY;
     for (int c = 0; c < 3; ++c) f->n[c][slot] = f->p[c][slot] = f->albedo[c][slot] = 0;
@@ -100,20 +103,37 @@ static void end_block(wave *w, bool first) {
     surface_gather_begin(w->gather);
 }
 
+static void add_hits(wave *w, const trace_block *block, const path_block *path, unsigned lanes, bool first) {
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (block->hits.geometry[i] == FATHOM_NONE) continue;
+        ray_hit ray = ray_hit_load(block, i);
+        add_hit(w, &ray, block, path, i);
+        if (w->gather->count == LANES) end_block(w, first);
+    }
+}
+
+/* With coverage asked for, the image is to be laid over something else: colours are premultiplied, and the
+ * background is not among them. Mirrors and glass still show it. */
+static bool shows_background(const wave *w, bool first) {
+    const float *rgb = w->plan->scene->background;
+    bool seen = !(first && w->plan->settings.aovs & FATHOM_AOV_ALPHA);
+    return seen && (rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0);
+}
+
 bool wave_surfaces(wave *w, bool first) {
+    const bool background = shows_background(w, first);
     w->surface_count = 0;
     if (!wave_reserve_surfaces(w, w->now.count)) return false;
     surface_gather_begin(w->gather);
-    for (size_t k = 0; k < w->now.count; ++k) {
-        const trace_block *block = &w->now.rays[k / LANES];
-        const path_block *path = &w->now.paths[k / LANES];
-        if (block->hits.geometry[k % LANES] == FATHOM_NONE) {
-            add_background(w, path, k % LANES, first);
-            continue;
+    for (size_t done = 0; done < w->now.count; done += LANES) {
+        const trace_block *block = &w->now.rays[done / LANES];
+        const path_block *path = &w->now.paths[done / LANES];
+        unsigned lanes = w->now.count - done < LANES ? (unsigned)(w->now.count - done) : LANES;
+        if (background) add_background(w, block, path, lanes);
+        for (unsigned i = 0; first && w->first && i < lanes; ++i) {
+            if (block->hits.geometry[i] == FATHOM_NONE) keep_miss(w->first, path->slot[i]);
         }
-        ray_hit ray = ray_hit_load(block, k % LANES);
-        add_hit(w, &ray, block, path, k % LANES);
-        if (w->gather->count == LANES) end_block(w, first);
+        add_hits(w, block, path, lanes, first);
     }
     end_block(w, first);
     return true;
