@@ -14,6 +14,19 @@ double median_of(double *values, size_t count) {
     return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
 }
 
+static double quantile_of(const double *sorted, size_t count, double q) {
+    double at = q * (double)(count - 1);
+    size_t below = (size_t)at, above = below + 1 < count ? below + 1 : below;
+    return sorted[below] + (at - (double)below) * (sorted[above] - sorted[below]);
+}
+
+quartiles quartiles_of(double *values, size_t count) {
+    if (!count) return (quartiles){(double)NAN, (double)NAN, (double)NAN};
+    qsort(values, count, sizeof *values, by_value);
+    return (quartiles){quantile_of(values, count, 0.25), quantile_of(values, count, 0.5),
+                       quantile_of(values, count, 0.75)};
+}
+
 /* Up to 30 from the usual table; beyond, the first two terms of the expansion about the normal distribution's
  * z = 1.95996, z + (z³ + z) / (4 n) (Abramowitz and Stegun 26.7.5): the next is 5z⁵ + 16z³ + 3z over 96 n²,
  * which is below 0.004 at 30, so it stands here too. */

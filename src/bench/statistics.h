@@ -7,6 +7,12 @@
 /* Sorts the values. Of an even number the mean of the middle two; NAN of none. */
 double median_of(double *values, size_t count);
 
+/* Sorts the values. Between two of them in proportion (type 7 of Hyndman and Fan 1996); NAN of none. */
+typedef struct quartiles {
+    double low, median, high;
+} quartiles;
+quartiles quartiles_of(double *values, size_t count);
+
 /* The t with P(|T| <= t) = 0.95 for Student's distribution of so many degrees of freedom, within 0.001;
  * infinite for 0. */
 double student_95(size_t freedom);

@@ -18,6 +18,16 @@ typedef struct args_list {
     size_t count;
 } args_list;
 
+/* Counts of one option, separated by commas. */
+typedef struct args_counts {
+    uint64_t items[ARGS_LIST_MAX];
+    size_t count;
+} args_counts;
+
+typedef struct args_size {
+    uint32_t width, height;
+} args_size;
+
 typedef struct args_problem {
     char text[512];
 } args_problem;
@@ -71,6 +81,10 @@ bool take_u32(const args_option *option, const char *value, void *field, args_pr
 bool take_u64(const args_option *option, const char *value, void *field, args_problem *problem);
 /* A uint64_t within [least, most]; k, M and G multiply by a thousand, a million, a thousand million. */
 bool take_count(const args_option *option, const char *value, void *field, args_problem *problem);
+/* The same, several, separated by commas; an args_counts. */
+bool take_counts(const args_option *option, const char *value, void *field, args_problem *problem);
+/* "1280x720", each within [least, most]; an args_size. */
+bool take_size(const args_option *option, const char *value, void *field, args_problem *problem);
 bool take_f32(const args_option *option, const char *value, void *field, args_problem *problem);
 bool take_f64(const args_option *option, const char *value, void *field, args_problem *problem);
 /* The option's `value` lists the words, "grid|sobol"; an unsigned or an enum gets the word's place. */

@@ -121,6 +121,39 @@ bool take_count(const args_option *option, const char *value, void *field, args_
                       option->least, option->most, value);
 }
 
+bool take_counts(const args_option *option, const char *value, void *field, args_problem *problem) {
+    args_counts counts = {.count = 0};
+    for (const char *at = value;; ++at) {
+        char one[64];
+        size_t length = strcspn(at, ",");
+        if (counts.count == ARGS_LIST_MAX)
+            return args_wrong(problem, "expected at most %d numbers, found more", ARGS_LIST_MAX);
+        if (length >= sizeof one) length = sizeof one - 1; /* too long for any number that is taken */
+        memcpy(one, at, length);
+        one[length] = '\0';
+        if (!take_count(option, one, &counts.items[counts.count++], problem)) return false;
+        at += strcspn(at, ",");
+        if (!*at) break;
+    }
+    *(args_counts *)field = counts;
+    return true;
+}
+
+bool take_size(const args_option *option, const char *value, void *field, args_problem *problem) {
+    uint64_t width, height;
+    const char *text = value;
+    bool fine = args_read_u64(&text, 'x', &width) && args_read_u64(&text, '\0', &height);
+    double least = option->least, most = option->most;
+    if (!fine || (double)width < least || (double)width > most || (double)height < least ||
+        (double)height > most) {
+        return args_wrong(problem,
+                          "expected WIDTHxHEIGHT, each from %.0f to %.0f, such as 1280x720, found \"%.60s\"",
+                          least, most, value);
+    }
+    *(args_size *)field = (args_size){(uint32_t)width, (uint32_t)height};
+    return true;
+}
+
 bool take_f64(const args_option *option, const char *value, void *field, args_problem *problem) {
     double number;
     const char *text = value;

@@ -4,6 +4,8 @@
 
 #include "cli/command.h"
 
+extern const command command_bench_render;
+
 /* "error" for `fathom bench error`; NULL: none. */
 const command *bench_find(const char *name);
 

@@ -6,21 +6,6 @@
 #include <string.h>
 #include <strings.h>
 
-static bool take_size(const args_option *option, const char *value, void *field, args_problem *problem) {
-    uint64_t width, height;
-    const char *text = value;
-    bool fine = args_read_u64(&text, 'x', &width) && args_read_u64(&text, '\0', &height);
-    double least = option->least, most = option->most;
-    if (!fine || (double)width < least || (double)width > most || (double)height < least ||
-        (double)height > most) {
-        return args_wrong(problem,
-                          "expected WIDTHxHEIGHT, each from %.0f to %.0f, such as 1280x720, found \"%.60s\"",
-                          least, most, value);
-    }
-    *(render_size *)field = (render_size){(uint32_t)width, (uint32_t)height};
-    return true;
-}
-
 static bool take_crop(const args_option *option, const char *value, void *field, args_problem *problem) {
     (void)option;
     uint64_t c[4];

@@ -6,10 +6,6 @@
 
 #include <fathom/render.h>
 
-typedef struct render_size {
-    uint32_t width, height;
-} render_size;
-
 typedef struct render_background {
     bool given;
     float rgb[3];
@@ -20,7 +16,7 @@ typedef struct render_options {
     args_list outputs;
     fathom_settings settings;
     bool aovs_given;
-    render_size size; /* 0 × 0: the settings' own */
+    args_size size; /* 0 × 0: the settings' own */
     unsigned threads; /* 0: all processors */
     render_background background;
     fathom_write_options write;

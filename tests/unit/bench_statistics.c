@@ -11,6 +11,18 @@ static void medians(void **state) {
     assert_true(isnan(median_of(odd, 0)));
 }
 
+/* Of four values in order x1 … x4 the lower quartile lies at 1 + 0.25 · 3, three quarters of the way from the
+ * first to the second: 1 + 0.75 · (3 - 1) by hand. */
+static void quarters(void **state) {
+    (void)state;
+    double four[] = {9, 1, 5, 3}, one[] = {7};
+    quartiles q = quartiles_of(four, 4);
+    assert_true(q.low == 2.5 && q.median == 4 && q.high == 6);
+    q = quartiles_of(one, 1);
+    assert_true(q.low == 7 && q.median == 7 && q.high == 7);
+    assert_true(isnan(quartiles_of(one, 0).median));
+}
+
 /* For 2 degrees of freedom Student's distribution has the closed form P(|T| <= t) = t / √(2 + t²). */
 static void student(void **state) {
     (void)state;
@@ -45,10 +57,8 @@ static void lines(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(medians),
-        cmocka_unit_test(student),
-        cmocka_unit_test(means),
-        cmocka_unit_test(lines),
+        cmocka_unit_test(medians), cmocka_unit_test(quarters), cmocka_unit_test(student),
+        cmocka_unit_test(means),   cmocka_unit_test(lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

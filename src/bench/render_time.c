@@ -1,0 +1,176 @@
+#include "bench/render_time.h"
+
+#include "base/clock.h"
+#include "bench/replay.h"
+#include "render/job.h"
+
+#include <stdlib.h>
+
+typedef struct bench {
+    fathom_context *context;
+    const world *world;
+    const trace_tracer *tracer;
+    const fathom_settings *settings;
+    const render_time_options *options;
+    render_time *out;
+} bench;
+
+typedef struct timing {
+    double plan, seconds, cpu;
+    ray_counts rays;
+} timing;
+
+/* One render phase, with a plan and a film of its own as any render has. */
+static fathom_status render_once(const bench *b, const trace_tracer *tracer, const fathom_settings *settings,
+                                 unsigned threads, timing *out) {
+    fathom_film *film;
+    render_plan *plan = NULL;
+    fathom_context_set_threads(b->context, threads);
+    fathom_status status = film_create(b->context, b->world->scene, settings, &film);
+    if (status != FATHOM_OK) return status;
+    double start = clock_seconds();
+    status = plan_create(b->context, b->world, tracer, settings, &plan);
+    double began = clock_seconds(), cpu = clock_process_seconds();
+    if (status == FATHOM_OK) status = job_run(b->context, plan, film, NULL, NULL, &out->rays);
+    out->seconds = clock_seconds() - began;
+    out->cpu = clock_process_seconds() - cpu;
+    out->plan = began - start;
+    plan_destroy(plan);
+    fathom_film_destroy(film);
+    return status;
+}
+
+/* ---- against the bare calls ---- */
+
+typedef struct sums {
+    double render[RENDER_TIME_REPEATS_MAX], traced[RENDER_TIME_REPEATS_MAX], bare[RENDER_TIME_REPEATS_MAX];
+} sums;
+
+/* Each in turn, and the other way round every other time, so that what changes with the time favours none. */
+static fathom_status time_band(const bench *b, const record *r, const fathom_settings *settings, sums *s) {
+    for (unsigned k = 0; k < b->options->repeats; ++k) {
+        timing render;
+        replay_result bare, traced;
+        bool first = k % 2, ok = true;
+        if (first) ok = replay_bare(r, b->tracer, &bare);
+        fathom_status status = render_once(b, b->tracer, settings, 1, &render);
+        if (status != FATHOM_OK) return status;
+        if (!first) ok = replay_bare(r, b->tracer, &bare);
+        if (!ok || !replay_traced(r, b->tracer, &traced)) return fail_memory(b->context, sizeof *r);
+        s->render[k] += render.cpu, s->bare[k] += bare.cpu_seconds, s->traced[k] += traced.cpu_seconds;
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status record_band(const bench *b, const fathom_settings *settings, record *r) {
+    trace_tracer *recorder = record_tracer(b->tracer, r);
+    if (!recorder) return fail_memory(b->context, sizeof *r);
+    record_clear(r);
+    timing render;
+    fathom_status status = render_once(b, recorder, settings, 1, &render);
+    trace_destroy(recorder);
+    if (status != FATHOM_OK || !r->out_of_memory) return status;
+    return fail(b->context, FATHOM_OUT_OF_RESOURCES,
+                "out of memory for the rays of a render; expected fewer samples or a smaller image");
+}
+
+/* Rows of the image whose rays take no more than record_bytes: whole tiles, at least one. */
+static uint32_t band_rows(const bench *b, uint32_t rows) {
+    double rays = (double)plan_expected_rays(b->world->scene, b->settings);
+    double bytes = rays / TRACE_WIDTH * sizeof(trace_rays) / rows;
+    double fit = (double)b->options->record_bytes / bytes;
+    uint32_t tile = b->settings->tile_size;
+    if (fit >= rows) return rows;
+    return fit < tile ? tile : (uint32_t)fit / tile * tile;
+}
+
+static fathom_status time_bands(const bench *b, record *r, sums *s) {
+    fathom_settings part = *b->settings;
+    uint32_t *c = part.crop;
+    if (!c[2]) c[0] = c[1] = 0, c[2] = part.width, c[3] = part.height;
+    const uint32_t end = c[3], rows = band_rows(b, end - c[1]);
+    fathom_status status = FATHOM_OK;
+    for (uint32_t y = c[1]; y < end && status == FATHOM_OK; y = c[3]) {
+        uint32_t next = (y + rows) / part.tile_size * part.tile_size;
+        c[1] = y, c[3] = end - y <= rows ? end : next;
+        status = record_band(b, &part, r);
+        if (status == FATHOM_OK) status = time_band(b, r, &part, s);
+        b->out->ratio.closest += record_rays(r, BARE_CLOSEST);
+        b->out->ratio.any += record_rays(r, BARE_ANY);
+        ++b->out->ratio.bands;
+    }
+    return status;
+}
+
+static void set_ratio(render_ratio *ratio, sums *s, unsigned repeats) {
+    double to_bare[RENDER_TIME_REPEATS_MAX];
+    for (unsigned k = 0; k < repeats; ++k) to_bare[k] = s->render[k] / s->bare[k];
+    ratio->render_to_bare = quartiles_of(to_bare, repeats);
+    for (unsigned k = 0; k < repeats; ++k) to_bare[k] = s->traced[k] / s->bare[k];
+    ratio->traced_to_bare = quartiles_of(to_bare, repeats);
+    ratio->render = quartiles_of(s->render, repeats);
+    ratio->traced = quartiles_of(s->traced, repeats);
+    ratio->bare = quartiles_of(s->bare, repeats);
+}
+
+static fathom_status measure_ratio(const bench *b) {
+    if (!embree_bare_possible(b->tracer)) return FATHOM_OK;
+    sums *s = calloc(1, sizeof *s);
+    if (!s) return fail_memory(b->context, sizeof *s);
+    record r = {.blocks = 0};
+    fathom_status status = time_bands(b, &r, s);
+    record_free(&r);
+    b->out->has_ratio = status == FATHOM_OK;
+    if (b->out->has_ratio) set_ratio(&b->out->ratio, s, b->options->repeats);
+    free(s);
+    return status;
+}
+
+/* ---- by threads ---- */
+
+typedef struct speed_sums {
+    double plan[RENDER_TIME_REPEATS_MAX];
+    double seconds[RENDER_TIME_THREADS_MAX][RENDER_TIME_REPEATS_MAX];
+    double cpu[RENDER_TIME_THREADS_MAX][RENDER_TIME_REPEATS_MAX];
+} speed_sums;
+
+static void set_speeds(const bench *b, speed_sums *s) {
+    unsigned repeats = b->options->repeats;
+    double gain[RENDER_TIME_REPEATS_MAX];
+    b->out->plan_seconds = quartiles_of(s->plan, repeats);
+    b->out->speed_count = b->options->thread_counts;
+    for (unsigned t = b->options->thread_counts; t-- > 0;) { /* the first is sorted last */
+        render_speed *speed = &b->out->speeds[t];
+        for (unsigned k = 0; k < repeats; ++k) gain[k] = s->seconds[0][k] / s->seconds[t][k];
+        speed->threads = b->options->threads[t];
+        speed->speedup = quartiles_of(gain, repeats);
+        speed->seconds = quartiles_of(s->seconds[t], repeats);
+        speed->cpu_seconds = quartiles_of(s->cpu[t], repeats);
+    }
+}
+
+static fathom_status measure_speeds(const bench *b) {
+    speed_sums *s = calloc(1, sizeof *s);
+    if (!s) return fail_memory(b->context, sizeof *s);
+    fathom_status status = FATHOM_OK;
+    for (unsigned k = 0; k < b->options->repeats; ++k) {
+        for (unsigned t = 0; t < b->options->thread_counts && status == FATHOM_OK; ++t) {
+            timing render;
+            status = render_once(b, b->tracer, b->settings, b->options->threads[t], &render);
+            s->plan[k] = render.plan, s->seconds[t][k] = render.seconds, s->cpu[t][k] = render.cpu;
+            b->out->rays = render.rays;
+        }
+    }
+    if (status == FATHOM_OK) set_speeds(b, s);
+    free(s);
+    return status;
+}
+
+fathom_status render_time_measure(fathom_context *context, const world *w, const trace_tracer *tracer,
+                                  const fathom_settings *settings, const render_time_options *options,
+                                  render_time *out) {
+    *out = (render_time){.speed_count = 0};
+    bench b = {context, w, tracer, settings, options, out};
+    fathom_status status = measure_speeds(&b);
+    return status == FATHOM_OK ? measure_ratio(&b) : status;
+}

@@ -1,0 +1,20 @@
+/* The rays of a record asked again, by one thread and timed: the ceiling of the render that they come from.
+ *
+ * Rays are brought to the processor's second-level cache piece by piece, and into the form that is asked for,
+ * outside of what is timed. A render's rays are in its cache too when they are traced. */
+#ifndef BENCH_REPLAY_H
+#define BENCH_REPLAY_H
+
+#include "bench/record.h"
+
+typedef struct replay_result {
+    double seconds, cpu_seconds; /* by the clock; of the thread */
+    uint64_t rays[2], met[2];    /* by bare_query */
+} replay_result;
+
+/* By Embree's calls alone; embree_bare_possible() must hold. Both are false when out of memory. */
+bool replay_bare(const record *r, const trace_tracer *tracer, replay_result *out);
+/* By trace_closest() and trace_any(). */
+bool replay_traced(const record *r, const trace_tracer *tracer, replay_result *out);
+
+#endif

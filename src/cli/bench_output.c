@@ -1,0 +1,133 @@
+#include "cli/bench_output.h"
+
+#include "base/file.h"
+#include "base/threads.h"
+#include "cli/json_text.h"
+#include "cli/machine.h"
+#include "cli/outputs.h"
+#include "report/bench_page.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+fathom_status bench_output_check(fathom_context *context, const bench_output *output, const char *input) {
+    char path[PATH_MAX];
+    const char *files[3];
+    size_t count = 0;
+    if (output->json) files[count++] = output->json;
+    if (output->csv) files[count++] = output->csv;
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) {
+        status = file_check_writable(context, files[i]);
+    }
+    if (status == FATHOM_OK && output->report) status = page_check(context, output->report);
+    if (output->report) {
+        snprintf(path, sizeof path, "%s/index.html", output->report);
+        files[count++] = path;
+    }
+    return status == FATHOM_OK ? outputs_check_distinct(context, files, count, input) : status;
+}
+
+static json_t *pack_machine(void) {
+    char cpu[128];
+    double load[3] = {NAN, NAN, NAN};
+    machine_cpu(cpu, sizeof cpu);
+    json_t *machine =
+        json_pack("{s:o, s:o, s:s, s:s}", "cpu", json_text(cpu), "processors", json_count(processor_count()),
+                  "compiler", machine_compiler(), "flags", machine_flags());
+    if (getloadavg(load, 3) > 0) json_object_set_new(machine, "load", json_real(load[0]));
+    return machine;
+}
+
+json_t *bench_head(const char *what) {
+    char date[16];
+    machine_date(date);
+    const char *commit = machine_commit();
+    return json_pack("{s:s, s:s, s:o, s:s, s:o}", "bench", what, "fathom", fathom_version(), "commit",
+                     *commit ? json_string(commit) : json_null(), "date", date, "machine", pack_machine());
+}
+
+void bench_head_tracer(json_t *root, const char *tracer_name) {
+    if (strncmp(tracer_name, "Embree ", 7) != 0) return;
+    json_object_set_new(json_object_get(root, "machine"), "embree", json_string(tracer_name + 7));
+}
+
+json_t *bench_quartiles(quartiles q) {
+    return json_pack("{s:f, s:f, s:f}", "low", q.low, "median", q.median, "high", q.high);
+}
+
+double bench_number(const json_t *object, const char *key, const char *inner) {
+    const json_t *value = json_object_get(object, key);
+    if (inner) value = json_object_get(value, inner);
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
+/* ---- files ---- */
+
+static fathom_status write_text(fathom_context *context, const char *path, const char *text) {
+    file_writer *writer;
+    fathom_status status = file_writer_open(context, path, &writer);
+    if (status != FATHOM_OK) return status;
+    file_writer_put(writer, text, strlen(text));
+    return file_writer_commit(writer);
+}
+
+static fathom_status write_json(fathom_context *context, const char *path, const json_t *root) {
+    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    if (!text) return fail_memory(context, 4096);
+    fathom_status status = write_text(context, path, text);
+    free(text);
+    return status;
+}
+
+static void put_facts(FILE *out, const json_t *root) {
+    const char *key;
+    const json_t *value;
+    const json_t *machine = json_object_get(root, "machine");
+    fprintf(out, "# fathom bench %s, fathom %s", json_string_value(json_object_get(root, "bench")),
+            json_string_value(json_object_get(root, "fathom")));
+    const char *commit = json_string_value(json_object_get(root, "commit"));
+    if (commit) fprintf(out, ", commit %s", commit);
+    fprintf(out, ", %s\n", json_string_value(json_object_get(root, "date")));
+    for (void *i = json_object_iter((json_t *)machine); i; i = json_object_iter_next((json_t *)machine, i)) {
+        key = json_object_iter_key(i), value = json_object_iter_value(i);
+        if (json_is_string(value))
+            fprintf(out, "# %s: %s\n", key, json_string_value(value));
+        else
+            fprintf(out, "# %s: %g\n", key, json_number_value(value));
+    }
+}
+
+static fathom_status write_csv(fathom_context *context, const char *path, const json_t *root,
+                               void (*put_csv)(FILE *out, const json_t *root)) {
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return fail_memory(context, 4096);
+    put_facts(out, root);
+    put_csv(out, root);
+    fathom_status status = FATHOM_OK;
+    if (fclose(out) != 0) status = fail_memory(context, size);
+    if (status == FATHOM_OK) status = write_text(context, path, text);
+    free(text);
+    return status;
+}
+
+static fathom_status write_report(fathom_context *context, const char *folder, const json_t *root) {
+    page p = {.count = 0};
+    bench_page(&p, root);
+    fathom_status status = page_write(context, &p, folder);
+    page_free(&p);
+    return status;
+}
+
+fathom_status bench_output_write(fathom_context *context, const bench_output *output, const json_t *root,
+                                 void (*put_csv)(FILE *out, const json_t *root)) {
+    fathom_status status = FATHOM_OK;
+    if (output->json) status = write_json(context, output->json, root);
+    if (status == FATHOM_OK && output->csv) status = write_csv(context, output->csv, root, put_csv);
+    if (status == FATHOM_OK && output->report) status = write_report(context, output->report, root);
+    return status;
+}

@@ -1,0 +1,11 @@
+/* The sections of the pages of `fathom bench`, one file for each kind. */
+#ifndef REPORT_BENCH_PARTS_H
+#define REPORT_BENCH_PARTS_H
+
+#include "report/page.h"
+
+#include <jansson.h>
+
+void bench_render_put(page *p, const json_t *results);
+
+#endif

@@ -1,0 +1,46 @@
+# fathom bench: that it measures, what it writes; no time is judged.
+. "$SOURCE/tests/cli/check.inc"
+write_scene
+
+run 2 bench
+run 0 help bench
+said out.txt 'Usage: fathom bench'
+for what in render; do
+    run 0 help bench $what
+    cp out.txt help.txt
+    run 0 bench $what --help
+    cmp -s out.txt help.txt || die "fathom bench $what --help is not fathom help bench $what"
+    awk 'length($0) > 80 { exit 1 }' out.txt || die "the help of bench $what is wider than 80 columns"
+done
+rm help.txt
+refused 2 'nothing called "xyzzy"' bench xyzzy
+refused 2 'SCENE is missing; see fathom help bench render' bench render
+refused 3 'none.json' bench render none.json
+refused 2 '--spp: expected a whole number from 1 to 65536' bench render scene.json --spp 1,,4
+refused 2 'spp: the pattern is n x n' bench render scene.json --spp 1,5
+refused 2 'no tracer is called "xyzzy"' bench render scene.json --tracer xyzzy
+refused 2 'same file' bench render scene.json --json a.txt --csv a.txt
+refused 4 'its folder does not exist' bench render scene.json --json no/a.json
+
+# The render phase: everything in all three forms.
+run 0 bench render scene.json --spp 1,4 --threads 1,2 --repeats 2 --json r.json --csv r.csv --report render
+said out.txt 'all of the render phase:'
+for key in bench fathom commit date cpu processors compiler flags embree load scene runs spp seconds read build plan \
+    render write rays speeds ceiling renderToBare tracedToBare median low high; do
+    said r.json "\"$key\": "
+done
+[ "$(grep -c '"spp": ' r.json)" -eq 2 ] || die 'expected two runs'
+[ "$(number r.json camera)" -eq $((96 * 64)) ] || die 'one camera ray a pixel'
+# The rays asked again are those of the render: camera, mirrored; shadows.
+camera=$(number r.json camera) mirrored=$(number r.json reflection) shadow=$(number r.json shadow)
+[ "$(number r.json closestRays)" -eq $((camera + mirrored)) ] || die 'closest-hit rays'
+[ "$(number r.json anyRays)" -eq "$shadow" ] || die 'shadow rays'
+[ "$(grep -vc '^#' r.csv)" -eq 5 ] || die 'expected a header and four rows'
+awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' r.csv || die 'rows of different length'
+said render/index.html 'Against the bare calls'
+not_said render/index.html '<script'
+
+# A tracer without a bare form has no ratio.
+run 0 bench render scene.json --spp 1 --threads 1 --repeats 1 --size 32x32 --tracer bvh --json b.json
+said out.txt 'no bare form'
+said b.json '"ceiling": null'
