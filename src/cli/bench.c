@@ -3,7 +3,7 @@
 #include <string.h>
 
 /* What can be measured, a command of two words each. */
-static const command *const benches[] = {&command_bench_render, NULL};
+static const command *const benches[] = {&command_bench_trace, &command_bench_render, NULL};
 
 const command *bench_find(const char *name) {
     for (size_t i = 0; benches[i]; ++i) {
@@ -30,6 +30,7 @@ const command command_bench = {
     .usage = "WHAT SCENE [options]",
     .summary = "Measure speed, and error against time.",
     .text = "WHAT is one of\n"
+            "  trace    rays a second of every tracer, and what they cost to build\n"
             "  render   the phases of a render, and its distance from Embree's ceiling\n"
             "fathom help bench WHAT tells more.\n",
     .run = run};

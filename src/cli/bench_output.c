@@ -64,6 +64,19 @@ double bench_number(const json_t *object, const char *key, const char *inner) {
     return json_is_number(value) ? json_number_value(value) : (double)NAN;
 }
 
+void bench_csv_text(FILE *out, const char *text) {
+    if (!text[strcspn(text, ",\"\r\n")]) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text; ++text) {
+        if (*text == '"') fputc('"', out);
+        fputc(*text, out);
+    }
+    fputc('"', out);
+}
+
 /* ---- files ---- */
 
 static fathom_status write_text(fathom_context *context, const char *path, const char *text) {

@@ -41,6 +41,8 @@ void bench_head_tracer(json_t *root, const char *tracer_name);
 json_t *bench_quartiles(quartiles q);
 /* A number of an object inside: number_in(run, "ratio", "median"); NAN where there is none. */
 double bench_number(const json_t *object, const char *key, const char *inner);
+/* A field of CSV, between quotes where it needs them. */
+void bench_csv_text(FILE *out, const char *text);
 
 /* All that was asked for, from the finished object. put_csv: header and rows. */
 fathom_status bench_output_write(fathom_context *context, const bench_output *output, const json_t *root,

@@ -21,6 +21,7 @@ static void put_head(page *p, const json_t *results) {
     const json_t *machine = json_object_get(results, "machine");
     page_put(p, "<dl>\n");
     put_fact(p, "Scene", text_at(results, "scene"));
+    put_number(p, "Threads", number_at(results, "threads"));
     put_number(p, "Repetitions", number_at(results, "repeats"));
     put_fact(p, "Fathom", text_at(results, "fathom"));
     put_fact(p, "Commit", text_at(results, "commit"));
@@ -38,6 +39,7 @@ static const struct {
     const char *name, *title;
     void (*put)(page *p, const json_t *results);
 } benches[] = {
+    {"trace", "Fathom: rays a second of every tracer", bench_trace_put},
     {"render", "Fathom: the render phase against Embree\xe2\x80\x99s bare calls", bench_render_put},
 };
 

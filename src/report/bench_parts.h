@@ -6,6 +6,7 @@
 
 #include <jansson.h>
 
+void bench_trace_put(page *p, const json_t *results);
 void bench_render_put(page *p, const json_t *results);
 
 #endif

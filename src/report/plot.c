@@ -42,8 +42,23 @@ static void put_point(page *p, const axis *x, const axis *y, const plot_point *q
                  q->kind % PLOT_KINDS, across, up, across, top);
         put_mark(p, across, top, q->kind, "hollow");
     }
-    put_mark(p, across, up, q->kind, "solid");
+    put_mark(p, across, up, q->kind, q->hollow ? "hollow" : "solid");
     page_put(p, "</g>\n");
+}
+
+/* ---- lines ---- */
+
+static bool can_show(bool log, double x) { return isfinite(x) && (!log || x > 0); }
+
+static bool is_line_drawn(const plot *t, const plot_line *l) {
+    return can_show(t->x_log, l->x0) && can_show(t->x_log, l->x1) && can_show(t->y_log, l->y0) &&
+           can_show(t->y_log, l->y1);
+}
+
+static void put_line(page *p, const axis *x, const axis *y, const plot_line *l) {
+    page_put(p, "<line class=\"interval k%u%s\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>\n",
+             l->kind % PLOT_KINDS, l->dashed ? " dashed" : "", scale_at(&x->scale, l->x0),
+             scale_at(&y->scale, l->y0), scale_at(&x->scale, l->x1), scale_at(&y->scale, l->y1));
 }
 
 /* ---- labels ---- */
@@ -127,16 +142,28 @@ static axis axis_over(const char *name, bool log, const extent *e, double from, 
     return a;
 }
 
-void plot_put(page *p, const plot *t) {
-    extent across = {INFINITY, -INFINITY, false}, up = across;
-    extend(&up, t->y_log, t->y_low), extend(&up, t->y_log, t->y_high);
+/* What the axes must hold; returns how many points are drawn. */
+static size_t measure(const plot *t, extent *across, extent *up) {
     size_t marks = 0;
+    extend(up, t->y_log, t->y_low), extend(up, t->y_log, t->y_high);
     for (size_t i = 0; i < t->count; ++i) {
         const plot_point *q = &t->points[i];
         if (!is_drawn(q)) continue;
         ++marks;
-        extend(&across, t->x_log, q->x), extend(&up, t->y_log, q->y), extend(&up, t->y_log, q->high);
+        extend(across, t->x_log, q->x), extend(up, t->y_log, q->y), extend(up, t->y_log, q->high);
     }
+    for (size_t i = 0; i < t->line_count; ++i) {
+        const plot_line *l = &t->lines[i];
+        if (!is_line_drawn(t, l)) continue;
+        extend(across, t->x_log, l->x0), extend(across, t->x_log, l->x1);
+        extend(up, t->y_log, l->y0), extend(up, t->y_log, l->y1);
+    }
+    return marks;
+}
+
+void plot_put(page *p, const plot *t) {
+    extent across = {INFINITY, -INFINITY, false}, up = across;
+    size_t marks = measure(t, &across, &up);
     box area = frame_area(t->width, t->height);
     frame f = {t->title, t->summary, t->width, t->height, .marks = marks};
     /* Marks at the ends stay clear of the frame. */
@@ -144,6 +171,9 @@ void plot_put(page *p, const plot *t) {
     f.x = axis_over(t->x_name, t->x_log, &across, area.left + in, area.right - in);
     f.y = axis_over(t->y_name, t->y_log, &up, area.bottom - in, area.top + in);
     frame_open(p, &f);
+    for (size_t i = 0; i < t->line_count; ++i) {
+        if (is_line_drawn(t, &t->lines[i])) put_line(p, &f.x, &f.y, &t->lines[i]);
+    }
     for (size_t i = 0; i < t->count; ++i) {
         if (is_drawn(&t->points[i])) put_point(p, &f.x, &f.y, &t->points[i]);
     }

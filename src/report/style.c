@@ -78,7 +78,7 @@ static const char rules[] =
     "svg text.label{fill:var(--ink)}svg text.axis{fill:var(--ink)}\n"
     ".grid{stroke:var(--faint)}.rule{stroke:var(--soft);fill:none}\n"
     ".solid{stroke:var(--paper);stroke-width:.75}.hollow{fill:var(--paper);stroke-width:1.6}\n"
-    ".interval{stroke-width:1.4}.leader{stroke:var(--soft);stroke-width:.7}\n"
+    ".interval{stroke-width:1.4}.dashed{stroke-dasharray:4 3}.leader{stroke:var(--soft);stroke-width:.7}\n"
     ".bar{fill:var(--bar)}\n"
     ".leak{fill:var(--sign);stroke:var(--signline);stroke-width:1.2}\n"
     ".wrong{stroke:var(--bad);stroke-width:3;fill:none;stroke-linecap:round;paint-order:stroke}\n"

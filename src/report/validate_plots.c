@@ -14,8 +14,12 @@ static const char *const kind_names[PLOT_KINDS] = {"Embree", "our BVH", "linear 
 /* ---- error against time ---- */
 
 static plot_point point_of(const tracer_sum *sum, const spread *errors, char title[TITLE]) {
-    plot_point q = {sum->nanoseconds, spread_quantile(errors, 0.999), errors->most, sum->spec, title,
-                    sum->kind};
+    plot_point q = {.x = sum->nanoseconds,
+                    .y = spread_quantile(errors, 0.999),
+                    .high = errors->most,
+                    .label = sum->spec,
+                    .title = title,
+                    .kind = sum->kind};
     snprintf(title, TITLE,
              "%.100s: %s ns a ray; error of t %s ulp for all but 1 in 1000 rays, at most %s ulp", sum->spec,
              number_of(q.x).text, number_of(q.y).text, number_of(q.high).text);

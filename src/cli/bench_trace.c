@@ -1,0 +1,350 @@
+/* `fathom bench trace`: rays a second of every tracer, what they cost to build, by triangle count. */
+#include "cli/bench.h"
+#include "cli/bench_output.h"
+#include "cli/interrupt.h"
+#include "cli/json_text.h"
+
+#include "base/clock.h"
+#include "base/threads.h"
+#include "bench/trace_time.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct bench_trace_settings {
+    const char *scene;
+    args_list tracers;
+    args_counts triangles;
+    uint64_t rays;
+    uint32_t repeats, threads;
+    double seconds;
+    bool quiet;
+    bench_output output;
+} bench_trace_settings;
+
+/* ---- which tracers ---- */
+
+typedef struct contestant {
+    const char *text;
+    trace_spec spec;
+    trace_tracer *tracer;
+    double build, build_cpu;
+    trace_rate rates[TRACE_SETS];
+} contestant;
+
+typedef struct field {
+    contestant items[TRACE_TIME_TRACERS_MAX];
+    size_t count;
+} field;
+
+static fathom_status enter(fathom_context *context, field *f, const char *text) {
+    contestant *c = &f->items[f->count];
+    *c = (contestant){.text = text};
+    fathom_status status = trace_spec_parse(context, text, &c->spec);
+    if (status == FATHOM_OK) ++f->count;
+    return status;
+}
+
+/* The most primitives that linear search is asked about, unless asked for: sixteen rays take it some 30 ms.
+ */
+#define LINEAR_MOST 1000000
+
+/* All that there is, but what would only repeat another: words of this Embree alone are left out elsewhere.
+ */
+static void enter_all(fathom_context *context, field *f, const fathom_scene *scene, uint64_t primitives) {
+    static const char *const always[] = {"embree:1",        "embree:4",       "embree:8",
+                                         "embree:16",       "embree:raw:16",  "embree:stream1m",
+                                         "embree:streamnm", "embree:user:16", "bvh"};
+    for (size_t i = 0; i < sizeof always / sizeof *always; ++i) enter(context, f, always[i]);
+    if (scene->quads.count) enter(context, f, "embree:quad:16");
+    if (scene->spheres.count) enter(context, f, "embree:sphere:16");
+    if (primitives <= LINEAR_MOST) enter(context, f, "linear");
+}
+
+static fathom_status enter_given(fathom_context *context, field *f, const args_list *tracers) {
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i)
+        status = enter(context, f, tracers->items[i]);
+    return status;
+}
+
+/* ---- one scene ---- */
+
+typedef struct stage {
+    char name[256];
+    fathom_scene *scene;
+    world *world;
+    uint64_t triangles, primitives;
+} stage;
+
+static void count_primitives(stage *s) {
+    for (size_t i = 0; i < s->scene->meshes.count; ++i)
+        s->triangles += s->scene->meshes.items[i].triangle_count;
+    s->primitives = s->triangles + s->scene->spheres.count + s->scene->quads.count + s->scene->planes.count;
+}
+
+static fathom_status make_sphere(fathom_context *context, uint64_t triangles, stage *out) {
+    fathom_generate_options options;
+    fathom_generate_options_default(&options);
+    options.triangles = triangles;
+    snprintf(out->name, sizeof out->name, "generated sphere");
+    fathom_status status = fathom_scene_create(context, &out->scene);
+    if (status == FATHOM_OK) status = fathom_scene_generate(out->scene, FATHOM_ROOT, &options);
+    return status == FATHOM_OK ? fathom_scene_complete(out->scene) : status;
+}
+
+static fathom_status build(fathom_context *context, const world *w, contestant *c, unsigned threads) {
+    trace_options options = {.spec = &c->spec, .width = TRACE_WIDTH, .threads = threads};
+    double began = clock_seconds(), cpu = clock_process_seconds();
+    fathom_status status = trace_create(context, w, &options, &c->tracer);
+    c->build = clock_seconds() - began, c->build_cpu = clock_process_seconds() - cpu;
+    return status == FATHOM_OK ? status : fail_within(context, status, "%s: ", c->text);
+}
+
+/* The rays come from the first tracer's hits. */
+static fathom_status race(fathom_context *context, const stage *s, const bench_trace_settings *asked,
+                          field *f) {
+    const trace_tracer *tracers[TRACE_TIME_TRACERS_MAX];
+    static trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS];
+    const trace_time_options options = {asked->repeats, asked->threads, asked->seconds};
+    trace_set sets[TRACE_SETS] = {{NULL, 0}};
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
+        status = build(context, s->world, &f->items[i], asked->threads);
+        tracers[i] = f->items[i].tracer;
+    }
+    if (status == FATHOM_OK) {
+        status = trace_sets_create(context, s->world, tracers[0], asked->rays, sets);
+        if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", s->name);
+    }
+    if (status == FATHOM_OK) status = trace_time_measure(context, tracers, f->count, sets, &options, rates);
+    for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i)
+        memcpy(f->items[i].rates, rates[i], sizeof rates[i]);
+    trace_sets_free(sets);
+    return status;
+}
+
+/* ---- results ---- */
+
+static json_t *millions(quartiles q) {
+    return bench_quartiles((quartiles){1e-6 * q.low, 1e-6 * q.median, 1e-6 * q.high});
+}
+
+static json_t *pack_rate(trace_set_kind kind, const trace_rate *r) {
+    bool any = trace_set_query(kind) == BARE_ANY, coherent = trace_set_coherence(kind) == TRACE_COHERENT;
+    return json_pack("{s:s, s:s, s:b, s:o, s:o, s:o, s:o}", "set", trace_set_name(kind), "query",
+                     any ? "any" : "closest", "coherent", coherent, "rays", json_count(r->rays), "met",
+                     json_count(r->met), "millionRaysPerSecond", millions(r->per_second),
+                     "millionRaysPerCpuSecond", millions(r->per_cpu_second));
+}
+
+static json_t *pack_run(const stage *s, const contestant *c) {
+    json_t *rates = json_array();
+    for (int k = 0; k < TRACE_SETS; ++k)
+        json_array_append_new(rates, pack_rate((trace_set_kind)k, &c->rates[k]));
+    return json_pack("{s:o, s:o, s:o, s:o, s:s, s:f, s:f, s:o, s:o}", "scene", json_text(s->name),
+                     "triangles", json_count(s->triangles), "primitives", json_count(s->primitives), "spec",
+                     json_text(c->text), "tracer", trace_name(c->tracer), "buildSeconds", c->build,
+                     "buildCpuSeconds", c->build_cpu, "bvhBytes", json_count(trace_bvh_bytes(c->tracer)),
+                     "rates", rates);
+}
+
+static void print_rate(const json_t *rate, uint64_t most) {
+    double median = bench_number(rate, "millionRaysPerCpuSecond", "median");
+    double low = bench_number(rate, "millionRaysPerCpuSecond", "low");
+    double high = bench_number(rate, "millionRaysPerCpuSecond", "high");
+    bool fewer = bench_number(rate, "rays", NULL) < (double)most;
+    char cell[48];
+    snprintf(cell, sizeof cell, "%.3g%s +-%.0f%%", median, fewer ? "*" : "", 50 * (high - low) / median);
+    printf(" %-15s", cell);
+}
+
+/* The most rays that any tracer was asked of a set. */
+static uint64_t most_rays(const field *f, int set) {
+    uint64_t most = 0;
+    for (size_t i = 0; i < f->count; ++i) {
+        if (f->items[i].rates[set].rays > most) most = f->items[i].rates[set].rays;
+    }
+    return most;
+}
+
+static void print_fewer(const field *f) {
+    bool any = false;
+    for (size_t i = 0; i < f->count; ++i) {
+        for (int s = 0; s < TRACE_SETS; ++s) {
+            const trace_rate *r = &f->items[i].rates[s];
+            if (r->rays >= most_rays(f, s)) continue;
+            printf("%s%s %s %llu", any ? ", " : "* fewer rays: ", f->items[i].text,
+                   trace_set_name((trace_set_kind)s), (unsigned long long)r->rays);
+            any = true;
+        }
+    }
+    if (any) putchar('\n');
+}
+
+static void print_scene(const stage *s, const field *f, const json_t *runs, size_t first) {
+    printf("%s: %llu primitives, of them %llu triangles; rays camera %llu, others %llu\n", s->name,
+           (unsigned long long)s->primitives, (unsigned long long)s->triangles,
+           (unsigned long long)most_rays(f, TRACE_SET_CAMERA),
+           (unsigned long long)most_rays(f, TRACE_SET_BOUNCE));
+    printf("%-17s %8s %8s %-15s %-15s %-15s %-15s\n", "Mrays/s", "build s", "BVH MB", "camera", "bounce",
+           "shadow", "between");
+    for (size_t i = 0; i < f->count; ++i) {
+        const json_t *run = json_array_get(runs, first + i), *rates = json_object_get(run, "rates");
+        printf("%-17.40s %8.3f %8.1f", f->items[i].text, bench_number(run, "buildSeconds", NULL),
+               1e-6 * bench_number(run, "bvhBytes", NULL));
+        for (int k = 0; k < TRACE_SETS; ++k) print_rate(json_array_get(rates, (size_t)k), most_rays(f, k));
+        putchar('\n');
+    }
+    print_fewer(f);
+    fflush(stdout);
+}
+
+static void put_csv(FILE *out, const json_t *root) {
+    fputs("triangles,primitives,tracer,build_seconds,build_cpu_seconds,bvh_bytes,set,query,coherent,rays,met,"
+          "mrays_per_cpu_second_low,mrays_per_cpu_second_median,mrays_per_cpu_second_high,"
+          "mrays_per_second_median,scene\n",
+          out);
+    size_t i, k;
+    json_t *run, *rate;
+    json_array_foreach(json_object_get(root, "runs"), i, run) {
+        json_array_foreach(json_object_get(run, "rates"), k, rate) {
+            fprintf(out, "%.0f,%.0f,", bench_number(run, "triangles", NULL),
+                    bench_number(run, "primitives", NULL));
+            bench_csv_text(out, json_string_value(json_object_get(run, "spec")));
+            fprintf(out, ",%.6g,%.6g,%.0f,%s,%s,%d,%.0f,%.0f", bench_number(run, "buildSeconds", NULL),
+                    bench_number(run, "buildCpuSeconds", NULL), bench_number(run, "bvhBytes", NULL),
+                    json_string_value(json_object_get(rate, "set")),
+                    json_string_value(json_object_get(rate, "query")),
+                    json_is_true(json_object_get(rate, "coherent")), bench_number(rate, "rays", NULL),
+                    bench_number(rate, "met", NULL));
+            fprintf(out, ",%.6g,%.6g,%.6g,%.6g,", bench_number(rate, "millionRaysPerCpuSecond", "low"),
+                    bench_number(rate, "millionRaysPerCpuSecond", "median"),
+                    bench_number(rate, "millionRaysPerCpuSecond", "high"),
+                    bench_number(rate, "millionRaysPerSecond", "median"));
+            bench_csv_text(out, json_string_value(json_object_get(run, "scene")));
+            fputc('\n', out);
+        }
+    }
+}
+
+/* ---- the command ---- */
+
+static fathom_status run_stage(fathom_context *context, stage *s, const bench_trace_settings *asked,
+                               json_t *root) {
+    json_t *runs = json_object_get(root, "runs");
+    size_t first = json_array_size(runs);
+    field *f = calloc(1, sizeof *f);
+    if (!f) return fail_memory(context, sizeof *f);
+    count_primitives(s);
+    fathom_status status = world_create(s->scene, &s->world);
+    if (status == FATHOM_OK) status = world_check(s->world);
+    if (status == FATHOM_OK && asked->tracers.count)
+        status = enter_given(context, f, &asked->tracers);
+    else if (status == FATHOM_OK)
+        enter_all(context, f, s->scene, s->primitives);
+    if (status == FATHOM_OK) status = race(context, s, asked, f);
+    for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
+        bench_head_tracer(root, trace_name(f->items[i].tracer));
+        json_array_append_new(runs, pack_run(s, &f->items[i]));
+    }
+    if (status == FATHOM_OK && !asked->quiet) print_scene(s, f, runs, first);
+    for (size_t i = 0; i < f->count; ++i) trace_destroy(f->items[i].tracer);
+    free(f);
+    return status;
+}
+
+static void stage_close(stage *s) {
+    world_destroy(s->world);
+    fathom_scene_destroy(s->scene);
+}
+
+static fathom_status run_scenes(fathom_context *context, const bench_trace_settings *asked, json_t *root) {
+    fathom_status status = FATHOM_OK;
+    if (asked->scene) {
+        stage s = {.scene = NULL};
+        snprintf(s.name, sizeof s.name, "%s", asked->scene);
+        status = fathom_scene_read(context, asked->scene, &s.scene);
+        if (status == FATHOM_OK) status = run_stage(context, &s, asked, root);
+        stage_close(&s);
+    }
+    for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
+        stage s = {.scene = NULL};
+        status = make_sphere(context, asked->triangles.items[i], &s);
+        if (status == FATHOM_OK) status = run_stage(context, &s, asked, root);
+        stage_close(&s);
+    }
+    return status;
+}
+
+static fathom_status check(fathom_context *context, const bench_trace_settings *asked) {
+    if (!asked->scene && !asked->triangles.count)
+        return fail(context, FATHOM_BAD_USAGE, "bench trace: SCENE is missing; expected it or --triangles");
+    field f = {.count = 0};
+    fathom_status status = enter_given(context, &f, &asked->tracers);
+    return status == FATHOM_OK ? bench_output_check(context, &asked->output, asked->scene) : status;
+}
+
+static fathom_status run(int argc, char **argv) {
+    bench_trace_settings asked = {.rays = 262144, .repeats = 9, .threads = 1, .seconds = 0.1};
+    fathom_status status;
+    if (!command_parse(&command_bench_trace, argc, argv, &asked, &status)) return status;
+    fathom_context *context;
+    status = command_context(0, &context);
+    if (status != FATHOM_OK) return status;
+    interrupt_install();
+    status = check(context, &asked);
+    if (status == FATHOM_OK) {
+        json_t *root = bench_head("trace");
+        json_object_set_new(root, "repeats", json_count(asked.repeats));
+        json_object_set_new(root, "threads", json_count(asked.threads));
+        json_object_set_new(root, "raysAsked", json_count(asked.rays));
+        json_object_set_new(root, "runs", json_array());
+        status = run_scenes(context, &asked, root);
+        if (status == FATHOM_OK) status = bench_output_write(context, &asked.output, root, put_csv);
+        json_decref(root);
+    }
+    say_status(&command_bench_trace, context, status);
+    fathom_context_destroy(context);
+    return status;
+}
+
+#define FIELD(name) offsetof(bench_trace_settings, name)
+
+static const args_option options[] = {
+    {.help = "Options"},
+    {"tracer", 0, "SPEC", take_list, FIELD(tracers), 0, 0,
+     "what is measured; may be given several times (all there are, with linear search up to a million "
+     "primitives)"},
+    {"triangles", 0, "N,N", take_counts, FIELD(triangles), 1, 4e9,
+     "besides, or instead of SCENE, generated spheres of so many triangles, such as 10k,100k,1M"},
+    {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "of the camera (262144); the others have its hits"},
+    {"seconds", 0, "S", take_f64, FIELD(seconds), 1e-6, 1e6,
+     "the most for one repetition of one tracer and kind of rays; slower ones get fewer rays (0.1)"},
+    {"repeats", 0, "N", take_u32, FIELD(repeats), 1, TRACE_TIME_REPEATS_MAX,
+     "of which medians and quartiles are told (9)"},
+    {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "that build and trace (1)"},
+    BENCH_OUTPUT_OPTIONS(bench_trace_settings),
+    {.help = NULL},
+};
+static const char *const operands[] = {"SCENE"};
+static const size_t operand_offsets[] = {FIELD(scene)};
+
+const command command_bench_trace = {
+    .name = "bench trace",
+    .usage = "[SCENE] [--triangles N,N] [--tracer SPEC ...] [options]",
+    .summary = "Measure rays a second of every tracer.",
+    .text = "Four kinds of rays, made once and asked of every tracer:\n"
+            "  camera   closest hit, coherent: packets of 4 x 4 pixels\n"
+            "  bounce   closest hit, incoherent: from what the camera sees, anywhere\n"
+            "  shadow   any hit, coherent: from what the camera sees to the first light\n"
+            "  between  any hit, incoherent: between any two points that the camera sees\n"
+            "Tracers take turns, so that a machine that slows down favours none. All of them\n"
+            "are in memory together. Told are million rays for each second of a thread's\n"
+            "processor time: medians, and half the distance of the quartiles. --json and\n"
+            "--csv have rays a second by the clock besides. SPEC is as for render.\n",
+    .examples = "  fathom bench trace --triangles 10k,100k,1M --report results\n"
+                "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n",
+    .args = {options, operands, operand_offsets, 1, 1},
+    .run = run,
+};
