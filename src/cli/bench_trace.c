@@ -332,7 +332,7 @@ static const size_t operand_offsets[] = {FIELD(scene)};
 
 const command command_bench_trace = {
     .name = "bench trace",
-    .usage = "[SCENE] [--triangles N,N] [--tracer SPEC ...] [options]",
+    .usage = "[SCENE] [--triangles N,N] [options]",
     .summary = "Measure rays a second of every tracer.",
     .text = "Four kinds of rays, made once and asked of every tracer:\n"
             "  camera   closest hit, coherent: packets of 4 x 4 pixels\n"

@@ -37,28 +37,30 @@ static unsigned kind_of(const char *spec) {
 
 /* ---- the table ---- */
 
-static const char *quartiles_text(const json_t *rate, char out[128]) {
-    snprintf(out, 128, "%s to %s", number_of(millions(rate, "low")).text,
-             number_of(millions(rate, "high")).text);
+/* Half the distance of the quartiles. */
+static const char *spread_text(const json_t *rate, char out[32]) {
+    snprintf(out, 32, "\xc2\xb1%.0f\xe2\x80\xaf%%",
+             50 * (millions(rate, "high") - millions(rate, "low")) / millions(rate, "median"));
     return out;
 }
 
 static void put_run(page *p, const json_t *run) {
-    char text[128];
+    char text[32];
     table_row(p, text_at(run, "spec"), true);
     table_number(p, number_at(run, "buildSeconds"));
     table_number(p, 1e-6 * number_at(run, "bvhBytes"));
     for (int s = 0; s < SETS; ++s) {
         const json_t *rate = rate_of(run, set_names[s]);
         table_number(p, millions(rate, "median"));
-        table_words(p, quartiles_text(rate, text));
+        table_words(p, spread_text(rate, text));
         table_count(p, count_at(rate, "rays"));
     }
 }
 
 static void put_table(page *p, const json_t *runs) {
     page_section(p, "rates", "Million rays a second");
-    page_put(p, "<p>Rays for each second of a thread\xe2\x80\x99s processor time: medians, quartiles, and "
+    page_put(p, "<p>Rays for each second of a thread\xe2\x80\x99s processor time: medians, half the distance "
+                "of the quartiles, and "
                 "how many rays each repetition had: slow tracers get "
                 "fewer, taken evenly out of the same ones. Tracers took turns.</p>\n");
     table_begin(p, "Million rays a second of processor time, seconds to build, megabytes of BVH");
@@ -67,7 +69,7 @@ static void put_table(page *p, const json_t *runs) {
     table_column(p, "BVH, MB", true);
     for (int s = 0; s < SETS; ++s) {
         table_column(p, set_names[s], true);
-        table_column(p, "quartiles", false);
+        table_column(p, "spread", false);
         table_column(p, "rays", true);
     }
     table_body(p);

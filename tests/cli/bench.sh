@@ -5,7 +5,7 @@ write_scene
 run 2 bench
 run 0 help bench
 said out.txt 'Usage: fathom bench'
-for what in render; do
+for what in trace render; do
     run 0 help bench $what
     cp out.txt help.txt
     run 0 bench $what --help
@@ -39,6 +39,37 @@ camera=$(number r.json camera) mirrored=$(number r.json reflection) shadow=$(num
 awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' r.csv || die 'rows of different length'
 said render/index.html 'Against the bare calls'
 not_said render/index.html '<script'
+
+# Every tracer, scenes by file and by number.
+refused 2 'SCENE is missing; expected it or --triangles' bench trace
+refused 2 'no tracer is called "xyzzy"' bench trace scene.json --tracer xyzzy
+refused 2 '--triangles: expected a whole number' bench trace --triangles 1k,x
+run 0 bench trace scene.json --triangles 500,1k --rays 500 --repeats 2 --seconds 0.001 --json t.json --csv t.csv \
+    --report trace
+for spec in embree:1 embree:4 embree:8 embree:16 embree:raw:16 embree:user:16 bvh linear; do
+    [ "$(grep -c "\"spec\": \"$spec\"" t.json)" -eq 3 ] || die "expected $spec once for each scene"
+done
+# The scene has a sphere and a quad, the generated ones have not.
+for spec in embree:quad:16 embree:sphere:16; do
+    [ "$(grep -c "\"spec\": \"$spec\"" t.json)" -eq 1 ] || die "expected $spec once"
+done
+for key in triangles primitives tracer buildSeconds buildCpuSeconds bvhBytes rates set query coherent rays met \
+    millionRaysPerSecond millionRaysPerCpuSecond; do
+    said t.json "\"$key\": "
+done
+[ "$(grep -c '"set": ' t.json)" -eq $((4 * $(grep -c '"spec": ' t.json))) ] || die 'four kinds of rays for each tracer'
+[ "$(grep -vc '^#' t.csv)" -eq $((1 + $(grep -c '"set": ' t.json))) ] || die 'a row for each rate'
+awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' t.csv || die 'rows of different length'
+said trace/index.html 'By triangle count'
+[ "$(grep -c '<svg' trace/index.html)" -ge 6 ] || die 'six plots'
+not_said trace/index.html '<script'
+
+# Alone, a plug-in; a name with a comma stays one field.
+printf 'v -1 -1 0\nv 1 -1 0\nv 0 1 0.5\nf 1 2 3\n' >'a, b.obj'
+run 0 bench trace 'a, b.obj' --tracer "$BUILD/tests/plugin/culls.so" --rays 64 --repeats 1 --csv p.csv
+said p.csv '"a, b.obj"'
+run 0 bench trace 'a, b.obj' --tracer bvh --rays 64 --repeats 1 --threads 2 --quiet
+silent out.txt
 
 # A tracer without a bare form has no ratio.
 run 0 bench render scene.json --spp 1 --threads 1 --repeats 1 --size 32x32 --tracer bvh --json b.json

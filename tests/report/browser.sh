@@ -56,6 +56,12 @@ opens early/index.html
 run 0 validate --rays 100 --families camera,vertex --report real
 opens real/index.html
 
+run 0 bench trace --triangles 500,2k --rays 300 --repeats 2 --seconds 0.001 --quiet --report rates
+opens rates/index.html
+write_scene
+run 0 bench render scene.json --repeats 2 --quiet --report ceiling
+opens ceiling/index.html
+
 # This test can fail: a page that asks for something from outside, and one whose labels lie on each other.
 sed 's|<main>|<main><img alt="" src="http://localhost:9/x.png">|' early/index.html >asking.html
 browse asking.html 1280,900
