@@ -49,6 +49,9 @@ typedef struct fathom_settings {
                                 caller's; fathom_scene_set_settings() copies it. */
     unsigned block_width;    /* rays handed to the tracer at once: 1, 4, 8 or 16 (default) */
     unsigned tile_size;      /* pixels, a multiple of 32; default 32. No pixel depends on it */
+    uint64_t memory_limit;   /* bytes that the process may have in memory; 0 (default): what is free. Embree's
+                                compact structures are taken where only they fit; FATHOM_OUT_OF_RESOURCES
+                                before anything is built where not even they do */
 } fathom_settings;
 
 FATHOM_API void fathom_settings_default(fathom_settings *settings);
@@ -79,7 +82,8 @@ typedef struct fathom_stats {
     uint64_t triangles, primitives,
         instances; /* triangles stored; spheres + quads + planes + triangles; placed instances */
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays;
-    uint64_t repaired_rays; /* of these: had slipped through a vertex of a closed mesh, and were traced again */
+    uint64_t
+        repaired_rays; /* of these: had slipped through a vertex of a closed mesh, and were traced again */
     double build_seconds, render_seconds;
     uint64_t bvh_bytes;
     uint64_t degenerate_triangles; /* rendered around */

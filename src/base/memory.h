@@ -9,4 +9,10 @@
  * alone does not tell. */
 size_t memory_free(void);
 
+/* The program with its libraries and the image module, before it holds a scene. */
+#define MEMORY_PROGRAM 135000000u
+
+/* Bytes of this process that are in memory now; 0 when the system does not tell. */
+size_t memory_resident(void);
+
 #endif

@@ -1,58 +1,12 @@
 #include "cli/info_facts.h"
 
+#include "base/memory.h"
 #include "scene/graph.h"
 #include "scene/world.h"
 #include "shade/material.h"
+#include "trace/need.h"
 
 #include <stdlib.h>
-
-/* Bytes of the acceleration structure. Embree's default tree over a large mesh: 8.0 million triangles make
- * 675 MB resident, of which their vertices (6 bytes a triangle, at half a vertex each) and indices (12) are
- * not the tree's. */
-#define BVH_TRIANGLE_BYTES 66.0
-#define BVH_SHAPE_BYTES 66.0
-#define BVH_INSTANCE_BYTES 200.0
-/* While it builds, Embree holds the bounds and ids of all primitives. */
-#define BUILD_PRIMITIVE_BYTES 32.0
-/* The program with its libraries, before it holds a scene. */
-#define PROGRAM_BYTES 135000000u
-
-typedef struct buffer {
-    const void *start;
-    uint64_t bytes;
-} buffer;
-
-static int by_start(const void *a, const void *b) {
-    uintptr_t left = (uintptr_t)((const buffer *)a)->start, right = (uintptr_t)((const buffer *)b)->start;
-    return (left > right) - (left < right);
-}
-
-/* Meshes of one file often share their vertices: each array counts once, by its start. */
-static fathom_status sum_buffers(const fathom_scene *scene, uint64_t *out) {
-    size_t room = scene->meshes.count * 6, count = 0;
-    buffer *all = malloc((room + 1) * sizeof *all);
-    if (!all) return fail_memory(scene->context, room * sizeof *all);
-    for (size_t i = 0; i < scene->meshes.count; ++i) {
-        const fathom_mesh *m = &scene->meshes.items[i];
-        const uint64_t index_bytes = (uint64_t)m->triangle_count * 3 * sizeof(uint32_t);
-        const buffer buffers[] = {{m->positions, (uint64_t)m->vertex_count * m->position_stride},
-                                  {m->indices, index_bytes},
-                                  {m->normals, (uint64_t)m->normal_count * m->normal_stride},
-                                  {m->normal_indices, index_bytes},
-                                  {m->uvs, (uint64_t)m->uv_count * m->uv_stride},
-                                  {m->uv_indices, index_bytes}};
-        for (size_t k = 0; k < 6; ++k) {
-            if (buffers[k].start) all[count++] = buffers[k];
-        }
-    }
-    qsort(all, count, sizeof *all, by_start);
-    *out = 0;
-    for (size_t i = 0; i < count; ++i) {
-        if (i + 1 == count || all[i + 1].start != all[i].start) *out += all[i].bytes;
-    }
-    free(all);
-    return FATHOM_OK;
-}
 
 static uint64_t triangles_of_group(const fathom_scene *scene, const scene_graph *graph, uint32_t group) {
     uint64_t triangles = 0;
@@ -175,10 +129,8 @@ static fathom_status look_at_world(const fathom_scene *scene, info_facts *out) {
     fathom_status status = world_create(scene, &w);
     if (status != FATHOM_OK) return status;
     out->degenerate_triangles = w->degenerate_triangles, out->beyond_reach = w->beyond_reach;
-    double triangles = (double)out->triangles, shapes = (double)(out->spheres + out->quads);
-    out->bvh_bytes = (uint64_t)(BVH_TRIANGLE_BYTES * triangles + BVH_SHAPE_BYTES * shapes +
-                                BVH_INSTANCE_BYTES * (double)w->instances.count);
-    out->build_bytes = (uint64_t)(BUILD_PRIMITIVE_BYTES * (triangles + shapes));
+    trace_need need = trace_need_of(w, false);
+    out->bvh_bytes = (uint64_t)need.kept, out->build_bytes = (uint64_t)need.passed;
     status = world_check(w);
     world_destroy(w);
     return status;
@@ -189,7 +141,7 @@ fathom_status info_gather(const fathom_scene *scene, info_facts *out) {
     count_items(scene, out);
     fathom_status status = look_at_world(scene, out);
     if (status == FATHOM_OK) status = count_placed(scene, out);
-    if (status == FATHOM_OK) status = sum_buffers(scene, &out->geometry_bytes);
+    if (status == FATHOM_OK) status = scene_buffer_bytes(scene, &out->geometry_bytes);
     if (status != FATHOM_OK) return status;
     list_features(scene, out);
     out->bounds = scene_world_bounds(scene);
@@ -197,7 +149,7 @@ fathom_status info_gather(const fathom_scene *scene, info_facts *out) {
     uint64_t pixels = s->crop[2] ? (uint64_t)(s->crop[2] - s->crop[0]) * (s->crop[3] - s->crop[1])
                                  : (uint64_t)s->width * s->height;
     out->film_bytes = pixels * film_channels(s->aovs) * sizeof(float);
-    out->program_bytes = PROGRAM_BYTES;
+    out->program_bytes = MEMORY_PROGRAM;
     out->total_bytes =
         out->program_bytes + out->geometry_bytes + out->bvh_bytes + out->build_bytes + out->film_bytes;
     return FATHOM_OK;

@@ -171,6 +171,9 @@ const args_option render_option_table[] = {
 
     {.help = "Running"},
     {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "1 to 1024 (one a processor)"},
+    {"memory-limit", 0, "BYTES", take_count, FIELD(settings.memory_limit), 1e6, 1e15,
+     "most that may be in memory, as 8G (what is free); where only Embree's compact structures fit they are "
+     "taken, and nothing is begun where not even they do"},
     {"block-width", 0, "1|4|8|16", take_block_width, FIELD(settings.block_width), 0, 0,
      "rays handed to Embree at once (16); no pixel depends on it"},
     {"tile-size", 0, "N", take_tile_size, FIELD(settings.tile_size), 32, 65536,

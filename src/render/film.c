@@ -47,9 +47,12 @@ static uint32_t channel_count(unsigned aovs) {
     return 3 + (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
 }
 
-static fathom_status check_memory(fathom_context *context, const fathom_film *film, unsigned aovs) {
-    size_t bytes = (size_t)film->width * film->height * sizeof(float) * channel_count(aovs),
-           room = memory_free();
+uint64_t film_bytes(const fathom_film *film) {
+    return (uint64_t)film->width * film->height * sizeof(float) * channel_count(film->settings.aovs);
+}
+
+static fathom_status check_memory(fathom_context *context, const fathom_film *film) {
+    uint64_t bytes = film_bytes(film), room = memory_free();
     if (bytes <= room) return FATHOM_OK;
     return fail(context, FATHOM_OUT_OF_RESOURCES,
                 "out of memory: %u x %u pixels take %.1f GiB, and %.1f GiB are free; render a smaller image "
@@ -72,7 +75,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->settings.tracer_spec = NULL; /* not the film's; the tracer's name is in the statistics */
     film->camera = scene->camera;
     film->scene_name = strdup(scene->name);
-    fathom_status status = check_memory(context, film, settings->aovs);
+    fathom_status status = check_memory(context, film);
     if (status == FATHOM_OK && (!film->scene_name || !add_channels(film, settings->aovs))) {
         status = fail_memory(context, (size_t)film->width * film->height * sizeof(float));
     }

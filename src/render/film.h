@@ -31,4 +31,7 @@ struct fathom_film {
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out);
 
+/* Of its pixels. */
+uint64_t film_bytes(const fathom_film *film);
+
 #endif

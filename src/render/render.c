@@ -1,6 +1,7 @@
 #include "render/render.h"
 
 #include "base/clock.h"
+#include "base/memory.h"
 #include "render/job.h"
 #include "render/watch.h"
 
@@ -37,12 +38,30 @@ static void report_build(void *user) {
         atomic_store(&b->stop, true);
 }
 
-static fathom_status run_build(fathom_context *context, const world *w, const fathom_settings *settings,
-                               fathom_progress_fn progress, void *user, trace_tracer **out) {
+/* What is left for building. The film is only promised as yet, the image module may not be loaded, and of a
+ * mapped mesh only what was looked at is in memory. At least a byte, since none would mean no limit. */
+static fathom_status building_memory(const fathom_scene *scene, const fathom_film *film, uint64_t limit,
+                                     uint64_t *out) {
+    uint64_t meshes, free_now = memory_free(), resident = memory_resident();
+    fathom_status status = scene_buffer_bytes(scene, &meshes);
+    if (status != FATHOM_OK) return status;
+    uint64_t expected = MEMORY_PROGRAM + meshes, used = resident > expected ? resident : expected;
+    uint64_t taken = used + film_bytes(film), room = free_now > INT64_MAX ? 0 : free_now + resident;
+    if (limit && (!room || limit < room)) room = limit;
+    *out = !room ? 0 : (room > taken + 1 ? room - taken : 1);
+    return FATHOM_OK;
+}
+
+static fathom_status run_build(fathom_context *context, const world *w, const fathom_film *film,
+                               const fathom_settings *settings, fathom_progress_fn progress, void *user,
+                               trace_tracer **out) {
     static const watch_calls calls = {build_tracer, report_build};
     trace_spec spec;
     const char *words = settings->tracer_spec;
     fathom_status status = words ? trace_spec_parse(context, words, &spec) : FATHOM_OK;
+    if (status != FATHOM_OK) return status;
+    uint64_t memory;
+    status = building_memory(w->scene, film, settings->memory_limit, &memory);
     if (status != FATHOM_OK) return status;
     build b = {.context = context,
                .world = w,
@@ -54,6 +73,7 @@ static fathom_status run_build(fathom_context *context, const world *w, const fa
                                 .width = settings->block_width,
                                 .threads = fathom_context_threads(context),
                                 .expected_rays = plan_expected_rays(w->scene, settings),
+                                .memory = memory,
                                 .progress = progress ? on_build : NULL,
                                 .user = &b};
     watch_run(&calls, &b);
@@ -113,7 +133,7 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
              WORLD_REACH, (unsigned long long)w->beyond_reach);
     }
     trace_tracer *tracer = NULL;
-    if (status == FATHOM_OK) status = run_build(context, w, settings, progress, user, &tracer);
+    if (status == FATHOM_OK) status = run_build(context, w, film, settings, progress, user, &tracer);
     film->stats.build_seconds = clock_seconds() - began;
     if (status == FATHOM_OK) {
         count_scene(w, tracer, &film->stats);

@@ -88,6 +88,9 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id object);
 /* Of all that is placed in the world, instances included. The scene must have no cycle. */
 scene_bounds scene_world_bounds(const fathom_scene *scene);
 
+/* Of the arrays of all meshes; those that several share count once. */
+fathom_status scene_buffer_bytes(const fathom_scene *scene, uint64_t *out);
+
 /* FATHOM_BAD_INPUT when groups contain each other; the message names the groups on the cycle. */
 fathom_status scene_check_cycles(const fathom_scene *scene);
 

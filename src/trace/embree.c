@@ -14,10 +14,12 @@ static void on_error(void *user, enum RTCError code, const char *text) {
     snprintf(tracer->error_text, sizeof tracer->error_text, "%s", text ? text : "");
 }
 
+/* False, and Embree stops with an error, where more would be held than is allowed. */
 static bool on_memory(void *user, ssize_t bytes, bool post) {
+    embree_tracer *tracer = user;
+    int64_t held = atomic_fetch_add(&tracer->bytes, (int64_t)bytes) + (int64_t)bytes;
     (void)post;
-    atomic_fetch_add(&((embree_tracer *)user)->bytes, (int64_t)bytes);
-    return true;
+    return bytes <= 0 || !tracer->most_bytes || held <= (int64_t)tracer->most_bytes;
 }
 
 /* ---- choices ---- */
@@ -140,10 +142,11 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     tracer->spec = *spec;
     tracer->context = context;
     tracer->options = options;
-    fathom_status status = open_device(tracer);
+    fathom_status status = embree_fit_memory(tracer);
+    if (status == FATHOM_OK) status = open_device(tracer);
     if (status == FATHOM_OK) {
         choose_calls(tracer);
-        status = embree_build(tracer, build_quality(spec, options));
+        status = embree_build(tracer, build_quality(&tracer->spec, options));
     }
     if (status != FATHOM_OK) {
         destroy(&tracer->base);

@@ -22,6 +22,7 @@ typedef struct embree_tracer {
     float reach, longest;      /* what coordinates of origins and directions may be; see embree_build.c */
     RTCFilterFunctionN filter; /* NULL: ties are not settled */
     _Atomic int64_t bytes;     /* held by Embree */
+    uint64_t most_bytes;       /* that it may hold; 0: no limit */
     _Atomic int error;         /* the first RTCError that the device reported */
     char error_text[256];      /* its message; written once, by whoever set error */
     fathom_context *context;   /* while building */
@@ -30,6 +31,12 @@ typedef struct embree_tracer {
     _Atomic double work, work_done; /* primitives to build, and built; read by Embree's threads */
     _Atomic double work_now;        /* of the scene being built */
 } embree_tracer;
+
+/* ---- embree_memory.c ---- */
+
+/* Takes compact structures where the usual ones do not fit into options->memory and the caller did not name
+ * any; FATHOM_OUT_OF_RESOURCES where nothing fits. Also sets what the device may allocate at all. */
+fathom_status embree_fit_memory(embree_tracer *tracer);
 
 /* ---- embree_build.c ---- */
 

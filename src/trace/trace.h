@@ -51,6 +51,7 @@ typedef struct trace_options {
     unsigned threads; /* for building; 0: the context's */
     uint64_t expected_rays; /* of all kinds; 0: unknown, taken as many */
     trace_quality quality;
+    uint64_t memory; /* bytes that building and what is built may take; 0: no limit */
     bool (*progress)(void *user,
                      double fraction); /* while building, from any thread; false stops it; may be NULL */
     void *user;
