@@ -3,7 +3,8 @@
 #include <string.h>
 
 /* What can be measured, a command of two words each. */
-static const command *const benches[] = {&command_bench_trace, &command_bench_render, NULL};
+static const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error,
+                                         NULL};
 
 const command *bench_find(const char *name) {
     for (size_t i = 0; benches[i]; ++i) {
@@ -32,5 +33,6 @@ const command command_bench = {
     .text = "WHAT is one of\n"
             "  trace    rays a second of every tracer, and what they cost to build\n"
             "  render   the phases of a render, and its distance from Embree's ceiling\n"
+            "  error    image error against run time\n"
             "fathom help bench WHAT tells more.\n",
     .run = run};

@@ -2,7 +2,7 @@
 
 #include "report/number.h"
 
-#define LEFT 62.0
+#define LEFT 78.0 /* a tick such as 5×10⁻³, and the axis' name */
 #define RIGHT 14.0
 #define TOP 12.0
 #define BOTTOM 46.0

@@ -55,6 +55,9 @@ opens early/index.html
 # What the program itself writes.
 run 0 validate --rays 100 --families camera,vertex --report real
 opens real/index.html
+run 0 bench error "$SOURCE/scenes/tour/26-antialiasing.json" --size 48x32 --max-spp 16 --seeds 2 --report error
+opens error/index.html
+[ "$(in_page 'samples a pixel: ')" -eq 27 ] || die 'not every pattern and spp is in all three plots'
 
 run 0 bench trace --triangles 500,2k --rays 300 --repeats 2 --seconds 0.001 --quiet --report rates
 opens rates/index.html
