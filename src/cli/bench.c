@@ -4,7 +4,7 @@
 
 /* What can be measured, a command of two words each. */
 static const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error,
-                                         NULL};
+                                         &command_bench_build, NULL};
 
 const command *bench_find(const char *name) {
     for (size_t i = 0; benches[i]; ++i) {
@@ -34,5 +34,6 @@ const command command_bench = {
             "  trace    rays a second of every tracer, and what they cost to build\n"
             "  render   the phases of a render, and its distance from Embree's ceiling\n"
             "  error    image error against run time\n"
+            "  build    what the quality of Embree's build costs and saves\n"
             "fathom help bench WHAT tells more.\n",
     .run = run};

@@ -42,6 +42,7 @@ static const struct {
     {"trace", "Fathom: rays a second of every tracer", bench_trace_put},
     {"render", "Fathom: the render phase against Embree\xe2\x80\x99s bare calls", bench_render_put},
     {"error", "Fathom: image error against run time", bench_error_put},
+    {"build", "Fathom: build quality against time", bench_build_put},
 };
 
 void bench_page(page *p, const json_t *results) {

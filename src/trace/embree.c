@@ -31,15 +31,21 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
  * million rays. Both shrink alike with more threads. */
 #define LOW_QUALITY_RAYS UINT64_C(73000000)
 
+trace_quality trace_quality_auto(uint64_t expected_rays) {
+    bool few = expected_rays > 0 && expected_rays < LOW_QUALITY_RAYS;
+    return few ? TRACE_QUALITY_LOW : TRACE_QUALITY_MEDIUM;
+}
+
 static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_options *options) {
-    switch (spec->quality) {
+    trace_quality quality = spec->quality;
+    if (quality == TRACE_QUALITY_AUTO) quality = trace_quality_auto(options->expected_rays);
+    switch (quality) {
     case TRACE_QUALITY_LOW: return RTC_BUILD_QUALITY_LOW;
-    case TRACE_QUALITY_MEDIUM: return RTC_BUILD_QUALITY_MEDIUM;
+    case TRACE_QUALITY_AUTO:
+    case TRACE_QUALITY_MEDIUM: break;
     case TRACE_QUALITY_HIGH: return RTC_BUILD_QUALITY_HIGH;
-    case TRACE_QUALITY_AUTO: break;
     }
-    bool few = options->expected_rays > 0 && options->expected_rays < LOW_QUALITY_RAYS;
-    return few ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
+    return RTC_BUILD_QUALITY_MEDIUM;
 }
 
 /* A packet wider than the kernels is only taken apart by Embree, so calls are no wider than that. */

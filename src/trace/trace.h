@@ -59,6 +59,9 @@ typedef struct trace_options {
 
 typedef struct trace_tracer trace_tracer;
 
+/* What Embree's quality is when it is left to the number of rays; 0: unknown, taken as many. */
+trace_quality trace_quality_auto(uint64_t expected_rays);
+
 /* FATHOM_INTERRUPTED when progress said stop. The world must outlive the tracer. */
 fathom_status trace_create(fathom_context *context, const world *w, const trace_options *options,
                            trace_tracer **out);
