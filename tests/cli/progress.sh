@@ -14,7 +14,7 @@ while :; do
     awk "BEGIN { exit !($(number s.json render) > 2) }" && break
     spp=$((spp + spp))
 done
-grep -qE '^fathom: render [0-9]+ %, [0-9.]+ Mrays/s, [0-9]+:[0-9][0-9] left$' err.txt || die 'no percent lines'
+grep -qE '^fathom: render [0-9]+ %, [0-9.]+ [kM]rays/s, [0-9]+:[0-9][0-9] left$' err.txt || die 'no percent lines'
 grep -vqE '^fathom: (render|build) [0-9]+ %(, .*)?$' err.txt && die 'something else on stderr'
 [ "$(wc -l <err.txt)" -le 10 ] || die 'more than a line each 10 %'
 sed -n 's/^fathom: render \([0-9]*\) %.*/\1/p' err.txt >percents.txt
@@ -37,7 +37,7 @@ bar() {
     tr '\r' '\n' <tty.txt | sed "s/$(printf '\033')\\[K//g" >lines.txt
 }
 # The machine may have become faster meanwhile: a run too short for a bar is made longer, six times at most.
-has_bar() { grep -qE '^render +[0-9]+% \[=*>? *\] [0-9.]+ Mrays/s, [0-9]+:[0-9][0-9] left$' lines.txt; }
+has_bar() { grep -qE '^render +[0-9]+% \[=*>? *\] [0-9.]+ [kM]rays/s, [0-9]+:[0-9][0-9] left$' lines.txt; }
 bar 100 ''
 for longer in 1 2 3 4 5 6; do
     has_bar && break
