@@ -13,14 +13,14 @@ table() {
     awk -F, '
         /^#/ || $1 == "triangles" { next }
         { key = $1 "," $3; if (!(key in build)) order[++n] = key
-          build[key] = $4; bytes[key] = $6
+          build[key] = $5; bytes[key] = $6
           rate[key, $7] = sprintf("%.3g ± %.0f %%", $13, 50 * ($14 - $12) / $13) ($10 < 16384 ? sprintf(" (%d rays)", $10) : "") }
         END { for (i = 1; i <= n; ++i) { split(order[i], k, ","); key = order[i]
               printf "| %d | `%s` | %.3f s | %.1f MB | %s | %s | %s | %s |\n", k[1], k[2], build[key], bytes[key] / 1e6,
                   rate[key, "camera"], rate[key, "bounce"], rate[key, "shadow"], rate[key, "between"] } }' "$1"
 }
 
-echo "| triangles | tracer | build | BVH | camera | bounce | shadow | between |"
+echo "| triangles | tracer | build, processor time | BVH | camera | bounce | shadow | between |"
 echo "|---|---|---|---|---|---|---|---|"
 "$fathom" bench trace --triangles "${TRIANGLES:-10k,100k,1M}" --repeats "$repeats" --quiet --csv "$folder/result.csv" \
     ${REPORT:+--report "$REPORT"}
