@@ -29,20 +29,34 @@ enum {
     FATHOM_AOV_ALBEDO = 1u << 4, /* albedo.R albedo.G albedo.B: k_d + k_s, averaged */
     FATHOM_AOV_ID =
         1u
-        << 5 /* id.object id.primitive id.instance: of the sample nearest the centre; FATHOM_NONE for none */
+        << 5, /* id.object id.primitive id.instance: of the sample nearest the centre; FATHOM_NONE for none */
+    FATHOM_AOV_SAMPLES = 1u << 6 /* samples: how many the pixel is the mean of, as an id channel */
 };
 
 typedef struct fathom_settings {
     uint32_t width, height; /* pixels, [1, 65536]; default 1280 × 720 */
-    uint32_t spp;           /* samples a pixel, [1, 65536]; default 1 */
+    uint32_t spp;           /* samples a pixel, [1, 65536]; default 1. The most of any pixel when there is a
+                               target_error or max_time: a power of two then, at least 4 */
     fathom_pattern pattern; /* default grid */
     uint64_t seed;          /* of the stratified and Sobol patterns; default 0 */
     uint32_t crop[4];       /* x0 y0 x1 y1, half open, row 0 at the top; all 0 (default): the whole image */
-    uint32_t max_depth;     /* mirrored and refracted bounces, [0, 64]; default 8 */
-    float min_weight;       /* a path ends when its weight can change no channel by more; default 1/65536 */
-    double epsilon;         /* fixed ray epsilon; 0 (default): automatic, from error bounds */
-    bool terminator_fix;    /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
-    unsigned aovs;          /* FATHOM_AOV_ bits; default 0 */
+    /* Sampling to an error: pixels get samples until the estimated error of each tile of 32 × 32 pixels is at
+     * most this, or they have `spp`. The error is the root of the mean, over the tile's pixels and channels,
+     * of the squared standard error of the linear radiance over √max(I, 0.01), I < 1, or over I, the pixel's
+     * mean of R, G and B: the unit of Cycles' noise threshold. 0.01 is 1.3 of 255 display levels. Needs the
+     * pattern Sobol. Which samples are taken depends on samples alone. 0 (default): off */
+    double target_error;
+    /* Seconds from the call of fathom_render() to its return, building included: the samples go where the
+     * estimated error is largest, until the time is up or target_error is reached. FATHOM_BAD_USAGE when it
+     * is too short for one sample of each pixel. Needs the pattern Sobol. 0 (default): off */
+    double max_time;
+    uint32_t min_spp;   /* samples that each pixel gets before an error is trusted: a power of two, at least 4
+                           and at most spp; 0 (default): 8, or spp when that is less */
+    uint32_t max_depth; /* mirrored and refracted bounces, [0, 64]; default 8 */
+    float min_weight;   /* a path ends when its weight can change no channel by more; default 1/65536 */
+    double epsilon;     /* fixed ray epsilon; 0 (default): automatic, from error bounds */
+    bool terminator_fix; /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
+    unsigned aovs;       /* FATHOM_AOV_ bits; default 0 */
     fathom_tracer_kind tracer;
     const char *tracer_spec; /* a tracer in words, "bvh:f64" or "embree:user:high", or a library FILE.so (see
                                 plugin.h), instead of `tracer`; default NULL: by that. The text stays the
@@ -84,6 +98,9 @@ typedef struct fathom_stats {
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays;
     uint64_t
         repaired_rays; /* of these: had slipped through a vertex of a closed mesh, and were traced again */
+    uint64_t samples;  /* that the film's pixels are the means of, all together */
+    double error_estimate; /* with target_error or max_time: the largest of any tile (see target_error);
+                              infinite when time ended before it was known. Otherwise 0 */
     double build_seconds, render_seconds;
     uint64_t bvh_bytes;
     uint64_t degenerate_triangles; /* rendered around */

@@ -3,6 +3,7 @@
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/stats.h"
+#include "cli/time_left.h"
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -37,6 +38,8 @@ static fathom_status merge_settings(fathom_context *context, const fathom_scene 
     }
     if (settings.aovs & ~options->settings.aovs && !options->aovs_given)
         warn(context, "%s: asks for AOVs that only .exr holds; they are left out", options->scene);
+    if (options->min_spp_given && !(options->settings.target_error > 0 || options->settings.max_time > 0))
+        return fail(context, FATHOM_BAD_USAGE, "--min-spp: only with --target-error E or --max-time SECONDS");
     return scene_check_settings(context, &options->settings) == FATHOM_OK ? FATHOM_OK : FATHOM_BAD_USAGE;
 }
 
@@ -80,15 +83,16 @@ static fathom_status write_all(fathom_context *context, const fathom_film *film,
     return status;
 }
 
-static fathom_status render_scene(fathom_context *context, fathom_scene *scene, const render_options *options,
+static fathom_status render_scene(fathom_context *context, fathom_scene *scene, render_options *options,
                                   render_report *report, double start) {
     if (options->background.given) {
         fathom_status status = fathom_scene_set_background(scene, options->background.rgb);
         if (status != FATHOM_OK) return say_status(&command_render, context, status);
     }
+    fathom_status status = time_left(context, clock_seconds() - start, options);
+    if (status != FATHOM_OK) return say_status(&command_render, context, status);
     fathom_film *film;
-    fathom_status status =
-        fathom_render(context, scene, &options->settings, on_progress, report, &report->stats, &film);
+    status = fathom_render(context, scene, &options->settings, on_progress, report, &report->stats, &film);
     /* What no reader could see: how the scene's parts fit together. */
     if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", options->scene);
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED)
@@ -154,7 +158,9 @@ const command command_render = {
             "Ctrl-C stops, keeps what is finished as an image, and exits with code 5.\n",
     .examples = "  fathom render bunny.obj -o bunny.png\n"
                 "  fathom render scene.json -o out.exr -o out.png --size 1920x1080 --spp 16\n"
-                "  fathom render scene.json -o out.exr --aov Z,N,id --stats out.json\n",
+                "  fathom render scene.json -o out.exr --aov Z,N,id --stats out.json\n"
+                "  fathom render scene.json -o out.png --target-error 0.01\n"
+                "  fathom render scene.json -o out.png --max-time 60\n",
     .args = {render_option_table, operands, operand_offsets, 1},
     .run = run,
 };

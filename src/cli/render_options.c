@@ -90,8 +90,9 @@ static const struct {
     {"P", FATHOM_AOV_P},
     {"albedo", FATHOM_AOV_ALBEDO},
     {"id", FATHOM_AOV_ID},
-    {"all",
-     FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID},
+    {"samples", FATHOM_AOV_SAMPLES},
+    {"all", FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO |
+                FATHOM_AOV_ID | FATHOM_AOV_SAMPLES},
     {"none", 0},
 };
 
@@ -111,9 +112,9 @@ static bool take_aovs(const args_option *option, const char *value, void *field,
     for (const char *name = value;;) {
         size_t length = strcspn(name, ",");
         if (!find_aov(name, length, &bits)) {
-            return args_wrong(problem,
-                              "expected names from alpha,Z,N,P,albedo,id, or all, or none, found \"%.*s\"",
-                              length < 60 ? (int)length : 60, name);
+            return args_wrong(
+                problem, "expected names from alpha,Z,N,P,albedo,id,samples, or all, or none, found \"%.*s\"",
+                length < 60 ? (int)length : 60, name);
         }
         if (!name[length]) break;
         name += length + 1;
@@ -121,6 +122,36 @@ static bool take_aovs(const args_option *option, const char *value, void *field,
     render_options *options = field;
     options->settings.aovs = bits;
     options->aovs_given = true;
+    return true;
+}
+
+static bool take_spp(const args_option *option, const char *value, void *field, args_problem *problem) {
+    render_options *options = field;
+    options->spp_given = true;
+    return take_u32(option, value, &options->settings.spp, problem);
+}
+
+static bool take_min_spp(const args_option *option, const char *value, void *field, args_problem *problem) {
+    render_options *options = field;
+    options->min_spp_given = true;
+    return take_u32(option, value, &options->settings.min_spp, problem);
+}
+
+static bool take_pattern(const args_option *option, const char *value, void *field, args_problem *problem) {
+    render_options *options = field;
+    options->pattern_given = true;
+    return take_choice(option, value, &options->settings.pattern, problem);
+}
+
+static bool take_above_zero(const args_option *option, const char *value, void *field,
+                            args_problem *problem) {
+    double number;
+    const char *text = value;
+    if (!args_read_f64(&text, '\0', &number) || number <= 0 || number > option->most) {
+        return args_wrong(problem, "expected a number above 0, at most %g, found \"%.60s\"", option->most,
+                          value);
+    }
+    *(double *)field = number;
     return true;
 }
 
@@ -132,7 +163,7 @@ const args_option render_option_table[] = {
      ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); give it again for more images of the "
      "same render"},
     {"aov", 0, "LIST", take_aovs, 0, 0, 0,
-     "further channels: any of alpha,Z,N,P,albedo,id, or all, or none; all but alpha need an .exr"},
+     "further channels: any of alpha,Z,N,P,albedo,id,samples, or all, or none; all but alpha need an .exr"},
     {"exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,
      "colours in the .exr as 32-bit float rather than half"},
     {"stats", 0, "FILE.json", take_text, FIELD(stats), 0, 0, "write counts, times, rays and memory as JSON"},
@@ -141,13 +172,25 @@ const args_option render_option_table[] = {
     {"size", 0, "WxH", take_size, FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)"},
     {"crop", 0, "X0,Y0,X1,Y1", take_crop, FIELD(settings.crop), 0, 0,
      "only these pixels: from (X0,Y0) up to but without (X1,Y1), counted from the top left"},
-    {"spp", 0, "N", take_u32, FIELD(settings.spp), 1, 65536,
+    {"spp", 0, "N", take_spp, 0, 1, 65536,
      "samples a pixel (the scene's, else 1); a square number unless the pattern is sobol"},
-    {"pattern", 0, "grid|stratified|sobol", take_choice, FIELD(settings.pattern), 0, 0,
+    {"pattern", 0, "grid|stratified|sobol", take_pattern, 0, 0, 0,
      "where the samples lie (the scene's, else grid)"},
     {"seed", 0, "N", take_u64, FIELD(settings.seed), 0, 0, "of stratified and sobol samples (0)"},
     {"background", 0, "R,G,B", take_rgb, FIELD(background), 0, 1e9,
      "linear Rec.709 colour of rays that hit nothing (the scene's)"},
+
+    {.help = "Sampling to an error or a time (with the pattern sobol)"},
+    {"target-error", 0, "E", take_above_zero, FIELD(settings.target_error), 0, 1e9,
+     "samples until the estimated error of each tile of 32x32 pixels is at most E, in the unit of Cycles' "
+     "noise "
+     "threshold; 0.01 is about 1 of 255 display levels"},
+    {"max-time", 0, "SECONDS", take_above_zero, FIELD(max_time), 0, 1e9,
+     "what the whole command takes, reading to writing; samples go where the estimated error is largest"},
+    {"min-spp", 0, "N", take_min_spp, 0, 4, 65536,
+     "samples of each pixel before an error is trusted, a power of two (8); --spp is then the most, a power "
+     "of "
+     "two (65536)"},
 
     {.help = "Light transport"},
     {"max-depth", 0, "N", take_u32, FIELD(settings.max_depth), 0, 64,
@@ -185,7 +228,8 @@ const args_option render_option_table[] = {
 };
 
 void render_options_default(render_options *options, const fathom_settings *settings) {
-    *options = (render_options){.settings = *settings};
+    *options = (render_options){.settings = *settings,
+                                .scene_adaptive = settings->target_error > 0 || settings->max_time > 0};
     fathom_write_options_default(&options->write);
 }
 
@@ -201,6 +245,22 @@ static unsigned held_aovs(const args_list *outputs) {
     return held;
 }
 
+/* What the scene's file says about sampling is meant for as many samples everywhere. */
+static bool finish_adaptive(render_options *options, args_problem *problem) {
+    fathom_settings *s = &options->settings;
+    if (options->max_time > 0) s->max_time = options->max_time;
+    if (!(s->target_error > 0 || s->max_time > 0)) return true;
+    if (options->pattern_given && s->pattern != FATHOM_PATTERN_SOBOL) {
+        return args_wrong(
+            problem, "--pattern: --target-error and --max-time need --pattern sobol, whose samples can be "
+                     "added to");
+    }
+    if (options->scene_adaptive) return true;
+    s->pattern = FATHOM_PATTERN_SOBOL;
+    if (!options->spp_given) s->spp = 65536;
+    return true;
+}
+
 bool render_options_finish(render_options *options, args_problem *problem) {
     if (!options->outputs.count) return args_wrong(problem, "-o IMAGE is missing");
     if (options->size.width) {
@@ -209,6 +269,7 @@ bool render_options_finish(render_options *options, args_problem *problem) {
     }
     if (options->quiet && options->verbose)
         return args_wrong(problem, "--quiet and --verbose exclude each other");
+    if (!finish_adaptive(options, problem)) return false;
     unsigned held = held_aovs(&options->outputs);
     if (options->aovs_given && options->settings.aovs & ~held)
         return args_wrong(problem, "--aov: only .exr holds these channels; expected one more -o FILE.exr");

@@ -15,9 +15,11 @@ typedef struct render_options {
     const char *scene;
     args_list outputs;
     fathom_settings settings;
-    bool aovs_given;
-    args_size size; /* 0 × 0: the settings' own */
-    unsigned threads; /* 0: all processors */
+    bool aovs_given, spp_given, pattern_given, min_spp_given;
+    bool scene_adaptive; /* the scene's own spp is the most of any pixel */
+    double max_time;     /* seconds of the whole command; 0: none */
+    args_size size;      /* 0 × 0: the settings' own */
+    unsigned threads;    /* 0: all processors */
     render_background background;
     fathom_write_options write;
     const char *stats; /* NULL: none */

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "cli/json_text.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -15,6 +16,10 @@ uint64_t report_rays(const render_report *report) {
 double report_rays_per_second(const render_report *report) {
     double seconds = report->stats.render_seconds;
     return seconds > 0 ? (double)report_rays(report) / seconds : 0;
+}
+
+double report_mean_spp(const render_report *r) {
+    return (double)r->stats.samples / ((double)r->width * r->height);
 }
 
 uint64_t report_peak_bytes(void) {
@@ -44,6 +49,14 @@ static json_t *pack_rays(const render_report *r) {
                      json_count(s->repaired_rays));
 }
 
+/* The spp asked for is the most of a pixel when samples follow the error. */
+static json_t *pack_image(const render_report *r, const render_options *options) {
+    double error = r->stats.error_estimate;
+    return json_pack("{s:i, s:i, s:i, s:f, s:o}", "width", (int)r->width, "height", (int)r->height, "spp",
+                     (int)options->settings.spp, "meanSpp", report_mean_spp(r), "errorEstimate",
+                     error > 0 && isfinite(error) ? json_real(error) : json_null());
+}
+
 static json_t *pack_outputs(const args_list *outputs) {
     json_t *array = json_array();
     for (size_t i = 0; i < outputs->count; ++i) json_array_append_new(array, json_text(outputs->items[i]));
@@ -55,9 +68,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
     const fathom_stats *s = &r->stats;
     json_object_set_new(root, "fathom", json_string(fathom_version()));
     json_object_set_new(root, "scene", json_text(r->scene));
-    json_object_set_new(root, "image",
-                        json_pack("{s:i, s:i, s:i}", "width", (int)r->width, "height", (int)r->height, "spp",
-                                  (int)options->settings.spp));
+    json_object_set_new(root, "image", pack_image(r, options));
     json_object_set_new(root, "outputs", pack_outputs(&options->outputs));
     json_object_set_new(root, "interrupted", json_boolean(r->interrupted));
     json_object_set_new(root, "triangles", json_count(s->triangles));
@@ -107,13 +118,27 @@ static void print_details(const render_report *r) {
            1e-6 * (double)s->bvh_bytes);
 }
 
+static void print_sampling(const render_report *r, const render_options *options) {
+    double error = r->stats.error_estimate;
+    if (!(error > 0)) {
+        printf("%u spp", options->settings.spp);
+    } else if (isfinite(error)) {
+        printf("%.1f spp, error %.2g", report_mean_spp(r), error);
+        if (options->settings.target_error > 0 && error > options->settings.target_error)
+            printf(" (above the target)");
+    } else {
+        printf("%.1f spp, error unknown", report_mean_spp(r));
+    }
+}
+
 void stats_print(const render_report *report, const render_options *options) {
     if (options->quiet) return;
     if (options->verbose) print_details(report);
     for (size_t i = 0; i < options->outputs.count; ++i)
         printf("%s%s", i ? ", " : "", options->outputs.items[i]);
-    printf(": %ux%u, %u spp, %.2f s, %.1f Mrays/s", report->width, report->height, options->settings.spp,
-           report->total_seconds, 1e-6 * report_rays_per_second(report));
+    printf(": %ux%u, ", report->width, report->height);
+    print_sampling(report, options);
+    printf(", %.2f s, %.1f Mrays/s", report->total_seconds, 1e-6 * report_rays_per_second(report));
     if (report->interrupted) printf(", interrupted at %u %%", (unsigned)(100 * report->finished));
     putchar('\n');
 }

@@ -15,6 +15,8 @@ typedef struct render_report {
 
 uint64_t report_rays(const render_report *report);
 double report_rays_per_second(const render_report *report);
+/* Samples a pixel, on average. */
+double report_mean_spp(const render_report *report);
 /* The most memory the process ever held. */
 uint64_t report_peak_bytes(void);
 

@@ -37,12 +37,13 @@ static bool add_channels(fathom_film *film, unsigned aovs) {
         ok = ok && add_id(film, &film->object, "id.object") &&
              add_id(film, &film->primitive, "id.primitive") && add_id(film, &film->instance, "id.instance");
     }
+    if (aovs & FATHOM_AOV_SAMPLES) ok = ok && add_id(film, &film->samples, "samples");
     return ok;
 }
 
 /* Channels that these outputs take. */
 static uint32_t channel_count(unsigned aovs) {
-    const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z,
+    const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
                    three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
     return 3 + (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
 }

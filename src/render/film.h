@@ -20,7 +20,7 @@ struct fathom_film {
     uint32_t channel_count;
     /* The same memory by meaning; NULL when not asked for. */
     float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3];
-    uint32_t *object, *primitive, *instance;
+    uint32_t *object, *primitive, *instance, *samples;
     /* For the header of image files. */
     fathom_settings settings;
     fathom_camera camera;

@@ -19,6 +19,8 @@ fathom_status fathom_film_write(fathom_context *context, const fathom_film *film
     const double spp = film->settings.spp, seed = (double)film->settings.seed,
                  seconds = film->stats.render_seconds,
                  fovy = 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
+    const double mean_spp = (double)film->stats.samples / ((double)film->width * film->height);
+    const bool estimated = film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate);
     const char *pattern = film->settings.pattern == FATHOM_PATTERN_GRID         ? "grid"
                           : film->settings.pattern == FATHOM_PATTERN_STRATIFIED ? "stratified"
                                                                                 : "sobol";
@@ -38,6 +40,8 @@ fathom_status fathom_film_write(fathom_context *context, const fathom_film *film
         {"fathom:camera:y", NULL, film->camera.y, 3},
         {"fathom:camera:z", NULL, film->camera.z, 3},
         {"fathom:camera:fovy", NULL, &fovy, 1},
+        {"fathom:meanSpp", NULL, &mean_spp, 1},
+        {"fathom:errorEstimate", NULL, &film->stats.error_estimate, 1}, /* of renders that estimate it */
     };
     const image img = {.width = film->width,
                        .height = film->height,
@@ -48,6 +52,6 @@ fathom_status fathom_film_write(fathom_context *context, const fathom_film *film
                        .channels = channels,
                        .channel_count = film->channel_count,
                        .attributes = attributes,
-                       .attribute_count = sizeof attributes / sizeof *attributes};
+                       .attribute_count = sizeof attributes / sizeof *attributes - !estimated};
     return image_write(context, &img, path, options);
 }

@@ -1,68 +1,35 @@
-#include "render/job.h"
+#include "render/job_inner.h"
 
 #include "base/clock.h"
+#include "base/memory.h"
 #include "base/threads.h"
 #include "render/watch.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-typedef struct job {
-    const render_plan *plan;
-    fathom_film *film;
+typedef struct tiles {
+    job *job;
     uint32_t first_x, first_y; /* of the grid of tiles, in pixels */
-    uint32_t tiles_x, tiles_y;
-    atomic_bool stop, failed;
-    _Atomic uint64_t pixels_done, rays_done;
-    ray_counts rays;
-    fathom_progress_fn progress; /* these, on the calling thread alone */
-    void *progress_user;
-    double began;
-    bool interrupted;
-    unsigned threads;
-} job;
-
-/* Sums over the samples of a wave's pixels, in double and in the order of the samples. */
-typedef struct pixel_sums {
-    double rgb[3][WAVE_SLOTS], n[3][WAVE_SLOTS], albedo[3][WAVE_SLOTS], alpha[WAVE_SLOTS];
-    double nearest[WAVE_SLOTS]; /* squared distance to the pixel's centre of the sample kept in `centre` */
-    first_hits centre;
-} pixel_sums;
+    uint32_t across, down;
+} tiles;
 
 static uint32_t minimum(uint32_t a, uint32_t b) { return a < b ? a : b; }
 static uint32_t maximum(uint32_t a, uint32_t b) { return a > b ? a : b; }
 
-static double distance_to_centre(const render_plan *plan, uint32_t x, uint32_t y, uint32_t index) {
-    double dx, dy;
-    wave_sample_position(plan, x, y, index, &dx, &dy);
-    return (dx - 0.5) * (dx - 0.5) + (dy - 0.5) * (dy - 0.5);
+static uint64_t total(const ray_counts *rays) {
+    return rays->camera + rays->shadow + rays->reflection + rays->refraction;
 }
 
-static void keep_centre(pixel_sums *sums, const first_hits *f, uint32_t slot) {
-    sums->centre.z[slot] = f->z[slot];
-    for (int c = 0; c < 3; ++c) sums->centre.p[c][slot] = f->p[c][slot];
-    sums->centre.object[slot] = f->object[slot];
-    sums->centre.primitive[slot] = f->primitive[slot];
-    sums->centre.instance[slot] = f->instance[slot];
+void job_count_rays(job *j, const wave *w, const ray_counts *before) {
+    atomic_fetch_add_explicit(&j->rays_done, total(&w->rays) - total(before), memory_order_relaxed);
 }
 
-static void add_first_hit(const render_plan *plan, pixel_sums *sums, const first_hits *f, uint32_t x,
-                          uint32_t y, uint32_t slot, uint32_t index) {
-    sums->alpha[slot] += (double)f->alpha[slot];
-    for (int c = 0; c < 3; ++c) {
-        sums->n[c][slot] += (double)f->n[c][slot];
-        sums->albedo[c][slot] += (double)f->albedo[c][slot];
-    }
-    double distance = distance_to_centre(plan, x, y, index);
-    if (index && distance >= sums->nearest[slot]) return;
-    sums->nearest[slot] = distance;
-    keep_centre(sums, f, slot);
+void job_stop(job *j, const wave *w) {
+    if (w->out_of_memory) atomic_store(&j->failed, true);
+    atomic_store(&j->stop, true);
 }
 
-/* What only AOVs need is not touched without them. */
-static void clear_sums(const wave *w, pixel_sums *sums) {
-    memset(sums, 0, w->first ? sizeof *sums : sizeof sums->rgb);
-}
+/* ---- the same samples for every pixel ---- */
 
 /* Slots outside the region hold no radiance. */
 static void add_sample(const wave *w, const wave_region *r, pixel_sums *sums, uint32_t index) {
@@ -71,64 +38,69 @@ static void add_sample(const wave *w, const wave_region *r, pixel_sums *sums, ui
         double *restrict to = sums->rgb[c];
         for (uint32_t slot = 0; slot < WAVE_SLOTS; ++slot) to[slot] += (double)from[slot];
     }
-    for (uint32_t y = r->y0; w->first && y < r->y1; ++y) {
+    for (uint32_t y = r->y0; sums->hits && y < r->y1; ++y) {
         for (uint32_t x = r->x0; x < r->x1; ++x) {
             uint32_t slot = (y - r->top) * WAVE_SIDE + x - r->left;
-            add_first_hit(w->plan, sums, w->first, x, y, slot, index);
+            pixel_sums_add_hit(sums, w, slot, x, y, slot, index);
         }
-    }
-}
-
-static void store_pixel(fathom_film *film, const pixel_sums *sums, uint32_t slot, size_t pixel,
-                        double scale) {
-    for (int c = 0; c < 3; ++c) {
-        film->rgb[c][pixel] = (float)(sums->rgb[c][slot] * scale);
-        if (film->n[c]) film->n[c][pixel] = (float)(sums->n[c][slot] * scale);
-        if (film->albedo[c]) film->albedo[c][pixel] = (float)(sums->albedo[c][slot] * scale);
-        if (film->p[c]) film->p[c][pixel] = sums->centre.p[c][slot];
-    }
-    if (film->alpha) film->alpha[pixel] = (float)(sums->alpha[slot] * scale);
-    if (film->z) film->z[pixel] = sums->centre.z[slot];
-    if (film->object) {
-        film->object[pixel] = sums->centre.object[slot];
-        film->primitive[pixel] = sums->centre.primitive[slot];
-        film->instance[pixel] = sums->centre.instance[slot];
     }
 }
 
 static void store(fathom_film *film, const wave_region *r, const pixel_sums *sums, uint32_t spp) {
     for (uint32_t y = r->y0; y < r->y1; ++y) {
-        for (uint32_t x = r->x0; x < r->x1; ++x) {
-            uint32_t slot = (y - r->top) * WAVE_SIDE + x - r->left;
-            store_pixel(film, sums, slot, (size_t)(y - film->y) * film->width + (x - film->x), 1.0 / spp);
-        }
+        for (uint32_t x = r->x0; x < r->x1; ++x)
+            pixel_sums_store(sums, (y - r->top) * WAVE_SIDE + x - r->left, spp, x, y, film);
     }
 }
 
-/* All samples of one wave's pixels. They reach the film together or not at all. */
-static bool render_wave(job *j, wave *w, pixel_sums *sums, const wave_region *region) {
+static uint64_t region_pixels(const wave_region *r) { return (uint64_t)(r->x1 - r->x0) * (r->y1 - r->y0); }
+
+static bool render_evenly(job *j, worker *self, const wave_region *region) {
     uint32_t spp = j->plan->settings.spp;
-    uint64_t pixels = (uint64_t)(region->x1 - region->x0) * (region->y1 - region->y0);
-    clear_sums(w, sums);
+    pixel_sums_clear(self->sums);
     for (uint32_t index = 0; index < spp; ++index) {
-        const ray_counts before = w->rays;
-        if (!wave_run(w, region, index)) return false;
-        add_sample(w, region, sums, index);
-        atomic_fetch_add_explicit(&j->rays_done,
-                                  w->rays.camera + w->rays.shadow + w->rays.reflection + w->rays.refraction -
-                                      before.camera - before.shadow - before.reflection - before.refraction,
-                                  memory_order_relaxed);
+        const ray_counts before = self->wave.rays;
+        if (!wave_run(&self->wave, region, index)) return false;
+        add_sample(&self->wave, region, self->sums, index);
+        job_count_rays(j, &self->wave, &before);
     }
-    store(j->film, region, sums, spp);
-    atomic_fetch_add_explicit(&j->pixels_done, pixels, memory_order_relaxed);
+    store(j->film, region, self->sums, spp);
+    self->samples += region_pixels(region) * spp;
     return true;
 }
 
-static void render_tile(job *j, wave *w, pixel_sums *sums, size_t tile) {
+/* ---- to an error ---- */
+
+static bool render_to_error(job *j, worker *self, const wave_region *region) {
+    adaptive_result result;
+    adaptive_begin(j->plan, region->left, region->top, self->adaptive);
+    do {
+        const ray_counts before = self->wave.rays;
+        result = adaptive_pass(&self->wave, j->plan->settings.target_error, NULL, self->adaptive);
+        job_count_rays(j, &self->wave, &before);
+    } while (result == ADAPTIVE_PASSED);
+    if (result != ADAPTIVE_FINISHED) return false;
+    self->samples += adaptive_store(self->adaptive, j->film);
+    self->error = fmax(self->error, self->adaptive->error);
+    return true;
+}
+
+/* ---- waves and tiles ---- */
+
+/* All samples of one wave's pixels. They reach the film together or not at all. */
+static bool render_wave(job *j, worker *self, const wave_region *region) {
+    bool done = self->adaptive ? render_to_error(j, self, region) : render_evenly(j, self, region);
+    if (!done) return false;
+    atomic_fetch_add_explicit(&j->pixels_done, region_pixels(region), memory_order_relaxed);
+    return true;
+}
+
+static void render_tile(const tiles *t, worker *self, size_t tile) {
+    job *j = t->job;
     const fathom_film *film = j->film;
     uint32_t size = j->plan->settings.tile_size;
-    uint32_t left = j->first_x + (uint32_t)(tile % j->tiles_x) * size;
-    uint32_t top = j->first_y + (uint32_t)(tile / j->tiles_x) * size;
+    uint32_t left = t->first_x + (uint32_t)(tile % t->across) * size;
+    uint32_t top = t->first_y + (uint32_t)(tile / t->across) * size;
     uint32_t right = film->x + film->width, bottom = film->y + film->height;
     for (uint32_t y = top; y < minimum(top + size, bottom); y += WAVE_SIDE) {
         for (uint32_t x = left; x < minimum(left + size, right); x += WAVE_SIDE) {
@@ -139,108 +111,148 @@ static void render_tile(job *j, wave *w, pixel_sums *sums, size_t tile) {
                                   x,
                                   y};
             if (region.x0 >= region.x1 || region.y0 >= region.y1) continue;
-            if (!render_wave(j, w, sums, &region)) {
-                if (w->out_of_memory) atomic_store(&j->failed, true);
-                atomic_store(&j->stop, true);
+            if (!render_wave(j, self, &region)) {
+                job_stop(j, &self->wave);
                 return;
             }
         }
     }
 }
 
-typedef struct worker {
-    wave wave;
-    pixel_sums *sums;
-    bool ready;
-} worker;
-
-typedef struct worker_pool {
-    job *job;
-    worker *workers;
-} worker_pool;
-
-/* A worker's wave is made by the thread that uses it, on its first tile. */
-static bool make_ready(job *j, worker *self) {
-    if (self->ready) return true;
-    self->sums = malloc(sizeof *self->sums);
-    self->ready = self->sums && wave_create(j->plan, &j->stop, &self->wave);
-    if (!self->ready) {
-        atomic_store(&j->failed, true);
-        atomic_store(&j->stop, true);
-    }
-    return self->ready;
-}
-
 static void run_tiles(void *user, size_t begin, size_t end, unsigned index) {
-    worker_pool *pool = user;
+    const tiles *t = user;
     unsigned state = trace_thread_begin();
     for (size_t tile = begin; tile < end; ++tile) {
-        if (atomic_load(&pool->job->stop) || !make_ready(pool->job, &pool->workers[index])) break;
-        render_tile(pool->job, &pool->workers[index].wave, pool->workers[index].sums, tile);
+        worker *self = job_worker(t->job, index);
+        if (!self) break;
+        render_tile(t, self, tile);
     }
     trace_thread_end(state);
 }
 
-static void collect(job *j, worker_pool *pool) {
+static void render_tiles(job *j) {
+    const fathom_film *film = j->film;
+    uint32_t size = j->plan->settings.tile_size;
+    tiles t = {.job = j, .first_x = film->x / size * size, .first_y = film->y / size * size};
+    t.across = (film->x + film->width - t.first_x + size - 1) / size;
+    t.down = (film->y + film->height - t.first_y + size - 1) / size;
+    loop_parallel(j->threads, (size_t)t.across * t.down, 1, run_tiles, &t);
+}
+
+/* ---- workers ---- */
+
+static bool make_sums(const job *j, worker *self) {
+    if (j->deadline > 0) return true;
+    if (j->plan->settings.target_error > 0) {
+        self->adaptive = malloc(sizeof *self->adaptive);
+        return self->adaptive && adaptive_create(j->plan, self->adaptive);
+    }
+    self->sums = malloc(sizeof *self->sums);
+    return self->sums && pixel_sums_create(j->plan, self->sums);
+}
+
+worker *job_worker(job *j, unsigned index) {
+    worker *self = &j->workers[index];
+    if (atomic_load(&j->stop)) return NULL;
+    if (self->ready) return self;
+    self->limit.deadline = j->deadline;
+    self->ready = wave_create(j->plan, &j->stop, &self->wave);
+    if (self->ready && make_sums(j, self)) return self;
+    atomic_store(&j->failed, true);
+    atomic_store(&j->stop, true);
+    return NULL;
+}
+
+static void collect(job *j) {
+    job_result *to = &j->result;
     for (unsigned i = 0; i < j->threads; ++i) {
-        worker *self = &pool->workers[i];
-        if (self->ready) {
-            j->rays.camera += self->wave.rays.camera;
-            j->rays.shadow += self->wave.rays.shadow;
-            j->rays.reflection += self->wave.rays.reflection;
-            j->rays.refraction += self->wave.rays.refraction;
-            j->rays.repaired += self->wave.rays.repaired;
-            wave_destroy(&self->wave);
-        }
+        worker *self = &j->workers[i];
+        to->rays.camera += self->wave.rays.camera;
+        to->rays.shadow += self->wave.rays.shadow;
+        to->rays.reflection += self->wave.rays.reflection;
+        to->rays.refraction += self->wave.rays.refraction;
+        to->rays.repaired += self->wave.rays.repaired;
+        to->samples += self->samples;
+        to->error = fmax(to->error, self->error);
+        if (self->ready) wave_destroy(&self->wave);
+        if (self->adaptive) adaptive_destroy(self->adaptive);
+        if (self->sums) pixel_sums_destroy(self->sums);
+        free(self->adaptive);
         free(self->sums);
     }
 }
 
 static void run(void *user) {
     job *j = user;
-    worker_pool pool = {j, calloc(j->threads, sizeof *pool.workers)};
-    if (pool.workers) {
-        loop_parallel(j->threads, (size_t)j->tiles_x * j->tiles_y, 1, run_tiles, &pool);
-        collect(j, &pool);
+    j->workers = calloc(j->threads, sizeof *j->workers);
+    if (j->workers) {
+        if (j->deadline > 0)
+            timed_run(j);
+        else
+            render_tiles(j);
+        collect(j);
     } else {
         atomic_store(&j->failed, true);
     }
-    free(pool.workers);
+    free(j->workers);
+}
+
+/* ---- the whole ---- */
+
+static double fraction_done(const job *j, double now) {
+    if (j->deadline > 0) return fmin(fmax((now - j->began) / (j->deadline - j->began), 0), 1);
+    return (double)atomic_load(&j->pixels_done) / ((double)j->film->width * (double)j->film->height);
 }
 
 /* Once all is rendered there is nothing left to stop. */
 static void report(void *user) {
     job *j = user;
-    uint64_t pixels = (uint64_t)j->film->width * j->film->height, done = atomic_load(&j->pixels_done);
+    double seconds = clock_seconds();
     fathom_progress now = {.phase = FATHOM_PHASE_RENDER,
-                           .fraction = (double)done / (double)pixels,
+                           .fraction = fraction_done(j, seconds),
                            .rays = atomic_load(&j->rays_done),
-                           .seconds = clock_seconds() - j->began};
-    if (!j->progress || j->interrupted || j->progress(j->progress_user, &now) || done == pixels) return;
+                           .seconds = seconds - j->began};
+    bool complete = j->deadline > 0 ? atomic_load(&j->complete) : now.fraction >= 1;
+    if (!j->progress || j->interrupted || j->progress(j->progress_user, &now) || complete) return;
     j->interrupted = true;
     atomic_store(&j->stop, true);
 }
 
-fathom_status job_run(fathom_context *context, const render_plan *plan, fathom_film *film,
-                      fathom_progress_fn progress, void *user, ray_counts *rays) {
-    uint32_t size = plan->settings.tile_size;
+static fathom_status check_memory(fathom_context *context, const job *j) {
+    if (!(j->deadline > 0)) return FATHOM_OK;
+    size_t bytes = timed_bytes(j->film, j->plan->first_hits), room = memory_free();
+    if (bytes <= room) return FATHOM_OK;
+    return fail(context, FATHOM_OUT_OF_RESOURCES,
+                "out of memory: rendering %u x %u pixels to a time takes %.1f GiB, and %.1f GiB are free; "
+                "render a smaller image or a crop, or to a target error instead",
+                j->film->width, j->film->height, (double)bytes * 0x1p-30, (double)room * 0x1p-30);
+}
+
+static fathom_status job_status(fathom_context *context, const job *j) {
+    if (atomic_load(&j->failed)) {
+        return fail(context, FATHOM_OUT_OF_RESOURCES,
+                    "out of memory while rendering; lower the depth limit or the threads");
+    }
+    if (j->interrupted) return fail(context, FATHOM_INTERRUPTED, "stopped; what was finished is kept");
+    if (!j->too_short) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_USAGE,
+                "max time: too short: it ended before each pixel had a sample; give more time, or render a "
+                "smaller image");
+}
+
+fathom_status job_run(fathom_context *context, const render_plan *plan, double deadline, fathom_film *film,
+                      fathom_progress_fn progress, void *user, job_result *out) {
     job j = {.plan = plan,
              .film = film,
              .threads = fathom_context_threads(context),
              .progress = progress,
              .progress_user = user,
-             .began = clock_seconds()};
-    j.first_x = film->x / size * size;
-    j.first_y = film->y / size * size;
-    j.tiles_x = (film->x + film->width - j.first_x + size - 1) / size;
-    j.tiles_y = (film->y + film->height - j.first_y + size - 1) / size;
+             .began = clock_seconds(),
+             .deadline = plan->settings.max_time > 0 ? deadline : 0};
+    fathom_status status = check_memory(context, &j);
+    if (status != FATHOM_OK) return status;
     static const watch_calls calls = {run, report};
     watch_run(&calls, &j);
-    *rays = j.rays;
-    if (atomic_load(&j.failed)) {
-        return fail(context, FATHOM_OUT_OF_RESOURCES,
-                    "out of memory while rendering; lower the depth limit or the threads");
-    }
-    return !j.interrupted ? FATHOM_OK
-                          : fail(context, FATHOM_INTERRUPTED, "stopped; what was finished is kept");
+    *out = j.result;
+    return job_status(context, &j);
 }

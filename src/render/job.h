@@ -5,9 +5,16 @@
 #include "render/film.h"
 #include "render/wave.h"
 
+typedef struct job_result {
+    ray_counts rays;
+    uint64_t samples; /* that the film's pixels are the means of */
+    double error;     /* the largest estimate of any wave; see adaptive.h. 0 when it was not estimated */
+} job_result;
+
 /* FATHOM_INTERRUPTED when progress said stop: waves that were finished are in the film, the rest is black.
- * rays: how many were traced. */
-fathom_status job_run(fathom_context *context, const render_plan *plan, fathom_film *film,
-                      fathom_progress_fn progress, void *user, ray_counts *rays);
+ * deadline: of clock_seconds(), for settings with a time; FATHOM_BAD_USAGE when it comes before each pixel
+ * has a sample. */
+fathom_status job_run(fathom_context *context, const render_plan *plan, double deadline, fathom_film *film,
+                      fathom_progress_fn progress, void *user, job_result *out);
 
 #endif

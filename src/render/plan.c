@@ -16,13 +16,18 @@ static unsigned features_in_use(const fathom_scene *scene) {
     return features;
 }
 
+/* Samples of a pixel, on average, of images to a usual error. */
+#define ADAPTIVE_USUAL_SPP 32u
+
 static bool lights_up(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
 
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s) {
     uint64_t pixels = s->crop[2] ? (uint64_t)(s->crop[2] - s->crop[0]) * (s->crop[3] - s->crop[1])
                                  : (uint64_t)s->width * s->height;
     unsigned bends = features_in_use(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? 2 : 1;
-    return pixels * s->spp * (1 + scene->lights.count) * bends;
+    uint64_t spp = s->spp;
+    if ((s->target_error > 0 || s->max_time > 0) && spp > ADAPTIVE_USUAL_SPP) spp = ADAPTIVE_USUAL_SPP;
+    return pixels * spp * (1 + scene->lights.count) * bends;
 }
 
 /* Directional light comes from outside of all. */
@@ -66,7 +71,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->max_depth = plan->features & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? settings->max_depth : 0;
     plan->grid = (uint32_t)(sqrt((double)settings->spp) + 0.5);
     plan->t_near = (float)settings->epsilon;
-    plan->first_hits = settings->aovs != 0;
+    plan->first_hits = (settings->aovs & ~(unsigned)FATHOM_AOV_SAMPLES) != 0;
     fathom_status status = plan_watertight(context, plan);
     if (status == FATHOM_OK)
         *out = plan;

@@ -96,23 +96,25 @@ static void count_scene(const world *w, const trace_tracer *tracer, fathom_stats
 }
 
 static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
-                                  const fathom_settings *settings, fathom_progress_fn progress, void *user,
-                                  fathom_film *film) {
+                                  const fathom_settings *settings, double deadline,
+                                  fathom_progress_fn progress, void *user, fathom_film *film) {
     render_plan *plan;
     double began = clock_seconds();
     fathom_status status = plan_create(context, w, tracer, settings, &plan);
     film->stats.build_seconds += clock_seconds() - began;
     if (status != FATHOM_OK) return status;
-    ray_counts rays;
+    job_result result = {.samples = 0};
     began = clock_seconds();
-    status = job_run(context, plan, film, progress, user, &rays);
+    status = job_run(context, plan, deadline, film, progress, user, &result);
     plan_destroy(plan);
     film->stats.render_seconds = clock_seconds() - began;
-    film->stats.camera_rays = rays.camera;
-    film->stats.shadow_rays = rays.shadow;
-    film->stats.reflection_rays = rays.reflection;
-    film->stats.refraction_rays = rays.refraction;
-    film->stats.repaired_rays = rays.repaired;
+    film->stats.camera_rays = result.rays.camera;
+    film->stats.shadow_rays = result.rays.shadow;
+    film->stats.reflection_rays = result.rays.reflection;
+    film->stats.refraction_rays = result.rays.refraction;
+    film->stats.repaired_rays = result.rays.repaired;
+    film->stats.samples = result.samples;
+    film->stats.error_estimate = result.error;
     return status;
 }
 
@@ -137,7 +139,7 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
     film->stats.build_seconds = clock_seconds() - began;
     if (status == FATHOM_OK) {
         count_scene(w, tracer, &film->stats);
-        status = render_world(context, w, tracer, settings, progress, user, film);
+        status = render_world(context, w, tracer, settings, began + settings->max_time, progress, user, film);
     }
     trace_destroy(tracer);
     world_destroy(w);

@@ -114,9 +114,9 @@ static bool trace_all(wave *w, trace_coherence coherence) {
     return true;
 }
 
-bool wave_run(wave *w, const wave_region *region, uint32_t index) {
+/* Follows the camera's rays that are waiting. */
+static bool follow(wave *w) {
     memset(w->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
-    if (!wave_camera_rays(w, region, index)) return false;
     for (uint32_t depth = 0; w->now.count; ++depth) {
         if (!trace_all(w, depth ? TRACE_INCOHERENT : TRACE_COHERENT)) return false;
         if (!wave_surfaces(w, depth == 0) || !wave_light(w, depth == 0)) return false;
@@ -127,4 +127,12 @@ bool wave_run(wave *w, const wave_region *region, uint32_t index) {
         w->next = spare;
     }
     return true;
+}
+
+bool wave_run(wave *w, const wave_region *region, uint32_t index) {
+    return wave_camera_rays(w, region, index) && follow(w);
+}
+
+bool wave_run_batch(wave *w, const wave_region *region, const wave_batch *batch) {
+    return wave_camera_batch(w, region, batch) && follow(w);
 }

@@ -12,6 +12,7 @@
 
 #define WAVE_SIDE 32
 #define WAVE_SLOTS (WAVE_SIDE * WAVE_SIDE)
+#define WAVE_SQUARES (WAVE_SLOTS / LANES) /* of 4 × 4 pixels */
 
 /* Beside each block of rays: what the paths carry. */
 typedef struct path_block {
@@ -83,12 +84,28 @@ typedef struct wave_region {
  * stopped or ran out of memory: then nothing of it may be used. */
 bool wave_run(wave *w, const wave_region *region, uint32_t index);
 
+/* One sample of each pixel of a 4 × 4 square, whose corner is a multiple of 4. */
+typedef struct wave_square {
+    uint32_t left, top, index;
+} wave_square;
+
+/* Squares in any order, also several samples of one: pixel (x, y) of the one at `place` has the slot
+ * place * 16 + (y - top) * 4 + x - left. */
+typedef struct wave_batch {
+    wave_square squares[WAVE_SQUARES];
+    uint32_t count;
+} wave_batch;
+
+/* As wave_run(), for the pixels of the squares that lie in the region. */
+bool wave_run_batch(wave *w, const wave_region *region, const wave_batch *batch);
+
 /* Where in the pixel its sample `index` lies, in [0,1) from the top left. */
 void wave_sample_position(const render_plan *plan, uint32_t x, uint32_t y, uint32_t index, double *dx,
                           double *dy);
 
 /* ---- the stages, in order ---- */
 bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index);
+bool wave_camera_batch(wave *w, const wave_region *region, const wave_batch *batch);
 /* Points of all hits; misses add the background. */
 bool wave_surfaces(wave *w, bool first);
 /* Ambient and emitted radiance, then each light in turn. */

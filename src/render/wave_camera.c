@@ -111,6 +111,16 @@ static void push_square(wave *w, const pixel_block *b) {
     w->now.count += LANES;
 }
 
+static void push_block(wave *w, pixel_block *b) {
+    if (!b->count) return;
+    w->plan->kernels->camera_directions(&w->plan->camera, b->at_x, b->at_y, b->direction);
+    if (b->count == LANES && w->now.count % LANES == 0) {
+        push_square(w, b);
+    } else {
+        for (uint32_t i = 0; i < b->count; ++i) push_pixel(w, b, i);
+    }
+}
+
 /* A packet of 16 rays is a square of 4 × 4 pixels: its rays stay together longer than those of a line. */
 bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index) {
     w->now.count = 0;
@@ -119,14 +129,24 @@ bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index) {
         for (uint32_t left = region->left; left < region->x1; left += 4) {
             pixel_block block;
             place(w->plan, region, left, top, index, &block);
-            if (!block.count) continue;
-            w->plan->kernels->camera_directions(&w->plan->camera, block.at_x, block.at_y, block.direction);
-            if (block.count == LANES && w->now.count % LANES == 0) {
-                push_square(w, &block);
-                continue;
-            }
-            for (uint32_t i = 0; i < block.count; ++i) push_pixel(w, &block, i);
+            push_block(w, &block);
         }
+    }
+    w->rays.camera += w->now.count;
+    return true;
+}
+
+bool wave_camera_batch(wave *w, const wave_region *region, const wave_batch *batch) {
+    w->now.count = 0;
+    if (!wave_reserve_paths(w, &w->now, WAVE_SLOTS)) return false;
+    for (uint32_t at = 0; at < batch->count; ++at) {
+        const wave_square *square = &batch->squares[at];
+        pixel_block block;
+        gather_pixels(region, square->left, square->top, &block);
+        for (uint32_t i = 0; i < block.count; ++i)
+            block.slot[i] = at * LANES + (block.y[i] - square->top) * 4 + block.x[i] - square->left;
+        if (block.count) place_samples(w->plan, square->index, &block);
+        push_block(w, &block);
     }
     w->rays.camera += w->now.count;
     return true;

@@ -32,6 +32,37 @@ static fathom_status check_crop(fathom_context *context, const fathom_settings *
                 s->height, c[0], c[1], c[2], c[3]);
 }
 
+static bool is_power(uint32_t n) { return n && !(n & (n - 1)); }
+
+static fathom_status check_target(fathom_context *context, const char *name, double value) {
+    if (value >= 0 && isfinite(value)) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_INPUT, "%s: expected a number >= 0 (0: off), found %g", name, value);
+}
+
+/* Every pass doubles the samples of a Sobol sequence. */
+static fathom_status check_adaptive(fathom_context *context, const fathom_settings *s) {
+    fathom_status status = check_target(context, "target error", s->target_error);
+    if (status == FATHOM_OK) status = check_target(context, "max time", s->max_time);
+    if (status != FATHOM_OK || !(s->target_error > 0 || s->max_time > 0)) return status;
+    if (s->pattern != FATHOM_PATTERN_SOBOL) {
+        return fail(context, FATHOM_BAD_INPUT,
+                    "pattern: sampling to an error or a time needs the pattern sobol");
+    }
+    if (s->spp < 4 || !is_power(s->spp)) {
+        return fail(
+            context, FATHOM_BAD_INPUT,
+            "spp: the most samples of a pixel when sampling to an error or a time; expected a power of "
+            "two from 4, such as 1024, found %u",
+            s->spp);
+    }
+    if (s->min_spp && (s->min_spp < 4 || s->min_spp > s->spp || !is_power(s->min_spp))) {
+        return fail(context, FATHOM_BAD_INPUT,
+                    "min spp: expected a power of two from 4 to spp, which is %u, found %u", s->spp,
+                    s->min_spp);
+    }
+    return FATHOM_OK;
+}
+
 fathom_status scene_check_settings(fathom_context *context, const fathom_settings *s) {
     if (s->width < 1 || s->width > 65536 || s->height < 1 || s->height > 65536) {
         return fail(context, FATHOM_BAD_INPUT, "image size: expected 1 to 65536 pixels each way, found %ux%u",
@@ -40,6 +71,8 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
     if (s->spp < 1 || s->spp > 65536) {
         return fail(context, FATHOM_BAD_INPUT, "spp: expected 1 to 65536 samples a pixel, found %u", s->spp);
     }
+    fathom_status status = check_adaptive(context, s);
+    if (status != FATHOM_OK) return status;
     if (s->pattern != FATHOM_PATTERN_SOBOL && !is_square(s->spp)) {
         uint32_t root = (uint32_t)sqrt((double)s->spp);
         return fail(context, FATHOM_BAD_INPUT,

@@ -72,8 +72,8 @@ run 0 render scene.json -o a.exr --aov Z,alpha
 run 0 render scene.json -o b.exr --aov alpha,z
 same a.exr b.exr
 run 0 render scene.json -o a.exr --aov all
-for channel in A:alpha Z:Z N.:N P.:P albedo.:albedo id.:id; do
-    names=$(echo alpha,Z,N,P,albedo,id | sed "s/${channel#*:}//; s/,,/,/; s/^,//; s/,\$//")
+for channel in A:alpha Z:Z N.:N P.:P albedo.:albedo id.:id samples:samples; do
+    names=$(echo alpha,Z,N,P,albedo,id,samples | sed "s/${channel#*:}//; s/,,/,/; s/^,//; s/,\$//")
     run 0 render scene.json -o b.exr --aov "$names"
     run 1 compare a.exr b.exr
     grep -q "^channel ${channel%:*}[^ ]* is only in the first" out.txt || die "${channel#*:} is not an AOV of its own"

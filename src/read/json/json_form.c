@@ -80,7 +80,7 @@ const form form_camera = {.name = "camera", .parts = {camera_keys}, .rules = {ca
 
 /* In the order of fathom_pattern, and of the FATHOM_AOV_ bits. */
 static const char *const pattern_words[] = {"grid", "stratified", "sobol", NULL};
-static const char *const aov_words[] = {"alpha", "Z", "N", "P", "albedo", "id", NULL};
+static const char *const aov_words[] = {"alpha", "Z", "N", "P", "albedo", "id", "samples", NULL};
 
 static const form_key image_keys[] = {
     {"width", FORM_U32, AT(fathom_settings, width), .range = {1, 65536, 0}},
@@ -90,6 +90,8 @@ static const form_key image_keys[] = {
     /* Integers up to 2^53 - 1 mean the same in every JSON tool. */
     {"seed", FORM_U64, AT(fathom_settings, seed), .range = {0, 9007199254740991, 0}},
     {"crop", FORM_U32, AT(fathom_settings, crop), .count = 4, .range = {0, 65536, 0}},
+    {"targetError", FORM_F64, AT(fathom_settings, target_error), NOT_NEGATIVE},
+    {"minSpp", FORM_U32, AT(fathom_settings, min_spp), .range = {0, 65536, 0}},
     {"maxDepth", FORM_U32, AT(fathom_settings, max_depth), .range = {0, 64, 0}},
     {"minWeight", FORM_F32, AT(fathom_settings, min_weight), .range = {0, 1, FORM_OPEN_HIGH}},
     {"epsilon", FORM_F64, AT(fathom_settings, epsilon), NOT_NEGATIVE},

@@ -1,0 +1,220 @@
+#include "render/adaptive.h"
+
+#include "base/clock.h"
+
+#include <string.h>
+
+/* A pixel is stored as float: nothing below its rounding is promised, and no estimate is zero. */
+static const double rounding = 0x1p-48;
+
+bool adaptive_create(const render_plan *plan, adaptive_wave *out) {
+    return pixel_sums_create(plan, &out->sums);
+}
+
+void adaptive_destroy(adaptive_wave *a) { pixel_sums_destroy(&a->sums); }
+
+static uint32_t minimum(uint32_t a, uint32_t b) { return a < b ? a : b; }
+static uint32_t maximum(uint32_t a, uint32_t b) { return a > b ? a : b; }
+
+void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adaptive_wave *a) {
+    a->region = (wave_region){left,
+                              top,
+                              minimum(left + WAVE_SIDE, plan->settings.width),
+                              minimum(top + WAVE_SIDE, plan->settings.height),
+                              left,
+                              top};
+    pixel_sums_clear(&a->sums);
+    memset(a->done, 0, sizeof a->done);
+    memset(a->taken, 0, sizeof a->taken);
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->square_error[s] = INFINITY;
+    a->error = INFINITY;
+}
+
+/* ---- squares ---- */
+
+static uint32_t square_left(const adaptive_wave *a, uint32_t s) { return a->region.left + s % 8 * 4; }
+static uint32_t square_top(const adaptive_wave *a, uint32_t s) { return a->region.top + s / 8 * 4; }
+
+/* 0 for squares outside of the image. */
+static uint32_t square_pixels(const adaptive_wave *a, uint32_t s) {
+    uint32_t left = square_left(a, s), top = square_top(a, s);
+    if (left >= a->region.x1 || top >= a->region.y1) return 0;
+    return (minimum(left + 4, a->region.x1) - left) * (minimum(top + 4, a->region.y1) - top);
+}
+
+static bool in_image(const adaptive_wave *a, uint32_t s, uint32_t k) {
+    return square_left(a, s) + k % 4 < a->region.x1 && square_top(a, s) + k / 4 < a->region.y1;
+}
+
+/* ---- errors ---- */
+
+static double weight_of(double grey) {
+    double norm = grey < 1 ? fmax(grey, 0.01) : grey * grey;
+    return 1 / norm;
+}
+
+static double pixel_error(const adaptive_wave *a, uint32_t slot, uint32_t samples) {
+    double variance = 0, grey = 0;
+    const double quarter = 4.0 / samples;
+    for (int c = 0; c < 3; ++c) {
+        double sum = a->sums.rgb[c][slot], mean = sum / samples, before = 0;
+        for (int k = 0; k < 4; ++k) {
+            double upto = k < 3 ? a->parts[k][c][slot] : sum, d = (upto - before) * quarter - mean;
+            variance += d * d / 12;
+            before = upto;
+        }
+        grey += mean / 3;
+    }
+    return variance / 3 * weight_of(grey) + rounding;
+}
+
+static double square_error(const adaptive_wave *a, uint32_t s) {
+    double sum = 0;
+    if (a->done[s] < 4) return INFINITY;
+    for (uint32_t k = 0; k < LANES; ++k) {
+        if (in_image(a, s, k)) sum += pixel_error(a, s * LANES + k, a->done[s]);
+    }
+    return sum;
+}
+
+static double wave_error(const adaptive_wave *a) {
+    double sum = 0;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) sum += square_pixels(a, s) ? a->square_error[s] : 0;
+    return sqrt(sum / ((a->region.x1 - a->region.x0) * (a->region.y1 - a->region.y0)));
+}
+
+/* ---- a pass ---- */
+
+typedef struct pass {
+    wave *wave;
+    adaptive_wave *a;
+    adaptive_limit *limit;
+    wave_batch batch;
+    uint8_t square[WAVE_SQUARES]; /* of the wave, by place in the batch */
+} pass;
+
+static uint32_t least_samples(const fathom_settings *settings) {
+    return settings->min_spp ? settings->min_spp : minimum(ADAPTIVE_MIN_SPP, settings->spp);
+}
+
+/* An error that is no number is not small. */
+static bool wants_samples(const adaptive_wave *a, const fathom_settings *settings, double target,
+                          uint32_t s) {
+    uint32_t pixels = square_pixels(a, s), done = a->done[s];
+    if (!pixels || done >= settings->spp) return false;
+    return done < least_samples(settings) || !(a->square_error[s] <= target * target * pixels);
+}
+
+static uint32_t choose(const adaptive_wave *a, const fathom_settings *settings, double target,
+                       uint8_t out[WAVE_SQUARES]) {
+    uint32_t count = 0;
+    if (a->done[0] >= least_samples(settings) && a->error <= target) return 0;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
+        if (wants_samples(a, settings, target, s)) out[count++] = (uint8_t)s;
+    }
+    return count;
+}
+
+static void copy_sums(adaptive_wave *a, int part, uint32_t s) {
+    for (int c = 0; c < 3; ++c)
+        memcpy(a->parts[part][c] + s * LANES, a->sums.rgb[c] + s * LANES, LANES * sizeof(double));
+}
+
+/* Half and whole of what there was become a quarter and half. What a cut pass had left half done is
+ * forgotten with its wave: nothing follows a cut. */
+static void begin_square(adaptive_wave *a, uint32_t s) {
+    for (int c = 0; c < 3; ++c)
+        memcpy(a->parts[0][c] + s * LANES, a->parts[1][c] + s * LANES, LANES * sizeof(double));
+    copy_sums(a, 1, s);
+}
+
+static void add_hits(pass *p, uint32_t place) {
+    uint32_t s = p->square[place], index = p->batch.squares[place].index;
+    for (uint32_t k = 0; k < LANES; ++k) {
+        if (!in_image(p->a, s, k)) continue;
+        pixel_sums_add_hit(&p->a->sums, p->wave, place * LANES + k, square_left(p->a, s) + k % 4,
+                           square_top(p->a, s) + k / 4, s * LANES + k, index);
+    }
+}
+
+static void add_square(pass *p, uint32_t place) {
+    adaptive_wave *a = p->a;
+    uint32_t s = p->square[place];
+    if (p->batch.squares[place].index == a->done[s] + a->done[s] / 2) copy_sums(a, 2, s);
+    for (int c = 0; c < 3; ++c) {
+        const float *restrict from = p->wave->radiance[c] + place * LANES;
+        double *restrict to = a->sums.rgb[c] + s * LANES;
+        for (int k = 0; k < LANES; ++k) to[k] += (double)from[k];
+    }
+    if (a->sums.hits) add_hits(p, place);
+    ++a->taken[s];
+}
+
+/* Half of a batch's time more than the last one took: batches of one wave differ by the paths they follow. */
+static bool in_time(const adaptive_limit *limit) {
+    return !limit || clock_seconds() + 1.5 * limit->batch_seconds < limit->deadline;
+}
+
+static adaptive_result run_batch(pass *p) {
+    if (!in_time(p->limit)) return ADAPTIVE_CUT;
+    double began = p->limit ? clock_seconds() : 0;
+    if (!wave_run_batch(p->wave, &p->a->region, &p->batch)) return ADAPTIVE_STOPPED;
+    for (uint32_t place = 0; place < p->batch.count; ++place) add_square(p, place);
+    p->batch.count = 0;
+    if (p->limit) p->limit->batch_seconds = clock_seconds() - began;
+    return ADAPTIVE_PASSED;
+}
+
+static adaptive_result add_to_batch(pass *p, uint32_t s, uint32_t index) {
+    uint32_t place = p->batch.count++;
+    p->batch.squares[place] = (wave_square){square_left(p->a, s), square_top(p->a, s), index};
+    p->square[place] = (uint8_t)s;
+    return p->batch.count == WAVE_SQUARES ? run_batch(p) : ADAPTIVE_PASSED;
+}
+
+/* The next sample of each square, and so on: samples of one square stay in order, and a pass that is cut has
+ * about as many in each. */
+static adaptive_result take_samples(pass *p, const uint8_t *squares, uint32_t count) {
+    adaptive_result result = ADAPTIVE_PASSED;
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < count; ++i) most = maximum(most, maximum(p->a->done[squares[i]], 1));
+    for (uint32_t k = 0; k < most; ++k) {
+        for (uint32_t i = 0; i < count && result == ADAPTIVE_PASSED; ++i) {
+            uint32_t done = p->a->done[squares[i]];
+            if (k < maximum(done, 1)) result = add_to_batch(p, squares[i], done + k);
+        }
+    }
+    return result == ADAPTIVE_PASSED && p->batch.count ? run_batch(p) : result;
+}
+
+adaptive_result adaptive_pass(wave *w, double target, adaptive_limit *limit, adaptive_wave *a) {
+    uint8_t squares[WAVE_SQUARES];
+    uint32_t count = choose(a, &w->plan->settings, target, squares);
+    if (!count) return ADAPTIVE_FINISHED;
+    pass p = {.wave = w, .a = a, .limit = limit};
+    for (uint32_t i = 0; i < count; ++i) begin_square(a, squares[i]);
+    adaptive_result result = take_samples(&p, squares, count);
+    if (result != ADAPTIVE_PASSED) return result;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t s = squares[i];
+        a->done[s] = a->taken[s];
+        a->square_error[s] = square_error(a, s);
+    }
+    a->error = wave_error(a);
+    return ADAPTIVE_PASSED;
+}
+
+uint64_t adaptive_store(const adaptive_wave *a, fathom_film *film) {
+    uint64_t samples = 0;
+    const wave_region *r = &a->region;
+    uint32_t x1 = minimum(r->x1, film->x + film->width), y1 = minimum(r->y1, film->y + film->height);
+    for (uint32_t y = maximum(r->y0, film->y); y < y1; ++y) {
+        for (uint32_t x = maximum(r->x0, film->x); x < x1; ++x) {
+            uint32_t dx = x - r->left, dy = y - r->top, s = dy / 4 * 8 + dx / 4;
+            if (!a->taken[s]) continue; /* stopped before its first sample */
+            pixel_sums_store(&a->sums, s * LANES + dy % 4 * 4 + dx % 4, a->taken[s], x, y, film);
+            samples += a->taken[s];
+        }
+    }
+    return samples;
+}

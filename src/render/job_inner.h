@@ -1,0 +1,46 @@
+/* What the ways to run a job share. */
+#ifndef RENDER_JOB_INNER_H
+#define RENDER_JOB_INNER_H
+
+#include "render/adaptive.h"
+#include "render/job.h"
+
+/* A wave is made by the thread that uses it, when it first does. */
+typedef struct worker {
+    wave wave;
+    adaptive_wave *adaptive; /* NULL: every pixel gets the same samples, or waves keep their own */
+    pixel_sums *sums;        /* otherwise */
+    adaptive_limit limit;
+    bool ready;
+    uint64_t samples; /* in the film */
+    double error;     /* the largest of its waves */
+} worker;
+
+typedef struct job {
+    const render_plan *plan;
+    fathom_film *film;
+    worker *workers;
+    atomic_bool stop, failed;
+    _Atomic uint64_t pixels_done, rays_done;
+    job_result result;
+    fathom_progress_fn progress; /* these, on the calling thread alone */
+    void *progress_user;
+    double began, deadline; /* of clock_seconds(); 0: none */
+    atomic_bool complete;   /* nothing is left to stop */
+    bool interrupted, too_short;
+    unsigned threads;
+} job;
+
+/* The worker of this index, its wave ready to be used; NULL when the job stops. */
+worker *job_worker(job *j, unsigned index);
+/* After a pass or a wave, for progress. before: the wave's rays then. */
+void job_count_rays(job *j, const wave *w, const ray_counts *before);
+/* Ends the job after wave_run() said false. */
+void job_stop(job *j, const wave *w);
+
+/* Rounds over all waves until the deadline. */
+void timed_run(job *j);
+/* Bytes that timed_run() takes. */
+size_t timed_bytes(const fathom_film *film, bool hits);
+
+#endif

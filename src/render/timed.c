@@ -1,0 +1,164 @@
+/* Rendering to a time. All waves are kept, and rounds go over them: first one sample for each pixel, then
+ * twice as many until errors are known, then a pass for the waves that are worst. A round that the deadline
+ * cuts leaves no wave more than a pass behind, and the clock is looked at before each batch of rays: nothing
+ * that was sampled is thrown away. Which samples are taken depends on the clock, what each of them is does
+ * not. */
+#include "render/job_inner.h"
+
+#include "base/clock.h"
+#include "base/threads.h"
+
+#include <stdlib.h>
+
+/* Twice the samples lower an error by √2 at least: waves within this of the worst would else be the worst
+ * ones after the next pass. */
+#define NEAR_WORST 0.7
+
+/* Waves of a round for each thread, at least: the end of a round, where threads wait for the last one, stays
+ * a small part of it. */
+#define WAVES_FOR_THREAD 16u
+
+typedef struct ranked {
+    double error;
+    uint32_t shuffle, wave;
+} ranked;
+
+typedef struct timed {
+    job *job;
+    adaptive_wave **waves; /* NULL until the first pass */
+    bool *finished;
+    ranked *order;
+    size_t count, round; /* waves; of them in this round */
+    uint32_t first_x, first_y, across;
+    atomic_bool cut;
+} timed;
+
+static uint32_t waves_across(uint32_t begin, uint32_t length) {
+    return (begin + length + WAVE_SIDE - 1) / WAVE_SIDE - begin / WAVE_SIDE;
+}
+
+size_t timed_bytes(const fathom_film *film, bool hits) {
+    size_t count = (size_t)waves_across(film->x, film->width) * waves_across(film->y, film->height);
+    return count * (sizeof(adaptive_wave) + (hits ? sizeof(hit_sums) : 0));
+}
+
+/* Worst first; in an order without a pattern where nothing is known. */
+static int by_error(const void *a, const void *b) {
+    const ranked *x = a, *y = b;
+    if (x->error != y->error) return x->error > y->error ? -1 : 1;
+    return x->shuffle < y->shuffle ? -1 : x->shuffle > y->shuffle;
+}
+
+/* The waves of the next round, at the front of `order`. While some have no estimate, those alone. */
+static void choose_round(timed *t) {
+    size_t count = 0;
+    for (uint32_t i = 0; i < t->count; ++i) {
+        if (t->finished[i]) continue;
+        double error = t->waves[i] ? t->waves[i]->error : (double)INFINITY;
+        t->order[count++] = (ranked){error, i * 0x9e3779b1u, i};
+    }
+    qsort(t->order, count, sizeof *t->order, by_error);
+    size_t least = WAVES_FOR_THREAD * t->job->threads;
+    double limit = count ? NEAR_WORST * t->order[0].error : 0;
+    bool unknown = isinf(limit);
+    for (t->round = 0; t->round < count; ++t->round) {
+        if (t->order[t->round].error < limit && (unknown || t->round >= least)) break;
+    }
+}
+
+static bool make_wave(timed *t, uint32_t i) {
+    adaptive_wave *a = malloc(sizeof *a);
+    if (!a || !adaptive_create(t->job->plan, a)) {
+        free(a);
+        return false;
+    }
+    adaptive_begin(t->job->plan, t->first_x + i % t->across * WAVE_SIDE,
+                   t->first_y + i / t->across * WAVE_SIDE, a);
+    t->waves[i] = a;
+    return true;
+}
+
+/* Squares of a wave that are near its own error get the samples, down to the target. */
+static void run_pass(timed *t, worker *self, uint32_t i) {
+    job *j = t->job;
+    if (!t->waves[i] && !make_wave(t, i)) {
+        atomic_store(&j->failed, true);
+        atomic_store(&j->stop, true);
+        return;
+    }
+    adaptive_wave *a = t->waves[i];
+    double target = j->plan->settings.target_error;
+    if (isfinite(a->error) && a->error > target) target = fmax(target, NEAR_WORST * a->error);
+    const ray_counts before = self->wave.rays;
+    switch (adaptive_pass(&self->wave, target, &self->limit, a)) {
+    case ADAPTIVE_PASSED: break;
+    case ADAPTIVE_FINISHED: t->finished[i] = true; break;
+    case ADAPTIVE_CUT: atomic_store(&t->cut, true); break;
+    case ADAPTIVE_STOPPED: job_stop(j, &self->wave); break;
+    }
+    job_count_rays(j, &self->wave, &before);
+}
+
+static void run_round(void *user, size_t begin, size_t end, unsigned index) {
+    timed *t = user;
+    unsigned state = trace_thread_begin();
+    for (size_t i = begin; i < end && !atomic_load(&t->cut); ++i) {
+        worker *self = job_worker(t->job, index);
+        if (!self) break;
+        run_pass(t, self, t->order[i].wave);
+    }
+    trace_thread_end(state);
+}
+
+static void run_rounds(timed *t) {
+    for (;;) {
+        choose_round(t);
+        if (!t->round) return;
+        loop_parallel(t->job->threads, t->round, 1, run_round, t);
+        if (atomic_load(&t->cut) || atomic_load(&t->job->stop)) return;
+    }
+}
+
+static void store_waves(timed *t) {
+    job *j = t->job;
+    for (size_t i = 0; i < t->count; ++i) {
+        const adaptive_wave *a = t->waves[i];
+        if (!a || !a->taken[0]) {
+            j->too_short = true;
+            j->result.error = INFINITY;
+        }
+        if (!a) continue;
+        j->result.samples += adaptive_store(a, j->film);
+        j->result.error = fmax(j->result.error, a->error);
+    }
+}
+
+static void destroy_waves(timed *t) {
+    for (size_t i = 0; i < t->count && t->waves; ++i) {
+        if (t->waves[i]) adaptive_destroy(t->waves[i]);
+        free(t->waves[i]);
+    }
+    free(t->waves);
+    free(t->finished);
+    free(t->order);
+}
+
+void timed_run(job *j) {
+    const fathom_film *film = j->film;
+    timed t = {.job = j,
+               .first_x = film->x / WAVE_SIDE * WAVE_SIDE,
+               .first_y = film->y / WAVE_SIDE * WAVE_SIDE,
+               .across = waves_across(film->x, film->width)};
+    t.count = (size_t)t.across * waves_across(film->y, film->height);
+    t.waves = calloc(t.count, sizeof(adaptive_wave *));
+    t.finished = calloc(t.count, sizeof *t.finished);
+    t.order = malloc(t.count * sizeof *t.order);
+    if (t.waves && t.finished && t.order) {
+        run_rounds(&t);
+        atomic_store(&j->complete, !atomic_load(&j->stop));
+        store_waves(&t);
+    } else {
+        atomic_store(&j->failed, true);
+    }
+    destroy_waves(&t);
+}

@@ -1,0 +1,332 @@
+/* Rendering to an error or a time: what is promised of the error, and what may change no pixel. */
+#include "render.h"
+
+enum { WIDTH = 96, HEIGHT = 80, SIDE = 32 }; /* three waves across, two and a half down */
+
+/* Edges of light, shadow and mirror images over a floor, and places without any. */
+static void add_balls(stage *s) {
+    fathom_material m;
+    fathom_material_default(&m);
+    for (int c = 0; c < 3; ++c) m.k_d[c] = 0.2f * (float)(c + 1), m.k_s[c] = 0.4f;
+    m.specular = FATHOM_SPECULAR_BLINN, m.shininess = 200;
+    fathom_id shiny = stage_material(s, &m);
+    for (int c = 0; c < 3; ++c) m.k_r[c] = 0.7f;
+    fathom_id mirror = stage_material(s, &m);
+    stage_sphere(s, -0.9, 0.6, 0, 0.6, shiny);
+    stage_sphere(s, 0.8, 0.7, -0.4, 0.7, mirror);
+    stage_sphere(s, 0.3, 0.2, 1, 0.2, shiny);
+}
+
+/* A floor of thin bars: every pixel far off holds many edges. */
+static void add_bars(stage *s) {
+    fathom_id bar = stage_emitter(s, 0.8f);
+    for (int i = 0; i < 40; ++i)
+        stage_quad(s, (double[3]){0.2 * i - 4, 0, -3}, (double[3]){0.05, 0, 0}, (double[3]){0, 0, -4}, bar);
+}
+
+typedef enum subject { BALLS, BARS, DARK, SUBJECTS } subject;
+
+static stage open_subject(subject which) {
+    stage s = stage_open(WIDTH, HEIGHT);
+    if (which != BARS) add_balls(&s);
+    if (which != BALLS) add_bars(&s);
+    if (which != BARS)
+        stage_plane(&s, (double[3]){0, -0.01, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.4f));
+    stage_point_light(&s, -3, 4, 3, which == DARK ? 0.3f : 30);
+    stage_camera(&s, (double[3]){0.4, 2, 5}, (double[3]){0, 0.4, 0}, (double[3]){0, 1, 0}, 0.6);
+    if (which == BARS) assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0, 0.3f, 2}));
+    s.settings.pattern = FATHOM_PATTERN_SOBOL;
+    s.settings.spp = 1024;
+    return s;
+}
+
+static const char *const names[3] = {"R", "G", "B"};
+
+static fathom_film *render(stage *s, fathom_stats *stats) {
+    fathom_film *film;
+    assert_ok(s->context, fathom_render(s->context, s->scene, &s->settings, NULL, NULL, stats, &film));
+    return film;
+}
+
+static size_t film_pixels(const fathom_film *film) {
+    uint32_t width, height;
+    fathom_film_size(film, &width, &height);
+    return (size_t)width * height;
+}
+
+static void assert_same(const fathom_film *a, const fathom_film *b) {
+    assert_int_equal(film_pixels(a), film_pixels(b));
+    for (int c = 0; c < 3; ++c) {
+        assert_memory_equal(fathom_film_channel(a, names[c]), fathom_film_channel(b, names[c]),
+                            film_pixels(a) * sizeof(float));
+    }
+}
+
+/* The unit of errors, as render.h states it, by the image that is held true. */
+static double weight(const float *const rgb[3], size_t pixel) {
+    double grey = ((double)rgb[0][pixel] + (double)rgb[1][pixel] + (double)rgb[2][pixel]) / 3;
+    return grey < 1 ? 1 / fmax(grey, 0.01) : 1 / (grey * grey);
+}
+
+/* Mean squared error of a crop of the true image. */
+static double true_error(const fathom_film *film, const fathom_film *truth, const uint32_t crop[4]) {
+    const float *rgb[3];
+    double sum = 0;
+    uint32_t width = crop[2] - crop[0], height = crop[3] - crop[1];
+    for (int c = 0; c < 3; ++c) rgb[c] = fathom_film_channel(truth, names[c]);
+    for (uint32_t y = 0; y < height; ++y) {
+        for (uint32_t x = 0; x < width; ++x) {
+            size_t at = (size_t)(y + crop[1]) * WIDTH + x + crop[0];
+            for (int c = 0; c < 3; ++c) {
+                double d =
+                    (double)fathom_film_channel(film, names[c])[(size_t)y * width + x] - (double)rgb[c][at];
+                sum += d * d * weight(rgb, at) / 3;
+            }
+        }
+    }
+    return sum / (width * height);
+}
+
+typedef struct tally {
+    int waves, covered;
+    double squares, estimates; /* sums of squared errors, true and estimated */
+} tally;
+
+/* Every wave by itself: its crop brings its own estimate. */
+static void compare_waves(stage *s, const fathom_film *truth, tally *t) {
+    for (uint32_t y = 0; y < HEIGHT; y += SIDE) {
+        for (uint32_t x = 0; x < WIDTH; x += SIDE) {
+            const uint32_t crop[4] = {x, y, x + SIDE, y + SIDE < HEIGHT ? y + SIDE : HEIGHT};
+            memcpy(s->settings.crop, crop, sizeof crop);
+            fathom_stats stats;
+            fathom_film *film = render(s, &stats);
+            double error = true_error(film, truth, crop), estimate = stats.error_estimate;
+            assert_true(estimate <= s->settings.target_error);
+            ++t->waves;
+            t->covered += error <= 4 * estimate * estimate;
+            t->squares += error;
+            t->estimates += estimate * estimate;
+            fathom_film_destroy(film);
+        }
+    }
+    memset(s->settings.crop, 0, sizeof s->settings.crop);
+}
+
+/* The estimate of a wave, twice over, holds its true error in six of seven waves at least, and on the mean
+ * the estimate is no less than the error. Derived: with Σ(q - m)² / 12 of four quarters, unbiased or too
+ * large (render/adaptive.h), and a single pixel that has all the error, error over estimate is Student's t of
+ * 3 degrees of freedom, and |t| > 2 has 13.9 %; more pixels only make it rarer (8: F(8, 24) > 4 has 0.4 %).
+ * The true image has 2048 samples a pixel and another seed: its error, along edges, is 1/13 of that of 64
+ * samples. */
+static void estimate_covers_error(void **state) {
+    (void)state;
+    const double targets[] = {0.03, 0.01};
+    for (int which = 0; which < SUBJECTS; ++which) {
+        stage s = open_subject((subject)which);
+        s.settings.spp = 2048, s.settings.seed = 1000;
+        fathom_film *truth = render(&s, NULL);
+        tally t = {0};
+        for (int i = 0; i < 2; ++i) {
+            for (uint64_t seed = 0; seed < 3; ++seed) {
+                s.settings.seed = seed, s.settings.target_error = targets[i];
+                compare_waves(&s, truth, &t);
+            }
+        }
+        printf("scene %d: %d of %d waves covered, true / estimated error %.3f\n", which, t.covered, t.waves,
+               sqrt(t.squares / t.estimates));
+        assert_true(7 * t.covered >= 6 * t.waves);
+        assert_true(t.squares <= t.estimates);
+        fathom_film_destroy(truth);
+        stage_close(&s);
+    }
+}
+
+/* Decisions belong to waves: threads, tiles and block widths change no bit, nor what is counted. */
+static void same_bits_however_rendered(void **state) {
+    (void)state;
+    stage s = open_subject(BALLS);
+    s.settings.target_error = 0.01;
+    s.settings.aovs = FATHOM_AOV_ALPHA | FATHOM_AOV_N | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES;
+    fathom_stats first_stats, stats;
+    fathom_film *first = render(&s, &first_stats);
+    for (unsigned threads = 1; threads <= 7; ++threads) {
+        fathom_context_set_threads(s.context, threads);
+        s.settings.tile_size = 32 * (1 + threads % 4);
+        s.settings.block_width = threads % 2 ? 16 : threads % 4 ? 8 : 4;
+        fathom_film *other = render(&s, &stats);
+        assert_same(first, other);
+        const char *more[] = {"A", "N.X", "Z"};
+        for (int i = 0; i < 3; ++i) {
+            assert_memory_equal(fathom_film_channel(first, more[i]), fathom_film_channel(other, more[i]),
+                                WIDTH * HEIGHT * sizeof(float));
+        }
+        assert_int_equal(first_stats.samples, stats.samples);
+        assert_true(first_stats.error_estimate == stats.error_estimate);
+        fathom_film_destroy(other);
+    }
+    fathom_film_destroy(first);
+    stage_close(&s);
+}
+
+/* A crop that cuts through waves shows what the whole shows. */
+static void crop_is_a_part(void **state) {
+    (void)state;
+    stage s = open_subject(BALLS);
+    s.settings.target_error = 0.01;
+    fathom_film *whole = render(&s, NULL);
+    const uint32_t crop[4] = {17, 5, 70, 71};
+    memcpy(s.settings.crop, crop, sizeof crop);
+    fathom_film *part = render(&s, NULL);
+    for (uint32_t y = crop[1]; y < crop[3]; ++y) {
+        assert_memory_equal(fathom_film_channel(part, "G") + (size_t)(y - crop[1]) * 53,
+                            fathom_film_channel(whole, "G") + (size_t)y * WIDTH + crop[0],
+                            53 * sizeof(float));
+    }
+    fathom_film_destroy(part);
+    fathom_film_destroy(whole);
+    stage_close(&s);
+}
+
+/* A target below what floats can hold is never reached: then all pixels take the most samples, and these are
+ * the samples that every pixel takes without a target, AOVs included. */
+static void no_error_is_all_samples(void **state) {
+    (void)state;
+    stage s = open_subject(BARS);
+    s.settings.spp = 32, s.settings.aovs = ~0u >> 25; /* all */
+    fathom_stats stats;
+    fathom_film *evenly = render(&s, NULL);
+    s.settings.target_error = 1e-12;
+    fathom_film *adaptive = render(&s, &stats);
+    assert_same(evenly, adaptive);
+    const char *more[] = {"A", "Z", "N.X", "P.Y", "albedo.G"};
+    for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
+        assert_memory_equal(fathom_film_channel(evenly, more[i]), fathom_film_channel(adaptive, more[i]),
+                            WIDTH * HEIGHT * sizeof(float));
+    }
+    assert_memory_equal(fathom_film_channel_id(evenly, "samples"),
+                        fathom_film_channel_id(adaptive, "samples"), WIDTH * HEIGHT * sizeof(uint32_t));
+    assert_int_equal(stats.samples, 32 * WIDTH * HEIGHT);
+    assert_true(stats.error_estimate > s.settings.target_error);
+    fathom_film_destroy(evenly);
+    fathom_film_destroy(adaptive);
+    stage_close(&s);
+}
+
+/* Samples go where edges are, and are counted; powers of two from the least on. */
+static void samples_where_needed(void **state) {
+    (void)state;
+    stage s = open_subject(BALLS);
+    s.settings.target_error = 0.01, s.settings.min_spp = 16, s.settings.aovs = FATHOM_AOV_SAMPLES;
+    fathom_stats stats;
+    fathom_film *film = render(&s, &stats);
+    const uint32_t *samples = fathom_film_channel_id(film, "samples");
+    uint64_t sum = 0;
+    size_t least = 0, more = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; ++i) {
+        assert_true(samples[i] >= 16 && samples[i] <= 1024 && !(samples[i] & (samples[i] - 1)));
+        sum += samples[i];
+        least += samples[i] == 16, more += samples[i] > 16;
+    }
+    assert_int_equal(sum, stats.samples);
+    assert_true(least > more && more > 100);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* Light as strong as can be: squares of colours stay numbers, and sampling ends. */
+static void stays_finite(void **state) {
+    (void)state;
+    stage s = open_subject(BALLS);
+    stage_point_light(&s, 3, 4, 3, 3e38f);
+    s.settings.target_error = 0.05, s.settings.spp = 16;
+    fathom_stats stats;
+    fathom_film *film = render(&s, &stats);
+    assert_true(isfinite(stats.error_estimate) && stats.error_estimate > 0);
+    for (size_t i = 0; i < WIDTH * HEIGHT; ++i) assert_true(isfinite(fathom_film_channel(film, "R")[i]));
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* However little time there was, each pixel has a sample, and the estimate is told where there is one. A time
+ * too short for that is refused. */
+static void to_a_time(void **state) {
+    (void)state;
+    stage s = open_subject(BALLS);
+    fathom_film *film;
+    fathom_stats stats;
+    s.settings.max_time = 1e-9;
+    assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, &stats, &film),
+                 FATHOM_BAD_USAGE, "too short");
+    s.settings.max_time = 0.5, s.settings.spp = 65536, s.settings.aovs = FATHOM_AOV_SAMPLES;
+    film = render(&s, &stats);
+    for (size_t i = 0; i < WIDTH * HEIGHT; ++i) assert_true(fathom_film_channel_id(film, "samples")[i] >= 1);
+    assert_true(stats.error_estimate > 0);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* With time to spare, rounds over all waves end at the target, or at the most samples, before it is up: at
+ * the most samples everywhere it is the even image. */
+static void time_to_spare(void **state) {
+    (void)state;
+    stage s = open_subject(BARS);
+    fathom_stats stats;
+    s.settings.max_time = 1000, s.settings.target_error = 0.02;
+    fathom_film *film = render(&s, &stats);
+    assert_true(stats.error_estimate <= 0.02);
+    fathom_film_destroy(film);
+    s.settings.target_error = 1e-12, s.settings.spp = 8;
+    film = render(&s, &stats);
+    s.settings.max_time = s.settings.target_error = 0;
+    fathom_film *evenly = render(&s, NULL);
+    assert_same(evenly, film);
+    fathom_film_destroy(film);
+    fathom_film_destroy(evenly);
+    stage_close(&s);
+}
+
+static void refuse(fathom_settings settings, const char *text) {
+    stage s = open_subject(BALLS);
+    fathom_film *film;
+    s.settings = settings;
+    assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
+                 FATHOM_BAD_INPUT, text);
+    stage_close(&s);
+}
+
+static void bad_settings(void **state) {
+    (void)state;
+    fathom_settings good;
+    fathom_settings_default(&good);
+    good.pattern = FATHOM_PATTERN_SOBOL, good.spp = 64, good.target_error = 0.01;
+    fathom_settings bad = good;
+    bad.target_error = -0.01;
+    refuse(bad, "target error: expected a number >= 0");
+    bad.target_error = (double)NAN;
+    refuse(bad, "target error");
+    bad = good, bad.max_time = (double)INFINITY;
+    refuse(bad, "max time: expected a number >= 0");
+    bad = good, bad.pattern = FATHOM_PATTERN_GRID;
+    refuse(bad, "needs the pattern sobol");
+    bad = good, bad.spp = 100;
+    refuse(bad, "power of two");
+    bad = good, bad.min_spp = 128;
+    refuse(bad, "min spp: expected a power of two from 4 to spp, which is 64, found 128");
+    bad.min_spp = 5;
+    refuse(bad, "min spp");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(estimate_covers_error),
+        cmocka_unit_test(same_bits_however_rendered),
+        cmocka_unit_test(crop_is_a_part),
+        cmocka_unit_test(no_error_is_all_samples),
+        cmocka_unit_test(samples_where_needed),
+        cmocka_unit_test(stays_finite),
+        cmocka_unit_test(to_a_time),
+        cmocka_unit_test(time_to_spare),
+        cmocka_unit_test(bad_settings),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
