@@ -6,5 +6,5 @@ cd "$(dirname "$0")/.."
 program=$(cd "${BUILD:-build/release}" && pwd)/tests/bench_adaptive
 for scene in scenes/first-render.json scenes/tour/27-antialiased-reflections.json; do
     printf '\n%s\n\n' "$scene"
-    "$program" "$scene" "${1:-240}" "${2:-135}" "${3:-1024}" "${4:-2}"
+    "$program" "$scene" "${1:-160}" "${2:-90}" "${3:-512}" "${4:-2}"
 done
