@@ -31,7 +31,10 @@ static fathom_status render_once(const bench *b, const trace_tracer *tracer, con
     double start = clock_seconds();
     status = plan_create(b->context, b->world, tracer, settings, &plan);
     double began = clock_seconds(), cpu = clock_process_seconds();
-    if (status == FATHOM_OK) status = job_run(b->context, plan, film, NULL, NULL, &out->rays);
+    job_result result = {.samples = 0};
+    if (status == FATHOM_OK)
+        status = job_run(b->context, plan, began + settings->max_time, film, NULL, NULL, &result);
+    out->rays = result.rays;
     out->seconds = clock_seconds() - began;
     out->cpu = clock_process_seconds() - cpu;
     out->plan = began - start;
