@@ -54,12 +54,13 @@ static fathom_status render_film(fathom_context *context, const bench_stage *sta
                                  const fathom_settings *settings, fathom_progress_fn progress, void *user,
                                  fathom_film *film, stage_cost *cost) {
     render_plan *plan;
-    ray_counts rays;
+    job_result result = {.samples = 0};
     fathom_status status = plan_create(context, stage->world, stage->tracer, settings, &plan);
     if (status != FATHOM_OK) return status;
     bench_seconds start = bench_now();
-    status = job_run(context, plan, film, progress, user, &rays);
+    status = job_run(context, plan, 0, film, progress, user, &result);
     cost->seconds = bench_since(&start);
+    const ray_counts rays = result.rays;
     cost->rays = rays.camera + rays.shadow + rays.reflection + rays.refraction;
     plan_destroy(plan);
     return status;
@@ -69,6 +70,7 @@ fathom_status stage_render(fathom_context *context, const bench_stage *stage, co
                            fathom_progress_fn progress, void *user, float *rgb, stage_cost *cost) {
     fathom_settings settings = stage->settings;
     settings.pattern = shot->pattern, settings.spp = shot->spp, settings.seed = shot->seed;
+    settings.target_error = settings.max_time = 0; /* as many samples everywhere */
     fathom_film *film;
     fathom_status status = scene_check_settings(context, &settings);
     if (status == FATHOM_OK) status = film_create(context, stage->scene, &settings, &film);
