@@ -127,6 +127,39 @@ static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, ui
     g->facets.bent[i] = ~0u;
 }
 
+/* The mesh that a lane met; NULL: none. */
+static const fathom_mesh *met_mesh(const world *w, const trace_block *block, unsigned lane) {
+    uint32_t id = block->hits.geometry[lane];
+    if (id >= TRACE_PLANE) return NULL; /* a plane, or nothing */
+    const world_geometry *geometry = &w->geometries.items[id];
+    return geometry->kind == WORLD_MESH ? &w->meshes.items[geometry->first] : NULL;
+}
+
+void surface_fetch_indices(const world *w, const trace_block *block, unsigned lanes) {
+    for (unsigned i = 0; i < lanes; ++i) {
+        const fathom_mesh *mesh = met_mesh(w, block, i);
+        if (!mesh) continue;
+        size_t first = 3 * (size_t)block->hits.primitive[i];
+        __builtin_prefetch(mesh->indices + first);
+        if (mesh->normals && mesh->normal_indices) __builtin_prefetch(mesh->normal_indices + first);
+    }
+}
+
+void surface_fetch_corners(const world *w, const trace_block *block, unsigned lanes) {
+    for (unsigned i = 0; i < lanes; ++i) {
+        const fathom_mesh *mesh = met_mesh(w, block, i);
+        if (!mesh) continue;
+        size_t first = 3 * (size_t)block->hits.primitive[i];
+        const uint32_t *index = mesh->indices + first;
+        for (int k = 0; k < 3; ++k)
+            __builtin_prefetch(vector_at(mesh->positions, mesh->position_stride, index[k]));
+        if (!mesh->normals) continue;
+        if (mesh->normal_indices) index = mesh->normal_indices + first;
+        for (int k = 0; k < 3; ++k)
+            __builtin_prefetch(vector_at(mesh->normals, mesh->normal_stride, index[k]));
+    }
+}
+
 static void add_hit(surface_gather *g, unsigned i, const local_hit *hit) {
     put_f64(g->local.p, i, hit->p);
     put_f64(g->local.n, i, hit->n);

@@ -29,6 +29,10 @@ typedef struct surface_gather {
 void surface_gather_begin(surface_gather *g);
 /* Adds a hit; there must be room. */
 void surface_gather_add(surface_gather *g, const world *w, const ray_hit *ray);
+/* Asks the processor's cache for what surface_gather_add() will read of the triangles that a traced block
+ * met: where their corners are, then the corners themselves, for which the former must have come. */
+void surface_fetch_indices(const world *w, const trace_block *block, unsigned lanes);
+void surface_fetch_corners(const world *w, const trace_block *block, unsigned lanes);
 /* Fills the first g->count lanes of s but for weight, slot, material and count, and what g->local says of
  * them in the world's coordinates; all other lanes get something finite. lift: whether the points for shadow
  * rays are wanted. automatic: rays begin off the surface by the point's error; else on it. */

@@ -60,6 +60,9 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, ray);
 }
 
+/* Blocks of hits between asking for memory and reading it. */
+#define FETCH 2
+
 /* Only glass takes a path to the other side. */
 static void note_depths(const wave *w, const trace_block *block, const path_block *path, size_t lane,
                         surface_block *s, unsigned i) {
@@ -120,6 +123,19 @@ static bool shows_background(const wave *w, bool first) {
     return seen && (rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0);
 }
 
+static unsigned lanes_from(const wave *w, size_t done) {
+    return w->now.count - done < LANES ? (unsigned)(w->now.count - done) : LANES;
+}
+
+/* In a mesh that no cache holds, the hits of a wave wait for memory three times each: fetched blocks ahead,
+ * they wait together. */
+static void fetch_ahead(const wave *w, size_t done) {
+    const world *scene = w->plan->world;
+    size_t near = done + FETCH * LANES, far = done + 2 * FETCH * LANES;
+    if (far < w->now.count) surface_fetch_indices(scene, &w->now.rays[far / LANES], lanes_from(w, far));
+    if (near < w->now.count) surface_fetch_corners(scene, &w->now.rays[near / LANES], lanes_from(w, near));
+}
+
 bool wave_surfaces(wave *w, bool first) {
     const bool background = shows_background(w, first);
     w->surface_count = 0;
@@ -128,7 +144,8 @@ bool wave_surfaces(wave *w, bool first) {
     for (size_t done = 0; done < w->now.count; done += LANES) {
         const trace_block *block = &w->now.rays[done / LANES];
         const path_block *path = &w->now.paths[done / LANES];
-        unsigned lanes = w->now.count - done < LANES ? (unsigned)(w->now.count - done) : LANES;
+        unsigned lanes = lanes_from(w, done);
+        fetch_ahead(w, done);
         if (background) add_background(w, block, path, lanes);
         for (unsigned i = 0; first && w->first && i < lanes; ++i) {
             if (block->hits.geometry[i] == FATHOM_NONE) keep_miss(w->first, path->slot[i]);
