@@ -152,7 +152,8 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     if (status == FATHOM_OK) status = open_device(tracer);
     if (status == FATHOM_OK) {
         choose_calls(tracer);
-        status = embree_build(tracer, build_quality(&tracer->spec, options));
+        tracer->quality = build_quality(&tracer->spec, options);
+        status = embree_build(tracer);
     }
     if (status != FATHOM_OK) {
         destroy(&tracer->base);

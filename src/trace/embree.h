@@ -18,7 +18,8 @@ typedef struct embree_tracer {
     trace_tracer base;
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
-    unsigned width;   /* rays in one call */
+    enum RTCBuildQuality quality;
+    unsigned width;            /* rays in one call */
     float reach, longest;      /* what coordinates of origins and directions may be; see embree_build.c */
     RTCFilterFunctionN filter; /* NULL: ties are not settled */
     _Atomic int64_t bytes;     /* held by Embree */
@@ -41,7 +42,7 @@ fathom_status embree_fit_memory(embree_tracer *tracer);
 /* ---- embree_build.c ---- */
 
 /* Fills tracer->scenes. FATHOM_INTERRUPTED when progress said stop. */
-fathom_status embree_build(embree_tracer *tracer, enum RTCBuildQuality quality);
+fathom_status embree_build(embree_tracer *tracer);
 
 /* ---- embree_shapes.c ---- */
 

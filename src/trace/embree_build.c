@@ -50,9 +50,11 @@ static bool is_native(trace_shapes shapes, const world_geometry *geometry) {
     return shapes != TRACE_SHAPES_USER && fit;
 }
 
-/* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. */
-static void attach(RTCScene scene, RTCGeometry geometry, uint32_t id, unsigned mask) {
+/* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. So is the quality: a
+ * scene of low quality builds each mesh by its geometry's own. */
+static void attach(embree_tracer *tracer, RTCScene scene, RTCGeometry geometry, uint32_t id, unsigned mask) {
     if (!geometry) return;
+    rtcSetGeometryBuildQuality(geometry, tracer->quality);
     rtcSetGeometryMask(geometry, mask);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene, geometry, id);
@@ -74,7 +76,7 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
         RTCGeometry made = is_native(tracer->spec.shapes, geometry)
                                ? embree_native_geometry(tracer->device, w, geometry)
                                : embree_user_geometry(tracer->device, w, geometry);
-        attach(scene, made, i, geometry_mask(tracer, geometry));
+        attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
     }
 }
 
@@ -88,7 +90,7 @@ static void attach_instances(embree_tracer *tracer, RTCScene root) {
         if (!geometry) return;
         rtcSetGeometryInstancedScene(geometry, scene);
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->to_world);
-        attach(root, geometry, w->groups.items[0].count + (uint32_t)k,
+        attach(tracer, root, geometry, w->groups.items[0].count + (uint32_t)k,
                EMBREE_SEEN | EMBREE_SHADOWS | EMBREE_MESHES | EMBREE_MESH_SHADOWS);
     }
 }
@@ -248,11 +250,11 @@ static enum RTCSceneFlags scene_flags(const trace_spec *spec) {
     return filter;
 }
 
-static RTCScene new_scene(embree_tracer *tracer, enum RTCBuildQuality quality) {
+static RTCScene new_scene(embree_tracer *tracer) {
     RTCScene scene = rtcNewScene(tracer->device);
     if (!scene) return NULL;
     rtcSetSceneFlags(scene, scene_flags(&tracer->spec));
-    rtcSetSceneBuildQuality(scene, quality);
+    rtcSetSceneBuildQuality(scene, tracer->quality);
     if (tracer->options->progress) rtcSetSceneProgressMonitorFunction(scene, on_progress, tracer);
     return scene;
 }
@@ -263,10 +265,10 @@ static double group_work(const world *w, const world_group *group) {
     return work;
 }
 
-static fathom_status build_scene(embree_tracer *tracer, uint32_t index, enum RTCBuildQuality quality) {
+static fathom_status build_scene(embree_tracer *tracer, uint32_t index) {
     const world *w = tracer->base.world;
     const world_group *group = &w->groups.items[index];
-    RTCScene scene = tracer->scenes[index] = new_scene(tracer, quality);
+    RTCScene scene = tracer->scenes[index] = new_scene(tracer);
     if (scene) {
         attach_geometries(tracer, scene, group);
         if (index == 0) attach_instances(tracer, scene);
@@ -297,7 +299,7 @@ static void mark_placed(const world *w, bool *placed) {
     placed[0] = true;
 }
 
-static fathom_status build_all(embree_tracer *tracer, const bool *placed, enum RTCBuildQuality quality) {
+static fathom_status build_all(embree_tracer *tracer, const bool *placed) {
     const world *w = tracer->base.world;
     tracer->work = (double)w->instances.count;
     for (size_t g = 0; g < w->groups.count; ++g) {
@@ -307,20 +309,20 @@ static fathom_status build_all(embree_tracer *tracer, const bool *placed, enum R
         if (!go_on(tracer, 0)) {
             return fail(tracer->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
         }
-        fathom_status status = placed[g] ? build_scene(tracer, g, quality) : FATHOM_OK;
+        fathom_status status = placed[g] ? build_scene(tracer, g) : FATHOM_OK;
         if (status != FATHOM_OK) return status;
     }
     return FATHOM_OK;
 }
 
-fathom_status embree_build(embree_tracer *tracer, enum RTCBuildQuality quality) {
+fathom_status embree_build(embree_tracer *tracer) {
     const world *w = tracer->base.world;
     tracer->scenes = calloc(w->groups.count, sizeof *tracer->scenes);
     bool *placed = calloc(w->groups.count, sizeof *placed);
     fathom_status status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
     if (tracer->scenes && placed) {
         mark_placed(w, placed);
-        status = build_all(tracer, placed, quality);
+        status = build_all(tracer, placed);
         if (status == FATHOM_OK) status = find_reach(tracer);
     }
     free(placed);
