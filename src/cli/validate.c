@@ -140,7 +140,7 @@ static fathom_status write_results(fathom_context *context, work *k, uint64_t *w
     if (k->settings->json || k->settings->report)
         status = validate_write_json(context, &k->results, k->settings);
     if (status == FATHOM_OK && k->settings->failures)
-        status = validate_write_failures(context, &k->results.runs, k->settings);
+        status = validate_write_failures(context, &k->results, k->settings);
     return status;
 }
 
@@ -175,7 +175,7 @@ static fathom_status validate(fathom_context *context, const validate_settings *
     uint64_t wrong = 0;
     status = run_all(context, &k);
     if (status == FATHOM_OK && settings->extremes)
-        status = validate_extremes_run(context, settings, &k.results.extremes);
+        status = validate_extremes_run(context, settings, &k.results.extremes, &k.results.extremes_failures);
     if (status == FATHOM_OK && settings->extremes)
         status = validate_shading_run(context, settings, &k.results.shading, &k.results.images);
     say_status(&command_validate, context, status);
@@ -190,6 +190,7 @@ static fathom_status validate(fathom_context *context, const validate_settings *
     }
     array_free(&k.results.runs);
     array_free(&k.results.extremes);
+    array_free(&k.results.extremes_failures);
     array_free(&k.results.shading);
     shading_images_free(&k.results.images);
     return status == FATHOM_OK && wrong ? FATHOM_CHECK_FAILED : status;

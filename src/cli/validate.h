@@ -37,6 +37,7 @@ typedef ARRAY(validate_run) validate_runs;
 typedef struct validate_results {
     validate_runs runs;
     extremes_rows extremes;
+    extremes_failures extremes_failures;
     shading_rows shading;
     shading_images images;
 } validate_results;
@@ -47,11 +48,16 @@ typedef struct validate_stage {
     world *world;
     search *search;
     rays_source *source;
+    extremes_scene *extreme; /* not NULL: it owns all of the above */
 } validate_stage;
+
+/* Names of extreme cases: this, the group, a colon, the number. */
+#define VALIDATE_EXTREME "extreme:"
 
 /* ---- validate_stage.c ---- */
 
-/* `name`: a built-in scene or a file. Release with validate_stage_close() whatever comes back. */
+/* `name`: a built-in scene, an extreme case or a file. Release with validate_stage_close() whatever comes
+ * back. */
 fathom_status validate_stage_open(fathom_context *context, const char *name, validate_stage *out);
 void validate_stage_close(validate_stage *stage);
 /* text must outlive the subject; release its tracer with trace_destroy(). */
@@ -82,7 +88,7 @@ const char *validate_isa_of(const validate_run *run);
 void validate_print_isas(const validate_runs *runs);
 
 /* ---- validate_failures.c ---- */
-fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,
+fathom_status validate_write_failures(fathom_context *context, const validate_results *results,
                                       const validate_settings *settings);
 /* The first rays with a wrong answer, each as a line of --failures. */
 json_t *validate_failures_json(const validate_run *run);

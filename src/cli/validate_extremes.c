@@ -14,6 +14,9 @@
 /* A case gets a twelfth of the rays that a family of a scene gets. */
 #define SHARE 12
 
+/* Of each family of a case and tracer, in --failures. */
+#define FAILURES_KEPT 100
+
 static const char *const default_tracers[] = {"linear:f32", "linear:f64", "bvh", "embree", "embree:user"};
 
 typedef struct grid {
@@ -42,9 +45,10 @@ static extremes_options options_of(fathom_context *context, const validate_setti
 }
 
 fathom_status validate_extremes_run(fathom_context *context, const validate_settings *settings,
-                                    extremes_rows *rows) {
+                                    extremes_rows *rows, extremes_failures *failures) {
     grid g = {.start = clock_seconds()};
     extremes_options options = options_of(context, settings, &g);
+    if (settings->failures) options.failures = failures, options.kept = FAILURES_KEPT;
     for (unsigned k = 0; k < extremes_groups(); ++k) g.cases += extremes_cases(k);
     progress_begin(settings->quiet);
     progress_call("extremes");

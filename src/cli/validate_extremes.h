@@ -7,9 +7,10 @@
 
 #include <jansson.h>
 
-/* Runs the grid with the settings' tracers, or those of its own where none are named, and appends rows. */
+/* Runs the grid with the settings' tracers, or those of its own where none are named, and appends rows, and
+ * failures where --failures asks for them. */
 fathom_status validate_extremes_run(fathom_context *context, const validate_settings *settings,
-                                    extremes_rows *rows);
+                                    extremes_rows *rows, extremes_failures *failures);
 /* Over all rows. */
 uint64_t validate_extremes_wrong(const extremes_rows *rows);
 uint64_t validate_extremes_leaks(const extremes_rows *rows);

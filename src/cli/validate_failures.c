@@ -17,20 +17,26 @@
 #define LINE_HEAD "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n"
 
 /* All of a line but the scene's name, which may be long. */
-static void format_line(const validate_run *run, const compare_failure *f, char line[LINE_ROOM]) {
+static void format_line(const char *spec, const compare_failure *f, char line[LINE_ROOM]) {
     const oracle_ray *r = &f->ray;
-    snprintf(line, LINE_ROOM, "%.100s %s %llu %s%s %a %a %a %a %a %a %a %a ", run->spec,
+    snprintf(line, LINE_ROOM, "%.100s %s %llu %s%s %a %a %a %a %a %a %a %a ", spec,
              rays_family_name(f->family), (unsigned long long)f->index, f->any ? ANY : "",
              verdict_name(f->verdict), (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x,
              (double)r->dir.y, (double)r->dir.z, (double)r->t_near, (double)r->t_far);
 }
 
-static void put_line(file_writer *writer, const validate_run *run, const compare_failure *f) {
+static void put_line(file_writer *writer, const char *spec, const char *scene, const compare_failure *f) {
     char line[LINE_ROOM];
-    format_line(run, f, line);
+    format_line(spec, f, line);
     file_writer_put(writer, line, strlen(line));
-    file_writer_put(writer, run->scene, strlen(run->scene));
+    file_writer_put(writer, scene, strlen(scene));
     file_writer_put(writer, "\n", 1);
+}
+
+static void put_extreme(file_writer *writer, const extremes_failure *f) {
+    char scene[128];
+    snprintf(scene, sizeof scene, VALIDATE_EXTREME "%s:%.17g", f->group, f->parameter);
+    put_line(writer, f->spec, scene, &f->failure);
 }
 
 json_t *validate_failures_json(const validate_run *run) {
@@ -39,24 +45,26 @@ json_t *validate_failures_json(const validate_run *run) {
         const compare_failure *f = &run->result.failures.items[i];
         if (f->verdict != VERDICT_WRONG) continue;
         char line[LINE_ROOM + PATH_MAX];
-        format_line(run, f, line);
+        format_line(run->spec, f, line);
         strncat(line, run->scene, PATH_MAX - 1);
         json_array_append_new(lines, json_text(line));
     }
     return lines;
 }
 
-fathom_status validate_write_failures(fathom_context *context, const validate_runs *runs,
+fathom_status validate_write_failures(fathom_context *context, const validate_results *results,
                                       const validate_settings *settings) {
     file_writer *writer;
     fathom_status status = file_writer_open(context, settings->failures, &writer);
     if (status != FATHOM_OK) return status;
     file_writer_put(writer, LINE_HEAD, strlen(LINE_HEAD));
-    for (size_t i = 0; i < runs->count; ++i) {
-        const validate_run *run = &runs->items[i];
+    for (size_t i = 0; i < results->runs.count; ++i) {
+        const validate_run *run = &results->runs.items[i];
         for (size_t k = 0; k < run->result.failures.count; ++k)
-            put_line(writer, run, &run->result.failures.items[k]);
+            put_line(writer, run->spec, run->scene, &run->result.failures.items[k]);
     }
+    for (size_t i = 0; i < results->extremes_failures.count; ++i)
+        put_extreme(writer, &results->extremes_failures.items[i]);
     return file_writer_commit(writer);
 }
 

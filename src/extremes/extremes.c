@@ -1,6 +1,7 @@
 /* The table of groups, and how a case is asked. */
 #include "extremes/case.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct group {
@@ -98,8 +99,17 @@ static void sum_up(const compare_result *result, extremes_row *row) {
     }
 }
 
-static fathom_status compare_case(const extremes_case *c, const trace_spec *spec, trace_tracer *tracer,
-                                  const extremes_options *o, extremes_row *row) {
+static bool keep_failures(const compare_result *result, const extremes_options *o, const char *text,
+                          const extremes_row *row) {
+    for (size_t i = 0; i < result->failures.count; ++i) {
+        extremes_failure failure = {row->group, text, row->parameter, result->failures.items[i]};
+        if (!array_push(o->failures, failure)) return false;
+    }
+    return true;
+}
+
+static fathom_status compare_case(const extremes_case *c, const char *text, const trace_spec *spec,
+                                  trace_tracer *tracer, const extremes_options *o, extremes_row *row) {
     compare_subject subject = {c->world, c->search, c->source, tracer,
                                verdict_tracer_of(spec, trace_unit(tracer))};
     unsigned families = c->maker ? 1u : c->families, share = bits(families) * (c->thin ? c->thin : 1);
@@ -107,12 +117,15 @@ static fathom_status compare_case(const extremes_case *c, const trace_spec *spec
                                .rays = (o->rays + share - 1) / share,
                                .seed = o->seed,
                                .threads = o->threads,
+                               .failures = o->kept,
                                .progress = o->progress,
                                .user = o->user};
     compare_result result;
     memset(&result, 0, sizeof result);
     fathom_status status = compare_run(c->context, &subject, &options, &result);
     sum_up(&result, row);
+    if (o->failures && !keep_failures(&result, o, text, row))
+        status = fail_memory(c->context, sizeof *o->failures->items);
     compare_result_free(&result);
     return status;
 }
@@ -129,7 +142,7 @@ static fathom_status ask_tracer(const extremes_case *c, const extremes_options *
     trace_tracer *tracer;
     trace_options options = {.spec = &spec, .width = TRACE_WIDTH, .threads = o->threads};
     status = trace_create(c->context, c->world, &options, &tracer);
-    if (status == FATHOM_OK) status = compare_case(c, &spec, tracer, o, row);
+    if (status == FATHOM_OK) status = compare_case(c, text, &spec, tracer, o, row);
     trace_destroy(tracer);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
         row->spec = text;
@@ -151,6 +164,36 @@ static fathom_status run_case(fathom_context *context, const group *g, double pa
     case_close(&c);
     return status;
 }
+
+/* ---- one case opened ---- */
+
+struct extremes_scene {
+    extremes_case c;
+};
+
+fathom_status extremes_open(fathom_context *context, const char *name, double parameter,
+                            extremes_scene **out) {
+    *out = NULL;
+    for (unsigned g = 0; g < extremes_groups(); ++g) {
+        if (strcmp(groups[g].name, name) != 0 || !groups[g].make) continue;
+        extremes_scene *scene = calloc(1, sizeof *scene);
+        if (!scene) return fail_memory(context, sizeof *scene);
+        *out = scene;
+        return case_open(context, groups[g].make, parameter, &scene->c);
+    }
+    return fail(context, FATHOM_BAD_INPUT, "there is no group of extreme cases \"%.60s\" that asks rays",
+                name);
+}
+
+void extremes_close(extremes_scene *scene) {
+    if (!scene) return;
+    case_close(&scene->c);
+    free(scene);
+}
+
+world *extremes_world(const extremes_scene *scene) { return scene->c.world; }
+search *extremes_search(const extremes_scene *scene) { return scene->c.search; }
+rays_source *extremes_source(const extremes_scene *scene) { return scene->c.source; }
 
 /* ---- cases of the public calls ---- */
 

@@ -19,12 +19,23 @@ typedef struct extremes_row {
 
 typedef ARRAY(extremes_row) extremes_rows;
 
+/* A leak or a wrong answer, and where. */
+typedef struct extremes_failure {
+    const char *group, *spec; /* borrowed, as of a row */
+    double parameter;
+    compare_failure failure;
+} extremes_failure;
+
+typedef ARRAY(extremes_failure) extremes_failures;
+
 typedef struct extremes_options {
     const char *const *specs; /* tracers, as in trace/spec.h */
     size_t spec_count;
     uint64_t rays; /* of each case and tracer, about: families of rays share them */
     uint64_t seed;
     unsigned threads;
+    size_t kept;                 /* failures of each family of a case and tracer: the first ones */
+    extremes_failures *failures; /* appended; NULL where kept is 0 */
     /* From the calling thread, with the rays done of the case. False stops it. May be NULL. */
     bool (*progress)(void *user, uint64_t rays);
     void *user;
@@ -42,5 +53,15 @@ double extremes_parameter(unsigned group, unsigned index);
  * when progress said stop. */
 fathom_status extremes_run(fathom_context *context, unsigned group, unsigned index,
                            const extremes_options *options, extremes_rows *rows);
+
+/* The scene of a case of rays, by its group and number, to ask one ray again. FATHOM_BAD_INPUT when there is
+ * no such group. Release with extremes_close() whatever comes back. */
+typedef struct extremes_scene extremes_scene;
+fathom_status extremes_open(fathom_context *context, const char *group, double parameter,
+                            extremes_scene **out);
+void extremes_close(extremes_scene *scene);
+world *extremes_world(const extremes_scene *scene);
+search *extremes_search(const extremes_scene *scene);
+rays_source *extremes_source(const extremes_scene *scene);
 
 #endif

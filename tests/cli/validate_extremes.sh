@@ -23,10 +23,18 @@ not_said all.json '"ok": false'
 
 # A tracer of one's own, each row by itself; the grid changes the exit code.
 run 1 validate triangles --extremes --rays 100 --families camera --tracer linear:textbook \
-    --tracer "$BUILD/tests/plugin/culls.so" -v
+    --tracer "$BUILD/tests/plugin/culls.so" --failures bad.txt -v
 said out.txt 'a sphere from outside, its radius 1e-06 times'
 grep -q '^wrong: scale-triangles 1, .*culls.so: ' out.txt || die 'the library that culls is not found out'
 not_said out.txt 'embree:user'
+
+# Its failing rays are asked again in scenes made anew, and fail again.
+grep ' wrong .* extreme:scale-triangles:1$' bad.txt | head -n 3 >again.txt
+[ "$(wc -l <again.txt)" -eq 3 ] || die 'no failing rays of the grid'
+run 1 validate --replay again.txt
+said out.txt '3 rays, 3 wrong'
+sed 's/extreme:scale-triangles:/extreme:none:/' again.txt >none.txt
+refused 3 'there is no group of extreme cases "none"' validate --replay none.txt
 
 # Nothing of it without being asked.
 run 0 validate --rays 20 --families camera --json none.json
