@@ -2,8 +2,8 @@
 
 #include "report/number.h"
 
-#define LEFT 78.0 /* a tick such as 5×10⁻³, and the axis' name */
-#define RIGHT 14.0
+#define LEFT 78.0  /* a tick such as 5×10⁻³, and the axis' name */
+#define RIGHT 34.0 /* half of a tick such as 100×10⁻³ at the end */
 #define TOP 12.0
 #define BOTTOM 46.0
 #define LEAST 0.75 /* what text in plots may shrink to on a narrow screen, before they scroll */
