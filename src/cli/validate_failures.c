@@ -46,7 +46,8 @@ json_t *validate_failures_json(const validate_run *run) {
         if (f->verdict != VERDICT_WRONG) continue;
         char line[LINE_ROOM + PATH_MAX];
         format_line(run->spec, f, line);
-        strncat(line, run->scene, PATH_MAX - 1);
+        size_t length = strlen(line);
+        snprintf(line + length, sizeof line - length, "%s", run->scene);
         json_array_append_new(lines, json_text(line));
     }
     return lines;

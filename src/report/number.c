@@ -33,11 +33,16 @@ number number_count(uint64_t n) {
     number out = {""};
     char plain[24];
     int length = snprintf(plain, sizeof plain, "%llu", (unsigned long long)n);
+    char *end = out.text;
     for (int i = 0; i < length; ++i) {
         /* From five digits on: 1234 reads well as it is. */
-        if (i > 0 && (length - i) % 3 == 0 && length > 4) strcat(out.text, THIN);
-        strncat(out.text, &plain[i], 1);
+        if (i > 0 && (length - i) % 3 == 0 && length > 4) {
+            memcpy(end, THIN, sizeof THIN - 1);
+            end += sizeof THIN - 1;
+        }
+        *end++ = plain[i];
     }
+    *end = '\0';
     return out;
 }
 
