@@ -158,7 +158,7 @@ static fathom_status measure_speeds(const bench *b) {
     fathom_status status = FATHOM_OK;
     for (unsigned k = 0; k < b->options->repeats; ++k) {
         for (unsigned t = 0; t < b->options->thread_counts && status == FATHOM_OK; ++t) {
-            timing render;
+            timing render = {.plan = 0};
             status = render_once(b, b->tracer, b->settings, b->options->threads[t], &render);
             s->plan[k] = render.plan, s->seconds[t][k] = render.seconds, s->cpu[t][k] = render.cpu;
             b->out->rays = render.rays;
