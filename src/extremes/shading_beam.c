@@ -7,7 +7,8 @@ beam beam_start(vec3_f64 eye, vec3_f64 direction) {
 }
 
 /* The point, seen along the line, is off by what t's rounding and the primitive's coordinates leave: below 16
- * u of both. The next ray begins up to 16 u sqrt(3) of twice the size off the surface (see local_hit.c). */
+ * u of both. The next ray begins up to 32 u of the size off the surface (bench/offset.sh), half of what is
+ * taken. */
 void beam_go(beam *b, double t, double size) {
     b->at = madd_f64(b->at, t, b->along);
     b->aside += t * b->turned + 16 * SHADING_U * (size + t) + 64 * SHADING_U * size;
