@@ -1,6 +1,4 @@
-/* Kernels over blocks of sixteen: one source each, in kernels/, compiled for several instruction sets, of
- * which the processor's best is taken at run time. All give the same bits: nothing is contracted or
- * reordered, and each operation rounds as IEEE 754 has it. */
+/* Shading over blocks of sixteen; see base/kernel.h. */
 #ifndef SHADE_KERNELS_H
 #define SHADE_KERNELS_H
 

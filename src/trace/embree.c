@@ -142,6 +142,7 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     embree_tracer *tracer = calloc(1, sizeof *tracer);
     if (!tracer) return fail_memory(context, sizeof *tracer);
     tracer->base.ops = &ops;
+    tracer->kernels = embree_kernels_best();
     tracer->base.retry = embree_retry(spec);
     tracer->base.world = w;
     tracer->base.unit = 0x1p-24;

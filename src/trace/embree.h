@@ -14,8 +14,11 @@
 #define EMBREE_MESHES 4u
 #define EMBREE_MESH_SHADOWS 8u
 
+typedef struct embree_kernels embree_kernels;
+
 typedef struct embree_tracer {
     trace_tracer base;
+    const embree_kernels *kernels;
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     enum RTCBuildQuality quality;
@@ -81,10 +84,30 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
 
 /* ---- embree_trace.c ---- */
 
-/* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and moves t_far to the
- * last float inside the interval. */
-void embree_prepare(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
+/* How a block was asked. */
+typedef struct embree_asked {
+    _Alignas(64) int valid[TRACE_WIDTH]; /* -1: the lane is traced; else 0 */
+    float t_far[TRACE_WIDTH];
+} embree_asked;
+
+/* What is done to a block around Embree's call; kernels/embree_block.c. */
+struct embree_kernels {
+    /* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and moves t_far to
+     * the last float inside the interval. */
+    void (*prepare)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
                     int valid[TRACE_WIDTH]);
+    /* The same, and arms the call but for its context, vote and raw. False, and nothing is done, where
+     * stretch.h has to scale directions first; scaled: it has. */
+    bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
+                          embree_asked *asked, embree_call *call);
+    /* Sets t_far. Whether lanes are tied. */
+    bool (*end_closest)(trace_block *block, unsigned lanes, const embree_asked *asked,
+                        const embree_call *call);
+    bool (*begin_any)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
+                      embree_asked *asked);
+    void (*end_any)(trace_rays *rays, unsigned lanes, const embree_asked *asked);
+};
+const embree_kernels *embree_kernels_best(void);
 /* Embree's ids to the world's. */
 void embree_translate(const world *w, trace_hits *hits, unsigned lane);
 unsigned embree_lanes(size_t count, size_t block);

@@ -41,7 +41,8 @@ void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherenc
     trace_rays ready = *rays;
     stretch scale;
     if (stretch_needed(&ready, lanes)) stretch_rays(&ready, lanes, &scale);
-    embree_prepare(tracer, &ready, lanes, query == BARE_ANY ? EMBREE_SHADOWS : EMBREE_SEEN, out->valid);
+    tracer->kernels->prepare(tracer, &ready, lanes, query == BARE_ANY ? EMBREE_SHADOWS : EMBREE_SEEN,
+                             out->valid);
     out->lanes = lanes;
     out->width = packet_width(tracer, query, coherence);
     if (out->width < TRACE_WIDTH) {

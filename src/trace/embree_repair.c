@@ -83,7 +83,7 @@ static bool look_around(const embree_tracer *tracer, const trace_rays *rays, uns
     gather to = {.vote = vote};
     embree_vote_begin(vote, tracer, rays, lane, rays->t_far[lane]);
     surround(rays, lane, round, &around.rays);
-    embree_prepare(tracer, &around.rays, TRACE_WIDTH, mask, valid);
+    tracer->kernels->prepare(tracer, &around.rays, TRACE_WIDTH, mask, valid);
     for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
         around.hits.geometry[i] = around.hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
     }

@@ -22,7 +22,7 @@ static void stream_load(const embree_tracer *tracer, stream *s, unsigned b, cons
     trace_rays *rays = &s->blocks[b].rays;
     *rays = *from;
     stretch_rays(rays, lanes, &s->scale[b]);
-    embree_prepare(tracer, rays, lanes, mask, s->valid[b]);
+    tracer->kernels->prepare(tracer, rays, lanes, mask, s->valid[b]);
     for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
         if (s->valid[b][i]) continue;
         rays->org_x[i] = rays->org_y[i] = rays->org_z[i] = rays->dir_x[i] = rays->dir_y[i] = 0;

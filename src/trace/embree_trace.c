@@ -1,4 +1,5 @@
 /* Blocks of rays to Embree's calls and back: whole where the call takes 16, else in packets. */
+#include "base/kernel.h"
 #include "trace/embree.h"
 #include "trace/stretch.h"
 
@@ -29,29 +30,11 @@ static void packet_store_hits(const packet *p, unsigned width, unsigned used, tr
     }
 }
 
-/* Marks the lanes to trace. Embree can abort on numbers that are not finite or too large for it, so such
- * lanes never reach it, and meet nothing. The far end of the interval is open, and Embree's is closed: t_far
- * moves to the float below (infinity and what is not positive stays). */
-void embree_prepare(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
-                    int valid[TRACE_WIDTH]) {
-    const float reach = tracer->reach, longest = tracer->longest; /* and no NaN is within them */
-    for (unsigned i = lanes; i < TRACE_WIDTH; ++i) valid[i] = 0;
-    for (unsigned i = 0; i < lanes; ++i) {
-        bool from = (fabsf(rays->org_x[i]) <= reach) & (fabsf(rays->org_y[i]) <= reach) &
-                    (fabsf(rays->org_z[i]) <= reach);
-        bool to = (fabsf(rays->dir_x[i]) <= longest) & (fabsf(rays->dir_y[i]) <= longest) &
-                  (fabsf(rays->dir_z[i]) <= longest);
-        valid[i] = from & to & (rays->t_near[i] < rays->t_far[i]) ? -1 : 0;
-    }
-    for (unsigned i = 0; i < lanes; ++i) {
-        uint32_t bits;
-        memcpy(&bits, &rays->t_far[i], sizeof bits);
-        bits -= bits - 1 < 0x7f7fffffu;
-        memcpy(&rays->t_far[i], &bits, sizeof bits);
-    }
-    for (unsigned i = 0; i < lanes; ++i) {
-        rays->time[i] = 0, rays->mask[i] = mask, rays->id[i] = i, rays->flags[i] = 0;
-    }
+KERNEL_DECLARE(embree_kernels, embree_kernels);
+
+const embree_kernels *embree_kernels_best(void) {
+    static const embree_kernels *const all[] = KERNEL_SETS(embree_kernels);
+    return all[kernel_levels() - 1];
 }
 
 /* ---- closest hit ---- */
@@ -80,34 +63,41 @@ void embree_translate(const world *w, trace_hits *hits, unsigned lane) {
     hits->geometry[lane] += w->groups.items[group].first;
 }
 
-static void closest_block(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool coherent) {
-    _Alignas(64) int valid[TRACE_WIDTH];
-    float asked[TRACE_WIDTH];
-    memcpy(asked, block->rays.t_far, lanes * sizeof *asked);
-    embree_prepare(tracer, &block->rays, lanes, EMBREE_SEEN, valid);
-    for (unsigned i = 0; i < lanes; ++i) block->hits.geometry[i] = RTC_INVALID_GEOMETRY_ID;
-    for (unsigned i = 0; i < lanes; ++i) block->hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
+/* The ids of all that was met, Embree's until now, become the world's. */
+static void translate(const embree_tracer *tracer, trace_block *block, unsigned lanes) {
+    const world *w = tracer->base.world;
+    if (!w->instances.count) return; /* one group, whose geometries come first */
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (block->hits.geometry[i] != RTC_INVALID_GEOMETRY_ID) embree_translate(w, &block->hits, i);
+    }
+}
+
+static void settle(const embree_tracer *tracer, trace_block *block, unsigned lanes, const embree_call *call) {
+    for (unsigned i = 0; i < lanes; ++i) {
+        bool met = block->hits.geometry[i] != RTC_INVALID_GEOMETRY_ID;
+        if (met && call->tied[i]) embree_settle(tracer, block, i, call->far[i]);
+    }
+}
+
+/* False where directions have to be scaled first. */
+static bool closest_block(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
+                          bool coherent) {
+    embree_asked asked;
     embree_call call;
-    embree_call_begin(&call, lanes, block->rays.t_far);
+    if (!tracer->kernels->begin_closest(tracer, block, lanes, scaled, &asked, &call)) return false;
+    embree_context_init(&call.context);
+    call.vote = NULL;
     call.raw = !tracer->filter;
     if (tracer->width == TRACE_WIDTH) {
-        embree_intersect(TRACE_WIDTH, valid, tracer->scenes[0], &call.context, coherent, tracer->filter,
+        embree_intersect(TRACE_WIDTH, asked.valid, tracer->scenes[0], &call.context, coherent, tracer->filter,
                          block);
     } else {
-        closest_packets(tracer, block, valid, lanes, coherent, &call);
+        closest_packets(tracer, block, asked.valid, lanes, coherent, &call);
     }
-    for (unsigned i = 0; i < lanes; ++i) {
-        if (block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) {
-            block->rays.t_far[i] = asked[i];
-            continue;
-        }
-        if (!call.raw) block->rays.t_far[i] = call.best[i];
-        if (!call.raw && call.tied[i]) {
-            embree_settle(tracer, block, i, call.far[i]);
-        } else {
-            embree_translate(tracer->base.world, &block->hits, i);
-        }
-    }
+    bool tied = tracer->kernels->end_closest(block, lanes, &asked, &call);
+    translate(tracer, block, lanes);
+    if (tied) settle(tracer, block, lanes, &call);
+    return true;
 }
 
 unsigned embree_lanes(size_t count, size_t block) {
@@ -121,7 +111,7 @@ static __attribute__((noinline)) void closest_stretched(const embree_tracer *tra
     trace_block scaled = *block;
     stretch s;
     stretch_rays(&scaled.rays, lanes, &s);
-    closest_block(tracer, &scaled, lanes, coherent);
+    closest_block(tracer, &scaled, lanes, true, coherent);
     block->hits = scaled.hits;
     for (unsigned i = 0; i < lanes; ++i) {
         if (block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -135,8 +125,9 @@ void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine 
     (void)fine;
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
         unsigned lanes = embree_lanes(count, b);
-        (stretch_needed(&blocks[b].rays, lanes) ? closest_stretched : closest_block)(
-            (const embree_tracer *)tracer, &blocks[b], lanes, coherence == TRACE_COHERENT);
+        bool coherent = coherence == TRACE_COHERENT;
+        if (!closest_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherent))
+            closest_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherent);
     }
 }
 
@@ -161,24 +152,21 @@ bool embree_may_hang(const embree_tracer *tracer) {
                                            shapes == TRACE_SHAPES_QUAD || shapes == TRACE_SHAPES_SPHERE);
 }
 
-static void any_block(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool coherent) {
-    _Alignas(64) int valid[TRACE_WIDTH];
-    float asked[TRACE_WIDTH];
-    memcpy(asked, rays->t_far, lanes * sizeof *asked);
-    embree_prepare(tracer, rays, lanes, EMBREE_SHADOWS, valid);
+static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
+                      bool coherent) {
+    embree_asked asked;
+    if (!tracer->kernels->begin_any(tracer, rays, lanes, scaled, &asked)) return false;
     embree_context context;
     embree_context_init(&context);
     unsigned width = tracer->width;
     if (coherent && width > 8 && embree_may_hang(tracer)) width = 8;
     if (width == TRACE_WIDTH) {
-        embree_occluded(TRACE_WIDTH, valid, tracer->scenes[0], &context, coherent, rays);
+        embree_occluded(TRACE_WIDTH, asked.valid, tracer->scenes[0], &context, coherent, rays);
     } else {
-        any_packets(tracer, rays, valid, lanes, width, coherent, &context);
+        any_packets(tracer, rays, asked.valid, lanes, width, coherent, &context);
     }
-    for (unsigned i = 0; i < lanes; ++i) {
-        bool met = valid[i] && rays->t_far[i] < 0;
-        rays->t_far[i] = met ? -INFINITY : asked[i];
-    }
+    tracer->kernels->end_any(rays, lanes, &asked);
+    return true;
 }
 
 static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer, trace_rays *rays,
@@ -186,7 +174,7 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
     trace_rays scaled = *rays;
     stretch s;
     stretch_rays(&scaled, lanes, &s);
-    any_block(tracer, &scaled, lanes, coherent);
+    any_block(tracer, &scaled, lanes, true, coherent);
     for (unsigned i = 0; i < lanes; ++i) {
         if (scaled.t_far[i] == -INFINITY) rays->t_far[i] = -INFINITY;
     }
@@ -195,7 +183,8 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
         unsigned lanes = embree_lanes(count, b);
-        (stretch_needed(&blocks[b], lanes) ? any_stretched : any_block)(
-            (const embree_tracer *)tracer, &blocks[b], lanes, coherence == TRACE_COHERENT);
+        bool coherent = coherence == TRACE_COHERENT;
+        if (!any_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherent))
+            any_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherent);
     }
 }

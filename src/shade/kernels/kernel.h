@@ -1,29 +1,9 @@
-/* What the sources in this folder share. Each is compiled once for every instruction set, KERNEL_ISA. */
+/* What the sources in this folder share; see base/kernel.h. */
 #ifndef SHADE_KERNELS_KERNEL_H
 #define SHADE_KERNELS_KERNEL_H
 
+#include "base/kernel.h"
 #include "shade/kernels.h"
-
-#include <string.h>
-
-#ifndef KERNEL_ISA
-#define KERNEL_ISA plain
-#endif
-#define KERNEL_JOIN(name, isa) name##_##isa
-#define KERNEL_NAME(name, isa) KERNEL_JOIN(name, isa)
-#define KERNEL(name) KERNEL_NAME(name, KERNEL_ISA)
-
-/* Loops over lanes keep to forms that gcc vectorises: no branch, no load that depends on a condition, outputs
- * that alias nothing, no choice of floats by a comparison of doubles. */
-
-/* mask is all ones or 0: a or b, both of them read. */
-static inline float chosen(uint32_t mask, float a, float b) {
-    uint32_t x, y;
-    memcpy(&x, &a, sizeof x), memcpy(&y, &b, sizeof y);
-    x = (x & mask) | (y & ~mask);
-    memcpy(&a, &x, sizeof a);
-    return a;
-}
 
 void KERNEL(camera_directions)(const shade_camera *camera, const double x[LANES], const double y[LANES],
                                lanes3 out);

@@ -1,0 +1,53 @@
+/* Kernels: loops over blocks of sixteen lanes, in folders named `kernels`, one source each, compiled once for
+ * every instruction set, of which the processor's best is taken at run time. All give the same bits: nothing
+ * is contracted or reordered, and each operation rounds as IEEE 754 has it.
+ *
+ * Loops over lanes keep to forms that gcc vectorises: no branch, no load that depends on a condition, outputs
+ * that alias nothing, no choice of floats by a comparison of doubles. */
+#ifndef BASE_KERNEL_H
+#define BASE_KERNEL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifndef KERNEL_ISA
+#define KERNEL_ISA plain
+#endif
+#define KERNEL_JOIN(name, isa) name##_##isa
+#define KERNEL_NAME(name, isa) KERNEL_JOIN(name, isa)
+#define KERNEL(name) KERNEL_NAME(name, KERNEL_ISA)
+
+/* The tables of a module's kernels, from the plainest. */
+#if defined(__x86_64__)
+#define KERNEL_SETS(table)                                                                                   \
+    { &table##_plain, &table##_avx2, &table##_avx512 }
+#define KERNEL_DECLARE(type, table) extern const type table##_plain, table##_avx2, table##_avx512
+#else
+#define KERNEL_SETS(table)                                                                                   \
+    { &table##_plain }
+#define KERNEL_DECLARE(type, table) extern const type table##_plain
+#endif
+
+/* How many of them this processor can run, at least 1. */
+static inline unsigned kernel_levels(void) {
+#if defined(__x86_64__)
+    if (!__builtin_cpu_supports("avx2")) return 1;
+    bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+    return wide ? 3 : 2;
+#else
+    return 1;
+#endif
+}
+
+/* mask is all ones or 0: a or b, both of them read. */
+static inline float chosen(uint32_t mask, float a, float b) {
+    uint32_t x, y;
+    memcpy(&x, &a, sizeof x), memcpy(&y, &b, sizeof y);
+    x = (x & mask) | (y & ~mask);
+    memcpy(&a, &x, sizeof a);
+    return a;
+}
+
+#endif
