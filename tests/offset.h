@@ -584,7 +584,7 @@ static inline void offset_points(offset_trial *t, const trace_block *block) {
     surface_block s;
     surface_gather g;
     memset(&g, 0, sizeof g);
-    surface_gather_begin(&g);
+    surface_gather_begin(&g, true, false);
     for (size_t i = 0; i < OFFSET_RAYS; ++i) {
         if (block->hits.geometry[i] == FATHOM_NONE) continue;
         ray_hit hit = ray_hit_load(block, i);

@@ -33,6 +33,21 @@ enum {
     FATHOM_AOV_SAMPLES = 1u << 6 /* samples: how many the pixel is the mean of, as an id channel */
 };
 
+/* Parts of the renderer that a scene may do without, a bit each. */
+enum {
+    FATHOM_PART_NORMALS = 1u << 0,    /* shading normals, mixed of those at the corners */
+    FATHOM_PART_LIFTS = 1u << 1,      /* lifting of shadow rays off the facets of smooth meshes */
+    FATHOM_PART_HIGHLIGHTS = 1u << 2, /* Phong's and Blinn's */
+    FATHOM_PART_GLOW = 1u << 3,       /* ambient and emitted radiance */
+    FATHOM_PART_BACKGROUND = 1u << 4,
+    FATHOM_PART_LIGHTS = 1u << 5,  /* lights that send nothing to any surface */
+    FATHOM_PART_UNLIT = 1u << 6,   /* shadow rays from where their light adds nothing */
+    FATHOM_PART_BOUNCES = 1u << 7, /* mirrored and refracted rays */
+    FATHOM_PART_HITS = 1u << 8,    /* first hits, of which AOVs are made */
+    FATHOM_PART_REPAIR = 1u << 9,  /* looking for rays that slipped through closed meshes */
+    FATHOM_PARTS = (1u << 10) - 1
+};
+
 typedef struct fathom_settings {
     uint32_t width, height; /* pixels, [1, 65536]; default 1280 × 720 */
     uint32_t spp;           /* samples a pixel, [1, 65536]; default 1. The most of any pixel when there is a
@@ -66,6 +81,8 @@ typedef struct fathom_settings {
     uint64_t memory_limit;   /* bytes that the process may have in memory; 0 (default): what is free. Embree's
                                 compact structures are taken where only they fit; FATHOM_OUT_OF_RESOURCES
                                 before anything is built where not even they do */
+    unsigned keep;           /* FATHOM_PART_ bits of what is not left out where the scene does without it: for
+                                measuring. No pixel depends on it; default 0 */
 } fathom_settings;
 
 FATHOM_API void fathom_settings_default(fathom_settings *settings);
@@ -98,9 +115,11 @@ typedef struct fathom_stats {
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays;
     uint64_t
         repaired_rays; /* of these: had slipped through a vertex of a closed mesh, and were traced again */
-    uint64_t samples;  /* that the film's pixels are the means of, all together */
-    double error_estimate; /* with target_error or max_time: the largest of any tile (see target_error);
-                              infinite when time ended before it was known. Otherwise 0 */
+    uint64_t unlit_shadow_rays; /* not among shadow_rays, since never cast: their light was behind the surface
+                                   or outside its cone, or the surface is black to it */
+    uint64_t samples;           /* that the film's pixels are the means of, all together */
+    double error_estimate;      /* with target_error or max_time: the largest of any tile (see target_error);
+                                   infinite when time ended before it was known. Otherwise 0 */
     double build_seconds, render_seconds;
     uint64_t bvh_bytes;
     uint64_t degenerate_triangles; /* rendered around */
@@ -125,6 +144,14 @@ FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint3
  * light or surface adds to a sample is at most 2^100. */
 FATHOM_API const float *fathom_film_channel(const fathom_film *film, const char *name);
 FATHOM_API const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name);
+
+/* What a render did without, and why: "shading normals", "no mesh has any". */
+typedef struct fathom_left_out {
+    char what[48], why[96];
+} fathom_left_out;
+
+/* Returns how many; *out, valid as long as the film, may be NULL when there are none. */
+FATHOM_API uint32_t fathom_film_left_out(const fathom_film *film, const fathom_left_out **out);
 
 typedef struct fathom_write_options {
     float exposure;      /* stops, applied before the view transform and not to EXR; default 0 */

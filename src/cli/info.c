@@ -2,6 +2,7 @@
 #include "cli/info_facts.h"
 #include "cli/interrupt.h"
 #include "cli/json_text.h"
+#include "cli/left_out.h"
 
 #include "base/status.h"
 #include "scene/world.h"
@@ -63,6 +64,7 @@ static void print_facts(const fathom_scene *scene, const info_facts *f) {
     printf("features ");
     for (size_t i = 0; i < f->feature_count; ++i) printf("%s %s", i ? "," : "", f->features[i]);
     putchar('\n');
+    left_out_print(f->left_out.items, (uint32_t)f->left_out.count, "left out  ");
 }
 
 static void print_problems(const problem_list *problems) {
@@ -110,6 +112,7 @@ static void set_facts(json_t *root, const fathom_scene *scene, const info_facts 
     for (size_t i = 0; i < f->feature_count; ++i)
         json_array_append_new(features, json_string(f->features[i]));
     json_object_set_new(root, "features", features);
+    json_object_set_new(root, "leftOut", left_out_json(f->left_out.items, (uint32_t)f->left_out.count));
 }
 
 /* facts: NULL when the scene cannot be rendered. */
@@ -153,7 +156,7 @@ static void look_for_problems(const fathom_scene *scene, const info_facts *f, pr
 static fathom_status describe(fathom_context *context, const info_settings *settings,
                               problem_list *problems) {
     fathom_scene *scene = NULL;
-    info_facts facts;
+    info_facts facts = {.spheres = 0};
     fathom_status status = fathom_scene_read(context, settings->scene, &scene);
     if (status == FATHOM_OK) {
         status = info_gather(scene, &facts);
@@ -173,6 +176,7 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
         if (renderable) print_facts(scene, &facts);
         if (renderable) print_problems(problems);
     }
+    info_release(&facts);
     fathom_scene_destroy(scene);
     return status;
 }
@@ -206,8 +210,9 @@ const command command_info = {
     .name = "info",
     .usage = "SCENE [--json]",
     .summary = "Tell what a scene holds, what it will take, and what is wrong with it.",
-    .text = "Counts, bounds, features used, an estimate of the memory a render takes, and the\n"
-            "problems found. The exit code is 3 when the scene cannot be rendered.\n",
+    .text = "Counts, bounds, features used, what a render leaves out and why, an estimate of\n"
+            "the memory it takes, and the problems found. The exit code is 3 when the scene\n"
+            "cannot be rendered.\n",
     .args = {options, operands, operand_offsets, 1},
     .run = run,
 };

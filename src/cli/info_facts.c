@@ -1,6 +1,7 @@
 #include "cli/info_facts.h"
 
 #include "base/memory.h"
+#include "scene/closed.h"
 #include "scene/graph.h"
 #include "scene/world.h"
 #include "shade/material.h"
@@ -123,6 +124,27 @@ static void count_items(const fathom_scene *scene, info_facts *out) {
     }
 }
 
+static fathom_status any_closed(const world *w, bool *out) {
+    closed_how *closed = calloc(w->geometries.count + 1, sizeof *closed);
+    bool fine = closed && closed_find(w, closed);
+    *out = false;
+    for (size_t i = 0; fine && i < w->geometries.count; ++i) *out |= closed[i] != CLOSED_NOT;
+    free(closed);
+    return fine ? FATHOM_OK : fail_memory(w->scene->context, w->geometries.count * sizeof *closed);
+}
+
+static fathom_status list_left_out(const world *w, info_facts *out) {
+    const fathom_settings *settings = &w->scene->settings;
+    bool closed;
+    fathom_status status = any_closed(w, &closed);
+    if (status != FATHOM_OK) return status;
+    unsigned parts = parts_needed(w, settings) | (closed ? FATHOM_PART_REPAIR : 0);
+    bool fine = left_out_find(w, settings, parts, &out->left_out);
+    return fine ? FATHOM_OK : fail_memory(w->scene->context, sizeof(fathom_left_out));
+}
+
+void info_release(info_facts *facts) { array_free(&facts->left_out); }
+
 /* Making the world also turns away scenes of more instances than can be built. */
 static fathom_status look_at_world(const fathom_scene *scene, info_facts *out) {
     world *w;
@@ -132,6 +154,7 @@ static fathom_status look_at_world(const fathom_scene *scene, info_facts *out) {
     trace_need need = trace_need_of(w, false);
     out->bvh_bytes = (uint64_t)need.kept, out->build_bytes = (uint64_t)need.passed;
     status = world_check(w);
+    if (status == FATHOM_OK) status = list_left_out(w, out);
     world_destroy(w);
     return status;
 }

@@ -2,7 +2,7 @@
 #ifndef CLI_INFO_FACTS_H
 #define CLI_INFO_FACTS_H
 
-#include "scene/scene.h"
+#include "render/parts.h"
 
 #define INFO_FEATURES_MAX 24
 
@@ -18,8 +18,11 @@ typedef struct info_facts {
     uint64_t program_bytes, geometry_bytes, bvh_bytes, build_bytes, film_bytes, total_bytes;
     const char *features[INFO_FEATURES_MAX];
     size_t feature_count;
+    left_out_list left_out; /* of a render with the scene's own settings */
 } info_facts;
 
+/* Release with info_release(), whatever it returns. */
 fathom_status info_gather(const fathom_scene *scene, info_facts *out);
+void info_release(info_facts *facts);
 
 #endif

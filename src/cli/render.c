@@ -74,6 +74,7 @@ static fathom_status write_all(fathom_context *context, const fathom_film *film,
     report->write_seconds = end - begin;
     report->total_seconds = end - start;
     fathom_film_size(film, &report->width, &report->height);
+    report->left_out_count = fathom_film_left_out(film, &report->left_out);
     progress_clear_line();
     if (options->stats) {
         fathom_status stats = say_status(&command_render, context, stats_write(context, report, options));

@@ -80,49 +80,76 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
     return fine;
 }
 
-static const struct {
-    const char *name;
+typedef struct named_bits {
+    const char *name; /* NULL ends a table */
     unsigned bits;
-} aov_names[] = {
-    {"alpha", FATHOM_AOV_ALPHA},
-    {"Z", FATHOM_AOV_Z},
-    {"N", FATHOM_AOV_N},
-    {"P", FATHOM_AOV_P},
-    {"albedo", FATHOM_AOV_ALBEDO},
-    {"id", FATHOM_AOV_ID},
-    {"samples", FATHOM_AOV_SAMPLES},
-    {"all", FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO |
-                FATHOM_AOV_ID | FATHOM_AOV_SAMPLES},
-    {"none", 0},
-};
+} named_bits;
 
-static bool find_aov(const char *name, size_t length, unsigned *bits) {
-    for (size_t i = 0; i < sizeof aov_names / sizeof *aov_names; ++i) {
-        if (strlen(aov_names[i].name) != length || strncasecmp(aov_names[i].name, name, length) != 0)
-            continue;
-        *bits |= aov_names[i].bits;
+static const named_bits aov_names[] = {{"alpha", FATHOM_AOV_ALPHA},
+                                       {"Z", FATHOM_AOV_Z},
+                                       {"N", FATHOM_AOV_N},
+                                       {"P", FATHOM_AOV_P},
+                                       {"albedo", FATHOM_AOV_ALBEDO},
+                                       {"id", FATHOM_AOV_ID},
+                                       {"samples", FATHOM_AOV_SAMPLES},
+                                       {"all", FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P |
+                                                   FATHOM_AOV_ALBEDO | FATHOM_AOV_ID | FATHOM_AOV_SAMPLES},
+                                       {"none", 0},
+                                       {NULL, 0}};
+
+static const named_bits part_names[] = {{"normals", FATHOM_PART_NORMALS},
+                                        {"lifts", FATHOM_PART_LIFTS},
+                                        {"highlights", FATHOM_PART_HIGHLIGHTS},
+                                        {"glow", FATHOM_PART_GLOW},
+                                        {"background", FATHOM_PART_BACKGROUND},
+                                        {"lights", FATHOM_PART_LIGHTS},
+                                        {"unlit", FATHOM_PART_UNLIT},
+                                        {"bounces", FATHOM_PART_BOUNCES},
+                                        {"hits", FATHOM_PART_HITS},
+                                        {"repair", FATHOM_PART_REPAIR},
+                                        {"all", FATHOM_PARTS},
+                                        {NULL, 0}};
+
+static bool find_bits(const named_bits *table, const char *name, size_t length, unsigned *bits) {
+    for (; table->name; ++table) {
+        if (strlen(table->name) != length || strncasecmp(table->name, name, length) != 0) continue;
+        *bits |= table->bits;
         return true;
     }
     return false;
 }
 
-static bool take_aovs(const args_option *option, const char *value, void *field, args_problem *problem) {
-    (void)option;
+/* Names separated by commas. */
+static bool take_bits(const named_bits *table, const char *expected, const char *value, unsigned *out,
+                      args_problem *problem) {
     unsigned bits = 0;
     for (const char *name = value;;) {
         size_t length = strcspn(name, ",");
-        if (!find_aov(name, length, &bits)) {
-            return args_wrong(
-                problem, "expected names from alpha,Z,N,P,albedo,id,samples, or all, or none, found \"%.*s\"",
-                length < 60 ? (int)length : 60, name);
+        if (!find_bits(table, name, length, &bits)) {
+            return args_wrong(problem, "expected names from %s, found \"%.*s\"", expected,
+                              length < 60 ? (int)length : 60, name);
         }
         if (!name[length]) break;
         name += length + 1;
     }
-    render_options *options = field;
-    options->settings.aovs = bits;
-    options->aovs_given = true;
+    *out = bits;
     return true;
+}
+
+static bool take_aovs(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    render_options *options = field;
+    options->aovs_given = true;
+    return take_bits(aov_names, "alpha,Z,N,P,albedo,id,samples, or all, or none", value,
+                     &options->settings.aovs, problem);
+}
+
+static bool take_parts(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    render_options *options = field;
+    return take_bits(part_names,
+                     "normals,lifts,highlights,glow,background,lights,unlit,bounces,hits,repair, or all",
+                     value, &options->settings.keep, problem);
 }
 
 static bool take_spp(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -221,6 +248,10 @@ const args_option render_option_table[] = {
      "rays handed to Embree at once (16); no pixel depends on it"},
     {"tile-size", 0, "N", take_tile_size, FIELD(settings.tile_size), 32, 65536,
      "pixels, a multiple of 32 (32); no pixel depends on it"},
+    {"keep", 0, "LIST", take_parts, 0, 0, 0,
+     "what not to leave out though the scene does without it, for measuring: normals, lifts, highlights, "
+     "glow, background, lights, unlit, bounces, hits, repair, with commas between, or all; no pixel depends "
+     "on it"},
     {"quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings"},
     {"verbose", 'v', NULL, take_true, FIELD(verbose), 0, 0,
      "tell what was traced and how long each step took"},

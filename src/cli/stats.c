@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "cli/json_text.h"
+#include "cli/left_out.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -43,10 +44,10 @@ static json_t *pack_seconds(const render_report *r) {
 
 static json_t *pack_rays(const render_report *r) {
     const fathom_stats *s = &r->stats;
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "camera", json_count(s->camera_rays), "shadow",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "camera", json_count(s->camera_rays), "shadow",
                      json_count(s->shadow_rays), "reflection", json_count(s->reflection_rays), "refraction",
                      json_count(s->refraction_rays), "total", json_count(report_rays(r)), "repaired",
-                     json_count(s->repaired_rays));
+                     json_count(s->repaired_rays), "unlitShadow", json_count(s->unlit_shadow_rays));
 }
 
 /* The spp asked for is the most of a pixel when samples follow the error. */
@@ -80,6 +81,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
     json_object_set_new(root, "raysPerSecond", json_real(report_rays_per_second(r)));
     json_object_set_new(root, "peakMemoryBytes", json_count(report_peak_bytes()));
     json_object_set_new(root, "bvhBytes", json_count(s->bvh_bytes));
+    json_object_set_new(root, "leftOut", left_out_json(r->left_out, r->left_out_count));
     set_embree(root, s->tracer);
     json_object_set_new(root, "threads", json_count(s->threads));
     return root;
@@ -110,12 +112,15 @@ static void print_details(const render_report *r) {
     printf("tracer   %s, %u threads\n", s->tracer, s->threads);
     printf("seconds  read %.3f, build %.3f, render %.3f, write %.3f, total %.3f\n", r->read_seconds,
            s->build_seconds, s->render_seconds, r->write_seconds, r->total_seconds);
-    printf("rays     camera %llu, shadow %llu, reflection %llu, refraction %llu; of them repaired %llu\n",
+    printf("rays     camera %llu, shadow %llu, reflection %llu, refraction %llu; of them repaired %llu; not "
+           "cast, "
+           "shadow %llu\n",
            (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
            (unsigned long long)s->reflection_rays, (unsigned long long)s->refraction_rays,
-           (unsigned long long)s->repaired_rays);
+           (unsigned long long)s->repaired_rays, (unsigned long long)s->unlit_shadow_rays);
     printf("memory   %.1f MB at most, BVH %.1f MB\n", 1e-6 * (double)report_peak_bytes(),
            1e-6 * (double)s->bvh_bytes);
+    left_out_print(r->left_out, r->left_out_count, "left out ");
 }
 
 static void print_sampling(const render_report *r, const render_options *options) {

@@ -11,6 +11,8 @@ typedef struct render_report {
     double read_seconds, write_seconds, total_seconds;
     bool interrupted;
     double finished; /* of the render, [0,1] */
+    const fathom_left_out *left_out;
+    uint32_t left_out_count;
 } render_report;
 
 uint64_t report_rays(const render_report *report);

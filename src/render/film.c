@@ -92,12 +92,18 @@ void fathom_film_destroy(fathom_film *film) {
     if (!film) return;
     for (uint32_t i = 0; i < film->channel_count; ++i) free(film->channels[i].data);
     free(film->scene_name);
+    array_free(&film->left_out);
     free(film);
 }
 
 void fathom_film_size(const fathom_film *film, uint32_t *width, uint32_t *height) {
     *width = film->width;
     *height = film->height;
+}
+
+uint32_t fathom_film_left_out(const fathom_film *film, const fathom_left_out **out) {
+    *out = film->left_out.items;
+    return (uint32_t)film->left_out.count;
 }
 
 static const void *find_channel(const fathom_film *film, const char *name, bool is_id) {

@@ -2,7 +2,7 @@
 #ifndef RENDER_FILM_H
 #define RENDER_FILM_H
 
-#include "scene/scene.h"
+#include "render/parts.h"
 
 #include <fathom/render.h>
 
@@ -26,6 +26,7 @@ struct fathom_film {
     fathom_camera camera;
     fathom_stats stats;
     char *scene_name;
+    left_out_list left_out; /* of the render that filled it */
 };
 
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,

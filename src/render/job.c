@@ -172,6 +172,7 @@ static void collect(job *j) {
         to->rays.reflection += self->wave.rays.reflection;
         to->rays.refraction += self->wave.rays.refraction;
         to->rays.repaired += self->wave.rays.repaired;
+        to->rays.unlit += self->wave.rays.unlit;
         to->samples += self->samples;
         to->error = fmax(to->error, self->error);
         if (self->ready) wave_destroy(&self->wave);
@@ -220,7 +221,7 @@ static void report(void *user) {
 
 static fathom_status check_memory(fathom_context *context, const job *j) {
     if (!(j->deadline > 0)) return FATHOM_OK;
-    size_t bytes = timed_bytes(j->film, j->plan->first_hits), room = memory_free();
+    size_t bytes = timed_bytes(j->film, j->plan->parts & FATHOM_PART_HITS), room = memory_free();
     if (bytes <= room) return FATHOM_OK;
     return fail(context, FATHOM_OUT_OF_RESOURCES,
                 "out of memory: rendering %u x %u pixels to a time takes %.1f GiB, and %.1f GiB are free; "

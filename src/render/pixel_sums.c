@@ -4,8 +4,9 @@
 #include <string.h>
 
 bool pixel_sums_create(const render_plan *plan, pixel_sums *out) {
-    out->hits = plan->first_hits ? malloc(sizeof *out->hits) : NULL;
-    return out->hits || !plan->first_hits;
+    const bool wanted = plan->parts & FATHOM_PART_HITS;
+    out->hits = wanted ? malloc(sizeof *out->hits) : NULL;
+    return out->hits || !wanted;
 }
 
 void pixel_sums_destroy(pixel_sums *sums) {

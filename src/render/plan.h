@@ -2,6 +2,7 @@
 #ifndef RENDER_PLAN_H
 #define RENDER_PLAN_H
 
+#include "render/parts.h"
 #include "shade/kernels.h"
 #include "trace/watertight.h"
 
@@ -17,11 +18,10 @@ typedef struct render_plan {
     watertight *watertight;           /* NULL: no answer of the tracer needs another look */
     uint8_t eye_depth, *light_depths; /* closed meshes around the camera and each light, where it is in use */
     unsigned features;                /* MATERIAL_ bits of the materials in use */
-    bool constant_term;               /* some point has ambient or emitted radiance */
+    unsigned parts;                   /* FATHOM_PART_ bits of what is not left out */
     uint32_t max_depth;               /* 0 when nothing mirrors or refracts */
     uint32_t grid;                    /* n of the n × n patterns */
     float t_near;                     /* 0, or the fixed epsilon */
-    bool first_hits;                  /* some AOV wants the first hit */
 } render_plan;
 
 /* Release with plan_destroy(). */

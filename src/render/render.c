@@ -102,7 +102,12 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     double began = clock_seconds();
     fathom_status status = plan_create(context, w, tracer, settings, &plan);
     film->stats.build_seconds += clock_seconds() - began;
-    if (status != FATHOM_OK) return status;
+    if (status == FATHOM_OK && !left_out_find(w, settings, plan->parts, &film->left_out))
+        status = fail_memory(context, sizeof(fathom_left_out));
+    if (status != FATHOM_OK) {
+        plan_destroy(plan);
+        return status;
+    }
     job_result result = {.samples = 0};
     began = clock_seconds();
     status = job_run(context, plan, deadline, film, progress, user, &result);
@@ -113,6 +118,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     film->stats.reflection_rays = result.rays.reflection;
     film->stats.refraction_rays = result.rays.refraction;
     film->stats.repaired_rays = result.rays.repaired;
+    film->stats.unlit_shadow_rays = result.rays.unlit;
     film->stats.samples = result.samples;
     film->stats.error_estimate = result.error;
     return status;

@@ -100,9 +100,10 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
 /* ---- hits ---- */
 
 /* Unused lanes are computed too: a triangle seen from a distance of 1. */
-void surface_gather_begin(surface_gather *g) {
-    g->count = 0, g->instances = 0, g->faceted = false;
+void surface_gather_begin(surface_gather *g, bool normals, bool always) {
+    g->count = 0, g->instances = 0, g->faceted = false, g->normals = normals;
     memset(&g->facets, 0, sizeof g->facets);
+    g->facets.smooth = always;
     memset(g->local.lift, 0, sizeof g->local.lift);
     memset(g->local.lift_inside, 0, sizeof g->local.lift_inside);
     memset(g->local.smooth, 0, sizeof g->local.smooth);
@@ -120,11 +121,12 @@ static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, ui
                 load_f32(vector_at(mesh->positions, mesh->position_stride, index[k])));
     g->facets.facet[i] = ~0u;
     g->faceted = true;
-    if (!mesh->normals) return;
+    if (!mesh->normals || !g->normals) return;
     index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k)
         put_f32(g->facets.normal[k], i, load_f32(vector_at(mesh->normals, mesh->normal_stride, index[k])));
     g->facets.bent[i] = ~0u;
+    g->facets.smooth = true;
 }
 
 /* The mesh that a lane met; NULL: none. */
@@ -135,17 +137,18 @@ static const fathom_mesh *met_mesh(const world *w, const trace_block *block, uns
     return geometry->kind == WORLD_MESH ? &w->meshes.items[geometry->first] : NULL;
 }
 
-void surface_fetch_indices(const world *w, const trace_block *block, unsigned lanes) {
+void surface_fetch_indices(const world *w, const trace_block *block, unsigned lanes, bool normals) {
     for (unsigned i = 0; i < lanes; ++i) {
         const fathom_mesh *mesh = met_mesh(w, block, i);
         if (!mesh) continue;
         size_t first = 3 * (size_t)block->hits.primitive[i];
         __builtin_prefetch(mesh->indices + first);
-        if (mesh->normals && mesh->normal_indices) __builtin_prefetch(mesh->normal_indices + first);
+        if (normals && mesh->normals && mesh->normal_indices)
+            __builtin_prefetch(mesh->normal_indices + first);
     }
 }
 
-void surface_fetch_corners(const world *w, const trace_block *block, unsigned lanes) {
+void surface_fetch_corners(const world *w, const trace_block *block, unsigned lanes, bool normals) {
     for (unsigned i = 0; i < lanes; ++i) {
         const fathom_mesh *mesh = met_mesh(w, block, i);
         if (!mesh) continue;
@@ -153,7 +156,7 @@ void surface_fetch_corners(const world *w, const trace_block *block, unsigned la
         const uint32_t *index = mesh->indices + first;
         for (int k = 0; k < 3; ++k)
             __builtin_prefetch(vector_at(mesh->positions, mesh->position_stride, index[k]));
-        if (!mesh->normals) continue;
+        if (!normals || !mesh->normals) continue;
         if (mesh->normal_indices) index = mesh->normal_indices + first;
         for (int k = 0; k < 3; ++k)
             __builtin_prefetch(vector_at(mesh->normals, mesh->normal_stride, index[k]));

@@ -68,10 +68,11 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out) {
     *out = (wave){.plan = plan, .stop = stop};
     float *radiance = calloc(3 * WAVE_SLOTS, sizeof *radiance);
     for (int c = 0; c < 3; ++c) out->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
-    if (plan->first_hits) out->first = malloc(sizeof *out->first);
+    const bool hits = plan->parts & FATHOM_PART_HITS;
+    if (hits) out->first = malloc(sizeof *out->first);
     void *gather = NULL;
     if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
-    bool ok = radiance && out->gather && (out->first || !plan->first_hits) &&
+    bool ok = radiance && out->gather && (out->first || !hits) &&
               wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_surfaces(out, WAVE_SLOTS) &&
               wave_reserve_shadows(out, WAVE_SLOTS);
     if (!ok) wave_destroy(out);

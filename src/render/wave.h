@@ -44,6 +44,7 @@ typedef struct first_hits {
 typedef struct ray_counts {
     uint64_t camera, shadow, reflection, refraction;
     uint64_t repaired; /* of these: answers put right by trace/watertight.h */
+    uint64_t unlit;    /* shadow rays that nothing was to be gained from */
 } ray_counts;
 
 typedef struct wave {

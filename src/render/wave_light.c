@@ -24,9 +24,10 @@ static void push_shadow(wave *w, const light_block *from, const surface_block *s
 
 /* Rays only where there is something to gain. */
 static void push_shadows(wave *w, const light_block *from, const surface_block *s) {
+    const float least = w->plan->parts & FATHOM_PART_UNLIT ? -1 : 0;
     for (uint32_t i = 0; i < s->count; ++i) {
         float gain = from->radiance[0][i] + from->radiance[1][i] + from->radiance[2][i];
-        if (gain > 0 && from->distance[i] > 0) push_shadow(w, from, s, i);
+        if (gain > least && from->distance[i] > 0) push_shadow(w, from, s, i);
     }
 }
 
@@ -72,16 +73,17 @@ static bool add_light(wave *w, uint32_t index, trace_coherence coherence) {
         material_block materials;
         light_block arriving;
         plan->kernels->material_gather(plan->scene->materials.items, s, &materials);
-        plan->kernels->light_evaluate(light, s, &materials, (plan->features & MATERIAL_SPECULAR) != 0,
+        plan->kernels->light_evaluate(light, s, &materials, (plan->parts & FATHOM_PART_HIGHLIGHTS) != 0,
                                       &arriving);
         push_shadows(w, &arriving, s);
     }
+    w->rays.unlit += w->surface_count - w->shadows.count;
     return trace_shadows(w, index, coherence);
 }
 
 bool wave_light(wave *w, bool first) {
     const render_plan *plan = w->plan;
-    for (size_t b = 0; plan->constant_term && b * LANES < w->surface_count; ++b) {
+    for (size_t b = 0; plan->parts & FATHOM_PART_GLOW && b * LANES < w->surface_count; ++b) {
         material_block materials;
         plan->kernels->material_gather(plan->scene->materials.items, &w->surfaces[b], &materials);
         material_add_constant(&materials, &w->surfaces[b], plan->scene->ambient, w->radiance);

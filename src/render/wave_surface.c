@@ -93,17 +93,22 @@ static void pad(surface_block *s) {
     }
 }
 
+static void begin_block(wave *w) {
+    surface_gather_begin(w->gather, w->plan->parts & FATHOM_PART_NORMALS,
+                         w->plan->settings.keep & FATHOM_PART_NORMALS);
+}
+
 static void end_block(wave *w, bool first) {
     const render_plan *plan = w->plan;
     surface_block *s = &w->surfaces[w->surface_count / LANES];
     if (!w->gather->count) return;
     s->count = w->gather->count;
-    surface_gather_end(w->gather, plan->world, plan->kernels, plan->settings.terminator_fix,
+    surface_gather_end(w->gather, plan->world, plan->kernels, plan->parts & FATHOM_PART_LIFTS,
                        !(plan->settings.epsilon > 0), s);
     pad(s);
     for (unsigned i = 0; first && w->first && i < s->count; ++i) keep_first(w, i, s->slot[i]);
     w->surface_count += s->count;
-    surface_gather_begin(w->gather);
+    begin_block(w);
 }
 
 static void add_hits(wave *w, const trace_block *block, const path_block *path, unsigned lanes, bool first) {
@@ -118,9 +123,8 @@ static void add_hits(wave *w, const trace_block *block, const path_block *path, 
 /* With coverage asked for, the image is to be laid over something else: colours are premultiplied, and the
  * background is not among them. Mirrors and glass still show it. */
 static bool shows_background(const wave *w, bool first) {
-    const float *rgb = w->plan->scene->background;
     bool seen = !(first && w->plan->settings.aovs & FATHOM_AOV_ALPHA);
-    return seen && (rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0);
+    return seen && w->plan->parts & FATHOM_PART_BACKGROUND;
 }
 
 static unsigned lanes_from(const wave *w, size_t done) {
@@ -131,16 +135,19 @@ static unsigned lanes_from(const wave *w, size_t done) {
  * they wait together. */
 static void fetch_ahead(const wave *w, size_t done) {
     const world *scene = w->plan->world;
+    const bool normals = w->plan->parts & FATHOM_PART_NORMALS;
     size_t near = done + FETCH * LANES, far = done + 2 * FETCH * LANES;
-    if (far < w->now.count) surface_fetch_indices(scene, &w->now.rays[far / LANES], lanes_from(w, far));
-    if (near < w->now.count) surface_fetch_corners(scene, &w->now.rays[near / LANES], lanes_from(w, near));
+    if (far < w->now.count)
+        surface_fetch_indices(scene, &w->now.rays[far / LANES], lanes_from(w, far), normals);
+    if (near < w->now.count)
+        surface_fetch_corners(scene, &w->now.rays[near / LANES], lanes_from(w, near), normals);
 }
 
 bool wave_surfaces(wave *w, bool first) {
     const bool background = shows_background(w, first);
     w->surface_count = 0;
     if (!wave_reserve_surfaces(w, w->now.count)) return false;
-    surface_gather_begin(w->gather);
+    begin_block(w);
     for (size_t done = 0; done < w->now.count; done += LANES) {
         const trace_block *block = &w->now.rays[done / LANES];
         const path_block *path = &w->now.paths[done / LANES];

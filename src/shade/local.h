@@ -8,6 +8,8 @@
 
 #include "shade/surface.h"
 
+#include <stdbool.h>
+
 typedef double lanes3_f64[3][LANES];
 
 /* Near its plane a triangle of side L and normal n is told from a ray by t = n·v / n·d, the corners v seen
@@ -40,6 +42,7 @@ typedef struct facet_block {
     float normal[3][3][LANES];
     uint32_t facet[LANES]; /* all ones: the lane is a triangle's */
     uint32_t bent[LANES];  /* all ones: it has normals; they need not be unit */
+    bool smooth;           /* some lane has */
 } facet_block;
 
 #endif

@@ -316,20 +316,21 @@ static bool has_mesh(const world *w) {
     return false;
 }
 
-fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, watertight **out) {
+fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, bool always,
+                                watertight **out) {
     const world *scene = tracer->world;
     *out = NULL;
-    if (!tracer->retry || !has_mesh(scene)) return FATHOM_OK;
+    if (!tracer->retry || !(always || has_mesh(scene))) return FATHOM_OK;
     watertight *w = calloc(1, sizeof *w);
-    closed_how *closed = calloc(scene->geometries.count, sizeof *closed);
-    facing *facings = calloc(scene->geometries.count, sizeof *facings);
+    closed_how *closed = calloc(scene->geometries.count + 1, sizeof *closed);
+    facing *facings = calloc(scene->geometries.count + 1, sizeof *facings);
     bool fine = w && closed && facings;
     if (fine) {
         *w = (watertight){.tracer = tracer, .facings = facings};
         fine = closed_find(scene, closed) && find_facings(w, closed);
     }
     free(closed);
-    if (fine && any_facing(w)) {
+    if (fine && (any_facing(w) || always)) {
         set_box(w);
         choose_any_back(w);
         *out = w;

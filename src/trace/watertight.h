@@ -14,9 +14,10 @@
 
 typedef struct watertight watertight;
 
-/* *out is NULL where there is nothing to do: no closed mesh, or a tracer that misses none. The tracer must
- * outlive it. Release with watertight_destroy(). */
-fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, watertight **out);
+/* *out is NULL where there is nothing to do: no closed mesh (unless `always`), or a tracer that misses none.
+ * The tracer must outlive it. Release with watertight_destroy(). */
+fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, bool always,
+                                watertight **out);
 void watertight_destroy(watertight *w);
 
 /* How many closed meshes the point lies inside. */

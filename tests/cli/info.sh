@@ -60,3 +60,12 @@ run 0 render big.glb -o big.exr --stats stats.json
 peak=$(number stats.json peakMemoryBytes)
 [ -n "$SANITIZE" ] || awk "BEGIN { exit !($estimate > 0.75 * $peak && $estimate < 1.25 * $peak) }" ||
     die "info expects $estimate bytes, the render took $peak"
+
+# What a render leaves out, and why; for programs too.
+write_scene
+run 0 info scene.json
+said out.txt 'left out  triangle geometry: there is no mesh'
+said out.txt 'instances: all shapes lie in the world'
+not_said out.txt 'mirrored and refracted rays'
+run 0 info scene.json --json
+said out.txt '"what": "watertight repair"'

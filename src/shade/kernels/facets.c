@@ -114,11 +114,9 @@ static void lift(const facet_block *f, const corner_weights weight, const float 
 void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b) {
     corner_weights weight;
     float normal[3][3][LANES];
-    uint32_t bent = 0;
     find_points(f, b, weight);
-    for (int i = 0; i < LANES; ++i) bent |= f->bent[i];
     for (int i = 0; i < LANES; ++i) put_f32(b->ns, i, f->facet[i], narrow(lane_f64(b->n, i)));
-    if (!bent) return;
+    if (!f->smooth) return;
     mix_normals(f, weight, normal, b);
     if (lifted) {
         lift(f, weight, normal, 1, b, b->lift);

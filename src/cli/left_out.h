@@ -1,0 +1,13 @@
+/* What a render does without, for people and for programs. */
+#ifndef CLI_LEFT_OUT_H
+#define CLI_LEFT_OUT_H
+
+#include <fathom/render.h>
+#include <jansson.h>
+
+/* A line each, the first behind `title`, the others below it. */
+void left_out_print(const fathom_left_out *items, uint32_t count, const char *title);
+/* [{"what": …, "why": …}, …] */
+json_t *left_out_json(const fathom_left_out *items, uint32_t count);
+
+#endif

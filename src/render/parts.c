@@ -1,0 +1,179 @@
+#include "render/parts.h"
+
+#include "shade/material.h"
+
+#include <stdio.h>
+
+unsigned parts_features(const fathom_scene *scene) {
+    unsigned features = 0;
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        fathom_id material = scene_object_material(scene, (fathom_id)i);
+        features |= material_features(&scene->materials.items[material].value);
+    }
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        fathom_id material = scene->instances.items[i].material;
+        if (material != FATHOM_NONE) features |= material_features(&scene->materials.items[material].value);
+    }
+    return features;
+}
+
+static bool any_smooth(const world *w) {
+    for (size_t i = 0; i < w->geometries.count; ++i) {
+        if (w->geometries.items[i].smooth) return true;
+    }
+    return false;
+}
+
+static bool any_spot(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->lights.count; ++i) {
+        if (scene->lights.items[i].type == FATHOM_LIGHT_SPOT) return true;
+    }
+    return false;
+}
+
+/* ---- lights ---- */
+
+/* A point of a smooth mesh may be lifted off its facet by as much as the facet is large, so at most by the
+ * ball's diameter. */
+parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
+    parts_extent out = {.known = false};
+    if (w->planes.count || !any_spot(w->scene)) return out;
+    scene_bounds bounds = scene_world_bounds(w->scene);
+    if (bounds_is_empty(&bounds)) return out;
+    out.known = true;
+    out.center = bounds_center(&bounds);
+    out.radius = bounds_radius(&bounds) * (settings->terminator_fix && any_smooth(w) ? 3 : 1);
+    return out;
+}
+
+/* The renderer has floats counted from the world's origin: 2^-16 of the distances is far more than they are
+ * off. At an angle a beyond the edge of the cone the cosine's difference is at least 2 sin²(a/2) (light.h
+ * has the falloff), which for a = 2^-8 is 2^-17: 128 roundings of unit vectors' squares. */
+static bool cone_misses(const parts_extent *extent, vec3_f64 origin, const fathom_light *light) {
+    const double beyond = 0x1p-8, loose = 0x1p-16;
+    vec3_f64 at = load_f64(light->position), axis = normalize_f64(load_f64(light->direction));
+    vec3_f64 to = sub_f64(extent->center, at);
+    double distance = length_f64(to);
+    double radius = extent->radius + loose * (extent->radius + length_f64(sub_f64(extent->center, origin)) +
+                                              length_f64(sub_f64(at, origin)));
+    if (!(distance > radius)) return false;
+    double aside = acos(fmin(fmax(dot_f64(to, axis) / distance, -1), 1));
+    return aside - asin(radius / distance) > (double)light->outer_angle + beyond;
+}
+
+light_use parts_light(const parts_extent *extent, const world *w, const fathom_light *light) {
+    const float *rgb = light->intensity;
+    if (!(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0)) return LIGHT_BLACK;
+    bool spot = light->type == FATHOM_LIGHT_SPOT;
+    return spot && extent->known && cone_misses(extent, w->origin, light) ? LIGHT_ASIDE : LIGHT_USED;
+}
+
+static bool any_light(const world *w, const fathom_settings *settings) {
+    parts_extent extent = parts_extent_of(w, settings);
+    for (size_t i = 0; i < w->scene->lights.count; ++i) {
+        if (parts_light(&extent, w, &w->scene->lights.items[i]) == LIGHT_USED) return true;
+    }
+    return false;
+}
+
+/* ---- parts ---- */
+
+static bool is_black(const float rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
+
+static bool shades_by_normals(unsigned features, bool lit) {
+    return lit || features & (MATERIAL_MIRROR | MATERIAL_REFRACT);
+}
+
+unsigned parts_needed(const world *w, const fathom_settings *settings) {
+    const fathom_scene *scene = w->scene;
+    const unsigned features = parts_features(scene), bends = MATERIAL_MIRROR | MATERIAL_REFRACT;
+    const bool lit = features & MATERIAL_LIT && any_light(w, settings), smooth = any_smooth(w);
+    const bool ambient = scene->ambient[0] > 0 || scene->ambient[1] > 0 || scene->ambient[2] > 0;
+    unsigned parts = 0;
+    if (smooth && (shades_by_normals(features, lit) || settings->aovs & FATHOM_AOV_N))
+        parts |= FATHOM_PART_NORMALS;
+    if (smooth && lit && settings->terminator_fix) parts |= FATHOM_PART_LIFTS;
+    if (lit && features & MATERIAL_SPECULAR) parts |= FATHOM_PART_HIGHLIGHTS;
+    if (ambient || features & MATERIAL_EMIT) parts |= FATHOM_PART_GLOW;
+    if (!is_black(scene->background)) parts |= FATHOM_PART_BACKGROUND;
+    if (features & bends && settings->max_depth) parts |= FATHOM_PART_BOUNCES;
+    if (settings->aovs & ~(unsigned)FATHOM_AOV_SAMPLES) parts |= FATHOM_PART_HITS;
+    return parts;
+}
+
+/* ---- in words ---- */
+
+static bool tell(left_out_list *list, const char *what, const char *why) {
+    fathom_left_out item;
+    snprintf(item.what, sizeof item.what, "%s", what);
+    snprintf(item.why, sizeof item.why, "%s", why);
+    return array_push(list, item);
+}
+
+typedef struct wording {
+    unsigned part;
+    const char *what, *why;
+} wording;
+
+static bool tell_shapes(const world *w, left_out_list *list) {
+    bool fine = true;
+    if (!w->meshes.count) fine = tell(list, "triangle geometry", "there is no mesh");
+    if (fine && !w->spheres.count) fine = tell(list, "sphere geometry", "there is no sphere");
+    if (fine && !w->quads.count) fine = tell(list, "quad geometry", "there is no quad");
+    if (fine && !w->planes.count) fine = tell(list, "planes", "there is none");
+    if (fine && !w->instances.count)
+        fine = tell(list, "instances", "all shapes lie in the world's own frame");
+    return fine;
+}
+
+static bool tell_light(left_out_list *list, size_t index, light_use use) {
+    char what[sizeof((fathom_left_out *)NULL)->what];
+    snprintf(what, sizeof what, "lights[%zu]", index);
+    return use == LIGHT_USED ||
+           tell(list, what, use == LIGHT_BLACK ? "it is black" : "its cone holds nothing of the scene");
+}
+
+/* Of all lights at once where no surface reflects any. */
+static bool tell_lights(const world *w, const fathom_settings *settings, left_out_list *list) {
+    const fathom_scene *scene = w->scene;
+    parts_extent extent = parts_extent_of(w, settings);
+    if (!scene->lights.count) return tell(list, "lights and their shadow rays", "there is no light");
+    if (!(parts_features(scene) & MATERIAL_LIT))
+        return tell(list, "lights and their shadow rays", "no material reflects their light");
+    for (size_t i = 0; i < scene->lights.count; ++i) {
+        if (!tell_light(list, i, parts_light(&extent, w, &scene->lights.items[i]))) return false;
+    }
+    return tell(list, "shadow rays for nothing", "where the surface faces away or lies outside the cone");
+}
+
+static const char *why_no_lifts(const world *w, const fathom_settings *settings) {
+    if (!settings->terminator_fix) return "the fix of the shadow terminator is off";
+    return any_smooth(w) ? "no light casts shadows" : "no mesh has shading normals";
+}
+
+static bool tell_parts(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *list) {
+    const wording words[] = {
+        {FATHOM_PART_NORMALS, "shading normals",
+         any_smooth(w) ? "no material and no AOV makes use of them" : "no mesh has any"},
+        {FATHOM_PART_LIFTS, "lifting shadow rays off facets", why_no_lifts(w, settings)},
+        {FATHOM_PART_HIGHLIGHTS, "highlights", "no lit material has any"},
+        {FATHOM_PART_GLOW, "ambient and emitted light", "there is no ambient light and nothing emits"},
+        {FATHOM_PART_BACKGROUND, "background", "it is black"},
+        {FATHOM_PART_BOUNCES, "mirrored and refracted rays",
+         settings->max_depth ? "no material mirrors or refracts" : "the depth limit is 0"},
+        {FATHOM_PART_HITS, "buffers of AOVs", "no AOV of first hits is asked for"},
+        {FATHOM_PART_REPAIR, "watertight repair", "there is no closed mesh that the tracer could leak"}};
+    bool fine = true;
+    for (size_t i = 0; i < sizeof words / sizeof *words && fine; ++i) {
+        if (!(parts & words[i].part)) fine = tell(list, words[i].what, words[i].why);
+    }
+    return fine;
+}
+
+bool left_out_find(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *out) {
+    bool fine = tell_shapes(w, out) && tell_parts(w, settings, parts, out);
+    if (fine && !(parts & FATHOM_PART_LIGHTS)) fine = tell_lights(w, settings, out);
+    if (fine && !(settings->target_error > 0 || settings->max_time > 0))
+        fine = tell(out, "error estimates", "every pixel gets as many samples");
+    return fine;
+}

@@ -1,0 +1,270 @@
+/* What a scene does without is left out, said, and never seen: no pixel changes when it is kept. */
+#include "random.h"
+#include "render.h"
+
+#include <glob.h>
+
+/* ---- films ---- */
+
+static const char *const names[] = {"R",   "G",   "B",   "A",   "Z",        "N.X",      "N.Y",
+                                    "N.Z", "P.X", "P.Y", "P.Z", "albedo.R", "albedo.G", "albedo.B"};
+
+static void assert_same_channel(const fathom_film *a, const fathom_film *b, const char *name) {
+    uint32_t width, height;
+    fathom_film_size(a, &width, &height);
+    const float *x = fathom_film_channel(a, name), *y = fathom_film_channel(b, name);
+    assert_int_equal(x == NULL, y == NULL);
+    if (x && memcmp(x, y, (size_t)width * height * sizeof *x) != 0) fail_msg("channel %s differs", name);
+}
+
+static void assert_same(const fathom_film *a, const fathom_film *b) {
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) assert_same_channel(a, b, names[i]);
+}
+
+static fathom_film *render_keeping(stage *s, unsigned keep, fathom_stats *stats) {
+    fathom_film *film;
+    s->settings.keep = keep;
+    assert_ok(s->context, fathom_render(s->context, s->scene, &s->settings, NULL, NULL, stats, &film));
+    return film;
+}
+
+/* The image with what is left out and with these parts kept. */
+static void assert_unseen(stage *s, unsigned keep) {
+    fathom_film *less = render_keeping(s, 0, NULL), *more = render_keeping(s, keep, NULL);
+    assert_same(less, more);
+    fathom_film_destroy(less);
+    fathom_film_destroy(more);
+}
+
+static bool says(const fathom_film *film, const char *what) {
+    const fathom_left_out *items;
+    uint32_t count = fathom_film_left_out(film, &items);
+    for (uint32_t i = 0; i < count; ++i) {
+        if (strcmp(items[i].what, what) == 0) return true;
+    }
+    return false;
+}
+
+/* ---- all scenes of the tour ---- */
+
+static void compare_scene(const char *path, unsigned aovs) {
+    stage s;
+    assert_int_equal(fathom_context_create(&s.context), FATHOM_OK);
+    assert_ok(s.context, fathom_scene_read(s.context, path, &s.scene));
+    fathom_scene_settings(s.scene, &s.settings);
+    s.settings.width = 72, s.settings.height = 54, s.settings.spp = 1, s.settings.aovs = aovs;
+    assert_unseen(&s, FATHOM_PARTS);
+    stage_close(&s);
+}
+
+static void test_tour(void **state) {
+    (void)state;
+    glob_t found;
+    assert_int_equal(glob(SOURCE_DIR "/scenes/tour/*.json", 0, NULL, &found), 0);
+    assert_true(found.gl_pathc >= 20);
+    for (size_t i = 0; i < found.gl_pathc; ++i) {
+        compare_scene(found.gl_pathv[i], 0);
+        compare_scene(found.gl_pathv[i], FATHOM_AOV_ALPHA | FATHOM_AOV_N | FATHOM_AOV_Z);
+    }
+    globfree(&found);
+}
+
+/* ---- each part, in a scene that does without it ---- */
+
+static void look_at_origin(stage *s) {
+    stage_camera(s, (double[3]){0.4, 0.6, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7);
+}
+
+/* Faceted and open, lit from one side: needs nothing but a light. */
+static stage open_plain(void) {
+    stage s = stage_open(48, 40);
+    static const float corners[] = {-1, -1, 0, 1, -1, 0.3f, 1, 1, 0, -1, 1, 0.4f};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = corners, mesh.vertex_count = 4, mesh.indices = indices, mesh.triangle_count = 2;
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
+    stage_point_light(&s, 2, 3, 2, 20);
+    look_at_origin(&s);
+    return s;
+}
+
+static const struct {
+    unsigned part;
+    const char *what;
+} parts[] = {{FATHOM_PART_NORMALS, "shading normals"},
+             {FATHOM_PART_LIFTS, "lifting shadow rays off facets"},
+             {FATHOM_PART_HIGHLIGHTS, "highlights"},
+             {FATHOM_PART_GLOW, "ambient and emitted light"},
+             {FATHOM_PART_BACKGROUND, "background"},
+             {FATHOM_PART_UNLIT, "shadow rays for nothing"},
+             {FATHOM_PART_BOUNCES, "mirrored and refracted rays"},
+             {FATHOM_PART_HITS, "buffers of AOVs"},
+             {FATHOM_PART_REPAIR, "watertight repair"}};
+
+static void test_plain_scene_needs_nothing(void **state) {
+    (void)state;
+    stage s = open_plain();
+    fathom_film *film = render_keeping(&s, 0, NULL);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) assert_true(says(film, parts[i].what));
+    assert_true(says(film, "sphere geometry") && says(film, "quad geometry") && says(film, "planes"));
+    assert_true(says(film, "instances") && says(film, "error estimates"));
+    assert_false(says(film, "triangle geometry") || says(film, "lights[0]"));
+    fathom_film_destroy(film);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) assert_unseen(&s, parts[i].part);
+    stage_close(&s);
+}
+
+/* What is kept is not said to be left out. */
+static void test_kept_is_not_said(void **state) {
+    (void)state;
+    stage s = open_plain();
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+        if (parts[i].part == FATHOM_PART_UNLIT) continue; /* said with the lights */
+        fathom_film *film = render_keeping(&s, parts[i].part, NULL);
+        assert_false(says(film, parts[i].what));
+        fathom_film_destroy(film);
+    }
+    stage_close(&s);
+}
+
+/* A scene that needs all is told of nothing but what is asked of the settings. */
+static void test_full_scene(void **state) {
+    (void)state;
+    stage s = stage_open(48, 40);
+    fathom_material m;
+    fathom_material_default(&m);
+    for (int c = 0; c < 3; ++c) m.k_s[c] = 0.5f, m.k_r[c] = m.k_t[c] = 0.3f, m.k_e[c] = 0.1f;
+    m.specular = FATHOM_SPECULAR_BLINN;
+    fathom_generate_options ball; /* closed */
+    fathom_generate_options_default(&ball);
+    ball.kind = FATHOM_GENERATE_SPHERE, ball.triangles = 500, ball.material = stage_material(&s, &m);
+    assert_ok(s.context, fathom_scene_generate(s.scene, FATHOM_ROOT, &ball));
+    stage_point_light(&s, 2, 3, 2, 20);
+    assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.1f, 0.2f, 0.3f}));
+    s.settings.aovs = FATHOM_AOV_Z;
+    look_at_origin(&s);
+    fathom_film *film = render_keeping(&s, 0, NULL);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+        if (parts[i].part != FATHOM_PART_UNLIT) assert_false(says(film, parts[i].what));
+    }
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* Shading normals that only an AOV shows, and that nothing does. */
+static void test_normals_of_what_only_emits(void **state) {
+    (void)state;
+    stage s = stage_open(48, 40);
+    stage_mesh_sphere(&s, FATHOM_ROOT, 8, 16, stage_emitter(&s, 1));
+    stage_point_light(&s, 2, 3, 2, 20);
+    look_at_origin(&s);
+    fathom_film *film = render_keeping(&s, 0, NULL);
+    assert_true(says(film, "shading normals") && says(film, "lights and their shadow rays"));
+    fathom_film_destroy(film);
+    assert_unseen(&s, FATHOM_PARTS);
+    s.settings.aovs = FATHOM_AOV_N;
+    film = render_keeping(&s, 0, NULL);
+    assert_false(says(film, "shading normals"));
+    fathom_film_destroy(film);
+    assert_unseen(&s, FATHOM_PARTS);
+    stage_close(&s);
+}
+
+/* ---- lights and shadow rays ---- */
+
+/* Each point of each light has its ray, cast or not; kept, all are cast. */
+static void test_unlit_rays_are_counted(void **state) {
+    (void)state;
+    stage s = stage_open(48, 40);
+    stage_sphere(&s, 0, 0, 0, 1, 0);
+    stage_point_light(&s, 3, 3, 2, 20);
+    stage_point_light(&s, 0, 0, -9, 20); /* behind all that is seen */
+    look_at_origin(&s);
+    fathom_stats less, more;
+    fathom_film_destroy(render_keeping(&s, 0, &less));
+    fathom_film_destroy(render_keeping(&s, FATHOM_PART_UNLIT, &more));
+    assert_int_equal(more.unlit_shadow_rays, 0);
+    assert_int_equal(less.shadow_rays + less.unlit_shadow_rays, more.shadow_rays);
+    assert_true(2 * less.unlit_shadow_rays > more.shadow_rays);
+    stage_close(&s);
+}
+
+static void add_spot(stage *s, const double at[3], const double along[3], float outer) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_SPOT;
+    for (int i = 0; i < 3; ++i)
+        light.position[i] = at[i], light.direction[i] = along[i], light.intensity[i] = 10;
+    light.outer_angle = outer, light.inner_angle = outer / 2;
+    assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
+}
+
+/* Spots of all kinds around a ball: those left out would have lit nothing. */
+static void test_spots_that_point_aside(void **state) {
+    (void)state;
+    random_state random = {7};
+    unsigned aside = 0, dark = 0;
+    for (int k = 0; k < 150; ++k) {
+        stage s = stage_open(12, 12);
+        stage_mesh_sphere(&s, FATHOM_ROOT, 6, 12, 0);
+        s.settings.terminator_fix = k % 2;
+        double at[3], along[3];
+        for (int i = 0; i < 3; ++i) at[i] = random_in(&random, -6, 6), along[i] = random_in(&random, -1, 1);
+        add_spot(&s, at, along, (float)random_in(&random, 0.05, 1.5));
+        look_at_origin(&s);
+        fathom_stats stats;
+        fathom_film *less = render_keeping(&s, 0, NULL),
+                    *more = render_keeping(&s, FATHOM_PART_LIGHTS, &stats);
+        aside += says(less, "lights[0]");
+        dark += !stats.shadow_rays;
+        if (says(less, "lights[0]")) assert_int_equal(stats.shadow_rays, 0);
+        assert_same(less, more);
+        fathom_film_destroy(less);
+        fathom_film_destroy(more);
+        stage_close(&s);
+    }
+    assert_true(aside > 20 && dark > aside && dark < 150);
+}
+
+/* Where there is no end to the scene, or the light is within it, a cone always holds some of it. */
+static void test_spots_that_are_kept(void **state) {
+    (void)state;
+    stage s = stage_open(16, 16);
+    stage_sphere(&s, 0, 0, 0, 1, 0);
+    add_spot(&s, (double[3]){0, 5, 0}, (double[3]){0, 1, 0}, 0.3f);
+    look_at_origin(&s);
+    fathom_film *film = render_keeping(&s, 0, NULL);
+    assert_true(says(film, "lights[0]"));
+    fathom_film_destroy(film);
+    stage_plane(&s, (double[3]){0, 9, 0}, (double[3]){0, -1, 0}, 0);
+    film = render_keeping(&s, 0, NULL);
+    assert_false(says(film, "lights[0]"));
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+static void test_unknown_parts(void **state) {
+    (void)state;
+    stage s = open_plain();
+    fathom_film *film;
+    s.settings.keep = 1u << 30;
+    assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
+                 FATHOM_BAD_INPUT, "keep: expected FATHOM_PART_ bits");
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_tour),
+        cmocka_unit_test(test_plain_scene_needs_nothing),
+        cmocka_unit_test(test_kept_is_not_said),
+        cmocka_unit_test(test_full_scene),
+        cmocka_unit_test(test_normals_of_what_only_emits),
+        cmocka_unit_test(test_unlit_rays_are_counted),
+        cmocka_unit_test(test_spots_that_point_aside),
+        cmocka_unit_test(test_spots_that_are_kept),
+        cmocka_unit_test(test_unknown_parts),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
