@@ -121,7 +121,10 @@ typedef struct fathom_stats {
     double error_estimate;      /* with target_error or max_time: the largest of any tile (see target_error);
                                    infinite when time ended before it was known. Otherwise 0 */
     double build_seconds, render_seconds;
-    uint64_t bvh_bytes;
+    uint64_t mesh_bytes, bvh_bytes,
+        film_bytes;          /* arrays of the scene's meshes; the tracer's structures; pixels */
+    uint64_t bvh_peak_bytes; /* the most that the tracer held while it was built */
+    uint64_t foreseen_bytes; /* the most that the process was expected to hold, before building; 0: unknown */
     uint64_t degenerate_triangles; /* rendered around */
     unsigned threads;
     char tracer[64]; /* "Embree 3.13.5, AVX-512" */

@@ -49,6 +49,12 @@ void file_close(file_map *map) {
     *map = (file_map){0};
 }
 
+void file_rest(const file_map *map, size_t begin, size_t end) {
+    size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    begin = (begin + page - 1) / page * page, end = end / page * page;
+    if (begin < end) madvise((void *)(uintptr_t)(map->bytes + begin), end - begin, MADV_DONTNEED);
+}
+
 struct file_writer {
     fathom_context *context;
     FILE *stream;

@@ -16,6 +16,9 @@ typedef struct file_map {
 /* FATHOM_BAD_INPUT when the file is missing, unreadable, a folder or empty; the message names it. */
 fathom_status file_open(fathom_context *context, const char *path, file_map *out);
 void file_close(file_map *map);
+/* Lets go of the memory under the bytes from `begin` to `end`, in whole pages: when they are next read they
+ * come back from the system's cache of the file, or from the file. */
+void file_rest(const file_map *map, size_t begin, size_t end);
 
 /* Writes a whole file or none: to a temporary name beside `path`, then renamed. */
 typedef struct file_writer file_writer;

@@ -18,10 +18,14 @@ static size_t system_number(const char *path, const char *key, size_t unit) {
     return number;
 }
 
-size_t memory_resident(void) {
-    size_t bytes = system_number("/proc/self/status", "VmRSS:", 1024);
+static size_t own_number(const char *key) {
+    size_t bytes = system_number("/proc/self/status", key, 1024);
     return bytes == SIZE_MAX ? 0 : bytes;
 }
+
+size_t memory_resident(void) { return own_number("VmRSS:"); }
+
+size_t memory_private(void) { return own_number("RssAnon:"); }
 
 size_t memory_free(void) {
     size_t machine = system_number("/proc/meminfo", "MemAvailable:", 1024);

@@ -28,6 +28,22 @@ uint64_t report_peak_bytes(void) {
     return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024 : 0;
 }
 
+uint64_t report_needed_bytes(const render_report *r) {
+    return r->stats.mesh_bytes + r->stats.bvh_bytes + r->stats.film_bytes;
+}
+
+static json_t *count_or_null(uint64_t bytes) { return bytes ? json_count(bytes) : json_null(); }
+
+static json_t *pack_memory(const render_report *r) {
+    const fathom_stats *s = &r->stats;
+    uint64_t peak = report_peak_bytes();
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:f, s:o}", "peakBytes", json_count(peak), "meshBytes",
+                     json_count(s->mesh_bytes), "bvhBytes", json_count(s->bvh_bytes), "filmBytes",
+                     json_count(s->film_bytes), "bvhPeakBytes", json_count(s->bvh_peak_bytes), "peakToNeeded",
+                     (double)peak / (double)report_needed_bytes(r), "foreseenBytes",
+                     count_or_null(s->foreseen_bytes));
+}
+
 /* "Embree 3.13.5, AVX-512" -> "3.13.5" and "AVX-512"; the reference tracer has neither. */
 static void set_embree(json_t *root, const char *tracer) {
     char version[64] = "", isa[64] = "";
@@ -81,6 +97,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
     json_object_set_new(root, "raysPerSecond", json_real(report_rays_per_second(r)));
     json_object_set_new(root, "peakMemoryBytes", json_count(report_peak_bytes()));
     json_object_set_new(root, "bvhBytes", json_count(s->bvh_bytes));
+    json_object_set_new(root, "memory", pack_memory(r));
     json_object_set_new(root, "leftOut", left_out_json(r->left_out, r->left_out_count));
     set_embree(root, s->tracer);
     json_object_set_new(root, "threads", json_count(s->threads));
@@ -104,6 +121,18 @@ fathom_status stats_write(fathom_context *context, const render_report *report,
     return status;
 }
 
+static double megabytes(uint64_t bytes) { return 1e-6 * (double)bytes; }
+
+static void print_memory(const render_report *r) {
+    const fathom_stats *s = &r->stats;
+    uint64_t peak = report_peak_bytes();
+    printf("memory   %.1f MB at most, %.3g times meshes %.1f, BVH %.1f (at most %.1f) and film %.1f",
+           megabytes(peak), (double)peak / (double)report_needed_bytes(r), megabytes(s->mesh_bytes),
+           megabytes(s->bvh_bytes), megabytes(s->bvh_peak_bytes), megabytes(s->film_bytes));
+    if (s->foreseen_bytes) printf("; %.0f were foreseen", megabytes(s->foreseen_bytes));
+    putchar('\n');
+}
+
 static void print_details(const render_report *r) {
     const fathom_stats *s = &r->stats;
     printf("scene    %s: %llu primitives, of them %llu triangles; %llu instances\n", r->scene,
@@ -118,8 +147,7 @@ static void print_details(const render_report *r) {
            (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
            (unsigned long long)s->reflection_rays, (unsigned long long)s->refraction_rays,
            (unsigned long long)s->repaired_rays, (unsigned long long)s->unlit_shadow_rays);
-    printf("memory   %.1f MB at most, BVH %.1f MB\n", 1e-6 * (double)report_peak_bytes(),
-           1e-6 * (double)s->bvh_bytes);
+    print_memory(r);
     left_out_print(r->left_out, r->left_out_count, "left out ");
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/pool.h"
 #include "base/threads.h"
+#include "image/rest.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -128,8 +129,13 @@ static void *prefetch(void *unused) {
     char reason[1024];
     pthread_mutex_lock(&loader.lock);
     /* A failure is reported by whoever needs the module: loader_module() tries again. */
-    if (!loader.module && !loader.closing) load(reason, sizeof reason);
+    size_t before = rest_library_count();
+    bool loads = !loader.module && !loader.closing;
+    if (loads) load(reason, sizeof reason);
+    loads &= loader.module != NULL;
     pthread_mutex_unlock(&loader.lock);
+    /* Beside a build that may need the memory; whoever waits for the module need not wait for this. */
+    if (loads) rest_libraries(before);
     return NULL;
 }
 

@@ -38,21 +38,25 @@ static void report_build(void *user) {
         atomic_store(&b->stop, true);
 }
 
-/* What is left for building. The film is only promised as yet, the image module may not be loaded, and of a
- * mapped mesh only what was looked at is in memory. At least a byte, since none would mean no limit. */
-static fathom_status building_memory(const fathom_scene *scene, const fathom_film *film, uint64_t limit,
-                                     uint64_t *out) {
-    uint64_t meshes, free_now = memory_free(), resident = memory_resident();
-    fathom_status status = scene_buffer_bytes(scene, &meshes);
+/* What the process will hold beside the tracer's structures. The film is only promised as yet, the image
+ * module may not be loaded, and of a mapped mesh only what was looked at is in memory. */
+static fathom_status memory_beside(const fathom_scene *scene, const fathom_film *film, uint64_t *out) {
+    uint64_t meshes;
+    fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &meshes);
     if (status != FATHOM_OK) return status;
-    uint64_t expected = MEMORY_PROGRAM + meshes, used = resident > expected ? resident : expected;
-    uint64_t taken = used + film_bytes(film), room = free_now > INT64_MAX ? 0 : free_now + resident;
-    if (limit && (!room || limit < room)) room = limit;
-    *out = !room ? 0 : (room > taken + 1 ? room - taken : 1);
+    uint64_t expected = MEMORY_PROGRAM + meshes, resident = memory_resident();
+    *out = (resident > expected ? resident : expected) + film_bytes(film);
     return FATHOM_OK;
 }
 
-static fathom_status run_build(fathom_context *context, const world *w, const fathom_film *film,
+/* What is left for building. At least a byte, since none would mean no limit. */
+static uint64_t building_memory(uint64_t beside, uint64_t limit) {
+    uint64_t free_now = memory_free(), room = free_now > INT64_MAX ? 0 : free_now + memory_private();
+    if (limit && (!room || limit < room)) room = limit;
+    return !room ? 0 : (room > beside + 1 ? room - beside : 1);
+}
+
+static fathom_status run_build(fathom_context *context, const world *w, fathom_film *film,
                                const fathom_settings *settings, fathom_progress_fn progress, void *user,
                                trace_tracer **out) {
     static const watch_calls calls = {build_tracer, report_build};
@@ -60,8 +64,9 @@ static fathom_status run_build(fathom_context *context, const world *w, const fa
     const char *words = settings->tracer_spec;
     fathom_status status = words ? trace_spec_parse(context, words, &spec) : FATHOM_OK;
     if (status != FATHOM_OK) return status;
-    uint64_t memory;
-    status = building_memory(w->scene, film, settings->memory_limit, &memory);
+    uint64_t beside;
+    status = scene_rest_files(w->scene);
+    if (status == FATHOM_OK) status = memory_beside(w->scene, film, &beside);
     if (status != FATHOM_OK) return status;
     build b = {.context = context,
                .world = w,
@@ -73,16 +78,19 @@ static fathom_status run_build(fathom_context *context, const world *w, const fa
                                 .width = settings->block_width,
                                 .threads = fathom_context_threads(context),
                                 .expected_rays = plan_expected_rays(w->scene, settings),
-                                .memory = memory,
+                                .memory = building_memory(beside, settings->memory_limit),
                                 .progress = progress ? on_build : NULL,
                                 .user = &b};
     watch_run(&calls, &b);
     *out = b.tracer;
+    if (b.tracer && trace_foreseen_bytes(b.tracer))
+        film->stats.foreseen_bytes = beside + trace_foreseen_bytes(b.tracer);
     if (b.status != FATHOM_OK || !atomic_load(&b.stop)) return b.status;
     return fail(context, FATHOM_INTERRUPTED, "stopped while building; there is no image yet");
 }
 
-static void count_scene(const world *w, const trace_tracer *tracer, fathom_stats *stats) {
+static fathom_status count_scene(const world *w, const trace_tracer *tracer, const fathom_film *film,
+                                 fathom_stats *stats) {
     const fathom_scene *scene = w->scene;
     for (size_t i = 0; i < scene->meshes.count; ++i)
         stats->triangles += scene->meshes.items[i].triangle_count;
@@ -90,9 +98,12 @@ static void count_scene(const world *w, const trace_tracer *tracer, fathom_stats
     stats->instances = w->instances.count;
     stats->degenerate_triangles = w->degenerate_triangles;
     stats->bvh_bytes = trace_bvh_bytes(tracer);
+    stats->bvh_peak_bytes = trace_peak_bytes(tracer);
+    stats->film_bytes = film_bytes(film);
     stats->threads = fathom_context_threads(scene->context);
     const char *name = trace_name(tracer);
     for (size_t i = 0; name[i] && i + 1 < sizeof stats->tracer; ++i) stats->tracer[i] = name[i];
+    return scene_buffer_bytes(scene, SCENE_BUFFERS, &stats->mesh_bytes);
 }
 
 static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
@@ -143,8 +154,8 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
     trace_tracer *tracer = NULL;
     if (status == FATHOM_OK) status = run_build(context, w, film, settings, progress, user, &tracer);
     film->stats.build_seconds = clock_seconds() - began;
+    if (status == FATHOM_OK) status = count_scene(w, tracer, film, &film->stats);
     if (status == FATHOM_OK) {
-        count_scene(w, tracer, &film->stats);
         status = render_world(context, w, tracer, settings, began + settings->max_time, progress, user, film);
     }
     trace_destroy(tracer);

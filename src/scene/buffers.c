@@ -1,40 +1,105 @@
+/* The arrays of all meshes as pieces of memory. */
 #include "scene/scene.h"
 
 #include <stdlib.h>
 
-typedef struct buffer {
-    const void *start;
-    uint64_t bytes;
-} buffer;
+typedef struct piece {
+    uintptr_t start, end;
+} piece;
+
+typedef struct piece_list {
+    piece *items;
+    size_t count;
+} piece_list;
 
 static int by_start(const void *a, const void *b) {
-    uintptr_t left = (uintptr_t)((const buffer *)a)->start, right = (uintptr_t)((const buffer *)b)->start;
+    uintptr_t left = ((const piece *)a)->start, right = ((const piece *)b)->start;
     return (left > right) - (left < right);
 }
 
-/* Meshes of one file often share their vertices: each array counts once, by its start. */
-fathom_status scene_buffer_bytes(const fathom_scene *scene, uint64_t *out) {
-    size_t room = scene->meshes.count * 6, count = 0;
-    buffer *all = malloc((room + 1) * sizeof *all);
-    if (!all) return fail_memory(scene->context, room * sizeof *all);
-    for (size_t i = 0; i < scene->meshes.count; ++i) {
-        const fathom_mesh *m = &scene->meshes.items[i];
-        const uint64_t index_bytes = (uint64_t)m->triangle_count * 3 * sizeof(uint32_t);
-        const buffer buffers[] = {{m->positions, (uint64_t)m->vertex_count * m->position_stride},
-                                  {m->indices, index_bytes},
-                                  {m->normals, (uint64_t)m->normal_count * m->normal_stride},
-                                  {m->normal_indices, index_bytes},
-                                  {m->uvs, (uint64_t)m->uv_count * m->uv_stride},
-                                  {m->uv_indices, index_bytes}};
-        for (size_t k = 0; k < 6; ++k) {
-            if (buffers[k].start) all[count++] = buffers[k];
-        }
+static void add(piece_list *list, const void *start, uint64_t bytes) {
+    if (start) list->items[list->count++] = (piece){(uintptr_t)start, (uintptr_t)start + bytes};
+}
+
+static void add_vectors(piece_list *list, const float *start, uint32_t count, size_t stride, size_t floats) {
+    if (count) add(list, start, (uint64_t)(count - 1) * stride + floats * sizeof(float));
+}
+
+static void add_mesh(piece_list *list, const fathom_mesh *m, unsigned which) {
+    const uint64_t index_bytes = (uint64_t)m->triangle_count * 3 * sizeof(uint32_t);
+    if (which & SCENE_TRACED) {
+        add_vectors(list, m->positions, m->vertex_count, m->position_stride, 3);
+        add(list, m->indices, index_bytes);
     }
-    qsort(all, count, sizeof *all, by_start);
-    *out = 0;
-    for (size_t i = 0; i < count; ++i) {
-        if (i + 1 == count || all[i + 1].start != all[i].start) *out += all[i].bytes;
+    if (which & SCENE_SHADED) {
+        add_vectors(list, m->normals, m->normal_count, m->normal_stride, 3);
+        add(list, m->normal_indices, index_bytes);
     }
-    free(all);
+    if (which & SCENE_UNREAD) {
+        add_vectors(list, m->uvs, m->uv_count, m->uv_stride, 2);
+        add(list, m->uv_indices, index_bytes);
+    }
+}
+
+/* Arrays that lie within each other, as in rows of a vertex each, become one piece. */
+static void merge(piece_list *list) {
+    size_t kept = 0;
+    if (list->count) qsort(list->items, list->count, sizeof *list->items, by_start);
+    for (size_t i = 0; i < list->count; ++i) {
+        const piece *next = &list->items[i];
+        piece *last = kept ? &list->items[kept - 1] : NULL;
+        if (!last || next->start > last->end)
+            list->items[kept++] = *next;
+        else if (next->end > last->end)
+            last->end = next->end;
+    }
+    list->count = kept;
+}
+
+/* In order, apart from each other. Release the items with free(). */
+static fathom_status list_pieces(const fathom_scene *scene, unsigned which, piece_list *out) {
+    size_t room = scene->meshes.count * 6;
+    *out = (piece_list){malloc((room + 1) * sizeof *out->items), 0};
+    if (!out->items) return fail_memory(scene->context, room * sizeof *out->items);
+    for (size_t i = 0; i < scene->meshes.count; ++i) add_mesh(out, &scene->meshes.items[i], which);
+    merge(out);
     return FATHOM_OK;
+}
+
+fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint64_t *out) {
+    piece_list list;
+    fathom_status status = list_pieces(scene, which, &list);
+    *out = 0;
+    for (size_t i = 0; i < list.count; ++i) *out += list.items[i].end - list.items[i].start;
+    free(list.items);
+    return status;
+}
+
+/* A page that is read brings its neighbours, so many bytes by default on Linux: smaller gaps are not worth a
+ * call. */
+#define LEAST_GAP 65536u
+
+static void rest_gap(const file_map *map, uintptr_t begin, uintptr_t end) {
+    uintptr_t base = (uintptr_t)map->bytes;
+    if (begin < end && end - begin >= LEAST_GAP) file_rest(map, begin - base, end - base);
+}
+
+static void rest_around(const file_map *map, const piece_list *list) {
+    uintptr_t at = (uintptr_t)map->bytes, end = at + map->size;
+    for (size_t i = 0; i < list->count && at < end; ++i) {
+        const piece *p = &list->items[i];
+        if (p->end <= at) continue;
+        rest_gap(map, at, p->start < end ? p->start : end);
+        at = p->end;
+    }
+    rest_gap(map, at, end);
+}
+
+fathom_status scene_rest_files(const fathom_scene *scene) {
+    piece_list list;
+    fathom_status status = list_pieces(scene, SCENE_TRACED, &list);
+    for (size_t i = 0; i < scene->blobs.count && status == FATHOM_OK; ++i)
+        rest_around(&scene->blobs.items[i].map, &list);
+    free(list.items);
+    return status;
 }

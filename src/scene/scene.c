@@ -48,7 +48,12 @@ void fathom_scene_destroy(fathom_scene *scene) {
 }
 
 fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void *data)) {
-    scene_blob blob = {data, release};
+    return scene_adopt_file(scene, data, release, &(file_map){.bytes = NULL});
+}
+
+fathom_status scene_adopt_file(fathom_scene *scene, void *data, void (*release)(void *data),
+                               const file_map *map) {
+    scene_blob blob = {data, release, *map};
     if (array_push(&scene->blobs, blob)) return FATHOM_OK;
     release(data);
     return fail_memory(scene->context, sizeof blob);

@@ -3,6 +3,7 @@
 #define SCENE_SCENE_H
 
 #include "base/array.h"
+#include "base/file.h"
 #include "base/status.h"
 #include "math/affine.h"
 
@@ -21,6 +22,7 @@ typedef struct scene_object {
 typedef struct scene_blob {
     void *data;
     void (*release)(void *data);
+    file_map map; /* where data owns one; else zero */
 } scene_blob;
 
 typedef struct scene_named_material {
@@ -53,6 +55,9 @@ struct fathom_scene {
 /* Gives `data` to the scene, which calls release(data) when it is destroyed, or at once when it is out of
  * memory. */
 fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void *data));
+/* The same for data that owns a mapped file. */
+fathom_status scene_adopt_file(fathom_scene *scene, void *data, void (*release)(void *data),
+                               const file_map *map);
 
 /* malloc'ed memory owned by the scene, with 16 readable bytes past the end as Embree wants of a vertex
  * buffer. */
@@ -88,8 +93,14 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id object);
 /* Of all that is placed in the world, instances included. The scene must have no cycle. */
 scene_bounds scene_world_bounds(const fathom_scene *scene);
 
-/* Of the arrays of all meshes; those that several share count once. */
-fathom_status scene_buffer_bytes(const fathom_scene *scene, uint64_t *out);
+/* Arrays of meshes: what tracers read, what shading reads besides, what nothing reads. */
+enum { SCENE_TRACED = 1, SCENE_SHADED = 2, SCENE_UNREAD = 4, SCENE_BUFFERS = 7 };
+
+/* Of these arrays of all meshes; bytes that several share count once. */
+fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint64_t *out);
+/* Lets go of the memory under all of the scene's mapped files but what tracers read. Nothing is lost: what is
+ * read again comes back. */
+fathom_status scene_rest_files(const fathom_scene *scene);
 
 /* FATHOM_BAD_INPUT when groups contain each other; the message names the groups on the cycle. */
 fathom_status scene_check_cycles(const fathom_scene *scene);

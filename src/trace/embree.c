@@ -18,6 +18,8 @@ static void on_error(void *user, enum RTCError code, const char *text) {
 static bool on_memory(void *user, ssize_t bytes, bool post) {
     embree_tracer *tracer = user;
     int64_t held = atomic_fetch_add(&tracer->bytes, (int64_t)bytes) + (int64_t)bytes;
+    int64_t peak = atomic_load(&tracer->peak);
+    while (held > peak && !atomic_compare_exchange_weak(&tracer->peak, &peak, held)) continue;
     (void)post;
     return bytes <= 0 || !tracer->most_bytes || held <= (int64_t)tracer->most_bytes;
 }
@@ -133,6 +135,7 @@ static void describe(embree_tracer *tracer) {
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
              isa_name(device, tracer->spec.isa));
     tracer->base.bvh_bytes = (uint64_t)atomic_load(&tracer->bytes);
+    tracer->base.peak_bytes = (uint64_t)atomic_load(&tracer->peak);
 }
 
 fathom_status embree_create(fathom_context *context, const world *w, const trace_spec *spec,

@@ -26,6 +26,7 @@ typedef struct embree_tracer {
     float reach, longest;      /* what coordinates of origins and directions may be; see embree_build.c */
     RTCFilterFunctionN filter; /* NULL: ties are not settled */
     _Atomic int64_t bytes;     /* held by Embree */
+    _Atomic int64_t peak;      /* the most of it */
     uint64_t most_bytes;       /* that it may hold; 0: no limit */
     _Atomic int error;         /* the first RTCError that the device reported */
     char error_text[256];      /* its message; written once, by whoever set error */

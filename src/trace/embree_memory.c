@@ -18,12 +18,14 @@ fathom_status embree_fit_memory(embree_tracer *tracer) {
     const world *w = tracer->base.world;
     double room = (double)tracer->options->memory;
     bool chosen = tracer->spec.flags == TRACE_SCENE_COMPACT, free_to_choose = !tracer->options->spec;
+    double need = total(trace_need_of(w, chosen)), less = total(trace_need_of(w, true));
+    tracer->base.foreseen_bytes = (uint64_t)need;
     if (!tracer->options->memory) return FATHOM_OK;
     /* Embree reserves up to twice what it comes to touch. This is for estimates that are far off. */
     tracer->most_bytes = 2 * tracer->options->memory + RESERVE;
-    double need = total(trace_need_of(w, chosen)), less = total(trace_need_of(w, true));
     if (need <= room) return FATHOM_OK;
     if (!free_to_choose || less > room) return refuse(tracer, free_to_choose ? less : need);
+    tracer->base.foreseen_bytes = (uint64_t)less;
     tracer->spec.flags = TRACE_SCENE_COMPACT;
     tracer->spec.quality = TRACE_QUALITY_MEDIUM; /* low passes as much as the usual structures */
     warn(tracer->context,

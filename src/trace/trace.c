@@ -60,4 +60,8 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 
 const char *trace_name(const trace_tracer *tracer) { return tracer->name; }
 uint64_t trace_bvh_bytes(const trace_tracer *tracer) { return tracer->bvh_bytes; }
+uint64_t trace_peak_bytes(const trace_tracer *tracer) {
+    return tracer->peak_bytes > tracer->bvh_bytes ? tracer->peak_bytes : tracer->bvh_bytes;
+}
+uint64_t trace_foreseen_bytes(const trace_tracer *tracer) { return tracer->foreseen_bytes; }
 double trace_unit(const trace_tracer *tracer) { return tracer->unit; }

@@ -86,6 +86,9 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 /* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
 const char *trace_name(const trace_tracer *tracer);
 uint64_t trace_bvh_bytes(const trace_tracer *tracer);
+/* The most that was held while it was built, and what that was expected to be, 0 where nothing was. */
+uint64_t trace_peak_bytes(const trace_tracer *tracer);
+uint64_t trace_foreseen_bytes(const trace_tracer *tracer);
 /* The unit roundoff of the arithmetic in which t is computed: 2^-24 for float. */
 double trace_unit(const trace_tracer *tracer);
 

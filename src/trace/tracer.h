@@ -46,8 +46,8 @@ struct trace_tracer {
     const trace_ops *ops;
     const trace_retry *retry; /* NULL: no triangle that a ray meets is ever missed */
     const world *world;
-    uint64_t bvh_bytes;
-    double unit; /* roundoff */
+    uint64_t bvh_bytes, peak_bytes, foreseen_bytes; /* see trace.h; 0: not known */
+    double unit;                                    /* roundoff */
     char name[64];
 };
 

@@ -140,7 +140,7 @@ fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer) {
     gltf_source *source = buffer ? buffer->source : NULL;
     if (!source || source->shared) return FATHOM_OK;
     source->shared = true;
-    fathom_status status = scene_adopt(g->scene, source, gltf_source_release);
+    fathom_status status = scene_adopt_file(g->scene, source, gltf_source_release, &source->map);
     if (status == FATHOM_OK) return FATHOM_OK;
     /* It is released already. */
     buffer->source = NULL;

@@ -138,7 +138,7 @@ static fathom_status keep_map(ply_reader *r) {
     if (!kept) return fail_memory(r->scene->context, sizeof *kept);
     *kept = r->map;
     r->map = (file_map){0};
-    return scene_adopt(r->scene, kept, release_map);
+    return scene_adopt_file(r->scene, kept, release_map, kept);
 }
 
 static fathom_status add_mesh(ply_reader *r) {
