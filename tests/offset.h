@@ -416,13 +416,14 @@ typedef struct offset_ray {
 } offset_ray;
 
 /* The face that holds the point: of a quad, the half that is nearer in its plane. */
-static inline const offset_face *offset_left(const offset_trial *t, const ray_hit *hit, vec3_f64 p) {
+static inline const offset_face *offset_left(const offset_trial *t, const surface_gather *g, unsigned lane,
+                                             vec3_f64 p) {
     const offset_face *best = NULL;
     double least = HUGE_VAL;
     vec3_f64 at = affine_point(&t->space.to_object, p);
     for (int i = 0; i < t->face_count; ++i) {
         const offset_face *f = &t->faces[i];
-        if (f->geometry != hit->geometry || f->primitive != hit->primitive) continue;
+        if (f->geometry != g->geometry[lane] || f->primitive != g->primitive[lane]) continue;
         vec3_f64 middle = scale_f64(1 / 3.0, add_f64(f->v[0], add_f64(f->v[1], f->v[2])));
         double outside = 0;
         for (int k = 0; k < 3 && !f->sphere && !f->plane; ++k) {
@@ -453,13 +454,13 @@ static inline vec3_f32 offset_away(random_state *r, vec3_f64 n) {
 /* Fills a block with rays that leave the point in this lane to one side. False for the inside of a sphere of
  * less than 128 units, which float cannot tell from its outside. */
 static inline bool offset_leave(offset_trial *t, const surface_block *s, int lane, float side,
-                                const ray_hit *hit, trace_block *block, offset_ray *out) {
+                                const surface_gather *g, trace_block *block, offset_ray *out) {
     vec3_f32 start;
     float *c[3] = {&start.x, &start.y, &start.z};
     for (int k = 0; k < 3; ++k) *c[k] = surface_start(s->p[k][lane], side * s->offset[lane], s->ng[k][lane]);
     vec3_f64 o = widen(start), n,
              ng = {(double)s->ng[0][lane], (double)s->ng[1][lane], (double)s->ng[2][lane]};
-    out->left = offset_left(t, hit, o);
+    out->left = offset_left(t, g, (unsigned)lane, o);
     double d = offset_distance(&t->space, out->left, o, &n);
     out->q = madd_f64(o, -d, n);
     out->unit = offset_unit(&t->space, out->left, &t->o.w, out->q);
@@ -587,19 +588,16 @@ static inline void offset_points(offset_trial *t, const trace_block *block) {
     surface_gather_begin(&g, true, false);
     for (size_t i = 0; i < OFFSET_RAYS; ++i) {
         if (block->hits.geometry[i] == FATHOM_NONE) continue;
-        ray_hit hit = ray_hit_load(block, i);
-        surface_gather_add(&g, &t->o.w, &hit);
+        surface_gather_add(&g, &t->o.w, block, i);
     }
     if (!g.count) return;
     surface_gather_end(&g, &t->o.w, shade_kernels_best(), false, true, &s);
     for (unsigned i = 0; i < g.count; ++i) {
-        ray_hit hit = g.hits[i];
         for (int side = -1; side <= 1; side += 2) {
             trace_block leaving;
             offset_ray ray;
             memset(&leaving, 0, sizeof leaving);
-            if (offset_leave(t, &s, (int)i, (float)side, &hit, &leaving, &ray))
-                offset_trace(t, &ray, &leaving);
+            if (offset_leave(t, &s, (int)i, (float)side, &g, &leaving, &ray)) offset_trace(t, &ray, &leaving);
         }
     }
 }

@@ -141,11 +141,9 @@ static void add_square(pass *p, uint32_t place) {
     adaptive_wave *a = p->a;
     uint32_t s = p->square[place];
     if (p->batch.squares[place].index == a->done[s] + a->done[s] / 2) copy_sums(a, 2, s);
-    for (int c = 0; c < 3; ++c) {
-        const float *restrict from = p->wave->radiance[c] + place * LANES;
-        double *restrict to = a->sums.rgb[c] + s * LANES;
-        for (int k = 0; k < LANES; ++k) to[k] += (double)from[k];
-    }
+    for (int c = 0; c < 3; ++c)
+        p->wave->plan->blocks->add_samples(p->wave->radiance[c] + place * LANES, LANES,
+                                           a->sums.rgb[c] + s * LANES);
     if (a->sums.hits) add_hits(p, place);
     ++a->taken[s];
 }

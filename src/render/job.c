@@ -33,14 +33,10 @@ void job_stop(job *j, const wave *w) {
 
 /* Slots outside the region hold no radiance. */
 static void add_sample(const wave *w, const wave_region *r, pixel_sums *sums, uint32_t index) {
-    for (int c = 0; c < 3; ++c) {
-        const float *restrict from = w->radiance[c];
-        double *restrict to = sums->rgb[c];
-        for (uint32_t slot = 0; slot < WAVE_SLOTS; ++slot) to[slot] += (double)from[slot];
-    }
+    for (int c = 0; c < 3; ++c) w->plan->blocks->add_samples(w->radiance[c], WAVE_SLOTS, sums->rgb[c]);
     for (uint32_t y = r->y0; sums->hits && y < r->y1; ++y) {
         for (uint32_t x = r->x0; x < r->x1; ++x) {
-            uint32_t slot = (y - r->top) * WAVE_SIDE + x - r->left;
+            uint32_t slot = wave_slot(x - r->left, y - r->top);
             pixel_sums_add_hit(sums, w, slot, x, y, slot, index);
         }
     }
@@ -49,7 +45,7 @@ static void add_sample(const wave *w, const wave_region *r, pixel_sums *sums, ui
 static void store(fathom_film *film, const wave_region *r, const pixel_sums *sums, uint32_t spp) {
     for (uint32_t y = r->y0; y < r->y1; ++y) {
         for (uint32_t x = r->x0; x < r->x1; ++x)
-            pixel_sums_store(sums, (y - r->top) * WAVE_SIDE + x - r->left, spp, x, y, film);
+            pixel_sums_store(sums, wave_slot(x - r->left, y - r->top), spp, x, y, film);
     }
 }
 

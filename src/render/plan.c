@@ -64,6 +64,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->world = w;
     plan->tracer = tracer;
     plan->kernels = shade_kernels_best();
+    plan->blocks = render_kernels_best();
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);

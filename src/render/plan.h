@@ -2,8 +2,8 @@
 #ifndef RENDER_PLAN_H
 #define RENDER_PLAN_H
 
+#include "render/kernels.h"
 #include "render/parts.h"
-#include "shade/kernels.h"
 #include "trace/watertight.h"
 
 typedef struct render_plan {
@@ -12,6 +12,7 @@ typedef struct render_plan {
     const trace_tracer *tracer;
     fathom_settings settings;
     const shade_kernels *kernels;
+    const render_kernels *blocks;
     shade_camera camera;
     shade_light *lights;
     uint32_t light_count;

@@ -16,15 +16,6 @@
 
 static const double unit_round = 0x1p-24;
 
-ray_hit ray_hit_load(const trace_block *b, size_t i) {
-    return (ray_hit){.org = {b->rays.org_x[i], b->rays.org_y[i], b->rays.org_z[i]},
-                     .dir = {b->rays.dir_x[i], b->rays.dir_y[i], b->rays.dir_z[i]},
-                     .t_near = b->rays.t_near[i],
-                     .geometry = b->hits.geometry[i],
-                     .primitive = b->hits.primitive[i],
-                     .instance = b->hits.instance[i]};
-}
-
 /* ---- maps in double ---- */
 
 static vec3_f64 map_vector(const float m[3][4], vec3_f64 v) {
@@ -129,40 +120,6 @@ static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, ui
     g->facets.smooth = true;
 }
 
-/* The mesh that a lane met; NULL: none. */
-static const fathom_mesh *met_mesh(const world *w, const trace_block *block, unsigned lane) {
-    uint32_t id = block->hits.geometry[lane];
-    if (id >= TRACE_PLANE) return NULL; /* a plane, or nothing */
-    const world_geometry *geometry = &w->geometries.items[id];
-    return geometry->kind == WORLD_MESH ? &w->meshes.items[geometry->first] : NULL;
-}
-
-void surface_fetch_indices(const world *w, const trace_block *block, unsigned lanes, bool normals) {
-    for (unsigned i = 0; i < lanes; ++i) {
-        const fathom_mesh *mesh = met_mesh(w, block, i);
-        if (!mesh) continue;
-        size_t first = 3 * (size_t)block->hits.primitive[i];
-        __builtin_prefetch(mesh->indices + first);
-        if (normals && mesh->normals && mesh->normal_indices)
-            __builtin_prefetch(mesh->normal_indices + first);
-    }
-}
-
-void surface_fetch_corners(const world *w, const trace_block *block, unsigned lanes, bool normals) {
-    for (unsigned i = 0; i < lanes; ++i) {
-        const fathom_mesh *mesh = met_mesh(w, block, i);
-        if (!mesh) continue;
-        size_t first = 3 * (size_t)block->hits.primitive[i];
-        const uint32_t *index = mesh->indices + first;
-        for (int k = 0; k < 3; ++k)
-            __builtin_prefetch(vector_at(mesh->positions, mesh->position_stride, index[k]));
-        if (!normals || !mesh->normals) continue;
-        if (mesh->normal_indices) index = mesh->normal_indices + first;
-        for (int k = 0; k < 3; ++k)
-            __builtin_prefetch(vector_at(mesh->normals, mesh->normal_stride, index[k]));
-    }
-}
-
 static void add_hit(surface_gather *g, unsigned i, const local_hit *hit) {
     put_f64(g->local.p, i, hit->p);
     put_f64(g->local.n, i, hit->n);
@@ -170,37 +127,80 @@ static void add_hit(surface_gather *g, unsigned i, const local_hit *hit) {
     g->local.beside[i] = hit->beside;
 }
 
-static void add_primitive(surface_gather *g, unsigned i, const world *w, const ray_hit *ray,
-                          const local_ray *local) {
+static void add_primitive(surface_gather *g, unsigned i, const world *w, const local_ray *local) {
+    uint32_t primitive = g->primitive[i];
     local_hit hit;
-    if (ray->geometry == TRACE_PLANE) {
-        local_plane(&w->planes.items[ray->primitive], local, &hit);
+    if (g->geometry[i] == TRACE_PLANE) {
+        local_plane(&w->planes.items[primitive], local, &hit);
         add_hit(g, i, &hit);
         return;
     }
-    const world_geometry *geometry = &w->geometries.items[ray->geometry];
+    const world_geometry *geometry = &w->geometries.items[g->geometry[i]];
     switch (geometry->kind) {
-    case WORLD_SPHERES: local_sphere(&w->spheres.items[geometry->first + ray->primitive], local, &hit); break;
-    case WORLD_QUADS: local_quad(&w->quads.items[geometry->first + ray->primitive], local, &hit); break;
-    case WORLD_MESH: add_facet(g, i, &w->meshes.items[geometry->first], ray->primitive); return;
+    case WORLD_SPHERES: local_sphere(&w->spheres.items[geometry->first + primitive], local, &hit); break;
+    case WORLD_QUADS: local_quad(&w->quads.items[geometry->first + primitive], local, &hit); break;
+    case WORLD_MESH: add_facet(g, i, &w->meshes.items[geometry->first], primitive); return;
     }
     add_hit(g, i, &hit);
 }
 
-void surface_gather_add(surface_gather *g, const world *w, const ray_hit *ray) {
+void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane) {
+    const trace_rays *r = &block->rays;
     unsigned i = g->count++;
-    local_ray local = {widen(ray->org), widen(ray->dir), ray->t_near};
-    g->hits[i] = *ray;
-    put_f32(g->local.ray, i, ray->dir);
-    if (ray->geometry != TRACE_PLANE && ray->instance != FATHOM_NONE) {
-        const world_instance *instance = &w->instances.items[ray->instance];
+    vec3_f32 dir = {r->dir_x[lane], r->dir_y[lane], r->dir_z[lane]};
+    local_ray local = {vec_f64((double)r->org_x[lane], (double)r->org_y[lane], (double)r->org_z[lane]),
+                       widen(dir), r->t_near[lane]};
+    g->geometry[i] = block->hits.geometry[lane];
+    g->primitive[i] = block->hits.primitive[lane];
+    g->instance[i] = block->hits.instance[lane];
+    put_f32(g->local.ray, i, dir);
+    if (g->geometry[i] != TRACE_PLANE && g->instance[i] != FATHOM_NONE) {
+        const world_instance *instance = &w->instances.items[g->instance[i]];
         local.org = map_point(instance->to_object, local.org);
         local.dir = map_vector(instance->to_object, local.dir);
         g->instances |= 1u << i;
     }
     put_f64(g->local.org, i, local.org);
     put_f64(g->local.dir, i, local.dir);
-    add_primitive(g, i, w, ray, &local);
+    add_primitive(g, i, w, &local);
+}
+
+/* The kernel's reach. */
+static bool is_within(uint32_t vertices, size_t stride) {
+    return vertices * (uint64_t)(stride / sizeof(float)) < INT32_MAX;
+}
+
+/* The mesh that all lanes met, as part of the root; NULL: they did not. */
+static const fathom_mesh *common_mesh(const world *w, const trace_hits *hits) {
+    uint32_t differ = 0, id = hits->geometry[0];
+    for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | ~hits->instance[i];
+    if (differ || id == TRACE_PLANE || w->geometries.items[id].kind != WORLD_MESH) return NULL;
+    const fathom_mesh *mesh = &w->meshes.items[w->geometries.items[id].first];
+    bool within = is_within(mesh->vertex_count, mesh->position_stride) &&
+                  (!mesh->normals || is_within(mesh->normal_count, mesh->normal_stride));
+    return within ? mesh : NULL;
+}
+
+bool surface_gather_block(surface_gather *g, const world *w, const shade_kernels *kernels,
+                          const trace_block *block) {
+    const trace_rays *rays = &block->rays;
+    const trace_hits *hits = &block->hits;
+    const fathom_mesh *mesh = common_mesh(w, hits);
+    if (!mesh) {
+        for (unsigned i = 0; i < LANES; ++i) surface_gather_add(g, w, block, i);
+        return false;
+    }
+    memcpy(g->geometry, hits->geometry, sizeof g->geometry);
+    memcpy(g->primitive, hits->primitive, sizeof g->primitive);
+    memcpy(g->instance, hits->instance, sizeof g->instance);
+    memcpy(g->local.ray[0], rays->dir_x, sizeof rays->dir_x);
+    memcpy(g->local.ray[1], rays->dir_y, sizeof rays->dir_y);
+    memcpy(g->local.ray[2], rays->dir_z, sizeof rays->dir_z);
+    kernels->facet_gather(mesh, g->normals, hits->primitive, trace_origins(rays), trace_directions(rays),
+                          &g->facets, &g->local);
+    g->count = LANES;
+    g->faceted = true;
+    return true;
 }
 
 /* The rest of a block repeats its last hit. */
@@ -222,7 +222,7 @@ void surface_gather_end(surface_gather *g, const world *w, const shade_kernels *
     if (g->faceted) kernels->facets(&g->facets, lift, &g->local);
     for (uint32_t left = g->instances; left; left &= left - 1) {
         unsigned i = (unsigned)__builtin_ctz(left);
-        to_world(&w->instances.items[g->hits[i].instance], &g->local, i);
+        to_world(&w->instances.items[g->instance[i]], &g->local, i);
     }
     pad(g);
     kernels->surfaces(&g->local, automatic, s);

@@ -46,8 +46,7 @@ bool wave_reserve_paths(wave *w, path_queue *queue, size_t count) {
 bool wave_reserve_shadows(wave *w, size_t count) {
     shadow_queue *queue = &w->shadows;
     void *rays = queue->rays, *paths = queue->paths;
-    bool ok = grow_blocks(w, &rays, sizeof(trace_rays), &paths, &queue->capacity, queue->count,
-                          queue->count + count);
+    bool ok = grow_blocks(w, &rays, sizeof(trace_rays), &paths, &queue->capacity, 0, count);
     queue->rays = rays;
     queue->paths = paths;
     return ok;

@@ -14,13 +14,6 @@
 #define WAVE_SLOTS (WAVE_SIDE * WAVE_SIDE)
 #define WAVE_SQUARES (WAVE_SLOTS / LANES) /* of 4 × 4 pixels */
 
-/* Beside each block of rays: what the paths carry. */
-typedef struct path_block {
-    _Alignas(64) float weight[3][LANES];
-    uint32_t slot[LANES];
-    uint8_t depth[LANES]; /* closed meshes around the ray's origin; see trace/watertight.h */
-} path_block;
-
 /* Rays waiting for their closest hit. */
 typedef struct path_queue {
     trace_block *rays;
@@ -28,11 +21,15 @@ typedef struct path_queue {
     size_t count, capacity; /* in rays; capacity is a multiple of 16 */
 } path_queue;
 
-/* Shadow rays, with what their sample gains when nothing is in the way. */
+/* Shadow rays, with what their sample gains when nothing is in the way. While it is filled, whole blocks and
+ * single rays come in turns: one block is open, wherever it lies. */
 typedef struct shadow_queue {
     trace_rays *rays;
-    path_block *paths; /* weight: the gain */
-    size_t count, capacity;
+    path_block *paths;   /* weight: the gain */
+    size_t blocks, open; /* the open one is among them */
+    unsigned filled;     /* lanes of the open block; 0: none is open */
+    size_t count;        /* of rays, once it is closed: all blocks but the last are full */
+    size_t capacity;     /* in rays, a multiple of 16 */
 } shadow_queue;
 
 /* What the first hit of each slot's sample leaves for the AOVs. */
@@ -54,6 +51,7 @@ typedef struct wave {
     shadow_queue shadows;
     surface_block *surfaces;
     surface_gather *gather;                 /* hits on their way to the next block of surfaces */
+    uint32_t partial[WAVE_SQUARES];         /* blocks of rays of which some met something */
     size_t surface_count, surface_capacity; /* in points */
     float *radiance[3];                     /* by slot */
     first_hits *first;                      /* NULL when no AOV wants it */
@@ -63,6 +61,7 @@ typedef struct wave {
 
 /* Room for n more rays or points; false and wave->out_of_memory when there is none. */
 bool wave_reserve_paths(wave *w, path_queue *queue, size_t count);
+/* In all; what was in the queue is gone. */
 bool wave_reserve_shadows(wave *w, size_t count);
 bool wave_reserve_surfaces(wave *w, size_t count);
 
@@ -78,8 +77,13 @@ void wave_destroy(wave *w);
 /* The pixels of a wave: the part of its 32 × 32 square that is rendered, in image coordinates, half open. */
 typedef struct wave_region {
     uint32_t x0, y0, x1, y1;
-    uint32_t left, top; /* the square's corner: slot = (y - top) * 32 + x - left */
+    uint32_t left, top; /* the square's corner */
 } wave_region;
+
+/* The slot of a pixel at (x, y) from the square's corner: by squares of 4 × 4, then by rows. */
+static inline uint32_t wave_slot(uint32_t x, uint32_t y) {
+    return (y / 4 * (WAVE_SIDE / 4) + x / 4) * LANES + y % 4 * 4 + x % 4;
+}
 
 /* Traces sample `index` of every pixel and leaves its radiance, and first hits, by slot. False when it was
  * stopped or ran out of memory: then nothing of it may be used. */

@@ -1,51 +1,79 @@
 #include "render/wave.h"
 
-/* The shadow ray ends just short of the light: a surface that holds the light does not shade itself. Two
- * roundings enter the distance, and one the product. */
-static const float before_light = 1 - 4 * 0x1p-24f;
+#include <string.h>
 
-static void push_shadow(wave *w, const light_block *from, const surface_block *s, uint32_t i) {
-    size_t block = w->shadows.count / LANES, lane = w->shadows.count % LANES;
-    trace_rays *rays = &w->shadows.rays[block];
-    path_block *path = &w->shadows.paths[block];
-    rays->org_x[lane] = from->origin[0][i];
-    rays->org_y[lane] = from->origin[1][i];
-    rays->org_z[lane] = from->origin[2][i];
-    rays->dir_x[lane] = from->direction[0][i];
-    rays->dir_y[lane] = from->direction[1][i];
-    rays->dir_z[lane] = from->direction[2][i];
-    rays->t_near[lane] = w->plan->t_near;
-    rays->t_far[lane] = from->distance[i] * before_light;
+/* ---- the queue ---- */
+
+static void push_block(shadow_queue *queue, const trace_rays *rays, const light_block *from,
+                       const surface_block *s) {
+    path_block *path = &queue->paths[queue->blocks];
+    queue->rays[queue->blocks++] = *rays;
+    memcpy(path->weight, from->radiance, sizeof path->weight);
+    memcpy(path->slot, s->slot, sizeof path->slot);
+    memcpy(path->depth, s->depth, sizeof path->depth);
+}
+
+static void push_lane(shadow_queue *queue, const trace_rays *rays, const light_block *from,
+                      const surface_block *s, uint32_t i) {
+    if (!queue->filled) queue->open = queue->blocks++;
+    unsigned lane = queue->filled;
+    path_block *path = &queue->paths[queue->open];
+    trace_rays_move(rays, i, &queue->rays[queue->open], lane);
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = from->radiance[c][i];
     path->slot[lane] = s->slot[i];
     path->depth[lane] = s->depth[i];
-    ++w->shadows.count;
+    queue->filled = (lane + 1) % LANES;
 }
 
-/* Rays only where there is something to gain. */
-static void push_shadows(wave *w, const light_block *from, const surface_block *s) {
+/* Blocks whose rays all have something to gain stay as they are: of camera rays, which have a sample each,
+ * in any order; of others, whose order is that of their sums, where none waits. */
+static void push_shadows(wave *w, const light_block *from, const surface_block *s, bool first) {
+    shadow_queue *queue = &w->shadows;
     const float least = w->plan->parts & FATHOM_PART_UNLIT ? -1 : 0;
-    for (uint32_t i = 0; i < s->count; ++i) {
-        float gain = from->radiance[0][i] + from->radiance[1][i] + from->radiance[2][i];
-        if (gain > least && from->distance[i] > 0) push_shadow(w, from, s, i);
+    trace_rays rays;
+    uint32_t lanes = w->plan->blocks->shadow_rays(from, least, w->plan->t_near, &rays);
+    lanes &= (1u << s->count) - 1;
+    if (lanes == (1u << LANES) - 1 && (first || !queue->filled)) {
+        push_block(queue, &rays, from, s);
+        return;
     }
+    for (; lanes; lanes &= lanes - 1) push_lane(queue, &rays, from, s, (uint32_t)__builtin_ctz(lanes));
+}
+
+/* The open block becomes the last one. */
+static void close_queue(shadow_queue *queue) {
+    queue->count = queue->blocks * LANES;
+    if (!queue->filled) return;
+    size_t last = queue->blocks - 1;
+    if (queue->open != last) {
+        trace_rays rays = queue->rays[last];
+        path_block path = queue->paths[last];
+        queue->rays[last] = queue->rays[queue->open], queue->paths[last] = queue->paths[queue->open];
+        queue->rays[queue->open] = rays, queue->paths[queue->open] = path;
+    }
+    queue->count -= LANES - queue->filled;
+}
+
+/* ---- tracing ---- */
+
+static unsigned lanes_from(const shadow_queue *queue, size_t done) {
+    return queue->count - done < LANES ? (unsigned)(queue->count - done) : LANES;
 }
 
 static void add_seen(wave *w) {
-    for (size_t k = 0; k < w->shadows.count; ++k) {
-        size_t block = k / LANES, lane = k % LANES;
-        if (w->shadows.rays[block].t_far[lane] < 0) continue;
-        const path_block *path = &w->shadows.paths[block];
-        for (int c = 0; c < 3; ++c) w->radiance[c][path->slot[lane]] += path->weight[c][lane];
+    for (size_t done = 0; done < w->shadows.count; done += LANES) {
+        const path_block *path = &w->shadows.paths[done / LANES];
+        w->plan->blocks->add_seen(&w->shadows.rays[done / LANES], path->weight, path->slot,
+                                  lanes_from(&w->shadows, done), w->radiance);
     }
 }
 
 static void repair_shadows(wave *w, uint8_t light_depth) {
     for (size_t done = 0; done < w->shadows.count; done += LANES) {
-        size_t block = done / LANES, left = w->shadows.count - done;
+        size_t block = done / LANES;
         w->rays.repaired +=
             watertight_any(w->plan->watertight, &w->shadows.rays[block], w->shadows.paths[block].depth,
-                           light_depth, left < LANES ? (unsigned)left : LANES);
+                           light_depth, lanes_from(&w->shadows, done));
     }
 }
 
@@ -63,11 +91,11 @@ static bool trace_shadows(wave *w, uint32_t light, trace_coherence coherence) {
 }
 
 /* Light by light: rays of one queue all run towards the same point. */
-static bool add_light(wave *w, uint32_t index, trace_coherence coherence) {
+static bool add_light(wave *w, uint32_t index, bool first) {
     const render_plan *plan = w->plan;
     const shade_light *light = &plan->lights[index];
-    w->shadows.count = 0;
-    if (!wave_reserve_shadows(w, w->surface_count)) return false;
+    w->shadows.blocks = w->shadows.filled = 0;
+    if (!wave_reserve_shadows(w, w->surface_count + LANES)) return false;
     for (size_t b = 0; b * LANES < w->surface_count; ++b) {
         const surface_block *s = &w->surfaces[b];
         material_block materials;
@@ -75,10 +103,11 @@ static bool add_light(wave *w, uint32_t index, trace_coherence coherence) {
         plan->kernels->material_gather(plan->scene->materials.items, s, &materials);
         plan->kernels->light_evaluate(light, s, &materials, (plan->parts & FATHOM_PART_HIGHLIGHTS) != 0,
                                       &arriving);
-        push_shadows(w, &arriving, s);
+        push_shadows(w, &arriving, s, first);
     }
+    close_queue(&w->shadows);
     w->rays.unlit += w->surface_count - w->shadows.count;
-    return trace_shadows(w, index, coherence);
+    return trace_shadows(w, index, first ? TRACE_COHERENT : TRACE_INCOHERENT);
 }
 
 bool wave_light(wave *w, bool first) {
@@ -89,7 +118,7 @@ bool wave_light(wave *w, bool first) {
         material_add_constant(&materials, &w->surfaces[b], plan->scene->ambient, w->radiance);
     }
     for (uint32_t i = 0; i < plan->light_count; ++i) {
-        if (!add_light(w, i, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
+        if (!add_light(w, i, first)) return false;
     }
     return true;
 }

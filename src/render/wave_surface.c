@@ -3,16 +3,18 @@
 #include "render/wave.h"
 #include "shade/limit.h"
 
-static fathom_id hit_material(const world *scene, const ray_hit *ray) {
-    if (ray->geometry == TRACE_PLANE) return scene->planes.items[ray->primitive].material;
-    return world_material(scene, ray->geometry, ray->primitive, ray->instance);
+#include <string.h>
+
+/* Of lane i of the gathered hits. */
+static fathom_id hit_material(const world *scene, const surface_gather *g, unsigned i) {
+    if (g->geometry[i] == TRACE_PLANE) return scene->planes.items[g->primitive[i]].material;
+    return world_material(scene, g->geometry[i], g->primitive[i], g->instance[i]);
 }
 
-/* The misses among the lanes of a block. */
-static void add_background(wave *w, const trace_block *block, const path_block *path, unsigned lanes) {
+static void add_background(wave *w, const path_block *path, uint32_t missed) {
     const float *background = w->plan->scene->background;
-    for (unsigned i = 0; i < lanes; ++i) {
-        if (block->hits.geometry[i] != FATHOM_NONE) continue;
+    for (; missed; missed &= missed - 1) {
+        int i = __builtin_ctz(missed);
         uint32_t slot = path->slot[i];
         w->radiance[0][slot] += limited(path->weight[0][i] * background[0]);
         w->radiance[1][slot] += limited(path->weight[1][i] * background[1]);
@@ -27,23 +29,24 @@ static void keep_miss(first_hits *f, uint32_t slot) {
     f->object[slot] = f->primitive[slot] = f->instance[slot] = FATHOM_NONE;
 }
 
-static fathom_id placed_by(const world *scene, const ray_hit *ray) {
-    return ray->instance != FATHOM_NONE ? scene->instances.items[ray->instance].id
-                                        : scene->geometries.items[ray->geometry].instance;
+static fathom_id placed_by(const world *scene, const surface_gather *g, unsigned i) {
+    return g->instance[i] != FATHOM_NONE ? scene->instances.items[g->instance[i]].id
+                                         : scene->geometries.items[g->geometry[i]].instance;
 }
 
 /* Of lane i of the gathered hits. */
 static void keep_first(wave *w, unsigned i, uint32_t slot) {
     const world *scene = w->plan->world;
-    const ray_hit *ray = &w->gather->hits[i];
-    const local_block *b = &w->gather->local;
-    const fathom_material *m = &w->plan->scene->materials.items[hit_material(scene, ray)].value;
+    const surface_gather *g = w->gather;
+    const local_block *b = &g->local;
+    const fathom_material *m = &w->plan->scene->materials.items[hit_material(scene, g, i)].value;
     first_hits *f = w->first;
-    bool plane = ray->geometry == TRACE_PLANE, specular = m->specular != FATHOM_SPECULAR_NONE;
+    vec3_f32 dir = {b->ray[0][i], b->ray[1][i], b->ray[2][i]};
+    bool plane = g->geometry[i] == TRACE_PLANE, specular = m->specular != FATHOM_SPECULAR_NONE;
     vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]}, from_eye = sub_f64(p, widen(w->plan->camera.eye));
     vec3_f32 ng = {(float)b->n[0][i], (float)b->n[1][i], (float)b->n[2][i]};
     vec3_f32 ns = {b->ns[0][i], b->ns[1][i], b->ns[2][i]};
-    if (!(dot_f32(ns, ng) * dot_f32(ng, ray->dir) < 0)) ns = neg_f32(ns);
+    if (!(dot_f32(ns, ng) * dot_f32(ng, dir) < 0)) ns = neg_f32(ns);
     const float world_p[3] = {(float)(p.x + scene->origin.x), (float)(p.y + scene->origin.y),
                               (float)(p.z + scene->origin.z)};
     const float normal[3] = {ns.x, ns.y, ns.z};
@@ -54,14 +57,11 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
         f->n[c][slot] = normal[c];
         f->albedo[c][slot] = m->k_d[c] + (specular ? m->k_s[c] : 0);
     }
-    f->object[slot] = plane ? scene->planes.items[ray->primitive].object
-                            : world_object(scene, ray->geometry, ray->primitive);
-    f->primitive[slot] = plane ? 0 : ray->primitive;
-    f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, ray);
+    f->object[slot] = plane ? scene->planes.items[g->primitive[i]].object
+                            : world_object(scene, g->geometry[i], g->primitive[i]);
+    f->primitive[slot] = plane ? 0 : g->primitive[i];
+    f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, g, i);
 }
-
-/* Blocks of hits between asking for memory and reading it. */
-#define FETCH 2
 
 /* Only glass takes a path to the other side. */
 static void note_depths(const wave *w, const trace_block *block, const path_block *path, size_t lane,
@@ -74,14 +74,13 @@ static void note_depths(const wave *w, const trace_block *block, const path_bloc
 }
 
 /* A hit joins the block of surfaces that is being filled. */
-static void add_hit(wave *w, const ray_hit *ray, const trace_block *block, const path_block *path,
-                    size_t lane) {
+static void add_hit(wave *w, const trace_block *block, const path_block *path, size_t lane) {
     surface_block *s = &w->surfaces[w->surface_count / LANES];
     unsigned i = w->gather->count;
-    surface_gather_add(w->gather, w->plan->world, ray);
+    surface_gather_add(w->gather, w->plan->world, block, lane);
     for (int c = 0; c < 3; ++c) s->weight[c][i] = path->weight[c][lane];
     s->slot[i] = path->slot[lane];
-    s->material[i] = hit_material(w->plan->world, ray);
+    s->material[i] = hit_material(w->plan->world, w->gather, i);
     if (w->plan->watertight) note_depths(w, block, path, lane, s, i);
 }
 
@@ -111,13 +110,28 @@ static void end_block(wave *w, bool first) {
     begin_block(w);
 }
 
-static void add_hits(wave *w, const trace_block *block, const path_block *path, unsigned lanes, bool first) {
-    for (unsigned i = 0; i < lanes; ++i) {
-        if (block->hits.geometry[i] == FATHOM_NONE) continue;
-        ray_hit ray = ray_hit_load(block, i);
-        add_hit(w, &ray, block, path, i);
+static void add_hits(wave *w, const trace_block *block, const path_block *path, uint32_t met, bool first) {
+    for (; met; met &= met - 1) {
+        add_hit(w, block, path, (size_t)__builtin_ctz(met));
         if (w->gather->count == LANES) end_block(w, first);
     }
+}
+
+static void find_materials(const wave *w, bool one, surface_block *s) {
+    fathom_id first = hit_material(w->plan->world, w->gather, 0);
+    for (unsigned i = 0; i < LANES; ++i) s->material[i] = first;
+    for (unsigned i = 1; !one && i < LANES; ++i) s->material[i] = hit_material(w->plan->world, w->gather, i);
+}
+
+/* A block whose rays all met something is a block of surfaces as it is. */
+static void add_block(wave *w, const trace_block *block, const path_block *path, bool first) {
+    surface_block *s = &w->surfaces[w->surface_count / LANES];
+    bool one_mesh = surface_gather_block(w->gather, w->plan->world, w->plan->kernels, block);
+    memcpy(s->weight, path->weight, sizeof s->weight);
+    memcpy(s->slot, path->slot, sizeof s->slot);
+    find_materials(w, one_mesh, s);
+    for (unsigned i = 0; w->plan->watertight && i < LANES; ++i) note_depths(w, block, path, i, s, i);
+    end_block(w, first);
 }
 
 /* With coverage asked for, the image is to be laid over something else: colours are premultiplied, and the
@@ -131,33 +145,37 @@ static unsigned lanes_from(const wave *w, size_t done) {
     return w->now.count - done < LANES ? (unsigned)(w->now.count - done) : LANES;
 }
 
-/* In a mesh that no cache holds, the hits of a wave wait for memory three times each: fetched blocks ahead,
- * they wait together. */
-static void fetch_ahead(const wave *w, size_t done) {
-    const world *scene = w->plan->world;
-    const bool normals = w->plan->parts & FATHOM_PART_NORMALS;
-    size_t near = done + FETCH * LANES, far = done + 2 * FETCH * LANES;
-    if (far < w->now.count)
-        surface_fetch_indices(scene, &w->now.rays[far / LANES], lanes_from(w, far), normals);
-    if (near < w->now.count)
-        surface_fetch_corners(scene, &w->now.rays[near / LANES], lanes_from(w, near), normals);
+static void add_misses(wave *w, const path_block *path, uint32_t missed, bool background, bool first) {
+    if (background) add_background(w, path, missed);
+    for (; first && w->first && missed; missed &= missed - 1)
+        keep_miss(w->first, path->slot[__builtin_ctz(missed)]);
 }
 
+/* Whole blocks stay together, of camera rays in any order, since each has a sample of its own; the order of
+ * others is that in which their light is added. */
 bool wave_surfaces(wave *w, bool first) {
     const bool background = shows_background(w, first);
+    const uint32_t whole = (1u << LANES) - 1;
+    uint32_t partial = 0;
     w->surface_count = 0;
     if (!wave_reserve_surfaces(w, w->now.count)) return false;
     begin_block(w);
     for (size_t done = 0; done < w->now.count; done += LANES) {
         const trace_block *block = &w->now.rays[done / LANES];
         const path_block *path = &w->now.paths[done / LANES];
-        unsigned lanes = lanes_from(w, done);
-        fetch_ahead(w, done);
-        if (background) add_background(w, block, path, lanes);
-        for (unsigned i = 0; first && w->first && i < lanes; ++i) {
-            if (block->hits.geometry[i] == FATHOM_NONE) keep_miss(w->first, path->slot[i]);
-        }
-        add_hits(w, block, path, lanes, first);
+        uint32_t lanes = (1u << lanes_from(w, done)) - 1, met = w->plan->blocks->met(&block->hits) & lanes;
+        if (met != lanes) add_misses(w, path, lanes & ~met, background, first);
+        if (met == whole && !w->gather->count)
+            add_block(w, block, path, first);
+        else if (met && first)
+            w->partial[partial++] = (uint32_t)(done / LANES);
+        else if (met)
+            add_hits(w, block, path, met, first);
+    }
+    for (uint32_t i = 0; i < partial; ++i) {
+        const trace_block *block = &w->now.rays[w->partial[i]];
+        uint32_t lanes = (1u << lanes_from(w, w->partial[i] * (size_t)LANES)) - 1;
+        add_hits(w, block, &w->now.paths[w->partial[i]], w->plan->blocks->met(&block->hits) & lanes, first);
     }
     end_block(w, first);
     return true;

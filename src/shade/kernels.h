@@ -11,9 +11,11 @@
 typedef struct shade_kernels {
     const char *name; /* "plain", "avx2", "avx512" */
 
-    /* Unit directions through image positions. */
-    void (*camera_directions)(const shade_camera *camera, const double x[LANES], const double y[LANES],
-                              lanes3 out);
+    /* Sixteen rays, given in the mesh's space, and the triangles of the mesh that they met; normals: with
+     * them, where it has any. Vertices must lie within 2^31 floats. */
+    void (*facet_gather)(const fathom_mesh *mesh, bool normals, const uint32_t triangle[LANES],
+                         const float org[3][LANES], const float dir[3][LANES], facet_block *f,
+                         local_block *b);
 
     /* Points and normals of the lanes that met triangles; the other lanes stay. lifted: whether the points
      * for shadow rays are wanted. */

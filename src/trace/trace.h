@@ -9,6 +9,8 @@
 #include "scene/world.h"
 #include "trace/spec.h"
 
+#include <stddef.h>
+
 #define TRACE_WIDTH 16
 
 /* Rays as a structure of arrays, laid out as Embree's RTCRay16. */
@@ -19,6 +21,22 @@ typedef struct trace_rays {
     float t_far[16]; /* closest: becomes the hit's t; any: becomes -infinity where something is hit */
     uint32_t mask[16], id[16], flags[16]; /* with time: the tracer's own; callers need not set them */
 } trace_rays;
+
+/* Their coordinates as rows: x, y, z. */
+typedef const float (*trace_rows)[TRACE_WIDTH];
+static inline trace_rows trace_origins(const trace_rays *rays) {
+    return (trace_rows)(const void *)((const char *)rays + offsetof(trace_rays, org_x));
+}
+static inline trace_rows trace_directions(const trace_rays *rays) {
+    return (trace_rows)(const void *)((const char *)rays + offsetof(trace_rays, dir_x));
+}
+
+/* Copies what a caller sets of a ray. */
+static inline void trace_rays_move(const trace_rays *from, size_t i, trace_rays *to, size_t k) {
+    to->org_x[k] = from->org_x[i], to->org_y[k] = from->org_y[i], to->org_z[k] = from->org_z[i];
+    to->dir_x[k] = from->dir_x[i], to->dir_y[k] = from->dir_y[i], to->dir_z[k] = from->dir_z[i];
+    to->t_near[k] = from->t_near[i], to->t_far[k] = from->t_far[i];
+}
 
 /* What was hit, laid out as Embree's RTCHit16 in either version. After trace_closest() the ids are the
  * world's. */

@@ -1,5 +1,5 @@
 /* The kernels of every instruction set give the same bits. */
-#include "shade/kernels.h"
+#include "render/kernels.h"
 #include "random.h"
 #include "unit.h"
 
@@ -53,20 +53,14 @@ static void random_materials(scene_named_material table[4]) {
 }
 
 typedef struct outputs {
-    lanes3 camera;
     material_block materials;
     light_block lit[3];
     bend_block mirrored, refracted;
 } outputs;
 
 static void run(const shade_kernels *k, const scene_named_material *table, const surface_block *s,
-                const fathom_light lights[3], const double at[2][LANES], outputs *out) {
-    fathom_camera camera;
-    shade_camera prepared;
+                const fathom_light lights[3], outputs *out) {
     memset(out, 0, sizeof *out);
-    fathom_camera_default(&camera);
-    camera_prepare(&camera, 640, 480, vec_f64(0, 0, 0), &prepared);
-    k->camera_directions(&prepared, at[0], at[1], out->camera);
     k->material_gather(table, s, &out->materials);
     for (int i = 0; i < 3; ++i) {
         shade_light light;
@@ -98,21 +92,183 @@ static void same_bits_from_all(void **state) {
         static surface_block s;
         static outputs plain, wide;
         fathom_light lights[3];
-        double at[2][LANES];
         random_surface(&s);
         random_materials(table);
         random_lights(lights);
-        for (int i = 0; i < LANES; ++i) at[0][i] = between(0, 640), at[1][i] = between(0, 480);
         for (int i = 0; i < LANES && round % 2; ++i) s.material[i] = s.material[0];
-        run(shade_kernels_at(0), table, &s, lights, at, &plain);
+        run(shade_kernels_at(0), table, &s, lights, &plain);
         for (unsigned k = 1; k < sets; ++k) {
-            run(shade_kernels_at(k), table, &s, lights, at, &wide);
+            run(shade_kernels_at(k), table, &s, lights, &wide);
+            assert_memory_equal(&plain, &wide, sizeof plain);
+        }
+    }
+}
+
+/* ---- triangles ---- */
+
+#define TRIANGLES 40
+#define VERTICES 30
+
+typedef struct hit_case {
+    float positions[5 * VERTICES + 4], normals[3 * VERTICES + 4];
+    uint32_t indices[3 * TRIANGLES], normal_indices[3 * TRIANGLES], triangle[LANES];
+    lanes3 org, dir;
+    fathom_mesh mesh;
+} hit_case;
+
+static void random_hits(hit_case *c, int round) {
+    double size = random_log(&random_numbers, 1e-12, 1e12);
+    memset(c, 0, sizeof *c);
+    for (int i = 0; i < 5 * VERTICES; ++i) c->positions[i] = (float)between(-size, size);
+    for (int i = 0; i < VERTICES; ++i) {
+        vec3_f32 n = scale_f32(round % 3 ? 1 : (float)random_log(&random_numbers, 1e-30, 1e3), unit());
+        c->normals[3 * i] = n.x, c->normals[3 * i + 1] = n.y, c->normals[3 * i + 2] = n.z;
+    }
+    for (int i = 0; i < 3 * TRIANGLES; ++i) {
+        c->indices[i] = (uint32_t)between(0, VERTICES);
+        c->normal_indices[i] = (uint32_t)between(0, VERTICES);
+    }
+    for (int i = 0; i < LANES; ++i) {
+        c->triangle[i] = (uint32_t)between(0, TRIANGLES);
+        put(c->org, i, scale_f32((float)size, unit()));
+        put(c->dir, i, unit());
+    }
+    c->mesh = (fathom_mesh){.positions = c->positions,
+                            .position_stride = (round % 2 ? 3 : 5) * sizeof(float),
+                            .vertex_count = VERTICES,
+                            .indices = c->indices,
+                            .triangle_count = TRIANGLES,
+                            .normals = round % 5 ? c->normals : NULL,
+                            .normal_stride = 3 * sizeof(float),
+                            .normal_count = VERTICES,
+                            .normal_indices = round % 7 ? NULL : c->normal_indices};
+}
+
+typedef struct hit_outputs {
+    facet_block facets;
+    local_block local;
+    surface_block surface;
+} hit_outputs;
+
+static void find_hits(const shade_kernels *k, const hit_case *c, hit_outputs *out) {
+    memset(out, 0, sizeof *out);
+    k->facet_gather(&c->mesh, true, c->triangle, c->org, c->dir, &out->facets, &out->local);
+    memcpy(out->local.ray, c->dir, sizeof c->dir);
+    k->facets(&out->facets, true, &out->local);
+    k->surfaces(&out->local, true, &out->surface);
+}
+
+/* What is gathered is what the mesh says, and the same is made of it. */
+static void same_hits_from_all(void **state) {
+    (void)state;
+    for (int round = 0; round < 3000; ++round) {
+        static hit_case c;
+        static hit_outputs plain, wide;
+        random_hits(&c, round);
+        find_hits(shade_kernels_at(0), &c, &plain);
+        for (int i = 0; i < LANES; ++i) {
+            size_t vertex = c.indices[3 * c.triangle[i] + 2] * (c.mesh.position_stride / sizeof(float));
+            for (int axis = 0; axis < 3; ++axis)
+                assert_true(plain.facets.corner[2][axis][i] == c.positions[vertex + (size_t)axis]);
+        }
+        for (unsigned k = 1; shade_kernels_at(k); ++k) {
+            find_hits(shade_kernels_at(k), &c, &wide);
+            assert_memory_equal(&plain, &wide, sizeof plain);
+        }
+    }
+}
+
+/* ---- rays ---- */
+
+typedef struct ray_case {
+    shade_camera camera;
+    uint32_t left, top;
+    square_samples at;
+    trace_hits hits;
+    light_block light;
+    uint32_t slot[LANES];
+    unsigned lanes;
+} ray_case;
+
+#define SLOTS 64
+
+typedef struct ray_outputs {
+    trace_rays camera, shadow;
+    path_block path;
+    uint32_t met, gaining;
+    float radiance[3][SLOTS];
+    double sums[SLOTS];
+} ray_outputs;
+
+static void random_ray_case(ray_case *c, int round) {
+    fathom_camera camera;
+    memset(c, 0, sizeof *c);
+    fathom_camera_default(&camera);
+    camera.h *= random_log(&random_numbers, round % 4 ? 0.1 : 1e-40, round % 4 ? 10 : 1e40);
+    camera_prepare(&camera, 640, 480, vec_f64(1, 2, 3), &c->camera);
+    c->left = (uint32_t)between(0, 160) * 4, c->top = (uint32_t)between(0, 120) * 4;
+    c->lanes = round % 3 ? LANES : 1 + (unsigned)between(0, LANES);
+    for (uint32_t i = 0; i < LANES; ++i) {
+        c->at.x[i] = between(0, 1), c->at.y[i] = between(0, 1);
+        c->hits.geometry[i] = between(0, 1) < 0.5 ? FATHOM_NONE : i;
+        put(c->light.origin, (int)i, unit());
+        put(c->light.direction, (int)i, unit());
+        c->light.distance[i] = (float)between(-0.2, 1);
+        c->slot[i] = round % 2 ? 7 + i : (i * 13 + 5) % SLOTS;
+        for (int k = 0; k < 3; ++k) c->light.radiance[k][i] = fmaxf((float)between(-1, 1), 0);
+    }
+}
+
+static void run_rays(const render_kernels *k, const ray_case *c, ray_outputs *out) {
+    memset(out, 0, sizeof *out);
+    k->camera_rays(&c->camera, 0.5f, c->left, c->top, &c->at, &out->camera);
+    k->begin_paths(48, 3, &out->path);
+    out->met = k->met(&c->hits);
+    out->gaining = k->shadow_rays(&c->light, 0, 0.5f, &out->shadow);
+    trace_rays answered = out->shadow;
+    for (int i = 0; i < LANES; i += 3) answered.t_far[i] = -INFINITY;
+    k->add_seen(&answered, c->light.radiance, c->slot, c->lanes,
+                (float *const[]){out->radiance[0], out->radiance[1], out->radiance[2]});
+    k->add_samples(out->radiance[0], SLOTS, out->sums);
+}
+
+static void is_right(const ray_case *c, const ray_outputs *out) {
+    for (uint32_t i = 0; i < LANES; ++i) {
+        const light_block *l = &c->light;
+        bool gains = l->radiance[0][i] + l->radiance[1][i] + l->radiance[2][i] > 0 && l->distance[i] > 0;
+        vec3_f32 d = camera_direction(&c->camera, c->left + i % 4 + c->at.x[i], c->top + i / 4 + c->at.y[i]);
+        assert_int_equal(out->met >> i & 1, c->hits.geometry[i] != FATHOM_NONE);
+        assert_int_equal(out->gaining >> i & 1, gains);
+        assert_true(out->camera.dir_x[i] == d.x && out->camera.dir_y[i] == d.y &&
+                    out->camera.dir_z[i] == d.z);
+        /* Double's root, then one rounding: the quick root may turn it. */
+        vec3_f64 exact = normalize_f64(
+            camera_towards(&c->camera, c->left + i % 4 + c->at.x[i], c->top + i / 4 + c->at.y[i]));
+        assert_true(length_f64(sub_f64(exact, widen(d))) < 0x1p-23);
+        bool seen = i < c->lanes && i % 3 && out->shadow.t_far[i] >= 0;
+        assert_true(out->radiance[1][c->slot[i]] == (seen ? l->radiance[1][i] : 0));
+        assert_true(out->sums[c->slot[i]] == (double)out->radiance[0][c->slot[i]]);
+    }
+}
+
+static void same_rays_from_all(void **state) {
+    (void)state;
+    for (int round = 0; round < 3000; ++round) {
+        static ray_case c;
+        static ray_outputs plain, wide;
+        random_ray_case(&c, round);
+        run_rays(render_kernels_at(0), &c, &plain);
+        is_right(&c, &plain);
+        for (unsigned k = 1; render_kernels_at(k); ++k) {
+            run_rays(render_kernels_at(k), &c, &wide);
             assert_memory_equal(&plain, &wide, sizeof plain);
         }
     }
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(same_bits_from_all)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(same_bits_from_all),
+                                       cmocka_unit_test(same_hits_from_all),
+                                       cmocka_unit_test(same_rays_from_all)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

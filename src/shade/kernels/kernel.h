@@ -5,8 +5,9 @@
 #include "base/kernel.h"
 #include "shade/kernels.h"
 
-void KERNEL(camera_directions)(const shade_camera *camera, const double x[LANES], const double y[LANES],
-                               lanes3 out);
+void KERNEL(facet_gather)(const fathom_mesh *mesh, bool normals, const uint32_t triangle[LANES],
+                          const float org[3][LANES], const float dir[3][LANES], facet_block *restrict f,
+                          local_block *restrict b);
 void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b);
 void KERNEL(surfaces)(const local_block *b, bool automatic, surface_block *restrict s);
 void KERNEL(material_gather)(const scene_named_material *table, const surface_block *s,

@@ -5,7 +5,7 @@
 
 const shade_kernels KERNEL(shade_kernels) = {
     .name = TEXT(KERNEL_ISA),
-    .camera_directions = KERNEL(camera_directions),
+    .facet_gather = KERNEL(facet_gather),
     .facets = KERNEL(facets),
     .surfaces = KERNEL(surfaces),
     .material_gather = KERNEL(material_gather),
