@@ -69,7 +69,12 @@ typedef struct fathom_settings {
                            and at most spp; 0 (default): 8, or spp when that is less */
     uint32_t max_depth; /* mirrored and refracted bounces, [0, 64]; default 8 */
     float min_weight;   /* a path ends when its weight can change no channel by more; default 1/65536 */
-    double epsilon;     /* fixed ray epsilon; 0 (default): automatic, from error bounds */
+    /* Shadow rays are left out whose light would hardly be seen: no channel of a pixel loses more than
+     * max_loss + max_relative_loss times its value by it, all of the pixel's samples, paths and lights
+     * together. [0, 1] each; 0 (default): none is, and the image is exact. fathom_settings_set_loss() has the
+     * losses that do not show. */
+    float max_loss, max_relative_loss;
+    double epsilon;      /* fixed ray epsilon; 0 (default): automatic, from error bounds */
     bool terminator_fix; /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
     unsigned aovs;       /* FATHOM_AOV_ bits; default 0 */
     fathom_tracer_kind tracer;
@@ -85,7 +90,16 @@ typedef struct fathom_settings {
                                 measuring. No pixel depends on it; default 0 */
 } fathom_settings;
 
+typedef enum fathom_loss {
+    FATHOM_LOSS_NONE,
+    FATHOM_LOSS_8BIT, /* in .png and .tif through the built-in sRGB view, at most one level is lost */
+    FATHOM_LOSS_HALF  /* in .exr with colours as half, at most one unit in the last place */
+} fathom_loss;
+
 FATHOM_API void fathom_settings_default(fathom_settings *settings);
+/* Sets max_loss and max_relative_loss to what such a file can hardly show. exposure: as it will be written
+ * with. */
+FATHOM_API void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure);
 /* The settings the scene's file asked for, else the defaults. A text in them is the scene's, and is good
  * until they are set anew. */
 FATHOM_API void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out);
@@ -117,6 +131,7 @@ typedef struct fathom_stats {
         repaired_rays; /* of these: had slipped through a vertex of a closed mesh, and were traced again */
     uint64_t unlit_shadow_rays; /* not among shadow_rays, since never cast: their light was behind the surface
                                    or outside its cone, or the surface is black to it */
+    uint64_t faint_shadow_rays; /* nor these: what they could add was within max_loss and max_relative_loss */
     uint64_t samples;           /* that the film's pixels are the means of, all together */
     double error_estimate;      /* with target_error or max_time: the largest of any tile (see target_error);
                                    infinite when time ended before it was known. Otherwise 0 */

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "trace/spec.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -222,6 +223,10 @@ const args_option render_option_table[] = {
     {.help = "Light transport"},
     {"max-depth", 0, "N", take_u32, FIELD(settings.max_depth), 0, 64,
      "mirrored and refracted bounces, 0 to 64 (8)"},
+    {"leave-out-below", 0, "none|8bit|half", take_choice, FIELD(loss), 0, 0,
+     "cast no shadow rays whose light would not show: a pixel of a .png or .tif (8bit) changes by at most "
+     "one "
+     "of 255 levels, of an .exr (half) by one unit in the last place (none)"},
     {"epsilon", 0, "E|auto", take_epsilon, FIELD(settings.epsilon), 0, 0,
      "fixed distance that rays keep from where they start; auto follows from error bounds (auto)"},
     {"no-terminator-fix", 0, NULL, take_false, FIELD(settings.terminator_fix), 0, 0,
@@ -292,6 +297,18 @@ static bool finish_adaptive(render_options *options, args_problem *problem) {
     return true;
 }
 
+/* What the view makes of a loss is known of the built-in one alone. */
+static bool finish_loss(render_options *options, args_problem *problem) {
+    const char *named = getenv("OCIO");
+    bool other = options->write.ocio || options->write.display || options->write.view || (named && *named);
+    if (options->loss == FATHOM_LOSS_8BIT && other) {
+        return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in view alone; "
+                                   "expected no --ocio, --display, --view and no $OCIO");
+    }
+    fathom_settings_set_loss(&options->settings, options->loss, options->write.exposure);
+    return true;
+}
+
 bool render_options_finish(render_options *options, args_problem *problem) {
     if (!options->outputs.count) return args_wrong(problem, "-o IMAGE is missing");
     if (options->size.width) {
@@ -300,7 +317,7 @@ bool render_options_finish(render_options *options, args_problem *problem) {
     }
     if (options->quiet && options->verbose)
         return args_wrong(problem, "--quiet and --verbose exclude each other");
-    if (!finish_adaptive(options, problem)) return false;
+    if (!finish_adaptive(options, problem) || !finish_loss(options, problem)) return false;
     unsigned held = held_aovs(&options->outputs);
     if (options->aovs_given && options->settings.aovs & ~held)
         return args_wrong(problem, "--aov: only .exr holds these channels; expected one more -o FILE.exr");

@@ -22,6 +22,7 @@ typedef struct render_options {
     unsigned threads;    /* 0: all processors */
     render_background background;
     fathom_write_options write;
+    fathom_loss loss;
     const char *stats; /* NULL: none */
     bool quiet, verbose;
 } render_options;

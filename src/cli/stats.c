@@ -60,10 +60,11 @@ static json_t *pack_seconds(const render_report *r) {
 
 static json_t *pack_rays(const render_report *r) {
     const fathom_stats *s = &r->stats;
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "camera", json_count(s->camera_rays), "shadow",
-                     json_count(s->shadow_rays), "reflection", json_count(s->reflection_rays), "refraction",
-                     json_count(s->refraction_rays), "total", json_count(report_rays(r)), "repaired",
-                     json_count(s->repaired_rays), "unlitShadow", json_count(s->unlit_shadow_rays));
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "camera", json_count(s->camera_rays),
+                     "shadow", json_count(s->shadow_rays), "reflection", json_count(s->reflection_rays),
+                     "refraction", json_count(s->refraction_rays), "total", json_count(report_rays(r)),
+                     "repaired", json_count(s->repaired_rays), "unlitShadow",
+                     json_count(s->unlit_shadow_rays), "faintShadow", json_count(s->faint_shadow_rays));
 }
 
 /* The spp asked for is the most of a pixel when samples follow the error. */
@@ -141,12 +142,12 @@ static void print_details(const render_report *r) {
     printf("tracer   %s, %u threads\n", s->tracer, s->threads);
     printf("seconds  read %.3f, build %.3f, render %.3f, write %.3f, total %.3f\n", r->read_seconds,
            s->build_seconds, s->render_seconds, r->write_seconds, r->total_seconds);
-    printf("rays     camera %llu, shadow %llu, reflection %llu, refraction %llu; of them repaired %llu; not "
-           "cast, "
-           "shadow %llu\n",
+    printf("rays     camera %llu, shadow %llu, reflection %llu, refraction %llu; of them repaired %llu\n",
            (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
            (unsigned long long)s->reflection_rays, (unsigned long long)s->refraction_rays,
-           (unsigned long long)s->repaired_rays, (unsigned long long)s->unlit_shadow_rays);
+           (unsigned long long)s->repaired_rays);
+    printf("         shadow rays not cast: %llu for nothing, %llu too faint\n",
+           (unsigned long long)s->unlit_shadow_rays, (unsigned long long)s->faint_shadow_rays);
     print_memory(r);
     left_out_print(r->left_out, r->left_out_count, "left out ");
 }

@@ -169,6 +169,7 @@ static void collect(job *j) {
         to->rays.refraction += self->wave.rays.refraction;
         to->rays.repaired += self->wave.rays.repaired;
         to->rays.unlit += self->wave.rays.unlit;
+        to->rays.faint += self->wave.rays.faint;
         to->samples += self->samples;
         to->error = fmax(to->error, self->error);
         if (self->ready) wave_destroy(&self->wave);

@@ -173,6 +173,8 @@ static bool tell_parts(const world *w, const fathom_settings *settings, unsigned
 bool left_out_find(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *out) {
     bool fine = tell_shapes(w, out) && tell_parts(w, settings, parts, out);
     if (fine && !(parts & FATHOM_PART_LIGHTS)) fine = tell_lights(w, settings, out);
+    if (fine && (settings->max_loss > 0 || settings->max_relative_loss > 0))
+        fine = tell(out, "faint shadow rays", "what they could add is less than the loss that is allowed");
     if (fine && !(settings->target_error > 0 || settings->max_time > 0))
         fine = tell(out, "error estimates", "every pixel gets as many samples");
     return fine;

@@ -130,6 +130,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     film->stats.refraction_rays = result.rays.refraction;
     film->stats.repaired_rays = result.rays.repaired;
     film->stats.unlit_shadow_rays = result.rays.unlit;
+    film->stats.faint_shadow_rays = result.rays.faint;
     film->stats.samples = result.samples;
     film->stats.error_estimate = result.error;
     return status;

@@ -65,8 +65,10 @@ bool wave_reserve_surfaces(wave *w, size_t count) {
 
 bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out) {
     *out = (wave){.plan = plan, .stop = stop};
-    float *radiance = calloc(3 * WAVE_SLOTS, sizeof *radiance);
+    const bool loses = plan->settings.max_loss > 0 || plan->settings.max_relative_loss > 0;
+    float *radiance = calloc((loses ? 6 : 3) * WAVE_SLOTS, sizeof *radiance);
     for (int c = 0; c < 3; ++c) out->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
+    for (int c = 0; c < 3; ++c) out->lost[c] = radiance && loses ? radiance + (3 + c) * WAVE_SLOTS : NULL;
     const bool hits = plan->parts & FATHOM_PART_HITS;
     if (hits) out->first = malloc(sizeof *out->first);
     void *gather = NULL;
@@ -117,6 +119,7 @@ static bool trace_all(wave *w, trace_coherence coherence) {
 /* Follows the camera's rays that are waiting. */
 static bool follow(wave *w) {
     memset(w->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    if (w->lost[0]) memset(w->lost[0], 0, 3 * WAVE_SLOTS * sizeof(float));
     for (uint32_t depth = 0; w->now.count; ++depth) {
         if (!trace_all(w, depth ? TRACE_INCOHERENT : TRACE_COHERENT)) return false;
         if (!wave_surfaces(w, depth == 0) || !wave_light(w, depth == 0)) return false;

@@ -42,6 +42,7 @@ typedef struct ray_counts {
     uint64_t camera, shadow, reflection, refraction;
     uint64_t repaired; /* of these: answers put right by trace/watertight.h */
     uint64_t unlit;    /* shadow rays that nothing was to be gained from */
+    uint64_t faint;    /* and too little */
 } ray_counts;
 
 typedef struct wave {
@@ -54,6 +55,7 @@ typedef struct wave {
     uint32_t partial[WAVE_SQUARES];         /* blocks of rays of which some met something */
     size_t surface_count, surface_capacity; /* in points */
     float *radiance[3];                     /* by slot */
+    float *lost[3];                         /* by slot, what was left out; NULL: nothing may be */
     first_hits *first;                      /* NULL when no AOV wants it */
     ray_counts rays;
     bool out_of_memory;
@@ -115,6 +117,8 @@ bool wave_camera_batch(wave *w, const wave_region *region, const wave_batch *bat
 bool wave_surfaces(wave *w, bool first);
 /* Ambient and emitted radiance, then each light in turn. */
 bool wave_light(wave *w, bool first);
+/* Takes from `arriving` what may be lost: light that adds less than the settings allow. Needs w->lost. */
+void wave_spare_faint(wave *w, const surface_block *s, light_block *arriving);
 /* Fills wave->next. */
 bool wave_bend(wave *w);
 

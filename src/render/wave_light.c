@@ -94,6 +94,7 @@ static bool trace_shadows(wave *w, uint32_t light, trace_coherence coherence) {
 static bool add_light(wave *w, uint32_t index, bool first) {
     const render_plan *plan = w->plan;
     const shade_light *light = &plan->lights[index];
+    const uint64_t faint = w->rays.faint;
     w->shadows.blocks = w->shadows.filled = 0;
     if (!wave_reserve_shadows(w, w->surface_count + LANES)) return false;
     for (size_t b = 0; b * LANES < w->surface_count; ++b) {
@@ -103,10 +104,11 @@ static bool add_light(wave *w, uint32_t index, bool first) {
         plan->kernels->material_gather(plan->scene->materials.items, s, &materials);
         plan->kernels->light_evaluate(light, s, &materials, (plan->parts & FATHOM_PART_HIGHLIGHTS) != 0,
                                       &arriving);
+        if (w->lost[0]) wave_spare_faint(w, s, &arriving);
         push_shadows(w, &arriving, s, first);
     }
     close_queue(&w->shadows);
-    w->rays.unlit += w->surface_count - w->shadows.count;
+    w->rays.unlit += w->surface_count - w->shadows.count - (w->rays.faint - faint);
     return trace_shadows(w, index, first ? TRACE_COHERENT : TRACE_INCOHERENT);
 }
 

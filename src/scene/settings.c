@@ -16,6 +16,24 @@ void fathom_settings_default(fathom_settings *settings) {
                                   .tile_size = 32};
 }
 
+/* Half a level or unit, less a fiftieth for the roundings of the sums. The sRGB curve is concave: nowhere is
+ * it steeper than in its linear part, of slope 12.9233, and rounding to levels moves by one where the curve
+ * moves by less than half a level. Half floats of a value I are at least max(2^-24, 2^-11 I) apart, so half
+ * of that is lost by no more than 2^-26 + 2^-13 I: the sum is at most twice the larger. */
+void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure) {
+    const float most = 0.98f;
+    settings->max_loss = settings->max_relative_loss = 0;
+    switch (loss) {
+    case FATHOM_LOSS_NONE: break;
+    case FATHOM_LOSS_8BIT:
+        settings->max_loss = fminf(most * 0.5f / 255 / 12.9233f * exp2f(-exposure), 1);
+        break;
+    case FATHOM_LOSS_HALF:
+        settings->max_loss = most * 0x1p-26f, settings->max_relative_loss = most * 0x1p-13f;
+        break;
+    }
+}
+
 void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out) { *out = scene->settings; }
 
 static bool is_square(uint32_t n) {
@@ -85,6 +103,11 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
     if (!(s->min_weight >= 0 && s->min_weight < 1)) {
         return fail(context, FATHOM_BAD_INPUT, "min weight: expected a number in [0, 1), found %g",
                     (double)s->min_weight);
+    }
+    if (!(s->max_loss >= 0 && s->max_loss <= 1 && s->max_relative_loss >= 0 && s->max_relative_loss <= 1)) {
+        return fail(context, FATHOM_BAD_INPUT,
+                    "max loss, max relative loss: expected numbers in [0, 1], found %g and %g",
+                    (double)s->max_loss, (double)s->max_relative_loss);
     }
     if (!(s->epsilon >= 0) || !isfinite(s->epsilon)) {
         return fail(context, FATHOM_BAD_INPUT, "epsilon: expected a number >= 0 (0: automatic), found %g",

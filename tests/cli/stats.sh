@@ -67,3 +67,20 @@ run 0 render scene.json -o b.exr --keep unlit,normals --stats t.json
 not_said t.json '"what": "shading normals"'
 same a.exr b.exr
 refused 2 '--keep: expected names from normals,' render scene.json -o a.exr --keep normals,wings
+
+# Shadow rays that would not show are not cast, and no pixel of the file changes by more than a step: 1 / 255, and half
+# floats below 1 are at most 2^-11 apart.
+sed 's/"lights": \[/"lights": [ { "type": "point", "position": [-2, 9, 3], "intensity": 0.002 },/' scene.json >faint.json
+run 0 render faint.json -o a.png -o a.exr --stats s.json
+run 0 render faint.json -o b.png --leave-out-below 8bit --stats t.json -v
+[ "$(number s.json faintShadow)" = 0 ] || die 'nothing is faint by default'
+at_least "$(number t.json faintShadow)" 100 'faint shadow rays'
+said out.txt 'faint shadow rays: what they could add'
+run 0 compare a.png b.png --tolerance 0.00393
+sed -i 's/0.002/0.0001/' faint.json
+run 0 render faint.json -o a.exr
+run 0 render faint.json -o b.exr --leave-out-below half --stats t.json
+at_least "$(number t.json faintShadow)" 100 'faint shadow rays'
+run 0 compare a.exr b.exr --tolerance 0.000489
+refused 2 'expected no --ocio, --display, --view and no $OCIO' render scene.json -o a.png --leave-out-below 8bit --view Raw
+refused 2 '--leave-out-below: expected none|8bit|half' render scene.json -o a.png --leave-out-below 4bit

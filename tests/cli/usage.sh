@@ -25,7 +25,7 @@ done
 # Every option is in the help.
 run 0 help render
 for option in --output --size --spp --pattern --crop --threads --seed --max-depth --epsilon --no-terminator-fix \
-    --keep --tracer --aov --exposure --view --display --ocio --exr-float --background --block-width --tile-size --quiet \
+    --keep --leave-out-below --tracer --aov --exposure --view --display --ocio --exr-float --background --block-width --tile-size --quiet \
     --verbose --stats; do
     said out.txt " $option"
 done

@@ -1,4 +1,5 @@
 /* What a scene does without is left out, said, and never seen: no pixel changes when it is kept. */
+#include "image/half.h"
 #include "random.h"
 #include "render.h"
 
@@ -244,6 +245,150 @@ static void test_spots_that_are_kept(void **state) {
     stage_close(&s);
 }
 
+/* ---- faint light ---- */
+
+/* A mirroring ball and a floor under lights of a few to next to nothing. */
+static stage open_faint(void) {
+    stage s = stage_open(64, 48);
+    fathom_material m;
+    fathom_material_default(&m);
+    m.k_r[0] = m.k_r[1] = m.k_r[2] = 0.4f;
+    stage_mesh_sphere(&s, FATHOM_ROOT, 12, 24, stage_material(&s, &m));
+    stage_plane(&s, (double[3]){0, -1, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.6f));
+    random_state random = {5};
+    for (int k = 0; k < 30; ++k)
+        stage_point_light(&s, random_in(&random, -5, 5), random_in(&random, 0, 6), random_in(&random, -5, 5),
+                          (float)random_log(&random, 1e-8, 3));
+    s.settings.spp = 4;
+    look_at_origin(&s);
+    return s;
+}
+
+/* What each channel lost is within what was allowed; float sums of up to 64 terms, in either image, are each
+ * off by 64 units of 2^-24. */
+static void assert_lost(const fathom_film *whole, const fathom_film *less, const fathom_settings *settings) {
+    uint32_t width, height;
+    fathom_film_size(whole, &width, &height);
+    for (int c = 0; c < 3; ++c) {
+        const float *x = fathom_film_channel(whole, names[c]), *y = fathom_film_channel(less, names[c]);
+        for (size_t i = 0; i < (size_t)width * height; ++i) {
+            double lost = (double)x[i] - (double)y[i], rounding = 128 * 0x1p-24 * (double)x[i];
+            double most = (double)settings->max_loss + (double)settings->max_relative_loss * (double)y[i];
+            assert_true(lost >= -rounding && lost <= most + rounding);
+        }
+    }
+}
+
+static void assert_loses_little(stage *s, uint64_t *faint) {
+    fathom_settings exact = s->settings, loses = s->settings;
+    exact.max_loss = exact.max_relative_loss = 0;
+    fathom_stats stats;
+    s->settings = exact;
+    fathom_film *whole = render_keeping(s, 0, NULL);
+    s->settings = loses;
+    fathom_film *less = render_keeping(s, 0, &stats);
+    assert_lost(whole, less, &loses);
+    *faint = stats.faint_shadow_rays;
+    fathom_film_destroy(whole);
+    fathom_film_destroy(less);
+}
+
+static void test_losses_are_bounded(void **state) {
+    (void)state;
+    stage s = open_faint();
+    const float losses[][2] = {{1e-9f, 0}, {1e-4f, 0}, {0, 1e-4f}, {0.01f, 0.01f}, {1, 1}};
+    uint64_t before = 0, faint;
+    for (size_t i = 0; i < sizeof losses / sizeof *losses; ++i) {
+        s.settings.max_loss = losses[i][0], s.settings.max_relative_loss = losses[i][1];
+        assert_loses_little(&s, &faint);
+        assert_true(faint > before || losses[i][0] == 0);
+        before = faint;
+    }
+    stage_close(&s);
+}
+
+/* Every ray is cast, not worth it, or for nothing. */
+static void test_faint_rays_are_counted(void **state) {
+    (void)state;
+    stage s = open_faint();
+    s.settings.max_depth = 0; /* the same points in either image */
+    fathom_stats exact, loses;
+    fathom_film_destroy(render_keeping(&s, 0, &exact));
+    fathom_settings_set_loss(&s.settings, FATHOM_LOSS_8BIT, 0);
+    fathom_film *film = render_keeping(&s, 0, &loses);
+    assert_true(says(film, "faint shadow rays"));
+    assert_int_equal(exact.faint_shadow_rays, 0);
+    assert_true(loses.faint_shadow_rays > exact.shadow_rays / 10);
+    assert_int_equal(loses.shadow_rays + loses.faint_shadow_rays, exact.shadow_rays);
+    assert_int_equal(loses.unlit_shadow_rays, exact.unlit_shadow_rays);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+static int srgb_level(float value) {
+    double v = (double)value, shown = v <= 0.0030399 ? 12.9233 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
+    return (int)(255 * fmin(fmax(shown, 0), 1) + 0.5);
+}
+
+/* Files of the kind that was named change by one step at most, and some do. */
+static void assert_one_step(stage *s, fathom_loss loss, float exposure) {
+    fathom_settings_set_loss(&s->settings, FATHOM_LOSS_NONE, exposure);
+    fathom_film *whole = render_keeping(s, 0, NULL);
+    fathom_settings_set_loss(&s->settings, loss, exposure);
+    fathom_film *less = render_keeping(s, 0, NULL);
+    const float *x = fathom_film_channel(whole, "G"), *y = fathom_film_channel(less, "G");
+    int changed = 0;
+    for (size_t i = 0; i < 64 * 48; ++i) {
+        float gain = exp2f(exposure);
+        int step = loss == FATHOM_LOSS_8BIT ? srgb_level(gain * x[i]) - srgb_level(gain * y[i])
+                                            : half_from_float(x[i]) - half_from_float(y[i]);
+        assert_true(step >= 0 && step <= 1);
+        changed += step;
+    }
+    assert_true(changed > 0);
+    fathom_film_destroy(whole);
+    fathom_film_destroy(less);
+}
+
+static void test_losses_that_do_not_show(void **state) {
+    (void)state;
+    stage s = open_faint();
+    assert_one_step(&s, FATHOM_LOSS_8BIT, 0);
+    assert_one_step(&s, FATHOM_LOSS_8BIT, 6);
+    assert_one_step(&s, FATHOM_LOSS_HALF, 0);
+    stage_close(&s);
+}
+
+/* What a sample loses depends on nothing but its own paths. */
+static void test_losses_in_a_crop(void **state) {
+    (void)state;
+    stage s = open_faint();
+    fathom_settings_set_loss(&s.settings, FATHOM_LOSS_8BIT, 0);
+    fathom_film *whole = render_keeping(&s, 0, NULL);
+    const uint32_t crop[4] = {13, 7, 51, 39};
+    memcpy(s.settings.crop, crop, sizeof crop);
+    fathom_film *part = render_keeping(&s, 0, NULL);
+    const float *x = fathom_film_channel(whole, "R"), *y = fathom_film_channel(part, "R");
+    for (uint32_t row = crop[1]; row < crop[3]; ++row)
+        assert_memory_equal(x + row * 64 + crop[0], y + (row - crop[1]) * 38, 38 * sizeof *x);
+    fathom_film_destroy(whole);
+    fathom_film_destroy(part);
+    stage_close(&s);
+}
+
+static void test_wrong_losses(void **state) {
+    (void)state;
+    stage s = open_plain();
+    fathom_film *film;
+    const float wrong[] = {-1, 2, NAN};
+    for (int i = 0; i < 3; ++i) {
+        s.settings.max_loss = wrong[i];
+        assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
+                     FATHOM_BAD_INPUT, "max loss");
+    }
+    stage_close(&s);
+}
+
 static void test_unknown_parts(void **state) {
     (void)state;
     stage s = open_plain();
@@ -264,6 +409,11 @@ int main(void) {
         cmocka_unit_test(test_unlit_rays_are_counted),
         cmocka_unit_test(test_spots_that_point_aside),
         cmocka_unit_test(test_spots_that_are_kept),
+        cmocka_unit_test(test_losses_are_bounded),
+        cmocka_unit_test(test_faint_rays_are_counted),
+        cmocka_unit_test(test_losses_that_do_not_show),
+        cmocka_unit_test(test_losses_in_a_crop),
+        cmocka_unit_test(test_wrong_losses),
         cmocka_unit_test(test_unknown_parts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
