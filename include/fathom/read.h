@@ -13,6 +13,10 @@ extern "C" {
  * FATHOM_BAD_INPUT names the file with its line, field or byte offset. */
 FATHOM_API fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out);
 
+/* The same but for what rendering has no use for, texture coordinates: they are neither checked nor kept. */
+FATHOM_API fathom_status fathom_scene_read_to_render(fathom_context *context, const char *path,
+                                                     fathom_scene **out);
+
 typedef enum fathom_generator {
     FATHOM_GENERATE_SPHERE,  /* a displaced sphere, closed, smooth normals */
     FATHOM_GENERATE_TERRAIN, /* a fractal height field over a square */

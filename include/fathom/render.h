@@ -36,15 +36,15 @@ enum {
 /* Parts of the renderer that a scene may do without, a bit each. */
 enum {
     FATHOM_PART_NORMALS = 1u << 0,    /* shading normals, mixed of those at the corners */
-    FATHOM_PART_LIFTS = 1u << 1,      /* lifting of shadow rays off the facets of smooth meshes */
-    FATHOM_PART_HIGHLIGHTS = 1u << 2, /* Phong's and Blinn's */
-    FATHOM_PART_GLOW = 1u << 3,       /* ambient and emitted radiance */
-    FATHOM_PART_BACKGROUND = 1u << 4,
-    FATHOM_PART_LIGHTS = 1u << 5,  /* lights that send nothing to any surface */
-    FATHOM_PART_UNLIT = 1u << 6,   /* shadow rays from where their light adds nothing */
-    FATHOM_PART_BOUNCES = 1u << 7, /* mirrored and refracted rays */
-    FATHOM_PART_HITS = 1u << 8,    /* first hits, of which AOVs are made */
-    FATHOM_PART_REPAIR = 1u << 9,  /* looking for rays that slipped through closed meshes */
+    FATHOM_PART_HIGHLIGHTS = 1u << 1, /* Phong's and Blinn's */
+    FATHOM_PART_GLOW = 1u << 2,       /* ambient and emitted radiance */
+    FATHOM_PART_BACKGROUND = 1u << 3,
+    FATHOM_PART_LIGHTS = 1u << 4,  /* lights that send nothing to any surface */
+    FATHOM_PART_UNLIT = 1u << 5,   /* shadow rays from where their light adds nothing */
+    FATHOM_PART_BOUNCES = 1u << 6, /* mirrored and refracted rays */
+    FATHOM_PART_HITS = 1u << 7,    /* first hits, of which AOVs are made */
+    FATHOM_PART_REPAIR = 1u << 8,  /* looking for rays that slipped through closed meshes */
+    FATHOM_PART_UVS = 1u << 9,     /* texture coordinates, which are kept by reading them */
     FATHOM_PARTS = (1u << 10) - 1
 };
 

@@ -108,6 +108,12 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     return status;
 }
 
+static fathom_status read_scene(fathom_context *context, const render_options *options, fathom_scene **out) {
+    return options->settings.keep & FATHOM_PART_UVS
+               ? fathom_scene_read(context, options->scene, out)
+               : fathom_scene_read_to_render(context, options->scene, out);
+}
+
 static fathom_status read_and_render(fathom_context *context, int argc, char **argv, render_options *options,
                                      double start) {
     fathom_status status = say_status(&command_render, context, check_outputs(context, options));
@@ -119,7 +125,7 @@ static fathom_status read_and_render(fathom_context *context, int argc, char **a
     render_report report = {.finished = 0};
     fathom_scene *scene;
     double begin = clock_seconds();
-    status = say_status(&command_render, context, fathom_scene_read(context, options->scene, &scene));
+    status = say_status(&command_render, context, read_scene(context, options, &scene));
     if (status != FATHOM_OK) return status;
     report.read_seconds = clock_seconds() - begin;
     status = merge_settings(context, scene, argc, argv, options);

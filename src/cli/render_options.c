@@ -99,7 +99,6 @@ static const named_bits aov_names[] = {{"alpha", FATHOM_AOV_ALPHA},
                                        {NULL, 0}};
 
 static const named_bits part_names[] = {{"normals", FATHOM_PART_NORMALS},
-                                        {"lifts", FATHOM_PART_LIFTS},
                                         {"highlights", FATHOM_PART_HIGHLIGHTS},
                                         {"glow", FATHOM_PART_GLOW},
                                         {"background", FATHOM_PART_BACKGROUND},
@@ -108,6 +107,7 @@ static const named_bits part_names[] = {{"normals", FATHOM_PART_NORMALS},
                                         {"bounces", FATHOM_PART_BOUNCES},
                                         {"hits", FATHOM_PART_HITS},
                                         {"repair", FATHOM_PART_REPAIR},
+                                        {"uvs", FATHOM_PART_UVS},
                                         {"all", FATHOM_PARTS},
                                         {NULL, 0}};
 
@@ -149,8 +149,8 @@ static bool take_parts(const args_option *option, const char *value, void *field
     (void)option;
     render_options *options = field;
     return take_bits(part_names,
-                     "normals,lifts,highlights,glow,background,lights,unlit,bounces,hits,repair, or all",
-                     value, &options->settings.keep, problem);
+                     "normals,highlights,glow,background,lights,unlit,bounces,hits,repair,uvs, or all", value,
+                     &options->settings.keep, problem);
 }
 
 static bool take_spp(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -254,8 +254,9 @@ const args_option render_option_table[] = {
     {"tile-size", 0, "N", take_tile_size, FIELD(settings.tile_size), 32, 65536,
      "pixels, a multiple of 32 (32); no pixel depends on it"},
     {"keep", 0, "LIST", take_parts, 0, 0, 0,
-     "what not to leave out though the scene does without it, for measuring: normals, lifts, highlights, "
-     "glow, background, lights, unlit, bounces, hits, repair, with commas between, or all; no pixel depends "
+     "what not to leave out though the scene does without it, for measuring: normals, highlights, "
+     "glow, background, lights, unlit, bounces, hits, repair, uvs, with commas between, or all; no pixel "
+     "depends "
      "on it"},
     {"quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings"},
     {"verbose", 'v', NULL, take_true, FIELD(verbose), 0, 0,

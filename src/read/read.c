@@ -65,15 +65,25 @@ static fathom_status read_whole(fathom_scene *scene, const char *path) {
     return status == FATHOM_OK ? status : fail_within(scene->context, status, "%s: ", path);
 }
 
-fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out) {
+static fathom_status scene_read(fathom_context *context, const char *path, bool without_uvs,
+                                fathom_scene **out) {
     *out = NULL;
     fathom_scene *scene;
     fathom_status status = fathom_scene_create(context, &scene);
     if (status != FATHOM_OK) return status;
+    scene->without_uvs = without_uvs;
     status = read_whole(scene, path);
     if (status == FATHOM_OK)
         *out = scene;
     else
         fathom_scene_destroy(scene);
     return status;
+}
+
+fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out) {
+    return scene_read(context, path, false, out);
+}
+
+fathom_status fathom_scene_read_to_render(fathom_context *context, const char *path, fathom_scene **out) {
+    return scene_read(context, path, true, out);
 }

@@ -92,7 +92,6 @@ unsigned parts_needed(const world *w, const fathom_settings *settings) {
     unsigned parts = 0;
     if (smooth && (shades_by_normals(features, lit) || settings->aovs & FATHOM_AOV_N))
         parts |= FATHOM_PART_NORMALS;
-    if (smooth && lit && settings->terminator_fix) parts |= FATHOM_PART_LIFTS;
     if (lit && features & MATERIAL_SPECULAR) parts |= FATHOM_PART_HIGHLIGHTS;
     if (ambient || features & MATERIAL_EMIT) parts |= FATHOM_PART_GLOW;
     if (!is_black(scene->background)) parts |= FATHOM_PART_BACKGROUND;
@@ -146,16 +145,10 @@ static bool tell_lights(const world *w, const fathom_settings *settings, left_ou
     return tell(list, "shadow rays for nothing", "where the surface faces away or lies outside the cone");
 }
 
-static const char *why_no_lifts(const world *w, const fathom_settings *settings) {
-    if (!settings->terminator_fix) return "the fix of the shadow terminator is off";
-    return any_smooth(w) ? "no light casts shadows" : "no mesh has shading normals";
-}
-
 static bool tell_parts(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *list) {
     const wording words[] = {
         {FATHOM_PART_NORMALS, "shading normals",
          any_smooth(w) ? "no material and no AOV makes use of them" : "no mesh has any"},
-        {FATHOM_PART_LIFTS, "lifting shadow rays off facets", why_no_lifts(w, settings)},
         {FATHOM_PART_HIGHLIGHTS, "highlights", "no lit material has any"},
         {FATHOM_PART_GLOW, "ambient and emitted light", "there is no ambient light and nothing emits"},
         {FATHOM_PART_BACKGROUND, "background", "it is black"},
@@ -172,6 +165,8 @@ static bool tell_parts(const world *w, const fathom_settings *settings, unsigned
 
 bool left_out_find(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *out) {
     bool fine = tell_shapes(w, out) && tell_parts(w, settings, parts, out);
+    if (fine && !(parts & FATHOM_PART_UVS))
+        fine = tell(out, "texture coordinates", "no material has a texture");
     if (fine && !(parts & FATHOM_PART_LIGHTS)) fine = tell_lights(w, settings, out);
     if (fine && (settings->max_loss > 0 || settings->max_relative_loss > 0))
         fine = tell(out, "faint shadow rays", "what they could add is less than the loss that is allowed");

@@ -43,12 +43,6 @@ static void plan_lights(render_plan *plan) {
     }
 }
 
-/* Keeping a part that is switched off would change the image. */
-static unsigned kept(const fathom_settings *settings) {
-    unsigned off = settings->terminator_fix ? 0 : FATHOM_PART_LIFTS;
-    return settings->keep & ~(FATHOM_PART_REPAIR | off);
-}
-
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out) {
     *out = NULL;
@@ -68,7 +62,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);
-    plan->parts = parts_needed(w, settings) | kept(settings);
+    plan->parts = parts_needed(w, settings) | (settings->keep & ~(unsigned)FATHOM_PART_REPAIR);
     camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
     plan_lights(plan);
     plan->max_depth = plan->parts & FATHOM_PART_BOUNCES ? settings->max_depth : 0;

@@ -102,7 +102,7 @@ static void end_block(wave *w, bool first) {
     surface_block *s = &w->surfaces[w->surface_count / LANES];
     if (!w->gather->count) return;
     s->count = w->gather->count;
-    surface_gather_end(w->gather, plan->world, plan->kernels, plan->parts & FATHOM_PART_LIFTS,
+    surface_gather_end(w->gather, plan->world, plan->kernels, plan->settings.terminator_fix,
                        !(plan->settings.epsilon > 0), s);
     pad(s);
     for (unsigned i = 0; first && w->first && i < s->count; ++i) keep_first(w, i, s->slot[i]);

@@ -48,6 +48,7 @@ struct fathom_scene {
     float background[3], ambient[3];
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;
+    bool without_uvs; /* texture coordinates are not taken: rendering has no use for them */
     fathom_settings settings;
     char *tracer_spec; /* of the settings; NULL: none */
 };

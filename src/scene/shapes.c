@@ -201,6 +201,7 @@ fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group, const 
     default_strides(&copy);
     fathom_status status = check_mesh(scene->context, &copy);
     if (status != FATHOM_OK) return status;
+    if (scene->without_uvs) copy.uvs = NULL, copy.uv_indices = NULL, copy.uv_count = 0;
     size_t corners = (size_t)copy.triangle_count * 3, word = sizeof(uint32_t);
     const struct {
         const void *from;

@@ -70,3 +70,10 @@ said out.txt 'instances: all shapes lie in the world'
 not_said out.txt 'mirrored and refracted rays'
 run 0 info scene.json --json
 said out.txt '"what": "watertight repair"'
+
+# The image module is for images alone.
+LD_DEBUG=files "$FATHOM" info scene.json >out.txt 2>loaded.txt
+not_said loaded.txt OpenImageIO
+run 0 render scene.json -o a.exr
+LD_DEBUG=files "$FATHOM" compare a.exr a.exr >out.txt 2>loaded.txt
+said loaded.txt OpenImageIO

@@ -1,5 +1,7 @@
 /* What a scene does without is left out, said, and never seen: no pixel changes when it is kept. */
 #include "image/half.h"
+#include "scene/scene.h"
+
 #include "random.h"
 #include "render.h"
 
@@ -93,15 +95,11 @@ static stage open_plain(void) {
 static const struct {
     unsigned part;
     const char *what;
-} parts[] = {{FATHOM_PART_NORMALS, "shading normals"},
-             {FATHOM_PART_LIFTS, "lifting shadow rays off facets"},
-             {FATHOM_PART_HIGHLIGHTS, "highlights"},
-             {FATHOM_PART_GLOW, "ambient and emitted light"},
-             {FATHOM_PART_BACKGROUND, "background"},
-             {FATHOM_PART_UNLIT, "shadow rays for nothing"},
-             {FATHOM_PART_BOUNCES, "mirrored and refracted rays"},
-             {FATHOM_PART_HITS, "buffers of AOVs"},
-             {FATHOM_PART_REPAIR, "watertight repair"}};
+} parts[] = {
+    {FATHOM_PART_NORMALS, "shading normals"},        {FATHOM_PART_HIGHLIGHTS, "highlights"},
+    {FATHOM_PART_GLOW, "ambient and emitted light"}, {FATHOM_PART_BACKGROUND, "background"},
+    {FATHOM_PART_UNLIT, "shadow rays for nothing"},  {FATHOM_PART_BOUNCES, "mirrored and refracted rays"},
+    {FATHOM_PART_HITS, "buffers of AOVs"},           {FATHOM_PART_REPAIR, "watertight repair"}};
 
 static void test_plain_scene_needs_nothing(void **state) {
     (void)state;
@@ -170,6 +168,65 @@ static void test_normals_of_what_only_emits(void **state) {
     fathom_film_destroy(film);
     assert_unseen(&s, FATHOM_PARTS);
     stage_close(&s);
+}
+
+/* ---- texture coordinates ---- */
+
+static void write_text(const char *path, const char *text) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Reads the file either way: the same but for uvs, which only the one has. */
+static void assert_read_without(const char *path) {
+    stage with, without;
+    assert_int_equal(fathom_context_create(&with.context), FATHOM_OK);
+    assert_int_equal(fathom_context_create(&without.context), FATHOM_OK);
+    assert_ok(with.context, fathom_scene_read(with.context, path, &with.scene));
+    assert_ok(without.context, fathom_scene_read_to_render(without.context, path, &without.scene));
+    assert_int_equal(with.scene->meshes.count, without.scene->meshes.count);
+    for (size_t i = 0; i < with.scene->meshes.count; ++i) {
+        const fathom_mesh *a = &with.scene->meshes.items[i], *b = &without.scene->meshes.items[i];
+        assert_true(a->uvs && a->uv_count && !b->uvs && !b->uv_indices && !b->uv_count);
+        assert_int_equal(a->triangle_count, b->triangle_count);
+    }
+    fathom_scene_settings(with.scene, &with.settings);
+    with.settings.width = 48, with.settings.height = 36;
+    without.settings = with.settings;
+    fathom_film *x = render_keeping(&with, 0, NULL), *y = render_keeping(&without, 0, NULL);
+    assert_same(x, y);
+    assert_true(says(y, "texture coordinates"));
+    fathom_film_destroy(x);
+    fathom_film_destroy(y);
+    stage_close(&with);
+    stage_close(&without);
+}
+
+/* Normals have indices of their own, and one face counts back, over uvs too. */
+static const char obj_text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nvn 0 0 1\nvn 0.1 0 1\n"
+                               "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1/1 2/2/1 3/3/2\nf -3/-1/-1 -1/-2/-2 -2/-3/-1\n";
+static const char json_text[] =
+    "{ \"lights\": [ { \"type\": \"directional\", \"direction\": [0, -1, -1] } ], \"objects\": [\n"
+    "{ \"type\": \"mesh\", \"positions\": [[0,0,0], [1,0,0], [0,1,0]], \"indices\": [[0,1,2]],"
+    " \"uvs\": [[0,0], [1,0], [0,1]] },\n"
+    "{ \"type\": \"mesh\", \"file\": \"left_out.obj\" } ] }\n";
+
+static void test_uvs_stay_in_their_files(void **state) {
+    (void)state;
+    stage s = open_plain();
+    write_text("left_out.obj", obj_text);
+    write_text("left_out.json", json_text);
+    fathom_scene *scene;
+    assert_ok(s.context, fathom_scene_read(s.context, "left_out.obj", &scene));
+    assert_ok(s.context, fathom_scene_write_mesh(scene, "left_out.ply"));
+    assert_ok(s.context, fathom_scene_write_mesh(scene, "left_out.glb"));
+    fathom_scene_destroy(scene);
+    stage_close(&s);
+    const char *const paths[] = {"left_out.obj", "left_out.ply", "left_out.glb", "left_out.json"};
+    for (int i = 0; i < 4; ++i) assert_read_without(paths[i]);
+    for (int i = 0; i < 4; ++i) remove(paths[i]);
 }
 
 /* ---- lights and shadow rays ---- */
@@ -399,6 +456,18 @@ static void test_unknown_parts(void **state) {
     stage_close(&s);
 }
 
+/* The last test: after all of these scenes read and rendered, nothing has asked for it. */
+static void test_image_module_is_not_loaded(void **state) {
+    (void)state;
+    char line[512];
+    FILE *maps = fopen("/proc/self/maps", "r");
+    if (!maps) skip();
+    while (fgets(line, sizeof line, maps)) {
+        if (strstr(line, "fathom_image") || strstr(line, "OpenImageIO")) fail_msg("loaded: %s", line);
+    }
+    fclose(maps);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tour),
@@ -406,6 +475,7 @@ int main(void) {
         cmocka_unit_test(test_kept_is_not_said),
         cmocka_unit_test(test_full_scene),
         cmocka_unit_test(test_normals_of_what_only_emits),
+        cmocka_unit_test(test_uvs_stay_in_their_files),
         cmocka_unit_test(test_unlit_rays_are_counted),
         cmocka_unit_test(test_spots_that_point_aside),
         cmocka_unit_test(test_spots_that_are_kept),
@@ -415,6 +485,7 @@ int main(void) {
         cmocka_unit_test(test_losses_in_a_crop),
         cmocka_unit_test(test_wrong_losses),
         cmocka_unit_test(test_unknown_parts),
+        cmocka_unit_test(test_image_module_is_not_loaded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,6 +62,10 @@ static const char *read_position(obj_parser *s, const char *p) {
 
 static const char *read_uv(obj_parser *s, const char *p) {
     double v[2];
+    if (s->r->scene->without_uvs) {
+        ++s->seen[OBJ_UV]; /* indices may count back from it */
+        return p;
+    }
     p = read_values(s, "vt", p, 1, 2, v);
     if (!p) return NULL;
     float *out = s->r->values[OBJ_UV] + 2 * s->seen[OBJ_UV]++;
@@ -129,7 +133,7 @@ static obj_run *run_for(obj_parser *s, unsigned parts) {
     const read_mesh_options *options = &s->r->options;
     obj_run run = {
         .first = piece->corners[OBJ_POSITION].count / 3, .slot = s->slot, .same = {true, true, true}};
-    run.has[OBJ_UV] = parts >> OBJ_UV & 1;
+    run.has[OBJ_UV] = !s->r->scene->without_uvs && parts >> OBJ_UV & 1;
     run.has[OBJ_NORMAL] = !options->flat && parts >> OBJ_NORMAL & 1;
     if (!options->flat && !run.has[OBJ_NORMAL]) {
         run.group = s->group ? s->group : options->smooth ? OBJ_ALL_GROUPS : 0;
@@ -321,7 +325,7 @@ static fathom_status first_fault(const obj_reader *r) {
 static fathom_status allocate_values(obj_reader *r) {
     static const size_t sizes[OBJ_KINDS] = {3 * sizeof(float), 2 * sizeof(float), 3 * sizeof(float)};
     for (int k = 0; k < OBJ_KINDS; ++k) {
-        if (!r->total[k]) continue;
+        if (!r->total[k] || (k == OBJ_UV && r->scene->without_uvs)) continue;
         size_t bytes = (size_t)r->total[k] * sizes[k] + 16;
         r->values[k] = malloc(bytes);
         if (!r->values[k]) return fail_memory(r->scene->context, bytes);

@@ -99,7 +99,8 @@ static void choose_arrays(ply_reader *r) {
                                          {.first_role = PLY_U, .components = 2}};
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         r->arrays[a] = kinds[a];
-        r->arrays[a].present = !(a == PLY_NORMALS && r->options.flat);
+        r->arrays[a].present =
+            !((a == PLY_NORMALS && r->options.flat) || (a == PLY_UVS && r->scene->without_uvs));
         for (int k = 0; k < kinds[a].components; ++k) {
             if (r->role[kinds[a].first_role + k] < 0) r->arrays[a].present = false;
         }
