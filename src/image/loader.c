@@ -1,5 +1,6 @@
 #include "image/loader.h"
 
+#include "base/file.h"
 #include "base/pool.h"
 #include "base/threads.h"
 #include "image/rest.h"
@@ -9,12 +10,14 @@
 #include <link.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define MODULE_FILE "fathom/fathom_image.so"
+#define PARTS_FILE "fathom_image.parts" /* beside it */
 
 /* Where the module may be, seen from the folder of the file that holds this code: libfathom.so in a library
  * folder, or a program in bin/. IMAGE_LIBRARY_FOLDER is where the installation puts libraries, seen from
@@ -22,9 +25,9 @@
 static const char *const places[] = {"", IMAGE_LIBRARY_FOLDER "/", "../lib/", "../lib/" IMAGE_MULTIARCH "/"};
 
 static struct {
-    pthread_mutex_t lock; /* guards module and closing; held while loading */
+    pthread_mutex_t lock; /* guards module; held while loading */
     const image_module *module;
-    bool closing;
+    atomic_bool closing;
 
     pthread_mutex_t thread_lock; /* guards the rest */
     bool thread_runs, thread_was_started;
@@ -80,10 +83,31 @@ static char *find(char *reason, size_t room) {
     return found;
 }
 
+/* The libraries that the module needs, one by one, from those up that need no others. A dlopen() looks for
+ * each symbol of each library it brings among all that it brings, and the module's are 260, most of whose
+ * symbols are their own: so loaded, each looks among those that it needs, and all take half of the time. A
+ * name that is wrong by now, or a library that leans on its user's, is left for the module to bring. */
+static void load_parts(const char *module) {
+    char *path = file_beside(module, PARTS_FILE), name[256];
+    FILE *list = path ? fopen(path, "re") : NULL;
+    while (list && !atomic_load(&loader.closing) && fgets(name, sizeof name, list)) {
+        name[strcspn(name, "\n")] = '\0';
+        if (*name) dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    }
+    if (list) fclose(list);
+    free(path);
+}
+
 /* With loader.lock held. */
 static void load(char *reason, size_t room) {
     char *path = find(reason, room);
     if (!path) return;
+    load_parts(path);
+    if (atomic_load(&loader.closing)) {
+        snprintf(reason, room, "the process is leaving");
+        free(path);
+        return;
+    }
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     const image_module *module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
     if (!module) {
@@ -130,7 +154,7 @@ static void *prefetch(void *unused) {
     pthread_mutex_lock(&loader.lock);
     /* A failure is reported by whoever needs the module: loader_module() tries again. */
     size_t before = rest_library_count();
-    bool loads = !loader.module && !loader.closing;
+    bool loads = !loader.module && !atomic_load(&loader.closing);
     if (loads) load(reason, sizeof reason);
     loads &= loader.module != NULL;
     pthread_mutex_unlock(&loader.lock);
@@ -141,11 +165,7 @@ static void *prefetch(void *unused) {
 
 static void join_prefetch(void) {
     if (loader.process != getpid()) return; /* a forked child has no such thread */
-    /* What has not begun to load need not. */
-    if (pthread_mutex_trylock(&loader.lock) == 0) {
-        loader.closing = true;
-        pthread_mutex_unlock(&loader.lock);
-    }
+    atomic_store(&loader.closing, true);    /* what has not begun to load need not */
     pthread_mutex_lock(&loader.thread_lock);
     if (loader.thread_runs) pthread_join(loader.thread, NULL);
     loader.thread_runs = false;

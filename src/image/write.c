@@ -1,4 +1,5 @@
 #include "base/file.h"
+#include "base/pool.h"
 #include "base/threads.h"
 #include "image/icc.h"
 #include "image/loader.h"
@@ -98,9 +99,11 @@ typedef struct writing {
     bool srgb;
     unsigned threads;
 
-    unsigned char *rows; /* a chunk of packed rows from row `first` on */
-    size_t first;
-    float *scratch; /* 4 · width floats for each worker */
+    size_t chunk;           /* rows handed over at once */
+    unsigned char *rows[2]; /* chunks of packed rows; the second only where one is packed ahead */
+    size_t first;           /* row from which rows are packed… */
+    unsigned into;          /* …into which chunk */
+    float *scratch;         /* 4 · width floats for each worker */
     atomic_bool failed;
     image_message *messages; /* one for each worker */
 } writing;
@@ -136,11 +139,16 @@ static fathom_status choose_channels(writing *w, const image *img, const fathom_
     return FATHOM_OK;
 }
 
+/* Compressed on one thread, so that others can pack the rows that come next. */
+static bool packs_ahead(const writing *w) {
+    return w->threads > 1 && (w->format == IMAGE_PNG || w->format == IMAGE_JPEG);
+}
+
 static void pack_rows(void *user, size_t begin, size_t end, unsigned worker) {
     writing *w = user;
     size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
     for (size_t y = begin; y < end; ++y) {
-        unsigned char *out = w->rows + y * row_bytes;
+        unsigned char *out = w->rows[w->into] + y * row_bytes;
         if (w->format == IMAGE_EXR) {
             pack_row(&w->packing, (uint32_t)(w->first + y), out);
             continue;
@@ -162,19 +170,46 @@ static fathom_status pack_failure(const writing *w) {
     return fail(w->context, FATHOM_INTERNAL, "%s: OpenColorIO failed", w->path);
 }
 
-static fathom_status write_rows(writing *w, image_writer *writer, size_t chunk, image_message *message) {
-    for (w->first = 0; w->first < w->shown.height; w->first += chunk) {
-        size_t left = w->shown.height - w->first, count = left < chunk ? left : chunk;
-        loop_parallel(w->threads, count, 4, pack_rows, w);
+static size_t rows_from(const writing *w, size_t first) {
+    size_t left = w->shown.height - first;
+    return left < w->chunk ? left : w->chunk;
+}
+
+static void pack_chunk(void *user) {
+    writing *w = user;
+    loop_parallel(w->threads, rows_from(w, w->first), 4, pack_rows, w);
+}
+
+/* The rows from `first` on, while the chunk after them is packed where that pays. */
+static fathom_status write_chunk(writing *w, image_writer *writer, size_t first, image_message *message) {
+    const unsigned char *rows = w->rows[w->into];
+    pool_task ahead = {.run = pack_chunk, .user = w};
+    size_t count = rows_from(w, first);
+    w->first = first + count;
+    bool more = w->first < w->shown.height;
+    if (w->rows[1]) w->into ^= 1;
+    bool runs = more && w->rows[1] && pool_run(&ahead);
+    fathom_status status = w->module->writer_rows(writer, (uint32_t)count, rows, message);
+    if (runs)
+        pool_wait(&ahead, -1);
+    else if (more && status == FATHOM_OK)
+        pack_chunk(w);
+    return status;
+}
+
+static fathom_status write_rows(writing *w, image_writer *writer, image_message *message) {
+    w->first = 0;
+    pack_chunk(w);
+    for (size_t first = 0; first < w->shown.height; first += w->chunk) {
         if (atomic_load(&w->failed)) return pack_failure(w);
-        fathom_status status = w->module->writer_rows(writer, (uint32_t)count, w->rows, message);
+        fathom_status status = write_chunk(w, writer, first, message);
         if (status != FATHOM_OK)
             return fail(w->context, status, "%s: cannot be written: %s", w->path, message->text);
     }
     return FATHOM_OK;
 }
 
-static fathom_status write_to(writing *w, int descriptor, size_t chunk) {
+static fathom_status write_to(writing *w, int descriptor) {
     image_message message = {""};
     unsigned char profile[ICC_SRGB_SIZE];
     icc_srgb(profile);
@@ -191,12 +226,30 @@ static fathom_status write_to(writing *w, int descriptor, size_t chunk) {
     fathom_status status = w->module->writer_open(&target, &writer, &message);
     if (status != FATHOM_OK)
         return fail(w->context, status, "%s: cannot be written: %s", w->path, message.text);
-    status = write_rows(w, writer, chunk, &message);
+    status = write_rows(w, writer, &message);
     fathom_status closed = w->module->writer_close(writer, status == FATHOM_OK, &message);
     if (status == FATHOM_OK && closed != FATHOM_OK) {
         status = fail(w->context, closed, "%s: cannot be written: %s", w->path, message.text);
     }
     return status;
+}
+
+static size_t chunk_rows(const writing *w, size_t row_bytes) {
+    size_t rows = packs_ahead(w) ? CHUNK_ROWS : CHUNK_BYTES / row_bytes / CHUNK_ROWS * CHUNK_ROWS;
+    if (rows < CHUNK_ROWS) rows = CHUNK_ROWS;
+    return rows < w->shown.height ? rows : w->shown.height;
+}
+
+static fathom_status allocate_rows(writing *w) {
+    size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
+    size_t scratch_bytes = w->view ? sizeof(float) * 4 * w->shown.width * w->threads : 1;
+    w->chunk = chunk_rows(w, row_bytes);
+    w->rows[0] = malloc(w->chunk * row_bytes);
+    w->rows[1] = packs_ahead(w) ? malloc(w->chunk * row_bytes) : NULL;
+    w->scratch = malloc(scratch_bytes);
+    w->messages = calloc(w->threads, sizeof *w->messages);
+    if (w->rows[0] && (w->rows[1] || !packs_ahead(w)) && w->scratch && w->messages) return FATHOM_OK;
+    return fail_memory(w->context, w->chunk * row_bytes + scratch_bytes);
 }
 
 /* Memory for the rows under way, then the file. */
@@ -206,29 +259,17 @@ static fathom_status write_file(writing *w) {
     for (size_t i = 0; i < w->shown.channel_count; ++i) {
         w->packing.pixel_bytes += pack_storage_size(w->storage[i]);
     }
-    size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
-    size_t chunk = CHUNK_BYTES / row_bytes / CHUNK_ROWS * CHUNK_ROWS;
-    if (chunk < CHUNK_ROWS) chunk = CHUNK_ROWS;
-    if (chunk > w->shown.height) chunk = w->shown.height;
-    size_t scratch_bytes = w->view ? sizeof(float) * 4 * w->shown.width * w->threads : 1;
-    w->rows = malloc(chunk * row_bytes);
-    w->scratch = malloc(scratch_bytes);
-    w->messages = calloc(w->threads, sizeof *w->messages);
-    fathom_status status = FATHOM_OK;
     file_writer *file = NULL;
-    if (!w->rows || !w->scratch || !w->messages) {
-        status = fail_memory(w->context, chunk * row_bytes + scratch_bytes);
-    } else {
-        status = file_writer_open(w->context, w->path, &file);
-    }
+    fathom_status status = allocate_rows(w);
+    if (status == FATHOM_OK) status = file_writer_open(w->context, w->path, &file);
     if (status == FATHOM_OK) {
-        status = write_to(w, file_writer_descriptor(file), chunk);
+        status = write_to(w, file_writer_descriptor(file));
         if (status == FATHOM_OK)
             status = file_writer_commit(file);
         else
             file_writer_abort(file);
     }
-    free(w->rows), free(w->scratch), free(w->messages);
+    free(w->rows[0]), free(w->rows[1]), free(w->scratch), free(w->messages);
     return status;
 }
 

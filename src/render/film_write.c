@@ -1,12 +1,17 @@
 /* The film to an image file, with what it was made from in the header. */
 #include "image/image.h"
 #include "render/film.h"
+#include "trace/trace.h"
 
 void fathom_write_options_default(fathom_write_options *options) {
     *options = (fathom_write_options){.exposure = 0};
 }
 
-void fathom_image_prefetch(void) { image_prefetch(); }
+/* What comes beside the load finds its threads made. */
+void fathom_image_prefetch(void) {
+    trace_start_threads();
+    image_prefetch();
+}
 
 fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
                                 const fathom_write_options *options) {

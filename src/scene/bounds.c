@@ -1,4 +1,5 @@
 #include "base/threads.h"
+#include "math/four.h"
 #include "scene/graph.h"
 
 #include <pthread.h>
@@ -45,13 +46,37 @@ typedef struct mesh_extremes {
     float lower[3], upper[3];
 } mesh_extremes;
 
+/* Four vertices that follow each other are twelve numbers, and their extremes do not wait for each other. */
+static size_t add_fours(const float *values, size_t count, float lower[3], float upper[3]) {
+    four low[3], high[3];
+    for (int j = 0; j < 3; ++j) {
+        low[j] = (four){INFINITY, INFINITY, INFINITY, INFINITY};
+        high[j] = -low[j];
+    }
+    for (size_t i = 0; i + 4 <= count; i += 4) {
+        for (size_t j = 0; j < 3; ++j) {
+            four v = four_load(values + 3 * i + 4 * j);
+            low[j] = four_smaller(v, low[j]);
+            high[j] = four_larger(v, high[j]);
+        }
+    }
+    for (int k = 0; k < 12; ++k) {
+        lower[k % 3] = fminf(lower[k % 3], low[k / 4][k % 4]);
+        upper[k % 3] = fmaxf(upper[k % 3], high[k / 4][k % 4]);
+    }
+    return count / 4 * 4;
+}
+
 static void add_run(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     mesh_extremes *all = user;
     float lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     const char *base = (const char *)all->mesh->positions;
+    size_t stride = all->mesh->position_stride;
+    if (stride == 3 * sizeof(float))
+        begin += add_fours(all->mesh->positions + 3 * begin, end - begin, lower, upper);
     for (size_t i = begin; i < end; ++i) {
-        const float *v = (const float *)(const void *)(base + i * all->mesh->position_stride);
+        const float *v = (const float *)(const void *)(base + i * stride);
         for (int k = 0; k < 3; ++k) {
             lower[k] = v[k] < lower[k] ? v[k] : lower[k];
             upper[k] = v[k] > upper[k] ? v[k] : upper[k];

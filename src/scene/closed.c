@@ -75,14 +75,37 @@ static void add_by_position(void *user, size_t begin, size_t end, unsigned worke
     atomic_fetch_add(&s->total, total);
 }
 
+/* Over `count` triangles: a loop that vectorises. */
+static inline __attribute__((always_inline)) uint64_t sum_by_index(const uint32_t *t, size_t count) {
+    uint64_t total = 0;
+    for (size_t i = 0; i < 3 * count; i += 3)
+        total += boundary(of_index(t[i]), of_index(t[i + 1]), of_index(t[i + 2]));
+    return total;
+}
+
+/* Integers, so that the instructions change nothing. */
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static uint64_t sum_avx2(const uint32_t *t, size_t count) {
+    return sum_by_index(t, count);
+}
+__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512"))) static uint64_t
+sum_avx512(const uint32_t *t, size_t count) {
+    return sum_by_index(t, count);
+}
+static uint64_t sum_best(const uint32_t *t, size_t count) {
+    bool wide = __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+                __builtin_cpu_supports("avx512vl");
+    if (wide) return sum_avx512(t, count);
+    return __builtin_cpu_supports("avx2") ? sum_avx2(t, count) : sum_by_index(t, count);
+}
+#else
+static uint64_t sum_best(const uint32_t *t, size_t count) { return sum_by_index(t, count); }
+#endif
+
 static void add_by_index(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     sum *s = user;
-    const uint32_t *t = s->mesh->indices;
-    uint64_t total = 0;
-    for (size_t i = 3 * begin; i < 3 * end; i += 3)
-        total += boundary(of_index(t[i]), of_index(t[i + 1]), of_index(t[i + 2]));
-    atomic_fetch_add(&s->total, total);
+    atomic_fetch_add(&s->total, sum_best(s->mesh->indices + 3 * begin, end - begin));
 }
 
 /* *left: what the mesh leaves open, by position; 0: nothing. False when out of memory. */

@@ -1,10 +1,8 @@
 #include "scene/world.h"
 
-#include "base/threads.h"
 #include "scene/world_build.h"
 
 #include <float.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,109 +111,7 @@ bool world_add_lone_mesh(world *w, fathom_id object) {
     return add_mesh(w, &w->scene->meshes.items[w->scene->objects.items[object].index], object);
 }
 
-/* ---- what tracers are told about primitives ---- */
-
-typedef struct survey {
-    const fathom_mesh *mesh;
-    _Atomic uint64_t flat, beyond;
-    _Atomic uint32_t largest; /* bits of a float of at least 0, which order as it does */
-} survey;
-
-static vec3_f32 vertex(const fathom_mesh *m, uint32_t i) {
-    return load_f32(
-        (const float *)(const void *)((const char *)m->positions + (size_t)i * m->position_stride));
-}
-
-static float larger(float a, float b) { return a > b ? a : b; }
-
-/* NaN for a NaN. */
-static float reach_of(vec3_f32 p) {
-    return larger(fabsf(p.x), larger(fabsf(p.y), fabsf(p.z))) + (p.x * 0 + p.y * 0 + p.z * 0);
-}
-
-static void raise_to(_Atomic uint32_t *to, float value) {
-    uint32_t bits, old = atomic_load(to);
-    memcpy(&bits, &value, sizeof bits);
-    while (old < bits && !atomic_compare_exchange_weak(to, &old, bits)) continue;
-}
-
-static void survey_run(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    survey *all = user;
-    const fathom_mesh *m = all->mesh;
-    uint64_t flat = 0, beyond = 0;
-    float largest = 0;
-    for (size_t i = begin; i < end; ++i) {
-        const uint32_t *t = &m->indices[3 * i];
-        vec3_f32 a = vertex(m, t[0]), b = vertex(m, t[1]), c = vertex(m, t[2]);
-        vec3_f64 ab = sub_f64(widen(b), widen(a)), ac = sub_f64(widen(c), widen(a)), n = cross_f64(ab, ac);
-        flat += n.x == 0 && n.y == 0 && n.z == 0;
-        float x = reach_of(a), y = reach_of(b), z = reach_of(c), reach = larger(x, larger(y, z));
-        bool within = x < (float)WORLD_REACH && y < (float)WORLD_REACH && z < (float)WORLD_REACH;
-        beyond += !within;
-        largest = within ? larger(largest, reach) : largest;
-    }
-    atomic_fetch_add(&all->flat, flat);
-    atomic_fetch_add(&all->beyond, beyond);
-    raise_to(&all->largest, largest);
-}
-
-static void survey_mesh(world *w, world_geometry *geometry) {
-    survey all = {.mesh = &w->meshes.items[geometry->first]};
-    loop_parallel(fathom_context_threads(w->scene->context), all.mesh->triangle_count, 1u << 15, survey_run,
-                  &all);
-    uint32_t bits = atomic_load(&all.largest);
-    memcpy(&geometry->largest, &bits, sizeof bits);
-    geometry->flat = (uint32_t)atomic_load(&all.flat);
-    w->degenerate_triangles += geometry->flat;
-    w->beyond_reach += atomic_load(&all.beyond);
-}
-
-/* Takes one primitive into the counts; reach: of its largest coordinate. */
-static void survey_one(world *w, world_geometry *geometry, float reach, bool flat) {
-    bool within = reach < (float)WORLD_REACH;
-    w->beyond_reach += !within;
-    geometry->flat += flat;
-    if (within) geometry->largest = larger(geometry->largest, reach);
-}
-
-static void survey_sphere(world *w, world_geometry *geometry, const world_sphere *s) {
-    survey_one(w, geometry, reach_of(s->center) + fabsf(s->radius), !(s->radius > 0));
-}
-
-static void survey_quad(world *w, world_geometry *geometry, const world_quad *quad) {
-    float reach = 0;
-    for (int i = 0; i < 4; ++i) {
-        float corner = reach_of(quad->corner[i]);
-        reach = corner <= reach ? reach : corner; /* NaN too */
-        if (!(reach < INFINITY)) break;
-    }
-    vec3_f64 a = widen(quad->corner[0]), b = widen(quad->corner[1]), c = widen(quad->corner[2]),
-             d = widen(quad->corner[3]);
-    vec3_f64 m = cross_f64(sub_f64(b, a), sub_f64(d, a)), n = cross_f64(sub_f64(d, c), sub_f64(b, c));
-    bool area = (m.x != 0 || m.y != 0 || m.z != 0) && (n.x != 0 || n.y != 0 || n.z != 0);
-    survey_one(w, geometry, reach, !area);
-}
-
-static void survey_geometry(world *w, world_geometry *geometry) {
-    geometry->flat = 0, geometry->largest = 0;
-    switch (geometry->kind) {
-    case WORLD_SPHERES:
-        for (uint32_t i = 0; i < geometry->count; ++i)
-            survey_sphere(w, geometry, &w->spheres.items[geometry->first + i]);
-        break;
-    case WORLD_QUADS:
-        for (uint32_t i = 0; i < geometry->count; ++i)
-            survey_quad(w, geometry, &w->quads.items[geometry->first + i]);
-        break;
-    case WORLD_MESH: survey_mesh(w, geometry); break;
-    }
-}
-
-void world_survey(world *w) {
-    w->degenerate_triangles = w->beyond_reach = 0;
-    for (size_t i = 0; i < w->geometries.count; ++i) survey_geometry(w, &w->geometries.items[i]);
-}
+/* ---- checks ---- */
 
 /* Some triangles without area are rendered around; a scene of nothing else shows nothing. */
 static fathom_status check_area(const world *w) {

@@ -1,6 +1,9 @@
 /* The Embree tracer: the device, what it is told, and what it reports. */
 #include "trace/embree.h"
 
+#include "base/threads.h"
+
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,6 +114,24 @@ static fathom_status open_device(embree_tracer *tracer) {
                     "this Embree was built without ray masks or filter functions; Fathom needs both");
     }
     return FATHOM_OK;
+}
+
+/* Building anything makes them, and they stay: they are the task scheduler's, not the device's. Signals are
+ * for the threads that know of them. Failures are reported by the build that meets them again. */
+void trace_start_threads(void) {
+    char config[32];
+    sigset_t all, old;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &old);
+    snprintf(config, sizeof config, "threads=%u", processor_count());
+    RTCDevice device = rtcNewDevice(config);
+    RTCScene scene = device ? rtcNewScene(device) : NULL;
+    if (scene) {
+        rtcCommitScene(scene);
+        rtcReleaseScene(scene);
+    }
+    if (device) rtcReleaseDevice(device);
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
 }
 
 /* The filters for wide packets use the instructions of the kernels for them. */

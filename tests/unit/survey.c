@@ -1,0 +1,121 @@
+/* What is told of a mesh's triangles and of its extent, against looking at each by the definition. */
+#include "random.h"
+#include "scene/graph.h"
+#include "stage.h"
+
+/* Corners on a grid of few steps, so that many triangles have none or hardly any area: their sides are
+ * parallel in exact numbers, or off by a unit in the last place. */
+static float coordinate(random_state *random, float size) {
+    float steps = (float)(random_bits(random) % 7) - 3;
+    if (random_bits(random) % 4 == 0) steps = nextafterf(steps, 100.0f);
+    return steps * size;
+}
+
+/* On one line, so far apart that float rounds their differences, and each component in its own way. */
+static void place_on_line(random_state *random, float size, float out[3]) {
+    float along = ldexpf((float)(random_bits(random) % 4096), -(int)(random_bits(random) % 24));
+    for (int k = 0; k < 3; ++k) out[k] = along * (float)(2 * k + 1) * size;
+}
+
+typedef struct told {
+    uint64_t flat, beyond;
+    float largest;
+} told;
+
+static told by_definition(const float *p, const uint32_t *t, uint32_t count) {
+    told all = {0, 0, 0};
+    for (uint32_t i = 0; i < count; ++i) {
+        double v[3][3], reach = 0;
+        bool within = true;
+        for (int k = 0; k < 9; ++k) {
+            v[k / 3][k % 3] = (double)p[3 * t[3 * i + (uint32_t)k / 3] + (uint32_t)k % 3];
+            within &= fabs(v[k / 3][k % 3]) < WORLD_REACH;
+            reach = fmax(reach, fabs(v[k / 3][k % 3]));
+        }
+        vec3_f64 a = load_f64(v[0]), ab = sub_f64(load_f64(v[1]), a), ac = sub_f64(load_f64(v[2]), a);
+        vec3_f64 n = cross_f64(ab, ac);
+        all.flat += n.x == 0 && n.y == 0 && n.z == 0;
+        all.beyond += !within;
+        if (within && reach > (double)all.largest) all.largest = (float)reach;
+    }
+    return all;
+}
+
+enum { VERTICES = 90 };
+
+/* A mesh of the stage's memory, in the world alone: `size` of a grid's step, `odd` times a number that no
+ * reader would let through. */
+static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t key) {
+    stage s;
+    stage_open(&s);
+    random_state random = {key};
+    float *p = stage_memory(&s, sizeof(float) * (3 * VERTICES + 4));
+    uint32_t *t = stage_memory(&s, sizeof(uint32_t) * 3 * triangles);
+    for (uint32_t i = 0; i < 3 * VERTICES; ++i) p[i] = coordinate(&random, size);
+    for (uint32_t i = 0; i < VERTICES; i += 3) place_on_line(&random, exp2f(rintf(log2f(size))), p + 3 * i);
+    for (uint32_t i = 0; i < 3 * triangles; ++i) t[i] = (uint32_t)(random_bits(&random) % VERTICES);
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p, mesh.vertex_count = VERTICES;
+    mesh.indices = t, mesh.triangle_count = triangles;
+    assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
+    assert_ok(s.context, world_create(s.scene, &s.world));
+    static const float oddities[] = {NAN, INFINITY, -INFINITY, 1e18f, -3e38f};
+    for (unsigned k = 0; k < odd; ++k) p[random_bits(&random) % (3 * VERTICES)] = oddities[k % 5];
+    world_survey(s.world);
+    told expected = by_definition(p, t, triangles);
+    assert_int_equal(s.world->degenerate_triangles, expected.flat);
+    assert_int_equal(s.world->beyond_reach, expected.beyond);
+    assert_true(s.world->geometries.items[0].largest == expected.largest);
+    stage_close(&s);
+}
+
+static void triangles_are_counted_as_defined(void **state) {
+    (void)state;
+    static const float sizes[] = {1, 0.1f, 1e-8f, 1e-20f, 1e-38f, 1e-44f, 1e9f, 1e17f};
+    for (uint64_t k = 0; k < 8; ++k) {
+        survey_one(sizes[k], 0, 3000, 100 + k);
+        survey_one(sizes[k], 3, 3000, 200 + k);
+    }
+    /* Each by itself: one that needs a closer look takes its neighbours with it. */
+    for (uint64_t k = 0; k < 1000; ++k) survey_one(sizes[k % 8], 0, 1, 300 + k);
+}
+
+/* Any number of vertices, packed and not. */
+static void bounds_hold_every_vertex(void **state) {
+    (void)state;
+    for (uint32_t count = 3; count < 40; ++count) {
+        stage s;
+        stage_open(&s);
+        random_state random = {count};
+        size_t numbers = count % 2 ? 3 : 5;
+        float *p = stage_memory(&s, sizeof(float) * (numbers * count + 4));
+        float low[3] = {9, 9, 9}, high[3] = {-9, -9, -9};
+        for (size_t i = 0; i < numbers * count; ++i) {
+            p[i] = i % numbers < 3 ? coordinate(&random, 1) : 1e9f;
+            if (i % numbers >= 3) continue;
+            low[i % numbers] = fminf(low[i % numbers], p[i]);
+            high[i % numbers] = fmaxf(high[i % numbers], p[i]);
+        }
+        static const uint32_t one[3] = {0, 1, 2};
+        fathom_mesh mesh;
+        fathom_mesh_default(&mesh);
+        mesh.positions = p, mesh.vertex_count = count, mesh.position_stride = numbers * sizeof(float);
+        mesh.indices = one, mesh.triangle_count = 1;
+        assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
+        scene_bounds b = scene_world_bounds(s.scene);
+        double found[6], expected[6];
+        store_f64(found, b.lower), store_f64(found + 3, b.upper);
+        for (int k = 0; k < 3; ++k) expected[k] = (double)low[k], expected[3 + k] = (double)high[k];
+        for (int k = 0; k < 6; ++k) assert_true(found[k] == expected[k]);
+        stage_close(&s);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(triangles_are_counted_as_defined),
+        cmocka_unit_test(bounds_hold_every_vertex),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
