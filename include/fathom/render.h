@@ -125,7 +125,8 @@ typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
 
 typedef struct fathom_stats {
     uint64_t triangles, primitives,
-        instances; /* triangles stored; spheres + quads + planes + triangles; placed instances */
+        instances;             /* triangles stored; spheres + quads + planes + triangles; placed instances */
+    uint64_t placed_triangles; /* counted once for each instance they appear in */
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays;
     uint64_t
         repaired_rays; /* of these: had slipped through a vertex of a closed mesh, and were traced again */

@@ -62,3 +62,15 @@ line_fit line_through(const double *x, const double *y, size_t count) {
     double slope = along / across;
     return (line_fit){slope, mean_y - slope * mean_x};
 }
+
+double line_slope_half(const double *x, const double *y, size_t count) {
+    line_fit fit = line_through(x, y, count);
+    if (count < 3) return INFINITY;
+    double mean_x = 0, across = 0, left = 0;
+    for (size_t i = 0; i < count; ++i) mean_x += x[i] / (double)count;
+    for (size_t i = 0; i < count; ++i) {
+        double r = y[i] - fit.intercept - fit.slope * x[i];
+        across += (x[i] - mean_x) * (x[i] - mean_x), left += r * r;
+    }
+    return student_95(count - 2) * sqrt(left / (double)(count - 2) / across);
+}

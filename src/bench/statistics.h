@@ -31,4 +31,8 @@ typedef struct line_fit {
 } line_fit;
 line_fit line_through(const double *x, const double *y, size_t count);
 
+/* Half of the 95 % interval of the slope, student_95(n - 2) √(Σ r² / (n - 2) / Σ (x - x̄)²) with what the line
+ * leaves, r; infinite for less than three points. */
+double line_slope_half(const double *x, const double *y, size_t count);
+
 #endif

@@ -4,7 +4,7 @@
 
 /* What can be measured, a command of two words each. */
 static const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error,
-                                         &command_bench_build, NULL};
+                                         &command_bench_build, &command_bench_growth, NULL};
 
 const command *bench_find(const char *name) {
     for (size_t i = 0; benches[i]; ++i) {
@@ -35,5 +35,6 @@ const command command_bench = {
             "  render   the phases of a render, and its distance from Embree's ceiling\n"
             "  error    image error against run time\n"
             "  build    what the quality of Embree's build costs and saves\n"
+            "  growth   reading, building and tracing by the number of triangles\n"
             "fathom help bench WHAT tells more.\n",
     .run = run};

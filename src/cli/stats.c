@@ -90,6 +90,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
     json_object_set_new(root, "outputs", pack_outputs(&options->outputs));
     json_object_set_new(root, "interrupted", json_boolean(r->interrupted));
     json_object_set_new(root, "triangles", json_count(s->triangles));
+    json_object_set_new(root, "placedTriangles", json_count(s->placed_triangles));
     json_object_set_new(root, "primitives", json_count(s->primitives));
     json_object_set_new(root, "instances", json_count(s->instances));
     json_object_set_new(root, "degenerateTriangles", json_count(s->degenerate_triangles));
@@ -136,9 +137,12 @@ static void print_memory(const render_report *r) {
 
 static void print_details(const render_report *r) {
     const fathom_stats *s = &r->stats;
-    printf("scene    %s: %llu primitives, of them %llu triangles; %llu instances\n", r->scene,
+    printf("scene    %s: %llu primitives, of them %llu triangles; %llu instances", r->scene,
            (unsigned long long)s->primitives, (unsigned long long)s->triangles,
            (unsigned long long)s->instances);
+    if (s->placed_triangles != s->triangles)
+        printf(", %llu triangles with them", (unsigned long long)s->placed_triangles);
+    putchar('\n');
     printf("tracer   %s, %u threads\n", s->tracer, s->threads);
     printf("seconds  read %.3f, build %.3f, render %.3f, write %.3f, total %.3f\n", r->read_seconds,
            s->build_seconds, s->render_seconds, r->write_seconds, r->total_seconds);

@@ -89,6 +89,15 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
     return fail(context, FATHOM_INTERRUPTED, "stopped while building; there is no image yet");
 }
 
+static uint64_t placed_triangles(const world *w, uint32_t group) {
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < w->groups.items[group].count; ++i) {
+        const world_geometry *geometry = &w->geometries.items[w->groups.items[group].first + i];
+        if (geometry->kind == WORLD_MESH) count += geometry->count;
+    }
+    return count;
+}
+
 static fathom_status count_scene(const world *w, const trace_tracer *tracer, const fathom_film *film,
                                  fathom_stats *stats) {
     const fathom_scene *scene = w->scene;
@@ -96,6 +105,9 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
         stats->triangles += scene->meshes.items[i].triangle_count;
     stats->primitives = stats->triangles + scene->spheres.count + scene->quads.count + scene->planes.count;
     stats->instances = w->instances.count;
+    stats->placed_triangles = placed_triangles(w, 0);
+    for (size_t k = 0; k < w->instances.count; ++k)
+        stats->placed_triangles += placed_triangles(w, w->instances.items[k].group);
     stats->degenerate_triangles = w->degenerate_triangles;
     stats->bvh_bytes = trace_bvh_bytes(tracer);
     stats->bvh_peak_bytes = trace_peak_bytes(tracer);

@@ -43,6 +43,7 @@ static const struct {
     {"render", "Fathom: the render phase against Embree\xe2\x80\x99s bare calls", bench_render_put},
     {"error", "Fathom: image error against run time", bench_error_put},
     {"build", "Fathom: build quality against time", bench_build_put},
+    {"growth", "Fathom: reading, building and tracing by the number of triangles", bench_growth_put},
 };
 
 void bench_page(page *p, const json_t *results) {

@@ -195,6 +195,6 @@ void plot_legend(page *p, const char *const names[PLOT_KINDS], const char *solid
         if (names[k]) put_key(p, k, "solid", names[k]);
     }
     put_key(p, 0, "solid plain", solid);
-    put_key(p, 0, "hollow plain", hollow);
+    if (hollow) put_key(p, 0, "hollow plain", hollow);
     page_put(p, "</ul>\n");
 }

@@ -37,7 +37,8 @@ typedef struct plot {
 
 /* Points without a finite x and y are left out, and lines with an end that no axis can show. */
 void plot_put(page *p, const plot *plot);
-/* A line of marks and words; names may hold NULL for kinds that are not there. */
+/* A line of marks and words; names may hold NULL for kinds that are not there, and hollow
+ * may be NULL. */
 void plot_legend(page *p, const char *const names[PLOT_KINDS], const char *solid, const char *hollow);
 
 #endif

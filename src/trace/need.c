@@ -7,12 +7,24 @@
  * boxes with a callback, and cost about as much. */
 static const trace_need usual = {68, 36}, compact = {37, 4};
 
-#define INSTANCE_BYTES 200
+/* Of a million and two million instances of one triangle, with what Embree allocates for each besides what it
+ * tells of. */
+static const trace_need instance = {440, 120};
+
+/* A mesh with flat triangles has its indices copied; see embree_native.c. */
+static double copied_bytes(const world_geometry *geometry) {
+    bool copied = geometry->kind == WORLD_MESH && geometry->flat;
+    return copied ? 3 * sizeof(uint32_t) * (double)geometry->count : 0;
+}
 
 trace_need trace_need_of(const world *w, bool is_compact) {
     trace_need each = is_compact ? compact : usual;
-    double n = 0, more = 0;
-    for (size_t i = 0; i < w->geometries.count; ++i) n += w->geometries.items[i].count;
+    double n = 0, more = 0, copied = 0, instances = (double)w->instances.count;
+    for (size_t i = 0; i < w->geometries.count; ++i) {
+        n += w->geometries.items[i].count;
+        copied += copied_bytes(&w->geometries.items[i]);
+    }
     if (is_compact && n < 1e6) each.passed = usual.passed, more = 16e6;
-    return (trace_need){each.kept * n + INSTANCE_BYTES * (double)w->instances.count, each.passed * n + more};
+    return (trace_need){each.kept * n + instance.kept * instances + copied,
+                        each.passed * n + instance.passed * instances + more};
 }

@@ -71,6 +71,10 @@ write_scene
 run 0 bench render scene.json --repeats 2 --quiet --report ceiling
 opens ceiling/index.html
 
+TMPDIR=$PWD run 0 bench growth --triangles 1k,10k --size 64x48 --repeats 2 --quiet --report sizes
+opens sizes/index.html
+equal "$(in_page 'triangles: [0-9]')" 10 'points: reading, building, two of rendering, their ratio, of two sizes each'
+
 # This test can fail: a page that asks for something from outside, and one whose labels lie on each other.
 sed 's|<main>|<main><img alt="" src="http://localhost:9/x.png">|' early/index.html >asking.html
 browse asking.html 1280,900

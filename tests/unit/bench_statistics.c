@@ -53,6 +53,9 @@ static void lines(void **state) {
     assert_near(l.intercept, 5.0 / 6, 1e-15);
     assert_true(isnan(line_through(same, y, 3).slope));
     assert_true(isnan(line_through(x, y, 0).slope));
+    /* The line leaves 1/6, -1/3, 1/6: squares of 1/6 together, one degree of freedom. */
+    assert_near(line_slope_half(x, y, 3), student_95(1) * sqrt(1.0 / 12), 1e-14);
+    assert_true(isinf(line_slope_half(x, y, 2)));
 }
 
 int main(void) {
