@@ -22,6 +22,7 @@ static fathom_status measure_one(fathom_context *context, bench_stage *stage, co
     if (status != FATHOM_OK) return status;
     quality->rays = (cost.rays + spp / 2) / spp;
     quality->bvh_bytes = trace_bvh_bytes(stage->tracer);
+    quality->peak_bytes = trace_peak_bytes(stage->tracer);
     for (int c = 0; c < BENCH_CLOCKS; ++c) {
         out->build[c][repeat] = stage->build.by[c];
         out->sample[c][repeat] = cost.seconds.by[c] / spp;

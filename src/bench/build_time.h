@@ -14,6 +14,7 @@ typedef struct build_quality {
     quartiles build[BENCH_CLOCKS];
     quartiles sample[BENCH_CLOCKS]; /* rendering by one sample a pixel */
     uint64_t rays, bvh_bytes;       /* rays of one sample a pixel, rounded */
+    uint64_t peak_bytes;            /* the most that was held while it was built */
     /* Samples a pixel from where to where no other is as fast, by build + samples · sample of the medians;
      * from >= to: always another one is. */
     double from[BENCH_CLOCKS], to[BENCH_CLOCKS];

@@ -35,11 +35,11 @@ static json_t *pack_quality(const build_quality *q) {
                             never ? json_null() : json_pack("[f, O]", q->from[c], to));
         json_decref(to);
     }
-    return json_pack("{s:s, s:o, s:o, s:o, s:f, s:o, s:o}", "quality", q->name, "buildSeconds",
-                     pack_clocks(q->build), "sampleSeconds", pack_clocks(q->sample), "raysOfASample",
-                     json_count(q->rays), "millionRaysPerSecond",
-                     1e-6 * (double)q->rays / q->sample[BENCH_WALL].median, "bvhBytes",
-                     json_count(q->bvh_bytes), "bestFromToSpp", ranges);
+    return json_pack(
+        "{s:s, s:o, s:o, s:o, s:f, s:o, s:o, s:o}", "quality", q->name, "buildSeconds", pack_clocks(q->build),
+        "sampleSeconds", pack_clocks(q->sample), "raysOfASample", json_count(q->rays), "millionRaysPerSecond",
+        1e-6 * (double)q->rays / q->sample[BENCH_WALL].median, "bvhBytes", json_count(q->bvh_bytes),
+        "bvhPeakBytes", json_count(q->peak_bytes), "bestFromToSpp", ranges);
 }
 
 static json_t *pack_total(const build_time *result, const build_total *t) {
@@ -79,7 +79,9 @@ static json_t *pack(const bench_build_settings *asked, const bench_stage *stage,
 }
 
 static void put_csv(FILE *out, const json_t *root) {
-    fputs("quality,build_cpu_seconds,build_seconds,sample_cpu_seconds,sample_seconds,bvh_bytes\n", out);
+    fputs("quality,build_cpu_seconds,build_seconds,sample_cpu_seconds,sample_seconds,bvh_bytes,bvh_peak_"
+          "bytes\n",
+          out);
     size_t i;
     json_t *q;
     json_array_foreach(json_object_get(root, "qualities"), i, q) {
@@ -90,7 +92,8 @@ static void put_csv(FILE *out, const json_t *root) {
             for (int c = 0; c < BENCH_CLOCKS; ++c)
                 fprintf(out, ",%.6g", bench_number(clocks, clock_names[c], "median"));
         }
-        fprintf(out, ",%.0f\n", bench_number(q, "bvhBytes", NULL));
+        fprintf(out, ",%.0f,%.0f\n", bench_number(q, "bvhBytes", NULL),
+                bench_number(q, "bvhPeakBytes", NULL));
     }
 }
 
@@ -106,14 +109,15 @@ static void print_range(const build_quality *q, int clock) {
 }
 
 static void print(const bench_stage *stage, const build_time *result) {
-    printf("%s, %ux%u\n\n%-8s %9s %9s %9s %9s %9s %9s  %16s  %16s\n", trace_name(stage->tracer),
+    printf("%s, %ux%u\n\n%-8s %9s %9s %9s %9s %9s %9s %9s  %16s  %16s\n", trace_name(stage->tracer),
            stage->settings.width, stage->settings.height, "quality", "build cpu", "clock s", "a sample,",
-           "clock s", "Mrays/s", "BVH MB", "best spp, by cpu", "by the clock");
+           "clock s", "Mrays/s", "BVH MB", "at most", "best spp, by cpu", "by the clock");
     for (unsigned i = 0; i < BUILD_QUALITIES; ++i) {
         const build_quality *q = &result->qualities[i];
-        printf("%-8s %9.4g %9.4g %9.4g %9.4g %9.3g %9.4g", q->name, q->build[BENCH_CPU].median,
+        printf("%-8s %9.4g %9.4g %9.4g %9.4g %9.3g %9.4g %9.4g", q->name, q->build[BENCH_CPU].median,
                q->build[BENCH_WALL].median, q->sample[BENCH_CPU].median, q->sample[BENCH_WALL].median,
-               1e-6 * (double)q->rays / q->sample[BENCH_WALL].median, 1e-6 * (double)q->bvh_bytes);
+               1e-6 * (double)q->rays / q->sample[BENCH_WALL].median, 1e-6 * (double)q->bvh_bytes,
+               1e-6 * (double)q->peak_bytes);
         for (int c = 0; c < BENCH_CLOCKS; ++c) print_range(q, c);
         putchar('\n');
     }

@@ -34,7 +34,8 @@ static void put_qualities(page *p, const json_t *results) {
     table_begin(p, "Build quality against time");
     table_column(p, "quality", false);
     static const char *const names[] = {"build, processor s", "build, clock s", "a sample, processor s",
-                                        "a sample, clock s",  "Mrays/s",        "BVH, bytes"};
+                                        "a sample, clock s",  "Mrays/s",        "BVH, bytes",
+                                        "while built, bytes"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) table_column(p, names[i], true);
     table_column(p, "fastest at spp, processor", false);
     table_column(p, "fastest at spp, clock", false);
@@ -47,6 +48,7 @@ static void put_qualities(page *p, const json_t *results) {
         for (int c = 0; c < 2; ++c) table_number(p, median_at(q, "sampleSeconds", clocks[c][0]));
         table_number(p, number_at(q, "millionRaysPerSecond"));
         table_count(p, count_at(q, "bvhBytes"));
+        table_count(p, count_at(q, "bvhPeakBytes"));
         for (int c = 0; c < 2; ++c) put_range(p, q, clocks[c][0]);
     }
     table_end(p);

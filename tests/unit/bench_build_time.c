@@ -69,6 +69,7 @@ static void measured(void **state) {
         assert_true(t.qualities[q].build[BENCH_WALL].median > 0);
         assert_true(t.qualities[q].sample[BENCH_WALL].median > 0);
         assert_true(t.qualities[q].bvh_bytes > 0);
+        assert_true(t.qualities[q].peak_bytes >= t.qualities[q].bvh_bytes);
         assert_true(t.qualities[q].rays == t.qualities[0].rays && t.qualities[q].rays >= 32 * 32);
     }
 }
