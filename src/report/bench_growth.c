@@ -103,14 +103,14 @@ static void put_series(page *p, const json_t *results, const series *all, size_t
 static void put_plots(page *p, const json_t *results) {
     static const series phases[] = {{"reading", "readSeconds", "cpu", "read", 1e3},
                                     {"building", "buildSeconds", "cpu", "build", 1e3}};
-    static const series tracing[] = {{"render phase", "renderCpuSeconds", NULL, NULL, 1},
-                                     {"Embree\xe2\x80\x99s bare calls", "bareCpuSeconds", NULL, NULL, 1}};
+    static const series tracing[] = {{"render phase", "renderCpuSeconds", NULL, NULL, 1e3},
+                                     {"Embree\xe2\x80\x99s bare calls", "bareCpuSeconds", NULL, NULL, 1e3}};
     static const series ratio[] = {{"render over bare", "renderToBare", NULL, NULL, 1}};
     page_section(p, "plots", "By the number of triangles");
     page_put(p, "<p>Processor time, medians. Dashed: a power law by least squares over all "
                 "sizes.</p>\n<div class=\"figures\">\n");
     put_series(p, results, phases, 2, "Reading and building", "processor milliseconds", true);
-    put_series(p, results, tracing, 2, "One sample a pixel, by one thread", "processor seconds", true);
+    put_series(p, results, tracing, 2, "One sample a pixel, by one thread", "processor milliseconds", true);
     put_series(p, results, ratio, 1, "The render phase over the bare calls", "times", false);
     page_put(p, "</div>\n");
 }

@@ -35,8 +35,9 @@ for plot in 'Reading and building' 'One sample a pixel, by one thread' 'The rend
     said growth/index.html ">$plot<"
 done
 not_said growth/index.html '<script'
-run 0 bench growth --with all.json --quiet --csv again.csv
-[ "$(grep -v '^#' all.csv)" = "$(grep -v '^#' again.csv)" ] || die 'nothing is measured, and it is not the same'
+run 0 bench growth --with all.json --quiet --json again.json
+runs() { sed -n '/"runs"/,/"fits"/p' "$1"; }
+[ "$(runs all.json)" = "$(runs again.json)" ] || die 'nothing is measured, and it is not the same'
 
 # The script: sizes over two runs, and more instanced triangles than 32 bits count.
 mkdir tmp
