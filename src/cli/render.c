@@ -116,10 +116,10 @@ static fathom_status read_scene(fathom_context *context, const render_options *o
 
 static fathom_status read_and_render(fathom_context *context, int argc, char **argv, render_options *options,
                                      double start) {
+    interrupt_install();
     fathom_status status = say_status(&command_render, context, check_outputs(context, options));
     if (status != FATHOM_OK) return status;
     fathom_image_prefetch();
-    interrupt_install();
     progress_begin(options->quiet);
     progress_phase(FATHOM_PHASE_READ);
     render_report report = {.finished = 0};

@@ -326,9 +326,9 @@ static void same_on_any_thread_count(void **state) {
     enum { W = 97, H = 301 };
     static float rgb[3 * W * H];
     for (size_t i = 0; i < 3 * W * H; ++i) rgb[i] = (float)(i * 2654435761u % 65536) / 65536;
-    const char *const files[] = {"t.exr", "t.png"};
+    const char *const files[] = {"t.exr", "t.png", "t.jpg"};
     fathom_write_options options = defaults();
-    for (size_t f = 0; f < 2; ++f) {
+    for (size_t f = 0; f < 3; ++f) {
         image_channel channels[3];
         image img = rgb_image(W, H, rgb, channels);
         const image *back[2];

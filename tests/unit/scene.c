@@ -41,7 +41,7 @@ static fathom_status add_instance(fixture *f, fathom_id group, fathom_id parent,
     return fathom_scene_add_instance(f->scene, &instance, NULL);
 }
 
-static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+static const float corners[12 + 4] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}; /* and 16 bytes past the end */
 static const uint32_t two_triangles[6] = {0, 1, 2, 2, 1, 3};
 
 static fathom_mesh small_mesh(void) {
