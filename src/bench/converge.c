@@ -142,6 +142,13 @@ static fathom_status measure(work *k) {
     return status;
 }
 
+static void keep_whole(converge_result *r) {
+    unsigned images = (unsigned)r->runs.count;
+    r->rounds = images / (r->steps * CONVERGE_PATTERNS);
+    if (!r->rounds) r->rounds = 1, r->steps = images / CONVERGE_PATTERNS;
+    r->runs.count = (size_t)r->rounds * r->steps * CONVERGE_PATTERNS;
+}
+
 fathom_status converge_measure(fathom_context *context, const bench_stage *stage,
                                const converge_options *options, converge_result *out) {
     *out = (converge_result){.rounds = options->rounds, .steps = 1};
@@ -151,7 +158,8 @@ fathom_status converge_measure(fathom_context *context, const bench_stage *stage
     for (unsigned step = 0; step < out->steps; ++step)
         k.total += (double)out->rounds * CONVERGE_PATTERNS * (1u << (2 * step));
     fathom_status status = measure(&k);
-    if (status == FATHOM_OK) converge_summarise(out);
+    if (status == FATHOM_INTERRUPTED) keep_whole(out);
+    if (out->runs.count) converge_summarise(out);
     return status;
 }
 

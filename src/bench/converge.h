@@ -85,7 +85,8 @@ const char *converge_metric_name(converge_metric metric);
 const char *converge_pattern_name(fathom_pattern pattern);
 
 /* Renders all, the patterns in turn, so that a machine that slows down slows all. The stage is built. Release
- * with converge_free() whatever comes back. */
+ * with converge_free() whatever comes back. FATHOM_INTERRUPTED keeps the rounds that are whole, or of the
+ * first one the steps that all patterns have: there are no runs when there are none of these. */
 fathom_status converge_measure(fathom_context *context, const bench_stage *stage,
                                const converge_options *options, converge_result *out);
 void converge_free(converge_result *result);

@@ -2,6 +2,7 @@
 #include "cli/bench_error.h"
 
 #include "base/clock.h"
+#include "base/status.h"
 #include "cli/bench.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
@@ -49,6 +50,17 @@ static fathom_status measure(fathom_context *context, const bench_error_settings
     return status;
 }
 
+static fathom_status tell(fathom_context *context, const bench_error_settings *asked,
+                          const bench_stage *stage, const converge_result *result, bool interrupted) {
+    if (!asked->quiet) bench_error_print(asked, stage, result);
+    json_t *root = bench_error_json(asked, stage, result);
+    if (!root) return fail_memory(context, 4096);
+    json_object_set_new(root, "interrupted", json_boolean(interrupted));
+    fathom_status status = bench_output_write(context, &asked->output, root, bench_error_csv);
+    json_decref(root);
+    return status;
+}
+
 static fathom_status bench(fathom_context *context, const bench_error_settings *asked) {
     bench_stage stage = {.scene = NULL};
     converge_result result = {.rounds = 0};
@@ -57,12 +69,14 @@ static fathom_status bench(fathom_context *context, const bench_error_settings *
     if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
     if (status == FATHOM_OK) status = open_stage(context, asked, &stage);
     if (status == FATHOM_OK) status = measure(context, asked, &stage, &result);
-    if (status == FATHOM_OK) {
-        if (!asked->quiet) bench_error_print(asked, &stage, &result);
-        json_t *root = bench_error_json(asked, &stage, &result);
-        status = root ? bench_output_write(context, &asked->output, root, bench_error_csv)
-                      : fail_memory(context, 4096);
-        json_decref(root);
+    if (status == FATHOM_OK) status = tell(context, asked, &stage, &result, false);
+    if (status == FATHOM_INTERRUPTED && result.runs.count) {
+        status = tell(context, asked, &stage, &result, true);
+        if (status == FATHOM_OK) {
+            status = fail(context, FATHOM_INTERRUPTED,
+                          "interrupted; what is told is of %u of %u seeds, to %u samples a pixel",
+                          result.rounds, asked->seeds, 1u << (2 * (result.steps - 1)));
+        }
     }
     converge_free(&result);
     stage_close(&stage);
@@ -121,7 +135,9 @@ const command command_bench_error = {
             "is a least-squares fit of ln error over ln seconds for each seed, and the mean\n"
             "of all, give or take Student's t s / sqrt(n); the grid has no seed, so that its\n"
             "interval is of times alone. Tables go by CPU time, of all threads together: on\n"
-            "a shared machine it says more than the clock.\n",
+            "a shared machine it says more than the clock.\n"
+            "Ctrl-C stops; seeds that are whole, or of the first the samples that all\n"
+            "patterns have, are told and written, and the exit code is 5.\n",
     .examples = "  fathom bench error scenes/example.json --size 480x270 --report results\n"
                 "  fathom bench error forest.glb --seeds 5 --max-spp 256 --csv forest.csv\n",
     .args = {options, operands, operand_offsets, 1},

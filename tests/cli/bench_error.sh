@@ -47,6 +47,20 @@ errors two.csv >two.txt
 [ -s one.txt ] || die 'no rows'
 cmp -s one.txt two.txt || die 'errors depend on threads or tracer'
 
+# Ctrl-C keeps what all patterns have, and says so. The first samples are there in no time, the last ones never.
+code=0
+timeout --foreground --preserve-status -s INT 6 "$FATHOM" bench error scene.json --size 16x16 --max-spp 65536 --seeds 100 \
+    --reference-spp 16 --json i.json --csv i.csv >out.txt 2>err.txt || code=$?
+[ $code -eq 5 ] || die "exit code $code, expected 5"
+said err.txt 'interrupted; what is told is of '
+said out.txt 'medians and geometric means of '
+said i.json '"interrupted": true'
+said e.json '"interrupted": false'
+for pattern in grid stratified sobol; do
+    [ "$(grep -c "^$pattern," i.csv)" -eq "$(grep -c '^grid,' i.csv)" ] || die 'patterns of different length'
+done
+[ "$(grep -c '^grid,' i.csv)" -ge 1 ] || die 'no rows'
+
 # A reference that is no better than the images: marked, and in no table.
 run 0 bench error scene.json --size 32x32 --max-spp 16 --seeds 1 --reference-spp 1
 said out.txt '* closer to the reference than its halves are'
