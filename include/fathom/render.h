@@ -56,17 +56,18 @@ typedef struct fathom_settings {
     uint64_t seed;          /* of the stratified and Sobol patterns; default 0 */
     uint32_t crop[4];       /* x0 y0 x1 y1, half open, row 0 at the top; all 0 (default): the whole image */
     /* Sampling to an error: pixels get samples until the estimated error of each tile of 32 × 32 pixels is at
-     * most this, or they have `spp`. The error is the root of the mean, over the tile's pixels and channels,
-     * of the squared standard error of the linear radiance over √max(I, 0.01), I < 1, or over I, the pixel's
-     * mean of R, G and B: the unit of Cycles' noise threshold. 0.01 is 1.3 of 255 display levels. Needs the
-     * pattern Sobol. Which samples are taken depends on samples alone. 0 (default): off */
+     * most this, and beyond it while few samples take off much of the error, or until they have `spp`. The
+     * error is the root of the mean, over the tile's pixels and channels, of the squared standard error of
+     * the linear radiance over √max(I, 0.01), I < 1, or over I, the pixel's mean of R, G and B: the unit of
+     * Cycles' noise threshold. 0.01 is 1.3 of 255 display levels. Needs the pattern Sobol. Which samples are
+     * taken depends on samples alone. 0 (default): off */
     double target_error;
-    /* Seconds from the call of fathom_render() to its return, building included: the samples go where the
-     * estimated error is largest, until the time is up or target_error is reached. FATHOM_BAD_USAGE when it
-     * is too short for one sample of each pixel. Needs the pattern Sobol. 0 (default): off */
+    /* Seconds from the call of fathom_render() to its return, building included: the samples go where they
+     * lower the error of the image most, until the time is up or target_error is reached. FATHOM_BAD_USAGE
+     * when it is too short for one sample of each pixel. Needs the pattern Sobol. 0 (default): off */
     double max_time;
     uint32_t min_spp;   /* samples that each pixel gets before an error is trusted: a power of two, at least 4
-                           and at most spp; 0 (default): 8, or spp when that is less */
+                           and at most spp; 0 (default): 4 */
     uint32_t max_depth; /* mirrored and refracted bounces, [0, 64]; default 8 */
     float min_weight;   /* a path ends when its weight can change no channel by more; default 1/65536 */
     /* Shadow rays are left out whose light would hardly be seen: no channel of a pixel loses more than

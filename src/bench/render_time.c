@@ -33,7 +33,7 @@ static fathom_status render_once(const bench *b, const trace_tracer *tracer, con
     double began = clock_seconds(), cpu = clock_process_seconds();
     job_result result = {.samples = 0};
     if (status == FATHOM_OK)
-        status = job_run(b->context, plan, began + settings->max_time, film, NULL, NULL, &result);
+        status = job_run(b->context, plan, began + settings->max_time, NULL, film, NULL, NULL, &result);
     out->rays = result.rays;
     out->seconds = clock_seconds() - began;
     out->cpu = clock_process_seconds() - cpu;

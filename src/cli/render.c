@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "image/image.h"
+#include "render/render.h"
 #include "scene/scene.h"
 
 static fathom_status check_outputs(fathom_context *context, const render_options *options) {
@@ -93,7 +94,10 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     fathom_status status = time_left(context, clock_seconds() - start, options);
     if (status != FATHOM_OK) return say_status(&command_render, context, status);
     fathom_film *film;
-    status = fathom_render(context, scene, &options->settings, on_progress, report, &report->stats, &film);
+    const time_outputs outputs = {context, options};
+    const job_reserve writing = time_to_write(&outputs);
+    status = render_to_time(context, scene, &options->settings, &writing, on_progress, report, &report->stats,
+                            &film);
     /* What no reader could see: how the scene's parts fit together. */
     if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", options->scene);
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED)

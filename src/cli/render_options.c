@@ -214,9 +214,9 @@ const args_option render_option_table[] = {
      "noise "
      "threshold; 0.01 is about 1 of 255 display levels"},
     {"max-time", 0, "SECONDS", take_above_zero, FIELD(max_time), 0, 1e9,
-     "what the whole command takes, reading to writing; samples go where the estimated error is largest"},
+     "what the whole command takes, reading to writing; samples go where they lower the error most"},
     {"min-spp", 0, "N", take_min_spp, 0, 4, 65536,
-     "samples of each pixel before an error is trusted, a power of two (8); --spp is then the most, a power "
+     "samples of each pixel before an error is trusted, a power of two (4); --spp is then the most, a power "
      "of "
      "two (65536)"},
 

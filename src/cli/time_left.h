@@ -3,12 +3,18 @@
 #define CLI_TIME_LEFT_H
 
 #include "cli/render_options.h"
+#include "render/job.h"
 
-/* Seconds that writing the outputs is expected to take. */
-double time_to_write(const render_options *options);
-
-/* Sets settings.max_time to what is left, at `elapsed` seconds after the start, when the writing is taken
- * off. FATHOM_BAD_USAGE when nothing is. Does nothing without --max-time. */
+/* Sets settings.max_time to what is left at `elapsed` seconds after the start, for rendering and writing.
+ * FATHOM_BAD_USAGE when nothing is. Does nothing without --max-time. */
 fathom_status time_left(fathom_context *context, double elapsed, render_options *options);
+
+typedef struct time_outputs {
+    fathom_context *context;
+    const render_options *options;
+} time_outputs;
+
+/* What writing the outputs takes; outputs must outlive it. */
+job_reserve time_to_write(const time_outputs *outputs);
 
 #endif

@@ -54,6 +54,10 @@ typedef struct image {
 fathom_status image_write(fathom_context *context, const image *img, const char *path,
                           const fathom_write_options *options);
 
+/* As image_write(), into a file that is removed again: to see how long that takes. */
+fathom_status image_rehearse(fathom_context *context, const image *img, const char *path,
+                             const fathom_write_options *options);
+
 /* Checks path and options as image_write() would, before anything is rendered for them: the extension, that
  * the folder exists and can be written to, that the module is there. Loads OpenColorIO only when the format
  * needs it and a display, view or config ($OCIO counts) was named. */

@@ -96,7 +96,7 @@ typedef struct writing {
     image_storage *storage;
     image_packing packing;
     image_view *view;
-    bool srgb;
+    bool srgb, rehearsal;
     unsigned threads;
 
     size_t chunk;           /* rows handed over at once */
@@ -264,7 +264,7 @@ static fathom_status write_file(writing *w) {
     if (status == FATHOM_OK) status = file_writer_open(w->context, w->path, &file);
     if (status == FATHOM_OK) {
         status = write_to(w, file_writer_descriptor(file));
-        if (status == FATHOM_OK)
+        if (status == FATHOM_OK && !w->rehearsal)
             status = file_writer_commit(file);
         else
             file_writer_abort(file);
@@ -285,9 +285,10 @@ static fathom_status check_image(fathom_context *context, const image *img, cons
     return FATHOM_OK;
 }
 
-fathom_status image_write(fathom_context *context, const image *img, const char *path,
-                          const fathom_write_options *options) {
-    writing w = {.context = context, .path = path, .threads = fathom_context_threads(context)};
+static fathom_status write_image(fathom_context *context, const image *img, const char *path,
+                                 const fathom_write_options *options, bool rehearsal) {
+    writing w = {
+        .context = context, .path = path, .threads = fathom_context_threads(context), .rehearsal = rehearsal};
     fathom_status status = find_format(context, path, &w.format);
     if (status == FATHOM_OK) status = check_exposure(context, options);
     if (status == FATHOM_OK) status = check_image(context, img, path, w.format);
@@ -305,4 +306,14 @@ fathom_status image_write(fathom_context *context, const image *img, const char 
     if (w.view) w.module->view_close(w.view);
     free(w.channels), free(w.storage);
     return status;
+}
+
+fathom_status image_write(fathom_context *context, const image *img, const char *path,
+                          const fathom_write_options *options) {
+    return write_image(context, img, path, options, false);
+}
+
+fathom_status image_rehearse(fathom_context *context, const image *img, const char *path,
+                             const fathom_write_options *options) {
+    return write_image(context, img, path, options, true);
 }

@@ -26,8 +26,9 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
     pixel_sums_clear(&a->sums);
     memset(a->done, 0, sizeof a->done);
     memset(a->taken, 0, sizeof a->taken);
+    memset(a->rays, 0, sizeof a->rays);
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->square_error[s] = INFINITY;
-    a->error = INFINITY;
+    a->error = a->worth = INFINITY;
 }
 
 /* ---- squares ---- */
@@ -53,26 +54,27 @@ static double weight_of(double grey) {
     return 1 / norm;
 }
 
-static double pixel_error(const adaptive_wave *a, uint32_t slot, uint32_t samples) {
-    double variance = 0, grey = 0;
-    const double quarter = 4.0 / samples;
-    for (int c = 0; c < 3; ++c) {
-        double sum = a->sums.rgb[c][slot], mean = sum / samples, before = 0;
-        for (int k = 0; k < 4; ++k) {
-            double upto = k < 3 ? a->parts[k][c][slot] : sum, d = (upto - before) * quarter - mean;
-            variance += d * d / 12;
-            before = upto;
-        }
-        grey += mean / 3;
+/* Of the lanes of one channel: the variance of their means, and their part of the grey. */
+static void add_channel(const adaptive_wave *a, int c, uint32_t first, double scale, double variance[LANES],
+                        double grey[LANES]) {
+    const double *restrict p0 = a->parts[0][c] + first, *restrict p1 = a->parts[1][c] + first;
+    const double *restrict p2 = a->parts[2][c] + first, *restrict sum = a->sums.rgb[c] + first;
+    const double quarter = 4 * scale;
+    for (int k = 0; k < LANES; ++k) {
+        double mean = sum[k] * scale;
+        double d0 = p0[k] * quarter - mean, d1 = (p1[k] - p0[k]) * quarter - mean;
+        double d2 = (p2[k] - p1[k]) * quarter - mean, d3 = (sum[k] - p2[k]) * quarter - mean;
+        variance[k] += (d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) / 12;
+        grey[k] += mean / 3;
     }
-    return variance / 3 * weight_of(grey) + rounding;
 }
 
 static double square_error(const adaptive_wave *a, uint32_t s) {
-    double sum = 0;
+    double variance[LANES] = {0}, grey[LANES] = {0}, sum = 0;
     if (a->done[s] < 4) return INFINITY;
+    for (int c = 0; c < 3; ++c) add_channel(a, c, s * LANES, 1.0 / a->done[s], variance, grey);
     for (uint32_t k = 0; k < LANES; ++k) {
-        if (in_image(a, s, k)) sum += pixel_error(a, s * LANES + k, a->done[s]);
+        if (in_image(a, s, k)) sum += variance[k] / 3 * weight_of(grey[k]) + rounding;
     }
     return sum;
 }
@@ -83,6 +85,75 @@ static double wave_error(const adaptive_wave *a) {
     return sqrt(sum / ((a->region.x1 - a->region.x0) * (a->region.y1 - a->region.y0)));
 }
 
+static double square_worth(const adaptive_wave *a, uint32_t s) {
+    return a->square_error[s] / (double)a->rays[s];
+}
+
+/* ---- which squares ---- */
+
+/* Of the best worth, what goes on beside it: doubling takes off half of the squared error and doubles the
+ * rays, so that these would else be the best ones of the next pass or the one after it. */
+#define NEAR_BEST 0.5
+
+adaptive_goal adaptive_goal_of(double target) {
+    return (adaptive_goal){target, target * target / ADAPTIVE_USUAL_RAYS};
+}
+
+static uint32_t least_samples(const fathom_settings *settings) {
+    return settings->min_spp ? settings->min_spp : ADAPTIVE_MIN_SPP;
+}
+
+static bool may_grow(const adaptive_wave *a, const fathom_settings *settings, uint32_t s) {
+    return square_pixels(a, s) && a->done[s] < settings->spp;
+}
+
+static double best_worth(const adaptive_wave *a, const fathom_settings *settings) {
+    double best = 0;
+    if (a->done[0] < least_samples(settings)) return INFINITY;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
+        if (may_grow(a, settings, s)) best = fmax(best, square_worth(a, s));
+    }
+    return best;
+}
+
+/* What most samples of a square lead to after doubling those above this worth; 0 when there are none. A worth
+ * that is no number is not small. */
+static uint32_t choose_above(const adaptive_wave *a, const fathom_settings *settings, double worth,
+                             bool chosen[WAVE_SQUARES]) {
+    uint32_t most = 0;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
+        chosen[s] = may_grow(a, settings, s) && !(square_worth(a, s) < worth);
+        if (chosen[s]) most = maximum(most, 2 * a->done[s]);
+    }
+    return most;
+}
+
+static void choose_laggards(const adaptive_wave *a, const fathom_settings *settings, uint32_t most,
+                            bool chosen[WAVE_SQUARES]) {
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
+        if (may_grow(a, settings, s) && ADAPTIVE_SPREAD * a->done[s] < most) chosen[s] = true;
+    }
+}
+
+static void choose(const adaptive_wave *a, const fathom_settings *settings, const adaptive_goal *goal,
+                   bool chosen[WAVE_SQUARES]) {
+    if (a->done[0] < least_samples(settings)) {
+        for (uint32_t s = 0; s < WAVE_SQUARES; ++s) chosen[s] = square_pixels(a, s) > 0;
+        return;
+    }
+    uint32_t most = choose_above(a, settings, goal->worth, chosen);
+    if (!most && !(a->error <= goal->error)) most = choose_above(a, settings, NEAR_BEST * a->worth, chosen);
+    if (most) choose_laggards(a, settings, most, chosen);
+}
+
+static uint32_t list_chosen(const bool chosen[WAVE_SQUARES], uint8_t out[WAVE_SQUARES]) {
+    uint32_t count = 0;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
+        if (chosen[s]) out[count++] = (uint8_t)s;
+    }
+    return count;
+}
+
 /* ---- a pass ---- */
 
 typedef struct pass {
@@ -91,29 +162,8 @@ typedef struct pass {
     adaptive_limit *limit;
     wave_batch batch;
     uint8_t square[WAVE_SQUARES]; /* of the wave, by place in the batch */
+    uint32_t rays[WAVE_SQUARES];  /* by place in the batch */
 } pass;
-
-static uint32_t least_samples(const fathom_settings *settings) {
-    return settings->min_spp ? settings->min_spp : minimum(ADAPTIVE_MIN_SPP, settings->spp);
-}
-
-/* An error that is no number is not small. */
-static bool wants_samples(const adaptive_wave *a, const fathom_settings *settings, double target,
-                          uint32_t s) {
-    uint32_t pixels = square_pixels(a, s), done = a->done[s];
-    if (!pixels || done >= settings->spp) return false;
-    return done < least_samples(settings) || !(a->square_error[s] <= target * target * pixels);
-}
-
-static uint32_t choose(const adaptive_wave *a, const fathom_settings *settings, double target,
-                       uint8_t out[WAVE_SQUARES]) {
-    uint32_t count = 0;
-    if (a->done[0] >= least_samples(settings) && a->error <= target) return 0;
-    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        if (wants_samples(a, settings, target, s)) out[count++] = (uint8_t)s;
-    }
-    return count;
-}
 
 static void copy_sums(adaptive_wave *a, int part, uint32_t s) {
     for (int c = 0; c < 3; ++c)
@@ -145,6 +195,7 @@ static void add_square(pass *p, uint32_t place) {
         p->wave->plan->blocks->add_samples(p->wave->radiance[c] + place * LANES, LANES,
                                            a->sums.rgb[c] + s * LANES);
     if (a->sums.hits) add_hits(p, place);
+    a->rays[s] += p->rays[place];
     ++a->taken[s];
 }
 
@@ -185,13 +236,18 @@ static adaptive_result take_samples(pass *p, const uint8_t *squares, uint32_t co
     return result == ADAPTIVE_PASSED && p->batch.count ? run_batch(p) : result;
 }
 
-adaptive_result adaptive_pass(wave *w, double target, adaptive_limit *limit, adaptive_wave *a) {
+adaptive_result adaptive_pass(wave *w, const adaptive_goal *goal, adaptive_limit *limit, adaptive_wave *a) {
+    bool chosen[WAVE_SQUARES];
     uint8_t squares[WAVE_SQUARES];
-    uint32_t count = choose(a, &w->plan->settings, target, squares);
+    const fathom_settings *settings = &w->plan->settings;
+    choose(a, settings, goal, chosen);
+    uint32_t count = list_chosen(chosen, squares);
     if (!count) return ADAPTIVE_FINISHED;
     pass p = {.wave = w, .a = a, .limit = limit};
     for (uint32_t i = 0; i < count; ++i) begin_square(a, squares[i]);
+    w->square_rays = p.rays;
     adaptive_result result = take_samples(&p, squares, count);
+    w->square_rays = NULL;
     if (result != ADAPTIVE_PASSED) return result;
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t s = squares[i];
@@ -199,6 +255,7 @@ adaptive_result adaptive_pass(wave *w, double target, adaptive_limit *limit, ada
         a->square_error[s] = square_error(a, s);
     }
     a->error = wave_error(a);
+    a->worth = best_worth(a, settings);
     return ADAPTIVE_PASSED;
 }
 

@@ -32,6 +32,18 @@ struct fathom_film {
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out);
 
+typedef struct film_outputs {
+    const char *const *paths;
+    size_t count;
+    const fathom_write_options *options;
+} film_outputs;
+
+/* Seconds that writing the film to these files will take: a part of it is written for that, and thrown away;
+ * the more, the more seconds are allowed for it. What cannot be written takes no time: fathom_film_write()
+ * will say why. */
+double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
+                          double allowed);
+
 /* Of its pixels. */
 uint64_t film_bytes(const fathom_film *film);
 

@@ -1,7 +1,11 @@
 /* The film to an image file, with what it was made from in the header. */
+#include "base/clock.h"
 #include "image/image.h"
 #include "render/film.h"
 #include "trace/trace.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 void fathom_write_options_default(fathom_write_options *options) {
     *options = (fathom_write_options){.exposure = 0};
@@ -13,8 +17,11 @@ void fathom_image_prefetch(void) {
     image_prefetch();
 }
 
-fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
-                                const fathom_write_options *options) {
+typedef fathom_status (*write_call)(fathom_context *context, const image *img, const char *path,
+                                    const fathom_write_options *options);
+
+static fathom_status write_film(fathom_context *context, const fathom_film *film, const char *path,
+                                const fathom_write_options *options, write_call call) {
     image_channel channels[FILM_CHANNELS];
     for (uint32_t i = 0; i < film->channel_count; ++i) {
         const film_channel *c = &film->channels[i];
@@ -58,5 +65,72 @@ fathom_status fathom_film_write(fathom_context *context, const fathom_film *film
                        .channel_count = film->channel_count,
                        .attributes = attributes,
                        .attribute_count = sizeof attributes / sizeof *attributes - !estimated};
-    return image_write(context, &img, path, options);
+    return call(context, &img, path, options);
+}
+
+fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
+                                const fathom_write_options *options) {
+    return write_film(context, film, path, options, image_write);
+}
+
+/* ---- how long it takes ---- */
+
+/* Rows that EXR compresses together. */
+#define GROUP 16u
+
+/* Of all groups, one in so many is rehearsed at least. */
+#define SHARE 8u
+
+static void strip_destroy(fathom_film *strip) {
+    for (uint32_t i = 0; i < strip->channel_count; ++i) free(strip->channels[i].data);
+}
+
+/* Groups of rows from all over the film, as a film of their own as far as writing goes. */
+static bool strip_create(const fathom_film *film, uint32_t groups, fathom_film *out) {
+    const size_t bytes = (size_t)GROUP * film->width * sizeof(float), all = film->height / GROUP;
+    *out = *film;
+    out->height = out->full_height = groups * GROUP, out->y = 0;
+    for (out->channel_count = 0; out->channel_count < film->channel_count; ++out->channel_count) {
+        char *to = malloc(groups * bytes);
+        if (!to) return false;
+        for (size_t g = 0; g < groups; ++g) {
+            const char *from = film->channels[out->channel_count].data;
+            memcpy(to + g * bytes, from + g * all / groups * bytes, bytes);
+        }
+        out->channels[out->channel_count].data = to;
+    }
+    return true;
+}
+
+static double rehearse(fathom_context *context, const fathom_film *film, uint32_t groups,
+                       const film_outputs *outputs) {
+    fathom_film strip;
+    double seconds = 0;
+    if (strip_create(film, groups, &strip)) {
+        double began = clock_seconds();
+        for (size_t i = 0; i < outputs->count; ++i)
+            write_film(context, &strip, outputs->paths[i], outputs->options, image_rehearse);
+        seconds = clock_seconds() - began;
+    }
+    strip_destroy(&strip);
+    return seconds;
+}
+
+static uint32_t at_most(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+/* What a file takes however small it is, and what each group of rows does, by two sizes: the larger one as
+ * large as the time for it allows. The first write of all loads what the later ones find there. */
+double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
+                          double allowed) {
+    const uint32_t all = film->height / GROUP;
+    if (all < 2) return 0; /* no time to speak of */
+    rehearse(context, film, 1, outputs);
+    double one = rehearse(context, film, 1, outputs), more, spent = 0;
+    uint32_t groups, next = all / SHARE > 2 ? all / SHARE : 2;
+    do {
+        groups = next, next = at_most(2 * groups, all);
+        more = rehearse(context, film, groups, outputs);
+        spent += more;
+    } while (groups < all && spent + 2 * more < allowed);
+    return one + fmax(more - one, 0) / (groups - 1) * ((double)film->height / GROUP - 1);
 }

@@ -68,11 +68,12 @@ static bool render_evenly(job *j, worker *self, const wave_region *region) {
 /* ---- to an error ---- */
 
 static bool render_to_error(job *j, worker *self, const wave_region *region) {
+    const adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
     adaptive_result result;
     adaptive_begin(j->plan, region->left, region->top, self->adaptive);
     do {
         const ray_counts before = self->wave.rays;
-        result = adaptive_pass(&self->wave, j->plan->settings.target_error, NULL, self->adaptive);
+        result = adaptive_pass(&self->wave, &goal, NULL, self->adaptive);
         job_count_rays(j, &self->wave, &before);
     } while (result == ADAPTIVE_PASSED);
     if (result != ADAPTIVE_FINISHED) return false;
@@ -151,7 +152,6 @@ worker *job_worker(job *j, unsigned index) {
     worker *self = &j->workers[index];
     if (atomic_load(&j->stop)) return NULL;
     if (self->ready) return self;
-    self->limit.deadline = j->deadline;
     self->ready = wave_create(j->plan, &j->stop, &self->wave);
     if (self->ready && make_sums(j, self)) return self;
     atomic_store(&j->failed, true);
@@ -198,7 +198,8 @@ static void run(void *user) {
 /* ---- the whole ---- */
 
 static double fraction_done(const job *j, double now) {
-    if (j->deadline > 0) return fmin(fmax((now - j->began) / (j->deadline - j->began), 0), 1);
+    double deadline = atomic_load(&j->deadline);
+    if (deadline > 0) return fmin(fmax((now - j->began) / (deadline - j->began), 0), 1);
     return (double)atomic_load(&j->pixels_done) / ((double)j->film->width * (double)j->film->height);
 }
 
@@ -232,20 +233,24 @@ static fathom_status job_status(fathom_context *context, const job *j) {
                     "out of memory while rendering; lower the depth limit or the threads");
     }
     if (j->interrupted) return fail(context, FATHOM_INTERRUPTED, "stopped; what was finished is kept");
-    if (!j->too_short) return FATHOM_OK;
+    if (!(j->sampled < 1)) return FATHOM_OK;
     return fail(context, FATHOM_BAD_USAGE,
-                "max time: too short: it ended before each pixel had a sample; give more time, or render a "
-                "smaller image");
+                "max time: too short: it ended when %.0f %% of the image had its first sample; give more "
+                "time, or render a smaller image",
+                floor(100 * j->sampled));
 }
 
-fathom_status job_run(fathom_context *context, const render_plan *plan, double deadline, fathom_film *film,
-                      fathom_progress_fn progress, void *user, job_result *out) {
+fathom_status job_run(fathom_context *context, const render_plan *plan, double deadline,
+                      const job_reserve *reserve, fathom_film *film, fathom_progress_fn progress, void *user,
+                      job_result *out) {
     job j = {.plan = plan,
              .film = film,
              .threads = fathom_context_threads(context),
              .progress = progress,
              .progress_user = user,
              .began = clock_seconds(),
+             .reserve = reserve,
+             .sampled = 1,
              .deadline = plan->settings.max_time > 0 ? deadline : 0};
     fathom_status status = check_memory(context, &j);
     if (status != FATHOM_OK) return status;

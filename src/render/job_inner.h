@@ -25,9 +25,12 @@ typedef struct job {
     job_result result;
     fathom_progress_fn progress; /* these, on the calling thread alone */
     void *progress_user;
-    double began, deadline; /* of clock_seconds(); 0: none */
-    atomic_bool complete;   /* nothing is left to stop */
-    bool interrupted, too_short;
+    double began;               /* of clock_seconds(), as the next: */
+    _Atomic double deadline;    /* 0: none. What has to be reserved comes off it on the way */
+    const job_reserve *reserve; /* may be NULL */
+    atomic_bool complete;       /* nothing is left to stop */
+    bool interrupted;
+    double sampled; /* part of the waves that have samples, when time ended before all had */
     unsigned threads;
 } job;
 

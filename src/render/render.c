@@ -120,7 +120,8 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
 
 static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
                                   const fathom_settings *settings, double deadline,
-                                  fathom_progress_fn progress, void *user, fathom_film *film) {
+                                  const job_reserve *reserve, fathom_progress_fn progress, void *user,
+                                  fathom_film *film) {
     render_plan *plan;
     double began = clock_seconds();
     fathom_status status = plan_create(context, w, tracer, settings, &plan);
@@ -133,7 +134,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     }
     job_result result = {.samples = 0};
     began = clock_seconds();
-    status = job_run(context, plan, deadline, film, progress, user, &result);
+    status = job_run(context, plan, deadline, reserve, film, progress, user, &result);
     plan_destroy(plan);
     film->stats.render_seconds = clock_seconds() - began;
     film->stats.camera_rays = result.rays.camera;
@@ -148,12 +149,18 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     return status;
 }
 
+/* What only callers beside this module ask for. */
+typedef struct render_extra {
+    const vec3_f64 *origin;     /* NULL: near the view */
+    const job_reserve *reserve; /* NULL: nothing */
+} render_extra;
+
 static fathom_status render_film(fathom_context *context, const fathom_scene *scene,
-                                 const fathom_settings *settings, const vec3_f64 *origin,
+                                 const fathom_settings *settings, const render_extra *extra,
                                  fathom_progress_fn progress, void *user, fathom_film *film) {
     double began = clock_seconds();
     world *w;
-    fathom_status status = world_create_from(scene, origin, &w);
+    fathom_status status = world_create_from(scene, extra->origin, &w);
     if (status != FATHOM_OK) return status;
     status = world_check(w);
     if (status == FATHOM_OK && w->degenerate_triangles) {
@@ -169,7 +176,8 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
     film->stats.build_seconds = clock_seconds() - began;
     if (status == FATHOM_OK) status = count_scene(w, tracer, film, &film->stats);
     if (status == FATHOM_OK) {
-        status = render_world(context, w, tracer, settings, began + settings->max_time, progress, user, film);
+        status = render_world(context, w, tracer, settings, began + settings->max_time, extra->reserve,
+                              progress, user, film);
     }
     trace_destroy(tracer);
     world_destroy(w);
@@ -177,7 +185,7 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
 }
 
 static fathom_status render(fathom_context *context, const fathom_scene *scene,
-                            const fathom_settings *settings, const vec3_f64 *origin,
+                            const fathom_settings *settings, const render_extra *extra,
                             fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out) {
     *out = NULL;
     if (stats) *stats = (fathom_stats){0};
@@ -190,7 +198,7 @@ static fathom_status render(fathom_context *context, const fathom_scene *scene,
     fathom_film *film;
     status = film_create(context, scene, settings, &film);
     if (status != FATHOM_OK) return status;
-    status = render_film(context, scene, settings, origin, progress, user, film);
+    status = render_film(context, scene, settings, extra, progress, user, film);
     if (stats) *stats = film->stats;
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
         fathom_film_destroy(film);
@@ -203,11 +211,21 @@ static fathom_status render(fathom_context *context, const fathom_scene *scene,
 fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
                             const fathom_settings *settings, fathom_progress_fn progress, void *user,
                             fathom_stats *stats, fathom_film **out) {
-    return render(context, scene, settings, NULL, progress, user, stats, out);
+    const render_extra none = {.origin = NULL};
+    return render(context, scene, settings, &none, progress, user, stats, out);
 }
 
 fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const vec3_f64 *origin, fathom_progress_fn progress, void *user,
                           fathom_film **out) {
-    return render(context, scene, settings, origin, progress, user, NULL, out);
+    const render_extra extra = {.origin = origin};
+    return render(context, scene, settings, &extra, progress, user, NULL, out);
+}
+
+fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
+                             const fathom_settings *settings, const job_reserve *reserve,
+                             fathom_progress_fn progress, void *user, fathom_stats *stats,
+                             fathom_film **out) {
+    const render_extra extra = {.reserve = reserve};
+    return render(context, scene, settings, &extra, progress, user, stats, out);
 }

@@ -2,6 +2,7 @@
 #ifndef RENDER_RENDER_H
 #define RENDER_RENDER_H
 
+#include "render/job.h"
 #include "scene/world.h"
 
 #include <fathom/render.h>
@@ -10,5 +11,10 @@
  * what would be lost if they were not counted from near the view. */
 fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const vec3_f64 *origin, fathom_progress_fn progress, void *user, fathom_film **out);
+
+/* fathom_render() of settings with a max_time, some of which is left for what follows. */
+fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
+                             const fathom_settings *settings, const job_reserve *reserve,
+                             fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out);
 
 #endif

@@ -1,8 +1,8 @@
 /* Rendering to a time. All waves are kept, and rounds go over them: first one sample for each pixel, then
- * twice as many until errors are known, then a pass for the waves that are worst. A round that the deadline
- * cuts leaves no wave more than a pass behind, and the clock is looked at before each batch of rays: nothing
- * that was sampled is thrown away. Which samples are taken depends on the clock, what each of them is does
- * not. */
+ * twice as many until errors are known, then a pass for the squares where a ray is worth most, wherever they
+ * are (adaptive.h): that leaves the least squared error for the time. The clock is looked at before each
+ * batch of rays: nothing that was sampled is thrown away. Which samples are taken depends on the clock, what
+ * each of them is does not. */
 #include "render/job_inner.h"
 
 #include "base/clock.h"
@@ -10,16 +10,16 @@
 
 #include <stdlib.h>
 
-/* Twice the samples lower an error by √2 at least: waves within this of the worst would else be the worst
- * ones after the next pass. */
-#define NEAR_WORST 0.7
+/* Of the best worth, what a round takes: squares within this of it would else be the best ones of the next
+ * round or the one after it. */
+#define NEAR_BEST 0.5
 
 /* Waves of a round for each thread, at least: the end of a round, where threads wait for the last one, stays
  * a small part of it. */
 #define WAVES_FOR_THREAD 16u
 
 typedef struct ranked {
-    double error;
+    double worth;
     uint32_t shuffle, wave;
 } ranked;
 
@@ -29,6 +29,7 @@ typedef struct timed {
     bool *finished;
     ranked *order;
     size_t count, round; /* waves; of them in this round */
+    double limit;        /* worth of the squares of this round, at least, in waves that have such */
     uint32_t first_x, first_y, across;
     atomic_bool cut;
 } timed;
@@ -42,10 +43,10 @@ size_t timed_bytes(const fathom_film *film, bool hits) {
     return count * (sizeof(adaptive_wave) + (hits ? sizeof(hit_sums) : 0));
 }
 
-/* Worst first; in an order without a pattern where nothing is known. */
-static int by_error(const void *a, const void *b) {
+/* Best first; in an order without a pattern where nothing is known. */
+static int by_worth(const void *a, const void *b) {
     const ranked *x = a, *y = b;
-    if (x->error != y->error) return x->error > y->error ? -1 : 1;
+    if (x->worth != y->worth) return x->worth > y->worth ? -1 : 1;
     return x->shuffle < y->shuffle ? -1 : x->shuffle > y->shuffle;
 }
 
@@ -54,15 +55,16 @@ static void choose_round(timed *t) {
     size_t count = 0;
     for (uint32_t i = 0; i < t->count; ++i) {
         if (t->finished[i]) continue;
-        double error = t->waves[i] ? t->waves[i]->error : (double)INFINITY;
-        t->order[count++] = (ranked){error, i * 0x9e3779b1u, i};
+        double worth = t->waves[i] ? t->waves[i]->worth : (double)INFINITY;
+        if (!(worth > 0)) continue; /* it has all its samples */
+        t->order[count++] = (ranked){worth, i * 0x9e3779b1u, i};
     }
-    qsort(t->order, count, sizeof *t->order, by_error);
+    qsort(t->order, count, sizeof *t->order, by_worth);
     size_t least = WAVES_FOR_THREAD * t->job->threads;
-    double limit = count ? NEAR_WORST * t->order[0].error : 0;
-    bool unknown = isinf(limit);
+    t->limit = count ? NEAR_BEST * t->order[0].worth : 0;
+    bool unknown = isinf(t->limit);
     for (t->round = 0; t->round < count; ++t->round) {
-        if (t->order[t->round].error < limit && (unknown || t->round >= least)) break;
+        if (t->order[t->round].worth < t->limit && (unknown || t->round >= least)) break;
     }
 }
 
@@ -78,7 +80,6 @@ static bool make_wave(timed *t, uint32_t i) {
     return true;
 }
 
-/* Squares of a wave that are near its own error get the samples, down to the target. */
 static void run_pass(timed *t, worker *self, uint32_t i) {
     job *j = t->job;
     if (!t->waves[i] && !make_wave(t, i)) {
@@ -87,10 +88,11 @@ static void run_pass(timed *t, worker *self, uint32_t i) {
         return;
     }
     adaptive_wave *a = t->waves[i];
-    double target = j->plan->settings.target_error;
-    if (isfinite(a->error) && a->error > target) target = fmax(target, NEAR_WORST * a->error);
+    self->limit.deadline = atomic_load(&j->deadline);
+    adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
+    goal.worth = fmax(goal.worth, a->worth < t->limit ? NEAR_BEST * a->worth : t->limit);
     const ray_counts before = self->wave.rays;
-    switch (adaptive_pass(&self->wave, target, &self->limit, a)) {
+    switch (adaptive_pass(&self->wave, &goal, &self->limit, a)) {
     case ADAPTIVE_PASSED: break;
     case ADAPTIVE_FINISHED: t->finished[i] = true; break;
     case ADAPTIVE_CUT: atomic_store(&t->cut, true); break;
@@ -110,27 +112,46 @@ static void run_round(void *user, size_t begin, size_t end, unsigned index) {
     trace_thread_end(state);
 }
 
+/* Returns the samples that the film's pixels are the means of. */
+static uint64_t store_waves(const timed *t) {
+    uint64_t samples = 0;
+    for (size_t i = 0; i < t->count; ++i) {
+        if (t->waves[i]) samples += adaptive_store(t->waves[i], t->job->film);
+    }
+    return samples;
+}
+
+/* Storing the waves is among what comes after the deadline. */
+static void reserve_time(timed *t) {
+    job *j = t->job;
+    double began = clock_seconds();
+    store_waves(t);
+    double stored = clock_seconds(), deadline = atomic_load(&j->deadline);
+    double after = j->reserve->seconds(j->reserve->user, j->film, deadline - stored);
+    /* A time that is up stays a time. */
+    atomic_store(&j->deadline, fmax(deadline - (stored - began) - after, j->began));
+}
+
 static void run_rounds(timed *t) {
-    for (;;) {
+    for (bool first = true;; first = false) {
         choose_round(t);
         if (!t->round) return;
         loop_parallel(t->job->threads, t->round, 1, run_round, t);
         if (atomic_load(&t->cut) || atomic_load(&t->job->stop)) return;
+        if (first && t->job->reserve) reserve_time(t);
     }
 }
 
-static void store_waves(timed *t) {
+static void tell_error(const timed *t) {
     job *j = t->job;
+    size_t sampled = 0;
     for (size_t i = 0; i < t->count; ++i) {
         const adaptive_wave *a = t->waves[i];
-        if (!a || !a->taken[0]) {
-            j->too_short = true;
-            j->result.error = INFINITY;
-        }
-        if (!a) continue;
-        j->result.samples += adaptive_store(a, j->film);
-        j->result.error = fmax(j->result.error, a->error);
+        bool has_samples = a && a->taken[0];
+        sampled += has_samples;
+        j->result.error = fmax(j->result.error, has_samples ? a->error : (double)INFINITY);
     }
+    j->sampled = (double)sampled / (double)t->count;
 }
 
 static void destroy_waves(timed *t) {
@@ -156,7 +177,8 @@ void timed_run(job *j) {
     if (t.waves && t.finished && t.order) {
         run_rounds(&t);
         atomic_store(&j->complete, !atomic_load(&j->stop));
-        store_waves(&t);
+        j->result.samples = store_waves(&t);
+        tell_error(&t);
     } else {
         atomic_store(&j->failed, true);
     }

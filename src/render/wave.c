@@ -116,11 +116,18 @@ static bool trace_all(wave *w, trace_coherence coherence) {
     return true;
 }
 
+static void count_by_square(const wave *w) {
+    for (size_t k = 0; w->square_rays && k < w->now.count; ++k)
+        ++w->square_rays[w->now.paths[k / LANES].slot[k % LANES] / LANES];
+}
+
 /* Follows the camera's rays that are waiting. */
 static bool follow(wave *w) {
     memset(w->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
     if (w->lost[0]) memset(w->lost[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    if (w->square_rays) memset(w->square_rays, 0, WAVE_SQUARES * sizeof *w->square_rays);
     for (uint32_t depth = 0; w->now.count; ++depth) {
+        count_by_square(w);
         if (!trace_all(w, depth ? TRACE_INCOHERENT : TRACE_COHERENT)) return false;
         if (!wave_surfaces(w, depth == 0) || !wave_light(w, depth == 0)) return false;
         w->next.count = 0;

@@ -57,6 +57,8 @@ typedef struct wave {
     float *radiance[3];                     /* by slot */
     float *lost[3];                         /* by slot, what was left out; NULL: nothing may be */
     first_hits *first;                      /* NULL when no AOV wants it */
+    uint32_t *square_rays; /* [WAVE_SQUARES], of the last batch by place: the camera's, mirrored
+                              and refracted; NULL: not counted */
     ray_counts rays;
     bool out_of_memory;
 } wave;

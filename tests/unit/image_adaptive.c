@@ -1,4 +1,7 @@
 /* Rendering to an error or a time: what is promised of the error, and what may change no pixel. */
+#include "render/render.h"
+
+#include "random.h"
 #include "render.h"
 
 enum { WIDTH = 96, HEIGHT = 80, SIDE = 32 }; /* three waves across, two and a half down */
@@ -24,16 +27,31 @@ static void add_bars(stage *s) {
         stage_quad(s, (double[3]){0.2 * i - 4, 0, -3}, (double[3]){0.05, 0, 0}, (double[3]){0, 0, -4}, bar);
 }
 
-typedef enum subject { BALLS, BARS, DARK, SUBJECTS } subject;
+/* Small bright quads, from a tenth of a pixel to two pixels wide, a few in each wave: a sample seldom finds
+ * them. */
+static void add_stars(stage *s) {
+    fathom_id bright = stage_emitter(s, 4), pale = stage_emitter(s, 0.5f);
+    random_state r = {5};
+    for (int i = 0; i < 60; ++i) {
+        double half = random_log(&r, 0.003, 0.06);
+        double center[3] = {random_in(&r, -3, 3), random_in(&r, -2, 3), -2};
+        stage_quad(s, center, (double[3]){half, 0, 0}, (double[3]){0, half, 0}, i % 2 ? bright : pale);
+    }
+}
+
+typedef enum subject { BALLS, BARS, DARK, STARS, SUBJECTS } subject;
 
 static stage open_subject(subject which) {
     stage s = stage_open(WIDTH, HEIGHT);
-    if (which != BARS) add_balls(&s);
-    if (which != BALLS) add_bars(&s);
-    if (which != BARS)
+    if (which == STARS) add_stars(&s);
+    if (which == BALLS || which == DARK) add_balls(&s);
+    if (which == BARS || which == DARK) add_bars(&s);
+    if (which == BALLS || which == DARK)
         stage_plane(&s, (double[3]){0, -0.01, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.4f));
     stage_point_light(&s, -3, 4, 3, which == DARK ? 0.3f : 30);
     stage_camera(&s, (double[3]){0.4, 2, 5}, (double[3]){0, 0.4, 0}, (double[3]){0, 1, 0}, 0.6);
+    if (which == STARS)
+        assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.01f, 0.01f, 0.02f}));
     if (which == BARS) assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0, 0.3f, 2}));
     s.settings.pattern = FATHOM_PATTERN_SOBOL;
     s.settings.spp = 1024;
@@ -235,6 +253,31 @@ static void samples_where_needed(void **state) {
     stage_close(&s);
 }
 
+/* What is found in one square of a wave is looked for in all: none has more than four times the samples of
+ * another. */
+static void samples_stay_near_each_other(void **state) {
+    (void)state;
+    stage s = open_subject(STARS);
+    s.settings.target_error = 0.01, s.settings.aovs = FATHOM_AOV_SAMPLES;
+    fathom_film *film = render(&s, NULL);
+    const uint32_t *samples = fathom_film_channel_id(film, "samples");
+    uint32_t apart = 0;
+    for (uint32_t w = 0; w < 9; ++w) {
+        uint32_t least = UINT32_MAX, most = 0;
+        for (uint32_t y = w / 3 * SIDE; y < w / 3 * SIDE + SIDE && y < HEIGHT; ++y) {
+            for (uint32_t x = w % 3 * SIDE; x < w % 3 * SIDE + SIDE; ++x) {
+                uint32_t here = samples[y * WIDTH + x];
+                least = here < least ? here : least, most = here > most ? here : most;
+            }
+        }
+        assert_true(most <= 4 * least);
+        apart += most == 4 * least;
+    }
+    assert_true(apart > 3); /* it is not for want of anything to sample */
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
 /* Light as strong as can be: squares of colours stay numbers, and sampling ends. */
 static void stays_finite(void **state) {
     (void)state;
@@ -264,6 +307,42 @@ static void to_a_time(void **state) {
     for (size_t i = 0; i < WIDTH * HEIGHT; ++i) assert_true(fathom_film_channel_id(film, "samples")[i] >= 1);
     assert_true(stats.error_estimate > 0);
     fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+typedef struct asked {
+    int times;
+    double left, answer;
+    bool all_sampled;
+} asked;
+
+static double ask(void *user, const fathom_film *film, double left) {
+    asked *a = user;
+    ++a->times, a->left = left, a->all_sampled = true;
+    for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
+        a->all_sampled &= fathom_film_channel_id(film, "samples")[i] == 1;
+    return a->answer;
+}
+
+/* What comes after rendering is asked for once, when each pixel has its first sample. All the time there is:
+ * then that is the image. None: then rendering goes on. */
+static void leaves_time(void **state) {
+    (void)state;
+    stage s = open_subject(BALLS);
+    s.settings.max_time = 1000, s.settings.spp = 8, s.settings.aovs = FATHOM_AOV_SAMPLES;
+    const double answers[] = {1e6, 0};
+    for (int i = 0; i < 2; ++i) {
+        asked a = {.answer = answers[i]};
+        const job_reserve reserve = {ask, &a};
+        fathom_film *film;
+        fathom_stats stats;
+        assert_ok(s.context,
+                  render_to_time(s.context, s.scene, &s.settings, &reserve, NULL, NULL, &stats, &film));
+        assert_int_equal(a.times, 1);
+        assert_true(a.all_sampled && a.left > 0 && a.left < 1000);
+        assert_int_equal(stats.samples, WIDTH * HEIGHT * (i ? 8 : 1));
+        fathom_film_destroy(film);
+    }
     stage_close(&s);
 }
 
@@ -320,14 +399,11 @@ static void bad_settings(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(estimate_covers_error),
-        cmocka_unit_test(same_bits_however_rendered),
-        cmocka_unit_test(crop_is_a_part),
-        cmocka_unit_test(no_error_is_all_samples),
-        cmocka_unit_test(samples_where_needed),
-        cmocka_unit_test(stays_finite),
-        cmocka_unit_test(to_a_time),
-        cmocka_unit_test(time_to_spare),
+        cmocka_unit_test(estimate_covers_error), cmocka_unit_test(same_bits_however_rendered),
+        cmocka_unit_test(crop_is_a_part),        cmocka_unit_test(no_error_is_all_samples),
+        cmocka_unit_test(samples_where_needed),  cmocka_unit_test(samples_stay_near_each_other),
+        cmocka_unit_test(stays_finite),          cmocka_unit_test(to_a_time),
+        cmocka_unit_test(leaves_time),           cmocka_unit_test(time_to_spare),
         cmocka_unit_test(bad_settings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
