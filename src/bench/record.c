@@ -45,8 +45,7 @@ static bool make_room(record *r, size_t blocks) {
     return true;
 }
 
-/* `stride`: bytes from one block's rays to the next one's. */
-static void keep(record *r, bare_query query, trace_coherence coherence, const void *rays, size_t stride,
+void record_keep(record *r, bare_query query, trace_coherence coherence, const void *rays, size_t stride,
                  size_t count) {
     size_t blocks = (count + TRACE_WIDTH - 1) / TRACE_WIDTH;
     record_call call = {query, coherence, r->blocks, count};
@@ -64,21 +63,27 @@ static void keep(record *r, bare_query query, trace_coherence coherence, const v
 typedef struct recorder {
     trace_tracer base;
     const trace_tracer *real;
-    record *to;
+    record *to[2]; /* by bare_query */
 } recorder;
 
 static const recorder *of(const trace_tracer *tracer) { return (const recorder *)tracer; }
 
 static void destroy(trace_tracer *tracer) { free(tracer); }
 
+static void keep(const trace_tracer *tracer, bare_query query, trace_coherence coherence, const void *rays,
+                 size_t stride, size_t count) {
+    record *to = of(tracer)->to[query];
+    if (to) record_keep(to, query, coherence, rays, stride, count);
+}
+
 static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence) {
-    keep(of(tracer)->to, BARE_CLOSEST, coherence, blocks, sizeof *blocks, count);
+    keep(tracer, BARE_CLOSEST, coherence, blocks, sizeof *blocks, count);
     of(tracer)->real->ops->closest(of(tracer)->real, blocks, fine, count, coherence);
 }
 
 static void any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
-    keep(of(tracer)->to, BARE_ANY, coherence, blocks, sizeof *blocks, count);
+    keep(tracer, BARE_ANY, coherence, blocks, sizeof *blocks, count);
     of(tracer)->real->ops->any(of(tracer)->real, blocks, count, coherence);
 }
 
@@ -105,8 +110,13 @@ trace_tracer *record_tracer(const trace_tracer *real, record *to) {
         {{destroy, closest, any, false, true}, {destroy, closest, any, true, true}}};
     recorder *made = malloc(sizeof *made);
     if (!made) return NULL;
-    *made = (recorder){.base = *real, .real = real, .to = to};
+    *made = (recorder){.base = *real, .real = real, .to = {to, to}};
     made->base.ops = &ops[real->ops->planes][real->ops->fine];
     made->base.retry = real->retry ? &retry : NULL;
     return &made->base;
+}
+
+void record_redirect(trace_tracer *tracer, record *closest, record *any) {
+    recorder *r = (recorder *)tracer;
+    r->to[BARE_CLOSEST] = closest, r->to[BARE_ANY] = any;
 }

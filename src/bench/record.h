@@ -30,8 +30,14 @@ void record_free(record *r);
 const trace_rays *record_block(const record *r, size_t index);
 uint64_t record_rays(const record *r, bare_query query);
 
+/* One call of so many rays; `stride`: bytes from one block's rays to the next one's. */
+void record_keep(record *r, bare_query query, trace_coherence coherence, const void *rays, size_t stride,
+                 size_t count);
+
 /* Both must outlive the tracer. NULL when out of memory. Release with trace_destroy(), which leaves `real`
  * alone. */
 trace_tracer *record_tracer(const trace_tracer *real, record *to);
+/* From now on it keeps the rays of either query here; NULL: not at all. */
+void record_redirect(trace_tracer *recorder, record *closest, record *any);
 
 #endif

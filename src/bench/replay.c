@@ -28,7 +28,8 @@ typedef struct replay {
     const record *record;
     const trace_tracer *tracer;
     piece *piece;
-    bool bare;
+    bool bare, coherent;
+    unsigned width; /* of bare calls; 0: the tracer's, which says about coherence too */
     replay_result result;
 } replay;
 
@@ -41,7 +42,10 @@ static unsigned lanes_of(const run *r, size_t block) {
 
 static void load(replay *p, const run *r, size_t block, const trace_rays *rays) {
     size_t at = r->first + block;
-    if (p->bare)
+    if (p->bare && p->width)
+        embree_bare_load_as(p->tracer, r->query, p->width, p->coherent, rays, lanes_of(r, block),
+                            &p->piece->bare[at]);
+    else if (p->bare)
         embree_bare_load(p->tracer, r->query, r->coherence, rays, lanes_of(r, block), &p->piece->bare[at]);
     else if (r->query == BARE_ANY)
         p->piece->any[at] = *rays;
@@ -52,7 +56,7 @@ static void load(replay *p, const run *r, size_t block, const trace_rays *rays) 
 static void trace(replay *p, const run *r) {
     size_t blocks = (r->rays + TRACE_WIDTH - 1) / TRACE_WIDTH;
     if (p->bare)
-        embree_bare_trace(p->tracer, r->query, r->coherence, &p->piece->bare[r->first], blocks);
+        embree_bare_trace(p->tracer, r->query, &p->piece->bare[r->first], blocks);
     else if (r->query == BARE_ANY)
         trace_any(p->tracer, &p->piece->any[r->first], r->rays, r->coherence);
     else
@@ -105,24 +109,32 @@ static void add_call(replay *p, const record_call *call) {
     }
 }
 
-static bool replay_all(const record *r, const trace_tracer *tracer, bool bare, replay_result *out) {
-    replay p = {.record = r, .tracer = tracer, .bare = bare};
-    p.piece = aligned_alloc(64, sizeof *p.piece);
-    if (!p.piece) return false;
-    memset(p.piece, 0, sizeof *p.piece); /* the pages are there before the first is timed */
+static bool replay_all(replay *p, replay_result *out) {
+    const record *r = p->record;
+    p->piece = aligned_alloc(64, sizeof *p->piece);
+    if (!p->piece) return false;
+    memset(p->piece, 0, sizeof *p->piece); /* the pages are there before the first is timed */
     unsigned state = trace_thread_begin();
-    for (size_t i = 0; i < r->calls.count; ++i) add_call(&p, &r->calls.items[i]);
-    finish_piece(&p);
+    for (size_t i = 0; i < r->calls.count; ++i) add_call(p, &r->calls.items[i]);
+    finish_piece(p);
     trace_thread_end(state);
-    free(p.piece);
-    *out = p.result;
+    free(p->piece);
+    *out = p->result;
     return true;
 }
 
 bool replay_bare(const record *r, const trace_tracer *tracer, replay_result *out) {
-    return replay_all(r, tracer, true, out);
+    replay p = {.record = r, .tracer = tracer, .bare = true};
+    return replay_all(&p, out);
+}
+
+bool replay_bare_as(const record *r, const trace_tracer *tracer, unsigned width, bool coherent,
+                    replay_result *out) {
+    replay p = {.record = r, .tracer = tracer, .bare = true, .width = width, .coherent = coherent};
+    return replay_all(&p, out);
 }
 
 bool replay_traced(const record *r, const trace_tracer *tracer, replay_result *out) {
-    return replay_all(r, tracer, false, out);
+    replay p = {.record = r, .tracer = tracer};
+    return replay_all(&p, out);
 }

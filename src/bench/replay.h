@@ -14,6 +14,9 @@ typedef struct replay_result {
 
 /* By Embree's calls alone; embree_bare_possible() must hold. Both are false when out of memory. */
 bool replay_bare(const record *r, const trace_tracer *tracer, replay_result *out);
+/* The same in packets of `width`, 1, 4, 8 or 16, by the kernels for coherent packets or the others. */
+bool replay_bare_as(const record *r, const trace_tracer *tracer, unsigned width, bool coherent,
+                    replay_result *out);
 /* By trace_closest() and trace_any(). */
 bool replay_traced(const record *r, const trace_tracer *tracer, replay_result *out);
 

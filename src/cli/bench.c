@@ -3,8 +3,13 @@
 #include <string.h>
 
 /* What can be measured, a command of two words each. */
-static const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error,
-                                         &command_bench_build, &command_bench_growth, NULL};
+static const command *const benches[] = {&command_bench_trace,
+                                         &command_bench_render,
+                                         &command_bench_error,
+                                         &command_bench_build,
+                                         &command_bench_growth,
+                                         &command_bench_secondary,
+                                         NULL};
 
 const command *bench_find(const char *name) {
     for (size_t i = 0; benches[i]; ++i) {
@@ -31,10 +36,11 @@ const command command_bench = {
     .usage = "WHAT SCENE [options]",
     .summary = "Measure speed, and error against time.",
     .text = "WHAT is one of\n"
-            "  trace    rays a second of every tracer, and what they cost to build\n"
-            "  render   the phases of a render, and its distance from Embree's ceiling\n"
-            "  error    image error against run time\n"
-            "  build    what the quality of Embree's build costs and saves\n"
-            "  growth   reading, building and tracing by the number of triangles\n"
+            "  trace      rays a second of every tracer, and what they cost to build\n"
+            "  render     the phases of a render, and its distance from Embree's ceiling\n"
+            "  error      image error against run time\n"
+            "  build      what the quality of Embree's build costs and saves\n"
+            "  growth     reading, building and tracing by the number of triangles\n"
+            "  secondary  mirrored, refracted and shadow rays by depth, against single rays\n"
             "fathom help bench WHAT tells more.\n",
     .run = run};

@@ -63,6 +63,16 @@ bool wave_reserve_surfaces(wave *w, size_t count) {
     return !w->out_of_memory;
 }
 
+bool wave_reserve_refracted(wave *w, size_t blocks) {
+    if (blocks <= w->refracted_capacity) return true;
+    void *refracted = w->refracted;
+    size_t room = grown_capacity(w->refracted_capacity, blocks);
+    w->out_of_memory = !grow(&refracted, 0, room * sizeof *w->refracted);
+    w->refracted = refracted;
+    if (!w->out_of_memory) w->refracted_capacity = room;
+    return !w->out_of_memory;
+}
+
 bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out) {
     *out = (wave){.plan = plan, .stop = stop};
     const bool loses = plan->settings.max_loss > 0 || plan->settings.max_relative_loss > 0;
@@ -88,6 +98,7 @@ void wave_destroy(wave *w) {
     free(w->shadows.rays);
     free(w->shadows.paths);
     free(w->surfaces);
+    free(w->refracted);
     free(w->gather);
     free(w->radiance[0]);
     free(w->first);
@@ -105,10 +116,11 @@ static void repair(wave *w, size_t first, size_t count) {
     }
 }
 
-static bool trace_all(wave *w, trace_coherence coherence) {
-    for (size_t done = 0; done < w->now.count; done += wave_trace_piece(w)) {
+/* Rays [begin, end) of those that wait; begin is a multiple of 16. */
+static bool trace_part(wave *w, size_t begin, size_t end, trace_coherence coherence) {
+    for (size_t done = begin; done < end; done += wave_trace_piece(w)) {
         if (atomic_load_explicit(w->stop, memory_order_relaxed)) return false;
-        size_t left = w->now.count - done, piece = wave_trace_piece(w);
+        size_t left = end - done, piece = wave_trace_piece(w);
         if (left < piece) piece = left;
         trace_closest(w->plan->tracer, w->now.rays + done / LANES, piece, coherence);
         repair(w, done, piece);
@@ -121,6 +133,33 @@ static void count_by_square(const wave *w) {
         ++w->square_rays[w->now.paths[k / LANES].slot[k % LANES] / LANES];
 }
 
+/* Mirrored rays of the first hits leave where neighbouring camera rays arrived, and most of them leave the
+ * surface for good. Refracted ones cross what they enter, and reach its other side far from one another. */
+trace_coherence wave_coherence(uint32_t depth, bool mirrored) {
+    if (depth == 0) return TRACE_COHERENT;
+    return depth == 1 && mirrored ? TRACE_NEIGHBOURS : TRACE_INCOHERENT;
+}
+
+/* A block of both kinds counts as refracted. */
+static bool trace_all(wave *w, uint32_t depth) {
+    size_t count = w->now.count, mirrored = w->now.mirrored;
+    if (depth == 0) mirrored = 0;
+    if (mirrored < count) mirrored -= mirrored % LANES;
+    return trace_part(w, 0, mirrored, wave_coherence(depth, true)) &&
+           trace_part(w, mirrored, count, wave_coherence(depth, false));
+}
+
+bool wave_step(wave *w, uint32_t depth) {
+    if (!trace_all(w, depth)) return false;
+    if (!wave_surfaces(w, depth == 0) || !wave_light(w, depth == 0)) return false;
+    w->next.count = 0;
+    if (depth < w->plan->max_depth && !wave_bend(w)) return false;
+    path_queue spare = w->now;
+    w->now = w->next;
+    w->next = spare;
+    return true;
+}
+
 /* Follows the camera's rays that are waiting. */
 static bool follow(wave *w) {
     memset(w->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
@@ -128,13 +167,7 @@ static bool follow(wave *w) {
     if (w->square_rays) memset(w->square_rays, 0, WAVE_SQUARES * sizeof *w->square_rays);
     for (uint32_t depth = 0; w->now.count; ++depth) {
         count_by_square(w);
-        if (!trace_all(w, depth ? TRACE_INCOHERENT : TRACE_COHERENT)) return false;
-        if (!wave_surfaces(w, depth == 0) || !wave_light(w, depth == 0)) return false;
-        w->next.count = 0;
-        if (depth < w->plan->max_depth && !wave_bend(w)) return false;
-        path_queue spare = w->now;
-        w->now = w->next;
-        w->next = spare;
+        if (!wave_step(w, depth)) return false;
     }
     return true;
 }

@@ -19,6 +19,7 @@ typedef struct path_queue {
     trace_block *rays;
     path_block *paths;
     size_t count, capacity; /* in rays; capacity is a multiple of 16 */
+    size_t mirrored;        /* after the first wave: the first so many, and all others refracted */
 } path_queue;
 
 /* Shadow rays, with what their sample gains when nothing is in the way. While it is filled, whole blocks and
@@ -54,6 +55,8 @@ typedef struct wave {
     surface_gather *gather;                 /* hits on their way to the next block of surfaces */
     uint32_t partial[WAVE_SQUARES];         /* blocks of rays of which some met something */
     size_t surface_count, surface_capacity; /* in points */
+    bend_block *refracted;                  /* of each block of surfaces; NULL when nothing refracts */
+    size_t refracted_capacity;              /* in blocks */
     float *radiance[3];                     /* by slot */
     float *lost[3];                         /* by slot, what was left out; NULL: nothing may be */
     first_hits *first;                      /* NULL when no AOV wants it */
@@ -68,6 +71,7 @@ bool wave_reserve_paths(wave *w, path_queue *queue, size_t count);
 /* In all; what was in the queue is gone. */
 bool wave_reserve_shadows(wave *w, size_t count);
 bool wave_reserve_surfaces(wave *w, size_t count);
+bool wave_reserve_refracted(wave *w, size_t blocks);
 
 /* Rays between two looks at the stop flag, a multiple of 16. Linear search may take milliseconds for each
  * ray. */
@@ -112,6 +116,12 @@ bool wave_run_batch(wave *w, const wave_region *region, const wave_batch *batch)
 void wave_sample_position(const render_plan *plan, uint32_t x, uint32_t y, uint32_t index, double *dx,
                           double *dy);
 
+/* The stages after the camera's: the hits of the rays that wait, their light, and the rays that leave them,
+ * which wait next. Until none do; depth counts up from 0. */
+bool wave_step(wave *w, uint32_t depth);
+/* What is known of the mirrored and of the other rays that wait then. */
+trace_coherence wave_coherence(uint32_t depth, bool mirrored);
+
 /* ---- the stages, in order ---- */
 bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index);
 bool wave_camera_batch(wave *w, const wave_region *region, const wave_batch *batch);
@@ -121,7 +131,8 @@ bool wave_surfaces(wave *w, bool first);
 bool wave_light(wave *w, bool first);
 /* Takes from `arriving` what may be lost: light that adds less than the settings allow. Needs w->lost. */
 void wave_spare_faint(wave *w, const surface_block *s, light_block *arriving);
-/* Fills wave->next. */
+/* Fills wave->next: mirrored rays, then refracted ones. Each kind runs alike by itself, and packets of both
+ * would not. */
 bool wave_bend(wave *w);
 
 #endif

@@ -24,26 +24,34 @@ static void push_path(wave *w, const bend_block *from, uint32_t slot, uint8_t de
     ++w->next.count;
 }
 
+static bool push_paths(wave *w, const bend_block *from, const surface_block *s, const uint8_t *depths) {
+    if (!wave_reserve_paths(w, &w->next, LANES)) return false;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        if (worth_tracing(w, from, i)) push_path(w, from, s->slot[i], depths[i], i);
+    }
+    return true;
+}
+
 bool wave_bend(wave *w) {
     const shade_kernels *kernels = w->plan->kernels;
     const scene_named_material *table = w->plan->scene->materials.items;
-    for (size_t b = 0; b * LANES < w->surface_count; ++b) {
+    const bool refracts = (w->plan->features & MATERIAL_REFRACT) != 0;
+    const size_t blocks = (w->surface_count + LANES - 1) / LANES;
+    if (refracts && !wave_reserve_refracted(w, blocks)) return false;
+    for (size_t b = 0; b < blocks; ++b) {
         const surface_block *s = &w->surfaces[b];
         material_block materials;
-        bend_block mirrored, refracted;
+        bend_block mirrored, none;
         kernels->material_gather(table, s, &materials);
-        kernels->bend_rays(s, &materials, &mirrored, &refracted);
-        if (!wave_reserve_paths(w, &w->next, 2 * LANES)) return false;
-        for (uint32_t i = 0; i < s->count; ++i) {
-            if (worth_tracing(w, &mirrored, i)) {
-                push_path(w, &mirrored, s->slot[i], s->depth[i], i);
-                ++w->rays.reflection;
-            }
-            if (worth_tracing(w, &refracted, i)) {
-                push_path(w, &refracted, s->slot[i], s->depth_behind[i], i);
-                ++w->rays.refraction;
-            }
-        }
+        kernels->bend_rays(s, &materials, &mirrored, refracts ? &w->refracted[b] : &none);
+        if (!push_paths(w, &mirrored, s, s->depth)) return false;
     }
+    w->next.mirrored = w->next.count;
+    for (size_t b = 0; refracts && b < blocks; ++b) {
+        const surface_block *s = &w->surfaces[b];
+        if (!push_paths(w, &w->refracted[b], s, s->depth_behind)) return false;
+    }
+    w->rays.reflection += w->next.mirrored;
+    w->rays.refraction += w->next.count - w->next.mirrored;
     return true;
 }

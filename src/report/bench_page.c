@@ -44,6 +44,7 @@ static const struct {
     {"error", "Fathom: image error against run time", bench_error_put},
     {"build", "Fathom: build quality against time", bench_build_put},
     {"growth", "Fathom: reading, building and tracing by the number of triangles", bench_growth_put},
+    {"secondary", "Fathom: secondary rays against single-ray calls", bench_secondary_put},
 };
 
 void bench_page(page *p, const json_t *results) {

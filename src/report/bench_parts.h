@@ -11,5 +11,6 @@ void bench_render_put(page *p, const json_t *results);
 void bench_error_put(page *p, const json_t *results);
 void bench_build_put(page *p, const json_t *results);
 void bench_growth_put(page *p, const json_t *results);
+void bench_secondary_put(page *p, const json_t *results);
 
 #endif

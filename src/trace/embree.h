@@ -91,6 +91,28 @@ typedef struct embree_asked {
     float t_far[TRACE_WIDTH];
 } embree_asked;
 
+/* A block once more, for calls that take fewer than 16: packets one after the other, each aligned as Embree
+ * wants it. */
+#define EMBREE_PACKET_ROWS 24
+typedef struct embree_packets {
+    _Alignas(64) uint32_t rows[EMBREE_PACKET_ROWS * TRACE_WIDTH];
+} embree_packets;
+_Static_assert(EMBREE_RAY_ROWS + EMBREE_HIT_ROWS <= EMBREE_PACKET_ROWS, "a packet's rows");
+/* The one whose first ray is the block's lane `first`. */
+static inline uint32_t *embree_packet(embree_packets *packets, unsigned first) {
+    return &packets->rows[EMBREE_PACKET_ROWS * first];
+}
+
+/* How far the directions of a block are from its first, |Δx| + |Δy| + |Δz| over the first's
+ * |x| + |y| + |z|; embree_way.c says what for. */
+#define EMBREE_ALIKE 0.05f
+#define EMBREE_SIMILAR 0.5f
+typedef enum embree_spread {
+    EMBREE_SPREAD_ALIKE,   /* all within EMBREE_ALIKE */
+    EMBREE_SPREAD_SIMILAR, /* within EMBREE_SIMILAR */
+    EMBREE_SPREAD_WIDE
+} embree_spread;
+
 /* What is done to a block around Embree's call; kernels/embree_block.c. */
 struct embree_kernels {
     /* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and moves t_far to
@@ -107,6 +129,11 @@ struct embree_kernels {
     bool (*begin_any)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
                       embree_asked *asked);
     void (*end_any)(trace_rays *rays, unsigned lanes, const embree_asked *asked);
+    embree_spread (*spread)(const trace_rays *rays, unsigned lanes);
+    /* To packets of 1, 4 or 8, and t_far and the hits back. All sixteen lanes, so that those that are not
+     * traced stay as they are. hits may be NULL. */
+    void (*split)(const trace_rays *rays, const trace_hits *hits, unsigned width, embree_packets *out);
+    void (*join)(const embree_packets *from, unsigned width, trace_rays *rays, trace_hits *hits);
 };
 const embree_kernels *embree_kernels_best(void);
 /* Embree's ids to the world's. */
@@ -118,6 +145,17 @@ bool embree_may_hang(const embree_tracer *tracer);
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence);
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
+
+/* ---- embree_way.c ---- */
+
+/* In packets of how many a block goes to Embree, and whether to the kernels for coherent packets. */
+typedef struct embree_way {
+    unsigned width;
+    bool coherent;
+} embree_way;
+embree_way embree_way_closest(const embree_tracer *tracer, const trace_rays *rays, unsigned lanes,
+                              trace_coherence coherence);
+embree_way embree_way_any(const embree_tracer *tracer, trace_coherence coherence);
 
 /* ---- embree_repair.c ---- */
 

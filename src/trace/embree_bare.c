@@ -9,12 +9,6 @@ bool embree_bare_possible(const trace_tracer *tracer) {
     return tracer->ops->closest == embree_closest && tracer->ops->any == embree_any;
 }
 
-/* As the tracer: any_block() in embree_trace.c. */
-static unsigned packet_width(const embree_tracer *tracer, bare_query query, trace_coherence coherence) {
-    bool hangs = query == BARE_ANY && coherence == TRACE_COHERENT && embree_may_hang(tracer);
-    return hangs && tracer->width > 8 ? 8 : tracer->width;
-}
-
 static uint32_t *packet_at(bare_block *block, unsigned first) {
     return &block->rows[EMBREE_BARE_ROWS * first];
 }
@@ -35,16 +29,18 @@ static void split(const trace_rays *rays, bare_block *out) {
     }
 }
 
-void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherence coherence,
-                      const trace_rays *rays, unsigned lanes, bare_block *out) {
+void embree_bare_load_as(const trace_tracer *base, bare_query query, unsigned width, bool coherent,
+                         const trace_rays *rays, unsigned lanes, bare_block *out) {
     const embree_tracer *tracer = (const embree_tracer *)base;
     trace_rays ready = *rays;
     stretch scale;
     if (stretch_needed(&ready, lanes)) stretch_rays(&ready, lanes, &scale);
     tracer->kernels->prepare(tracer, &ready, lanes, query == BARE_ANY ? EMBREE_SHADOWS : EMBREE_SEEN,
                              out->valid);
+    bool hangs = query == BARE_ANY && coherent && embree_may_hang(tracer);
     out->lanes = lanes;
-    out->width = packet_width(tracer, query, coherence);
+    out->width = hangs && width > 8 ? 8 : width;
+    out->coherent = coherent;
     if (out->width < TRACE_WIDTH) {
         split(&ready, out);
         return;
@@ -55,29 +51,37 @@ void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherenc
     }
 }
 
-static void trace_block_bare(const embree_tracer *tracer, bare_query query, bool coherent,
-                             embree_context *context, bare_block *block) {
+void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherence coherence,
+                      const trace_rays *rays, unsigned lanes, bare_block *out) {
+    const embree_tracer *tracer = (const embree_tracer *)base;
+    embree_way way = query == BARE_ANY ? embree_way_any(tracer, coherence)
+                                       : embree_way_closest(tracer, rays, lanes, coherence);
+    embree_bare_load_as(base, query, way.width, way.coherent, rays, lanes, out);
+}
+
+static void trace_block_bare(const embree_tracer *tracer, bare_query query, embree_context *context,
+                             bare_block *block) {
     RTCScene scene = tracer->scenes[0];
     for (unsigned first = 0; first < block->lanes; first += block->width) {
         if (block->width == 1 && !block->valid[first]) continue;
         uint32_t *packet = packet_at(block, first);
         if (query == BARE_ANY)
-            embree_occluded(block->width, &block->valid[first], scene, context, coherent, packet);
+            embree_occluded(block->width, &block->valid[first], scene, context, block->coherent, packet);
         else
-            embree_intersect(block->width, &block->valid[first], scene, context, coherent, NULL, packet);
+            embree_intersect(block->width, &block->valid[first], scene, context, block->coherent, NULL,
+                             packet);
     }
 }
 
 /* User geometry's callbacks take every context for an embree_call. */
-void embree_bare_trace(const trace_tracer *base, bare_query query, trace_coherence coherence,
-                       bare_block *blocks, size_t count) {
+void embree_bare_trace(const trace_tracer *base, bare_query query, bare_block *blocks, size_t count) {
     const embree_tracer *tracer = (const embree_tracer *)base;
     embree_call call;
     memset(&call, 0, sizeof call);
     embree_context_init(&call.context);
     call.raw = true;
     for (size_t b = 0; b < count; ++b) {
-        trace_block_bare(tracer, query, coherence == TRACE_COHERENT, &call.context, &blocks[b]);
+        trace_block_bare(tracer, query, &call.context, &blocks[b]);
     }
 }
 

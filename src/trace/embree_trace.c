@@ -6,30 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* A copy of part of a block, for calls that take fewer than 16. */
-typedef struct packet {
-    _Alignas(64) uint32_t rows[(EMBREE_RAY_ROWS + EMBREE_HIT_ROWS + 1) * 8];
-} packet;
-
-static void packet_load(packet *p, unsigned width, const trace_rays *rays, unsigned first) {
-    const char *from = (const char *)rays + first * sizeof(float);
-    for (unsigned r = 0; r < EMBREE_RAY_ROWS; ++r) {
-        memcpy(&p->rows[r * width], from + r * TRACE_WIDTH * sizeof(float), width * sizeof(float));
-    }
-    uint32_t *hit = &p->rows[EMBREE_RAY_ROWS * width];
-    for (unsigned i = 0; i < width; ++i) hit[EMBREE_ROW_GEOMETRY * width + i] = RTC_INVALID_GEOMETRY_ID;
-    for (unsigned i = 0; i < width; ++i) hit[EMBREE_ROW_INSTANCE * width + i] = RTC_INVALID_GEOMETRY_ID;
-}
-
-static void packet_store_hits(const packet *p, unsigned width, unsigned used, trace_hits *hits,
-                              unsigned first) {
-    char *to = (char *)hits + first * sizeof(float);
-    for (unsigned r = 0; r <= EMBREE_ROW_INSTANCE; ++r) {
-        memcpy(to + r * TRACE_WIDTH * sizeof(float), &p->rows[(EMBREE_RAY_ROWS + r) * width],
-               used * sizeof(float));
-    }
-}
-
 KERNEL_DECLARE(embree_kernels, embree_kernels);
 
 const embree_kernels *embree_kernels_best(void) {
@@ -40,18 +16,16 @@ const embree_kernels *embree_kernels_best(void) {
 /* ---- closest hit ---- */
 
 static void closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
-                            bool coherent, embree_call *call) {
-    unsigned width = tracer->width;
+                            const embree_way *way, embree_context *context) {
+    const unsigned width = way->width;
+    embree_packets packets;
+    tracer->kernels->split(&block->rays, &block->hits, width, &packets);
     for (unsigned first = 0; first < lanes; first += width) {
         if (width == 1 && !valid[first]) continue;
-        packet p;
-        packet_load(&p, width, &block->rays, first);
-        embree_intersect(width, &valid[first], tracer->scenes[0], &call->context, coherent, tracer->filter,
-                         p.rows);
-        unsigned used = lanes - first < width ? lanes - first : width;
-        packet_store_hits(&p, width, used, &block->hits, first);
-        memcpy(&block->rays.t_far[first], &p.rows[EMBREE_ROW_T_FAR * width], used * sizeof(float));
+        embree_intersect(width, &valid[first], tracer->scenes[0], context, way->coherent, tracer->filter,
+                         embree_packet(&packets, first));
     }
+    tracer->kernels->join(&packets, width, &block->rays, &block->hits);
 }
 
 void embree_translate(const world *w, trace_hits *hits, unsigned lane) {
@@ -81,18 +55,19 @@ static void settle(const embree_tracer *tracer, trace_block *block, unsigned lan
 
 /* False where directions have to be scaled first. */
 static bool closest_block(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
-                          bool coherent) {
+                          trace_coherence coherence) {
     embree_asked asked;
     embree_call call;
     if (!tracer->kernels->begin_closest(tracer, block, lanes, scaled, &asked, &call)) return false;
     embree_context_init(&call.context);
     call.vote = NULL;
     call.raw = !tracer->filter;
-    if (tracer->width == TRACE_WIDTH) {
-        embree_intersect(TRACE_WIDTH, asked.valid, tracer->scenes[0], &call.context, coherent, tracer->filter,
-                         block);
+    const embree_way way = embree_way_closest(tracer, &block->rays, lanes, coherence);
+    if (way.width == TRACE_WIDTH) {
+        embree_intersect(TRACE_WIDTH, asked.valid, tracer->scenes[0], &call.context, way.coherent,
+                         tracer->filter, block);
     } else {
-        closest_packets(tracer, block, asked.valid, lanes, coherent, &call);
+        closest_packets(tracer, block, asked.valid, lanes, &way, &call.context);
     }
     bool tied = tracer->kernels->end_closest(block, lanes, &asked, &call);
     translate(tracer, block, lanes);
@@ -107,11 +82,11 @@ unsigned embree_lanes(size_t count, size_t block) {
 
 /* By a copy, since the caller's rays stay as they are but for t_far. */
 static __attribute__((noinline)) void closest_stretched(const embree_tracer *tracer, trace_block *block,
-                                                        unsigned lanes, bool coherent) {
+                                                        unsigned lanes, trace_coherence coherence) {
     trace_block scaled = *block;
     stretch s;
     stretch_rays(&scaled.rays, lanes, &s);
-    closest_block(tracer, &scaled, lanes, true, coherent);
+    closest_block(tracer, &scaled, lanes, true, coherence);
     block->hits = scaled.hits;
     for (unsigned i = 0; i < lanes; ++i) {
         if (block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -125,23 +100,24 @@ void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine 
     (void)fine;
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
         unsigned lanes = embree_lanes(count, b);
-        bool coherent = coherence == TRACE_COHERENT;
-        if (!closest_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherent))
-            closest_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherent);
+        if (!closest_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherence))
+            closest_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherence);
     }
 }
 
 /* ---- any hit ---- */
 
 static void any_packets(const embree_tracer *tracer, trace_rays *rays, const int *valid, unsigned lanes,
-                        unsigned width, bool coherent, embree_context *context) {
+                        const embree_way *way, embree_context *context) {
+    const unsigned width = way->width;
+    embree_packets packets;
+    tracer->kernels->split(rays, NULL, width, &packets);
     for (unsigned first = 0; first < lanes; first += width) {
         if (width == 1 && !valid[first]) continue;
-        packet p;
-        packet_load(&p, width, rays, first);
-        embree_occluded(width, &valid[first], tracer->scenes[0], context, coherent, p.rows);
-        memcpy(&rays->t_far[first], &p.rows[EMBREE_ROW_T_FAR * width], width * sizeof *rays->t_far);
+        embree_occluded(width, &valid[first], tracer->scenes[0], context, way->coherent,
+                        embree_packet(&packets, first));
     }
+    tracer->kernels->join(&packets, width, rays, NULL);
 }
 
 /* Four kernels may; which two they are besides those of embree_api.h is not known, so Embree's own quads and
@@ -153,28 +129,27 @@ bool embree_may_hang(const embree_tracer *tracer) {
 }
 
 static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
-                      bool coherent) {
+                      trace_coherence coherence) {
     embree_asked asked;
     if (!tracer->kernels->begin_any(tracer, rays, lanes, scaled, &asked)) return false;
     embree_context context;
     embree_context_init(&context);
-    unsigned width = tracer->width;
-    if (coherent && width > 8 && embree_may_hang(tracer)) width = 8;
-    if (width == TRACE_WIDTH) {
-        embree_occluded(TRACE_WIDTH, asked.valid, tracer->scenes[0], &context, coherent, rays);
+    const embree_way way = embree_way_any(tracer, coherence);
+    if (way.width == TRACE_WIDTH) {
+        embree_occluded(TRACE_WIDTH, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
     } else {
-        any_packets(tracer, rays, asked.valid, lanes, width, coherent, &context);
+        any_packets(tracer, rays, asked.valid, lanes, &way, &context);
     }
     tracer->kernels->end_any(rays, lanes, &asked);
     return true;
 }
 
 static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer, trace_rays *rays,
-                                                    unsigned lanes, bool coherent) {
+                                                    unsigned lanes, trace_coherence coherence) {
     trace_rays scaled = *rays;
     stretch s;
     stretch_rays(&scaled, lanes, &s);
-    any_block(tracer, &scaled, lanes, true, coherent);
+    any_block(tracer, &scaled, lanes, true, coherence);
     for (unsigned i = 0; i < lanes; ++i) {
         if (scaled.t_far[i] == -INFINITY) rays->t_far[i] = -INFINITY;
     }
@@ -183,8 +158,7 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
     for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
         unsigned lanes = embree_lanes(count, b);
-        bool coherent = coherence == TRACE_COHERENT;
-        if (!any_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherent))
-            any_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherent);
+        if (!any_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherence))
+            any_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherence);
     }
 }

@@ -94,7 +94,12 @@ void trace_start_threads(void);
 unsigned trace_thread_begin(void);
 void trace_thread_end(unsigned state);
 
-typedef enum trace_coherence { TRACE_INCOHERENT, TRACE_COHERENT } trace_coherence;
+/* What is known of the rays in a block, for speed alone. */
+typedef enum trace_coherence {
+    TRACE_INCOHERENT, /* nothing */
+    TRACE_NEIGHBOURS, /* they begin close to one another; directions may differ */
+    TRACE_COHERENT    /* and run alike */
+} trace_coherence;
 
 /* The first `count` lanes of the blocks, 16 to a block; the rest is left alone. The caller sets rays; hits
  * may be uninitialised. */

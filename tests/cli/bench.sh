@@ -5,7 +5,7 @@ write_scene
 run 2 bench
 run 0 help bench
 said out.txt 'Usage: fathom bench'
-for what in trace render; do
+for what in trace render secondary; do
     run 0 help bench $what
     cp out.txt help.txt
     run 0 bench $what --help
@@ -75,3 +75,20 @@ silent out.txt
 run 0 bench render scene.json --spp 1 --threads 1 --repeats 1 --size 32x32 --tracer bvh --json b.json
 said out.txt 'no bare form'
 said b.json '"ceiling": null'
+
+# Secondary rays by depth: mirrors and shadows are in the scene, and every way is in every row.
+refused 2 'SCENE is missing; see fathom help bench secondary' bench secondary
+refused 2 '--repeats: expected a whole number from 1 to 1000' bench secondary scene.json --repeats 0
+refused 2 'no single-ray calls to compare with' bench secondary scene.json --tracer bvh
+run 0 bench secondary scene.json --rays 200 --repeats 2 --json s.json --csv s.csv --report secondary
+said out.txt '0 camera'
+said out.txt '1 mirrored'
+for key in bench rows depth kind rays met nsPerRay renderToSingle single '16 coherent' 'single sorted' low median high; do
+    said s.json "\"$key\": "
+done
+grep -q '^0,camera,' s.csv || die 'no row of camera rays'
+grep -q '^1,mirrored,' s.csv || die 'no row of mirrored rays'
+grep -q '^1,shadow,' s.csv || die 'no row of shadow rays'
+awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' s.csv || die 'rows of different length'
+said secondary/index.html 'By depth and kind'
+not_said secondary/index.html '<script'

@@ -72,6 +72,71 @@ static bool begin_any(const embree_tracer *tracer, trace_rays *rays, unsigned la
                                 : begin(tracer, rays, lanes, EMBREE_SHADOWS, scaled, asked);
 }
 
+/* Whether all directions are within a limit of the first. */
+static ALWAYS_INLINE embree_spread spread_lanes(const trace_rays *restrict rays, unsigned lanes) {
+    const float x = rays->dir_x[0], y = rays->dir_y[0], z = rays->dir_z[0];
+    const float length = fabsf(x) + fabsf(y) + fabsf(z);
+    const float alike = EMBREE_ALIKE * length, similar = EMBREE_SIMILAR * length;
+    uint32_t beyond_alike = 0, beyond_similar = 0;
+    for (unsigned i = 0; i < lanes; ++i) {
+        float off = fabsf(rays->dir_x[i] - x) + fabsf(rays->dir_y[i] - y) + fabsf(rays->dir_z[i] - z);
+        beyond_alike |= off <= alike ? 0 : ~0u;
+        beyond_similar |= off <= similar ? 0 : ~0u;
+    }
+    return beyond_similar ? EMBREE_SPREAD_WIDE : (beyond_alike ? EMBREE_SPREAD_SIMILAR : EMBREE_SPREAD_ALIKE);
+}
+
+static embree_spread spread(const trace_rays *rays, unsigned lanes) {
+    return lanes == TRACE_WIDTH ? spread_lanes(rays, TRACE_WIDTH) : spread_lanes(rays, lanes);
+}
+
+/* ---- packets ---- */
+
+/* Rows of `width` numbers, copied by the widest moves there are: what a packet's kernel loads whole it has to
+ * find stored whole, or it waits for the store. */
+static ALWAYS_INLINE void copy_rows(uint32_t *to, unsigned to_row, const uint32_t *from, unsigned from_row,
+                                    unsigned rows, unsigned width) {
+    for (unsigned r = 0; r < rows; ++r) memcpy(to + r * to_row, from + r * from_row, width * sizeof *to);
+}
+
+#define HIT_ROWS (EMBREE_ROW_INSTANCE + 1)
+
+static ALWAYS_INLINE void split_by(unsigned width, const trace_rays *rays, const trace_hits *hits,
+                                   embree_packets *out) {
+    const uint32_t *ray = (const uint32_t *)(const void *)rays, *hit = (const uint32_t *)(const void *)hits;
+    for (unsigned first = 0; first < TRACE_WIDTH; first += width) {
+        uint32_t *to = embree_packet(out, first);
+        copy_rows(to, width, ray + first, TRACE_WIDTH, EMBREE_RAY_ROWS, width);
+        if (hit) copy_rows(to + EMBREE_RAY_ROWS * width, width, hit + first, TRACE_WIDTH, HIT_ROWS, width);
+    }
+}
+
+static void split(const trace_rays *rays, const trace_hits *hits, unsigned width, embree_packets *out) {
+    switch (width) {
+    case 8: split_by(8, rays, hits, out); break;
+    case 4: split_by(4, rays, hits, out); break;
+    default: split_by(1, rays, hits, out); break;
+    }
+}
+
+static ALWAYS_INLINE void join_by(unsigned width, const embree_packets *packets, trace_rays *rays,
+                                  trace_hits *hits) {
+    uint32_t *hit = (uint32_t *)(void *)hits;
+    for (unsigned first = 0; first < TRACE_WIDTH; first += width) {
+        const uint32_t *from = &packets->rows[EMBREE_PACKET_ROWS * first];
+        memcpy(&rays->t_far[first], from + EMBREE_ROW_T_FAR * width, width * sizeof *rays->t_far);
+        if (hit) copy_rows(hit + first, TRACE_WIDTH, from + EMBREE_RAY_ROWS * width, width, HIT_ROWS, width);
+    }
+}
+
+static void join(const embree_packets *from, unsigned width, trace_rays *rays, trace_hits *hits) {
+    switch (width) {
+    case 8: join_by(8, from, rays, hits); break;
+    case 4: join_by(4, from, rays, hits); break;
+    default: join_by(1, from, rays, hits); break;
+    }
+}
+
 /* ---- after ---- */
 
 static ALWAYS_INLINE uint32_t end_closest_lanes(trace_block *restrict block, unsigned lanes,
@@ -114,4 +179,7 @@ const embree_kernels KERNEL(embree_kernels) = {
     .end_closest = end_closest,
     .begin_any = begin_any,
     .end_any = end_any,
+    .spread = spread,
+    .split = split,
+    .join = join,
 };
