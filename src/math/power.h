@@ -9,6 +9,9 @@
 #include <stdint.h>
 #include <string.h>
 
+/* Sums of series are taken in pairs of pairs (Estrin): a chain of sixteen dependent operations is what a loop
+ * of few lanes waits for. */
+
 /* log2(x) for a normal x = 1 - d > 0. x = 2^e m with m in [sqrt(1/2), sqrt(2)), and log2 m = 2/ln2 atanh(z),
  * z = (m-1)/(m+1), |z| <= 0.1716: the series to z^15 is cut off at a relative 2^-43, and near x = 1, where m
  * - 1 is taken from d, nothing cancels. */
@@ -23,10 +26,9 @@ static inline double power_log2(float x, float d) {
     memcpy(&m, &mantissa, sizeof m);
     /* Choices by numbers of their own kind, as loops of 16 lanes want. */
     double whole = (double)e, less = whole != 0 ? (double)m - 1 : -(double)d;
-    double z = less / (2 + less), q = z * z;
-    double series =
-        1 + q * (1 / 3.0 +
-                 q * (1 / 5.0 + q * (1 / 7.0 + q * (1 / 9.0 + q * (1 / 11.0 + q * (1 / 13.0 + q / 15))))));
+    double z = less / (2 + less), q = z * z, q2 = q * q, q4 = q2 * q2;
+    double series = ((1 + q * (1 / 3.0)) + q2 * (1 / 5.0 + q * (1 / 7.0))) +
+                    q4 * ((1 / 9.0 + q * (1 / 11.0)) + q2 * (1 / 13.0 + q * (1 / 15.0)));
     return whole + 2.8853900817779268 * z * series;
 }
 
@@ -36,13 +38,10 @@ static inline float power_exp2(double y) {
     double some = y < -126 ? 0.0 : 1.0, low = some * y; /* factors, where a choice would become a branch */
     int32_t k = (int32_t)(low - 0.5);
     double f = (low - (double)k) * 0.69314718055994531;
-    double series =
-        1 +
-        f * (1 + f * (1 / 2.0 +
-                      f * (1 / 6.0 +
-                           f * (1 / 24.0 +
-                                f * (1 / 120.0 +
-                                     f * (1 / 720.0 + f * (1 / 5040.0 + f * (1 / 40320.0 + f / 362880))))))));
+    double f2 = f * f, f4 = f2 * f2;
+    double series = ((1 + f) + f2 * (1 / 2.0 + f * (1 / 6.0))) +
+                    f4 * (((1 / 24.0 + f * (1 / 120.0)) + f2 * (1 / 720.0 + f * (1 / 5040.0))) +
+                          f4 * (1 / 40320.0 + f * (1 / 362880.0)));
     uint32_t bits = (uint32_t)(k + 127) << 23;
     float scale;
     memcpy(&scale, &bits, sizeof scale);

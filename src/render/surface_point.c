@@ -85,18 +85,22 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
     put_f64(b->n, i, scale_f64(1 / length, n));
     put_f32(b->ns, i, narrow(unit_of(map_normal(inverse, lane_f32(b->ns, i)))));
     put_f32(b->lift, i, narrow(map_vector(m, lane_f32(b->lift, i))));
-    put_f32(b->lift_inside, i, narrow(map_vector(m, lane_f32(b->lift_inside, i))));
 }
 
 /* ---- hits ---- */
 
-/* Unused lanes are computed too: a triangle seen from a distance of 1. */
 void surface_gather_begin(surface_gather *g, bool normals, bool always) {
     g->count = 0, g->instances = 0, g->faceted = false, g->normals = normals;
-    memset(&g->facets, 0, sizeof g->facets);
     g->facets.smooth = always;
+}
+
+/* For hits that come one by one: unused lanes are computed too, as a triangle seen from a distance of 1. */
+static void clear_lanes(surface_gather *g) {
+    memset(g->facets.corner, 0, sizeof g->facets.corner);
+    memset(g->facets.normal, 0, sizeof g->facets.normal);
+    memset(g->facets.facet, 0, sizeof g->facets.facet);
+    memset(g->facets.bent, 0, sizeof g->facets.bent);
     memset(g->local.lift, 0, sizeof g->local.lift);
-    memset(g->local.lift_inside, 0, sizeof g->local.lift_inside);
     memset(g->local.smooth, 0, sizeof g->local.smooth);
 }
 
@@ -146,6 +150,7 @@ static void add_primitive(surface_gather *g, unsigned i, const world *w, const l
 
 void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane) {
     const trace_rays *r = &block->rays;
+    if (!g->count) clear_lanes(g);
     unsigned i = g->count++;
     vec3_f32 dir = {r->dir_x[lane], r->dir_y[lane], r->dir_z[lane]};
     local_ray local = {vec_f64((double)r->org_x[lane], (double)r->org_y[lane], (double)r->org_z[lane]),
@@ -176,7 +181,8 @@ static const fathom_mesh *common_mesh(const world *w, const trace_hits *hits) {
     for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | ~hits->instance[i];
     if (differ || id == TRACE_PLANE || w->geometries.items[id].kind != WORLD_MESH) return NULL;
     const fathom_mesh *mesh = &w->meshes.items[w->geometries.items[id].first];
-    bool within = is_within(mesh->vertex_count, mesh->position_stride) &&
+    bool within = is_within(mesh->triangle_count, 3 * sizeof(float)) &&
+                  is_within(mesh->vertex_count, mesh->position_stride) &&
                   (!mesh->normals || is_within(mesh->normal_count, mesh->normal_stride));
     return within ? mesh : NULL;
 }
@@ -212,7 +218,6 @@ static void pad(surface_gather *g) {
         put_f32(b->ns, i, narrow(lane_f32(b->ns, last)));
         put_f32(b->ray, i, narrow(lane_f32(b->ray, last)));
         put_f32(b->lift, i, narrow(lane_f32(b->lift, last)));
-        put_f32(b->lift_inside, i, narrow(lane_f32(b->lift_inside, last)));
         b->beside[i] = b->beside[last], b->smooth[i] = b->smooth[last];
     }
 }

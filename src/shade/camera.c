@@ -12,10 +12,3 @@ void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height
     out->down = scale_f64(-h / height, y);
     out->view = neg_f64(z);
 }
-
-vec3_f32 camera_direction(const shade_camera *c, double x, double y) {
-    vec3_f64 d = camera_towards(c, x, y);
-    double square = dot_f64(d, d);
-    bool usual = square > (double)CAMERA_LEAST_SQUARE && square < (double)CAMERA_MOST_SQUARE;
-    return narrow(scale_f64(usual ? camera_inverse_length(square) : 1 / sqrt(square), d));
-}

@@ -2,6 +2,7 @@
 #ifndef SHADE_CAMERA_H
 #define SHADE_CAMERA_H
 
+#include "math/inverse_root.h"
 #include "scene/scene.h"
 
 /* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not yet unit. */
@@ -22,16 +23,9 @@ static inline vec3_f64 camera_towards(const shade_camera *c, double x, double y)
 }
 
 /* The same as a unit direction. */
-vec3_f32 camera_direction(const shade_camera *c, double x, double y);
-
-/* 1 / sqrt(square) where the square is within these: float's root, off by e < 2^-22, and one step of
- * Newton's, which leaves 3/2 e^2 < 2^-43. Directions become float afterwards, so that is as good as all of
- * double's digits, in a third of the time. */
-#define CAMERA_LEAST_SQUARE 0x1p-100f
-#define CAMERA_MOST_SQUARE 0x1p100f
-static inline double camera_inverse_length(double square) {
-    double rough = (double)(1 / sqrtf((float)square));
-    return rough * (1.5 - 0.5 * square * rough * rough);
+static inline vec3_f32 camera_direction(const shade_camera *c, double x, double y) {
+    vec3_f64 d = camera_towards(c, x, y);
+    return narrow(scale_f64(inverse_root(dot_f64(d, d)), d));
 }
 
 #endif

@@ -12,7 +12,7 @@ typedef struct shade_kernels {
     const char *name; /* "plain", "avx2", "avx512" */
 
     /* Sixteen rays, given in the mesh's space, and the triangles of the mesh that they met; normals: with
-     * them, where it has any. Vertices must lie within 2^31 floats. */
+     * them, where it has any. Indices and vertices must lie within 2^31 numbers. */
     void (*facet_gather)(const fathom_mesh *mesh, bool normals, const uint32_t triangle[LANES],
                          const float org[3][LANES], const float dir[3][LANES], facet_block *f,
                          local_block *b);

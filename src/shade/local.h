@@ -29,9 +29,8 @@ typedef struct local_block {
     double beside[LANES]; /* a ray that starts farther than this from the surface, its rounded origin taken as
                              it is, and leaves, is not found to meet it again */
     lanes3 ns;            /* shading normal, unit */
-    lanes3 lift; /* for a viewer outside: off the facet to the round surface its normals stand for (Hanika
-                    2021); else 0 */
-    lanes3 lift_inside;     /* the same for a viewer inside */
+    lanes3 lift; /* on the viewer's side, off the facet to the round surface that its normals stand for
+                    (Hanika 2021); else 0 */
     uint32_t smooth[LANES]; /* all ones: lift is set */
     lanes3 ray;             /* direction in the world */
 } local_block;

@@ -6,24 +6,14 @@
 
 static void camera_rays(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
                         const square_samples *at, trace_rays *restrict out) {
-    uint32_t stiff = 0;
+    for (uint32_t i = 0; i < LANES; ++i) {
+        double x = (double)(int32_t)(left + i % 4) + at->x[i], y = (double)(int32_t)(top + i / 4) + at->y[i];
+        vec3_f32 d = camera_direction(camera, x, y);
+        out->dir_x[i] = d.x, out->dir_y[i] = d.y, out->dir_z[i] = d.z;
+    }
     for (uint32_t i = 0; i < LANES; ++i) {
         out->org_x[i] = camera->eye.x, out->org_y[i] = camera->eye.y, out->org_z[i] = camera->eye.z;
         out->t_near[i] = t_near, out->t_far[i] = INFINITY;
-    }
-    for (uint32_t i = 0; i < LANES; ++i) {
-        double x = (double)(int32_t)(left + i % 4) + at->x[i], y = (double)(int32_t)(top + i / 4) + at->y[i];
-        vec3_f64 d = camera_towards(camera, x, y);
-        float square = (float)dot_f64(d, d);
-        double scale = camera_inverse_length(dot_f64(d, d));
-        out->dir_x[i] = (float)(d.x * scale), out->dir_y[i] = (float)(d.y * scale);
-        out->dir_z[i] = (float)(d.z * scale);
-        stiff |= !((square > CAMERA_LEAST_SQUARE) & (square < CAMERA_MOST_SQUARE)) ? 1u << i : 0;
-    }
-    for (; stiff; stiff &= stiff - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(stiff);
-        vec3_f32 d = camera_direction(camera, left + i % 4 + at->x[i], top + i / 4 + at->y[i]);
-        out->dir_x[i] = d.x, out->dir_y[i] = d.y, out->dir_z[i] = d.z;
     }
 }
 
@@ -31,8 +21,8 @@ static void begin_paths(uint32_t first_slot, uint8_t depth, path_block *restrict
     for (uint32_t i = 0; i < LANES; ++i) {
         out->weight[0][i] = out->weight[1][i] = out->weight[2][i] = 1;
         out->slot[i] = first_slot + i;
-        out->depth[i] = depth;
     }
+    memset(out->depth, depth, sizeof out->depth);
 }
 
 /* ---- hits ---- */

@@ -1,25 +1,24 @@
 /* The corners of sixteen triangles of one mesh. */
+#include "shade/kernels/gather.h"
 #include "shade/kernels/kernel.h"
 
 /* Where the numbers of the vertices of each triangle begin, in floats. */
 typedef int32_t vertex_places[3][LANES];
 
-static inline void find_vertices(const uint32_t *restrict indices, const uint32_t triangle[LANES],
-                                 size_t stride, vertex_places out) {
-    const uint32_t words = (uint32_t)(stride / sizeof(float));
-    for (int i = 0; i < LANES; ++i) {
-        const uint32_t *index = indices + 3 * (size_t)triangle[i];
-        for (int k = 0; k < 3; ++k) out[k][i] = (int32_t)(index[k] * words);
+static inline void find_vertices(const uint32_t *indices, const uint32_t triangle[LANES], size_t stride,
+                                 vertex_places out) {
+    const int32_t words = (int32_t)(stride / sizeof(float));
+    _Alignas(64) int32_t first[LANES];
+    for (int i = 0; i < LANES; ++i) first[i] = (int32_t)(3 * triangle[i]);
+    for (int k = 0; k < 3; ++k) {
+        gather(indices + k, first, out[k]);
+        for (int i = 0; i < LANES; ++i) out[k][i] *= words;
     }
 }
 
-static inline void fetch(const float *restrict from, const vertex_places at,
-                         float (*restrict out)[3][LANES]) {
+static inline void fetch(const float *from, const vertex_places at, float out[3][3][LANES]) {
     for (int k = 0; k < 3; ++k) {
-        for (int i = 0; i < LANES; ++i) {
-            const float *v = from + at[k][i];
-            out[k][0][i] = v[0], out[k][1][i] = v[1], out[k][2][i] = v[2];
-        }
+        for (int axis = 0; axis < 3; ++axis) gather(from + axis, at[k], out[k][axis]);
     }
 }
 

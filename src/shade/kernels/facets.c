@@ -1,11 +1,12 @@
 /* Triangles: points and normals of sixteen hits. */
+#include "math/inverse_root.h"
 #include "shade/kernels/kernel.h"
 
 typedef float corner_weights[3][LANES];
 
 static inline double clamp_unit(double x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
-static inline double larger(double a, double b) { return a > b ? a : b; }
-static inline double largest(vec3_f64 v) { return larger(fabs(v.x), larger(fabs(v.y), fabs(v.z))); }
+static inline float larger(float a, float b) { return a > b ? a : b; }
+static inline float largest(vec3_f32 v) { return larger(fabsf(v.x), larger(fabsf(v.y), fabsf(v.z))); }
 
 static inline vec3_f64 lane_f64(const lanes3_f64 from, int i) {
     return vec_f64(from[0][i], from[1][i], from[2][i]);
@@ -28,12 +29,18 @@ static inline void weigh(vec3_f64 a, vec3_f64 ab, vec3_f64 ac, vec3_f64 org, vec
                          double *v) {
     vec3_f64 from_a = sub_f64(org, a), across = cross_f64(dir, ac), along = cross_f64(from_a, ab);
     double determinant = dot_f64(ab, across);
-    double x = clamp_unit(dot_f64(from_a, across) / determinant);
-    double y = clamp_unit(dot_f64(dir, along) / determinant);
     bool flat = determinant == 0;
+    double inverse = 1 / (flat ? 1 : determinant);
+    double x = clamp_unit(dot_f64(from_a, across) * inverse);
+    double y = clamp_unit(dot_f64(dir, along) * inverse);
     x = flat ? 1 / 3.0 : x, y = flat ? 1 / 3.0 : y;
-    double sum = x + y, over = sum > 1 ? sum : 1;
-    *u = x / over, *v = y / over;
+    double most = 1 - x;
+    *u = x, *v = y < most ? y : most;
+}
+
+/* The largest coordinate of a side; a rounding of float does not matter to what it bounds. */
+static inline float extent_of(vec3_f32 a, vec3_f32 b, vec3_f32 c) {
+    return larger(largest(sub_f32(b, a)), larger(largest(sub_f32(c, a)), largest(sub_f32(c, b))));
 }
 
 static void find_points(const facet_block *f, local_block *restrict b, float (*restrict weight)[LANES]) {
@@ -42,12 +49,13 @@ static void find_points(const facet_block *f, local_block *restrict b, float (*r
         vec3_f64 a = widen(lane_f32(f->corner[0], i));
         vec3_f64 ab = sub_f64(widen(lane_f32(f->corner[1], i)), a);
         vec3_f64 ac = sub_f64(widen(lane_f32(f->corner[2], i)), a), n = cross_f64(ab, ac);
-        double u, v, square = dot_f64(n, n), inverse = 1 / sqrt(square > 0 ? square : 1);
+        double u, v, square = dot_f64(n, n), inverse = inverse_root(square > 0 ? square : 1);
         weigh(a, ab, ac, lane_f64(b->org, i), lane_f64(b->dir, i), &u, &v);
-        double extent = larger(largest(sub_f64(ac, ab)), larger(largest(ab), largest(ac)));
+        float extent =
+            extent_of(lane_f32(f->corner[0], i), lane_f32(f->corner[1], i), lane_f32(f->corner[2], i));
         put_f64(b->p, i, mine, madd_f64(madd_f64(a, u, ab), v, ac));
         put_f64(b->n, i, mine, scale_f64(inverse, n));
-        b->beside[i] = mine ? LOCAL_FACE_BESIDE * extent : b->beside[i];
+        b->beside[i] = mine ? LOCAL_FACE_BESIDE * (double)extent : b->beside[i];
         weight[0][i] = (float)(1 - u - v), weight[1][i] = (float)u, weight[2][i] = (float)v;
     }
 }
@@ -57,19 +65,38 @@ static void find_points(const facet_block *f, local_block *restrict b, float (*r
  * range. */
 static vec3_f32 unit_of_stiff(vec3_f32 v) {
     int exponent;
-    frexpf((float)largest(widen(v)), &exponent);
+    frexpf(largest(v), &exponent);
     v = scale_f32(ldexpf(1, -exponent / 2), scale_f32(ldexpf(1, -exponent - (-exponent / 2)), v));
     float square = dot_f32(v, v);
     return square > 0 ? scale_f32(1 / sqrtf(square), v) : v;
 }
 
-static void make_unit(const float from[3][LANES], float to[3][LANES]) {
+/* Lengths so near to 1 stay: they weigh in the mean, which is made unit afterwards, and being off by 2^-21
+ * turn it by that part of the angle between the normals. */
+#define UNIT_SQUARE 0x1p-20f
+
+static bool are_unit(const float normal[3][LANES], const uint32_t bent[LANES]) {
+    uint32_t off = 0;
+    for (int i = 0; i < LANES; ++i) {
+        vec3_f32 v = lane_f32(normal, i);
+        off |= bent[i] & (fabsf(dot_f32(v, v) - 1) <= UNIT_SQUARE ? 0 : ~0u);
+    }
+    return !off;
+}
+
+static bool all_unit(const facet_block *f) {
+    return are_unit(f->normal[0], f->bent) && are_unit(f->normal[1], f->bent) &&
+           are_unit(f->normal[2], f->bent);
+}
+
+static void make_unit(const float from[3][LANES], float (*restrict to)[LANES]) {
     int stiff = 0;
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 v = lane_f32(from, i);
         float square = dot_f32(v, v);
         stiff |= !((square > 0x1p-100f) & (square < 0x1p100f));
         put_f32(to, i, ~0u, scale_f32(1 / sqrtf(square), v));
+        put_f32(to, i, fabsf(square - 1) <= UNIT_SQUARE ? ~0u : 0, v);
     }
     for (int i = 0; stiff && i < LANES; ++i) {
         vec3_f32 v = lane_f32(from, i);
@@ -79,9 +106,8 @@ static void make_unit(const float from[3][LANES], float to[3][LANES]) {
 }
 
 /* Normals that cancel say nothing: the facet is then as flat as it looks, and not `smooth`. */
-static void mix_normals(const facet_block *f, const corner_weights weight, float normal[3][3][LANES],
+static void mix_normals(const facet_block *f, const corner_weights weight, const float normal[3][3][LANES],
                         local_block *restrict b) {
-    for (int k = 0; k < 3; ++k) make_unit(f->normal[k], normal[k]);
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 sum = {0, 0, 0};
         for (int k = 0; k < 3; ++k) sum = madd_f32(sum, weight[k][i], lane_f32(normal[k], i));
@@ -93,22 +119,39 @@ static void mix_normals(const facet_block *f, const corner_weights weight, float
 }
 
 /* Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II (2021): p plus the weighted mean of its
- * distances to the tangent planes at the corners, where those lie above it. side: 1 for a viewer outside, -1
- * inside; windings and normals may disagree on the outside, and the normals' own counts. */
+ * distances to the tangent planes at the corners, where those lie above it on the viewer's side. Windings and
+ * normals may disagree on the outside, and the normals' own counts. */
 static void lift(const facet_block *f, const corner_weights weight, const float normal[3][3][LANES],
-                 float viewer, const local_block *b, float (*restrict out)[LANES]) {
+                 local_block *restrict b) {
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 p = narrow(lane_f64(b->p, i)), sum = {0, 0, 0};
         float along = (float)dot_f64(widen(lane_f32(b->ns, i)), lane_f64(b->n, i));
-        float side = along < 0 ? -viewer : viewer;
+        float facing = (float)dot_f64(lane_f64(b->dir, i), lane_f64(b->n, i));
+        float viewer = facing < 0 ? 1 : -1, side = along < 0 ? -viewer : viewer;
         for (int k = 0; k < 3; ++k) {
             vec3_f32 n = lane_f32(normal[k], i);
             float above = side * dot_f32(sub_f32(p, lane_f32(f->corner[k], i)), n);
             float by = -weight[k][i] * above * side;
             sum = madd_f32(sum, above < 0 ? by : 0, n);
         }
-        put_f32(out, i, b->smooth[i], sum);
+        put_f32(b->lift, i, b->smooth[i], sum);
     }
+}
+
+static void leave_flat(const facet_block *f, local_block *restrict b) {
+    for (int i = 0; i < LANES; ++i) {
+        put_f32(b->lift, i, f->facet[i], (vec3_f32){0, 0, 0});
+        b->smooth[i] &= ~f->facet[i];
+    }
+}
+
+static void smoothen(const facet_block *f, const corner_weights weight, const float normal[3][3][LANES],
+                     bool lifted, local_block *restrict b) {
+    mix_normals(f, weight, normal, b);
+    if (lifted)
+        lift(f, weight, normal, b);
+    else
+        leave_flat(f, b);
 }
 
 void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b) {
@@ -116,12 +159,12 @@ void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b) 
     float normal[3][3][LANES];
     find_points(f, b, weight);
     for (int i = 0; i < LANES; ++i) put_f32(b->ns, i, f->facet[i], narrow(lane_f64(b->n, i)));
+    leave_flat(f, b);
     if (!f->smooth) return;
-    mix_normals(f, weight, normal, b);
-    if (lifted) {
-        lift(f, weight, normal, 1, b, b->lift);
-        lift(f, weight, normal, -1, b, b->lift_inside);
-    } else {
-        memset(b->smooth, 0, sizeof b->smooth);
+    if (all_unit(f)) {
+        smoothen(f, weight, f->normal, lifted, b);
+        return;
     }
+    for (int k = 0; k < 3; ++k) make_unit(f->normal[k], normal[k]);
+    smoothen(f, weight, normal, lifted, b);
 }

@@ -101,27 +101,53 @@ static void begin_rays(const surface_block *s, const light_side *side, float (*r
 /* k_s max(0, v·r)^n with r = -l + 2(n·l)n, or k_s max(0, n·h)^n with h = (l+v)/|l+v|. The cosine of two unit
  * vectors is 1 less half the square of their difference: that keeps the angle's digits where the cosine
  * itself would round to 1, and exponents in the millions need them. */
-static void highlight(const surface_block *s, const material_block *m, const lanes3 l,
-                      const float n_dot_l[LANES], float *restrict out) {
-    float less[LANES];
+static void apart_phong(const surface_block *s, const lanes3 l, const float n_dot_l[LANES],
+                        float *restrict out) {
     for (int i = 0; i < LANES; ++i) {
-        float h[3], h2 = 0, apart_r = 0, apart_h = 0;
+        out[i] = 0;
         for (int c = 0; c < 3; ++c) {
             float r = -l[c][i] + 2 * n_dot_l[i] * s->ns[c][i], apart = s->v[c][i] - r;
-            apart_r += apart * apart;
+            out[i] += apart * apart;
+        }
+    }
+}
+
+static void apart_blinn(const surface_block *s, const lanes3 l, float *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        float h[3], h2 = 0;
+        for (int c = 0; c < 3; ++c) {
             h[c] = l[c][i] + s->v[c][i];
             h2 += h[c] * h[c];
         }
         float unit = 1 / sqrtf(h2);
+        out[i] = 0;
         for (int c = 0; c < 3; ++c) {
             float apart = s->ns[c][i] - h[c] * unit;
-            apart_h += apart * apart;
+            out[i] += apart * apart;
         }
+    }
+}
+
+static void highlight(const surface_block *s, const material_block *m, const lanes3 l,
+                      const float n_dot_l[LANES], float *restrict out) {
+    float phong[LANES] = {0}, blinn[LANES] = {0}, less[LANES];
+    uint32_t any_phong = 0, any_blinn = 0;
+    for (int i = 0; i < LANES; ++i) any_phong |= m->phong[i], any_blinn |= m->blinn[i];
+    if (!(any_phong | any_blinn)) return;
+    if (any_phong) apart_phong(s, l, n_dot_l, phong);
+    if (any_blinn) apart_blinn(s, l, blinn);
+    for (int i = 0; i < LANES; ++i) {
         /* Light from straight behind leaves no half vector: no highlight. */
-        float half = 0.5f * chosen(m->phong[i], apart_r, apart_h);
+        float half = 0.5f * chosen(m->phong[i], phong[i], blinn[i]);
         less[i] = half < 1 ? half : 1;
     }
     for (int i = 0; i < LANES; ++i) out[i] = power_one_less(less[i], m->shininess[i]);
+}
+
+static bool any_lit(const light_side *side, const float falloff[LANES]) {
+    uint32_t lit = 0;
+    for (int i = 0; i < LANES; ++i) lit |= side->cosine[i] * falloff[i] > 0 ? ~0u : 0;
+    return lit != 0;
 }
 
 void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, const material_block *m,
@@ -137,6 +163,11 @@ void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, co
         arrive(light, out, inverse, falloff);
     }
     judge_sides(s, m, out->direction, &side);
+    begin_rays(s, &side, out->origin);
+    if (!any_lit(&side, falloff)) {
+        memset(out->radiance, 0, sizeof out->radiance);
+        return;
+    }
     if (specular) highlight(s, m, out->direction, side.n_dot_l, rho_s);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) {
@@ -149,5 +180,4 @@ void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, co
             out->radiance[c][i] = limited(weighed * reflected);
         }
     }
-    begin_rays(s, &side, out->origin);
 }

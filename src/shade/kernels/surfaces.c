@@ -27,7 +27,7 @@ void KERNEL(surfaces)(const local_block *b, bool automatic, surface_block *restr
             s->ng[c][i] = ng[c];
             s->ns[c][i] = turn * b->ns[c][i];
             s->v[c][i] = -b->ray[c][i];
-            s->lift[c][i] = chosen(entering, b->lift[c][i], b->lift_inside[c][i]);
+            s->lift[c][i] = b->lift[c][i];
         }
         s->offset[i] = (float)(scale * (strays + b->beside[i]));
         s->entering[i] = entering;
