@@ -3,6 +3,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
 
 /* The number behind `key` in a file of the system, SIZE_MAX when there is none. */
 static size_t system_number(const char *path, const char *key, size_t unit) {
@@ -31,4 +32,18 @@ size_t memory_free(void) {
     size_t machine = system_number("/proc/meminfo", "MemAvailable:", 1024);
     size_t container = system_number("/sys/fs/cgroup/memory.max", "", 1);
     return machine < container ? machine : container;
+}
+
+/* ---- zeroes ---- */
+
+#define POPULATED ((size_t)64 << 20)
+
+void *memory_take(size_t bytes) {
+    int populate = bytes <= POPULATED ? MAP_POPULATE : 0;
+    void *data = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | populate, -1, 0);
+    return data == MAP_FAILED ? NULL : data;
+}
+
+void memory_return(void *data, size_t bytes) {
+    if (data) munmap(data, bytes);
 }

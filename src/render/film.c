@@ -7,38 +7,35 @@
 
 static float *add_channel(fathom_film *film, const char *name, bool is_id, bool color) {
     /* float and uint32_t are both four bytes: one allocation serves either. */
-    float *data = calloc((size_t)film->width * film->height, sizeof *data);
-    if (data) film->channels[film->channel_count++] = (film_channel){name, is_id, color, data};
+    float *data = film->pixels + film->channel_count * (size_t)film->width * film->height;
+    film->channels[film->channel_count++] = (film_channel){name, is_id, color, data};
     return data;
 }
 
-static bool add_three(fathom_film *film, float *out[3], const char *a, const char *b, const char *c,
+static void add_three(fathom_film *film, float *out[3], const char *a, const char *b, const char *c,
                       bool color) {
     out[0] = add_channel(film, a, false, color);
     out[1] = add_channel(film, b, false, color);
     out[2] = add_channel(film, c, false, color);
-    return out[0] && out[1] && out[2];
 }
 
-static bool add_id(fathom_film *film, uint32_t **out, const char *name) {
-    *out = (uint32_t *)(void *)add_channel(film, name, true, false);
-    return *out != NULL;
+static uint32_t *add_id(fathom_film *film, const char *name) {
+    return (uint32_t *)(void *)add_channel(film, name, true, false);
 }
 
-static bool add_channels(fathom_film *film, unsigned aovs) {
-    bool ok = add_three(film, film->rgb, "R", "G", "B", true);
-    if (aovs & FATHOM_AOV_ALPHA) ok = ok && (film->alpha = add_channel(film, "A", false, true));
-    if (aovs & FATHOM_AOV_Z) ok = ok && (film->z = add_channel(film, "Z", false, false));
-    if (aovs & FATHOM_AOV_N) ok = ok && add_three(film, film->n, "N.X", "N.Y", "N.Z", false);
-    if (aovs & FATHOM_AOV_P) ok = ok && add_three(film, film->p, "P.X", "P.Y", "P.Z", false);
-    if (aovs & FATHOM_AOV_ALBEDO)
-        ok = ok && add_three(film, film->albedo, "albedo.R", "albedo.G", "albedo.B", true);
+static void add_channels(fathom_film *film, unsigned aovs) {
+    add_three(film, film->rgb, "R", "G", "B", true);
+    if (aovs & FATHOM_AOV_ALPHA) film->alpha = add_channel(film, "A", false, true);
+    if (aovs & FATHOM_AOV_Z) film->z = add_channel(film, "Z", false, false);
+    if (aovs & FATHOM_AOV_N) add_three(film, film->n, "N.X", "N.Y", "N.Z", false);
+    if (aovs & FATHOM_AOV_P) add_three(film, film->p, "P.X", "P.Y", "P.Z", false);
+    if (aovs & FATHOM_AOV_ALBEDO) add_three(film, film->albedo, "albedo.R", "albedo.G", "albedo.B", true);
     if (aovs & FATHOM_AOV_ID) {
-        ok = ok && add_id(film, &film->object, "id.object") &&
-             add_id(film, &film->primitive, "id.primitive") && add_id(film, &film->instance, "id.instance");
+        film->object = add_id(film, "id.object");
+        film->primitive = add_id(film, "id.primitive");
+        film->instance = add_id(film, "id.instance");
     }
-    if (aovs & FATHOM_AOV_SAMPLES) ok = ok && add_id(film, &film->samples, "samples");
-    return ok;
+    if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples");
 }
 
 /* Channels that these outputs take. */
@@ -77,20 +74,21 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->camera = scene->camera;
     film->scene_name = strdup(scene->name);
     fathom_status status = check_memory(context, film);
-    if (status == FATHOM_OK && (!film->scene_name || !add_channels(film, settings->aovs))) {
-        status = fail_memory(context, (size_t)film->width * film->height * sizeof(float));
-    }
+    if (status == FATHOM_OK) film->pixels = memory_take(film_bytes(film));
+    if (status == FATHOM_OK && (!film->scene_name || !film->pixels))
+        status = fail_memory(context, film_bytes(film));
     if (status != FATHOM_OK) {
         fathom_film_destroy(film);
         return status;
     }
+    add_channels(film, settings->aovs);
     *out = film;
     return FATHOM_OK;
 }
 
 void fathom_film_destroy(fathom_film *film) {
     if (!film) return;
-    for (uint32_t i = 0; i < film->channel_count; ++i) free(film->channels[i].data);
+    memory_return(film->pixels, film_bytes(film));
     free(film->scene_name);
     array_free(&film->left_out);
     free(film);

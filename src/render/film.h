@@ -18,6 +18,7 @@ struct fathom_film {
     uint32_t width, height, x, y, full_width, full_height;
     film_channel channels[FILM_CHANNELS];
     uint32_t channel_count;
+    float *pixels; /* of all channels */
     /* The same memory by meaning; NULL when not asked for. */
     float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3];
     uint32_t *object, *primitive, *instance, *samples;

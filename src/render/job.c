@@ -42,13 +42,6 @@ static void add_sample(const wave *w, const wave_region *r, pixel_sums *sums, ui
     }
 }
 
-static void store(fathom_film *film, const wave_region *r, const pixel_sums *sums, uint32_t spp) {
-    for (uint32_t y = r->y0; y < r->y1; ++y) {
-        for (uint32_t x = r->x0; x < r->x1; ++x)
-            pixel_sums_store(sums, wave_slot(x - r->left, y - r->top), spp, x, y, film);
-    }
-}
-
 static uint64_t region_pixels(const wave_region *r) { return (uint64_t)(r->x1 - r->x0) * (r->y1 - r->y0); }
 
 static bool render_evenly(job *j, worker *self, const wave_region *region) {
@@ -60,7 +53,7 @@ static bool render_evenly(job *j, worker *self, const wave_region *region) {
         add_sample(&self->wave, region, self->sums, index);
         job_count_rays(j, &self->wave, &before);
     }
-    store(j->film, region, self->sums, spp);
+    pixel_sums_store_all(j->plan, self->sums, region, spp, j->film);
     self->samples += region_pixels(region) * spp;
     return true;
 }

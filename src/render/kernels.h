@@ -36,6 +36,9 @@ typedef struct render_kernels {
 
     /* to[i] += from[i]; count is a multiple of 16. */
     void (*add_samples)(const float *from, size_t count, double *to);
+
+    /* A square of 4 × 4 sums, scaled, to an image of this width. */
+    void (*store_square)(const double *sums, double scale, size_t width, float *to);
 } render_kernels;
 
 const render_kernels *render_kernels_best(void);

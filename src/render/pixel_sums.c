@@ -71,3 +71,34 @@ void pixel_sums_store(const pixel_sums *sums, uint32_t slot, uint32_t samples, u
     if (sums->hits) store_hits(sums->hits, slot, scale, pixel, film);
     if (film->samples) film->samples[pixel] = samples;
 }
+
+static void store_square(const render_plan *plan, const pixel_sums *sums, uint32_t slot, uint32_t samples,
+                         uint32_t x, uint32_t y, fathom_film *film) {
+    size_t pixel = (size_t)(y - film->y) * film->width + (x - film->x);
+    for (int c = 0; c < 3; ++c)
+        plan->blocks->store_square(sums->rgb[c] + slot, 1.0 / samples, film->width, film->rgb[c] + pixel);
+}
+
+/* The part of a square that lies in the region. */
+static void store_pixels(const pixel_sums *sums, const wave_region *r, uint32_t samples, uint32_t left,
+                         uint32_t top, fathom_film *film) {
+    for (uint32_t k = 0; k < LANES; ++k) {
+        uint32_t x = left + k % 4, y = top + k / 4;
+        bool inside = x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1;
+        if (inside) pixel_sums_store(sums, wave_slot(x - r->left, y - r->top), samples, x, y, film);
+    }
+}
+
+void pixel_sums_store_all(const render_plan *plan, const pixel_sums *sums, const wave_region *r,
+                          uint32_t samples, fathom_film *film) {
+    bool colors_alone = !sums->hits && !film->samples;
+    for (uint32_t y = r->top; y < r->y1; y += 4) {
+        for (uint32_t x = r->left; x < r->x1; x += 4) {
+            bool whole = x >= r->x0 && x + 4 <= r->x1 && y >= r->y0 && y + 4 <= r->y1;
+            if (whole && colors_alone)
+                store_square(plan, sums, wave_slot(x - r->left, y - r->top), samples, x, y, film);
+            else
+                store_pixels(sums, r, samples, x, y, film);
+        }
+    }
+}

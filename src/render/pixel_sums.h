@@ -27,6 +27,10 @@ void pixel_sums_clear(pixel_sums *sums);
 void pixel_sums_add_hit(pixel_sums *sums, const wave *w, uint32_t from, uint32_t x, uint32_t y, uint32_t slot,
                         uint32_t index);
 
+/* The means of `samples` samples of all pixels of a region to the film. */
+void pixel_sums_store_all(const render_plan *plan, const pixel_sums *sums, const wave_region *region,
+                          uint32_t samples, fathom_film *film);
+
 /* The mean of `samples` samples to a pixel of the film, (x, y) in the image. */
 void pixel_sums_store(const pixel_sums *sums, uint32_t slot, uint32_t samples, uint32_t x, uint32_t y,
                       fathom_film *film);

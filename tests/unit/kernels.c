@@ -198,6 +198,7 @@ typedef struct ray_outputs {
     uint32_t met, gaining;
     float radiance[3][SLOTS];
     double sums[SLOTS];
+    float stored[4][5];
 } ray_outputs;
 
 static void random_ray_case(ray_case *c, int round) {
@@ -230,6 +231,7 @@ static void run_rays(const render_kernels *k, const ray_case *c, ray_outputs *ou
     k->add_seen(&answered, c->light.radiance, c->slot, c->lanes,
                 (float *const[]){out->radiance[0], out->radiance[1], out->radiance[2]});
     k->add_samples(out->radiance[0], SLOTS, out->sums);
+    k->store_square(out->sums + 16, 0.25, 5, out->stored[0]);
 }
 
 static void is_right(const ray_case *c, const ray_outputs *out) {
@@ -248,6 +250,7 @@ static void is_right(const ray_case *c, const ray_outputs *out) {
         bool seen = i < c->lanes && i % 3 && out->shadow.t_far[i] >= 0;
         assert_true(out->radiance[1][c->slot[i]] == (seen ? l->radiance[1][i] : 0));
         assert_true(out->sums[c->slot[i]] == (double)out->radiance[0][c->slot[i]]);
+        assert_true((double)out->stored[i / 4][i % 4] == 0.25 * out->sums[16 + i]);
     }
 }
 

@@ -6,9 +6,10 @@
 
 static void camera_rays(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
                         const square_samples *at, trace_rays *restrict out) {
+    const shade_camera c = *camera;
     for (uint32_t i = 0; i < LANES; ++i) {
         double x = (double)(int32_t)(left + i % 4) + at->x[i], y = (double)(int32_t)(top + i / 4) + at->y[i];
-        vec3_f32 d = camera_direction(camera, x, y);
+        vec3_f32 d = camera_direction(&c, x, y);
         out->dir_x[i] = d.x, out->dir_y[i] = d.y, out->dir_z[i] = d.z;
     }
     for (uint32_t i = 0; i < LANES; ++i) {
@@ -78,6 +79,12 @@ static void add_samples(const float *restrict from, size_t count, double *restri
     for (size_t i = 0; i < count / LANES * LANES; ++i) to[i] += (double)from[i];
 }
 
+static void store_square(const double *restrict sums, double scale, size_t width, float *restrict to) {
+    _Alignas(64) float mean[LANES];
+    for (int i = 0; i < LANES; ++i) mean[i] = (float)(sums[i] * scale);
+    for (size_t row = 0; row < 4; ++row) memcpy(to + row * width, mean + 4 * row, 4 * sizeof *to);
+}
+
 const render_kernels KERNEL(render_kernels) = {
     .camera_rays = camera_rays,
     .begin_paths = begin_paths,
@@ -85,4 +92,5 @@ const render_kernels KERNEL(render_kernels) = {
     .shadow_rays = shadow_rays,
     .add_seen = add_seen,
     .add_samples = add_samples,
+    .store_square = store_square,
 };
