@@ -164,7 +164,8 @@ fathom_status info_gather(const fathom_scene *scene, info_facts *out) {
     count_items(scene, out);
     fathom_status status = look_at_world(scene, out);
     if (status == FATHOM_OK) status = count_placed(scene, out);
-    if (status == FATHOM_OK) status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &out->geometry_bytes);
+    if (status == FATHOM_OK)
+        status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &out->geometry_bytes);
     if (status != FATHOM_OK) return status;
     list_features(scene, out);
     out->bounds = scene_world_bounds(scene);
