@@ -106,7 +106,7 @@ static void make_unit(const float from[3][LANES], float (*restrict to)[LANES]) {
 }
 
 /* Normals that cancel say nothing: the facet is then as flat as it looks, and not `smooth`. */
-static void mix_normals(const facet_block *f, const corner_weights weight, const float normal[3][3][LANES],
+static void mix_normals(const facet_block *f, const corner_weights weight, const float (*normal)[3][LANES],
                         local_block *restrict b) {
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 sum = {0, 0, 0};
@@ -121,7 +121,7 @@ static void mix_normals(const facet_block *f, const corner_weights weight, const
 /* Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II (2021): p plus the weighted mean of its
  * distances to the tangent planes at the corners, where those lie above it on the viewer's side. Windings and
  * normals may disagree on the outside, and the normals' own counts. */
-static void lift(const facet_block *f, const corner_weights weight, const float normal[3][3][LANES],
+static void lift(const facet_block *f, const corner_weights weight, const float (*normal)[3][LANES],
                  local_block *restrict b) {
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 p = narrow(lane_f64(b->p, i)), sum = {0, 0, 0};
@@ -145,7 +145,7 @@ static void leave_flat(const facet_block *f, local_block *restrict b) {
     }
 }
 
-static void smoothen(const facet_block *f, const corner_weights weight, const float normal[3][3][LANES],
+static void smoothen(const facet_block *f, const corner_weights weight, const float (*normal)[3][LANES],
                      bool lifted, local_block *restrict b) {
     mix_normals(f, weight, normal, b);
     if (lifted)
