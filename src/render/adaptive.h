@@ -87,7 +87,7 @@ typedef enum adaptive_result {
     ADAPTIVE_PASSED,   /* there may be more to do */
     ADAPTIVE_FINISHED, /* nothing was left to do: the target or the most samples are reached */
     ADAPTIVE_CUT,      /* the deadline: what was sampled is in the sums */
-    ADAPTIVE_STOPPED   /* as wave_run(): stopped, or out of memory */
+    ADAPTIVE_STOPPED   /* as wave_run_batch(): stopped, or out of memory */
 } adaptive_result;
 
 bool adaptive_create(const render_plan *plan, adaptive_wave *out);

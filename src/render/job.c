@@ -31,30 +31,74 @@ void job_stop(job *j, const wave *w) {
 
 /* ---- the same samples for every pixel ---- */
 
+typedef struct even {
+    job *job;
+    worker *self;
+    const wave_region *region;
+    wave_batch batch;
+} even;
+
+static bool is_inside(const wave_region *r, uint32_t x, uint32_t y) {
+    return x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1;
+}
+
 /* Slots outside the region hold no radiance. */
-static void add_sample(const wave *w, const wave_region *r, pixel_sums *sums, uint32_t index) {
-    for (int c = 0; c < 3; ++c) w->plan->blocks->add_samples(w->radiance[c], WAVE_SLOTS, sums->rgb[c]);
-    for (uint32_t y = r->y0; sums->hits && y < r->y1; ++y) {
-        for (uint32_t x = r->x0; x < r->x1; ++x) {
-            uint32_t slot = wave_slot(x - r->left, y - r->top);
-            pixel_sums_add_hit(sums, w, slot, x, y, slot, index);
+static void add_square(const even *e, uint32_t place) {
+    const wave *w = &e->self->wave;
+    const wave_square *from = &e->batch.squares[place];
+    pixel_sums *sums = e->self->sums;
+    uint32_t to = wave_slot(from->left - e->region->left, from->top - e->region->top);
+    for (int c = 0; c < 3; ++c)
+        w->plan->blocks->add_samples(w->radiance[c] + place * LANES, LANES, sums->rgb[c] + to);
+    for (uint32_t k = 0; sums->hits && k < LANES; ++k) {
+        uint32_t x = from->left + k % 4, y = from->top + k / 4;
+        if (is_inside(e->region, x, y))
+            pixel_sums_add_hit(sums, w, place * LANES + k, x, y, to + k, from->index);
+    }
+}
+
+static bool run_batch(even *e) {
+    wave *w = &e->self->wave;
+    const ray_counts before = w->rays;
+    if (!wave_run_batch(w, e->region, &e->batch)) return false;
+    for (uint32_t place = 0; place < e->batch.count; ++place) add_square(e, place);
+    job_count_rays(e->job, w, &before);
+    e->batch.count = 0;
+    return true;
+}
+
+/* All samples of as many squares as a batch holds follow each other: in heavy meshes they meet the same boxes
+ * and triangles, while the processor's caches hold those. */
+static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
+    uint32_t spp = e->job->plan->settings.spp, together = spp < WAVE_SQUARES ? WAVE_SQUARES / spp : 1;
+    for (uint32_t first = 0; first < count; first += together) {
+        uint32_t end = minimum(first + together, count);
+        for (uint32_t index = 0; index < spp; ++index) {
+            for (uint32_t i = first; i < end; ++i) {
+                e->batch.squares[e->batch.count++] = (wave_square){squares[i].left, squares[i].top, index};
+                if (e->batch.count == WAVE_SQUARES && !run_batch(e)) return false;
+            }
         }
     }
+    return !e->batch.count || run_batch(e);
 }
 
 static uint64_t region_pixels(const wave_region *r) { return (uint64_t)(r->x1 - r->x0) * (r->y1 - r->y0); }
 
-static bool render_evenly(job *j, worker *self, const wave_region *region) {
-    uint32_t spp = j->plan->settings.spp;
-    pixel_sums_clear(self->sums);
-    for (uint32_t index = 0; index < spp; ++index) {
-        const ray_counts before = self->wave.rays;
-        if (!wave_run(&self->wave, region, index)) return false;
-        add_sample(&self->wave, region, self->sums, index);
-        job_count_rays(j, &self->wave, &before);
+static bool render_evenly(job *j, worker *self, const wave_region *r) {
+    even e = {.job = j, .self = self, .region = r};
+    wave_square squares[WAVE_SQUARES];
+    uint32_t count = 0;
+    for (uint32_t y = r->top; y < r->y1; y += 4) {
+        for (uint32_t x = r->left; x < r->x1; x += 4) {
+            if (x + 4 > r->x0 && y + 4 > r->y0) squares[count++] = (wave_square){x, y, 0};
+        }
     }
-    pixel_sums_store_all(j->plan, self->sums, region, spp, j->film);
-    self->samples += region_pixels(region) * spp;
+    pixel_sums_clear(self->sums);
+    if (!take_samples(&e, squares, count)) return false;
+    uint32_t spp = j->plan->settings.spp;
+    pixel_sums_store_all(j->plan, self->sums, r, spp, j->film);
+    self->samples += region_pixels(r) * spp;
     return true;
 }
 

@@ -38,7 +38,7 @@ typedef struct job {
 worker *job_worker(job *j, unsigned index);
 /* After a pass or a wave, for progress. before: the wave's rays then. */
 void job_count_rays(job *j, const wave *w, const ray_counts *before);
-/* Ends the job after wave_run() said false. */
+/* Ends the job after wave_run_batch() said false. */
 void job_stop(job *j, const wave *w);
 
 /* Rounds over all waves until the deadline. */

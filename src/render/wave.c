@@ -172,10 +172,6 @@ static bool follow(wave *w) {
     return true;
 }
 
-bool wave_run(wave *w, const wave_region *region, uint32_t index) {
-    return wave_camera_rays(w, region, index) && follow(w);
-}
-
 bool wave_run_batch(wave *w, const wave_region *region, const wave_batch *batch) {
     return wave_camera_batch(w, region, batch) && follow(w);
 }

@@ -1,4 +1,4 @@
-/* A wave: the paths of 32 × 32 pixels, one sample each, going through the stages together in blocks of 16.
+/* A wave: up to 1024 paths, a sample each, going through the stages together in blocks of 16.
  *
  * The grid of waves is fixed to the image, not to tiles, crops or threads, and every queue keeps the order of
  * its parents: what is added to a pixel, and in which order, depends on nothing else. */
@@ -93,10 +93,6 @@ static inline uint32_t wave_slot(uint32_t x, uint32_t y) {
     return (y / 4 * (WAVE_SIDE / 4) + x / 4) * LANES + y % 4 * 4 + x % 4;
 }
 
-/* Traces sample `index` of every pixel and leaves its radiance, and first hits, by slot. False when it was
- * stopped or ran out of memory: then nothing of it may be used. */
-bool wave_run(wave *w, const wave_region *region, uint32_t index);
-
 /* One sample of each pixel of a 4 × 4 square, whose corner is a multiple of 4. */
 typedef struct wave_square {
     uint32_t left, top, index;
@@ -109,7 +105,8 @@ typedef struct wave_batch {
     uint32_t count;
 } wave_batch;
 
-/* As wave_run(), for the pixels of the squares that lie in the region. */
+/* Traces the samples of those pixels of the squares that lie in the region, and leaves their radiance, and
+ * first hits, by slot. False when it was stopped or ran out of memory: then nothing of it may be used. */
 bool wave_run_batch(wave *w, const wave_region *region, const wave_batch *batch);
 
 /* Where in the pixel its sample `index` lies, in [0,1) from the top left. */
