@@ -1,7 +1,24 @@
 /* Status, messages and the context that every other call is given.
  *
  * Fathom never exits, prints or aborts: each call returns a status, and the context keeps one message
- * that names the file, the line and the field. Plain C99, and C++17. */
+ * that names the file, the line and the field. Plain C99, and C++17.
+ *
+ * NULL. No pointer may be NULL unless the comment on its call says so; `destroy` calls take NULL, and so does
+ * `out` where a call adds something to a scene and the id is not wanted. A call that is given NULL elsewhere
+ * does nothing: it returns FATHOM_BAD_USAGE, with a message where there is a context to keep it; calls that
+ * return no status return 0, NULL, "" or the defaults. Handles that were destroyed cannot be told from
+ * others: using one is undefined.
+ *
+ * Order. Whatever was made with a context (scenes, tracers) is used only as long as the context is there, and
+ * a tracer only as long as its scene; films need neither. `destroy` calls need nothing but their own handle,
+ * and come in any order. What is not complete yet, such as a scene without objects, is refused with a status.
+ *
+ * Threads. Calls on different contexts may run at the same time, and each gives what it gives alone, to the
+ * bit. One context serves one calling thread at a time; the calls on a scene count as calls on the context it
+ * was made with. As long as none of those runs, any number of threads, each with a context of its own, may
+ * give the same scene to fathom_render() and fathom_tracer_create(): they only read it. Any number of threads
+ * may trace rays with the same tracer and read the same film. Callbacks (warnings, progress) must not call
+ * with the context they were called for, but for fathom_context_message() and fathom_context_threads(). */
 #ifndef FATHOM_BASE_H
 #define FATHOM_BASE_H
 
@@ -42,12 +59,13 @@ typedef struct fathom_context fathom_context;
 FATHOM_API fathom_status fathom_context_create(fathom_context **out);
 FATHOM_API void fathom_context_destroy(fathom_context *context);
 
-/* The message of the last call that did not return FATHOM_OK; "" when there was none. Never NULL; valid
- * until the next call on this context. */
+/* The message of the last call that did not return FATHOM_OK; "" when there was none, or context is NULL.
+ * Never NULL; valid until the next call on this context. */
 FATHOM_API const char *fathom_context_message(const fathom_context *context);
 
 /* Called for each thing that was rendered around (degenerate triangles, ignored textures…), on the
- * calling thread, once for each kind and file. Default: warnings are dropped. */
+ * calling thread, once for each kind and file. Default, and with fn NULL: warnings are dropped; user may be
+ * NULL. */
 typedef void (*fathom_warning_fn)(void *user, const char *message);
 FATHOM_API void fathom_context_on_warning(fathom_context *context, fathom_warning_fn fn, void *user);
 
@@ -55,6 +73,24 @@ FATHOM_API void fathom_context_on_warning(fathom_context *context, fathom_warnin
  * No result depends on it. */
 FATHOM_API void fathom_context_set_threads(fathom_context *context, unsigned threads);
 FATHOM_API unsigned fathom_context_threads(const fathom_context *context);
+
+/* Whether files that a scene names (meshes, buffers, material libraries, in turn by those) may lie outside
+ * its folder. Default false: absolute paths, and relative ones or symbolic links that lead out of the folder
+ * of the file given to fathom_scene_read(), are FATHOM_BAD_INPUT. Links are followed before the check; hard
+ * links and mounts cannot be told from what is there. */
+FATHOM_API void fathom_context_allow_outside(fathom_context *context, bool allow);
+
+/* Whether files are copied to memory rather than mapped. Default false: meshes are used where the file has
+ * them, as long as the scene lives. A mapped file that another process truncates ends this one with SIGBUS,
+ * unless fathom_guard_files() was called; and one that is written over under the scene's feet may do any
+ * harm. Copies cost their size in memory, and nothing that happens to the file later matters. */
+FATHOM_API void fathom_context_copy_files(fathom_context *context, bool copy);
+
+/* Installs a handler for SIGBUS, once in the process: reading what was cut off of a mapped file then gives
+ * zeros, on any thread, and the call that notices returns FATHOM_BAD_INPUT (see fathom_scene_check_files()).
+ * All other SIGBUS go to the handler that was there before. The library never calls this by itself; the
+ * program `fathom` does. */
+FATHOM_API void fathom_guard_files(void);
 
 /* "0.1.0" */
 FATHOM_API const char *fathom_version(void);

@@ -1,5 +1,7 @@
 #include "base/array.h"
 
+#include "base/memory.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +12,7 @@ bool array_reserve(void *items, size_t *capacity, size_t count, size_t more, siz
     if (need <= *capacity) return true;
     size_t room = *capacity < 8 ? 8 : *capacity + *capacity / 2;
     if (room < need || room > SIZE_MAX / size) room = need;
+    if (!memory_has((room - *capacity) * size)) return false;
     /* The pointer is copied bytewise: its type is the caller's, and reading it as void * would break
      * aliasing. */
     void *pointer;

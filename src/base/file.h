@@ -4,31 +4,45 @@
 
 #include "base/status.h"
 
-/* A file mapped for reading. At least FILE_PADDING zero bytes follow the last one, so that text is terminated
- * and Embree may read past a vertex buffer that ends with the file. */
+/* A file mapped for reading, or copied (fathom_context_copy_files()). At least FILE_PADDING zero bytes follow
+ * the last one, so that text is terminated and Embree may read past a vertex buffer that ends with the file.
+ */
 #define FILE_PADDING 64
 typedef struct file_map {
     const unsigned char *bytes;
     size_t size;     /* of the file */
-    size_t reserved; /* of the mapping; for file_unmap */
+    size_t hole;     /* where the first zeros begin that the disk does not store; `size`: nowhere */
+    size_t reserved; /* of the mapping */
+    struct file_record *record; /* of what is mapped; NULL: a copy, or nothing */
 } file_map;
 
-/* FATHOM_BAD_INPUT when the file is missing, unreadable, a folder or empty; the message names it. */
+/* FATHOM_BAD_INPUT when the file is missing, unreadable, empty, or no file but a folder, a pipe or a device;
+ * the message names it. FATHOM_OUT_OF_RESOURCES when memory or descriptors ran out. */
 fathom_status file_open(fathom_context *context, const char *path, file_map *out);
 void file_close(file_map *map);
+/* FATHOM_BAD_INPUT when the file under the mapping has been truncated or changed since it was opened: then
+ * what was read of it is worth nothing. */
+fathom_status file_check(fathom_context *context, const file_map *map);
+/* file_close(), after what was read with `status`: hands it on, or what file_check() has to say. */
+fathom_status file_finish(fathom_context *context, file_map *map, fathom_status status);
 /* Lets go of the memory under the bytes from `begin` to `end`, in whole pages: when they are next read they
  * come back from the system's cache of the file, or from the file. */
 void file_rest(const file_map *map, size_t begin, size_t end);
 
-/* Writes a whole file or none: to a temporary name beside `path`, then renamed. */
+/* Writes a whole file or none, whatever happens to the process or the machine: to a temporary name beside
+ * `path`, "out.fathom-tmp4711.exr" for "out.exr", which is renamed once its bytes are on the disk. Who is
+ * killed leaves that file behind: file_remove_left_over(). */
 typedef struct file_writer file_writer;
 fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out);
 /* The name of the temporary file, for libraries that write by name. */
 const char *file_writer_temporary(const file_writer *writer);
-/* The open temporary file, for those that write by offset; not together with file_writer_put(). */
+/* The open temporary file, for those that write by offset and may read what they wrote; not together with
+ * file_writer_put(). */
 int file_writer_descriptor(const file_writer *writer);
 /* Buffered; errors are kept and reported by file_writer_commit(). */
 void file_writer_put(file_writer *writer, const void *bytes, size_t size);
+/* Waits until what was put is on the disk; commit does so by itself. */
+void file_writer_sync(file_writer *writer);
 /* Either one ends the writer's life. Commit returns FATHOM_OUT_OF_RESOURCES when the disk is full. */
 fathom_status file_writer_commit(file_writer *writer);
 void file_writer_abort(file_writer *writer);
@@ -36,14 +50,26 @@ void file_writer_abort(file_writer *writer);
  * call there, and nowhere else. */
 void file_writer_abort_all(void);
 
+/* Removes the temporary files of `path` that no living process, here or on another machine, is writing to. */
+void file_remove_left_over(const char *path);
+
 /* FATHOM_OUT_OF_RESOURCES when file_writer_open() and the rename would fail: `path` is a folder or a device,
- * its folder does not exist or cannot be written to. */
+ * its folder does not exist or cannot be written to, or has no room for a page. */
 fathom_status file_check_writable(fathom_context *context, const char *path);
 
 /* Extension without the dot, in lower case, "" when there is none. `out` has room for 16 bytes. */
 void file_extension(const char *path, char out[16]);
+/* The part of `path` behind its folder. */
+const char *file_name(const char *path);
+/* How much of `path` comes before the dot of its extension. */
+size_t file_stem_length(const char *path);
 /* The path of `name` as seen from the file `base`: beside it, unless name is absolute. Release with free().
  */
 char *file_beside(const char *base, const char *name);
+/* FATHOM_BAD_INPUT when `path`, which a file names as `name`, is absolute or leads out of the folder of the
+ * file `top` ("": the working folder), and the context does not allow it. Links are followed first. What is
+ * changed between this and file_open() is not guarded against: who can do that can change the files as well.
+ */
+fathom_status file_confine(fathom_context *context, const char *top, const char *path, const char *name);
 
 #endif

@@ -34,12 +34,18 @@ size_t memory_free(void) {
     return machine < container ? machine : container;
 }
 
+#define LITTLE ((size_t)256 << 20)
+
+bool memory_has(size_t bytes) { return bytes <= LITTLE || bytes <= memory_free(); }
+
 /* ---- zeroes ---- */
 
 #define POPULATED ((size_t)64 << 20)
 
+size_t memory_taken(size_t bytes) { return bytes <= POPULATED ? bytes : 0; }
+
 void *memory_take(size_t bytes) {
-    int populate = bytes <= POPULATED ? MAP_POPULATE : 0;
+    int populate = memory_taken(bytes) ? MAP_POPULATE : 0;
     void *data = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | populate, -1, 0);
     return data == MAP_FAILED ? NULL : data;
 }

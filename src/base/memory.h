@@ -2,12 +2,16 @@
 #ifndef BASE_MEMORY_H
 #define BASE_MEMORY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* Bytes that can be used before the machine swaps or a container's limit ends the process; SIZE_MAX when the
  * system does not tell. Linux hands out more memory than there is and kills who uses it, so that malloc()
  * alone does not tell. */
 size_t memory_free(void);
+/* Whether so many bytes can be had without others being pushed out, or this process killed: the system grants
+ * more than there is. Little is not asked about. */
+bool memory_has(size_t bytes);
 
 /* The program with its libraries and the image module, before it holds a scene: the most of it, while the
  * module loads. Half of that is given back then, but what is built may stand before. */
@@ -18,6 +22,8 @@ size_t memory_free(void);
  * memory_return(), of the same size. */
 void *memory_take(size_t bytes);
 void memory_return(void *data, size_t bytes);
+/* Of so many bytes, what memory_take() makes part of memory_resident() at once. */
+size_t memory_taken(size_t bytes);
 
 /* Bytes of this process that are in memory now; 0 when the system does not tell. */
 size_t memory_resident(void);

@@ -13,27 +13,44 @@ struct fathom_context {
     fathom_warning_fn on_warning;
     void *warning_user;
     unsigned threads;
+    bool allow_outside, copy_files;
 };
 
 fathom_status fathom_context_create(fathom_context **out) {
+    if (!out) return FATHOM_BAD_USAGE;
     *out = calloc(1, sizeof **out);
     return *out ? FATHOM_OK : FATHOM_OUT_OF_RESOURCES;
 }
 
 void fathom_context_destroy(fathom_context *context) { free(context); }
 
-const char *fathom_context_message(const fathom_context *context) { return context->message; }
+const char *fathom_context_message(const fathom_context *context) { return context ? context->message : ""; }
 
 void fathom_context_on_warning(fathom_context *context, fathom_warning_fn fn, void *user) {
+    if (!context) return;
     context->on_warning = fn;
     context->warning_user = user;
 }
 
-void fathom_context_set_threads(fathom_context *context, unsigned threads) { context->threads = threads; }
+void fathom_context_set_threads(fathom_context *context, unsigned threads) {
+    if (context) context->threads = threads;
+}
 
 unsigned fathom_context_threads(const fathom_context *context) {
-    return context->threads ? context->threads : processor_count();
+    return context && context->threads ? context->threads : processor_count();
 }
+
+void fathom_context_allow_outside(fathom_context *context, bool allow) {
+    if (context) context->allow_outside = allow;
+}
+
+bool context_allows_outside(const fathom_context *context) { return context->allow_outside; }
+
+void fathom_context_copy_files(fathom_context *context, bool copy) {
+    if (context) context->copy_files = copy;
+}
+
+bool context_copies_files(const fathom_context *context) { return context->copy_files; }
 
 const char *fathom_version(void) {
 #define TEXT(x) #x
@@ -41,11 +58,20 @@ const char *fathom_version(void) {
     return DOTTED(FATHOM_VERSION_MAJOR, FATHOM_VERSION_MINOR, FATHOM_VERSION_PATCH);
 }
 
+/* Messages quote files, and are shown on terminals: no byte of a file may steer one, or pass for a line of
+ * its own. */
+static void disarm(char *text) {
+    for (char *c = text; *c; ++c) {
+        if ((unsigned char)*c < ' ' || *c == 127) *c = '?';
+    }
+}
+
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...) {
     va_list args;
     va_start(args, format);
     vsnprintf(context->message, MESSAGE_SIZE, format, args);
     va_end(args);
+    disarm(context->message);
     return status;
 }
 
@@ -59,11 +85,17 @@ fathom_status fail_within(fathom_context *context, fathom_status status, const c
     if (used >= 0 && used < MESSAGE_SIZE) {
         snprintf(context->message + used, (size_t)(MESSAGE_SIZE - used), "%s", inner);
     }
+    disarm(context->message);
     return status;
 }
 
 fathom_status fail_memory(fathom_context *context, size_t bytes) {
     return fail(context, FATHOM_OUT_OF_RESOURCES, "out of memory: %zu bytes could not be had", bytes);
+}
+
+fathom_status fail_null(fathom_context *context, const char *argument) {
+    if (!context) return FATHOM_BAD_USAGE;
+    return fail(context, FATHOM_BAD_USAGE, "%s: expected an address, found NULL", argument);
 }
 
 void warn(fathom_context *context, const char *format, ...) {
@@ -73,5 +105,6 @@ void warn(fathom_context *context, const char *format, ...) {
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    disarm(text);
     context->on_warning(context->warning_user, text);
 }

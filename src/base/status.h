@@ -18,6 +18,14 @@ fathom_status fail_within(fathom_context *context, fathom_status status, const c
 
 fathom_status fail_memory(fathom_context *context, size_t bytes);
 
+/* As fathom_context_allow_outside() and fathom_context_copy_files() say. */
+bool context_allows_outside(const fathom_context *context);
+bool context_copies_files(const fathom_context *context);
+
+/* FATHOM_BAD_USAGE: this argument of a public call is NULL and must not be. The context may be NULL too: then
+ * there is no place for a message. */
+fathom_status fail_null(fathom_context *context, const char *argument);
+
 /* A warning for the user; see fathom_context_on_warning(). Only from the calling thread, once for each kind.
  */
 void warn(fathom_context *context, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -2,6 +2,7 @@
 
 #include "base/pool.h"
 
+#include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 
@@ -11,6 +12,36 @@ unsigned processor_count(void) {
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return (unsigned)CPU_COUNT(&set);
     return 1;
+}
+
+void threads_without_signals(sigset_t *old) {
+    static const int faults[] = {SIGBUS, SIGSEGV, SIGFPE, SIGILL, SIGTRAP, SIGSYS};
+    sigset_t sent;
+    sigfillset(&sent);
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) sigdelset(&sent, faults[i]);
+    pthread_sigmask(SIG_SETMASK, &sent, old);
+}
+
+static void *wait_for(void *user) {
+    pthread_mutex_t *gate = user;
+    pthread_mutex_lock(gate);
+    pthread_mutex_unlock(gate);
+    return NULL;
+}
+
+unsigned threads_granted(unsigned wanted) {
+    static atomic_uint most;
+    if (wanted > MAX_THREADS) wanted = MAX_THREADS;
+    if (wanted <= atomic_load(&most)) return wanted;
+    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER; /* none ends before all are there */
+    pthread_t threads[MAX_THREADS];
+    unsigned count = 0;
+    pthread_mutex_lock(&gate);
+    while (count < wanted && pthread_create(&threads[count], NULL, wait_for, &gate) == 0) ++count;
+    pthread_mutex_unlock(&gate);
+    for (unsigned i = 0; i < count; ++i) pthread_join(threads[i], NULL);
+    if (count == wanted) atomic_store(&most, count);
+    return count;
 }
 
 typedef struct loop {

@@ -1,0 +1,281 @@
+/* Files mapped for reading, and what becomes of one that shrinks under its mapping.
+ *
+ * A page of a mapping behind the end of its file cannot be read: the system sends SIGBUS, to whichever thread
+ * reads it, Embree's included. The guard maps zeros there and notes that the file is lost, so that the work
+ * goes on and whoever asks file_check() in the end is told. Its handler finds the mapping in a table that it
+ * can read without a lock: slots are used again but never freed, and a slot whose version is odd, or changes
+ * while it is read, is another thread's that is being changed; the one of the page that is read is not. */
+#include "base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- the table of mappings ---- */
+
+typedef struct slot {
+    atomic_uint version;
+    atomic_uintptr_t begin, end; /* of the mapping; 0: free */
+    atomic_bool lost;
+    struct slot *next_free;
+} slot;
+
+#define CHUNK_SLOTS 64
+
+typedef struct chunk {
+    struct chunk *next;
+    slot slots[CHUNK_SLOTS];
+} chunk;
+
+static _Atomic(chunk *) chunks;
+static slot *free_slots;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of all changes to the table */
+
+static void slot_set(slot *s, uintptr_t begin, uintptr_t end) {
+    atomic_fetch_add(&s->version, 1);
+    atomic_store(&s->begin, begin);
+    atomic_store(&s->end, end);
+    atomic_store(&s->lost, false);
+    atomic_fetch_add(&s->version, 1);
+}
+
+static bool add_chunk(void) {
+    chunk *c = calloc(1, sizeof *c);
+    if (!c) return false;
+    for (size_t i = 0; i < CHUNK_SLOTS; ++i) {
+        c->slots[i].next_free = free_slots;
+        free_slots = &c->slots[i];
+    }
+    c->next = atomic_load(&chunks);
+    atomic_store(&chunks, c);
+    return true;
+}
+
+/* NULL when out of memory. */
+static slot *slot_take(const void *base, size_t bytes) {
+    pthread_mutex_lock(&lock);
+    slot *s = free_slots || add_chunk() ? free_slots : NULL;
+    if (s) {
+        free_slots = s->next_free;
+        slot_set(s, (uintptr_t)base, (uintptr_t)base + bytes);
+    }
+    pthread_mutex_unlock(&lock);
+    return s;
+}
+
+static void slot_return(slot *s) {
+    pthread_mutex_lock(&lock);
+    slot_set(s, 0, 0);
+    s->next_free = free_slots;
+    free_slots = s;
+    pthread_mutex_unlock(&lock);
+}
+
+/* ---- the guard ---- */
+
+/* The slot whose mapping holds the address, and where that ends. */
+static slot *find_slot(uintptr_t address, uintptr_t *end) {
+    for (chunk *c = atomic_load(&chunks); c; c = c->next) {
+        for (size_t i = 0; i < CHUNK_SLOTS; ++i) {
+            slot *s = &c->slots[i];
+            unsigned version = atomic_load(&s->version);
+            uintptr_t begin = atomic_load(&s->begin);
+            *end = atomic_load(&s->end);
+            bool whole = version % 2 == 0 && version == atomic_load(&s->version);
+            if (whole && begin && address >= begin && address < *end) return s;
+        }
+    }
+    return NULL;
+}
+
+static uintptr_t page_bytes; /* sysconf() is no call for a signal handler */
+static struct sigaction before;
+
+/* Only makes calls that are safe in a signal handler; mmap() is the bare system call. */
+static void on_bus_error(int number, siginfo_t *info, void *machine) {
+    int error = errno;
+    uintptr_t address = (uintptr_t)info->si_addr, end;
+    slot *s = info->si_code > 0 ? find_slot(address, &end) : NULL; /* else sent by a process */
+    if (s) {
+        /* What follows is behind the end of the file as well. */
+        uintptr_t page = address / page_bytes * page_bytes;
+        atomic_store(&s->lost, true);
+        void *zeros =
+            mmap((void *)page, end - page, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+        errno = error;
+        if (zeros != MAP_FAILED) return;
+    }
+    if (before.sa_flags & SA_SIGINFO) {
+        before.sa_sigaction(number, info, machine);
+    } else if (before.sa_handler != SIG_DFL && before.sa_handler != SIG_IGN) {
+        before.sa_handler(number);
+    } else {
+        signal(number, SIG_DFL);
+        raise(number);
+    }
+}
+
+static void install_guard(void) {
+    page_bytes = (uintptr_t)sysconf(_SC_PAGESIZE);
+    struct sigaction action = {.sa_sigaction = on_bus_error, .sa_flags = SA_SIGINFO | SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGBUS, &action, &before);
+}
+
+void fathom_guard_files(void) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, install_guard);
+}
+
+/* ---- mapping ---- */
+
+/* What an operation on a file that failed comes to: there is no such file to be had, or no more memory or
+ * descriptors to have it with. */
+static fathom_status status_of(int error) {
+    bool exhausted = error == ENOMEM || error == EMFILE || error == ENFILE;
+    return exhausted ? FATHOM_OUT_OF_RESOURCES : FATHOM_BAD_INPUT;
+}
+
+/* Which file it was, and as what it was opened. */
+struct file_record {
+    slot *slot;
+    struct stat info;
+    char path[];
+};
+
+static struct file_record *record_make(const char *path, const struct stat *info) {
+    size_t length = strlen(path) + 1;
+    struct file_record *record = malloc(sizeof *record + length);
+    if (!record) return NULL;
+    record->slot = NULL;
+    record->info = *info;
+    memcpy(record->path, path, length);
+    return record;
+}
+
+/* The file is laid over an anonymous mapping that is one page longer: the bytes after it are zero and
+ * readable even when it ends with a page. */
+static fathom_status map_bytes(fathom_context *context, const char *path, int descriptor,
+                               const struct stat *info, file_map *map) {
+    map->record = record_make(path, info);
+    if (map->record) map->record->slot = slot_take(map->bytes, map->reserved);
+    if (!map->record || !map->record->slot) return fail_memory(context, sizeof *map->record);
+    void *base = (void *)(uintptr_t)map->bytes;
+    if (mmap(base, map->size, PROT_READ, MAP_PRIVATE | MAP_FIXED, descriptor, 0) != MAP_FAILED)
+        return FATHOM_OK;
+    return fail(context, status_of(errno), "%s: cannot be mapped: %s", path, strerror(errno));
+}
+
+static fathom_status fail_truncated(fathom_context *context, const char *path, size_t left, size_t size) {
+    return fail(context, FATHOM_BAD_INPUT,
+                "%s: was truncated while it was read: %zu bytes are left of %zu; try again when it is whole",
+                path, left, size);
+}
+
+static fathom_status copy_bytes(fathom_context *context, const char *path, int descriptor, file_map *map) {
+    unsigned char *base = (unsigned char *)(uintptr_t)map->bytes;
+    for (size_t done = 0; done < map->size;) {
+        ssize_t got = read(descriptor, base + done, map->size - done);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return fail(context, status_of(errno), "%s: %s", path, strerror(errno));
+        if (got == 0) return fail_truncated(context, path, done, map->size);
+        done += (size_t)got;
+    }
+    return FATHOM_OK;
+}
+
+/* Where zeros begin that the disk does not store. */
+static size_t find_hole(int descriptor, size_t size) {
+    off_t hole = lseek(descriptor, 0, SEEK_HOLE);
+    lseek(descriptor, 0, SEEK_SET);
+    return hole >= 0 && (size_t)hole < size ? (size_t)hole : size;
+}
+
+static fathom_status open_descriptor(fathom_context *context, const char *path, int descriptor,
+                                     file_map *out) {
+    struct stat info;
+    if (fstat(descriptor, &info) != 0)
+        return fail(context, status_of(errno), "%s: %s", path, strerror(errno));
+    if (S_ISDIR(info.st_mode))
+        return fail(context, FATHOM_BAD_INPUT, "%s: is a folder, expected a file", path);
+    if (!S_ISREG(info.st_mode))
+        return fail(context, FATHOM_BAD_INPUT, "%s: is not a regular file; expected one on a disk", path);
+    if (info.st_size == 0) return fail(context, FATHOM_BAD_INPUT, "%s: the file is empty", path);
+    bool copies = context_copies_files(context);
+    size_t size = (size_t)info.st_size, page = (size_t)sysconf(_SC_PAGESIZE);
+    size_t reserved = (size + FILE_PADDING + page - 1) / page * page;
+    void *base =
+        mmap(NULL, reserved, copies ? PROT_READ | PROT_WRITE : PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (base == MAP_FAILED) return fail_memory(context, reserved);
+    *out = (file_map){.bytes = base, .size = size, .reserved = reserved};
+    out->hole = find_hole(descriptor, size);
+    return copies ? copy_bytes(context, path, descriptor, out)
+                  : map_bytes(context, path, descriptor, &info, out);
+}
+
+fathom_status file_open(fathom_context *context, const char *path, file_map *out) {
+    *out = (file_map){0};
+    /* A pipe is not waited for, and a terminal does not become ours. */
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (descriptor < 0) return fail(context, status_of(errno), "%s: %s", path, strerror(errno));
+    fathom_status status = open_descriptor(context, path, descriptor, out);
+    close(descriptor);
+    if (status != FATHOM_OK) file_close(out);
+    return status;
+}
+
+void file_close(file_map *map) {
+    if (map->bytes) munmap((void *)(uintptr_t)map->bytes, map->reserved);
+    if (map->record && map->record->slot) slot_return(map->record->slot);
+    free(map->record);
+    *map = (file_map){0};
+}
+
+/* A file that was replaced under its name is as it was: the mapping keeps the old one. */
+static bool has_changed(const struct file_record *record, struct stat *now) {
+    const struct stat *then = &record->info;
+    if (stat(record->path, now) != 0 || now->st_dev != then->st_dev || now->st_ino != then->st_ino)
+        return false;
+    return now->st_size != then->st_size || now->st_mtim.tv_sec != then->st_mtim.tv_sec ||
+           now->st_mtim.tv_nsec != then->st_mtim.tv_nsec;
+}
+
+fathom_status file_check(fathom_context *context, const file_map *map) {
+    const struct file_record *record = map->record;
+    struct stat now;
+    if (!record) return FATHOM_OK;
+    bool changed = has_changed(record, &now);
+    if (changed && (size_t)now.st_size < map->size)
+        return fail_truncated(context, record->path, (size_t)now.st_size, map->size);
+    if (atomic_load(&record->slot->lost))
+        return fail(
+            context, FATHOM_BAD_INPUT,
+            "%s: was truncated while it was read, or cannot be read to its end; try again when it is whole",
+            record->path);
+    if (changed)
+        return fail(context, FATHOM_BAD_INPUT,
+                    "%s: was changed while it was read; try again when nothing writes to it", record->path);
+    return FATHOM_OK;
+}
+
+fathom_status file_finish(fathom_context *context, file_map *map, fathom_status status) {
+    /* What a file holds that changed is no one's fault but the change's. */
+    fathom_status changed =
+        status == FATHOM_OK || status == FATHOM_BAD_INPUT ? file_check(context, map) : FATHOM_OK;
+    file_close(map);
+    return changed == FATHOM_OK ? status : changed;
+}
+
+void file_rest(const file_map *map, size_t begin, size_t end) {
+    if (!map->record) return; /* a copy would be lost */
+    size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    begin = (begin + page - 1) / page * page, end = end / page * page;
+    if (begin < end) madvise((void *)(uintptr_t)(map->bytes + begin), end - begin, MADV_DONTNEED);
+}

@@ -1,0 +1,259 @@
+/* Writing whole files or none.
+ *
+ * Bytes go to a temporary file beside the target, and are on the disk before it gets the target's name: a
+ * process that is killed or a machine that loses power leaves the old file or the new one. Who writes a
+ * temporary file holds a lock on it (flock), which ends with the process however that ends: what is not
+ * locked is left over from one that was killed, and may be removed. */
+#include "base/file.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct file_writer {
+    fathom_context *context;
+    FILE *stream;
+    int error;
+    char *path, *temporary;
+};
+
+/* ---- for a signal handler ---- */
+
+/* Names of the temporary files there are now, for file_writer_abort_all(); further ones are not known to it.
+ */
+#define TEMPORARIES_MAX 16
+static _Atomic(char *) temporaries[TEMPORARIES_MAX];
+
+static void temporaries_swap(char *old, char *now) {
+    for (size_t i = 0; i < TEMPORARIES_MAX; ++i) {
+        char *expected = old;
+        if (atomic_compare_exchange_strong(&temporaries[i], &expected, now)) return;
+    }
+}
+
+void file_writer_abort_all(void) {
+    for (size_t i = 0; i < TEMPORARIES_MAX; ++i) {
+        const char *name = atomic_load(&temporaries[i]);
+        if (name) unlink(name);
+    }
+}
+
+/* ---- temporary names ---- */
+
+#define TEMPORARY_MARK ".fathom-tmp"
+
+/* A name keeps the extension, by which libraries choose the format: "out.exr" -> "out.fathom-tmp4711.exr". */
+static char *temporary_name(const char *path, unsigned attempt) {
+    size_t stem = file_stem_length(path), room = strlen(path) + sizeof TEMPORARY_MARK + 32;
+    char *name = malloc(room), again[16] = "";
+    if (attempt) snprintf(again, sizeof again, "-%u", attempt);
+    if (name) {
+        snprintf(name, room, "%.*s" TEMPORARY_MARK "%ld%s%s", (int)stem, path, (long)getpid(), again,
+                 path + stem);
+    }
+    return name;
+}
+
+/* Whether a file of this name, without its folder, is or was a temporary one of `target`, without its own. */
+static bool is_temporary_of(const char *name, const char *target) {
+    size_t stem = file_stem_length(target);
+    if (strncmp(name, target, stem) != 0) return false;
+    const char *rest = name + stem;
+    if (strncmp(rest, TEMPORARY_MARK, strlen(TEMPORARY_MARK)) != 0) return false;
+    rest += strlen(TEMPORARY_MARK);
+    size_t digits = strspn(rest, "0123456789");
+    if (!digits) return false;
+    rest += digits;
+    if (*rest == '-') rest += 1 + strspn(rest + 1, "0123456789");
+    return strcmp(rest, target + stem) == 0;
+}
+
+/* The lock is held, and the file still has a name: nobody has removed it between our opening and locking it.
+ * Where the file system knows no locks, nothing is ever taken for left over. */
+static bool lock_named(int descriptor) {
+    struct stat info;
+    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
+    return fstat(descriptor, &info) == 0 && info.st_nlink > 0;
+}
+
+static void remove_unlocked(int folder, const char *name) {
+    int descriptor = openat(folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (descriptor < 0) return;
+    struct stat info;
+    if (fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode) && flock(descriptor, LOCK_EX | LOCK_NB) == 0)
+        unlinkat(folder, name, 0);
+    close(descriptor);
+}
+
+void file_remove_left_over(const char *path) {
+    char *beside = file_beside(path, ".");
+    DIR *folder = beside ? opendir(beside) : NULL;
+    free(beside);
+    if (!folder) return;
+    for (const struct dirent *entry; (entry = readdir(folder));) {
+        if (is_temporary_of(entry->d_name, file_name(path))) remove_unlocked(dirfd(folder), entry->d_name);
+    }
+    closedir(folder);
+}
+
+/* ---- writing ---- */
+
+static void writer_free(file_writer *writer) {
+    if (writer->temporary) temporaries_swap(writer->temporary, NULL);
+    free(writer->path);
+    free(writer->temporary);
+    free(writer);
+}
+
+/* Processes of the same number, in two containers, may write to one folder: the second takes another name. */
+#define ATTEMPTS 100u
+
+/* -1 and errno where it cannot be had. */
+static int open_temporary(file_writer *writer) {
+    for (unsigned attempt = 0; attempt < ATTEMPTS; ++attempt) {
+        writer->temporary = temporary_name(writer->path, attempt);
+        if (!writer->temporary) return -1;
+        int descriptor = open(writer->temporary, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+        if (descriptor < 0) return -1;
+        if (lock_named(descriptor)) {
+            temporaries_swap(NULL, writer->temporary);
+            if (ftruncate(descriptor, 0) == 0) return descriptor;
+        }
+        int error = errno;
+        close(descriptor);
+        temporaries_swap(writer->temporary, NULL);
+        free(writer->temporary);
+        writer->temporary = NULL;
+        errno = error;
+    }
+    errno = EBUSY;
+    return -1;
+}
+
+fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out) {
+    *out = NULL;
+    file_writer *writer = calloc(1, sizeof *writer);
+    if (!writer) return fail_memory(context, sizeof *writer);
+    writer->context = context;
+    writer->path = strdup(path);
+    if (!writer->path) {
+        writer_free(writer);
+        return fail_memory(context, strlen(path));
+    }
+    int descriptor = open_temporary(writer);
+    writer->stream = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
+    if (!writer->stream) {
+        fathom_status status =
+            fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", path, strerror(errno));
+        if (descriptor >= 0) close(descriptor), unlink(writer->temporary);
+        writer_free(writer);
+        return status;
+    }
+    setvbuf(writer->stream, NULL, _IOFBF, 1u << 20);
+    *out = writer;
+    return FATHOM_OK;
+}
+
+const char *file_writer_temporary(const file_writer *writer) { return writer->temporary; }
+
+int file_writer_descriptor(const file_writer *writer) { return fileno(writer->stream); }
+
+void file_writer_put(file_writer *writer, const void *bytes, size_t size) {
+    if (writer->error || !size) return;
+    if (fwrite(bytes, 1, size, writer->stream) != size) writer->error = errno ? errno : EIO;
+}
+
+/* Some file systems have nothing to wait for, and say so. */
+static int sync_descriptor(int descriptor) {
+    if (fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS) return 0;
+    return errno;
+}
+
+/* The new name is in the folder, which is a file of its own. One that may be written to but not read cannot
+ * be opened: its system writes it when it does. */
+static int sync_folder(const char *path) {
+    char *beside = file_beside(path, ".");
+    int descriptor = beside ? open(beside, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    free(beside);
+    if (descriptor < 0) return 0;
+    int error = sync_descriptor(descriptor);
+    close(descriptor);
+    return error;
+}
+
+void file_writer_sync(file_writer *writer) {
+    if (fflush(writer->stream) != 0 && !writer->error) writer->error = errno;
+    int error = writer->error ? 0 : sync_descriptor(fileno(writer->stream));
+    if (error) writer->error = error;
+}
+
+/* The rename comes before the stream is closed: until then the lock keeps the file from being taken for left
+ * over. */
+fathom_status file_writer_commit(file_writer *writer) {
+    fathom_context *context = writer->context;
+    file_writer_sync(writer);
+    int error = writer->error;
+    bool renamed = !error && rename(writer->temporary, writer->path) == 0;
+    if (!error && !renamed) error = errno;
+    if (fclose(writer->stream) != 0 && !error) error = errno;
+    if (!error) error = sync_folder(writer->path);
+    fathom_status status = FATHOM_OK;
+    if (error) {
+        if (!renamed) unlink(writer->temporary);
+        status = fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", writer->path,
+                      strerror(error));
+    }
+    writer_free(writer);
+    return status;
+}
+
+void file_writer_abort(file_writer *writer) {
+    if (!writer) return;
+    unlink(writer->temporary);
+    fclose(writer->stream);
+    writer_free(writer);
+}
+
+/* ---- what can be known beforehand ---- */
+
+/* Quotas, full disks and folders without room for a name show only when something is written. */
+#define PROBE_BYTES 4096u
+
+static fathom_status probe(fathom_context *context, const char *path) {
+    static const char zeros[PROBE_BYTES];
+    file_writer *writer;
+    fathom_status status = file_writer_open(context, path, &writer);
+    if (status != FATHOM_OK) return status;
+    file_writer_put(writer, zeros, sizeof zeros);
+    int error = fflush(writer->stream) == 0 ? writer->error : errno;
+    file_writer_abort(writer);
+    if (!error) return FATHOM_OK;
+    return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", path, strerror(error));
+}
+
+fathom_status file_check_writable(fathom_context *context, const char *path) {
+    struct stat info;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: is not a regular file", path);
+    }
+    char *folder = file_beside(path, ".");
+    if (!folder) return fail_memory(context, strlen(path) + 2);
+    int error = faccessat(AT_FDCWD, folder, W_OK | X_OK, AT_EACCESS) == 0 ? 0 : errno;
+    free(folder);
+    if (error == ENOENT || error == ENOTDIR) {
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: its folder does not exist",
+                    path);
+    }
+    if (error) {
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: its folder: %s", path,
+                    strerror(error));
+    }
+    return probe(context, path);
+}
