@@ -1,0 +1,98 @@
+#include "json/memory.h"
+
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+static json_malloc_t give;
+static json_free_t take_back;
+
+static _Thread_local bool lacked;
+static _Thread_local json_arena *reading; /* what json_arena_read() fills on this thread */
+static _Thread_local jmp_buf refused;
+
+/* ---- the arena ---- */
+
+#define CHUNK_LEAST ((size_t)16 << 10)
+#define CHUNK_MOST ((size_t)1 << 20)
+#define ALIGNMENT ((size_t)16)
+
+struct json_chunk {
+    struct json_chunk *before;
+    size_t used, room;
+    _Alignas(ALIGNMENT) unsigned char bytes[];
+};
+
+/* Chunks double, so that there are few, and little of the last is for nothing. */
+static struct json_chunk *add_chunk(json_arena *arena, size_t bytes) {
+    size_t room = arena->last ? 2 * arena->last->room : CHUNK_LEAST;
+    if (room > CHUNK_MOST) room = CHUNK_MOST;
+    if (room < bytes) room = bytes;
+    struct json_chunk *chunk = room < SIZE_MAX / 2 ? malloc(sizeof *chunk + room) : NULL;
+    if (!chunk) return NULL;
+    *chunk = (struct json_chunk){.before = arena->last, .room = room};
+    return arena->last = chunk;
+}
+
+/* jansson's calls, which would not know what to do without, are left as they are: all that they hold is the
+ * arena's. */
+static void *take(size_t bytes) {
+    bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    struct json_chunk *chunk = reading->last;
+    if (!chunk || chunk->room - chunk->used < bytes) chunk = add_chunk(reading, bytes);
+    if (!chunk) {
+        reading->lacked = true;
+        longjmp(refused, 1);
+    }
+    void *data = chunk->bytes + chunk->used;
+    chunk->used += bytes;
+    return data;
+}
+
+void json_arena_release(json_arena *arena) {
+    while (arena->last) {
+        struct json_chunk *before = arena->last->before;
+        free(arena->last);
+        arena->last = before;
+    }
+}
+
+/* ---- jansson's requests ---- */
+
+static void *watched_give(size_t bytes) {
+    if (reading) return take(bytes);
+    void *data = give(bytes);
+    if (!data) lacked = true;
+    return data;
+}
+
+static void watched_take_back(void *data) {
+    if (!reading) take_back(data);
+}
+
+static void install(void) {
+    json_get_alloc_funcs(&give, &take_back);
+    json_set_alloc_funcs(watched_give, watched_take_back);
+}
+
+/* Between setjmp() and longjmp() no variable of the function changes. */
+static json_t *read_or_leave(const char *text, size_t size, size_t flags, json_error_t *error) {
+    return setjmp(refused) ? NULL : json_loadb(text, size, flags, error);
+}
+
+json_t *json_arena_read(json_arena *arena, const char *text, size_t size, size_t flags, json_error_t *error) {
+    pthread_once(&once, install);
+    reading = arena;
+    json_t *root = read_or_leave(text, size, flags, error);
+    reading = NULL;
+    return root;
+}
+
+void json_memory_watch(void) {
+    pthread_once(&once, install);
+    lacked = false;
+}
+
+bool json_memory_lacked(void) { return lacked; }
