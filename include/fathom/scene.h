@@ -146,8 +146,8 @@ FATHOM_API fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id g
                                                 const fathom_plane *plane, fathom_id *out);
 FATHOM_API fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
                                                fathom_id *out);
-/* The arrays stay the caller's and must outlive the scene; at least 16 bytes past the end of `positions` must
- * be readable. */
+/* The arrays stay the caller's, must outlive the scene and must not change: they are looked through now,
+ * once. At least 16 bytes past the end of `positions` must be readable. */
 FATHOM_API fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fathom_id group,
                                                       const fathom_mesh *mesh, fathom_id *out);
 
@@ -162,6 +162,7 @@ typedef struct fathom_instance {
 } fathom_instance;
 
 FATHOM_API void fathom_instance_default(fathom_instance *instance); /* identity, in the root */
+/* name: for messages; may be NULL. */
 FATHOM_API fathom_status fathom_scene_add_group(fathom_scene *scene, const char *name, fathom_id *out);
 /* FATHOM_BAD_INPUT when the map cannot be inverted. A cycle of groups is found by fathom_scene_check(). */
 FATHOM_API fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instance *instance,

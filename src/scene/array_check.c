@@ -1,6 +1,7 @@
 #include "scene/array_check.h"
 
 #include "base/threads.h"
+#include "scene/kernels.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -21,8 +22,8 @@ static void note_bad(array_check *check, size_t i) {
     }
 }
 
-static const float *item(const array_check *check, size_t i) {
-    return (const float *)(const void *)((const char *)check->values + check->stride * i);
+static const float *item(const float *values, size_t stride, size_t i) {
+    return (const float *)(const void *)((const char *)values + stride * i);
 }
 
 /* The top bit of the result is set if the exponent of any of n floats has all its bits set: without the sign,
@@ -39,52 +40,65 @@ static uint32_t exponents_full(const float *values, size_t n) {
 }
 
 static bool run_is_finite(const array_check *check, size_t begin, size_t end) {
+    const float *first = item(check->values, check->stride, begin);
     if (check->stride == check->components * sizeof(float))
-        return !exponents_full(item(check, begin), (end - begin) * check->components);
-    uint32_t full = 0;
-    for (size_t i = begin; i < end; ++i) full |= exponents_full(item(check, i), check->components);
-    return !full;
+        return !exponents_full(first, (end - begin) * check->components);
+    return array_first_odd(first, check->stride, check->components, end - begin) == end - begin;
+}
+
+size_t array_first_odd(const float *values, size_t stride, size_t components, size_t count) {
+    size_t i = 0;
+    while (i < count && !exponents_full(item(values, stride, i), components)) ++i;
+    return i;
 }
 
 static void check_finite_run(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     array_check *check = user;
     if (run_is_finite(check, begin, end)) return;
-    for (size_t i = begin; i < end; ++i) {
-        if (!run_is_finite(check, i, i + 1)) {
-            note_bad(check, i);
-            return;
-        }
-    }
+    const float *first = item(check->values, check->stride, begin);
+    note_bad(check, begin + array_first_odd(first, check->stride, check->components, end - begin));
+}
+
+size_t array_first_beyond(const uint32_t *indices, size_t count, uint32_t limit) {
+    size_t i = 0;
+    while (i < count && indices[i] < limit) ++i;
+    return i;
 }
 
 static void check_index_run(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     array_check *check = user;
-    uint32_t highest = 0;
-    for (size_t i = begin; i < end; ++i) highest = check->indices[i] > highest ? check->indices[i] : highest;
-    if (highest < check->limit) return;
-    for (size_t i = begin; i < end; ++i) {
-        if (check->indices[i] >= check->limit) {
-            note_bad(check, i);
-            return;
-        }
-    }
+    if (scene_kernels_best()->indices(check->indices + begin, end - begin, check->limit)) return;
+    note_bad(check, begin + array_first_beyond(check->indices + begin, end - begin, check->limit));
+}
+
+fathom_status array_check_stride(fathom_context *context, const char *what, size_t stride,
+                                 size_t components) {
+    if (stride % 4 == 0 && stride >= components * sizeof(float)) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_INPUT, "%s: the stride is %zu; expected a multiple of 4 of at least %zu",
+                what, stride, components * sizeof(float));
+}
+
+fathom_status array_fail_odd(fathom_context *context, const char *what, size_t bad) {
+    return fail(context, FATHOM_BAD_INPUT, "%s[%zu]: expected finite numbers, found a NaN or an infinity",
+                what, bad);
+}
+
+fathom_status array_fail_index(fathom_context *context, const char *what, const uint32_t *indices, size_t bad,
+                               uint32_t limit) {
+    return fail(context, FATHOM_BAD_INPUT, "%s[%zu] (triangle %zu): %u is out of range, there are %u", what,
+                bad, bad / 3, indices[bad], limit);
 }
 
 fathom_status array_check_finite(fathom_context *context, const char *what, const float *values,
                                  size_t stride, size_t components, uint32_t count) {
-    if (stride % 4 || stride < components * sizeof(float)) {
-        return fail(context, FATHOM_BAD_INPUT,
-                    "%s: the stride is %zu; expected a multiple of 4 of at least %zu", what, stride,
-                    components * sizeof(float));
-    }
+    fathom_status status = array_check_stride(context, what, stride, components);
+    if (status != FATHOM_OK) return status;
     array_check check = {.values = values, .stride = stride, .components = components, .bad = SIZE_MAX};
     loop_parallel(fathom_context_threads(context), count, 1u << 16, check_finite_run, &check);
     size_t bad = atomic_load(&check.bad);
-    if (bad == SIZE_MAX) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_INPUT, "%s[%zu]: expected finite numbers, found a NaN or an infinity",
-                what, bad);
+    return bad == SIZE_MAX ? FATHOM_OK : array_fail_odd(context, what, bad);
 }
 
 fathom_status array_check_indices(fathom_context *context, const char *what, const uint32_t *indices,
@@ -92,7 +106,5 @@ fathom_status array_check_indices(fathom_context *context, const char *what, con
     array_check check = {.indices = indices, .limit = limit, .bad = SIZE_MAX};
     loop_parallel(fathom_context_threads(context), count, 1u << 18, check_index_run, &check);
     size_t bad = atomic_load(&check.bad);
-    if (bad == SIZE_MAX) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_INPUT, "%s[%zu] (triangle %zu): %u is out of range, there are %u", what,
-                bad, bad / 3, indices[bad], limit);
+    return bad == SIZE_MAX ? FATHOM_OK : array_fail_index(context, what, indices, bad, limit);
 }

@@ -1,8 +1,5 @@
-#include "base/threads.h"
-#include "math/four.h"
 #include "scene/graph.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 
 scene_bounds bounds_empty(void) {
@@ -38,66 +35,11 @@ double bounds_radius(const scene_bounds *b) {
     return bounds_is_empty(b) ? 0 : 0.5 * length_f64(sub_f64(b->upper, b->lower));
 }
 
-/* Extremes of a mesh over threads. Minima and maxima are the same in any order, so no result depends on who
- * came first. */
-typedef struct mesh_extremes {
-    const fathom_mesh *mesh;
-    pthread_mutex_t lock;
-    float lower[3], upper[3];
-} mesh_extremes;
-
-/* Four vertices that follow each other are twelve numbers, and their extremes do not wait for each other. */
-static size_t add_fours(const float *values, size_t count, float lower[3], float upper[3]) {
-    four low[3], high[3];
-    for (int j = 0; j < 3; ++j) {
-        low[j] = (four){INFINITY, INFINITY, INFINITY, INFINITY};
-        high[j] = -low[j];
-    }
-    for (size_t i = 0; i + 4 <= count; i += 4) {
-        for (size_t j = 0; j < 3; ++j) {
-            four v = four_load(values + 3 * i + 4 * j);
-            low[j] = four_smaller(v, low[j]);
-            high[j] = four_larger(v, high[j]);
-        }
-    }
-    for (int k = 0; k < 12; ++k) {
-        lower[k % 3] = fminf(lower[k % 3], low[k / 4][k % 4]);
-        upper[k % 3] = fmaxf(upper[k % 3], high[k / 4][k % 4]);
-    }
-    return count / 4 * 4;
-}
-
-static void add_run(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    mesh_extremes *all = user;
-    float lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    const char *base = (const char *)all->mesh->positions;
-    size_t stride = all->mesh->position_stride;
-    if (stride == 3 * sizeof(float))
-        begin += add_fours(all->mesh->positions + 3 * begin, end - begin, lower, upper);
-    for (size_t i = begin; i < end; ++i) {
-        const float *v = (const float *)(const void *)(base + i * stride);
-        for (int k = 0; k < 3; ++k) {
-            lower[k] = v[k] < lower[k] ? v[k] : lower[k];
-            upper[k] = v[k] > upper[k] ? v[k] : upper[k];
-        }
-    }
-    pthread_mutex_lock(&all->lock);
-    for (int k = 0; k < 3; ++k) {
-        all->lower[k] = lower[k] < all->lower[k] ? lower[k] : all->lower[k];
-        all->upper[k] = upper[k] > all->upper[k] ? upper[k] : all->upper[k];
-    }
-    pthread_mutex_unlock(&all->lock);
-}
-
-static scene_bounds mesh_bounds(const fathom_scene *scene, const fathom_mesh *mesh) {
-    mesh_extremes all = {
-        mesh, PTHREAD_MUTEX_INITIALIZER, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    loop_parallel(fathom_context_threads(scene->context), mesh->vertex_count, 1u << 17, add_run, &all);
+static scene_bounds mesh_bounds(const fathom_mesh *mesh, const mesh_facts *facts) {
     scene_bounds out = bounds_empty();
     vec3_f64 origin = load_f64(mesh->origin);
-    bounds_add(&out, add_f64(origin, widen(load_f32(all.lower))));
-    bounds_add(&out, add_f64(origin, widen(load_f32(all.upper))));
+    bounds_add(&out, add_f64(origin, widen(load_f32(facts->lower))));
+    bounds_add(&out, add_f64(origin, widen(load_f32(facts->upper))));
     return out;
 }
 
@@ -115,19 +57,23 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
     case SCENE_QUAD:
         for (int i = 0; i < 4; ++i) bounds_add(&out, load_f64(scene->quads.items[object.index].corners[i]));
         break;
-    case SCENE_MESH: out = mesh_bounds(scene, &scene->meshes.items[object.index]); break;
+    case SCENE_MESH:
+        out = mesh_bounds(&scene->meshes.items[object.index], &scene->mesh_facts.items[object.index]);
+        break;
     case SCENE_PLANE: break;
     }
     return out;
 }
 
-scene_bounds scene_world_bounds(const fathom_scene *scene) {
-    scene_bounds out = bounds_empty();
+fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out) {
+    *out = bounds_empty();
     scene_graph graph;
     scene_bounds *of_group = malloc(scene->groups.count * sizeof *of_group);
-    if (!of_group || graph_create(scene, &graph) != FATHOM_OK) {
+    if (!of_group) return fail_memory(scene->context, scene->groups.count * sizeof *of_group);
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) {
         free(of_group);
-        return out;
+        return status;
     }
     /* Backwards through the order: what a group holds is known before the group. */
     for (uint32_t k = graph.order_count; k-- > 0;) {
@@ -145,8 +91,8 @@ scene_bounds scene_world_bounds(const fathom_scene *scene) {
             bounds_join(&of_group[g], &b);
         }
     }
-    out = of_group[FATHOM_ROOT];
+    *out = of_group[FATHOM_ROOT];
     graph_destroy(&graph);
     free(of_group);
-    return out;
+    return FATHOM_OK;
 }

@@ -103,3 +103,11 @@ fathom_status scene_rest_files(const fathom_scene *scene) {
     free(list.items);
     return status;
 }
+
+fathom_status fathom_scene_check_files(const fathom_scene *scene) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < scene->blobs.count && status == FATHOM_OK; ++i)
+        status = file_check(scene->context, &scene->blobs.items[i].map);
+    return status;
+}

@@ -12,6 +12,7 @@ static void set_frame(fathom_camera *camera, const frame_f64 *frame) {
 
 void fathom_camera_look_at(const double eye[3], const double target[3], const double up[3], double fovy,
                            fathom_camera *out) {
+    if (!eye || !target || !up || !out) return;
     vec3_f64 e = load_f64(eye);
     frame_f64 frame = frame_from(e, sub_f64(e, load_f64(target)), load_f64(up));
     *out = (fathom_camera){.d = 1, .h = 2 * tan(fovy / 2)};
@@ -34,6 +35,8 @@ static bool is_frame(const fathom_camera *camera) {
 }
 
 fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *camera) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!camera) return fail_null(scene->context, "camera");
     if (!is_frame(camera)) {
         return fail(
             scene->context, FATHOM_BAD_INPUT,
@@ -108,10 +111,13 @@ static fathom_status light_everything(fathom_scene *scene) {
 }
 
 fathom_status fathom_scene_complete(fathom_scene *scene) {
+    if (!scene) return FATHOM_BAD_USAGE;
     fathom_status status = scene_check_cycles(scene);
     if (status != FATHOM_OK) return status;
     if (!scene->has_camera) {
-        scene_bounds bounds = scene_world_bounds(scene);
+        scene_bounds bounds;
+        status = scene_world_bounds(scene, &bounds);
+        if (status != FATHOM_OK) return status;
         if (!bounds_is_empty(&bounds)) frame_everything(scene, &bounds);
     }
     return scene->lights.count || scene->has_lights ? FATHOM_OK : light_everything(scene);

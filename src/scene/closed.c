@@ -5,31 +5,18 @@
  * neighbours there: with x different for all vertices and y pseudo-random, the sum is zero with a probability
  * of about 2^-32. (A linear map of the chain's boundary: no edge is ever looked up.)
  *
- * The numbers come from the vertex's index at first, which needs no more than the indices. Meshes whose
+ * The numbers come from the vertex's index at first: that sum is taken as a mesh comes in. Meshes whose
  * vertices are doubled along seams look open that way, so for these they come from the position. */
 #include "scene/closed.h"
 
 #include "base/threads.h"
+#include "scene/boundary.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define GRAIN ((size_t)1 << 15)
-
-/* Two rounds of multiplication and shift (the finalizer of MurmurHash3, A. Appleby): every bit of the result
- * depends on every bit of x. */
-static inline uint32_t mixed(uint32_t x) {
-    x = (x ^ x >> 16) * 0x85ebca6bu;
-    x = (x ^ x >> 13) * 0xc2b2ae35u;
-    return x ^ x >> 16;
-}
-
-typedef struct pair {
-    uint32_t x, y;
-} pair;
-
-static inline pair of_index(uint32_t i) { return (pair){i, mixed(i + 0x9e3779b9u)}; }
 
 /* Equal floats have equal bits but for the two zeros. */
 static inline uint32_t bits_of(float f) {
@@ -39,20 +26,16 @@ static inline uint32_t bits_of(float f) {
     return bits;
 }
 
-static pair of_position(const float p[3]) {
-    uint32_t h = mixed(bits_of(p[0]) + 0x9e3779b9u);
-    h = mixed((h ^ bits_of(p[1])) * 0x01000193u + 0x7f4a7c15u);
-    h = mixed((h ^ bits_of(p[2])) * 0x01000193u + 0x3c6ef372u);
-    return (pair){h, mixed(h + 0x7f4a7c15u)};
+static boundary_pair of_position(const float p[3]) {
+    uint32_t h = boundary_mixed(bits_of(p[0]) + 0x9e3779b9u);
+    h = boundary_mixed((h ^ bits_of(p[1])) * 0x01000193u + 0x7f4a7c15u);
+    h = boundary_mixed((h ^ bits_of(p[2])) * 0x01000193u + 0x3c6ef372u);
+    return (boundary_pair){h, boundary_mixed(h + 0x7f4a7c15u)};
 }
-
-static inline uint64_t edge(pair a, pair b) { return (uint64_t)a.x * b.y - (uint64_t)b.x * a.y; }
-
-static inline uint64_t boundary(pair a, pair b, pair c) { return edge(a, b) + edge(b, c) + edge(c, a); }
 
 typedef struct sum {
     const fathom_mesh *mesh;
-    pair *pairs;            /* by vertex, from its position; or NULL: from its index */
+    boundary_pair *pairs;   /* by vertex, from its position */
     _Atomic uint64_t total; /* modulo 2^64, so in any order */
 } sum;
 
@@ -71,52 +54,16 @@ static void add_by_position(void *user, size_t begin, size_t end, unsigned worke
     const uint32_t *t = s->mesh->indices;
     uint64_t total = 0;
     for (size_t i = 3 * begin; i < 3 * end; i += 3)
-        total += boundary(s->pairs[t[i]], s->pairs[t[i + 1]], s->pairs[t[i + 2]]);
+        total += boundary_sum(s->pairs[t[i]], s->pairs[t[i + 1]], s->pairs[t[i + 2]]);
     atomic_fetch_add(&s->total, total);
 }
 
-/* Over `count` triangles: a loop that vectorises. */
-static inline __attribute__((always_inline)) uint64_t sum_by_index(const uint32_t *t, size_t count) {
-    uint64_t total = 0;
-    for (size_t i = 0; i < 3 * count; i += 3)
-        total += boundary(of_index(t[i]), of_index(t[i + 1]), of_index(t[i + 2]));
-    return total;
-}
-
-/* Integers, so that the instructions change nothing. */
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static uint64_t sum_avx2(const uint32_t *t, size_t count) {
-    return sum_by_index(t, count);
-}
-__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512"))) static uint64_t
-sum_avx512(const uint32_t *t, size_t count) {
-    return sum_by_index(t, count);
-}
-static uint64_t sum_best(const uint32_t *t, size_t count) {
-    bool wide = __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
-                __builtin_cpu_supports("avx512vl");
-    if (wide) return sum_avx512(t, count);
-    return __builtin_cpu_supports("avx2") ? sum_avx2(t, count) : sum_by_index(t, count);
-}
-#else
-static uint64_t sum_best(const uint32_t *t, size_t count) { return sum_by_index(t, count); }
-#endif
-
-static void add_by_index(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    sum *s = user;
-    atomic_fetch_add(&s->total, sum_best(s->mesh->indices + 3 * begin, end - begin));
-}
-
 /* *left: what the mesh leaves open, by position; 0: nothing. False when out of memory. */
-static bool open_sum(unsigned threads, const fathom_mesh *mesh, uint64_t *left) {
-    sum s = {.mesh = mesh};
-    loop_parallel(threads, mesh->triangle_count, GRAIN, add_by_index, &s);
-    *left = atomic_load(&s.total);
+static bool open_sum(unsigned threads, const fathom_mesh *mesh, const mesh_facts *facts, uint64_t *left) {
+    *left = facts->boundary;
     if (!*left) return true;
-    s.pairs = malloc(mesh->vertex_count * sizeof *s.pairs);
+    sum s = {.mesh = mesh, .pairs = malloc(mesh->vertex_count * sizeof *s.pairs)};
     if (!s.pairs) return false;
-    atomic_store(&s.total, 0);
     loop_parallel(threads, mesh->vertex_count, GRAIN, set_pairs, &s);
     loop_parallel(threads, mesh->triangle_count, GRAIN, add_by_position, &s);
     *left = atomic_load(&s.total);
@@ -135,7 +82,8 @@ static bool find_in_group(const world *w, uint32_t first, uint32_t end, closed_h
     for (uint32_t i = first; i < end; ++i) {
         uint64_t left;
         if (!is_open_mesh(w, i, closed)) continue;
-        if (!open_sum(threads, &w->meshes.items[w->geometries.items[i].first], &left)) return false;
+        uint32_t mesh = w->geometries.items[i].first;
+        if (!open_sum(threads, &w->meshes.items[mesh], &w->mesh_facts.items[mesh], &left)) return false;
         if (!left) closed[i] = CLOSED_ALONE;
         together += left;
     }

@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include "base/memory.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +12,9 @@ static fathom_status add_default_material(fathom_scene *scene) {
 }
 
 fathom_status fathom_scene_create(fathom_context *context, fathom_scene **out) {
+    if (!out) return fail_null(context, "out");
     *out = NULL;
+    if (!context) return FATHOM_BAD_USAGE;
     fathom_scene *scene = calloc(1, sizeof *scene);
     if (!scene) return fail_memory(context, sizeof *scene);
     scene->context = context;
@@ -41,10 +45,17 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->quads);
     array_free(&scene->planes);
     array_free(&scene->meshes);
+    array_free(&scene->mesh_facts);
     array_free(&scene->instances);
     free(scene->name);
     free(scene->tracer_spec);
     free(scene);
+}
+
+fathom_scene scene_through(const fathom_scene *scene, fathom_context *context) {
+    fathom_scene view = *scene;
+    view.context = context;
+    return view;
 }
 
 fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void *data)) {
@@ -62,13 +73,22 @@ fathom_status scene_adopt_file(fathom_scene *scene, void *data, void (*release)(
 fathom_status scene_allocate(fathom_scene *scene, size_t bytes, void **out) {
     *out = NULL;
     /* Embree loads 16 bytes at a time and may read past the last vertex by that much. */
-    if (bytes > SIZE_MAX - 16) return fail_memory(scene->context, bytes);
-    char *data = malloc(bytes + 16);
-    if (!data) return fail_memory(scene->context, bytes + 16);
+    size_t room;
+    if (__builtin_add_overflow(bytes, 16, &room) || !memory_has(room))
+        return fail_memory(scene->context, bytes);
+    char *data = malloc(room);
+    if (!data) return fail_memory(scene->context, room);
     memset(data + bytes, 0, 16);
     fathom_status status = scene_adopt(scene, data, free);
     if (status == FATHOM_OK) *out = data;
     return status;
+}
+
+fathom_status scene_allocate_items(fathom_scene *scene, size_t count, size_t bytes, void **out) {
+    size_t all;
+    *out = NULL;
+    if (__builtin_mul_overflow(count, bytes, &all)) return fail_memory(scene->context, SIZE_MAX);
+    return scene_allocate(scene, all, out);
 }
 
 /* NULL stays NULL. */
@@ -89,6 +109,7 @@ static fathom_status check_color(fathom_context *context, const char *what, cons
 }
 
 void fathom_material_default(fathom_material *material) {
+    if (!material) return;
     *material = (fathom_material){.k_a = {-1, -1, -1},
                                   .k_d = {0.5f, 0.5f, 0.5f},
                                   .shininess = 32,
@@ -110,6 +131,8 @@ static fathom_status check_material(fathom_context *context, const fathom_materi
         return fail(context, FATHOM_BAD_INPUT, "shininess: expected a number in [0, 1e9], found %g",
                     (double)m->shininess);
     }
+    if ((unsigned)m->specular > FATHOM_SPECULAR_BLINN)
+        return fail(context, FATHOM_BAD_USAGE, "specular: there is no kind %u", (unsigned)m->specular);
     if (!(m->ior > 0) || !isfinite(m->ior)) {
         return fail(context, FATHOM_BAD_INPUT, "ior: expected a number > 0, found %g", (double)m->ior);
     }
@@ -118,6 +141,8 @@ static fathom_status check_material(fathom_context *context, const fathom_materi
 
 fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
                                         const fathom_material *material, fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!material) return fail_null(scene->context, "material");
     fathom_status status = check_material(scene->context, material);
     if (status != FATHOM_OK) return status;
     scene_named_material entry = {.value = *material};
@@ -139,6 +164,12 @@ fathom_id scene_find_material(const fathom_scene *scene, const char *name) {
     return FATHOM_NONE;
 }
 
+uint64_t scene_triangles(const fathom_scene *scene) {
+    uint64_t triangles = 0;
+    for (size_t i = 0; i < scene->meshes.count; ++i) triangles += scene->meshes.items[i].triangle_count;
+    return triangles;
+}
+
 fathom_id scene_object_material(const fathom_scene *scene, fathom_id id) {
     scene_object object = scene->objects.items[id];
     switch (object.kind) {
@@ -151,6 +182,7 @@ fathom_id scene_object_material(const fathom_scene *scene, fathom_id id) {
 }
 
 void fathom_light_default(fathom_light *light) {
+    if (!light) return;
     *light = (fathom_light){.type = FATHOM_LIGHT_POINT,
                             .direction = {0, -1, 0},
                             .intensity = {1, 1, 1},
@@ -158,7 +190,11 @@ void fathom_light_default(fathom_light *light) {
 }
 
 fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *light, fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
     fathom_context *context = scene->context;
+    if (!light) return fail_null(context, "light");
+    if ((unsigned)light->type > FATHOM_LIGHT_SPOT)
+        return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)light->type);
     fathom_status status = check_color(context, "intensity", light->intensity, 0);
     if (status != FATHOM_OK) return status;
     if (light->type != FATHOM_LIGHT_DIRECTIONAL && !finite_f64(load_f64(light->position))) {
@@ -182,6 +218,7 @@ fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *li
 }
 
 fathom_status fathom_scene_add_group(fathom_scene *scene, const char *name, fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
     char *copy;
     fathom_status status = copy_text(scene->context, name, &copy);
     if (status != FATHOM_OK) return status;
@@ -194,6 +231,7 @@ fathom_status fathom_scene_add_group(fathom_scene *scene, const char *name, fath
 }
 
 void fathom_instance_default(fathom_instance *instance) {
+    if (!instance) return;
     *instance = (fathom_instance){.group = FATHOM_NONE,
                                   .parent = FATHOM_ROOT,
                                   .transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
@@ -202,7 +240,9 @@ void fathom_instance_default(fathom_instance *instance) {
 
 fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instance *instance,
                                         fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
     fathom_context *context = scene->context;
+    if (!instance) return fail_null(context, "instance");
     if (instance->group >= scene->groups.count || instance->group == FATHOM_ROOT) {
         return fail(context, FATHOM_BAD_INPUT, "instance: expected a group other than the world, found id %u",
                     instance->group);
@@ -226,6 +266,8 @@ fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instan
 }
 
 fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3]) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!rgb) return fail_null(scene->context, "background");
     fathom_status status = check_color(scene->context, "background", rgb, 0);
     if (status != FATHOM_OK) return status;
     memcpy(scene->background, rgb, sizeof scene->background);
@@ -234,6 +276,8 @@ fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3
 }
 
 fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!rgb) return fail_null(scene->context, "ambient");
     fathom_status status = check_color(scene->context, "ambient", rgb, 0);
     if (status != FATHOM_OK) return status;
     memcpy(scene->ambient, rgb, sizeof scene->ambient);
@@ -242,6 +286,8 @@ fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]) 
 }
 
 fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!name) return fail_null(scene->context, "name");
     char *copy;
     fathom_status status = copy_text(scene->context, name, &copy);
     if (status != FATHOM_OK) return status;

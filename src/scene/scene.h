@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "math/affine.h"
+#include "scene/mesh_facts.h"
 
 #include <fathom/read.h>
 
@@ -33,6 +34,8 @@ typedef struct scene_named_material {
 struct fathom_scene {
     fathom_context *context;
     char *name; /* never NULL */
+    const char
+        *top; /* while it is read: the file given by the user, in whose folder all others lie; or NULL */
     ARRAY(scene_named_material) materials;
     ARRAY(fathom_light) lights;
     ARRAY(char *) groups; /* names, NULL for none; group 0 is the root */
@@ -41,6 +44,7 @@ struct fathom_scene {
     ARRAY(fathom_quad) quads;
     ARRAY(fathom_plane) planes;
     ARRAY(fathom_mesh) meshes;
+    ARRAY(mesh_facts) mesh_facts; /* beside meshes */
     ARRAY(fathom_instance) instances;
     ARRAY(scene_blob) blobs;
     fathom_camera camera;
@@ -53,6 +57,10 @@ struct fathom_scene {
     char *tracer_spec; /* of the settings; NULL: none */
 };
 
+/* The same scene for calls on another context: messages and warnings go there, and its number of threads
+ * counts. Owns nothing, and is good as long as the scene. */
+fathom_scene scene_through(const fathom_scene *scene, fathom_context *context);
+
 /* Gives `data` to the scene, which calls release(data) when it is destroyed, or at once when it is out of
  * memory. */
 fathom_status scene_adopt(fathom_scene *scene, void *data, void (*release)(void *data));
@@ -63,11 +71,13 @@ fathom_status scene_adopt_file(fathom_scene *scene, void *data, void (*release)(
 /* malloc'ed memory owned by the scene, with 16 readable bytes past the end as Embree wants of a vertex
  * buffer. */
 fathom_status scene_allocate(fathom_scene *scene, size_t bytes, void **out);
+/* The same for `count` items of so many bytes each. */
+fathom_status scene_allocate_items(fathom_scene *scene, size_t count, size_t bytes, void **out);
 
 /* fathom_scene_add_mesh_shared() for readers that have looked at every vertex and index themselves: a file's
  * many meshes over the same vertices would have them all looked at again for each. */
 fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
-                                     fathom_id *out);
+                                     const mesh_facts *facts, fathom_id *out);
 
 /* The material with this name, FATHOM_NONE when there is none. */
 fathom_id scene_find_material(const fathom_scene *scene, const char *name);
@@ -92,7 +102,10 @@ double bounds_radius(const scene_bounds *b);
  * count. */
 scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id object);
 /* Of all that is placed in the world, instances included. The scene must have no cycle. */
-scene_bounds scene_world_bounds(const fathom_scene *scene);
+fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out);
+
+/* Of all meshes, each once. */
+uint64_t scene_triangles(const fathom_scene *scene);
 
 /* Arrays of meshes: what tracers read, what shading reads besides, what nothing reads. */
 enum { SCENE_TRACED = 1, SCENE_SHADED = 2, SCENE_UNREAD = 4, SCENE_BUFFERS = 7 };

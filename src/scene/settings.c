@@ -4,6 +4,7 @@
 #include <string.h>
 
 void fathom_settings_default(fathom_settings *settings) {
+    if (!settings) return;
     *settings = (fathom_settings){.width = 1280,
                                   .height = 720,
                                   .spp = 1,
@@ -21,6 +22,7 @@ void fathom_settings_default(fathom_settings *settings) {
  * moves by less than half a level. Half floats of a value I are at least max(2^-24, 2^-11 I) apart, so half
  * of that is lost by no more than 2^-26 + 2^-13 I: the sum is at most twice the larger. */
 void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure) {
+    if (!settings) return;
     const float most = 0.98f;
     settings->max_loss = settings->max_relative_loss = 0;
     switch (loss) {
@@ -34,7 +36,12 @@ void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float
     }
 }
 
-void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out) { *out = scene->settings; }
+void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out) {
+    if (scene && out)
+        *out = scene->settings;
+    else
+        fathom_settings_default(out);
+}
 
 static bool is_square(uint32_t n) {
     uint32_t root = (uint32_t)(sqrt((double)n) + 0.5);
@@ -81,7 +88,20 @@ static fathom_status check_adaptive(fathom_context *context, const fathom_settin
     return FATHOM_OK;
 }
 
+/* Values that no enumerator or bit stands for: the program's fault, no file's. */
+static fathom_status check_choices(fathom_context *context, const fathom_settings *s) {
+    if ((unsigned)s->pattern > FATHOM_PATTERN_SOBOL)
+        return fail(context, FATHOM_BAD_USAGE, "pattern: there is no pattern %u", (unsigned)s->pattern);
+    if ((unsigned)s->tracer > FATHOM_TRACER_REFERENCE)
+        return fail(context, FATHOM_BAD_USAGE, "tracer: there is no kind %u", (unsigned)s->tracer);
+    if (s->aovs & ~(unsigned)FATHOM_AOVS)
+        return fail(context, FATHOM_BAD_USAGE, "aovs: expected FATHOM_AOV_ bits, found %#x", s->aovs);
+    return FATHOM_OK;
+}
+
 fathom_status scene_check_settings(fathom_context *context, const fathom_settings *s) {
+    fathom_status status = check_choices(context, s);
+    if (status != FATHOM_OK) return status;
     if (s->width < 1 || s->width > 65536 || s->height < 1 || s->height > 65536) {
         return fail(context, FATHOM_BAD_INPUT, "image size: expected 1 to 65536 pixels each way, found %ux%u",
                     s->width, s->height);
@@ -89,7 +109,7 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
     if (s->spp < 1 || s->spp > 65536) {
         return fail(context, FATHOM_BAD_INPUT, "spp: expected 1 to 65536 samples a pixel, found %u", s->spp);
     }
-    fathom_status status = check_adaptive(context, s);
+    status = check_adaptive(context, s);
     if (status != FATHOM_OK) return status;
     if (s->pattern != FATHOM_PATTERN_SOBOL && !is_square(s->spp)) {
         uint32_t root = (uint32_t)sqrt((double)s->spp);
@@ -127,6 +147,8 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
 }
 
 fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settings *settings) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!settings) return fail_null(scene->context, "settings");
     fathom_status status = scene_check_settings(scene->context, settings);
     if (status != FATHOM_OK) return status;
     char *spec = settings->tracer_spec ? strdup(settings->tracer_spec) : NULL; /* may be the scene's own */

@@ -4,13 +4,16 @@
 
 #include <string.h>
 
-void fathom_sphere_default(fathom_sphere *sphere) { *sphere = (fathom_sphere){.radius = 1}; }
+void fathom_sphere_default(fathom_sphere *sphere) {
+    if (sphere) *sphere = (fathom_sphere){.radius = 1};
+}
 
 void fathom_quad_default(fathom_quad *quad) {
     fathom_quad_from_axes((double[3]){0, 0, 0}, (double[3]){0.5, 0, 0}, (double[3]){0, 0.5, 0}, quad);
 }
 
 void fathom_quad_from_axes(const double center[3], const double u[3], const double v[3], fathom_quad *out) {
+    if (!center || !u || !v || !out) return;
     *out = (fathom_quad){.material = 0};
     const double signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
     for (int i = 0; i < 4; ++i) {
@@ -18,9 +21,13 @@ void fathom_quad_from_axes(const double center[3], const double u[3], const doub
     }
 }
 
-void fathom_plane_default(fathom_plane *plane) { *plane = (fathom_plane){.normal = {0, 0, 1}}; }
+void fathom_plane_default(fathom_plane *plane) {
+    if (plane) *plane = (fathom_plane){.normal = {0, 0, 1}};
+}
 
-void fathom_mesh_default(fathom_mesh *mesh) { *mesh = (fathom_mesh){.material = 0}; }
+void fathom_mesh_default(fathom_mesh *mesh) {
+    if (mesh) *mesh = (fathom_mesh){.material = 0};
+}
 
 /* Checks what all shapes have and books the object: kind, index, group. */
 static fathom_status book(fathom_scene *scene, scene_kind kind, size_t index, fathom_id group,
@@ -41,6 +48,8 @@ static fathom_status book(fathom_scene *scene, scene_kind kind, size_t index, fa
 
 fathom_status fathom_scene_add_sphere(fathom_scene *scene, fathom_id group, const fathom_sphere *sphere,
                                       fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!sphere) return fail_null(scene->context, "sphere");
     if (!finite_f64(load_f64(sphere->center))) {
         return fail(scene->context, FATHOM_BAD_INPUT, "center: expected three finite numbers");
     }
@@ -95,6 +104,8 @@ static fathom_status check_quad(fathom_context *context, const fathom_quad *quad
 
 fathom_status fathom_scene_add_quad(fathom_scene *scene, fathom_id group, const fathom_quad *quad,
                                     fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!quad) return fail_null(scene->context, "quad");
     fathom_status status = check_quad(scene->context, quad);
     if (status != FATHOM_OK) return status;
     if (!array_room(&scene->quads, 1)) return fail_memory(scene->context, sizeof *quad);
@@ -105,6 +116,8 @@ fathom_status fathom_scene_add_quad(fathom_scene *scene, fathom_id group, const 
 
 fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group, const fathom_plane *plane,
                                      fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!plane) return fail_null(scene->context, "plane");
     if (!finite_f64(load_f64(plane->point))) {
         return fail(scene->context, FATHOM_BAD_INPUT, "point: expected three finite numbers");
     }
@@ -120,7 +133,7 @@ fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group, const
 
 /* ---- meshes ---- */
 
-static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m) {
+static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
     if (!m->positions || !m->vertex_count)
         return fail(context, FATHOM_BAD_INPUT, "positions: the mesh has no vertices");
     if (!m->indices || !m->triangle_count)
@@ -137,9 +150,8 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m) {
     }
     size_t corners = (size_t)m->triangle_count * 3;
     fathom_status status =
-        array_check_finite(context, "positions", m->positions, m->position_stride, 3, m->vertex_count);
-    if (status == FATHOM_OK)
-        status = array_check_indices(context, "indices", m->indices, corners, m->vertex_count);
+        mesh_look_at_vertices(context, "positions", m->positions, m->position_stride, m->vertex_count, facts);
+    if (status == FATHOM_OK) status = mesh_look_at_triangles(context, "indices", m, facts);
     if (status == FATHOM_OK && m->normals) {
         status = array_check_finite(context, "normals", m->normals, m->normal_stride, 3, m->normal_count);
         if (status == FATHOM_OK && m->normal_indices) {
@@ -164,22 +176,34 @@ static void default_strides(fathom_mesh *mesh) {
     if (!mesh->uvs) mesh->uv_indices = NULL;
 }
 
+/* The mesh's strides are set. */
+static fathom_status add_mesh(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                              const mesh_facts *facts, fathom_id *out) {
+    if (!array_room(&scene->meshes, 1) || !array_room(&scene->mesh_facts, 1))
+        return fail_memory(scene->context, sizeof *mesh);
+    fathom_status status = book(scene, SCENE_MESH, scene->meshes.count, group, mesh->material, out);
+    if (status != FATHOM_OK) return status;
+    array_push(&scene->meshes, *mesh);
+    array_push(&scene->mesh_facts, *facts);
+    return FATHOM_OK;
+}
+
 fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
-                                     fathom_id *out) {
+                                     const mesh_facts *facts, fathom_id *out) {
     fathom_mesh stored = *mesh;
     default_strides(&stored);
-    if (!array_room(&scene->meshes, 1)) return fail_memory(scene->context, sizeof stored);
-    fathom_status status = book(scene, SCENE_MESH, scene->meshes.count, group, stored.material, out);
-    if (status == FATHOM_OK) array_push(&scene->meshes, stored);
-    return status;
+    return add_mesh(scene, group, &stored, facts, out);
 }
 
 fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
                                            fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!mesh) return fail_null(scene->context, "mesh");
     fathom_mesh stored = *mesh;
     default_strides(&stored);
-    fathom_status status = check_mesh(scene->context, &stored);
-    return status == FATHOM_OK ? scene_add_mesh_checked(scene, group, &stored, out) : status;
+    mesh_facts facts;
+    fathom_status status = check_mesh(scene->context, &stored, &facts);
+    return status == FATHOM_OK ? add_mesh(scene, group, &stored, &facts, out) : status;
 }
 
 /* Copies `count` items of `stride` bytes; the last one only as far as its `size` bytes reach. */
@@ -188,7 +212,7 @@ static fathom_status copy_array(fathom_scene *scene, const void *from, size_t st
     *out = NULL;
     if (!from || !count) return FATHOM_OK;
     void *to;
-    fathom_status status = scene_allocate(scene, stride * count, &to);
+    fathom_status status = scene_allocate_items(scene, count, stride, &to);
     if (status != FATHOM_OK) return status;
     memcpy(to, from, stride * (count - 1) + size);
     *out = to;
@@ -197,9 +221,12 @@ static fathom_status copy_array(fathom_scene *scene, const void *from, size_t st
 
 fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
                                     fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!mesh) return fail_null(scene->context, "mesh");
     fathom_mesh copy = *mesh;
     default_strides(&copy);
-    fathom_status status = check_mesh(scene->context, &copy);
+    mesh_facts facts;
+    fathom_status status = check_mesh(scene->context, &copy, &facts);
     if (status != FATHOM_OK) return status;
     if (scene->without_uvs) copy.uvs = NULL, copy.uv_indices = NULL, copy.uv_count = 0;
     size_t corners = (size_t)copy.triangle_count * 3, word = sizeof(uint32_t);
@@ -220,8 +247,5 @@ fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group, const 
     }
     copy.positions = copies[0], copy.normals = copies[1], copy.uvs = copies[2];
     copy.indices = copies[3], copy.normal_indices = copies[4], copy.uv_indices = copies[5];
-    if (!array_room(&scene->meshes, 1)) return fail_memory(scene->context, sizeof copy);
-    status = book(scene, SCENE_MESH, scene->meshes.count, group, copy.material, out);
-    if (status == FATHOM_OK) array_push(&scene->meshes, copy);
-    return status;
+    return add_mesh(scene, group, &copy, &facts, out);
 }

@@ -61,7 +61,8 @@ static bool add_quad(world *w, const fathom_quad *q, fathom_id object, uint32_t 
     return true;
 }
 
-static bool add_mesh(world *w, const fathom_mesh *mesh, fathom_id object) {
+static bool add_mesh(world *w, uint32_t index, fathom_id object) {
+    const fathom_mesh *mesh = &w->scene->meshes.items[index];
     world_geometry geometry = {.kind = WORLD_MESH,
                                .first = (uint32_t)w->meshes.count,
                                .count = mesh->triangle_count,
@@ -69,6 +70,7 @@ static bool add_mesh(world *w, const fathom_mesh *mesh, fathom_id object) {
                                .smooth = mesh->normals != NULL,
                                .instance = FATHOM_NONE};
     return array_push(&w->geometries, geometry) && array_push(&w->meshes, *mesh) &&
+           array_push(&w->mesh_facts, w->scene->mesh_facts.items[index]) &&
            array_push(&w->mesh_objects, object);
 }
 
@@ -88,11 +90,10 @@ static bool add_kind(world *w, const scene_graph *graph, uint32_t group, scene_k
             added = add_sphere(w, &scene->spheres.items[object.index], id, first, origin);
             break;
         case SCENE_QUAD: added = add_quad(w, &scene->quads.items[object.index], id, first, origin); break;
-        case SCENE_MESH: {
-            const fathom_mesh *mesh = &scene->meshes.items[object.index];
-            if (same_point(mesh->origin, origin)) added = add_mesh(w, mesh, id);
+        case SCENE_MESH:
+            if (same_point(scene->meshes.items[object.index].origin, origin))
+                added = add_mesh(w, object.index, id);
             break;
-        }
         case SCENE_PLANE: break;
         }
         if (!added) return false;
@@ -108,7 +109,7 @@ bool world_add_geometries(world *w, const scene_graph *graph, uint32_t group, ve
 }
 
 bool world_add_lone_mesh(world *w, fathom_id object) {
-    return add_mesh(w, &w->scene->meshes.items[w->scene->objects.items[object].index], object);
+    return add_mesh(w, w->scene->objects.items[object].index, object);
 }
 
 /* ---- checks ---- */
@@ -161,7 +162,7 @@ fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origi
         world_destroy(w);
         return status;
     }
-    world_survey(w);
+    world_count(w);
     *out = w;
     return FATHOM_OK;
 }
@@ -174,6 +175,7 @@ void world_destroy(world *w) {
     array_free(&w->quad_objects);
     array_free(&w->planes);
     array_free(&w->meshes);
+    array_free(&w->mesh_facts);
     array_free(&w->mesh_objects);
     array_free(&w->geometries);
     array_free(&w->groups);

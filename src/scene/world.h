@@ -14,6 +14,12 @@
  * out. */
 #define WORLD_REACH 1e18
 
+/* The largest of its coordinates, as a magnitude; NaN for a NaN. */
+static inline float world_reach_of(vec3_f32 p) {
+    float x = fabsf(p.x), y = fabsf(p.y), z = fabsf(p.z), larger = y > z ? y : z;
+    return (x > larger ? x : larger) + (p.x * 0 + p.y * 0 + p.z * 0);
+}
+
 /* A sphere that passes close by the origin, where coordinates are finer than its own, is center + center_rest
  * and radius + radius_rest: twice the digits of float (world.c). The rest of others is 0. */
 typedef struct world_sphere {
@@ -87,6 +93,7 @@ typedef struct world {
     ARRAY(fathom_id) quad_objects; /* beside quads */
     ARRAY(world_plane) planes;
     ARRAY(fathom_mesh) meshes;     /* as in the scene; origins are already in the instances */
+    ARRAY(mesh_facts) mesh_facts;  /* beside meshes */
     ARRAY(fathom_id) mesh_objects; /* beside meshes */
     ARRAY(world_geometry) geometries;
     ARRAY(world_group) groups; /* 0: what is placed in the root itself */
@@ -103,8 +110,9 @@ fathom_status world_create(const fathom_scene *scene, world **out);
 fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origin, world **out);
 void world_destroy(world *w);
 
-/* Counts again what world_create() counted: for those who change a world's numbers. */
-void world_survey(world *w);
+/* For those who change a world's numbers: looks through its meshes again, and counts again what
+ * world_create() counted. Indices must stay in range. */
+fathom_status world_survey(world *w);
 
 /* Sets the three maps of an instance from its place in the world. False when there is no inverse. */
 bool world_instance_set(world_instance *instance, const affine_f64 *to_world);

@@ -1,0 +1,165 @@
+#include "scene/fingerprint.h"
+
+#include "base/hash.h"
+#include "base/threads.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- plain values, field by field: what lies between the fields of a struct is anything ---- */
+
+#define PUT(hash, field) hash_put(hash, &(field), sizeof(field))
+
+static void put_camera(hash *h, const fathom_camera *c) {
+    PUT(h, c->origin), PUT(h, c->x), PUT(h, c->y), PUT(h, c->z);
+    PUT(h, c->d), PUT(h, c->h), PUT(h, c->w);
+}
+
+static void put_material(hash *h, const fathom_material *m) {
+    const unsigned kind = (unsigned)m->specular * 4 + (m->fresnel ? 2u : 0u) + (m->lit_from_behind ? 1u : 0u);
+    PUT(h, m->k_a), PUT(h, m->k_d), PUT(h, m->k_s), PUT(h, m->k_r), PUT(h, m->k_t), PUT(h, m->k_e);
+    PUT(h, m->shininess), PUT(h, m->ior), PUT(h, kind);
+}
+
+static void put_light(hash *h, const fathom_light *l) {
+    const unsigned type = (unsigned)l->type;
+    PUT(h, type), PUT(h, l->position), PUT(h, l->direction), PUT(h, l->intensity);
+    PUT(h, l->inner_angle), PUT(h, l->outer_angle);
+}
+
+static void put_instance(hash *h, const fathom_instance *i) {
+    PUT(h, i->group), PUT(h, i->parent), PUT(h, i->transform), PUT(h, i->material);
+}
+
+static void put_object(hash *h, const scene_object *o) {
+    const unsigned kind = (unsigned)o->kind;
+    PUT(h, kind), PUT(h, o->index), PUT(h, o->group);
+}
+
+static void put_sphere(hash *h, const fathom_sphere *s) {
+    PUT(h, s->center), PUT(h, s->radius), PUT(h, s->material), PUT(h, s->flags);
+}
+
+static void put_quad(hash *h, const fathom_quad *q) {
+    PUT(h, q->corners), PUT(h, q->material), PUT(h, q->flags);
+}
+
+static void put_plane(hash *h, const fathom_plane *p) {
+    PUT(h, p->point), PUT(h, p->normal), PUT(h, p->material), PUT(h, p->flags);
+}
+
+static void put_mesh(hash *h, const fathom_mesh *m) {
+    const unsigned has = (m->normals ? 1u : 0u) + (m->normal_indices ? 2u : 0u);
+    PUT(h, m->vertex_count), PUT(h, m->triangle_count), PUT(h, m->normal_count), PUT(h, has);
+    PUT(h, m->origin), PUT(h, m->material), PUT(h, m->flags);
+}
+
+#define PUT_ALL(hash, array, put)                                                                            \
+    do {                                                                                                     \
+        const uint64_t count = (array)->count;                                                               \
+        PUT(hash, count);                                                                                    \
+        for (size_t i = 0; i < (array)->count; ++i) put(hash, &(array)->items[i]);                           \
+    } while (0)
+
+static void put_values(hash *h, const fathom_scene *scene) {
+    const uint64_t materials = scene->materials.count, groups = scene->groups.count;
+    put_camera(h, &scene->camera);
+    PUT(h, scene->background), PUT(h, scene->ambient);
+    PUT(h, materials), PUT(h, groups);
+    for (size_t i = 0; i < materials; ++i) put_material(h, &scene->materials.items[i].value);
+    PUT_ALL(h, &scene->lights, put_light);
+    PUT_ALL(h, &scene->objects, put_object);
+    PUT_ALL(h, &scene->instances, put_instance);
+    PUT_ALL(h, &scene->spheres, put_sphere);
+    PUT_ALL(h, &scene->quads, put_quad);
+    PUT_ALL(h, &scene->planes, put_plane);
+    PUT_ALL(h, &scene->meshes, put_mesh);
+}
+
+/* ---- arrays, in pieces that threads share ---- */
+
+/* Rows of `row` bytes, `stride` apart. */
+typedef struct piece {
+    const char *data;
+    size_t rows, row, stride;
+} piece;
+
+typedef struct pieces {
+    ARRAY(piece) list;
+    uint64_t *hashes; /* one for each */
+} pieces;
+
+#define PIECE_BYTES ((size_t)1 << 20)
+
+static bool add_array(pieces *p, const void *data, size_t rows, size_t row, size_t stride) {
+    const size_t whole = PIECE_BYTES / row;
+    for (size_t first = 0; data && first < rows; first += whole) {
+        const piece next = {(const char *)data + first * stride, rows - first < whole ? rows - first : whole,
+                            row, stride};
+        if (!array_push(&p->list, next)) return false;
+    }
+    return true;
+}
+
+static bool add_vectors(pieces *p, const float *data, size_t count, size_t stride) {
+    return add_array(p, data, count, 3 * sizeof(float), stride ? stride : 3 * sizeof(float));
+}
+
+static bool add_mesh(pieces *p, const fathom_mesh *m) {
+    const size_t corners = (size_t)m->triangle_count * 3, each = sizeof(uint32_t);
+    return add_vectors(p, m->positions, m->vertex_count, m->position_stride) &&
+           add_array(p, m->indices, corners, each, each) &&
+           add_vectors(p, m->normals, m->normal_count, m->normal_stride) &&
+           add_array(p, m->normals ? m->normal_indices : NULL, corners, each, each);
+}
+
+/* Rows that lie apart are brought together first: what is between them is another array's, or nobody's. */
+static uint64_t hash_piece(const piece *p) {
+    hash h;
+    hash_begin(&h);
+    if (p->stride == p->row) {
+        hash_put(&h, p->data, p->rows * p->row);
+        return hash_end(&h);
+    }
+    enum { TOGETHER = 256 };
+    char near[TOGETHER * 3 * sizeof(float)];
+    for (size_t first = 0; first < p->rows; first += TOGETHER) {
+        size_t count = p->rows - first < TOGETHER ? p->rows - first : TOGETHER;
+        const char *from = p->data + first * p->stride;
+        for (size_t i = 0; i < count; ++i)
+            memcpy(near + i * 3 * sizeof(float), from + i * p->stride, 3 * sizeof(float));
+        hash_put(&h, near, count * 3 * sizeof(float));
+    }
+    return hash_end(&h);
+}
+
+static void hash_pieces(void *user, size_t begin, size_t end, unsigned worker) {
+    const pieces *p = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) p->hashes[i] = hash_piece(&p->list.items[i]);
+}
+
+static bool hash_arrays(const fathom_scene *scene, pieces *p) {
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        if (!add_mesh(p, &scene->meshes.items[i])) return false;
+    }
+    p->hashes = malloc((p->list.count + 1) * sizeof *p->hashes);
+    if (!p->hashes) return false;
+    loop_parallel(fathom_context_threads(scene->context), p->list.count, 1, hash_pieces, p);
+    return true;
+}
+
+fathom_status scene_fingerprint(const fathom_scene *scene, uint64_t *out) {
+    hash h;
+    pieces p = {.hashes = NULL};
+    bool fine = hash_arrays(scene, &p);
+    if (fine) {
+        hash_begin(&h);
+        put_values(&h, scene);
+        hash_put(&h, p.hashes, p.list.count * sizeof *p.hashes);
+        *out = hash_end(&h);
+    }
+    array_free(&p.list);
+    free(p.hashes);
+    return fine ? FATHOM_OK : fail_memory(scene->context, p.list.count * sizeof *p.list.items);
+}
