@@ -17,6 +17,11 @@ FATHOM_API fathom_status fathom_scene_read(fathom_context *context, const char *
 FATHOM_API fathom_status fathom_scene_read_to_render(fathom_context *context, const char *path,
                                                      fathom_scene **out);
 
+/* FATHOM_BAD_INPUT when a file that the scene was mapped from has been truncated or changed since it was
+ * read: what was made of the scene is then not to be trusted. fathom_scene_read() and fathom_render() ask
+ * this themselves at their end; whoever traces rays by fathom/trace.h may. */
+FATHOM_API fathom_status fathom_scene_check_files(const fathom_scene *scene);
+
 typedef enum fathom_generator {
     FATHOM_GENERATE_SPHERE,  /* a displaced sphere, closed, smooth normals */
     FATHOM_GENERATE_TERRAIN, /* a fractal height field over a square */

@@ -5,6 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out) {
+    *out = file_beside(base, name);
+    if (!*out) return fail_memory(scene->context, strlen(base) + strlen(name));
+    if (!scene->top) return FATHOM_OK;
+    fathom_status status = file_confine(scene->context, scene->top, *out, name);
+    if (status == FATHOM_OK) return status;
+    free(*out);
+    *out = NULL;
+    return status;
+}
+
 static const struct format {
     const char *extension;
     fathom_status (*read)(fathom_scene *scene, fathom_id group, const char *path,
@@ -47,8 +58,7 @@ static fathom_status read_any(fathom_scene *scene, const char *path) {
 
 /* "models/bunny.obj" -> "bunny" */
 static fathom_status name_after(fathom_scene *scene, const char *path) {
-    const char *slash = strrchr(path, '/'), *file = slash ? slash + 1 : path;
-    const char *dot = strrchr(file, '.');
+    const char *file = file_name(path), *dot = strrchr(file, '.');
     char *name = strndup(file, dot && dot != file ? (size_t)(dot - file) : strlen(file));
     if (!name) return fail_memory(scene->context, strlen(file));
     fathom_status status = fathom_scene_set_name(scene, name);
@@ -58,7 +68,9 @@ static fathom_status name_after(fathom_scene *scene, const char *path) {
 
 static fathom_status read_whole(fathom_scene *scene, const char *path) {
     fathom_status status = name_after(scene, path);
+    scene->top = path;
     if (status == FATHOM_OK) status = read_any(scene, path);
+    scene->top = NULL;
     if (status != FATHOM_OK) return status;
     status = fathom_scene_complete(scene);
     if (status == FATHOM_OK) status = fathom_scene_check(scene);
@@ -67,12 +79,19 @@ static fathom_status read_whole(fathom_scene *scene, const char *path) {
 
 static fathom_status scene_read(fathom_context *context, const char *path, bool without_uvs,
                                 fathom_scene **out) {
+    if (!out) return fail_null(context, "out");
     *out = NULL;
+    if (!context || !path) return fail_null(context, "path");
     fathom_scene *scene;
     fathom_status status = fathom_scene_create(context, &scene);
     if (status != FATHOM_OK) return status;
     scene->without_uvs = without_uvs;
     status = read_whole(scene, path);
+    /* Whatever else was found, a file that changed is the reason. */
+    if (status == FATHOM_OK || status == FATHOM_BAD_INPUT) {
+        fathom_status changed = fathom_scene_check_files(scene);
+        if (changed != FATHOM_OK) status = changed;
+    }
     if (status == FATHOM_OK)
         *out = scene;
     else

@@ -13,6 +13,10 @@ typedef struct read_mesh_options {
     bool surroundings;  /* the file's camera and lights are taken too; into the root alone */
 } read_mesh_options;
 
+/* The path of a file that the file `base` names, to be released with free(). FATHOM_BAD_INPUT when it is not
+ * in the folder it has to be in; the message has no place yet. */
+fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out);
+
 /* Each adds its meshes to `group`. FATHOM_BAD_INPUT names the file with its line (text) or byte offset
  * (binary) and the field. After a failure the scene may hold a part of the file and is good for nothing but
  * to be destroyed. */

@@ -7,6 +7,7 @@
 #include <inttypes.h>
 
 void fathom_generate_options_default(fathom_generate_options *options) {
+    if (!options) return;
     *options = (fathom_generate_options){.kind = FATHOM_GENERATE_SPHERE, .triangles = 1000000};
 }
 
@@ -76,7 +77,9 @@ static const struct {
 
 fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id group,
                                     const fathom_generate_options *options) {
+    if (!scene) return FATHOM_BAD_USAGE;
     fathom_context *context = scene->context;
+    if (!options) return fail_null(context, "options");
     size_t kind = (size_t)options->kind;
     if (kind >= sizeof generators / sizeof *generators) {
         return fail(context, FATHOM_BAD_USAGE, "generate: there is no kind %zu", kind);

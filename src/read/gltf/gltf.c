@@ -93,19 +93,26 @@ static void warn_animations(gltf *g) {
              "%s: it is animated; animations are not followed, everything rests where its node is", g->path);
 }
 
+static fathom_status close_source(gltf *g, gltf_source *source, fathom_status status) {
+    if (!source || source->shared) return status;
+    status = file_finish(g->context, &source->map, status);
+    free(source);
+    return status;
+}
+
 /* Sources that the scene took over stay open. */
-static void finish(gltf *g) {
+static fathom_status finish(gltf *g, fathom_status status) {
     for (size_t i = 0; g->buffer_table && i < gltf_count(&g->buffers); ++i) {
-        gltf_buffer *buffer = &g->buffer_table[i];
-        if (buffer->owns_source && buffer->source && !buffer->source->shared)
-            gltf_source_release(buffer->source);
+        const gltf_buffer *buffer = &g->buffer_table[i];
+        if (buffer->owns_source) status = close_source(g, buffer->source, status);
     }
-    if (g->source && !g->source->shared) gltf_source_release(g->source);
+    status = close_source(g, g->source, status);
     free(g->buffer_table);
     free(g->material_table);
     free(g->mesh_table);
     free(g->array_table);
-    json_decref(g->root.json);
+    json_arena_release(&g->arena);
+    return status;
 }
 
 fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
@@ -118,6 +125,6 @@ fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
     if (status == FATHOM_OK) status = make_tables(&g);
     if (status == FATHOM_OK) status = gltf_nodes_place(&g);
     if (status == FATHOM_OK) warn_animations(&g);
-    finish(&g);
-    return status;
+    if (status == FATHOM_OK) gltf_warn_images(&g);
+    return finish(&g, status);
 }

@@ -4,9 +4,10 @@
  * gltf_json.c       typed values that know their place in the document
  * gltf_container.c  GLB chunks and the JSON text
  * gltf_buffer.c     buffers: the GLB's own chunk, files beside it, base64
+ * gltf_memory.c     memory, as much as a file is worth
  * gltf_accessor.c   typed arrays in buffers, checked
  * gltf_convert.c    the same as plain arrays: in place or converted
- * gltf_array.c      arrays for meshes, each made and looked through once
+ * gltf_array.c      arrays for meshes, each made once
  * gltf_mesh.c       meshes to groups
  * gltf_material.c   materials to the model's
  * gltf_node.c       the hierarchy, its instances
@@ -16,8 +17,7 @@
 
 #include "base/file.h"
 #include "read/read.h"
-
-#include <jansson.h>
+#include "json/memory.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "glTF buffers are little-endian and used in place");
 
@@ -48,12 +48,12 @@ typedef struct gltf_floats {
     const float *values; /* NULL: not made yet; finite */
     size_t stride;       /* bytes */
     uint32_t count;
+    mesh_facts facts; /* the extremes, where there are three components */
 } gltf_floats;
 
 typedef struct gltf_array_entry {
     gltf_floats floats;
     const uint32_t *indices; /* NULL: not made yet */
-    uint32_t vertices;       /* all indices are below; 0: not looked at */
 } gltf_array_entry;
 
 /* One bit for each kind of warning: each is given once a file. */
@@ -82,12 +82,15 @@ typedef struct gltf {
     gltf_source *source;
     const unsigned char *binary; /* the GLB's BIN chunk, or NULL */
     uint64_t binary_size;
+    json_arena arena; /* of all values */
     gltf_value root, accessors, views, buffers, materials, meshes, nodes, scenes, cameras;
     gltf_value extensions, punctual, lights; /* of the document */
     gltf_buffer *buffer_table;               /* beside buffers */
     gltf_material *material_table;           /* beside materials, and the default one after them */
     gltf_array_entry *array_table;           /* beside accessors */
     fathom_id *mesh_table; /* beside meshes: the group, FATHOM_NONE (not made), GLTF_EMPTY */
+    uint64_t file_bytes;   /* of the files opened */
+    uint64_t charged;      /* bytes: gltf_charge() */
     bool has_camera;       /* one was taken from this file */
     unsigned warned;
 } gltf;
@@ -141,6 +144,16 @@ fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
 /* From now on the scene keeps the buffer's bytes. Call before anything of the scene points into them. */
 fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer);
 void gltf_source_release(void *source);
+/* Images are not used, but a model without its files is not whole: says which are missing. */
+void gltf_warn_images(gltf *g);
+
+/* ---- gltf_memory.c ---- */
+
+/* Notes that the value takes so many bytes, below 2^40, beyond the document and the files themselves.
+ * FATHOM_BAD_INPUT when all together are out of proportion to the files. */
+fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes);
+/* scene_allocate() for what is charged to the value. */
+fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
 
 /* ---- gltf_accessor.c ---- */
 
@@ -189,19 +202,21 @@ uint32_t gltf_accessor_sparse_index(const gltf_accessor *accessor, uint32_t i);
 /* ---- gltf_convert.c ---- */
 
 /* The elements as floats: straight from the file where it holds aligned floats, otherwise converted into
- * memory of the scene. stride in bytes. */
-fathom_status gltf_accessor_floats(gltf *g, const gltf_accessor *accessor, const float **out, size_t *stride);
+ * memory of the scene, which is charged to member `key` of `user`. stride in bytes. */
+fathom_status gltf_accessor_floats(gltf *g, const gltf_value *user, const char *key,
+                                   const gltf_accessor *accessor, const float **out, size_t *stride);
 /* The same for indices, tightly packed. */
-fathom_status gltf_accessor_indices(gltf *g, const gltf_accessor *accessor, const uint32_t **out);
+fathom_status gltf_accessor_indices(gltf *g, const gltf_value *user, const char *key,
+                                    const gltf_accessor *accessor, const uint32_t **out);
 
 /* ---- gltf_array.c ----
  * Arguments as of gltf_accessor_open(). *present is false where there is no such member. */
 
 fathom_status gltf_array_floats(gltf *g, const gltf_value *user, const char *key, unsigned components,
                                 unsigned takes, bool *present, gltf_floats *out);
-/* All of them below `vertices`. */
-fathom_status gltf_array_indices(gltf *g, const gltf_value *user, const char *key, uint32_t vertices,
-                                 bool *present, const uint32_t **out, uint32_t *count);
+/* Not looked at yet: what they must be below is known to the user alone. */
+fathom_status gltf_array_indices(gltf *g, const gltf_value *user, const char *key, bool *present,
+                                 const uint32_t **out, uint32_t *count);
 
 /* ---- what the document holds ---- */
 

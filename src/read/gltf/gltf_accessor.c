@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* Elements without a byte in the file take memory all the same: a few lines must not ask for gigabytes. */
+#define ZEROS_MAX (1 << 20)
+
 static unsigned component_size(gltf_type type) {
     switch (type) {
     case GLTF_BYTE:
@@ -69,6 +72,8 @@ static fathom_status open_span(gltf *g, const gltf_value *user, uint64_t count, 
         return gltf_fail(g, &view, "buffer", "is missing; expected an index into buffers");
     if (status == FATHOM_OK) status = gltf_integer(g, &view, "byteOffset", 0, INT64_MAX, &view_offset);
     if (status == FATHOM_OK) status = gltf_integer(g, &view, "byteLength", 1, INT64_MAX, &view_length);
+    if (status == FATHOM_OK && !view_length)
+        return gltf_fail(g, &view, "byteLength", "is missing; expected the number of bytes");
     if (status == FATHOM_OK && strided) status = gltf_integer(g, &view, "byteStride", 1, 252, &stride);
     if (status == FATHOM_OK) status = gltf_buffer_load(g, buffer, &out->buffer);
     if (status != FATHOM_OK) return status;
@@ -84,9 +89,10 @@ static fathom_status open_span(gltf *g, const gltf_value *user, uint64_t count, 
                          (unsigned long long)stride, user->parent->key ? user->parent->key : "sparse",
                          user->index, element);
     }
-    /* count < 2^32 and stride < 2^8: no overflow. */
-    uint64_t need = count ? stride * (count - 1) + element : 0;
-    if (offset > view_length || need > view_length - offset) {
+    uint64_t need;
+    bool beyond =
+        __builtin_mul_overflow(stride, count - 1, &need) || __builtin_add_overflow(need, element, &need);
+    if (beyond || offset > view_length || need > view_length - offset) {
         return gltf_fail(
             g, user, NULL, "needs %llu bytes from byte %llu of bufferViews[%u], which has %llu bytes",
             (unsigned long long)need, (unsigned long long)offset, index, (unsigned long long)view_length);
@@ -165,6 +171,11 @@ static fathom_status open_at(gltf *g, const gltf_value *at, gltf_accessor *out) 
     if (!out->components)
         return gltf_fail(g, at, "type", "is \"%.40s\"; expected SCALAR, VEC2, VEC3 or VEC4", type);
     status = open_span(g, at, count, component_size(out->type) * out->components, true, &out->elements);
+    if (status == FATHOM_OK && !out->elements.bytes && count > ZEROS_MAX)
+        return gltf_fail(
+            g, at, "count",
+            "is %llu, and there is no bufferView; expected at most %d elements of nothing but zeros",
+            (unsigned long long)count, ZEROS_MAX);
     return status == FATHOM_OK ? open_sparse(g, at, out) : status;
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 /* The six bits that a base64 character stands for, 0xff for none. */
 static void make_base64_table(unsigned char table[256]) {
@@ -78,25 +79,33 @@ static void decode_percent(char *text) {
     *to = '\0';
 }
 
-static fathom_status load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+/* "http:", "file:"… */
+static bool has_scheme(const char *uri) {
     const char *colon = strchr(uri, ':'), *slash = strchr(uri, '/');
-    if (colon && (!slash || colon < slash)) {
+    return colon && (!slash || colon < slash);
+}
+
+static fathom_status load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+    if (has_scheme(uri)) {
         return gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file beside this one or a data URI", uri);
     }
-    char *path = file_beside(g->path, uri);
+    char *name = strdup(uri), *path = NULL;
     gltf_source *source = calloc(1, sizeof *source);
-    if (!path || !source) {
-        free(path);
+    if (!name || !source) {
+        free(name);
         free(source);
         return fail_memory(g->context, sizeof *source);
     }
-    decode_percent(path + (strlen(path) - strlen(uri)));
-    fathom_status status = file_open(g->context, path, &source->map);
+    decode_percent(name);
+    fathom_status status = read_beside(g->scene, g->path, name, &path);
+    if (status == FATHOM_OK) status = file_open(g->context, path, &source->map);
+    free(name);
     free(path);
     if (status != FATHOM_OK) {
         free(source);
         return gltf_within(g, at, "uri", status);
     }
+    g->file_bytes += source->map.size;
     *out = (gltf_buffer){source->map.bytes, source->map.size, source, true};
     return FATHOM_OK;
 }
@@ -147,4 +156,27 @@ fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer) {
     buffer->bytes = NULL;
     if (!buffer->owns_source) g->source = NULL;
     return status;
+}
+
+/* Whether the file that the uri names is missing; what may not be looked at is not. */
+static bool is_missing(gltf *g, const char *uri) {
+    char *name = has_scheme(uri) ? NULL : strdup(uri), *path = NULL;
+    if (!name) return false;
+    decode_percent(name);
+    bool missing = read_beside(g->scene, g->path, name, &path) == FATHOM_OK && access(path, F_OK) != 0;
+    free(name);
+    free(path);
+    return missing;
+}
+
+void gltf_warn_images(gltf *g) {
+    const json_t *images = json_object_get(g->root.json, "images");
+    size_t count = 0, first = 0;
+    for (size_t i = 0; i < json_array_size(images); ++i) {
+        const char *uri = json_string_value(json_object_get(json_array_get(images, i), "uri"));
+        if (uri && is_missing(g, uri) && !count++) first = i;
+    }
+    if (count)
+        warn(g->context, "%s: images[%zu].uri: there is no file \"%.80s\" (%zu such); textures are not used",
+             g->path, first, json_string_value(json_object_get(json_array_get(images, first), "uri")), count);
 }

@@ -1,5 +1,6 @@
 /* GLB chunks and the JSON text. Which of the two a file is, its first four bytes say. */
 #include "read/gltf/gltf.h"
+#include "read/json/json_syntax.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,16 +22,16 @@ static fathom_status fail_at(gltf *g, size_t at, const char *what) {
 static fathom_status parse_json(gltf *g, const char *text, size_t size, size_t at) {
     json_error_t error;
     /* Duplicate keys are an error: which of them counts would be a guess. */
-    g->root = (gltf_value){.json = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error)};
+    g->root = (gltf_value){.json = json_arena_read(&g->arena, text, size, JSON_REJECT_DUPLICATES, &error)};
+    if (g->arena.lacked) return fail_memory(g->context, size);
     if (!g->root.json) {
-        if (json_error_code(&error) == json_error_out_of_memory) return fail_memory(g->context, size);
         if (at) {
             return fail(g->context, FATHOM_BAD_INPUT, "%s: at byte %zu: JSON chunk, line %d, column %d: %s",
                         g->path, at + (size_t)(error.position > 0 ? error.position : 0), error.line,
-                        error.column, error.text);
+                        error.column, json_syntax_text(&error));
         }
         return fail(g->context, FATHOM_BAD_INPUT, "%s:%d:%d: %s", g->path, error.line, error.column,
-                    error.text);
+                    json_syntax_text(&error));
     }
     if (json_is_object(g->root.json)) return FATHOM_OK;
     return fail(g->context, FATHOM_BAD_INPUT, "%s: the JSON is an array; expected a glTF object", g->path);
@@ -90,6 +91,7 @@ fathom_status gltf_open(gltf *g) {
     fathom_status status = file_open(g->context, g->path, &g->source->map);
     if (status != FATHOM_OK) return status;
     const file_map *map = &g->source->map;
+    g->file_bytes = map->size;
     if (map->size >= 4 && memcmp(map->bytes, "glTF", 4) == 0) {
         size_t length = 0;
         status = check_header(g, map, &length);

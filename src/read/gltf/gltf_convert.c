@@ -111,7 +111,8 @@ static void convert(gltf *g, const gltf_accessor *a, conversion *c, loop_body bo
     }
 }
 
-fathom_status gltf_accessor_floats(gltf *g, const gltf_accessor *a, const float **out, size_t *stride) {
+fathom_status gltf_accessor_floats(gltf *g, const gltf_value *user, const char *key, const gltf_accessor *a,
+                                   const float **out, size_t *stride) {
     if (a->type == GLTF_FLOAT && !a->sparse_count && is_aligned(&a->elements)) {
         *out = (const float *)(const void *)a->elements.bytes;
         *stride = a->elements.stride;
@@ -119,7 +120,7 @@ fathom_status gltf_accessor_floats(gltf *g, const gltf_accessor *a, const float 
     }
     void *floats;
     fathom_status status =
-        scene_allocate(g->scene, (size_t)a->count * a->components * sizeof(float), &floats);
+        gltf_allocate(g, user, key, (uint64_t)a->count * a->components * sizeof(float), &floats);
     if (status != FATHOM_OK) return status;
     conversion c = {.components = a->components,
                     .divisor = divisor_of(a),
@@ -132,13 +133,14 @@ fathom_status gltf_accessor_floats(gltf *g, const gltf_accessor *a, const float 
     return FATHOM_OK;
 }
 
-fathom_status gltf_accessor_indices(gltf *g, const gltf_accessor *a, const uint32_t **out) {
+fathom_status gltf_accessor_indices(gltf *g, const gltf_value *user, const char *key, const gltf_accessor *a,
+                                    const uint32_t **out) {
     if (a->type == GLTF_UINT && !a->sparse_count && a->elements.stride == 4 && is_aligned(&a->elements)) {
         *out = (const uint32_t *)(const void *)a->elements.bytes;
         return gltf_buffer_share(g, a->elements.buffer);
     }
     void *integers;
-    fathom_status status = scene_allocate(g->scene, (size_t)a->count * sizeof(uint32_t), &integers);
+    fathom_status status = gltf_allocate(g, user, key, (uint64_t)a->count * sizeof(uint32_t), &integers);
     if (status != FATHOM_OK) return status;
     conversion c = {.components = 1, .type = a->type, .integers = integers};
     convert(g, a, &c, convert_integers);

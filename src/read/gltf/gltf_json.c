@@ -155,6 +155,9 @@ fathom_status gltf_integer(gltf *g, const gltf_value *parent, const char *key, u
 
 static fathom_status index_of(gltf *g, const gltf_value *v, const gltf_value *into, uint32_t *out) {
     uint64_t index = 0;
+    if (json_is_integer(v->json) && json_integer_value(v->json) < 0)
+        return gltf_fail(g, v, NULL, "is %lld; expected an index into %s, which has %zu entries",
+                         (long long)json_integer_value(v->json), into->key, gltf_count(into));
     fathom_status status = integer_of(g, v, 0, INT64_MAX, &index);
     if (status != FATHOM_OK) return status;
     if (index >= gltf_count(into) || index >= GLTF_ABSENT) {

@@ -190,7 +190,7 @@ static fathom_status read_specular(gltf *g, const gltf_value *extensions, factor
 }
 
 static fathom_status read_extensions(gltf *g, const gltf_value *at, factors *f) {
-    gltf_value extensions, transmission, emissive, unlit;
+    gltf_value extensions, transmission, emissive, unlit = {.json = NULL};
     fathom_status status = gltf_object(g, at, "extensions", &extensions);
     if (status == FATHOM_OK) status = read_ior(g, &extensions, f);
     if (status == FATHOM_OK) status = read_specular(g, &extensions, f);

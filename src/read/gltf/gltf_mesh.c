@@ -1,6 +1,7 @@
 /* Meshes to groups, a mesh of the scene for each primitive. */
 #include "read/gltf/gltf.h"
 #include "read/mesh/normals.h"
+#include "scene/array_check.h"
 
 enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 
@@ -9,12 +10,13 @@ typedef struct primitive {
     const gltf_value *attributes;
     uint32_t mode;
     fathom_mesh mesh;
+    mesh_facts facts;
 } primitive;
 
 /* 0, 1, 2… for a primitive without indices. */
-static fathom_status count_up(gltf *g, uint32_t count, const uint32_t **out) {
+static fathom_status count_up(gltf *g, const gltf_value *at, uint32_t count, const uint32_t **out) {
     void *memory;
-    fathom_status status = scene_allocate(g->scene, (size_t)count * sizeof(uint32_t), &memory);
+    fathom_status status = gltf_allocate(g, at, NULL, (uint64_t)count * sizeof(uint32_t), &memory);
     if (status != FATHOM_OK) return status;
     uint32_t *indices = memory;
     for (uint32_t i = 0; i < count; ++i) indices[i] = i;
@@ -24,10 +26,10 @@ static fathom_status count_up(gltf *g, uint32_t count, const uint32_t **out) {
 
 /* Triangle i of a strip is i, then its two followers in the order that keeps its front where triangle 0 has
  * it; of a fan, the vertices i + 1, i + 2 and 0. */
-static fathom_status unroll(gltf *g, uint32_t mode, const uint32_t *from, uint32_t triangles,
-                            const uint32_t **out) {
+static fathom_status unroll(gltf *g, const gltf_value *at, uint32_t mode, const uint32_t *from,
+                            uint32_t triangles, const uint32_t **out) {
     void *memory;
-    fathom_status status = scene_allocate(g->scene, (size_t)triangles * 3 * sizeof(uint32_t), &memory);
+    fathom_status status = gltf_allocate(g, at, NULL, (uint64_t)triangles * 3 * sizeof(uint32_t), &memory);
     if (status != FATHOM_OK) return status;
     uint32_t *to = memory;
     for (uint32_t i = 0; i < triangles; ++i, to += 3) {
@@ -44,24 +46,36 @@ static uint32_t triangles_of(uint32_t mode, uint32_t corners) {
     return mode == MODE_TRIANGLES ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
+/* Triangles are looked through once they are whole, and with them their indices: those of a strip or a fan
+ * must name vertices before, and those that make up no triangle as well. */
+static fathom_status read_corners(gltf *g, const primitive *p, const uint32_t **out, uint32_t *count) {
+    bool present;
+    *count = p->mesh.vertex_count;
+    fathom_status status = gltf_array_indices(g, p->at, "indices", &present, out, count);
+    if (status != FATHOM_OK) return status;
+    if (!present) return count_up(g, p->at, *count, out);
+    if (p->mode == MODE_TRIANGLES && *count % 3 == 0) return FATHOM_OK;
+    status = array_check_indices(g->context, "entry", *out, *count, p->mesh.vertex_count);
+    return gltf_within(g, p->at, "indices", status);
+}
+
 static fathom_status read_indices(gltf *g, primitive *p) {
     const uint32_t *corners = NULL;
-    uint32_t count = p->mesh.vertex_count;
-    bool present;
-    fathom_status status =
-        gltf_array_indices(g, p->at, "indices", p->mesh.vertex_count, &present, &corners, &count);
-    if (status == FATHOM_OK && !present) status = count_up(g, count, &corners);
+    uint32_t count;
+    fathom_status status = read_corners(g, p, &corners, &count);
     if (status != FATHOM_OK) return status;
     p->mesh.triangle_count = triangles_of(p->mode, count);
     if (!p->mesh.triangle_count || (p->mode == MODE_TRIANGLES && count % 3)) {
         gltf_warn_once(g, GLTF_WARNED_REST,
                        "a mesh has vertices that make up no whole triangle; they are left out");
     }
-    if (p->mode == MODE_TRIANGLES || !p->mesh.triangle_count) {
-        p->mesh.indices = corners;
-        return FATHOM_OK;
-    }
-    return unroll(g, p->mode, corners, p->mesh.triangle_count, &p->mesh.indices);
+    p->mesh.indices = corners;
+    if (!p->mesh.triangle_count) return FATHOM_OK;
+    if (p->mode != MODE_TRIANGLES)
+        status = unroll(g, p->at, p->mode, corners, p->mesh.triangle_count, &p->mesh.indices);
+    if (status != FATHOM_OK) return status;
+    status = mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts);
+    return gltf_within(g, p->at, "indices", status);
 }
 
 static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
@@ -73,6 +87,7 @@ static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
     p->mesh.positions = floats.values;
     p->mesh.position_stride = floats.stride;
     p->mesh.vertex_count = floats.count;
+    p->facts = floats.facts;
     return FATHOM_OK;
 }
 
@@ -85,7 +100,7 @@ static fathom_status check_count(gltf *g, const primitive *p, const char *key, u
 static fathom_status make_normals(gltf *g, primitive *p) {
     void *normals;
     fathom_status status =
-        scene_allocate(g->scene, (size_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
+        gltf_allocate(g, p->at, NULL, (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
     if (status != FATHOM_OK) return status;
     const normals_input input = {.positions = p->mesh.positions,
                                  .stride = p->mesh.position_stride,
@@ -171,7 +186,7 @@ static fathom_status add_primitive(gltf *g, const gltf_value *at, fathom_id grou
     if (status == FATHOM_OK && !g->scene->without_uvs) status = read_uvs(g, &p);
     if (status == FATHOM_OK) status = read_material(g, &p);
     if (status != FATHOM_OK) return status;
-    return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, NULL));
+    return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }
 
 fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out) {
@@ -183,6 +198,7 @@ fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out) {
     if (status == FATHOM_OK) status = gltf_text(g, &mesh, "name", &name);
     if (status == FATHOM_OK) status = gltf_array(g, &mesh, "primitives", &primitives);
     if (status == FATHOM_OK) status = fathom_scene_add_group(g->scene, name, out);
+    if (status != FATHOM_OK) return status;
     size_t before = g->scene->meshes.count;
     for (size_t i = 0; i < gltf_count(&primitives) && status == FATHOM_OK; ++i) {
         status = gltf_item(g, &primitives, i, &at);

@@ -26,7 +26,7 @@ static fathom_status find_parents(gltf *g, uint32_t *parents) {
         gltf_value node, children;
         fathom_status status = gltf_item(g, &g->nodes, i, &node);
         if (status == FATHOM_OK) status = gltf_array(g, &node, "children", &children);
-        for (size_t k = 0; k < gltf_count(&children) && status == FATHOM_OK; ++k) {
+        for (size_t k = 0; status == FATHOM_OK && k < gltf_count(&children); ++k) {
             uint32_t child = GLTF_ABSENT;
             status = gltf_index_item(g, &children, k, &g->nodes, &child);
             if (status != FATHOM_OK) return status;
@@ -125,6 +125,9 @@ static fathom_status add_instance(gltf *g, walk *w, const gltf_value *node, fath
         ++w->flattened;
         return FATHOM_OK;
     }
+    /* Twice in memory, and half as much again, while their array grows. */
+    fathom_status status = gltf_charge(g, node, NULL, 3 * sizeof instance);
+    if (status != FATHOM_OK) return status;
     return gltf_within(g, node, NULL, fathom_scene_add_instance(g->scene, &instance, NULL));
 }
 

@@ -2,7 +2,9 @@
 #include "base/file.h"
 #include "read/json/json_object.h"
 #include "read/json/json_place.h"
+#include "read/json/json_syntax.h"
 #include "read/read.h"
+#include "json/memory.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -190,9 +192,8 @@ static fathom_status read_root(const doc *d, json_t *root, fathom_scene *scene) 
 }
 
 static fathom_status fail_syntax(const doc *d, const json_error_t *error) {
-    if (json_error_code(error) == json_error_out_of_memory) return fail_memory(d->context, strlen(d->text));
     return fail(d->context, FATHOM_BAD_INPUT, "%s:%d:%d: %s", d->path, error->line, error->column,
-                error->text);
+                json_syntax_text(error));
 }
 
 fathom_status read_json(fathom_scene *scene, const char *path) {
@@ -206,9 +207,13 @@ fathom_status read_json(fathom_scene *scene, const char *path) {
     const doc d = {scene->context, path, text};
     json_error_t error;
     /* Every number is read as double: 1, 1.0 and 1e0 mean the same, and 1e20 needs no point. */
-    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
-    status = root ? read_root(&d, root, scene) : fail_syntax(&d, &error);
-    json_decref(root);
-    file_close(&map);
-    return status;
+    json_arena arena = {NULL, false};
+    json_t *root =
+        json_arena_read(&arena, text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
+    if (arena.lacked)
+        status = fail_memory(scene->context, size);
+    else
+        status = root ? read_root(&d, root, scene) : fail_syntax(&d, &error);
+    json_arena_release(&arena);
+    return file_finish(scene->context, &map, status);
 }

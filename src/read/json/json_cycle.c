@@ -10,7 +10,8 @@ typedef struct trail {
     unsigned depth;
 } trail;
 
-/* Deeper nests than this are left to the message that names no line. */
+/* Longer ways than this, of groups and of children within them, are left to the message that names no line.
+ */
 enum { TRAIL_DEPTH = 256 };
 
 static fathom_status search_group(const doc *d, json_t *groups, json_t *done, const trail *way);
@@ -23,7 +24,7 @@ static fathom_status follow(const doc *d, const where *at, json_t *groups, json_
             d, at, "group \"%.60s\" contains itself through this instance, which stands in group \"%.60s\"",
             target, way->name);
     }
-    if (json_object_get(done, target) || way->depth >= TRAIL_DEPTH) return FATHOM_OK;
+    if (json_object_get(done, target)) return FATHOM_OK;
     const trail next = {way, target, way->depth + 1};
     return search_group(d, groups, done, &next);
 }
@@ -31,12 +32,14 @@ static fathom_status follow(const doc *d, const where *at, json_t *groups, json_
 static fathom_status search_list(const doc *d, const where *at, json_t *list, json_t *groups, json_t *done,
                                  const trail *way) {
     fathom_status status = FATHOM_OK;
+    if (way->depth >= TRAIL_DEPTH) return FATHOM_OK;
+    const trail deeper = {way->parent, way->name, way->depth + 1};
     for (size_t i = 0; i < json_array_size(list) && status == FATHOM_OK; ++i) {
         const where item = {at, NULL, i}, of = {&item, "of", 0}, children = {&item, "children", 0};
         json_t *value = json_array_get(list, i), *target = json_object_get(value, "of");
         if (target) status = follow(d, &of, groups, done, way, json_string_value(target));
         if (status == FATHOM_OK)
-            status = search_list(d, &children, json_object_get(value, "children"), groups, done, way);
+            status = search_list(d, &children, json_object_get(value, "children"), groups, done, &deeper);
     }
     return status;
 }

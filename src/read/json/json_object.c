@@ -74,13 +74,15 @@ static fathom_status add_plane(const object_reader *r, const object *o, fathom_i
 static fathom_status add_file(const object_reader *r, const where *at, const object *o, fathom_id group) {
     const where file = {at, "file", 0};
     const char *name = o->values.as.mesh.file;
-    char *path = file_beside(r->doc->path, name);
-    if (!path) return fail_memory(r->scene->context, strlen(name));
+    char *path;
+    if (!*name) return doc_fail(r->doc, &file, "expected the name of a file, found \"\"");
+    fathom_status status = read_beside(r->scene, r->doc->path, name, &path);
+    if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
     const read_mesh_options options = {.material = o->material,
                                        .flags = o->flags,
                                        .flat = o->values.as.mesh.shading == FORM_FLAT,
                                        .smooth = o->values.as.mesh.shading == FORM_SMOOTH};
-    fathom_status status = read_mesh(r->scene, group, path, &options);
+    status = read_mesh(r->scene, group, path, &options);
     free(path);
     return status == FATHOM_OK ? status : doc_within(r->doc, &file, status);
 }
@@ -113,8 +115,23 @@ static fathom_status add_generated(const object_reader *r, const object *o, fath
     return status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status;
 }
 
+/* Each level is read by calls within calls, which take about 1.2 kB of stack: 0.6 MB of the 1 MB there may
+ * be. */
+#define NESTING_MAX 512
+
+static unsigned nesting(const where *at) {
+    unsigned levels = 0;
+    for (; at; at = at->parent) levels += at->key && strcmp(at->key, "children") == 0;
+    return levels;
+}
+
 static fathom_status add_children(const object_reader *r, const where *at, const object *o, fathom_id group) {
     const where children = {at, "children", 0};
+    if (nesting(&children) > NESTING_MAX)
+        return doc_fail(r->doc, &children,
+                        "children within children, more than %d levels; expected such as groups of their own "
+                        "under \"groups\", shown by instances",
+                        NESTING_MAX);
     return object_list(r, &children, o->values.as.group.children, group);
 }
 

@@ -1,8 +1,9 @@
 /* jansson keeps no positions, and needs none: only the one value that is wrong is looked for, when it is. */
 #include "read/json/json_where.h"
 
+#include "json/memory.h"
+
 #include <ctype.h>
-#include <jansson.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -48,9 +49,11 @@ static bool says(const char *begin, const char *end, const char *key) {
     if (!memchr(begin, '\\', length)) {
         return length == strlen(key) + 2 && memcmp(begin + 1, key, length - 2) == 0;
     }
-    json_t *string = json_loadb(begin, length, JSON_DECODE_ANY, NULL);
+    json_arena arena = {NULL, false};
+    json_error_t error;
+    const json_t *string = json_arena_read(&arena, begin, length, JSON_DECODE_ANY, &error);
     bool same = string && strcmp(json_string_value(string), key) == 0;
-    json_decref(string);
+    json_arena_release(&arena);
     return same;
 }
 

@@ -25,6 +25,19 @@ fathom_status text_fail(const text_file *file, const text_fault *fault) {
                 fault->what);
 }
 
+#define ZERO_BYTE "a zero byte; expected text"
+
+bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end) {
+    const char *zero = memchr(begin, '\0', (size_t)(end - begin));
+    return !zero || text_wrong(fault, zero, ZERO_BYTE);
+}
+
+fathom_status text_check_hole(const text_file *file, const file_map *map) {
+    if (map->hole >= map->size) return FATHOM_OK;
+    const text_fault fault = {file->begin + map->hole, ZERO_BYTE};
+    return text_fail(file, &fault);
+}
+
 const char *text_quote(const char *at, char out[48]) {
     if (text_is_end(*at)) return "the end of the line";
     size_t n = 0;

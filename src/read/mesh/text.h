@@ -25,6 +25,11 @@ bool text_wrong(text_fault *fault, const char *at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* FATHOM_BAD_INPUT, "path:line: what". */
 fathom_status text_fail(const text_file *file, const text_fault *fault);
+/* Text has no zero bytes: keeps a fault at the first one, if there is one, and returns false. */
+bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end);
+/* FATHOM_BAD_INPUT when the file has a hole, zeros that the disk does not store: told at once, though it be
+ * terabytes. */
+fathom_status text_check_hole(const text_file *file, const file_map *map);
 /* From 1. */
 size_t text_line(const text_file *file, const char *at);
 

@@ -251,7 +251,10 @@ fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *l
     if (status != FATHOM_OK) return status;
     const char *text = (const char *)map.bytes;
     mtl_reader r = {.file = {context, path, text, text + map.size}, .library = library};
-    status = read_lines(&r);
+    status = text_check_hole(&r.file, &map);
+    if (status == FATHOM_OK && !text_has_no_zeros(&r.fault, text, text + map.size))
+        status = text_fail(&r.file, &r.fault);
+    if (status == FATHOM_OK) status = read_lines(&r);
     if (status == FATHOM_OK && r.unused) {
         char quote[48];
         warn(context,
@@ -259,8 +262,7 @@ fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *l
              "%s)",
              path, text_line(&r.file, r.first_unused), r.unused, text_quote(r.first_unused, quote));
     }
-    file_close(&map);
-    return status;
+    return file_finish(context, &map, status);
 }
 
 void mtl_free(mtl_library *library) {

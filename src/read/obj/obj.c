@@ -2,10 +2,12 @@
 
 #include <stdlib.h>
 
-#define PIECE_BYTES ((size_t)1 << 18)
+#ifndef OBJ_PIECE /* fuzzing cuts small files */
+#define OBJ_PIECE ((size_t)1 << 18)
+#endif
 
 static fathom_status cut_pieces(obj_reader *r) {
-    size_t *starts = text_pieces(&r->file, PIECE_BYTES, &r->piece_count);
+    size_t *starts = text_pieces(&r->file, OBJ_PIECE, &r->piece_count);
     r->pieces = starts ? calloc(r->piece_count, sizeof *r->pieces) : NULL;
     for (size_t i = 0; r->pieces && i < r->piece_count; ++i) {
         r->pieces[i].begin = r->file.begin + starts[i];
@@ -79,8 +81,8 @@ fathom_status read_obj(fathom_scene *scene, fathom_id group, const char *path,
                     .options = *options,
                     .file = {scene->context, path, text, text + map.size},
                     .threads = fathom_context_threads(scene->context)};
-    status = read_mapped(&r);
+    status = text_check_hole(&r.file, &map);
+    if (status == FATHOM_OK) status = read_mapped(&r);
     release(&r);
-    file_close(&map);
-    return status;
+    return file_finish(scene->context, &map, status);
 }

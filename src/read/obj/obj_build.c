@@ -56,10 +56,15 @@ static fathom_status place_runs(obj_builder *b) {
 static fathom_status allocate_meshes(obj_builder *b) {
     for (size_t i = 0; i < b->meshes.count; ++i) {
         obj_mesh *mesh = &b->meshes.items[i];
+        if (mesh->count >= UINT32_MAX)
+            return fail(b->r->scene->context, FATHOM_BAD_INPUT,
+                        "%s: %zu triangles of one material; at most 2^32 - 2 fit into a mesh",
+                        b->r->file.path, mesh->count);
         for (int k = 0; k < OBJ_KINDS; ++k) {
             if (k != OBJ_POSITION && (!mesh->has[k] || mesh->same[k])) continue;
             void *memory;
-            fathom_status status = scene_allocate(b->r->scene, 3 * mesh->count * sizeof(uint32_t), &memory);
+            fathom_status status =
+                scene_allocate_items(b->r->scene, mesh->count, 3 * sizeof(uint32_t), &memory);
             if (status != FATHOM_OK) return status;
             mesh->indices[k] = memory;
         }
@@ -108,11 +113,13 @@ static const uint32_t *shared_indices(const obj_builder *b, const obj_mesh *mesh
     return b->r->total[kind] < b->r->total[OBJ_POSITION] ? mesh->indices[OBJ_POSITION] : NULL;
 }
 
-static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from) {
+/* facts: what is known of the vertices, which all meshes share. */
+static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from, mesh_facts facts) {
     const obj_reader *r = b->r;
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     mesh.positions = r->values[OBJ_POSITION];
+    mesh.position_stride = 3 * sizeof(float);
     mesh.vertex_count = (uint32_t)r->total[OBJ_POSITION];
     mesh.indices = from->indices[OBJ_POSITION];
     mesh.triangle_count = (uint32_t)from->count;
@@ -129,7 +136,8 @@ static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from) {
     store_f64(mesh.origin, r->origin);
     mesh.material = r->slots.items[from->slot].material;
     mesh.flags = r->options.flags;
-    return scene_add_mesh_checked(r->scene, r->group, &mesh, NULL);
+    fathom_status status = mesh_look_at_triangles(r->scene->context, r->file.path, &mesh, &facts);
+    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, &mesh, &facts, NULL) : status;
 }
 
 static fathom_status add_meshes(obj_builder *b) {
@@ -143,8 +151,12 @@ static fathom_status add_meshes(obj_builder *b) {
     if (status != FATHOM_OK) return status;
     loop_parallel(b->r->threads, b->r->piece_count, 1, copy_pieces, b);
     status = adopt_values(b);
+    mesh_facts facts;
+    if (status == FATHOM_OK)
+        status = mesh_look_at_vertices(b->r->scene->context, b->r->file.path, b->r->values[OBJ_POSITION],
+                                       3 * sizeof(float), (uint32_t)b->r->total[OBJ_POSITION], &facts);
     for (size_t i = 0; i < b->meshes.count && status == FATHOM_OK; ++i) {
-        status = add_mesh(b, &b->meshes.items[i]);
+        status = add_mesh(b, &b->meshes.items[i], facts);
     }
     return status;
 }

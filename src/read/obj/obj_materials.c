@@ -1,28 +1,34 @@
 #include "read/obj/mtl.h"
 #include "read/obj/obj.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* The file that a mention of `length` bytes means, beside the OBJ file; NULL when there is none. Names
- * written on Windows may have backslashes for slashes. `memory` is set when there was not enough. */
-static char *find_library(const obj_reader *r, const char *name, size_t length, bool *memory) {
+/* *out: the path of the file of this name, beside the OBJ file, or NULL when there is none. */
+static fathom_status find_named(const obj_reader *r, const char *name, char **out) {
+    fathom_status status = read_beside(r->scene, r->file.path, name, out);
+    if (status != FATHOM_OK || access(*out, F_OK) == 0) return status;
+    free(*out);
+    *out = NULL;
+    return FATHOM_OK;
+}
+
+/* The same for a mention of `length` bytes. Names written on Windows may have backslashes for slashes. */
+static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
+    *out = NULL;
     char *copy = strndup(name, length);
-    char *path = copy ? file_beside(r->file.path, copy) : NULL;
-    *memory = path != NULL;
-    bool found = path && access(path, F_OK) == 0;
-    if (path && !found && strchr(copy, '\\')) {
+    if (!copy) return fail_memory(r->scene->context, length);
+    fathom_status status = find_named(r, copy, out);
+    if (status == FATHOM_OK && !*out && strchr(copy, '\\')) {
         for (char *c = copy; (c = strchr(c, '\\')) != NULL;) *c = '/';
-        free(path);
-        path = file_beside(r->file.path, copy);
-        *memory = path != NULL;
-        found = path && access(path, F_OK) == 0;
+        status = find_named(r, copy, out);
     }
     free(copy);
-    if (found) return path;
-    free(path);
-    return NULL;
+    if (status != FATHOM_BAD_INPUT) return status;
+    return fail_within(r->scene->context, status, "%s:%zu: mtllib: ", r->file.path,
+                       text_line(&r->file, name));
 }
 
 static fathom_status read_library(obj_reader *r, mtl_library *library, char *path) {
@@ -31,27 +37,48 @@ static fathom_status read_library(obj_reader *r, mtl_library *library, char *pat
     return status;
 }
 
+/* Exporters repeat the statement for each object. */
+typedef struct library_names {
+    name_table seen;   /* as they are written */
+    size_t missing;    /* of those */
+    const char *first; /* that is missing */
+    size_t first_length;
+} library_names;
+
+/* Reads it if there is such a file and it was not read yet; *found tells whether there is. */
+static fathom_status read_name(obj_reader *r, mtl_library *library, library_names *names, const char *name,
+                               size_t length, bool *found) {
+    char *path;
+    *found = names_find(&names->seen, name, length) != UINT32_MAX;
+    if (*found) return FATHOM_OK;
+    fathom_status status = find_library(r, name, length, &path);
+    if (status != FATHOM_OK || !path) return status;
+    *found = true;
+    if (names_add(&names->seen, name, length) != UINT32_MAX) return read_library(r, library, path);
+    free(path);
+    return fail_memory(r->scene->context, length);
+}
+
+static void note_missing(library_names *names, const char *name, size_t length) {
+    if (names->missing++) return;
+    names->first = name;
+    names->first_length = length;
+}
+
 /* One name, which may hold blanks; or several, set apart by blanks. */
-static fathom_status read_mention(obj_reader *r, mtl_library *library, const obj_mention *mention) {
-    fathom_context *context = r->scene->context;
-    bool memory;
-    char *path = find_library(r, mention->at, mention->length, &memory);
-    if (!memory) return fail_memory(context, mention->length);
-    if (path) return read_library(r, library, path);
+static fathom_status read_mention(obj_reader *r, mtl_library *library, library_names *names,
+                                  const obj_mention *mention) {
+    bool found;
+    fathom_status status = read_name(r, library, names, mention->at, mention->length, &found);
+    if (status != FATHOM_OK || found) return status;
     const char *end = mention->at + mention->length;
     for (const char *p = mention->at; p < end;) {
         const char *word = p;
         while (p < end && !text_is_blank(*p)) ++p;
-        path = find_library(r, word, (size_t)(p - word), &memory);
-        if (!memory) return fail_memory(context, mention->length);
-        if (path) {
-            fathom_status status = read_library(r, library, path);
-            if (status != FATHOM_OK) return status;
-        } else {
-            warn(context,
-                 "%s:%zu: mtllib: there is no file \"%.*s\"; materials named from it get the default",
-                 r->file.path, text_line(&r->file, mention->at), (int)(p - word), word);
-        }
+        size_t length = (size_t)(p - word);
+        status = read_name(r, library, names, word, length, &found);
+        if (status != FATHOM_OK) return status;
+        if (!found) note_missing(names, word, length);
         while (p < end && text_is_blank(*p)) ++p;
     }
     return FATHOM_OK;
@@ -61,19 +88,33 @@ static bool same_mention(const obj_mention *a, const obj_mention *b) {
     return a->length == b->length && memcmp(a->at, b->at, a->length) == 0;
 }
 
-/* Exporters that repeat the statement for each object repeat it as it is. */
-static fathom_status read_libraries(obj_reader *r, mtl_library *library) {
+static fathom_status read_mentions(obj_reader *r, mtl_library *library, library_names *names) {
     const obj_mention *last = NULL;
     for (size_t i = 0; i < r->piece_count; ++i) {
         for (size_t k = 0; k < r->pieces[i].libraries.count; ++k) {
             const obj_mention *mention = &r->pieces[i].libraries.items[k];
             if (last && same_mention(last, mention)) continue;
-            fathom_status status = read_mention(r, library, mention);
+            fathom_status status = read_mention(r, library, names, mention);
             if (status != FATHOM_OK) return status;
             last = mention;
         }
     }
     return FATHOM_OK;
+}
+
+static fathom_status read_libraries(obj_reader *r, mtl_library *library) {
+    library_names names = {0};
+    fathom_status status = read_mentions(r, library, &names);
+    if (status == FATHOM_OK && names.missing) {
+        char more[48] = "";
+        if (names.missing > 1) snprintf(more, sizeof more, " (%zu such names)", names.missing);
+        warn(r->scene->context,
+             "%s:%zu: mtllib: there is no file \"%.*s\"%s; materials named from it get the default",
+             r->file.path, text_line(&r->file, names.first),
+             (int)(names.first_length < 200 ? names.first_length : 200), names.first, more);
+    }
+    names_free(&names.seen);
+    return status;
 }
 
 static bool push_slot(obj_reader *r, fathom_id material, uint32_t same_as) {

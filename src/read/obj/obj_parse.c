@@ -46,10 +46,17 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
     return p;
 }
 
+/* Whether there is room for one more: statements were counted before, in a file that others may write to. */
+static bool has_room(obj_parser *s, int kind, const char *at) {
+    return s->seen[kind] < s->r->total[kind] ||
+           text_wrong(&s->piece->fault, at, "the file has changed since it was counted through");
+}
+
 static const char *read_position(obj_parser *s, const char *p) {
     double v[3];
+    const char *at = p;
     p = read_values(s, "v", p, 3, 3, v);
-    if (!p) return NULL;
+    if (!p || !has_room(s, OBJ_POSITION, at)) return NULL;
     const double origin[3] = {s->r->origin.x, s->r->origin.y, s->r->origin.z};
     float *out = s->r->values[OBJ_POSITION] + 3 * s->seen[OBJ_POSITION]++;
     for (int k = 0; k < 3; ++k) {
@@ -66,8 +73,9 @@ static const char *read_uv(obj_parser *s, const char *p) {
         ++s->seen[OBJ_UV]; /* indices may count back from it */
         return p;
     }
+    const char *at = p;
     p = read_values(s, "vt", p, 1, 2, v);
-    if (!p) return NULL;
+    if (!p || !has_room(s, OBJ_UV, at)) return NULL;
     float *out = s->r->values[OBJ_UV] + 2 * s->seen[OBJ_UV]++;
     out[0] = (float)v[0], out[1] = (float)v[1];
     return p;
@@ -75,8 +83,9 @@ static const char *read_uv(obj_parser *s, const char *p) {
 
 static const char *read_normal(obj_parser *s, const char *p) {
     double v[3];
+    const char *at = p;
     p = read_values(s, "vn", p, 3, 3, v);
-    if (!p) return NULL;
+    if (!p || !has_room(s, OBJ_NORMAL, at)) return NULL;
     float *out = s->r->values[OBJ_NORMAL] + 3 * s->seen[OBJ_NORMAL]++;
     for (int k = 0; k < 3; ++k) out[k] = (float)v[k];
     return p;
@@ -241,7 +250,10 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
     case OBJ_S_NORMAL: return read_normal(s, p);
     case OBJ_S_FACE: return read_face(s, p);
     case OBJ_S_SMOOTHING: return read_smoothing(s, p);
-    case OBJ_S_MATERIAL: s->slot = s->piece->materials.items[s->next_material++].slot; return p;
+    case OBJ_S_MATERIAL:
+        if (s->next_material < s->piece->materials.count)
+            s->slot = s->piece->materials.items[s->next_material++].slot;
+        return p;
     case OBJ_S_LINE: tally(&s->piece->lines, p); return p;
     case OBJ_S_UNKNOWN:
         if (p < s->piece->end) tally(&s->piece->unknown, p);
@@ -285,6 +297,7 @@ static void move_pieces(void *user, size_t begin, size_t end, unsigned worker) {
         for (const char *p = piece->begin; p < piece->end;) {
             obj_statement statement = obj_classify(&p);
             if (statement == OBJ_S_POSITION) p = read_position(&s, p);
+            if (!p) break;
             p = obj_next(statement, p, piece->end);
         }
     }

@@ -58,6 +58,7 @@ static obj_mention mention(const char *p, const char *end) {
 }
 
 static void scan_piece(obj_piece *piece) {
+    if (!text_has_no_zeros(&piece->fault, piece->begin, piece->end)) return;
     for (const char *p = piece->begin; p < piece->end;) {
         obj_statement statement = obj_classify(&p);
         switch (statement) {
@@ -96,6 +97,7 @@ static fathom_status carry_over(obj_reader *r) {
     for (size_t i = 0; i < r->piece_count; ++i) {
         obj_piece *piece = &r->pieces[i];
         if (piece->out_of_memory) return fail_memory(r->scene->context, sizeof(obj_mention));
+        if (piece->fault.at) return text_fail(&r->file, &piece->fault);
         for (int k = 0; k < OBJ_KINDS; ++k) {
             piece->base[k] = r->total[k];
             r->total[k] += piece->count[k];

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A vertex has one made normal for each smoothing group that its faces are in: a chain of links. The number
- * of a link is the normal's. */
-typedef struct chain_link {
-    uint32_t group, next;
-} chain_link;
+/* A vertex has one made normal for each smoothing group that its faces are in. The number of a key is the
+ * normal's. */
+typedef struct smooth_key {
+    uint32_t vertex, group;
+} smooth_key;
 
 typedef struct smooth_faces {
     size_t triangle_count;
@@ -61,47 +61,66 @@ static fathom_status gather_indices(const obj_reader *r, smooth_faces *faces) {
     return FATHOM_OK;
 }
 
-typedef struct chains {
-    uint32_t *heads; /* of each vertex; UINT32_MAX: none */
-    ARRAY(chain_link) links;
-} chains;
+/* Keys by hashing: chains from vertex to vertex would be searched for ever where one vertex is in very many
+ * groups. */
+typedef struct smooth_table {
+    uint32_t *places; /* a key's number + 1; 0: free */
+    size_t mask;      /* one less than there are places, a power of two */
+    ARRAY(smooth_key) keys;
+} smooth_table;
 
-/* UINT32_MAX when out of memory, or when there are as many normals as numbers. */
-static uint32_t chain_find(chains *c, uint32_t vertex, uint32_t group) {
-    for (uint32_t i = c->heads[vertex]; i != UINT32_MAX; i = c->links.items[i].next) {
-        if (c->links.items[i].group == group) return i;
-    }
-    chain_link made = {group, c->heads[vertex]};
-    if (c->links.count >= UINT32_MAX || !array_push(&c->links, made)) return UINT32_MAX;
-    return c->heads[vertex] = (uint32_t)(c->links.count - 1);
+/* Every bit of the key moves every bit of the place (the finalizer of MurmurHash3). */
+static size_t place_of(const smooth_table *t, smooth_key key) {
+    uint64_t h = (uint64_t)key.vertex << 32 | key.group;
+    h = (h ^ h >> 33) * 0xff51afd7ed558ccdu;
+    h = (h ^ h >> 33) * 0xc4ceb9fe1a85ec53u;
+    return (size_t)(h ^ h >> 33) & t->mask;
 }
 
-static bool fill_slots(const obj_reader *r, smooth_faces *faces, chains *c) {
+/* UINT32_MAX when out of memory, or when there are as many normals as numbers. */
+static uint32_t number_of(smooth_table *t, smooth_key key) {
+    size_t place = place_of(t, key);
+    for (; t->places[place]; place = (place + 1) & t->mask) {
+        const smooth_key *there = &t->keys.items[t->places[place] - 1];
+        if (there->vertex == key.vertex && there->group == key.group) return t->places[place] - 1;
+    }
+    if (t->keys.count >= UINT32_MAX - 1 || !array_push(&t->keys, key)) return UINT32_MAX;
+    t->places[place] = (uint32_t)t->keys.count;
+    return t->places[place] - 1;
+}
+
+static bool fill_slots(const obj_reader *r, smooth_faces *faces, smooth_table *t) {
     run_cursor cursor = {0, 0};
     obj_piece *piece;
     size_t corner = 0;
     for (const obj_run *run; (run = next_run(r, &cursor, &piece)) != NULL;) {
         for (size_t i = 0; i < 3 * run->count; ++i, ++corner) {
-            faces->slots[corner] = chain_find(c, faces->indices[corner], run->group);
+            const smooth_key key = {faces->indices[corner], run->group};
+            faces->slots[corner] = number_of(t, key);
             if (faces->slots[corner] == UINT32_MAX) return false;
         }
     }
-    faces->slot_count = (uint32_t)c->links.count;
+    faces->slot_count = (uint32_t)t->keys.count;
     return true;
+}
+
+/* As many places as corners, twice at least: each may be another normal's. */
+static bool make_table(size_t corners, smooth_table *t) {
+    size_t places = 8;
+    while (places < 2 * corners) places *= 2;
+    t->mask = places - 1;
+    t->places = calloc(places, sizeof *t->places);
+    return t->places != NULL;
 }
 
 static fathom_status make_slots(const obj_reader *r, smooth_faces *faces) {
     if (faces->one_group) return FATHOM_OK;
-    chains c = {.heads = malloc((size_t)r->total[OBJ_POSITION] * sizeof *c.heads)};
-    size_t bytes = faces->triangle_count * 3 * sizeof *faces->slots;
+    smooth_table table = {0};
+    size_t corners = faces->triangle_count * 3, bytes = corners * sizeof *faces->slots;
     faces->slots = malloc(bytes);
-    bool done = c.heads && faces->slots;
-    if (done) {
-        memset(c.heads, 0xff, (size_t)r->total[OBJ_POSITION] * sizeof *c.heads);
-        done = fill_slots(r, faces, &c);
-    }
-    free(c.heads);
-    array_free(&c.links);
+    bool done = faces->slots && make_table(corners, &table) && fill_slots(r, faces, &table);
+    free(table.places);
+    array_free(&table.keys);
     return done ? FATHOM_OK : fail_memory(r->scene->context, bytes);
 }
 

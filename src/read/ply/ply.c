@@ -47,7 +47,7 @@ fathom_status ply_allocate_arrays(ply_reader *r) {
         if (!array->present || array->values) continue;
         void *memory;
         array->stride = (size_t)array->components * sizeof(float);
-        fathom_status status = scene_allocate(r->scene, r->vertex_count * array->stride, &memory);
+        fathom_status status = scene_allocate_items(r->scene, r->vertex_count, array->stride, &memory);
         if (status != FATHOM_OK) return status;
         array->values = array->own = memory;
     }
@@ -163,7 +163,12 @@ static fathom_status add_mesh(ply_reader *r) {
     store_f64(mesh.origin, r->origin);
     mesh.material = r->options.material == FATHOM_NONE ? 0 : r->options.material;
     mesh.flags = r->options.flags;
-    return scene_add_mesh_checked(r->scene, r->group, &mesh, NULL);
+    mesh_facts facts;
+    fathom_context *context = r->scene->context;
+    fathom_status status = mesh_look_at_vertices(context, r->file.path, mesh.positions, mesh.position_stride,
+                                                 mesh.vertex_count, &facts);
+    if (status == FATHOM_OK) status = mesh_look_at_triangles(context, r->file.path, &mesh, &facts);
+    return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, &mesh, &facts, NULL) : status;
 }
 
 static fathom_status read_mapped(ply_reader *r) {
@@ -199,6 +204,5 @@ fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
     r.file = (text_file){scene->context, path, text, text + r.map.size};
     status = read_mapped(&r);
     ply_free_header(&r.header);
-    file_close(&r.map);
-    return status;
+    return file_finish(scene->context, &r.map, status);
 }

@@ -193,7 +193,7 @@ static fathom_status read_alike_faces(binary_reader *b, uint64_t corners) {
     r->triangle_count = (size_t)(count * (corners - 2));
     b->corners = (uint32_t)corners;
     void *memory;
-    fathom_status status = scene_allocate(r->scene, r->triangle_count * 3 * sizeof *r->indices, &memory);
+    fathom_status status = scene_allocate_items(r->scene, r->triangle_count, 3 * sizeof *r->indices, &memory);
     if (status != FATHOM_OK) return status;
     r->indices = memory;
     loop_parallel(r->threads, (size_t)count, 1u << 15, read_alike, b);

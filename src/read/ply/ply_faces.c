@@ -106,7 +106,7 @@ fathom_status ply_join_faces(ply_reader *r, ply_faces *faces, size_t count) {
         return fail(r->scene->context, FATHOM_BAD_INPUT,
                     "%s: %zu triangles; at most 2^32 - 2 fit into a mesh", r->file.path, r->triangle_count);
     void *memory;
-    status = scene_allocate(r->scene, r->triangle_count * 3 * sizeof *r->indices, &memory);
+    status = scene_allocate_items(r->scene, r->triangle_count, 3 * sizeof *r->indices, &memory);
     if (status != FATHOM_OK) return status;
     r->indices = memory;
     loop_parallel(r->threads, count, 1, join_pieces, &(ply_join){r, faces});

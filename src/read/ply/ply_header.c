@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of a header: what has none, and no line ends for terabytes, is told at once. */
+#define LINE_MAX_BYTES ((size_t)1 << 16)
+
 size_t ply_size(ply_type type) {
     switch (type) {
     case PLY_INT8:
@@ -113,12 +116,17 @@ static const char *read_lines(ply_reader *r) {
     char word[PLY_NAME], quote[48];
     const char *end = r->file.end, *line = r->file.begin;
     for (size_t number = 0;; ++number) {
-        const char *newline = line < end ? memchr(line, '\n', (size_t)(end - line)) : NULL;
+        size_t left = (size_t)(end - line), most = left < LINE_MAX_BYTES ? left : LINE_MAX_BYTES;
+        const char *newline = memchr(line, '\n', most);
         const char *p = line, *at = read_word(&p, word);
         bool good = true;
         if (number == 0 && strcmp(word, "ply") != 0) {
             good = ply_wrong(r, line, "expected \"ply\" as the first line of a PLY file, found %s",
                              text_quote(at, quote));
+        } else if (!newline && most < left) {
+            good =
+                ply_wrong(r, line, "a line of more than %zu characters; expected a header's, or end_header",
+                          LINE_MAX_BYTES);
         } else if (!newline) {
             good = ply_wrong(r, end, "the file ends inside the header; expected end_header");
         } else if (strcmp(word, "end_header") == 0) {

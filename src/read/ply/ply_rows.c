@@ -15,7 +15,7 @@ bool ply_list_count(ply_reader *r, const ply_property *list, const unsigned char
     size_t size = ply_size(list->count_type), left = bytes_left(r, *p);
     if (left < size) return ply_wrong(r, *p, "%.40s: the file ends before the list's length", list->name);
     double count = ply_load(*p, list->count_type, is_big(r));
-    if (!(count >= 0 && count <= 0x1p32) || count != floor(count)) {
+    if (!(count >= 0 && count < 0x1p32) || count != floor(count)) {
         return ply_wrong(r, *p, "%.40s: a list of length %g", list->name, count);
     }
     *out = (uint64_t)count;

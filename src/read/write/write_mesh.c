@@ -32,6 +32,8 @@ static fathom_status check_shapes(const fathom_scene *scene, const scene_graph *
 }
 
 fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *path) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!path) return fail_null(scene->context, "path");
     char extension[16];
     file_extension(path, extension);
     size_t count = sizeof formats / sizeof *formats, format = 0;

@@ -1,4 +1,5 @@
 /* OBJ: instances placed, normals and uvs with indices of their own, materials in a library beside it. */
+#include "base/file.h"
 #include "read/write/write.h"
 
 #include <stdio.h>
@@ -165,7 +166,7 @@ static char *library_path(const char *path) {
 static fathom_status put_all(obj *o, const char *path, const char *library) {
     fathom_status status = write_stream_open(o->scene->context, path, &o->stream);
     if (status != FATHOM_OK) return status;
-    const char *slash = strrchr(library, '/'), *beside = slash ? slash + 1 : library;
+    const char *beside = file_name(library);
     write_bytes(&o->stream, "# Fathom ", 9);
     write_bytes(&o->stream, fathom_version(), strlen(fathom_version()));
     write_bytes(&o->stream, "\nmtllib ", 8);
