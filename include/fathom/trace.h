@@ -33,10 +33,11 @@ typedef struct fathom_hit {
 FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
                                               fathom_tracer_kind kind, fathom_tracer **out);
 FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
-/* Closest hits. FATHOM_BAD_USAGE when a ray is not finite or its direction is zero: the message names it, and
- * hits of the rays before it are set. Any number of threads may call at the same time. With Embree, a ray
- * within a few roundings of a mesh's vertex can slip through, as two in a hundred of those aimed at vertices
- * do: renders put that right, single rays have FATHOM_TRACER_REFERENCE. */
+/* Closest hits. rays and hits may be NULL when count is 0. FATHOM_BAD_USAGE when a ray is not finite or its
+ * direction is zero: the message names it, and hits of the rays before it are set. Any number of threads may
+ * call at the same time; when several fail, the message is one of theirs, and is read when all have returned.
+ * With Embree, a ray within a few roundings of a mesh's vertex can slip through, as two in a hundred of those
+ * aimed at vertices do: renders put that right, single rays have FATHOM_TRACER_REFERENCE. */
 FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
                                                size_t count, fathom_hit *hits);
 /* Whether anything is hit, shadow-casting or not. */

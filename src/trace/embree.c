@@ -3,6 +3,7 @@
 
 #include "base/threads.h"
 
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,21 +30,25 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
 
 /* ---- choices ---- */
 
-/* Low quality saves building time and costs tracing time. Measured on two threads, robust, 16-wide: for
- * 0.36 and 8.0 million triangles it saves 0.10 s and 1.85 s of building, 0.24 s a million; a frame of 1.26
- * million rays goes from 0.049 to about 0.051 s and from 0.111 to 0.145 s, 3.3 ns a ray for each million
- * triangles. Both grow with the triangles, so the crossover does not depend on them: 0.24 s / 3.3 ns = 73
- * million rays. Both shrink alike with more threads. */
-#define LOW_QUALITY_RAYS UINT64_C(73000000)
+/* Low quality saves building time and costs tracing time. Of displaced spheres at 1280x720 with two lights,
+ * 2.8 million expected rays a sample, it is the faster, of both together, up to 25 samples a pixel by the
+ * processor's time and 6 by the clock at 70 thousand triangles (where all are even to 2 %), 23 and 22 at 150
+ * thousand, 44 and 29 at 360 thousand, 48 and 29 at 1 million, 113 and 72 at 2.5 million, 223 and 123 at 8
+ * million: what it saves grows with the triangles, what it costs a ray by about their square root. Both
+ * shrink alike with more threads. */
+#define LOW_QUALITY_RAYS 150e6 /* of a million primitives */
 
-trace_quality trace_quality_auto(uint64_t expected_rays) {
-    bool few = expected_rays > 0 && expected_rays < LOW_QUALITY_RAYS;
+trace_quality trace_quality_auto(uint64_t expected_rays, const world *w) {
+    double primitives = (double)w->instances.count;
+    for (size_t i = 0; i < w->geometries.count; ++i) primitives += w->geometries.items[i].count;
+    bool few = expected_rays > 0 && (double)expected_rays < LOW_QUALITY_RAYS * sqrt(primitives * 1e-6);
     return few ? TRACE_QUALITY_LOW : TRACE_QUALITY_MEDIUM;
 }
 
-static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_options *options) {
+static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_options *options,
+                                          const world *w) {
     trace_quality quality = spec->quality;
-    if (quality == TRACE_QUALITY_AUTO) quality = trace_quality_auto(options->expected_rays);
+    if (quality == TRACE_QUALITY_AUTO) quality = trace_quality_auto(options->expected_rays, w);
     switch (quality) {
     case TRACE_QUALITY_LOW: return RTC_BUILD_QUALITY_LOW;
     case TRACE_QUALITY_AUTO:
@@ -79,6 +84,23 @@ static const char *isa_name(RTCDevice device, trace_isa most) {
 #endif
 }
 
+/* ---- threads ----
+ * Embree's scheduler ends the process when a thread cannot be had that it was told to use, or that it takes
+ * itself to be allowed when the last device is released. So it is told what there is, and where that is less
+ * than was asked for, devices are kept. */
+
+static atomic_bool scarce;
+
+static unsigned build_threads(unsigned wanted) {
+    unsigned granted = 1 + threads_granted(wanted - 1);
+    if (granted < wanted) atomic_store(&scarce, true);
+    return granted;
+}
+
+static void release_device(RTCDevice device) {
+    if (device && !atomic_load(&scarce)) rtcReleaseDevice(device);
+}
+
 /* ---- life ---- */
 
 static void destroy(trace_tracer *base) {
@@ -87,7 +109,7 @@ static void destroy(trace_tracer *base) {
         if (tracer->scenes[g]) rtcReleaseScene(tracer->scenes[g]);
     }
     free(tracer->scenes);
-    if (tracer->device) rtcReleaseDevice(tracer->device);
+    release_device(tracer->device);
     free(tracer);
 }
 
@@ -97,7 +119,7 @@ static fathom_status open_device(embree_tracer *tracer) {
     char config[64];
     unsigned threads = tracer->options->threads;
     if (!threads) threads = fathom_context_threads(tracer->context);
-    snprintf(config, sizeof config, "threads=%u%s", threads, isas[tracer->spec.isa]);
+    snprintf(config, sizeof config, "threads=%u%s", build_threads(threads), isas[tracer->spec.isa]);
     tracer->device = rtcNewDevice(config);
     if (!tracer->device) {
         enum RTCError error = rtcGetDeviceError(NULL);
@@ -120,11 +142,10 @@ static fathom_status open_device(embree_tracer *tracer) {
  * for the threads that know of them. Failures are reported by the build that meets them again. */
 void trace_start_threads(void) {
     char config[32];
-    sigset_t all, old;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &old);
-    snprintf(config, sizeof config, "threads=%u", processor_count());
-    RTCDevice device = rtcNewDevice(config);
+    sigset_t old;
+    threads_without_signals(&old);
+    snprintf(config, sizeof config, "threads=%u", build_threads(processor_count()));
+    RTCDevice device = atomic_load(&scarce) ? NULL : rtcNewDevice(config);
     RTCScene scene = device ? rtcNewScene(device) : NULL;
     if (scene) {
         rtcCommitScene(scene);
@@ -155,6 +176,10 @@ static void describe(embree_tracer *tracer) {
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
              isa_name(device, tracer->spec.isa));
+    static const char *const shapes[] = {"triangles", "user", "quad", "sphere"};
+    static const char *const flags[] = {"robust", "default", "compact"};
+    snprintf(tracer->base.way, sizeof tracer->base.way, "%s, %s, %s", shapes[tracer->spec.shapes],
+             flags[tracer->spec.flags], tracer->spec.ties == TRACE_SETTLED ? "settled" : "raw");
     tracer->base.bvh_bytes = (uint64_t)atomic_load(&tracer->bytes);
     tracer->base.peak_bytes = (uint64_t)atomic_load(&tracer->peak);
 }
@@ -177,7 +202,7 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     if (status == FATHOM_OK) status = open_device(tracer);
     if (status == FATHOM_OK) {
         choose_calls(tracer);
-        tracer->quality = build_quality(&tracer->spec, options);
+        tracer->quality = build_quality(&tracer->spec, options, w);
         status = embree_build(tracer);
     }
     if (status != FATHOM_OK) {

@@ -5,8 +5,15 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- errors and progress ---- */
+
+/* Embree 3 knows a bad_alloc of its own code by its text alone. */
+static bool lacked_memory(int error, const char *text) {
+    return error == RTC_ERROR_OUT_OF_MEMORY ||
+           (error == RTC_ERROR_UNKNOWN && (strstr(text, "bad_alloc") || strstr(text, "out of memory")));
+}
 
 static fathom_status device_status(embree_tracer *tracer) {
     int error = atomic_load(&tracer->error);
@@ -15,7 +22,8 @@ static fathom_status device_status(embree_tracer *tracer) {
     if (error == RTC_ERROR_CANCELLED) {
         return fail(tracer->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
     }
-    return fail(tracer->context, error == RTC_ERROR_OUT_OF_MEMORY ? FATHOM_OUT_OF_RESOURCES : FATHOM_INTERNAL,
+    return fail(tracer->context,
+                lacked_memory(error, tracer->error_text) ? FATHOM_OUT_OF_RESOURCES : FATHOM_INTERNAL,
                 "Embree, while building: error %d: %s", error, tracer->error_text);
 }
 

@@ -2,6 +2,8 @@
 #include "trace/planes.h"
 #include "trace/tracer.h"
 
+#include <stdio.h>
+
 static fathom_status create(fathom_context *context, const world *w, const trace_spec *spec,
                             const trace_options *options, trace_tracer **out) {
     switch (spec->kind) {
@@ -59,6 +61,10 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 }
 
 const char *trace_name(const trace_tracer *tracer) { return tracer->name; }
+void trace_identity(const trace_tracer *tracer, char out[128]) {
+    snprintf(out, 128, "%s%s%s", tracer->name, tracer->way[0] ? ", " : "", tracer->way);
+}
+
 uint64_t trace_bvh_bytes(const trace_tracer *tracer) { return tracer->bvh_bytes; }
 uint64_t trace_peak_bytes(const trace_tracer *tracer) {
     return tracer->peak_bytes > tracer->bvh_bytes ? tracer->peak_bytes : tracer->bvh_bytes;

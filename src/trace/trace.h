@@ -77,8 +77,9 @@ typedef struct trace_options {
 
 typedef struct trace_tracer trace_tracer;
 
-/* What Embree's quality is when it is left to the number of rays; 0: unknown, taken as many. */
-trace_quality trace_quality_auto(uint64_t expected_rays);
+/* What Embree's quality is when it is left to the numbers of rays and of what they meet; 0 rays: unknown,
+ * taken as many. */
+trace_quality trace_quality_auto(uint64_t expected_rays, const world *w);
 
 /* FATHOM_INTERRUPTED when progress said stop. The world must outlive the tracer. */
 fathom_status trace_create(fathom_context *context, const world *w, const trace_options *options,
@@ -112,6 +113,8 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 
 /* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
 const char *trace_name(const trace_tracer *tracer);
+/* The name, and what else answers may depend on: "Embree 3.13.5, AVX-512, triangles, robust, settled". */
+void trace_identity(const trace_tracer *tracer, char out[128]);
 uint64_t trace_bvh_bytes(const trace_tracer *tracer);
 /* The most that was held while it was built, and what that was expected to be, 0 where nothing was. */
 uint64_t trace_peak_bytes(const trace_tracer *tracer);

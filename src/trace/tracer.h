@@ -49,6 +49,7 @@ struct trace_tracer {
     uint64_t bvh_bytes, peak_bytes, foreseen_bytes; /* see trace.h; 0: not known */
     double unit;                                    /* roundoff */
     char name[64];
+    char way[32]; /* what else answers depend on; "" where that is the name alone */
 };
 
 /* The kinds. Each sets all of the above on FATHOM_OK. */

@@ -12,6 +12,7 @@
 struct fathom_tracer {
     fathom_context *context;
     pthread_mutex_t message; /* guards the context's message: calls may run at the same time */
+    fathom_scene scene;      /* the caller's, seen through this context */
     world *world;
     trace_tracer *tracer;
 };
@@ -20,14 +21,19 @@ struct fathom_tracer {
 
 fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
                                    fathom_tracer_kind kind, fathom_tracer **out) {
+    if (!out) return fail_null(context, "out");
     *out = NULL;
+    if (!context || !scene) return fail_null(context, "scene");
+    if ((unsigned)kind > FATHOM_TRACER_REFERENCE)
+        return fail(context, FATHOM_BAD_USAGE, "tracer: there is no kind %u", (unsigned)kind);
     fathom_tracer *tracer = calloc(1, sizeof *tracer);
     if (!tracer) return fail_memory(context, sizeof *tracer);
     tracer->context = context;
+    tracer->scene = scene_through(scene, context);
     pthread_mutex_init(&tracer->message, NULL);
     trace_options options = {.kind = kind, .width = TRACE_WIDTH, .threads = fathom_context_threads(context)};
-    fathom_status status = fathom_scene_check(scene);
-    if (status == FATHOM_OK) status = world_create(scene, &tracer->world);
+    fathom_status status = fathom_scene_check(&tracer->scene);
+    if (status == FATHOM_OK) status = world_create(&tracer->scene, &tracer->world);
     if (status == FATHOM_OK) status = trace_create(context, tracer->world, &options, &tracer->tracer);
     if (status != FATHOM_OK) {
         fathom_tracer_destroy(tracer);
@@ -58,6 +64,14 @@ static fathom_status refuse(const fathom_tracer *tracer, size_t index, const cha
     fathom_tracer *own = (fathom_tracer *)(uintptr_t)tracer;
     pthread_mutex_lock(&own->message);
     fail(tracer->context, FATHOM_BAD_USAGE, "rays[%zu]: %s", index, what);
+    pthread_mutex_unlock(&own->message);
+    return FATHOM_BAD_USAGE;
+}
+
+static fathom_status refuse_null(const fathom_tracer *tracer, const char *argument) {
+    fathom_tracer *own = (fathom_tracer *)(uintptr_t)tracer;
+    pthread_mutex_lock(&own->message);
+    fail_null(tracer->context, argument);
     pthread_mutex_unlock(&own->message);
     return FATHOM_BAD_USAGE;
 }
@@ -160,11 +174,15 @@ static fathom_status trace_user(const fathom_tracer *tracer, const fathom_ray *r
 
 fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                     fathom_hit *hits) {
+    if (!tracer) return FATHOM_BAD_USAGE;
+    if (count && !(rays && hits)) return refuse_null(tracer, rays ? "hits" : "rays");
     return trace_user(tracer, rays, count, hits, NULL);
 }
 
 /* By closest hits: shadow rays would pass through what casts none. */
 fathom_status fathom_tracer_any(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                 bool *hits) {
+    if (!tracer) return FATHOM_BAD_USAGE;
+    if (count && !(rays && hits)) return refuse_null(tracer, rays ? "hits" : "rays");
     return trace_user(tracer, rays, count, NULL, hits);
 }
