@@ -1,5 +1,6 @@
-/* Images in files. OpenImageIO and OpenColorIO live in a module of their own, fathom_image.so, which is
- * loaded on the first use: its 260 libraries cost a quarter of a second. It is looked for at
+/* Images in files. PNG in sRGB is written here. OpenImageIO, for all other formats and for reading, and
+ * OpenColorIO, for all other views, live in a module of their own, fathom_image.so, which is loaded on the
+ * first use: its 260 libraries cost a quarter of a second. It is looked for at
  * $FATHOM_IMAGE_MODULE, else in the folder `fathom` beside the file that holds this code, else in the library
  * folders that belong to that file's place. */
 #ifndef IMAGE_IMAGE_H
@@ -59,9 +60,16 @@ fathom_status image_rehearse(fathom_context *context, const image *img, const ch
                              const fathom_write_options *options);
 
 /* Checks path and options as image_write() would, before anything is rendered for them: the extension, that
- * the folder exists and can be written to, that the module is there. Loads OpenColorIO only when the format
- * needs it and a display, view or config ($OCIO counts) was named. */
+ * the folder exists and can be written to, that the module is there if it is needed. Loads it only to look
+ * for a view, where the format needs one other than the built-in sRGB. */
 fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options);
+
+/* Whether the view is the built-in one for sRGB: no config is named ($OCIO counts), nor another display or
+ * view. */
+bool image_view_is_srgb(const fathom_write_options *options);
+
+/* Whether writing there loads the module; false of extensions that are not known. */
+bool image_needs_module(const char *path, const fathom_write_options *options);
 
 /* Reads every channel, in the file's order: unsigned 32-bit channels as IMAGE_UINT, all others as float (8-
  * and 16-bit integers as fractions of their maximum). Values are as stored: no colour transform, no change of
@@ -71,5 +79,9 @@ void image_release(const image *img);
 
 /* Starts loading the module on a thread of its own. Leaving the process waits for that thread. */
 void image_prefetch(void);
+
+/* FATHOM_INTERNAL with the reason once that has failed, so that nobody renders for hours towards a file that
+ * cannot be written. FATHOM_OK while it is under way, too. Any thread. */
+fathom_status image_prefetch_status(fathom_context *context);
 
 #endif

@@ -7,13 +7,16 @@
 
 #include <dlfcn.h>
 #include <errno.h>
+#include <limits.h>
 #include <link.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #define MODULE_FILE "fathom/fathom_image.so"
@@ -24,10 +27,18 @@
  * where it puts programs; IMAGE_MULTIARCH is the system's name for the architecture, perhaps "". */
 static const char *const places[] = {"", IMAGE_LIBRARY_FOLDER "/", "../lib/", "../lib/" IMAGE_MULTIARCH "/"};
 
+/* Why there is no module; text: "" while there is no reason against it. */
+typedef struct trouble {
+    fathom_status status;
+    char text[1024];
+} trouble;
+
 static struct {
     pthread_mutex_t lock; /* guards module; held while loading */
     const image_module *module;
     atomic_bool closing;
+    trouble why;        /* the prefetch failed… */
+    atomic_bool failed; /* …which it did */
 
     pthread_mutex_t thread_lock; /* guards the rest */
     bool thread_runs, thread_was_started;
@@ -39,13 +50,14 @@ static struct {
  * begins: dladdr1() waits for a dlopen() that is under way. The main program is known by its empty name in
  * the link map: the name it was called by may be anything. */
 static pthread_once_t own_file_once = PTHREAD_ONCE_INIT;
-static char *own_file_path;
+static char own_file_room[PATH_MAX]; /* no memory can be lacking for it */
+static const char *own_file_path;
 
 static void find_own_file(void) {
     Dl_info info;
     struct link_map *map = NULL;
     if (!dladdr1((void *)(uintptr_t)&loader, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return;
-    own_file_path = realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", NULL);
+    own_file_path = realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", own_file_room);
 }
 
 static const char *own_file(void) {
@@ -53,34 +65,46 @@ static const char *own_file(void) {
     return own_file_path;
 }
 
-/* The path of the module, to be released with free(); NULL with a reason when there is none. */
-static char *find(char *reason, size_t room) {
+static void say(trouble *why, fathom_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static void say(trouble *why, fathom_status status, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(why->text, sizeof why->text, format, args);
+    va_end(args);
+    why->status = status;
+}
+
+/* The path of the module, in `path` of PATH_MAX; false with a reason when there is none. */
+static bool find(char *path, trouble *why) {
     const char *named = getenv("FATHOM_IMAGE_MODULE");
     if (named && named[0]) {
-        char *path = realpath(named, NULL);
-        if (!path) snprintf(reason, room, "$FATHOM_IMAGE_MODULE: %s: %s", named, strerror(errno));
-        return path;
+        if (realpath(named, path)) return true;
+        say(why, errno == ENOMEM ? FATHOM_OUT_OF_RESOURCES : FATHOM_INTERNAL, "$FATHOM_IMAGE_MODULE: %s: %s",
+            named, strerror(errno));
+        return false;
     }
     const char *own = own_file();
-    char *found = NULL;
-    for (size_t i = 0; own && !found && i < sizeof places / sizeof *places; ++i) {
+    for (size_t i = 0; own && i < sizeof places / sizeof *places; ++i) {
         const char *slash = strrchr(own, '/');
-        size_t size = (size_t)(slash - own) + 1 + strlen(places[i]) + sizeof MODULE_FILE;
-        char *path = malloc(size);
-        if (!path) break;
-        snprintf(path, size, "%.*s/%s" MODULE_FILE, (int)(slash - own), own, places[i]);
-        if (access(path, R_OK) == 0)
-            found = path;
-        else
-            free(path);
+        int length = snprintf(path, PATH_MAX, "%.*s/%s" MODULE_FILE, (int)(slash - own), own, places[i]);
+        if (length < PATH_MAX && access(path, R_OK) == 0) return true;
     }
-    if (!found) {
-        snprintf(reason, room,
-                 "%s was found neither beside %s nor in the library folders near it; set "
-                 "$FATHOM_IMAGE_MODULE to its path",
-                 MODULE_FILE, own ? own : "(unknown program)");
+    say(why, FATHOM_INTERNAL,
+        "%s was found neither beside %s nor in the library folders near it; set "
+        "$FATHOM_IMAGE_MODULE to its path",
+        MODULE_FILE, own ? own : "(unknown program)");
+    return false;
+}
+
+/* The loader of libraries tells by its words alone what it lacked. */
+static fathom_status status_of(const char *error) {
+    static const char *const words[] = {"out of memory", "annot allocate", "cannot create",
+                                        "cannot map",    "failed to map",  "Too many open files"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
+        if (strstr(error, words[i])) return FATHOM_OUT_OF_RESOURCES;
     }
-    return found;
+    return FATHOM_INTERNAL;
 }
 
 /* The libraries that the module needs, one by one, from those up that need no others. A dlopen() looks for
@@ -98,39 +122,48 @@ static void load_parts(const char *module) {
     free(path);
 }
 
+/* While they are loaded, many of the module's libraries end the process where memory is lacking. What they
+ * take is asked for beforehand. */
+#define LOADING ((size_t)64 << 20)
+
+static bool has_memory(trouble *why) {
+    void *room = mmap(NULL, LOADING, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (room != MAP_FAILED) return munmap(room, LOADING) == 0;
+    say(why, FATHOM_OUT_OF_RESOURCES, "out of memory: loading it takes %zu bytes", LOADING);
+    return false;
+}
+
 /* With loader.lock held. */
-static void load(char *reason, size_t room) {
-    char *path = find(reason, room);
-    if (!path) return;
+static void load(trouble *why) {
+    char path[PATH_MAX];
+    if (!find(path, why) || !has_memory(why)) return;
     load_parts(path);
     if (atomic_load(&loader.closing)) {
-        snprintf(reason, room, "the process is leaving");
-        free(path);
+        say(why, FATHOM_INTERNAL, "the process is leaving");
         return;
     }
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     const image_module *module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
     if (!module) {
         const char *error = dlerror();
-        snprintf(reason, room, "%s", error ? error : path);
+        say(why, error ? status_of(error) : FATHOM_OUT_OF_RESOURCES, "%s", error ? error : path);
     } else if (module->version != IMAGE_MODULE_VERSION) {
-        snprintf(reason, room, "%s: is of another build: version %u, expected %d", path, module->version,
-                 IMAGE_MODULE_VERSION);
+        say(why, FATHOM_INTERNAL, "%s: is of another build: version %u, expected %d", path, module->version,
+            IMAGE_MODULE_VERSION);
     } else {
         loader.module = module;
     }
     if (library && !loader.module) dlclose(library);
-    free(path);
 }
 
 fathom_status loader_module(fathom_context *context, const image_module **out) {
-    char reason[1024] = "";
+    trouble why = {.text = ""};
     pthread_mutex_lock(&loader.lock);
-    if (!loader.module) load(reason, sizeof reason);
+    if (!loader.module) load(&why);
     *out = loader.module;
     pthread_mutex_unlock(&loader.lock);
     if (*out) return FATHOM_OK;
-    return fail(context, FATHOM_INTERNAL, "image module: %s", reason);
+    return fail(context, why.status, "image module: %s", why.text);
 }
 
 const image_module *loader_loaded(void) {
@@ -140,22 +173,24 @@ const image_module *loader_loaded(void) {
     return module;
 }
 
+fathom_status image_prefetch_status(fathom_context *context) {
+    if (!atomic_load(&loader.failed)) return FATHOM_OK;
+    return fail(context, loader.why.status, "image module: %s", loader.why.text);
+}
+
 fathom_status loader_find(fathom_context *context) {
-    char reason[1024] = "";
-    char *path = find(reason, sizeof reason);
-    if (!path) return fail(context, FATHOM_INTERNAL, "image module: %s", reason);
-    free(path);
-    return FATHOM_OK;
+    trouble why = {.text = ""};
+    char path[PATH_MAX];
+    return find(path, &why) ? FATHOM_OK : fail(context, why.status, "image module: %s", why.text);
 }
 
 static void *prefetch(void *unused) {
     (void)unused;
-    char reason[1024];
     pthread_mutex_lock(&loader.lock);
-    /* A failure is reported by whoever needs the module: loader_module() tries again. */
     size_t before = rest_library_count();
     bool loads = !loader.module && !atomic_load(&loader.closing);
-    if (loads) load(reason, sizeof reason);
+    if (loads) load(&loader.why);
+    if (loads && !loader.module) atomic_store(&loader.failed, true);
     loads &= loader.module != NULL;
     pthread_mutex_unlock(&loader.lock);
     /* Beside a build that may need the memory; whoever waits for the module need not wait for this. */
@@ -197,9 +232,8 @@ void image_prefetch(void) {
         own_file();
         join_at_exit();
         /* Signals are for the threads that know of them. */
-        sigset_t all, old;
-        sigfillset(&all);
-        pthread_sigmask(SIG_SETMASK, &all, &old);
+        sigset_t old;
+        threads_without_signals(&old);
         /* While the module loads, making a thread waits for it: reading and rendering find theirs made
          * already, one for each processor and one that watches. */
         pool_start(processor_count() + 1);

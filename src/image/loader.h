@@ -5,7 +5,7 @@
 #include "image/module/module.h"
 
 /* The module, loaded on the first call; waits for a load that is under way. Any thread. It is never unloaded.
- * FATHOM_INTERNAL names what was tried. */
+ * FATHOM_INTERNAL names what was tried; FATHOM_OUT_OF_RESOURCES: memory or descriptors ran out. */
 fathom_status loader_module(fathom_context *context, const image_module **out);
 
 /* The module if it is loaded, else NULL. Whoever holds something of the module's can count on it. */

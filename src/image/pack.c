@@ -1,5 +1,6 @@
 #include "image/pack.h"
 
+#include "image/byte.h"
 #include "image/half.h"
 
 #include <string.h>
@@ -50,32 +51,39 @@ static float viewable(float value) {
     return value < largest ? value : largest;
 }
 
-/* round(255 v), v in [0,1]; NaN is 0. */
-static unsigned char quantise(float value) {
-    if (!(value > 0.0f)) return 0;
-    return value < 1.0f ? (unsigned char)(value * 255.0f + 0.5f) : 255;
-}
-
 static const image_channel *alpha_of(const image *img) {
     return img->channel_count > 3 ? &img->channels[3] : NULL;
 }
 
+static float load_at(const image *img, const image_channel *channel, uint32_t y, size_t x) {
+    return load(row_of(img, channel, y) + x * channel->stride);
+}
+
 /* Colours as they are without their alpha: it is taken out of light, not out of what the view makes of it.
  * Where alpha is 0 there is nothing to divide by, and the colour is kept. */
+static float scale_by(const image_packing *packing, float alpha) {
+    return alpha > 0.0f && alpha < 1.0f ? packing->gain / alpha : packing->gain;
+}
+
 static void gather_row(const image_packing *packing, uint32_t y, float *rgba) {
     const image *img = packing->img;
     const image_channel *alpha = alpha_of(img);
     for (size_t x = 0; x < img->width; ++x) {
-        float scale = packing->gain;
-        if (alpha) {
-            float a = load(row_of(img, alpha, y) + x * alpha->stride);
-            if (a > 0.0f && a < 1.0f) scale /= a;
-        }
-        for (size_t c = 0; c < 3; ++c) {
-            const image_channel *channel = &img->channels[c];
-            rgba[4 * x + c] = viewable(load(row_of(img, channel, y) + x * channel->stride) * scale);
-        }
+        float scale = scale_by(packing, alpha ? load_at(img, alpha, y, x) : 1.0f);
+        for (size_t c = 0; c < 3; ++c)
+            rgba[4 * x + c] = viewable(load_at(img, &img->channels[c], y, x) * scale);
         rgba[4 * x + 3] = 1.0f;
+    }
+}
+
+void pack_row_srgb(const image_packing *packing, uint32_t y, unsigned char *out) {
+    const image *img = packing->img;
+    const image_channel *alpha = alpha_of(img);
+    for (size_t x = 0; x < img->width; ++x) {
+        float a = alpha ? load_at(img, alpha, y, x) : 1.0f, scale = scale_by(packing, a);
+        for (size_t c = 0; c < 3; ++c)
+            *out++ = srgb_code(packing->srgb, load_at(img, &img->channels[c], y, x) * scale);
+        if (alpha) *out++ = byte_from_float(a);
     }
 }
 
@@ -87,8 +95,8 @@ fathom_status pack_row_through_view(const image_packing *packing, uint32_t y, fl
     if (status != FATHOM_OK) return status;
     const image_channel *alpha = alpha_of(img);
     for (size_t x = 0; x < img->width; ++x) {
-        for (size_t c = 0; c < 3; ++c) *out++ = quantise(scratch[4 * x + c]);
-        if (alpha) *out++ = quantise(load(row_of(img, alpha, y) + x * alpha->stride));
+        for (size_t c = 0; c < 3; ++c) *out++ = byte_from_float(scratch[4 * x + c]);
+        if (alpha) *out++ = byte_from_float(load_at(img, alpha, y, x));
     }
     return FATHOM_OK;
 }

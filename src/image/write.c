@@ -3,7 +3,10 @@
 #include "base/threads.h"
 #include "image/icc.h"
 #include "image/loader.h"
+#include "image/output.h"
 #include "image/pack.h"
+#include "image/srgb.h"
+#include "image/write_png.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -18,65 +21,6 @@
 #define CHUNK_BYTES ((size_t)16 << 20)
 #define CHUNK_ROWS 64u
 
-static fathom_status find_format(fathom_context *context, const char *path, image_format *out) {
-    static const struct {
-        const char *extension;
-        image_format format;
-    } formats[] = {{"exr", IMAGE_EXR},   {"png", IMAGE_PNG},  {"jpg", IMAGE_JPEG},
-                   {"jpeg", IMAGE_JPEG}, {"tif", IMAGE_TIFF}, {"tiff", IMAGE_TIFF}};
-    char extension[16];
-    file_extension(path, extension);
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i) {
-        if (strcmp(extension, formats[i].extension) == 0) {
-            *out = formats[i].format;
-            return FATHOM_OK;
-        }
-    }
-    return fail(context, FATHOM_BAD_USAGE,
-                "%s: unknown image extension \"%s\"; expected .exr, .png, .jpg, .jpeg, .tif or .tiff", path,
-                extension);
-}
-
-static const char *config_of(const fathom_write_options *options) {
-    if (options->ocio) return options->ocio;
-    const char *named = getenv("OCIO");
-    return named && named[0] ? named : NULL;
-}
-
-static fathom_status open_view(fathom_context *context, const image_module *module,
-                               const fathom_write_options *options, image_view **out, bool *srgb) {
-    image_message message = {""};
-    image_view_request request = {config_of(options), options->display, options->view};
-    fathom_status status = module->view_open(&request, out, srgb, &message);
-    if (status == FATHOM_OK) return status;
-    if (!request.config) return fail(context, status, "OpenColorIO: %s", message.text);
-    return fail(context, status, "OpenColorIO config %s%s: %s", options->ocio ? "" : "($OCIO) ",
-                request.config, message.text);
-}
-
-static fathom_status check_exposure(fathom_context *context, const fathom_write_options *options) {
-    if (isfinite(exp2f(options->exposure)) && isfinite(options->exposure)) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_USAGE, "exposure: %g; expected stops below 128",
-                (double)options->exposure);
-}
-
-fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options) {
-    image_format format = IMAGE_EXR;
-    fathom_status status = find_format(context, path, &format);
-    if (status == FATHOM_OK) status = check_exposure(context, options);
-    if (status == FATHOM_OK) status = file_check_writable(context, path);
-    if (status == FATHOM_OK) status = loader_find(context);
-    if (status != FATHOM_OK || format == IMAGE_EXR) return status;
-    if (!config_of(options) && !options->display && !options->view) return FATHOM_OK;
-    const image_module *module;
-    image_view *view;
-    bool srgb;
-    status = loader_module(context, &module);
-    if (status == FATHOM_OK) status = open_view(context, module, options, &view, &srgb);
-    if (status == FATHOM_OK) module->view_close(view);
-    return status;
-}
-
 static const image_channel *find_channel(const image *img, const char *name) {
     for (size_t i = 0; i < img->channel_count; ++i) {
         const image_channel *channel = &img->channels[i];
@@ -89,13 +33,15 @@ static const image_channel *find_channel(const image *img, const char *name) {
 typedef struct writing {
     fathom_context *context;
     const char *path;
-    const image_module *module;
+    const image_module *module; /* NULL where it is not needed */
+    const image_writer_calls *calls;
     image_format format;
     image shown; /* what the file will hold of the image */
     image_channel *channels;
     image_storage *storage;
     image_packing packing;
-    image_view *view;
+    image_view *view; /* NULL: srgb_codes */
+    srgb_codes srgb_codes;
     bool srgb, rehearsal;
     unsigned threads;
 
@@ -153,6 +99,10 @@ static void pack_rows(void *user, size_t begin, size_t end, unsigned worker) {
             pack_row(&w->packing, (uint32_t)(w->first + y), out);
             continue;
         }
+        if (!w->view) {
+            pack_row_srgb(&w->packing, (uint32_t)(w->first + y), out);
+            continue;
+        }
         fathom_status status = pack_row_through_view(&w->packing, (uint32_t)(w->first + y),
                                                      w->scratch + (size_t)4 * w->shown.width * worker, out,
                                                      &w->messages[worker]);
@@ -189,7 +139,7 @@ static fathom_status write_chunk(writing *w, image_writer *writer, size_t first,
     bool more = w->first < w->shown.height;
     if (w->rows[1]) w->into ^= 1;
     bool runs = more && w->rows[1] && pool_run(&ahead);
-    fathom_status status = w->module->writer_rows(writer, (uint32_t)count, rows, message);
+    fathom_status status = w->calls->rows(writer, (uint32_t)count, rows, message);
     if (runs)
         pool_wait(&ahead, -1);
     else if (more && status == FATHOM_OK)
@@ -209,12 +159,13 @@ static fathom_status write_rows(writing *w, image_writer *writer, image_message 
     return FATHOM_OK;
 }
 
-static fathom_status write_to(writing *w, int descriptor) {
+static fathom_status write_to(writing *w, file_writer *file) {
     image_message message = {""};
     unsigned char profile[ICC_SRGB_SIZE];
     icc_srgb(profile);
     image_target target = {.path = w->path,
-                           .descriptor = descriptor,
+                           .file = file,
+                           .descriptor = file_writer_descriptor(file),
                            .format = w->format,
                            .threads = w->threads,
                            .srgb = w->srgb,
@@ -223,11 +174,11 @@ static fathom_status write_to(writing *w, int descriptor) {
                            .img = &w->shown,
                            .storage = w->storage};
     image_writer *writer;
-    fathom_status status = w->module->writer_open(&target, &writer, &message);
+    fathom_status status = w->calls->open(&target, &writer, &message);
     if (status != FATHOM_OK)
         return fail(w->context, status, "%s: cannot be written: %s", w->path, message.text);
     status = write_rows(w, writer, &message);
-    fathom_status closed = w->module->writer_close(writer, status == FATHOM_OK, &message);
+    fathom_status closed = w->calls->close(writer, status == FATHOM_OK, &message);
     if (status == FATHOM_OK && closed != FATHOM_OK) {
         status = fail(w->context, closed, "%s: cannot be written: %s", w->path, message.text);
     }
@@ -255,7 +206,7 @@ static fathom_status allocate_rows(writing *w) {
 /* Memory for the rows under way, then the file. */
 static fathom_status write_file(writing *w) {
     w->packing.img = &w->shown, w->packing.storage = w->storage;
-    w->packing.module = w->module, w->packing.view = w->view;
+    w->packing.module = w->module, w->packing.view = w->view, w->packing.srgb = &w->srgb_codes;
     for (size_t i = 0; i < w->shown.channel_count; ++i) {
         w->packing.pixel_bytes += pack_storage_size(w->storage[i]);
     }
@@ -263,7 +214,8 @@ static fathom_status write_file(writing *w) {
     fathom_status status = allocate_rows(w);
     if (status == FATHOM_OK) status = file_writer_open(w->context, w->path, &file);
     if (status == FATHOM_OK) {
-        status = write_to(w, file_writer_descriptor(file));
+        status = write_to(w, file);
+        if (w->rehearsal) file_writer_sync(file); /* a part of what writing takes */
         if (status == FATHOM_OK && !w->rehearsal)
             status = file_writer_commit(file);
         else
@@ -285,23 +237,30 @@ static fathom_status check_image(fathom_context *context, const image *img, cons
     return FATHOM_OK;
 }
 
+static fathom_status choose_view(writing *w, const fathom_write_options *options) {
+    w->srgb = image_view_is_srgb(options);
+    if (!w->srgb) return output_open_view(w->context, w->module, options, &w->view, &w->srgb);
+    srgb_codes_fill(&w->srgb_codes);
+    return FATHOM_OK;
+}
+
 static fathom_status write_image(fathom_context *context, const image *img, const char *path,
                                  const fathom_write_options *options, bool rehearsal) {
     writing w = {
         .context = context, .path = path, .threads = fathom_context_threads(context), .rehearsal = rehearsal};
-    fathom_status status = find_format(context, path, &w.format);
-    if (status == FATHOM_OK) status = check_exposure(context, options);
+    fathom_status status = output_format(context, path, &w.format);
+    if (status == FATHOM_OK) status = output_check_exposure(context, options);
     if (status == FATHOM_OK) status = check_image(context, img, path, w.format);
-    if (status == FATHOM_OK) status = loader_module(context, &w.module);
+    if (status == FATHOM_OK && output_needs_module(w.format, options))
+        status = loader_module(context, &w.module);
     if (status != FATHOM_OK) return status;
+    w.calls = w.format == IMAGE_PNG ? &write_png_calls : &w.module->writer;
     w.packing.gain = exp2f(options->exposure);
     w.channels = calloc(img->channel_count, sizeof *w.channels);
     w.storage = calloc(img->channel_count, sizeof *w.storage);
     if (!w.channels || !w.storage) status = fail_memory(context, img->channel_count * sizeof *w.channels);
     if (status == FATHOM_OK) status = choose_channels(&w, img, options);
-    if (status == FATHOM_OK && w.format != IMAGE_EXR) {
-        status = open_view(context, w.module, options, &w.view, &w.srgb);
-    }
+    if (status == FATHOM_OK && w.format != IMAGE_EXR) status = choose_view(&w, options);
     if (status == FATHOM_OK) status = write_file(&w);
     if (w.view) w.module->view_close(w.view);
     free(w.channels), free(w.storage);

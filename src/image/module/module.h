@@ -7,7 +7,7 @@
 #include "image/image.h"
 
 /* Grows with every change of this file: a module of another build is refused, not called. */
-#define IMAGE_MODULE_VERSION 1
+#define IMAGE_MODULE_VERSION 2
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -22,10 +22,13 @@ typedef enum image_storage {
     IMAGE_STORE_UINT
 } image_storage;
 
-/* A file to be written: its bytes go to `descriptor`, `path` is for messages. Nothing is kept beyond the
- * call. */
+/* A file to be written: its bytes go to `file` in order, or to `descriptor` by offset; `path` is for
+ * messages. Beyond the call only these two are kept. */
+struct file_writer; /* base/file.h */
+
 typedef struct image_target {
     const char *path;
+    struct file_writer *file;
     int descriptor;
     image_format format;
     unsigned threads;
@@ -45,15 +48,17 @@ typedef struct image_view_request {
 typedef struct image_writer image_writer;
 typedef struct image_view image_view;
 
+typedef struct image_writer_calls {
+    fathom_status (*open)(const image_target *target, image_writer **out, image_message *message);
+    /* The next `count` rows from the top: pixels of interleaved channels, each in its storage. */
+    fathom_status (*rows)(image_writer *writer, uint32_t count, const void *pixels, image_message *message);
+    /* Ends the writer's life, whether it fails or not; `finish` is false to abandon the file. */
+    fathom_status (*close)(image_writer *writer, bool finish, image_message *message);
+} image_writer_calls;
+
 typedef struct image_module {
     unsigned version;
-
-    fathom_status (*writer_open)(const image_target *target, image_writer **out, image_message *message);
-    /* The next `count` rows from the top: pixels of interleaved channels, each in its storage. */
-    fathom_status (*writer_rows)(image_writer *writer, uint32_t count, const void *pixels,
-                                 image_message *message);
-    /* Ends the writer's life, whether it fails or not; `finish` is false to abandon the file. */
-    fathom_status (*writer_close)(image_writer *writer, bool finish, image_message *message);
+    image_writer_calls writer; /* of all formats but PNG */
 
     fathom_status (*read)(const char *path, unsigned threads, const image **out, image_message *message);
     void (*release)(const image *img);

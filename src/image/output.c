@@ -1,0 +1,91 @@
+#include "image/output.h"
+
+#include "base/file.h"
+#include "image/loader.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool known_format(const char *extension, image_format *out) {
+    static const struct {
+        const char *extension;
+        image_format format;
+    } formats[] = {{"exr", IMAGE_EXR},   {"png", IMAGE_PNG},  {"jpg", IMAGE_JPEG},
+                   {"jpeg", IMAGE_JPEG}, {"tif", IMAGE_TIFF}, {"tiff", IMAGE_TIFF}};
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i) {
+        if (strcmp(extension, formats[i].extension) != 0) continue;
+        *out = formats[i].format;
+        return true;
+    }
+    return false;
+}
+
+fathom_status output_format(fathom_context *context, const char *path, image_format *out) {
+    char extension[16];
+    file_extension(path, extension);
+    if (known_format(extension, out)) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_USAGE,
+                "%s: unknown image extension \"%s\"; expected .exr, .png, .jpg, .jpeg, .tif or .tiff", path,
+                extension);
+}
+
+fathom_status output_check_exposure(fathom_context *context, const fathom_write_options *options) {
+    if (isfinite(exp2f(options->exposure)) && isfinite(options->exposure)) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_USAGE, "exposure: %g; expected stops below 128",
+                (double)options->exposure);
+}
+
+static const char *config_of(const fathom_write_options *options) {
+    if (options->ocio) return options->ocio;
+    const char *named = getenv("OCIO");
+    return named && named[0] ? named : NULL;
+}
+
+bool image_view_is_srgb(const fathom_write_options *options) {
+    return !config_of(options) && (!options->display || strcasecmp(options->display, "sRGB") == 0) &&
+           (!options->view || strcasecmp(options->view, "sRGB") == 0);
+}
+
+bool output_needs_module(image_format format, const fathom_write_options *options) {
+    return format != IMAGE_PNG || !image_view_is_srgb(options);
+}
+
+bool image_needs_module(const char *path, const fathom_write_options *options) {
+    char extension[16];
+    image_format format;
+    file_extension(path, extension);
+    return known_format(extension, &format) && output_needs_module(format, options);
+}
+
+fathom_status output_open_view(fathom_context *context, const image_module *module,
+                               const fathom_write_options *options, image_view **out, bool *srgb) {
+    image_message message = {""};
+    image_view_request request = {config_of(options), options->display, options->view};
+    fathom_status status = module->view_open(&request, out, srgb, &message);
+    if (status == FATHOM_OK) return status;
+    if (!request.config) return fail(context, status, "OpenColorIO: %s", message.text);
+    return fail(context, status, "OpenColorIO config %s%s: %s", options->ocio ? "" : "($OCIO) ",
+                request.config, message.text);
+}
+
+static fathom_status check_view(fathom_context *context, const fathom_write_options *options) {
+    const image_module *module;
+    image_view *view;
+    bool srgb;
+    fathom_status status = loader_module(context, &module);
+    if (status == FATHOM_OK) status = output_open_view(context, module, options, &view, &srgb);
+    if (status == FATHOM_OK) module->view_close(view);
+    return status;
+}
+
+fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options) {
+    image_format format = IMAGE_EXR;
+    fathom_status status = output_format(context, path, &format);
+    if (status == FATHOM_OK) status = output_check_exposure(context, options);
+    if (status == FATHOM_OK) status = file_check_writable(context, path);
+    if (status != FATHOM_OK || !output_needs_module(format, options)) return status;
+    status = loader_find(context);
+    if (status != FATHOM_OK || format == IMAGE_EXR || image_view_is_srgb(options)) return status;
+    return check_view(context, options);
+}
