@@ -30,7 +30,8 @@ enum {
     FATHOM_AOV_ID =
         1u
         << 5, /* id.object id.primitive id.instance: of the sample nearest the centre; FATHOM_NONE for none */
-    FATHOM_AOV_SAMPLES = 1u << 6 /* samples: how many the pixel is the mean of, as an id channel */
+    FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel */
+    FATHOM_AOVS = (1u << 7) - 1
 };
 
 /* Parts of the renderer that a scene may do without, a bit each. */
@@ -101,8 +102,8 @@ FATHOM_API void fathom_settings_default(fathom_settings *settings);
 /* Sets max_loss and max_relative_loss to what such a file can hardly show. exposure: as it will be written
  * with. */
 FATHOM_API void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure);
-/* The settings the scene's file asked for, else the defaults. A text in them is the scene's, and is good
- * until they are set anew. */
+/* The settings the scene's file asked for, else (and if scene is NULL) the defaults. A text in them is the
+ * scene's, and is good until they are set anew. */
 FATHOM_API void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out);
 FATHOM_API fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settings *settings);
 
@@ -143,6 +144,11 @@ typedef struct fathom_stats {
     uint64_t bvh_peak_bytes; /* the most that the tracer held while it was built */
     uint64_t foreseen_bytes; /* the most that the process was expected to hold, before building; 0: unknown */
     uint64_t degenerate_triangles; /* rendered around */
+    uint32_t checkpoints; /* that were saved by this call, and the seconds that it took, beside rendering */
+    double checkpoint_seconds;
+    double resumed_seconds; /* of rendering, by the calls that this one continues; rays and seconds above are
+                               of this call alone, samples and errors of the film */
+    uint64_t resumed_samples; /* in the pixels that these had finished */
     unsigned threads;
     char tracer[64]; /* "Embree 3.13.5, AVX-512" */
 } fathom_stats;
@@ -151,13 +157,49 @@ typedef struct fathom_film fathom_film;
 
 /* Renders. FATHOM_BAD_USAGE when there is no tracer of these words (the message lists those there are), or
  * when it cannot hold the scene's shapes. On FATHOM_OK and FATHOM_INTERRUPTED *out is a film, to be released
- * with fathom_film_destroy(); otherwise *out is NULL. progress and stats may be NULL. */
+ * with fathom_film_destroy(); otherwise *out is NULL. progress, user and stats may be NULL. Messages and
+ * warnings go to `context`, which need not be the one that the scene was made with. */
 FATHOM_API fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
                                        const fathom_settings *settings, fathom_progress_fn progress,
                                        void *user, fathom_stats *stats, fathom_film **out);
 FATHOM_API void fathom_film_destroy(fathom_film *film);
 
-/* Size of the cropped image. */
+/* Saving a render on the way, so that a later call, in this process or another, can continue it: what was
+ * finished when the file was last saved survives whatever happens to process or machine, and the image comes
+ * out the same to the last bit, on any number of threads. With max_time, seconds that the calls before spent
+ * on rendering count, and what is sampled still follows the clock.
+ *
+ * The file appears whole or not at all, at `path`; while it is written there are two. It holds the finished
+ * pixels of all channels, and with target_error or max_time up to 170 bytes for each pixel that is begun: of
+ * all pixels, with max_time. It fits the render that it is of: the same scene, by the contents of its arrays,
+ * size, crop, samples, AOVs and other settings that pixels depend on, tracer and version of Fathom. Rendering
+ * leaves it where it is; remove it once the image is safe. */
+typedef struct fathom_checkpoint {
+    const char *path; /* stays the caller's, as all that this struct names, until the call returns */
+    double every;     /* seconds from the end of one save to the beginning of the next, >= 0; default 60 */
+    bool resume;      /* default false: a file at `path` is an error. true: it is continued; where there is
+                         none, that is warned of, and rendering begins from the beginning */
+    /* These may be NULL. They are called on the calling thread. */
+    bool (*wanted)(void *user); /* about ten times a second: true saves now, whatever `every` says */
+    /* After each save: status is FATHOM_OK, or FATHOM_OUT_OF_RESOURCES with a message, and rendering goes on.
+     * fraction: of the render that it holds, [0,1]. */
+    void (*saved)(void *user, fathom_status status, const char *message, double fraction);
+    void *user;
+} fathom_checkpoint;
+
+FATHOM_API void fathom_checkpoint_default(fathom_checkpoint *checkpoint);
+
+/* fathom_render(), saved on the way. When progress says stop it is saved once more before the call returns.
+ * FATHOM_BAD_USAGE: there is a file at `path`, and resume is false; FATHOM_BAD_INPUT: the file is damaged, is
+ * no checkpoint, or is of another render: the message says what differs; FATHOM_OUT_OF_RESOURCES: `path`
+ * could not be written to. All of that is found before anything is built, but for another tracer. */
+FATHOM_API fathom_status fathom_render_checkpointed(fathom_context *context, const fathom_scene *scene,
+                                                    const fathom_settings *settings,
+                                                    const fathom_checkpoint *checkpoint,
+                                                    fathom_progress_fn progress, void *user,
+                                                    fathom_stats *stats, fathom_film **out);
+
+/* Size of the cropped image; width or height may be NULL. */
 FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint32_t *height);
 /* One channel by its name ("R", "G", "B", "Z", "N.X", …): width × height values, top row first. NULL when the
  * film has no such channel, or one of the other type. Valid as long as the film. Colours are finite: what one
@@ -170,7 +212,7 @@ typedef struct fathom_left_out {
     char what[48], why[96];
 } fathom_left_out;
 
-/* Returns how many; *out, valid as long as the film, may be NULL when there are none. */
+/* Returns how many; *out, valid as long as the film, may be NULL when there are none, and so may out. */
 FATHOM_API uint32_t fathom_film_left_out(const fathom_film *film, const fathom_left_out **out);
 
 typedef struct fathom_write_options {
@@ -184,10 +226,16 @@ typedef struct fathom_write_options {
 
 FATHOM_API void fathom_write_options_default(fathom_write_options *options);
 /* The format follows the extension: .exr (scene-linear, all channels), .png, .jpg, .jpeg, .tif, .tiff (8-bit,
- * through OpenColorIO). The file appears whole or not at all. */
+ * through the view). The file appears whole or not at all. */
 FATHOM_API fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
                                            const fathom_write_options *options);
-/* Starts loading the image module in the background, so that the first write does not wait for it. */
+/* All channels as uncompressed, scene-linear EXR of 32-bit values, whatever the extension, without the image
+ * module and hardly any memory: for pixels whose own file cannot be written. The file appears whole or not at
+ * all. FATHOM_OUT_OF_RESOURCES. */
+FATHOM_API fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film,
+                                                 const char *path);
+/* Starts loading the image module in the background, so that the first write does not wait for it. PNG in the
+ * built-in sRGB view does without the module. */
 FATHOM_API void fathom_image_prefetch(void);
 
 #ifdef __cplusplus

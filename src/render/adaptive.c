@@ -33,18 +33,10 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
 
 /* ---- squares ---- */
 
-static uint32_t square_left(const adaptive_wave *a, uint32_t s) { return a->region.left + s % 8 * 4; }
-static uint32_t square_top(const adaptive_wave *a, uint32_t s) { return a->region.top + s / 8 * 4; }
-
-/* 0 for squares outside of the image. */
+/* As bits; none of squares outside of the image. */
 static uint32_t square_pixels(const adaptive_wave *a, uint32_t s) {
-    uint32_t left = square_left(a, s), top = square_top(a, s);
-    if (left >= a->region.x1 || top >= a->region.y1) return 0;
-    return (minimum(left + 4, a->region.x1) - left) * (minimum(top + 4, a->region.y1) - top);
-}
-
-static bool in_image(const adaptive_wave *a, uint32_t s, uint32_t k) {
-    return square_left(a, s) + k % 4 < a->region.x1 && square_top(a, s) + k / 4 < a->region.y1;
+    const wave_square square = wave_square_at(&a->region, s, 0);
+    return wave_square_pixels(&a->region, &square);
 }
 
 /* ---- errors ---- */
@@ -73,8 +65,9 @@ static double square_error(const adaptive_wave *a, uint32_t s) {
     double variance[LANES] = {0}, grey[LANES] = {0}, sum = 0;
     if (a->done[s] < 4) return INFINITY;
     for (int c = 0; c < 3; ++c) add_channel(a, c, s * LANES, 1.0 / a->done[s], variance, grey);
-    for (uint32_t k = 0; k < LANES; ++k) {
-        if (in_image(a, s, k)) sum += variance[k] / 3 * weight_of(grey[k]) + rounding;
+    for (uint32_t left = square_pixels(a, s); left; left &= left - 1) {
+        int k = __builtin_ctz(left);
+        sum += variance[k] / 3 * weight_of(grey[k]) + rounding;
     }
     return sum;
 }
@@ -138,7 +131,7 @@ static void choose_laggards(const adaptive_wave *a, const fathom_settings *setti
 static void choose(const adaptive_wave *a, const fathom_settings *settings, const adaptive_goal *goal,
                    bool chosen[WAVE_SQUARES]) {
     if (a->done[0] < least_samples(settings)) {
-        for (uint32_t s = 0; s < WAVE_SQUARES; ++s) chosen[s] = square_pixels(a, s) > 0;
+        for (uint32_t s = 0; s < WAVE_SQUARES; ++s) chosen[s] = square_pixels(a, s);
         return;
     }
     uint32_t most = choose_above(a, settings, goal->worth, chosen);
@@ -178,23 +171,11 @@ static void begin_square(adaptive_wave *a, uint32_t s) {
     copy_sums(a, 1, s);
 }
 
-static void add_hits(pass *p, uint32_t place) {
-    uint32_t s = p->square[place], index = p->batch.squares[place].index;
-    for (uint32_t k = 0; k < LANES; ++k) {
-        if (!in_image(p->a, s, k)) continue;
-        pixel_sums_add_hit(&p->a->sums, p->wave, place * LANES + k, square_left(p->a, s) + k % 4,
-                           square_top(p->a, s) + k / 4, s * LANES + k, index);
-    }
-}
-
 static void add_square(pass *p, uint32_t place) {
     adaptive_wave *a = p->a;
     uint32_t s = p->square[place];
     if (p->batch.squares[place].index == a->done[s] + a->done[s] / 2) copy_sums(a, 2, s);
-    for (int c = 0; c < 3; ++c)
-        p->wave->plan->blocks->add_samples(p->wave->radiance[c] + place * LANES, LANES,
-                                           a->sums.rgb[c] + s * LANES);
-    if (a->sums.hits) add_hits(p, place);
+    pixel_sums_add(&a->sums, p->wave, &a->region, &p->batch, place);
     a->rays[s] += p->rays[place];
     ++a->taken[s];
 }
@@ -216,7 +197,7 @@ static adaptive_result run_batch(pass *p) {
 
 static adaptive_result add_to_batch(pass *p, uint32_t s, uint32_t index) {
     uint32_t place = p->batch.count++;
-    p->batch.squares[place] = (wave_square){square_left(p->a, s), square_top(p->a, s), index};
+    p->batch.squares[place] = wave_square_at(&p->a->region, s, index);
     p->square[place] = (uint8_t)s;
     return p->batch.count == WAVE_SQUARES ? run_batch(p) : ADAPTIVE_PASSED;
 }
@@ -234,6 +215,11 @@ static adaptive_result take_samples(pass *p, const uint8_t *squares, uint32_t co
         }
     }
     return result == ADAPTIVE_PASSED && p->batch.count ? run_batch(p) : result;
+}
+
+void adaptive_rate(const fathom_settings *settings, adaptive_wave *a) {
+    a->error = wave_error(a);
+    a->worth = best_worth(a, settings);
 }
 
 adaptive_result adaptive_pass(wave *w, const adaptive_goal *goal, adaptive_limit *limit, adaptive_wave *a) {
@@ -254,8 +240,7 @@ adaptive_result adaptive_pass(wave *w, const adaptive_goal *goal, adaptive_limit
         a->done[s] = a->taken[s];
         a->square_error[s] = square_error(a, s);
     }
-    a->error = wave_error(a);
-    a->worth = best_worth(a, settings);
+    adaptive_rate(settings, a);
     return ADAPTIVE_PASSED;
 }
 
@@ -265,10 +250,10 @@ uint64_t adaptive_store(const adaptive_wave *a, fathom_film *film) {
     uint32_t x1 = minimum(r->x1, film->x + film->width), y1 = minimum(r->y1, film->y + film->height);
     for (uint32_t y = maximum(r->y0, film->y); y < y1; ++y) {
         for (uint32_t x = maximum(r->x0, film->x); x < x1; ++x) {
-            uint32_t dx = x - r->left, dy = y - r->top, s = dy / 4 * 8 + dx / 4;
-            if (!a->taken[s]) continue; /* stopped before its first sample */
-            pixel_sums_store(&a->sums, s * LANES + dy % 4 * 4 + dx % 4, a->taken[s], x, y, film);
-            samples += a->taken[s];
+            uint32_t slot = wave_slot(x - r->left, y - r->top), taken = a->taken[slot / LANES];
+            if (!taken) continue; /* stopped before its first sample */
+            pixel_sums_store(&a->sums, slot, taken, x, y, film);
+            samples += taken;
         }
     }
     return samples;

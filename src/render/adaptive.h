@@ -100,6 +100,8 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
 /* One pass: the first sample of each pixel, or twice the samples of every square that needs them. limit: NULL
  * without a deadline. */
 adaptive_result adaptive_pass(wave *w, const adaptive_goal *goal, adaptive_limit *limit, adaptive_wave *a);
+/* Error and worth of the wave, from those of its squares. */
+void adaptive_rate(const fathom_settings *settings, adaptive_wave *a);
 /* To the film, as far as it shows the wave. Returns the samples that these pixels took. */
 uint64_t adaptive_store(const adaptive_wave *a, fathom_film *film);
 

@@ -38,15 +38,14 @@ static void add_channels(fathom_film *film, unsigned aovs) {
     if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples");
 }
 
-/* Channels that these outputs take. */
-static uint32_t channel_count(unsigned aovs) {
+uint32_t film_channels(unsigned aovs) {
     const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
                    three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
     return 3 + (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
 }
 
 uint64_t film_bytes(const fathom_film *film) {
-    return (uint64_t)film->width * film->height * sizeof(float) * channel_count(film->settings.aovs);
+    return (uint64_t)film->width * film->height * sizeof(float) * film_channels(film->settings.aovs);
 }
 
 static fathom_status check_memory(fathom_context *context, const fathom_film *film) {
@@ -95,17 +94,17 @@ void fathom_film_destroy(fathom_film *film) {
 }
 
 void fathom_film_size(const fathom_film *film, uint32_t *width, uint32_t *height) {
-    *width = film->width;
-    *height = film->height;
+    if (width) *width = film ? film->width : 0;
+    if (height) *height = film ? film->height : 0;
 }
 
 uint32_t fathom_film_left_out(const fathom_film *film, const fathom_left_out **out) {
-    *out = film->left_out.items;
-    return (uint32_t)film->left_out.count;
+    if (out) *out = film ? film->left_out.items : NULL;
+    return film ? (uint32_t)film->left_out.count : 0;
 }
 
 static const void *find_channel(const fathom_film *film, const char *name, bool is_id) {
-    for (uint32_t i = 0; i < film->channel_count; ++i) {
+    for (uint32_t i = 0; film && name && i < film->channel_count; ++i) {
         const film_channel *c = &film->channels[i];
         if (c->is_id == is_id && strcmp(c->name, name) == 0) return c->data;
     }

@@ -45,6 +45,8 @@ typedef struct film_outputs {
 double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
                           double allowed);
 
+/* Channels of a film with these AOVs, a float or uint32_t a pixel each. */
+uint32_t film_channels(unsigned aovs);
 /* Of its pixels. */
 uint64_t film_bytes(const fathom_film *film);
 

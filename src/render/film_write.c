@@ -1,15 +1,12 @@
 /* The film to an image file, with what it was made from in the header. */
 #include "base/clock.h"
+#include "image/exr.h"
 #include "image/image.h"
 #include "render/film.h"
 #include "trace/trace.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-void fathom_write_options_default(fathom_write_options *options) {
-    *options = (fathom_write_options){.exposure = 0};
-}
 
 /* What comes beside the load finds its threads made. */
 void fathom_image_prefetch(void) {
@@ -29,7 +26,7 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
             (image_channel){c->name, c->is_id ? IMAGE_UINT : IMAGE_FLOAT, c->color, c->data, sizeof(float)};
     }
     const double spp = film->settings.spp, seed = (double)film->settings.seed,
-                 seconds = film->stats.render_seconds,
+                 seconds = film->stats.render_seconds + film->stats.resumed_seconds,
                  fovy = 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
     const double mean_spp = (double)film->stats.samples / ((double)film->width * film->height);
     const bool estimated = film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate);
@@ -70,7 +67,22 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
 
 fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
                                 const fathom_write_options *options) {
+    if (!context || !film) return fail_null(context, "film");
+    if (!path) return fail_null(context, "path");
+    if (!options) return fail_null(context, "options");
     return write_film(context, film, path, options, image_write);
+}
+
+static fathom_status write_plain(fathom_context *context, const image *img, const char *path,
+                                 const fathom_write_options *unused) {
+    (void)unused;
+    return exr_write_plain(context, img, path);
+}
+
+fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film, const char *path) {
+    if (!context || !film) return fail_null(context, "film");
+    if (!path) return fail_null(context, "path");
+    return write_film(context, film, path, NULL, write_plain);
 }
 
 /* ---- how long it takes ---- */

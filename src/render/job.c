@@ -35,33 +35,38 @@ typedef struct even {
     job *job;
     worker *self;
     const wave_region *region;
+    uint32_t place; /* for the checkpoint */
     wave_batch batch;
 } even;
 
-static bool is_inside(const wave_region *r, uint32_t x, uint32_t y) {
-    return x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1;
+/* Returns the samples that its pixels are the means of. */
+static uint64_t store_square(const even *e, const wave_square *s) {
+    const uint32_t spp = e->job->plan->settings.spp;
+    pixel_sums_store_square(e->job->plan, e->self->sums, e->region, s, spp, e->job->film);
+    return (uint64_t)__builtin_popcount(wave_square_pixels(e->region, s)) * spp;
 }
 
-/* Slots outside the region hold no radiance. */
-static void add_square(const even *e, uint32_t place) {
-    const wave *w = &e->self->wave;
-    const wave_square *from = &e->batch.squares[place];
-    pixel_sums *sums = e->self->sums;
-    uint32_t to = wave_slot(from->left - e->region->left, from->top - e->region->top);
-    for (int c = 0; c < 3; ++c)
-        w->plan->blocks->add_samples(w->radiance[c] + place * LANES, LANES, sums->rgb[c] + to);
-    for (uint32_t k = 0; sums->hits && k < LANES; ++k) {
-        uint32_t x = from->left + k % 4, y = from->top + k / 4;
-        if (is_inside(e->region, x, y))
-            pixel_sums_add_hit(sums, w, place * LANES + k, x, y, to + k, from->index);
+/* Squares whose last sample was in the batch are done. */
+static void store_finished(const even *e) {
+    uint64_t squares = 0, samples = 0;
+    for (uint32_t place = 0; place < e->batch.count; ++place) {
+        const wave_square *s = &e->batch.squares[place];
+        if (s->index + 1 < e->job->plan->settings.spp) continue;
+        samples += store_square(e, s);
+        squares |= 1ull << wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
     }
+    e->self->samples += samples;
+    checkpoint *saving = e->job->options->saving;
+    if (saving && squares) checkpoint_finish(saving, e->place, squares, samples, 0);
 }
 
 static bool run_batch(even *e) {
     wave *w = &e->self->wave;
     const ray_counts before = w->rays;
     if (!wave_run_batch(w, e->region, &e->batch)) return false;
-    for (uint32_t place = 0; place < e->batch.count; ++place) add_square(e, place);
+    for (uint32_t place = 0; place < e->batch.count; ++place)
+        pixel_sums_add(e->self->sums, w, e->region, &e->batch, place);
+    store_finished(e);
     job_count_rays(e->job, w, &before);
     e->batch.count = 0;
     return true;
@@ -83,49 +88,77 @@ static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
     return !e->batch.count || run_batch(e);
 }
 
-static uint64_t region_pixels(const wave_region *r) { return (uint64_t)(r->x1 - r->x0) * (r->y1 - r->y0); }
-
-static bool render_evenly(job *j, worker *self, const wave_region *r) {
-    even e = {.job = j, .self = self, .region = r};
-    wave_square squares[WAVE_SQUARES];
-    uint32_t count = 0;
-    for (uint32_t y = r->top; y < r->y1; y += 4) {
-        for (uint32_t x = r->left; x < r->x1; x += 4) {
-            if (x + 4 > r->x0 && y + 4 > r->y0) squares[count++] = (wave_square){x, y, 0};
-        }
+static uint32_t leave_out_finished(const wave_region *r, uint64_t finished, wave_square *squares,
+                                   uint32_t count) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const wave_square s = squares[i];
+        if (!(finished >> wave_slot(s.left - r->left, s.top - r->top) / LANES & 1)) squares[kept++] = s;
     }
+    return kept;
+}
+
+static bool render_evenly(job *j, worker *self, const wave_region *r, uint32_t place) {
+    even e = {.job = j, .self = self, .region = r, .place = place};
+    wave_square squares[WAVE_SQUARES];
+    uint32_t count = wave_region_squares(r, squares);
+    if (j->options->saving)
+        count = leave_out_finished(r, checkpoint_finished(j->options->saving, place), squares, count);
     pixel_sums_clear(self->sums);
-    if (!take_samples(&e, squares, count)) return false;
-    uint32_t spp = j->plan->settings.spp;
-    pixel_sums_store_all(j->plan, self->sums, r, spp, j->film);
-    self->samples += region_pixels(r) * spp;
-    return true;
+    return take_samples(&e, squares, count);
 }
 
 /* ---- to an error ---- */
 
-static bool render_to_error(job *j, worker *self, const wave_region *region) {
-    const adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
-    adaptive_result result;
+/* Between two passes of a wave that takes long: what is lost with it is the pass that is under way. */
+static void keep_wave(checkpoint *saving, worker *self, uint32_t place) {
+    double now = saving ? clock_seconds() : 0;
+    if (!saving || now - self->kept < checkpoint_keep_seconds(saving)) return;
+    checkpoint_keep(saving, place, self->adaptive);
+    self->kept = now;
+}
+
+static void begin_wave(const job *j, worker *self, const wave_region *region, uint32_t place) {
+    checkpoint *saving = j->options->saving;
     adaptive_begin(j->plan, region->left, region->top, self->adaptive);
+    if (!saving) return;
+    checkpoint_resume(saving, place, self->adaptive);
+    self->kept = clock_seconds();
+}
+
+static bool render_to_error(job *j, worker *self, const wave_region *region, uint32_t place) {
+    const adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
+    checkpoint *saving = j->options->saving;
+    adaptive_result result;
+    begin_wave(j, self, region, place);
     do {
         const ray_counts before = self->wave.rays;
         result = adaptive_pass(&self->wave, &goal, NULL, self->adaptive);
         job_count_rays(j, &self->wave, &before);
+        if (result == ADAPTIVE_PASSED) keep_wave(saving, self, place);
     } while (result == ADAPTIVE_PASSED);
     if (result != ADAPTIVE_FINISHED) return false;
-    self->samples += adaptive_store(self->adaptive, j->film);
+    uint64_t samples = adaptive_store(self->adaptive, j->film);
+    self->samples += samples;
     self->error = fmax(self->error, self->adaptive->error);
+    if (saving) checkpoint_finish_wave(saving, place, samples, self->adaptive->error);
     return true;
 }
 
 /* ---- waves and tiles ---- */
 
-/* All samples of one wave's pixels. They reach the film together or not at all. */
+static uint64_t region_pixels(const wave_region *r) { return (uint64_t)(r->x1 - r->x0) * (r->y1 - r->y0); }
+
+/* All samples of one wave's pixels. */
 static bool render_wave(job *j, worker *self, const wave_region *region) {
-    bool done = self->adaptive ? render_to_error(j, self, region) : render_evenly(j, self, region);
+    checkpoint *saving = j->options->saving;
+    uint32_t place = saving ? checkpoint_wave(saving, region->left, region->top) : 0;
+    uint64_t pixels = region_pixels(region), before = saving ? checkpoint_finished_pixels(saving, place) : 0;
+    if (before == pixels) return true;
+    bool done =
+        self->adaptive ? render_to_error(j, self, region, place) : render_evenly(j, self, region, place);
     if (!done) return false;
-    atomic_fetch_add_explicit(&j->pixels_done, region_pixels(region), memory_order_relaxed);
+    atomic_fetch_add_explicit(&j->pixels_done, pixels - before, memory_order_relaxed);
     return true;
 }
 
@@ -246,17 +279,20 @@ static void report(void *user) {
     double seconds = clock_seconds();
     fathom_progress now = {.phase = FATHOM_PHASE_RENDER,
                            .fraction = fraction_done(j, seconds),
-                           .rays = atomic_load(&j->rays_done),
+                           .rays = j->rays_before + atomic_load(&j->rays_done),
                            .seconds = seconds - j->began};
     bool complete = j->deadline > 0 ? atomic_load(&j->complete) : now.fraction >= 1;
-    if (!j->progress || j->interrupted || j->progress(j->progress_user, &now) || complete) return;
+    const job_options *o = j->options;
+    if (o->saving && !complete && !j->interrupted)
+        checkpoint_tick(o->saving, now.fraction, atomic_load(&j->rays_done));
+    if (!o->progress || j->interrupted || o->progress(o->user, &now) || complete) return;
     j->interrupted = true;
     atomic_store(&j->stop, true);
 }
 
 static fathom_status check_memory(fathom_context *context, const job *j) {
     if (!(j->deadline > 0)) return FATHOM_OK;
-    size_t bytes = timed_bytes(j->film, j->plan->parts & FATHOM_PART_HITS), room = memory_free();
+    size_t bytes = timed_bytes(j), room = memory_free();
     if (bytes <= room) return FATHOM_OK;
     return fail(context, FATHOM_OUT_OF_RESOURCES,
                 "out of memory: rendering %u x %u pixels to a time takes %.1f GiB, and %.1f GiB are free; "
@@ -277,22 +313,36 @@ static fathom_status job_status(fathom_context *context, const job *j) {
                 floor(100 * j->sampled));
 }
 
-fathom_status job_run(fathom_context *context, const render_plan *plan, double deadline,
-                      const job_reserve *reserve, fathom_film *film, fathom_progress_fn progress, void *user,
-                      job_result *out) {
+/* The film holds what is finished already, and its samples are counted with it. */
+static void continue_before(job *j) {
+    if (!j->options->saving) return;
+    const checkpoint_past before = checkpoint_before(j->options->saving);
+    j->began -= before.seconds;
+    j->rays_before = before.rays;
+    atomic_store(&j->pixels_done, before.pixels);
+    j->result.samples = before.samples;
+    j->result.error = before.error;
+}
+
+fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
+                      fathom_film *film, job_result *out) {
+    static const job_options none = {.deadline = 0};
     job j = {.plan = plan,
              .film = film,
              .threads = fathom_context_threads(context),
-             .progress = progress,
-             .progress_user = user,
+             .options = options ? options : &none,
              .began = clock_seconds(),
-             .reserve = reserve,
-             .sampled = 1,
-             .deadline = plan->settings.max_time > 0 ? deadline : 0};
+             .sampled = 1};
+    j.deadline = plan->settings.max_time > 0 ? j.options->deadline : 0;
     fathom_status status = check_memory(context, &j);
     if (status != FATHOM_OK) return status;
+    continue_before(&j);
     static const watch_calls calls = {run, report};
     watch_run(&calls, &j);
+    if (j.options->saving) {
+        checkpoint_end(j.options->saving, j.interrupted, fraction_done(&j, clock_seconds()),
+                       atomic_load(&j.rays_done));
+    }
     *out = j.result;
     return job_status(context, &j);
 }

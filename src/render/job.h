@@ -2,8 +2,7 @@
 #ifndef RENDER_JOB_H
 #define RENDER_JOB_H
 
-#include "render/film.h"
-#include "render/wave.h"
+#include "render/checkpoint.h"
 
 typedef struct job_result {
     ray_counts rays;
@@ -18,11 +17,19 @@ typedef struct job_reserve {
     void *user;
 } job_reserve;
 
-/* FATHOM_INTERRUPTED when progress said stop: waves that were finished are in the film, the rest is black.
- * deadline: of clock_seconds(), for settings with a time; FATHOM_BAD_USAGE when it comes before each pixel
- * has a sample. reserve: comes off it; may be NULL. */
-fathom_status job_run(fathom_context *context, const render_plan *plan, double deadline,
-                      const job_reserve *reserve, fathom_film *film, fathom_progress_fn progress, void *user,
-                      job_result *out);
+/* All may be 0. */
+typedef struct job_options {
+    double deadline;            /* of clock_seconds(), for settings with a time */
+    const job_reserve *reserve; /* comes off it */
+    checkpoint *saving;         /* begun; the film holds what it has finished */
+    fathom_progress_fn progress;
+    void *user;
+} job_options;
+
+/* FATHOM_INTERRUPTED when progress said stop: squares of 4 × 4 pixels that were finished are in the film, and
+ * where samples follow an error waves of 32 × 32; the rest is black. FATHOM_BAD_USAGE when the deadline comes
+ * before each pixel has a sample. */
+fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
+                      fathom_film *film, job_result *out);
 
 #endif

@@ -11,6 +11,7 @@ typedef struct worker {
     adaptive_wave *adaptive; /* NULL: every pixel gets the same samples, or waves keep their own */
     pixel_sums *sums;        /* otherwise */
     adaptive_limit limit;
+    double kept; /* clock_seconds() when its wave was last saved, or began */
     bool ready;
     uint64_t samples; /* in the film */
     double error;     /* the largest of its waves */
@@ -23,12 +24,11 @@ typedef struct job {
     atomic_bool stop, failed;
     _Atomic uint64_t pixels_done, rays_done;
     job_result result;
-    fathom_progress_fn progress; /* these, on the calling thread alone */
-    void *progress_user;
-    double began;               /* of clock_seconds(), as the next: */
-    _Atomic double deadline;    /* 0: none. What has to be reserved comes off it on the way */
-    const job_reserve *reserve; /* may be NULL */
-    atomic_bool complete;       /* nothing is left to stop */
+    const job_options *options;
+    double began;            /* of clock_seconds(), as the next; the calls that this one continues count */
+    _Atomic double deadline; /* 0: none. What has to be reserved comes off it on the way */
+    uint64_t rays_before;    /* of these calls */
+    atomic_bool complete;    /* nothing is left to stop */
     bool interrupted;
     double sampled; /* part of the waves that have samples, when time ended before all had */
     unsigned threads;
@@ -44,6 +44,6 @@ void job_stop(job *j, const wave *w);
 /* Rounds over all waves until the deadline. */
 void timed_run(job *j);
 /* Bytes that timed_run() takes. */
-size_t timed_bytes(const fathom_film *film, bool hits);
+size_t timed_bytes(const job *j);
 
 #endif

@@ -38,8 +38,9 @@ static bool any_spot(const fathom_scene *scene) {
 parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
     parts_extent out = {.known = false};
     if (w->planes.count || !any_spot(w->scene)) return out;
-    scene_bounds bounds = scene_world_bounds(w->scene);
-    if (bounds_is_empty(&bounds)) return out;
+    scene_bounds bounds;
+    /* Without memory to find it, it is not known: no light is left out then, which changes no pixel. */
+    if (scene_world_bounds(w->scene, &bounds) != FATHOM_OK || bounds_is_empty(&bounds)) return out;
     out.known = true;
     out.center = bounds_center(&bounds);
     out.radius = bounds_radius(&bounds) * (settings->terminator_fix && any_smooth(w) ? 3 : 1);
@@ -102,7 +103,7 @@ unsigned parts_needed(const world *w, const fathom_settings *settings) {
 
 /* ---- in words ---- */
 
-static bool tell(left_out_list *list, const char *what, const char *why) {
+bool left_out_tell(left_out_list *list, const char *what, const char *why) {
     fathom_left_out item;
     snprintf(item.what, sizeof item.what, "%s", what);
     snprintf(item.why, sizeof item.why, "%s", why);
@@ -116,12 +117,12 @@ typedef struct wording {
 
 static bool tell_shapes(const world *w, left_out_list *list) {
     bool fine = true;
-    if (!w->meshes.count) fine = tell(list, "triangle geometry", "there is no mesh");
-    if (fine && !w->spheres.count) fine = tell(list, "sphere geometry", "there is no sphere");
-    if (fine && !w->quads.count) fine = tell(list, "quad geometry", "there is no quad");
-    if (fine && !w->planes.count) fine = tell(list, "planes", "there is none");
+    if (!w->meshes.count) fine = left_out_tell(list, "triangle geometry", "there is no mesh");
+    if (fine && !w->spheres.count) fine = left_out_tell(list, "sphere geometry", "there is no sphere");
+    if (fine && !w->quads.count) fine = left_out_tell(list, "quad geometry", "there is no quad");
+    if (fine && !w->planes.count) fine = left_out_tell(list, "planes", "there is none");
     if (fine && !w->instances.count)
-        fine = tell(list, "instances", "all shapes lie in the world's own frame");
+        fine = left_out_tell(list, "instances", "all shapes lie in the world's own frame");
     return fine;
 }
 
@@ -129,20 +130,22 @@ static bool tell_light(left_out_list *list, size_t index, light_use use) {
     char what[sizeof((fathom_left_out *)NULL)->what];
     snprintf(what, sizeof what, "lights[%zu]", index);
     return use == LIGHT_USED ||
-           tell(list, what, use == LIGHT_BLACK ? "it is black" : "its cone holds nothing of the scene");
+           left_out_tell(list, what,
+                         use == LIGHT_BLACK ? "it is black" : "its cone holds nothing of the scene");
 }
 
 /* Of all lights at once where no surface reflects any. */
 static bool tell_lights(const world *w, const fathom_settings *settings, left_out_list *list) {
     const fathom_scene *scene = w->scene;
     parts_extent extent = parts_extent_of(w, settings);
-    if (!scene->lights.count) return tell(list, "lights and their shadow rays", "there is no light");
+    if (!scene->lights.count) return left_out_tell(list, "lights and their shadow rays", "there is no light");
     if (!(parts_features(scene) & MATERIAL_LIT))
-        return tell(list, "lights and their shadow rays", "no material reflects their light");
+        return left_out_tell(list, "lights and their shadow rays", "no material reflects their light");
     for (size_t i = 0; i < scene->lights.count; ++i) {
         if (!tell_light(list, i, parts_light(&extent, w, &scene->lights.items[i]))) return false;
     }
-    return tell(list, "shadow rays for nothing", "where the surface faces away or lies outside the cone");
+    return left_out_tell(list, "shadow rays for nothing",
+                         "where the surface faces away or lies outside the cone");
 }
 
 static bool tell_parts(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *list) {
@@ -158,7 +161,7 @@ static bool tell_parts(const world *w, const fathom_settings *settings, unsigned
         {FATHOM_PART_REPAIR, "watertight repair", "there is no closed mesh that the tracer could leak"}};
     bool fine = true;
     for (size_t i = 0; i < sizeof words / sizeof *words && fine; ++i) {
-        if (!(parts & words[i].part)) fine = tell(list, words[i].what, words[i].why);
+        if (!(parts & words[i].part)) fine = left_out_tell(list, words[i].what, words[i].why);
     }
     return fine;
 }
@@ -166,11 +169,12 @@ static bool tell_parts(const world *w, const fathom_settings *settings, unsigned
 bool left_out_find(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *out) {
     bool fine = tell_shapes(w, out) && tell_parts(w, settings, parts, out);
     if (fine && !(parts & FATHOM_PART_UVS))
-        fine = tell(out, "texture coordinates", "no material has a texture");
+        fine = left_out_tell(out, "texture coordinates", "no material has a texture");
     if (fine && !(parts & FATHOM_PART_LIGHTS)) fine = tell_lights(w, settings, out);
     if (fine && (settings->max_loss > 0 || settings->max_relative_loss > 0))
-        fine = tell(out, "faint shadow rays", "what they could add is less than the loss that is allowed");
+        fine = left_out_tell(out, "faint shadow rays",
+                             "what they could add is less than the loss that is allowed");
     if (fine && !(settings->target_error > 0 || settings->max_time > 0))
-        fine = tell(out, "error estimates", "every pixel gets as many samples");
+        fine = left_out_tell(out, "error estimates", "every pixel gets as many samples");
     return fine;
 }

@@ -29,7 +29,9 @@ unsigned parts_needed(const world *w, const fathom_settings *settings);
 
 typedef ARRAY(fathom_left_out) left_out_list;
 
-/* What a render of these parts does without. False when out of memory. */
+/* One line more. Both: false when out of memory. */
+bool left_out_tell(left_out_list *list, const char *what, const char *why);
+/* What a render of these parts does without. */
 bool left_out_find(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *out);
 
 #endif

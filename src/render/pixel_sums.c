@@ -33,8 +33,9 @@ static void keep_centre(hit_sums *sums, const first_hits *f, uint32_t from, uint
     sums->centre.instance[slot] = f->instance[from];
 }
 
-void pixel_sums_add_hit(pixel_sums *sums, const wave *w, uint32_t from, uint32_t x, uint32_t y, uint32_t slot,
-                        uint32_t index) {
+/* The first hit of sample `index` of pixel (x, y), from its slot in the wave to its slot in the sums. */
+static void add_hit(pixel_sums *sums, const wave *w, uint32_t from, uint32_t x, uint32_t y, uint32_t slot,
+                    uint32_t index) {
     const first_hits *f = w->first;
     hit_sums *hits = sums->hits;
     hits->alpha[slot] += (double)f->alpha[from];
@@ -46,6 +47,19 @@ void pixel_sums_add_hit(pixel_sums *sums, const wave *w, uint32_t from, uint32_t
     if (index && distance >= hits->nearest[slot]) return;
     hits->nearest[slot] = distance;
     keep_centre(hits, f, from, slot);
+}
+
+/* Slots outside the region hold no radiance. */
+void pixel_sums_add(pixel_sums *sums, const wave *w, const wave_region *region, const wave_batch *batch,
+                    uint32_t place) {
+    const wave_square *square = &batch->squares[place];
+    uint32_t from = place * LANES, to = wave_slot(square->left - region->left, square->top - region->top);
+    for (int c = 0; c < 3; ++c) w->plan->blocks->add_samples(w->radiance[c] + from, LANES, sums->rgb[c] + to);
+    if (!sums->hits) return;
+    for (uint32_t left = wave_square_pixels(region, square); left; left &= left - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(left);
+        add_hit(sums, w, from + k, square->left + k % 4, square->top + k / 4, to + k, square->index);
+    }
 }
 
 static void store_hits(const hit_sums *hits, uint32_t slot, double scale, size_t pixel, fathom_film *film) {
@@ -80,25 +94,19 @@ static void store_square(const render_plan *plan, const pixel_sums *sums, uint32
 }
 
 /* The part of a square that lies in the region. */
-static void store_pixels(const pixel_sums *sums, const wave_region *r, uint32_t samples, uint32_t left,
-                         uint32_t top, fathom_film *film) {
-    for (uint32_t k = 0; k < LANES; ++k) {
-        uint32_t x = left + k % 4, y = top + k / 4;
-        bool inside = x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1;
-        if (inside) pixel_sums_store(sums, wave_slot(x - r->left, y - r->top), samples, x, y, film);
+static void store_pixels(const pixel_sums *sums, const wave_region *r, const wave_square *square,
+                         uint32_t slot, uint32_t samples, fathom_film *film) {
+    for (uint32_t left = wave_square_pixels(r, square); left; left &= left - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(left);
+        pixel_sums_store(sums, slot + k, samples, square->left + k % 4, square->top + k / 4, film);
     }
 }
 
-void pixel_sums_store_all(const render_plan *plan, const pixel_sums *sums, const wave_region *r,
-                          uint32_t samples, fathom_film *film) {
-    bool colors_alone = !sums->hits && !film->samples;
-    for (uint32_t y = r->top; y < r->y1; y += 4) {
-        for (uint32_t x = r->left; x < r->x1; x += 4) {
-            bool whole = x >= r->x0 && x + 4 <= r->x1 && y >= r->y0 && y + 4 <= r->y1;
-            if (whole && colors_alone)
-                store_square(plan, sums, wave_slot(x - r->left, y - r->top), samples, x, y, film);
-            else
-                store_pixels(sums, r, samples, x, y, film);
-        }
-    }
+void pixel_sums_store_square(const render_plan *plan, const pixel_sums *sums, const wave_region *r,
+                             const wave_square *square, uint32_t samples, fathom_film *film) {
+    uint32_t slot = wave_slot(square->left - r->left, square->top - r->top);
+    if (wave_square_is_whole(r, square) && !sums->hits && !film->samples)
+        store_square(plan, sums, slot, samples, square->left, square->top, film);
+    else
+        store_pixels(sums, r, square, slot, samples, film);
 }

@@ -22,14 +22,14 @@ bool pixel_sums_create(const render_plan *plan, pixel_sums *out);
 void pixel_sums_destroy(pixel_sums *sums);
 void pixel_sums_clear(pixel_sums *sums);
 
-/* The first hit of sample `index` of pixel (x, y), from its slot in the wave to its slot in the sums. Needs
- * hits. */
-void pixel_sums_add_hit(pixel_sums *sums, const wave *w, uint32_t from, uint32_t x, uint32_t y, uint32_t slot,
-                        uint32_t index);
+/* The samples of the square at `place` of a batch that the wave has run, and their first hits where AOVs want
+ * them. The sums are of the region's wave. */
+void pixel_sums_add(pixel_sums *sums, const wave *w, const wave_region *region, const wave_batch *batch,
+                    uint32_t place);
 
-/* The means of `samples` samples of all pixels of a region to the film. */
-void pixel_sums_store_all(const render_plan *plan, const pixel_sums *sums, const wave_region *region,
-                          uint32_t samples, fathom_film *film);
+/* The means of `samples` samples of the pixels of a square to the film, as far as they lie in the region. */
+void pixel_sums_store_square(const render_plan *plan, const pixel_sums *sums, const wave_region *region,
+                             const wave_square *square, uint32_t samples, fathom_film *film);
 
 /* The mean of `samples` samples to a pixel of the film, (x, y) in the image. */
 void pixel_sums_store(const pixel_sums *sums, uint32_t slot, uint32_t samples, uint32_t x, uint32_t y,

@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "render/checkpoint.h"
 #include "render/job.h"
 #include "render/watch.h"
 
@@ -38,14 +39,18 @@ static void report_build(void *user) {
         atomic_store(&b->stop, true);
 }
 
-/* What the process will hold beside the tracer's structures. The film is only promised as yet, the image
- * module may not be loaded, and of a mapped mesh only what was looked at is in memory. */
+/* What the process will hold beside the tracer's structures. Of a large film nothing is there yet, unless a
+ * checkpoint has filled it, the image module may not be loaded, and of a mapped mesh only what was looked at
+ * is in memory. */
 static fathom_status memory_beside(const fathom_scene *scene, const fathom_film *film, uint64_t *out) {
     uint64_t meshes;
     fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &meshes);
     if (status != FATHOM_OK) return status;
-    uint64_t expected = MEMORY_PROGRAM + meshes, resident = memory_resident();
-    *out = (resident > expected ? resident : expected) + film_bytes(film);
+    uint64_t bytes = film_bytes(film), expected = MEMORY_PROGRAM + meshes,
+             film_now = film->stats.resumed_samples ? bytes : memory_taken(bytes);
+    uint64_t resident = memory_resident();
+    resident = resident > film_now ? resident - film_now : 0;
+    *out = (resident > expected ? resident : expected) + bytes;
     return FATHOM_OK;
 }
 
@@ -101,8 +106,7 @@ static uint64_t placed_triangles(const world *w, uint32_t group) {
 static fathom_status count_scene(const world *w, const trace_tracer *tracer, const fathom_film *film,
                                  fathom_stats *stats) {
     const fathom_scene *scene = w->scene;
-    for (size_t i = 0; i < scene->meshes.count; ++i)
-        stats->triangles += scene->meshes.items[i].triangle_count;
+    stats->triangles = scene_triangles(scene);
     stats->primitives = stats->triangles + scene->spheres.count + scene->quads.count + scene->planes.count;
     stats->instances = w->instances.count;
     stats->placed_triangles = placed_triangles(w, 0);
@@ -119,8 +123,7 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
 }
 
 static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
-                                  const fathom_settings *settings, double deadline,
-                                  const job_reserve *reserve, fathom_progress_fn progress, void *user,
+                                  const fathom_settings *settings, const job_options *options,
                                   fathom_film *film) {
     render_plan *plan;
     double began = clock_seconds();
@@ -134,7 +137,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     }
     job_result result = {.samples = 0};
     began = clock_seconds();
-    status = job_run(context, plan, deadline, reserve, film, progress, user, &result);
+    status = job_run(context, plan, options, film, &result);
     plan_destroy(plan);
     film->stats.render_seconds = clock_seconds() - began;
     film->stats.camera_rays = result.rays.camera;
@@ -151,16 +154,31 @@ static fathom_status render_world(fathom_context *context, const world *w, const
 
 /* What only callers beside this module ask for. */
 typedef struct render_extra {
-    const vec3_f64 *origin;     /* NULL: near the view */
-    const job_reserve *reserve; /* NULL: nothing */
+    const vec3_f64 *origin;          /* NULL: near the view */
+    const job_reserve *reserve;      /* NULL: nothing */
+    const fathom_checkpoint *saving; /* NULL: not at all */
 } render_extra;
 
+/* Seconds that calls before this one spent come off the time. */
+static fathom_status render_traced(fathom_context *context, const world *w, const trace_tracer *tracer,
+                                   const fathom_settings *settings, job_options *options, fathom_film *film) {
+    checkpoint *saving = options->saving;
+    if (saving) {
+        char name[128];
+        trace_identity(tracer, name);
+        fathom_status status = checkpoint_begin(saving, name);
+        if (status != FATHOM_OK) return status;
+        options->deadline -= checkpoint_before(saving).seconds;
+    }
+    return render_world(context, w, tracer, settings, options, film);
+}
+
 static fathom_status render_film(fathom_context *context, const fathom_scene *scene,
-                                 const fathom_settings *settings, const render_extra *extra,
-                                 fathom_progress_fn progress, void *user, fathom_film *film) {
+                                 const fathom_settings *settings, const vec3_f64 *origin,
+                                 job_options *options, fathom_film *film) {
     double began = clock_seconds();
     world *w;
-    fathom_status status = world_create_from(scene, extra->origin, &w);
+    fathom_status status = world_create_from(scene, origin, &w);
     if (status != FATHOM_OK) return status;
     status = world_check(w);
     if (status == FATHOM_OK && w->degenerate_triangles) {
@@ -172,13 +190,13 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
              WORLD_REACH, (unsigned long long)w->beyond_reach);
     }
     trace_tracer *tracer = NULL;
-    if (status == FATHOM_OK) status = run_build(context, w, film, settings, progress, user, &tracer);
+    if (status == FATHOM_OK)
+        status = run_build(context, w, film, settings, options->progress, options->user, &tracer);
     film->stats.build_seconds = clock_seconds() - began;
+    if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
     if (status == FATHOM_OK) status = count_scene(w, tracer, film, &film->stats);
-    if (status == FATHOM_OK) {
-        status = render_world(context, w, tracer, settings, began + settings->max_time, extra->reserve,
-                              progress, user, film);
-    }
+    options->deadline = began + settings->max_time;
+    if (status == FATHOM_OK) status = render_traced(context, w, tracer, settings, options, film);
     trace_destroy(tracer);
     world_destroy(w);
     return status;
@@ -187,18 +205,31 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
 static fathom_status render(fathom_context *context, const fathom_scene *scene,
                             const fathom_settings *settings, const render_extra *extra,
                             fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out) {
+    if (!out) return fail_null(context, "out");
     *out = NULL;
     if (stats) *stats = (fathom_stats){0};
+    if (!context || !scene) return fail_null(context, "scene");
+    if (!settings) return fail_null(context, "settings");
     trace_spec spec; /* told before the world is built, which can take a while */
     fathom_status status = scene_check_settings(context, settings);
     if (status == FATHOM_OK && settings->tracer_spec)
         status = trace_spec_parse(context, settings->tracer_spec, &spec);
-    if (status == FATHOM_OK) status = fathom_scene_check(scene);
+    const fathom_scene view = scene_through(scene, context);
+    if (status == FATHOM_OK) status = fathom_scene_check(&view);
     if (status != FATHOM_OK) return status;
     fathom_film *film;
-    status = film_create(context, scene, settings, &film);
+    status = film_create(context, &view, settings, &film);
     if (status != FATHOM_OK) return status;
-    status = render_film(context, scene, settings, extra, progress, user, film);
+    job_options options = {.reserve = extra->reserve, .progress = progress, .user = user};
+    if (extra->saving)
+        status = checkpoint_open(context, extra->saving, &view, settings, film, &options.saving);
+    if (status == FATHOM_OK) status = render_film(context, &view, settings, extra->origin, &options, film);
+    if (status != FATHOM_OUT_OF_RESOURCES) {
+        /* An image of a scene that changed meanwhile is of none, and any failure may come of it. */
+        fathom_status changed = fathom_scene_check_files(&view);
+        if (changed != FATHOM_OK) status = changed;
+    }
+    checkpoint_close(options.saving);
     if (stats) *stats = film->stats;
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
         fathom_film_destroy(film);
@@ -215,6 +246,18 @@ fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
     return render(context, scene, settings, &none, progress, user, stats, out);
 }
 
+fathom_status fathom_render_checkpointed(fathom_context *context, const fathom_scene *scene,
+                                         const fathom_settings *settings, const fathom_checkpoint *saving,
+                                         fathom_progress_fn progress, void *user, fathom_stats *stats,
+                                         fathom_film **out) {
+    const render_extra extra = {.saving = saving};
+    if (out) *out = NULL;
+    if (stats) *stats = (fathom_stats){0};
+    if (!saving) return fail_null(context, "checkpoint");
+    if (!saving->path) return fail_null(context, "checkpoint: path");
+    return render(context, scene, settings, &extra, progress, user, stats, out);
+}
+
 fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const vec3_f64 *origin, fathom_progress_fn progress, void *user,
                           fathom_film **out) {
@@ -224,8 +267,8 @@ fathom_status render_from(fathom_context *context, const fathom_scene *scene, co
 
 fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const job_reserve *reserve,
-                             fathom_progress_fn progress, void *user, fathom_stats *stats,
-                             fathom_film **out) {
-    const render_extra extra = {.reserve = reserve};
+                             const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,
+                             fathom_stats *stats, fathom_film **out) {
+    const render_extra extra = {.reserve = reserve, .saving = saving};
     return render(context, scene, settings, &extra, progress, user, stats, out);
 }

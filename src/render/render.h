@@ -12,9 +12,11 @@
 fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const vec3_f64 *origin, fathom_progress_fn progress, void *user, fathom_film **out);
 
-/* fathom_render() of settings with a max_time, some of which is left for what follows. */
+/* fathom_render() of settings that may have a max_time, some of which is left for what follows (reserve, may
+ * be NULL), saved on the way (saving, may be NULL). */
 fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const job_reserve *reserve,
-                             fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out);
+                             const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,
+                             fathom_stats *stats, fathom_film **out);
 
 #endif

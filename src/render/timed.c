@@ -38,9 +38,12 @@ static uint32_t waves_across(uint32_t begin, uint32_t length) {
     return (begin + length + WAVE_SIDE - 1) / WAVE_SIDE - begin / WAVE_SIDE;
 }
 
-size_t timed_bytes(const fathom_film *film, bool hits) {
+size_t timed_bytes(const job *j) {
+    const fathom_film *film = j->film;
+    bool hits = j->plan->parts & FATHOM_PART_HITS;
     size_t count = (size_t)waves_across(film->x, film->width) * waves_across(film->y, film->height);
-    return count * (sizeof(adaptive_wave) + (hits ? sizeof(hit_sums) : 0));
+    size_t kept = j->options->saving ? checkpoint_wave_bytes(j->options->saving) : 0;
+    return count * (sizeof(adaptive_wave) + (hits ? sizeof(hit_sums) : 0) + kept);
 }
 
 /* Best first; in an order without a pattern where nothing is known. */
@@ -76,6 +79,7 @@ static bool make_wave(timed *t, uint32_t i) {
     }
     adaptive_begin(t->job->plan, t->first_x + i % t->across * WAVE_SIDE,
                    t->first_y + i / t->across * WAVE_SIDE, a);
+    if (t->job->options->saving) checkpoint_resume(t->job->options->saving, i, a);
     t->waves[i] = a;
     return true;
 }
@@ -93,7 +97,9 @@ static void run_pass(timed *t, worker *self, uint32_t i) {
     goal.worth = fmax(goal.worth, a->worth < t->limit ? NEAR_BEST * a->worth : t->limit);
     const ray_counts before = self->wave.rays;
     switch (adaptive_pass(&self->wave, &goal, &self->limit, a)) {
-    case ADAPTIVE_PASSED: break;
+    case ADAPTIVE_PASSED:
+        if (j->options->saving) checkpoint_keep(j->options->saving, i, a);
+        break;
     case ADAPTIVE_FINISHED: t->finished[i] = true; break;
     case ADAPTIVE_CUT: atomic_store(&t->cut, true); break;
     case ADAPTIVE_STOPPED: job_stop(j, &self->wave); break;
@@ -124,21 +130,41 @@ static uint64_t store_waves(const timed *t) {
 /* Storing the waves is among what comes after the deadline. */
 static void reserve_time(timed *t) {
     job *j = t->job;
+    const job_reserve *reserve = j->options->reserve;
     double began = clock_seconds();
     store_waves(t);
     double stored = clock_seconds(), deadline = atomic_load(&j->deadline);
-    double after = j->reserve->seconds(j->reserve->user, j->film, deadline - stored);
+    double after = reserve->seconds(reserve->user, j->film, deadline - stored);
     /* A time that is up stays a time. */
     atomic_store(&j->deadline, fmax(deadline - (stored - began) - after, j->began));
 }
 
+/* What calls before this one sampled. */
+static bool take_up_waves(timed *t) {
+    checkpoint *saving = t->job->options->saving;
+    for (uint32_t i = 0; saving && i < t->count; ++i) {
+        if (checkpoint_is_begun(saving, i) && !make_wave(t, i)) return false;
+    }
+    return true;
+}
+
+static bool all_begun(const timed *t) {
+    for (size_t i = 0; i < t->count; ++i) {
+        if (!t->waves[i]) return false;
+    }
+    return true;
+}
+
 static void run_rounds(timed *t) {
-    for (bool first = true;; first = false) {
+    for (bool reserved = !t->job->options->reserve;;) {
         choose_round(t);
         if (!t->round) return;
+        if (!reserved && all_begun(t)) {
+            reserve_time(t);
+            reserved = true;
+        }
         loop_parallel(t->job->threads, t->round, 1, run_round, t);
         if (atomic_load(&t->cut) || atomic_load(&t->job->stop)) return;
-        if (first && t->job->reserve) reserve_time(t);
     }
 }
 
@@ -174,7 +200,7 @@ void timed_run(job *j) {
     t.waves = calloc(t.count, sizeof(adaptive_wave *));
     t.finished = calloc(t.count, sizeof *t.finished);
     t.order = malloc(t.count * sizeof *t.order);
-    if (t.waves && t.finished && t.order) {
+    if (t.waves && t.finished && t.order && take_up_waves(&t)) {
         run_rounds(&t);
         atomic_store(&j->complete, !atomic_load(&j->stop));
         j->result.samples = store_waves(&t);

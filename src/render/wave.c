@@ -173,5 +173,5 @@ static bool follow(wave *w) {
 }
 
 bool wave_run_batch(wave *w, const wave_region *region, const wave_batch *batch) {
-    return wave_camera_batch(w, region, batch) && follow(w);
+    return wave_camera_rays(w, region, batch) && follow(w);
 }

@@ -98,6 +98,36 @@ typedef struct wave_square {
     uint32_t left, top, index;
 } wave_square;
 
+/* Square s of a region's wave, the squares taken row by row: its pixels have the slots from s * 16 on. */
+static inline wave_square wave_square_at(const wave_region *r, uint32_t s, uint32_t index) {
+    const uint32_t across = WAVE_SIDE / 4;
+    return (wave_square){r->left + s % across * 4, r->top + s / across * 4, index};
+}
+
+static inline bool wave_square_is_whole(const wave_region *r, const wave_square *s) {
+    return s->left >= r->x0 && s->left + 4 <= r->x1 && s->top >= r->y0 && s->top + 4 <= r->y1;
+}
+
+/* The pixels of the square that lie in the region, as bits: pixel (left + k % 4, top + k / 4) is bit k. */
+static inline uint32_t wave_square_pixels(const wave_region *r, const wave_square *s) {
+    uint32_t bits = 0;
+    for (uint32_t k = 0; k < LANES; ++k) {
+        uint32_t x = s->left + k % 4, y = s->top + k / 4;
+        bits |= x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1 ? 1u << k : 0;
+    }
+    return bits;
+}
+
+/* Those squares that hold pixels of the region, row by row, for their first samples; returns how many. */
+static inline uint32_t wave_region_squares(const wave_region *r, wave_square out[WAVE_SQUARES]) {
+    uint32_t count = 0;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
+        const wave_square q = wave_square_at(r, s, 0);
+        if (q.left < r->x1 && q.left + 4 > r->x0 && q.top < r->y1 && q.top + 4 > r->y0) out[count++] = q;
+    }
+    return count;
+}
+
 /* Squares in any order, also several samples of one: pixel (x, y) of the one at `place` has the slot
  * place * 16 + (y - top) * 4 + x - left. */
 typedef struct wave_batch {
@@ -120,8 +150,7 @@ bool wave_step(wave *w, uint32_t depth);
 trace_coherence wave_coherence(uint32_t depth, bool mirrored);
 
 /* ---- the stages, in order ---- */
-bool wave_camera_rays(wave *w, const wave_region *region, uint32_t index);
-bool wave_camera_batch(wave *w, const wave_region *region, const wave_batch *batch);
+bool wave_camera_rays(wave *w, const wave_region *region, const wave_batch *batch);
 /* Points of all hits; misses add the background. */
 bool wave_surfaces(wave *w, bool first);
 /* Ambient and emitted radiance, then each light in turn. */
