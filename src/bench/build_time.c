@@ -81,7 +81,7 @@ static void find_best(build_total *total) {
 static build_total total_of(const bench_stage *stage, const build_time *result, uint32_t spp) {
     fathom_settings settings = stage->settings;
     settings.spp = spp;
-    trace_quality automatic = trace_quality_auto(plan_expected_rays(stage->scene, &settings));
+    trace_quality automatic = trace_quality_auto(plan_expected_rays(stage->scene, &settings), stage->world);
     build_total total = {.spp = spp, .automatic = (unsigned)automatic - TRACE_QUALITY_LOW};
     for (unsigned q = 0; q < BUILD_QUALITIES; ++q) {
         const build_quality *quality = &result->qualities[q];

@@ -93,7 +93,7 @@ static fathom_status measure_scene(fathom_context *context, const fathom_scene *
     trace_tracer *tracer = NULL;
     fathom_scene_settings(scene, &settings);
     settings.width = options->width, settings.height = options->height;
-    for (size_t i = 0; i < scene->meshes.count; ++i) out->triangles += scene->meshes.items[i].triangle_count;
+    out->triangles = scene_triangles(scene);
     fathom_status status = time_building(context, scene, &settings, options, &w, &tracer, out);
     if (status == FATHOM_OK) status = render_time_measure(context, w, tracer, &settings, &times, &out->time);
     trace_destroy(tracer);

@@ -32,8 +32,8 @@ static fathom_status render_once(const bench *b, const trace_tracer *tracer, con
     status = plan_create(b->context, b->world, tracer, settings, &plan);
     double began = clock_seconds(), cpu = clock_process_seconds();
     job_result result = {.samples = 0};
-    if (status == FATHOM_OK)
-        status = job_run(b->context, plan, began + settings->max_time, NULL, film, NULL, NULL, &result);
+    const job_options options = {.deadline = began + settings->max_time};
+    if (status == FATHOM_OK) status = job_run(b->context, plan, &options, film, &result);
     out->rays = result.rays;
     out->seconds = clock_seconds() - began;
     out->cpu = clock_process_seconds() - cpu;
@@ -47,7 +47,19 @@ static fathom_status render_once(const bench *b, const trace_tracer *tracer, con
 
 typedef struct sums {
     double render[RENDER_TIME_REPEATS_MAX], traced[RENDER_TIME_REPEATS_MAX], bare[RENDER_TIME_REPEATS_MAX];
+    double together[RENDER_TIME_THREADS_MAX][RENDER_TIME_REPEATS_MAX]; /* bare, by the clock */
 } sums;
+
+/* By so many threads as rendered. */
+static bool time_together(const bench *b, const record *r, unsigned repeat, sums *s) {
+    const render_time_options *options = b->options;
+    for (unsigned t = 0; t < options->thread_counts && options->thread_counts > 1; ++t) {
+        replay_result bare;
+        if (!replay_bare_together(r, b->tracer, options->threads[t], &bare)) return false;
+        s->together[t][repeat] += bare.seconds;
+    }
+    return true;
+}
 
 /* Each in turn, and the other way round every other time, so that what changes with the time favours none. */
 static fathom_status time_band(const bench *b, const record *r, const fathom_settings *settings, sums *s) {
@@ -59,7 +71,8 @@ static fathom_status time_band(const bench *b, const record *r, const fathom_set
         fathom_status status = render_once(b, b->tracer, settings, 1, &render);
         if (status != FATHOM_OK) return status;
         if (!first) ok = replay_bare(r, b->tracer, &bare);
-        if (!ok || !replay_traced(r, b->tracer, &traced)) return fail_memory(b->context, sizeof *r);
+        if (!ok || !replay_traced(r, b->tracer, &traced) || !time_together(b, r, k, s))
+            return fail_memory(b->context, sizeof *r);
         s->render[k] += render.cpu, s->bare[k] += bare.cpu_seconds, s->traced[k] += traced.cpu_seconds;
     }
     return FATHOM_OK;
@@ -116,6 +129,17 @@ static void set_ratio(render_ratio *ratio, sums *s, unsigned repeats) {
     ratio->bare = quartiles_of(s->bare, repeats);
 }
 
+static void set_bare_speeds(const bench *b, sums *s) {
+    const render_time_options *options = b->options;
+    double gain[RENDER_TIME_REPEATS_MAX];
+    for (unsigned t = 0; t < options->thread_counts && options->thread_counts > 1; ++t) {
+        double more = (double)options->threads[t] / options->threads[0];
+        for (unsigned k = 0; k < options->repeats; ++k)
+            gain[k] = more * s->together[0][k] / s->together[t][k];
+        b->out->speeds[t].bare_speedup = quartiles_of(gain, options->repeats);
+    }
+}
+
 static fathom_status measure_ratio(const bench *b) {
     if (!embree_bare_possible(b->tracer)) return FATHOM_OK;
     sums *s = calloc(1, sizeof *s);
@@ -124,7 +148,10 @@ static fathom_status measure_ratio(const bench *b) {
     fathom_status status = time_bands(b, &r, s);
     record_free(&r);
     b->out->has_ratio = status == FATHOM_OK;
-    if (b->out->has_ratio) set_ratio(&b->out->ratio, s, b->options->repeats);
+    if (b->out->has_ratio) {
+        set_ratio(&b->out->ratio, s, b->options->repeats);
+        set_bare_speeds(b, s);
+    }
     free(s);
     return status;
 }

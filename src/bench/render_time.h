@@ -21,6 +21,8 @@ typedef struct render_speed {
     unsigned threads;
     quartiles seconds, cpu_seconds; /* by the clock; of all threads together */
     quartiles speedup;              /* the first row's seconds over this one's, repetition by repetition */
+    /* What the machine allows: as many threads that ask Embree's calls alone at once. 0 without has_ratio. */
+    quartiles bare_speedup;
 } render_speed;
 
 typedef struct render_time {

@@ -1,7 +1,9 @@
 #include "bench/replay.h"
 
 #include "base/clock.h"
+#include "base/threads.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -126,6 +128,36 @@ static bool replay_all(replay *p, replay_result *out) {
 bool replay_bare(const record *r, const trace_tracer *tracer, replay_result *out) {
     replay p = {.record = r, .tracer = tracer, .bare = true};
     return replay_all(&p, out);
+}
+
+typedef struct together {
+    const record *record;
+    const trace_tracer *tracer;
+    replay_result *results; /* of each thread */
+    atomic_bool failed;
+} together;
+
+static void ask_all(void *user, size_t begin, size_t end, unsigned worker) {
+    together *t = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        if (!replay_bare(t->record, t->tracer, &t->results[i])) atomic_store(&t->failed, true);
+    }
+}
+
+bool replay_bare_together(const record *r, const trace_tracer *tracer, unsigned threads, replay_result *out) {
+    together t = {.record = r, .tracer = tracer, .results = calloc(threads, sizeof *t.results)};
+    if (!t.results) return false;
+    loop_parallel(threads, threads, 1, ask_all, &t);
+    *out = t.results[0];
+    for (unsigned i = 1; i < threads; ++i) {
+        out->seconds += t.results[i].seconds;
+        out->cpu_seconds += t.results[i].cpu_seconds;
+    }
+    out->seconds /= threads;
+    out->cpu_seconds /= threads;
+    free(t.results);
+    return !atomic_load(&t.failed);
 }
 
 bool replay_bare_as(const record *r, const trace_tracer *tracer, unsigned width, bool coherent,

@@ -60,7 +60,9 @@ static bool keep_waiting(const recording *r, uint32_t depth) {
 
 static bool record_wave(recording *r, const wave_region *region) {
     memset(r->wave.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
-    if (!wave_camera_rays(&r->wave, region, 0)) return false;
+    wave_batch batch;
+    batch.count = wave_region_squares(region, batch.squares);
+    if (!wave_camera_rays(&r->wave, region, &batch)) return false;
     for (uint32_t depth = 0; r->wave.now.count; ++depth) {
         record *shadows = wanted(r, depth, SECONDARY_SHADOW);
         record_redirect(r->recorder, NULL, shadows);

@@ -58,7 +58,7 @@ static fathom_status render_film(fathom_context *context, const bench_stage *sta
     fathom_status status = plan_create(context, stage->world, stage->tracer, settings, &plan);
     if (status != FATHOM_OK) return status;
     bench_seconds start = bench_now();
-    status = job_run(context, plan, 0, NULL, film, progress, user, &result);
+    status = job_run(context, plan, &(job_options){.progress = progress, .user = user}, film, &result);
     cost->seconds = bench_since(&start);
     const ray_counts rays = result.rays;
     cost->rays = rays.camera + rays.shadow + rays.reflection + rays.refraction;

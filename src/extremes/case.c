@@ -29,7 +29,7 @@ static fathom_status open_all(extremes_case *c) {
     if (c->status == FATHOM_OK) c->status = world_create(c->scene, &c->world);
     if (c->status == FATHOM_OK && c->patch) {
         c->patch(c);
-        world_survey(c->world);
+        c->status = world_survey(c->world);
     }
     if (c->status == FATHOM_OK) c->status = search_create(c->context, c->world, &c->search);
     if (c->status == FATHOM_OK) c->status = rays_create(c->context, c->world, &c->source);

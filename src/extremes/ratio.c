@@ -24,12 +24,15 @@ static rays_draft outer_ray(const void *user, rays_random *r, uint64_t index) {
     return (rays_draft){org, aimed_past(r, org, middle, distance_past(r, index, 1)), 0, (double)INFINITY};
 }
 
-void ratio_outside(extremes_case *c, double ratio) {
-    case_say(c, "a sphere from outside, its radius %g times the distance to its surface", ratio);
+/* A unit sphere; number[0]: the distance to its surface. */
+static void near_unit(extremes_case *c, const char *side, double ratio, rays_maker maker) {
+    case_say(c, "a sphere from %s, its radius %g times the distance to its surface", side, ratio);
     put_sphere(c, FATHOM_ROOT, middle, 1);
     c->number[0] = 1 / ratio;
-    c->maker = outer_ray;
+    c->maker = maker;
 }
+
+void ratio_outside(extremes_case *c, double ratio) { near_unit(c, "outside", ratio, outer_ray); }
 
 static rays_draft inner_ray(const void *user, rays_random *r, uint64_t index) {
     const extremes_case *c = user;
@@ -39,12 +42,7 @@ static rays_draft inner_ray(const void *user, rays_random *r, uint64_t index) {
     return (rays_draft){org, dir, 0, (double)INFINITY};
 }
 
-void ratio_inside(extremes_case *c, double ratio) {
-    case_say(c, "a sphere from inside, its radius %g times the distance to its surface", ratio);
-    put_sphere(c, FATHOM_ROOT, middle, 1);
-    c->number[0] = 1 / ratio;
-    c->maker = inner_ray;
-}
+void ratio_inside(extremes_case *c, double ratio) { near_unit(c, "inside", ratio, inner_ray); }
 
 /* From the surface, as float rounds it, every other ray nearly along it. */
 static rays_draft surface_ray(const void *user, rays_random *r, uint64_t index) {

@@ -250,7 +250,7 @@ static void describe(unsigned k, const way *w, const difference *d, shading_imag
     if (!k || used < 0 || (size_t)used >= room) return;
     snprintf(
         c + used, room - (size_t)used,
-        " From the first image any pixel differs by at most %.2g, by %.2g in the mean, and %u of %u by more "
+        " From the first image any pixel differs by at most %.2g, by %.2g in the mean, and %u of %d by more "
         "than 1e-3.",
         d->most, d->mean, d->beyond, WIDTH * HEIGHT);
 }

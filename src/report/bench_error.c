@@ -1,15 +1,13 @@
 #include "report/bench_parts.h"
+#include "report/drawing.h"
 #include "report/number.h"
-#include "report/plot.h"
 #include "report/table.h"
 #include "report/validate_parts.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#define TITLE 200
 #define METRICS 3
 /* A fit whose slope is known no better than this is drawn without its interval, which would fill the plot. */
 #define HALF_DRAWN 0.5
@@ -33,13 +31,6 @@ static bool is_below(const json_t *point, const char *metric) {
 
 /* ---- plots ---- */
 
-typedef struct drawing {
-    ARRAY(plot_point) points;
-    ARRAY(plot_line) lines;
-    ARRAY(char *) titles;
-    bool lost;
-} drawing;
-
 /* Where the fit turns by its interval: at the middle of its points. */
 typedef struct span {
     double least, most, sum;
@@ -49,17 +40,10 @@ typedef struct span {
 static void add_point(drawing *d, const json_t *point, size_t metric, unsigned kind, span *s) {
     double x = number_at(point, "cpuSeconds"), y = number_at(point, metrics[metric].key);
     bool below = is_below(point, metrics[metric].key);
-    char *title = malloc(TITLE);
-    if (!title || !array_push(&d->titles, title)) {
-        free(title);
-        d->lost = true;
-        return;
-    }
-    snprintf(title, TITLE, "%s, %.0f samples a pixel: %s s, %s %s%s", patterns[kind], number_at(point, "spp"),
-             number_of(x).text, metrics[metric].name, number_of(y).text,
-             below ? "; too close to the reference" : "");
-    const plot_point q = {.x = x, .y = y, .high = (double)NAN, .title = title, .kind = kind, .hollow = below};
-    if (!array_push(&d->points, q)) d->lost = true;
+    const plot_point q = {.x = x, .y = y, .high = (double)NAN, .kind = kind, .hollow = below};
+    drawing_point(d, q, "%s, %.0f samples a pixel: %s s, %s %s%s", patterns[kind], number_at(point, "spp"),
+                  number_of(x).text, metrics[metric].name, number_of(y).text,
+                  below ? "; too close to the reference" : "");
     if (below || !(y > 0) || !(x > 0)) return;
     s->least = fmin(s->least, log(x)), s->most = fmax(s->most, log(x)), s->sum += log(x), ++s->count;
 }
@@ -73,7 +57,7 @@ static void add_fit(drawing *d, const json_t *slope, unsigned kind, const span *
         const plot_line l = {exp(s->least), exp(there + slant * (s->least - middle)),
                              exp(s->most),  exp(there + slant * (s->most - middle)),
                              kind,          side != 0};
-        if (!array_push(&d->lines, l)) d->lost = true;
+        drawing_line(d, l);
     }
 }
 
@@ -104,19 +88,8 @@ static void put_plot(page *p, const json_t *results, size_t metric) {
                     .x_log = true,
                     .y_log = true,
                     .y_low = (double)NAN,
-                    .y_high = (double)NAN,
-                    .points = d.points.items,
-                    .count = d.points.count,
-                    .lines = d.lines.items,
-                    .line_count = d.lines.count};
-    if (d.lost)
-        p->lost = true;
-    else
-        plot_put(p, &t);
-    for (size_t k = 0; k < d.titles.count; ++k) free(d.titles.items[k]);
-    array_free(&d.titles);
-    array_free(&d.points);
-    array_free(&d.lines);
+                    .y_high = (double)NAN};
+    drawing_put(p, &d, t);
 }
 
 static void put_what(page *p, const json_t *results) {
@@ -248,7 +221,7 @@ static void put_equal(page *p, const json_t *tables, const char *caption, const 
         put_absent(p, "The patterns have nothing in common here.");
         return;
     }
-    char text[TITLE];
+    char text[200];
     snprintf(text, sizeof text, caption, metrics[metric].name);
     table_begin(p, text);
     table_column(p, at ? at : metrics[metric].name, false);

@@ -1,12 +1,10 @@
 #include "report/bench_parts.h"
+#include "report/drawing.h"
 #include "report/number.h"
-#include "report/plot.h"
 #include "report/table.h"
 #include "report/validate_parts.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 /* A number of each run, over its triangles. */
 typedef struct series {
@@ -22,41 +20,33 @@ static double value_of(const json_t *run, const series *s) {
 
 /* ---- plots ---- */
 
-typedef struct drawing {
-    plot_point *points;
-    plot_line *lines;
-    char (*titles)[200];
-    size_t count, line_count;
-} drawing;
-
 static void draw_point(drawing *d, const json_t *run, const series *s, unsigned kind, const char *unit) {
     double x = number_at(run, "triangles"), y = s->scale * value_of(run, s);
-    char *title = d->titles[d->count];
-    snprintf(title, sizeof *d->titles, "%.40s, %s triangles: %s %s", s->name, number_of(x).text,
-             number_of(y).text, unit);
-    d->points[d->count++] = (plot_point){.x = x, .y = y, .high = (double)NAN, .title = title, .kind = kind};
+    drawing_point(d, (plot_point){.x = x, .y = y, .high = (double)NAN, .kind = kind},
+                  "%.40s, %s triangles: %s %s", s->name, number_of(x).text, number_of(y).text, unit);
 }
 
 static void draw_fit(drawing *d, const json_t *results, const series *s, unsigned kind, size_t first) {
     const json_t *fits = json_object_get(json_object_get(results, "fits"), s->fit);
     const json_t *fit = json_object_get(fits, "all");
-    if (!json_is_object(fit) || d->count == first) return;
+    if (!json_is_object(fit) || d->points.count == first) return;
     double b = number_at(fit, "exponent"), factor = s->scale * number_at(fit, "scale");
-    double from = d->points[first].x, to = d->points[d->count - 1].x;
-    d->lines[d->line_count++] = (plot_line){from, factor * pow(from, b), to, factor * pow(to, b), kind, true};
+    double from = d->points.items[first].x, to = d->points.items[d->points.count - 1].x;
+    drawing_line(d, (plot_line){from, factor * pow(from, b), to, factor * pow(to, b), kind, true});
 }
 
 /* Straight from size to size. */
 static void draw_way(drawing *d, unsigned kind, size_t first) {
-    for (size_t i = first + 1; i < d->count; ++i)
-        d->lines[d->line_count++] =
-            (plot_line){d->points[i - 1].x, d->points[i - 1].y, d->points[i].x, d->points[i].y, kind, false};
+    for (size_t i = first + 1; i < d->points.count; ++i) {
+        const plot_point *a = &d->points.items[i - 1], *b = &d->points.items[i];
+        drawing_line(d, (plot_line){a->x, a->y, b->x, b->y, kind, false});
+    }
 }
 
 static void draw(drawing *d, const json_t *results, const series *all, size_t count, const char *unit) {
     const json_t *runs = json_object_get(results, "runs");
     for (size_t k = 0; k < count; ++k) {
-        size_t first = d->count, i;
+        size_t first = d->points.count, i;
         json_t *run;
         json_array_foreach(runs, i, run) draw_point(d, run, &all[k], (unsigned)k, unit);
         if (all[k].fit)
@@ -68,36 +58,23 @@ static void draw(drawing *d, const json_t *results, const series *all, size_t co
 
 static void put_series(page *p, const json_t *results, const series *all, size_t count, const char *title,
                        const char *unit, bool y_log) {
-    size_t room = (json_array_size(json_object_get(results, "runs")) + 1) * count;
-    drawing d = {calloc(room, sizeof *d.points), calloc(room, sizeof *d.lines),
-                 calloc(room, sizeof *d.titles), 0, 0};
-    if (d.points && d.lines && d.titles) {
-        const char *names[PLOT_KINDS] = {NULL};
-        for (size_t k = 0; k < count; ++k) names[k] = all[k].name;
-        draw(&d, results, all, count, unit);
-        plot_legend(p, names, "median", NULL);
-        const plot t = {.title = title,
-                        .summary = "Over the number of triangles. The table has the numbers.",
-                        .caption = "",
-                        .width = 1040,
-                        .height = 400,
-                        .x_name = "triangles",
-                        .y_name = unit,
-                        .x_log = true,
-                        .y_log = y_log,
-                        .y_low = y_log ? (double)NAN : 0,
-                        .y_high = (double)NAN,
-                        .points = d.points,
-                        .count = d.count,
-                        .lines = d.lines,
-                        .line_count = d.line_count};
-        plot_put(p, &t);
-    } else {
-        p->lost = true;
-    }
-    free(d.points);
-    free(d.lines);
-    free(d.titles);
+    drawing d = {.lost = false};
+    const char *names[PLOT_KINDS] = {NULL};
+    for (size_t k = 0; k < count; ++k) names[k] = all[k].name;
+    draw(&d, results, all, count, unit);
+    plot_legend(p, names, "median", NULL);
+    const plot t = {.title = title,
+                    .summary = "Over the number of triangles. The table has the numbers.",
+                    .caption = "",
+                    .width = 1040,
+                    .height = 400,
+                    .x_name = "triangles",
+                    .y_name = unit,
+                    .x_log = true,
+                    .y_log = y_log,
+                    .y_low = y_log ? (double)NAN : 0,
+                    .y_high = (double)NAN};
+    drawing_put(p, &d, t);
 }
 
 static void put_plots(page *p, const json_t *results) {

@@ -54,9 +54,16 @@ static void put_ceiling(page *p, const json_t *runs) {
 }
 
 static void put_speeds(page *p, const json_t *runs) {
-    static const char *const columns[] = {"samples a pixel",       "threads",        "seconds",
-                                          "lower quartile",        "upper quartile", "processor seconds",
-                                          "million rays a second", "speedup",        NULL};
+    static const char *const columns[] = {"samples a pixel",
+                                          "threads",
+                                          "seconds",
+                                          "lower quartile",
+                                          "upper quartile",
+                                          "processor seconds",
+                                          "million rays a second",
+                                          "speedup",
+                                          "speedup of bare calls",
+                                          NULL};
     page_section(p, "threads", "The render phase by threads");
     table_begin(p, "Seconds by the clock, medians and quartiles");
     put_columns(p, columns);
@@ -72,6 +79,7 @@ static void put_speeds(page *p, const json_t *runs) {
             table_number(p, inner(s, "cpuSeconds", "median"));
             table_number(p, number_at(s, "millionRaysPerSecond"));
             table_number(p, inner(s, "speedup", "median"));
+            table_number(p, inner(s, "bareSpeedup", "median"));
         }
     }
     table_end(p);

@@ -1,6 +1,6 @@
 #include "report/bench_parts.h"
+#include "report/drawing.h"
 #include "report/number.h"
-#include "report/plot.h"
 #include "report/table.h"
 #include "report/validate_parts.h"
 
@@ -122,8 +122,6 @@ static ordered *order(const json_t *runs) {
     return items;
 }
 
-#define TITLE 200
-
 /* A plot of some number of each run. */
 typedef struct growth {
     const char *title, *unit;
@@ -149,55 +147,37 @@ static bool was_slow(const growth *g, const ordered *items, size_t count, size_t
     return false;
 }
 
-typedef struct drawing {
-    plot_point *points;
-    plot_line *lines;
-    char (*titles)[TITLE];
-} drawing;
-
-static plot draw(const growth *g, const ordered *items, size_t count, drawing *d) {
-    plot t = {.title = g->title,
-              .summary = "Lines: each tracer over the number of triangles, both axes logarithmic. The table "
-                         "has the numbers.",
-              .caption = "",
-              .width = 1040,
-              .height = 400,
-              .x_name = "triangles",
-              .y_name = g->unit,
-              .x_log = true,
-              .y_log = true,
-              .y_low = (double)NAN,
-              .y_high = (double)NAN,
-              .points = d->points,
-              .count = count,
-              .lines = d->lines};
+static void draw(drawing *d, const growth *g, const ordered *items, size_t count) {
     for (size_t i = 0; i < count; ++i) {
         const char *spec = text_at(items[i].run, "spec");
         bool last = i + 1 == count || items[i + 1].tracer != items[i].tracer;
         double x = items[i].triangles, y = value_of(g, items[i].run);
-        snprintf(d->titles[i], TITLE, "%.80s, %s triangles: %s %s", spec, number_of(x).text,
-                 number_of(y).text, g->unit);
         plot_point q = {.x = x, .y = y, .high = (double)NAN, .label = last ? spec : NULL};
-        q.title = d->titles[i], q.kind = kind_of(spec), q.hollow = was_slow(g, items, count, i);
-        d->points[i] = q;
+        q.kind = kind_of(spec), q.hollow = was_slow(g, items, count, i);
+        drawing_point(d, q, "%.80s, %s triangles: %s %s", spec, number_of(x).text, number_of(y).text,
+                      g->unit);
         if (i == 0 || items[i - 1].tracer != items[i].tracer) continue;
-        d->lines[t.line_count++] = (plot_line){d->points[i - 1].x, d->points[i - 1].y, x, y, q.kind, false};
+        double x_before = items[i - 1].triangles, y_before = value_of(g, items[i - 1].run);
+        drawing_line(d, (plot_line){x_before, y_before, x, y, q.kind, false});
     }
-    return t;
 }
 
 static void put_growth(page *p, const growth *g, const ordered *items, size_t count) {
-    drawing d = {calloc(count, sizeof *d.points), calloc(count, sizeof *d.lines),
-                 calloc(count, sizeof *d.titles)};
-    if (d.points && d.lines && d.titles) {
-        plot t = draw(g, items, count, &d);
-        plot_put(p, &t);
-    } else {
-        p->lost = true;
-    }
-    free(d.points);
-    free(d.lines);
-    free(d.titles);
+    drawing d = {.lost = false};
+    draw(&d, g, items, count);
+    const plot t = {.title = g->title,
+                    .summary = "Lines: each tracer over the number of triangles, both axes logarithmic. The "
+                               "table has the numbers.",
+                    .caption = "",
+                    .width = 1040,
+                    .height = 400,
+                    .x_name = "triangles",
+                    .y_name = g->unit,
+                    .x_log = true,
+                    .y_log = true,
+                    .y_low = (double)NAN,
+                    .y_high = (double)NAN};
+    drawing_put(p, &d, t);
 }
 
 static bool grows(const ordered *items, size_t count) {

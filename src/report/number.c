@@ -16,7 +16,9 @@ static void put_power(char *out, size_t room, int exponent) {
                                            "\xe2\x81\xb8", "\xe2\x81\xb9"};
     char plain[16], high[40] = "";
     snprintf(plain, sizeof plain, "%d", exponent < 0 ? -exponent : exponent);
-    for (const char *c = plain; *c; ++c) strcat(high, digits[*c - '0']);
+    size_t used = 0;
+    for (const char *c = plain; *c && used < sizeof high; ++c)
+        used += (size_t)snprintf(high + used, sizeof high - used, "%s", digits[*c - '0']);
     snprintf(out, room, "10%s%s", exponent < 0 ? "\xe2\x81\xbb" : "", high);
 }
 
@@ -53,8 +55,8 @@ static number positive(double x) {
     snprintf(text, sizeof text, "%.2e", x);
     char *e = strchr(text, 'e');
     *e = '\0';
-    double mantissa = atof(text);
-    int exponent = atoi(e + 1);
+    double mantissa = strtod(text, NULL);
+    int exponent = (int)strtol(e + 1, NULL, 10);
     if (exponent >= -2 && exponent < 4) {
         put_digits(out.text, sizeof out.text, mantissa * pow(10, exponent), 2 - exponent);
         return out;

@@ -1,6 +1,6 @@
 #include "report/bars.h"
+#include "report/drawing.h"
 #include "report/number.h"
-#include "report/plot.h"
 #include "report/validate_parts.h"
 
 #include <math.h>
@@ -13,28 +13,23 @@ static const char *const kind_names[PLOT_KINDS] = {"Embree", "our BVH", "linear 
 
 /* ---- error against time ---- */
 
-static plot_point point_of(const tracer_sum *sum, const spread *errors, char title[TITLE]) {
-    plot_point q = {.x = sum->nanoseconds,
-                    .y = spread_quantile(errors, 0.999),
-                    .high = errors->most,
-                    .label = sum->spec,
-                    .title = title,
-                    .kind = sum->kind};
-    snprintf(title, TITLE,
-             "%.100s: %s ns a ray; error of t %s ulp for all but 1 in 1000 rays, at most %s ulp", sum->spec,
-             number_of(q.x).text, number_of(q.y).text, number_of(q.high).text);
-    return q;
+static void draw_errors(drawing *d, const tracer_sum *sum, const spread *errors) {
+    const plot_point q = {.x = sum->nanoseconds,
+                          .y = spread_quantile(errors, 0.999),
+                          .high = errors->most,
+                          .label = sum->spec,
+                          .kind = sum->kind};
+    drawing_point(d, q, "%.100s: %s ns a ray; error of t %s ulp for all but 1 in 1000 rays, at most %s ulp",
+                  sum->spec, number_of(q.x).text, number_of(q.y).text, number_of(q.high).text);
 }
 
 static void put_error_plot(page *p, const tracer_sums *sums, bool ordinary) {
-    plot_point *points = calloc(sums->count, sizeof *points);
-    char(*titles)[TITLE] = calloc(sums->count, sizeof *titles);
-    if (!points || !titles) p->lost = true;
-    for (size_t i = 0; i < sums->count && !p->lost; ++i) {
+    drawing d = {.lost = false};
+    for (size_t i = 0; i < sums->count; ++i) {
         const tracer_sum *sum = &sums->items[i];
-        points[i] = point_of(sum, ordinary ? &sum->ordinary : &sum->hard, titles[i]);
+        draw_errors(&d, sum, ordinary ? &sum->ordinary : &sum->hard);
     }
-    plot t = {
+    const plot t = {
         .title = ordinary ? "Ordinary rays: camera and uniform" : "Difficult rays: all other families",
         .summary =
             "Points: each tracer's error of t in ulp against its nanoseconds a ray, both logarithmic. The "
@@ -47,12 +42,8 @@ static void put_error_plot(page *p, const tracer_sums *sums, bool ordinary) {
         .x_log = true,
         .y_log = true,
         .y_low = (double)NAN,
-        .y_high = (double)NAN,
-        .points = points,
-        .count = sums->count};
-    if (!p->lost) plot_put(p, &t);
-    free(points);
-    free(titles);
+        .y_high = (double)NAN};
+    drawing_put(p, &d, t);
 }
 
 static void put_errors(page *p, const tracer_sums *sums) {
