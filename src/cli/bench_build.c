@@ -1,7 +1,7 @@
 /* `fathom bench build`: the quality of Embree's build against time. */
 #include "cli/bench.h"
 #include "cli/bench_output.h"
-#include "cli/interrupt.h"
+#include "cli/bench_run.h"
 #include "cli/json_text.h"
 
 #include "bench/build_time.h"
@@ -15,16 +15,12 @@ typedef struct bench_build_settings {
     unsigned threads;
     bool quiet;
     bench_output output;
+    bool allow_outside;
 } bench_build_settings;
 
 static const char *const clock_names[BENCH_CLOCKS] = {"cpu", "wall"};
 
 /* ---- the object ---- */
-
-static json_t *pack_clocks(const quartiles q[BENCH_CLOCKS]) {
-    return json_pack("{s:o, s:o}", clock_names[0], bench_quartiles(q[0]), clock_names[1],
-                     bench_quartiles(q[1]));
-}
 
 static json_t *pack_quality(const build_quality *q) {
     json_t *ranges = json_object();
@@ -35,11 +31,12 @@ static json_t *pack_quality(const build_quality *q) {
                             never ? json_null() : json_pack("[f, O]", q->from[c], to));
         json_decref(to);
     }
-    return json_pack(
-        "{s:s, s:o, s:o, s:o, s:f, s:o, s:o, s:o}", "quality", q->name, "buildSeconds", pack_clocks(q->build),
-        "sampleSeconds", pack_clocks(q->sample), "raysOfASample", json_count(q->rays), "millionRaysPerSecond",
-        1e-6 * (double)q->rays / q->sample[BENCH_WALL].median, "bvhBytes", json_count(q->bvh_bytes),
-        "bvhPeakBytes", json_count(q->peak_bytes), "bestFromToSpp", ranges);
+    return json_pack("{s:s, s:o, s:o, s:o, s:f, s:o, s:o, s:o}", "quality", q->name, "buildSeconds",
+                     bench_clocks(q->build), "sampleSeconds", bench_clocks(q->sample), "raysOfASample",
+                     json_count(q->rays), "millionRaysPerSecond",
+                     1e-6 * (double)q->rays / q->sample[BENCH_WALL].median, "bvhBytes",
+                     json_count(q->bvh_bytes), "bvhPeakBytes", json_count(q->peak_bytes), "bestFromToSpp",
+                     ranges);
 }
 
 static json_t *pack_total(const build_time *result, const build_total *t) {
@@ -59,16 +56,13 @@ static json_t *pack_total(const build_time *result, const build_total *t) {
 static json_t *pack(const bench_build_settings *asked, const bench_stage *stage, const build_time *result) {
     json_t *root = bench_head("build"), *qualities = json_array(), *totals = json_array();
     bench_head_tracer(root, trace_name(stage->tracer));
-    uint64_t triangles = 0;
-    for (size_t i = 0; i < stage->scene->meshes.count; ++i)
-        triangles += stage->scene->meshes.items[i].triangle_count;
     for (unsigned q = 0; q < BUILD_QUALITIES; ++q)
         json_array_append_new(qualities, pack_quality(&result->qualities[q]));
     for (unsigned i = 0; i < BUILD_TOTALS; ++i)
         json_array_append_new(totals, pack_total(result, &result->totals[i]));
     json_object_set_new(root, "scene", json_text(asked->scene));
     json_object_set_new(root, "spec", json_text(asked->tracer));
-    json_object_set_new(root, "triangles", json_count(triangles));
+    json_object_set_new(root, "triangles", json_count(scene_triangles(stage->scene)));
     json_object_set_new(root, "width", json_count(stage->settings.width));
     json_object_set_new(root, "height", json_count(stage->settings.height));
     json_object_set_new(root, "spp", json_count(asked->spp));
@@ -143,26 +137,16 @@ static fathom_status check_tracer(fathom_context *context, const char *words) {
                 words);
 }
 
-static fathom_status open_stage(fathom_context *context, const bench_build_settings *asked,
-                                bench_stage *stage) {
-    fathom_scene *scene;
-    fathom_settings settings;
-    fathom_status status = fathom_scene_read(context, asked->scene, &scene);
-    if (status != FATHOM_OK) return status;
-    fathom_scene_settings(scene, &settings);
-    settings.spp = 1;
-    if (asked->size.width) settings.width = asked->size.width, settings.height = asked->size.height;
-    return stage_open(context, scene, &settings, stage);
-}
-
-static fathom_status bench(fathom_context *context, const bench_build_settings *asked) {
+static fathom_status bench(fathom_context *context, const void *user) {
+    const bench_build_settings *asked = user;
     bench_stage stage = {.scene = NULL};
     build_time result;
     fathom_status status = check_tracer(context, asked->tracer);
     if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
-    if (status == FATHOM_OK) status = open_stage(context, asked, &stage);
+    if (status == FATHOM_OK) status = bench_open(context, asked->scene, asked->size, &stage);
     if (status == FATHOM_OK)
         status = build_time_measure(context, &stage, asked->tracer, asked->repeats, asked->spp, &result);
+    if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
     if (status == FATHOM_OK) {
         if (!asked->quiet) print(&stage, &result);
         json_t *root = pack(asked, &stage, &result);
@@ -178,13 +162,7 @@ static fathom_status run(int argc, char **argv) {
     bench_build_settings asked = {.tracer = "embree", .spp = 4, .repeats = 5};
     fathom_status status;
     if (!command_parse(&command_bench_build, argc, argv, &asked, &status)) return status;
-    fathom_context *context;
-    status = command_context(asked.threads, &context);
-    if (status != FATHOM_OK) return status;
-    interrupt_install();
-    status = say_status(&command_bench_build, context, bench(context, &asked));
-    fathom_context_destroy(context);
-    return status;
+    return bench_run(&command_bench_build, asked.threads, asked.allow_outside, bench, &asked);
 }
 
 #define FIELD(name) offsetof(bench_build_settings, name)
@@ -197,6 +175,7 @@ static const args_option options[] = {
     {"spp", 0, "N", take_u32, FIELD(spp), 1, 65536, "samples a pixel of each render (4)"},
     {"repeats", 0, "N", take_u32, FIELD(repeats), 1, BUILD_REPEATS_MAX, "of which medians are told (5)"},
     {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "1 to 1024 (one a processor)"},
+    COMMAND_ALLOW_OUTSIDE(bench_build_settings),
     BENCH_OUTPUT_OPTIONS(bench_build_settings),
     {.help = NULL},
 };

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/status.h"
 #include "cli/bench.h"
+#include "cli/bench_run.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "image/flip.h"
@@ -19,14 +20,7 @@ static bool on_progress(void *user, double fraction) {
 
 static fathom_status open_stage(fathom_context *context, const bench_error_settings *asked,
                                 bench_stage *stage) {
-    fathom_scene *scene;
-    fathom_settings settings;
-    fathom_status status = fathom_scene_read(context, asked->scene, &scene);
-    if (status != FATHOM_OK) return status;
-    fathom_scene_settings(scene, &settings);
-    settings.spp = 1;
-    if (asked->size.width) settings.width = asked->size.width, settings.height = asked->size.height;
-    status = stage_open(context, scene, &settings, stage);
+    fathom_status status = bench_open(context, asked->scene, asked->size, stage);
     /* As for a long render, as it is one. */
     return status == FATHOM_OK ? stage_build(context, stage, asked->tracer, 0) : status;
 }
@@ -61,7 +55,8 @@ static fathom_status tell(fathom_context *context, const bench_error_settings *a
     return status;
 }
 
-static fathom_status bench(fathom_context *context, const bench_error_settings *asked) {
+static fathom_status bench(fathom_context *context, const void *user) {
+    const bench_error_settings *asked = user;
     bench_stage stage = {.scene = NULL};
     converge_result result = {.rounds = 0};
     trace_spec spec;
@@ -69,6 +64,7 @@ static fathom_status bench(fathom_context *context, const bench_error_settings *
     if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
     if (status == FATHOM_OK) status = open_stage(context, asked, &stage);
     if (status == FATHOM_OK) status = measure(context, asked, &stage, &result);
+    if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
     if (status == FATHOM_OK) status = tell(context, asked, &stage, &result, false);
     if (status == FATHOM_INTERRUPTED && result.runs.count) {
         status = tell(context, asked, &stage, &result, true);
@@ -88,13 +84,7 @@ static fathom_status run(int argc, char **argv) {
     fathom_status status;
     if (!command_parse(&command_bench_error, argc, argv, &asked, &status)) return status;
     if (!asked.half_spp) asked.half_spp = asked.max_spp < 65536 / 4 ? 4 * asked.max_spp : 65536;
-    fathom_context *context;
-    status = command_context(asked.threads, &context);
-    if (status != FATHOM_OK) return status;
-    interrupt_install();
-    status = say_status(&command_bench_error, context, bench(context, &asked));
-    fathom_context_destroy(context);
-    return status;
+    return bench_run(&command_bench_error, asked.threads, asked.allow_outside, bench, &asked);
 }
 
 #define FIELD(name) offsetof(bench_error_settings, name)
@@ -112,6 +102,7 @@ static const args_option options[] = {
      "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
     {"tracer", 0, "SPEC", take_text, FIELD(tracer), 0, 0, "what answers the rays (the scene's, else embree)"},
     {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "1 to 1024 (one a processor)"},
+    COMMAND_ALLOW_OUTSIDE(bench_error_settings),
     BENCH_OUTPUT_OPTIONS(bench_error_settings),
     {.help = NULL},
 };

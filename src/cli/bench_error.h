@@ -14,6 +14,7 @@ typedef struct bench_error_settings {
     unsigned threads;
     bool quiet;
     bench_output output;
+    bool allow_outside;
 } bench_error_settings;
 
 /* ---- bench_error_json.c ---- */

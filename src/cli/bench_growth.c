@@ -2,14 +2,13 @@
 #include "cli/bench_growth.h"
 #include "cli/bench.h"
 #include "cli/bench_output.h"
-#include "cli/interrupt.h"
+#include "cli/bench_run.h"
 #include "cli/json_text.h"
 
 #include "bench/growth.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* A .glb ends at 4 GB, 28 bytes a triangle. */
 #define MOST_TRIANGLES 150e6
@@ -28,11 +27,6 @@ typedef struct bench_growth_settings {
 
 /* ---- one size ---- */
 
-static json_t *pack_clocks(const quartiles q[BENCH_CLOCKS]) {
-    return json_pack("{s:o, s:o}", "cpu", bench_quartiles(q[BENCH_CPU]), "wall",
-                     bench_quartiles(q[BENCH_WALL]));
-}
-
 static json_t *pack_run(const growth_point *g) {
     const ray_counts *r = &g->time.rays;
     const render_ratio *ratio = &g->time.ratio;
@@ -42,7 +36,7 @@ static json_t *pack_run(const growth_point *g) {
     return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "triangles",
                      json_count(g->triangles), "fileBytes", json_count(g->file_bytes), "bvhBytes",
                      json_count(g->bvh_bytes), "bvhPeakBytes", json_count(g->peak_bytes), "readSeconds",
-                     pack_clocks(g->read), "buildSeconds", pack_clocks(g->build), "rays",
+                     bench_clocks(g->read), "buildSeconds", bench_clocks(g->build), "rays",
                      json_count((uint64_t)rays), "renderCpuSeconds", bench_quartiles(ratio->render),
                      "bareCpuSeconds", bench_quartiles(ratio->bare), "renderToBare",
                      bench_quartiles(ratio->render_to_bare), "millionRaysPerCpuSecond", rates);
@@ -50,12 +44,8 @@ static json_t *pack_run(const growth_point *g) {
 
 /* A file of its own, gone when it was measured. */
 static fathom_status generate(fathom_context *context, uint64_t triangles, const char *path) {
-    fathom_scene *scene = NULL;
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
-    options.triangles = triangles;
-    fathom_status status = fathom_scene_create(context, &scene);
-    if (status == FATHOM_OK) status = fathom_scene_generate(scene, FATHOM_ROOT, &options);
+    fathom_scene *scene;
+    fathom_status status = bench_sphere(context, triangles, &scene);
     if (status == FATHOM_OK) status = fathom_scene_write_mesh(scene, path);
     fathom_scene_destroy(scene);
     return status;
@@ -65,16 +55,11 @@ static fathom_status measure(fathom_context *context, const bench_growth_setting
                              growth_point *out) {
     const growth_options options = {asked->repeats, asked->seconds, asked->size.width, asked->size.height,
                                     RECORD_BYTES};
-    const char *folder = getenv("TMPDIR");
-    char path[4096];
-    snprintf(path, sizeof path, "%s/fathom-bench-XXXXXX.glb", folder && *folder ? folder : "/tmp");
-    int file = mkstemps(path, 4);
-    if (file < 0)
-        return fail(context, FATHOM_OUT_OF_RESOURCES,
-                    "%s: cannot be written; expected a folder for temporary files in $TMPDIR", path);
-    close(file);
+    char path[BENCH_PATH];
+    fathom_status status = bench_temporary(context, ".glb", path);
+    if (status != FATHOM_OK) return status;
     fathom_context_set_threads(context, 0);
-    fathom_status status = generate(context, triangles, path);
+    status = generate(context, triangles, path);
     if (status == FATHOM_OK) status = growth_measure(context, path, &options, out);
     remove(path);
     return status;
@@ -155,7 +140,8 @@ static fathom_status run_sizes(fathom_context *context, const bench_growth_setti
 
 /* ---- the command ---- */
 
-static fathom_status bench(fathom_context *context, const bench_growth_settings *asked) {
+static fathom_status bench(fathom_context *context, const void *user) {
+    const bench_growth_settings *asked = user;
     if (!asked->triangles.count && !asked->with)
         return fail(context, FATHOM_BAD_USAGE, "--triangles N,N is missing");
     fathom_status status = bench_output_check(context, &asked->output, NULL);
@@ -180,13 +166,7 @@ static fathom_status run(int argc, char **argv) {
     bench_growth_settings asked = {.size = {1280, 720}, .repeats = 5, .seconds = 8};
     fathom_status status;
     if (!command_parse(&command_bench_growth, argc, argv, &asked, &status)) return status;
-    fathom_context *context;
-    status = command_context(0, &context);
-    if (status != FATHOM_OK) return status;
-    interrupt_install();
-    status = say_status(&command_bench_growth, context, bench(context, &asked));
-    fathom_context_destroy(context);
-    return status;
+    return bench_run(&command_bench_growth, 0, false, bench, &asked);
 }
 
 #define FIELD(name) offsetof(bench_growth_settings, name)

@@ -58,6 +58,11 @@ json_t *bench_quartiles(quartiles q) {
     return json_pack("{s:f, s:f, s:f}", "low", q.low, "median", q.median, "high", q.high);
 }
 
+json_t *bench_clocks(const quartiles q[BENCH_CLOCKS]) {
+    return json_pack("{s:o, s:o}", "cpu", bench_quartiles(q[BENCH_CPU]), "wall",
+                     bench_quartiles(q[BENCH_WALL]));
+}
+
 double bench_number(const json_t *object, const char *key, const char *inner) {
     const json_t *value = json_object_get(object, key);
     if (inner) value = json_object_get(value, inner);
@@ -88,7 +93,7 @@ static fathom_status write_text(fathom_context *context, const char *path, const
 }
 
 static fathom_status write_json(fathom_context *context, const char *path, const json_t *root) {
-    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    char *text = json_dump_text(root, 9);
     if (!text) return fail_memory(context, 4096);
     fathom_status status = write_text(context, path, text);
     free(text);

@@ -2,6 +2,7 @@
 #ifndef CLI_BENCH_OUTPUT_H
 #define CLI_BENCH_OUTPUT_H
 
+#include "bench/stage.h"
 #include "bench/statistics.h"
 #include "cli/command.h"
 
@@ -39,6 +40,8 @@ void bench_head_tracer(json_t *root, const char *tracer_name);
 
 /* {"low", "median", "high"} */
 json_t *bench_quartiles(quartiles q);
+/* {"cpu": …, "wall": …}, quartiles each. */
+json_t *bench_clocks(const quartiles q[BENCH_CLOCKS]);
 /* A number of an object inside: number_in(run, "ratio", "median"); NAN where there is none. */
 double bench_number(const json_t *object, const char *key, const char *inner);
 /* A field of CSV, between quotes where it needs them. */

@@ -1,7 +1,7 @@
 /* `fathom bench render`: the phases of a render, and what it takes beyond Embree's bare calls. */
 #include "cli/bench.h"
 #include "cli/bench_output.h"
-#include "cli/interrupt.h"
+#include "cli/bench_run.h"
 #include "cli/json_text.h"
 
 #include "base/clock.h"
@@ -12,7 +12,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define DEFAULT_REPEATS 9
 /* Enough for a million pixels of ten rays; no machine that renders them lacks it. */
@@ -25,6 +24,7 @@ typedef struct bench_render_settings {
     uint32_t repeats;
     bool quiet;
     bench_output output;
+    bool allow_outside;
 } bench_render_settings;
 
 /* ---- the phases ---- */
@@ -38,18 +38,13 @@ typedef struct measured {
 
 static fathom_status write_once(fathom_context *context, const fathom_scene *scene,
                                 const fathom_settings *settings, double *seconds) {
-    const char *folder = getenv("TMPDIR");
-    char path[4096];
-    snprintf(path, sizeof path, "%s/fathom-bench-XXXXXX.png", folder && *folder ? folder : "/tmp");
-    int file = mkstemps(path, 4);
-    if (file < 0)
-        return fail(context, FATHOM_OUT_OF_RESOURCES,
-                    "%s: cannot be written; expected a folder for temporary files in $TMPDIR", path);
-    close(file);
+    char path[BENCH_PATH];
+    fathom_status status = bench_temporary(context, ".png", path);
+    if (status != FATHOM_OK) return status;
     fathom_film *film;
     fathom_write_options options;
     fathom_write_options_default(&options);
-    fathom_status status = film_create(context, scene, settings, &film);
+    status = film_create(context, scene, settings, &film);
     double began = clock_seconds();
     if (status == FATHOM_OK) status = fathom_film_write(context, film, path, &options);
     *seconds = clock_seconds() - began;
@@ -117,10 +112,11 @@ static json_t *pack_speeds(const render_time *t) {
     for (unsigned i = 0; i < t->speed_count; ++i) {
         const render_speed *s = &t->speeds[i];
         json_array_append_new(
-            speeds, json_pack("{s:o, s:o, s:o, s:o, s:f}", "threads", json_count(s->threads), "seconds",
+            speeds, json_pack("{s:o, s:o, s:o, s:o, s:o, s:f}", "threads", json_count(s->threads), "seconds",
                               bench_quartiles(s->seconds), "cpuSeconds", bench_quartiles(s->cpu_seconds),
-                              "speedup", bench_quartiles(s->speedup), "millionRaysPerSecond",
-                              1e-6 * (double)rays / s->seconds.median));
+                              "speedup", bench_quartiles(s->speedup), "bareSpeedup",
+                              s->bare_speedup.median > 0 ? bench_quartiles(s->bare_speedup) : json_null(),
+                              "millionRaysPerSecond", 1e-6 * (double)rays / s->seconds.median));
     }
     return speeds;
 }
@@ -140,11 +136,14 @@ static void print_speeds(const json_t *run) {
     size_t i;
     json_t *s;
     json_array_foreach(json_object_get(run, "speeds"), i, s) {
-        printf("  %2.0f thread%s  %.4f s (%.4f to %.4f), %.1f Mrays/s, %.2f times the first; cpu %.4f s\n",
+        printf("  %2.0f thread%s  %.4f s (%.4f to %.4f), %.1f Mrays/s, %.2f times the first; cpu %.4f s",
                bench_number(s, "threads", NULL), bench_number(s, "threads", NULL) > 1 ? "s" : " ",
                bench_number(s, "seconds", "median"), bench_number(s, "seconds", "low"),
                bench_number(s, "seconds", "high"), bench_number(s, "millionRaysPerSecond", NULL),
                bench_number(s, "speedup", "median"), bench_number(s, "cpuSeconds", "median"));
+        double bare = bench_number(s, "bareSpeedup", "median");
+        if (i > 0 && bare > 0) printf("; bare calls %.2f times", bare);
+        putchar('\n');
     }
 }
 
@@ -173,7 +172,8 @@ static void print_run(const json_t *run) {
 static void put_csv(FILE *out, const json_t *root) {
     fputs("spp,width,height,threads,seconds_low,seconds_median,seconds_high,cpu_seconds_median,"
           "speedup_median,rays_camera,rays_shadow,rays_reflection,rays_refraction,bare_cpu_seconds_median,"
-          "render_to_bare_low,render_to_bare_median,render_to_bare_high,traced_to_bare_median\n",
+          "render_to_bare_low,render_to_bare_median,render_to_bare_high,traced_to_bare_median,"
+          "bare_speedup_median\n",
           out);
     size_t i, k;
     json_t *run, *s;
@@ -188,9 +188,10 @@ static void put_csv(FILE *out, const json_t *root) {
                     bench_number(s, "speedup", "median"), bench_number(run, "rays", "camera"),
                     bench_number(run, "rays", "shadow"), bench_number(run, "rays", "reflection"),
                     bench_number(run, "rays", "refraction"));
-            fprintf(out, ",%.6g,%.5g,%.5g,%.5g,%.5g\n", bench_number(c, "bareCpuSeconds", "median"),
+            fprintf(out, ",%.6g,%.5g,%.5g,%.5g,%.5g,%.5g\n", bench_number(c, "bareCpuSeconds", "median"),
                     bench_number(c, "renderToBare", "low"), bench_number(c, "renderToBare", "median"),
-                    bench_number(c, "renderToBare", "high"), bench_number(c, "tracedToBare", "median"));
+                    bench_number(c, "renderToBare", "high"), bench_number(c, "tracedToBare", "median"),
+                    bench_number(s, "bareSpeedup", "median"));
         }
     }
 }
@@ -209,11 +210,9 @@ static fathom_settings settings_of(const fathom_scene *scene, const bench_render
 }
 
 static json_t *head(const bench_render_settings *asked, const fathom_scene *scene) {
-    uint64_t triangles = 0;
-    for (size_t i = 0; i < scene->meshes.count; ++i) triangles += scene->meshes.items[i].triangle_count;
     json_t *root = bench_head("render");
     json_object_set_new(root, "scene", json_text(asked->scene));
-    json_object_set_new(root, "triangles", json_count(triangles));
+    json_object_set_new(root, "triangles", json_count(scene_triangles(scene)));
     json_object_set_new(root, "lights", json_count(scene->lights.count));
     json_object_set_new(root, "spec", json_text(asked->tracer));
     json_object_set_new(root, "repeats", json_count(asked->repeats));
@@ -237,6 +236,7 @@ static fathom_status measure_one(fathom_context *context, const fathom_scene *sc
     measured *m = calloc(1, sizeof *m);
     if (!m) return fail_memory(context, sizeof *m);
     fathom_status status = measure(context, scene, spec, settings, asked, m);
+    if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
     if (status == FATHOM_OK) {
         m->read = read;
         json_t *run = pack_run(settings, m);
@@ -268,24 +268,22 @@ static fathom_status measure_all(fathom_context *context, const bench_render_set
     return status;
 }
 
+static fathom_status bench(fathom_context *context, const void *user) {
+    const bench_render_settings *asked = user;
+    if (asked->threads.count > RENDER_TIME_THREADS_MAX)
+        return fail(context, FATHOM_BAD_USAGE, "--threads: expected at most 8 numbers");
+    trace_spec spec;
+    fathom_status status = trace_spec_parse(context, asked->tracer, &spec);
+    if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
+    return status == FATHOM_OK ? measure_all(context, asked, &spec) : status;
+}
+
 static fathom_status run(int argc, char **argv) {
     bench_render_settings asked = {
         .tracer = "embree", .spp = {{1, 16}, 2}, .threads = {{1, 2}, 2}, .repeats = DEFAULT_REPEATS};
     fathom_status status;
     if (!command_parse(&command_bench_render, argc, argv, &asked, &status)) return status;
-    if (asked.threads.count > RENDER_TIME_THREADS_MAX)
-        return say_usage(&command_bench_render, "--threads: expected at most 8 numbers");
-    fathom_context *context;
-    status = command_context(0, &context);
-    if (status != FATHOM_OK) return status;
-    interrupt_install();
-    trace_spec spec;
-    status = trace_spec_parse(context, asked.tracer, &spec);
-    if (status == FATHOM_OK) status = bench_output_check(context, &asked.output, asked.scene);
-    if (status == FATHOM_OK) status = measure_all(context, &asked, &spec);
-    say_status(&command_bench_render, context, status);
-    fathom_context_destroy(context);
-    return status;
+    return bench_run(&command_bench_render, 0, asked.allow_outside, bench, &asked);
 }
 
 #define FIELD(name) offsetof(bench_render_settings, name)
@@ -299,6 +297,7 @@ static const args_option options[] = {
      "how many render; the speedup is over the first (1,2)"},
     {"repeats", 0, "N", take_u32, FIELD(repeats), 1, RENDER_TIME_REPEATS_MAX,
      "of which medians and quartiles are told (9)"},
+    COMMAND_ALLOW_OUTSIDE(bench_render_settings),
     BENCH_OUTPUT_OPTIONS(bench_render_settings),
     {.help = NULL},
 };
@@ -313,7 +312,9 @@ const command command_bench_render = {
             "Embree's calls, with the same scene, packets, flags and masks. What the render\n"
             "phase takes beyond that is the renderer's own: rays made, answers settled,\n"
             "surfaces shaded, samples filmed. Render and bare calls take turns, and the\n"
-            "ratio is of the processor time of one thread, of each turn by itself.\n",
+            "ratio is of the processor time of one thread, of each turn by itself. Beside the\n"
+            "speedup of threads stands what as many threads gain that ask all bare calls at\n"
+            "once: what the machine allows.\n",
     .examples = "  fathom generate sphere --triangles 8M -o heavy.glb\n"
                 "  fathom bench render heavy.glb\n"
                 "  fathom bench render heavy.glb --spp 1 --tracer embree:avx2:8 --json avx2.json\n",

@@ -1,11 +1,10 @@
 /* `fathom bench secondary`: mirrored, refracted and shadow rays by depth against single-ray calls. */
 #include "cli/bench.h"
 #include "cli/bench_output.h"
-#include "cli/interrupt.h"
+#include "cli/bench_run.h"
 #include "cli/json_text.h"
 
 #include "bench/secondary_time.h"
-#include "bench/stage.h"
 
 #include <stdlib.h>
 
@@ -16,6 +15,7 @@ typedef struct bench_secondary_settings {
     uint32_t repeats;
     bool quiet;
     bench_output output;
+    bool allow_outside;
 } bench_secondary_settings;
 
 /* ---- results ---- */
@@ -103,17 +103,11 @@ static fathom_status measure(fathom_context *context, const bench_stage *stage,
 }
 
 static fathom_status run_scene(fathom_context *context, const bench_secondary_settings *asked, json_t *root) {
-    fathom_scene *scene;
-    fathom_settings settings;
     bench_stage stage;
-    fathom_status status = fathom_scene_read(context, asked->scene, &scene);
-    if (status != FATHOM_OK) return status;
-    fathom_scene_settings(scene, &settings);
-    settings.target_error = settings.max_time = 0;
-    if (asked->size.width) settings.width = asked->size.width, settings.height = asked->size.height;
-    status = stage_open(context, scene, &settings, &stage);
+    fathom_status status = bench_open(context, asked->scene, asked->size, &stage);
     if (status == FATHOM_OK) status = stage_build(context, &stage, asked->tracer, 0);
     if (status == FATHOM_OK) status = measure(context, &stage, asked, root);
+    if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
     stage_close(&stage);
     return status;
 }
@@ -128,27 +122,25 @@ static json_t *head(const bench_secondary_settings *asked) {
     return root;
 }
 
+static fathom_status bench(fathom_context *context, const void *user) {
+    const bench_secondary_settings *asked = user;
+    trace_spec spec;
+    fathom_status status = trace_spec_parse(context, asked->tracer, &spec);
+    if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
+    if (status != FATHOM_OK) return status;
+    json_t *root = head(asked);
+    status = run_scene(context, asked, root);
+    if (status == FATHOM_OK && !asked->quiet) print_rows(json_object_get(root, "rows"));
+    if (status == FATHOM_OK) status = bench_output_write(context, &asked->output, root, put_csv);
+    json_decref(root);
+    return status;
+}
+
 static fathom_status run(int argc, char **argv) {
     bench_secondary_settings asked = {.tracer = "embree", .rays = 100000, .repeats = 9};
     fathom_status status;
     if (!command_parse(&command_bench_secondary, argc, argv, &asked, &status)) return status;
-    fathom_context *context;
-    status = command_context(0, &context);
-    if (status != FATHOM_OK) return status;
-    interrupt_install();
-    trace_spec spec;
-    status = trace_spec_parse(context, asked.tracer, &spec);
-    if (status == FATHOM_OK) status = bench_output_check(context, &asked.output, asked.scene);
-    if (status == FATHOM_OK) {
-        json_t *root = head(&asked);
-        status = run_scene(context, &asked, root);
-        if (status == FATHOM_OK && !asked.quiet) print_rows(json_object_get(root, "rows"));
-        if (status == FATHOM_OK) status = bench_output_write(context, &asked.output, root, put_csv);
-        json_decref(root);
-    }
-    say_status(&command_bench_secondary, context, status);
-    fathom_context_destroy(context);
-    return status;
+    return bench_run(&command_bench_secondary, 0, asked.allow_outside, bench, &asked);
 }
 
 #define FIELD(name) offsetof(bench_secondary_settings, name)
@@ -161,6 +153,7 @@ static const args_option options[] = {
      "of each depth and kind, about, if there are (100000)"},
     {"repeats", 0, "N", take_u32, FIELD(repeats), 1, SECONDARY_REPEATS_MAX,
      "of which medians and quartiles are told (9)"},
+    COMMAND_ALLOW_OUTSIDE(bench_secondary_settings),
     BENCH_OUTPUT_OPTIONS(bench_secondary_settings),
     {.help = NULL},
 };

@@ -1,7 +1,7 @@
 /* `fathom bench trace`: rays a second of every tracer, what they cost to build, by triangle count. */
 #include "cli/bench.h"
 #include "cli/bench_output.h"
-#include "cli/interrupt.h"
+#include "cli/bench_run.h"
 #include "cli/json_text.h"
 
 #include "base/clock.h"
@@ -20,6 +20,7 @@ typedef struct bench_trace_settings {
     double seconds;
     bool quiet;
     bench_output output;
+    bool allow_outside;
 } bench_trace_settings;
 
 /* ---- which tracers ---- */
@@ -70,27 +71,28 @@ static fathom_status enter_given(fathom_context *context, field *f, const args_l
 
 /* ---- one scene ---- */
 
-typedef struct stage {
-    char name[256];
-    fathom_scene *scene;
-    world *world;
+typedef struct arena {
+    bench_stage stage; /* without a tracer: each contestant has its own */
+    const char *name;
     uint64_t triangles, primitives;
-} stage;
+} arena;
 
-static void count_primitives(stage *s) {
-    for (size_t i = 0; i < s->scene->meshes.count; ++i)
-        s->triangles += s->scene->meshes.items[i].triangle_count;
-    s->primitives = s->triangles + s->scene->spheres.count + s->scene->quads.count + s->scene->planes.count;
+static arena arena_of(const bench_stage *stage, const char *name) {
+    const fathom_scene *scene = stage->scene;
+    uint64_t triangles = scene_triangles(scene);
+    return (arena){*stage, name, triangles,
+                   triangles + scene->spheres.count + scene->quads.count + scene->planes.count};
 }
 
-static fathom_status make_sphere(fathom_context *context, uint64_t triangles, stage *out) {
-    fathom_generate_options options;
-    fathom_generate_options_default(&options);
-    options.triangles = triangles;
-    snprintf(out->name, sizeof out->name, "generated sphere");
-    fathom_status status = fathom_scene_create(context, &out->scene);
-    if (status == FATHOM_OK) status = fathom_scene_generate(out->scene, FATHOM_ROOT, &options);
-    return status == FATHOM_OK ? fathom_scene_complete(out->scene) : status;
+static fathom_status open_sphere(fathom_context *context, uint64_t triangles, bench_stage *out) {
+    fathom_scene *scene;
+    fathom_settings settings;
+    fathom_status status = bench_sphere(context, triangles, &scene);
+    if (status == FATHOM_OK) status = fathom_scene_complete(scene);
+    *out = (bench_stage){.scene = scene};
+    if (status != FATHOM_OK) return status;
+    fathom_scene_settings(scene, &settings);
+    return stage_open(context, scene, &settings, out);
 }
 
 static fathom_status build(fathom_context *context, const world *w, contestant *c, unsigned threads) {
@@ -102,7 +104,7 @@ static fathom_status build(fathom_context *context, const world *w, contestant *
 }
 
 /* The rays come from the first tracer's hits. */
-static fathom_status race(fathom_context *context, const stage *s, const bench_trace_settings *asked,
+static fathom_status race(fathom_context *context, const arena *s, const bench_trace_settings *asked,
                           field *f) {
     const trace_tracer *tracers[TRACE_TIME_TRACERS_MAX];
     static trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS];
@@ -110,11 +112,11 @@ static fathom_status race(fathom_context *context, const stage *s, const bench_t
     trace_set sets[TRACE_SETS] = {{NULL, 0}};
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
-        status = build(context, s->world, &f->items[i], asked->threads);
+        status = build(context, s->stage.world, &f->items[i], asked->threads);
         tracers[i] = f->items[i].tracer;
     }
     if (status == FATHOM_OK) {
-        status = trace_sets_create(context, s->world, tracers[0], asked->rays, sets);
+        status = trace_sets_create(context, s->stage.world, tracers[0], asked->rays, sets);
         if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", s->name);
     }
     if (status == FATHOM_OK) status = trace_time_measure(context, tracers, f->count, sets, &options, rates);
@@ -138,7 +140,7 @@ static json_t *pack_rate(trace_set_kind kind, const trace_rate *r) {
                      "millionRaysPerCpuSecond", millions(r->per_cpu_second));
 }
 
-static json_t *pack_run(const stage *s, const contestant *c) {
+static json_t *pack_run(const arena *s, const contestant *c) {
     json_t *rates = json_array();
     for (int k = 0; k < TRACE_SETS; ++k)
         json_array_append_new(rates, pack_rate((trace_set_kind)k, &c->rates[k]));
@@ -182,7 +184,7 @@ static void print_fewer(const field *f) {
     if (any) putchar('\n');
 }
 
-static void print_scene(const stage *s, const field *f, const json_t *runs, size_t first) {
+static void print_scene(const arena *s, const field *f, const json_t *runs, size_t first) {
     printf("%s: %llu primitives, of them %llu triangles; rays camera %llu, others %llu\n", s->name,
            (unsigned long long)s->primitives, (unsigned long long)s->triangles,
            (unsigned long long)most_rays(f, TRACE_SET_CAMERA),
@@ -230,19 +232,17 @@ static void put_csv(FILE *out, const json_t *root) {
 
 /* ---- the command ---- */
 
-static fathom_status run_stage(fathom_context *context, stage *s, const bench_trace_settings *asked,
+static fathom_status run_arena(fathom_context *context, const arena *s, const bench_trace_settings *asked,
                                json_t *root) {
     json_t *runs = json_object_get(root, "runs");
     size_t first = json_array_size(runs);
     field *f = calloc(1, sizeof *f);
     if (!f) return fail_memory(context, sizeof *f);
-    count_primitives(s);
-    fathom_status status = world_create(s->scene, &s->world);
-    if (status == FATHOM_OK) status = world_check(s->world);
-    if (status == FATHOM_OK && asked->tracers.count)
+    fathom_status status = FATHOM_OK;
+    if (asked->tracers.count)
         status = enter_given(context, f, &asked->tracers);
-    else if (status == FATHOM_OK)
-        enter_all(context, f, s->scene, s->primitives);
+    else
+        enter_all(context, f, s->stage.scene, s->primitives);
     if (status == FATHOM_OK) status = race(context, s, asked, f);
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
         bench_head_tracer(root, trace_name(f->items[i].tracer));
@@ -254,25 +254,28 @@ static fathom_status run_stage(fathom_context *context, stage *s, const bench_tr
     return status;
 }
 
-static void stage_close(stage *s) {
-    world_destroy(s->world);
-    fathom_scene_destroy(s->scene);
+static fathom_status run_stage(fathom_context *context, fathom_status opened, bench_stage *stage,
+                               const char *name, const bench_trace_settings *asked, json_t *root) {
+    fathom_status status = opened;
+    if (status == FATHOM_OK) {
+        const arena a = arena_of(stage, name);
+        status = run_arena(context, &a, asked, root);
+    }
+    if (status == FATHOM_OK) status = fathom_scene_check_files(stage->scene);
+    stage_close(stage);
+    return status;
 }
 
 static fathom_status run_scenes(fathom_context *context, const bench_trace_settings *asked, json_t *root) {
     fathom_status status = FATHOM_OK;
+    bench_stage stage;
     if (asked->scene) {
-        stage s = {.scene = NULL};
-        snprintf(s.name, sizeof s.name, "%s", asked->scene);
-        status = fathom_scene_read(context, asked->scene, &s.scene);
-        if (status == FATHOM_OK) status = run_stage(context, &s, asked, root);
-        stage_close(&s);
+        status = bench_open(context, asked->scene, (args_size){0, 0}, &stage);
+        status = run_stage(context, status, &stage, asked->scene, asked, root);
     }
     for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
-        stage s = {.scene = NULL};
-        status = make_sphere(context, asked->triangles.items[i], &s);
-        if (status == FATHOM_OK) status = run_stage(context, &s, asked, root);
-        stage_close(&s);
+        status = open_sphere(context, asked->triangles.items[i], &stage);
+        status = run_stage(context, status, &stage, "generated sphere", asked, root);
     }
     return status;
 }
@@ -285,28 +288,26 @@ static fathom_status check(fathom_context *context, const bench_trace_settings *
     return status == FATHOM_OK ? bench_output_check(context, &asked->output, asked->scene) : status;
 }
 
+static fathom_status bench(fathom_context *context, const void *user) {
+    const bench_trace_settings *asked = user;
+    fathom_status status = check(context, asked);
+    if (status != FATHOM_OK) return status;
+    json_t *root = bench_head("trace");
+    json_object_set_new(root, "repeats", json_count(asked->repeats));
+    json_object_set_new(root, "threads", json_count(asked->threads));
+    json_object_set_new(root, "raysAsked", json_count(asked->rays));
+    json_object_set_new(root, "runs", json_array());
+    status = run_scenes(context, asked, root);
+    if (status == FATHOM_OK) status = bench_output_write(context, &asked->output, root, put_csv);
+    json_decref(root);
+    return status;
+}
+
 static fathom_status run(int argc, char **argv) {
     bench_trace_settings asked = {.rays = 262144, .repeats = 9, .threads = 1, .seconds = 0.1};
     fathom_status status;
     if (!command_parse(&command_bench_trace, argc, argv, &asked, &status)) return status;
-    fathom_context *context;
-    status = command_context(0, &context);
-    if (status != FATHOM_OK) return status;
-    interrupt_install();
-    status = check(context, &asked);
-    if (status == FATHOM_OK) {
-        json_t *root = bench_head("trace");
-        json_object_set_new(root, "repeats", json_count(asked.repeats));
-        json_object_set_new(root, "threads", json_count(asked.threads));
-        json_object_set_new(root, "raysAsked", json_count(asked.rays));
-        json_object_set_new(root, "runs", json_array());
-        status = run_scenes(context, &asked, root);
-        if (status == FATHOM_OK) status = bench_output_write(context, &asked.output, root, put_csv);
-        json_decref(root);
-    }
-    say_status(&command_bench_trace, context, status);
-    fathom_context_destroy(context);
-    return status;
+    return bench_run(&command_bench_trace, 0, asked.allow_outside, bench, &asked);
 }
 
 #define FIELD(name) offsetof(bench_trace_settings, name)
@@ -324,6 +325,7 @@ static const args_option options[] = {
     {"repeats", 0, "N", take_u32, FIELD(repeats), 1, TRACE_TIME_REPEATS_MAX,
      "of which medians and quartiles are told (9)"},
     {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "that build and trace (1)"},
+    COMMAND_ALLOW_OUTSIDE(bench_trace_settings),
     BENCH_OUTPUT_OPTIONS(bench_trace_settings),
     {.help = NULL},
 };

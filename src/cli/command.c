@@ -1,6 +1,7 @@
 #include "cli/command.h"
 
 #include "cli/progress.h"
+#include "json/memory.h"
 
 #include <string.h>
 
@@ -62,6 +63,7 @@ fathom_status command_context(unsigned threads, fathom_context **out) {
         say_error("out of memory");
         return status;
     }
+    json_memory_watch();
     fathom_context_set_threads(*out, threads);
     fathom_context_on_warning(*out, say_warning, NULL);
     return FATHOM_OK;

@@ -42,6 +42,13 @@ fathom_status say_status(const command *c, const fathom_context *context, fathom
 /* Reads the command line into `settings`. False when the command is done: *status is then its exit code. */
 bool command_parse(const command *c, int argc, char **argv, void *settings, fathom_status *status);
 
+/* The row of a table of options, for settings with a bool called allow_outside. */
+#define COMMAND_ALLOW_OUTSIDE(settings)                                                                      \
+    {                                                                                                        \
+        "allow-outside", 0, NULL, take_true, offsetof(settings, allow_outside), 0, 0,                        \
+            "files that SCENE names may lie outside its folder"                                              \
+    }
+
 /* A context whose warnings go to stderr; the error is said when there is no memory for one. */
 fathom_status command_context(unsigned threads, fathom_context **out);
 

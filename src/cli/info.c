@@ -13,7 +13,7 @@
 typedef struct info_settings {
     const char *scene;
     unsigned threads;
-    bool json;
+    bool json, allow_outside;
 } info_settings;
 
 #define PROBLEMS_MAX 64
@@ -124,7 +124,7 @@ static fathom_status print_json(fathom_context *context, const char *path, const
     if (facts) set_facts(root, scene, facts);
     for (size_t i = 0; i < problems->count; ++i) json_array_append_new(list, json_text(problems->items[i]));
     json_object_set_new(root, "problems", list);
-    char *bytes = json_dumps(root, JSON_INDENT(2));
+    char *bytes = json_dump_text(root, 0);
     json_decref(root);
     if (!bytes) return fail_memory(context, 4096);
     puts(bytes);
@@ -161,6 +161,13 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
     if (status == FATHOM_OK) {
         status = info_gather(scene, &facts);
         if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", settings->scene);
+        if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
+    }
+    /* Lack of memory is no property of the scene. */
+    if (status == FATHOM_OUT_OF_RESOURCES) {
+        info_release(&facts);
+        fathom_scene_destroy(scene);
+        return say_status(&command_info, context, status);
     }
     bool renderable = status == FATHOM_OK;
     if (renderable)
@@ -188,6 +195,7 @@ static fathom_status run(int argc, char **argv) {
     fathom_context *context;
     status = command_context(settings.threads, &context);
     if (status != FATHOM_OK) return status;
+    fathom_context_allow_outside(context, settings.allow_outside);
     interrupt_install();
     problem_list problems = {.count = 0};
     fathom_context_on_warning(context, add_problem, &problems);
@@ -200,6 +208,7 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     {"json", 0, NULL, take_true, offsetof(info_settings, json), 0, 0, "as JSON"},
+    COMMAND_ALLOW_OUTSIDE(info_settings),
     {"threads", 0, "N", take_u32, offsetof(info_settings, threads), 1, 1024, "1 to 1024 (one a processor)"},
     {.help = NULL},
 };

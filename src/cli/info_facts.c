@@ -1,6 +1,9 @@
 #include "cli/info_facts.h"
 
 #include "base/memory.h"
+#include "cli/left_out.h"
+#include "image/image.h"
+#include "render/film.h"
 #include "scene/closed.h"
 #include "scene/graph.h"
 #include "scene/world.h"
@@ -99,11 +102,6 @@ static void list_features(const fathom_scene *scene, info_facts *out) {
     add_feature(out, uses.lit_from_behind, "lit from behind");
 }
 
-static unsigned film_channels(unsigned aovs) {
-    const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z;
-    return 3 + (unsigned)(__builtin_popcount(aovs & one) + 3 * __builtin_popcount(aovs & ~one));
-}
-
 static void count_items(const fathom_scene *scene, info_facts *out) {
     out->spheres = scene->spheres.count;
     out->quads = scene->quads.count;
@@ -112,9 +110,7 @@ static void count_items(const fathom_scene *scene, info_facts *out) {
     out->materials = scene->materials.count;
     out->groups = scene->groups.count;
     out->instances = scene->instances.count;
-    for (size_t i = 0; i < scene->meshes.count; ++i) {
-        out->triangles += scene->meshes.items[i].triangle_count;
-    }
+    out->triangles = scene_triangles(scene);
     for (size_t i = 0; i < scene->lights.count; ++i) {
         switch (scene->lights.items[i].type) {
         case FATHOM_LIGHT_POINT: ++out->point_lights; break;
@@ -139,7 +135,10 @@ static fathom_status list_left_out(const world *w, info_facts *out) {
     fathom_status status = any_closed(w, &closed);
     if (status != FATHOM_OK) return status;
     unsigned parts = parts_needed(w, settings) | (closed ? FATHOM_PART_REPAIR : 0);
+    fathom_write_options usual;
+    fathom_write_options_default(&usual);
     bool fine = left_out_find(w, settings, parts, &out->left_out);
+    if (fine && image_view_is_srgb(&usual)) fine = left_out_image_module(&out->left_out);
     return fine ? FATHOM_OK : fail_memory(w->scene->context, sizeof(fathom_left_out));
 }
 
@@ -166,9 +165,9 @@ fathom_status info_gather(const fathom_scene *scene, info_facts *out) {
     if (status == FATHOM_OK) status = count_placed(scene, out);
     if (status == FATHOM_OK)
         status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &out->geometry_bytes);
+    if (status == FATHOM_OK) status = scene_world_bounds(scene, &out->bounds);
     if (status != FATHOM_OK) return status;
     list_features(scene, out);
-    out->bounds = scene_world_bounds(scene);
     const fathom_settings *s = &scene->settings;
     uint64_t pixels = s->crop[2] ? (uint64_t)(s->crop[2] - s->crop[0]) * (s->crop[3] - s->crop[1])
                                  : (uint64_t)s->width * s->height;

@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static volatile sig_atomic_t asked, keep_work;
+static volatile sig_atomic_t asked, keep_work, save;
 static struct timespec first;
 
 /* timeout(1) and some shells send the same signal to the process and once more to its group: a second one
@@ -44,8 +44,13 @@ static void on_signal(int number) {
     _exit(FATHOM_INTERRUPTED);
 }
 
-static void install(int number) {
-    struct sigaction old, action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+static void on_save(int number) {
+    (void)number;
+    save = 1;
+}
+
+static void install(int number, void (*handler)(int)) {
+    struct sigaction old, action = {.sa_handler = handler, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
     sigaddset(&action.sa_mask, SIGINT);
     sigaddset(&action.sa_mask, SIGTERM);
@@ -54,8 +59,16 @@ static void install(int number) {
 }
 
 void interrupt_install(void) {
-    install(SIGINT);
-    install(SIGTERM);
+    install(SIGINT, on_signal);
+    install(SIGTERM, on_signal);
+}
+
+void interrupt_install_save(void) { install(SIGUSR1, on_save); }
+
+bool interrupt_take_save(void) {
+    bool was = save;
+    if (was) save = 0;
+    return was;
 }
 
 void interrupt_keep_work(bool keep) { keep_work = keep; }

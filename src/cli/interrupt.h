@@ -1,4 +1,4 @@
-/* Ctrl-C and SIGTERM.
+/* Ctrl-C and SIGTERM; SIGUSR1.
  *
  * The first one stops at once while there is nothing to save; afterwards it sets a flag, and what is finished
  * gets saved. A second one ends the process on the spot. */
@@ -14,5 +14,10 @@ void interrupt_install(void);
 void interrupt_keep_work(bool keep);
 
 bool interrupt_asked(void);
+
+/* From now on SIGUSR1 asks for a save, and nothing else. */
+void interrupt_install_save(void);
+/* Whether it did since the last call. */
+bool interrupt_take_save(void);
 
 #endif

@@ -1,5 +1,7 @@
 #include "cli/json_text.h"
 
+#include "json/memory.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,3 +19,10 @@ json_t *json_text(const char *string) {
 }
 
 json_t *json_count(uint64_t number) { return json_integer((json_int_t)number); }
+
+char *json_dump_text(const json_t *root, unsigned digits) {
+    char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(digits)) : NULL;
+    if (!json_memory_lacked()) return text;
+    free(text);
+    return NULL;
+}

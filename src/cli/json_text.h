@@ -10,4 +10,8 @@
 json_t *json_text(const char *string);
 json_t *json_count(uint64_t number);
 
+/* All of it, indented; real numbers with `digits` digits, 0: with all they need. To be released with free().
+ * NULL where memory ran out, also while it was put together: then something is left out in it. */
+char *json_dump_text(const json_t *root, unsigned digits);
+
 #endif

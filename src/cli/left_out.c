@@ -3,6 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
+bool left_out_image_module(left_out_list *list) {
+    return left_out_tell(list, "image module", "PNG in the built-in sRGB view is written without it");
+}
+
 void left_out_print(const fathom_left_out *items, uint32_t count, const char *title) {
     for (uint32_t i = 0; i < count; ++i)
         printf("%-*s%s: %s\n", (int)strlen(title), i ? "" : title, items[i].what, items[i].why);

@@ -2,9 +2,13 @@
 #ifndef CLI_LEFT_OUT_H
 #define CLI_LEFT_OUT_H
 
+#include "render/parts.h"
+
 #include <fathom/render.h>
 #include <jansson.h>
 
+/* That the image module is not loaded. False when out of memory. */
+bool left_out_image_module(left_out_list *list);
 /* A line each, the first behind `title`, the others below it. */
 void left_out_print(const fathom_left_out *items, uint32_t count, const char *title);
 /* [{"what": …, "why": …}, …] */

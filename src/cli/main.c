@@ -1,14 +1,38 @@
 #include "cli/command.h"
+#include "cli/exhausted.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* Results that did not arrive are a failure: the disk is full, the device is gone. */
+/* A pipe that nobody reads any more, and a file that outgrows its limit, end the process where these signals
+ * are not ignored: hours of rendering for a line of text. Ignored, they are errors of write(). */
+static void ignore_signals(void) {
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+}
+
+/* Whoever started us may have closed the standard streams. Their numbers would go to the next files opened,
+ * and what is printed into the image. Held open for the other direction, they stay of no use. */
+static void hold_streams(void) {
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+        if (fcntl(stream, F_GETFD) >= 0) continue;
+        int held = open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+        if (held != stream) return; /* no such device: nothing more can be done */
+    }
+}
+
+/* Results that did not arrive are a failure: the disk is full, the device or the reader is gone. */
 static fathom_status finish(fathom_status status) {
-    if (fflush(stdout) == 0 && !ferror(stdout)) return status;
-    fprintf(stderr, "fathom: standard output cannot be written: %s\n", strerror(errno));
+    bool failed = ferror(stdout);
+    errno = 0;
+    failed |= fflush(stdout) != 0;
+    if (!failed) return status;
+    fprintf(stderr, "fathom: standard output cannot be written%s%s\n", errno ? ": " : "",
+            errno ? strerror(errno) : "");
     return status == FATHOM_OK ? FATHOM_OUT_OF_RESOURCES : status;
 }
 
@@ -37,10 +61,10 @@ static fathom_status dispatch(int argc, char **argv) {
 }
 
 /* All files are closed by now. exit() would go on to tear down the image module's 260 libraries, one by one,
- * and wait for it where it is still being loaded; the system takes all back at once. Sanitizers report in
- * exit(). */
+ * and wait for it where it is still being loaded; the system takes all back at once. Sanitizers and
+ * counts of what ran report in exit(). */
 static _Noreturn void leave(fathom_status status) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(FATHOM_COVERAGE)
     exit((int)status);
 #else
     fflush(NULL);
@@ -48,4 +72,10 @@ static _Noreturn void leave(fathom_status status) {
 #endif
 }
 
-int main(int argc, char **argv) { leave(finish(dispatch(argc, argv))); }
+int main(int argc, char **argv) {
+    exhausted_watch();
+    ignore_signals();
+    hold_streams();
+    fathom_guard_files();
+    leave(finish(dispatch(argc, argv)));
+}

@@ -1,7 +1,10 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/left_out.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
+#include "cli/rescue.h"
+#include "cli/saving.h"
 #include "cli/stats.h"
 #include "cli/time_left.h"
 
@@ -12,16 +15,22 @@
 #include "render/render.h"
 #include "scene/scene.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 static fathom_status check_outputs(fathom_context *context, const render_options *options) {
-    const char *all[ARGS_LIST_MAX + 1];
+    const char *all[ARGS_LIST_MAX + 2];
     size_t count = 0;
     for (; count < options->outputs.count; ++count) all[count] = options->outputs.items[count];
     if (options->stats) all[count++] = options->stats;
+    if (options->checkpoint) all[count++] = options->checkpoint;
     fathom_status status = outputs_check_distinct(context, all, count, options->scene);
     for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
         status = image_check(context, options->outputs.items[i], &options->write);
     }
     if (status == FATHOM_OK && options->stats) status = file_check_writable(context, options->stats);
+    if (status == FATHOM_OK) status = saving_check(context, options);
+    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) file_remove_left_over(all[i]);
     return status;
 }
 
@@ -44,25 +53,62 @@ static fathom_status merge_settings(fathom_context *context, const fathom_scene 
     return scene_check_settings(context, &options->settings) == FATHOM_OK ? FATHOM_OK : FATHOM_BAD_USAGE;
 }
 
+typedef struct watched {
+    fathom_context *context;
+    render_report *report;
+    saving saving;
+    fathom_status outlook; /* of writing the image */
+} watched;
+
 static bool on_progress(void *user, const fathom_progress *progress) {
-    render_report *report = user;
+    watched *w = user;
     if (progress->phase == FATHOM_PHASE_RENDER) {
-        report->finished = progress->fraction;
+        w->report->finished = progress->fraction;
         interrupt_keep_work(true);
     }
+    saving_tick(&w->saving);
     progress_update(progress);
-    return !interrupt_asked();
+    w->outlook = image_prefetch_status(w->context);
+    return !interrupt_asked() && w->outlook == FATHOM_OK;
+}
+
+static bool holds_all(const char *path) {
+    char extension[16];
+    file_extension(path, extension);
+    return strcmp(extension, "exr") == 0;
+}
+
+static bool needs_image_module(const render_options *options) {
+    for (size_t i = 0; i < options->outputs.count; ++i) {
+        if (image_needs_module(options->outputs.items[i], &options->write)) return true;
+    }
+    return false;
+}
+
+static fathom_status list_left_out(fathom_context *context, const fathom_film *film,
+                                   const render_options *options, left_out_list *out) {
+    const fathom_left_out *items;
+    const uint32_t count = fathom_film_left_out(film, &items);
+    bool fine = true;
+    for (uint32_t i = 0; i < count && fine; ++i) fine = left_out_tell(out, items[i].what, items[i].why);
+    if (fine && !needs_image_module(options)) fine = left_out_image_module(out);
+    return fine ? FATHOM_OK : fail_memory(context, count * sizeof *items);
 }
 
 /* Every output is tried: a full disk under one leaves the others worth having. */
 static fathom_status write_images(fathom_context *context, const fathom_film *film,
                                   const render_options *options) {
     fathom_status result = FATHOM_OK;
+    const char *failed = NULL;
+    bool kept = false;
     for (size_t i = 0; i < options->outputs.count; ++i) {
-        fathom_status status = fathom_film_write(context, film, options->outputs.items[i], &options->write);
+        const char *path = options->outputs.items[i];
+        fathom_status status = fathom_film_write(context, film, path, &options->write);
         say_status(&command_render, context, status);
-        if (result == FATHOM_OK) result = status;
+        kept |= status == FATHOM_OK && holds_all(path);
+        if (status != FATHOM_OK && !failed) result = status, failed = path;
     }
+    if (failed && !kept) rescue_film(context, film, failed);
     return result;
 }
 
@@ -75,8 +121,10 @@ static fathom_status write_all(fathom_context *context, const fathom_film *film,
     report->write_seconds = end - begin;
     report->total_seconds = end - start;
     fathom_film_size(film, &report->width, &report->height);
-    report->left_out_count = fathom_film_left_out(film, &report->left_out);
     progress_clear_line();
+    if (status == FATHOM_OK)
+        status =
+            say_status(&command_render, context, list_left_out(context, film, options, &report->left_out));
     if (options->stats) {
         fathom_status stats = say_status(&command_render, context, stats_write(context, report, options));
         if (status == FATHOM_OK) status = stats;
@@ -94,12 +142,21 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     fathom_status status = time_left(context, clock_seconds() - start, options);
     if (status != FATHOM_OK) return say_status(&command_render, context, status);
     fathom_film *film;
+    watched w = {.context = context, .report = report, .outlook = FATHOM_OK};
     const time_outputs outputs = {context, options};
     const job_reserve writing = time_to_write(&outputs);
-    status = render_to_time(context, scene, &options->settings, &writing, on_progress, report, &report->stats,
-                            &film);
-    /* What no reader could see: how the scene's parts fit together. */
-    if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", options->scene);
+    saving_begin(options, &w.saving);
+    status = render_to_time(context, scene, &options->settings, &writing, saving_request(&w.saving),
+                            on_progress, &w, &report->stats, &film);
+    if (w.outlook != FATHOM_OK) {
+        fathom_film_destroy(film);
+        return say_status(&command_render, context, image_prefetch_status(context));
+    }
+    /* What no reader could see: how the scene's parts fit together. Files that changed name themselves, and
+     * so does a checkpoint. */
+    if (status == FATHOM_BAD_INPUT && !saving_is_named(&w.saving, context) &&
+        fathom_scene_check_files(scene) == FATHOM_OK)
+        fail_within(context, status, "%s: ", options->scene);
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED)
         return say_status(&command_render, context, status);
     interrupt_keep_work(true);
@@ -107,8 +164,13 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     report->scene = scene->name;
     fathom_status written = write_all(context, film, options, report, start);
     fathom_film_destroy(film);
+    written = saving_end(&w.saving, status == FATHOM_INTERRUPTED, written);
     if (written != FATHOM_OK) return written;
-    if (status == FATHOM_INTERRUPTED) say_error("interrupted; the image is written as far as it got");
+    if (status == FATHOM_INTERRUPTED) {
+        say_error(options->checkpoint
+                      ? "interrupted; the image is written as far as it got, and --resume continues"
+                      : "interrupted; the image is written as far as it got");
+    }
     return status;
 }
 
@@ -121,9 +183,10 @@ static fathom_status read_scene(fathom_context *context, const render_options *o
 static fathom_status read_and_render(fathom_context *context, int argc, char **argv, render_options *options,
                                      double start) {
     interrupt_install();
+    interrupt_install_save();
     fathom_status status = say_status(&command_render, context, check_outputs(context, options));
     if (status != FATHOM_OK) return status;
-    fathom_image_prefetch();
+    if (needs_image_module(options)) fathom_image_prefetch();
     progress_begin(options->quiet);
     progress_phase(FATHOM_PHASE_READ);
     render_report report = {.finished = 0};
@@ -135,6 +198,7 @@ static fathom_status read_and_render(fathom_context *context, int argc, char **a
     status = merge_settings(context, scene, argc, argv, options);
     say_status(&command_render, context, status);
     if (status == FATHOM_OK) status = render_scene(context, scene, options, &report, start);
+    array_free(&report.left_out);
     fathom_scene_destroy(scene);
     return status;
 }
@@ -152,6 +216,7 @@ static fathom_status run(int argc, char **argv) {
     fathom_context *context;
     status = command_context(options.threads, &context);
     if (status != FATHOM_OK) return status;
+    fathom_context_allow_outside(context, options.allow_outside);
     status = read_and_render(context, argc, argv, &options, start);
     fathom_context_destroy(context);
     return status;
@@ -166,12 +231,16 @@ const command command_render = {
     .summary = "Render a scene to an image.",
     .text = "SCENE is scene JSON (.json) or a model: .glb, .gltf, .obj, .ply. A model without\n"
             "camera or lights gets a camera that frames it, and lights.\n"
-            "Ctrl-C stops, keeps what is finished as an image, and exits with code 5.\n",
+            "Ctrl-C stops, keeps what is finished as an image, and exits with code 5.\n"
+            "If an image cannot be written, its pixels go to NAME.rescue.exr beside it, or to\n"
+            "the working folder, $TMPDIR or /tmp, and a message says where.\n"
+            "With --checkpoint FILE it can be continued, and so can what was killed.\n",
     .examples = "  fathom render bunny.obj -o bunny.png\n"
                 "  fathom render scene.json -o out.exr -o out.png --size 1920x1080 --spp 16\n"
                 "  fathom render scene.json -o out.exr --aov Z,N,id --stats out.json\n"
                 "  fathom render scene.json -o out.png --target-error 0.01\n"
-                "  fathom render scene.json -o out.png --max-time 60\n",
+                "  fathom render scene.json -o out.png --max-time 60\n"
+                "  fathom render scene.json -o out.exr --checkpoint out.part --resume\n",
     .args = {render_option_table, operands, operand_offsets, 1},
     .run = run,
 };

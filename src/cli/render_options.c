@@ -1,9 +1,11 @@
 #include "cli/render_options.h"
 
+#include "cli/command.h"
+
 #include "base/file.h"
+#include "image/image.h"
 #include "trace/spec.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -220,6 +222,18 @@ const args_option render_option_table[] = {
      "of "
      "two (65536)"},
 
+    {.help = "Saving on the way"},
+    {"checkpoint", 0, "FILE", take_text, FIELD(checkpoint), 0, 0,
+     "save the work to FILE on the way, on Ctrl-C or SIGTERM, and on SIGUSR1, after which it goes on; FILE "
+     "is "
+     "removed once the image is written, and is never taken for another render"},
+    {"checkpoint-every", 0, "SECONDS", take_f64, FIELD(checkpoint_every), 0, 1e9,
+     "from the end of one save to the next (60)"},
+    {"resume", 0, NULL, take_true, FIELD(resume), 0, 0,
+     "continue from the checkpoint, or begin where there is none: the image is the same to the last bit, on "
+     "any "
+     "number of threads; without it a FILE that is there is an error"},
+
     {.help = "Light transport"},
     {"max-depth", 0, "N", take_u32, FIELD(settings.max_depth), 0, 64,
      "mirrored and refracted bounces, 0 to 64 (8)"},
@@ -258,6 +272,7 @@ const args_option render_option_table[] = {
      "glow, background, lights, unlit, bounces, hits, repair, uvs, with commas between, or all; no pixel "
      "depends "
      "on it"},
+    COMMAND_ALLOW_OUTSIDE(render_options),
     {"quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings"},
     {"verbose", 'v', NULL, take_true, FIELD(verbose), 0, 0,
      "tell what was traced and how long each step took"},
@@ -266,6 +281,7 @@ const args_option render_option_table[] = {
 
 void render_options_default(render_options *options, const fathom_settings *settings) {
     *options = (render_options){.settings = *settings,
+                                .checkpoint_every = -1,
                                 .scene_adaptive = settings->target_error > 0 || settings->max_time > 0};
     fathom_write_options_default(&options->write);
 }
@@ -300,11 +316,9 @@ static bool finish_adaptive(render_options *options, args_problem *problem) {
 
 /* What the view makes of a loss is known of the built-in one alone. */
 static bool finish_loss(render_options *options, args_problem *problem) {
-    const char *named = getenv("OCIO");
-    bool other = options->write.ocio || options->write.display || options->write.view || (named && *named);
-    if (options->loss == FATHOM_LOSS_8BIT && other) {
-        return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in view alone; "
-                                   "expected no --ocio, --display, --view and no $OCIO");
+    if (options->loss == FATHOM_LOSS_8BIT && !image_view_is_srgb(&options->write)) {
+        return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
+                                   "alone; expected no --ocio, --display, --view and no $OCIO");
     }
     fathom_settings_set_loss(&options->settings, options->loss, options->write.exposure);
     return true;
@@ -318,6 +332,10 @@ bool render_options_finish(render_options *options, args_problem *problem) {
     }
     if (options->quiet && options->verbose)
         return args_wrong(problem, "--quiet and --verbose exclude each other");
+    if (!options->checkpoint && (options->resume || options->checkpoint_every >= 0)) {
+        return args_wrong(problem, "--%s: only with --checkpoint FILE",
+                          options->resume ? "resume" : "checkpoint-every");
+    }
     if (!finish_adaptive(options, problem) || !finish_loss(options, problem)) return false;
     unsigned held = held_aovs(&options->outputs);
     if (options->aovs_given && options->settings.aovs & ~held)

@@ -23,8 +23,11 @@ typedef struct render_options {
     render_background background;
     fathom_write_options write;
     fathom_loss loss;
-    const char *stats; /* NULL: none */
-    bool quiet, verbose;
+    const char *stats;       /* NULL: none */
+    const char *checkpoint;  /* NULL: none */
+    double checkpoint_every; /* seconds; < 0: not given */
+    bool resume;
+    bool quiet, verbose, allow_outside;
 } render_options;
 
 /* Everything not given stays as `settings` says. */

@@ -75,6 +75,14 @@ static json_t *pack_image(const render_report *r, const render_options *options)
                      error > 0 && isfinite(error) ? json_real(error) : json_null());
 }
 
+static json_t *pack_checkpoint(const fathom_stats *s, const char *path) {
+    if (!path) return json_null();
+    return json_pack("{s:o, s:o, s:f, s:b, s:f, s:o}", "file", json_text(path), "saved",
+                     json_count(s->checkpoints), "seconds", s->checkpoint_seconds, "resumed",
+                     s->resumed_seconds > 0, "resumedSeconds", s->resumed_seconds, "resumedSamples",
+                     json_count(s->resumed_samples));
+}
+
 static json_t *pack_outputs(const args_list *outputs) {
     json_t *array = json_array();
     for (size_t i = 0; i < outputs->count; ++i) json_array_append_new(array, json_text(outputs->items[i]));
@@ -89,6 +97,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
     json_object_set_new(root, "image", pack_image(r, options));
     json_object_set_new(root, "outputs", pack_outputs(&options->outputs));
     json_object_set_new(root, "interrupted", json_boolean(r->interrupted));
+    json_object_set_new(root, "checkpoint", pack_checkpoint(s, options->checkpoint));
     json_object_set_new(root, "triangles", json_count(s->triangles));
     json_object_set_new(root, "placedTriangles", json_count(s->placed_triangles));
     json_object_set_new(root, "primitives", json_count(s->primitives));
@@ -100,7 +109,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
     json_object_set_new(root, "peakMemoryBytes", json_count(report_peak_bytes()));
     json_object_set_new(root, "bvhBytes", json_count(s->bvh_bytes));
     json_object_set_new(root, "memory", pack_memory(r));
-    json_object_set_new(root, "leftOut", left_out_json(r->left_out, r->left_out_count));
+    json_object_set_new(root, "leftOut", left_out_json(r->left_out.items, (uint32_t)r->left_out.count));
     set_embree(root, s->tracer);
     json_object_set_new(root, "threads", json_count(s->threads));
     return root;
@@ -109,7 +118,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
 fathom_status stats_write(fathom_context *context, const render_report *report,
                           const render_options *options) {
     json_t *root = pack(report, options);
-    char *bytes = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
+    char *bytes = json_dump_text(root, 9);
     json_decref(root);
     if (!bytes) return fail_memory(context, 4096);
     file_writer *writer;
@@ -135,7 +144,15 @@ static void print_memory(const render_report *r) {
     putchar('\n');
 }
 
-static void print_details(const render_report *r) {
+static void print_checkpoint(const fathom_stats *s, const char *path) {
+    if (!path) return;
+    printf("saved    %u times to %s, in %.3f s beside rendering", s->checkpoints, path,
+           s->checkpoint_seconds);
+    if (s->resumed_seconds > 0) printf("; resumed after %.1f s of rendering", s->resumed_seconds);
+    putchar('\n');
+}
+
+static void print_details(const render_report *r, const render_options *options) {
     const fathom_stats *s = &r->stats;
     printf("scene    %s: %llu primitives, of them %llu triangles; %llu instances", r->scene,
            (unsigned long long)s->primitives, (unsigned long long)s->triangles,
@@ -153,7 +170,8 @@ static void print_details(const render_report *r) {
     printf("         shadow rays not cast: %llu for nothing, %llu too faint\n",
            (unsigned long long)s->unlit_shadow_rays, (unsigned long long)s->faint_shadow_rays);
     print_memory(r);
-    left_out_print(r->left_out, r->left_out_count, "left out ");
+    print_checkpoint(s, options->checkpoint);
+    left_out_print(r->left_out.items, (uint32_t)r->left_out.count, "left out ");
 }
 
 static void print_sampling(const render_report *r, const render_options *options) {
@@ -171,7 +189,7 @@ static void print_sampling(const render_report *r, const render_options *options
 
 void stats_print(const render_report *report, const render_options *options) {
     if (options->quiet) return;
-    if (options->verbose) print_details(report);
+    if (options->verbose) print_details(report, options);
     for (size_t i = 0; i < options->outputs.count; ++i)
         printf("%s%s", i ? ", " : "", options->outputs.items[i]);
     printf(": %ux%u, ", report->width, report->height);

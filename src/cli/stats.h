@@ -3,6 +3,7 @@
 #define CLI_STATS_H
 
 #include "cli/render_options.h"
+#include "render/parts.h"
 
 typedef struct render_report {
     fathom_stats stats;
@@ -11,8 +12,7 @@ typedef struct render_report {
     double read_seconds, write_seconds, total_seconds;
     bool interrupted;
     double finished; /* of the render, [0,1] */
-    const fathom_left_out *left_out;
-    uint32_t left_out_count;
+    left_out_list left_out;
 } render_report;
 
 uint64_t report_rays(const render_report *report);

@@ -63,6 +63,10 @@ static fathom_status run_tracer(fathom_context *context, work *k, const validate
     status = compare_run(context, &subject, &options, &run->result);
     run->seconds = clock_seconds() - start;
     trace_destroy(tracer);
+    if (stage->scene && (status == FATHOM_OK || status == FATHOM_INTERNAL)) {
+        fathom_status changed = fathom_scene_check_files(stage->scene);
+        if (changed != FATHOM_OK) return changed;
+    }
     if (run->result.differ)
         return fail(context, FATHOM_INTERNAL,
                     "%s: the search for exact hits and testing every primitive differ "
@@ -205,6 +209,7 @@ static fathom_status run(int argc, char **argv) {
     fathom_context *context;
     status = command_context(settings.threads, &context);
     if (status != FATHOM_OK) return status;
+    fathom_context_allow_outside(context, settings.allow_outside);
     settings.threads = fathom_context_threads(context);
     if (!settings.threads) settings.threads = processor_count();
     validate_isas isas;
@@ -264,6 +269,7 @@ static const args_option options[] = {
      "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},
     {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
      "1 to 1024 (one a processor)"},
+    COMMAND_ALLOW_OUTSIDE(validate_settings),
     {.help = "Results"},
     {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0, "a row for each family"},
     {"quiet", 'q', NULL, take_true, offsetof(validate_settings, quiet), 0, 0, "only the exit code"},

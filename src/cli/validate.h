@@ -18,7 +18,7 @@ typedef struct validate_settings {
     unsigned families; /* bit i: rays_family i */
     unsigned threads;
     const char *json, *failures, *replay, *report;
-    bool quiet, verbose;
+    bool quiet, verbose, allow_outside;
     bool extremes;      /* the grid of extreme cases besides */
     bool tracers_given; /* else `tracers` are the default ones */
 } validate_settings;

@@ -5,22 +5,21 @@
 #include "base/file.h"
 #include "cli/command.h"
 #include "cli/json_text.h"
+#include "cli/ray_line.h"
 
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define LINE_ROOM 512
 #define FAILURES_SHOWN 20
-#define ANY "any-"
 #define LINE_HEAD "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n"
 
 /* All of a line but the scene's name, which may be long. */
 static void format_line(const char *spec, const compare_failure *f, char line[LINE_ROOM]) {
     const oracle_ray *r = &f->ray;
     snprintf(line, LINE_ROOM, "%.100s %s %llu %s%s %a %a %a %a %a %a %a %a ", spec,
-             rays_family_name(f->family), (unsigned long long)f->index, f->any ? ANY : "",
+             rays_family_name(f->family), (unsigned long long)f->index, f->any ? RAY_LINE_ANY : "",
              verdict_name(f->verdict), (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x,
              (double)r->dir.y, (double)r->dir.z, (double)r->t_near, (double)r->t_far);
 }
@@ -80,42 +79,25 @@ typedef struct replay {
     uint64_t rays, wrong;
 } replay;
 
-typedef struct replay_line {
-    char spec[128], family[32], scene[4096];
-    unsigned long long index;
-    bool any;
-    oracle_ray ray;
-} replay_line;
-
-/* A field up to the next space, by its own reading of hexadecimal floats. */
-static bool take_number(const char **text, float *out) {
-    char *end;
-    double x = strtod(*text, &end);
-    if (end == *text || *end != ' ' || (isfinite(x) && (double)(float)x != x)) return false;
-    *out = (float)x;
-    *text = end + 1;
-    return true;
-}
-
-static bool parse_line(const char *text, replay_line *out) {
-    int used = 0;
-    char was[16];
-    memset(out, 0, sizeof *out);
-    if (sscanf(text, "%127s %31s %llu %15s %n", out->spec, out->family, &out->index, was, &used) != 4)
-        return false;
-    out->any = strncmp(was, ANY, strlen(ANY)) == 0;
-    text += used;
-    float *numbers[8] = {&out->ray.org.x, &out->ray.org.y, &out->ray.org.z,  &out->ray.dir.x,
-                         &out->ray.dir.y, &out->ray.dir.z, &out->ray.t_near, &out->ray.t_far};
-    for (int i = 0; i < 8; ++i) {
-        if (!take_number(&text, numbers[i])) return false;
-    }
-    snprintf(out->scene, sizeof out->scene, "%s", text);
-    return *text != '\0';
+/* What a file names is not what someone typed: scenes lie in the working folder, and no code is run. Extreme
+ * cases and built-in scenes are names without a slash, and lie in it as well. */
+static fathom_status check_names(fathom_context *context, const replay *r, const ray_line *line) {
+    trace_spec spec;
+    fathom_status status = FATHOM_OK;
+    if (!r->settings->scene) status = file_confine(context, "", line->scene, line->scene);
+    if (status != FATHOM_OK || r->settings->tracers.count) return status;
+    status = trace_spec_parse(context, line->spec, &spec);
+    if (status == FATHOM_BAD_USAGE) return FATHOM_BAD_INPUT; /* the file used it */
+    if (status != FATHOM_OK || spec.kind != TRACE_PLUGIN) return status;
+    return fail(context, FATHOM_BAD_INPUT,
+                "the tracer %s is a library; a file may not choose what code runs: expected --tracer %s",
+                line->spec, line->spec);
 }
 
 /* The scene and the tracer of the line, unless they are open already. */
-static fathom_status open_subject(fathom_context *context, replay *r, const replay_line *line) {
+static fathom_status open_subject(fathom_context *context, replay *r, const ray_line *line) {
+    fathom_status allowed = check_names(context, r, line);
+    if (allowed != FATHOM_OK) return allowed;
     const char *scene = r->settings->scene ? r->settings->scene : line->scene;
     const char *spec = r->settings->tracers.count ? r->settings->tracers.items[0] : line->spec;
     bool same = strcmp(scene, r->scene) == 0;
@@ -141,7 +123,7 @@ static void print_answer(const verdict_answer *a) {
                a->t);
 }
 
-static bool print_exact(const replay *r, const replay_line *line) {
+static bool print_exact(const replay *r, const ray_line *line) {
     search_result room = {.asked = 0};
     bool fine = (line->any ? search_shadow : search_closest)(r->stage.search, &line->ray, &room);
     if (fine && room.ties.count) {
@@ -156,12 +138,12 @@ static bool print_exact(const replay *r, const replay_line *line) {
     return fine;
 }
 
-static void print_head(const replay *r, const replay_line *line, verdict v) {
+static void print_head(const replay *r, const ray_line *line, verdict v) {
     printf("%s %s %s %llu: %s%s\n  tracer: ", r->scene, r->spec, line->family, line->index,
-           line->any ? ANY : "", verdict_name(v));
+           line->any ? RAY_LINE_ANY : "", verdict_name(v));
 }
 
-static fathom_status replay_one(fathom_context *context, replay *r, const replay_line *line) {
+static fathom_status replay_one(fathom_context *context, replay *r, const ray_line *line) {
     verdict_answer answer = {.geometry = FATHOM_NONE};
     verdict_report report = {.verdict = VERDICT_AGREE};
     bool met = false;
@@ -182,25 +164,26 @@ static fathom_status replay_one(fathom_context *context, replay *r, const replay
     return fine ? FATHOM_OK : fail_memory(context, 1);
 }
 
-static fathom_status replay_text(fathom_context *context, replay *r, const char *text) {
-    fathom_status status = FATHOM_OK;
-    for (unsigned number = 1; *text && status == FATHOM_OK; ++number) {
-        size_t length = strcspn(text, "\n");
-        char copy[4608];
-        replay_line line;
-        snprintf(copy, sizeof copy, "%.*s", (int)(length < 4600 ? length : 4600), text);
-        text += length + (text[length] == '\n');
-        if (copy[0] == '#' || !copy[0]) continue;
-        if (!parse_line(copy, &line))
-            return fail(context, FATHOM_BAD_INPUT, "%s:%u: not a ray as --failures writes it",
-                        r->settings->replay, number);
-        status = open_subject(context, r, &line);
-        if (status == FATHOM_OK && !rays_allowed(r->stage.source, &line.ray))
-            status = fail(context, FATHOM_BAD_INPUT, "%s:%u: the ray has no direction or is out of range",
-                          r->settings->replay, number);
-        if (status == FATHOM_OK) status = replay_one(context, r, &line);
+static fathom_status replay_ray(fathom_context *context, replay *r, const ray_line *line) {
+    fathom_status status = open_subject(context, r, line);
+    if (status == FATHOM_OK && !rays_allowed(r->stage.source, &line->ray))
+        return fail(context, FATHOM_BAD_INPUT, "the ray has no direction or is out of range");
+    return status == FATHOM_OK ? replay_one(context, r, line) : status;
+}
+
+static fathom_status replay_text(fathom_context *context, replay *r, const file_map *map) {
+    const char *text = (const char *)map->bytes;
+    ray_lines lines = {context, r->settings->replay, text, text + map->size, 0};
+    for (;;) {
+        ray_line line;
+        bool found;
+        fathom_status status = ray_lines_next(&lines, &line, &found);
+        if (status != FATHOM_OK || !found) return status;
+        status = replay_ray(context, r, &line);
+        if (status == FATHOM_BAD_INPUT)
+            return fail_within(context, status, "%s:%u: ", lines.path, lines.number);
+        if (status != FATHOM_OK) return status;
     }
-    return status;
 }
 
 fathom_status validate_replay(fathom_context *context, const validate_settings *settings) {
@@ -208,8 +191,8 @@ fathom_status validate_replay(fathom_context *context, const validate_settings *
     file_map map;
     fathom_status status = file_open(context, settings->replay, &map);
     if (status != FATHOM_OK) return status;
-    status = replay_text(context, &r, (const char *)map.bytes);
-    file_close(&map);
+    status = replay_text(context, &r, &map);
+    status = file_finish(context, &map, status);
     trace_destroy(r.tracer);
     validate_stage_close(&r.stage);
     if (status != FATHOM_OK) return status;

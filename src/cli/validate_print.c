@@ -190,7 +190,7 @@ static json_t *pack(const validate_results *results, const validate_settings *se
 }
 
 static fathom_status write_text(fathom_context *context, const json_t *root, const char *path) {
-    char *bytes = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    char *bytes = json_dump_text(root, 9);
     if (!bytes) return fail_memory(context, 4096);
     file_writer *writer;
     fathom_status status = file_writer_open(context, path, &writer);

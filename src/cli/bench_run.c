@@ -1,0 +1,54 @@
+#include "cli/bench_run.h"
+
+#include "cli/interrupt.h"
+
+#include "base/status.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+fathom_status bench_run(const command *c, unsigned threads, bool outside, bench_measure measure,
+                        const void *asked) {
+    fathom_context *context;
+    fathom_status status = command_context(threads, &context);
+    if (status != FATHOM_OK) return status;
+    fathom_context_allow_outside(context, outside);
+    interrupt_install();
+    status = say_status(c, context, measure(context, asked));
+    fathom_context_destroy(context);
+    return status;
+}
+
+fathom_status bench_open(fathom_context *context, const char *path, args_size size, bench_stage *out) {
+    fathom_scene *scene;
+    fathom_settings settings;
+    *out = (bench_stage){.scene = NULL};
+    fathom_status status = fathom_scene_read(context, path, &scene);
+    if (status != FATHOM_OK) return status;
+    fathom_scene_settings(scene, &settings);
+    settings.spp = 1;
+    settings.target_error = settings.max_time = 0;
+    if (size.width) settings.width = size.width, settings.height = size.height;
+    return stage_open(context, scene, &settings, out);
+}
+
+fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_scene **out) {
+    fathom_generate_options options;
+    fathom_generate_options_default(&options);
+    options.triangles = triangles;
+    *out = NULL;
+    fathom_status status = fathom_scene_create(context, out);
+    return status == FATHOM_OK ? fathom_scene_generate(*out, FATHOM_ROOT, &options) : status;
+}
+
+fathom_status bench_temporary(fathom_context *context, const char *ending, char path[BENCH_PATH]) {
+    const char *folder = getenv("TMPDIR");
+    snprintf(path, BENCH_PATH, "%s/fathom-bench-XXXXXX%s", folder && *folder ? folder : "/tmp", ending);
+    int file = mkstemps(path, (int)strlen(ending));
+    if (file < 0)
+        return fail(context, FATHOM_OUT_OF_RESOURCES,
+                    "%s: cannot be written; expected a folder for temporary files in $TMPDIR", path);
+    close(file);
+    return FATHOM_OK;
+}
