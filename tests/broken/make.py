@@ -1,0 +1,513 @@
+"""Writes the broken inputs of expected.tsv to a folder: python3 make.py FOLDER.
+
+Each is a good file with one thing wrong; what is said about it, and the exit code, stand in expected.tsv."""
+import base64, json, os, struct, sys
+
+files = {}
+
+
+def add(name, content):
+    if name in files:
+        raise SystemExit(f"{name} is there twice")
+    files[name] = content if isinstance(content, bytes) else content.encode()
+
+
+# ---- scene JSON ----
+
+SPHERE = '{"type": "sphere", "center": [0, 0, 0], "radius": 1}'
+
+
+def scene(name, text):
+    add(f"json-{name}.json", text)
+
+
+def objects(name, *items):
+    scene(name, '{"objects": [\n' + ",\n".join(items) + "\n]}\n")
+
+
+def beside(name, member):
+    """A good scene and one more member, on line 2."""
+    scene(name, '{"objects": [' + SPHERE + "],\n" + member + "}\n")
+
+
+scene("empty", "")
+scene("zeros", b"\0" * 300)
+scene("spaces", " \n\n ")
+scene("not-utf8", b'{"name": "\xff\xfe", "objects": []}')
+scene("surrogate", '{"name": "\\ud800", "objects": []}')
+scene("zero-in-string", '{"name": "a\\u0000b", "objects": []}')
+scene("control-in-string", '{"name": "a\tb", "objects": []}')
+scene("cut", '{"objects": [\n{"type": "sph')
+scene("cut-after-colon", '{"objects":')
+scene("comma-missing", '{"objects": []\n"name": "a"}')
+scene("comma-last", '{"objects": [1,\n]}')
+scene("comment", '{"objects": [] // nothing\n}')
+scene("single-quotes", "{'objects': []}")
+scene("two-values", '{"objects": []} {}')
+scene("escape-unknown", '{"name": "\\q", "objects": []}')
+scene("number-plus", '{"objects": [+1]}')
+scene("number-leading-zero", '{"objects": [01]}')
+scene("number-hexadecimal", '{"objects": [0x10]}')
+scene("number-huge", '{"objects": [], "ambient": [1e999, 0, 0]}')
+scene("number-nan", '{"ambient": [NaN, 0, 0], "objects": []}')
+scene("key-twice", '{"objects": [],\n"objects": []}')
+scene("root-array", "[]")
+scene("root-number", "7")
+scene("root-text", "objects")
+scene("nested", '{"name": ' + "[" * 10000 + "]" * 10000 + "}")
+scene("nested-open", "[" * 10000)
+scene("nested-objects", '{"a": ' * 10000 + "1" + "}" * 10000)
+scene("nested-groups", '{"objects": [' + '{"type": "group", "children": [' * 600 + SPHERE + "]}" * 600 + "]}")
+scene("objects-missing", "{}")
+scene("objects-empty", '{"objects": []}')
+scene("objects-object", '{"objects": {}}')
+scene("objects-null", '{"objects": null}')
+objects("object-number", SPHERE, "5")
+objects("type-missing", '{"center": [0, 0, 0]}')
+objects("type-unknown", '{"type": "torus"}')
+objects("type-number", '{"type": 3}')
+objects("key-unknown", '{"type": "sphere", "center": [0, 0, 0], "raduis": 1}')
+objects("radius-missing", '{"type": "sphere", "center": [0, 0, 0]}')
+objects("radius-negative", '{"type": "sphere", "center": [0, 0, 0], "radius": -1}')
+objects("radius-text", '{"type": "sphere", "center": [0, 0, 0], "radius": "1"}')
+objects("center-two", '{"type": "sphere", "center": [0, 0], "radius": 1}')
+objects("center-null", '{"type": "sphere", "center": [0, null, 0], "radius": 1}')
+objects("normal-zero", SPHERE, '{"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 0]}')
+objects("quad-flat", '{"type": "quad", "center": [0, 0, 0], "u": [1, 0, 0], "v": [2, 0, 0]}')
+objects("quad-both", '{"type": "quad", "center": [0, 0, 0], "u": [1, 0, 0], "v": [0, 1, 0],'
+        ' "corners": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]}')
+objects("triangle-two", '{"type": "triangle", "vertices": [[0, 0, 0], [1, 0, 0]]}')
+objects("mesh-neither", '{"type": "mesh"}')
+objects("mesh-both", '{"type": "mesh", "file": "a.obj", "positions": [[0, 0, 0]], "indices": [[0, 0, 0]]}')
+objects("mesh-index-beyond", '{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],\n"indices": [[0, 1, 3]]}')
+objects("mesh-index-negative", '{"type": "mesh", "positions": [[0, 0, 0]], "indices": [[0, -1, 0]]}')
+objects("mesh-index-fraction", '{"type": "mesh", "positions": [[0, 0, 0]], "indices": [[0, 0.5, 0]]}')
+objects("mesh-index-huge", '{"type": "mesh", "positions": [[0, 0, 0]], "indices": [[0, 0, 1e300]]}')
+objects("mesh-normals-few", '{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "indices": [[0, 1, 2]],\n'
+        '"normals": [[0, 0, 1]]}')
+objects("mesh-position-huge", '{"type": "mesh", "positions": [[0, 0, 0], [1e308, 0, 0], [0, 1, 0]], "indices": [[0, 1, 2]]}')
+objects("mesh-file-missing", '{"type": "mesh", "file": "none.obj"}')
+objects("mesh-file-folder", '{"type": "mesh", "file": "folder.obj"}')
+objects("mesh-file-extension", '{"type": "mesh", "file": "a.stl"}')
+objects("mesh-file-empty-name", '{"type": "mesh", "file": ""}')
+objects("mesh-file-broken", SPHERE, '{"type": "mesh", "file": "obj-index-beyond.obj"}')
+objects("mesh-file-itself", '{"type": "mesh", "file": "json-mesh-file-itself.json"}')
+objects("mesh-file-outside", '{"type": "mesh", "file": "../a.obj"}')
+objects("mesh-file-absolute", '{"type": "mesh", "file": "/a.obj"}')
+objects("generate-zero", '{"type": "generate", "kind": "sphere", "triangles": 0}')
+objects("generate-huge", '{"type": "generate", "kind": "terrain", "triangles": 1e18}')
+objects("generate-unknown", '{"type": "generate", "kind": "teapot", "triangles": 100}')
+objects("material-unknown", '{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "gold"}')
+objects("group-unknown", '{"type": "instance", "of": "tree"}')
+objects("matrix-projective", '{"type": "sphere", "center": [0, 0, 0], "radius": 1, "matrix": [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1]}')
+objects("scale-zero", '{"type": "sphere", "center": [0, 0, 0], "radius": 1, "scale": [0, 1, 1]}')
+objects("rotation-zero", '{"type": "sphere", "center": [0, 0, 0], "radius": 1, "rotation": [0, 0, 0, 0]}')
+objects("frame-crooked", '{"type": "sphere", "center": [0, 0, 0], "radius": 1, "frame":'
+        ' {"origin": [0, 0, 0], "x": [1, 1, 0], "y": [0, 1, 0], "z": [0, 0, 1]}}')
+objects("frame-and-matrix", '{"type": "sphere", "center": [0, 0, 0], "radius": 1, "translation": [0, 0, 0],'
+        ' "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}')
+INSTANCE = '{"type": "instance", "of": "%s"}'
+scene("cycle-one", '{"objects": [' + INSTANCE % "a" + '], "groups": {\n"a": [' + INSTANCE % "a" + "]}}")
+scene("cycle-three", '{"objects": [' + INSTANCE % "a" + '], "groups": {\n"a": [' + INSTANCE % "b" + '],\n"b": ['
+      + INSTANCE % "c" + '],\n"c": [' + INSTANCE % "a" + "]}}")
+count = 10000
+scene("cycle-long", '{"objects": [' + INSTANCE % "g0" + '], "groups": {' + ",\n".join(
+    f'"g{i}": [{INSTANCE % f"g{(i + 1) % count}"}]' for i in range(count)) + "}}")
+beside("camera-blind", '"camera": {"eye": [1, 2, 3], "target": [1, 2, 3]}')
+beside("camera-fovy", '"camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "fovy": 180}')
+beside("image-width", '"image": {"width": 0}')
+beside("image-huge", '"image": {"width": 1e9, "height": 1e9}')
+beside("image-spp", '"image": {"spp": 5}')
+beside("image-aov", '"image": {"aovs": ["depth"]}')
+beside("image-tracer", '"image": {"tracer": "./evil.so"}')
+beside("light-type", '"lights": [{"type": "sun"}]')
+beside("light-spot", '"lights": [{"type": "spot", "position": [0, 9, 0], "target": [0, 0, 0], "innerAngle": 50, "outerAngle": 20}]')
+beside("light-negative", '"lights": [{"type": "point", "position": [0, 9, 0], "intensity": -1}]')
+beside("light-inside", '"lights": [{"type": "point", "position": [0, 0.5, 0]}]')
+beside("material-array", '"materials": ["red"]')
+beside("material-ior", '"materials": {"glass": {"kt": [1, 1, 1], "ior": 0}}')
+beside("material-key", '"materials": {"glass": {"kx": 1}}')
+beside("background-two", '"background": [0, 0]')
+beside("background-negative", '"background": [0, -0.5, 0]')
+
+# ---- glTF ----
+
+TRIANGLE = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+INDICES = struct.pack("<3I", 0, 1, 2)
+DATA = TRIANGLE + INDICES
+URI = "data:application/octet-stream;base64,"
+
+
+def document():
+    return {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3},
+                      {"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": 3}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 12}],
+        "buffers": [{"byteLength": 48, "uri": URI + base64.b64encode(DATA).decode()}],
+    }
+
+
+def gltf(name, change):
+    d = document()
+    change(d)
+    add(f"gltf-{name}.gltf", json.dumps(d))
+
+
+def put(*path_and_value):
+    *path, key, value = path_and_value
+
+    def change(d):
+        for step in path:
+            d = d[step]
+        if value is None:
+            del d[key]
+        else:
+            d[key] = value
+
+    return change
+
+
+add("gltf-empty.gltf", "")
+add("gltf-text.gltf", "glTF")
+add("gltf-array.gltf", "[]")
+add("gltf-cut.gltf", json.dumps(document())[:200])
+add("gltf-nested.gltf", '{"asset": {"version": "2.0"}, "extras": ' + "[" * 10000 + "]" * 10000 + "}")
+gltf("asset-missing", put("asset", None))
+gltf("version-1", put("asset", "version", "1.0"))
+gltf("version-number", put("asset", "version", 2))
+gltf("version-later", put("asset", "minVersion", "2.1"))
+gltf("extension-required", put("extensionsRequired", ["KHR_draco_mesh_compression"]))
+gltf("extension-number", put("extensionsRequired", [1]))
+gltf("accessors-object", put("accessors", {}))
+gltf("accessor-number", put("accessors", 0, 5))
+gltf("accessor-beyond", put("meshes", 0, "primitives", 0, "attributes", "POSITION", 7))
+gltf("accessor-negative", put("meshes", 0, "primitives", 0, "indices", -1))
+gltf("accessor-fraction", put("meshes", 0, "primitives", 0, "indices", 0.5))
+gltf("accessor-type", put("accessors", 0, "type", "MAT4"))
+gltf("accessor-vec2", put("accessors", 0, "type", "VEC2"))
+gltf("accessor-component", put("accessors", 0, "componentType", 5124))
+gltf("accessor-double", put("accessors", 0, "componentType", 5130))
+gltf("accessor-index-float", put("accessors", 1, "componentType", 5126))
+gltf("accessor-count-missing", put("accessors", 0, "count", None))
+gltf("accessor-count-zero", put("accessors", 0, "count", 0))
+gltf("accessor-count-beyond", put("accessors", 0, "count", 4))
+gltf("accessor-count-huge", put("accessors", 0, "count", 4294967295))
+gltf("accessor-count-overflow", put("accessors", 0, "count", 1537228672809129302))
+gltf("accessor-offset-beyond", put("accessors", 0, "byteOffset", 37))
+gltf("accessor-offset-overflow", put("accessors", 0, "byteOffset", 9223372036854775807))
+gltf("accessor-offset-beyond-integers", put("accessors", 0, "byteOffset", 1e30))
+
+
+def zeros(d):
+    d["accessors"][0] = {"componentType": 5126, "type": "VEC3", "count": 4000000000}
+
+
+gltf("accessor-zeros-huge", zeros)
+gltf("stride-small", put("bufferViews", 0, "byteStride", 4))
+gltf("stride-large", put("bufferViews", 0, "byteStride", 24))
+gltf("stride-beyond", put("bufferViews", 0, "byteStride", 256))
+gltf("view-buffer-missing", put("bufferViews", 0, "buffer", None))
+gltf("view-buffer-beyond", put("bufferViews", 0, "buffer", 3))
+gltf("view-length-beyond", put("bufferViews", 0, "byteLength", 49))
+gltf("view-length-missing", put("bufferViews", 0, "byteLength", None))
+gltf("view-offset-overflow", put("bufferViews", 0, "byteOffset", 9223372036854775800))
+gltf("view-beyond", put("accessors", 0, "bufferView", 9))
+gltf("buffer-length-missing", put("buffers", 0, "byteLength", None))
+gltf("buffer-length-beyond", put("buffers", 0, "byteLength", 49))
+gltf("buffer-uri-missing", put("buffers", 0, "uri", None))
+gltf("buffer-uri-number", put("buffers", 0, "uri", 5))
+gltf("buffer-file-missing", put("buffers", 0, "uri", "none.bin"))
+gltf("buffer-file-folder", put("buffers", 0, "uri", "folder.obj"))
+gltf("buffer-file-short", put("buffers", 0, "uri", "short.bin"))
+gltf("buffer-file-outside", put("buffers", 0, "uri", "%2e%2e/a.bin"))
+gltf("buffer-file-absolute", put("buffers", 0, "uri", "/a.bin"))
+gltf("buffer-http", put("buffers", 0, "uri", "http://example.org/a.bin"))
+gltf("buffer-file-scheme", put("buffers", 0, "uri", "file:///a.bin"))
+gltf("base64-wrong", put("buffers", 0, "uri", URI + "AAAA*AAA"))
+gltf("base64-odd", put("buffers", 0, "uri", URI + "AAAAA"))
+gltf("base64-none", put("buffers", 0, "uri", "data:text/plain,hello"))
+gltf("index-beyond", put("buffers", 0, "uri", URI + base64.b64encode(TRIANGLE + struct.pack("<3I", 0, 1, 3)).decode()))
+gltf("position-nan", put("buffers", 0, "uri", URI + base64.b64encode(
+    struct.pack("<9f", 0, 0, 0, 1, float("nan"), 0, 0, 1, 0) + INDICES).decode()))
+gltf("position-missing", put("meshes", 0, "primitives", 0, "attributes", {}))
+gltf("attributes-missing", put("meshes", 0, "primitives", 0, "attributes", None))
+gltf("mode-unknown", put("meshes", 0, "primitives", 0, "mode", 9))
+gltf("primitives-number", put("meshes", 0, "primitives", 3))
+gltf("mesh-beyond", put("nodes", 0, "mesh", 2))
+gltf("mesh-none", put("nodes", 0, "mesh", None))
+gltf("material-beyond", put("meshes", 0, "primitives", 0, "material", 0))
+gltf("scene-beyond", put("scene", 4))
+gltf("scene-node-beyond", put("scenes", 0, "nodes", [1]))
+gltf("scene-node-twice", put("scenes", 0, "nodes", [0, 0]))
+gltf("node-child-beyond", put("nodes", 0, "children", [1]))
+gltf("node-cycle-one", put("nodes", 0, "children", [0]))
+
+
+def cycle(count):
+    def change(d):
+        d["nodes"] = [{"children": [(i + 1) % count]} for i in range(count)]
+        d["scenes"][0]["nodes"] = [0]
+    return change
+
+
+gltf("node-cycle-long", cycle(10000))
+
+
+def two_parents(d):
+    d["nodes"] += [{"children": [2]}, {"mesh": 0}]
+    d["nodes"][0] = {"children": [1, 2]}
+
+
+gltf("node-two-parents", two_parents)
+gltf("node-matrix-short", put("nodes", 0, "matrix", [1, 0, 0]))
+gltf("node-matrix-projective", put("nodes", 0, "matrix", [1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]))
+gltf("node-rotation-zero", put("nodes", 0, "rotation", [0, 0, 0, 0]))
+
+
+def both(d):
+    d["nodes"][0].update(matrix=[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], scale=[1, 1, 1])
+
+
+gltf("node-matrix-and-scale", both)
+
+
+def far_out(d):
+    d["nodes"] = [{"scale": [1e200, 1e200, 1e200], "children": [1]}, {"scale": [1e200, 1e200, 1e200], "mesh": 0}]
+
+
+gltf("node-placed-beyond", far_out)
+
+
+def sparse(**changes):
+    def change(d):
+        s = {"count": 1, "indices": {"bufferView": 1, "componentType": 5125}, "values": {"bufferView": 0}}
+        for key, value in changes.items():
+            if value is None:
+                del s[key]
+            else:
+                s[key] = value
+        d["accessors"][0]["sparse"] = s
+    return change
+
+
+gltf("sparse-count", sparse(count=9))
+gltf("sparse-count-zero", sparse(count=0))
+gltf("sparse-values-missing", sparse(values=None))
+gltf("sparse-view-missing", sparse(indices={"componentType": 5125}))
+gltf("sparse-float", sparse(indices={"bufferView": 1, "componentType": 5126}))
+gltf("sparse-order", sparse(count=2, indices={"bufferView": 0, "componentType": 5125}))
+gltf("sparse-beyond", sparse(indices={"bufferView": 0, "byteOffset": 12, "componentType": 5125}))
+gltf("camera-fov", lambda d: d.update(cameras=[{"type": "perspective", "perspective": {"yfov": -1, "znear": 1}}],
+                                      nodes=[{"mesh": 0, "camera": 0}]))
+gltf("light-type", lambda d: d.update(
+    nodes=[{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+    extensions={"KHR_lights_punctual": {"lights": [{"type": "area"}]}}))
+gltf("colour-beyond", lambda d: (d["meshes"][0]["primitives"][0].update(material=0), d.update(
+    materials=[{"pbrMetallicRoughness": {"baseColorFactor": [2, 0, 0, 1]}}])))
+
+
+# ---- GLB ----
+
+def chunk(kind, data, fill=b" "):
+    data += fill * (-len(data) % 4)
+    return struct.pack("<I4s", len(data), kind) + data
+
+
+def glb_of(*chunks, magic=b"glTF", version=2, length=None):
+    body = b"".join(chunks)
+    return magic + struct.pack("<II", version, 12 + len(body) if length is None else length) + body
+
+
+plain = document()
+del plain["buffers"][0]["uri"]
+JSON, BIN = chunk(b"JSON", json.dumps(plain).encode()), chunk(b"BIN\0", DATA, b"\0")
+whole = glb_of(JSON, BIN)  # nothing is wrong with it
+add("glb-empty.glb", "")
+add("glb-zeros.glb", b"\0" * 100)
+add("glb-magic.glb", glb_of(JSON, BIN, magic=b"gltF"))
+add("glb-version.glb", glb_of(JSON, BIN, version=1))
+add("glb-header-cut.glb", whole[:10])
+add("glb-header-only.glb", glb_of())
+add("glb-length-beyond.glb", glb_of(JSON, BIN, length=1 << 31))
+add("glb-length-short.glb", glb_of(JSON, BIN, length=16))
+add("glb-cut.glb", whole[:-20])
+add("glb-chunk-cut.glb", glb_of(JSON, b"\0\0\0"))
+add("glb-chunk-beyond.glb", glb_of(struct.pack("<I4s", 0xFFFFFFFF, b"JSON") + b"{}"))
+add("glb-chunk-first.glb", glb_of(BIN, JSON))
+add("glb-bin-missing.glb", glb_of(JSON))
+add("glb-bin-short.glb", glb_of(JSON, chunk(b"BIN\0", DATA[:40], b"\0")))
+add("glb-json-wrong.glb", glb_of(chunk(b"JSON", b'{"asset": {"version": "2.0"},}'), BIN))
+add("glb-json-empty.glb", glb_of(chunk(b"JSON", b""), BIN))
+
+# ---- OBJ and MTL ----
+
+CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+
+
+def obj(name, text):
+    add(f"obj-{name}.obj", text)
+
+
+obj("empty", "")
+obj("zeros", b"\0" * 300)
+obj("no-faces", CORNERS)
+obj("only-comments", "# nothing\n")
+obj("small-faces", CORNERS + "f 1 2\n")
+obj("vertex-word", "v 0 0 zero\n")
+obj("vertex-short", "v 0 0\n")
+obj("vertex-nan", "v 0 nan 0\n")
+obj("vertex-huge", "v 0 1e39 0\n")
+obj("vertex-decimal-comma", "v 0,5 0 0\n")
+obj("normal-short", CORNERS + "vn 0 1\nf 1//1 2//1 3//1\n")
+obj("texture-word", CORNERS + "vt x\nf 1/1 2/1 3/1\n")
+obj("index-beyond", CORNERS + "f 1 2 4\n")
+obj("index-zero", CORNERS + "f 0 1 2\n")
+obj("index-back", CORNERS + "f -1 -2 -4\n")
+obj("index-word", CORNERS + "f 1 2 three\n")
+obj("index-huge", CORNERS + "f 1 2 99999999999999999999\n")
+obj("index-fraction", CORNERS + "f 1 2 3.5\n")
+obj("index-normal", CORNERS + "f 1//1 2//1 3//1\n")
+obj("index-texture", CORNERS + "vt 0 0\nf 1/2 2/1 3/1\n")
+obj("parts-differ", CORNERS + "vn 0 0 1\nf 1//1 2 3//1\n")
+obj("parts-many", CORNERS + "f 1/1/1/1 2 3\n")
+obj("zero-byte", CORNERS.encode() + b"f 1 2 3\0garbage\n")
+obj("binary", bytes(range(256)) * 4)
+obj("smoothing", CORNERS + "s often\nf 1 2 3\n")
+obj("library-outside", "mtllib ../a.mtl\n" + CORNERS + "f 1 2 3\n")
+obj("library-absolute", "mtllib /a.mtl\n" + CORNERS + "f 1 2 3\n")
+
+
+def mtl(name, text):
+    add(f"mtl-{name}.mtl", text)
+    obj(f"mtl-{name}", f"mtllib mtl-{name}.mtl\nusemtl a\n{CORNERS}f 1 2 3\n")
+
+
+mtl("early", "Kd 1 1 1\n")
+mtl("name", "newmtl\n")
+mtl("word", "newmtl a\nKd red\n")
+mtl("two", "newmtl a\nKd 1 1\n")
+mtl("negative", "newmtl a\nKs -1 0 0\n")
+mtl("dissolve", "newmtl a\nd 1.5\n")
+mtl("illum", "newmtl a\nillum 11\n")
+mtl("illum-fraction", "newmtl a\nillum 1.5\n")
+mtl("shininess", "newmtl a\nNs inf\n")
+mtl("zeros", b"\0" * 100)
+mtl("zero-byte", b"newmtl a\nKd 1 1 1\0garbage\n")
+
+# ---- PLY ----
+
+HEAD = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+FACE = "element face 1\nproperty list uchar int vertex_indices\n"
+ROWS, ROW = "0 0 0\n1 0 0\n0 1 0\n", "3 0 1 2\n"
+
+
+def ply(name, header, body="", format="ascii 1.0"):
+    text = f"ply\nformat {format}\n{header}end_header\n"
+    add(f"ply-{name}.ply", text.encode() + (body.encode() if isinstance(body, str) else body))
+
+
+def little(name, header, body):
+    ply(name, header, body, "binary_little_endian 1.0")
+
+
+BINARY_ROWS, BINARY_FACE = TRIANGLE, struct.pack("<B3i", 3, 0, 1, 2)
+add("ply-empty.ply", "")
+add("ply-zeros.ply", b"\0" * 300)
+add("ply-magic.ply", "plx\n")
+add("ply-cut.ply", "ply\nformat ascii 1.0\nelement vertex 3\n")
+add("ply-format-missing.ply", "ply\n" + HEAD + FACE + "end_header\n" + ROWS + ROW)
+ply("format-unknown", HEAD + FACE, ROWS + ROW, "text 1.0")
+ply("format-version", HEAD + FACE, ROWS + ROW, "ascii 2.0")
+ply("statement", "elment vertex 3\n")
+ply("element-name", "element\n")
+ply("element-count", "element vertex many\n")
+ply("element-negative", "element vertex -3\n")
+ply("property-early", "property float x\n")
+ply("property-type", "element vertex 3\nproperty real x\n")
+ply("property-name", "element vertex 3\nproperty float\n")
+ply("list-type", "element face 1\nproperty list uchar vertex_indices\n")
+ply("vertex-missing", FACE, ROW)
+ply("vertex-none", HEAD.replace("3", "0") + FACE, "3 0 0 0\n")
+ply("z-missing", HEAD.replace("property float z\n", "") + FACE, "0 0\n1 0\n0 1\n" + ROW)
+ply("face-missing", HEAD, ROWS)
+ply("face-none", HEAD + FACE.replace("1", "0"), ROWS)
+ply("face-list-missing", HEAD + "element face 1\nproperty int a\n", ROWS + "1\n")
+ply("count-huge", HEAD.replace("3", "4000000000") + FACE, ROWS + ROW)
+ply("count-overflow", HEAD.replace("3", "99999999999999999999999") + FACE, ROWS + ROW)
+ply("count-beyond", HEAD.replace("3", "4") + FACE, ROWS + ROW)
+ply("rows-few", HEAD + FACE.replace("face 1", "face 2"), ROWS + ROW)
+ply("number-word", HEAD + FACE, "0 0 zero\n1 0 0\n0 1 0\n" + ROW)
+ply("number-missing", HEAD + FACE, "0 0\n1 0 0\n0 1 0\n" + ROW)
+ply("number-more", HEAD + FACE, "0 0 0 9\n1 0 0\n0 1 0\n" + ROW)
+ply("number-nan", HEAD + FACE, "0 0 nan\n1 0 0\n0 1 0\n" + ROW)
+ply("number-huge", HEAD.replace("float", "double") + FACE, "0 0 1e40\n1 0 0\n0 1 0\n" + ROW)
+ply("index-beyond", HEAD + FACE, ROWS + "3 0 1 3\n")
+ply("index-negative", HEAD + FACE, ROWS + "3 0 1 -1\n")
+ply("index-word", HEAD + FACE, ROWS + "3 0 1 b\n")
+ply("list-long", HEAD + FACE, ROWS + "4 0 1 2\n")
+ply("list-negative", HEAD + FACE, ROWS + "-3 0 1 2\n")
+ply("list-huge", HEAD + FACE.replace("uchar", "uint"), ROWS + "4294967295 0 1 2\n")
+ply("small-faces", HEAD + FACE, ROWS + "2 0 1\n")
+ply("zero-byte", HEAD + FACE, ROWS.encode() + b"3 0 1 2\0\n")
+ply("line-endless", "comment " + "x" * 70000 + "\n" + HEAD + FACE, ROWS + ROW)
+little("binary-cut", HEAD + FACE, BINARY_ROWS[:30])
+little("binary-face-cut", HEAD + FACE, BINARY_ROWS + BINARY_FACE[:6])
+little("binary-nan", HEAD + FACE, struct.pack("<f", float("nan")) + BINARY_ROWS[4:] + BINARY_FACE)
+little("binary-index", HEAD + FACE, BINARY_ROWS + struct.pack("<B3i", 3, 0, 1, 3))
+little("binary-index-negative", HEAD + FACE, BINARY_ROWS + struct.pack("<B3i", 3, 0, 1, -1))
+little("binary-list", HEAD + FACE.replace("uchar", "int"), BINARY_ROWS + struct.pack("<4i", -1, 0, 1, 2))
+little("binary-list-huge", HEAD + FACE.replace("uchar", "uint"), BINARY_ROWS + struct.pack("<I3i", 0xFFFFFFFF, 0, 1, 2))
+little("binary-list-fraction", HEAD + FACE.replace("uchar", "float"), BINARY_ROWS + struct.pack("<f3i", 2.5, 0, 1, 2))
+little("binary-index-float", HEAD + FACE.replace("int", "float"), BINARY_ROWS + struct.pack("<B3f", 3, 0, 1, 0.5))
+little("binary-count-huge", HEAD + FACE.replace("face 1", "face 4000000000"), BINARY_ROWS + BINARY_FACE)
+little("binary-small-faces", HEAD + FACE, BINARY_ROWS + struct.pack("<B2i", 2, 0, 1))
+ply("big-index", HEAD + FACE, struct.pack(">9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + struct.pack(">B3i", 3, 0, 1, 3),
+    "binary_big_endian 1.0")
+
+# ---- files of rays ----
+
+RAY = "reference camera 0 wrong 0 0 5 0 0 -1 0 inf triangles\n"
+
+
+def rays(name, text):
+    add(f"rays-{name}.txt", text)
+
+
+rays("empty", "")
+rays("words", "what is this\n")
+rays("zeros", b"\0" * 50)
+rays("zero-byte", RAY.encode() + b"\0" + RAY.encode())
+rays("number", RAY.replace("5", "five"))
+rays("number-missing", "reference camera 0 wrong 0 0 5\n")
+rays("number-wide", RAY.replace("5", "1.00000000001"))
+rays("scene-missing", RAY.replace("triangles", ""))
+rays("scene-unknown", RAY.replace("triangles", "none.obj"))
+rays("scene-outside", RAY.replace("triangles", "../a.obj"))
+rays("scene-absolute", RAY.replace("triangles", "/a.obj"))
+rays("tracer-unknown", RAY.replace("reference", "magic"))
+rays("tracer-library", RAY.replace("reference", "./evil.so"))
+rays("direction-zero", RAY.replace("-1", "0"))
+rays("extreme-unknown", RAY.replace("triangles", "extreme:none:1"))
+rays("extreme-number", RAY.replace("triangles", "extreme:scale"))
+rays("line-long", RAY.replace("triangles", "x" * 5000))
+
+# ---- what is no file of its kind ----
+
+add("short.bin", DATA[:40])
+add("extension", "")
+add("model.stl", "solid\n")
+add("model.json.txt", "{}")
+add("good.json", "{\"objects\": [" + SPHERE + "]}")
+add("good.glb", whole)
+
+if __name__ == "__main__":
+    folder = sys.argv[1]
+    os.makedirs(os.path.join(folder, "folder.obj"), exist_ok=True)
+    for name, content in files.items():
+        with open(os.path.join(folder, name), "wb") as file:
+            file.write(content)

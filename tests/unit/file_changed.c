@@ -1,0 +1,342 @@
+/* Files that are truncated, changed or replaced while a scene is read, built and rendered: at known moments,
+ * by the calls that report warnings and progress. */
+#include "base/file.h"
+#include "trace/trace.h"
+#include "unit.h"
+
+#include <fathom/fathom.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static fathom_context *context;
+static char folder[64];
+
+/* cmocka puts a handler of its own in place before each test. */
+static struct sigaction guard_action;
+
+static void guard(void) { assert_int_equal(sigaction(SIGBUS, &guard_action, NULL), 0); }
+
+static const char *in_folder(const char *name) {
+    static char paths[4][128];
+    static unsigned next;
+    char *path = paths[next++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+/* What is done to a file, and at which warning. */
+typedef struct blow {
+    const char *path, *warning;
+    off_t left; /* bytes */
+    bool struck;
+} blow;
+
+static void strike(blow *b) {
+    if (b->struck) return;
+    b->struck = true;
+    assert_int_equal(truncate(b->path, b->left), 0);
+}
+
+static void strike_at_warning(void *user, const char *message) {
+    blow *b = user;
+    if (strstr(message, b->warning)) strike(b);
+}
+
+static bool strike_at_progress(void *user, const fathom_progress *progress) {
+    (void)progress;
+    strike(user);
+    return true;
+}
+
+/* A ball of 20,000 triangles: half a megabyte, a hundred pages. */
+static const char *write_ball(const char *name) {
+    const char *path = in_folder(name);
+    fathom_scene *scene;
+    fathom_generate_options options;
+    fathom_generate_options_default(&options);
+    options.triangles = 20000;
+    unlink(path);
+    assert_ok(context, fathom_scene_create(context, &scene));
+    assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
+    assert_ok(context, fathom_scene_write_mesh(scene, path));
+    fathom_scene_destroy(scene);
+    return path;
+}
+
+static void write_text(const char *path, const char *mode, const char *text) {
+    FILE *f = fopen(path, mode);
+    assert_non_null(f);
+    assert_true(fputs(text, f) >= 0);
+    assert_int_equal(fclose(f), 0);
+}
+
+static fathom_settings small(void) {
+    fathom_settings settings;
+    fathom_settings_default(&settings);
+    settings.width = settings.height = 64;
+    return settings;
+}
+
+static void fails_to_render(fathom_scene *scene, blow *at_progress, const char *text) {
+    fathom_film *film;
+    fathom_settings settings = small();
+    assert_fails(context,
+                 fathom_render(context, scene, &settings, at_progress ? strike_at_progress : NULL,
+                               at_progress, NULL, &film),
+                 FATHOM_BAD_INPUT, text);
+    assert_null(film);
+    fathom_scene_destroy(scene);
+}
+
+static const char *const mapped[] = {"ball.ply", "ball.glb"};
+#define EACH_MAPPED(i) for (size_t i = 0; i < sizeof mapped / sizeof *mapped; ++i)
+
+static void truncated_before_rendering(void **state) {
+    (void)state;
+    guard();
+    EACH_MAPPED(i) {
+        for (off_t left = 0; left <= 200000; left += 100000) {
+            fathom_scene *scene;
+            const char *path = write_ball(mapped[i]);
+            assert_ok(context, fathom_scene_read(context, path, &scene));
+            assert_ok(context, fathom_scene_check_files(scene));
+            assert_int_equal(truncate(path, left), 0);
+            assert_fails(context, fathom_scene_check_files(scene), FATHOM_BAD_INPUT, path);
+            fails_to_render(scene, NULL, ": was truncated while it was read");
+        }
+    }
+}
+
+/* The file is gone as well: the fault itself has to be noticed. */
+static void truncated_and_removed(void **state) {
+    (void)state;
+    guard();
+    EACH_MAPPED(i) {
+        fathom_scene *scene;
+        const char *path = write_ball(mapped[i]);
+        assert_ok(context, fathom_scene_read(context, path, &scene));
+        assert_int_equal(truncate(path, 4096), 0);
+        assert_int_equal(unlink(path), 0);
+        fails_to_render(scene, NULL, ": was truncated while it was read, or cannot be read to its end");
+    }
+}
+
+/* A triangle without area is warned about when the world is made, before Embree builds. */
+static void truncated_before_building(void **state) {
+    (void)state;
+    guard();
+    static const float flat[9] = {0};
+    static const uint32_t corners[3] = {0, 1, 2};
+    EACH_MAPPED(i) {
+        fathom_scene *scene;
+        fathom_mesh mesh;
+        blow b = {.path = write_ball(mapped[i]), .warning = "without area"};
+        fathom_mesh_default(&mesh);
+        mesh.positions = flat, mesh.vertex_count = 3, mesh.indices = corners, mesh.triangle_count = 1;
+        assert_ok(context, fathom_scene_read(context, b.path, &scene));
+        assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+        fathom_context_on_warning(context, strike_at_warning, &b);
+        fails_to_render(scene, NULL, ": was truncated while it was read: 0 bytes are left of ");
+        fathom_context_on_warning(context, NULL, NULL);
+        assert_true(b.struck);
+    }
+}
+
+static void truncated_while_rendering(void **state) {
+    (void)state;
+    guard();
+    EACH_MAPPED(i) {
+        fathom_scene *scene;
+        blow b = {.path = write_ball(mapped[i]), .left = 5000};
+        assert_ok(context, fathom_scene_read(context, b.path, &scene));
+        fails_to_render(scene, &b, ": was truncated while it was read: 5000 bytes are left of ");
+        assert_true(b.struck);
+    }
+}
+
+static void fails_to_read(blow *b) {
+    fathom_scene *scene;
+    fathom_context_on_warning(context, strike_at_warning, b);
+    assert_fails(context, fathom_scene_read(context, b->path, &scene), FATHOM_BAD_INPUT,
+                 ": was truncated while it was read: ");
+    fathom_context_on_warning(context, NULL, NULL);
+    assert_true(b->struck);
+    assert_null(scene);
+}
+
+/* OBJ warns between looking for statements and reading them, PLY between counting rows and reading them, glTF
+ * between nodes. */
+static void truncated_while_reading(void **state) {
+    (void)state;
+    guard();
+    for (off_t left = 0; left <= 100000; left += 50000) {
+        blow obj = {.path = write_ball("ball.obj"), .warning = "mtllib", .left = left};
+        write_text(obj.path, "a", "mtllib none.mtl\n");
+        fails_to_read(&obj);
+        blow ply = {.path = in_folder("rows.ply"), .warning = "rows after", .left = left};
+        write_text(ply.path, "w",
+                   "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                   "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n");
+        write_text(ply.path, "a", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+        for (int i = 0; i < 20000; ++i) write_text(ply.path, "a", "0 0 0 0 0 0\n");
+        fails_to_read(&ply);
+    }
+    blow gltf = {.path = in_folder("skin.gltf"), .warning = "skins"};
+    write_ball("ball.glb");
+    write_text(
+        gltf.path, "w",
+        "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"uri\": \"skin.bin\", \"byteLength\": 36}],"
+        "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}], \"accessors\": [{\"bufferView\": 0,"
+        "\"componentType\": 5126, \"type\": \"VEC3\", \"count\": 3}], \"meshes\": [{\"primitives\":"
+        "[{\"attributes\": {\"POSITION\": 0}}]}], \"nodes\": [{\"mesh\": 0, \"skin\": 0}]}");
+    write_text(in_folder("skin.bin"), "w", "123456789012345678901234567890123456");
+    fails_to_read(&gltf);
+}
+
+static void written_over(void **state) {
+    (void)state;
+    guard();
+    EACH_MAPPED(i) {
+        fathom_scene *scene;
+        const char *path = write_ball(mapped[i]);
+        assert_ok(context, fathom_scene_read(context, path, &scene));
+        usleep(20000); /* the system's clock of files ticks a hundred times a second or more */
+        FILE *f = fopen(path, "r+");
+        assert_non_null(f);
+        assert_int_equal(fseek(f, -1, SEEK_END), 0);
+        assert_int_equal(fputc(0, f), 0);
+        assert_int_equal(fclose(f), 0);
+        fails_to_render(scene, NULL, ": was changed while it was read");
+    }
+}
+
+static double sum_of(fathom_scene *scene) {
+    fathom_film *film;
+    fathom_settings settings = small();
+    assert_ok(context, fathom_render(context, scene, &settings, NULL, NULL, NULL, &film));
+    const float *red = fathom_film_channel(film, "R");
+    double sum = 0;
+    for (size_t i = 0; i < 64 * 64; ++i) sum += (double)red[i] * (double)(i + 1);
+    fathom_film_destroy(film);
+    fathom_scene_destroy(scene);
+    return sum;
+}
+
+/* Another file under the old name is no change, and neither is what happens to one that was copied. */
+static void replaced_or_copied(void **state) {
+    (void)state;
+    guard();
+    EACH_MAPPED(i) {
+        fathom_scene *scene;
+        const char *path = write_ball(mapped[i]);
+        assert_ok(context, fathom_scene_read(context, path, &scene));
+        double sum = sum_of(scene);
+        assert_true(sum > 0);
+        assert_ok(context, fathom_scene_read(context, path, &scene));
+        write_text(in_folder("other"), "w", "nothing");
+        assert_int_equal(rename(in_folder("other"), path), 0);
+        assert_true(sum_of(scene) == sum);
+        write_ball(mapped[i]);
+        fathom_context_copy_files(context, true);
+        assert_ok(context, fathom_scene_read(context, path, &scene));
+        fathom_context_copy_files(context, false);
+        assert_int_equal(truncate(path, 0), 0);
+        assert_true(sum_of(scene) == sum);
+    }
+}
+
+/* More files at once than a chunk of the table has slots, in any order of closing. */
+static void many_at_once(void **state) {
+    (void)state;
+    guard();
+    enum { COUNT = 500 };
+    static file_map maps[COUNT];
+    const char *path = write_ball("ball.ply");
+    for (int round = 0; round < 3; ++round) {
+        for (int i = 0; i < COUNT; ++i) assert_ok(context, file_open(context, path, &maps[i]));
+        for (int i = 0; i < COUNT; ++i) file_close(&maps[(i * 7 + round) % COUNT]);
+    }
+    assert_ok(context, file_open(context, path, &maps[0]));
+    assert_ok(context, file_open(context, path, &maps[1]));
+    assert_int_equal(truncate(path, 0), 0);
+    assert_int_equal(maps[0].bytes[maps[0].size - 1], 0);
+    unlink(path);
+    assert_fails(context, file_check(context, &maps[0]), FATHOM_BAD_INPUT, "was truncated");
+    assert_ok(context, file_check(context, &maps[1])); /* nothing of it was read */
+    file_close(&maps[0]);
+    file_close(&maps[1]);
+}
+
+static void exit_7(int number) {
+    (void)number;
+    _exit(7);
+}
+
+/* A SIGBUS of others goes where it went before, sent by a process or come of memory that is not ours. */
+static void others_keep_theirs(void **state) {
+    (void)state;
+    guard();
+    for (int way = 0; way < 2; ++way) {
+        char name[64];
+        snprintf(name, sizeof name, "%s", in_folder("foreign"));
+        fflush(NULL);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            char program[] = "/proc/self/exe", argument[8];
+            snprintf(argument, sizeof argument, "%d", way);
+            execl(program, program, argument, name, (char *)NULL);
+            _exit(1);
+        }
+        int status;
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 7);
+    }
+}
+
+/* What the child of the test above is: its handler first, then the guard, then the fault. */
+static int meet_foreign_fault(int way, const char *path) {
+    signal(SIGBUS, exit_7);
+    fathom_guard_files();
+    fathom_guard_files();
+    if (way == 0) raise(SIGBUS);
+    int descriptor = open(path, O_RDWR | O_CREAT | O_TRUNC, 0600);
+    if (descriptor < 0 || ftruncate(descriptor, 4096) != 0) return 2;
+    volatile char *bytes = mmap(NULL, 4096, PROT_READ, MAP_SHARED, descriptor, 0);
+    if (ftruncate(descriptor, 0) != 0 || unlink(path) != 0) return 3;
+    return bytes[0] + 4;
+}
+
+static int setup(void **state) {
+    (void)state;
+    strcpy(folder, "/tmp/fathom_changed_XXXXXX");
+    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    static const char *const names[] = {"ball.ply", "ball.glb",  "ball.obj", "ball.mtl",
+                                        "rows.ply", "skin.gltf", "skin.bin"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) unlink(in_folder(names[i]));
+    fathom_context_destroy(context);
+    return rmdir(folder); /* fails when anything was left */
+}
+
+int main(int argc, char **argv) {
+    if (argc == 3) return meet_foreign_fault(argv[1][0] - '0', argv[2]);
+    fathom_guard_files();
+    sigaction(SIGBUS, NULL, &guard_action);
+    trace_start_threads(); /* as the program does, to whose threads no signals are sent */
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(truncated_before_rendering), cmocka_unit_test(truncated_and_removed),
+        cmocka_unit_test(truncated_before_building),  cmocka_unit_test(truncated_while_rendering),
+        cmocka_unit_test(truncated_while_reading),    cmocka_unit_test(written_over),
+        cmocka_unit_test(replaced_or_copied),         cmocka_unit_test(many_at_once),
+        cmocka_unit_test(others_keep_theirs),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
