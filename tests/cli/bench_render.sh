@@ -2,5 +2,5 @@
 # is judged.
 . "$SOURCE/tests/cli/check.inc"
 BUILD=$BUILD MESHES=5k SPP="1 4" sh "$SOURCE/bench/render.sh" 1 >out.txt || die 'bench/render.sh'
-[ "$(grep -c '^| 5k | [18] | [14] | .* s | [0-9.]* | [0-9.]* (.*) | [0-9.]* | [0-9.]* (.*) |$' out.txt)" = 4 ] ||
+[ "$(grep -c '^| 5k | [18] | [14] | .* s | [0-9.]* | [0-9.]* (.*) | [0-9.]*, [0-9.]* | [0-9.]* (.*) |$' out.txt)" = 4 ] ||
     die 'bench/render.sh: 4 rows'

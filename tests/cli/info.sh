@@ -12,6 +12,14 @@ said out.txt 'features  spheres, quads, point lights, Phong, mirrors'
 said out.txt 'problems  none'
 silent err.txt
 
+# A film of every AOV has 18 channels, 4 bytes a pixel each.
+cat >aovs.json <<'JSON'
+{ "image": { "width": 640, "height": 480, "aovs": ["alpha", "Z", "N", "P", "albedo", "id", "samples"] },
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }
+JSON
+run 0 info aovs.json --json
+[ "$(number out.txt film)" = $((640 * 480 * 18 * 4)) ] || die "film: $(number out.txt film)"
+
 cat >mesh.obj <<'OBJ'
 v 0 0 0
 v 1 0 0
@@ -71,9 +79,19 @@ not_said out.txt 'mirrored and refracted rays'
 run 0 info scene.json --json
 said out.txt '"what": "watertight repair"'
 
-# The image module is for images alone.
+# The image module is for images alone, and not for PNG in sRGB.
 LD_DEBUG=files "$FATHOM" info scene.json >out.txt 2>loaded.txt
 not_said loaded.txt OpenImageIO
+said out.txt 'image module: PNG in the built-in sRGB view is written without it'
+OCIO=none.ocio run 0 info scene.json
+not_said out.txt 'image module'
+LD_DEBUG=files "$FATHOM" render scene.json -o a.png -v >out.txt 2>loaded.txt
+not_said loaded.txt OpenImageIO
+said out.txt 'image module: PNG in the built-in sRGB view is written without it'
+run 0 render scene.json -o a.png --view raw -v
+not_said out.txt 'image module'
+run 0 render scene.json -o a.png -o a.exr -v
+not_said out.txt 'image module'
 run 0 render scene.json -o a.exr
 LD_DEBUG=files "$FATHOM" compare a.exr a.exr >out.txt 2>loaded.txt
 said loaded.txt OpenImageIO

@@ -2,8 +2,6 @@
 . "$SOURCE/tests/cli/check.inc"
 # Small enough to be built long before the signal, however busy the machine; sampled long enough to never end.
 run 0 generate sphere -t 20k -o heavy.glb
-now() { date +%s.%N; }
-
 # stop SIGNAL SECONDS ARGUMENT…: fathom gets the signal after so many seconds; `took` is how long it lived on.
 # --foreground sends it once, as a terminal does.
 stop() {

@@ -46,7 +46,7 @@ run 1 validate triangles --rays 500 --tracer "$plugins/culls.so" --families unif
 grep -q 'culls.so \(uniform\|edge\) [0-9]* wrong .*0x.* triangles$' bad.txt || die 'no failing ray'
 grep -q 'culls.so \(uniform\|edge\) [0-9]* any-wrong .*0x.* triangles$' bad.txt || die 'no failing any hit'
 count=$(grep -c -e ' wrong ' -e ' any-wrong ' bad.txt)
-run 1 validate --replay bad.txt
+run 1 validate --replay bad.txt --tracer "$plugins/culls.so"
 said out.txt "$count rays, $count wrong"
 said out.txt 'any-wrong'
 run 0 validate --replay bad.txt --tracer reference

@@ -31,10 +31,10 @@ not_said out.txt 'embree:user'
 # Its failing rays are asked again in scenes made anew, and fail again.
 grep ' wrong .* extreme:scale-triangles:1$' bad.txt | head -n 3 >again.txt
 [ "$(wc -l <again.txt)" -eq 3 ] || die 'no failing rays of the grid'
-run 1 validate --replay again.txt
+run 1 validate --replay again.txt --tracer "$BUILD/tests/plugin/culls.so"
 said out.txt '3 rays, 3 wrong'
 sed 's/extreme:scale-triangles:/extreme:none:/' again.txt >none.txt
-refused 3 'there is no group of extreme cases "none"' validate --replay none.txt
+refused 3 'there is no group of extreme cases "none"' validate --replay none.txt --tracer "$BUILD/tests/plugin/culls.so"
 
 # Nothing of it without being asked.
 run 0 validate --rays 20 --families camera --json none.json

@@ -24,7 +24,7 @@ sed -n 's/^\(<pre>\)*\(.*culls.so uniform .* wrong .*\)$/\2/p' bad/index.html |
     sed 's/&lt;/</g; s/&gt;/>/g; s/&quot;/"/g; s/&amp;/\&/g' >bad.txt
 count=$(wc -l <bad.txt)
 [ "$count" -gt 0 ] || die 'no failing ray on the page'
-run 1 validate --replay bad.txt
+run 1 validate --replay bad.txt --tracer "$culls"
 said out.txt "$count rays, $count wrong"
 
 # The page counts what the terminal counts, leaks of any-hit queries and of extreme cases with the rest.

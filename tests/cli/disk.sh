@@ -1,0 +1,127 @@
+# A disk that fails under an image loses no pixels, and nothing half is left under the final name.
+. "$SOURCE/tests/cli/check.inc"
+write_scene
+"$FATHOM" render scene.json -o good.exr --exr-float >/dev/null
+
+# fault CALL FILE ERROR AFTER ARGUMENT…: a render whose disk fails so; it has to end with code 4.
+fault() {
+    call=$1 file=$2 error=$3 after=$4
+    shift 4
+    code=0
+    FAULT_CALL=$call FAULT_FILE=$file FAULT_ERROR=$error FAULT_AFTER=$after LD_PRELOAD=$BUILD/tests/faults/disk.so \
+        "$FATHOM" "$@" >out.txt 2>err.txt || code=$?
+    [ $code -eq 4 ] || die "$call of $file fails with $error: exit code $code, expected 4"
+}
+# rescued FILE: the pixels are in there, and nothing else came.
+rescued() {
+    said err.txt "fathom: the pixels are in $1, as scene-linear EXR"
+    same "$1" good.exr
+    rm "$1"
+    [ "$(ls -A)" = "$(printf 'err.txt\ngood.exr\nout.txt\nscene.json')" ] || die "left behind: $(ls -A)"
+}
+
+# The sanitizers' own library has to be loaded first of all.
+if [ -z "$SANITIZE" ]; then
+    for name in a.png a.jpg a.tif a.exr; do
+        stem=${name%.*}
+        # Input/output error a little after the trial of 4096 bytes that comes before rendering, and later.
+        for after in 4200 6000; do
+            fault write "$stem.fathom-tmp" 5 $after render scene.json -o $name
+            said err.txt "fathom: $name: cannot be written: Input/output error"
+            rescued a.rescue.exr
+        done
+        # The disk's own cache could not be written, as is learnt when waiting for it.
+        fault fsync "$stem.fathom-tmp" 5 0 render scene.json -o $name
+        said err.txt "fathom: $name: cannot be written: Input/output error"
+        rescued a.rescue.exr
+        # No space left on device.
+        fault rename "$name" 28 0 render scene.json -o $name
+        said err.txt "fathom: $name: cannot be written: No space left on device"
+        rescued a.rescue.exr
+    done
+    # What stands there stays; a rescued image of an earlier run, too.
+    echo old >a.png
+    echo old >a.rescue.exr
+    fault write a.fathom-tmp 5 6000 render scene.json -o a.png
+    [ "$(cat a.png a.rescue.exr)" = "$(printf 'old\nold')" ] || die 'a file that was there is gone'
+    rm a.png a.rescue.exr
+    rescued a.rescue-2.exr
+    # An image that holds all channels is no worse than a rescued one.
+    fault write a.fathom-tmp 5 6000 render scene.json -o a.png -o b.exr --exr-float
+    same b.exr good.exr
+    [ ! -e a.rescue.exr ] || die 'rescued, though b.exr holds all'
+    rm b.exr
+    # A folder that is full: the next place is the working folder.
+    mkdir folder
+    fault write folder/a 28 6000 render scene.json -o folder/a.png
+    [ -z "$(ls -A folder)" ] || die "left in the folder: $(ls -A folder)"
+    rmdir folder
+    rescued a.rescue.exr
+    # No place at all: it is said.
+    fault write .fathom-tmp 28 4096 render scene.json -o a.png --size 256x256
+    said err.txt 'fathom: the pixels are lost: neither beside that file nor in the working folder, $TMPDIR or /tmp'
+    # The other results that are kept in files.
+    fault write stats.fathom-tmp 5 4096 bench render scene.json --spp 1 --threads 1 --repeats 1 --quiet --json stats.json
+    said err.txt 'stats.json: cannot be written: Input/output error'
+    fault write mesh.fathom-tmp 5 100000 generate sphere --triangles 10k -o mesh.glb
+    said err.txt 'mesh.glb: cannot be written: Input/output error'
+    rm -f out.txt err.txt
+    [ "$(ls -A)" = "$(printf 'good.exr\nscene.json')" ] || die "left behind: $(ls -A)"
+    # Known before anything is rendered: no room for a single page.
+    fault write a.fathom-tmp 28 0 render scene.json -o a.png
+    said err.txt 'fathom: a.png: cannot be written: No space left on device'
+    not_said err.txt rescue
+fi
+
+# A limit of the shell on the size of files (blocks of 512 or 1024 bytes), of which a signal would tell.
+code=0
+(ulimit -f 16 && exec "$FATHOM" render scene.json -o a.tif --size 256x256) >out.txt 2>err.txt || code=$?
+[ $code -eq 4 ] || die "a limit on files: exit code $code, expected 4"
+said err.txt 'a.tif: cannot be written: File too large'
+said err.txt 'the pixels are lost'
+
+# Results that nobody takes: a device that is full, a pipe that nobody reads, no stream at all.
+if [ -c /dev/full ]; then
+    code=0
+    "$FATHOM" render scene.json -o a.png >/dev/full 2>err.txt || code=$?
+    [ $code -eq 4 ] || die "/dev/full: exit code $code, expected 4"
+    said err.txt 'fathom: standard output cannot be written: No space left on device'
+    same a.png a.png
+    "$FATHOM" render scene.json -o b.png >out.txt 2>/dev/full || die 'a full stderr is no failure'
+    cmp a.png b.png || die 'a full stderr changed the image'
+fi
+mkfifo pipe
+(exec <pipe) &
+{ wait; code=0; "$FATHOM" help render 2>err.txt || code=$?; echo $code >code.txt; } >pipe
+[ "$(cat code.txt)" -eq 4 ] || die "a closed pipe: exit code $(cat code.txt), expected 4"
+said err.txt 'fathom: standard output cannot be written: Broken pipe'
+code=0
+"$FATHOM" render scene.json -o c.png >&- 2>err.txt || code=$?
+[ $code -eq 4 ] || die "a closed stdout: exit code $code, expected 4"
+said err.txt 'fathom: standard output cannot be written: Bad file descriptor'
+same a.png c.png
+"$FATHOM" render scene.json -o d.png --stats d.json <&- >&- 2>&- || true
+same a.png d.png
+said d.json '"width": 96'
+
+# Two at once under one name: one of the two images, whole.
+run 0 render scene.json -o wide.png --size 200x100
+run 0 render scene.json -o high.png --size 100x200
+for round in 1 2 3; do
+    "$FATHOM" render scene.json -o both.png --size 200x100 >/dev/null 2>&1 &
+    first=$!
+    "$FATHOM" render scene.json -o both.png --size 100x200 >/dev/null 2>&1 &
+    second=$!
+    wait $first && wait $second || die 'one of two renders to one name failed'
+    "$FATHOM" compare both.png wide.png >/dev/null 2>&1 || same both.png high.png
+done
+ls -A | grep tmp && die 'a temporary file was left behind'
+
+# A module that is none is found out while the render runs, not at its end.
+echo 'no library' >module.so
+code=0
+FATHOM_IMAGE_MODULE=$PWD/module.so "$FATHOM" render scene.json -o e.exr --size 2000x2000 --tracer linear:f64 --spp 1024 \
+    >out.txt 2>err.txt || code=$?
+[ $code -eq 70 ] || die "no module: exit code $code, expected 70"
+said err.txt 'fathom: image module: '
+[ ! -e e.exr ] || die 'no module: there is an image'

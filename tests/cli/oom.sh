@@ -1,0 +1,40 @@
+# Memory runs out in the program or in a library of its, Embree's among them: exit code 4 and a message, no file;
+# or the right result, where what asked could do without. Each place once, of many every so many; tests/oom.sh
+# tries all.
+. "$SOURCE/tests/cli/check.inc"
+# Sanitizers answer requests themselves.
+[ -z "$SANITIZE" ] || exit 0
+faults=$BUILD/tests/faults
+each() {
+    "$faults/each" -l bad.txt "$@" >counts.txt 2>err.txt || { cat bad.txt >&2; die "each $*: $(cat counts.txt)"; }
+    grep -qv '^0 places' counts.txt || die "each $*: nothing failed"
+}
+write_scene
+run 0 generate sphere -t 100 -o ball.glb --quiet
+: >bad.txt
+: >counts.txt
+
+each -t "$faults/oom.so" "$FATHOM" info ball.glb
+each -a -s 0/8 "$faults/oom.so" "$FATHOM" info scene.json
+each -s 0/12 "$faults/oom.so" "$FATHOM" validate ball.glb --rays 2 -q
+# Embree's and the scheduler's requests, but for those of the image module's libraries.
+each -x fathom_image -i libembree -s 1/12 -c "$FATHOM" -o a.exr \
+    "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
+# Compressing rows on threads of its own, where OpenEXR forgets that it failed.
+each -x ld-linux -i libz.so -c "$FATHOM" -o a.exr \
+    "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
+
+# No thread can be had at all: Embree and all of ours do without, with the same answers; OpenImageIO may not.
+without_threads() {
+    code=0
+    LD_PRELOAD=$faults/oom.so FATHOM_OOM=threads "$FATHOM" "$@" >out.txt 2>err.txt || code=$?
+}
+without_threads validate ball.glb --rays 3 -q
+[ $code -eq 0 ] || die "validate without threads: exit code $code"
+run 0 render scene.json -o many.exr --size 16x12 --threads 4
+without_threads render scene.json -o one.exr --size 16x12 --threads 4 -q
+case $code in
+0) same many.exr one.exr ;;
+4) said err.txt 'fathom: ' && [ ! -e one.exr ] || die 'without threads: no message, or a file' ;;
+*) die "render without threads: exit code $code" ;;
+esac

@@ -1,0 +1,25 @@
+#!/bin/sh
+# Kills renders at random moments, many of them while a checkpoint is written, and resumes them until they finish; each
+# has to give the pixels of a render that nobody disturbed. Prints how often it hit what.
+# usage: sh tests/kill.sh BUILD [KILLS [SEED]]     (default: 100 kills, seed 1)
+set -eu
+SOURCE=$(cd "$(dirname "$0")/.." && pwd)
+BUILD=$(cd "$1" && pwd)
+FATHOM=$BUILD/bin/fathom
+count=${2:-100}
+seed=${3:-1}
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+. "$SOURCE/tests/cli/check.inc"
+. "$SOURCE/tests/kill/kill.inc"
+write_scene
+even="--spp 1024 --aov all --exr-float"
+error="--target-error 0.0005 --spp 4096 --aov all --exr-float"
+# shellcheck disable=SC2086
+survive $((count / 2)) "$seed" 1200 scene.json --size 160x120 $even
+echo "the same samples everywhere: $kills kills, $writing while a file was written, $finished renders finished"
+kills=0 writing=0 finished=0
+# shellcheck disable=SC2086
+survive $((count - count / 2)) $((seed + 1000)) 1200 scene.json --size 160x120 $error
+echo "to an error:                 $kills kills, $writing while a file was written, $finished renders finished"

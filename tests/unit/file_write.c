@@ -1,0 +1,206 @@
+/* Files that appear whole or not at all: the order of what the disk is told, and what killed writers leave.
+ */
+#include "base/file.h"
+
+#include "unit.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* ---- what the system is told, by calls that the linker hands to us ---- */
+
+static char calls[8];
+static int sync_error;
+
+int __real_fsync(int descriptor);
+int __wrap_fsync(int descriptor);
+int __real_rename(const char *from, const char *to);
+int __wrap_rename(const char *from, const char *to);
+
+static void note(char call) {
+    size_t length = strlen(calls);
+    if (length + 1 < sizeof calls) calls[length] = call;
+}
+
+int __wrap_fsync(int descriptor) {
+    struct stat info;
+    fstat(descriptor, &info);
+    note(S_ISDIR(info.st_mode) ? 'D' : 'f');
+    if (!sync_error) return __real_fsync(descriptor);
+    errno = sync_error;
+    return -1;
+}
+
+int __wrap_rename(const char *from, const char *to) {
+    note('r');
+    return __real_rename(from, to);
+}
+
+/* ---- a folder of the test's own ---- */
+
+typedef struct place {
+    fathom_context *context;
+    char folder[64], path[96];
+} place;
+
+static int set_up(void **state) {
+    place *p = calloc(1, sizeof *p);
+    strcpy(p->folder, "/tmp/fathom-test-XXXXXX");
+    if (!mkdtemp(p->folder)) return -1;
+    snprintf(p->path, sizeof p->path, "%s/a.bin", p->folder);
+    memset(calls, 0, sizeof calls);
+    sync_error = 0;
+    *state = p;
+    return fathom_context_create(&p->context) == FATHOM_OK ? 0 : -1;
+}
+
+static char *at(const place *p, const char *name) {
+    static char path[400];
+    snprintf(path, sizeof path, "%s/%s", p->folder, name);
+    return path;
+}
+
+/* Files in the folder; removes them when asked to. */
+static int count_files(const place *p, bool remove_all) {
+    DIR *folder = opendir(p->folder);
+    int count = 0;
+    for (const struct dirent *entry; (entry = readdir(folder));) {
+        if (entry->d_name[0] == '.') continue;
+        ++count;
+        if (remove_all) unlink(at(p, entry->d_name));
+    }
+    closedir(folder);
+    return count;
+}
+
+static int tear_down(void **state) {
+    place *p = *state;
+    count_files(p, true);
+    rmdir(p->folder);
+    fathom_context_destroy(p->context);
+    free(p);
+    return 0;
+}
+
+static file_writer *begin(const place *p, const char *text) {
+    file_writer *writer;
+    assert_ok(p->context, file_writer_open(p->context, p->path, &writer));
+    file_writer_put(writer, text, strlen(text));
+    return writer;
+}
+
+static void assert_holds(const place *p, const char *text) {
+    file_map map;
+    assert_ok(p->context, file_open(p->context, p->path, &map));
+    assert_int_equal(map.size, strlen(text));
+    assert_memory_equal(map.bytes, text, map.size);
+    file_close(&map);
+}
+
+static void make(const char *path) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fclose(file);
+}
+
+/* ---- laws ---- */
+
+/* Bytes, then the name, then the folder that holds the name. */
+static void disk_has_bytes_before_name(void **state) {
+    place *p = *state;
+    assert_ok(p->context, file_writer_commit(begin(p, "one")));
+    assert_string_equal(calls, "frD");
+    assert_holds(p, "one");
+    assert_int_equal(count_files(p, false), 1);
+}
+
+static void failing_disk_keeps_old_file(void **state) {
+    place *p = *state;
+    assert_ok(p->context, file_writer_commit(begin(p, "one")));
+    sync_error = EIO;
+    assert_int_equal(file_writer_commit(begin(p, "two")), FATHOM_OUT_OF_RESOURCES);
+    assert_non_null(strstr(fathom_context_message(p->context), "cannot be written"));
+    assert_holds(p, "one");
+    assert_int_equal(count_files(p, false), 1);
+}
+
+static void file_system_without_sync_is_fine(void **state) {
+    place *p = *state;
+    sync_error = EINVAL;
+    assert_ok(p->context, file_writer_commit(begin(p, "one")));
+    assert_holds(p, "one");
+}
+
+static void writers_of_one_file_keep_apart(void **state) {
+    place *p = *state;
+    file_writer *first = begin(p, "first"), *second = begin(p, "second");
+    assert_string_not_equal(file_writer_temporary(first), file_writer_temporary(second));
+    assert_ok(p->context, file_writer_commit(first));
+    assert_holds(p, "first");
+    assert_ok(p->context, file_writer_commit(second));
+    assert_holds(p, "second");
+    assert_int_equal(count_files(p, false), 1);
+}
+
+static void abort_leaves_nothing(void **state) {
+    place *p = *state;
+    file_writer_abort(begin(p, "one"));
+    assert_int_equal(count_files(p, false), 0);
+}
+
+static void left_over_files_go_and_others_stay(void **state) {
+    place *p = *state;
+    file_writer *alive = begin(p, "one");
+    make(at(p, "a.fathom-tmp1.bin"));
+    make(at(p, "a.fathom-tmp123-4.bin"));
+    static const char *const others[] = {"a.bin.bak",         "a.tmp1.bin",        "a.fathom-tmp.bin",
+                                         "a.fathom-tmp1.exr", "b.fathom-tmp1.bin", "a.fathom-tmp1x.bin"};
+    const int count = sizeof others / sizeof *others;
+    for (int i = 0; i < count; ++i) make(at(p, others[i]));
+    assert_int_equal(count_files(p, false), count + 3);
+    file_remove_left_over(p->path);
+    assert_int_equal(count_files(p, false), count + 1);
+    for (int i = 0; i < count; ++i) assert_int_equal(access(at(p, others[i]), F_OK), 0);
+    assert_ok(p->context, file_writer_commit(alive));
+    assert_holds(p, "one");
+}
+
+/* While the child lives its file is in use; killed, it has left it over. */
+static void killed_writer_leaves_what_is_removed(void **state) {
+    place *p = *state;
+    int ready[2];
+    char byte;
+    assert_int_equal(pipe(ready), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        begin(p, "never finished");
+        if (write(ready[1], "x", 1) == 1) pause();
+        _exit(1);
+    }
+    assert_int_equal(read(ready[0], &byte, 1), 1);
+    file_remove_left_over(p->path);
+    assert_int_equal(count_files(p, false), 1);
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+    assert_int_equal(count_files(p, false), 1);
+    file_remove_left_over(p->path);
+    assert_int_equal(count_files(p, false), 0);
+    close(ready[0]), close(ready[1]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(disk_has_bytes_before_name, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(failing_disk_keeps_old_file, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(file_system_without_sync_is_fine, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(writers_of_one_file_keep_apart, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(abort_leaves_nothing, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(left_over_files_go_and_others_stay, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(killed_writer_leaves_what_is_removed, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
