@@ -1,9 +1,12 @@
 #!/bin/sh
 # Installs what is missing, builds, and runs all tests through CTest. Safe to run again.
-# usage: sh tests/run.sh [release] [sanitize] [thread]     (default: all three)
+# usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [thread-all]     (default: the first five)
 #   release   optimised, warnings are errors, layout checked
 #   sanitize  AddressSanitizer and UndefinedBehaviorSanitizer, the same suite
 #   thread    ThreadSanitizer, the tests of threads
+#   fuzz      every reader with libFuzzer for ten seconds, from the corpus on: tests/fuzz.sh
+#   analyze   clang-tidy, cppcheck and gcc's -fanalyzer over src/: tests/analyze.sh
+#   thread-all   ThreadSanitizer, every test: an hour and more
 # Builds go to build/test-NAME, or $FATHOM_BUILD/test-NAME.
 set -eu
 cd "$(dirname "$0")/.."
@@ -30,7 +33,7 @@ check_layout() {
 }
 
 mkdir -p "$builds"
-[ $# -gt 0 ] || set -- release sanitize thread
+[ $# -gt 0 ] || set -- release sanitize thread fuzz analyze
 for kind; do
     case $kind in
     release)
@@ -50,8 +53,18 @@ for kind; do
         build thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
         FATHOM_SLOW=1 ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
         ;;
+    fuzz)
+        sh "$source/tests/fuzz.sh" 10
+        ;;
+    analyze)
+        sh "$source/tests/analyze.sh"
+        ;;
+    thread-all)
+        build thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
+        ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs"
+        ;;
     *)
-        echo "usage: sh tests/run.sh [release] [sanitize] [thread]" >&2
+        echo "usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [thread-all]" >&2
         exit 2
         ;;
     esac

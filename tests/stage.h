@@ -183,6 +183,23 @@ static inline void add_everything(stage *s) {
     for (int i = 0; i < 4; ++i) add_instance(s, group, maps[i]);
 }
 
+/* Three columns of a shadow caster below what casts none, in the root, instanced, and as a plane far below.
+ */
+static inline void add_shadow_columns(stage *s) {
+    fathom_id group;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, "glass", &group));
+    const double move[12] = {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0};
+    const double origin[3] = {0, 0, 0}, u[3] = {0.5, 0, 0}, v[3] = {0, 0.5, 0};
+    add_sphere(s, FATHOM_ROOT, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
+    add_sphere(s, FATHOM_ROOT, 0, 3, 0, 1, 0);
+    add_sphere(s, group, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
+    add_sphere(s, group, 0, 3, 0, 1, 0);
+    add_ball(s, FATHOM_ROOT, 6, 0, 1, -4, FATHOM_CASTS_NO_SHADOW);
+    add_quad(s, group, origin, u, v, FATHOM_CASTS_NO_SHADOW);
+    add_instance(s, group, move);
+    add_plane(s, -10, FATHOM_CASTS_NO_SHADOW);
+}
+
 /* ---- rays ---- */
 
 typedef struct ray_set {
@@ -247,6 +264,32 @@ static inline ray_set edge_rays(const world *w, size_t count) {
         for (int k = 0; k < 3; ++k) target[k] = (double)a[k] + s * ((double)b[k] - (double)a[k]);
         double reach = i % 2 ? 4 : 0.3;
         double org[3] = {between(-reach, reach), between(-reach, reach), between(-reach, reach)};
+        ray_towards(&set, i, org, target);
+    }
+    return set;
+}
+
+/* Adds spheres with radii of 10^least to 1, and makes rays that graze them, from so many radii (powers of
+ * ten) before the silhouette: hit or miss is decided by the intersector. */
+static inline ray_set silhouette_rays(stage *s, size_t spheres, double least, size_t count, double nearest,
+                                      double farthest) {
+    double(*c)[4] = stage_memory(s, spheres * sizeof *c);
+    for (size_t i = 0; i < spheres; ++i) {
+        for (int k = 0; k < 3; ++k) c[i][k] = between(-10, 10);
+        c[i][3] = pow(10, between(least, 0));
+        add_sphere(s, FATHOM_ROOT, c[i][0], c[i][1], c[i][2], c[i][3], 0);
+    }
+    ray_set set = rays_new(count);
+    for (size_t i = 0; i < count; ++i) {
+        const double *sphere = c[i % spheres];
+        vec3_f64 axis = normalize_f64(vec_f64(between(-1, 1), between(-1, 1), between(-1, 1)));
+        vec3_f64 side =
+            normalize_f64(cross_f64(axis, vec_f64(between(-1, 1), between(-1, 1), between(-1, 1))));
+        if (i % 4 == 0) side = vec_f64(1, 0, 0), axis = vec_f64(0, 0.6, 0.8); /* along a face of the box */
+        double off = sphere[3] * (1 + between(-1e-6, 1e-6));
+        double back = sphere[3] * pow(10, between(nearest, farthest)), target[3], org[3];
+        store_f64(target, madd_f64(load_f64(sphere), off, side));
+        store_f64(org, madd_f64(load_f64(target), -back, axis));
         ray_towards(&set, i, org, target);
     }
     return set;

@@ -2,7 +2,7 @@
 # find_package and through pkg-config. $SOURCE, $BUILD, $CC, $CMAKE, $SANITIZE come from CTest; the working
 # directory is the test's own.
 set -eu
-rm -rf first moved outside-cmake outside outside.png
+rm -rf first moved outside-cmake outside outside.exr
 mkdir first
 
 fail() {
@@ -37,9 +37,9 @@ generator=$(sed -n 's/^CMAKE_GENERATOR:INTERNAL=//p' "$BUILD/CMakeCache.txt")
 "$CMAKE" -G "$generator" -S "$SOURCE/tests/install" -B outside-cmake -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$CC" \
     -DCMAKE_C_FLAGS="$flags" >cmake.log 2>&1 || { cat cmake.log; fail "find_package failed"; }
 "$CMAKE" --build outside-cmake >cmake.log 2>&1 || { cat cmake.log; fail "the CMake project does not build"; }
-./outside-cmake/outside outside.png >outside.log 2>&1 || { cat outside.log; fail "the CMake project does not run"; }
-[ -s outside.png ] || fail "the CMake project left no image"
-rm outside.png
+./outside-cmake/outside outside.exr >outside.log 2>&1 || { cat outside.log; fail "the CMake project does not run"; }
+[ -s outside.exr ] || fail "the CMake project left no image"
+rm outside.exr
 
 PKG_CONFIG_PATH=$libdir/pkgconfig
 export PKG_CONFIG_PATH
@@ -48,9 +48,9 @@ export PKG_CONFIG_PATH
 # shellcheck disable=SC2046,SC2086
 "$CC" -std=c11 $flags "$SOURCE/tests/example/render_arrays.c" $(pkg-config --cflags --libs fathom) -o outside ||
     fail "the pkg-config project does not build"
-LD_LIBRARY_PATH=$libdir ./outside outside.png >outside.log 2>&1 ||
+LD_LIBRARY_PATH=$libdir ./outside outside.exr >outside.log 2>&1 ||
     { cat outside.log; fail "the pkg-config project does not run"; }
-[ -s outside.png ] || fail "the pkg-config project left no image"
+[ -s outside.exr ] || fail "the pkg-config project left no image"
 
 # A later or another major version is not taken for this one.
 for wanted in 0.2 1.0; do

@@ -75,6 +75,11 @@ static void replays(const char *words) {
     assert_int_equal(bare.met[BARE_ANY], any);
     assert_int_equal(again.met[BARE_CLOSEST], closest);
     assert_int_equal(again.met[BARE_ANY], any);
+    assert_true(replay_bare_together(&r, real, 3, &bare));
+    assert_int_equal(bare.rays[BARE_CLOSEST], RAYS);
+    assert_int_equal(bare.met[BARE_CLOSEST], closest);
+    assert_int_equal(bare.met[BARE_ANY], any);
+    assert_true(bare.seconds > 0);
     record_clear(&r);
     assert_int_equal(record_rays(&r, BARE_CLOSEST), 0);
     trace_destroy(recorder);

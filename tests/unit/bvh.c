@@ -145,26 +145,7 @@ static void silhouettes(void **state) {
     (void)state;
     stage s;
     stage_open(&s);
-    enum { spheres = 200, rays = 8000 };
-    static double c[spheres][4];
-    for (int i = 0; i < spheres; ++i) {
-        for (int k = 0; k < 3; ++k) c[i][k] = between(-10, 10);
-        c[i][3] = pow(10, between(-4, 0));
-        add_sphere(&s, FATHOM_ROOT, c[i][0], c[i][1], c[i][2], c[i][3], 0);
-    }
-    ray_set set = rays_new(rays);
-    for (size_t i = 0; i < rays; ++i) {
-        const double *sphere = c[i % spheres];
-        vec3_f64 axis = normalize_f64(vec_f64(between(-1, 1), between(-1, 1), between(-1, 1)));
-        vec3_f64 side =
-            normalize_f64(cross_f64(axis, vec_f64(between(-1, 1), between(-1, 1), between(-1, 1))));
-        if (i % 4 == 0) side = vec_f64(1, 0, 0), axis = vec_f64(0, 0.6, 0.8); /* along a face of the box */
-        double off = sphere[3] * (1 + between(-1e-6, 1e-6)), back = sphere[3] * pow(10, between(-2, 6));
-        double target[3], org[3];
-        store_f64(target, madd_f64(load_f64(sphere), off, side));
-        store_f64(org, madd_f64(load_f64(target), -back, axis));
-        ray_towards(&set, i, org, target);
-    }
+    ray_set set = silhouette_rays(&s, 200, -4, 8000, -2, 6);
     same_as_linear(&s, "f32", &set);
     same_as_linear(&s, "f64", &set);
     free(set.blocks);
@@ -331,15 +312,7 @@ static void shadows_and_planes(void **state) {
     (void)state;
     stage s;
     stage_open(&s);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "glass", &group));
-    const double move[12] = {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0};
-    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
-    add_sphere(&s, group, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
-    add_sphere(&s, group, 0, 3, 0, 1, 0);
-    add_ball(&s, FATHOM_ROOT, 6, 0, 1, -4, FATHOM_CASTS_NO_SHADOW);
-    add_instance(&s, group, move);
-    add_plane(&s, -10, FATHOM_CASTS_NO_SHADOW);
+    add_shadow_columns(&s);
     add_plane(&s, -11, 0);
     trace_destroy(stage_spec(&s, "bvh"));
     check(&s, "f32", random_rays(5000));

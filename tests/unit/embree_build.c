@@ -11,6 +11,29 @@
 
 static const unsigned widths[] = {1, 4, 8, 16};
 
+/* Rays from which on the build is better than low: more rays never ask for less. */
+static uint64_t rays_worth_more(const world *w) {
+    uint64_t rays = 1;
+    while (trace_quality_auto(rays, w) == TRACE_QUALITY_LOW && rays < UINT64_C(1) << 50) rays += rays / 2 + 1;
+    for (uint64_t more = rays; more < UINT64_C(1) << 60; more *= 2)
+        assert_int_equal(trace_quality_auto(more, w), TRACE_QUALITY_MEDIUM);
+    return rays;
+}
+
+/* The more there is to build, the more rays it takes. */
+static void quality_follows_the_rays(void **state) {
+    (void)state;
+    uint64_t before = 1;
+    for (uint32_t count = 100; count <= 100000000; count *= 10) {
+        world_geometry mesh = {.kind = WORLD_MESH, .count = count};
+        const world w = {.geometries = {&mesh, 1, 1}};
+        uint64_t rays = rays_worth_more(&w);
+        assert_true(rays > before);
+        assert_int_equal(trace_quality_auto(0, &w), TRACE_QUALITY_MEDIUM);
+        before = rays;
+    }
+}
+
 /* One ray from (x, y, 5) down z. */
 static ray_set ray_down(double x, double y) {
     ray_set set = rays_new(1);
@@ -35,24 +58,11 @@ static float depth(const trace_tracer *tracer, double x, double y) {
     return t;
 }
 
-/* Three columns of a shadow caster below what casts none, in the root, instanced, and as a plane far below.
- */
 static void shadows_pass_what_casts_none(void **state) {
     (void)state;
     stage s;
     stage_open(&s);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "glass", &group));
-    const double move[12] = {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0};
-    const double origin[3] = {0, 0, 0}, u[3] = {0.5, 0, 0}, v[3] = {0, 0.5, 0};
-    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
-    add_sphere(&s, FATHOM_ROOT, 0, 3, 0, 1, 0);
-    add_sphere(&s, group, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
-    add_sphere(&s, group, 0, 3, 0, 1, 0);
-    add_ball(&s, FATHOM_ROOT, 6, 0, 1, -4, FATHOM_CASTS_NO_SHADOW);
-    add_quad(&s, group, origin, u, v, FATHOM_CASTS_NO_SHADOW);
-    add_instance(&s, group, move);
-    add_plane(&s, -10, FATHOM_CASTS_NO_SHADOW);
+    add_shadow_columns(&s);
     for (size_t i = 0; i < 4; ++i) {
         trace_tracer *tracer = stage_embree(&s, widths[i]);
         assert_true(!blocked(tracer, 0, 0) && depth(tracer, 0, 0) == 4);
@@ -285,36 +295,16 @@ static void threads_get_their_mode_back(void **state) {
 #endif
 }
 
-/* Rays that graze spheres, near and far: hit or miss is decided by the intersector, so no box may stand in
- * the way. */
+/* Hit or miss is decided by the intersector, so no box may stand in the way. */
 static void boxes_hide_no_sphere(void **state) {
     (void)state;
     stage s;
     stage_open(&s);
-    enum { spheres = 40, rays = 40000 };
-    double c[spheres][4];
-    for (int i = 0; i < spheres; ++i) {
-        for (int k = 0; k < 3; ++k) c[i][k] = between(-10, 10);
-        c[i][3] = pow(10, between(-2, 0));
-        add_sphere(&s, FATHOM_ROOT, c[i][0], c[i][1], c[i][2], c[i][3], 0);
-    }
-    ray_set set = rays_new(rays);
-    for (size_t i = 0; i < rays; ++i) {
-        const double *sphere = c[i % spheres];
-        vec3_f64 axis = normalize_f64(vec_f64(between(-1, 1), between(-1, 1), between(-1, 1)));
-        vec3_f64 side =
-            normalize_f64(cross_f64(axis, vec_f64(between(-1, 1), between(-1, 1), between(-1, 1))));
-        if (i % 4 == 0) side = vec_f64(1, 0, 0), axis = vec_f64(0, 0.6, 0.8); /* along a face of the box */
-        double off = sphere[3] * (1 + between(-1e-6, 1e-6)), back = sphere[3] * pow(10, between(0.1, 2));
-        double target[3], org[3];
-        store_f64(target, madd_f64(load_f64(sphere), off, side));
-        store_f64(org, madd_f64(load_f64(target), -back, axis));
-        ray_towards(&set, i, org, target);
-    }
+    ray_set set = silhouette_rays(&s, 40, -2, 40000, 0.1, 2);
     trace_tracer *embree = stage_embree(&s, 16), *linear = stage_trace(&s, FATHOM_TRACER_REFERENCE, 16, 0, 1);
     ray_set e = traced(embree, &set, TRACE_COHERENT), l = traced(linear, &set, TRACE_COHERENT);
     unsigned char *eo = occluded(embree, &set, TRACE_COHERENT), *lo = occluded(linear, &set, TRACE_COHERENT);
-    for (size_t i = 0; i < rays; ++i) {
+    for (size_t i = 0; i < set.count; ++i) {
         assert_true(same_hit(&e, &l, i) && hit_t(&e, i) == hit_t(&l, i));
         assert_int_equal(eo[i], lo[i]);
     }
@@ -365,6 +355,7 @@ static void no_call_hangs(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_call_hangs), /* first: a child wants no threads in its parent */
+        cmocka_unit_test(quality_follows_the_rays),
         cmocka_unit_test(shadows_pass_what_casts_none),
         cmocka_unit_test(nothing_to_hit),
         cmocka_unit_test(damaged_triangles_are_left_out),

@@ -125,7 +125,8 @@ static void spheres_are_closed(void **state) {
         /* Star-shaped around the origin: each triangle and the origin span a positive volume. */
         for (uint32_t t = 0; t < mesh->triangle_count; ++t)
             assert_true(dot_f64(facet(mesh, t), vertex(mesh, mesh->indices[(size_t)t * 3])) > 0);
-        scene_bounds bounds = scene_world_bounds(scene);
+        scene_bounds bounds;
+        assert_ok(scene->context, scene_world_bounds(scene, &bounds));
         assert_true(bounds.lower.x > -1.5 && bounds.upper.x < 1.5 && bounds.upper.x - bounds.lower.x > 1.2);
         fathom_scene_destroy(scene);
     }
@@ -234,7 +235,8 @@ static void sponges_nest(void **state) {
             for (int nest = 0; nest < 5; ++nest, factor *= 20)
                 assert_true(off(count, asked[c]) <= off(boundary[b] * factor, asked[c]));
         }
-        scene_bounds bounds = scene_world_bounds(scene);
+        scene_bounds bounds;
+        assert_ok(scene->context, scene_world_bounds(scene, &bounds));
         /* Up to four maps p/3 + 2/3, each rounded a few times, carry 1 to 1. */
         assert_near(length_f64(sub_f64(bounds.upper, (vec3_f64){1, 1, 1})), 0, 32 * 0x1p-53);
         assert_near(length_f64(sub_f64(bounds.lower, (vec3_f64){-1, -1, -1})), 0, 32 * 0x1p-53);

@@ -337,7 +337,7 @@ static void leaves_time(void **state) {
         fathom_film *film;
         fathom_stats stats;
         assert_ok(s.context,
-                  render_to_time(s.context, s.scene, &s.settings, &reserve, NULL, NULL, &stats, &film));
+                  render_to_time(s.context, s.scene, &s.settings, &reserve, NULL, NULL, NULL, &stats, &film));
         assert_int_equal(a.times, 1);
         assert_true(a.all_sampled && a.left > 0 && a.left < 1000);
         assert_int_equal(stats.samples, WIDTH * HEIGHT * (i ? 8 : 1));

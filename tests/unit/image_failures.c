@@ -1,6 +1,7 @@
 /* What goes wrong with images is said, and leaves nothing behind. Tests in child processes come first: the
  * module is never unloaded, and some of its libraries start threads that a forked child does not have. */
 #include "image/image.h"
+#include "image/loader.h"
 #include "unit.h"
 
 #include <dirent.h>
@@ -96,6 +97,25 @@ static void missing_module(void **state) {
     assert_int_equal(unlink(in_folder("a.txt")), 0);
 }
 
+/* A module that is no library would end in an error. */
+static bool png_without_module(void *user) {
+    (void)user;
+    image img = noisy();
+    fathom_write_options options = defaults();
+    setenv("FATHOM_IMAGE_MODULE", "/nowhere/fathom_image.so", 1);
+    bool ok = image_check(context, in_folder("a.png"), &options) == FATHOM_OK &&
+              image_write(context, &img, in_folder("a.png"), &options) == FATHOM_OK && !loader_loaded();
+    options.view = "Raw";
+    ok &= fails_with(image_check(context, in_folder("a.png"), &options), FATHOM_INTERNAL, "/nowhere/");
+    ok &= fails_with(image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL, "/nowhere/");
+    return ok && unlink(in_folder("a.png")) == 0;
+}
+
+static void png_needs_no_module(void **state) {
+    (void)state;
+    in_child(png_without_module, NULL);
+}
+
 static bool prefetch_and_leave(void *user) {
     image_prefetch();
     nanosleep(user, NULL);
@@ -131,8 +151,8 @@ static bool write_after_prefetch(void *user) {
     fathom_write_options options = defaults();
     image_prefetch();
     image_prefetch();
-    return image_write(context, &img, in_folder("a.png"), &options) == FATHOM_OK &&
-           unlink(in_folder("a.png")) == 0;
+    return image_write(context, &img, in_folder("a.exr"), &options) == FATHOM_OK &&
+           unlink(in_folder("a.exr")) == 0;
 }
 
 static void writing_waits_for_the_load(void **state) {
@@ -272,6 +292,7 @@ static int remove_folder(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(missing_module),
+        cmocka_unit_test(png_needs_no_module),
         cmocka_unit_test(leaving_while_loading),
         cmocka_unit_test(forking_while_loading),
         cmocka_unit_test(writing_waits_for_the_load),

@@ -147,6 +147,35 @@ static void accessors(void **state) {
     assert_all_rejected(*state, files, sizeof files / sizeof *files);
 }
 
+/* A few bytes may not ask for any amount of memory: elements that are zero, and nothing else, by the million;
+ * one array unrolled again and again. The same in proportion to the file is fine. */
+static void out_of_proportion(void **state) {
+    fixture *f = *state;
+    const bad_file files[] = {
+        {"{" ASSET ",'accessors':[{" VEC3(1000000) "}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}"
+                                                   "]}]}",
+         "meshes[0].primitives[0].attributes.POSITION: brings what the file asks for to 12000000 bytes"},
+        {"{" ASSET ",'accessors':[{" VEC3(
+             30000) "},{'componentType':5125,'type':'SCALAR','count':1000000}],"
+                    "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]}",
+         "brings what the file asks for to"},
+    };
+    assert_all_rejected(f, files, sizeof files / sizeof *files);
+    write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
+                                                             "'POSITION':0}}]}]}");
+    fathom_scene *scene;
+    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &plain));
+    fathom_scene_destroy(scene);
+}
+
+/* What a message quotes cannot steer the terminal that shows it. */
+static void quoted_controls(void **state) {
+    fixture *f = *state;
+    write_triangle(f, "{'asset':{'version':'\\u001b[2J\\n'}}");
+    assert_rejected(f, "asset.version: is \"?[2J?\"");
+}
+
 static void values(void **state) {
     fixture *f = *state;
     triangle_data data = triangle;
@@ -325,6 +354,8 @@ int main(void) {
         TEST(documents),
         TEST(meshes),
         TEST(accessors),
+        TEST(out_of_proportion),
+        TEST(quoted_controls),
         TEST(values),
         TEST(nodes),
         TEST(lights_and_materials),

@@ -163,16 +163,19 @@ static char *nest(size_t depth) {
     return text;
 }
 
-/* As deep as the parser goes is read; deeper is an error, not a crash. */
+/* Down to 512 levels is read, with a stack of 1 MB (tests/cli/nested.sh); deeper is an error, not a crash. */
 static void deep_nests(void **state) {
     (void)state;
-    char *text = nest(1000);
+    char *text = nest(512);
     fathom_scene *scene = json_scene_good(&s, text);
-    assert_int_equal(scene->instances.count, 1000);
+    assert_int_equal(scene->instances.count, 512);
     fathom_scene_destroy(scene);
     free(text);
+    text = nest(513);
+    json_scene_bad(&s, text, "children within children, more than 512 levels");
+    free(text);
     text = nest(100000);
-    json_scene_bad(&s, text, "maximum parsing depth");
+    json_scene_bad(&s, text, "brackets stand within brackets too deep");
     free(text);
 }
 
@@ -188,6 +191,24 @@ static void long_chains(void **state) {
     end += sprintf(end, ",\"g%zu\":[]},\"objects\":[]}", count);
     fathom_scene_destroy(json_scene_good(&s, text));
     sprintf(last, ",\"g%zu\":[{\"type\":\"instance\",\"of\":\"g0\"}]},\"objects\":[]}", count);
+    json_scene_bad(&s, text, "scene.json:1: groups: groups contain each other in a cycle");
+    free(text);
+}
+
+/* A ring through groups that are deep in themselves: no stack holds all of it at once. */
+static void deep_rings(void **state) {
+    (void)state;
+    enum { count = 300, depth = 400 };
+    char *text = malloc(count * (depth * 40 + 100)), *end = text;
+    end += sprintf(end, "{\"groups\":{");
+    for (int i = 0; i < count; ++i) {
+        end += sprintf(end, "%s\"g%d\":[", i ? "," : "", i);
+        for (int k = 0; k < depth; ++k) end += sprintf(end, "{\"type\":\"group\",\"children\":[");
+        end += sprintf(end, "{\"type\":\"instance\",\"of\":\"g%d\"}", (i + 1) % count);
+        for (int k = 0; k < depth; ++k) end += sprintf(end, "]}");
+        end += sprintf(end, "]");
+    }
+    sprintf(end, "},\"objects\":[]}");
     json_scene_bad(&s, text, "scene.json:1: groups: groups contain each other in a cycle");
     free(text);
 }
@@ -250,6 +271,7 @@ int main(void) {
         cmocka_unit_test(numbers),
         cmocka_unit_test(deep_nests),
         cmocka_unit_test(long_chains),
+        cmocka_unit_test(deep_rings),
         cmocka_unit_test(mutations),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

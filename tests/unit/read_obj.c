@@ -232,6 +232,38 @@ static void warnings(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* However often and under however many names: one warning. */
+static void missing_libraries(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text("mtllib a b\nmtllib c\nmtllib b\nmtllib c\n" SQUARE "f 1 2 3\n");
+    const char *text = ":1: mtllib: there is no file \"a\" (5 such names); materials";
+    if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
+    assert_ptr_equal(strchr(mesh_warnings, '\n') + 1, mesh_warnings + strlen(mesh_warnings));
+    fathom_scene_destroy(scene);
+}
+
+/* One vertex in each of many smoothing groups has a normal of each; faces that share a group share it. */
+static void many_smoothing_groups(void **state) {
+    (void)state;
+    enum { groups = 100 };
+    char text[64 + groups * 40] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n", *p = text + strlen(text);
+    for (int i = 0; i < 2 * groups; ++i)
+        p += sprintf(p, "s %d\nf 1 2 %d\n", 1 + i % groups, i < groups ? 3 : 4);
+    fathom_scene *scene = read_text(text);
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    assert_int_equal(mesh->triangle_count, 2 * groups);
+    assert_int_equal(mesh->normal_count, 4 * groups);
+    for (uint32_t i = 0; i < groups; ++i) {
+        const uint32_t *first = mesh->normal_indices + 3 * i,
+                       *second = mesh->normal_indices + 3 * (i + groups);
+        assert_int_equal(first[0], 3 * i);
+        assert_int_equal(second[0], first[0]);
+        assert_int_equal(second[1], first[1]);
+        assert_int_equal(second[2], 3 * groups + i);
+    }
+    fathom_scene_destroy(scene);
+}
+
 /* A strip of quads over many pieces of text. Every index is negative, and materials, groups and normals
  * change on the way: what the pieces make together is what one would. */
 static char *big_file(size_t *size) {
@@ -295,6 +327,7 @@ int main(void) {
         cmocka_unit_test(meshes_by_material), cmocka_unit_test(material_given),
         cmocka_unit_test(smoothing_groups),   cmocka_unit_test(polygons),
         cmocka_unit_test(far_from_origin),    cmocka_unit_test(warnings),
+        cmocka_unit_test(missing_libraries),  cmocka_unit_test(many_smoothing_groups),
         cmocka_unit_test(any_threads),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);

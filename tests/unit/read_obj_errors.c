@@ -75,7 +75,7 @@ static void nothing_to_render(void **state) {
     expect_error(TRIANGLE "f 1 2\n", "it has no faces");
     expect_error_with("\x7f"
                       "ELF\0\0\0\0",
-                      8, plain, "it has no faces");
+                      8, plain, "a.obj:1: a zero byte; expected text");
     assert_null(mesh_try(read_obj, mesh_path("none.obj"), plain, &status));
     assert_fails(context, status, FATHOM_BAD_INPUT, "none.obj: No such file");
     assert_null(mesh_try(read_obj, mesh_write("empty.obj", "", 0), plain, &status));

@@ -160,7 +160,8 @@ static void nested_frames_multiply(void **state) {
     assert_near(nested->to_world[0][3], 130, 0);
     assert_near(nested->to_object[0][0], 1 / 6.0, 0x1p-26);
     assert_near(w->instances.items[1].to_world[0][3], -4, 0);
-    scene_bounds bounds = scene_world_bounds(f.scene);
+    scene_bounds bounds;
+    assert_ok(f.scene->context, scene_world_bounds(f.scene, &bounds));
     assert_near(bounds.upper.x, 139, 0);
     assert_near(bounds.lower.x, -3.5, 0);
     world_destroy(w);
@@ -258,7 +259,8 @@ static void completing_frames_everything(void **state) {
         assert_ok(f.context, fathom_scene_complete(f.scene));
         assert_true(f.scene->lights.count > 0);
         const fathom_camera *c = &f.scene->camera;
-        scene_bounds b = scene_world_bounds(f.scene);
+        scene_bounds b;
+        assert_ok(f.scene->context, scene_world_bounds(f.scene, &b));
         for (int corner = 0; corner < 8; ++corner) {
             vec3_f64 p = {corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
                           corner & 4 ? b.upper.z : b.lower.z};

@@ -1,7 +1,12 @@
 /* What is told of a mesh's triangles and of its extent, against looking at each by the definition. */
 #include "random.h"
+#include "scene/boundary.h"
 #include "scene/graph.h"
+#include "scene/kernels.h"
 #include "stage.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
 
 /* Corners on a grid of few steps, so that many triangles have none or hardly any area: their sides are
  * parallel in exact numbers, or off by a unit in the last place. */
@@ -51,18 +56,18 @@ static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t ke
     random_state random = {key};
     float *p = stage_memory(&s, sizeof(float) * (3 * VERTICES + 4));
     uint32_t *t = stage_memory(&s, sizeof(uint32_t) * 3 * triangles);
-    for (uint32_t i = 0; i < 3 * VERTICES; ++i) p[i] = coordinate(&random, size);
+    for (uint32_t i = 0; i < 3 * VERTICES + 3; ++i) p[i] = coordinate(&random, size);
     for (uint32_t i = 0; i < VERTICES; i += 3) place_on_line(&random, exp2f(rintf(log2f(size))), p + 3 * i);
     for (uint32_t i = 0; i < 3 * triangles; ++i) t[i] = (uint32_t)(random_bits(&random) % VERTICES);
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
-    mesh.positions = p, mesh.vertex_count = VERTICES;
+    mesh.positions = p, mesh.vertex_count = VERTICES + key % 2; /* the last named by some, or by none */
     mesh.indices = t, mesh.triangle_count = triangles;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
     assert_ok(s.context, world_create(s.scene, &s.world));
     static const float oddities[] = {NAN, INFINITY, -INFINITY, 1e18f, -3e38f};
     for (unsigned k = 0; k < odd; ++k) p[random_bits(&random) % (3 * VERTICES)] = oddities[k % 5];
-    world_survey(s.world);
+    assert_ok(s.context, world_survey(s.world));
     told expected = by_definition(p, t, triangles);
     assert_int_equal(s.world->degenerate_triangles, expected.flat);
     assert_int_equal(s.world->beyond_reach, expected.beyond);
@@ -103,7 +108,8 @@ static void bounds_hold_every_vertex(void **state) {
         mesh.positions = p, mesh.vertex_count = count, mesh.position_stride = numbers * sizeof(float);
         mesh.indices = one, mesh.triangle_count = 1;
         assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
-        scene_bounds b = scene_world_bounds(s.scene);
+        scene_bounds b;
+        assert_ok(s.scene->context, scene_world_bounds(s.scene, &b));
         double found[6], expected[6];
         store_f64(found, b.lower), store_f64(found + 3, b.upper);
         for (int k = 0; k < 3; ++k) expected[k] = (double)low[k], expected[3 + k] = (double)high[k];
@@ -112,10 +118,113 @@ static void bounds_hold_every_vertex(void **state) {
     }
 }
 
+/* A page that nobody may touch follows the arrays of a mesh that is copied. */
+static void nothing_is_read_past_the_end(void **state) {
+    (void)state;
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    char *pages = mmap(NULL, 4 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    assert_true(pages != MAP_FAILED);
+    assert_int_equal(mprotect(pages + page, page, PROT_NONE), 0);
+    assert_int_equal(mprotect(pages + 3 * page, page, PROT_NONE), 0);
+    for (uint32_t count = 3; count < 40; ++count) {
+        stage s;
+        stage_open(&s);
+        random_state random = {count};
+        float *p = (float *)(void *)(pages + page) - 3 * count;
+        uint32_t *t = (uint32_t *)(void *)(pages + 3 * page) - 3 * count;
+        for (uint32_t i = 0; i < 3 * count; ++i) p[i] = coordinate(&random, 1), t[i] = i % count;
+        fathom_mesh mesh;
+        fathom_mesh_default(&mesh);
+        mesh.positions = p, mesh.vertex_count = count, mesh.indices = t, mesh.triangle_count = count;
+        assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &mesh, NULL));
+        assert_int_equal(s.scene->mesh_facts.items[0].flat, by_definition(p, t, count).flat);
+        stage_close(&s);
+    }
+    munmap(pages, 4 * page);
+}
+
+/* ---- the kernels of every instruction set ---- */
+
+static void fill(random_state *random, float size, float *p, uint32_t vertices, uint32_t *t, uint32_t count) {
+    for (uint32_t i = 0; i < 3 * vertices + 4; ++i) p[i] = coordinate(random, size);
+    for (uint32_t i = 0; i < 3 * count; ++i) t[i] = (uint32_t)(random_bits(random) % vertices);
+}
+
+/* What all of them have to say of the same triangles, any number of them. */
+static void areas_are_told_apart(void **state) {
+    (void)state;
+    static const float sizes[] = {1, 1e-20f, 1e17f, 4e17f};
+    float p[3 * VERTICES + 4];
+    uint32_t t[3 * 40];
+    unsigned sure = 0;
+    for (uint64_t key = 0; key < 4000; ++key) {
+        random_state random = {key};
+        uint32_t count = (uint32_t)(key % 40);
+        fill(&random, sizes[key % 4], p, VERTICES, t, count);
+        const told expected = by_definition(p, t, count);
+        float first = 0;
+        bool fine = scene_kernels_at(0)->areas(p, 12, t, count, &first);
+        sure += fine && count;
+        if (fine) assert_true(!expected.flat && !expected.beyond && first == expected.largest);
+        for (unsigned k = 1; scene_kernels_at(k); ++k) {
+            float other = 0;
+            assert_int_equal(scene_kernels_at(k)->areas(p, 12, t, count, &other), fine);
+            assert_true(other == first);
+        }
+    }
+    assert_true(sure > 0);
+}
+
+static void boundaries_are_summed(void **state) {
+    (void)state;
+    uint32_t t[3 * 80];
+    for (uint32_t count = 0; count < 80; ++count) {
+        random_state random = {count};
+        uint64_t sum = 0;
+        uint32_t highest = 0;
+        for (uint32_t i = 0; i < 3 * count; ++i) {
+            t[i] = (uint32_t)random_bits(&random);
+            highest = t[i] > highest ? t[i] : highest;
+        }
+        for (uint32_t i = 0; i < 3 * count; ++i) { /* edge by edge */
+            boundary_pair a = boundary_of_index(t[i]), b = boundary_of_index(t[i % 3 == 2 ? i - 2 : i + 1]);
+            sum += (uint64_t)a.x * b.y - (uint64_t)b.x * a.y;
+        }
+        for (unsigned k = 0; scene_kernels_at(k); ++k) {
+            assert_true(scene_kernels_at(k)->boundary(t, count) == sum);
+            assert_int_equal(scene_kernels_at(k)->indices(t, 3 * count, highest), count == 0);
+            assert_true(scene_kernels_at(k)->indices(t, 3 * count, highest + 1));
+        }
+    }
+}
+
+/* Wherever the odd number stands. */
+static void odd_numbers_are_found(void **state) {
+    (void)state;
+    static const float odd[] = {NAN, INFINITY, -INFINITY};
+    float p[3 * 40];
+    for (uint32_t at = 0; at < 3 * 40; ++at) {
+        random_state random = {at};
+        for (uint32_t i = 0; i < 3 * 40; ++i) p[i] = coordinate(&random, 1e38f);
+        for (unsigned k = 0; scene_kernels_at(k); ++k) {
+            float low[3] = {0}, high[3] = {0}, kept = p[at];
+            assert_true(scene_kernels_at(k)->vectors(p, 12, 40, low, high));
+            p[at] = odd[at % 3];
+            assert_false(scene_kernels_at(k)->vectors(p, 12, 40, low, high));
+            assert_false(scene_kernels_at(k)->vectors(p + at / 3 * 3, 12, 40 - at / 3, low, high));
+            p[at] = kept;
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(triangles_are_counted_as_defined),
         cmocka_unit_test(bounds_hold_every_vertex),
+        cmocka_unit_test(nothing_is_read_past_the_end),
+        cmocka_unit_test(areas_are_told_apart),
+        cmocka_unit_test(boundaries_are_summed),
+        cmocka_unit_test(odd_numbers_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,179 @@
+/* The built-in sRGB view is that of OpenColorIO's config, to the last bit; files in it need no image module.
+ */
+#include "image/byte.h"
+#include "image/loader.h"
+#include "image/pack.h"
+#include "image/srgb.h"
+#include "unit.h"
+
+static fathom_context *context;
+static const image_module *module;
+static image_view *view;
+static srgb_codes codes;
+
+enum { COUNT = 4096 };
+
+/* Codes of `count` values, at most COUNT, by the module. */
+static void expect(const float *values, size_t count, unsigned char *out) {
+    static float rgba[4 * COUNT];
+    image_message message = {""};
+    for (size_t i = 0; i < count; ++i) {
+        for (size_t c = 0; c < 4; ++c) rgba[4 * i + c] = values[i];
+    }
+    assert_int_equal(module->view_apply(view, rgba, count, &message), FATHOM_OK);
+    for (size_t i = 0; i < count; ++i) out[i] = byte_from_float(rgba[4 * i]);
+}
+
+static unsigned char expect_one(float value) {
+    unsigned char out;
+    expect(&value, 1, &out);
+    return out;
+}
+
+static float from_bits(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* The least float whose code by the module is above `code`, as bits: positive floats are ordered like them.
+ */
+static uint32_t step_of_module(unsigned code) {
+    uint32_t below = 0, above = 0x3f800000u;
+    while (above - below > 1) {
+        uint32_t middle = below + (above - below) / 2;
+        if (expect_one(from_bits(middle)) > code)
+            above = middle;
+        else
+            below = middle;
+    }
+    return above;
+}
+
+/* Between two steps the code does not change: with the steps the same, all is. */
+static void every_step_is_the_modules(void **state) {
+    (void)state;
+    for (unsigned code = 0; code < 255; ++code) {
+        uint32_t step = step_of_module(code);
+        assert_int_equal(srgb_code(&codes, from_bits(step)), code + 1);
+        assert_int_equal(srgb_code(&codes, from_bits(step - 1)), code);
+        /* Powers in float may step back and forth: not here. */
+        float around[64];
+        unsigned char expected[64];
+        for (uint32_t i = 0; i < 64; ++i) around[i] = from_bits(step - 32 + i);
+        expect(around, 64, expected);
+        for (size_t i = 0; i < 64; ++i) assert_int_equal(srgb_code(&codes, around[i]), expected[i]);
+    }
+}
+
+/* Values from all over the floats, and of each bucket the ends. */
+static void all_over(void **state) {
+    (void)state;
+    static float values[COUNT];
+    static unsigned char expected[COUNT];
+    for (uint32_t i = 0; i < SRGB_BUCKETS; ++i) {
+        uint32_t first = (SRGB_FIRST_BUCKET + i) << 16;
+        values[2 * i] = from_bits(first), values[2 * i + 1] = from_bits(first - 1);
+    }
+    expect(values, (size_t)2 * SRGB_BUCKETS, expected);
+    for (size_t i = 0; i < (size_t)2 * SRGB_BUCKETS; ++i)
+        assert_int_equal(srgb_code(&codes, values[i]), expected[i]);
+    uint32_t bits = 0;
+    for (unsigned round = 0; round < 256; ++round) {
+        for (size_t i = 0; i < COUNT; ++i, bits += 0xfffu) {
+            values[i] = from_bits(bits);
+            if (!(fabsf(values[i]) <= 65504)) values[i] = 0.5f; /* not for views; see below */
+        }
+        expect(values, COUNT, expected);
+        for (size_t i = 0; i < COUNT; ++i) assert_int_equal(srgb_code(&codes, values[i]), expected[i]);
+    }
+}
+
+/* Rows through both, with what no view is given as it is: infinities, NaN, 1e38; gains, and alphas to divide
+ * by. */
+static void rows_are_the_modules(void **state) {
+    (void)state;
+    enum { WIDTH = 512 };
+    static float rgba[WIDTH][4], scratch[4 * WIDTH];
+    const float odd[] = {NAN, INFINITY, -INFINITY, 1e38f, -1e38f, -0.0f, 65504, 1, 0, -0.25f, 0x1p-149f};
+    const float alphas[] = {1, 0, 0.5f, 1e-30f, 2, NAN, -1, INFINITY, 0.7f};
+    uint32_t random = 1;
+    for (size_t i = 0; i < WIDTH; ++i) {
+        for (size_t c = 0; c < 3; ++c) {
+            random = random * 1664525u + 1013904223u;
+            float light = (float)(random >> 8) * 0x1p-24f;
+            rgba[i][c] = random % 5 ? light * light : odd[random / 5 % 11];
+        }
+        rgba[i][3] = alphas[i % 9];
+    }
+    const char *const names[] = {"R", "G", "B", "A"};
+    const image_storage storage[4] = {IMAGE_STORE_U8, IMAGE_STORE_U8, IMAGE_STORE_U8, IMAGE_STORE_U8};
+    image_channel channels[4];
+    for (size_t c = 0; c < 4; ++c)
+        channels[c] = (image_channel){names[c], IMAGE_FLOAT, true, &rgba[0][c], 16};
+    image img = {WIDTH, 1, 0, 0, WIDTH, 1, channels, 4, NULL, 0};
+    for (img.channel_count = 3; img.channel_count <= 4; ++img.channel_count) {
+        for (int stops = -8; stops <= 8; ++stops) {
+            image_packing packing = {&img,   storage, img.channel_count, exp2f((float)stops * 0.7f), &codes,
+                                     module, view};
+            unsigned char ours[4 * WIDTH], theirs[4 * WIDTH];
+            image_message message = {""};
+            pack_row_srgb(&packing, 0, ours);
+            assert_int_equal(pack_row_through_view(&packing, 0, scratch, theirs, &message), FATHOM_OK);
+            assert_memory_equal(ours, theirs, WIDTH * img.channel_count);
+        }
+    }
+}
+
+/* The module is loaded by now: what is known of the names alone. */
+static void who_needs_the_module(void **state) {
+    (void)state;
+    fathom_write_options options = {0, NULL, NULL, NULL, false};
+    assert_false(image_needs_module("a.png", &options));
+    assert_false(image_needs_module("a.txt", &options)); /* nor can it be written */
+    assert_true(image_needs_module("a.exr", &options));
+    assert_true(image_needs_module("a.jpg", &options));
+    options.display = "srgb", options.view = "SRGB";
+    assert_false(image_needs_module("a.PNG", &options));
+    options.view = "Raw";
+    assert_true(image_needs_module("a.png", &options));
+    options.view = NULL, options.display = "P3";
+    assert_true(image_needs_module("a.png", &options));
+    options.display = NULL, options.ocio = "any.ocio";
+    assert_true(image_needs_module("a.png", &options));
+    options.ocio = NULL;
+    setenv("OCIO", "any.ocio", 1);
+    assert_true(image_needs_module("a.png", &options));
+    setenv("OCIO", "", 1);
+    assert_false(image_needs_module("a.png", &options));
+    unsetenv("OCIO");
+}
+
+static int open_view(void **state) {
+    (void)state;
+    unsetenv("OCIO");
+    if (fathom_context_create(&context) != FATHOM_OK || loader_module(context, &module) != FATHOM_OK)
+        return -1;
+    image_view_request request = {NULL, NULL, NULL};
+    image_message message = {""};
+    bool srgb = false;
+    srgb_codes_fill(&codes);
+    return module->view_open(&request, &view, &srgb, &message) == FATHOM_OK && srgb ? 0 : -1;
+}
+
+static int close_view(void **state) {
+    (void)state;
+    module->view_close(view);
+    fathom_context_destroy(context);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_step_is_the_modules),
+        cmocka_unit_test(all_over),
+        cmocka_unit_test(rows_are_the_modules),
+        cmocka_unit_test(who_needs_the_module),
+    };
+    return cmocka_run_group_tests(tests, open_view, close_view);
+}

@@ -1,0 +1,446 @@
+/* The public calls used wrongly: NULL for each pointer of each of them, calls in the wrong order, values that
+ * no enumerator stands for. All end with a status, or do nothing; include/fathom/base.h has the rules. */
+#include "render.h"
+
+#include <unistd.h>
+
+/* One call that may be given NULL nowhere else than where it is given here. */
+#define refuses(call) assert_int_equal((call), FATHOM_BAD_USAGE)
+
+/* The same, with a message that begins with the argument's name. */
+#define names(argument, call)                                                                                \
+    assert_fails(s.context, call, FATHOM_BAD_USAGE, argument ": expected an address")
+
+static stage one_sphere(void) {
+    stage s = stage_open(32, 32);
+    stage_sphere(&s, 0, 0, -5, 1, 0);
+    return s;
+}
+
+static void null_for_contexts(void **state) {
+    (void)state;
+    refuses(fathom_context_create(NULL));
+    fathom_context_destroy(NULL);
+    assert_string_equal(fathom_context_message(NULL), "");
+    fathom_context_on_warning(NULL, NULL, NULL);
+    fathom_context_set_threads(NULL, 3);
+    fathom_context_allow_outside(NULL, true);
+    fathom_context_copy_files(NULL, true);
+    fathom_guard_files(); /* takes nothing */
+    assert_true(fathom_context_threads(NULL) >= 1);
+    assert_non_null(fathom_version());
+}
+
+static void null_for_defaults(void **state) {
+    (void)state;
+    fathom_settings settings = {.width = 7}, expected;
+    fathom_settings_default(NULL);
+    fathom_settings_set_loss(NULL, FATHOM_LOSS_8BIT, 0);
+    fathom_settings_default(&expected);
+    fathom_scene_settings(NULL, &settings);
+    assert_int_equal(settings.width, expected.width);
+    assert_int_equal(settings.tile_size, expected.tile_size);
+    fathom_scene_settings(NULL, NULL);
+    fathom_write_options_default(NULL);
+    fathom_generate_options_default(NULL);
+    fathom_material_default(NULL);
+    fathom_light_default(NULL);
+    fathom_sphere_default(NULL);
+    fathom_quad_default(NULL);
+    fathom_plane_default(NULL);
+    fathom_mesh_default(NULL);
+    fathom_instance_default(NULL);
+    fathom_camera_default(NULL);
+}
+
+/* What helps to fill a struct leaves it as it was. */
+static void null_for_helpers(void **state) {
+    (void)state;
+    const double a[3] = {1, 2, 3}, b[3] = {0, 1, 0};
+    fathom_camera camera, camera_before;
+    fathom_quad quad, quad_before;
+    memset(&camera, 7, sizeof camera), memset(&quad, 7, sizeof quad);
+    camera_before = camera, quad_before = quad;
+    fathom_camera_look_at(NULL, a, b, 1, &camera);
+    fathom_camera_look_at(a, NULL, b, 1, &camera);
+    fathom_camera_look_at(a, b, NULL, 1, &camera);
+    fathom_camera_look_at(a, b, b, 1, NULL);
+    fathom_quad_from_axes(NULL, a, b, &quad);
+    fathom_quad_from_axes(a, NULL, b, &quad);
+    fathom_quad_from_axes(a, b, NULL, &quad);
+    fathom_quad_from_axes(a, b, b, NULL);
+    assert_memory_equal(&camera, &camera_before, sizeof camera);
+    assert_memory_equal(&quad, &quad_before, sizeof quad);
+}
+
+static void null_for_scenes(void **state) {
+    (void)state;
+    stage s = stage_open(32, 32);
+    fathom_scene *scene = s.scene;
+    names("out", fathom_scene_create(s.context, NULL));
+    refuses(fathom_scene_create(NULL, NULL));
+    refuses(fathom_scene_create(NULL, &scene));
+    assert_null(scene);
+    fathom_scene_destroy(NULL);
+    refuses(fathom_scene_set_name(NULL, "a"));
+    names("name", fathom_scene_set_name(s.scene, NULL));
+    refuses(fathom_scene_complete(NULL));
+    refuses(fathom_scene_check(NULL));
+    refuses(fathom_scene_check_files(NULL));
+    refuses(fathom_scene_write_mesh(NULL, "a.ply"));
+    names("path", fathom_scene_write_mesh(s.scene, NULL));
+    refuses(fathom_scene_set_settings(NULL, &s.settings));
+    names("settings", fathom_scene_set_settings(s.scene, NULL));
+    fathom_scene_settings(s.scene, NULL);
+
+    fathom_generate_options options;
+    fathom_generate_options_default(&options);
+    refuses(fathom_scene_generate(NULL, FATHOM_ROOT, &options));
+    names("options", fathom_scene_generate(s.scene, FATHOM_ROOT, NULL));
+
+    fathom_camera camera;
+    const float rgb[3] = {0, 0, 0};
+    fathom_camera_default(&camera);
+    refuses(fathom_scene_set_camera(NULL, &camera));
+    names("camera", fathom_scene_set_camera(s.scene, NULL));
+    refuses(fathom_scene_set_background(NULL, rgb));
+    names("background", fathom_scene_set_background(s.scene, NULL));
+    refuses(fathom_scene_set_ambient(NULL, rgb));
+    names("ambient", fathom_scene_set_ambient(s.scene, NULL));
+    stage_close(&s);
+}
+
+static void null_for_what_is_added(void **state) {
+    (void)state;
+    stage s = stage_open(32, 32);
+    fathom_id id = 77;
+    fathom_material material;
+    fathom_light light;
+    fathom_sphere sphere;
+    fathom_quad quad;
+    fathom_plane plane;
+    fathom_mesh mesh;
+    fathom_instance instance;
+    fathom_material_default(&material), fathom_light_default(&light), fathom_sphere_default(&sphere);
+    fathom_quad_default(&quad), fathom_plane_default(&plane), fathom_mesh_default(&mesh);
+    fathom_instance_default(&instance);
+    refuses(fathom_scene_add_material(NULL, "a", &material, &id));
+    names("material", fathom_scene_add_material(s.scene, "a", NULL, &id));
+    refuses(fathom_scene_add_light(NULL, &light, &id));
+    names("light", fathom_scene_add_light(s.scene, NULL, &id));
+    refuses(fathom_scene_add_sphere(NULL, FATHOM_ROOT, &sphere, &id));
+    names("sphere", fathom_scene_add_sphere(s.scene, FATHOM_ROOT, NULL, &id));
+    refuses(fathom_scene_add_quad(NULL, FATHOM_ROOT, &quad, &id));
+    names("quad", fathom_scene_add_quad(s.scene, FATHOM_ROOT, NULL, &id));
+    refuses(fathom_scene_add_plane(NULL, FATHOM_ROOT, &plane, &id));
+    names("plane", fathom_scene_add_plane(s.scene, FATHOM_ROOT, NULL, &id));
+    refuses(fathom_scene_add_mesh(NULL, FATHOM_ROOT, &mesh, &id));
+    names("mesh", fathom_scene_add_mesh(s.scene, FATHOM_ROOT, NULL, &id));
+    refuses(fathom_scene_add_mesh_shared(NULL, FATHOM_ROOT, &mesh, &id));
+    names("mesh", fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, NULL, &id));
+    refuses(fathom_scene_add_group(NULL, "a", &id));
+    refuses(fathom_scene_add_instance(NULL, &instance, &id));
+    names("instance", fathom_scene_add_instance(s.scene, NULL, &id));
+    assert_int_equal(id, 77);
+    /* The id is not always wanted, and not all have a name. */
+    assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, NULL));
+    instance.group = 1;
+    assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    assert_ok(s.context, fathom_scene_add_material(s.scene, NULL, &material, NULL));
+    assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
+    assert_ok(s.context, fathom_scene_add_plane(s.scene, FATHOM_ROOT, &plane, NULL));
+    stage_close(&s);
+}
+
+/* Arrays that are NULL though their counts say otherwise, and the other way round. */
+static void null_in_meshes(void **state) {
+    (void)state;
+    stage s = stage_open(32, 32);
+    static const float positions[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const uint32_t indices[3] = {0, 1, 2};
+    fathom_mesh whole;
+    fathom_mesh_default(&whole);
+    whole.positions = positions, whole.vertex_count = 3, whole.indices = indices, whole.triangle_count = 1;
+    fathom_mesh mesh = whole;
+    mesh.positions = NULL;
+    assert_fails(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, NULL), FATHOM_BAD_INPUT, "positions");
+    mesh = whole, mesh.indices = NULL;
+    assert_fails(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, NULL), FATHOM_BAD_INPUT, "indices");
+    /* Without the arrays, what else is said of them does not count. */
+    mesh = whole, mesh.normal_count = mesh.uv_count = 9, mesh.normal_indices = mesh.uv_indices = indices;
+    assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &mesh, NULL));
+    assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, 0, &mesh, NULL));
+    fathom_film_destroy(stage_render(&s));
+    stage_close(&s);
+}
+
+static void null_for_reading(void **state) {
+    (void)state;
+    stage s = stage_open(32, 32);
+    fathom_scene *scene = s.scene;
+    refuses(fathom_scene_read(NULL, "a.json", &scene));
+    assert_null(scene);
+    scene = s.scene;
+    names("path", fathom_scene_read(s.context, NULL, &scene));
+    assert_null(scene);
+    names("out", fathom_scene_read(s.context, "a.json", NULL));
+    refuses(fathom_scene_read_to_render(NULL, "a.json", &scene));
+    names("path", fathom_scene_read_to_render(s.context, NULL, &scene));
+    names("out", fathom_scene_read_to_render(s.context, "a.json", NULL));
+    stage_close(&s);
+}
+
+static void null_for_renders(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_film *film = NULL;
+    fathom_stats stats;
+    refuses(fathom_render(NULL, s.scene, &s.settings, NULL, NULL, &stats, &film));
+    names("scene", fathom_render(s.context, NULL, &s.settings, NULL, NULL, &stats, &film));
+    names("settings", fathom_render(s.context, s.scene, NULL, NULL, NULL, &stats, &film));
+    names("out", fathom_render(s.context, s.scene, &s.settings, NULL, NULL, &stats, NULL));
+    assert_null(film);
+    fathom_checkpoint_default(NULL);
+    fathom_checkpoint saving, nowhere;
+    fathom_checkpoint_default(&saving);
+    nowhere = saving, saving.path = "a.checkpoint";
+    fathom_status (*call)(fathom_context *, const fathom_scene *, const fathom_settings *,
+                          const fathom_checkpoint *, fathom_progress_fn, void *, fathom_stats *,
+                          fathom_film **) = fathom_render_checkpointed;
+    refuses(fathom_render_checkpointed(NULL, s.scene, &s.settings, &saving, NULL, NULL, &stats, &film));
+    names("scene", call(s.context, NULL, &s.settings, &saving, NULL, NULL, &stats, &film));
+    names("settings", call(s.context, s.scene, NULL, &saving, NULL, NULL, &stats, &film));
+    names("checkpoint", call(s.context, s.scene, &s.settings, NULL, NULL, NULL, &stats, &film));
+    names("checkpoint: path", call(s.context, s.scene, &s.settings, &nowhere, NULL, NULL, &stats, &film));
+    names("out", call(s.context, s.scene, &s.settings, &saving, NULL, NULL, &stats, NULL));
+    assert_int_not_equal(access("a.checkpoint", F_OK), 0);
+    fathom_film_destroy(NULL);
+    fathom_image_prefetch();
+    stage_close(&s);
+}
+
+static void null_for_films(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_film *film = stage_render(&s);
+    uint32_t width = 7, height = 7;
+    fathom_film_size(NULL, &width, &height);
+    assert_int_equal(width + height, 0);
+    fathom_film_size(film, NULL, &height);
+    fathom_film_size(film, &width, NULL);
+    assert_int_equal(width + height, 64);
+    assert_null(fathom_film_channel(NULL, "R"));
+    assert_null(fathom_film_channel(film, NULL));
+    assert_null(fathom_film_channel_id(NULL, "id.object"));
+    assert_null(fathom_film_channel_id(film, NULL));
+    const fathom_left_out *left_out = (const fathom_left_out *)(const void *)&s;
+    assert_int_equal(fathom_film_left_out(NULL, &left_out), 0);
+    assert_null(left_out);
+    assert_int_equal(fathom_film_left_out(film, NULL), fathom_film_left_out(film, &left_out));
+    fathom_write_options options;
+    fathom_write_options_default(&options);
+    refuses(fathom_film_write(NULL, film, "a.exr", &options));
+    names("film", fathom_film_write(s.context, NULL, "a.exr", &options));
+    names("path", fathom_film_write(s.context, film, NULL, &options));
+    names("options", fathom_film_write(s.context, film, "a.exr", NULL));
+    refuses(fathom_film_write_plain(NULL, film, "a.exr"));
+    names("film", fathom_film_write_plain(s.context, NULL, "a.exr"));
+    names("path", fathom_film_write_plain(s.context, film, NULL));
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+static void null_for_tracers(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_tracer *tracer = NULL;
+    const fathom_ray ray = {.direction = {0, 0, -1}, .t_max = 100};
+    fathom_hit hit;
+    bool any;
+    refuses(fathom_tracer_create(NULL, s.scene, FATHOM_TRACER_EMBREE, &tracer));
+    names("scene", fathom_tracer_create(s.context, NULL, FATHOM_TRACER_EMBREE, &tracer));
+    names("out", fathom_tracer_create(s.context, s.scene, FATHOM_TRACER_EMBREE, NULL));
+    assert_null(tracer);
+    fathom_tracer_destroy(NULL);
+    refuses(fathom_tracer_closest(NULL, &ray, 1, &hit));
+    refuses(fathom_tracer_any(NULL, &ray, 1, &any));
+    assert_ok(s.context, fathom_tracer_create(s.context, s.scene, FATHOM_TRACER_REFERENCE, &tracer));
+    names("rays", fathom_tracer_closest(tracer, NULL, 1, &hit));
+    names("hits", fathom_tracer_closest(tracer, &ray, 1, NULL));
+    names("rays", fathom_tracer_any(tracer, NULL, 1, &any));
+    names("hits", fathom_tracer_any(tracer, &ray, 1, NULL));
+    assert_ok(s.context, fathom_tracer_closest(tracer, NULL, 0, NULL));
+    assert_ok(s.context, fathom_tracer_any(tracer, NULL, 0, NULL));
+    assert_ok(s.context, fathom_tracer_closest(tracer, &ray, 1, &hit));
+    assert_int_equal(hit.object, 0);
+    fathom_tracer_destroy(tracer);
+    stage_close(&s);
+}
+
+/* No call is forgotten here: each that the headers declare is in this file's text. */
+static void every_call_is_here(void **state) {
+    (void)state;
+    static const char *const headers[] = {"base.h", "read.h", "render.h", "scene.h", "trace.h"};
+    FILE *f = fopen(SOURCE_DIR "/tests/unit/misuse.c", "r");
+    assert_non_null(f);
+    static char text[1 << 16], header[1 << 16], path[512];
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    unsigned calls = 0;
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; ++i) {
+        snprintf(path, sizeof path, SOURCE_DIR "/include/fathom/%s", headers[i]);
+        f = fopen(path, "r");
+        assert_non_null(f);
+        header[fread(header, 1, sizeof header - 1, f)] = '\0';
+        fclose(f);
+        for (const char *at = header; (at = strstr(at, "\nFATHOM_API ")); ++calls) {
+            const char *open = strchr(at, '('), *name = open;
+            while (name[-1] == '_' || (name[-1] >= 'a' && name[-1] <= 'z')) --name;
+            char call[64];
+            snprintf(call, sizeof call, "%.*s", (int)(open - name) + 1, name);
+            if (!strstr(text, call)) fail_msg("%s) is given NULL nowhere", call);
+            at = open;
+        }
+    }
+    assert_true(calls >= 50);
+}
+
+static void unfinished_scenes(void **state) {
+    (void)state;
+    stage s = stage_open(32, 32);
+    fathom_film *film;
+    fathom_tracer *tracer;
+    const char *nothing = "the scene holds no geometry";
+    assert_fails(s.context, fathom_scene_check(s.scene), FATHOM_BAD_INPUT, nothing);
+    assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
+                 FATHOM_BAD_INPUT, nothing);
+    assert_null(film);
+    assert_fails(s.context, fathom_tracer_create(s.context, s.scene, FATHOM_TRACER_EMBREE, &tracer),
+                 FATHOM_BAD_INPUT, nothing);
+    assert_null(tracer);
+    assert_fails(s.context, fathom_scene_write_mesh(s.scene, "a.ply"), FATHOM_BAD_USAGE, "no triangles");
+    /* What is named before it is there. */
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    assert_fails(s.context, fathom_scene_add_instance(s.scene, &instance, NULL), FATHOM_BAD_INPUT, "group");
+    instance.group = 1;
+    assert_fails(s.context, fathom_scene_add_instance(s.scene, &instance, NULL), FATHOM_BAD_INPUT, "group");
+    fathom_sphere sphere;
+    fathom_sphere_default(&sphere);
+    sphere.material = 1;
+    assert_fails(s.context, fathom_scene_add_sphere(s.scene, 0, &sphere, NULL), FATHOM_BAD_INPUT,
+                 "material 1");
+    sphere.material = 0;
+    assert_fails(s.context, fathom_scene_add_sphere(s.scene, 1, &sphere, NULL), FATHOM_BAD_INPUT, "group 1");
+    /* Completing early and often is good; the scene can still be changed. */
+    assert_ok(s.context, fathom_scene_complete(s.scene));
+    stage_sphere(&s, 0, 0, -5, 1, 0);
+    assert_ok(s.context, fathom_scene_complete(s.scene));
+    assert_ok(s.context, fathom_scene_complete(s.scene));
+    fathom_film_destroy(stage_render(&s));
+    stage_sphere(&s, 1, 0, -5, 1, 0);
+    fathom_film_destroy(stage_render(&s));
+    stage_close(&s);
+}
+
+static void destroying_in_any_order(void **state) {
+    (void)state;
+    for (int order = 0; order < 6; ++order) {
+        stage s = one_sphere();
+        fathom_film *film = stage_render(&s);
+        fathom_tracer *tracer;
+        assert_ok(s.context, fathom_tracer_create(s.context, s.scene, FATHOM_TRACER_EMBREE, &tracer));
+        for (int i = 0; i < 3; ++i) {
+            int which = order < 3 ? (order + i) % 3 : (order + 3 - i) % 3;
+            if (which == 0) fathom_context_destroy(s.context);
+            if (which == 1) fathom_scene_destroy(s.scene);
+            if (which == 2) fathom_tracer_destroy(tracer);
+        }
+        /* A film needs none of them. */
+        assert_non_null(fathom_film_channel(film, "R"));
+        fathom_film_destroy(film);
+    }
+}
+
+/* A film may be used as long as wanted, by another context too, after a write that failed as well. */
+static void films_outlive(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_film *film = stage_render(&s);
+    stage_close(&s);
+    fathom_context *other;
+    assert_int_equal(fathom_context_create(&other), FATHOM_OK);
+    fathom_write_options options;
+    fathom_write_options_default(&options);
+    assert_fails(other, fathom_film_write(other, film, "a.unknown", &options), FATHOM_BAD_USAGE, "unknown");
+    assert_int_not_equal(access("a.unknown", F_OK), 0);
+    assert_non_null(fathom_film_channel(film, "G"));
+    fathom_film_destroy(film);
+    fathom_context_destroy(other);
+}
+
+static void values_of_no_enumerator(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_settings settings = s.settings;
+    fathom_film *film;
+    settings.pattern = (fathom_pattern)3;
+    assert_fails(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film),
+                 FATHOM_BAD_USAGE, "pattern");
+    settings = s.settings, settings.tracer = (fathom_tracer_kind)2;
+    assert_fails(s.context, fathom_scene_set_settings(s.scene, &settings), FATHOM_BAD_USAGE, "tracer");
+    settings = s.settings, settings.aovs = FATHOM_AOVS + 1u;
+    assert_fails(s.context, fathom_scene_set_settings(s.scene, &settings), FATHOM_BAD_USAGE, "aovs");
+    fathom_tracer *tracer;
+    assert_fails(s.context, fathom_tracer_create(s.context, s.scene, (fathom_tracer_kind)2, &tracer),
+                 FATHOM_BAD_USAGE, "tracer");
+    fathom_material material;
+    fathom_material_default(&material);
+    material.specular = (fathom_specular)3;
+    assert_fails(s.context, fathom_scene_add_material(s.scene, NULL, &material, NULL), FATHOM_BAD_USAGE,
+                 "specular");
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = (fathom_light_type)3;
+    assert_fails(s.context, fathom_scene_add_light(s.scene, &light, NULL), FATHOM_BAD_USAGE, "type");
+    fathom_generate_options options;
+    fathom_generate_options_default(&options);
+    options.kind = (fathom_generator)4;
+    assert_fails(s.context, fathom_scene_generate(s.scene, 0, &options), FATHOM_BAD_USAGE, "kind");
+    stage_close(&s);
+}
+
+/* What failed leaves a context and a scene as good as they were. */
+static void work_goes_on_after_failures(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_film *before = stage_render(&s), *film;
+    fathom_settings bad = s.settings;
+    bad.spp = 0;
+    for (int i = 0; i < 10; ++i) {
+        assert_int_equal(fathom_render(s.context, s.scene, &bad, NULL, NULL, NULL, &film), FATHOM_BAD_INPUT);
+        names("mesh", fathom_scene_add_mesh(s.scene, 0, NULL, NULL));
+    }
+    fathom_film *after = stage_render(&s);
+    for (const char *const *c = (const char *const[]){"R", "G", "B", NULL}; *c; ++c) {
+        assert_memory_equal(fathom_film_channel(before, *c), fathom_film_channel(after, *c),
+                            sizeof(float) * 32 * 32);
+    }
+    fathom_film_destroy(before);
+    fathom_film_destroy(after);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(null_for_contexts),       cmocka_unit_test(null_for_defaults),
+        cmocka_unit_test(null_for_helpers),        cmocka_unit_test(null_for_scenes),
+        cmocka_unit_test(null_for_what_is_added),  cmocka_unit_test(null_in_meshes),
+        cmocka_unit_test(null_for_reading),        cmocka_unit_test(null_for_renders),
+        cmocka_unit_test(null_for_films),          cmocka_unit_test(null_for_tracers),
+        cmocka_unit_test(every_call_is_here),      cmocka_unit_test(unfinished_scenes),
+        cmocka_unit_test(destroying_in_any_order), cmocka_unit_test(films_outlive),
+        cmocka_unit_test(values_of_no_enumerator), cmocka_unit_test(work_goes_on_after_failures),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
