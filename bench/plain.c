@@ -151,7 +151,7 @@ static double time_plain(plain *p, fathom_film **out) {
 static double time_renderer(plain *p, job_result *result, fathom_film **out) {
     *out = new_film(p);
     double began = clock_process_seconds();
-    check(p, job_run(p->context, p->plan, 0, NULL, *out, NULL, NULL, result));
+    check(p, job_run(p->context, p->plan, NULL, *out, result));
     return clock_process_seconds() - began;
 }
 

@@ -6,6 +6,7 @@
 set -eu
 repeats=${1:-9}
 rays=${2:-60000}
+deepest=${DEPTH:-8}
 source=$(cd "$(dirname "$0")/.." && pwd)
 fathom=${BUILD:-$source/build}/bin/fathom
 folder=$(mktemp -d)
@@ -36,12 +37,21 @@ file_of() {
     esac
 }
 
-echo "| scene | depth, kind | rays | render, ns a ray | over single rays (quartiles) | single | 8 | 16 | 16 coherent | sorted: render, single |"
-echo "|---|---|---|---|---|---|---|---|---|---|"
+# A line for each scene and kind: by depth the median over single rays, half the distance of its quartiles, and single
+# rays' nanoseconds.
+echo "| scene | kind |$(seq "$deepest" | sed 's/.*/ & |/' | tr -d '\n')"
+echo "|---|---|$(seq "$deepest" | sed 's/.*/---|/' | tr -d '\n')"
 for name in ${SCENES:-mirror-360k mirror-2M glass-360k glass-2M terrain tour first}; do
     "$fathom" bench secondary "$(file_of "$name")" --rays "$rays" --repeats "$repeats" --quiet --csv "$folder/result.csv"
-    awk -F, -v name="$name" -v deepest="${DEPTH:-8}" '
-        /^#/ || $1 == "depth" || $1 > deepest || $3 < 2000 { next }
-        { printf "| %s | %s, %s | %d | %.0f | %.3f (%.3f–%.3f) | %.0f | %.0f | %.0f | %.0f | %.0f, %.0f |\n", name, $1, $2, $3,
-              $8, $6, $5, $7, $9, $11, $13, $14, $15, $16 }' "$folder/result.csv"
+    awk -F, -v name="$name" -v deepest="$deepest" '
+        /^#/ || $1 == "depth" || $1 < 1 || $1 > deepest || $3 < 2000 { next }
+        !seen[$2]++ { kinds[++count] = $2 }
+        { cell[$2, $1] = sprintf("%.2f ± %.2f of %.0f", $6, ($7 - $5) / 2, $9) }
+        END {
+            for (k = 1; k <= count; ++k) {
+                printf "| %s | %s |", name, kinds[k]
+                for (d = 1; d <= deepest; ++d) printf " %s |", cell[kinds[k], d]
+                print ""
+            }
+        }' "$folder/result.csv"
 done

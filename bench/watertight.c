@@ -107,7 +107,8 @@ static void count(subject *s, uint64_t rays, const char *words) {
         drop_tracer(s);
         return;
     }
-    scene_bounds box = scene_world_bounds(s->scene);
+    scene_bounds box;
+    if (scene_world_bounds(s->scene, &box) != FATHOM_OK) exit(4);
     vec3_f64 center = sub_f64(bounds_center(&box), s->world->origin);
     uint8_t depth[TRACE_WIDTH];
     memset(depth, watertight_depth(s->water, narrow(center)), sizeof depth);
