@@ -40,11 +40,17 @@ static size_t edit_distance(const char *a, const char *b) {
     return rows[n][m];
 }
 
+static size_t length_difference(const char *a, const char *b) {
+    size_t n = strnlen(a, NEAREST_LENGTH), m = strnlen(b, NEAREST_LENGTH);
+    return n > m ? n - m : m - n;
+}
+
 const char *args_nearest(const char *wanted, const char *const *names, size_t count) {
     const char *nearest = NULL;
     size_t best = (strnlen(wanted, NEAREST_LENGTH) + 2) / 3 + 1;
     for (size_t i = 0; i < count; ++i) {
-        if (!names[i]) continue;
+        /* No fewer edits than letters too many or too few. */
+        if (!names[i] || length_difference(wanted, names[i]) >= best) continue;
         size_t distance = edit_distance(wanted, names[i]);
         if (distance < best) {
             best = distance;
