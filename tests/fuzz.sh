@@ -37,10 +37,11 @@ echo "== fuzz: building in $build"
     { grep -A 12 -E 'rror|FAILED' "$build/build.log" >&2; echo "fathom fuzz: the build failed" >&2; exit 1; }
 
 # Quarantine: what is freed is kept for so long that a use of it is seen, and no longer, which would take time.
-export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=8
+# Who allocated is noted by one caller alone, for the same reason; a finding that is run again shows them all.
+export ASAN_OPTIONS=quarantine_size_mb=16:malloc_context_size=1
 # libFuzzer's own limit of time is a net for what never ends: it goes by the clock, which a busy machine also spends
 # elsewhere. The targets limit an execution to a second of the processor's, and memory by the input's size.
-limits="-timeout=120 -rss_limit_mb=2048 -malloc_limit_mb=256"
+limits="-timeout=600 -rss_limit_mb=2048 -malloc_limit_mb=256"
 
 max_length() { # target
     case $1 in

@@ -218,15 +218,16 @@ def command_line():
 
 
 def checkpoint():
-    """Records of waves, which are too large for the corpus."""
+    """Records of waves as they are, which are too large for the corpus."""
     head = (b"FTHMCKPT" + struct.pack("<II", 1, 20) + b"0.1.0".ljust(32, b"\0") + b"embree".ljust(128, b"\0") + bytes(160))
     record = struct.pack("<64d", *[1.0] * 64) + struct.pack("<64Q", *[9] * 64) + struct.pack("<64I", *[1] * 64) + bytes(49152)
-    end = struct.pack("<II", 0xFFFFFFFF, 0) + struct.pack("<QQdd", 1, 1, 0.5, 1) + bytes(32) + bytes(8)
+    # The last byte: records are whole (checkpoint.c).
+    end = struct.pack("<II", 0xFFFFFFFF, 0) + struct.pack("<QQdd", 1, 1, 0.5, 1) + bytes(32) + bytes(7) + b"\x08"
     return {
         "records": head + b"".join(struct.pack("<II", i, 0) + record for i in range(4)) + end,
         "record": head + struct.pack("<II", 2, 0) + record + end,
         "same_record": head + (struct.pack("<II", 2, 0) + record) * 20 + end,
-        "zeros": head + bytes(MEGABYTE),
+        "zeros": head + bytes(MEGABYTE - 1) + b"\x08",
     }
 
 
