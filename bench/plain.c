@@ -102,9 +102,8 @@ static void render_square(plain *p, uint32_t left, uint32_t top, fathom_film *fi
     _Alignas(64) double sums[3][LANES] = {{0}};
     for (uint32_t index = 0; index < p->settings.spp; ++index) {
         _Alignas(64) float radiance[3][LANES] = {{0}};
-        square_samples at;
+        square_samples at = {.alike = true};
         wave_sample_position(p->plan, left, top, index, &at.x[0], &at.y[0]);
-        for (uint32_t i = 1; i < LANES; ++i) at.x[i] = at.x[0], at.y[i] = at.y[0];
         add_square(p, left, top, &at, radiance);
         p->blocks->add_samples(radiance[0], LANES, sums[0]);
         p->blocks->add_samples(radiance[1], LANES, sums[1]);

@@ -15,6 +15,7 @@ typedef struct path_block {
 /* Where in their pixels the samples of a square of 4 × 4 lie, row by row: [0,1) from the top left. */
 typedef struct square_samples {
     _Alignas(64) double x[LANES], y[LANES];
+    bool alike; /* in the same place of all: the first says it, and the rest is not read */
 } square_samples;
 
 typedef struct render_kernels {

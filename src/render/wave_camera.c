@@ -12,10 +12,10 @@ void wave_sample_position(const render_plan *plan, uint32_t x, uint32_t y, uint3
     }
 }
 
-static bool is_grid(const render_plan *plan) { return plan->settings.pattern == FATHOM_PATTERN_GRID; }
-
 static void place(const render_plan *plan, const wave_square *s, square_samples *out) {
-    for (uint32_t k = 0; k < LANES; ++k)
+    out->alike = plan->settings.pattern == FATHOM_PATTERN_GRID;
+    const uint32_t count = out->alike ? 1 : LANES;
+    for (uint32_t k = 0; k < count; ++k)
         wave_sample_position(plan, s->left + k % 4, s->top + k / 4, s->index, &out->x[k], &out->y[k]);
 }
 
@@ -53,15 +53,11 @@ static void push_partial(wave *w, const wave_region *region, const wave_square *
 }
 
 static void push_squares(wave *w, const wave_region *region, const wave_batch *batch, bool whole) {
-    const render_plan *plan = w->plan;
     square_samples at;
-    uint32_t placed = UINT32_MAX;
     for (uint32_t i = 0; i < batch->count; ++i) {
         const wave_square *s = &batch->squares[i];
         if (wave_square_is_whole(region, s) != whole) continue;
-        /* In a grid, samples of one index lie in the same place of all pixels. */
-        if (!is_grid(plan) || s->index != placed) place(plan, s, &at);
-        placed = s->index;
+        place(w->plan, s, &at);
         if (whole)
             push_whole(w, s, i * LANES, &at);
         else

@@ -209,6 +209,7 @@ static void random_ray_case(ray_case *c, int round) {
     camera_prepare(&camera, 640, 480, vec_f64(1, 2, 3), &c->camera);
     c->left = (uint32_t)between(0, 160) * 4, c->top = (uint32_t)between(0, 120) * 4;
     c->lanes = round % 3 ? LANES : 1 + (unsigned)between(0, LANES);
+    c->at.alike = round % 2;
     for (uint32_t i = 0; i < LANES; ++i) {
         c->at.x[i] = between(0, 1), c->at.y[i] = between(0, 1);
         c->hits.geometry[i] = between(0, 1) < 0.5 ? FATHOM_NONE : i;
@@ -238,14 +239,15 @@ static void is_right(const ray_case *c, const ray_outputs *out) {
     for (uint32_t i = 0; i < LANES; ++i) {
         const light_block *l = &c->light;
         bool gains = l->radiance[0][i] + l->radiance[1][i] + l->radiance[2][i] > 0 && l->distance[i] > 0;
-        vec3_f32 d = camera_direction(&c->camera, c->left + i % 4 + c->at.x[i], c->top + i / 4 + c->at.y[i]);
+        const uint32_t at = c->at.alike ? 0 : i;
+        const double x = c->left + i % 4 + c->at.x[at], y = c->top + i / 4 + c->at.y[at];
+        vec3_f32 d = camera_direction(&c->camera, x, y);
         assert_int_equal(out->met >> i & 1, c->hits.geometry[i] != FATHOM_NONE);
         assert_int_equal(out->gaining >> i & 1, gains);
         assert_true(out->camera.dir_x[i] == d.x && out->camera.dir_y[i] == d.y &&
                     out->camera.dir_z[i] == d.z);
         /* Double's root, then one rounding: the quick root may turn it. */
-        vec3_f64 exact = normalize_f64(
-            camera_towards(&c->camera, c->left + i % 4 + c->at.x[i], c->top + i / 4 + c->at.y[i]));
+        vec3_f64 exact = normalize_f64(camera_towards(&c->camera, x, y));
         assert_true(length_f64(sub_f64(exact, widen(d))) < 0x1p-23);
         bool seen = i < c->lanes && i % 3 && out->shadow.t_far[i] >= 0;
         assert_true(out->radiance[1][c->slot[i]] == (seen ? l->radiance[1][i] : 0));

@@ -4,14 +4,25 @@
 
 /* ---- camera ---- */
 
-static void camera_rays(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
-                        const square_samples *at, trace_rays *restrict out) {
+static inline void directions(const shade_camera *camera, uint32_t left, uint32_t top,
+                              const square_samples *at, bool alike, trace_rays *restrict out) {
     const shade_camera c = *camera;
     for (uint32_t i = 0; i < LANES; ++i) {
-        double x = (double)(int32_t)(left + i % 4) + at->x[i], y = (double)(int32_t)(top + i / 4) + at->y[i];
+        double x = (double)(int32_t)(left + i % 4) + at->x[alike ? 0 : i];
+        double y = (double)(int32_t)(top + i / 4) + at->y[alike ? 0 : i];
         vec3_f32 d = camera_direction(&c, x, y);
         out->dir_x[i] = d.x, out->dir_y[i] = d.y, out->dir_z[i] = d.z;
     }
+}
+
+/* Samples that are alike are read as two numbers: sixteen that were stored a moment ago one by one would be
+ * waited for. */
+static void camera_rays(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
+                        const square_samples *at, trace_rays *restrict out) {
+    if (at->alike)
+        directions(camera, left, top, at, true, out);
+    else
+        directions(camera, left, top, at, false, out);
     for (uint32_t i = 0; i < LANES; ++i) {
         out->org_x[i] = camera->eye.x, out->org_y[i] = camera->eye.y, out->org_z[i] = camera->eye.z;
         out->t_near[i] = t_near, out->t_far[i] = INFINITY;

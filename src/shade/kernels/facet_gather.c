@@ -1,24 +1,50 @@
-/* The corners of sixteen triangles of one mesh. */
-#include "shade/kernels/gather.h"
+/* The corners of sixteen triangles of one mesh.
+ *
+ * A row of three numbers is one load, and four rows are turned into columns by seven shuffles. Gather
+ * instructions, three for each corner, take twice as long or more: bench/README.md. */
 #include "shade/kernels/kernel.h"
 
-/* Where the numbers of the vertices of each triangle begin, in floats. */
-typedef int32_t vertex_places[3][LANES];
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
-static inline void find_vertices(const uint32_t *indices, const uint32_t triangle[LANES], size_t stride,
-                                 vertex_places out) {
-    const int32_t words = (int32_t)(stride / sizeof(float));
-    _Alignas(64) int32_t first[LANES];
-    for (int i = 0; i < LANES; ++i) first[i] = (int32_t)(3 * triangle[i]);
-    for (int k = 0; k < 3; ++k) {
-        gather(indices + k, first, out[k]);
-        for (int i = 0; i < LANES; ++i) out[k][i] *= words;
-    }
+typedef float row __attribute__((vector_size(16)));
+
+/* Three numbers and something. Nothing is read behind them: the array may end there. */
+static inline row load_row(const float *p) {
+#if defined(__AVX512VL__)
+    return _mm_maskz_loadu_ps(7, p);
+#elif defined(__AVX2__)
+    return _mm_maskload_ps(p, _mm_setr_epi32(-1, -1, -1, 0));
+#else
+    return (row){p[0], p[1], p[2], 0};
+#endif
 }
 
-static inline void fetch(const float *from, const vertex_places at, float out[3][3][LANES]) {
-    for (int k = 0; k < 3; ++k) {
-        for (int axis = 0; axis < 3; ++axis) gather(from + axis, at[k], out[k][axis]);
+static inline void store_column(row column, float *to) { memcpy(to, &column, sizeof column); }
+
+/* Of lanes i to i + 3. */
+static inline void store_rows(const row r[4], float out[3][LANES], int i) {
+    typedef int32_t pick __attribute__((vector_size(16)));
+    const pick low = {0, 4, 1, 5}, high = {2, 6, 3, 7}, first = {0, 1, 4, 5}, second = {2, 3, 6, 7};
+    row xy_01 = __builtin_shuffle(r[0], r[1], low), xy_23 = __builtin_shuffle(r[2], r[3], low);
+    row z_01 = __builtin_shuffle(r[0], r[1], high), z_23 = __builtin_shuffle(r[2], r[3], high);
+    store_column(__builtin_shuffle(xy_01, xy_23, first), out[0] + i);
+    store_column(__builtin_shuffle(xy_01, xy_23, second), out[1] + i);
+    store_column(__builtin_shuffle(z_01, z_23, first), out[2] + i);
+}
+
+/* stride: of the rows, in bytes. */
+static inline void fetch(const float *rows, size_t stride, const uint32_t *indices,
+                         const uint32_t triangle[LANES], float out[3][3][LANES]) {
+    const size_t words = stride / sizeof(float);
+    for (int i = 0; i < LANES; i += 4) {
+        row corner[3][4];
+        for (int j = 0; j < 4; ++j) {
+            const uint32_t *vertices = indices + 3 * (size_t)triangle[i + j];
+            for (int k = 0; k < 3; ++k) corner[k][j] = load_row(rows + words * vertices[k]);
+        }
+        for (int k = 0; k < 3; ++k) store_rows(corner[k], out[k], i);
     }
 }
 
@@ -32,16 +58,12 @@ void KERNEL(facet_gather)(const fathom_mesh *mesh, bool normals, const uint32_t 
                           const float org[3][LANES], const float dir[3][LANES], facet_block *restrict f,
                           local_block *restrict b) {
     const uint32_t bent = normals && mesh->normals ? ~0u : 0;
-    vertex_places at;
-    find_vertices(mesh->indices, triangle, mesh->position_stride, at);
-    fetch(mesh->positions, at, f->corner);
+    fetch(mesh->positions, mesh->position_stride, mesh->indices, triangle, f->corner);
     widen_lanes(org, b->org);
     widen_lanes(dir, b->dir);
     for (int i = 0; i < LANES; ++i) f->facet[i] = ~0u, f->bent[i] = bent;
     if (!bent) return;
     f->smooth = true;
-    if (mesh->normal_indices || mesh->normal_stride != mesh->position_stride)
-        find_vertices(mesh->normal_indices ? mesh->normal_indices : mesh->indices, triangle,
-                      mesh->normal_stride, at);
-    fetch(mesh->normals, at, f->normal);
+    fetch(mesh->normals, mesh->normal_stride, mesh->normal_indices ? mesh->normal_indices : mesh->indices,
+          triangle, f->normal);
 }
