@@ -59,14 +59,16 @@ static fathom_status make_parts(placer *p, uint32_t group) {
     return FATHOM_OK;
 }
 
+static fathom_status bad_frame(const placer *p, fathom_id id) {
+    return fail(p->w->scene->context, FATHOM_BAD_INPUT,
+                "instance %u: its frame, with those around it, flattens space or leaves the range of float",
+                id);
+}
+
 static fathom_status add_instance(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
                                   fathom_id id) {
     world_instance instance = {.group = group, .material = material, .id = id};
-    if (!world_instance_set(&instance, to_world)) {
-        return fail(
-            p->w->scene->context, FATHOM_BAD_INPUT,
-            "instance %u: its frame, with those around it, flattens space or leaves the range of float", id);
-    }
+    if (!world_instance_set(&instance, to_world)) return bad_frame(p, id);
     return array_push(&p->w->instances, instance) ? FATHOM_OK : no_memory(p);
 }
 
@@ -87,14 +89,15 @@ static bool add_plane(placer *p, const fathom_plane *plane, fathom_id object, co
     return array_push(&p->w->planes, out);
 }
 
-static fathom_status place_planes(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material) {
+static fathom_status place_planes(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
+                                  fathom_id instance) {
     const fathom_scene *scene = p->w->scene;
-    affine_f64 to_group;
-    if (!affine_invert(to_world, &to_group)) return FATHOM_OK;
     for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
         fathom_id id = p->graph->objects.items[i];
         scene_object object = scene->objects.items[id];
+        affine_f64 to_group;
         if (object.kind != SCENE_PLANE) continue;
+        if (!affine_invert(to_world, &to_group)) return bad_frame(p, instance);
         if (!add_plane(p, &scene->planes.items[object.index], id, to_world, &to_group, material))
             return no_memory(p);
     }
@@ -167,7 +170,7 @@ static fathom_status join_root(placer *p, const placement *at, bool *descend) {
 static fathom_status place(placer *p, const placement *at, bool *descend) {
     *descend = true;
     fathom_status status = make_parts(p, at->group);
-    if (status == FATHOM_OK) status = place_planes(p, at->group, &at->to_world, at->material);
+    if (status == FATHOM_OK) status = place_planes(p, at->group, &at->to_world, at->material, at->id);
     affine_f64 move = affine_translation(neg_f64(p->w->origin));
     for (uint32_t i = 0; i < p->part_count[at->group] && status == FATHOM_OK; ++i) {
         group_part part = p->parts.items[p->first_part[at->group] + i];

@@ -1,0 +1,199 @@
+/* A scene's fingerprint: another one for every value that pixels depend on, the same for all others. */
+#include "scene/fingerprint.h"
+#include "unit.h"
+
+static fathom_context *context;
+static fathom_scene *scene;
+
+static const float positions[15] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 2, 2};
+static const uint32_t triangles[6] = {0, 1, 2, 2, 1, 3}, others[6] = {0, 1, 2, 2, 1, 0};
+
+/* One of everything. */
+static int set_up(void **state) {
+    (void)state;
+    fathom_material material;
+    fathom_light light;
+    fathom_sphere sphere;
+    fathom_quad quad;
+    fathom_plane plane;
+    fathom_mesh mesh;
+    fathom_instance instance;
+    fathom_id group;
+    fathom_material_default(&material), fathom_light_default(&light), fathom_sphere_default(&sphere);
+    fathom_quad_default(&quad), fathom_plane_default(&plane), fathom_mesh_default(&mesh);
+    fathom_instance_default(&instance);
+    mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = triangles, mesh.triangle_count = 2;
+    mesh.normals = positions + 3, mesh.normal_count = 4, mesh.normal_indices = triangles;
+    mesh.uvs = positions, mesh.uv_count = 4;
+    assert_int_equal(fathom_context_create(&context), FATHOM_OK);
+    assert_ok(context, fathom_scene_create(context, &scene));
+    assert_ok(context, fathom_scene_add_material(scene, "m", &material, NULL));
+    assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+    assert_ok(context, fathom_scene_add_group(scene, "g", &group));
+    assert_ok(context, fathom_scene_add_sphere(scene, group, &sphere, NULL));
+    assert_ok(context, fathom_scene_add_quad(scene, group, &quad, NULL));
+    assert_ok(context, fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL));
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    instance.group = group;
+    assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    fathom_scene_destroy(scene);
+    fathom_context_destroy(context);
+    return 0;
+}
+
+static uint64_t fingerprint(void) {
+    uint64_t number;
+    assert_ok(context, scene_fingerprint(scene, &number));
+    return number;
+}
+
+/* Whether the fingerprint sees another value there; the value is put back. */
+#define SEES(field, value)                                                                                   \
+    do {                                                                                                     \
+        const uint64_t before = fingerprint();                                                               \
+        const __typeof__(field) old = (field);                                                               \
+        (field) = (value);                                                                                   \
+        assert_true(fingerprint() != before);                                                                \
+        (field) = old;                                                                                       \
+        assert_true(fingerprint() == before);                                                                \
+    } while (0)
+
+static void surroundings(void **state) {
+    (void)state;
+    fathom_camera *c = &scene->camera;
+    for (int i = 0; i < 3; ++i) {
+        SEES(c->origin[i], 0.25);
+        SEES(c->x[i], 0.25);
+        SEES(c->y[i], 0.25);
+        SEES(c->z[i], 0.25);
+        SEES(scene->background[i], 0.25f);
+        SEES(scene->ambient[i], 0.25f);
+    }
+    SEES(c->d, 9);
+    SEES(c->h, 9);
+    SEES(c->w, 9);
+}
+
+static void materials_and_lights(void **state) {
+    (void)state;
+    fathom_material *m = &scene->materials.items[1].value;
+    fathom_light *l = &scene->lights.items[0];
+    for (int i = 0; i < 3; ++i) {
+        SEES(m->k_a[i], 0.25f);
+        SEES(m->k_d[i], 0.25f);
+        SEES(m->k_s[i], 0.25f);
+        SEES(m->k_r[i], 0.25f);
+        SEES(m->k_t[i], 0.25f);
+        SEES(m->k_e[i], 0.25f);
+        SEES(l->position[i], 0.25);
+        SEES(l->direction[i], 0.25);
+        SEES(l->intensity[i], 0.25f);
+    }
+    SEES(m->shininess, 9);
+    SEES(m->ior, 9);
+    SEES(m->specular, FATHOM_SPECULAR_PHONG);
+    SEES(m->specular, FATHOM_SPECULAR_BLINN);
+    SEES(m->fresnel, true);
+    SEES(m->lit_from_behind, true);
+    SEES(l->type, FATHOM_LIGHT_SPOT);
+    SEES(l->inner_angle, 0.25f);
+    SEES(l->outer_angle, 0.25f);
+}
+
+static void shapes(void **state) {
+    (void)state;
+    fathom_sphere *s = &scene->spheres.items[0];
+    fathom_quad *q = &scene->quads.items[0];
+    fathom_plane *p = &scene->planes.items[0];
+    fathom_instance *n = &scene->instances.items[0];
+    for (int i = 0; i < 3; ++i) {
+        SEES(s->center[i], 0.25);
+        for (int k = 0; k < 4; ++k) SEES(q->corners[k][i], 0.25);
+        SEES(p->point[i], 0.25);
+        SEES(p->normal[i], 0.25);
+    }
+    SEES(s->radius, 9);
+    SEES(s->material, 1);
+    SEES(s->flags, FATHOM_CASTS_NO_SHADOW);
+    SEES(q->material, 1);
+    SEES(q->flags, FATHOM_CASTS_NO_SHADOW);
+    SEES(p->material, 1);
+    SEES(p->flags, FATHOM_CASTS_NO_SHADOW);
+    for (int i = 0; i < 12; ++i) SEES(n->transform[i], 9);
+    SEES(n->material, 1);
+    SEES(n->parent, 1);
+    SEES(n->group, 0);
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        scene_object *o = &scene->objects.items[i];
+        SEES(o->group, 1 - o->group);
+        SEES(o->index, 7);
+        SEES(o->kind, o->kind == SCENE_QUAD ? SCENE_PLANE : SCENE_QUAD);
+    }
+}
+
+static void meshes(void **state) {
+    (void)state;
+    fathom_mesh *m = &scene->meshes.items[0];
+    for (int i = 0; i < 3; ++i) SEES(m->origin[i], 0.25);
+    SEES(m->vertex_count, 3);
+    SEES(m->triangle_count, 1);
+    SEES(m->normal_count, 3);
+    SEES(m->material, 1);
+    SEES(m->flags, FATHOM_CASTS_NO_SHADOW);
+    SEES(m->positions, positions + 3);
+    SEES(m->indices, others);
+    SEES(m->normals, positions);
+    SEES(m->normals, NULL);
+    SEES(m->normal_indices, others);
+    SEES(m->normal_indices, NULL);
+}
+
+/* Arrays so long that threads share them, with room between the vertices: each vertex counts, what is between
+ * them does not, and neither does how many threads there are. */
+static void every_vertex_of_many(void **state) {
+    (void)state;
+    enum { VERTICES = 300000, FLOATS = 5 };
+    float *long_one = calloc((size_t)VERTICES * FLOATS, sizeof *long_one);
+    assert_non_null(long_one);
+    fathom_mesh *m = &scene->meshes.items[0];
+    const fathom_mesh short_one = *m;
+    m->positions = long_one, m->vertex_count = VERTICES, m->position_stride = FLOATS * sizeof(float);
+    fathom_context_set_threads(context, 1);
+    const uint64_t alone = fingerprint();
+    fathom_context_set_threads(context, 4);
+    assert_true(fingerprint() == alone);
+    for (uint32_t v = 0; v < VERTICES; v += 77777) {
+        for (int k = 0; k < 3; ++k) SEES(long_one[v * FLOATS + (uint32_t)k], 1);
+        long_one[v * FLOATS + 3] = long_one[v * FLOATS + 4] = 5;
+    }
+    SEES(long_one[(VERTICES - 1) * FLOATS + 2], 1);
+    assert_true(fingerprint() == alone);
+    *m = short_one;
+    free(long_one);
+}
+
+/* No pixel depends on them. */
+static void names_and_texture_coordinates(void **state) {
+    (void)state;
+    const uint64_t before = fingerprint();
+    assert_ok(context, fathom_scene_set_name(scene, "another"));
+    scene->materials.items[1].name[0] = 'n', scene->groups.items[1][0] = 'h';
+    scene->meshes.items[0].uvs = positions + 4;
+    scene->settings.spp = 25;
+    assert_true(fingerprint() == before);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        TEST(surroundings), TEST(materials_and_lights), TEST(shapes),
+        TEST(meshes),       TEST(every_vertex_of_many), TEST(names_and_texture_coordinates),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
