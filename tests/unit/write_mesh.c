@@ -505,6 +505,21 @@ static void floats_read_back(void **state) {
     }
 }
 
+/* The last floats before the powers of ten, where rounding up would carry farthest. */
+static void floats_below_powers_of_ten(void **state) {
+    (void)state;
+    for (int power = -6; power <= 9; ++power) {
+        const float ten = (float)pow(10, power);
+        for (float value = nextafterf(nextafterf(ten, 0), 0); value <= ten;
+             value = nextafterf(value, INFINITY)) {
+            char text[WRITE_NUMBER_BYTES + 1];
+            text[write_float(text, value)] = 0;
+            assert_true(strtof(text, NULL) == value);
+            assert_true(strlen(text) <= 16);
+        }
+    }
+}
+
 static void numbers_are_short(void **state) {
     (void)state;
     const struct {
@@ -581,6 +596,7 @@ static void too_many_triangles_are_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(floats_read_back),
+        cmocka_unit_test(floats_below_powers_of_ten),
         cmocka_unit_test(numbers_are_short),
         cmocka_unit_test(one_mesh_keeps_its_arrays),
         cmocka_unit_test(instances_are_placed),

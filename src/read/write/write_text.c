@@ -52,7 +52,7 @@ static size_t put_decimals(char *out, uint32_t digits, int last) {
 
 /* Nine significant digits tell any two floats apart. The product with a power of ten that is exact in double
  * is off by 2^-53 of itself, so the nine digits are off by at most 1/2 + 2^-23 of the last one; half the
- * distance of neighbouring floats is at least 2.9 of it. */
+ * distance of neighbouring floats is at least 2.9 of it, so none is rounded up to a tenth digit. */
 size_t write_float(char *out, float value) {
     static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13};
     double size = fabs((double)value);
@@ -60,7 +60,6 @@ size_t write_float(char *out, float value) {
     int shift = 13; /* 10^8 <= size 10^shift < 10^9 */
     while (size * powers[shift] >= 1e9) --shift;
     uint32_t digits = (uint32_t)(size * powers[shift] + 0.5);
-    if (digits == 1000000000u) digits = 100000000u, --shift;
     size_t sign = value < 0;
     if (sign) *out = '-';
     return sign + put_decimals(out + sign, digits, -shift);

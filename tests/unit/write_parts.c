@@ -1,0 +1,286 @@
+/* What mesh files are made of: texts, names, welded vertices, and materials that a format cannot hold as they
+ * are. */
+#include "read/write/write.h"
+#include "unit.h"
+
+#include <fathom/read.h>
+
+#include <jansson.h>
+#include <unistd.h>
+
+static fathom_context *context;
+static char folder[] = "/tmp/fathom_write_parts_XXXXXX";
+
+static int set_up(void **state) {
+    (void)state;
+    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : 1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    fathom_context_destroy(context);
+    return rmdir(folder);
+}
+
+/* ---- texts ---- */
+
+/* The text as written, parsed again; to be freed. */
+static char *written_and_parsed(const char *text) {
+    write_text t = {.failed = false};
+    write_put_json(&t, text);
+    assert_false(t.failed);
+    json_t *back = json_loadb(t.bytes.items, t.bytes.count, JSON_DECODE_ANY, NULL);
+    if (!json_is_string(back)) fail_msg("\"%.*s\" is no JSON", (int)t.bytes.count, t.bytes.items);
+    char *copy = strdup(json_string_value(back));
+    assert_non_null(copy);
+    json_decref(back);
+    array_free(&t.bytes);
+    return copy;
+}
+
+/* Jansson judges what UTF-8 is: such text comes back as it was, any other as some text. */
+static void check_text(const char *text) {
+    char *back = written_and_parsed(text);
+    json_t *judged = json_string(text);
+    if (judged)
+        assert_string_equal(back, text);
+    else
+        assert_non_null(strchr(back, '?'));
+    json_decref(judged);
+    free(back);
+}
+
+static void any_text_becomes_json(void **state) {
+    (void)state;
+    char text[8] = {0};
+    for (unsigned first = 1; first < 256; ++first) {
+        for (unsigned second = 0; second < 256; ++second) {
+            text[0] = (char)first, text[1] = (char)second, text[2] = 0;
+            check_text(text);
+        }
+    }
+    /* Longer sequences: every beginning with continuations at the ends of what is allowed and just past them.
+     */
+    static const unsigned char ends[] = {0x7f, 0x80, 0x8f, 0x90, 0x9f, 0xa0, 0xbf, 0xc0};
+    for (unsigned first = 0xdf; first < 256; ++first) {
+        for (unsigned i = 0; i < 8 * 8 * 8; ++i) {
+            text[0] = (char)first, text[1] = (char)ends[i % 8], text[2] = (char)ends[i / 8 % 8];
+            text[3] = (char)ends[i / 64], text[4] = 'x', text[5] = 0;
+            check_text(text);
+            text[3] = 0;
+            check_text(text);
+        }
+    }
+    check_text("a \"name\" with \\ and \n in it");
+}
+
+/* One wrong byte becomes one mark; what is around it stays. */
+static void wrong_bytes_are_marked(void **state) {
+    (void)state;
+    const char *const cases[][2] = {{"a\xff"
+                                     "b",
+                                     "a?b"},
+                                    {"\xc3\xa9\xc3", "\xc3\xa9?"},
+                                    {"\xed\xa0\x80", "???"},
+                                    {"\xf4\x90\x80\x80.", "????."},
+                                    {"\xe2\x82\xac\xe2\x82", "\xe2\x82\xac??"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char *back = written_and_parsed(cases[i][0]);
+        assert_string_equal(back, cases[i][1]);
+        free(back);
+    }
+}
+
+/* What does not fit a line of the writer's is an error, not a shorter text. */
+static void lines_too_long_fail(void **state) {
+    (void)state;
+    write_text t = {.failed = false};
+    write_put(&t, "%511s", "x");
+    assert_false(t.failed);
+    assert_int_equal(t.bytes.count, 511);
+    write_put(&t, "%512s", "x");
+    assert_true(t.failed);
+    assert_int_equal(t.bytes.count, 511);
+    write_put(&t, "y"), write_put_text(&t, "y"), write_put_double(&t, 1), write_put_key(&t, "y");
+    assert_int_equal(t.bytes.count, 511);
+    array_free(&t.bytes);
+}
+
+/* ---- names ---- */
+
+/* Each material gets a name of its own that every reader of OBJ takes whole. */
+static void names_are_words_and_differ(void **state) {
+    (void)state;
+    const char *const given[] = {"red",       "two words",        "red", "", NULL, "material_3", "a#b",
+                                 "tab\there", "\xc3\xa9t\xc3\xa9"};
+    const char *const expected[] = {"red",        "material_2", "material_3",
+                                    "material_4", "material_5", "material_6",
+                                    "material_7", "material_8", "\xc3\xa9t\xc3\xa9"};
+    fathom_scene *scene;
+    fathom_material material;
+    fathom_material_default(&material);
+    assert_ok(context, fathom_scene_create(context, &scene));
+    for (size_t i = 0; i < sizeof given / sizeof *given; ++i)
+        assert_ok(context, fathom_scene_add_material(scene, given[i], &material, NULL));
+    char **names;
+    assert_int_equal(write_names(scene, &names), FATHOM_OK);
+    for (size_t i = 0; i < sizeof given / sizeof *given; ++i) assert_string_equal(names[i + 1], expected[i]);
+    write_names_free(scene, names);
+    fathom_scene_destroy(scene);
+}
+
+/* ---- vertices ---- */
+
+static const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0},
+                   normals[9] = {0, 0, 1, 0, 1, 0, 1, 0, 0}, uvs[10] = {0, 0, 1, 0, 0, 1, 1, 1, 0.5f, 0.5f};
+static const uint32_t triangles[6] = {0, 1, 2, 2, 1, 3};
+
+static fathom_mesh two_triangles(void) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = triangles, mesh.triangle_count = 2;
+    mesh.position_stride = mesh.normal_stride = 12, mesh.uv_stride = 8;
+    return mesh;
+}
+
+/* Every corner is what it was. */
+static void check_corners(const fathom_mesh *mesh, const write_mesh *out) {
+    for (uint32_t c = 0; c < 6; ++c) {
+        uint32_t v = write_mesh_index(out, c), p = mesh->indices[c];
+        assert_true(v < out->vertex_count);
+        vec3_f32 position = write_mesh_position(out, v);
+        assert_memory_equal(&position, mesh->positions + (size_t)3 * p, sizeof position);
+        if (mesh->normals && !out->facets) {
+            uint32_t n = mesh->normal_indices ? mesh->normal_indices[c] : p;
+            vec3_f32 normal = write_mesh_normal(out, v);
+            assert_memory_equal(&normal, mesh->normals + (size_t)3 * n, sizeof normal);
+        }
+        float uv[2];
+        write_mesh_uv(out, v, uv);
+        const float none[2] = {0, 0};
+        uint32_t t = mesh->uv_indices ? mesh->uv_indices[c] : p;
+        assert_memory_equal(uv, mesh->uvs ? mesh->uvs + (size_t)2 * t : none, sizeof uv);
+    }
+}
+
+/* Corners that agree in all are one vertex: the two triangles share two positions. */
+static void corners_that_agree_are_one_vertex(void **state) {
+    (void)state;
+    static const uint32_t same[6] = {0, 0, 0, 0, 0, 0}, one_each[6] = {0, 0, 0, 1, 1, 1},
+                          seam[6] = {0, 1, 2, 4, 1, 3};
+    const struct {
+        const uint32_t *normal_indices, *uv_indices;
+        uint32_t vertices;
+    } cases[] = {{same, NULL, 4}, {one_each, NULL, 6}, {NULL, seam, 5}, {same, seam, 5}, {one_each, seam, 6}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        fathom_mesh mesh = two_triangles();
+        mesh.normals = cases[i].normal_indices ? normals : NULL, mesh.normal_count = 3;
+        mesh.uvs = cases[i].uv_indices ? uvs : NULL, mesh.uv_count = 5;
+        mesh.normal_indices = cases[i].normal_indices, mesh.uv_indices = cases[i].uv_indices;
+        write_mesh out;
+        assert_ok(context, write_mesh_prepare(context, &mesh, false, &out));
+        assert_int_equal(out.vertex_count, cases[i].vertices);
+        check_corners(&mesh, &out);
+        write_mesh_free(&out);
+    }
+}
+
+/* Facets have corners of their own, which keep their texture coordinates, and the facet's normal. */
+static void facets_keep_texture_coordinates(void **state) {
+    (void)state;
+    static const uint32_t seam[6] = {0, 1, 2, 4, 1, 3};
+    for (int i = 0; i < 3; ++i) {
+        fathom_mesh mesh = two_triangles();
+        if (i > 0) mesh.uvs = uvs, mesh.uv_count = 5;
+        if (i > 1) mesh.uv_indices = seam;
+        write_mesh out;
+        assert_ok(context, write_mesh_prepare(context, &mesh, true, &out));
+        assert_int_equal(out.vertex_count, 6);
+        check_corners(&mesh, &out);
+        for (uint32_t v = 0; v < 6; ++v) assert_true(write_mesh_normal(&out, v).z == 1);
+        write_mesh_free(&out);
+    }
+    fathom_mesh large = two_triangles();
+    large.triangle_count = UINT32_MAX / 3 + 1;
+    write_mesh out;
+    assert_fails(context, write_mesh_prepare(context, &large, true, &out), FATHOM_OUT_OF_RESOURCES,
+                 "too many corners");
+}
+
+/* ---- materials ---- */
+
+static const char *in_folder(const char *name) {
+    static char path[256];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static fathom_material through_file(const char *name, const fathom_material *material) {
+    fathom_scene *scene, *back;
+    fathom_id id;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    assert_ok(context, fathom_scene_add_material(scene, "m", material, &id));
+    fathom_mesh mesh = two_triangles();
+    mesh.material = id;
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    assert_ok(context, fathom_scene_write_mesh(scene, in_folder(name)));
+    assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
+    unlink(in_folder(name)), unlink(in_folder("m.mtl"));
+    id = scene_find_material(back, "m");
+    assert_int_not_equal(id, FATHOM_NONE);
+    fathom_material out = back->materials.items[id].value;
+    fathom_scene_destroy(back);
+    fathom_scene_destroy(scene);
+    return out;
+}
+
+/* Neither format has Phong's lobe: Blinn's of four times the exponent is as wide. MTL keeps the exponent as
+ * it is written, glTF as a roughness r with 2 / r^4 - 2 for it. */
+static void phong_becomes_blinn(void **state) {
+    (void)state;
+    fathom_material phong;
+    fathom_material_default(&phong);
+    phong.specular = FATHOM_SPECULAR_PHONG, phong.shininess = 5;
+    for (int k = 0; k < 3; ++k) phong.k_s[k] = 0.125f;
+    fathom_material m = through_file("m.obj", &phong);
+    assert_true(m.specular == FATHOM_SPECULAR_BLINN && m.shininess == 20);
+    assert_memory_equal(m.k_s, phong.k_s, sizeof m.k_s);
+    m = through_file("m.glb", &phong);
+    assert_int_equal(m.specular, FATHOM_SPECULAR_BLINN);
+    assert_near(m.shininess, 20, 22 * 8 * 0x1p-24);
+}
+
+/* What MTL alone has: reflected ambient light; glass that lets light straight on; a mirror by Fresnel's law.
+ */
+static void what_mtl_has(void **state) {
+    (void)state;
+    fathom_material given;
+    fathom_material_default(&given);
+    given.k_a[0] = 0.25f, given.k_a[1] = 0.5f, given.k_a[2] = 0;
+    fathom_material m = through_file("m.obj", &given);
+    assert_memory_equal(m.k_a, given.k_a, sizeof m.k_a);
+    fathom_material_default(&given);
+    given.ior = 1;
+    for (int k = 0; k < 3; ++k) given.k_t[k] = 0.5f, given.k_d[k] = 0.25f;
+    m = through_file("m.obj", &given);
+    assert_true(m.ior == 1 && !m.fresnel && m.k_t[1] == 0.5f && m.k_r[0] == 0);
+    fathom_material_default(&given);
+    given.fresnel = true, given.ior = 1.75f;
+    for (int k = 0; k < 3; ++k) given.k_r[k] = 1;
+    m = through_file("m.obj", &given);
+    assert_true(m.fresnel && m.ior == 1.75f && m.k_r[2] == 1 && m.k_t[2] == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_text_becomes_json),
+        cmocka_unit_test(wrong_bytes_are_marked),
+        cmocka_unit_test(lines_too_long_fail),
+        cmocka_unit_test(names_are_words_and_differ),
+        cmocka_unit_test(corners_that_agree_are_one_vertex),
+        cmocka_unit_test(facets_keep_texture_coordinates),
+        cmocka_unit_test(phong_becomes_blinn),
+        cmocka_unit_test(what_mtl_has),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
