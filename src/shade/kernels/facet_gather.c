@@ -23,15 +23,16 @@ static inline row load_row(const float *p) {
 
 static inline void store_column(row column, float *to) { memcpy(to, &column, sizeof column); }
 
+#define LOW(a, b) __builtin_shufflevector((a), (b), 0, 4, 1, 5)
+#define HIGH(a, b) __builtin_shufflevector((a), (b), 2, 6, 3, 7)
+
 /* Of lanes i to i + 3. */
 static inline void store_rows(const row r[4], float out[3][LANES], int i) {
-    typedef int32_t pick __attribute__((vector_size(16)));
-    const pick low = {0, 4, 1, 5}, high = {2, 6, 3, 7}, first = {0, 1, 4, 5}, second = {2, 3, 6, 7};
-    row xy_01 = __builtin_shuffle(r[0], r[1], low), xy_23 = __builtin_shuffle(r[2], r[3], low);
-    row z_01 = __builtin_shuffle(r[0], r[1], high), z_23 = __builtin_shuffle(r[2], r[3], high);
-    store_column(__builtin_shuffle(xy_01, xy_23, first), out[0] + i);
-    store_column(__builtin_shuffle(xy_01, xy_23, second), out[1] + i);
-    store_column(__builtin_shuffle(z_01, z_23, first), out[2] + i);
+    row xy_01 = LOW(r[0], r[1]), xy_23 = LOW(r[2], r[3]);
+    row z_01 = HIGH(r[0], r[1]), z_23 = HIGH(r[2], r[3]);
+    store_column(__builtin_shufflevector(xy_01, xy_23, 0, 1, 4, 5), out[0] + i);
+    store_column(__builtin_shufflevector(xy_01, xy_23, 2, 3, 6, 7), out[1] + i);
+    store_column(__builtin_shufflevector(z_01, z_23, 0, 1, 4, 5), out[2] + i);
 }
 
 /* stride: of the rows, in bytes. */
