@@ -20,9 +20,12 @@ typedef struct file_map {
  * the message names it. FATHOM_OUT_OF_RESOURCES when memory or descriptors ran out. */
 fathom_status file_open(fathom_context *context, const char *path, file_map *out);
 void file_close(file_map *map);
-/* FATHOM_BAD_INPUT when the file under the mapping has been truncated or changed since it was opened: then
- * what was read of it is worth nothing. */
+/* FATHOM_BAD_INPUT when the file under the mapping has been truncated or changed since it was opened, or may
+ * have been: then what was read of it is worth nothing. The more often it is asked, the more it can tell
+ * (file_witness.h). Any thread may. */
 fathom_status file_check(fathom_context *context, const file_map *map);
+/* Warns, once each time, of a file that was found to be written to and unchanged. */
+void file_tell_touched(fathom_context *context, const file_map *map);
 /* file_close(), after what was read with `status`: hands it on, or what file_check() has to say. */
 fathom_status file_finish(fathom_context *context, file_map *map, fathom_status status);
 /* Lets go of the memory under the bytes from `begin` to `end`, in whole pages: when they are next read they

@@ -7,6 +7,9 @@
  * while it is read, is another thread's that is being changed; the one of the page that is read is not. */
 #include "base/file.h"
 
+#include "base/clock.h"
+#include "base/file_witness.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -143,30 +146,34 @@ static fathom_status status_of(int error) {
     return exhausted ? FATHOM_OUT_OF_RESOURCES : FATHOM_BAD_INPUT;
 }
 
-/* Which file it was, and as what it was opened. */
+/* Which file it was, and what becomes of it. */
 struct file_record {
     slot *slot;
-    struct stat info;
-    char path[];
+    file_witness *witness;
 };
 
-static struct file_record *record_make(const char *path, const struct stat *info) {
-    size_t length = strlen(path) + 1;
-    struct file_record *record = malloc(sizeof *record + length);
+static void record_free(struct file_record *record) {
+    if (record && record->slot) slot_return(record->slot);
+    if (record) witness_destroy(record->witness);
+    free(record);
+}
+
+static struct file_record *record_make(const char *path, const struct stat *info, const file_map *map) {
+    struct file_record *record = calloc(1, sizeof *record);
     if (!record) return NULL;
-    record->slot = NULL;
-    record->info = *info;
-    memcpy(record->path, path, length);
-    return record;
+    record->witness = witness_create(path, info, clock_seconds());
+    record->slot = slot_take(map->bytes, map->reserved);
+    if (record->witness && record->slot) return record;
+    record_free(record);
+    return NULL;
 }
 
 /* The file is laid over an anonymous mapping that is one page longer: the bytes after it are zero and
  * readable even when it ends with a page. */
 static fathom_status map_bytes(fathom_context *context, const char *path, int descriptor,
                                const struct stat *info, file_map *map) {
-    map->record = record_make(path, info);
-    if (map->record) map->record->slot = slot_take(map->bytes, map->reserved);
-    if (!map->record || !map->record->slot) return fail_memory(context, sizeof *map->record);
+    map->record = record_make(path, info, map);
+    if (!map->record) return fail_memory(context, sizeof *map->record);
     void *base = (void *)(uintptr_t)map->bytes;
     if (mmap(base, map->size, PROT_READ, MAP_PRIVATE | MAP_FIXED, descriptor, 0) != MAP_FAILED)
         return FATHOM_OK;
@@ -233,36 +240,32 @@ fathom_status file_open(fathom_context *context, const char *path, file_map *out
 
 void file_close(file_map *map) {
     if (map->bytes) munmap((void *)(uintptr_t)map->bytes, map->reserved);
-    if (map->record && map->record->slot) slot_return(map->record->slot);
-    free(map->record);
+    record_free(map->record);
     *map = (file_map){0};
-}
-
-/* A file that was replaced under its name is as it was: the mapping keeps the old one. */
-static bool has_changed(const struct file_record *record, struct stat *now) {
-    const struct stat *then = &record->info;
-    if (stat(record->path, now) != 0 || now->st_dev != then->st_dev || now->st_ino != then->st_ino)
-        return false;
-    return now->st_size != then->st_size || now->st_mtim.tv_sec != then->st_mtim.tv_sec ||
-           now->st_mtim.tv_nsec != then->st_mtim.tv_nsec;
 }
 
 fathom_status file_check(fathom_context *context, const file_map *map) {
     const struct file_record *record = map->record;
-    struct stat now;
     if (!record) return FATHOM_OK;
-    bool changed = has_changed(record, &now);
-    if (changed && (size_t)now.st_size < map->size)
-        return fail_truncated(context, record->path, (size_t)now.st_size, map->size);
+    size_t left;
+    const char *path = witness_path(record->witness);
+    file_state state = witness_look(record->witness, clock_seconds(), &left);
+    if (state == FILE_TRUNCATED) return fail_truncated(context, path, left, map->size);
     if (atomic_load(&record->slot->lost))
         return fail(
             context, FATHOM_BAD_INPUT,
             "%s: was truncated while it was read, or cannot be read to its end; try again when it is whole",
-            record->path);
-    if (changed)
+            path);
+    if (state == FILE_CHANGED)
         return fail(context, FATHOM_BAD_INPUT,
-                    "%s: was changed while it was read; try again when nothing writes to it", record->path);
+                    "%s: was changed while it was read; try again when nothing writes to it", path);
     return FATHOM_OK;
+}
+
+void file_tell_touched(fathom_context *context, const file_map *map) {
+    if (!map->record || !witness_take_touched(map->record->witness)) return;
+    warn(context, "%s: was touched while it was read, and holds the same bytes as before",
+         witness_path(map->record->witness));
 }
 
 fathom_status file_finish(fathom_context *context, file_map *map, fathom_status status) {

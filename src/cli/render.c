@@ -108,7 +108,7 @@ static fathom_status write_images(fathom_context *context, const fathom_film *fi
         kept |= status == FATHOM_OK && holds_all(path);
         if (status != FATHOM_OK && !failed) result = status, failed = path;
     }
-    if (failed && !kept) rescue_film(context, film, failed);
+    if (failed && !kept) rescue_film(context, film, failed, "the pixels");
     return result;
 }
 
@@ -132,6 +132,8 @@ static fathom_status write_all(fathom_context *context, const fathom_film *film,
     if (status == FATHOM_OK) stats_print(report, options);
     return status;
 }
+
+#define DOUBTFUL "the pixels rendered until then, of which some may be wrong,"
 
 static fathom_status render_scene(fathom_context *context, fathom_scene *scene, render_options *options,
                                   render_report *report, double start) {
@@ -157,8 +159,12 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     if (status == FATHOM_BAD_INPUT && !saving_is_named(&w.saving, context) &&
         fathom_scene_check_files(scene) == FATHOM_OK)
         fail_within(context, status, "%s: ", options->scene);
-    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED)
-        return say_status(&command_render, context, status);
+    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
+        say_status(&command_render, context, status);
+        if (film) rescue_film(context, film, options->outputs.items[0], DOUBTFUL);
+        fathom_film_destroy(film);
+        return status;
+    }
     interrupt_keep_work(true);
     report->interrupted = status == FATHOM_INTERRUPTED;
     report->scene = scene->name;
@@ -233,7 +239,8 @@ const command command_render = {
             "camera or lights gets a camera that frames it, and lights.\n"
             "Ctrl-C stops, keeps what is finished as an image, and exits with code 5.\n"
             "If an image cannot be written, its pixels go to NAME.rescue.exr beside it, or to\n"
-            "the working folder, $TMPDIR or /tmp, and a message says where.\n"
+            "the working folder, $TMPDIR or /tmp, and a message says where. So do those of a\n"
+            "scene whose files were changed while it was rendered: exit code 3.\n"
             "With --checkpoint FILE it can be continued, and so can what was killed.\n",
     .examples = "  fathom render bunny.obj -o bunny.png\n"
                 "  fathom render scene.json -o out.exr -o out.png --size 1920x1080 --spp 16\n"

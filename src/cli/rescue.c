@@ -30,15 +30,15 @@ static bool free_name(const place *at, char out[PATH_MAX]) {
     return false;
 }
 
-static bool rescue_to(fathom_context *context, const fathom_film *film, const place *at) {
-    char path[PATH_MAX], text[PATH_MAX + 64];
+static bool rescue_to(fathom_context *context, const fathom_film *film, const place *at, const char *which) {
+    char path[PATH_MAX], text[PATH_MAX + 128];
     if (!free_name(at, path) || fathom_film_write_plain(context, film, path) != FATHOM_OK) return false;
-    snprintf(text, sizeof text, "the pixels are in %s, as scene-linear EXR", path);
+    snprintf(text, sizeof text, "%s are in %s, as scene-linear EXR", which, path);
     say_error(text);
     return true;
 }
 
-void rescue_film(fathom_context *context, const fathom_film *film, const char *path) {
+void rescue_film(fathom_context *context, const fathom_film *film, const char *path, const char *which) {
     const char *name = file_name(path);
     const int stem = (int)(file_stem_length(path) - (size_t)(name - path));
     char named[PATH_MAX] = "";
@@ -50,7 +50,7 @@ void rescue_film(fathom_context *context, const fathom_film *film, const char *p
                             {"/tmp/", 5, name, stem}};
     for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
         if (places[i].folder == named && !named[0]) continue;
-        if (rescue_to(context, film, &places[i])) return;
+        if (rescue_to(context, film, &places[i], which)) return;
     }
     say_error("the pixels are lost: neither beside that file nor in the working folder, $TMPDIR or /tmp "
               "could they be written");

@@ -20,17 +20,20 @@
 
 typedef struct work {
     const validate_settings *settings;
+    const fathom_scene *scene; /* NULL: a built-in one */
+    double next_look;          /* at its files */
     validate_results results;
     uint64_t before, total; /* rays */
     double start;
 } work;
 
 static bool on_progress(void *user, uint64_t rays) {
-    const work *k = user;
+    work *k = user;
     uint64_t done = k->before + rays;
     fathom_progress p = {FATHOM_PHASE_RENDER, (double)done / (double)k->total, done,
                          clock_seconds() - k->start};
     progress_update(&p);
+    if (k->scene && scene_watch_files(k->scene, &k->next_look) != FATHOM_OK) return false;
     return !interrupt_asked();
 }
 
@@ -59,11 +62,12 @@ static fathom_status run_tracer(fathom_context *context, work *k, const validate
                                .failures = k->settings->failures ? FAILURES_KEPT : FAILURES_FIRST,
                                .progress = on_progress,
                                .user = k};
+    k->scene = stage->scene;
     double start = clock_seconds();
     status = compare_run(context, &subject, &options, &run->result);
     run->seconds = clock_seconds() - start;
     trace_destroy(tracer);
-    if (stage->scene && (status == FATHOM_OK || status == FATHOM_INTERNAL)) {
+    if (stage->scene && status != FATHOM_OUT_OF_RESOURCES) {
         fathom_status changed = fathom_scene_check_files(stage->scene);
         if (changed != FATHOM_OK) return changed;
     }

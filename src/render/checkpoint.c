@@ -157,7 +157,8 @@ static void finish_save(checkpoint *c) {
     c->is_saving = false;
     c->next = clock_seconds() + c->options.every;
     c->film->stats.checkpoint_seconds += c->seconds;
-    if (c->status == FATHOM_INTERRUPTED) return;
+    /* Of a scene whose files changed nothing is saved; the render ends with that. */
+    if (c->status == FATHOM_INTERRUPTED || c->status == FATHOM_BAD_INPUT) return;
     if (c->status == FATHOM_OK) ++c->film->stats.checkpoints;
     if (c->options.saved) {
         const char *message = c->status == FATHOM_OK ? "" : fathom_context_message(c->saving);

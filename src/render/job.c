@@ -273,6 +273,12 @@ static double fraction_done(const job *j, double now) {
     return (double)atomic_load(&j->pixels_done) / ((double)j->film->width * (double)j->film->height);
 }
 
+/* What is finished was, but for the last second, rendered of what the files held before. */
+static void watch_files(job *j) {
+    if (j->files == FATHOM_OK) j->files = scene_watch_files(j->plan->scene, &j->next_look);
+    if (j->files != FATHOM_OK) atomic_store(&j->stop, true);
+}
+
 /* Once all is rendered there is nothing left to stop. */
 static void report(void *user) {
     job *j = user;
@@ -283,7 +289,8 @@ static void report(void *user) {
                            .seconds = seconds - j->began};
     bool complete = j->deadline > 0 ? atomic_load(&j->complete) : now.fraction >= 1;
     const job_options *o = j->options;
-    if (o->saving && !complete && !j->interrupted)
+    if (!complete && !j->interrupted) watch_files(j);
+    if (o->saving && j->files == FATHOM_OK && !complete && !j->interrupted)
         checkpoint_tick(o->saving, now.fraction, atomic_load(&j->rays_done));
     if (!o->progress || j->interrupted || o->progress(o->user, &now) || complete) return;
     j->interrupted = true;
@@ -305,6 +312,7 @@ static fathom_status job_status(fathom_context *context, const job *j) {
         return fail(context, FATHOM_OUT_OF_RESOURCES,
                     "out of memory while rendering; lower the depth limit or the threads");
     }
+    if (j->files != FATHOM_OK) return j->files;
     if (j->interrupted) return fail(context, FATHOM_INTERRUPTED, "stopped; what was finished is kept");
     if (!(j->sampled < 1)) return FATHOM_OK;
     return fail(context, FATHOM_BAD_USAGE,
@@ -340,8 +348,8 @@ fathom_status job_run(fathom_context *context, const render_plan *plan, const jo
     static const watch_calls calls = {run, report};
     watch_run(&calls, &j);
     if (j.options->saving) {
-        checkpoint_end(j.options->saving, j.interrupted, fraction_done(&j, clock_seconds()),
-                       atomic_load(&j.rays_done));
+        checkpoint_end(j.options->saving, j.interrupted && j.files == FATHOM_OK,
+                       fraction_done(&j, clock_seconds()), atomic_load(&j.rays_done));
     }
     *out = j.result;
     return job_status(context, &j);

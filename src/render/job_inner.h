@@ -30,7 +30,9 @@ typedef struct job {
     uint64_t rays_before;    /* of these calls */
     atomic_bool complete;    /* nothing is left to stop */
     bool interrupted;
-    double sampled; /* part of the waves that have samples, when time ended before all had */
+    fathom_status files; /* of the scene: not FATHOM_OK once one was found changed, which ends the job */
+    double next_look;    /* at them */
+    double sampled;      /* part of the waves that have samples, when time ended before all had */
     unsigned threads;
 } job;
 

@@ -157,6 +157,7 @@ typedef struct render_extra {
     const vec3_f64 *origin;          /* NULL: near the view */
     const job_reserve *reserve;      /* NULL: nothing */
     const fathom_checkpoint *saving; /* NULL: not at all */
+    bool keep_doubtful;              /* the film of a scene whose files changed */
 } render_extra;
 
 /* Seconds that calls before this one spent come off the time. */
@@ -224,14 +225,16 @@ static fathom_status render(fathom_context *context, const fathom_scene *scene,
     if (extra->saving)
         status = checkpoint_open(context, extra->saving, &view, settings, film, &options.saving);
     if (status == FATHOM_OK) status = render_film(context, &view, settings, extra->origin, &options, film);
+    fathom_status changed = FATHOM_OK;
     if (status != FATHOM_OUT_OF_RESOURCES) {
         /* An image of a scene that changed meanwhile is of none, and any failure may come of it. */
-        fathom_status changed = fathom_scene_check_files(&view);
+        changed = fathom_scene_check_files(&view);
         if (changed != FATHOM_OK) status = changed;
     }
     checkpoint_close(options.saving);
     if (stats) *stats = film->stats;
-    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
+    bool doubtful = changed != FATHOM_OK && extra->keep_doubtful && film->stats.samples;
+    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED && !doubtful) {
         fathom_film_destroy(film);
         return status;
     }
@@ -269,6 +272,6 @@ fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const job_reserve *reserve,
                              const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,
                              fathom_stats *stats, fathom_film **out) {
-    const render_extra extra = {.reserve = reserve, .saving = saving};
+    const render_extra extra = {.reserve = reserve, .saving = saving, .keep_doubtful = true};
     return render(context, scene, settings, &extra, progress, user, stats, out);
 }

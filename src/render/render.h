@@ -13,7 +13,8 @@ fathom_status render_from(fathom_context *context, const fathom_scene *scene, co
                           const vec3_f64 *origin, fathom_progress_fn progress, void *user, fathom_film **out);
 
 /* fathom_render() of settings that may have a max_time, some of which is left for what follows (reserve, may
- * be NULL), saved on the way (saving, may be NULL). */
+ * be NULL), saved on the way (saving, may be NULL). On FATHOM_BAD_INPUT too *out may be a film: as far as it
+ * got before a file of the scene was found changed. */
 fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const job_reserve *reserve,
                              const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,

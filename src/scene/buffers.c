@@ -1,6 +1,8 @@
 /* The arrays of all meshes as pieces of memory. */
 #include "scene/scene.h"
 
+#include "base/clock.h"
+
 #include <stdlib.h>
 
 typedef struct piece {
@@ -109,5 +111,16 @@ fathom_status fathom_scene_check_files(const fathom_scene *scene) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < scene->blobs.count && status == FATHOM_OK; ++i)
         status = file_check(scene->context, &scene->blobs.items[i].map);
+    for (size_t i = 0; i < scene->blobs.count && status == FATHOM_OK; ++i)
+        file_tell_touched(scene->context, &scene->blobs.items[i].map);
     return status;
+}
+
+#define WATCH_SECONDS 1.0
+
+fathom_status scene_watch_files(const fathom_scene *scene, double *next) {
+    double now = clock_seconds();
+    if (now < *next) return FATHOM_OK;
+    *next = now + WATCH_SECONDS;
+    return fathom_scene_check_files(scene);
 }

@@ -115,6 +115,8 @@ fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint
 /* Lets go of the memory under all of the scene's mapped files but what tracers read. Nothing is lost: what is
  * read again comes back. */
 fathom_status scene_rest_files(const fathom_scene *scene);
+/* fathom_scene_check_files(), about once a second of calls: *next is 0 at first. */
+fathom_status scene_watch_files(const fathom_scene *scene, double *next);
 
 /* FATHOM_BAD_INPUT when groups contain each other; the message names the groups on the cycle. */
 fathom_status scene_check_cycles(const fathom_scene *scene);

@@ -1,16 +1,29 @@
-# A file that is truncated while it is rendered: said, code 3, no image. The library $plugin cuts it at the moment that
-# $TRUNCATE_WHEN names.
+# A file that is truncated, changed or touched while it is rendered. The library $plugin strikes it at the moment that
+# $TRUNCATE_WHEN names, in the way of $TRUNCATE_HOW. What was rendered of a file that is another now is no image: said,
+# code 3, and the pixels are put beside it.
 . "$SOURCE/tests/cli/check.inc"
 plugin=$BUILD/tests/plugin/truncates.so
-export TRUNCATE TRUNCATE_WHEN
+export TRUNCATE TRUNCATE_WHEN TRUNCATE_HOW=cut
+
+# rescued TEXT: the last render failed with the text, said where its pixels are, and left nothing else.
+rescued() {
+    silent out.txt
+    [ "$(wc -l <err.txt)" -eq 2 ] || die 'expected two lines on stderr'
+    said err.txt "$1"
+    said err.txt 'fathom: the pixels rendered until then, of which some may be wrong, are in a.rescue.exr, as scene-linear'
+    [ ! -e a.exr ] && [ ! -e b.png ] && [ ! -e a.json ] || die 'an image of a file that is another now'
+}
 
 for extension in ply glb; do
-    for TRUNCATE_WHEN in build trace; do
-        TRUNCATE=ball.$extension
-        run 0 generate sphere --triangles 2k -o ball.$extension
-        refused 3 "fathom: ball.$extension: was truncated while it was read: 0 bytes are left of " \
-            render ball.$extension -o a.exr -o b.png --size 16x16 --tracer "$plugin" --stats a.json
-    done
+    TRUNCATE_WHEN=build TRUNCATE=ball.$extension
+    run 0 generate sphere --triangles 2k -o ball.$extension
+    refused 3 "fathom: ball.$extension: was truncated while it was read: 0 bytes are left of " \
+        render ball.$extension -o a.exr -o b.png --size 16x16 --tracer "$plugin" --stats a.json
+    TRUNCATE_WHEN=trace
+    run 0 generate sphere --triangles 2k -o ball.$extension
+    run 3 render ball.$extension -o a.exr -o b.png --size 16x16 --tracer "$plugin" --stats a.json
+    rescued "fathom: ball.$extension: was truncated while it was read: 0 bytes are left of "
+    rm a.rescue.exr
     # The answers that the truncated scene gave are no verdict either.
     run 0 generate sphere --triangles 100 -o ball.$extension
     refused 3 "fathom: ball.$extension: was truncated while it was read" \
@@ -19,4 +32,25 @@ for extension in ply glb; do
     run 3 bench render ball.$extension --tracer "$plugin" --size 16x16 --spp 1 --repeats 1 --json a.json
     said err.txt "fathom: ball.$extension: was truncated while it was read"
     [ ! -e a.json ] || die 'results of a truncated scene'
+
+    # Touched, and that is all: the image that it would have been.
+    run 0 generate sphere --triangles 100 -o ball.$extension
+    TRUNCATE_WHEN=never
+    run 0 render ball.$extension -o good.exr --exr-float --size 16x16 --tracer "$plugin"
+    TRUNCATE_HOW=touch
+    for TRUNCATE_WHEN in build trace; do
+        run 0 render ball.$extension -o a.exr --exr-float --size 16x16 --tracer "$plugin"
+        said err.txt "warning: ball.$extension: was touched while it was read, and holds the same bytes as before"
+        [ "$(wc -l <err.txt)" -eq 1 ] || die 'touched: expected one line on stderr'
+        same a.exr good.exr
+        touch ball.$extension
+    done
+    rm a.exr
+    # Another byte somewhere: nobody knows which pixels it is in.
+    TRUNCATE_HOW=write
+    run 3 render ball.$extension -o a.exr --size 16x16 --tracer "$plugin"
+    rescued "fathom: ball.$extension: was changed while it was read; try again when nothing writes to it"
+    run 0 compare a.rescue.exr good.exr --tolerance 1
+    rm a.rescue.exr
+    TRUNCATE_HOW=cut
 done

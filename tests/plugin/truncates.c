@@ -1,8 +1,13 @@
-/* A library that cuts a file to nothing, the one that $TRUNCATE names: when it is built, or when it is asked
- * for the first ray, as $TRUNCATE_WHEN says ("build", "trace"). */
+/* A library that strikes a file, the one that $TRUNCATE names: when it is built, or when it is asked for the
+ * first ray, as $TRUNCATE_WHEN says ("build", "trace"). $TRUNCATE_HOW says what it does: cuts it to nothing
+ * (default), gives it another time stamp ("touch"), or another last byte ("write"). */
 #include "linear.h"
 
+#include <fcntl.h>
+#include <stdatomic.h>
+
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool inside(const double weight[3], bool front) {
@@ -10,10 +15,34 @@ static bool inside(const double weight[3], bool front) {
     return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
 }
 
+static int touch(const char *path) {
+    static const struct timespec long_ago[2] = {{.tv_sec = 1000000000}, {.tv_sec = 1000000000}};
+    return utimensat(AT_FDCWD, path, long_ago, 0);
+}
+
+/* The system's clock of files ticks a hundred times a second or more. */
+static int write_last(const char *path) {
+    char last;
+    usleep(20000);
+    int descriptor = open(path, O_RDWR);
+    off_t at = lseek(descriptor, -1, SEEK_END);
+    if (descriptor < 0 || pread(descriptor, &last, 1, at) != 1) return -1;
+    last ^= 1;
+    if (pwrite(descriptor, &last, 1, at) != 1) return -1;
+    return close(descriptor);
+}
+
+static int strike_so(const char *path, const char *how) {
+    if (how && strcmp(how, "touch") == 0) return touch(path);
+    if (how && strcmp(how, "write") == 0) return write_last(path);
+    return truncate(path, 0);
+}
+
 static void strike(const char *moment) {
+    static atomic_bool struck;
     const char *path = getenv("TRUNCATE"), *when = getenv("TRUNCATE_WHEN");
-    if (!path || !when || strcmp(when, moment) != 0) return;
-    if (truncate(path, 0) != 0) perror(path);
+    if (!path || !when || strcmp(when, moment) != 0 || atomic_exchange(&struck, true)) return;
+    if (strike_so(path, getenv("TRUNCATE_HOW")) != 0) perror(path);
 }
 
 static int build_cut(const fathom_plugin_mesh *mesh, unsigned threads, char *message, size_t message_size,
@@ -28,7 +57,7 @@ static void closest_cut(const void *tracer, fathom_plugin_block *blocks, size_t 
 }
 
 const fathom_plugin *fathom_plugin_get(void) {
-    static fathom_plugin plugin = LINEAR_PLUGIN("example: cuts files");
+    static fathom_plugin plugin = LINEAR_PLUGIN("example: strikes files");
     plugin.build = build_cut;
     plugin.closest = closest_cut;
     return &plugin;

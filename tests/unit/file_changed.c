@@ -196,6 +196,18 @@ static void truncated_while_reading(void **state) {
     fails_to_read(&gltf);
 }
 
+/* The last byte, to what it was with these bits turned. */
+static void write_over(const char *path, unsigned bits) {
+    usleep(20000); /* the system's clock of files ticks a hundred times a second or more */
+    FILE *f = fopen(path, "r+");
+    assert_non_null(f);
+    assert_int_equal(fseek(f, -1, SEEK_END), 0);
+    int last = fgetc(f);
+    assert_int_equal(fseek(f, -1, SEEK_END), 0);
+    assert_true(last >= 0 && fputc(last ^ (int)bits, f) >= 0);
+    assert_int_equal(fclose(f), 0);
+}
+
 static void written_over(void **state) {
     (void)state;
     guard();
@@ -203,14 +215,36 @@ static void written_over(void **state) {
         fathom_scene *scene;
         const char *path = write_ball(mapped[i]);
         assert_ok(context, fathom_scene_read(context, path, &scene));
-        usleep(20000); /* the system's clock of files ticks a hundred times a second or more */
-        FILE *f = fopen(path, "r+");
-        assert_non_null(f);
-        assert_int_equal(fseek(f, -1, SEEK_END), 0);
-        assert_int_equal(fputc(0, f), 0);
-        assert_int_equal(fclose(f), 0);
+        write_over(path, 1);
         fails_to_render(scene, NULL, ": was changed while it was read");
     }
+}
+
+static bool write_over_at_progress(void *user, const fathom_progress *progress) {
+    blow *b = user;
+    if (progress->phase == FATHOM_PHASE_RENDER && !b->struck) write_over(b->path, 1), b->struck = true;
+    return true;
+}
+
+/* A render of which nobody would see the end does not go on for long. */
+static void ends_soon(void **state) {
+    (void)state;
+    guard();
+    fathom_scene *scene;
+    fathom_film *film;
+    blow b = {.path = write_ball("ball.ply")};
+    fathom_settings settings = small();
+    settings.width = settings.height = 2048, settings.spp = 65536;
+    assert_ok(context, fathom_scene_read(context, b.path, &scene));
+    assert_fails(context, fathom_render(context, scene, &settings, write_over_at_progress, &b, NULL, &film),
+                 FATHOM_BAD_INPUT, ": was changed while it was read");
+    assert_null(film);
+    fathom_scene_destroy(scene);
+}
+
+static void count_touched(void *user, const char *message) {
+    if (strstr(message, ": was touched while it was read, and holds the same bytes as before"))
+        ++*(int *)user;
 }
 
 static double sum_of(fathom_scene *scene) {
@@ -245,6 +279,29 @@ static void replaced_or_copied(void **state) {
         fathom_context_copy_files(context, false);
         assert_int_equal(truncate(path, 0), 0);
         assert_true(sum_of(scene) == sum);
+    }
+}
+
+/* Other stamps over the same bytes: told once, and the image is that of the file. */
+static void touched(void **state) {
+    (void)state;
+    guard();
+    EACH_MAPPED(i) {
+        fathom_scene *scene;
+        int count = 0;
+        const char *path = write_ball(mapped[i]);
+        assert_ok(context, fathom_scene_read(context, path, &scene));
+        const double sum = sum_of(scene);
+        assert_ok(context, fathom_scene_read(context, path, &scene));
+        fathom_context_on_warning(context, count_touched, &count);
+        write_over(path, 0);
+        assert_ok(context, fathom_scene_check_files(scene));
+        assert_ok(context, fathom_scene_check_files(scene));
+        assert_int_equal(count, 1);
+        write_over(path, 0);
+        assert_true(sum_of(scene) == sum);
+        assert_int_equal(count, 2);
+        fathom_context_on_warning(context, NULL, NULL);
     }
 }
 
@@ -332,10 +389,16 @@ int main(int argc, char **argv) {
     sigaction(SIGBUS, NULL, &guard_action);
     trace_start_threads(); /* as the program does, to whose threads no signals are sent */
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(truncated_before_rendering), cmocka_unit_test(truncated_and_removed),
-        cmocka_unit_test(truncated_before_building),  cmocka_unit_test(truncated_while_rendering),
-        cmocka_unit_test(truncated_while_reading),    cmocka_unit_test(written_over),
-        cmocka_unit_test(replaced_or_copied),         cmocka_unit_test(many_at_once),
+        cmocka_unit_test(truncated_before_rendering),
+        cmocka_unit_test(truncated_and_removed),
+        cmocka_unit_test(truncated_before_building),
+        cmocka_unit_test(truncated_while_rendering),
+        cmocka_unit_test(truncated_while_reading),
+        cmocka_unit_test(written_over),
+        cmocka_unit_test(ends_soon),
+        cmocka_unit_test(touched),
+        cmocka_unit_test(replaced_or_copied),
+        cmocka_unit_test(many_at_once),
         cmocka_unit_test(others_keep_theirs),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
