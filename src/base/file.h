@@ -37,6 +37,10 @@ void file_rest(const file_map *map, size_t begin, size_t end);
  * killed leaves that file behind: file_remove_left_over(). */
 typedef struct file_writer file_writer;
 fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out);
+/* No file, but bytes in memory, for file_writer_put() alone; `name` stands for it in messages. */
+fathom_status file_writer_open_memory(fathom_context *context, const char *name, file_writer **out);
+/* Ends its life as commit does a file's: on FATHOM_OK `bytes` is to be released with free(). */
+fathom_status file_writer_take(file_writer *writer, unsigned char **bytes, size_t *size);
 /* The name of the temporary file, for libraries that write by name. */
 const char *file_writer_temporary(const file_writer *writer);
 /* The open temporary file, for those that write by offset and may read what they wrote; not together with
@@ -52,6 +56,9 @@ void file_writer_abort(file_writer *writer);
 /* Removes the temporary files of all writers, for a signal handler that is about to end the process: safe to
  * call there, and nowhere else. */
 void file_writer_abort_all(void);
+/* That is to remove this file as well, until it is told to let it be. The path stays the caller's. */
+void file_abort_also(char *path);
+void file_abort_no_more(char *path);
 
 /* Removes the temporary files of `path` that no living process, here or on another machine, is writing to. */
 void file_remove_left_over(const char *path);

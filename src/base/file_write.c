@@ -21,7 +21,9 @@ struct file_writer {
     fathom_context *context;
     FILE *stream;
     int error;
-    char *path, *temporary;
+    char *path, *temporary; /* the second is NULL in memory */
+    char *bytes;            /* in memory alone, as the stream has them when it is flushed */
+    size_t size;
 };
 
 /* ---- for a signal handler ---- */
@@ -37,6 +39,10 @@ static void temporaries_swap(char *old, char *now) {
         if (atomic_compare_exchange_strong(&temporaries[i], &expected, now)) return;
     }
 }
+
+void file_abort_also(char *path) { temporaries_swap(NULL, path); }
+
+void file_abort_no_more(char *path) { temporaries_swap(path, NULL); }
 
 void file_writer_abort_all(void) {
     for (size_t i = 0; i < TEMPORARIES_MAX; ++i) {
@@ -109,6 +115,7 @@ static void writer_free(file_writer *writer) {
     if (writer->temporary) temporaries_swap(writer->temporary, NULL);
     free(writer->path);
     free(writer->temporary);
+    free(writer->bytes);
     free(writer);
 }
 
@@ -137,16 +144,34 @@ static int open_temporary(file_writer *writer) {
     return -1;
 }
 
-fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out) {
-    *out = NULL;
+/* NULL: no memory. */
+static file_writer *writer_make(fathom_context *context, const char *path) {
     file_writer *writer = calloc(1, sizeof *writer);
-    if (!writer) return fail_memory(context, sizeof *writer);
+    if (!writer) return NULL;
     writer->context = context;
     writer->path = strdup(path);
-    if (!writer->path) {
+    if (writer->path) return writer;
+    writer_free(writer);
+    return NULL;
+}
+
+fathom_status file_writer_open_memory(fathom_context *context, const char *name, file_writer **out) {
+    *out = NULL;
+    file_writer *writer = writer_make(context, name);
+    if (!writer) return fail_memory(context, sizeof *writer);
+    writer->stream = open_memstream(&writer->bytes, &writer->size);
+    if (!writer->stream) {
         writer_free(writer);
-        return fail_memory(context, strlen(path));
+        return fail_memory(context, 1);
     }
+    *out = writer;
+    return FATHOM_OK;
+}
+
+fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out) {
+    *out = NULL;
+    file_writer *writer = writer_make(context, path);
+    if (!writer) return fail_memory(context, sizeof *writer);
     int descriptor = open_temporary(writer);
     writer->stream = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (!writer->stream) {
@@ -214,9 +239,19 @@ fathom_status file_writer_commit(file_writer *writer) {
     return status;
 }
 
+fathom_status file_writer_take(file_writer *writer, unsigned char **bytes, size_t *size) {
+    bool fine = fclose(writer->stream) == 0 && !writer->error;
+    fathom_status status = fine ? FATHOM_OK : fail_memory(writer->context, writer->size);
+    *bytes = fine ? (unsigned char *)writer->bytes : NULL;
+    *size = fine ? writer->size : 0;
+    if (fine) writer->bytes = NULL;
+    writer_free(writer);
+    return status;
+}
+
 void file_writer_abort(file_writer *writer) {
     if (!writer) return;
-    unlink(writer->temporary);
+    if (writer->temporary) unlink(writer->temporary);
     fclose(writer->stream);
     writer_free(writer);
 }

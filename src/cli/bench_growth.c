@@ -61,7 +61,7 @@ static fathom_status measure(fathom_context *context, const bench_growth_setting
     fathom_context_set_threads(context, 0);
     status = generate(context, triangles, path);
     if (status == FATHOM_OK) status = growth_measure(context, path, &options, out);
-    remove(path);
+    bench_remove_temporary(path);
     return status;
 }
 

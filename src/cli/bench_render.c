@@ -49,7 +49,7 @@ static fathom_status write_once(fathom_context *context, const fathom_scene *sce
     if (status == FATHOM_OK) status = fathom_film_write(context, film, path, &options);
     *seconds = clock_seconds() - began;
     if (film) fathom_film_destroy(film);
-    remove(path);
+    bench_remove_temporary(path);
     return status;
 }
 

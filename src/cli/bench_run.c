@@ -2,6 +2,7 @@
 
 #include "cli/interrupt.h"
 
+#include "base/file.h"
 #include "base/status.h"
 
 #include <stdlib.h>
@@ -49,6 +50,12 @@ fathom_status bench_temporary(fathom_context *context, const char *ending, char 
     if (file < 0)
         return fail(context, FATHOM_OUT_OF_RESOURCES,
                     "%s: cannot be written; expected a folder for temporary files in $TMPDIR", path);
+    file_abort_also(path);
     close(file);
     return FATHOM_OK;
+}
+
+void bench_remove_temporary(char path[BENCH_PATH]) {
+    remove(path);
+    file_abort_no_more(path);
 }

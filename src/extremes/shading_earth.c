@@ -2,7 +2,6 @@
  * double. The renderer counts from near the view before anything becomes float, so that the images are the
  * same; beside them stands what float makes of the moved scene where nobody does: positions half a metre
  * apart. */
-#include "base/file.h"
 #include "extremes/shading_studio.h"
 #include "render/render.h"
 #include "trace/spec.h"
@@ -10,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define WIDTH 240
 #define HEIGHT 180
@@ -195,31 +193,6 @@ static difference compare(const fathom_film *a, const fathom_film *b) {
     return out;
 }
 
-/* Through a file, as the image module writes them. */
-static fathom_status png_of(fathom_context *context, const fathom_film *film, shading_image *out) {
-    const char *base = getenv("TMPDIR");
-    char folder[256], path[300];
-    snprintf(folder, sizeof folder, "%s/fathom-XXXXXX", base && *base ? base : "/tmp");
-    if (!mkdtemp(folder))
-        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot make a folder for an image; set TMPDIR",
-                    folder);
-    snprintf(path, sizeof path, "%s/image.png", folder);
-    file_map map;
-    fathom_write_options write;
-    fathom_write_options_default(&write);
-    fathom_status status = fathom_film_write(context, film, path, &write);
-    if (status == FATHOM_OK) status = file_open(context, path, &map);
-    if (status == FATHOM_OK) {
-        out->png = malloc(map.size);
-        if (out->png) memcpy(out->png, map.bytes, map.size), out->png_bytes = map.size;
-        if (!out->png) status = fail_memory(context, map.size);
-        file_close(&map);
-    }
-    unlink(path);
-    rmdir(folder);
-    return status;
-}
-
 /* Image k of the ways below. */
 static void describe(unsigned k, const way *w, const difference *d, shading_image *out) {
     static const char *const titles[] = {"At the origin", "At the Earth's radius",
@@ -259,7 +232,7 @@ static fathom_status keep(fathom_context *context, unsigned k, const way *w, con
                           const difference *d, shading_images *images) {
     shading_image image = {.difference = d->most};
     describe(k, w, d, &image);
-    fathom_status status = png_of(context, film, &image);
+    fathom_status status = film_encode_png(context, film, &image.png, &image.png_bytes);
     if (status == FATHOM_OK && !array_push(images, image)) status = fail_memory(context, sizeof image);
     if (status != FATHOM_OK) free(image.png);
     return status;

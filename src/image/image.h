@@ -59,6 +59,10 @@ fathom_status image_write(fathom_context *context, const image *img, const char 
 fathom_status image_rehearse(fathom_context *context, const image *img, const char *path,
                              const fathom_write_options *options);
 
+/* As image_write() would write PNG, to memory. On FATHOM_OK release it with free(). */
+fathom_status image_encode_png(fathom_context *context, const image *img, const fathom_write_options *options,
+                               unsigned char **bytes, size_t *size);
+
 /* Checks path and options as image_write() would, before anything is rendered for them: the extension, that
  * the folder exists and can be written to, that the module is there if it is needed. Loads it only to look
  * for a view, where the format needs one other than the built-in sRGB. */

@@ -43,6 +43,8 @@ typedef struct writing {
     image_view *view; /* NULL: srgb_codes */
     srgb_codes srgb_codes;
     bool srgb, rehearsal;
+    unsigned char **bytes; /* NULL: to a file */
+    size_t *size;
     unsigned threads;
 
     size_t chunk;           /* rows handed over at once */
@@ -203,6 +205,20 @@ static fathom_status allocate_rows(writing *w) {
     return fail_memory(w->context, w->chunk * row_bytes + scratch_bytes);
 }
 
+static fathom_status open_file(const writing *w, file_writer **out) {
+    return w->bytes ? file_writer_open_memory(w->context, w->path, out)
+                    : file_writer_open(w->context, w->path, out);
+}
+
+/* After what was written with `status`. */
+static fathom_status close_file(const writing *w, file_writer *file, fathom_status status) {
+    if (w->rehearsal) file_writer_sync(file); /* a part of what writing takes */
+    if (status == FATHOM_OK && w->bytes) return file_writer_take(file, w->bytes, w->size);
+    if (status == FATHOM_OK && !w->rehearsal) return file_writer_commit(file);
+    file_writer_abort(file);
+    return status;
+}
+
 /* Memory for the rows under way, then the file. */
 static fathom_status write_file(writing *w) {
     w->packing.img = &w->shown, w->packing.storage = w->storage;
@@ -212,15 +228,8 @@ static fathom_status write_file(writing *w) {
     }
     file_writer *file = NULL;
     fathom_status status = allocate_rows(w);
-    if (status == FATHOM_OK) status = file_writer_open(w->context, w->path, &file);
-    if (status == FATHOM_OK) {
-        status = write_to(w, file);
-        if (w->rehearsal) file_writer_sync(file); /* a part of what writing takes */
-        if (status == FATHOM_OK && !w->rehearsal)
-            status = file_writer_commit(file);
-        else
-            file_writer_abort(file);
-    }
+    if (status == FATHOM_OK) status = open_file(w, &file);
+    if (status == FATHOM_OK) status = close_file(w, file, write_to(w, file));
     free(w->rows[0]), free(w->rows[1]), free(w->scratch), free(w->messages);
     return status;
 }
@@ -244,35 +253,44 @@ static fathom_status choose_view(writing *w, const fathom_write_options *options
     return FATHOM_OK;
 }
 
-static fathom_status write_image(fathom_context *context, const image *img, const char *path,
-                                 const fathom_write_options *options, bool rehearsal) {
-    writing w = {
-        .context = context, .path = path, .threads = fathom_context_threads(context), .rehearsal = rehearsal};
-    fathom_status status = output_format(context, path, &w.format);
+/* Of w, what is written to is filled in. */
+static fathom_status write_image(writing *w, const image *img, const fathom_write_options *options) {
+    fathom_context *context = w->context;
+    w->threads = fathom_context_threads(context);
+    fathom_status status = output_format(context, w->path, &w->format);
     if (status == FATHOM_OK) status = output_check_exposure(context, options);
-    if (status == FATHOM_OK) status = check_image(context, img, path, w.format);
-    if (status == FATHOM_OK && output_needs_module(w.format, options))
-        status = loader_module(context, &w.module);
+    if (status == FATHOM_OK) status = check_image(context, img, w->path, w->format);
+    if (status == FATHOM_OK && output_needs_module(w->format, options))
+        status = loader_module(context, &w->module);
     if (status != FATHOM_OK) return status;
-    w.calls = w.format == IMAGE_PNG ? &write_png_calls : &w.module->writer;
-    w.packing.gain = exp2f(options->exposure);
-    w.channels = calloc(img->channel_count, sizeof *w.channels);
-    w.storage = calloc(img->channel_count, sizeof *w.storage);
-    if (!w.channels || !w.storage) status = fail_memory(context, img->channel_count * sizeof *w.channels);
-    if (status == FATHOM_OK) status = choose_channels(&w, img, options);
-    if (status == FATHOM_OK && w.format != IMAGE_EXR) status = choose_view(&w, options);
-    if (status == FATHOM_OK) status = write_file(&w);
-    if (w.view) w.module->view_close(w.view);
-    free(w.channels), free(w.storage);
+    w->calls = w->format == IMAGE_PNG ? &write_png_calls : &w->module->writer;
+    w->packing.gain = exp2f(options->exposure);
+    w->channels = calloc(img->channel_count, sizeof *w->channels);
+    w->storage = calloc(img->channel_count, sizeof *w->storage);
+    if (!w->channels || !w->storage) status = fail_memory(context, img->channel_count * sizeof *w->channels);
+    if (status == FATHOM_OK) status = choose_channels(w, img, options);
+    if (status == FATHOM_OK && w->format != IMAGE_EXR) status = choose_view(w, options);
+    if (status == FATHOM_OK) status = write_file(w);
+    if (w->view) w->module->view_close(w->view);
+    free(w->channels), free(w->storage);
     return status;
 }
 
 fathom_status image_write(fathom_context *context, const image *img, const char *path,
                           const fathom_write_options *options) {
-    return write_image(context, img, path, options, false);
+    writing w = {.context = context, .path = path};
+    return write_image(&w, img, options);
 }
 
 fathom_status image_rehearse(fathom_context *context, const image *img, const char *path,
                              const fathom_write_options *options) {
-    return write_image(context, img, path, options, true);
+    writing w = {.context = context, .path = path, .rehearsal = true};
+    return write_image(&w, img, options);
+}
+
+fathom_status image_encode_png(fathom_context *context, const image *img, const fathom_write_options *options,
+                               unsigned char **bytes, size_t *size) {
+    writing w = {.context = context, .path = "image.png", .bytes = bytes, .size = size};
+    *bytes = NULL, *size = 0;
+    return write_image(&w, img, options);
 }

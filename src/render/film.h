@@ -33,6 +33,11 @@ struct fathom_film {
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out);
 
+/* As fathom_film_write() would write PNG with the default options, to memory: no folder is needed. On
+ * FATHOM_OK release it with free(). */
+fathom_status film_encode_png(fathom_context *context, const fathom_film *film, unsigned char **bytes,
+                              size_t *size);
+
 typedef struct film_outputs {
     const char *const *paths;
     size_t count;

@@ -14,11 +14,18 @@ void fathom_image_prefetch(void) {
     image_prefetch();
 }
 
-typedef fathom_status (*write_call)(fathom_context *context, const image *img, const char *path,
-                                    const fathom_write_options *options);
+/* Where to; what a call has no use for is NULL. */
+typedef struct target {
+    const char *path;
+    const fathom_write_options *options;
+    unsigned char **bytes;
+    size_t *size;
+} target;
 
-static fathom_status write_film(fathom_context *context, const fathom_film *film, const char *path,
-                                const fathom_write_options *options, write_call call) {
+typedef fathom_status (*write_call)(fathom_context *context, const image *img, const target *to);
+
+static fathom_status write_film(fathom_context *context, const fathom_film *film, write_call call,
+                                const target *to) {
     image_channel channels[FILM_CHANNELS];
     for (uint32_t i = 0; i < film->channel_count; ++i) {
         const film_channel *c = &film->channels[i];
@@ -62,7 +69,23 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
                        .channel_count = film->channel_count,
                        .attributes = attributes,
                        .attribute_count = sizeof attributes / sizeof *attributes - !estimated};
-    return call(context, &img, path, options);
+    return call(context, &img, to);
+}
+
+static fathom_status write_whole(fathom_context *context, const image *img, const target *to) {
+    return image_write(context, img, to->path, to->options);
+}
+
+static fathom_status write_plain(fathom_context *context, const image *img, const target *to) {
+    return exr_write_plain(context, img, to->path);
+}
+
+static fathom_status write_rehearsal(fathom_context *context, const image *img, const target *to) {
+    return image_rehearse(context, img, to->path, to->options);
+}
+
+static fathom_status write_memory(fathom_context *context, const image *img, const target *to) {
+    return image_encode_png(context, img, to->options, to->bytes, to->size);
 }
 
 fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
@@ -70,19 +93,21 @@ fathom_status fathom_film_write(fathom_context *context, const fathom_film *film
     if (!context || !film) return fail_null(context, "film");
     if (!path) return fail_null(context, "path");
     if (!options) return fail_null(context, "options");
-    return write_film(context, film, path, options, image_write);
-}
-
-static fathom_status write_plain(fathom_context *context, const image *img, const char *path,
-                                 const fathom_write_options *unused) {
-    (void)unused;
-    return exr_write_plain(context, img, path);
+    return write_film(context, film, write_whole, &(target){.path = path, .options = options});
 }
 
 fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film, const char *path) {
     if (!context || !film) return fail_null(context, "film");
     if (!path) return fail_null(context, "path");
-    return write_film(context, film, path, NULL, write_plain);
+    return write_film(context, film, write_plain, &(target){.path = path});
+}
+
+fathom_status film_encode_png(fathom_context *context, const fathom_film *film, unsigned char **bytes,
+                              size_t *size) {
+    fathom_write_options options;
+    fathom_write_options_default(&options);
+    return write_film(context, film, write_memory,
+                      &(target){.options = &options, .bytes = bytes, .size = size});
 }
 
 /* ---- how long it takes ---- */
@@ -120,8 +145,10 @@ static double rehearse(fathom_context *context, const fathom_film *film, uint32_
     double seconds = 0;
     if (strip_create(film, groups, &strip)) {
         double began = clock_seconds();
-        for (size_t i = 0; i < outputs->count; ++i)
-            write_film(context, &strip, outputs->paths[i], outputs->options, image_rehearse);
+        for (size_t i = 0; i < outputs->count; ++i) {
+            write_film(context, &strip, write_rehearsal,
+                       &(target){.path = outputs->paths[i], .options = outputs->options});
+        }
         seconds = clock_seconds() - began;
     }
     strip_destroy(&strip);

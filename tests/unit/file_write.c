@@ -152,6 +152,39 @@ static void abort_leaves_nothing(void **state) {
     assert_int_equal(count_files(p, false), 0);
 }
 
+/* As whole as in a file, and nothing is there beside the memory. */
+static void memory_holds_what_was_put(void **state) {
+    place *p = *state;
+    file_writer *writer;
+    unsigned char *bytes;
+    size_t size;
+    assert_ok(p->context, file_writer_open_memory(p->context, "name", &writer));
+    for (int i = 0; i < 100000; ++i) file_writer_put(writer, "0123456789", 10);
+    assert_ok(p->context, file_writer_take(writer, &bytes, &size));
+    assert_int_equal(size, 1000000);
+    for (size_t i = 0; i < size; ++i) assert_int_equal(bytes[i], '0' + i % 10);
+    free(bytes);
+    assert_ok(p->context, file_writer_open_memory(p->context, "name", &writer));
+    file_writer_put(writer, "one", 3);
+    file_writer_abort(writer);
+    assert_int_equal(count_files(p, false), 0);
+    assert_string_equal(calls, "");
+}
+
+static void signals_remove_other_files_too(void **state) {
+    place *p = *state;
+    char path[400];
+    snprintf(path, sizeof path, "%s", at(p, "other"));
+    for (int kept = 0; kept < 2; ++kept) {
+        make(path);
+        file_abort_also(path);
+        if (kept) file_abort_no_more(path);
+        file_writer_abort_all();
+        assert_int_equal(access(path, F_OK) == 0, kept);
+        file_abort_no_more(path);
+    }
+}
+
 static void left_over_files_go_and_others_stay(void **state) {
     place *p = *state;
     file_writer *alive = begin(p, "one");
@@ -199,6 +232,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(file_system_without_sync_is_fine, set_up, tear_down),
         cmocka_unit_test_setup_teardown(writers_of_one_file_keep_apart, set_up, tear_down),
         cmocka_unit_test_setup_teardown(abort_leaves_nothing, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(memory_holds_what_was_put, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(signals_remove_other_files_too, set_up, tear_down),
         cmocka_unit_test_setup_teardown(left_over_files_go_and_others_stay, set_up, tear_down),
         cmocka_unit_test_setup_teardown(killed_writer_leaves_what_is_removed, set_up, tear_down),
     };
