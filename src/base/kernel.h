@@ -29,13 +29,18 @@
 #define KERNEL_DECLARE(type, table) extern const type table##_plain
 #endif
 
+/* No more than so many of them, for measurements: -DCMAKE_C_FLAGS=-DKERNEL_MOST=2 leaves AVX-512 out. */
+#ifndef KERNEL_MOST
+#define KERNEL_MOST 3
+#endif
+
 /* How many of them this processor can run, at least 1. */
 static inline unsigned kernel_levels(void) {
 #if defined(__x86_64__)
-    if (!__builtin_cpu_supports("avx2")) return 1;
+    if (KERNEL_MOST < 2 || !__builtin_cpu_supports("avx2")) return 1;
     bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                 __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    return wide ? 3 : 2;
+    return wide && KERNEL_MOST > 2 ? 3 : 2;
 #else
     return 1;
 #endif
