@@ -17,7 +17,8 @@ READERS = {
 
 
 def main(folder, targets):
-    print(f"{'target':14} {'reader':22} {'lines':>14} {'branches':>14}")
+    width = max(len(" ".join(READERS[target])) for target in targets)
+    print(f"{'target':14} {'reader':{width}} {'lines':>14} {'branches':>14}")
     for target in targets:
         with open(f"{folder}/{target}.json", encoding="utf-8") as file:
             files = json.load(file)["data"][0]["files"]
@@ -29,7 +30,7 @@ def main(folder, targets):
                 summary = entry["summary"][kind]
                 sums[kind] = [covered + summary["covered"], count + summary["count"]]
         cells = [f"{covered}/{count} {100 * covered / max(count, 1):3.0f} %" for covered, count in sums.values()]
-        print(f"{target:14} {' '.join(READERS[target]):22} {cells[0]:>14} {cells[1]:>14}")
+        print(f"{target:14} {' '.join(READERS[target]):{width}} {cells[0]:>14} {cells[1]:>14}")
 
 
 main(sys.argv[1], sys.argv[2:])
