@@ -81,11 +81,11 @@ bool take_u64(const args_option *option, const char *value, void *field, args_pr
     return args_wrong(problem, "expected a whole number from 0 to 2^64 - 1, found \"%.60s\"", value);
 }
 
-/* "1e9": a whole number of decimal places. */
+/* "1e9": a whole number of decimal places. Zero never gets too large, however many they are. */
 static bool read_power(const char *text, uint64_t *out) {
     uint64_t places;
     if (!args_read_u64(&text, 'e', out) || !args_read_u64(&text, '\0', &places) || *text) return false;
-    for (; places > 0; --places) {
+    for (; places > 0 && *out > 0; --places) {
         if (*out > UINT64_MAX / 10) return false;
         *out *= 10;
     }

@@ -155,6 +155,7 @@ static void counts_have_units(void **state) {
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         assert_wrong("-t", wrong[i], "-t: expected a whole number from 1 to 100000000000");
     }
+    assert_wrong("-t", "0e18446744073709551615", "-t: expected a whole number from 1 to 100000000000");
 }
 
 static void numbers_are_decimal_and_finite(void **state) {
