@@ -170,21 +170,49 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
     add_primitive(g, i, w, &local);
 }
 
-/* The kernel's reach. */
-static bool is_within(uint32_t vertices, size_t stride) {
-    return vertices * (uint64_t)(stride / sizeof(float)) < INT32_MAX;
-}
-
 /* The mesh that all lanes met, as part of the root; NULL: they did not. */
 static const fathom_mesh *common_mesh(const world *w, const trace_hits *hits) {
     uint32_t differ = 0, id = hits->geometry[0];
     for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | ~hits->instance[i];
     if (differ || id == TRACE_PLANE || w->geometries.items[id].kind != WORLD_MESH) return NULL;
+    return &w->meshes.items[w->geometries.items[id].first];
+}
+
+/* Triangles of a mesh that caches do not hold from one wave to the next: some 20 bytes each. */
+#define LARGE_MESH (1u << 20)
+
+/* The large mesh that the first lane met, as part of the root; NULL: it did not. The others are likely to
+ * have met it, too. */
+static const fathom_mesh *large_mesh(const world *w, const trace_hits *hits) {
+    uint32_t id = hits->geometry[0];
+    if (id >= w->geometries.count || hits->instance[0] != FATHOM_NONE) return NULL;
+    if (w->geometries.items[id].kind != WORLD_MESH) return NULL;
     const fathom_mesh *mesh = &w->meshes.items[w->geometries.items[id].first];
-    bool within = is_within(mesh->triangle_count, 3 * sizeof(float)) &&
-                  is_within(mesh->vertex_count, mesh->position_stride) &&
-                  (!mesh->normals || is_within(mesh->normal_count, mesh->normal_stride));
-    return within ? mesh : NULL;
+    return mesh->triangle_count >= LARGE_MESH ? mesh : NULL;
+}
+
+void surface_ask_indices(const world *w, const trace_hits *hits) {
+    const fathom_mesh *mesh = large_mesh(w, hits);
+    for (int i = 0; mesh && i < LANES; ++i) {
+        if (hits->geometry[i] == hits->geometry[0])
+            __builtin_prefetch(mesh->indices + 3 * (size_t)hits->primitive[i]);
+    }
+}
+
+static void ask_rows(const float *rows, size_t stride, const uint32_t vertex[3]) {
+    for (int k = 0; k < 3; ++k) __builtin_prefetch((const char *)rows + stride * vertex[k]);
+}
+
+void surface_ask_corners(const world *w, bool normals, const trace_hits *hits) {
+    const fathom_mesh *mesh = large_mesh(w, hits);
+    if (!mesh) return;
+    const bool bent = normals && mesh->normals && !mesh->normal_indices;
+    for (int i = 0; i < LANES; ++i) {
+        if (hits->geometry[i] != hits->geometry[0]) continue;
+        const uint32_t *vertex = mesh->indices + 3 * (size_t)hits->primitive[i];
+        ask_rows(mesh->positions, mesh->position_stride, vertex);
+        if (bent) ask_rows(mesh->normals, mesh->normal_stride, vertex);
+    }
 }
 
 bool surface_gather_block(surface_gather *g, const world *w, const shade_kernels *kernels,

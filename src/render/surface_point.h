@@ -25,6 +25,10 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
 /* All sixteen lanes, which all met something, to an empty one. Whether they met one mesh. */
 bool surface_gather_block(surface_gather *g, const world *w, const shade_kernels *kernels,
                           const trace_block *block);
+/* Ask the caches for what gathering a block of hits reads, where it is likely not to be there: indices first
+ * and, once these have come, corners. */
+void surface_ask_indices(const world *w, const trace_hits *hits);
+void surface_ask_corners(const world *w, bool normals, const trace_hits *hits);
 /* Fills the first g->count lanes of s but for weight, slot, material and count, and what g->local says of
  * them in the world's coordinates; all other lanes get something finite. lift: whether the points for shadow
  * rays are wanted. automatic: rays begin off the surface by the point's error; else on it. */

@@ -73,6 +73,16 @@ static void note_depths(const wave *w, const trace_block *block, const path_bloc
     s->depth_behind[i] = sides.behind;
 }
 
+static void note_all_depths(const wave *w, const trace_block *block, const path_block *path,
+                            surface_block *s) {
+    if (w->plan->features & MATERIAL_REFRACT) {
+        for (unsigned i = 0; i < LANES; ++i) note_depths(w, block, path, i, s, i);
+    } else {
+        memcpy(s->depth, path->depth, sizeof s->depth);
+        memcpy(s->depth_behind, path->depth, sizeof s->depth_behind);
+    }
+}
+
 /* A hit joins the block of surfaces that is being filled. */
 static void add_hit(wave *w, const trace_block *block, const path_block *path, size_t lane) {
     surface_block *s = &w->surfaces[w->surface_count / LANES];
@@ -130,7 +140,7 @@ static void add_block(wave *w, const trace_block *block, const path_block *path,
     memcpy(s->weight, path->weight, sizeof s->weight);
     memcpy(s->slot, path->slot, sizeof s->slot);
     find_materials(w, one_mesh, s);
-    for (unsigned i = 0; w->plan->watertight && i < LANES; ++i) note_depths(w, block, path, i, s, i);
+    if (w->plan->watertight) note_all_depths(w, block, path, s);
     end_block(w, first);
 }
 
@@ -151,6 +161,17 @@ static void add_misses(wave *w, const path_block *path, uint32_t missed, bool ba
         keep_miss(w->first, path->slot[__builtin_ctz(missed)]);
 }
 
+/* Blocks between asking for indices, asking for corners, and reading these: bench/README.md has what others
+ * take. */
+#define ASK_AHEAD 4
+
+static void ask_ahead(const wave *w, size_t done) {
+    const trace_block *block = &w->now.rays[done / LANES];
+    const size_t left = (w->now.count - done - 1) / LANES; /* blocks after this one */
+    if (left >= 2 * ASK_AHEAD) surface_ask_indices(w->plan->world, &block[2 * ASK_AHEAD].hits);
+    if (left >= ASK_AHEAD) surface_ask_corners(w->plan->world, w->gather->normals, &block[ASK_AHEAD].hits);
+}
+
 /* Whole blocks stay together, of camera rays in any order, since each has a sample of its own; the order of
  * others is that in which their light is added. */
 bool wave_surfaces(wave *w, bool first) {
@@ -164,6 +185,7 @@ bool wave_surfaces(wave *w, bool first) {
         const trace_block *block = &w->now.rays[done / LANES];
         const path_block *path = &w->now.paths[done / LANES];
         uint32_t lanes = (1u << lanes_from(w, done)) - 1, met = w->plan->blocks->met(&block->hits) & lanes;
+        ask_ahead(w, done);
         if (met != lanes) add_misses(w, path, lanes & ~met, background, first);
         if (met == whole && !w->gather->count)
             add_block(w, block, path, first);
