@@ -1,0 +1,144 @@
+/* Paths: which lead out of a folder, and what their parts are; and room in arrays. */
+#include "base/array.h"
+#include "base/file.h"
+#include "unit.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+static fathom_context *context;
+static char top[] = "/tmp/fathom_names_XXXXXX";
+
+static const char *in_top(const char *name) {
+    static char paths[4][256];
+    static unsigned next;
+    char *path = paths[next++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", top, name);
+    return path;
+}
+
+static const char *const folders[] = {"box", "box/inner", "box-two", "box.d"};
+static const char *const files[] = {"scene",     "box/scene", "box/a",   "box/inner/a",
+                                    "box-two/a", "box.d/a",   "box/...", "box/..a"};
+#define COUNT(list) (sizeof(list) / sizeof *(list))
+
+static int set_up(void **state) {
+    (void)state;
+    if (!mkdtemp(top) || fathom_context_create(&context) != FATHOM_OK) return 1;
+    for (size_t i = 0; i < COUNT(folders); ++i) assert_int_equal(mkdir(in_top(folders[i]), 0700), 0);
+    for (size_t i = 0; i < COUNT(files); ++i) {
+        FILE *file = fopen(in_top(files[i]), "wb");
+        assert_non_null(file);
+        fclose(file);
+    }
+    assert_int_equal(symlink("../box-two", in_top("box/link")), 0);
+    assert_int_equal(symlink("inner", in_top("box/within")), 0);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    fathom_context_destroy(context);
+    unlink(in_top("box/link")), unlink(in_top("box/within"));
+    for (size_t i = 0; i < COUNT(files); ++i) unlink(in_top(files[i]));
+    for (size_t i = COUNT(folders); i-- > 0;) rmdir(in_top(folders[i]));
+    return rmdir(top);
+}
+
+/* The name as a scene in `scene` has it. */
+static fathom_status confine(const char *scene, const char *name) {
+    char *path = file_beside(scene, name);
+    assert_non_null(path);
+    fathom_status status = file_confine(context, scene, path, name);
+    free(path);
+    return status;
+}
+
+static void stays_in_the_folder(void **state) {
+    (void)state;
+    static const char *const within[] = {"a",          "./a",       "inner/a",  "inner/../a", "within/a",
+                                         "inner//./a", "../box/a",  "...",      "..a",        "inner/none",
+                                         "none/a",     "none/../a", ".../../a", "none/./a"};
+    char scene[256];
+    snprintf(scene, sizeof scene, "%s", in_top("box/scene"));
+    for (size_t i = 0; i < COUNT(within); ++i) assert_ok(context, confine(scene, within[i]));
+}
+
+/* Folders that begin with the same letters are others; of files that are not there the words are judged. */
+static void leads_outside(void **state) {
+    (void)state;
+    static const char *const outside[] = {"../box-two/a", "../box.d/a",  "../scene",      "link/a",
+                                          "..",           "../none",     "inner/../../x", "../box-two/none",
+                                          "./../x",       ".../../../x", "none/../../a"};
+    char scene[256];
+    snprintf(scene, sizeof scene, "%s", in_top("box/scene"));
+    for (size_t i = 0; i < COUNT(outside); ++i)
+        assert_fails(context, confine(scene, outside[i]), FATHOM_BAD_INPUT, "leads outside");
+    assert_fails(context, confine(scene, in_top("box/a")), FATHOM_BAD_INPUT, "is an absolute path");
+    fathom_context_allow_outside(context, true);
+    for (size_t i = 0; i < COUNT(outside); ++i) assert_ok(context, confine(scene, outside[i]));
+    fathom_context_allow_outside(context, false);
+}
+
+/* All lies within the root; a scene without a folder lies in the working folder. */
+static void roots_and_working_folders(void **state) {
+    (void)state;
+    assert_ok(context, confine("/fathom-no-such-scene", "etc/passwd"));
+    assert_ok(context, confine("/fathom-no-such-scene", "tmp/../etc/passwd"));
+    char before[4096];
+    assert_non_null(getcwd(before, sizeof before));
+    assert_int_equal(chdir(in_top("box")), 0);
+    assert_ok(context, confine("scene", "inner/a"));
+    assert_fails(context, confine("scene", "../box-two/a"), FATHOM_BAD_INPUT, "the folder of scene");
+    assert_fails(context, confine("scene", "../none"), FATHOM_BAD_INPUT, "leads outside");
+    assert_int_equal(chdir(before), 0);
+}
+
+static void parts_of_paths(void **state) {
+    (void)state;
+    const struct {
+        const char *path, *name, *extension;
+        size_t stem;
+    } cases[] = {{"a/b.c/scene.JSON", "scene.JSON", "json", 11},
+                 {"a.b/c", "c", "", 5},
+                 {"x.tar.gz", "x.tar.gz", "gz", 5},
+                 {"a/.hidden", ".hidden", "hidden", 2},
+                 {"end.", "end.", "", 3},
+                 {"a.fifteen-letters", "a.fifteen-letters", "fifteen-letters", 1},
+                 {"a.sixteen--letters", "a.sixteen--letters", "", 1}};
+    for (size_t i = 0; i < COUNT(cases); ++i) {
+        char extension[16];
+        file_extension(cases[i].path, extension);
+        assert_string_equal(extension, cases[i].extension);
+        assert_int_equal(file_stem_length(cases[i].path), cases[i].stem);
+        assert_string_equal(file_name(cases[i].path), cases[i].name);
+    }
+}
+
+/* What no memory holds is refused, and what there is stays as it was. */
+static void arrays_that_cannot_be(void **state) {
+    (void)state;
+    ARRAY(double) list = {.items = NULL};
+    for (int i = 0; i < 100; ++i) assert_true(array_push(&list, i));
+    const double *items = list.items;
+    const size_t capacity = list.capacity;
+    assert_false(array_room(&list, SIZE_MAX));
+    assert_false(array_room(&list, SIZE_MAX / sizeof(double) - 99));
+    assert_false(array_room(&list, SIZE_MAX / sizeof(double) - 100));
+    assert_false(array_room(&list, SIZE_MAX / 64));
+    assert_ptr_equal(list.items, items);
+    assert_true(list.count == 100 && list.capacity == capacity);
+    for (int i = 0; i < 100; ++i) assert_true(list.items[i] == i);
+    assert_true(array_room(&list, 5000));
+    assert_true(list.capacity >= 5100 && list.items[99] == 99);
+    array_free(&list);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stays_in_the_folder),       cmocka_unit_test(leads_outside),
+        cmocka_unit_test(roots_and_working_folders), cmocka_unit_test(parts_of_paths),
+        cmocka_unit_test(arrays_that_cannot_be),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
