@@ -107,8 +107,12 @@ static void what_does_not_fit_is_refused(void **state) {
     refused(&s, LIBRARY("faulty"), FATHOM_BAD_INPUT, "is of version 0; expected 1");
     setenv("FATHOM_TEST_PLUGIN", "next", 1);
     refused(&s, LIBRARY("faulty"), FATHOM_BAD_INPUT, "is of version 2; expected 1");
-    setenv("FATHOM_TEST_PLUGIN", "holes", 1);
-    refused(&s, LIBRARY("faulty"), FATHOM_BAD_INPUT, "its table is not complete");
+    for (char hole[] = "no 0"; hole[3] <= '6'; ++hole[3]) {
+        setenv("FATHOM_TEST_PLUGIN", hole, 1);
+        refused(&s, LIBRARY("faulty"), FATHOM_BAD_INPUT, "its table is not complete");
+    }
+    setenv("FATHOM_TEST_PLUGIN", "mute", 1);
+    refused(&s, LIBRARY("faulty"), FATHOM_BAD_INPUT, "tracer mute: cannot build: it gave no reason");
     setenv("FATHOM_TEST_PLUGIN", "fails", 1);
     refused(&s, LIBRARY("faulty"), FATHOM_BAD_INPUT, "tracer fails: cannot build: not today");
     stage_close(&s);
