@@ -3,12 +3,31 @@
 #include "base/pool.h"
 #include "unit.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #define ITEMS 1000
+
+/* ---- threads that the system refuses: the program is linked with --wrap ---- */
+
+static atomic_int threads_left = INT_MAX;
+
+int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *),
+                          void *user);
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *),
+                          void *user);
+
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *),
+                          void *user) {
+    if (atomic_fetch_sub(&threads_left, 1) <= 0) return EAGAIN;
+    return __real_pthread_create(thread, attributes, run, user);
+}
+
+/* ---- loops ---- */
 
 typedef struct tally {
     _Atomic unsigned char seen[ITEMS];
@@ -36,6 +55,46 @@ static void check_loop(bool nested) {
     for (size_t i = 0; i < ITEMS; ++i) assert_int_equal(t->seen[i], 1);
     assert_int_equal(t->inner, nested ? 10 * ((ITEMS + 6) / 7) : 0);
     free(t);
+}
+
+/* The first of all: no thread waits in the pool yet. */
+static void with_fewer_threads(void **state) {
+    (void)state;
+    for (int granted = 0; granted < 3; ++granted) {
+        atomic_store(&threads_left, granted);
+        assert_int_equal(threads_granted(5), granted);
+        atomic_store(&threads_left, granted);
+        check_loop(false);
+        check_loop(true);
+    }
+    atomic_store(&threads_left, INT_MAX);
+    assert_int_equal(threads_granted(5), 5);
+    atomic_store(&threads_left, 0); /* once granted, always granted */
+    assert_int_equal(threads_granted(4), 4);
+    atomic_store(&threads_left, INT_MAX);
+}
+
+static void count_any(void *user, size_t begin, size_t end, unsigned worker) {
+    tally *t = user;
+    assert_true(begin < end && worker < 1024);
+    for (size_t i = begin; i < end; ++i) atomic_fetch_add(&t->seen[i], 1);
+}
+
+/* Nothing to do, pieces of nothing, more threads than there are. */
+static void odd_loops(void **state) {
+    (void)state;
+    const struct {
+        unsigned threads;
+        size_t count, grain;
+    } cases[] = {{3, 0, 1},    {3, 5, 0}, {0, 5, 1}, {5000, ITEMS, 200}, {2, ITEMS, SIZE_MAX / 4},
+                 {1, ITEMS, 1}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        tally *t = calloc(1, sizeof *t);
+        assert_non_null(t);
+        loop_parallel(cases[k].threads, cases[k].count, cases[k].grain, count_any, t);
+        for (size_t i = 0; i < ITEMS; ++i) assert_int_equal(t->seen[i], i < cases[k].count);
+        free(t);
+    }
 }
 
 static void every_item_once(void **state) {
@@ -97,6 +156,7 @@ static void forked_child(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(with_fewer_threads), cmocka_unit_test(odd_loops),
         cmocka_unit_test(every_item_once),    cmocka_unit_test(loops_in_loops),
         cmocka_unit_test(loops_side_by_side), cmocka_unit_test(waiting),
         cmocka_unit_test(forked_child),
