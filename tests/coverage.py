@@ -1,4 +1,4 @@
-"""A table of branches and lines taken, by folder of src/, from what `llvm-cov export` says of every function.
+"""A table of branches taken and regions run, by folder of src/, from what `llvm-cov export` says of every function.
 
 A branch is one outcome of one condition of the source, as clang sees it: of `if (a && b)`, a true, a false, b true, b false.
 One text that is compiled several times (kernels for each instruction set, intersectors for each precision, functions in
@@ -111,10 +111,10 @@ def main():
                 if not all(taken):
                     never = "neither" if not any(taken) else "never false" if taken[0] else "never true"
                     out.write(f"  {describe(place)}: {never}: {texts.excerpt(place[0])}\n")
-    print(f"{'folder':<16} {'branches':>9} {'taken':>8} {'starts of code':>15} {'run':>8}")
+    print(f"{'folder':<16} {'branches':>9} {'taken':>8} {'regions':>8} {'run':>8}")
     for name in sorted(sums, key=lambda name: (name == "all", name)):
         taken, total, run, starts = sums[name]
-        print(f"{name:<16} {total:>9} {100 * taken / max(total, 1):>7.1f}% {starts:>15} {100 * run / max(starts, 1):>7.1f}%")
+        print(f"{name:<16} {total:>9} {100 * taken / max(total, 1):>7.1f}% {starts:>8} {100 * run / max(starts, 1):>7.1f}%")
 
 
 main()

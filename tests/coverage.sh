@@ -2,8 +2,7 @@
 # Which branches of src/ the tests take: a table by folder, a list of what is missed, and pages in HTML.
 # usage: sh tests/coverage.sh [OUTPUT]     (default: build/coverage)
 #        sh tests/coverage.sh OUTPUT [OPTION OF CTEST…]      some tests only, added to what was counted before
-# clang counts in the source, before it optimises: what is counted does not depend on how fast the code is made. Twenty
-# minutes on two processors.
+# clang counts in the source, before it optimises: what is counted does not depend on how fast the code is made.
 set -eu
 cd "$(dirname "$0")/.."
 source=$(pwd)
@@ -35,7 +34,7 @@ counted() { # command of llvm-cov, options…
     llvm-cov "$command" "$out/build/bin/fathom" -object "$out/build/lib/libfathom.so" \
         -object "$out/build/lib/fathom/fathom_image.so" -instr-profile "$out/counts.profdata" "$@"
 }
-counted export >"$out/counts.json"
+counted export >"$out/counts.json" 2>"$out/export.log"
 python3 tests/coverage.py "$out/counts.json" "$source" "$out/missed.txt"
 counted show -format=html -output-dir="$out/html" -show-branches=count -show-instantiations=false >"$out/show.log" 2>&1
 echo "Details: $out/html/index.html, $out/missed.txt"

@@ -1,12 +1,10 @@
 #!/bin/sh
-# Installs what building (with "test" testing too, with "coverage" counting what tests run) needs from the distribution,
-# if it is missing.
-# usage: sh tests/packages.sh build|test|coverage
+# Installs what building (with "test" testing too) needs from the distribution, if it is missing.
+# usage: sh tests/packages.sh build|test
 set -eu
 
 packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev libgmp-dev libpng-dev"
 [ "${1:-build}" != build ] && packages="$packages libcmocka-dev git clang-format clang clang-tidy cppcheck libclang-rt-dev llvm python3-minimal chromium"
-[ "${1:-build}" = coverage ] && packages="$packages gcovr"
 
 stop() {
     echo "fathom set-up: $*" >&2
