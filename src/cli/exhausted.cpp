@@ -3,11 +3,14 @@
 extern "C" {
 #include "base/file.h"
 #include "cli/progress.h"
+#include "image/image.h"
 }
 
 #include <fathom/base.h>
 
 #include <atomic>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -61,7 +64,46 @@ static void on_terminate() {
     leave(FATHOM_OUT_OF_RESOURCES, "fathom: out of memory or threads", "");
 }
 
+/* ---- libraries in C ---- */
+
+static void leave_loading() {
+    leave(FATHOM_OUT_OF_RESOURCES,
+          "fathom: image module: a library ended while it was loaded, as they do when they lack memory", "");
+}
+
+static void on_exit_of_library() {
+    if (image_is_loading_here()) leave_loading();
+}
+
+static const int fatal[] = {SIGABRT, SIGTRAP, SIGSEGV, SIGFPE, SIGILL};
+static struct sigaction before[sizeof fatal / sizeof *fatal];
+
+/* Where no handler was, the signal comes again: from abort(), which insists, from the instruction, or from
+ * here. */
+static void on_fatal(int number, siginfo_t *info, void *machine) {
+    if (image_is_loading_here()) leave_loading();
+    file_writer_abort_all();
+    for (std::size_t i = 0; i < sizeof fatal / sizeof *fatal; ++i) {
+        if (fatal[i] != number) continue;
+        sigaction(number, &before[i], nullptr);
+        if (before[i].sa_flags & SA_SIGINFO)
+            before[i].sa_sigaction(number, info, machine);
+        else
+            raise(number);
+    }
+}
+
+static void watch_libraries() {
+    struct sigaction action = {};
+    action.sa_sigaction = on_fatal;
+    action.sa_flags = SA_SIGINFO;
+    sigemptyset(&action.sa_mask);
+    for (std::size_t i = 0; i < sizeof fatal / sizeof *fatal; ++i) sigaction(fatal[i], &action, &before[i]);
+    std::atexit(on_exit_of_library);
+}
+
 void exhausted_watch() {
+    watch_libraries();
     void *spare = mmap(nullptr, RESERVE, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (spare != MAP_FAILED) reserve = spare;
     std::set_new_handler(on_refusal);

@@ -1,4 +1,4 @@
-/* Memory that a library in C++ could not be given. */
+/* Memory that a library could not be given. */
 #ifndef CLI_EXHAUSTED_H
 #define CLI_EXHAUSTED_H
 
@@ -11,7 +11,11 @@ extern "C" {
  * file, exit code 4. Little of the libraries' code knows better: where it runs while a library is loaded, or
  * on a thread of their own, the exception would end in abort(), and in some of their schedulers in a wait
  * without end. An exception that nobody catches, for whatever reason, ends the process the same way, as an
- * internal error. */
+ * internal error.
+ *
+ * Libraries in C have other ways to go: while the image module is loaded some call exit() or abort(), trap,
+ * or write through a null pointer when they lack memory. All that ends as above. The same signals elsewhere
+ * go where they went before, once temporary files are removed. */
 void exhausted_watch(void);
 
 #ifdef __cplusplus

@@ -112,9 +112,16 @@ static fathom_status write_images(fathom_context *context, const fathom_film *fi
     return result;
 }
 
+/* What memory is needed for comes first: an image that is there with an exit code that says it is not helps
+ * nobody. */
 static fathom_status write_all(fathom_context *context, const fathom_film *film,
                                const render_options *options, render_report *report, double start) {
     progress_phase(FATHOM_PHASE_WRITE);
+    if (say_status(&command_render, context, list_left_out(context, film, options, &report->left_out)) !=
+        FATHOM_OK) {
+        rescue_film(context, film, options->outputs.items[0], "the pixels");
+        return FATHOM_OUT_OF_RESOURCES;
+    }
     double begin = clock_seconds();
     fathom_status status = write_images(context, film, options);
     double end = clock_seconds();
@@ -122,9 +129,6 @@ static fathom_status write_all(fathom_context *context, const fathom_film *film,
     report->total_seconds = end - start;
     fathom_film_size(film, &report->width, &report->height);
     progress_clear_line();
-    if (status == FATHOM_OK)
-        status =
-            say_status(&command_render, context, list_left_out(context, film, options, &report->left_out));
     if (options->stats) {
         fathom_status stats = say_status(&command_render, context, stats_write(context, report, options));
         if (status == FATHOM_OK) status = stats;

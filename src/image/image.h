@@ -84,6 +84,10 @@ void image_release(const image *img);
 /* Starts loading the module on a thread of its own. Leaving the process waits for that thread. */
 void image_prefetch(void);
 
+/* Whether the calling thread is loading the module: what ends the process then is one of its libraries. For
+ * handlers of signals and of exit(). */
+bool image_is_loading_here(void);
+
 /* FATHOM_INTERNAL with the reason once that has failed, so that nobody renders for hours towards a file that
  * cannot be written. FATHOM_OK while it is under way, too. Any thread. */
 fathom_status image_prefetch_status(fathom_context *context);

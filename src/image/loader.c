@@ -46,6 +46,10 @@ static struct {
     pid_t process;
 } loader = {.lock = PTHREAD_MUTEX_INITIALIZER, .thread_lock = PTHREAD_MUTEX_INITIALIZER};
 
+static _Thread_local volatile sig_atomic_t loading_here;
+
+bool image_is_loading_here(void) { return loading_here; }
+
 /* The absolute path of the file that holds this code, or NULL. It is asked for once, and before the load
  * begins: dladdr1() waits for a dlopen() that is under way. The main program is known by its empty name in
  * the link map: the name it was called by may be anything. */
@@ -133,16 +137,24 @@ static bool has_memory(trouble *why) {
     return false;
 }
 
+/* NULL: the loader of libraries tells why. */
+static void *open_module(const char *path) {
+    loading_here = 1;
+    load_parts(path);
+    void *library = atomic_load(&loader.closing) ? NULL : dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    loading_here = 0;
+    return library;
+}
+
 /* With loader.lock held. */
 static void load(trouble *why) {
     char path[PATH_MAX];
     if (!find(path, why) || !has_memory(why)) return;
-    load_parts(path);
-    if (atomic_load(&loader.closing)) {
+    void *library = open_module(path);
+    if (!library && atomic_load(&loader.closing)) {
         say(why, FATHOM_INTERNAL, "the process is leaving");
         return;
     }
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     const image_module *module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
     if (!module) {
         const char *error = dlerror();
@@ -221,7 +233,9 @@ extern int __cxa_thread_atexit_impl(void (*destructor)(void *), void *object, vo
  * the prefetch, nearly always the one that leaves the process, waits there. The handler is for those that
  * exit elsewhere. */
 static void join_at_exit(void) {
+    loading_here = 1; /* it calls abort() where memory is lacking */
     __cxa_thread_atexit_impl(join_prefetch_of_thread, NULL, &loader);
+    loading_here = 0;
     atexit(join_prefetch);
 }
 

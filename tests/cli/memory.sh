@@ -38,3 +38,45 @@ refused 4 'out of memory: building takes about 0.12 GB' \
     render ball.glb -o none.exr --size 64x48 --memory-limit 240M --tracer embree:medium --quiet
 run 0 render ball.glb -o named.exr --size 64x48 --memory-limit 240M --tracer embree:compact
 not_said err.txt warning
+
+# Every limit, from what nothing fits to what all does, ends with code 4, a line and no file, or with the pixels that there
+# are without one, in so much memory; and what fits one limit fits all that are higher.
+run 0 generate sphere -t 300k -o ball.glb
+run 0 render ball.glb -o usual.exr --size 64x48
+run 0 render ball.glb -o usual.png --size 64x48
+run 0 render ball.glb -o compact.exr --size 64x48 --tracer embree:compact
+limits() { # image, what it is without a limit, further arguments…
+    image=$1 whole=$2 fits=no refused=no
+    shift 2
+    for limit in 1M 20M 100M 150M 155M 160M 165M 170M 175M 180M 185M 190M 195M 200M 220M 1G; do
+        code=0
+        "$FATHOM" render ball.glb -o "$image" --size 64x48 --memory-limit $limit --stats l.json --quiet "$@" \
+            >out.txt 2>err.txt || code=$?
+        case $code in
+        0)
+            fits=yes
+            [ "$(number l.json peakMemoryBytes)" -le "${limit%[MG]}$(echo "$limit" | sed 's/.*M/000000/; s/.*G/000000000/')" ] ||
+                die "$image: $(number l.json peakMemoryBytes) bytes at most, allowed are $limit"
+            now=$whole
+            grep -q 'warning: the usual acceleration structure would take' err.txt && now=compact.exr
+            case $now$image in
+            compact.exr*.png) run 0 compare "$image" "$whole" --tolerance 0.01 ;;
+            *) same "$image" "$now" ;;
+            esac
+            rm "$image" l.json
+            ;;
+        4)
+            refused=yes
+            [ $fits = no ] || die "$image: $limit is not enough, though less was"
+            [ "$(wc -l <err.txt)" -eq 1 ] || die "$image, $limit: expected one line on stderr"
+            said err.txt 'fathom: out of memory: building takes about '
+            [ ! -e "$image" ] && [ ! -e l.json ] || die "$image, $limit: out of memory, and a file is there"
+            ;;
+        *) die "$image, $limit: exit code $code, expected 0 or 4" ;;
+        esac
+    done
+    [ $fits$refused = yesyes ] || die "$image: all limits are alike"
+}
+limits l.png usual.png
+limits l.exr usual.exr
+limits l.exr compact.exr --tracer embree:compact

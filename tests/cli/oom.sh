@@ -2,6 +2,32 @@
 # or the right result, where what asked could do without. Each place once, of many every so many; tests/oom.sh
 # tries all.
 . "$SOURCE/tests/cli/check.inc"
+write_scene
+# A library of the image module ends the process while it is loaded, beside a render without end: so does the render.
+ls -A >before.txt
+for way in exit abort trap fault; do
+    code=0
+    FAULT_LOST=$way FATHOM_IMAGE_MODULE=$BUILD/tests/faults/lost.so \
+        "$FATHOM" render scene.json -o a.exr --size 4096x4096 --tracer linear:f64 --spp 65536 >out.txt 2>err.txt || code=$?
+    [ $code -eq 4 ] || die "a library that ends by $way: exit code $code, expected 4"
+    said err.txt 'fathom: image module: a library ended while it was loaded, as they do when they lack memory'
+    [ "$(grep -c '^fathom: ' err.txt)" -eq 1 ] || die "$way: expected one message"
+    rm err.txt out.txt
+    [ "$(ls -A)" = "$(cat before.txt)" ] || die "$way: left behind: $(ls -A)"
+done
+# The same signals from elsewhere end the program as they always do. Saved, it is known to be rendering.
+"$FATHOM" render scene.json -o a.png --size 1024x1024 --tracer linear:f64 --spp 65536 --checkpoint a.part \
+    --checkpoint-every 0.1 >out.txt 2>err.txt &
+program=$!
+while [ ! -e a.part ] && kill -0 $program 2>/dev/null; do sleep 0.05; done
+kill -ABRT $program
+code=0
+wait $program || code=$?
+[ $code -eq 134 ] || die "SIGABRT: exit code $code, expected that of the signal"
+rm a.part err.txt out.txt
+[ "$(ls -A)" = "$(cat before.txt)" ] || die "SIGABRT: left behind: $(ls -A)"
+rm before.txt
+
 # Sanitizers answer requests themselves.
 [ -z "$SANITIZE" ] || exit 0
 faults=$BUILD/tests/faults
@@ -9,7 +35,6 @@ each() {
     "$faults/each" -l bad.txt "$@" >counts.txt 2>err.txt || { cat bad.txt >&2; die "each $*: $(cat counts.txt)"; }
     grep -qv '^0 places' counts.txt || die "each $*: nothing failed"
 }
-write_scene
 run 0 generate sphere -t 100 -o ball.glb --quiet
 : >bad.txt
 : >counts.txt
@@ -19,6 +44,9 @@ each -a -s 0/8 "$faults/oom.so" "$FATHOM" info scene.json
 each -s 0/12 "$faults/oom.so" "$FATHOM" validate ball.glb --rays 2 -q
 # Embree's and the scheduler's requests, but for those of the image module's libraries.
 each -x fathom_image -i libembree -s 1/12 -c "$FATHOM" -o a.exr \
+    "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
+# While the image module's libraries are loaded: many of them end the process then.
+each -i ld-linux -s 3/150 -k libOpenImageIO_Util -c "$FATHOM" -o a.exr \
     "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
 # Compressing rows on threads of its own, where OpenEXR forgets that it failed.
 each -x ld-linux -i libz.so -c "$FATHOM" -o a.exr \

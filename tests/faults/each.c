@@ -5,6 +5,7 @@
  *   -w FILE  is written too, and may hold anything
  *   -k TEXT  who ends badly with it, on stderr or among the calls, is known to: counted, no failure
  *   -c PROGRAM  files that differ are the same where PROGRAM compare -q says so: images hold the hour
+ *   -r FILE  pixels that were saved elsewhere are those of this image (without: of an output)
  *   -t       standard output too is the same each time
  *   -a       from the place on, all requests fail (without: that one)
  *   -n       every request by its number (without: places by the calls that lead there)
@@ -40,7 +41,7 @@ static struct {
     unsigned output_count;
     bool same_stdout, all_after, by_number;
     unsigned long step, of;
-    const char *log, *library, *without, *only, *comparing;
+    const char *log, *library, *without, *only, *comparing, *rescued;
     char **command;
 } options = {.of = 1};
 
@@ -167,11 +168,11 @@ static const char *good_name(unsigned i) {
     return name;
 }
 
-static bool seem_same(unsigned i, const char *name, const char *tolerance) {
+static bool seem_same(const char *good_one, const char *name, const char *tolerance) {
     if (!options.comparing) return false;
     pid_t child = fork();
     if (child == 0) {
-        execlp(options.comparing, options.comparing, "compare", "-q", good_name(i), name, "--tolerance",
+        execlp(options.comparing, options.comparing, "compare", "-q", good_one, name, "--tolerance",
                tolerance, NULL);
         _exit(126);
     }
@@ -183,16 +184,18 @@ static bool seem_same(unsigned i, const char *name, const char *tolerance) {
 /* Saved pixels are floats where the image has halves, which are rounded by up to 2^-12 of a value: 2^-8 does
  * for values up to 16. */
 static bool holds_image(const char *name) {
-    bool found = false;
-    for (unsigned i = 0; i < options.output_count; ++i) found |= seem_same(i, name, "0.00390625");
+    static const char tolerance[] = "0.00390625";
+    bool found = options.rescued && seem_same(options.rescued, name, tolerance);
+    for (unsigned i = 0; i < options.output_count && !options.rescued; ++i)
+        found |= seem_same(good_name(i), name, tolerance);
     return found;
 }
 
 static const char *judge_done(void) {
     for (unsigned i = 0; i < options.output_count; ++i) {
         bytes now = contents(options.outputs[i]);
-        bool fits =
-            same(now, good[i]) || (options.varies[i] && now.data) || seem_same(i, options.outputs[i], "0");
+        bool fits = same(now, good[i]) || (options.varies[i] && now.data) ||
+                    seem_same(good_name(i), options.outputs[i], "0");
         free(now.data);
         if (!fits) return "exit code 0 and another output";
     }
@@ -325,7 +328,7 @@ static void try_sites(char *report, tally *t) {
 
 static void parse(int argc, char **argv) {
     int letter;
-    while ((letter = getopt(argc, argv, "+o:w:k:tans:l:x:i:c:")) != -1) {
+    while ((letter = getopt(argc, argv, "+o:w:k:tans:l:x:i:c:r:")) != -1) {
         switch (letter) {
         case 'o':
         case 'w':
@@ -344,6 +347,7 @@ static void parse(int argc, char **argv) {
                 stop("expected -s K/N", argv[0]);
             break;
         case 'c': options.comparing = optarg; break;
+        case 'r': options.rescued = optarg; break;
         case 'x': options.without = optarg; break;
         case 'i': options.only = optarg; break;
         case 'l': options.log = optarg; break;
