@@ -355,8 +355,8 @@ static int open_folder(void **state) {
 static int remove_folder(void **state) {
     (void)state;
     fathom_context_destroy(context);
-    const char *const names[] = {"a.exr", "a.png", "a.tif", "a.tiff", "a.jpg", "a.jpeg",
-                                 "s.exr", "s.png", "s.jpg", "s.tif",  "t.exr", "t.png"};
+    const char *const names[] = {"a.exr", "a.png", "a.tif", "a.tiff", "a.jpg", "a.jpeg", "s.exr",
+                                 "s.png", "s.jpg", "s.tif", "t.exr",  "t.png", "t.jpg"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) unlink(in_folder(names[i]));
     return rmdir(folder); /* fails when a temporary file was left */
 }
