@@ -1,18 +1,13 @@
 #include "read/mesh/names.h"
 
+#include "base/keyed_hash.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-/* FNV-1a */
-static size_t hash(const char *text, size_t length) {
-    uint64_t h = UINT64_C(14695981039346656037);
-    for (size_t i = 0; i < length; ++i) h = (h ^ (unsigned char)text[i]) * UINT64_C(1099511628211);
-    return (size_t)(h ^ h >> 32);
-}
-
 /* The slot that holds the name, or the free one where it belongs. */
 static size_t find_slot(const name_table *table, const char *text, size_t length) {
-    size_t slot = hash(text, length) & (table->slot_count - 1);
+    size_t slot = (size_t)sip_hash(process_hash_key(), text, length) & (table->slot_count - 1);
     for (; table->slots[slot]; slot = (slot + 1) & (table->slot_count - 1)) {
         const name_entry *entry = &table->entries.items[table->slots[slot] - 1];
         if (entry->length == length && memcmp(entry->text, text, length) == 0) break;

@@ -1,5 +1,6 @@
 #include "read/obj/obj.h"
 
+#include "base/keyed_hash.h"
 #include "read/mesh/normals.h"
 
 #include <stdlib.h>
@@ -62,16 +63,17 @@ static fathom_status gather_indices(const obj_reader *r, smooth_faces *faces) {
 }
 
 /* Keys by hashing: chains from vertex to vertex would be searched for ever where one vertex is in very many
- * groups. */
+ * groups. The file chooses the keys, so they are turned by what it cannot know. */
 typedef struct smooth_table {
     uint32_t *places; /* a key's number + 1; 0: free */
     size_t mask;      /* one less than there are places, a power of two */
+    uint64_t secret;
     ARRAY(smooth_key) keys;
 } smooth_table;
 
 /* Every bit of the key moves every bit of the place (the finalizer of MurmurHash3). */
 static size_t place_of(const smooth_table *t, smooth_key key) {
-    uint64_t h = (uint64_t)key.vertex << 32 | key.group;
+    uint64_t h = ((uint64_t)key.vertex << 32 | key.group) ^ t->secret;
     h = (h ^ h >> 33) * 0xff51afd7ed558ccdu;
     h = (h ^ h >> 33) * 0xc4ceb9fe1a85ec53u;
     return (size_t)(h ^ h >> 33) & t->mask;
@@ -109,6 +111,7 @@ static bool make_table(size_t corners, smooth_table *t) {
     size_t places = 8;
     while (places < 2 * corners) places *= 2;
     t->mask = places - 1;
+    t->secret = process_hash_key().half[0];
     t->places = calloc(places, sizeof *t->places);
     return t->places != NULL;
 }
