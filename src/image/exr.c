@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -100,6 +101,18 @@ static const char *type_of(size_t count) {
     }
 }
 
+static size_t number_text(char text[32], const image_attribute *attribute, size_t i) {
+    return (size_t)snprintf(text, 32, "%s%.17g", i ? " " : "", attribute->numbers[i]);
+}
+
+static void put_numbers_as_text(exr *out, const image_attribute *attribute) {
+    char text[32];
+    size_t size = 0;
+    for (size_t i = 0; i < attribute->count; ++i) size += number_text(text, attribute, i);
+    begin_attribute(out, attribute->name, "string", size);
+    for (size_t i = 0; i < attribute->count; ++i) put(out, text, number_text(text, attribute, i));
+}
+
 static void put_attribute(exr *out, const image_attribute *attribute) {
     if (attribute->text) {
         begin_attribute(out, attribute->name, "string", strlen(attribute->text));
@@ -107,7 +120,10 @@ static void put_attribute(exr *out, const image_attribute *attribute) {
         return;
     }
     const char *type = type_of(attribute->count);
-    if (!type) return;
+    if (!type) {
+        put_numbers_as_text(out, attribute);
+        return;
+    }
     begin_attribute(out, attribute->name, type, sizeof(double) * attribute->count);
     for (size_t i = 0; i < attribute->count; ++i) put_double(out, attribute->numbers[i]);
 }

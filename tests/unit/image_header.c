@@ -1,0 +1,111 @@
+/* Headers of EXR files: the same entries by both writers, the module's and the plain one; and images that no
+ * format holds. */
+#include "image/exr.h"
+#include "unit.h"
+
+#include <unistd.h>
+
+static fathom_context *context;
+static char folder[] = "/tmp/fathom_header_XXXXXX";
+
+static int set_up(void **state) {
+    (void)state;
+    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : 1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    fathom_context_destroy(context);
+    return rmdir(folder);
+}
+
+static const char *in_folder(const char *name) {
+    static char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static const float pixels[6] = {0.25f, 0.5f, 1, 2, 4, 8};
+static const image_channel channels[3] = {{"R", IMAGE_FLOAT, true, pixels, 12},
+                                          {"G", IMAGE_FLOAT, true, pixels + 1, 12},
+                                          {"B", IMAGE_FLOAT, true, pixels + 2, 12}};
+
+static const image_attribute *find(const image *img, const char *name) {
+    for (size_t i = 0; i < img->attribute_count; ++i)
+        if (strcmp(img->attributes[i].name, name) == 0) return &img->attributes[i];
+    fail_msg("the file has no entry %s", name);
+    return NULL;
+}
+
+enum { MOST = 17 };
+static char names[MOST + 1][8];
+static double numbers[MOST];
+
+/* 1, 2, 3, 9 and 16 numbers have a type of their own; any other count is a text of numbers. */
+static void check_numbers(const image *back, size_t count) {
+    const image_attribute *a = find(back, names[count]);
+    if (count == 1 || count == 2 || count == 3 || count == 9 || count == 16) {
+        assert_null(a->text);
+        assert_int_equal(a->count, count);
+        assert_memory_equal(a->numbers, numbers, count * sizeof *numbers);
+        return;
+    }
+    assert_non_null(a->text);
+    const char *at = a->text;
+    for (size_t i = 0; i < count; ++i) {
+        char *end;
+        assert_true(strtod(at, &end) == numbers[i]);
+        assert_true(end > at && *end == (i + 1 < count ? ' ' : '\0'));
+        at = end + 1;
+    }
+}
+
+static void numbers_of_any_count(void **state) {
+    (void)state;
+    image_attribute attributes[MOST + 1] = {{"Software", "Fathom test", NULL, 0}};
+    for (size_t i = 0; i < MOST; ++i) numbers[i] = i % 2 ? -1.0 / (double)(i + 2) : ldexp(1 + (double)i, 300);
+    for (size_t count = 1; count <= MOST; ++count) {
+        snprintf(names[count], sizeof names[count], "n%zu", count);
+        attributes[count] = (image_attribute){names[count], NULL, numbers, count};
+    }
+    const image img = {2, 1, 0, 0, 2, 1, channels, 3, attributes, MOST + 1};
+    const fathom_write_options options = {.exposure = 0};
+    for (int plain = 0; plain < 2; ++plain) {
+        const image *back;
+        if (plain)
+            assert_ok(context, exr_write_plain(context, &img, in_folder("a.exr")));
+        else
+            assert_ok(context, image_write(context, &img, in_folder("a.exr"), &options));
+        assert_ok(context, image_read(context, in_folder("a.exr"), &back));
+        assert_string_equal(find(back, "Software")->text, "Fathom test");
+        for (size_t count = 1; count <= MOST; ++count) check_numbers(back, count);
+        image_release(back);
+        assert_int_equal(unlink(in_folder("a.exr")), 0);
+    }
+}
+
+static void images_that_cannot_be(void **state) {
+    (void)state;
+    const fathom_write_options options = {.exposure = 0};
+    image img = {2, 1, 0, 0, 2, 1, channels, 3, NULL, 0};
+    img.width = 0;
+    assert_fails(context, image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL, "empty");
+    img.width = 2, img.height = 0;
+    assert_fails(context, image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL, "empty");
+    img.height = 1, img.channel_count = 0;
+    assert_fails(context, image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL, "empty");
+    img.channel_count = 3, img.height = 65501;
+    assert_fails(context, image_write(context, &img, in_folder("a.jpg"), &options), FATHOM_BAD_USAGE,
+                 "2 x 65501 pixels; JPEG holds at most 65500 x 65500");
+    img.height = 1, img.width = 65501;
+    assert_fails(context, image_write(context, &img, in_folder("a.jpg"), &options), FATHOM_BAD_USAGE,
+                 "65501 x 1 pixels");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_of_any_count),
+        cmocka_unit_test(images_that_cannot_be),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
