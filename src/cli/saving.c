@@ -2,7 +2,7 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
-#include "render/checkpoint.h"
+#include "render/checkpoint/checkpoint.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef RENDER_JOB_H
 #define RENDER_JOB_H
 
-#include "render/checkpoint.h"
+#include "render/checkpoint/checkpoint.h"
 
 typedef struct job_result {
     ray_counts rays;

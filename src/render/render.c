@@ -2,7 +2,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
-#include "render/checkpoint.h"
+#include "render/checkpoint/checkpoint.h"
 #include "render/job.h"
 #include "render/watch.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/hash.h"
 #include "render/adaptive_record.h"
-#include "render/checkpoint_state.h"
+#include "render/checkpoint/checkpoint_state.h"
 #include "render/plan.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "render/adaptive_record.h"
-#include "render/checkpoint_state.h"
-#include "render/checkpoint_write.h"
+#include "render/checkpoint/checkpoint_state.h"
+#include "render/checkpoint/checkpoint_write.h"
 #include "render/film.h"
 #include "scene/fingerprint.h"
 

@@ -2,7 +2,7 @@
  * render and whose bytes are all there. */
 #include "base/hash.h"
 #include "render/adaptive_record.h"
-#include "render/checkpoint_state.h"
+#include "render/checkpoint/checkpoint_state.h"
 
 #include <stdlib.h>
 #include <string.h>

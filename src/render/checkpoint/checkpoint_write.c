@@ -1,4 +1,4 @@
-#include "render/checkpoint_write.h"
+#include "render/checkpoint/checkpoint_write.h"
 
 #include "base/file.h"
 #include "base/hash.h"

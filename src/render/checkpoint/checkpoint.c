@@ -1,10 +1,10 @@
-#include "render/checkpoint.h"
+#include "render/checkpoint/checkpoint.h"
 
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/pool.h"
 #include "render/adaptive_record.h"
-#include "render/checkpoint_write.h"
+#include "render/checkpoint/checkpoint_write.h"
 #include "scene/fingerprint.h"
 
 #include <pthread.h>

@@ -2,7 +2,7 @@
 #ifndef RENDER_CHECKPOINT_WRITE_H
 #define RENDER_CHECKPOINT_WRITE_H
 
-#include "render/checkpoint_state.h"
+#include "render/checkpoint/checkpoint_state.h"
 
 #include <pthread.h>
 

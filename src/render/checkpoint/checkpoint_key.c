@@ -1,5 +1,5 @@
 /* What has to be the same for a render to be continued. */
-#include "render/checkpoint_state.h"
+#include "render/checkpoint/checkpoint_state.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "render/checkpoint_state.h"
+#include "render/checkpoint/checkpoint_state.h"
 
 #include <stdlib.h>
 #include <string.h>
