@@ -51,5 +51,21 @@ for leap in realtime:-1000000 realtime:1000000; do
     (leaping $leap 1 && run 0 render scene.json -o leap.exr) || exit 1
     same usual.exr leap.exr
 done
-(leaping monotonic:3600 300 && run 0 render scene.json -o leap.exr --max-time 600) || exit 1
+(leaping monotonic:3600 300 && run 0 render scene.json -o leap.exr --max-time 600 --stats leap.json) || exit 1
 same leap.exr leap.exr
+awk "BEGIN { exit !($(number leap.json total) > 3600) }" || die 'the clock did not leap'
+# Samples that are given come whatever the clock does, saved on the way and continued as well; nothing is left of that.
+rm -f leap.exr leap.part
+(leaping monotonic:3600 20 && run 0 render scene.json -o leap.exr --checkpoint leap.part --checkpoint-every 60) || exit 1
+same usual.exr leap.exr
+run 0 render scene.json -o steady.exr --target-error 0.001 --spp 4096
+for after in 15 60; do
+    rm -f leap.exr
+    code=0
+    (leaping monotonic:100000 $after
+        exec "$FATHOM" render scene.json -o leap.exr --target-error 0.001 --spp 4096 --checkpoint leap.part --resume \
+            --checkpoint-every 0 --stats leap.json >out.txt 2>err.txt) || code=$?
+    [ $code -eq 0 ] || die "a clock that leaps beside checkpoints: exit code $code, expected 0"
+    [ ! -e leap.part ] || die 'a checkpoint is left'
+    same steady.exr leap.exr
+done
