@@ -85,7 +85,7 @@ static void on_fatal(int number, siginfo_t *info, void *machine) {
     file_writer_abort_all();
     for (std::size_t i = 0; i < sizeof fatal / sizeof *fatal; ++i) {
         if (fatal[i] != number) continue;
-        sigaction(number, &before[i], nullptr);
+        static_cast<void>(sigaction(number, &before[i], nullptr));
         if (before[i].sa_flags & SA_SIGINFO)
             before[i].sa_sigaction(number, info, machine);
         else
@@ -98,7 +98,8 @@ static void watch_libraries() {
     action.sa_sigaction = on_fatal;
     action.sa_flags = SA_SIGINFO;
     sigemptyset(&action.sa_mask);
-    for (std::size_t i = 0; i < sizeof fatal / sizeof *fatal; ++i) sigaction(fatal[i], &action, &before[i]);
+    for (std::size_t i = 0; i < sizeof fatal / sizeof *fatal; ++i)
+        static_cast<void>(sigaction(fatal[i], &action, &before[i]));
     std::atexit(on_exit_of_library);
 }
 
