@@ -7,11 +7,11 @@
 static double total(trace_need need) { return need.kept + need.passed; }
 
 static fathom_status refuse(const embree_tracer *tracer, double need) {
-    return fail(
-        tracer->context, FATHOM_OUT_OF_RESOURCES,
-        "out of memory: building takes about %.2f GB and %.2f GB may be used; raise the limit, render on a "
-        "machine with more memory, or place repeated parts as instances",
-        need * 1e-9, (double)tracer->options->memory * 1e-9);
+    return fail(tracer->context, FATHOM_OUT_OF_RESOURCES,
+                "out of memory: building takes about %.2f GB, and %.2f GB are left beside program, meshes "
+                "and image; raise the limit, render on a machine with more memory, or place repeated parts "
+                "as instances",
+                need * 1e-9, (double)tracer->options->memory * 1e-9);
 }
 
 fathom_status embree_fit_memory(embree_tracer *tracer) {
@@ -29,9 +29,8 @@ fathom_status embree_fit_memory(embree_tracer *tracer) {
     tracer->spec.flags = TRACE_SCENE_COMPACT;
     tracer->spec.quality = TRACE_QUALITY_MEDIUM; /* low passes as much as the usual structures */
     warn(tracer->context,
-         "the usual acceleration structure would take about %.2f GB and %.2f GB may be used: a compact one "
-         "of %.2f GB "
-         "is built, which is slower to trace",
+         "the usual acceleration structure would take about %.2f GB, and %.2f GB are left beside program, "
+         "meshes and image: a compact one of %.2f GB is built, which is slower to trace",
          need * 1e-9, room * 1e-9, less * 1e-9);
     return FATHOM_OK;
 }

@@ -26,11 +26,11 @@ said out.txt 'times meshes 28.8, BVH '
 
 # 150 MB of program, 29 MB of mesh; the usual structures take 125 MB, compact ones 49.
 run 0 render ball.glb -o compact.exr --size 64x48 --memory-limit 240M --stats s.json
-said err.txt 'warning: the usual acceleration structure would take about 0.12 GB and 0.06 GB may be used: a compact'
+said err.txt 'warning: the usual acceleration structure would take about 0.12 GB, and 0.06 GB are left beside program, meshes and image: a compact'
 [ "$(number s.json peakMemoryBytes)" -le 240000000 ] || die "beyond the limit: $(number s.json peakMemoryBytes)"
 run 0 compare usual.exr compact.exr --tolerance 1e-3
 
-refused 4 'out of memory: building takes about 0.05 GB and' \
+refused 4 'out of memory: building takes about 0.05 GB, and' \
     render ball.glb -o none.exr --size 64x48 --memory-limit 190M --quiet
 
 # Who names the structures gets them or nothing.
