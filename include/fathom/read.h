@@ -19,12 +19,11 @@ FATHOM_API fathom_status fathom_scene_read_to_render(fathom_context *context, co
 
 /* FATHOM_BAD_INPUT when a file that the scene was mapped from has been truncated or changed since it was
  * read, or may have been: what was made of the scene is then not to be trusted, now or later.
- * A file that was touched, its time stamp new and its bytes the same, is only warned about. That takes knowing
- * its bytes: of each file the first MiB is remembered at the first call, by a hash, and from ten seconds after
- * it was opened on 100 MB more for each second; before that is complete a new time stamp is a change. Bytes
- * that were written and put back between two calls are not seen.
- * fathom_scene_read() and fathom_render() ask this themselves, the latter every second; whoever traces rays by
- * fathom/trace.h may. */
+ * A file that was touched, its time stamp new and its bytes the same, is only warned about. That takes
+ * knowing its bytes: of each file the first MiB is remembered at the first call, by a hash, and from ten
+ * seconds after it was opened on 100 MB more for each second; before that is complete a new time stamp is a
+ * change. Bytes that were written and put back between two calls are not seen. fathom_scene_read() and
+ * fathom_render() ask this themselves, the latter every second; whoever traces rays by fathom/trace.h may. */
 FATHOM_API fathom_status fathom_scene_check_files(const fathom_scene *scene);
 
 typedef enum fathom_generator {
