@@ -50,7 +50,7 @@ static void draw(void) {
     if (getrandom(&drawn_key, sizeof drawn_key, GRND_NONBLOCK) == (ssize_t)sizeof drawn_key) return;
     double now = clock_seconds();
     memcpy(&drawn_key.half[0], &now, sizeof now);
-    drawn_key.half[1] = (uint64_t)(uintptr_t)&now;
+    drawn_key.half[1] = (uint64_t)(uintptr_t)&drawn_key;
 }
 
 hash_key process_hash_key(void) {
