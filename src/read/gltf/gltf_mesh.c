@@ -99,8 +99,9 @@ static fathom_status check_count(gltf *g, const primitive *p, const char *key, u
 
 static fathom_status make_normals(gltf *g, primitive *p) {
     void *normals;
-    fathom_status status =
-        gltf_allocate(g, p->at, NULL, (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
+    fathom_status status = gltf_charge(g, p->at, NULL, p->mesh.vertex_count * (uint64_t)NORMALS_SMOOTH_BYTES);
+    if (status == FATHOM_OK)
+        status = gltf_allocate(g, p->at, NULL, (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
     if (status != FATHOM_OK) return status;
     const normals_input input = {.positions = p->mesh.positions,
                                  .stride = p->mesh.position_stride,

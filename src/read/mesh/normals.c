@@ -111,6 +111,8 @@ static void fill_empty(const smoothing *s) {
     }
 }
 
+_Static_assert(sizeof *((smoothing *)NULL)->sums == NORMALS_SMOOTH_BYTES, "what readers count beforehand");
+
 fathom_status normals_smooth(fathom_context *context, const normals_input *input, float *normals) {
     size_t slots = input->slot_count ? input->slot_count : 1;
     smoothing s = {.input = input, .sums = calloc(slots, sizeof *s.sums), .normals = normals};

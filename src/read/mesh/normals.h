@@ -16,6 +16,9 @@ typedef struct normals_input {
     uint32_t slot_count;
 } normals_input;
 
+/* What a slot takes while its normal is made, beside the normal. */
+#define NORMALS_SMOOTH_BYTES (3 * sizeof(int64_t))
+
 /* Unit normals x y z for each slot, tightly packed: the sum over its corners of the triangle's unit normal
  * weighted by the angle at the corner (Thürmer and Wüthrich 1998), which does not depend on how a surface is
  * cut into triangles. The same on any thread count. Slots whose corners cancel out get the normal of the last
