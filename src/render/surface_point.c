@@ -175,7 +175,7 @@ static const fathom_mesh *common_mesh(const world *w, const trace_hits *hits) {
     uint32_t differ = 0, id = hits->geometry[0];
     for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | ~hits->instance[i];
     if (differ || id == TRACE_PLANE || w->geometries.items[id].kind != WORLD_MESH) return NULL;
-    return &w->meshes.items[w->geometries.items[id].first];
+    return world_mesh(w, id);
 }
 
 /* Triangles of a mesh that caches do not hold from one wave to the next: some 20 bytes each. */
@@ -186,9 +186,8 @@ static const fathom_mesh *common_mesh(const world *w, const trace_hits *hits) {
 static const fathom_mesh *large_mesh(const world *w, const trace_hits *hits) {
     uint32_t id = hits->geometry[0];
     if (id >= w->geometries.count || hits->instance[0] != FATHOM_NONE) return NULL;
-    if (w->geometries.items[id].kind != WORLD_MESH) return NULL;
-    const fathom_mesh *mesh = &w->meshes.items[w->geometries.items[id].first];
-    return mesh->triangle_count >= LARGE_MESH ? mesh : NULL;
+    const world_geometry *geometry = &w->geometries.items[id];
+    return geometry->kind == WORLD_MESH && geometry->count >= LARGE_MESH ? world_mesh(w, id) : NULL;
 }
 
 void surface_ask_indices(const world *w, const trace_hits *hits) {

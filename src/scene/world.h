@@ -103,6 +103,11 @@ typedef struct world {
                               stored; Embree leaves them out */
 } world;
 
+/* What a geometry of the kind WORLD_MESH is. */
+static inline const fathom_mesh *world_mesh(const world *w, uint32_t geometry) {
+    return &w->meshes.items[w->geometries.items[geometry].first];
+}
+
 /* The scene must have passed fathom_scene_check() and must outlive the world. */
 fathom_status world_create(const fathom_scene *scene, world **out);
 /* The same with the root's coordinates counted from `origin`, wherever the scene lies: to show what float

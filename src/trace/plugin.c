@@ -104,7 +104,7 @@ static void copy_mesh(plugin_part *part, const fathom_mesh *mesh) {
 static fathom_status gather(fathom_context *context, const world *w, bool shadows, plugin_part *part) {
     uint64_t vertices = 0, triangles = 0;
     for (uint32_t g = 0; g < w->geometries.count; ++g) {
-        const fathom_mesh *mesh = &w->meshes.items[w->geometries.items[g].first];
+        const fathom_mesh *mesh = world_mesh(w, g);
         if (chosen(w, g, shadows)) vertices += mesh->vertex_count, triangles += mesh->triangle_count;
     }
     if (vertices > UINT32_MAX || triangles >= FATHOM_PLUGIN_MISS) {
@@ -121,7 +121,7 @@ static fathom_status gather(fathom_context *context, const world *w, bool shadow
         return fail_memory(context, (vertices + triangles) * 3 * sizeof(float));
     }
     for (uint32_t g = 0; g < w->geometries.count; ++g) {
-        const fathom_mesh *mesh = &w->meshes.items[w->geometries.items[g].first];
+        const fathom_mesh *mesh = world_mesh(w, g);
         if (!chosen(w, g, shadows) || !mesh->triangle_count) continue;
         part->first[part->geometry_count] = part->triangle_count;
         part->geometry[part->geometry_count++] = g;
@@ -197,8 +197,7 @@ static void lane_store(const plugin_tracer *tracer, const fathom_plugin_block *f
     to->hits.u[i] = (float)from->u[i], to->hits.v[i] = (float)from->v[i];
     to->rays.t_far[i] = (float)from->t[i];
     vec3_f32 v[3];
-    search_corners(&w->meshes.items[w->geometries.items[to->hits.geometry[i]].first], to->hits.primitive[i],
-                   v);
+    search_corners(world_mesh(w, to->hits.geometry[i]), to->hits.primitive[i], v);
     vec3_f32 n = cross_f32(sub_f32(v[1], v[0]), sub_f32(v[2], v[0]));
     to->hits.ng_x[i] = n.x, to->hits.ng_y[i] = n.y, to->hits.ng_z[i] = n.z;
     if (!fine) return;

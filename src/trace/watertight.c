@@ -33,7 +33,7 @@ static const float probe_directions[PROBES][3] = {{0.5773f, 0.2113f, 0.7886f},
 
 static vec3_f32 triangle_middle(const world *w, uint32_t geometry, size_t triangle) {
     vec3_f32 v[3];
-    search_corners(&w->meshes.items[w->geometries.items[geometry].first], (uint32_t)triangle, v);
+    search_corners(world_mesh(w, geometry), (uint32_t)triangle, v);
     return scale_f32(1.0f / 3, add_f32(v[0], add_f32(v[1], v[2])));
 }
 
