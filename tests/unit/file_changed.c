@@ -2,7 +2,7 @@
  * by the calls that report warnings and progress. */
 #include "base/file.h"
 #include "trace/trace.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <fathom/fathom.h>
 #include <fcntl.h>
@@ -11,21 +11,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static fathom_context *context;
-static char folder[64];
-
 /* cmocka puts a handler of its own in place before each test. */
 static struct sigaction guard_action;
 
 static void guard(void) { assert_int_equal(sigaction(SIGBUS, &guard_action, NULL), 0); }
-
-static const char *in_folder(const char *name) {
-    static char paths[4][128];
-    static unsigned next;
-    char *path = paths[next++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
-    return path;
-}
 
 /* What is done to a file, and at which warning. */
 typedef struct blow {
@@ -368,19 +357,11 @@ static int meet_foreign_fault(int way, const char *path) {
     return bytes[0] + 4;
 }
 
-static int setup(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/fathom_changed_XXXXXX");
-    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-
-static int teardown(void **state) {
-    (void)state;
+static int remove_files(void **state) {
     static const char *const names[] = {"ball.ply", "ball.glb",  "ball.obj", "ball.mtl",
                                         "rows.ply", "skin.gltf", "skin.bin"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) unlink(in_folder(names[i]));
-    fathom_context_destroy(context);
-    return rmdir(folder); /* fails when anything was left */
+    return remove_folder(state);
 }
 
 int main(int argc, char **argv) {
@@ -401,5 +382,5 @@ int main(int argc, char **argv) {
         cmocka_unit_test(many_at_once),
         cmocka_unit_test(others_keep_theirs),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, open_folder, remove_files);
 }

@@ -1,18 +1,9 @@
 /* What is written is what is read back: EXR to the last bit, 8-bit formats to the nearest code. */
 #include "image/image.h"
 #include "image/half.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <unistd.h>
-
-static fathom_context *context;
-static char folder[64];
-
-static const char *in_folder(const char *name) {
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
 
 static fathom_write_options defaults(void) { return (fathom_write_options){0, NULL, NULL, NULL, false}; }
 
@@ -345,20 +336,11 @@ static void same_on_any_thread_count(void **state) {
     fathom_context_set_threads(context, 0);
 }
 
-static int open_folder(void **state) {
-    (void)state;
-    unsetenv("OCIO");
-    strcpy(folder, "/tmp/fathom-image-XXXXXX");
-    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
+static int remove_images(void **state) {
     const char *const names[] = {"a.exr", "a.png", "a.tif", "a.tiff", "a.jpg", "a.jpeg", "s.exr",
                                  "s.png", "s.jpg", "s.tif", "t.exr",  "t.png", "t.jpg"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) unlink(in_folder(names[i]));
-    return rmdir(folder); /* fails when a temporary file was left */
+    return remove_folder(state);
 }
 
 int main(void) {
@@ -376,5 +358,5 @@ int main(void) {
         cmocka_unit_test(small_images),
         cmocka_unit_test(same_on_any_thread_count),
     };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    return cmocka_run_group_tests(tests, open_folder, remove_images);
 }

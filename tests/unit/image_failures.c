@@ -2,7 +2,7 @@
  * module is never unloaded, and some of its libraries start threads that a forked child does not have. */
 #include "image/image.h"
 #include "image/loader.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <dirent.h>
 #include <signal.h>
@@ -13,15 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static fathom_context *context;
-static char folder[64];
 static const char *const files[] = {"a.exr", "a.png", "a.jpg", "a.tif"};
-
-static const char *in_folder(const char *name) {
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
 
 static fathom_write_options defaults(void) { return (fathom_write_options){0, NULL, NULL, NULL, false}; }
 
@@ -274,19 +266,6 @@ static void bad_reads(void **state) {
         }
         assert_int_equal(unlink(in_folder(files[i])), 0);
     }
-}
-
-static int open_folder(void **state) {
-    (void)state;
-    unsetenv("OCIO");
-    strcpy(folder, "/tmp/fathom-image-XXXXXX");
-    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    return rmdir(folder); /* fails when anything was left */
 }
 
 int main(void) {

@@ -1,29 +1,9 @@
 /* Headers of EXR files: the same entries by both writers, the module's and the plain one; and images that no
  * format holds. */
 #include "image/exr.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <unistd.h>
-
-static fathom_context *context;
-static char folder[] = "/tmp/fathom_header_XXXXXX";
-
-static int set_up(void **state) {
-    (void)state;
-    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : 1;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    return rmdir(folder);
-}
-
-static const char *in_folder(const char *name) {
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
 
 static const float pixels[6] = {0.25f, 0.5f, 1, 2, 4, 8};
 static const image_channel channels[3] = {{"R", IMAGE_FLOAT, true, pixels, 12},
@@ -107,5 +87,5 @@ int main(void) {
         cmocka_unit_test(numbers_of_any_count),
         cmocka_unit_test(images_that_cannot_be),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

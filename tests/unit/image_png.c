@@ -1,17 +1,8 @@
 /* What PNG files hold beside their pixels, chunk by chunk, and what goes wrong in writing them. */
 #include "image/image.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <unistd.h>
-
-static fathom_context *context;
-static char folder[64];
-
-static const char *in_folder(const char *name) {
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
 
 static const fathom_write_options usual = {0, NULL, NULL, NULL, false};
 
@@ -160,18 +151,9 @@ static void too_high(void **state) {
     assert_int_equal(big_endian(file + 16), 2);
 }
 
-static int open_folder(void **state) {
-    (void)state;
-    unsetenv("OCIO");
-    strcpy(folder, "/tmp/fathom-image-XXXXXX");
-    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
+static int remove_image(void **state) {
     unlink(in_folder("a.png"));
-    return rmdir(folder); /* fails when a temporary file was left */
+    return remove_folder(state);
 }
 
 int main(void) {
@@ -179,5 +161,5 @@ int main(void) {
         cmocka_unit_test(chunks_of_srgb), cmocka_unit_test(chunks_of_raw), cmocka_unit_test(texts_come_back),
         cmocka_unit_test(long_rows),      cmocka_unit_test(too_high),
     };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    return cmocka_run_group_tests(tests, open_folder, remove_image);
 }

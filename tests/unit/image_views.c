@@ -1,20 +1,9 @@
 /* Displays, views and configs: which there are, which is taken, and what linear Rec.709 is in a config of the
  * user's. */
 #include "image/image.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <unistd.h>
-
-static fathom_context *context;
-static char folder[64];
-
-static const char *in_folder(const char *name) {
-    static char path[8][128];
-    static unsigned next;
-    char *to = path[next++ % 8];
-    snprintf(to, sizeof path[0], "%s/%s", folder, name);
-    return to;
-}
 
 static fathom_write_options defaults(void) { return (fathom_write_options){0, NULL, NULL, NULL, false}; }
 
@@ -205,18 +194,9 @@ static void srgb_is_marked(void **state) {
     }
 }
 
-static int open_folder(void **state) {
-    (void)state;
-    unsetenv("OCIO");
-    strcpy(folder, "/tmp/fathom-image-XXXXXX");
-    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
+static int remove_image(void **state) {
     unlink(in_folder("a.png"));
-    return rmdir(folder);
+    return remove_folder(state);
 }
 
 int main(void) {
@@ -225,5 +205,5 @@ int main(void) {
         cmocka_unit_test(config_of_the_user),          cmocka_unit_test(named_space_goes_first),
         cmocka_unit_test(interchange_leads_to_rec709), cmocka_unit_test(srgb_is_marked),
     };
-    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+    return cmocka_run_group_tests(tests, open_folder, remove_image);
 }

@@ -1,23 +1,7 @@
 /* Where shapes come to lie: whatever origins and frames the world takes for its floats, each point stays
  * where the scene has it; and what cannot be placed is told. */
 #include "scene/world.h"
-#include "unit.h"
-
-static fathom_context *context;
-static fathom_scene *scene;
-
-static int set_up(void **state) {
-    (void)state;
-    if (fathom_context_create(&context) != FATHOM_OK) return 1;
-    return fathom_scene_create(context, &scene) == FATHOM_OK ? 0 : 1;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    fathom_scene_destroy(scene);
-    fathom_context_destroy(context);
-    return 0;
-}
+#include "unit_scene.h"
 
 static fathom_id add_group(void) {
     fathom_id id;
@@ -95,7 +79,7 @@ static void assert_at(vec3_f64 found, vec3_f64 expected) {
 static void groups_far_away(void **state) {
     (void)state;
     for (int axis = 0; axis < 3; ++axis) {
-        set_up(NULL);
+        open_scene(NULL);
         const vec3_f64 first = along((axis + 1) % 3, 1 << 20), second = add_f64(first, along(axis, 64));
         fathom_id group = add_group();
         add_sphere(group, first, 1);
@@ -109,7 +93,7 @@ static void groups_far_away(void **state) {
         assert_at(add_f64(origin, widen(w->spheres.items[spheres->first].center)), first);
         assert_at(add_f64(origin, widen(w->spheres.items[spheres->first + 1].center)), second);
         world_destroy(w);
-        tear_down(NULL);
+        close_scene(NULL);
     }
 }
 
@@ -117,7 +101,7 @@ static void groups_far_away(void **state) {
 static void meshes_with_origins_of_their_own(void **state) {
     (void)state;
     for (int k = 0; k < 6; ++k) {
-        set_up(NULL);
+        open_scene(NULL);
         const vec3_f64 origin = along(k % 3, 5 << 20);
         fathom_id group = k < 3 ? FATHOM_ROOT : add_group();
         add_sphere(group, (vec3_f64){1, 2, 3}, 1);
@@ -137,7 +121,7 @@ static void meshes_with_origins_of_their_own(void **state) {
                 assert_at(add_f64(moved, widen(w->spheres.items[g->first].center)), (vec3_f64){1, 2, 3});
         }
         world_destroy(w);
-        tear_down(NULL);
+        close_scene(NULL);
     }
 }
 
@@ -183,7 +167,7 @@ static void materials_of_instances(void **state) {
 static void frames_that_vanish(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; ++kind) {
-        set_up(NULL);
+        open_scene(NULL);
         fathom_id inner = add_group(), outer = add_group();
         fathom_plane plane;
         fathom_plane_default(&plane);
@@ -197,7 +181,7 @@ static void frames_that_vanish(void **state) {
         assert_fails(context, world_create(scene, &w), FATHOM_BAD_INPUT,
                      "instance 0: its frame, with those around it, flattens space");
         assert_null(w);
-        tear_down(NULL);
+        close_scene(NULL);
     }
 }
 
@@ -315,7 +299,7 @@ static void completing_keeps_what_is_set(void **state) {
     assert_int_equal(scene->lights.count, 2);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, open_scene, close_scene)
 
 int main(void) {
     const struct CMUnitTest tests[] = {

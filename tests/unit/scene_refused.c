@@ -1,23 +1,7 @@
 /* What a scene refuses: every value out of its range, with a message that names it, and the scene as it was.
  * The ends of each range are taken. */
 #include "scene/scene.h"
-#include "unit.h"
-
-static fathom_context *context;
-static fathom_scene *scene;
-
-static int set_up(void **state) {
-    (void)state;
-    if (fathom_context_create(&context) != FATHOM_OK) return 1;
-    return fathom_scene_create(context, &scene) == FATHOM_OK ? 0 : 1;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    fathom_scene_destroy(scene);
-    fathom_context_destroy(context);
-    return 0;
-}
+#include "unit_scene.h"
 
 /* How much a scene holds: what a refused call must not change. */
 static size_t content(void) {
@@ -361,7 +345,7 @@ static void sizes_that_cannot_be(void **state) {
     assert_int_equal(scene->blobs.count, 0);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, open_scene, close_scene)
 
 int main(void) {
     const struct CMUnitTest tests[] = {

@@ -1,14 +1,12 @@
 /* Mesh files: what is written reads back as the same triangles, bit for bit. */
 #include "base/file.h"
 #include "read/write/write.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <fathom/read.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-static fathom_context *context;
-static char folder[] = "/tmp/fathom_write_XXXXXX";
 static int warnings;
 static char last_warning[512];
 
@@ -19,23 +17,9 @@ static void count_warning(void *user, const char *message) {
 }
 
 static int set_up(void **state) {
-    (void)state;
-    if (!mkdtemp(folder) || fathom_context_create(&context) != FATHOM_OK) return 1;
+    if (open_folder(state) != 0) return -1;
     fathom_context_on_warning(context, count_warning, NULL);
     return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    /* Every test removes its files: what is left over was left behind. */
-    return rmdir(folder);
-}
-
-static const char *in_folder(const char *name) {
-    static char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
 }
 
 static void remove_file(const char *name) { assert_int_equal(unlink(in_folder(name)), 0); }
@@ -609,5 +593,5 @@ int main(void) {
         cmocka_unit_test(what_cannot_be_written_is_said),
         cmocka_unit_test(too_many_triangles_are_refused),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, remove_folder);
 }

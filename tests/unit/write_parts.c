@@ -1,26 +1,12 @@
 /* What mesh files are made of: texts, names, welded vertices, and materials that a format cannot hold as they
  * are. */
 #include "read/write/write.h"
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <fathom/read.h>
 
 #include <jansson.h>
 #include <unistd.h>
-
-static fathom_context *context;
-static char folder[] = "/tmp/fathom_write_parts_XXXXXX";
-
-static int set_up(void **state) {
-    (void)state;
-    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : 1;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    return rmdir(folder);
-}
 
 /* ---- texts ---- */
 
@@ -209,12 +195,6 @@ static void facets_keep_texture_coordinates(void **state) {
 
 /* ---- materials ---- */
 
-static const char *in_folder(const char *name) {
-    static char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
 static fathom_material through_file(const char *name, const fathom_material *material) {
     fathom_scene *scene, *back;
     fathom_id id;
@@ -282,5 +262,5 @@ int main(void) {
         cmocka_unit_test(phong_becomes_blinn),
         cmocka_unit_test(what_mtl_has),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }
