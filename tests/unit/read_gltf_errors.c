@@ -169,6 +169,26 @@ static void out_of_proportion(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* What making normals takes meanwhile counts, and is given back: the second file makes them three times. */
+static void normals_out_of_proportion(void **state) {
+    fixture *f = *state;
+    const read_mesh_options smooth = {.material = FATHOM_NONE, .smooth = true};
+    fathom_scene *scene;
+    write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
+                                                             "'POSITION':0}}]}]}");
+    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &smooth), FATHOM_BAD_INPUT,
+                 "meshes[0].primitives[0]: brings what the file asks for to 156000 bytes of memory");
+    fathom_scene_destroy(scene);
+#define PART "{'attributes':{'POSITION':0}}"
+    write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(999) "}],'meshes':[{'primitives':[" PART "," PART
+                                                            "," PART "]}]}");
+#undef PART
+    assert_ok(f->context, fathom_scene_create(f->context, &scene));
+    assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &smooth));
+    fathom_scene_destroy(scene);
+}
+
 /* What a message quotes cannot steer the terminal that shows it. */
 static void quoted_controls(void **state) {
     fixture *f = *state;
@@ -355,6 +375,7 @@ int main(void) {
         TEST(meshes),
         TEST(accessors),
         TEST(out_of_proportion),
+        TEST(normals_out_of_proportion),
         TEST(quoted_controls),
         TEST(values),
         TEST(nodes),

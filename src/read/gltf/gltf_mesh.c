@@ -98,10 +98,11 @@ static fathom_status check_count(gltf *g, const primitive *p, const char *key, u
 }
 
 static fathom_status make_normals(gltf *g, primitive *p) {
+    const uint64_t beside = p->mesh.vertex_count * (uint64_t)NORMALS_SMOOTH_BYTES;
     void *normals;
-    fathom_status status = gltf_charge(g, p->at, NULL, p->mesh.vertex_count * (uint64_t)NORMALS_SMOOTH_BYTES);
-    if (status == FATHOM_OK)
-        status = gltf_allocate(g, p->at, NULL, (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
+    fathom_status status =
+        gltf_allocate(g, p->at, NULL, (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
+    if (status == FATHOM_OK) status = gltf_charge(g, p->at, NULL, beside);
     if (status != FATHOM_OK) return status;
     const normals_input input = {.positions = p->mesh.positions,
                                  .stride = p->mesh.position_stride,
@@ -110,7 +111,9 @@ static fathom_status make_normals(gltf *g, primitive *p) {
                                  .slot_count = p->mesh.vertex_count};
     p->mesh.normals = normals;
     p->mesh.normal_count = p->mesh.vertex_count;
-    return normals_smooth(g->context, &input, normals);
+    status = normals_smooth(g->context, &input, normals);
+    g->charged -= beside; /* given back, as it is by then */
+    return status;
 }
 
 /* A mesh without normals is flat by the standard, unless smooth ones are asked for. */
