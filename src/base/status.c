@@ -67,6 +67,7 @@ static void disarm(char *text) {
 }
 
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...) {
+    if (!context) return status;
     va_list args;
     va_start(args, format);
     vsnprintf(context->message, MESSAGE_SIZE, format, args);
@@ -76,6 +77,7 @@ fathom_status fail(fathom_context *context, fathom_status status, const char *fo
 }
 
 fathom_status fail_within(fathom_context *context, fathom_status status, const char *format, ...) {
+    if (!context) return status;
     char inner[MESSAGE_SIZE];
     memcpy(inner, context->message, MESSAGE_SIZE);
     va_list args;
@@ -94,7 +96,6 @@ fathom_status fail_memory(fathom_context *context, size_t bytes) {
 }
 
 fathom_status fail_null(fathom_context *context, const char *argument) {
-    if (!context) return FATHOM_BAD_USAGE;
     return fail(context, FATHOM_BAD_USAGE, "%s: expected an address, found NULL", argument);
 }
 

@@ -7,7 +7,7 @@
 
 /* Stores the message and returns the status, so that a failure is one line: return fail(ctx,
  * FATHOM_BAD_INPUT, …); A message says where (file:line: or file: at byte N:), what was found, what was
- * expected. */
+ * expected. Without a context there is no place for it, as for whoever only asks whether. */
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -22,8 +22,8 @@ fathom_status fail_memory(fathom_context *context, size_t bytes);
 bool context_allows_outside(const fathom_context *context);
 bool context_copies_files(const fathom_context *context);
 
-/* FATHOM_BAD_USAGE: this argument of a public call is NULL and must not be. The context may be NULL too: then
- * there is no place for a message. */
+/* FATHOM_BAD_USAGE: this argument of a public call is NULL and must not be. The context may be NULL too.
+ */
 fathom_status fail_null(fathom_context *context, const char *argument);
 
 /* A warning for the user; see fathom_context_on_warning(). Only from the calling thread, once for each kind.

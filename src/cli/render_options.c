@@ -72,15 +72,17 @@ static bool take_rgb(const args_option *option, const char *value, void *field, 
 }
 
 static bool take_tracer(const args_option *option, const char *value, void *field, args_problem *problem) {
-    (void)option;
     trace_spec spec;
     fathom_context *context;
-    if (fathom_context_create(&context) != FATHOM_OK) return args_wrong(problem, "out of memory");
-    bool fine = trace_spec_parse(context, value, &spec) == FATHOM_OK;
-    if (!fine) args_wrong(problem, "%s", fathom_context_message(context));
-    fathom_context_destroy(context);
     *(const char **)field = value;
-    return fine;
+    if (trace_spec_parse(NULL, value, &spec) == FATHOM_OK) return true;
+    /* Once more, for the words: what is right takes no memory. */
+    if (fathom_context_create(&context) != FATHOM_OK)
+        return args_wrong(problem, "expected %s, found \"%.60s\"", option->value, value);
+    trace_spec_parse(context, value, &spec);
+    args_wrong(problem, "%s", fathom_context_message(context));
+    fathom_context_destroy(context);
+    return false;
 }
 
 typedef struct named_bits {
