@@ -26,6 +26,23 @@ wait $program || code=$?
 [ $code -eq 134 ] || die "SIGABRT: exit code $code, expected that of the signal"
 rm a.part err.txt out.txt
 [ "$(ls -A)" = "$(cat before.txt)" ] || die "SIGABRT: left behind: $(ls -A)"
+# One that waits for itself does neither, and is waited for no longer than ten seconds; nor does it keep the process from
+# leaving.
+code=0
+FAULT_LOST=hang FATHOM_IMAGE_MODULE=$BUILD/tests/faults/lost.so \
+    "$FATHOM" render scene.json -o a.exr --size 4096x4096 --tracer linear:f64 --spp 65536 >out.txt 2>err.txt &
+render=$!
+FAULT_LOST=hang FATHOM_IMAGE_MODULE=$BUILD/tests/faults/lost.so \
+    "$FATHOM" render scene.json -o b.exr --size 16x12 -q >out2.txt 2>err2.txt || code=$?
+[ $code -eq 4 ] || die "a library that hangs, and an image that waits for it: exit code $code, expected 4"
+code=0
+wait $render || code=$?
+[ $code -eq 4 ] || die "a library that hangs: exit code $code, expected 4"
+said err.txt 'fathom: image module: a library has been waiting for itself for 10 seconds while it was loaded'
+said err2.txt 'fathom: image module: a library has been waiting for itself for 10 seconds while it was loaded'
+said err2.txt 'b.rescue.exr, as scene-linear EXR'
+rm err.txt out.txt err2.txt out2.txt b.rescue.exr
+[ "$(ls -A)" = "$(cat before.txt)" ] || die "a library that hangs: left behind: $(ls -A)"
 rm before.txt
 
 # Sanitizers answer requests themselves.

@@ -137,6 +137,38 @@ static void forking_while_loading(void **state) {
     in_child(prefetch_and_fork, NULL);
 }
 
+/* A child of a process that loads has no thread that goes on with it. */
+static bool writes_in_child(const image *img) {
+    pid_t child = fork();
+    if (child == 0) {
+        fathom_write_options options = defaults();
+        exit(!fails_with(image_write(context, img, in_folder("a.exr"), &options), FATHOM_INTERNAL,
+                         "forked while it was loaded"));
+    }
+    int status;
+    return waitpid(child, &status, 0) == child && status == 0;
+}
+
+/* The process waits for the module neither when it wants to write nor when it leaves. */
+static bool module_hangs(void *user) {
+    (void)user;
+    image img = noisy();
+    fathom_write_options options = defaults();
+    setenv("FAULT_LOST", "hang", 1);
+    setenv("FATHOM_IMAGE_MODULE", LOST_MODULE, 1);
+    image_prefetch();
+    bool ok = image_prefetch_status(context) == FATHOM_OK && writes_in_child(&img);
+    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_OUT_OF_RESOURCES,
+                     "has been waiting for itself");
+    ok &= fails_with(image_prefetch_status(context), FATHOM_OUT_OF_RESOURCES, "has been waiting for itself");
+    return ok && access(in_folder("a.exr"), F_OK) != 0;
+}
+
+static void module_that_hangs(void **state) {
+    (void)state;
+    in_child(module_hangs, NULL);
+}
+
 static bool write_after_prefetch(void *user) {
     (void)user;
     image img = noisy();
@@ -274,6 +306,7 @@ int main(void) {
         cmocka_unit_test(png_needs_no_module),
         cmocka_unit_test(leaving_while_loading),
         cmocka_unit_test(forking_while_loading),
+        cmocka_unit_test(module_that_hangs),
         cmocka_unit_test(writing_waits_for_the_load),
         cmocka_unit_test(closed_folder),
         cmocka_unit_test(full_disk),
