@@ -10,6 +10,7 @@ extern "C" {
 
 #include <atomic>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -73,6 +74,36 @@ static void leave_loading() {
 
 static void on_exit_of_library() {
     if (image_is_loading_here()) leave_loading();
+    if (image_is_called_here()) {
+        leave(FATHOM_OUT_OF_RESOURCES,
+              "fathom: image module: a library ended the process, as some do when they lack memory", "");
+    }
+}
+
+/* Raised by what this process does, not sent by another. */
+static bool is_own(const siginfo_t *info) {
+    return info->si_code > 0 || (info->si_code == SI_TKILL && info->si_pid == getpid());
+}
+
+/* Libraries that do not look at what they were given write through a null pointer, or near it: no page is
+ * ever mapped there (vm.mmap_min_addr). Others end the process in so many words. */
+static bool seems_lack(int number, const siginfo_t *info) {
+    if (number == SIGSEGV) return reinterpret_cast<std::uintptr_t>(info->si_addr) < 65536;
+    return number == SIGABRT || number == SIGTRAP;
+}
+
+static void end_of_library(int number, const siginfo_t *info) {
+    if (!is_own(info)) return;
+    if (image_is_loading_here()) leave_loading();
+    image_call_failed_here(number, seems_lack(number, info));
+    /* On a thread of its own: nobody could go on from there. */
+    if (number == SIGSEGV && seems_lack(number, info) && image_is_called()) {
+        leave(
+            FATHOM_OUT_OF_RESOURCES,
+            "fathom: image module: a thread used a null pointer while its libraries worked, as some do when "
+            "they lack memory",
+            "");
+    }
 }
 
 static const int fatal[] = {SIGABRT, SIGTRAP, SIGSEGV, SIGFPE, SIGILL};
@@ -81,7 +112,7 @@ static struct sigaction before[sizeof fatal / sizeof *fatal];
 /* Where no handler was, the signal comes again: from abort(), which insists, from the instruction, or from
  * here. */
 static void on_fatal(int number, siginfo_t *info, void *machine) {
-    if (image_is_loading_here()) leave_loading();
+    end_of_library(number, info);
     file_writer_abort_all();
     for (std::size_t i = 0; i < sizeof fatal / sizeof *fatal; ++i) {
         if (fatal[i] != number) continue;

@@ -13,9 +13,11 @@ extern "C" {
  * without end. An exception that nobody catches, for whatever reason, ends the process the same way, as an
  * internal error.
  *
- * Libraries in C have other ways to go: while the image module is loaded some call exit() or abort(), trap,
- * or write through a null pointer when they lack memory. All that ends as above. The same signals elsewhere
- * go where they went before, once temporary files are removed. */
+ * Libraries in C have other ways to go: some of the image module's call exit() or abort(), trap,
+ * or write through a null pointer when they lack memory. While they are loaded, all that ends as above. When
+ * they are called, the call fails, and the pixels can be saved by other means; but exit(), and what happens
+ * on their own threads, ends as above. The same signals elsewhere, or from other processes, go where they
+ * went before, once temporary files are removed. */
 void exhausted_watch(void);
 
 #ifdef __cplusplus

@@ -88,6 +88,15 @@ void image_prefetch(void);
  * handlers of signals and of exit(). */
 bool image_is_loading_here(void);
 
+/* For a handler of the signals that end a process. Where the calling thread is in a call of the module, that
+ * call fails and this does not return: with FATHOM_OUT_OF_RESOURCES where what happened, `number`, is what
+ * libraries do when they lack memory, else with FATHOM_INTERNAL. */
+void image_call_failed_here(int number, bool lack);
+/* Whether the calling thread is in one; whether any is, for which libraries may work on threads of their own.
+ */
+bool image_is_called_here(void);
+bool image_is_called(void);
+
 /* FATHOM_INTERNAL with the reason once that has failed, so that nobody renders for hours towards a file that
  * cannot be written. FATHOM_OK while it is under way, too. Any thread. */
 fathom_status image_prefetch_status(fathom_context *context);

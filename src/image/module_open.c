@@ -1,6 +1,7 @@
 #include "image/module_open.h"
 
 #include "base/file.h"
+#include "image/module_calls.h"
 
 #include <dlfcn.h>
 #include <limits.h>
@@ -71,7 +72,7 @@ const image_module *module_open(const atomic_bool *closing, module_trouble *why)
         return NULL;
     }
     const image_module *module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
-    if (module && module->version == IMAGE_MODULE_VERSION) return module;
+    if (module && module->version == IMAGE_MODULE_VERSION) return module_calls(module);
     if (!module) {
         const char *error = dlerror();
         module_trouble_say(why, error ? status_of(error) : FATHOM_OUT_OF_RESOURCES, "%s",

@@ -43,6 +43,30 @@ said err2.txt 'fathom: image module: a library has been waiting for itself for 1
 said err2.txt 'b.rescue.exr, as scene-linear EXR'
 rm err.txt out.txt err2.txt out2.txt b.rescue.exr
 [ "$(ls -A)" = "$(cat before.txt)" ] || die "a library that hangs: left behind: $(ls -A)"
+# One that ends the process while it writes rows costs no pixel, but where it calls exit() or does so on its own thread.
+run 0 render scene.json -o good.exr --size 16x12 -q
+lose_rows() { # WAY CODE WORDS
+    code=0
+    FAULT_LOST=rows-$1 FATHOM_IMAGE_MODULE=$BUILD/tests/faults/lost.so \
+        "$FATHOM" render scene.json -o a.exr --size 16x12 -q >out.txt 2>err.txt || code=$?
+    [ $code -eq "$2" ] || die "rows, $1: exit code $code, expected $2"
+    said err.txt "$3"
+}
+lose_rows_and_rescue() {
+    lose_rows "$@"
+    said err.txt 'are in a.rescue.exr, as scene-linear EXR'
+    run 0 compare good.exr a.rescue.exr --tolerance 0.00390625 # halves in the one, floats in the other
+    rm a.rescue.exr
+}
+lose_rows_and_rescue abort 4 'a.exr: cannot be written: a library of the image module failed (SIGABRT), as some do when they'
+lose_rows_and_rescue trap 4 'a library of the image module failed (SIGTRAP), as some do when they lack memory'
+lose_rows_and_rescue null 4 'a library of the image module failed (SIGSEGV), as some do when they lack memory'
+lose_rows_and_rescue fault 70 'a library of the image module failed (SIGSEGV)'
+not_said err.txt 'lack memory'
+lose_rows exit 4 'fathom: image module: a library ended the process, as some do when they lack memory'
+lose_rows thread 4 'fathom: image module: a thread used a null pointer while its libraries worked, as some do when'
+rm err.txt out.txt good.exr
+[ "$(ls -A)" = "$(cat before.txt)" ] || die "a library that ends while rows are written: left behind: $(ls -A)"
 rm before.txt
 
 # Sanitizers answer requests themselves.
@@ -58,6 +82,11 @@ run 0 generate sphere -t 100 -o ball.glb --quiet
 
 each -t "$faults/oom.so" "$FATHOM" info ball.glb
 each -a -s 0/8 "$faults/oom.so" "$FATHOM" info scene.json
+# The first requests, while the command line is read.
+for number in 1 2 3 4; do
+    each -n -s $number/1000000 -c "$FATHOM" -o a.png \
+        "$faults/oom.so" "$FATHOM" render scene.json -o a.png --size 16x12 -q --tracer bvh
+done
 each -s 0/12 "$faults/oom.so" "$FATHOM" validate ball.glb --rays 2 -q
 # Embree's and the scheduler's requests, but for those of the image module's libraries.
 each -x fathom_image -i libembree -s 1/12 -c "$FATHOM" -o a.exr \

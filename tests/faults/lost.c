@@ -1,14 +1,15 @@
-/* In place of the image module: a library that ends the process while it is loaded, or waits for itself, in
- * the way that $FAULT_LOST names, as some of the image module's do when memory is lacking. */
+/* In place of the image module: a library that ends the process, or waits for itself, in the way that
+ * $FAULT_LOST names, as some of the image module's do when memory is lacking; while it is loaded, or where
+ * the name begins with "rows-", when rows are written. */
+#include "image/module/module.h"
+
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 
-static void __attribute__((constructor)) lose(void) {
-    const char *way = getenv("FAULT_LOST");
-    if (!way) return;
+static void lose(const char *way) {
     if (strcmp(way, "exit") == 0) exit(1);
     if (strcmp(way, "abort") == 0) abort();
     if (strcmp(way, "trap") == 0) raise(SIGTRAP);
@@ -16,8 +17,46 @@ static void __attribute__((constructor)) lose(void) {
         static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
         pthread_mutex_lock(&lock), pthread_mutex_lock(&lock);
     }
+    volatile char *null = NULL;
+    if (strcmp(way, "null") == 0) null[8] = 1;
     if (strcmp(way, "fault") == 0) {
         volatile char *page = mmap(NULL, 4096, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
         page[0] = 1;
     }
 }
+
+static const char *way(void) {
+    const char *name = getenv("FAULT_LOST");
+    return name ? name : "";
+}
+
+static void __attribute__((constructor)) while_loading(void) { lose(way()); }
+
+static void *on_own_thread(void *unused) {
+    lose("null");
+    return unused;
+}
+
+static fathom_status open_nothing(const image_target *target, image_writer **out, image_message *message) {
+    (void)target, (void)message;
+    *out = NULL;
+    return FATHOM_OK;
+}
+
+static fathom_status lose_rows(image_writer *writer, uint32_t count, const void *pixels,
+                               image_message *message) {
+    (void)writer, (void)count, (void)pixels, (void)message;
+    pthread_t thread;
+    if (strncmp(way(), "rows-", 5) == 0) lose(way() + 5);
+    if (strcmp(way(), "rows-thread") == 0 && pthread_create(&thread, NULL, on_own_thread, NULL) == 0)
+        pthread_join(thread, NULL);
+    return FATHOM_OK;
+}
+
+static fathom_status close_nothing(image_writer *writer, bool finish, image_message *message) {
+    (void)writer, (void)finish, (void)message;
+    return FATHOM_OK;
+}
+
+__attribute__((visibility("default"))) const image_module fathom_image_module = {
+    .version = IMAGE_MODULE_VERSION, .writer = {open_nothing, lose_rows, close_nothing}};
