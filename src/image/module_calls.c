@@ -86,7 +86,7 @@ static fathom_status close_and_tell(image_view *view, image_message *message) {
 }
 
 static void close_view(image_view *view) {
-    image_message ignored;
+    image_message ignored = {""};
     close_and_tell(view, &ignored);
 }
 
@@ -95,7 +95,7 @@ static fathom_status release_and_tell(const image *img, image_message *message) 
 }
 
 static void release_image(const image *img) {
-    image_message ignored;
+    image_message ignored = {""};
     release_and_tell(img, &ignored);
 }
 

@@ -3,8 +3,8 @@
  *   LIBRARY  oom.so, loaded into the command; see oom.c
  *   -o FILE  is written by the command: where it ends with 0, it must hold what it holds without faults
  *   -w FILE  is written too, and may hold anything
- *   -k TEXT  who ends badly with it, on stderr or among the calls, is known to: counted, no failure
- *   -c PROGRAM  files that differ are the same where PROGRAM compare -q says so: images hold the hour
+ *   -k TEXT  who ends badly with it, on stderr, among the calls or in the verdict, is known to: counted, no
+ * failure -c PROGRAM  files that differ are the same where PROGRAM compare -q says so: images hold the hour
  *   -r FILE  pixels that were saved elsewhere are those of this image (without: of an output)
  *   -t       standard output too is the same each time
  *   -a       from the place on, all requests fail (without: that one)
@@ -253,12 +253,13 @@ static void tell_bad(const char *what, const char *fault, const char *place) {
         fflush(log);
 }
 
-static bool is_expected(const char *place) {
+static bool is_expected(const char *what, const char *place) {
     bool found = false;
     bytes said = contents(ERR);
     for (unsigned i = 0; i < options.expected_count; ++i) {
         const char *text = options.expected[i];
-        found |= strstr(place, text) || (said.size && memmem(said.data, said.size, text, strlen(text)));
+        found |= strstr(what, text) || strstr(place, text) ||
+                 (said.size && memmem(said.data, said.size, text, strlen(text)));
     }
     free(said.data);
     return found;
@@ -278,7 +279,7 @@ static void try_one(const char *fault, const char *place, tally *t) {
         t->unharmed += !refused;
         return;
     }
-    if (is_expected(place)) {
+    if (is_expected(what, place)) {
         ++t->known;
         return;
     }
