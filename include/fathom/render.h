@@ -235,7 +235,8 @@ FATHOM_API fathom_status fathom_film_write(fathom_context *context, const fathom
 FATHOM_API fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film,
                                                  const char *path);
 /* Starts loading the image module in the background, so that the first write does not wait for it. PNG in the
- * built-in sRGB view does without the module. */
+ * built-in sRGB view does without the module. From here on the module counts in what a render is expected to
+ * hold. */
 FATHOM_API void fathom_image_prefetch(void);
 
 #ifdef __cplusplus

@@ -84,6 +84,9 @@ void image_release(const image *img);
 /* Starts loading the module on a thread of its own. Leaving the process waits for that thread. */
 void image_prefetch(void);
 
+/* Whether it was asked for, and is there or may still come. */
+bool image_is_wanted(void);
+
 /* Whether the calling thread is loading the module: what ends the process then is one of its libraries. For
  * handlers of signals and of exit(). */
 bool image_is_loading_here(void);

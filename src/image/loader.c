@@ -182,6 +182,13 @@ const image_module *loader_loaded(void) {
     return module;
 }
 
+bool image_is_wanted(void) {
+    pthread_mutex_lock(&loader.lock);
+    bool wanted = loader.module || loader.loading;
+    pthread_mutex_unlock(&loader.lock);
+    return wanted;
+}
+
 fathom_status image_prefetch_status(fathom_context *context) {
     pthread_mutex_lock(&loader.lock);
     bool endless = loader.loading && never_ends();

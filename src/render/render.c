@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "image/image.h"
 #include "render/checkpoint/checkpoint.h"
 #include "render/job.h"
 #include "render/watch.h"
@@ -39,14 +40,20 @@ static void report_build(void *user) {
         atomic_store(&b->stop, true);
 }
 
+static uint64_t program_bytes(const fathom_context *context) {
+    return (image_is_wanted() ? MEMORY_PROGRAM : MEMORY_PROGRAM_ALONE) +
+           (uint64_t)fathom_context_threads(context) * MEMORY_THREAD;
+}
+
 /* What the process will hold beside the tracer's structures. Of a large film nothing is there yet, unless a
  * checkpoint has filled it, the image module may not be loaded, and of a mapped mesh only what was looked at
  * is in memory. */
-static fathom_status memory_beside(const fathom_scene *scene, const fathom_film *film, uint64_t *out) {
+static fathom_status memory_beside(fathom_context *context, const fathom_scene *scene,
+                                   const fathom_film *film, uint64_t *out) {
     uint64_t meshes;
     fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &meshes);
     if (status != FATHOM_OK) return status;
-    uint64_t bytes = film_bytes(film), expected = MEMORY_PROGRAM + meshes,
+    uint64_t bytes = film_bytes(film), expected = program_bytes(context) + meshes,
              film_now = film->stats.resumed_samples ? bytes : memory_taken(bytes);
     uint64_t resident = memory_resident();
     resident = resident > film_now ? resident - film_now : 0;
@@ -71,7 +78,7 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
     if (status != FATHOM_OK) return status;
     uint64_t beside;
     status = scene_rest_files(w->scene);
-    if (status == FATHOM_OK) status = memory_beside(w->scene, film, &beside);
+    if (status == FATHOM_OK) status = memory_beside(context, w->scene, film, &beside);
     if (status != FATHOM_OK) return status;
     build b = {.context = context,
                .world = w,
