@@ -10,7 +10,7 @@
  *   -a       from the place on, all requests fail (without: that one)
  *   -n       every request by its number (without: places by the calls that lead there)
  *   -s K/N   every N-th of them alone, from the K-th
- *   -x TEXT  leaves out places that calls lead to in which the text occurs
+ *   -x TEXT  leaves out places that calls lead to in which the text occurs; may be given several times
  *   -i TEXT  leaves out all others
  *   -l FILE  appends what ended badly, with the calls that led there
  * Works in the current folder, which must hold nothing that the command does not read.
@@ -31,17 +31,19 @@
 #include <time.h>
 #include <unistd.h>
 
-#define OUTPUTS_MAX 8
+#define TIMES_MAX 8 /* how often an option may be given */
 #define SECONDS_MAX 60
 
 static struct {
-    const char *outputs[OUTPUTS_MAX], *expected[OUTPUTS_MAX];
+    const char *outputs[TIMES_MAX], *expected[TIMES_MAX];
     unsigned expected_count;
-    bool varies[OUTPUTS_MAX];
+    bool varies[TIMES_MAX];
     unsigned output_count;
     bool same_stdout, all_after, by_number;
     unsigned long step, of;
-    const char *log, *library, *without, *only, *comparing, *rescued;
+    const char *without[TIMES_MAX];
+    unsigned without_count;
+    const char *log, *library, *only, *comparing, *rescued;
     char **command;
 } options = {.of = 1};
 
@@ -159,7 +161,7 @@ static ending run(const char *fault) {
 
 /* ---- the verdict ---- */
 
-static bytes good[OUTPUTS_MAX], good_stdout;
+static bytes good[TIMES_MAX], good_stdout;
 
 /* The good one beside the outputs, under a name with the same extension. */
 static const char *good_name(unsigned i) {
@@ -302,8 +304,9 @@ static void learn(void) {
 static bool is_chosen(unsigned long index) { return index % options.of == options.step; }
 
 static bool is_left_out(const char *place) {
-    return (options.without && strstr(place, options.without)) ||
-           (options.only && !strstr(place, options.only));
+    bool out = options.only && !strstr(place, options.only);
+    for (unsigned i = 0; i < options.without_count; ++i) out |= strstr(place, options.without[i]) != NULL;
+    return out;
 }
 
 static void try_numbers(const char *report, tally *t) {
@@ -333,12 +336,12 @@ static void parse(int argc, char **argv) {
         switch (letter) {
         case 'o':
         case 'w':
-            if (options.output_count == OUTPUTS_MAX) stop("too many outputs", optarg);
+            if (options.output_count == TIMES_MAX) stop("too many outputs", optarg);
             options.varies[options.output_count] = letter == 'w';
             options.outputs[options.output_count++] = optarg;
             break;
         case 'k':
-            if (options.expected_count < OUTPUTS_MAX) options.expected[options.expected_count++] = optarg;
+            if (options.expected_count < TIMES_MAX) options.expected[options.expected_count++] = optarg;
             break;
         case 't': options.same_stdout = true; break;
         case 'a': options.all_after = true; break;
@@ -349,7 +352,10 @@ static void parse(int argc, char **argv) {
             break;
         case 'c': options.comparing = optarg; break;
         case 'r': options.rescued = optarg; break;
-        case 'x': options.without = optarg; break;
+        case 'x':
+            if (options.without_count == TIMES_MAX) stop("too many of -x", optarg);
+            options.without[options.without_count++] = optarg;
+            break;
         case 'i': options.only = optarg; break;
         case 'l': options.log = optarg; break;
         default: stop("wrong usage; see each.c", argv[0]);
