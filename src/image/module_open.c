@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #define PARTS_FILE "fathom_image.parts" /* beside the module */
 
@@ -26,6 +27,26 @@ static fathom_status status_of(const char *error) {
         if (strstr(error, words[i])) return FATHOM_OUT_OF_RESOURCES;
     }
     return FATHOM_INTERNAL;
+}
+
+/* Where the loader has no memory to look for the module, it says of the file, which is there, that it cannot
+ * be opened, with no reason or that of some earlier failure. */
+static bool was_not_looked_for(const char *path, const char *error) {
+    static const char says[] = ": cannot open shared object file", stale[] = ": No such file or directory";
+    size_t length = strlen(path);
+    if (strncmp(error, path, length) != 0 || strncmp(error + length, says, sizeof says - 1) != 0)
+        return false;
+    const char *reason = error + length + sizeof says - 1;
+    return (!*reason || strcmp(reason, stale) == 0) && access(path, R_OK) == 0;
+}
+
+static void say_why_not(module_trouble *why, const char *path, const char *error) {
+    if (!error)
+        module_trouble_say(why, FATHOM_OUT_OF_RESOURCES, "%s", path);
+    else if (was_not_looked_for(path, error))
+        module_trouble_say(why, FATHOM_OUT_OF_RESOURCES, "out of memory: %s was not looked for", path);
+    else
+        module_trouble_say(why, status_of(error), "%s", error);
 }
 
 /* The libraries that the module needs, one by one, from those up that need no others. A dlopen() looks for
@@ -74,9 +95,7 @@ const image_module *module_open(const atomic_bool *closing, module_trouble *why)
     const image_module *module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
     if (module && module->version == IMAGE_MODULE_VERSION) return module_calls(module);
     if (!module) {
-        const char *error = dlerror();
-        module_trouble_say(why, error ? status_of(error) : FATHOM_OUT_OF_RESOURCES, "%s",
-                           error ? error : path);
+        say_why_not(why, path, dlerror());
     } else {
         module_trouble_say(why, FATHOM_INTERNAL, "%s: is of another build: version %u, expected %d", path,
                            module->version, IMAGE_MODULE_VERSION);

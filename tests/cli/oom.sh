@@ -91,6 +91,9 @@ each -s 0/12 "$faults/oom.so" "$FATHOM" validate ball.glb --rays 2 -q
 # Embree's and the scheduler's requests, but for those of the image module's libraries.
 each -x fathom_image -i libembree -s 1/12 -c "$FATHOM" -o a.exr \
     "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
+# While one library is loaded, each place.
+FATHOM_IMAGE_MODULE=$faults/lost.so each -i ld-linux -k 'exit code 127' -w a.exr \
+    "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
 # While the image module's libraries are loaded: many of them end the process then.
 each -i ld-linux -s 3/150 -k 'exit code 127' -c "$FATHOM" -o a.exr \
     "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
