@@ -221,7 +221,7 @@ const command command_info = {
     .summary = "Tell what a scene holds, what it will take, and what is wrong with it.",
     .text = "Counts, bounds, features used, what a render leaves out and why, an estimate of\n"
             "the memory it takes, and the problems found. The exit code is 3 when the scene\n"
-            "cannot be rendered.\n",
+            "cannot be rendered with Embree, the usual tracer.\n",
     .args = {options, operands, operand_offsets, 1},
     .run = run,
 };

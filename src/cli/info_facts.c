@@ -9,6 +9,7 @@
 #include "scene/world.h"
 #include "shade/material.h"
 #include "trace/need.h"
+#include "trace/reach.h"
 
 #include <stdlib.h>
 
@@ -153,6 +154,7 @@ static fathom_status look_at_world(const fathom_scene *scene, info_facts *out) {
     trace_need need = trace_need_of(w, false);
     out->bvh_bytes = (uint64_t)need.kept, out->build_bytes = (uint64_t)need.passed;
     status = world_check(w);
+    if (status == FATHOM_OK) status = reach_check(scene->context, w);
     if (status == FATHOM_OK) status = list_left_out(w, out);
     world_destroy(w);
     return status;

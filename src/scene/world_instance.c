@@ -32,6 +32,30 @@ static void set_error(world_instance *instance, const affine_f64 *to_world, cons
     }
 }
 
+/* What is smaller may be flushed to zero. */
+static const double least = 0x1p-126;
+/* Embree takes no component of a direction for less than 1e-18 where it tests boxes. A direction carried to
+ * the object and back is bent by no more than 2^-24 of its length where nothing grows by more than this. Then
+ * no product of three entries leaves the range above. */
+static const double growth_most = 0x1p35;
+
+static double row_sum(const double row[4]) { return fabs(row[0]) + fabs(row[1]) + fabs(row[2]); }
+
+/* What is flushed from a determinant's products, six times `least`, has to vanish beside 2^-24 of it; and
+ * twice `least`, from an entry of the adjugate, beside 2^-24 of the largest in its row. */
+bool world_instance_fits_float(const world_instance *instance) {
+    affine_f64 map;
+    for (int i = 0; i < 12; ++i) map.m[i / 4][i % 4] = (double)instance->to_world[i / 4][i % 4];
+    double d = fabs(determinant(&map));
+    if (!(d >= 8 * least / unit_round)) return false;
+    for (int i = 0; i < 3; ++i) {
+        const float *a = instance->to_object[i];
+        double entry = fmax(fabs((double)a[0]), fmax(fabs((double)a[1]), fabs((double)a[2])));
+        if (!(entry * d >= 2 * least / unit_round) || !(row_sum(map.m[i]) <= growth_most)) return false;
+    }
+    return true;
+}
+
 /* to_object inverts the rounded to_world, so that both say the same place. */
 bool world_instance_set(world_instance *instance, const affine_f64 *to_world) {
     affine_f64 rounded, inverse;

@@ -3,6 +3,7 @@
 #define TRACE_EMBREE_H
 
 #include "trace/embree_api.h"
+#include "trace/reach.h"
 #include "trace/tracer.h"
 
 #include <stdatomic.h>
@@ -23,7 +24,7 @@ typedef struct embree_tracer {
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call */
-    float reach, longest;      /* what coordinates of origins and directions may be; see embree_build.c */
+    trace_reach reach;         /* of the rays that are given to Embree */
     RTCFilterFunctionN filter; /* NULL: ties are not settled */
     _Atomic int64_t bytes;     /* held by Embree */
     _Atomic int64_t peak;      /* the most of it */

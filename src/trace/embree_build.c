@@ -1,7 +1,7 @@
 /* From the world to Embree's scenes: one for each group, instances in the root. */
 #include "reference/reference.h"
 #include "trace/embree.h"
-#include "trace/search.h"
+#include "trace/reach.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -105,93 +105,7 @@ static void attach_instances(embree_tracer *tracer, RTCScene root) {
 
 /* ---- that what was built is there ----
  * A configuration that Embree does not support builds nothing and says nothing, and every ray misses. So the
- * bounds of each scene must hold a point of each geometry. Embree drops primitives whose coordinates are not
- * below 1.844e18; a geometry that has no other is not missed. Half of that leaves room for sums. */
-
-#define EMBREE_LARGEST 1.844e18f
-
-static bool usable(vec3_f32 p) {
-    const float limit = EMBREE_LARGEST / 2; /* and no NaN is below it */
-    return fabsf(p.x) < limit && fabsf(p.y) < limit && fabsf(p.z) < limit;
-}
-
-static bool mesh_point(const fathom_mesh *mesh, vec3_f32 *out) {
-    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
-        vec3_f32 v[3];
-        search_corners(mesh, i, v);
-        *out = v[0];
-        if (usable(v[0]) && usable(v[1]) && usable(v[2]) && triangle_has_area_f32(v[0], v[1], v[2]))
-            return true;
-    }
-    return false;
-}
-
-static bool sphere_point(const world_sphere *spheres, uint32_t count, vec3_f32 *out) {
-    for (uint32_t i = 0; i < count; ++i) {
-        *out = spheres[i].center;
-        if (usable(*out) && largest_f32(*out) + fabsf(spheres[i].radius) < EMBREE_LARGEST / 2) return true;
-    }
-    return false;
-}
-
-static bool quad_point(const world_quad *quads, uint32_t count, vec3_f32 *out) {
-    for (uint32_t i = 0; i < count; ++i) {
-        const vec3_f32 *v = quads[i].corner;
-        *out = v[0];
-        if (usable(v[0]) && usable(v[1]) && usable(v[2]) && usable(v[3])) return true;
-    }
-    return false;
-}
-
-/* A point that the bounds must hold; false: nothing of the geometry can be hit. */
-static bool geometry_point(const world *w, const world_geometry *geometry, vec3_f32 *out) {
-    switch (geometry->kind) {
-    case WORLD_SPHERES: return sphere_point(&w->spheres.items[geometry->first], geometry->count, out);
-    case WORLD_QUADS: return quad_point(&w->quads.items[geometry->first], geometry->count, out);
-    case WORLD_MESH: return mesh_point(&w->meshes.items[geometry->first], out);
-    }
-    return false;
-}
-
-/* ---- how far rays may start ----
- * Embree may abort on a ray with a coordinate beyond its largest, in the space of an instance too: there an
- * origin has coordinates of up to s |o| + |m|, and a direction s |d|, s the largest sum of a row of the map,
- * m its translation. Rays from beyond the reach are not given to Embree, so all there is must lie within. */
-
-static float largest_bound(const struct RTCBounds *b) {
-    float x = fmaxf(fabsf(b->lower_x), fabsf(b->upper_x)), y = fmaxf(fabsf(b->lower_y), fabsf(b->upper_y));
-    return fmaxf(fmaxf(x, y), fmaxf(fabsf(b->lower_z), fabsf(b->upper_z)));
-}
-
-/* Lowers the tracer's limits to what is good for the instance. */
-static void limit_rays(embree_tracer *tracer, const world_instance *instance) {
-    const float limit = EMBREE_LARGEST / 2;
-    for (int i = 0; i < 3; ++i) {
-        const float *m = instance->to_object[i];
-        float s = fabsf(m[0]) + fabsf(m[1]) + fabsf(m[2]);
-        tracer->reach = fminf(tracer->reach, (limit - fabsf(m[3])) / s);
-        tracer->longest = fminf(tracer->longest, limit / s);
-    }
-}
-
-/* Directions of up to 2, which unit vectors and those of user rays are not, must be good anywhere. */
-static fathom_status find_reach(embree_tracer *tracer) {
-    const world *w = tracer->base.world;
-    struct RTCBounds bounds;
-    rtcGetSceneBounds(tracer->scenes[0], &bounds);
-    float size = bounds.lower_x <= bounds.upper_x ? largest_bound(&bounds) : 0;
-    tracer->reach = tracer->longest = EMBREE_LARGEST / 2;
-    for (size_t k = 0; k < w->instances.count; ++k) {
-        const world_instance *instance = &w->instances.items[k];
-        if (tracer->scenes[instance->group]) limit_rays(tracer, instance);
-        if (tracer->reach >= size && tracer->longest >= 2) continue;
-        return fail(tracer->context, FATHOM_BAD_INPUT,
-                    "instance %u: it shrinks its group so far that coordinates of the scene, of up to %g, "
-                    "leave Embree's range of 1.8e18 in the group; scale its contents instead",
-                    instance->id, (double)size);
-    }
-    return FATHOM_OK;
-}
+ * bounds of each scene must hold a point of each geometry that can be hit. */
 
 static bool holds(const struct RTCBounds *b, vec3_f32 p, float slack) {
     return p.x >= b->lower_x - slack && p.x <= b->upper_x + slack && p.y >= b->lower_y - slack &&
@@ -222,7 +136,7 @@ static bool instance_point(const embree_tracer *tracer, const world_instance *in
         size += fabsf(m[0] * x) + fabsf(m[1] * y) + fabsf(m[2] * z) + fabsf(m[3]);
     }
     *out = load_f32(p), *slack = 8 * 0x1p-24f * size;
-    return usable(*out);
+    return reach_usable(*out);
 }
 
 static fathom_status check_bounds(embree_tracer *tracer, uint32_t index) {
@@ -233,7 +147,7 @@ static fathom_status check_bounds(embree_tracer *tracer, uint32_t index) {
     vec3_f32 p;
     float slack;
     for (uint32_t g = group->first; g < group->first + group->count; ++g) {
-        if (geometry_point(w, &w->geometries.items[g], &p) && !holds(&bounds, p, 0))
+        if (reach_point(w, &w->geometries.items[g], &p) && !holds(&bounds, p, 0))
             return missing(tracer, "geometry", g, p, &bounds);
     }
     for (uint32_t k = 0; index == 0 && k < w->instances.count; ++k) {
@@ -292,21 +206,6 @@ static fathom_status build_scene(embree_tracer *tracer, uint32_t index) {
     return check_bounds(tracer, index);
 }
 
-/* Which groups are placed and have something that can be hit. */
-static void mark_placed(const world *w, bool *placed) {
-    for (size_t k = 0; k < w->instances.count; ++k) placed[w->instances.items[k].group] = true;
-    for (size_t g = 1; g < w->groups.count; ++g) {
-        bool something = false;
-        vec3_f32 point;
-        const world_group *group = &w->groups.items[g];
-        for (uint32_t i = 0; i < group->count && placed[g] && !something; ++i) {
-            something = geometry_point(w, &w->geometries.items[group->first + i], &point);
-        }
-        placed[g] = something;
-    }
-    placed[0] = true;
-}
-
 static fathom_status build_all(embree_tracer *tracer, const bool *placed) {
     const world *w = tracer->base.world;
     tracer->work = (double)w->instances.count;
@@ -326,12 +225,11 @@ static fathom_status build_all(embree_tracer *tracer, const bool *placed) {
 fathom_status embree_build(embree_tracer *tracer) {
     const world *w = tracer->base.world;
     tracer->scenes = calloc(w->groups.count, sizeof *tracer->scenes);
-    bool *placed = calloc(w->groups.count, sizeof *placed);
+    bool *placed = reach_placed(w);
     fathom_status status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
     if (tracer->scenes && placed) {
-        mark_placed(w, placed);
-        status = build_all(tracer, placed);
-        if (status == FATHOM_OK) status = find_reach(tracer);
+        status = reach_find(tracer->context, w, placed, &tracer->reach);
+        if (status == FATHOM_OK) status = build_all(tracer, placed);
     }
     free(placed);
     return status;

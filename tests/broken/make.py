@@ -110,6 +110,12 @@ INSTANCE = '{"type": "instance", "of": "%s"}'
 scene("cycle-one", '{"objects": [' + INSTANCE % "a" + '], "groups": {\n"a": [' + INSTANCE % "a" + "]}}")
 scene("cycle-three", '{"objects": [' + INSTANCE % "a" + '], "groups": {\n"a": [' + INSTANCE % "b" + '],\n"b": ['
       + INSTANCE % "c" + '],\n"c": [' + INSTANCE % "a" + "]}}")
+PLACED = '{"type": "instance", "of": "a", %s}'
+for name, frames in (("shrunk", ['"scale": [1e-30, 1e-30, 1e-30]']), ("scaled", ['"scale": [1e-16, 1e-16, 1e-16]']),
+                     ("grown", ['"scale": [1, 1e20, 1]']),
+                     ("moved", ['"translation": [5e17, 0, 0]', '"translation": [-6e17, 0, 0]'])):
+    scene("instance-" + name, '{"camera": {"eye": [0, 0, 5], "target": [0, 0, 0]}, "objects": [' + SPHERE + ",\n"
+          + ",\n".join(PLACED % frame for frame in frames) + '], "groups": {"a": [' + SPHERE + "]}}")
 count = 10000
 scene("cycle-long", '{"objects": [' + INSTANCE % "g0" + '], "groups": {' + ",\n".join(
     f'"g{i}": [{INSTANCE % f"g{(i + 1) % count}"}]' for i in range(count)) + "}}")

@@ -60,6 +60,31 @@ said out.txt '"renderable": false'
 said out.txt 'bad.json:2: objects[0].radius'
 refused 3 'nothing.glb: No such file' info nothing.glb
 
+# What only Embree cannot do, in the words of a render; what it leaves out is a problem and no more.
+placed() { # radius of the group's sphere, scale
+    cat <<JSON
+{ "camera": { "eye": [0, 0, 5], "target": [0, 0, 0] }, "ambient": [1, 1, 1],
+  "groups": { "g": [ { "type": "sphere", "center": [0, 0, 0], "radius": $1 } ] },
+  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 },
+               { "type": "instance", "of": "g", "scale": [$2, $2, $2] } ] }
+JSON
+}
+for scale in 1e-30 1e-16 1e11; do
+    placed 1 $scale >placed.json
+    refused 3 'placed.json: instance 0: it s' render placed.json -o a.png --size 8x8 -q
+    cp err.txt render.txt
+    refused 3 'placed.json: instance 0: it s' info placed.json
+    cmp -s err.txt render.txt || die "info says otherwise than render: $(cat render.txt)"
+    run 3 info placed.json --json
+    said out.txt '"renderable": false'
+    run 0 render placed.json -o a.png --size 8x8 -q --tracer reference
+done
+placed 1e10 1e9 >placed.json
+run 0 info placed.json
+said out.txt 'instances beyond 1e+18 from the origin, which Embree leaves out: 1'
+run 0 render placed.json -o a.png --size 8x8
+said err.txt 'warning: instances beyond 1e+18 from the origin, which Embree leaves out: 1'
+
 # The estimate of memory against what a render takes: never less, and no more than the program's share over, which is
 # held whole only while the image module loads.
 run 0 generate sphere --triangles 1M -o big.glb

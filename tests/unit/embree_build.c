@@ -1,6 +1,7 @@
 /* What Embree builds and how calls behave at their edges: masks, empty and damaged geometry, interruption,
  * intervals, lanes, and that no call hangs. */
 #include "stage.h"
+#include "trace/reach.h"
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -149,21 +150,104 @@ static void far_rays_are_harmless(void **state) {
     stage_close(&s);
 }
 
-/* Rays of unit length would leave Embree's range in the group. */
-static void too_small_an_instance_is_refused(void **state) {
+/* A group at the origin beside a sphere in the root, by a frame that scales and moves it along x. */
+static void fill_scaled(stage *s, double radius, double scale, double shift) {
+    fathom_id group;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, "scaled", &group));
+    add_sphere(s, group, 0, 0, 0, radius, 0);
+    add_sphere(s, FATHOM_ROOT, 0, 0, 0, 0.1, 0);
+    add_instance(s, group, (double[12]){scale, 0, 0, shift, 0, scale, 0, 0, 0, 0, scale, 0});
+    const vec3_f64 origin = {0, 0, 0};
+    assert_ok(s->context, world_create_from(s->scene, &origin, &s->world));
+}
+
+/* Told before anything is built, and by building in the same words. Embree inverts frames in float: of
+ * 1e-16, it would make one of NaN, and abort. */
+static void frames_beyond_float_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        double radius, scale, shift;
+        const char *message;
+    } cases[] = {{1, 1e-16, 0, "instance 0: it scales its group so far"},
+                 {1, 1e-30, 0, "instance 0: it shrinks its group so far"},
+                 {1, 1e-18, 0, "instance 0: it shrinks its group so far"},
+                 {1, 1, 1e18, "instance 0: it moves its group so far away"},
+                 {1e14, 1e-14, 0, "instance 0: it scales its group so far"},
+                 {1e11, 1e-11, 0, "instance 0: it scales its group so far"},
+                 {1e-11, 1e11, 0, "instance 0: it scales its group so far"},
+                 {1e-14, 1e14, 0, "instance 0: it scales its group so far"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        stage s;
+        stage_open(&s);
+        fill_scaled(&s, cases[i].radius, cases[i].scale, cases[i].shift);
+        assert_fails(s.context, reach_check(s.context, s.world), FATHOM_BAD_INPUT, cases[i].message);
+        char message[512];
+        snprintf(message, sizeof message, "%s", fathom_context_message(s.context));
+        trace_options options = {.kind = FATHOM_TRACER_EMBREE, .width = 16, .threads = 1};
+        trace_tracer *tracer;
+        assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_BAD_INPUT,
+                     cases[i].message);
+        assert_string_equal(fathom_context_message(s.context), message);
+        stage_close(&s);
+    }
+}
+
+static void frames_of_every_shape(void **state) {
+    (void)state;
+    static const struct {
+        double scale[3];
+        bool fits;
+    } cases[] = {{{1, 1, 1}, true},           {{1.3e-10, 1.3e-10, 1.3e-10}, true},
+                 {{3e10, -3e10, 3e10}, true}, {{1.1e-10, 1.1e-10, 1.1e-10}, false},
+                 {{1, 4e10, 1}, false},       {{1, 1, 1e-20}, true},
+                 {{1, 1, 1e-31}, false},      {{1e10, 1e-16, 1e-16}, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        world_instance instance;
+        affine_f64 map = affine_scaling(load_f64(cases[i].scale));
+        assert_true(world_instance_set(&instance, &map));
+        assert_int_equal(world_instance_fits_float(&instance), cases[i].fits);
+    }
+}
+
+/* Up to there they answer. */
+static void frames_within_float_are_met(void **state) {
+    (void)state;
+    static const double scales[] = {2e-10, 1e-6, 1e6, 3e10};
+    for (size_t i = 0; i < 4 * 4; ++i) {
+        stage s;
+        stage_open(&s);
+        fill_scaled(&s, 1 / scales[i / 4], scales[i / 4], 0);
+        assert_ok(s.context, reach_check(s.context, s.world));
+        trace_tracer *tracer = stage_embree(&s, widths[i % 4]);
+        assert_in_range(fabsf(depth(tracer, 0, 0) - 4) * 0x1p20f, 0, 4);
+        assert_in_range(fabsf(depth(tracer, 0.6, 0) - 4.2f) * 0x1p20f, 0, 4);
+        assert_true(depth(tracer, 1.01, 0) == INFINITY);
+        trace_destroy(tracer);
+        stage_close(&s);
+    }
+}
+
+static void count_warning(void *user, const char *message) {
+    unsigned *count = user;
+    *count += strstr(message, "instances beyond 1e+18 from the origin, which Embree leaves out: 1") != NULL;
+}
+
+/* Too far out for Embree, which says nothing: so we do. */
+static void instances_out_of_reach_are_told(void **state) {
     (void)state;
     stage s;
+    unsigned count = 0;
     stage_open(&s);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "tiny", &group));
-    add_sphere(&s, group, 0, 0, 0, 1, 0);
-    add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
-    add_instance(&s, group, (double[12]){1e-30, 0, 0, 0, 0, 1e-30, 0, 0, 0, 0, 1e-30, 0});
-    assert_ok(s.context, world_create(s.scene, &s.world));
-    trace_options options = {.kind = FATHOM_TRACER_EMBREE, .width = 16, .threads = 1};
-    trace_tracer *tracer;
-    assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_BAD_INPUT,
-                 "instance 0: it shrinks");
+    fathom_context_on_warning(s.context, count_warning, &count);
+    fill_scaled(&s, 1e10, 1e9, 0);
+    assert_ok(s.context, reach_check(s.context, s.world));
+    assert_int_equal(count, 1);
+    stage_close(&s);
+    stage_open(&s);
+    fathom_context_on_warning(s.context, count_warning, &count);
+    fill_scaled(&s, 1e8, 1e9, 0);
+    assert_ok(s.context, reach_check(s.context, s.world));
+    assert_int_equal(count, 1);
     stage_close(&s);
 }
 
@@ -360,7 +444,10 @@ int main(void) {
         cmocka_unit_test(nothing_to_hit),
         cmocka_unit_test(damaged_triangles_are_left_out),
         cmocka_unit_test(far_rays_are_harmless),
-        cmocka_unit_test(too_small_an_instance_is_refused),
+        cmocka_unit_test(frames_beyond_float_are_refused),
+        cmocka_unit_test(frames_of_every_shape),
+        cmocka_unit_test(frames_within_float_are_met),
+        cmocka_unit_test(instances_out_of_reach_are_told),
         cmocka_unit_test(building_can_be_stopped),
         cmocka_unit_test(tells_what_it_is),
         cmocka_unit_test(intervals_are_open),

@@ -14,7 +14,8 @@
  * (infinity and what is not positive stays). */
 static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restrict rays, unsigned lanes,
                                   uint32_t mask, int *restrict valid) {
-    const float reach = tracer->reach, longest = tracer->longest; /* and no NaN is within them */
+    const float reach = tracer->reach.origin,
+                longest = tracer->reach.direction; /* and no NaN is within them */
     for (unsigned i = lanes; i < TRACE_WIDTH; ++i) valid[i] = 0;
     for (unsigned i = 0; i < lanes; ++i) {
         bool from = (fabsf(rays->org_x[i]) <= reach) & (fabsf(rays->org_y[i]) <= reach) &
