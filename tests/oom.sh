@@ -54,7 +54,8 @@ done
     try 'info scene.json, all later requests fail' -a -n -t $lib "$fathom" info scene.json
     try_known 'compare' -x ld-linux -t $lib "$fathom" compare good.exr good.exr
     try 'validate' -w v.json $lib "$fathom" validate scene.json --rays 3 -q --json v.json
-    try 'validate, all later requests fail' -a -w v.json $lib "$fathom" validate scene.json --rays 3 -q --json v.json
+    # glibc 2.36 follows the mark of an error that it could not keep, where libraries load others: elf/dlerror.c.
+    try 'validate, all later requests fail' -a -k libtbbmalloc -w v.json $lib "$fathom" validate scene.json --rays 3 -q --json v.json
     try 'bench trace' -w b.json $lib "$fathom" bench trace ball.ply --rays 64 --json b.json
     try 'generate' -o g.glb $lib "$fathom" generate forest -t 3k -o g.glb --quiet
 }

@@ -46,10 +46,12 @@ static void on_refusal() {
 }
 
 /* TBB throws from destructors where it lacked memory that it takes by malloc(), and that hides the bad_alloc:
- * its missing_wait has no other cause here. Threads that cannot be had are a system_error. */
+ * its missing_wait has no other cause here. Threads that cannot be had are a system_error, or TBB's own
+ * words. */
 static bool is_lack(const std::exception &e) {
     return dynamic_cast<const std::bad_alloc *>(&e) || dynamic_cast<const std::system_error *>(&e) ||
-           std::strstr(typeid(e).name(), "missing_wait");
+           std::strstr(typeid(e).name(), "missing_wait") ||
+           std::strstr(e.what(), "pthread_create has failed");
 }
 
 static void on_terminate() {

@@ -97,6 +97,13 @@ FATHOM_IMAGE_MODULE=$faults/lost.so each -i ld-linux -k 'exit code 127' -w a.exr
 # While the image module's libraries are loaded: many of them end the process then.
 each -i ld-linux -s 3/150 -k 'exit code 127' -c "$FATHOM" -o a.exr \
     "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
+# While an image is read: some of it is taken for a broken file, and is not the second time.
+run 0 render scene.json -o good.exr --size 16x12 -q
+each -x ld-linux -i libIlmThread -t "$faults/oom.so" "$FATHOM" compare good.exr good.exr
+rm good.exr
+# Threads that TBB cannot have.
+each -i libtbb -s 1/4 -w b.json "$faults/oom.so" "$FATHOM" bench trace ball.glb --rays 64 --json b.json
+rm b.json
 # Compressing rows on threads of its own, where OpenEXR forgets that it failed.
 each -x ld-linux -i libz.so -c "$FATHOM" -o a.exr \
     "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
