@@ -1,12 +1,14 @@
 #include "base/status.h"
 
+#include "base/text.h"
 #include "base/threads.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MESSAGE_SIZE 2048
+/* Of the longest path there may be, and what is said of it. */
+#define MESSAGE_SIZE 6144
 
 struct fathom_context {
     char message[MESSAGE_SIZE];
@@ -60,19 +62,13 @@ const char *fathom_version(void) {
 
 /* Messages quote files, and are shown on terminals: no byte of a file may steer one, or pass for a line of
  * its own. */
-static void disarm(char *text) {
-    for (char *c = text; *c; ++c) {
-        if ((unsigned char)*c < ' ' || *c == 127) *c = '?';
-    }
-}
-
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...) {
     if (!context) return status;
     va_list args;
     va_start(args, format);
     vsnprintf(context->message, MESSAGE_SIZE, format, args);
     va_end(args);
-    disarm(context->message);
+    text_disarm(context->message);
     return status;
 }
 
@@ -87,7 +83,7 @@ fathom_status fail_within(fathom_context *context, fathom_status status, const c
     if (used >= 0 && used < MESSAGE_SIZE) {
         snprintf(context->message + used, (size_t)(MESSAGE_SIZE - used), "%s", inner);
     }
-    disarm(context->message);
+    text_disarm(context->message);
     return status;
 }
 
@@ -106,6 +102,6 @@ void warn(fathom_context *context, const char *format, ...) {
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    disarm(text);
+    text_disarm(text);
     context->on_warning(context->warning_user, text);
 }

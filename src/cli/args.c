@@ -1,5 +1,7 @@
 #include "cli/args.h"
 
+#include "base/text.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +12,7 @@ bool args_wrong(args_problem *problem, const char *format, ...) {
     va_start(args, format);
     vsnprintf(problem->text, sizeof problem->text, format, args);
     va_end(args);
+    text_disarm(problem->text);
     return false;
 }
 

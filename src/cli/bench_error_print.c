@@ -1,4 +1,5 @@
 #include "cli/bench_error.h"
+#include "cli/command.h"
 
 #include <math.h>
 
@@ -7,8 +8,8 @@ static const char *const titles[CONVERGE_METRICS] = {"RMSE", "relMSE", "FLIP"};
 static void print_head(const bench_error_settings *asked, const bench_stage *stage,
                        const converge_result *result) {
     const converge_reference *r = &result->reference;
-    printf("%s, %ux%u, %s\n", asked->scene, stage->settings.width, stage->settings.height,
-           trace_name(stage->tracer));
+    print_name(stdout, asked->scene);
+    printf(", %ux%u, %s\n", stage->settings.width, stage->settings.height, trace_name(stage->tracer));
     printf("rendering alone is timed; the build took %.3f s of CPU time, %.3f s by the clock\n",
            stage->build.by[BENCH_CPU], stage->build.by[BENCH_WALL]);
     printf("reference: two halves of %u samples a pixel, sobol; its own RMSE %.3g, relMSE %.3g, FLIP at most "

@@ -2,6 +2,7 @@
 #include "cli/bench.h"
 #include "cli/bench_output.h"
 #include "cli/bench_run.h"
+#include "cli/command.h"
 #include "cli/json_text.h"
 
 #include "base/clock.h"
@@ -185,7 +186,8 @@ static void print_fewer(const field *f) {
 }
 
 static void print_scene(const arena *s, const field *f, const json_t *runs, size_t first) {
-    printf("%s: %llu primitives, of them %llu triangles; rays camera %llu, others %llu\n", s->name,
+    print_name(stdout, s->name);
+    printf(": %llu primitives, of them %llu triangles; rays camera %llu, others %llu\n",
            (unsigned long long)s->primitives, (unsigned long long)s->triangles,
            (unsigned long long)most_rays(f, TRACE_SET_CAMERA),
            (unsigned long long)most_rays(f, TRACE_SET_BOUNCE));

@@ -1,5 +1,6 @@
 #include "cli/command.h"
 
+#include "base/text.h"
 #include "cli/progress.h"
 #include "json/memory.h"
 
@@ -23,9 +24,18 @@ const command *command_find(const char *name, args_problem *problem) {
     return NULL;
 }
 
+void print_name(FILE *out, const char *name) {
+    char room[8192];
+    snprintf(room, sizeof room, "%s", name);
+    text_disarm(room);
+    fputs(room, out);
+}
+
 void say_error(const char *text) {
     progress_clear_line();
-    fprintf(stderr, "fathom: %s\n", text);
+    fputs("fathom: ", stderr);
+    print_name(stderr, text);
+    putc('\n', stderr);
 }
 
 fathom_status say_usage(const command *c, const char *text) {

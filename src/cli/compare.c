@@ -78,7 +78,11 @@ static fathom_status compare_images(const image *a, const image *b, const compar
     }
     if (!settings->quiet) {
         printf("max %.9g", d.largest);
-        if (d.largest > 0) printf(" in %s at (%u,%u)", d.channel, d.x, d.y);
+        if (d.largest > 0) {
+            fputs(" in ", stdout);
+            print_name(stdout, d.channel);
+            printf(" at (%u,%u)", d.x, d.y);
+        }
         printf(", RMSE %.9g, %llu of %llu pixels differ", sqrt(d.square_sum / (double)d.values),
                (unsigned long long)d.pixels, (unsigned long long)a->width * a->height);
         if (settings->tolerance > 0) printf(" by more than %g", settings->tolerance);

@@ -55,9 +55,10 @@ static fathom_status generate(fathom_context *context, const generate_settings *
     if (status != FATHOM_OK) return say_status(&command_generate, context, status);
     struct stat info;
     double bytes = stat(settings->output, &info) == 0 ? (double)info.st_size : 0;
-    if (!settings->quiet)
-        printf("%s: %.1f MB, made in %.2f s, written in %.2f s\n", settings->output, 1e-6 * bytes,
-               made - start, clock_seconds() - made);
+    if (settings->quiet) return FATHOM_OK;
+    print_name(stdout, settings->output);
+    printf(": %.1f MB, made in %.2f s, written in %.2f s\n", 1e-6 * bytes, made - start,
+           clock_seconds() - made);
     return FATHOM_OK;
 }
 

@@ -40,7 +40,9 @@ static void print_bounds(const scene_bounds *b) {
 
 static void print_facts(const fathom_scene *scene, const info_facts *f) {
     const fathom_settings *s = &scene->settings;
-    printf("scene     %s\n", scene->name);
+    fputs("scene     ", stdout);
+    print_name(stdout, scene->name);
+    putchar('\n');
     printf("triangles %llu in %llu mesh%s", (unsigned long long)f->triangles, (unsigned long long)f->meshes,
            f->meshes == 1 ? "" : "es");
     if (f->placed_triangles != f->triangles)

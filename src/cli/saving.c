@@ -9,6 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A message that names a path twice. */
+#define SAID 8192
+
 static bool wanted(void *user) {
     saving *s = user;
     if (interrupt_take_save()) s->asked = true;
@@ -18,7 +21,7 @@ static bool wanted(void *user) {
 /* Only the first of failures in a row is told: the disk may stay full for hours. */
 static void saved(void *user, fathom_status status, const char *message, double fraction) {
     saving *s = user;
-    char text[4608];
+    char text[SAID];
     if (status != FATHOM_OK && !s->failed) {
         snprintf(text, sizeof text, "%s; rendering goes on, and the next save may do better", message);
         say_error(text);
@@ -69,7 +72,7 @@ bool saving_is_named(const saving *s, const fathom_context *context) {
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status) {
     const char *path = s->request.path;
     if (!path || status != FATHOM_OK) return status;
-    char text[4608];
+    char text[SAID];
     if (interrupted && s->failed) {
         snprintf(text, sizeof text,
                  "interrupted; the image is written as far as it got, but the work could not be saved to %s",

@@ -1,6 +1,7 @@
 #include "cli/stats.h"
 
 #include "base/file.h"
+#include "cli/command.h"
 #include "cli/json_text.h"
 #include "cli/left_out.h"
 
@@ -146,17 +147,19 @@ static void print_memory(const render_report *r) {
 
 static void print_checkpoint(const fathom_stats *s, const char *path) {
     if (!path) return;
-    printf("saved    %u times to %s, in %.3f s beside rendering", s->checkpoints, path,
-           s->checkpoint_seconds);
+    printf("saved    %u times to ", s->checkpoints);
+    print_name(stdout, path);
+    printf(", in %.3f s beside rendering", s->checkpoint_seconds);
     if (s->resumed_seconds > 0) printf("; resumed after %.1f s of rendering", s->resumed_seconds);
     putchar('\n');
 }
 
 static void print_details(const render_report *r, const render_options *options) {
     const fathom_stats *s = &r->stats;
-    printf("scene    %s: %llu primitives, of them %llu triangles; %llu instances", r->scene,
-           (unsigned long long)s->primitives, (unsigned long long)s->triangles,
-           (unsigned long long)s->instances);
+    fputs("scene    ", stdout);
+    print_name(stdout, r->scene);
+    printf(": %llu primitives, of them %llu triangles; %llu instances", (unsigned long long)s->primitives,
+           (unsigned long long)s->triangles, (unsigned long long)s->instances);
     if (s->placed_triangles != s->triangles)
         printf(", %llu triangles with them", (unsigned long long)s->placed_triangles);
     putchar('\n');
@@ -190,8 +193,10 @@ static void print_sampling(const render_report *r, const render_options *options
 void stats_print(const render_report *report, const render_options *options) {
     if (options->quiet) return;
     if (options->verbose) print_details(report, options);
-    for (size_t i = 0; i < options->outputs.count; ++i)
-        printf("%s%s", i ? ", " : "", options->outputs.items[i]);
+    for (size_t i = 0; i < options->outputs.count; ++i) {
+        if (i) fputs(", ", stdout);
+        print_name(stdout, options->outputs.items[i]);
+    }
     printf(": %ux%u, ", report->width, report->height);
     print_sampling(report, options);
     printf(", %.2f s, %.1f Mrays/s", report->total_seconds, 1e-6 * report_rays_per_second(report));

@@ -139,8 +139,9 @@ static bool print_exact(const replay *r, const ray_line *line) {
 }
 
 static void print_head(const replay *r, const ray_line *line, verdict v) {
-    printf("%s %s %s %llu: %s%s\n  tracer: ", r->scene, r->spec, line->family, line->index,
-           line->any ? RAY_LINE_ANY : "", verdict_name(v));
+    print_name(stdout, r->scene);
+    printf(" %s %s %llu: %s%s\n  tracer: ", r->spec, line->family, line->index, line->any ? RAY_LINE_ANY : "",
+           verdict_name(v));
 }
 
 static fathom_status replay_one(fathom_context *context, replay *r, const ray_line *line) {

@@ -2,6 +2,7 @@
 #include "cli/validate_shading.h"
 
 #include "base/file.h"
+#include "base/text.h"
 #include "cli/command.h"
 #include "cli/json_text.h"
 #include "cli/machine.h"
@@ -37,7 +38,7 @@ static void print_row(const char *name, const compare_family *f) {
 }
 
 static void print_any_row(const char *name, const compare_family *f) {
-    char any[40];
+    char any[264];
     snprintf(any, sizeof any, "%s, any", name);
     print_counts(any, f->any_rays, f->any_counts);
     putchar('\n');
@@ -64,9 +65,11 @@ static void print_errors(const compare_family *f, double nanoseconds) {
 
 static void print_run(const validate_run *run, bool verbose) {
     compare_family sum = validate_sum(run);
-    print_row(run->scene, &sum);
-    if (verbose || sum.any_counts[VERDICT_WRONG] || sum.any_counts[VERDICT_LEAK])
-        print_any_row(run->scene, &sum);
+    char scene[256];
+    snprintf(scene, sizeof scene, "%s", run->scene);
+    text_disarm(scene);
+    print_row(scene, &sum);
+    if (verbose || sum.any_counts[VERDICT_WRONG] || sum.any_counts[VERDICT_LEAK]) print_any_row(scene, &sum);
     for (int f = 0; f < RAYS_FAMILIES && verbose; ++f) {
         char name[32];
         snprintf(name, sizeof name, "  %s", rays_family_name((rays_family)f));

@@ -12,6 +12,21 @@ said out.txt 'features  spheres, quads, point lights, Phong, mirrors'
 said out.txt 'problems  none'
 silent err.txt
 
+# No name steers a terminal, neither a scene's nor a file's.
+sed 's/ball on a floor/a\\u001b[2Jb\\u009b31m\\n\\u202e/' scene.json >named.json
+run 0 info named.json
+said out.txt 'scene     a?[2Jb??31m????'
+run 0 render named.json -o a.png -v
+said out.txt 'scene    a?[2Jb??31m????: 2 primitives'
+name=$(printf 'n\033[2J\302\233\n\377')
+run 0 render scene.json -o "$name.png"
+said out.txt 'n?[2J????.png: 96x64'
+run 0 generate sphere -t 20 -o "$name.ply"
+said out.txt 'n?[2J????.ply: 0.0 MB'
+rm "$name.png" "$name.ply" a.png named.json
+refused 2 'unexpected argument "n?[2J????"' info scene.json "$name"
+refused 3 'fathom: n?[2J????.obj: No such file' info "$name.obj"
+
 # A film of every AOV has 18 channels, 4 bytes a pixel each.
 cat >aovs.json <<'JSON'
 { "image": { "width": 640, "height": 480, "aovs": ["alpha", "Z", "N", "P", "albedo", "id", "samples"] },

@@ -1,0 +1,35 @@
+#include "base/text.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+/* Bytes of the character that begins here, 0 when it is none; its code. */
+static size_t decode(const unsigned char *text, unsigned *code) {
+    static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned char lead = *text;
+    const size_t length = lead < 0x80 ? 1 : lead < 0xc0 ? 0 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+    *code = length < 2 ? lead : lead & (0x7fu >> length);
+    for (size_t i = 1; i < length; ++i) {
+        if ((text[i] & 0xc0) != 0x80) return 0; /* the end of the text, too */
+        *code = *code << 6 | (text[i] & 0x3fu);
+    }
+    const bool surrogate = *code >= 0xd800 && *code < 0xe000;
+    return *code < least[length] || *code > 0x10ffff || surrogate ? 0 : length;
+}
+
+static bool steers(unsigned code) {
+    return code < ' ' || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e || code == 0x200f ||
+           (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
+void text_disarm(char *text) {
+    while (*text) {
+        unsigned code;
+        size_t length = decode((const unsigned char *)text, &code);
+        const bool harmless = length && !steers(code);
+        if (!length) length = 1;
+        if (!harmless) memset(text, '?', length);
+        text += length;
+    }
+}

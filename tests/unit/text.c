@@ -1,0 +1,49 @@
+/* What text from strangers may not do to a terminal. */
+#include "base/text.h"
+
+#include "unit.h"
+
+#include <string.h>
+
+static void becomes(const char *text, const char *expected) {
+    char room[64];
+    snprintf(room, sizeof room, "%s", text);
+    text_disarm(room);
+    assert_string_equal(room, expected);
+}
+
+static void keeps_text(void **state) {
+    (void)state;
+    becomes("", "");
+    becomes("a b~", "a b~");
+    becomes("\u00e4\u00a0\u20ac\u202f\U0001f41f", "\u00e4\u00a0\u20ac\u202f\U0001f41f");
+}
+
+static void takes_controls(void **state) {
+    (void)state;
+    becomes("a\nb\t\x1b[31m\x7f", "a?b??[31m?");
+    becomes("\xc2\x80\xc2\x9b"
+            "31m\xc2\x9f",
+            "????31m??");
+    becomes("\u061c\u200e\u200f\u2028\u2029\u202a\u202e\u2066\u2069", "??"
+                                                                      "????????????????????????");
+}
+
+static void takes_what_is_no_utf8(void **state) {
+    (void)state;
+    becomes("\x9b"
+            "31m",
+            "?31m");
+    becomes("\xe4x", "?x");
+    becomes("\xe2\x82", "??");
+    becomes("\xc0\x9b\xe0\x80\x9b", "?????"); /* too long for what they are */
+    becomes("\xed\xa0\x80", "???");           /* half of a pair */
+    becomes("\xf4\x90\x80\x80\xff", "?????"); /* behind the last */
+    becomes("\xf0\x9f\x90\x9f\xf0", "\U0001f41f?");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(keeps_text), cmocka_unit_test(takes_controls),
+                                       cmocka_unit_test(takes_what_is_no_utf8)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
