@@ -23,10 +23,14 @@ static bool is_echo(void) {
            SAME_SIGNAL_SECONDS;
 }
 
+/* A terminal that goes has its shell and the system send SIGHUP, one after the other; SIGXCPU comes every
+ * second from the limit on. Only hands are impatient. */
+static bool comes_again(int number) { return number == SIGHUP || number == SIGXCPU; }
+
 /* Only makes calls that are safe in a signal handler. */
 static void on_signal(int number) {
     if (asked) {
-        if (is_echo()) return;
+        if (is_echo() || comes_again(number)) return;
         file_writer_abort_all();
         signal(number, SIG_DFL);
         raise(number);
@@ -49,18 +53,18 @@ static void on_save(int number) {
     save = 1;
 }
 
+static const int ending[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+
 static void install(int number, void (*handler)(int)) {
     struct sigaction old, action = {.sa_handler = handler, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
-    sigaddset(&action.sa_mask, SIGINT);
-    sigaddset(&action.sa_mask, SIGTERM);
+    for (size_t i = 0; i < sizeof ending / sizeof *ending; ++i) sigaddset(&action.sa_mask, ending[i]);
     /* A shell that starts us in the background, or nohup, has the signal ignored; that holds. */
     if (sigaction(number, NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(number, &action, NULL);
 }
 
 void interrupt_install(void) {
-    install(SIGINT, on_signal);
-    install(SIGTERM, on_signal);
+    for (size_t i = 0; i < sizeof ending / sizeof *ending; ++i) install(ending[i], on_signal);
 }
 
 void interrupt_install_save(void) { install(SIGUSR1, on_save); }

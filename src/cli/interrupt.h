@@ -1,7 +1,8 @@
-/* Ctrl-C and SIGTERM; SIGUSR1.
+/* What ends a process: Ctrl-C and SIGTERM, a terminal that is closed (SIGHUP), the processor's time that is
+ * used up (SIGXCPU). And SIGUSR1.
  *
  * The first one stops at once while there is nothing to save; afterwards it sets a flag, and what is finished
- * gets saved. A second one ends the process on the spot. */
+ * gets saved. A second Ctrl-C or SIGTERM ends the process on the spot. */
 #ifndef CLI_INTERRUPT_H
 #define CLI_INTERRUPT_H
 

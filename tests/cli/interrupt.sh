@@ -39,6 +39,25 @@ code=0
 timeout --preserve-status -s INT 3 "$FATHOM" render $long >out.txt 2>err.txt || code=$?
 [ $code -eq 5 ] || die "two signals at once: exit code $code, expected 5"
 
+# A terminal that is closed, of which the shell and the system tell, and the processor's time that is up, of which the
+# system tells every second: like Ctrl-C, and no second one is in haste.
+for signal in HUP XCPU; do
+    rm -f i.exr
+    "$FATHOM" render heavy.glb -o i.exr --max-time 20 >out.txt 2>err.txt &
+    until grep -q '%' err.txt; do
+        kill -0 $! || die 'it ended before it was met'
+        sleep 0.05
+    done
+    kill -$signal $!
+    sleep 0.2
+    kill -$signal $! 2>/dev/null || true
+    code=0
+    wait $! || code=$?
+    [ $code -eq 5 ] || die "SIG$signal: exit code $code, expected 5"
+    said err.txt 'fathom: interrupted; the image is written as far as it got'
+    same i.exr i.exr
+done
+
 # While it reads or builds there is nothing to save: no output, no file left, code 5.
 run 0 generate terrain -t 2M -o large.obj
 rm -f i.exr
