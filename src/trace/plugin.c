@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* Blocks handed over in one call. */
 #define BATCH 8
@@ -35,12 +36,20 @@ typedef struct plugin_tracer {
 
 /* ---- the library ---- */
 
+/* dlopen() would wait for a pipe. */
+static bool is_file_or_none(const char *path) {
+    struct stat info;
+    return stat(path, &info) != 0 || S_ISREG(info.st_mode);
+}
+
 static fathom_status load(fathom_context *context, const char *path, plugin_tracer *tracer) {
     char local[4096]; /* without a slash dlopen() would search the system's folders */
     if (!strchr(path, '/')) {
         snprintf(local, sizeof local, "./%s", path);
         path = local;
     }
+    if (!is_file_or_none(path))
+        return fail(context, FATHOM_BAD_INPUT, "tracer %s: cannot be loaded: is not a regular file", path);
     tracer->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (!tracer->library)
         return fail(context, FATHOM_BAD_INPUT, "tracer %s: cannot be loaded: %s", path, dlerror());

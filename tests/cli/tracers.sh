@@ -41,4 +41,7 @@ same a.exr b.exr
 rm near.so
 refused 2 'takes triangles alone, and the scene has' render scene.json -o c.exr --tracer "$plugins/correct.so"
 refused 3 'tracer ./none.so: cannot be loaded' render ball.ply -o c.exr --tracer none.so
+mkfifo pipe.so
+refused 3 'tracer ./pipe.so: cannot be loaded: is not a regular file' render ball.ply -o c.exr --tracer pipe.so
+rm pipe.so
 refused 3 'is of version 0; expected 1' render ball.ply -o c.exr --tracer "$plugins/faulty.so"

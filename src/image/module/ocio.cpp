@@ -72,6 +72,10 @@ static OCIO::ConstConfigRcPtr load_config(const char *path) {
         throw failure(FATHOM_BAD_USAGE, std::string("cannot be read: ") + std::strerror(errno));
     }
     if (file && S_ISDIR(info.st_mode)) throw failure(FATHOM_BAD_USAGE, "cannot be read: is a folder");
+    if (file && !S_ISREG(info.st_mode)) {
+        /* A pipe would be waited for, some devices never end. */
+        throw failure(FATHOM_BAD_USAGE, "cannot be read: is not a regular file");
+    }
     return OCIO::Config::CreateFromFile(path);
 }
 
