@@ -23,6 +23,12 @@ void file_extension(const char *path, char out[16]) {
     out[length] = '\0';
 }
 
+size_t file_name_cut(const char *name, size_t most) {
+    if (strlen(name) <= most) return strlen(name);
+    while (most > 0 && ((unsigned char)name[most] & 0xc0) == 0x80) --most;
+    return most;
+}
+
 char *file_beside(const char *base, const char *name) {
     const char *slash = strrchr(base, '/');
     size_t folder = name[0] == '/' || !slash ? 0 : (size_t)(slash - base) + 1;

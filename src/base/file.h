@@ -33,8 +33,9 @@ fathom_status file_finish(fathom_context *context, file_map *map, fathom_status 
 void file_rest(const file_map *map, size_t begin, size_t end);
 
 /* Writes a whole file or none, whatever happens to the process or the machine: to a temporary name beside
- * `path`, "out.fathom-tmp4711.exr" for "out.exr", which is renamed once its bytes are on the disk. Who is
- * killed leaves that file behind: file_remove_left_over(). */
+ * `path`, "out.fathom-tmp4711.exr" for "out.exr", which is renamed once its bytes are on the disk. A file
+ * that was there is replaced, and its rights are kept; so is a symbolic link, and what it leads to stays as
+ * it is. Who is killed leaves that file behind: file_remove_left_over(). */
 typedef struct file_writer file_writer;
 fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out);
 /* No file, but bytes in memory, for file_writer_put() alone; `name` stands for it in messages. */
@@ -64,7 +65,8 @@ void file_abort_no_more(char *path);
 void file_remove_left_over(const char *path);
 
 /* FATHOM_OUT_OF_RESOURCES when file_writer_open() and the rename would fail: `path` is a folder or a device,
- * its folder does not exist or cannot be written to, or has no room for a page. */
+ * its folder does not exist or cannot be written to, or has no room for a page; a file that is there may not
+ * be written to, or not be replaced. */
 fathom_status file_check_writable(fathom_context *context, const char *path);
 
 /* Extension without the dot, in lower case, "" when there is none. `out` has room for 16 bytes. */
@@ -73,6 +75,8 @@ void file_extension(const char *path, char out[16]);
 const char *file_name(const char *path);
 /* How much of `path` comes before the dot of its extension. */
 size_t file_stem_length(const char *path);
+/* How many bytes of a name are kept where at most so many may be: characters of UTF-8 stay whole. */
+size_t file_name_cut(const char *name, size_t most);
 /* The path of `name` as seen from the file `base`: beside it, unless name is absolute. Release with free().
  */
 char *file_beside(const char *base, const char *name);

@@ -6,6 +6,8 @@
  * locked is left over from one that was killed, and may be removed. */
 #include "base/file.h"
 
+#include "base/file_temporary.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -51,35 +53,7 @@ void file_writer_abort_all(void) {
     }
 }
 
-/* ---- temporary names ---- */
-
-#define TEMPORARY_MARK ".fathom-tmp"
-
-/* A name keeps the extension, by which libraries choose the format: "out.exr" -> "out.fathom-tmp4711.exr". */
-static char *temporary_name(const char *path, unsigned attempt) {
-    size_t stem = file_stem_length(path), room = strlen(path) + sizeof TEMPORARY_MARK + 32;
-    char *name = malloc(room), again[16] = "";
-    if (attempt) snprintf(again, sizeof again, "-%u", attempt);
-    if (name) {
-        snprintf(name, room, "%.*s" TEMPORARY_MARK "%ld%s%s", (int)stem, path, (long)getpid(), again,
-                 path + stem);
-    }
-    return name;
-}
-
-/* Whether a file of this name, without its folder, is or was a temporary one of `target`, without its own. */
-static bool is_temporary_of(const char *name, const char *target) {
-    size_t stem = file_stem_length(target);
-    if (strncmp(name, target, stem) != 0) return false;
-    const char *rest = name + stem;
-    if (strncmp(rest, TEMPORARY_MARK, strlen(TEMPORARY_MARK)) != 0) return false;
-    rest += strlen(TEMPORARY_MARK);
-    size_t digits = strspn(rest, "0123456789");
-    if (!digits) return false;
-    rest += digits;
-    if (*rest == '-') rest += 1 + strspn(rest + 1, "0123456789");
-    return strcmp(rest, target + stem) == 0;
-}
+/* ---- temporary files ---- */
 
 /* The lock is held, and the file still has a name: nobody has removed it between our opening and locking it.
  * Where the file system knows no locks, nothing is ever taken for left over. */
@@ -104,7 +78,7 @@ void file_remove_left_over(const char *path) {
     free(beside);
     if (!folder) return;
     for (const struct dirent *entry; (entry = readdir(folder));) {
-        if (is_temporary_of(entry->d_name, file_name(path))) remove_unlocked(dirfd(folder), entry->d_name);
+        if (temporary_is_of(entry->d_name, file_name(path))) remove_unlocked(dirfd(folder), entry->d_name);
     }
     closedir(folder);
 }
@@ -122,23 +96,37 @@ static void writer_free(file_writer *writer) {
 /* Processes of the same number, in two containers, may write to one folder: the second takes another name. */
 #define ATTEMPTS 100u
 
+/* Never what is there already: whoever may write to the folder could have put another's file under that name.
+ */
+static int open_new(const char *name) {
+    int descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+    remove_unlocked(AT_FDCWD, name);
+    errno = EEXIST;
+    return -1;
+}
+
+/* Who may read a file that is there may read its successor, and nobody else. */
+static void keep_mode(const char *path, int descriptor) {
+    struct stat info;
+    if (lstat(path, &info) == 0 && S_ISREG(info.st_mode)) (void)!fchmod(descriptor, info.st_mode & 0777);
+}
+
 /* -1 and errno where it cannot be had. */
 static int open_temporary(file_writer *writer) {
     for (unsigned attempt = 0; attempt < ATTEMPTS; ++attempt) {
         writer->temporary = temporary_name(writer->path, attempt);
         if (!writer->temporary) return -1;
-        int descriptor = open(writer->temporary, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
-        if (descriptor < 0) return -1;
-        if (lock_named(descriptor)) {
+        int descriptor = open_new(writer->temporary);
+        if (descriptor < 0 && errno != EEXIST) return -1;
+        if (descriptor >= 0 && lock_named(descriptor)) {
             temporaries_swap(NULL, writer->temporary);
-            if (ftruncate(descriptor, 0) == 0) return descriptor;
+            keep_mode(writer->path, descriptor);
+            return descriptor;
         }
-        int error = errno;
-        close(descriptor);
-        temporaries_swap(writer->temporary, NULL);
+        if (descriptor >= 0) close(descriptor);
         free(writer->temporary);
         writer->temporary = NULL;
-        errno = error;
     }
     errno = EBUSY;
     return -1;
@@ -273,6 +261,30 @@ static fathom_status probe(fathom_context *context, const char *path) {
     return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", path, strerror(error));
 }
 
+/* What would keep a file that is there from being replaced in the end: 0, or an errno. Its own rights would
+ * not, but who takes them away means that it should stay. */
+static int refusal(const char *path, const char *folder) {
+    struct stat info, above;
+    struct statx more;
+    if (lstat(path, &info) != 0) return 0;
+    if (S_ISREG(info.st_mode) && faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0) return errno;
+    const uid_t user = geteuid();
+    if (user != 0 && info.st_uid != user && stat(folder, &above) == 0 && above.st_mode & S_ISVTX &&
+        above.st_uid != user)
+        return EPERM;
+    const bool mounted = statx(AT_FDCWD, path, AT_SYMLINK_NOFOLLOW, 0, &more) == 0 &&
+                         more.stx_attributes & STATX_ATTR_MOUNT_ROOT;
+    return mounted ? EBUSY : 0;
+}
+
+static fathom_status check_folder(fathom_context *context, const char *path, const char *folder) {
+    int error = faccessat(AT_FDCWD, folder, W_OK | X_OK, AT_EACCESS) == 0 ? 0 : errno;
+    if (!error) return FATHOM_OK;
+    const bool none = error == ENOENT || error == ENOTDIR;
+    return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: its folder%s%s", path,
+                none ? " does not exist" : ": ", none ? "" : strerror(error));
+}
+
 fathom_status file_check_writable(fathom_context *context, const char *path) {
     struct stat info;
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
@@ -280,15 +292,10 @@ fathom_status file_check_writable(fathom_context *context, const char *path) {
     }
     char *folder = file_beside(path, ".");
     if (!folder) return fail_memory(context, strlen(path) + 2);
-    int error = faccessat(AT_FDCWD, folder, W_OK | X_OK, AT_EACCESS) == 0 ? 0 : errno;
+    fathom_status status = check_folder(context, path, folder);
+    int error = status == FATHOM_OK ? refusal(path, folder) : 0;
     free(folder);
-    if (error == ENOENT || error == ENOTDIR) {
-        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: its folder does not exist",
-                    path);
-    }
-    if (error) {
-        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: its folder: %s", path,
-                    strerror(error));
-    }
-    return probe(context, path);
+    if (error)
+        status = fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", path, strerror(error));
+    return status == FATHOM_OK ? probe(context, path) : status;
 }

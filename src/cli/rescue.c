@@ -17,6 +17,9 @@ typedef struct place {
     int stem_length;
 } place;
 
+/* ".rescue-1000.exr" */
+#define ENDING 16
+
 /* A name that nobody has, in the place. */
 static bool free_name(const place *at, char out[PATH_MAX]) {
     for (unsigned i = 1; i <= TRIES; ++i) {
@@ -40,7 +43,8 @@ static bool rescue_to(fathom_context *context, const fathom_film *film, const pl
 
 void rescue_film(fathom_context *context, const fathom_film *film, const char *path, const char *which) {
     const char *name = file_name(path);
-    const int stem = (int)(file_stem_length(path) - (size_t)(name - path));
+    int stem = (int)(file_stem_length(path) - (size_t)(name - path));
+    if (stem > NAME_MAX - ENDING) stem = (int)file_name_cut(name, NAME_MAX - ENDING);
     char named[PATH_MAX] = "";
     const char *variable = getenv("TMPDIR");
     if (variable && variable[0]) snprintf(named, sizeof named, "%s/", variable);

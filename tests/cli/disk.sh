@@ -57,6 +57,10 @@ if [ -z "$SANITIZE" ]; then
     [ -z "$(ls -A folder)" ] || die "left in the folder: $(ls -A folder)"
     rmdir folder
     rescued a.rescue.exr
+    # The longest name there is, which nothing can be added to.
+    long=$(printf '%0251d' 0)
+    fault rename "$long.png" 28 0 render scene.json -o "$long.png"
+    rescued "$(printf '%0239d' 0).rescue.exr"
     # No place at all: it is said.
     fault write .fathom-tmp 28 4096 render scene.json -o a.png --size 256x256
     said err.txt 'fathom: the pixels are lost: neither beside that file nor in the working folder, $TMPDIR or /tmp'

@@ -27,6 +27,8 @@ refused 4 'no/stats.json' render scene.json -o a.exr --stats no/stats.json
 rmdir folder.png
 refused 2 'unknown image extension "bmp"' render scene.json -o a.bmp
 refused 2 'unknown image extension ""' render scene.json -o a
+long=$(printf '%01000d/%01000d/%01000d/%01000d' 0 0 0 0)
+refused 4 "$long/a.png: cannot be written: its folder: File name too long" render scene.json -o "$long/a.png"
 refused 4 'no/a.glb' generate sphere --triangles 100 -o no/a.glb
 
 # One name for two things, however it is spelled.
@@ -95,6 +97,17 @@ if [ "$(id -u)" -eq 0 ] && mkdir full && mount -t tmpfs -o size=16k none full 2>
     [ -z "$left" ] || die "a full disk: $left was left behind"
     same b.png b.png
 fi
+
+# A file that is a mount of its own, as containers have them, cannot be replaced: known before anything is rendered.
+if [ "$(id -u)" -eq 0 ] && : >mounted.png && mount --bind mounted.png mounted.png 2>/dev/null; then
+    code=0
+    "$FATHOM" render scene.json -o mounted.png >out.txt 2>err.txt || code=$?
+    umount mounted.png
+    [ $code -eq 4 ] || die "a file that is mounted: exit code $code, expected 4"
+    said err.txt 'mounted.png: cannot be written: Device or resource busy'
+    [ ! -e mounted.rescue.exr ] || die 'a file that is mounted: it was rendered'
+fi
+rm -f mounted.png
 
 # Odd names.
 run 0 render scene.json -o 'a name with spaces.png' --stats 'ä.json'

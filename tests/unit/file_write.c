@@ -171,6 +171,112 @@ static void memory_holds_what_was_put(void **state) {
     assert_string_equal(calls, "");
 }
 
+static mode_t mode_of(const char *path) {
+    struct stat info;
+    assert_int_equal(lstat(path, &info), 0);
+    return info.st_mode;
+}
+
+static void rights_of_old_file_hold(void **state) {
+    place *p = *state;
+    const mode_t before = umask(022);
+    assert_ok(p->context, file_writer_commit(begin(p, "one")));
+    assert_int_equal(mode_of(p->path) & 07777, 0644);
+    assert_int_equal(chmod(p->path, 04600), 0);
+    file_writer *writer = begin(p, "two");
+    assert_int_equal(mode_of(file_writer_temporary(writer)) & 07777, 0600);
+    assert_ok(p->context, file_writer_commit(writer));
+    assert_int_equal(mode_of(p->path) & 07777, 0600);
+    umask(before);
+}
+
+/* A name that others could foresee: the file that they put there is not written to, nor what leads elsewhere.
+ */
+static void foreseen_names_do_no_harm(void **state) {
+    place *p = *state;
+    char name[64], other[400];
+    snprintf(name, sizeof name, "a.fathom-tmp%ld.bin", (long)getpid());
+    snprintf(other, sizeof other, "%s", at(p, "other"));
+    for (int symbolic = 0; symbolic < 2; ++symbolic) {
+        FILE *file = fopen(other, "w");
+        assert_true(fputs("precious", file) >= 0 && fclose(file) == 0);
+        assert_int_equal(symbolic ? symlink(other, at(p, name)) : link(other, at(p, name)), 0);
+        assert_ok(p->context, file_writer_commit(begin(p, "one")));
+        assert_holds(p, "one");
+        struct stat info;
+        assert_int_equal(stat(other, &info), 0);
+        assert_int_equal(info.st_size, strlen("precious"));
+        count_files(p, true);
+    }
+}
+
+static void link_is_replaced_and_its_file_stays(void **state) {
+    place *p = *state;
+    char other[400];
+    snprintf(other, sizeof other, "%s", at(p, "other"));
+    static const char *const targets[] = {"other", "nowhere", "a.bin"}; /* one leads to itself */
+    for (size_t i = 0; i < sizeof targets / sizeof *targets; ++i) {
+        make(other);
+        assert_int_equal(symlink(targets[i], p->path), 0);
+        assert_ok(p->context, file_check_writable(p->context, p->path));
+        assert_ok(p->context, file_writer_commit(begin(p, "one")));
+        assert_true(S_ISREG(mode_of(p->path)));
+        assert_holds(p, "one");
+        struct stat info;
+        assert_int_equal(stat(other, &info), 0);
+        assert_int_equal(info.st_size, 0);
+        assert_int_equal(count_files(p, true), 2);
+    }
+}
+
+/* Every name that the system takes: what comes before the extension is left out of the temporary one. */
+static void longest_names_fit(void **state) {
+    place *p = *state;
+    char path[sizeof p->folder + 300], name[256];
+    for (size_t stem = 200; stem < 252; ++stem) {
+        /* Two bytes a letter, and one at the beginning for half of them. */
+        size_t length = stem % 2;
+        memset(name, 'x', sizeof name);
+        for (; length < stem; length += 2) memcpy(name + length, "\u00e4", 2);
+        snprintf(name + length, sizeof name - length, ".exr");
+        snprintf(path, sizeof path, "%s/%s", p->folder, name);
+        file_writer *writer;
+        assert_ok(p->context, file_writer_open(p->context, path, &writer));
+        const char *temporary = file_writer_temporary(writer);
+        assert_string_equal(temporary + strlen(temporary) - 4, ".exr");
+        char kept[400];
+        snprintf(kept, sizeof kept, "%s", temporary);
+        assert_true(strchr("x\xa4", strstr(kept, ".fathom")[-1])); /* no half of a letter */
+        assert_ok(p->context, file_writer_commit(writer));
+        make(kept);
+        assert_int_equal(count_files(p, false), 2);
+        file_remove_left_over(path);
+        assert_int_equal(count_files(p, true), 1);
+    }
+}
+
+/* Only who has no say over the file but may write to its folder learns of it in the end otherwise. */
+static void files_that_are_to_stay_are_refused(void **state) {
+    place *p = *state;
+    assert_ok(p->context, file_writer_commit(begin(p, "one")));
+    assert_int_equal(chmod(p->path, 0444), 0);
+    assert_int_equal(chmod(p->folder, 01777), 0);
+    const bool root = geteuid() == 0;
+    if (root) assert_int_equal(seteuid(65534), 0);
+    assert_int_equal(file_check_writable(p->context, p->path), FATHOM_OUT_OF_RESOURCES);
+    assert_non_null(
+        strstr(fathom_context_message(p->context), "a.bin: cannot be written: Permission denied"));
+    if (root) {
+        assert_int_equal(seteuid(0), 0);
+        assert_int_equal(chmod(p->path, 0666), 0);
+        assert_int_equal(seteuid(65534), 0);
+        assert_int_equal(file_check_writable(p->context, p->path), FATHOM_OUT_OF_RESOURCES);
+        assert_non_null(strstr(fathom_context_message(p->context), "Operation not permitted"));
+        assert_int_equal(seteuid(0), 0);
+    }
+    assert_holds(p, "one");
+}
+
 static void signals_remove_other_files_too(void **state) {
     place *p = *state;
     char path[400];
@@ -233,6 +339,11 @@ int main(void) {
         cmocka_unit_test_setup_teardown(writers_of_one_file_keep_apart, set_up, tear_down),
         cmocka_unit_test_setup_teardown(abort_leaves_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(memory_holds_what_was_put, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(rights_of_old_file_hold, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(foreseen_names_do_no_harm, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(link_is_replaced_and_its_file_stays, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(longest_names_fit, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(files_that_are_to_stay_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(signals_remove_other_files_too, set_up, tear_down),
         cmocka_unit_test_setup_teardown(left_over_files_go_and_others_stay, set_up, tear_down),
         cmocka_unit_test_setup_teardown(killed_writer_leaves_what_is_removed, set_up, tear_down),
