@@ -17,7 +17,8 @@ typedef struct file_map {
 } file_map;
 
 /* FATHOM_BAD_INPUT when the file is missing, unreadable, empty, or no file but a folder, a pipe or a device;
- * the message names it. FATHOM_OUT_OF_RESOURCES when memory or descriptors ran out. */
+ * the message names it. FATHOM_OUT_OF_RESOURCES when memory or descriptors ran out. FATHOM_BAD_USAGE: it is
+ * to be written (context_set_outputs()). */
 fathom_status file_open(fathom_context *context, const char *path, file_map *out);
 void file_close(file_map *map);
 /* FATHOM_BAD_INPUT when the file under the mapping has been truncated or changed since it was opened, or may

@@ -214,6 +214,9 @@ static fathom_status open_descriptor(fathom_context *context, const char *path, 
         return fail(context, FATHOM_BAD_INPUT, "%s: is a folder, expected a file", path);
     if (!S_ISREG(info.st_mode))
         return fail(context, FATHOM_BAD_INPUT, "%s: is not a regular file; expected one on a disk", path);
+    if (context_is_output(context, &info))
+        return fail(context, FATHOM_BAD_USAGE, "%s: would be read and written; expected another output",
+                    path);
     if (info.st_size == 0) return fail(context, FATHOM_BAD_INPUT, "%s: the file is empty", path);
     bool copies = context_copies_files(context);
     size_t size = (size_t)info.st_size, page = (size_t)sysconf(_SC_PAGESIZE);

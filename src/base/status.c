@@ -16,6 +16,8 @@ struct fathom_context {
     void *warning_user;
     unsigned threads;
     bool allow_outside, copy_files;
+    const file_identity *outputs;
+    size_t output_count;
 };
 
 fathom_status fathom_context_create(fathom_context **out) {
@@ -53,6 +55,19 @@ void fathom_context_copy_files(fathom_context *context, bool copy) {
 }
 
 bool context_copies_files(const fathom_context *context) { return context->copy_files; }
+
+void context_set_outputs(fathom_context *context, const file_identity *files, size_t count) {
+    context->outputs = files;
+    context->output_count = count;
+}
+
+bool context_is_output(const fathom_context *context, const struct stat *file) {
+    for (size_t i = 0; i < context->output_count; ++i) {
+        const file_identity *one = &context->outputs[i];
+        if (one->device == file->st_dev && one->number == file->st_ino) return true;
+    }
+    return false;
+}
 
 const char *fathom_version(void) {
 #define TEXT(x) #x

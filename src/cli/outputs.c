@@ -1,11 +1,16 @@
 #include "cli/outputs.h"
 
 #include "base/file.h"
+#include "base/status.h"
+#include "cli/args.h"
 
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+
+/* Images, and what else a command writes beside them. */
+#define OUTPUTS_MAX (ARGS_LIST_MAX + 4)
 
 /* The folder's real path and the name in it: works for files that do not exist yet. */
 static bool resolve(const char *path, char folder[PATH_MAX], const char **name) {
@@ -30,6 +35,19 @@ static bool same_file(const char *a, const char *b) {
            strcmp(folder_a, folder_b) == 0;
 }
 
+/* Those that are there. A command has one set of outputs. */
+static void keep_from_reading(fathom_context *context, const char *const *outputs, size_t count) {
+    static file_identity files[OUTPUTS_MAX];
+    size_t found = 0;
+    struct stat info;
+    for (size_t i = 0; i < count && found < OUTPUTS_MAX; ++i) {
+        if (stat(outputs[i], &info) == 0) files[found++] = (file_identity){info.st_dev, info.st_ino};
+    }
+    context_set_outputs(context, files, found);
+}
+
+void outputs_may_be_read(fathom_context *context) { context_set_outputs(context, NULL, 0); }
+
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input) {
     for (size_t i = 0; i < count; ++i) {
@@ -42,5 +60,6 @@ fathom_status outputs_check_distinct(fathom_context *context, const char *const 
                             "%s: the same file is named twice; expected different outputs", outputs[i]);
         }
     }
+    keep_from_reading(context, outputs, count);
     return FATHOM_OK;
 }

@@ -5,8 +5,11 @@
 #include <fathom/base.h>
 
 /* FATHOM_BAD_USAGE when two of the outputs, or one of them and `input` (may be NULL), are the same file,
- * however they are spelled. */
+ * however they are spelled. From then on reading one of them is FATHOM_BAD_USAGE, whatever scene names it. */
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input);
+
+/* Reads what it likes from now on. */
+void outputs_may_be_read(fathom_context *context);
 
 #endif

@@ -204,6 +204,7 @@ static fathom_status read_and_render(fathom_context *context, int argc, char **a
     double begin = clock_seconds();
     status = say_status(&command_render, context, read_scene(context, options, &scene));
     if (status != FATHOM_OK) return status;
+    outputs_may_be_read(context); /* the checkpoint, that is */
     report.read_seconds = clock_seconds() - begin;
     status = merge_settings(context, scene, argc, argv, options);
     say_status(&command_render, context, status);

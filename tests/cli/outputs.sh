@@ -46,6 +46,20 @@ run 0 render scene.json -o a.png -o folder/a.png
 same a.png folder/a.png
 rm -r folder a.png
 
+# What a scene names is no output either, which shows while it is read; a checkpoint may be both.
+run 0 generate sphere -t 20 -o ball.obj
+printf '{ "objects": [ { "type": "mesh", "file": "ball.obj" } ] }' >mesh.json
+cat ball.obj ball.mtl >before.txt
+for file in ball.obj ball.mtl; do
+    clash="$file: would be read and written; expected another output"
+    refused 2 "fathom: mesh.json:1: objects[0].file: $clash" render mesh.json -o a.png --stats $file
+    refused 2 "$clash" render mesh.json -o a.png --checkpoint ./$file --resume
+    refused 2 "$clash" validate mesh.json --rays 1 --json $file
+    refused 2 "$clash" bench trace mesh.json --rays 64 --csv $file
+done
+cat ball.obj ball.mtl | cmp - before.txt
+rm ball.obj ball.mtl mesh.json before.txt
+
 # Bad input: one line, code 3, no output. The readers' own tests know every message; here each kind comes through.
 printf '{ "objects": [\n  { "type": "sphere", "radius": -1 }\n] }\n' >bad.json
 refused 3 'bad.json:2: objects[0].radius' render bad.json -o a.png
