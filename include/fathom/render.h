@@ -190,9 +190,10 @@ typedef struct fathom_checkpoint {
 FATHOM_API void fathom_checkpoint_default(fathom_checkpoint *checkpoint);
 
 /* fathom_render(), saved on the way. When progress says stop it is saved once more before the call returns.
- * FATHOM_BAD_USAGE: there is a file at `path`, and resume is false; FATHOM_BAD_INPUT: the file is damaged, is
- * no checkpoint, or is of another render: the message says what differs; FATHOM_OUT_OF_RESOURCES: `path`
- * could not be written to. All of that is found before anything is built, but for another tracer. */
+ * FATHOM_BAD_USAGE: there is a file at `path`, and resume is false, or another render saves to it;
+ * FATHOM_BAD_INPUT: the file is damaged, is no checkpoint, or is of another render: the message says what
+ * differs; FATHOM_OUT_OF_RESOURCES: `path` could not be written to. All of that is found before anything is
+ * built, but for another tracer. */
 FATHOM_API fathom_status fathom_render_checkpointed(fathom_context *context, const fathom_scene *scene,
                                                     const fathom_settings *settings,
                                                     const fathom_checkpoint *checkpoint,

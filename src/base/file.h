@@ -65,6 +65,12 @@ void file_abort_no_more(char *path);
 /* Removes the temporary files of `path` that no living process, here or on another machine, is writing to. */
 void file_remove_left_over(const char *path);
 
+/* Keeps all others from the file that take its lock as well, in this process or another: FATHOM_BAD_USAGE for
+ * them. On FATHOM_OK end with file_lock_release(); NULL is fine there. */
+typedef struct file_lock file_lock;
+fathom_status file_lock_take(fathom_context *context, const char *path, file_lock **out);
+void file_lock_release(file_lock *lock);
+
 /* FATHOM_OUT_OF_RESOURCES when file_writer_open() and the rename would fail: `path` is a folder or a device,
  * its folder does not exist or cannot be written to, or has no room for a page; a file that is there may not
  * be written to, or not be replaced. */

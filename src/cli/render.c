@@ -242,7 +242,8 @@ const command command_render = {
     .summary = "Render a scene to an image.",
     .text = "SCENE is scene JSON (.json) or a model: .glb, .gltf, .obj, .ply. A model without\n"
             "camera or lights gets a camera that frames it, and lights.\n"
-            "Ctrl-C stops, keeps what is finished as an image, and exits with code 5.\n"
+            "Ctrl-C stops, keeps what is finished as an image, and exits with code 5. So do\n"
+            "SIGTERM, SIGHUP (a terminal that is closed) and SIGXCPU (ulimit -t).\n"
             "If an image cannot be written, its pixels go to NAME.rescue.exr beside it, or to\n"
             "the working folder, $TMPDIR or /tmp, and a message says where. So do those of a\n"
             "scene whose files were changed while it was rendered: exit code 3.\n"

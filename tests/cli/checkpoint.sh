@@ -43,6 +43,8 @@ end() {
 # shellcheck disable=SC2086
 {
     begin $long -o a.exr --checkpoint c --threads 1
+    # Nobody writes over what another saves, be it the same render, and before there is anything.
+    refused 2 'c: another render saves its work there' render scene.json -o b.exr --checkpoint c --resume -q
     kill -USR1 $child
     until grep -q 'c: saved at [0-9]* %' err.txt; do
         kill -0 $child 2>/dev/null || die 'it ended before it saved'
@@ -54,6 +56,7 @@ end() {
     said err.txt 'interrupted; the image is written as far as it got, and --resume continues'
     differ whole.exr a.exr
     [ -s c ] || die 'SIGTERM left no checkpoint'
+    [ ! -e c.fathom-lock ] || die 'SIGTERM left a lock'
 
     # Whoever forgets --resume does not lose it; nor does another render take it.
     cp c kept

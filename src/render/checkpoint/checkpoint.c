@@ -20,6 +20,7 @@ void fathom_checkpoint_default(fathom_checkpoint *out) {
 struct checkpoint {
     fathom_context *context, *saving; /* the second is for the thread that saves */
     fathom_checkpoint options;
+    file_lock *file; /* two renders would each write over what the other saved */
     fathom_settings settings;
     const fathom_scene *scene;
     fathom_film *film;
@@ -78,6 +79,7 @@ static fathom_status prepare(checkpoint *c, const fathom_scene *scene) {
     const bool hits = c->settings.aovs & ~(unsigned)FATHOM_AOV_SAMPLES;
     bool exists = false;
     fathom_status status = checkpoint_check_path(c->context, &c->options, &exists);
+    if (status == FATHOM_OK) status = file_lock_take(c->context, c->options.path, &c->file);
     if (status == FATHOM_OK) status = scene_fingerprint(scene, &fingerprint);
     if (status != FATHOM_OK) return status;
     file_remove_left_over(c->options.path);
@@ -116,6 +118,7 @@ fathom_status checkpoint_open(fathom_context *context, const fathom_checkpoint *
 
 void checkpoint_close(checkpoint *c) {
     if (!c) return;
+    file_lock_release(c->file);
     checkpoint_state_destroy(&c->state);
     checkpoint_write_destroy(&c->write);
     pthread_mutex_destroy(&c->lock);

@@ -14,8 +14,8 @@ typedef struct checkpoint checkpoint;
 fathom_status checkpoint_check_path(fathom_context *context, const fathom_checkpoint *options, bool *exists);
 
 /* Fills the film with what the file holds when it is to be continued. FATHOM_BAD_USAGE: there is a file, and
- * it is not; FATHOM_BAD_INPUT: the file is of no use; FATHOM_OUT_OF_RESOURCES: it could not be written. On
- * FATHOM_OK release with checkpoint_close(). */
+ * it is not, or another render saves to it; FATHOM_BAD_INPUT: the file is of no use; FATHOM_OUT_OF_RESOURCES:
+ * it could not be written. On FATHOM_OK release with checkpoint_close(). */
 fathom_status checkpoint_open(fathom_context *context, const fathom_checkpoint *options,
                               const fathom_scene *scene, const fathom_settings *settings, fathom_film *film,
                               checkpoint **out);
