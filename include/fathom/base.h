@@ -18,7 +18,13 @@
  * was made with. As long as none of those runs, any number of threads, each with a context of its own, may
  * give the same scene to fathom_render() and fathom_tracer_create(): they only read it. Any number of threads
  * may trace rays with the same tracer and read the same film. Callbacks (warnings, progress) must not call
- * with the context they were called for, but for fathom_context_message() and fathom_context_threads(). */
+ * with the context they were called for, but for fathom_context_message() and fathom_context_threads().
+ *
+ * Stack. 64 KiB are enough for the calling thread, unless plug-ins and callbacks take more.
+ *
+ * Processes. A child of fork() may make contexts and call with them. What its parent made may only be read
+ * there, and images that OpenImageIO writes or reads (.exr, .jpg, .tif) are not for children of a parent that
+ * did so before: they would wait for threads that OpenImageIO has in the parent alone. */
 #ifndef FATHOM_BASE_H
 #define FATHOM_BASE_H
 

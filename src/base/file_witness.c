@@ -62,7 +62,7 @@ static bool same_stamp(const struct stat *a, const struct stat *b) {
 
 /* ---- bytes ---- */
 
-#define PIECE_BYTES ((size_t)1 << 16) /* small stacks have room for it */
+#define PIECE_BYTES ((size_t)1 << 14) /* small stacks have room for it */
 
 /* The file is read rather than its mapping: what rendering has no use for stays out of the process's memory.
  * False where it cannot be read, or ends before. */

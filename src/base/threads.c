@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 
 #define MAX_THREADS 1024
 
@@ -35,7 +36,7 @@ unsigned threads_granted(unsigned wanted) {
     if (wanted > MAX_THREADS) wanted = MAX_THREADS;
     if (wanted <= atomic_load(&most)) return wanted;
     pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER; /* none ends before all are there */
-    pthread_t threads[MAX_THREADS];
+    pthread_t threads[MAX_THREADS];                   /* 8 KiB */
     unsigned count = 0;
     pthread_mutex_lock(&gate);
     while (count < wanted && pthread_create(&threads[count], NULL, wait_for, &gate) == 0) ++count;
@@ -69,20 +70,29 @@ static void work(void *user) {
     }
 }
 
+/* Small stacks have room for so many workers. */
+#define FEW_THREADS 64
+
+static void run_workers(worker *workers, unsigned count, loop *l) {
+    unsigned started = 1;
+    for (; started < count; ++started) {
+        worker *w = &workers[started];
+        *w = (worker){l, started, {.run = work, .user = w}};
+        if (!pool_run(&w->task)) break;
+    }
+    workers[0] = (worker){.loop = l, .index = 0};
+    work(&workers[0]);
+    for (unsigned i = 1; i < started; ++i) pool_wait(&workers[i].task, -1);
+}
+
 void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body, void *user) {
     if (!count) return;
     loop l = {0, count, grain ? grain : 1, body, user};
     size_t pieces = (count + l.grain - 1) / l.grain;
     if (threads > MAX_THREADS) threads = MAX_THREADS;
     if (threads > pieces) threads = (unsigned)pieces;
-    worker workers[MAX_THREADS];
-    unsigned started = 1;
-    for (; started < threads; ++started) {
-        worker *w = &workers[started];
-        *w = (worker){&l, started, {.run = work, .user = w}};
-        if (!pool_run(&w->task)) break;
-    }
-    workers[0] = (worker){.loop = &l, .index = 0};
-    work(&workers[0]);
-    for (unsigned i = 1; i < started; ++i) pool_wait(&workers[i].task, -1);
+    worker few[FEW_THREADS], *many = threads > FEW_THREADS ? malloc(threads * sizeof *many) : NULL;
+    if (threads > FEW_THREADS && !many) threads = FEW_THREADS;
+    run_workers(many ? many : few, threads, &l);
+    free(many);
 }

@@ -141,6 +141,30 @@ static void reading_side_by_side(void **state) {
     fathom_film_destroy(first.film);
 }
 
+/* What include/fathom/base.h promises; sanitizers take several times as much. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SMALL_STACK ((size_t)1 << 20)
+#else
+#define SMALL_STACK ((size_t)64 << 10)
+#endif
+
+static void small_stack_is_enough(void **state) {
+    (void)state;
+    job usual = {0}, small = {0};
+    read_and_render(&usual);
+    pthread_attr_t attributes;
+    pthread_t thread;
+    assert_int_equal(pthread_attr_init(&attributes), 0);
+    assert_int_equal(pthread_attr_setstacksize(&attributes, SMALL_STACK), 0);
+    assert_int_equal(pthread_create(&thread, &attributes, read_and_render, &small), 0);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    pthread_attr_destroy(&attributes);
+    if (!small.film) fail_msg("%s", small.message);
+    assert_same_film(usual.film, small.film);
+    fathom_film_destroy(usual.film);
+    fathom_film_destroy(small.film);
+}
+
 /* ---- one scene ---- */
 
 static void one_scene_under_several_renders(void **state) {
@@ -262,6 +286,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(contexts_side_by_side),
         cmocka_unit_test(reading_side_by_side),
+        cmocka_unit_test(small_stack_is_enough),
         cmocka_unit_test(one_scene_under_several_renders),
         cmocka_unit_test(messages_go_to_the_renders_context),
         cmocka_unit_test(one_tracer_under_several_threads),
