@@ -103,7 +103,6 @@ each -x ld-linux -i libIlmThread -t "$faults/oom.so" "$FATHOM" compare good.exr 
 rm good.exr
 # Threads that TBB cannot have.
 each -i libtbb -s 1/4 -w b.json "$faults/oom.so" "$FATHOM" bench trace ball.glb --rays 64 --json b.json
-rm b.json
 # Compressing rows on threads of its own, where OpenEXR forgets that it failed.
 each -x ld-linux -i libz.so -c "$FATHOM" -o a.exr \
     "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
