@@ -119,7 +119,7 @@ static void on_bus_error(int number, siginfo_t *info, void *machine) {
         before.sa_sigaction(number, info, machine);
     } else if (before.sa_handler != SIG_DFL && before.sa_handler != SIG_IGN) {
         before.sa_handler(number);
-    } else {
+    } else if (before.sa_handler == SIG_DFL || info->si_code > 0) { /* a fault cannot be ignored */
         signal(number, SIG_DFL);
         raise(number);
     }

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,6 +26,16 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, v
                           void *user) {
     if (atomic_fetch_sub(&threads_left, 1) <= 0) return EAGAIN;
     return __real_pthread_create(thread, attributes, run, user);
+}
+
+static bool affinity_fails;
+
+int __real_sched_getaffinity(pid_t process, size_t size, cpu_set_t *set);
+int __wrap_sched_getaffinity(pid_t process, size_t size, cpu_set_t *set);
+
+int __wrap_sched_getaffinity(pid_t process, size_t size, cpu_set_t *set) {
+    if (affinity_fails) return -1;
+    return __real_sched_getaffinity(process, size, set);
 }
 
 /* ---- loops ---- */
@@ -67,11 +78,31 @@ static void with_fewer_threads(void **state) {
         check_loop(false);
         check_loop(true);
     }
+    atomic_store(&threads_left, 3);
+    assert_int_equal(threads_granted(UINT_MAX), 3); /* more than are ever started */
     atomic_store(&threads_left, INT_MAX);
     assert_int_equal(threads_granted(5), 5);
     atomic_store(&threads_left, 0); /* once granted, always granted */
     assert_int_equal(threads_granted(4), 4);
     atomic_store(&threads_left, INT_MAX);
+}
+
+/* Those that this process may use; one, where the system does not say. */
+static void processors(void **state) {
+    (void)state;
+    cpu_set_t all, one;
+    assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+    assert_int_equal(processor_count(), CPU_COUNT(&all));
+    size_t first = 0;
+    while (!CPU_ISSET(first, &all)) ++first;
+    CPU_ZERO(&one);
+    CPU_SET(first, &one);
+    assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+    assert_int_equal(processor_count(), 1);
+    assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
+    affinity_fails = true;
+    assert_int_equal(processor_count(), 1);
+    affinity_fails = false;
 }
 
 static void count_any(void *user, size_t begin, size_t end, unsigned worker) {
@@ -156,9 +187,13 @@ static void forked_child(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(with_fewer_threads), cmocka_unit_test(odd_loops),
-        cmocka_unit_test(every_item_once),    cmocka_unit_test(loops_in_loops),
-        cmocka_unit_test(loops_side_by_side), cmocka_unit_test(waiting),
+        cmocka_unit_test(with_fewer_threads),
+        cmocka_unit_test(processors),
+        cmocka_unit_test(odd_loops),
+        cmocka_unit_test(every_item_once),
+        cmocka_unit_test(loops_in_loops),
+        cmocka_unit_test(loops_side_by_side),
+        cmocka_unit_test(waiting),
         cmocka_unit_test(forked_child),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
