@@ -10,6 +10,7 @@
 
 #include <errno.h>
 #include <jansson.h>
+#include <limits.h>
 #include <pthread.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -159,6 +160,8 @@ typedef fathom_status work_fn(fathom_context *context, const char *file, outcome
 /* ---- every request in turn ---- */
 
 static char said[256]; /* by the last attempt */
+/* Of what repeats itself many a time: the first so many requests are refused each, then one of 31. */
+static unsigned long refused_each = ULONG_MAX;
 
 static fathom_status attempt(work_fn *work, const char *file, outcome *out, bool *told) {
     fathom_context *context;
@@ -196,7 +199,7 @@ static void exhaust_to(work_fn *work, const char *file, fathom_status wanted) {
     assert_int_equal(attempt(work, file, &good, &told), wanted);
     unsigned long count = requests - begin;
     assert_true(good.bytes > 0 && count > 0);
-    for (unsigned long n = 1; n <= count; ++n) {
+    for (unsigned long n = 1; n <= count; n += n < refused_each ? 1 : 31) {
         unsigned long held = block_count, before = requests;
         failing = before + n;
         fathom_status status = attempt(work, file, &now, &told);
