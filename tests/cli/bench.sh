@@ -17,6 +17,9 @@ refused 2 'nothing called "xyzzy"' bench xyzzy
 refused 2 'SCENE is missing; see fathom help bench render' bench render
 refused 3 'none.json' bench render none.json
 refused 2 '--spp: expected a whole number from 1 to 65536' bench render scene.json --spp 1,,4
+refused 2 '--threads: expected at most 8 numbers' bench render scene.json --threads 1,1,1,1,1,1,1,1,1
+run 0 bench -h
+said out.txt 'Usage: fathom bench'
 refused 2 'spp: the pattern is n x n' bench render scene.json --spp 1,5
 refused 2 'no tracer is called "xyzzy"' bench render scene.json --tracer xyzzy
 refused 2 'same file' bench render scene.json --json a.txt --csv a.txt
@@ -71,6 +74,13 @@ said p.csv '"a, b.obj"'
 run 0 bench trace 'a, b.obj' --tracer bvh --rays 64 --repeats 1 --threads 2 --quiet
 silent out.txt
 
+# Rays go on from what the camera sees.
+sed 's/"target": .0, 0.7, 0./"target": [0, 5, 9]/' scene.json >sky.json
+refused 3 'sky.json: the camera sees nothing; expected hits to send further rays from' bench trace sky.json --tracer bvh
+mv 'a, b.obj' 'a "b".obj'
+run 0 bench trace 'a "b".obj' --tracer bvh --rays 64 --repeats 1 --csv p.csv
+said p.csv '"a ""b"".obj"'
+
 # A tracer without a bare form has no ratio.
 run 0 bench render scene.json --spp 1 --threads 1 --repeats 1 --size 32x32 --tracer bvh --json b.json
 said out.txt 'no bare form'
@@ -92,3 +102,5 @@ grep -q '^1,shadow,' s.csv || die 'no row of shadow rays'
 awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' s.csv || die 'rows of different length'
 said secondary/index.html 'By depth and kind'
 not_said secondary/index.html '<script'
+run 0 bench secondary scene.json --rays 200 --repeats 1 --quiet
+silent out.txt

@@ -61,6 +61,15 @@ for pattern in grid stratified sobol; do
 done
 [ "$(grep -c '^grid,' i.csv)" -ge 1 ] || die 'no rows'
 
+# Before there is an image there is nothing to tell.
+code=0
+timeout --foreground --preserve-status -s INT 3 "$FATHOM" bench error scene.json --size 5000x5000 --max-spp 65536 --json n.json \
+    >out.txt 2>err.txt || code=$?
+[ $code -eq 5 ] || die "exit code $code, expected 5"
+said err.txt 'fathom: stopped'
+silent out.txt
+[ ! -e n.json ] || die 'there is a result of nothing'
+
 # A reference that is no better than the images: marked, and in no table.
 run 0 bench error scene.json --size 32x32 --max-spp 16 --seeds 1 --reference-spp 1
 said out.txt '* closer to the reference than its halves are'
@@ -80,3 +89,5 @@ for key in qualities quality buildSeconds sampleSeconds bvhBytes bestFromToSpp t
 done
 [ "$(grep -c '^[a-z]*,[0-9]' b.csv)" -eq 3 ] || die 'expected three rows'
 said build/index.html 'Build quality against time'
+run 0 bench build scene.json --repeats 1 --size 32x32 --quiet
+silent out.txt

@@ -9,6 +9,8 @@ echo '{' >bad.json
 refused 3 'bad.json:' bench growth --with bad.json
 echo '{ "bench": "trace", "runs": [] }' >bad.json
 refused 3 'bad.json: expected what bench growth --json wrote' bench growth --with bad.json
+echo '{ "runs": [] }' >bad.json
+refused 3 'bad.json: expected what bench growth --json wrote' bench growth --with bad.json
 refused 2 'same file' bench growth --triangles 1k --json a.txt --csv a.txt
 code=0
 TMPDIR=$PWD/nowhere "$FATHOM" bench growth --triangles 1k >out.txt 2>err.txt || code=$?

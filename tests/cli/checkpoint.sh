@@ -100,8 +100,8 @@ until grep -q 'SIGUSR1: nothing is saved without --checkpoint FILE' err.txt; do
     kill -0 $child 2>/dev/null || die 'it ended before it answered'
     sleep 0.05
 done
-kill -KILL $child
-end 137
+kill -TERM $child
+end 5
 
 # To a time: what was spent counts, and nothing that was sampled is lost.
 begin scene.json -o t.exr --size 160x120 --max-time 20 --checkpoint t --aov all

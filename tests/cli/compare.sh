@@ -37,12 +37,25 @@ run 0 compare id.exr id.exr --flip
 run 0 render scene.json -o c.exr --size 48x64
 run 1 compare a.exr c.exr
 said out.txt 'different sizes: 96x64 and 48x64'
+run 1 compare a.exr c.exr --quiet
+silent out.txt
+run 0 render scene.json -o d.exr --size 96x48
+run 1 compare a.exr d.exr
+said out.txt 'different sizes: 96x64 and 96x48'
 run 1 compare a.exr c.exr --flip
 not_said out.txt FLIP
 run 0 render scene.json -o c.exr --crop 0,0,50,50
 run 0 render scene.json -o d.exr --crop 1,0,51,50
 run 1 compare c.exr d.exr
 said out.txt 'different crops: at (0,0) of 96x64 and at (1,0) of 96x64'
+run 0 render scene.json -o d.exr --crop 0,1,50,51
+run 1 compare c.exr d.exr
+said out.txt 'different crops: at (0,0) of 96x64 and at (0,1) of 96x64'
+for size in 90x64 96x60; do
+    run 0 render scene.json -o d.exr --crop 0,0,50,50 --size $size
+    run 1 compare c.exr d.exr
+    said out.txt "different crops: at (0,0) of 96x64 and at (0,0) of $size"
+done
 run 0 render scene.json -o c.exr --aov Z
 run 1 compare a.exr c.exr
 said out.txt 'channel Z is only in the second'
@@ -52,3 +65,20 @@ said out.txt 'max 0, RMSE 0'
 
 refused 3 'nothing.exr: No such file' compare a.exr nothing.exr
 refused 3 'scene.json: cannot be read as an image' compare scene.json a.exr
+
+# Gray values have no colours to see.
+printf 'P5\n2 1\n255\nab' >gray.pgm
+printf 'P5\n2 1\n255\nac' >other.pgm
+run 1 compare gray.pgm other.pgm
+said out.txt '1 of 2 pixels differ'
+run 3 compare gray.pgm gray.pgm --flip
+said err.txt 'gray.pgm: FLIP needs the channels R, G and B'
+
+# Numbers of one image and numbers of shapes in the other, though the channel is called the same: what stands for its type
+# in the head of the file, a whole number, is made a float's.
+run 0 render scene.json -o c.exr --aov id
+at=$(grep -abo -m 1 'id.instance' c.exr | head -n 1 | cut -d : -f 1)
+cp c.exr d.exr
+printf '\002' | dd of=d.exr bs=1 seek=$((at + 12)) conv=notrunc 2>/dev/null
+run 1 compare c.exr d.exr
+said out.txt 'channel id.instance is of different types'

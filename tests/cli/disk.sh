@@ -61,6 +61,12 @@ if [ -z "$SANITIZE" ]; then
     long=$(printf '%0251d' 0)
     fault rename "$long.png" 28 0 render scene.json -o "$long.png"
     rescued "$(printf '%0239d' 0).rescue.exr"
+    # All names beside it are taken, a thousand of them: likewise.
+    mkdir folder
+    for i in "" $(seq -f -%g 2 1000); do : >"folder/a.rescue$i.exr"; done
+    fault write folder/a.fathom-tmp 5 6000 render scene.json -o folder/a.png
+    rm -r folder
+    rescued a.rescue.exr
     # No place at all: it is said.
     fault write .fathom-tmp 28 4096 render scene.json -o a.png --size 256x256
     said err.txt 'fathom: the pixels are lost: neither beside that file nor in the working folder, $TMPDIR or /tmp'
@@ -70,6 +76,23 @@ if [ -z "$SANITIZE" ]; then
     fault write mesh.fathom-tmp 5 100000 generate sphere --triangles 10k -o mesh.glb
     said err.txt 'mesh.glb: cannot be written: Input/output error'
     rm -f out.txt err.txt
+    [ "$(ls -A)" = "$(printf 'good.exr\nscene.json')" ] || die "left behind: $(ls -A)"
+    # Work that cannot be saved, after two trials of 4096 bytes that went well: that is said, and rendering goes on. Whoever
+    # stops it then is told that the work is lost.
+    FAULT_CALL=write FAULT_FILE=c.fathom-tmp FAULT_ERROR=28 FAULT_AFTER=9000 LD_PRELOAD=$BUILD/tests/faults/disk.so \
+        "$FATHOM" render scene.json -o a.png --size 1024x1024 --tracer linear:f64 --spp 65536 --checkpoint c --checkpoint-every 0.1 \
+        >out.txt 2>err.txt &
+    program=$!
+    until grep -q 'fathom: c: cannot be written: No space left on device; rendering goes on, and the next save may do better' err.txt; do
+        kill -0 $program 2>/dev/null || die 'it ended before it saved'
+        sleep 0.05
+    done
+    kill -TERM $program
+    code=0
+    wait $program || code=$?
+    [ $code -eq 4 ] || die "stopped without its work saved: exit code $code, expected 4"
+    said err.txt 'fathom: interrupted; the image is written as far as it got, but the work could not be saved to c'
+    rm a.png out.txt err.txt
     [ "$(ls -A)" = "$(printf 'good.exr\nscene.json')" ] || die "left behind: $(ls -A)"
     # Known before anything is rendered: no room for a single page.
     fault write a.fathom-tmp 28 0 render scene.json -o a.png

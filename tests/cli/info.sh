@@ -67,6 +67,43 @@ if python3 -c 'import json' 2>/dev/null; then
     python3 -c 'import json; json.load(open("info.json"))' || die 'not JSON'
 fi
 
+# A floor without end has no bounds; light that is blue alone is light; what is cropped away takes no film; shapes that
+# Embree cannot reach are a problem, and what gives off light is a feature.
+cat >floor.json <<'JSON'
+{ "image": { "width": 640, "height": 480, "crop": [10, 20, 30, 60] }, "ambient": [0, 0, 0.5],
+  "lights": [ { "type": "spot", "position": [0, 5, 0], "direction": [0, -1, 0], "intensity": 3 } ],
+  "objects": [ { "type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0] } ] }
+JSON
+run 0 info floor.json
+not_said out.txt 'bounds'
+said out.txt 'lights    0 point, 0 directional, 1 spot'
+said out.txt 'features  planes, spot lights, ambient'
+said out.txt 'problems  none'
+run 0 info floor.json --json
+said out.txt '"bounds": null'
+[ "$(number out.txt film)" = $((20 * 40 * 3 * 4)) ] || die "film of a crop: $(number out.txt film)"
+cat >far.json <<'JSON'
+{ "materials": { "lamp": { "ke": [1, 1, 1] }, "paint": { "specular": "blinn", "ks": [0, 0, 0] } },
+  "lights": [], "ambient": [0, 0, 0],
+  "groups": { "lamps": [ { "type": "sphere", "center": [0, 0, 2e18], "radius": 1e17, "material": "paint" } ] },
+  "objects": [ { "type": "instance", "of": "lamps", "material": "lamp", "scale": [1e-9, 1e-9, 1e-9] } ] }
+JSON
+run 0 info far.json
+said out.txt 'features  spheres, instances, emission'
+said out.txt 'shapes and triangles beyond 1e+18 from the origin, which Embree leaves out: 1'
+not_said out.txt 'every surface is black'
+printf '{ "name": "x", "ambient": [0, 0.1, 0], "lights": [], "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >green.json
+run 0 info green.json
+said out.txt 'features  spheres, ambient'
+
+# A name that is no UTF-8 is told all the same, in JSON that is.
+name=$(printf 'a\377.json')
+if cp green.json "$name" 2>/dev/null; then
+    run 0 info "$name" --json
+    said out.txt '"file": "a?.json"'
+    rm "$name"
+fi
+
 # What cannot be rendered: said, code 3.
 printf '{ "objects": [\n  { "type": "sphere", "radius": -1 }\n] }\n' >bad.json
 refused 3 'bad.json:2: objects[0].radius' info bad.json

@@ -6,6 +6,10 @@ silent out.txt
 said err.txt 'Usage: fathom COMMAND'
 run 0 --version
 grep -qE '^fathom [0-9]+\.[0-9]+\.[0-9]+$' out.txt || die 'the version'
+cp out.txt version.txt
+run 0 -V
+cmp -s out.txt version.txt || die 'fathom -V is not fathom --version'
+rm version.txt
 for arguments in --help -h help 'help help'; do
     # shellcheck disable=SC2086
     run 0 $arguments
@@ -57,6 +61,7 @@ done <<'TABLE'
 --size|0x10|expected WIDTHxHEIGHT
 --size|10x0|expected WIDTHxHEIGHT
 --size|1000000000x1|expected WIDTHxHEIGHT
+--size|10x70000|expected WIDTHxHEIGHT
 --size|10x10x10|expected WIDTHxHEIGHT
 --size|-5x5|expected WIDTHxHEIGHT
 --size|5,5|expected WIDTHxHEIGHT
@@ -66,6 +71,8 @@ done <<'TABLE'
 --crop|1,2,3|expected X0,Y0,X1,Y1
 --crop|1,2,3,4,5|expected X0,Y0,X1,Y1
 --crop|5,0,5,9|expected X0 < X1 and Y0 < Y1
+--crop|0,9,5,9|expected X0 < X1 and Y0 < Y1
+--crop|0,0,65537,9|expected X0,Y0,X1,Y1
 --crop|0,0,0,0|expected X0 < X1 and Y0 < Y1
 --crop|-1,0,5,9|expected X0,Y0,X1,Y1
 --threads|0|expected a whole number from 1 to 1024
@@ -85,10 +92,15 @@ done <<'TABLE'
 --exposure|1e3|expected a number from -64 to 64
 --exposure|bright|expected a number from -64 to 64
 --background|1,2|expected R,G,B
+--background|1,2,1e300|expected R,G,B
+--max-time|0|expected a number above 0
+--max-time|1e300|expected a number above 0
 --background|1,2,-3|expected R,G,B
 --aov|normals|expected names from alpha,Z,N,P,albedo,id
 TABLE
 refused 2 '--aov: expected names' render a.json -o a.exr --aov Z,,N
+refused 2 '--aov: expected names from alpha,Z,N,P,albedo,id,samples, or all, or none, found "'"$(printf '%060d' 0)\"" \
+    render a.json -o a.exr --aov "$(printf '%070d' 0)"
 refused 2 '--ocio: expected FILE, found nothing' render a.json -o a.png --ocio=
 
 refused 2 '--aov: only .exr holds these channels' render a.json -o a.png --aov Z

@@ -9,6 +9,8 @@ typedef struct settings {
     bool quiet, fix;
     uint32_t spp;
     uint64_t seed, triangles;
+    args_counts counts;
+    args_size size;
     double epsilon;
     float exposure;
     unsigned pattern;
@@ -21,6 +23,8 @@ static const args_option table[] = {
     {"spp", 0, "N", take_u32, offsetof(settings, spp), 1, 65536, "samples"},
     {"seed", 0, "N", take_u64, offsetof(settings, seed), 0, 0, "seed"},
     {"triangles", 't', "N", take_count, offsetof(settings, triangles), 1, 1e11, "count"},
+    {"counts", 0, "N,N", take_counts, offsetof(settings, counts), 1, 1e11, "counts"},
+    {"size", 0, "WxH", take_size, offsetof(settings, size), 1, 100, "size"},
     {"epsilon", 0, "E", take_f64, offsetof(settings, epsilon), 0, 10, "epsilon"},
     {"exposure", 0, "STOPS", take_f32, offsetof(settings, exposure), -64, 64, "exposure"},
     {"pattern", 0, "grid|stratified|sobol", take_choice, offsetof(settings, pattern), 0, 0, "pattern"},
@@ -114,6 +118,7 @@ static void wrong_usage_is_named(void **state) {
     assert_wrong("-o", NULL, "-o: expected a value");
     assert_wrong("--quiet=1", NULL, "--quiet takes no value");
     assert_wrong("-qx", NULL, "-q takes no value");
+    assert_wrong("--output=", NULL, "--output: expected IMAGE, found nothing");
     assert_wrong("--text=", NULL, "--text: expected TEXT, found nothing");
     assert_wrong("second", NULL, "unexpected argument \"second\"");
     assert_int_equal(parse("--quiet", NULL, NULL, NULL), ARGS_WRONG);
@@ -145,17 +150,53 @@ static void counts_have_units(void **state) {
     static const struct {
         const char *text;
         uint64_t count;
-    } right[] = {{"1", 1}, {"20k", 20000}, {"8M", 8000000}, {"1G", 1000000000}, {"100G", 100000000000}};
+    } right[] = {{"1", 1},           {"20k", 20000},         {"8M", 8000000},
+                 {"1G", 1000000000}, {"100G", 100000000000}, {"3e2", 300},
+                 {"7e0", 7},         {"1e11", 100000000000}};
     for (size_t i = 0; i < sizeof right / sizeof *right; ++i) {
         assert_int_equal(parse("scene", "-t", right[i].text, NULL), ARGS_READY);
         assert_true(got.triangles == right[i].count);
     }
     static const char *const wrong[] = {
-        "0", "101G", "8m", "8MM", "k", "8 M", "1.5M", "-8M", "18446744073709551615G"};
+        "0",    "101G", "8m", "8MM",  "k",     "8 M",  "1.5M", "-8M", "18446744073709551615G",
+        "1e12", "1e",   "e1", "1e2x", "1e2e1", "1e-1", "0e0"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         assert_wrong("-t", wrong[i], "-t: expected a whole number from 1 to 100000000000");
     }
     assert_wrong("-t", "0e18446744073709551615", "-t: expected a whole number from 1 to 100000000000");
+}
+
+static void counts_make_lists(void **state) {
+    (void)state;
+    assert_int_equal(parse("scene", "--counts", "1,20k,3e2", NULL), ARGS_READY);
+    assert_int_equal(got.counts.count, 3);
+    assert_true(got.counts.items[0] == 1 && got.counts.items[1] == 20000 && got.counts.items[2] == 300);
+    static const char *const wrong[] = {"", "1,", ",1", "1,,2", "1;2", "1,x"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        char text[64];
+        snprintf(text, sizeof text, "--counts=%s", wrong[i]);
+        assert_wrong(text, NULL, "--counts: expected a whole number from 1 to 100000000000");
+        assert_int_equal(got.counts.count, 0);
+    }
+    char many[2 * ARGS_LIST_MAX + 3] = "";
+    for (int i = 0; i < ARGS_LIST_MAX; ++i) strcat(many, i ? ",1" : "1");
+    assert_int_equal(parse("scene", "--counts", many, NULL), ARGS_READY);
+    assert_int_equal(got.counts.count, ARGS_LIST_MAX);
+    strcat(many, ",1");
+    assert_wrong("--counts", many, "--counts: expected at most 16 numbers, found more");
+    char long_one[200];
+    memset(long_one, '1', sizeof long_one - 1);
+    long_one[sizeof long_one - 1] = '\0';
+    assert_wrong("--counts", long_one, "--counts: expected a whole number from 1 to 100000000000");
+}
+
+static void sizes_have_two_sides(void **state) {
+    (void)state;
+    assert_int_equal(parse("scene", "--size", "1x100", NULL), ARGS_READY);
+    assert_true(got.size.width == 1 && got.size.height == 100);
+    static const char *const wrong[] = {"0x1", "1x0", "101x1", "1x101", "1", "1x", "x1", "1x1x1", "1X1"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
+        assert_wrong("--size", wrong[i], "--size: expected WIDTHxHEIGHT, each from 1 to 100");
 }
 
 static void numbers_are_decimal_and_finite(void **state) {
@@ -226,6 +267,8 @@ int main(void) {
         cmocka_unit_test(wrong_usage_is_named),
         cmocka_unit_test(whole_numbers_are_whole),
         cmocka_unit_test(counts_have_units),
+        cmocka_unit_test(counts_make_lists),
+        cmocka_unit_test(sizes_have_two_sides),
         cmocka_unit_test(numbers_are_decimal_and_finite),
         cmocka_unit_test(choices_are_exact),
         cmocka_unit_test(lists_end),
