@@ -1,5 +1,6 @@
 /* What PNG files hold beside their pixels, chunk by chunk, and what goes wrong in writing them. */
-#include "image/image.h"
+#include "base/file.h"
+#include "image/write_png.h"
 #include "unit_folder.h"
 
 #include <unistd.h>
@@ -151,6 +152,24 @@ static void too_high(void **state) {
     assert_int_equal(big_endian(file + 16), 2);
 }
 
+/* Given up after its rows: nothing is said, and nothing is kept. */
+static void given_up(void **state) {
+    (void)state;
+    image_channel channels[4];
+    const image img = small(channels, 3);
+    image_message message = {""};
+    image_writer *writer;
+    file_writer *out;
+    assert_ok(context, file_writer_open_memory(context, "a.png", &out));
+    const image_target target = {
+        .path = "a.png", .file = out, .format = IMAGE_PNG, .threads = 1, .img = &img};
+    assert_int_equal(write_png_calls.open(&target, &writer, &message), FATHOM_OK);
+    assert_int_equal(write_png_calls.rows(writer, 1, "abcdef", &message), FATHOM_OK);
+    assert_int_equal(write_png_calls.close(writer, false, &message), FATHOM_OK);
+    assert_string_equal(message.text, "");
+    file_writer_abort(out);
+}
+
 static int remove_image(void **state) {
     unlink(in_folder("a.png"));
     return remove_folder(state);
@@ -159,7 +178,7 @@ static int remove_image(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chunks_of_srgb), cmocka_unit_test(chunks_of_raw), cmocka_unit_test(texts_come_back),
-        cmocka_unit_test(long_rows),      cmocka_unit_test(too_high),
+        cmocka_unit_test(long_rows),      cmocka_unit_test(too_high),      cmocka_unit_test(given_up),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_image);
 }

@@ -98,7 +98,7 @@ static OIIO::ImageSpec describe(const image_target &target) {
     bool exr = target.format == IMAGE_EXR;
     OIIO::ImageSpec spec(static_cast<int>(img.width), static_cast<int>(img.height),
                          static_cast<int>(img.channel_count),
-                         exr ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+                         exr ? OIIO::TypeDesc(OIIO::TypeDesc::FLOAT) : type_of(target.storage[0]));
     spec.x = static_cast<int>(img.x);
     spec.y = static_cast<int>(img.y);
     spec.full_width = static_cast<int>(img.full_width);
