@@ -54,14 +54,14 @@ max_length() { # target
 # The large inputs of tests/fuzz/large.py once, then as long as asked for from the corpus on.
 fuzz() { # target
     found=$build/found/$1
-    mkdir -p "$found" "$build/findings"
+    mkdir -p "$found" "$build/findings" "$build/seeds/$1"
     printf '%-14s %12s %8s  %s\n' "$1" - - LARGE >"$build/$1.row"
     # shellcheck disable=SC2086 # limits are words
     "$build/fuzz/fuzz_$1" $limits -artifact_prefix="$build/findings/$1-" "$build/large/$1"/* >"$build/$1.log" 2>&1 || return 0
     # shellcheck disable=SC2086
     "$build/fuzz/fuzz_$1" -max_total_time="$seconds" -max_len="$(max_length "$1")" $limits -print_final_stats=1 \
         -dict="$source/tests/fuzz/dictionaries/$1.dict" -artifact_prefix="$build/findings/$1-" \
-        "$found" "$source/tests/fuzz/corpus/$1" >"$build/$1.log" 2>&1 && result=fine || result=FOUND
+        "$found" "$source/tests/fuzz/corpus/$1" "$build/seeds/$1" >"$build/$1.log" 2>&1 && result=fine || result=FOUND
     executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$build/$1.log")
     edges=$(grep -o 'cov: [0-9]*' "$build/$1.log" | tail -n 1 | cut -c 6-)
     most=$(sed -n 's/^fuzz: \(most memory [0-9]* bytes for [0-9]*\).*\(most time .*\)/\1, \2/p' "$build/$1.log")
@@ -82,6 +82,9 @@ if [ "$seconds" = coverage ]; then
 fi
 
 python3 tests/fuzz/large.py "$build/large"
+# glTF has two forms, and what one target found is a start for the other.
+mkdir -p "$build/found/gltf"
+python3 tests/fuzz/glb.py "$build/seeds/glb" tests/fuzz/corpus/gltf "$build/found/gltf"
 running=0
 for target; do
     fuzz "$target" &
