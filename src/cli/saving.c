@@ -71,8 +71,14 @@ bool saving_is_named(const saving *s, const fathom_context *context) {
 
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status) {
     const char *path = s->request.path;
-    if (!path || status != FATHOM_OK) return status;
+    if (!path) return status;
     char text[SAID];
+    if (status != FATHOM_OK) {
+        if (access(path, F_OK) != 0) return status;
+        snprintf(text, sizeof text, "%s: is kept; --resume continues from what was saved last", path);
+        say_error(text);
+        return status;
+    }
     if (interrupted && s->failed) {
         snprintf(text, sizeof text,
                  "interrupted; the image is written as far as it got, but the work could not be saved to %s",

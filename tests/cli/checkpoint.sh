@@ -75,6 +75,19 @@ end() {
         render $long -o b.exr --checkpoint scene.copy --resume --quiet
     cmp c kept
 
+    # An image that cannot be written leaves it where it is.
+    [ -n "$SANITIZE" ] || {
+        code=0
+        FAULT_CALL=rename FAULT_FILE=b.exr FAULT_ERROR=28 FAULT_AFTER=0 LD_PRELOAD=$BUILD/tests/faults/disk.so \
+            "$FATHOM" render $long -o b.exr --checkpoint c --resume >out.txt 2>err.txt || code=$?
+        [ $code -eq 4 ] || die "an image that cannot be written: exit code $code, expected 4"
+        said err.txt 'fathom: c: is kept; --resume continues from what was saved last'
+        same whole.exr b.rescue.exr
+        rm b.rescue.exr
+        [ -s c ] || die 'the checkpoint is gone, and the image could not be written'
+        cp kept c
+    }
+
     # It is continued, says so, and goes once the image is there; so does what killed processes left beside it.
     : >c.fathom-tmp1
     : >a.fathom-tmp1.exr
