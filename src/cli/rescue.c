@@ -17,25 +17,39 @@ typedef struct place {
     int stem_length;
 } place;
 
-/* ".rescue-1000.exr" */
-#define ENDING 16
+/* ".rescue-1000.exr.fathom-lock" */
+#define ENDING 28
 
-/* A name that nobody has, in the place. */
-static bool free_name(const place *at, char out[PATH_MAX]) {
-    for (unsigned i = 1; i <= TRIES; ++i) {
-        char number[16] = "";
-        if (i > 1) snprintf(number, sizeof number, "-%u", i);
-        int length = snprintf(out, PATH_MAX, "%.*s%.*s.rescue%s.exr", at->folder_length, at->folder,
-                              at->stem_length, at->stem, number);
-        if (length < 0 || length >= PATH_MAX) return false;
-        if (access(out, F_OK) != 0) return true;
-    }
-    return false;
+static bool name_at(const place *at, unsigned i, char out[PATH_MAX]) {
+    char number[16] = "";
+    if (i > 1) snprintf(number, sizeof number, "-%u", i);
+    int length = snprintf(out, PATH_MAX, "%.*s%.*s.rescue%s.exr", at->folder_length, at->folder,
+                          at->stem_length, at->stem, number);
+    return length >= 0 && length < PATH_MAX;
 }
 
+typedef enum result { RESULT_SAVED, RESULT_OTHERS, RESULT_FAILED } result;
+
+/* Others may be saving theirs at the same time, for the disk is as full for them. */
+static result write_new(fathom_context *context, const fathom_film *film, const char *path) {
+    file_lock *lock;
+    if (access(path, F_OK) == 0) return RESULT_OTHERS;
+    fathom_status status = file_lock_take(context, path, &lock);
+    if (status != FATHOM_OK) return status == FATHOM_BAD_USAGE ? RESULT_OTHERS : RESULT_FAILED;
+    const bool theirs = access(path, F_OK) == 0;
+    if (!theirs) status = fathom_film_write_plain(context, film, path);
+    file_lock_release(lock);
+    return theirs ? RESULT_OTHERS : status == FATHOM_OK ? RESULT_SAVED : RESULT_FAILED;
+}
+
+/* Under the first name in the place that nobody has. */
 static bool rescue_to(fathom_context *context, const fathom_film *film, const place *at, const char *which) {
     char path[PATH_MAX], text[PATH_MAX + 128];
-    if (!free_name(at, path) || fathom_film_write_plain(context, film, path) != FATHOM_OK) return false;
+    result saved = RESULT_OTHERS;
+    for (unsigned i = 1; i <= TRIES && saved == RESULT_OTHERS; ++i) {
+        saved = name_at(at, i, path) ? write_new(context, film, path) : RESULT_FAILED;
+    }
+    if (saved != RESULT_SAVED) return false;
     snprintf(text, sizeof text, "%s are in %s, as scene-linear EXR", which, path);
     say_error(text);
     return true;

@@ -60,13 +60,23 @@ if [ -z "$SANITIZE" ]; then
     # The longest name there is, which nothing can be added to.
     long=$(printf '%0251d' 0)
     fault rename "$long.png" 28 0 render scene.json -o "$long.png"
-    rescued "$(printf '%0239d' 0).rescue.exr"
+    rescued "$(printf '%0227d' 0).rescue.exr"
     # All names beside it are taken, a thousand of them: likewise.
     mkdir folder
     for i in "" $(seq -f -%g 2 1000); do : >"folder/a.rescue$i.exr"; done
     fault write folder/a.fathom-tmp 5 6000 render scene.json -o folder/a.png
     rm -r folder
     rescued a.rescue.exr
+    # Several at once, whose disk is full for all: each has its own.
+    for i in 1 2 3 4; do
+        FAULT_CALL=rename FAULT_FILE=a.png FAULT_ERROR=28 FAULT_AFTER=0 LD_PRELOAD=$BUILD/tests/faults/disk.so \
+            "$FATHOM" render scene.json -o a.png >/dev/null 2>&1 &
+    done
+    wait
+    for name in a.rescue a.rescue-2 a.rescue-3 a.rescue-4; do
+        same $name.exr good.exr
+        rm $name.exr
+    done
     # No place at all: it is said.
     fault write .fathom-tmp 28 4096 render scene.json -o a.png --size 256x256
     said err.txt 'fathom: the pixels are lost: neither beside that file nor in the working folder, $TMPDIR or /tmp'
