@@ -34,6 +34,17 @@ static fathom_status check_outputs(fathom_context *context, const render_options
     return status;
 }
 
+static fathom_status check_sizes(fathom_context *context, const render_options *options) {
+    const fathom_settings *s = &options->settings;
+    const bool cropped = s->crop[2] && s->crop[3];
+    const uint32_t width = cropped ? s->crop[2] - s->crop[0] : s->width,
+                   height = cropped ? s->crop[3] - s->crop[1] : s->height;
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i)
+        status = image_check_size(context, options->outputs.items[i], width, height);
+    return status;
+}
+
 /* The command line once more, over what the scene's file asked for. What the two make of each other (a crop
  * outside the scene's image, …) is wrong usage: the scene by itself has been checked. */
 static fathom_status merge_settings(fathom_context *context, const fathom_scene *scene, int argc, char **argv,
@@ -50,7 +61,8 @@ static fathom_status merge_settings(fathom_context *context, const fathom_scene 
         warn(context, "%s: asks for AOVs that only .exr holds; they are left out", options->scene);
     if (options->min_spp_given && !(options->settings.target_error > 0 || options->settings.max_time > 0))
         return fail(context, FATHOM_BAD_USAGE, "--min-spp: only with --target-error E or --max-time SECONDS");
-    return scene_check_settings(context, &options->settings) == FATHOM_OK ? FATHOM_OK : FATHOM_BAD_USAGE;
+    if (scene_check_settings(context, &options->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
+    return check_sizes(context, options);
 }
 
 typedef struct watched {

@@ -67,6 +67,9 @@ fathom_status image_encode_png(fathom_context *context, const image *img, const 
  * the folder exists and can be written to, that the module is there if it is needed. Loads it only to look
  * for a view, where the format needs one other than the built-in sRGB. */
 fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options);
+/* FATHOM_BAD_USAGE when the format does not hold as many pixels: known before rendering, as the rest is
+ * before reading. */
+fathom_status image_check_size(fathom_context *context, const char *path, uint32_t width, uint32_t height);
 
 /* Whether the view is the built-in one for sRGB: no config is named ($OCIO counts), nor another display or
  * view. */

@@ -36,6 +36,22 @@ fathom_status output_check_exposure(fathom_context *context, const fathom_write_
                 (double)options->exposure);
 }
 
+/* libjpeg ends the process when it is asked for more. */
+#define JPEG_LARGEST_SIDE 65500u
+
+fathom_status output_check_size(fathom_context *context, const char *path, image_format format,
+                                uint32_t width, uint32_t height) {
+    if (format != IMAGE_JPEG || (width <= JPEG_LARGEST_SIDE && height <= JPEG_LARGEST_SIDE)) return FATHOM_OK;
+    return fail(context, FATHOM_BAD_USAGE, "%s: %u x %u pixels; JPEG holds at most %u x %u", path, width,
+                height, JPEG_LARGEST_SIDE, JPEG_LARGEST_SIDE);
+}
+
+fathom_status image_check_size(fathom_context *context, const char *path, uint32_t width, uint32_t height) {
+    image_format format = IMAGE_EXR;
+    fathom_status status = output_format(context, path, &format);
+    return status == FATHOM_OK ? output_check_size(context, path, format, width, height) : status;
+}
+
 static const char *config_of(const fathom_write_options *options) {
     if (options->ocio) return options->ocio;
     const char *named = getenv("OCIO");

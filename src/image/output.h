@@ -7,7 +7,9 @@
 /* FATHOM_BAD_USAGE: the extension is unknown. */
 fathom_status output_format(fathom_context *context, const char *path, image_format *out);
 
-/* FATHOM_BAD_USAGE: 2^exposure is no number. */
+/* FATHOM_BAD_USAGE: the format does not hold so many pixels. */
+fathom_status output_check_size(fathom_context *context, const char *path, image_format format,
+                                uint32_t width, uint32_t height);
 fathom_status output_check_exposure(fathom_context *context, const fathom_write_options *options);
 
 bool output_needs_module(image_format format, const fathom_write_options *options);

@@ -13,9 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* libjpeg ends the process when it is asked for more. */
-#define JPEG_LARGEST_SIDE 65500u
-
 /* Rows are handed over in chunks of about so many bytes: enough blocks of rows for all threads of the
  * compression, without a second copy of a large image. */
 #define CHUNK_BYTES ((size_t)16 << 20)
@@ -239,11 +236,7 @@ static fathom_status check_image(fathom_context *context, const image *img, cons
     if (!img->width || !img->height || !img->channel_count) {
         return fail(context, FATHOM_INTERNAL, "%s: the image is empty", path);
     }
-    if (format == IMAGE_JPEG && (img->width > JPEG_LARGEST_SIDE || img->height > JPEG_LARGEST_SIDE)) {
-        return fail(context, FATHOM_BAD_USAGE, "%s: %u x %u pixels; JPEG holds at most %u x %u", path,
-                    img->width, img->height, JPEG_LARGEST_SIDE, JPEG_LARGEST_SIDE);
-    }
-    return FATHOM_OK;
+    return output_check_size(context, path, format, img->width, img->height);
 }
 
 static fathom_status choose_view(writing *w, const fathom_write_options *options) {
