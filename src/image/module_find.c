@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/auxv.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define MODULE_FILE "fathom/fathom_image.so"
@@ -31,6 +33,9 @@ static void find_own_file(void) {
     struct link_map *map = NULL;
     if (!dladdr1((void *)(uintptr_t)&own_file_once, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return;
     own_file_path = realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", own_file_room);
+    /* Without /proc: as it was called, which is good for as long as the working folder stays. */
+    const char *called = (const char *)(uintptr_t)getauxval(AT_EXECFN);
+    if (!own_file_path && !map->l_name[0] && called) own_file_path = realpath(called, own_file_room);
 }
 
 static const char *own_file(void) {
@@ -48,14 +53,19 @@ void module_trouble_say(module_trouble *why, fathom_status status, const char *f
     why->status = status;
 }
 
+/* A pipe would be waited for. */
+static bool find_named(const char *named, char *path, module_trouble *why) {
+    struct stat info;
+    const bool found = realpath(named, path) && stat(path, &info) == 0;
+    if (found && S_ISREG(info.st_mode)) return true;
+    module_trouble_say(why, !found && errno == ENOMEM ? FATHOM_OUT_OF_RESOURCES : FATHOM_INTERNAL,
+                       "$FATHOM_IMAGE_MODULE: %s: %s", named, found ? "expected a file" : strerror(errno));
+    return false;
+}
+
 bool module_find(char *path, module_trouble *why) {
     const char *named = getenv("FATHOM_IMAGE_MODULE");
-    if (named && named[0]) {
-        if (realpath(named, path)) return true;
-        module_trouble_say(why, errno == ENOMEM ? FATHOM_OUT_OF_RESOURCES : FATHOM_INTERNAL,
-                           "$FATHOM_IMAGE_MODULE: %s: %s", named, strerror(errno));
-        return false;
-    }
+    if (named && named[0]) return find_named(named, path, why);
     const char *own = own_file();
     for (size_t i = 0; own && i < sizeof places / sizeof *places; ++i) {
         const char *slash = strrchr(own, '/');

@@ -76,6 +76,11 @@ static bool without_module(void *user) {
                      "/nowhere/fathom_image.so");
     setenv("FATHOM_IMAGE_MODULE", in_folder("a.txt"), 1);
     ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_INTERNAL, "a.txt");
+    /* Nobody would ever write to it. */
+    ok &= mkfifo(in_folder("pipe"), 0600) == 0 && setenv("FATHOM_IMAGE_MODULE", in_folder("pipe"), 1) == 0;
+    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_INTERNAL,
+                     "pipe: expected a file");
+    ok &= unlink(in_folder("pipe")) == 0;
     /* Once it can be had, it is. */
     unsetenv("FATHOM_IMAGE_MODULE");
     return ok && image_write(context, &img, in_folder("a.exr"), &options) == FATHOM_OK;
