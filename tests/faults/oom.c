@@ -243,9 +243,11 @@ int __libc_start_main(main_fn *entry, int argc, char **argv, void (*init)(void),
                                                                rtld_fini, stack_end);
 }
 
-static void tell_total(void) {
+/* By exit(), or by _exit() alone. */
+static __attribute__((destructor)) void tell_total(void) {
+    static atomic_bool told;
     char text[64];
-    if (mode == OFF) return;
+    if (mode == OFF || atomic_exchange(&told, true)) return;
     int used = snprintf(text, sizeof text, "total %llu\n", (unsigned long long)atomic_load(&requests));
     line(text, (size_t)used);
 }
