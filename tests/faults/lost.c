@@ -1,10 +1,11 @@
 /* In place of the image module: a library that ends the process, or waits for itself, in the way that
  * $FAULT_LOST names, as some of the image module's do when memory is lacking; while it is loaded, or where
- * the name begins with "rows-", when rows are written. */
+ * the name begins with "rows-", when rows are written. Its views fail, and what it reads is broken. */
 #include "image/module/module.h"
 
 #include <pthread.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -37,6 +38,8 @@ static void *on_own_thread(void *unused) {
     return unused;
 }
 
+static char own_view;
+
 static fathom_status open_nothing(const image_target *target, image_writer **out, image_message *message) {
     (void)target, (void)message;
     *out = NULL;
@@ -58,5 +61,33 @@ static fathom_status close_nothing(image_writer *writer, bool finish, image_mess
     return FATHOM_OK;
 }
 
-__attribute__((visibility("default"))) const image_module fathom_image_module = {
-    .version = IMAGE_MODULE_VERSION, .writer = {open_nothing, lose_rows, close_nothing}};
+static fathom_status fail_read(const char *path, unsigned threads, const image **out,
+                               image_message *message) {
+    (void)path, (void)threads, (void)out;
+    snprintf(message->text, sizeof message->text, "%s",
+             strcmp(way(), "read-lack") == 0 ? "Cannot allocate memory" : "is broken");
+    return FATHOM_BAD_INPUT;
+}
+
+static fathom_status open_view(const image_view_request *request, image_view **out, bool *srgb,
+                               image_message *message) {
+    (void)request, (void)message;
+    *out = (image_view *)&own_view, *srgb = false;
+    return FATHOM_OK;
+}
+
+static fathom_status fail_view(const image_view *view, float *rgba, size_t count, image_message *message) {
+    (void)view, (void)rgba, (void)count;
+    if (strcmp(way(), "view") == 0) snprintf(message->text, sizeof message->text, "no such colour");
+    return FATHOM_INTERNAL;
+}
+
+static void close_view(image_view *view) { (void)view; }
+
+__attribute__((visibility("default")))
+const image_module fathom_image_module = {.version = IMAGE_MODULE_VERSION,
+                                          .writer = {open_nothing, lose_rows, close_nothing},
+                                          .read = fail_read,
+                                          .view_open = open_view,
+                                          .view_apply = fail_view,
+                                          .view_close = close_view};

@@ -86,6 +86,35 @@ static bool without_module(void *user) {
     return ok && image_write(context, &img, in_folder("a.exr"), &options) == FATHOM_OK;
 }
 
+/* A module whose views fail, with a reason or without, and to which every image is broken. */
+static bool with_failing_module(void *user) {
+    (void)user;
+    image img = noisy();
+    const image *found;
+    fathom_write_options options = defaults();
+    options.view = "Raw";
+    setenv("FATHOM_IMAGE_MODULE", LOST_MODULE, 1);
+    setenv("FAULT_LOST", "view", 1);
+    bool ok = fails_with(image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL,
+                         "a.png: OpenColorIO: no such colour");
+    setenv("FAULT_LOST", "view-silent", 1);
+    ok &= fails_with(image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL,
+                     "a.png: OpenColorIO failed");
+    ok &= access(in_folder("a.png"), F_OK) != 0;
+    ok &= fails_with(image_read(context, in_folder("a.txt"), &found), FATHOM_BAD_INPUT,
+                     "a.txt: cannot be read as an image: is broken");
+    setenv("FAULT_LOST", "read-lack", 1);
+    return ok & fails_with(image_read(context, in_folder("a.txt"), &found), FATHOM_OUT_OF_RESOURCES,
+                           "a.txt: cannot be read as an image: Cannot allocate memory");
+}
+
+static void failing_module(void **state) {
+    (void)state;
+    write_text(in_folder("a.txt"), "not an image\n");
+    in_child(with_failing_module, NULL);
+    assert_int_equal(unlink(in_folder("a.txt")), 0);
+}
+
 static void missing_module(void **state) {
     (void)state;
     write_text(in_folder("a.txt"), "not a library\n");
@@ -312,6 +341,7 @@ int main(void) {
         cmocka_unit_test(leaving_while_loading),
         cmocka_unit_test(forking_while_loading),
         cmocka_unit_test(module_that_hangs),
+        cmocka_unit_test(failing_module),
         cmocka_unit_test(writing_waits_for_the_load),
         cmocka_unit_test(closed_folder),
         cmocka_unit_test(full_disk),
