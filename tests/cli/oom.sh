@@ -92,13 +92,13 @@ each -s 0/12 "$faults/oom.so" "$FATHOM" validate ball.glb --rays 2 -q
 each -x fathom_image -i libembree -s 1/12 -c "$FATHOM" -o a.exr \
     "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
 # While one library is loaded, each place.
-FATHOM_IMAGE_MODULE=$faults/lost.so each -i ld-linux -k 'exit code 127' -w a.exr \
-    "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
+run 0 render scene.json -o good.exr --size 16x12 -q
+each -i ld-linux -k 'exit code 127' -w a.exr -c "$FATHOM" -r good.exr \
+    "$faults/oom.so" env FATHOM_IMAGE_MODULE="$faults/lost.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
 # While the image module's libraries are loaded: many of them end the process then.
 each -i ld-linux -s 3/150 -k 'exit code 127' -c "$FATHOM" -o a.exr \
     "$faults/oom.so" "$FATHOM" render scene.json -o a.exr --size 16x12 -q
 # While an image is read: some of it is taken for a broken file, and is not the second time.
-run 0 render scene.json -o good.exr --size 16x12 -q
 each -x ld-linux -i libIlmThread -t "$faults/oom.so" "$FATHOM" compare good.exr good.exr
 rm good.exr
 # Threads that TBB cannot have.
