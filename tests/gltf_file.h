@@ -42,10 +42,7 @@ static inline int tear_down(void **state) {
 
 static inline void write_bytes(fixture *f, const char *name, const void *bytes, size_t size) {
     snprintf(f->path, sizeof f->path, "%s/%s", f->folder, name);
-    FILE *stream = fopen(f->path, "wb");
-    assert_non_null(stream);
-    assert_int_equal(fwrite(bytes, 1, size, stream), size);
-    fclose(stream);
+    unit_write_file(f->path, bytes, size);
 }
 
 /* A GLB in memory; returns its size. `out` has room for all of it. */

@@ -13,13 +13,6 @@ typedef struct json_scene {
     char folder[64], file[96], mesh[96];
 } json_scene;
 
-static inline void json_scene_write(const char *path, const char *text, size_t size) {
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(text, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
 static inline void json_scene_open(json_scene *s) {
     static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     assert_int_equal(fathom_context_create(&s->context), FATHOM_OK);
@@ -27,7 +20,7 @@ static inline void json_scene_open(json_scene *s) {
     assert_non_null(mkdtemp(s->folder));
     snprintf(s->file, sizeof s->file, "%s/scene.json", s->folder);
     snprintf(s->mesh, sizeof s->mesh, "%s/triangle.obj", s->folder);
-    json_scene_write(s->mesh, triangle, strlen(triangle));
+    unit_write_file(s->mesh, triangle, strlen(triangle));
 }
 
 static inline void json_scene_close(json_scene *s) {
@@ -40,7 +33,7 @@ static inline void json_scene_close(json_scene *s) {
 /* Reads the text into a new scene, which is destroyed again when that fails. */
 static inline fathom_status json_scene_read(json_scene *s, const char *text, size_t size,
                                             fathom_scene **out) {
-    json_scene_write(s->file, text, size);
+    unit_write_file(s->file, text, size);
     assert_int_equal(fathom_scene_create(s->context, out), FATHOM_OK);
     fathom_status status = read_json(*out, s->file);
     if (status != FATHOM_OK) {

@@ -35,12 +35,7 @@ static const char *mesh_write(const char *name, const void *bytes, size_t size) 
         snprintf(mesh_files[i], sizeof mesh_files[i], "%s", name);
         break;
     }
-    /* A new file rather than a truncated one: some file systems wait for the disk after a truncation. */
-    unlink(path);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
+    unit_write_file(path, bytes, size);
     return path;
 }
 

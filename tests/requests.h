@@ -136,12 +136,7 @@ static const char *in_folder(const char *name) {
     return path;
 }
 
-static void put(const char *name, const char *text) {
-    FILE *file = fopen(in_folder(name), "wb");
-    assert_non_null(file);
-    assert_true(fputs(text, file) >= 0);
-    assert_int_equal(fclose(file), 0);
-}
+static void put(const char *name, const char *text) { unit_write_file(in_folder(name), text, strlen(text)); }
 
 /* What a piece of work gives, to be compared: bytes added up. */
 typedef struct outcome {

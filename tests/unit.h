@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -35,6 +36,16 @@ static inline int unit_run(const char *name, const struct CMUnitTest *tests, siz
 #undef cmocka_run_group_tests
 #define cmocka_run_group_tests(tests, setup, teardown)                                                       \
     unit_run(#tests, tests, sizeof(tests) / sizeof(tests)[0], setup, teardown)
+
+/* A file of these bytes: a new one rather than a truncated one, since some file systems wait for the disk
+ * after a truncation. */
+static inline void unit_write_file(const char *path, const void *bytes, size_t size) {
+    unlink(path);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
 
 /* |a - b| <= tolerance; NaN fails. Each use says where its tolerance comes from. */
 #define assert_near(a, b, tolerance)                                                                         \
