@@ -98,30 +98,27 @@ static void writer_free(file_writer *writer) {
 
 /* Never what is there already: whoever may write to the folder could have put another's file under that name.
  */
-static int open_new(const char *name) {
-    int descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+static int open_new(const char *name, mode_t mode) {
+    int descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
     remove_unlocked(AT_FDCWD, name);
     errno = EEXIST;
     return -1;
 }
 
-/* Who may read a file that is there may read its successor, and nobody else. */
-static void keep_mode(const char *path, int descriptor) {
-    struct stat info;
-    if (lstat(path, &info) == 0 && S_ISREG(info.st_mode)) (void)!fchmod(descriptor, info.st_mode & 0777);
-}
-
-/* -1 and errno where it cannot be had. */
+/* -1 and errno where it cannot be had. Who may read a file that is there may read its successor, and nobody
+ * else, nor opens it before its rights are set. */
 static int open_temporary(file_writer *writer) {
+    struct stat old;
+    const bool replaces = lstat(writer->path, &old) == 0 && S_ISREG(old.st_mode);
     for (unsigned attempt = 0; attempt < ATTEMPTS; ++attempt) {
         writer->temporary = temporary_name(writer->path, attempt);
         if (!writer->temporary) return -1;
-        int descriptor = open_new(writer->temporary);
+        int descriptor = open_new(writer->temporary, replaces ? 0600 : 0666);
         if (descriptor < 0 && errno != EEXIST) return -1;
         if (descriptor >= 0 && lock_named(descriptor)) {
             temporaries_swap(NULL, writer->temporary);
-            keep_mode(writer->path, descriptor);
+            if (replaces) (void)!fchmod(descriptor, old.st_mode & 0777);
             return descriptor;
         }
         if (descriptor >= 0) close(descriptor);

@@ -20,7 +20,8 @@ typedef struct stall {
  * often than that. True once the thread has slept through STALL_SECONDS of looks without waking once. One
  * that computes, that waits for a disk, that was stopped or that polls is not stalled, nor is one that the
  * system says nothing of, as where there is no /proc. Time in which nobody looks does not count: the process
- * may have been stopped. */
+ * may have been stopped. A file system in another process (FUSE) that answers nothing for so long does count.
+ */
 bool stall_look(stall *s);
 
 #endif

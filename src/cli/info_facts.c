@@ -171,9 +171,7 @@ fathom_status info_gather(const fathom_scene *scene, info_facts *out) {
     if (status != FATHOM_OK) return status;
     list_features(scene, out);
     const fathom_settings *s = &scene->settings;
-    uint64_t pixels = s->crop[2] ? (uint64_t)(s->crop[2] - s->crop[0]) * (s->crop[3] - s->crop[1])
-                                 : (uint64_t)s->width * s->height;
-    out->film_bytes = pixels * film_channels(s->aovs) * sizeof(float);
+    out->film_bytes = settings_pixels(s) * film_channels(s->aovs) * sizeof(float);
     out->program_bytes = MEMORY_PROGRAM;
     out->total_bytes =
         out->program_bytes + out->geometry_bytes + out->bvh_bytes + out->build_bytes + out->film_bytes;

@@ -35,13 +35,10 @@ static fathom_status check_outputs(fathom_context *context, const render_options
 }
 
 static fathom_status check_sizes(fathom_context *context, const render_options *options) {
-    const fathom_settings *s = &options->settings;
-    const bool cropped = s->crop[2] && s->crop[3];
-    const uint32_t width = cropped ? s->crop[2] - s->crop[0] : s->width,
-                   height = cropped ? s->crop[3] - s->crop[1] : s->height;
+    const settings_region region = settings_region_of(&options->settings);
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i)
-        status = image_check_size(context, options->outputs.items[i], width, height);
+        status = image_check_size(context, options->outputs.items[i], region.width, region.height);
     return status;
 }
 

@@ -62,11 +62,9 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     *out = NULL;
     fathom_film *film = calloc(1, sizeof *film);
     if (!film) return fail_memory(context, sizeof *film);
-    const uint32_t *c = settings->crop;
-    bool cropped = c[2] && c[3];
-    film->x = c[0], film->y = c[1];
-    film->width = cropped ? c[2] - c[0] : settings->width;
-    film->height = cropped ? c[3] - c[1] : settings->height;
+    const settings_region region = settings_region_of(settings);
+    film->x = region.x, film->y = region.y;
+    film->width = region.width, film->height = region.height;
     film->full_width = settings->width, film->full_height = settings->height;
     film->settings = *settings;
     film->settings.tracer_spec = NULL; /* not the film's; the tracer's name is in the statistics */

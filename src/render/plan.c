@@ -6,12 +6,10 @@
 #define ADAPTIVE_USUAL_SPP 32u
 
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s) {
-    uint64_t pixels = s->crop[2] ? (uint64_t)(s->crop[2] - s->crop[0]) * (s->crop[3] - s->crop[1])
-                                 : (uint64_t)s->width * s->height;
     unsigned bends = parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? 2 : 1;
     uint64_t spp = s->spp;
     if ((s->target_error > 0 || s->max_time > 0) && spp > ADAPTIVE_USUAL_SPP) spp = ADAPTIVE_USUAL_SPP;
-    return pixels * spp * (1 + scene->lights.count) * bends;
+    return settings_pixels(s) * spp * (1 + scene->lights.count) * bends;
 }
 
 /* Directional light comes from outside of all. */

@@ -121,6 +121,22 @@ fathom_status scene_watch_files(const fathom_scene *scene, double *next);
 /* FATHOM_BAD_INPUT when groups contain each other; the message names the groups on the cycle. */
 fathom_status scene_check_cycles(const fathom_scene *scene);
 
+/* The pixels that are rendered: the crop, or all. */
+typedef struct settings_region {
+    uint32_t x, y, width, height;
+} settings_region;
+
+static inline settings_region settings_region_of(const fathom_settings *s) {
+    const uint32_t *c = s->crop; /* from x0, y0 to x1, y1; all zero: none */
+    if (!c[2]) return (settings_region){0, 0, s->width, s->height};
+    return (settings_region){c[0], c[1], c[2] - c[0], c[3] - c[1]};
+}
+
+static inline uint64_t settings_pixels(const fathom_settings *s) {
+    const settings_region r = settings_region_of(s);
+    return (uint64_t)r.width * r.height;
+}
+
 /* FATHOM_BAD_INPUT names the setting that is out of range. */
 fathom_status scene_check_settings(fathom_context *context, const fathom_settings *settings);
 
