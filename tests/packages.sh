@@ -4,7 +4,7 @@
 set -eu
 
 packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev libgmp-dev libpng-dev"
-[ "${1:-build}" != build ] && packages="$packages libcmocka-dev git clang-format clang clang-tidy cppcheck libclang-rt-dev llvm python3-minimal chromium"
+[ "${1:-build}" != build ] && packages="$packages libcmocka-dev git clang-format clang clang-tidy cppcheck libclang-rt-dev llvm python3-matplotlib"
 
 stop() {
     echo "fathom set-up: $*" >&2

@@ -5,7 +5,7 @@
 #include "cli/json_text.h"
 #include "cli/machine.h"
 #include "cli/outputs.h"
-#include "report/bench_page.h"
+#include "cli/report.h"
 
 #include <limits.h>
 #include <math.h>
@@ -13,8 +13,8 @@
 #include <string.h>
 
 fathom_status bench_output_check(fathom_context *context, const bench_output *output, const char *input) {
-    char path[PATH_MAX];
-    const char *files[3];
+    char paths[REPORT_FILES][PATH_MAX];
+    const char *files[2 + REPORT_FILES];
     size_t count = 0;
     if (output->json) files[count++] = output->json;
     if (output->csv) files[count++] = output->csv;
@@ -22,10 +22,10 @@ fathom_status bench_output_check(fathom_context *context, const bench_output *ou
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i) {
         status = file_check_writable(context, files[i]);
     }
-    if (status == FATHOM_OK && output->report) status = page_check(context, output->report);
+    if (status == FATHOM_OK && output->report) status = report_check(context, output->report);
     if (output->report) {
-        snprintf(path, sizeof path, "%s/index.html", output->report);
-        files[count++] = path;
+        report_paths(output->report, paths[0], paths[1]);
+        files[count++] = paths[0], files[count++] = paths[1];
     }
     return status == FATHOM_OK ? outputs_check_distinct(context, files, count, input) : status;
 }
@@ -92,14 +92,6 @@ static fathom_status write_text(fathom_context *context, const char *path, const
     return file_writer_commit(writer);
 }
 
-static fathom_status write_json(fathom_context *context, const char *path, const json_t *root) {
-    char *text = json_dump_text(root, 9);
-    if (!text) return fail_memory(context, 4096);
-    fathom_status status = write_text(context, path, text);
-    free(text);
-    return status;
-}
-
 static void put_facts(FILE *out, const json_t *root) {
     const char *key;
     const json_t *value;
@@ -133,19 +125,11 @@ static fathom_status write_csv(fathom_context *context, const char *path, const 
     return status;
 }
 
-static fathom_status write_report(fathom_context *context, const char *folder, const json_t *root) {
-    page p = {.count = 0};
-    bench_page(&p, root);
-    fathom_status status = page_write(context, &p, folder);
-    page_free(&p);
-    return status;
-}
-
 fathom_status bench_output_write(fathom_context *context, const bench_output *output, const json_t *root,
                                  void (*put_csv)(FILE *out, const json_t *root)) {
     fathom_status status = FATHOM_OK;
-    if (output->json) status = write_json(context, output->json, root);
+    if (output->json) status = json_write_file(context, output->json, root);
     if (status == FATHOM_OK && output->csv) status = write_csv(context, output->csv, root, put_csv);
-    if (status == FATHOM_OK && output->report) status = write_report(context, output->report, root);
+    if (status == FATHOM_OK && output->report) status = report_write(context, output->report, root);
     return status;
 }

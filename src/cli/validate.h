@@ -99,8 +99,5 @@ fathom_status validate_replay(fathom_context *context, const validate_settings *
 
 /* Whether the page can be written, before any work is done for it. */
 fathom_status validate_check_report(fathom_context *context, const validate_settings *settings);
-/* results: what --json holds. */
-fathom_status validate_write_report(fathom_context *context, const json_t *results,
-                                    const validate_settings *settings);
 
 #endif

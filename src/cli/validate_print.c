@@ -6,6 +6,7 @@
 #include "cli/command.h"
 #include "cli/json_text.h"
 #include "cli/machine.h"
+#include "cli/report.h"
 #include "parity/verdict_bound.h"
 
 #include <stdlib.h>
@@ -192,27 +193,13 @@ static json_t *pack(const validate_results *results, const validate_settings *se
     return root;
 }
 
-static fathom_status write_text(fathom_context *context, const json_t *root, const char *path) {
-    char *bytes = json_dump_text(root, 9);
-    if (!bytes) return fail_memory(context, 4096);
-    file_writer *writer;
-    fathom_status status = file_writer_open(context, path, &writer);
-    if (status == FATHOM_OK) {
-        file_writer_put(writer, bytes, strlen(bytes));
-        file_writer_put(writer, "\n", 1);
-        status = file_writer_commit(writer);
-    }
-    free(bytes);
-    return status;
-}
-
 fathom_status validate_write_json(fathom_context *context, const validate_results *results,
                                   const validate_settings *settings) {
     json_t *root = pack(results, settings);
     if (!root) return fail_memory(context, 4096);
     fathom_status status = FATHOM_OK;
-    if (settings->json) status = write_text(context, root, settings->json);
-    if (status == FATHOM_OK && settings->report) status = validate_write_report(context, root, settings);
+    if (settings->json) status = json_write_file(context, settings->json, root);
+    if (status == FATHOM_OK && settings->report) status = report_write(context, settings->report, root);
     json_decref(root);
     return status;
 }

@@ -3,7 +3,8 @@
 write_scene
 
 run 0 validate scene.json --rays 100 --families camera,edge --tracer embree --tracer linear:f64 --report page --json all.json
-[ "$(ls -A page)" = index.html ] || die 'expected index.html alone'
+[ "$(ls -A page | tr '\n' ' ')" = 'index.html results.json ' ] || die 'expected the page and its results'
+cmp -s page/results.json all.json || die 'the page and --json have other results'
 said page/index.html 'Nothing wrong in 400 rays'
 said page/index.html '<code>linear:f64</code>'
 said page/index.html '<th scope="row">scene.json</th>'

@@ -124,16 +124,12 @@ static void validating(void **state) {
                     "@scene.json --rays 2 --families camera --tracer linear --threads 1 --json >a.json -v");
     exhaust_command(&command_validate,
                     "@scene.json --rays 2 --families camera --tracer embree --isa all --threads 1 -q");
-    exhaust_command(&command_validate,
-                    "@scene.json --rays 2 --families camera --tracer linear --threads 1 -q --report @page");
     exhaust_command(&command_validate, "--replay @rays.txt");
 }
 
 static void measuring(void **state) {
     (void)state;
     refused_each = 200;
-    exhaust_command(&command_bench_trace,
-                    "@scene.json --tracer bvh --rays 64 --repeats 1 --seconds 1e-4 -q --report @page");
     exhaust_command(&command_bench_trace,
                     "@scene.json --tracer bvh --rays 64 --repeats 1 --seconds 1e-4 --json >a.json");
     exhaust_command(&command_bench_trace,
@@ -174,7 +170,6 @@ static int begin(void **state) {
 static int end(void **state) {
     (void)state;
     for (int k = 0; k < 2; ++k) fclose(streams[k]), close(streams_before[k]);
-    unlink(in_folder("page/index.html")), rmdir(in_folder("page"));
     unlink(in_folder("scene.json")), unlink(in_folder("rays.txt")), unlink(in_folder("b.png")),
         unlink(in_folder("a.json"));
     return rmdir(folder);

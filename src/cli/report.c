@@ -1,0 +1,135 @@
+#include "cli/report.h"
+
+#include "base/file.h"
+#include "base/status.h"
+#include "cli/json_text.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* A page begins with it: html_page.py. */
+#define GENERATOR "<meta name=\"generator\" content=\"fathom"
+
+/* Where the script lies, seen from the folder of the program: in the build tree and in installations. */
+#define SCRIPT "../share/fathom/report/report.py"
+
+void report_paths(const char *folder, char *page, char *results) {
+    snprintf(page, PATH_MAX, "%s/index.html", folder);
+    snprintf(results, PATH_MAX, "%s/results.json", folder);
+}
+
+/* ---- the script ---- */
+
+static bool script_path(char path[PATH_MAX]) {
+    char program[PATH_MAX];
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - sizeof SCRIPT);
+    if (length <= 0) return false;
+    program[length] = '\0';
+    char *slash = strrchr(program, '/');
+    memcpy(slash + 1, SCRIPT, sizeof SCRIPT);
+    return realpath(program, path) != NULL;
+}
+
+/* The script's exit code; -1 when it could not be started. Its messages are of use only while it draws. */
+static int run_script(char *const arguments[], bool silent) {
+    posix_spawn_file_actions_t actions;
+    pid_t child;
+    int status;
+    if (posix_spawn_file_actions_init(&actions) != 0) return -1;
+    if (silent) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    int failed = posix_spawn(&child, FATHOM_PYTHON, &actions, NULL, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failed) return -1;
+    while (waitpid(child, &status, 0) < 0) {
+        if (errno != EINTR) return -1;
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/* -E -s: neither the environment nor the user's own packages change what is drawn; -B: nothing is written
+ * beside the script. */
+static fathom_status check_drawable(fathom_context *context) {
+    char script[PATH_MAX];
+    if (!script_path(script))
+        return fail(context, FATHOM_OUT_OF_RESOURCES,
+                    "report: %s was not found from the folder of the program; --json writes the same results",
+                    SCRIPT);
+    char *arguments[] = {(char[]){"python3"}, (char[]){"-EsB"}, script, (char[]){"--check"}, NULL};
+    if (run_script(arguments, true) == 0) return FATHOM_OK;
+    return fail(context, FATHOM_OUT_OF_RESOURCES,
+                "report: pages are drawn by %s with matplotlib, and one of them is missing: apt-get install "
+                "python3-matplotlib; --json writes the same results",
+                FATHOM_PYTHON);
+}
+
+/* ---- the folder ---- */
+
+static fathom_status check_ours(fathom_context *context, const char *path) {
+    char head[512];
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        if (errno == ENOENT) return FATHOM_OK;
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be replaced: %s", path, strerror(errno));
+    }
+    size_t size = fread(head, 1, sizeof head - 1, file);
+    head[size] = '\0';
+    fclose(file);
+    if (size == 0 || strstr(head, GENERATOR)) return FATHOM_OK;
+    return fail(context, FATHOM_OUT_OF_RESOURCES,
+                "%s: is there already and is no report of fathom; remove it or name another folder", path);
+}
+
+/* A folder that does not exist yet is a file to be made in the one above. */
+static fathom_status check_new(fathom_context *context, const char *folder) {
+    char name[PATH_MAX];
+    size_t length = strlen(folder);
+    while (length > 1 && folder[length - 1] == '/') --length;
+    snprintf(name, sizeof name, "%.*s", (int)length, folder);
+    return file_check_writable(context, name);
+}
+
+static fathom_status check_folder(fathom_context *context, const char *folder) {
+    struct stat info;
+    char page[PATH_MAX], results[PATH_MAX];
+    if (stat(folder, &info) != 0) return check_new(context, folder);
+    if (!S_ISDIR(info.st_mode))
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: is a file; expected a folder for the report",
+                    folder);
+    report_paths(folder, page, results);
+    fathom_status status = file_check_writable(context, page);
+    return status == FATHOM_OK ? check_ours(context, page) : status;
+}
+
+fathom_status report_check(fathom_context *context, const char *folder) {
+    if (strlen(folder) > PATH_MAX - 32)
+        return fail(context, FATHOM_BAD_USAGE, "%.60s…: the name is too long", folder);
+    fathom_status status = check_folder(context, folder);
+    return status == FATHOM_OK ? check_drawable(context) : status;
+}
+
+/* ---- writing ---- */
+
+fathom_status report_write(fathom_context *context, const char *folder, const json_t *results) {
+    char script[PATH_MAX], page[PATH_MAX], data[PATH_MAX];
+    fathom_status status = check_folder(context, folder);
+    if (status != FATHOM_OK) return status;
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be made: %s", folder, strerror(errno));
+    report_paths(folder, page, data);
+    status = json_write_file(context, data, results);
+    if (status != FATHOM_OK) return status;
+    char *arguments[] = {(char[]){"python3"}, (char[]){"-EsB"}, script, data, page, NULL};
+    if (script_path(script) && run_script(arguments, false) == 0) return FATHOM_OK;
+    return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: could not be drawn; the results are in %s", page,
+                data);
+}
