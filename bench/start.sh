@@ -34,7 +34,7 @@ interrupted() {
 
 "$fathom" generate sphere --triangles 70000 -o "$folder/m.glb" >"$folder/out.txt"
 measure "help" "$fathom" help
-measure "70 k triangles, 1 spp, to PNG" "$fathom" render "$folder/m.glb" -o "$folder/o.png" --quiet
-measure "70 k triangles, 1 spp, to EXR" "$fathom" render "$folder/m.glb" -o "$folder/o.exr" --quiet
+measure "70 k triangles, 1 spp, to PNG" "$fathom" render "$folder/m.glb" -o "$folder/o.png" --spp 1 --quiet
+measure "70 k triangles, 1 spp, to EXR" "$fathom" render "$folder/m.glb" -o "$folder/o.exr" --spp 1 --quiet
 echo "interrupted, to EXR and PNG: $(interrupted) ms, $(interrupted) ms, $(interrupted) ms"
 echo "interrupted, linear search:  $(interrupted --tracer reference) ms, $(interrupted --tracer reference) ms"

@@ -9,13 +9,36 @@ extern "C" {
 #endif
 
 /* Reads scene JSON, .glb, .gltf, .obj or .ply, told apart by the extension. The scene is completed with a
- * camera and lights where the file has none, and checked.
+ * camera and lights where the file has none, and checked. The settings of scene JSON are what it says, else
+ * the defaults; models get 16 samples a pixel. The image takes the shape that the file's camera is made for
+ * (glTF's aspectRatio, w and h of scene JSON) unless its size is given; its longer side is then 1280 pixels.
  * FATHOM_BAD_INPUT names the file with its line, field or byte offset. */
 FATHOM_API fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out);
 
 /* The same but for what rendering has no use for, texture coordinates: they are neither checked nor kept. */
 FATHOM_API fathom_status fathom_scene_read_to_render(fathom_context *context, const char *path,
                                                      fathom_scene **out);
+
+/* Which axis of a file without a camera points upwards in the image. */
+typedef enum fathom_up { FATHOM_UP_Y, FATHOM_UP_Z } fathom_up;
+
+typedef struct fathom_read_options {
+    bool without_uvs; /* as fathom_scene_read_to_render(); default false */
+    /* The camera to take of a glTF file: the name of the node that holds it, else the camera's own, else a
+     * number, counted from 0 in the order of the hierarchy. FATHOM_BAD_USAGE, with a list of what there is,
+     * when there is none such. NULL (default): the first perspective camera. */
+    const char *camera;
+    fathom_up
+        up; /* of the automatic camera; its lights follow it. Default y. Files with a camera: a warning */
+    /* The size of the image that will be rendered, which the automatic camera fits. Both 0 (default): the
+     * size in the settings of the scene that is read. */
+    uint32_t width, height;
+} fathom_read_options;
+
+FATHOM_API void fathom_read_options_default(fathom_read_options *options);
+/* fathom_scene_read() with options, which are read now; the scene keeps none of their text. */
+FATHOM_API fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
+                                                const fathom_read_options *options, fathom_scene **out);
 
 /* FATHOM_BAD_INPUT when a file that the scene was mapped from has been truncated or changed since it was
  * read, or may have been: what was made of the scene is then not to be trusted, now or later.

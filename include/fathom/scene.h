@@ -175,7 +175,8 @@ typedef struct fathom_camera {
     double origin[3];
     double x[3], y[3], z[3]; /* orthonormal, right-handed */
     double d, h;             /* > 0; default d = 1, h = 2 tan(fovy/2) for a fovy of 45 degrees */
-    double w;                /* > 0, or 0: h times the image's width over height */
+    double w; /* > 0, or 0 (default): h times the image's width over height. Pixels are square for 0 alone,
+                 and for images as wide for their height as w is for h */
 } fathom_camera;
 
 FATHOM_API void fathom_camera_default(fathom_camera *camera);
@@ -188,7 +189,8 @@ FATHOM_API fathom_status fathom_scene_set_background(fathom_scene *scene, const 
 FATHOM_API fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]);
 FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name);
 
-/* Puts a camera that frames everything, and lights, where the scene has none. */
+/* Puts a camera that frames everything, and lights, where the scene has none. The scene fills 90 % of the
+ * tighter direction of an image of the size in its settings; see fathom_scene_set_settings(). */
 FATHOM_API fathom_status fathom_scene_complete(fathom_scene *scene);
 
 /* All that can only be checked once the scene is whole: cycles, absent geometry, a light inside a sphere…

@@ -39,11 +39,12 @@ static void finish(samples *s, quartiles out[BENCH_CLOCKS]) {
 static fathom_status time_reading(fathom_context *context, const char *path, const growth_options *options,
                                   fathom_scene **scene, growth_point *out) {
     samples s = {.count = 0};
+    const fathom_read_options read = {.width = options->width, .height = options->height};
     while (again(&s, options)) {
         fathom_scene_destroy(*scene);
         *scene = NULL;
         bench_seconds start = bench_now();
-        fathom_status status = fathom_scene_read(context, path, scene);
+        fathom_status status = fathom_scene_read_with(context, path, &read, scene);
         if (status != FATHOM_OK) return status;
         bench_seconds cost = bench_since(&start);
         add(&s, &cost);
@@ -92,7 +93,7 @@ static fathom_status measure_scene(fathom_context *context, const fathom_scene *
     world *w = NULL;
     trace_tracer *tracer = NULL;
     fathom_scene_settings(scene, &settings);
-    settings.width = options->width, settings.height = options->height;
+    settings.width = options->width, settings.height = options->height, settings.spp = 1;
     out->triangles = scene_triangles(scene);
     fathom_status status = time_building(context, scene, &settings, options, &w, &tracer, out);
     if (status == FATHOM_OK) status = render_time_measure(context, w, tracer, &settings, &times, &out->time);

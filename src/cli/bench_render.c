@@ -252,8 +252,9 @@ static fathom_status measure_one(fathom_context *context, const fathom_scene *sc
 static fathom_status measure_all(fathom_context *context, const bench_render_settings *asked,
                                  const trace_spec *spec) {
     fathom_scene *scene;
+    const fathom_read_options read_options = {.width = asked->size.width, .height = asked->size.height};
     double began = clock_seconds();
-    fathom_status status = fathom_scene_read(context, asked->scene, &scene);
+    fathom_status status = fathom_scene_read_with(context, asked->scene, &read_options, &scene);
     double read = clock_seconds() - began;
     if (status != FATHOM_OK) return status;
     json_t *root = head(asked, scene);

@@ -25,7 +25,8 @@ fathom_status bench_open(fathom_context *context, const char *path, args_size si
     fathom_scene *scene;
     fathom_settings settings;
     *out = (bench_stage){.scene = NULL};
-    fathom_status status = fathom_scene_read(context, path, &scene);
+    const fathom_read_options read = {.width = size.width, .height = size.height};
+    fathom_status status = fathom_scene_read_with(context, path, &read, &scene);
     if (status != FATHOM_OK) return status;
     fathom_scene_settings(scene, &settings);
     settings.spp = 1;

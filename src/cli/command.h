@@ -52,6 +52,20 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
             "files that SCENE names may lie outside its folder"                                              \
     }
 
+/* Rows for settings with a const char *camera and a fathom_up up. */
+#define COMMAND_CAMERA(settings)                                                                             \
+    {                                                                                                        \
+        "camera", 0, "NAME|N", take_text, offsetof(settings, camera), 0, 0,                                  \
+            "which camera of a .gltf or .glb file: the name of its node, its own, or its number from 0 in "  \
+            "the list that fathom info prints (the first perspective one)"                                   \
+    }
+#define COMMAND_UP(settings)                                                                                 \
+    {                                                                                                        \
+        "up", 0, "y|z", take_choice, offsetof(settings, up), 0, 0,                                           \
+            "the axis that the automatic camera and its lights take as up (y); z is what CAD and scanners "  \
+            "mostly write"                                                                                   \
+    }
+
 /* A context whose warnings go to stderr; the error is said when there is no memory for one. */
 fathom_status command_context(unsigned threads, fathom_context **out);
 

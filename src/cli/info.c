@@ -11,7 +11,8 @@
 #include <string.h>
 
 typedef struct info_settings {
-    const char *scene;
+    const char *scene, *camera;
+    fathom_up up;
     unsigned threads;
     bool json, allow_outside;
 } info_settings;
@@ -38,6 +39,22 @@ static void print_bounds(const scene_bounds *b) {
            b->upper.x, b->upper.y, b->upper.z);
 }
 
+/* By the numbers that --camera takes. */
+static void print_cameras(const fathom_scene *scene) {
+    for (uint32_t i = 0; i < scene->cameras.count; ++i) {
+        const scene_camera *c = &scene->cameras.items[i];
+        printf("%s%u ", i ? "          " : "cameras   ", i);
+        if (c->name) print_name(stdout, c->name);
+        if (c->own_name) {
+            fputs(c->name ? " (" : "(", stdout);
+            print_name(stdout, c->own_name);
+            putchar(')');
+        }
+        if (c->orthographic) fputs(c->name || c->own_name ? ", orthographic" : "orthographic", stdout);
+        puts(i == scene->camera_taken ? " <- taken" : "");
+    }
+}
+
 static void print_facts(const fathom_scene *scene, const info_facts *f) {
     const fathom_settings *s = &scene->settings;
     fputs("scene     ", stdout);
@@ -59,6 +76,7 @@ static void print_facts(const fathom_scene *scene, const info_facts *f) {
     printf("camera    at (%.9g, %.9g, %.9g) looking along (%.6g, %.6g, %.6g)\n", scene->camera.origin[0],
            scene->camera.origin[1], scene->camera.origin[2], -scene->camera.z[0], -scene->camera.z[1],
            -scene->camera.z[2]);
+    print_cameras(scene);
     printf("image     %ux%u, %u spp\n", s->width, s->height, s->spp);
     printf("memory    about %.0f MB: program %.0f, geometry %.1f, BVH %.1f, building it %.1f, film %.1f\n",
            megabytes(f->total_bytes), megabytes(f->program_bytes), megabytes(f->geometry_bytes),
@@ -85,6 +103,19 @@ static json_t *pack_counts(const info_facts *f) {
                      json_count(f->groups - 1), "materials", json_count(f->materials));
 }
 
+static json_t *name_or_null(const char *name) { return name ? json_text(name) : json_null(); }
+
+static json_t *pack_cameras(const fathom_scene *scene) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < scene->cameras.count; ++i) {
+        const scene_camera *c = &scene->cameras.items[i];
+        json_array_append_new(list, json_pack("{s:o, s:o, s:b, s:b}", "node", name_or_null(c->name), "name",
+                                              name_or_null(c->own_name), "orthographic", c->orthographic,
+                                              "taken", i == scene->camera_taken));
+    }
+    return list;
+}
+
 static void set_facts(json_t *root, const fathom_scene *scene, const info_facts *f) {
     const fathom_settings *s = &scene->settings;
     const fathom_camera *c = &scene->camera;
@@ -102,6 +133,7 @@ static void set_facts(json_t *root, const fathom_scene *scene, const info_facts 
     json_object_set_new(root, "camera",
                         json_pack("{s:o, s:o}", "origin", vector(c->origin[0], c->origin[1], c->origin[2]),
                                   "direction", vector(-c->z[0], -c->z[1], -c->z[2])));
+    json_object_set_new(root, "cameras", pack_cameras(scene));
     json_object_set_new(
         root, "image",
         json_pack("{s:i, s:i, s:i}", "width", (int)s->width, "height", (int)s->height, "spp", (int)s->spp));
@@ -159,7 +191,8 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
                               problem_list *problems) {
     fathom_scene *scene = NULL;
     info_facts facts = {.spheres = 0};
-    fathom_status status = fathom_scene_read(context, settings->scene, &scene);
+    const fathom_read_options read = {.camera = settings->camera, .up = settings->up};
+    fathom_status status = fathom_scene_read_with(context, settings->scene, &read, &scene);
     if (status == FATHOM_OK) {
         status = info_gather(scene, &facts);
         if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", settings->scene);
@@ -209,6 +242,8 @@ static fathom_status run(int argc, char **argv) {
 
 static const args_option options[] = {
     {.help = "Options"},
+    COMMAND_CAMERA(info_settings),
+    COMMAND_UP(info_settings),
     {"json", 0, NULL, take_true, offsetof(info_settings, json), 0, 0, "as JSON"},
     COMMAND_ALLOW_OUTSIDE(info_settings),
     {"threads", 0, "N", take_u32, offsetof(info_settings, threads), 1, 1024, "1 to 1024 (one a processor)"},
@@ -219,7 +254,7 @@ static const size_t operand_offsets[] = {offsetof(info_settings, scene)};
 
 const command command_info = {
     .name = "info",
-    .usage = "SCENE [--json]",
+    .usage = "SCENE [options]",
     .summary = "Tell what a scene holds, what it will take, and what is wrong with it.",
     .text = "Counts, bounds, features used, what a render leaves out and why, an estimate of\n"
             "the memory it takes, and the problems found. The exit code is 3 when the scene\n"

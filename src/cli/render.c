@@ -194,9 +194,12 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
 }
 
 static fathom_status read_scene(fathom_context *context, const render_options *options, fathom_scene **out) {
-    return options->settings.keep & FATHOM_PART_UVS
-               ? fathom_scene_read(context, options->scene, out)
-               : fathom_scene_read_to_render(context, options->scene, out);
+    const fathom_read_options read = {.without_uvs = !(options->settings.keep & FATHOM_PART_UVS),
+                                      .camera = options->camera,
+                                      .up = options->up,
+                                      .width = options->size.width,
+                                      .height = options->size.height};
+    return fathom_scene_read_with(context, options->scene, &read, out);
 }
 
 static fathom_status read_and_render(fathom_context *context, int argc, char **argv, render_options *options,
@@ -250,7 +253,8 @@ const command command_render = {
     .usage = "SCENE -o IMAGE [-o IMAGE2 ...] [options]",
     .summary = "Render a scene to an image.",
     .text = "SCENE is scene JSON (.json) or a model: .glb, .gltf, .obj, .ply. A model without\n"
-            "camera or lights gets a camera that frames it, and lights.\n"
+            "camera or lights gets a camera that frames it, and lights. Models take 16\n"
+            "samples a pixel.\n"
             "Ctrl-C stops, keeps what is finished as an image, and exits with code 5. So do\n"
             "SIGTERM, SIGHUP (a terminal that is closed) and SIGXCPU (ulimit -t).\n"
             "If an image cannot be written, its pixels go to NAME.rescue.exr beside it, or to\n"
@@ -258,6 +262,7 @@ const command command_render = {
             "scene whose files were changed while it was rendered: exit code 3.\n"
             "With --checkpoint FILE it can be continued, and so can what was killed.\n",
     .examples = "  fathom render bunny.obj -o bunny.png\n"
+                "  fathom render scan.ply -o scan.png --up z --size 1080x1920\n"
                 "  fathom render scene.json -o out.exr -o out.png --size 1920x1080 --spp 16\n"
                 "  fathom render scene.json -o out.exr --aov Z,N,id --stats out.json\n"
                 "  fathom render scene.json -o out.png --target-error 0.01\n"

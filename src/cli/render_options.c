@@ -201,11 +201,15 @@ const args_option render_option_table[] = {
     {"stats", 0, "FILE.json", take_text, FIELD(stats), 0, 0, "write counts, times, rays and memory as JSON"},
 
     {.help = "Image"},
-    {"size", 0, "WxH", take_size, FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)"},
+    COMMAND_CAMERA(render_options),
+    COMMAND_UP(render_options),
+    {"size", 0, "WxH", take_size, FIELD(size), 1, 65536,
+     "pixels (the scene's, else the shape its camera is made for, 1280 along the longer side, else "
+     "1280x720)"},
     {"crop", 0, "X0,Y0,X1,Y1", take_crop, FIELD(settings.crop), 0, 0,
      "only these pixels: from (X0,Y0) up to but without (X1,Y1), counted from the top left"},
     {"spp", 0, "N", take_spp, 0, 1, 65536,
-     "samples a pixel (the scene's, else 1); a square number unless the pattern is sobol"},
+     "samples a pixel (a scene file's, else 1; 16 for models); a square number unless the pattern is sobol"},
     {"pattern", 0, "grid|stratified|sobol", take_pattern, 0, 0, 0,
      "where the samples lie (the scene's, else grid)"},
     {"seed", 0, "N", take_u64, FIELD(settings.seed), 0, 0, "of stratified and sobol samples (0)"},

@@ -4,7 +4,7 @@
 
 #include "cli/args.h"
 
-#include <fathom/render.h>
+#include <fathom/read.h>
 
 typedef struct render_background {
     bool given;
@@ -15,6 +15,8 @@ typedef struct render_options {
     const char *scene;
     args_list outputs;
     fathom_settings settings;
+    const char *camera; /* NULL: the scene's first */
+    fathom_up up;
     bool aovs_given, spp_given, pattern_given, min_spp_given;
     bool scene_adaptive; /* the scene's own spp is the most of any pixel */
     double max_time;     /* seconds of the whole command; 0: none */

@@ -1,6 +1,7 @@
 #include "read/read.h"
 
 #include "base/file.h"
+#include "scene/image_size.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +16,9 @@ fathom_status read_beside(fathom_scene *scene, const char *base, const char *nam
     *out = NULL;
     return status;
 }
+
+/* Samples a pixel of models that bring no settings: with 1 every edge is a staircase. */
+#define MODEL_SPP 16
 
 static const struct format {
     const char *extension;
@@ -53,6 +57,7 @@ static fathom_status read_any(fathom_scene *scene, const char *path) {
     if (!format_find(extension))
         return fail_extension(scene->context, path, extension, ".json, .obj, .ply, .gltf or .glb");
     const read_mesh_options options = {.material = FATHOM_NONE, .surroundings = true};
+    scene->settings.spp = MODEL_SPP;
     return read_mesh(scene, FATHOM_ROOT, path, &options);
 }
 
@@ -66,27 +71,65 @@ static fathom_status name_after(fathom_scene *scene, const char *path) {
     return status;
 }
 
-static fathom_status read_whole(fathom_scene *scene, const char *path) {
-    fathom_status status = name_after(scene, path);
-    scene->top = path;
-    if (status == FATHOM_OK) status = read_any(scene, path);
-    scene->top = NULL;
+/* What was asked for must not go unheard. */
+static fathom_status check_asked(const fathom_scene *scene, const char *path) {
+    const fathom_read_options *asked = scene->asked;
+    if (asked->camera && !scene->cameras.count) {
+        return fail(scene->context, FATHOM_BAD_USAGE,
+                    "%s: has no cameras to choose \"%.60s\" from; nodes of .gltf and .glb files have", path,
+                    asked->camera);
+    }
+    if (asked->up != FATHOM_UP_Y && scene->has_camera) {
+        warn(scene->context, "%s: has a camera of its own, so nothing follows from which axis is up", path);
+    }
+    scene_warn_shape(scene, path);
+    return FATHOM_OK;
+}
+
+static fathom_status read_and_complete(fathom_scene *scene, const char *path) {
+    fathom_status status = read_any(scene, path);
+    if (status == FATHOM_OK) status = check_asked(scene, path);
     if (status != FATHOM_OK) return status;
     status = fathom_scene_complete(scene);
     if (status == FATHOM_OK) status = fathom_scene_check(scene);
     return status == FATHOM_OK ? status : fail_within(scene->context, status, "%s: ", path);
 }
 
-static fathom_status scene_read(fathom_context *context, const char *path, bool without_uvs,
-                                fathom_scene **out) {
+static fathom_status read_whole(fathom_scene *scene, const char *path, const fathom_read_options *options) {
+    fathom_status status = name_after(scene, path);
+    if (status != FATHOM_OK) return status;
+    scene->top = path, scene->asked = options;
+    status = read_and_complete(scene, path);
+    scene->top = NULL, scene->asked = NULL;
+    return status;
+}
+
+static fathom_status check_options(fathom_context *context, const fathom_read_options *options) {
+    if ((unsigned)options->up > FATHOM_UP_Z)
+        return fail(context, FATHOM_BAD_USAGE, "up: there is no axis %u", (unsigned)options->up);
+    if (!options->width != !options->height) {
+        return fail(context, FATHOM_BAD_USAGE, "width, height: expected both or none, found %u and %u",
+                    options->width, options->height);
+    }
+    return FATHOM_OK;
+}
+
+void fathom_read_options_default(fathom_read_options *options) {
+    if (options) *options = (fathom_read_options){.up = FATHOM_UP_Y};
+}
+
+fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
+                                     const fathom_read_options *options, fathom_scene **out) {
     if (!out) return fail_null(context, "out");
     *out = NULL;
     if (!context || !path) return fail_null(context, "path");
+    if (!options) return fail_null(context, "options");
     fathom_scene *scene;
-    fathom_status status = fathom_scene_create(context, &scene);
+    fathom_status status = check_options(context, options);
+    if (status == FATHOM_OK) status = fathom_scene_create(context, &scene);
     if (status != FATHOM_OK) return status;
-    scene->without_uvs = without_uvs;
-    status = read_whole(scene, path);
+    scene->without_uvs = options->without_uvs;
+    status = read_whole(scene, path, options);
     /* Whatever else was found, a file that changed is the reason. */
     if (status == FATHOM_OK || status == FATHOM_BAD_INPUT) {
         fathom_status changed = fathom_scene_check_files(scene);
@@ -100,9 +143,9 @@ static fathom_status scene_read(fathom_context *context, const char *path, bool 
 }
 
 fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out) {
-    return scene_read(context, path, false, out);
+    return fathom_scene_read_with(context, path, &(fathom_read_options){.without_uvs = false}, out);
 }
 
 fathom_status fathom_scene_read_to_render(fathom_context *context, const char *path, fathom_scene **out) {
-    return scene_read(context, path, true, out);
+    return fathom_scene_read_with(context, path, &(fathom_read_options){.without_uvs = true}, out);
 }

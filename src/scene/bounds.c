@@ -21,12 +21,14 @@ void bounds_join(scene_bounds *b, const scene_bounds *other) {
 
 scene_bounds bounds_transformed(const scene_bounds *b, const affine_f64 *map) {
     scene_bounds out = bounds_empty();
-    for (int i = 0; i < 8 && !bounds_is_empty(b); ++i) {
-        bounds_add(&out, affine_point(map, (vec3_f64){i & 1 ? b->upper.x : b->lower.x,
-                                                      i & 2 ? b->upper.y : b->lower.y,
-                                                      i & 4 ? b->upper.z : b->lower.z}));
-    }
+    for (int i = 0; i < 8 && !bounds_is_empty(b); ++i)
+        bounds_add(&out, affine_point(map, bounds_corner(b, i)));
     return out;
+}
+
+vec3_f64 bounds_corner(const scene_bounds *b, int i) {
+    return (vec3_f64){i & 1 ? b->upper.x : b->lower.x, i & 2 ? b->upper.y : b->lower.y,
+                      i & 4 ? b->upper.z : b->lower.z};
 }
 
 vec3_f64 bounds_center(const scene_bounds *b) { return scale_f64(0.5, add_f64(b->lower, b->upper)); }
@@ -65,34 +67,38 @@ scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id id) {
     return out;
 }
 
-fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out) {
-    *out = bounds_empty();
-    scene_graph graph;
+fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, scene_bounds **out) {
     scene_bounds *of_group = malloc(scene->groups.count * sizeof *of_group);
+    *out = of_group;
     if (!of_group) return fail_memory(scene->context, scene->groups.count * sizeof *of_group);
-    fathom_status status = graph_create(scene, &graph);
-    if (status != FATHOM_OK) {
-        free(of_group);
-        return status;
-    }
     /* Backwards through the order: what a group holds is known before the group. */
-    for (uint32_t k = graph.order_count; k-- > 0;) {
-        uint32_t g = graph.order[k];
+    for (uint32_t k = graph->order_count; k-- > 0;) {
+        uint32_t g = graph->order[k];
         of_group[g] = bounds_empty();
-        for (uint32_t i = graph.objects.first[g]; i < graph.objects.first[g + 1]; ++i) {
-            scene_bounds b = scene_object_bounds(scene, graph.objects.items[i]);
+        for (uint32_t i = graph->objects.first[g]; i < graph->objects.first[g + 1]; ++i) {
+            scene_bounds b = scene_object_bounds(scene, graph->objects.items[i]);
             bounds_join(&of_group[g], &b);
         }
-        for (uint32_t i = graph.instances.first[g]; i < graph.instances.first[g + 1]; ++i) {
-            const fathom_instance *instance = &scene->instances.items[graph.instances.items[i]];
+        for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {
+            const fathom_instance *instance = &scene->instances.items[graph->instances.items[i]];
             affine_f64 map;
             affine_load(&map, instance->transform);
             scene_bounds b = bounds_transformed(&of_group[instance->group], &map);
             bounds_join(&of_group[g], &b);
         }
     }
-    *out = of_group[FATHOM_ROOT];
-    graph_destroy(&graph);
-    free(of_group);
     return FATHOM_OK;
+}
+
+fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out) {
+    *out = bounds_empty();
+    scene_graph graph;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    scene_bounds *of_group;
+    status = graph_bounds(scene, &graph, &of_group);
+    if (status == FATHOM_OK) *out = of_group[FATHOM_ROOT];
+    free(of_group);
+    graph_destroy(&graph);
+    return status;
 }

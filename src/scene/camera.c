@@ -1,5 +1,6 @@
 #include "math/frame.h"
-#include "scene/scene.h"
+#include "scene/framing.h"
+#include "scene/image_size.h"
 
 static const double default_fovy = 0.78539816339744831; /* 45 degrees */
 
@@ -58,30 +59,31 @@ fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *
 
 /* ---- completing ---- */
 
-/* How far from the box's middle the eye must be, looking along -frame->z, for all corners to lie within
- * `slope` of the view's axis, up and across. */
-static double fitting_distance(const scene_bounds *b, const frame_f64 *frame, double slope) {
-    double distance = 0;
-    for (int i = 0; i < 8; ++i) {
-        vec3_f64 corner = {i & 1 ? b->upper.x : b->lower.x, i & 2 ? b->upper.y : b->lower.y,
-                           i & 4 ? b->upper.z : b->lower.z};
-        vec3_f64 c = frame_vector_to_local(frame, sub_f64(corner, bounds_center(b)));
-        distance = fmax(distance, c.z + fmax(fabs(c.x), fabs(c.y)) / slope);
+/* Of the tighter direction of the image, in which the scene touches both sides of this share. */
+static const double filled = 0.9;
+
+/* Looks from ahead, a little to the right and above. */
+static frame_f64 default_view(fathom_up up) {
+    const vec3_f64 origin = {0, 0, 0};
+    switch (up) {
+    case FATHOM_UP_Y: return frame_from(origin, (vec3_f64){0.45, 0.35, 1}, (vec3_f64){0, 1, 0});
+    case FATHOM_UP_Z: return frame_from(origin, (vec3_f64){0.45, -1, 0.35}, (vec3_f64){0, 0, 1});
     }
-    return distance;
+    return frame_from(origin, (vec3_f64){0, 0, 1}, (vec3_f64){0, 1, 0});
 }
 
-/* Looks at the middle from ahead, a little to the right and above, with y up: as near as the box of
- * everything, and a margin of a twelfth, allow in a square image. */
-static void frame_everything(fathom_scene *scene, const scene_bounds *bounds) {
-    vec3_f64 center = bounds_center(bounds), away = {0.45, 0.35, 1};
-    frame_f64 frame = frame_from(center, away, (vec3_f64){0, 1, 0});
-    double distance = fitting_distance(bounds, &frame, tan(default_fovy / 2) * 11 / 12);
-    double from[3], to[3];
-    store_f64(from, madd_f64(center, distance > 0 ? distance : 1, frame.z));
-    store_f64(to, center);
-    fathom_camera_look_at(from, to, (double[3]){0, 1, 0}, default_fovy, &scene->camera);
+static fathom_status frame_everything(fathom_scene *scene) {
+    const image_size size = scene_image_size(scene);
+    frame_f64 view = default_view(scene->asked ? scene->asked->up : FATHOM_UP_Y);
+    const double up = filled * tan(default_fovy / 2);
+    bool empty;
+    fathom_status status =
+        scene_frame_all(scene, &view, up * size.width / size.height, up, &empty, &view.origin);
+    if (status != FATHOM_OK || empty) return status;
+    scene->camera = (fathom_camera){.d = 1, .h = 2 * tan(default_fovy / 2)};
+    set_frame(&scene->camera, &view);
     scene->has_camera = true;
+    return FATHOM_OK;
 }
 
 /* A key light from above the camera's left, and a weak one from its right that keeps shadowed sides readable.
@@ -115,10 +117,8 @@ fathom_status fathom_scene_complete(fathom_scene *scene) {
     fathom_status status = scene_check_cycles(scene);
     if (status != FATHOM_OK) return status;
     if (!scene->has_camera) {
-        scene_bounds bounds;
-        status = scene_world_bounds(scene, &bounds);
+        status = frame_everything(scene);
         if (status != FATHOM_OK) return status;
-        if (!bounds_is_empty(&bounds)) frame_everything(scene, &bounds);
     }
     return scene->lights.count || scene->has_lights ? FATHOM_OK : light_everything(scene);
 }

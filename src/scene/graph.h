@@ -21,4 +21,7 @@ typedef struct scene_graph {
 fathom_status graph_create(const fathom_scene *scene, scene_graph *out);
 void graph_destroy(scene_graph *graph);
 
+/* The bounds of each group that the root reaches, in the group's own coordinates; release with free(). */
+fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, scene_bounds **out);
+
 #endif

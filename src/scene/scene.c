@@ -18,6 +18,7 @@ fathom_status fathom_scene_create(fathom_context *context, fathom_scene **out) {
     fathom_scene *scene = calloc(1, sizeof *scene);
     if (!scene) return fail_memory(context, sizeof *scene);
     scene->context = context;
+    scene->camera_taken = FATHOM_NONE;
     fathom_camera_default(&scene->camera);
     fathom_settings_default(&scene->settings);
     fathom_status status = fathom_scene_set_name(scene, "");
@@ -36,6 +37,10 @@ void fathom_scene_destroy(fathom_scene *scene) {
     for (size_t i = 0; i < scene->blobs.count; ++i) scene->blobs.items[i].release(scene->blobs.items[i].data);
     for (size_t i = 0; i < scene->materials.count; ++i) free(scene->materials.items[i].name);
     for (size_t i = 0; i < scene->groups.count; ++i) free(scene->groups.items[i]);
+    for (size_t i = 0; i < scene->cameras.count; ++i) {
+        free(scene->cameras.items[i].name);
+        free(scene->cameras.items[i].own_name);
+    }
     array_free(&scene->blobs);
     array_free(&scene->materials);
     array_free(&scene->lights);
@@ -47,6 +52,7 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->meshes);
     array_free(&scene->mesh_facts);
     array_free(&scene->instances);
+    array_free(&scene->cameras);
     free(scene->name);
     free(scene->tracer_spec);
     free(scene);

@@ -26,6 +26,13 @@ typedef struct scene_blob {
     file_map map; /* where data owns one; else zero */
 } scene_blob;
 
+/* A camera that a node of the file holds. */
+typedef struct scene_camera {
+    char *name;     /* of the node; NULL when it has none */
+    char *own_name; /* of the camera, which several nodes may hold; NULL when it has none */
+    bool orthographic;
+} scene_camera;
+
 typedef struct scene_named_material {
     fathom_material value;
     char *name; /* NULL when it has none */
@@ -49,6 +56,11 @@ struct fathom_scene {
     ARRAY(scene_blob) blobs;
     fathom_camera camera;
     bool has_camera;
+    double camera_aspect; /* the width over the height of the images that the file's camera is made for, where
+                             the camera itself has no width; 0: any */
+    ARRAY(scene_camera) cameras;      /* that the file has to choose from */
+    uint32_t camera_taken;            /* of them; FATHOM_NONE: none */
+    const fathom_read_options *asked; /* while it is read: what was asked for; or NULL */
     float background[3], ambient[3];
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;
@@ -95,6 +107,8 @@ void bounds_add(scene_bounds *b, vec3_f64 p);
 void bounds_join(scene_bounds *b, const scene_bounds *other);
 scene_bounds bounds_transformed(const scene_bounds *b, const affine_f64 *map);
 vec3_f64 bounds_center(const scene_bounds *b);
+/* i in [0, 8). */
+vec3_f64 bounds_corner(const scene_bounds *b, int i);
 /* Half the diagonal. */
 double bounds_radius(const scene_bounds *b);
 

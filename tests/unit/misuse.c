@@ -187,6 +187,13 @@ static void null_for_reading(void **state) {
     refuses(fathom_scene_read_to_render(NULL, "a.json", &scene));
     names("path", fathom_scene_read_to_render(s.context, NULL, &scene));
     names("out", fathom_scene_read_to_render(s.context, "a.json", NULL));
+    fathom_read_options options;
+    fathom_read_options_default(NULL);
+    fathom_read_options_default(&options);
+    refuses(fathom_scene_read_with(NULL, "a.json", &options, &scene));
+    names("path", fathom_scene_read_with(s.context, NULL, &options, &scene));
+    names("options", fathom_scene_read_with(s.context, "a.json", NULL, &scene));
+    names("out", fathom_scene_read_with(s.context, "a.json", &options, NULL));
     stage_close(&s);
 }
 

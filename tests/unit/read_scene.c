@@ -39,6 +39,105 @@ static void bare_model(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* What is asked of a file that cannot give it is said. */
+static void what_a_file_lacks_is_not_passed_over(void **state) {
+    (void)state;
+    static const char json[] = "{\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0]},\"objects\":[{\"type\":"
+                               "\"sphere\",\"center\":[0,0,0],\"radius\":1}]}";
+    fathom_scene *scene;
+    const char *model = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
+    const char *file = mesh_write("a.json", json, strlen(json));
+    fathom_read_options options;
+    fathom_read_options_default(&options);
+    options.camera = "front";
+    const char *const both[] = {model, file};
+    for (int i = 0; i < 2; ++i) {
+        assert_fails(context, fathom_scene_read_with(context, both[i], &options, &scene), FATHOM_BAD_USAGE,
+                     "has no cameras to choose \"front\" from");
+        assert_null(scene);
+    }
+    options.camera = NULL, options.up = FATHOM_UP_Z;
+    mesh_warnings[0] = '\0';
+    assert_ok(context, fathom_scene_read_with(context, file, &options, &scene));
+    assert_non_null(strstr(mesh_warnings, "a.json: has a camera of its own"));
+    fathom_scene_destroy(scene);
+    mesh_warnings[0] = '\0';
+    assert_ok(context, fathom_scene_read_with(context, model, &options, &scene));
+    assert_string_equal(mesh_warnings, "");
+    assert_near(scene->camera.y[1] > scene->camera.y[2], 0, 0);
+    fathom_scene_destroy(scene);
+    options.up = (fathom_up)2;
+    assert_fails(context, fathom_scene_read_with(context, model, &options, &scene), FATHOM_BAD_USAGE, "up: ");
+    options.up = FATHOM_UP_Y, options.width = 5;
+    assert_fails(context, fathom_scene_read_with(context, model, &options, &scene), FATHOM_BAD_USAGE,
+                 "width, height: expected both or none, found 5 and 0");
+}
+
+/* A size that is asked for shapes the automatic camera's view, not the settings. */
+static void the_camera_fits_the_size_asked_for(void **state) {
+    (void)state;
+    const char *path = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
+    double away[2];
+    for (int i = 0; i < 2; ++i) {
+        const fathom_read_options options = {.width = i ? 100 : 900, .height = i ? 900 : 100};
+        fathom_scene *scene;
+        assert_ok(context, fathom_scene_read_with(context, path, &options, &scene));
+        away[i] = length_f64(load_f64(scene->camera.origin));
+        assert_int_equal(scene->settings.width, 1280);
+        fathom_scene_destroy(scene);
+    }
+    assert_true(away[1] > 4 * away[0]);
+}
+
+static uint32_t spp_of(const char *path) {
+    fathom_scene *scene;
+    fathom_settings settings;
+    assert_ok(context, fathom_scene_read(context, path, &scene));
+    fathom_scene_settings(scene, &settings);
+    fathom_scene_destroy(scene);
+    return settings.spp;
+}
+
+static void models_take_16_samples_and_scene_files_their_own(void **state) {
+    (void)state;
+    static const char
+        bare[] = "{\"objects\":[{\"type\":\"mesh\",\"file\":\"thing.v2.obj\"}]}",
+        four[] = "{\"image\":{\"spp\":4},\"objects\":[{\"type\":\"mesh\",\"file\":\"thing.v2.obj\"}]}";
+    assert_int_equal(spp_of(mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID))), 16);
+    assert_int_equal(spp_of(mesh_write("a.json", bare, strlen(bare))), 1);
+    assert_int_equal(spp_of(mesh_write("a.json", four, strlen(four))), 4);
+}
+
+/* The image follows w over h of a scene file's camera where the file does not say its size; where it does and
+ * the two differ, the image is stretched, as asked for, and that is said. */
+static void scene_files_shape_their_image(void **state) {
+    (void)state;
+    const struct {
+        const char *image, *warning;
+        uint32_t width, height;
+    } cases[] = {{"", NULL, 1280, 640},
+                 {"\"width\":300", NULL, 300, 150},
+                 {"\"height\":300", NULL, 600, 300},
+                 {"\"width\":301,\"height\":151", NULL, 301, 151},
+                 {"\"width\":300,\"height\":300", "the image is stretched by 0.5 across", 300, 300}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char json[512];
+        snprintf(json, sizeof json,
+                 "{\"image\":{%s},\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0],\"d\":1,\"w\":2,\"h\":1},"
+                 "\"objects\":[{\"type\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]}",
+                 cases[i].image);
+        fathom_scene *scene;
+        mesh_warnings[0] = '\0';
+        assert_ok(context, fathom_scene_read(context, mesh_write("a.json", json, strlen(json)), &scene));
+        assert_int_equal(scene->settings.width, cases[i].width);
+        assert_int_equal(scene->settings.height, cases[i].height);
+        assert_near(scene->camera.w, 2, 0);
+        if (cases[i].warning ? !strstr(mesh_warnings, cases[i].warning) : mesh_warnings[0] != '\0')
+            fail_msg("%s: \"%s\"", cases[i].image, mesh_warnings);
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Any format's mesh may be asked for by name; scenes are no meshes. */
 static void meshes(void **state) {
     (void)state;
@@ -58,6 +157,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_extension),
         cmocka_unit_test(bare_model),
+        cmocka_unit_test(what_a_file_lacks_is_not_passed_over),
+        cmocka_unit_test(the_camera_fits_the_size_asked_for),
+        cmocka_unit_test(models_take_16_samples_and_scene_files_their_own),
+        cmocka_unit_test(scene_files_shape_their_image),
         cmocka_unit_test(meshes),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);

@@ -1,7 +1,7 @@
 /* glTF 2.0 and GLB: the whole of it.
  *
  * What is read: the nodes of the default scene (else the first scene, else all root nodes; else every mesh
- * once), triangles of any mode, materials, the first perspective camera, KHR_lights_punctual. Skins, morph
+ * once), triangles of any mode, materials, one perspective camera, KHR_lights_punctual. Skins, morph
  * targets and animations are left in the rest pose, textures are not used: each is warned about once. */
 #include "read/gltf/gltf.h"
 
@@ -111,6 +111,7 @@ static fathom_status finish(gltf *g, fathom_status status) {
     free(g->material_table);
     free(g->mesh_table);
     free(g->array_table);
+    array_free(&g->seen_cameras);
     json_arena_release(&g->arena);
     return status;
 }
@@ -124,6 +125,7 @@ fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
     if (status == FATHOM_OK) status = open_arrays(&g);
     if (status == FATHOM_OK) status = make_tables(&g);
     if (status == FATHOM_OK) status = gltf_nodes_place(&g);
+    if (status == FATHOM_OK && options->surroundings) status = gltf_camera_take(&g);
     if (status == FATHOM_OK) warn_animations(&g);
     if (status == FATHOM_OK) gltf_warn_images(&g);
     return finish(&g, status);

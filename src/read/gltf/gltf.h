@@ -11,7 +11,8 @@
  * gltf_mesh.c       meshes to groups
  * gltf_material.c   materials to the model's
  * gltf_node.c       the hierarchy, its instances
- * gltf_light.c      lights and cameras */
+ * gltf_light.c      lights
+ * gltf_camera.c     cameras, and which one is taken */
 #ifndef READ_GLTF_H
 #define READ_GLTF_H
 
@@ -65,13 +66,18 @@ enum {
     GLTF_WARNED_POSITIONS = 1u << 4,
     GLTF_WARNED_REST = 1u << 5,
     GLTF_WARNED_RANGE = 1u << 6,
-    GLTF_WARNED_ORTHOGRAPHIC = 1u << 7,
 };
 
 typedef struct gltf_material {
     fathom_id id;   /* FATHOM_NONE: not made yet */
     unsigned flags; /* of the meshes that wear it */
 } gltf_material;
+
+/* A camera that a node holds, beside the scene's cameras. */
+typedef struct gltf_camera {
+    uint32_t node, index; /* of nodes and of cameras */
+    affine_f64 to_world;
+} gltf_camera;
 
 typedef struct gltf {
     fathom_scene *scene;
@@ -91,7 +97,7 @@ typedef struct gltf {
     fathom_id *mesh_table; /* beside meshes: the group, FATHOM_NONE (not made), GLTF_EMPTY */
     uint64_t file_bytes;   /* of the files opened */
     uint64_t charged;      /* bytes: gltf_charge() */
-    bool has_camera;       /* one was taken from this file */
+    ARRAY(gltf_camera) seen_cameras;
     unsigned warned;
 } gltf;
 
@@ -227,6 +233,8 @@ fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
 /* Walks the nodes of the scene that is shown. */
 fathom_status gltf_nodes_place(gltf *g);
 fathom_status gltf_light_place(gltf *g, const gltf_value *node, const affine_f64 *to_world);
-fathom_status gltf_camera_place(gltf *g, const gltf_value *node, const affine_f64 *to_world);
+fathom_status gltf_camera_note(gltf *g, const gltf_value *node, const affine_f64 *to_world);
+/* Gives the scene the camera that was asked for, else the first perspective one, of those noted. */
+fathom_status gltf_camera_take(gltf *g);
 
 #endif

@@ -1,4 +1,4 @@
-/* Lights (KHR_lights_punctual) and cameras.
+/* Lights: KHR_lights_punctual.
  *
  * The format gives a point's or spot's intensity I in candela (lm/sr) and a directional light's illuminance
  * in lux (lm/m^2). A surface of base colour b at distance d of a point then sends out the luminance
@@ -15,20 +15,13 @@
  * Files made for viewers that ignore units have values around 1 to 10.
  *
  * `range` is ignored: light falls off by 1 / d^2 for ever. The spot's falloff between its cones is the
- * model's. Lights and cameras look along their node's -z; scale does not touch them otherwise. */
-#include "math/frame.h"
+ * model's. Lights look along their node's -z; scale does not touch them otherwise. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979324;
-
-static vec3_f64 origin_of(const affine_f64 *map) {
-    return (vec3_f64){map->m[0][3], map->m[1][3], map->m[2][3]};
-}
-
-/* ---- lights ---- */
 
 static fathom_status read_type(gltf *g, const gltf_value *at, fathom_light_type *out) {
     const char *type = "";
@@ -85,55 +78,7 @@ fathom_status gltf_light_place(gltf *g, const gltf_value *node, const affine_f64
     status = gltf_item(g, &g->lights, index, &at);
     if (status == FATHOM_OK) status = read_light(g, &at, &light);
     if (status != FATHOM_OK) return status;
-    store_f64(light.position, origin_of(to_world));
+    store_f64(light.position, affine_point(to_world, (vec3_f64){0, 0, 0}));
     store_f64(light.direction, normalize_f64(affine_vector(to_world, (vec3_f64){0, 0, -1})));
     return gltf_within(g, node, NULL, fathom_scene_add_light(g->scene, &light, NULL));
-}
-
-/* ---- cameras ---- */
-
-static fathom_status read_perspective(gltf *g, const gltf_value *at, fathom_camera *out) {
-    gltf_value perspective;
-    double fovy = 0, aspect = 0;
-    fathom_status status = gltf_object(g, at, "perspective", &perspective);
-    if (status == FATHOM_OK) status = gltf_number(g, &perspective, "yfov", 0, INFINITY, &fovy);
-    if (status == FATHOM_OK) status = gltf_number(g, &perspective, "aspectRatio", 0, INFINITY, &aspect);
-    if (status != FATHOM_OK) return status;
-    if (!(fovy > 0 && fovy < pi))
-        return gltf_fail(g, &perspective, "yfov", "is %g; expected radians between 0 and pi", fovy);
-    if (json_object_get(perspective.json, "aspectRatio") && !(aspect > 0))
-        return gltf_fail(g, &perspective, "aspectRatio", "is %g; expected a number > 0", aspect);
-    out->d = 1;
-    out->h = 2 * tan(fovy / 2);
-    out->w = out->h * aspect;
-    return FATHOM_OK;
-}
-
-fathom_status gltf_camera_place(gltf *g, const gltf_value *node, const affine_f64 *to_world) {
-    uint32_t index = GLTF_ABSENT;
-    gltf_value at;
-    const char *type = "perspective";
-    fathom_status status = gltf_index(g, node, "camera", &g->cameras, &index);
-    if (status != FATHOM_OK || index == GLTF_ABSENT || g->has_camera) return status;
-    status = gltf_item(g, &g->cameras, index, &at);
-    if (status == FATHOM_OK) status = gltf_text(g, &at, "type", &type);
-    if (status != FATHOM_OK) return status;
-    if (strcmp(type, "orthographic") == 0) {
-        gltf_warn_once(g, GLTF_WARNED_ORTHOGRAPHIC, "orthographic cameras are left out");
-        return FATHOM_OK;
-    }
-    if (strcmp(type, "perspective") != 0)
-        return gltf_fail(g, &at, "type", "is \"%.40s\"; expected perspective or orthographic", type);
-    fathom_camera camera;
-    fathom_camera_default(&camera);
-    status = read_perspective(g, &at, &camera);
-    if (status != FATHOM_OK) return status;
-    frame_f64 frame = frame_from(origin_of(to_world), affine_vector(to_world, (vec3_f64){0, 0, 1}),
-                                 affine_vector(to_world, (vec3_f64){0, 1, 0}));
-    store_f64(camera.origin, frame.origin);
-    store_f64(camera.x, frame.x);
-    store_f64(camera.y, frame.y);
-    store_f64(camera.z, frame.z);
-    g->has_camera = true;
-    return gltf_within(g, node, NULL, fathom_scene_set_camera(g->scene, &camera));
 }

@@ -219,7 +219,7 @@ static fathom_status visit(gltf *g, walk *w, const step *at) {
     affine_f64 to_world = affine_compose(&at->to_world, &local);
     status = place_mesh(g, w, &node, &to_world);
     if (status == FATHOM_OK && g->options->surroundings) {
-        status = gltf_camera_place(g, &node, &to_world);
+        status = gltf_camera_note(g, &node, &to_world);
         if (status == FATHOM_OK) status = gltf_light_place(g, &node, &to_world);
     }
     if (status == FATHOM_OK) status = gltf_array(g, &node, "children", &children);

@@ -4,6 +4,7 @@
 #include "read/json/json_place.h"
 #include "read/json/json_syntax.h"
 #include "read/read.h"
+#include "scene/image_size.h"
 #include "json/memory.h"
 
 #include <stdio.h>
@@ -35,9 +36,15 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
 }
 
-static fathom_status set_image(const object_reader *r, const fathom_settings *settings) {
+/* What the file does not say about the image's size follows from its camera. */
+static fathom_status set_image(const object_reader *r, json_t *root, form_scene_values *v) {
     const where at = {NULL, "image", 0};
-    fathom_status status = fathom_scene_set_settings(r->scene, settings);
+    json_t *image = json_object_get(root, "image");
+    if (doc_has(json_object_get(root, "camera"), "w")) {
+        image_size_follow(&v->image, v->camera.w / v->camera.h, doc_has(image, "width"),
+                          doc_has(image, "height"));
+    }
+    fathom_status status = fathom_scene_set_settings(r->scene, &v->image);
     return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
 }
 
@@ -160,10 +167,10 @@ static fathom_status check_lights(const object_reader *r) {
 
 /* ---- the document ---- */
 
-static fathom_status build(const object_reader *r, json_t *root, const form_scene_values *v) {
+static fathom_status build(const object_reader *r, json_t *root, form_scene_values *v) {
     fathom_scene *scene = r->scene;
     fathom_status status = v->name ? fathom_scene_set_name(scene, v->name) : FATHOM_OK;
-    if (status == FATHOM_OK) status = set_image(r, &v->image);
+    if (status == FATHOM_OK) status = set_image(r, root, v);
     if (status == FATHOM_OK && doc_has(root, "background"))
         status = fathom_scene_set_background(scene, v->background);
     if (status == FATHOM_OK && doc_has(root, "ambient")) status = fathom_scene_set_ambient(scene, v->ambient);

@@ -1,0 +1,86 @@
+/* Cameras. Nodes that hold one are noted while the hierarchy is walked; the one that is taken is read when
+ * all are known. It looks along its node's -z; scale does not touch it otherwise.
+ *
+ * yfov holds whatever the image's shape, as in Blender's importer: pixels are square. aspectRatio gives the
+ * image its shape where no size is asked for. The format's specification (2.0, Projection Matrices) says that
+ * a view should be neither cropped nor stretched when the shapes differ. Nothing is stretched here; images
+ * that are narrower than the camera's view lose its sides, and a warning says so. */
+#include "math/frame.h"
+#include "read/gltf/gltf.h"
+#include "scene/cameras.h"
+#include "scene/image_size.h"
+
+#include <string.h>
+
+static const double pi = 3.14159265358979324;
+
+static const char *name_of(const gltf_value *value) {
+    return json_string_value(json_object_get(value->json, "name"));
+}
+
+static fathom_status read_type(gltf *g, const gltf_value *camera, bool *orthographic) {
+    const char *type = "perspective";
+    fathom_status status = gltf_text(g, camera, "type", &type);
+    if (status != FATHOM_OK) return status;
+    *orthographic = strcmp(type, "orthographic") == 0;
+    if (*orthographic || strcmp(type, "perspective") == 0) return FATHOM_OK;
+    return gltf_fail(g, camera, "type", "is \"%.40s\"; expected perspective or orthographic", type);
+}
+
+/* A name is as long as the document at most, but many nodes may hold one camera. */
+static fathom_status charge(gltf *g, const gltf_value *node, const char *own_name) {
+    const size_t kept = sizeof(gltf_camera) + sizeof(scene_camera);
+    return gltf_charge(g, node, "camera", 3 * kept + (own_name ? strlen(own_name) : 0));
+}
+
+fathom_status gltf_camera_note(gltf *g, const gltf_value *node, const affine_f64 *to_world) {
+    gltf_value camera;
+    gltf_camera noted = {.node = (uint32_t)node->index, .index = GLTF_ABSENT, .to_world = *to_world};
+    bool orthographic = false;
+    fathom_status status = gltf_index(g, node, "camera", &g->cameras, &noted.index);
+    if (status != FATHOM_OK || noted.index == GLTF_ABSENT) return status;
+    status = gltf_item(g, &g->cameras, noted.index, &camera);
+    if (status == FATHOM_OK) status = read_type(g, &camera, &orthographic);
+    if (status == FATHOM_OK) status = charge(g, node, name_of(&camera));
+    if (status != FATHOM_OK) return status;
+    if (!array_push(&g->seen_cameras, noted)) return fail_memory(g->context, sizeof noted);
+    return scene_note_camera(g->scene, name_of(node), name_of(&camera), orthographic);
+}
+
+static fathom_status read_perspective(gltf *g, const gltf_value *camera, double *fovy, double *aspect) {
+    gltf_value perspective;
+    *fovy = *aspect = 0;
+    fathom_status status = gltf_object(g, camera, "perspective", &perspective);
+    if (status == FATHOM_OK) status = gltf_number(g, &perspective, "yfov", 0, INFINITY, fovy);
+    if (status == FATHOM_OK) status = gltf_number(g, &perspective, "aspectRatio", 0, INFINITY, aspect);
+    if (status != FATHOM_OK) return status;
+    if (!(*fovy > 0 && *fovy < pi))
+        return gltf_fail(g, &perspective, "yfov", "is %g; expected radians between 0 and pi", *fovy);
+    if (json_object_get(perspective.json, "aspectRatio") && !(*aspect > 0))
+        return gltf_fail(g, &perspective, "aspectRatio", "is %g; expected a number > 0", *aspect);
+    return FATHOM_OK;
+}
+
+fathom_status gltf_camera_take(gltf *g) {
+    fathom_status status = scene_choose_camera(g->scene, g->path);
+    if (status != FATHOM_OK || g->scene->camera_taken == FATHOM_NONE) return status;
+    const gltf_camera *taken = &g->seen_cameras.items[g->scene->camera_taken];
+    const affine_f64 *to_world = &taken->to_world;
+    gltf_value node, at;
+    double fovy, aspect;
+    status = gltf_item(g, &g->nodes, taken->node, &node);
+    if (status == FATHOM_OK) status = gltf_item(g, &g->cameras, taken->index, &at);
+    if (status == FATHOM_OK) status = read_perspective(g, &at, &fovy, &aspect);
+    if (status != FATHOM_OK) return status;
+    frame_f64 frame =
+        frame_from(affine_point(to_world, (vec3_f64){0, 0, 0}), affine_vector(to_world, (vec3_f64){0, 0, 1}),
+                   affine_vector(to_world, (vec3_f64){0, 1, 0}));
+    fathom_camera camera = {.d = 1, .h = 2 * tan(fovy / 2)};
+    store_f64(camera.origin, frame.origin);
+    store_f64(camera.x, frame.x);
+    store_f64(camera.y, frame.y);
+    store_f64(camera.z, frame.z);
+    g->scene->camera_aspect = aspect;
+    if (aspect > 0) image_size_follow(&g->scene->settings, aspect, false, false);
+    return gltf_within(g, &node, NULL, fathom_scene_set_camera(g->scene, &camera));
+}

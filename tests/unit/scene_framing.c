@@ -1,0 +1,282 @@
+/* The automatic camera: what it has in view, how large, and where its up is. */
+#include "math/affine.h"
+#include "scene/scene.h"
+#include "unit.h"
+
+static fathom_context *context;
+static fathom_scene *scene;
+
+static int set_up(void **state) {
+    (void)state;
+    return fathom_context_create(&context) != FATHOM_OK || fathom_scene_create(context, &scene) != FATHOM_OK;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    fathom_scene_destroy(scene);
+    fathom_context_destroy(context);
+    return 0;
+}
+
+/* ---- scenes of points, told apart from what holds them ---- */
+
+#define POINTS_MOST 64
+
+typedef struct points {
+    vec3_f64 items[POINTS_MOST];
+    size_t count;
+} points;
+
+/* A long, flat, lopsided body. Multiples of 1/8: each is a float, and so is its double. */
+static const float body[6][3] = {{-2, -0.5f, 1},         {3, 0.25f, 0},      {0.5f, 2, -4},
+                                 {-1.5f, 0.125f, -6.5f}, {2.5f, -1, 2.875f}, {0, 0.75f, 0.5f}};
+static const uint32_t faces[12] = {0, 1, 2, 1, 2, 3, 2, 3, 4, 3, 4, 5};
+
+static void add_body(fathom_id group, const double origin[3]) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = body[0], mesh.vertex_count = 6, mesh.indices = faces, mesh.triangle_count = 4;
+    for (int i = 0; i < 3; ++i) mesh.origin[i] = origin[i];
+    assert_ok(context, fathom_scene_add_mesh(scene, group, &mesh, NULL));
+}
+
+static void note_body(points *p, const affine_f64 *map) {
+    for (int i = 0; i < 6; ++i) p->items[p->count++] = affine_point(map, widen(load_f32(body[i])));
+}
+
+static void place(fathom_id group, fathom_id parent, const affine_f64 *map) {
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    memcpy(instance.transform, map->m, sizeof instance.transform);
+    instance.group = group, instance.parent = parent;
+    assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+}
+
+static fathom_id add_group(void) {
+    fathom_id id;
+    assert_ok(context, fathom_scene_add_group(scene, NULL, &id));
+    return id;
+}
+
+static void shape_image(uint32_t width, uint32_t height) {
+    fathom_settings settings;
+    fathom_scene_settings(scene, &settings);
+    settings.width = width, settings.height = height;
+    assert_ok(context, fathom_scene_set_settings(scene, &settings));
+}
+
+/* The extent in the image, from -1 (left, bottom) to 1 (right, top). */
+typedef struct extent {
+    double low[2], high[2];
+} extent;
+
+static extent extent_of(const points *p) {
+    const fathom_camera *c = &scene->camera;
+    const double h = c->h / c->d / 2, w = h * scene->settings.width / scene->settings.height;
+    extent out = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
+    for (size_t i = 0; i < p->count; ++i) {
+        const vec3_f64 d = sub_f64(p->items[i], load_f64(c->origin));
+        const double depth = -dot_f64(d, load_f64(c->z));
+        assert_true(depth > 0);
+        const double at[2] = {dot_f64(d, load_f64(c->x)) / depth / w, dot_f64(d, load_f64(c->y)) / depth / h};
+        for (int k = 0; k < 2; ++k)
+            out.low[k] = fmin(out.low[k], at[k]), out.high[k] = fmax(out.high[k], at[k]);
+    }
+    return out;
+}
+
+/* 90 % of the tighter direction, less of the other, and the middle in the middle. Tolerances: the tighter one
+ * is as good as the roundings, tens of 2^-53 over a depth of more than a tenth of the largest coordinate,
+ * `reach` times the body's own size from the origin; of the slack one's centring a hundredth of the image is
+ * promised. */
+static void assert_framed(const points *p, double reach) {
+    const extent e = extent_of(p);
+    const double tight = 1024 * reach * 0x1p-53;
+    const double size[2] = {e.high[0] - e.low[0], e.high[1] - e.low[1]};
+    const int across = size[0] > size[1] ? 0 : 1;
+    assert_near(e.high[across], 0.9, tight);
+    assert_near(e.low[across], -0.9, tight);
+    assert_true(size[1 - across] <= 1.8 + tight);
+    assert_near(e.high[1 - across] + e.low[1 - across], 0, 0.01);
+}
+
+static const uint32_t sizes[][2] = {{1280, 720}, {720, 1280}, {512, 512}, {4000, 100}, {100, 4000}, {3, 2}};
+#define SIZES (sizeof sizes / sizeof *sizes)
+
+static void the_scene_fills_nine_tenths_of_the_tighter_direction(void **state) {
+    (void)state;
+    const affine_f64 identity = affine_identity();
+    points p = {.count = 0};
+    note_body(&p, &identity);
+    add_body(FATHOM_ROOT, (double[3]){0, 0, 0});
+    for (size_t i = 0; i < SIZES; ++i) {
+        shape_image(sizes[i][0], sizes[i][1]);
+        scene->has_camera = false;
+        assert_ok(context, fathom_scene_complete(scene));
+        assert_framed(&p, 1);
+    }
+}
+
+/* Twenty times as deep, so that near ends look much larger than far ones: seen from a tip that is far
+ * narrower than the image, the scene fills less of it, but is in its middle. */
+static void deep_scenes_are_centred(void **state) {
+    (void)state;
+    const affine_f64 deep = affine_scaling((vec3_f64){0.5, 0.5, 10});
+    points p = {.count = 0};
+    fathom_id group = add_group();
+    add_body(group, (double[3]){0, 0, 0});
+    place(group, FATHOM_ROOT, &deep);
+    note_body(&p, &deep);
+    for (size_t i = 0; i < SIZES; ++i) {
+        shape_image(sizes[i][0], sizes[i][1]);
+        scene->has_camera = false;
+        assert_ok(context, fathom_scene_complete(scene));
+        const extent e = extent_of(&p);
+        for (int k = 0; k < 2; ++k) {
+            assert_near(e.high[k] + e.low[k], 0, 0.01);
+            assert_true(e.high[k] <= 0.9 + 1e-9);
+        }
+    }
+}
+
+/* Groups in groups, turned and scaled; one body far from all others' origin. */
+static void placed_copies_are_framed_by_their_vertices(void **state) {
+    (void)state;
+    fathom_id inner = add_group(), outer = add_group();
+    affine_f64 turned = affine_rotation_axis((vec3_f64){1, 2, 3}, 0.7),
+               wide = affine_scaling((vec3_f64){3, 1, 0.5});
+    affine_f64 moved = affine_translation((vec3_f64){10, -4, 2}), both = affine_compose(&turned, &wide);
+    affine_f64 whole = affine_compose(&moved, &both);
+    points p = {.count = 0};
+    add_body(inner, (double[3]){0, 0, 0});
+    place(inner, outer, &both);
+    place(outer, FATHOM_ROOT, &moved);
+    place(outer, FATHOM_ROOT, &wide);
+    const affine_f64 second = affine_compose(&wide, &both);
+    note_body(&p, &whole);
+    note_body(&p, &second);
+    for (size_t i = 0; i < SIZES; ++i) {
+        shape_image(sizes[i][0], sizes[i][1]);
+        scene->has_camera = false;
+        assert_ok(context, fathom_scene_complete(scene));
+        assert_framed(&p, 16);
+    }
+}
+
+/* A mesh whose origin is at Earth's radius. */
+static void far_scenes_are_framed_as_near_ones(void **state) {
+    (void)state;
+    const double origin[3] = {6378137, -5e6, 4e6};
+    const affine_f64 moved = affine_translation(load_f64(origin));
+    points p = {.count = 0};
+    note_body(&p, &moved);
+    add_body(FATHOM_ROOT, origin);
+    assert_ok(context, fathom_scene_complete(scene));
+    assert_framed(&p, 6378137);
+}
+
+/* A ball touches the four planes of a square view that is a tenth narrower: its centre is a radius from each.
+ */
+static void balls_touch_the_view(void **state) {
+    (void)state;
+    fathom_sphere sphere;
+    fathom_sphere_default(&sphere);
+    sphere.center[0] = 4, sphere.center[1] = -3, sphere.center[2] = 2, sphere.radius = 0.125;
+    assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
+    shape_image(64, 64);
+    assert_ok(context, fathom_scene_complete(scene));
+    const fathom_camera *c = &scene->camera;
+    const vec3_f64 to = sub_f64(load_f64(sphere.center), load_f64(c->origin));
+    const double slope = 0.9 * c->h / c->d / 2, length = sqrt(1 + slope * slope);
+    const vec3_f64 sides[4] = {load_f64(c->x), neg_f64(load_f64(c->x)), load_f64(c->y),
+                               neg_f64(load_f64(c->y))};
+    for (int i = 0; i < 4; ++i) {
+        double outside = dot_f64(to, madd_f64(sides[i], slope, load_f64(c->z))) / length;
+        assert_near(outside, -sphere.radius, 64 * 8 * 0x1p-53); /* coordinates below 8 */
+    }
+}
+
+static void any_scale_is_framed_alike(void **state) {
+    (void)state;
+    const double scales[] = {1e-8, 1, 1e8};
+    for (int i = 0; i < 3; ++i) {
+        const affine_f64 map = affine_scaling((vec3_f64){scales[i], scales[i], scales[i]});
+        points p = {.count = 0};
+        fathom_id group = add_group();
+        add_body(group, (double[3]){0, 0, 0});
+        note_body(&p, &map);
+        place(group, FATHOM_ROOT, &map);
+        assert_ok(context, fathom_scene_complete(scene));
+        assert_true(scene->lights.count > 0);
+        assert_framed(&p, 1);
+        fathom_scene_destroy(scene);
+        assert_ok(context, fathom_scene_create(context, &scene));
+    }
+}
+
+/* More copies than are stepped into: those beyond count by their boxes, which hold them. */
+static void too_many_copies_stay_in_view(void **state) {
+    (void)state;
+    fathom_id group = add_group();
+    add_body(group, (double[3]){0, 0, 0});
+    points p = {.count = 0};
+    for (int i = 0; i < 70000; ++i) {
+        affine_f64 map = affine_translation((vec3_f64){i % 300 * 10, i % 7, i / 300 * 10});
+        place(group, FATHOM_ROOT, &map);
+        if (i == 0 || i == 299 || i == 69600 || i == 69999) note_body(&p, &map);
+    }
+    assert_ok(context, fathom_scene_complete(scene));
+    const extent e = extent_of(&p);
+    for (int k = 0; k < 2; ++k) assert_true(e.low[k] >= -0.9 - 1e-9 && e.high[k] <= 0.9 + 1e-9);
+}
+
+/* What z-up software wrote, turned by hand to have y up, gives the same image: the camera is the turned one.
+ */
+static void up_z_is_the_turned_scene(void **state) {
+    (void)state;
+    const fathom_read_options options = {.up = FATHOM_UP_Z};
+    add_body(FATHOM_ROOT, (double[3]){0, 0, 0});
+    scene->asked = &options;
+    assert_ok(context, fathom_scene_complete(scene));
+    const fathom_camera z = scene->camera;
+    fathom_scene_destroy(scene);
+    assert_ok(context, fathom_scene_create(context, &scene));
+    /* (x, y, z) with z up is (x, z, -y) with y up. */
+    const affine_f64 turn = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
+    fathom_id group = add_group();
+    add_body(group, (double[3]){0, 0, 0});
+    place(group, FATHOM_ROOT, &turn);
+    assert_ok(context, fathom_scene_complete(scene));
+    const fathom_camera *y = &scene->camera;
+    const double *const pairs[4][2] = {{z.origin, y->origin}, {z.x, y->x}, {z.y, y->y}, {z.z, y->z}};
+    for (int i = 0; i < 4; ++i) {
+        vec3_f64 turned = affine_vector(&turn, load_f64(pairs[i][0])), expected = load_f64(pairs[i][1]);
+        /* Roundings of products and sums below 32. */
+        assert_near(length_f64(sub_f64(turned, expected)), 0, 32 * 64 * 0x1p-53);
+    }
+}
+
+static void scenes_without_end_are_refused(void **state) {
+    (void)state;
+    fathom_sphere sphere;
+    fathom_sphere_default(&sphere);
+    sphere.radius = 1e308;
+    assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
+    assert_fails(context, fathom_scene_complete(scene), FATHOM_BAD_INPUT, "camera: there is none");
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(the_scene_fills_nine_tenths_of_the_tighter_direction),
+        TEST(deep_scenes_are_centred),
+        TEST(placed_copies_are_framed_by_their_vertices),
+        TEST(far_scenes_are_framed_as_near_ones),
+        TEST(balls_touch_the_view),
+        TEST(any_scale_is_framed_alike),
+        TEST(too_many_copies_stay_in_view),
+        TEST(up_z_is_the_turned_scene),
+        TEST(scenes_without_end_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
