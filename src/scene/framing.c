@@ -10,6 +10,7 @@
  * centres it. */
 #include "scene/framing.h"
 
+#include "base/threads.h"
 #include "scene/graph.h"
 
 #include <stdlib.h>
@@ -40,6 +41,8 @@ typedef struct walk {
     uint64_t vertices; /* that may still be looked at */
     uint32_t places;   /* that may still be stepped into */
     double reach[SIDES];
+    unsigned threads;
+    double *most; /* SIDES for each thread */
 } walk;
 
 static directions through(const directions *d, const affine_f64 *map) {
@@ -67,24 +70,43 @@ static void add_box(walk *w, const directions *d, const scene_bounds *box) {
     for (int i = 0; i < 8 && !bounds_is_empty(box); ++i) add_point(w, d, bounds_corner(box, i));
 }
 
+typedef struct vertex_loop {
+    const fathom_mesh *mesh;
+    double x[SIDES], y[SIDES], z[SIDES];
+    double *most; /* SIDES for each worker */
+} vertex_loop;
+
 /* The loop over the sides is the inner one: it becomes vector code. */
-static void add_vertices(walk *w, const directions *d, const fathom_mesh *mesh) {
+static void look_at_vertices(void *user, size_t begin, size_t end, unsigned worker) {
+    const vertex_loop *loop = user;
+    const fathom_mesh *mesh = loop->mesh;
     const size_t stride = mesh->position_stride ? mesh->position_stride / sizeof(float) : 3;
-    double x[SIDES], y[SIDES], z[SIDES], most[SIDES];
-    for (int i = 0; i < SIDES; ++i) {
-        x[i] = d->normal[i].x, y[i] = d->normal[i].y, z[i] = d->normal[i].z;
-        most[i] = -INFINITY;
-    }
-    for (size_t k = 0; k < mesh->vertex_count; ++k) {
+    double most[SIDES], *out = loop->most + worker * SIDES;
+    for (int i = 0; i < SIDES; ++i) most[i] = out[i];
+    for (size_t k = begin; k < end; ++k) {
         const float *p = mesh->positions + k * stride;
         const double px = (double)p[0], py = (double)p[1], pz = (double)p[2];
         for (int i = 0; i < SIDES; ++i) {
-            const double reach = x[i] * px + y[i] * py + z[i] * pz;
+            const double reach = loop->x[i] * px + loop->y[i] * py + loop->z[i] * pz;
             most[i] = reach > most[i] ? reach : most[i];
         }
     }
-    for (int i = 0; i < SIDES; ++i) {
-        double reach = most[i] + dot_f64(d->normal[i], load_f64(mesh->origin)) + d->offset[i];
+    for (int i = 0; i < SIDES; ++i) out[i] = most[i];
+}
+
+/* A piece is some 0.1 ms of work: smaller meshes are not worth a thread. */
+#define PIECE 32768
+
+static void add_vertices(walk *w, const directions *d, const fathom_mesh *mesh) {
+    const unsigned threads = mesh->vertex_count > PIECE ? w->threads : 1;
+    vertex_loop loop = {.mesh = mesh, .most = w->most};
+    for (int i = 0; i < SIDES; ++i)
+        loop.x[i] = d->normal[i].x, loop.y[i] = d->normal[i].y, loop.z[i] = d->normal[i].z;
+    for (unsigned i = 0; i < threads * SIDES; ++i) loop.most[i] = -INFINITY;
+    loop_parallel(threads, mesh->vertex_count, PIECE, look_at_vertices, &loop);
+    for (unsigned k = 0; k < threads * SIDES; ++k) {
+        const unsigned i = k % SIDES;
+        double reach = loop.most[k] + dot_f64(d->normal[i], load_f64(mesh->origin)) + d->offset[i];
         w->reach[i] = fmax(w->reach[i], reach);
     }
 }
@@ -254,6 +276,14 @@ static bool find_eye(walk *w, const frame_f64 *axes, const double most[2], vec3_
     return true;
 }
 
+static fathom_status fail_place(const fathom_scene *scene, const scene_bounds *box) {
+    return fail(
+        scene->context, FATHOM_BAD_INPUT,
+        "camera: there is none, and none can be placed to see everything from (%g, %g, %g) to (%g, %g, "
+        "%g); give one",
+        box->lower.x, box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
+}
+
 fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
                               bool *empty, vec3_f64 *eye) {
     scene_graph graph;
@@ -264,16 +294,15 @@ fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, 
     status = graph_bounds(scene, &graph, &of_group);
     if (status == FATHOM_OK && !bounds_is_empty(&of_group[FATHOM_ROOT])) {
         *empty = false;
-        const scene_bounds *box = &of_group[FATHOM_ROOT];
         walk w = {.scene = scene, .graph = &graph, .of_group = of_group};
-        if (!find_eye(&w, axes, (double[2]){across, up}, eye))
+        w.threads = fathom_context_threads(scene->context);
+        w.most = malloc(w.threads * SIDES * sizeof *w.most);
+        if (!w.most || !find_eye(&w, axes, (double[2]){across, up}, eye))
             status = fail_memory(scene->context, sizeof *w.stack.items);
         else if (!finite_f64(*eye))
-            status = fail(scene->context, FATHOM_BAD_INPUT,
-                          "camera: there is none, and none can be placed to see everything from (%g, %g, %g) "
-                          "to (%g, %g, %g); give one",
-                          box->lower.x, box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
+            status = fail_place(scene, &of_group[FATHOM_ROOT]);
         array_free(&w.stack);
+        free(w.most);
     }
     free(of_group);
     graph_destroy(&graph);
