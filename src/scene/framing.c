@@ -17,7 +17,7 @@
 
 enum { SIDES = 4 };
 
-/* Vertices that are looked at in one pass, some 3 ns each, and groups that are stepped into. What is beyond
+/* Vertices that are looked at in one pass, some 4 ns each, and groups that are stepped into. What is beyond
  * counts by its box. */
 #define VERTICES_MOST ((uint64_t)1 << 24)
 #define PLACES_MOST 65536u
