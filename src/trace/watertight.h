@@ -21,7 +21,6 @@ fathom_status watertight_create(fathom_context *context, const trace_tracer *tra
 void watertight_destroy(watertight *w);
 
 /* How many closed meshes the point lies inside. */
-#define WATERTIGHT_DEEPEST 200
 uint8_t watertight_depth(const watertight *w, vec3_f32 p);
 
 /* The number for a point just behind the hit of the lane, whose ray came from a point inside `depth`; at

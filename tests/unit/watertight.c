@@ -123,23 +123,34 @@ static void absent_where_not_needed(void **state) {
 
 /* ---- no ray slips through ---- */
 
-/* From points of a ball of this radius around (x, 0, 0) at vertices of the meshes, to world coordinates by
- * the map of the instance, if there is one. */
-static ray_set vertex_rays(const world *w, size_t count, double x, double radius) {
+/* Where a random vertex of a random mesh in the root or of a random instance lies in the world. */
+static void random_vertex(const world *w, double out[3]) {
+    size_t roots = w->groups.items[0].count, pick;
+    const world_geometry *g;
+    const world_instance *placed;
+    do {
+        pick = (size_t)(uniform() * (double)(roots + w->instances.count));
+        placed = pick < roots ? NULL : &w->instances.items[pick - roots];
+        const world_group *group = placed ? &w->groups.items[placed->group] : NULL;
+        g = &w->geometries.items[group ? group->first + (size_t)(uniform() * group->count) : pick];
+    } while (g->kind != WORLD_MESH);
+    const fathom_mesh *m = &w->meshes.items[g->first];
+    const float *v = &m->positions[3 * (size_t)(uniform() * m->vertex_count)];
+    for (int r = 0; r < 3; ++r) {
+        out[r] = (double)v[r];
+        if (!placed) continue;
+        out[r] = (double)placed->to_world[r][3];
+        for (int c = 0; c < 3; ++c) out[r] += (double)placed->to_world[r][c] * (double)v[c];
+    }
+}
+
+/* From points of a ball around `center` at vertices of the meshes. */
+static ray_set vertex_rays(const world *w, size_t count, const double center[3], double radius) {
     ray_set set = rays_new(count);
     for (size_t i = 0; i < count; ++i) {
-        const fathom_mesh *m = &w->meshes.items[(size_t)(uniform() * (double)w->meshes.count)];
-        const float *v = &m->positions[3 * (size_t)(uniform() * m->vertex_count)];
-        double org[3], target[3] = {(double)v[0], (double)v[1], (double)v[2]};
-        if (w->instances.count) {
-            const float(*map)[4] = w->instances.items[0].to_world;
-            for (int r = 0; r < 3; ++r) {
-                target[r] = (double)map[r][3];
-                for (int c = 0; c < 3; ++c) target[r] += (double)map[r][c] * (double)v[c];
-            }
-        }
-        for (int c = 0; c < 3; ++c) org[c] = between(-radius, radius) / 1.8;
-        org[0] += x;
+        double org[3], target[3];
+        random_vertex(w, target);
+        for (int c = 0; c < 3; ++c) org[c] = center[c] + between(-radius, radius) / 1.8;
         ray_towards(&set, i, org, target);
     }
     return set;
@@ -157,21 +168,27 @@ static size_t repair_closest(const watertight *w, ray_set *set, uint8_t depth) {
 }
 
 /* At the outline of a mesh float cannot tell a hit from a miss, nor need two tracers agree. */
-static bool grazes(const ray_set *set, size_t i) {
+static bool grazes(const world *w, const ray_set *set, size_t i) {
     const trace_block *b = &set->blocks[i / 16];
     size_t k = i % 16;
-    if (b->hits.geometry[k] == FATHOM_NONE || b->hits.instance[k] != FATHOM_NONE) return false;
+    if (b->hits.geometry[k] == FATHOM_NONE) return false;
     vec3_f32 n = {b->hits.ng_x[k], b->hits.ng_y[k], b->hits.ng_z[k]};
     vec3_f32 d = {b->rays.dir_x[k], b->rays.dir_y[k], b->rays.dir_z[k]};
+    if (b->hits.instance[k] != FATHOM_NONE) {
+        const float(*m)[4] = w->instances.items[b->hits.instance[k]].to_object;
+        d = vec_f32(m[0][0] * d.x + m[0][1] * d.y + m[0][2] * d.z,
+                    m[1][0] * d.x + m[1][1] * d.y + m[1][2] * d.z,
+                    m[2][0] * d.x + m[2][1] * d.y + m[2][2] * d.z);
+    }
     return fabsf(dot_f32(n, d)) < 0.2f * length_f32(n) * length_f32(d);
 }
 
-/* How many answers are not the linear search's: another primitive nearer or farther than an edge that both
- * share explains. */
-static size_t wrong_hits(const ray_set *got, const ray_set *right) {
+/* How many answers are not the reference's: another primitive nearer or farther than an edge that both share
+ * explains. */
+static size_t wrong_hits(const world *w, const ray_set *got, const ray_set *right) {
     size_t wrong = 0;
     for (size_t i = 0; i < got->count; ++i) {
-        if (grazes(got, i) || grazes(right, i)) continue;
+        if (grazes(w, got, i) || grazes(w, right, i)) continue;
         bool met = got->blocks[i / 16].hits.geometry[i % 16] != FATHOM_NONE;
         bool should = right->blocks[i / 16].hits.geometry[i % 16] != FATHOM_NONE;
         /* Both t are off by less than 2^-14 of themselves, embree_settle.c's window; the next surface along
@@ -180,6 +197,30 @@ static size_t wrong_hits(const ray_set *got, const ray_set *right) {
             met != should || (met && fabsf(hit_t(got, i) - hit_t(right, i)) > 0x1p-14f * hit_t(right, i));
     }
     return wrong;
+}
+
+/* Rays from around a point at a known depth. */
+typedef struct view {
+    double from[3], radius;
+    uint8_t depth;
+} view;
+
+/* Returns how many answers were wrong before the repair. */
+static size_t holds_from(stage *s, const char *spec, const view *v) {
+    trace_tracer *tracer = stage_spec(s, spec), *reference = stage_spec(s, "bvh");
+    watertight *w = water(s, tracer);
+    assert_non_null(w);
+    assert_int_equal(watertight_depth(w, vec_f32((float)v->from[0], (float)v->from[1], (float)v->from[2])),
+                     v->depth);
+    ray_set set = vertex_rays(s->world, 40000, v->from, v->radius);
+    ray_set right = traced(reference, &set, TRACE_INCOHERENT), got = traced(tracer, &set, TRACE_INCOHERENT);
+    size_t before = wrong_hits(s->world, &got, &right);
+    assert_true(repair_closest(w, &got, v->depth) >= before);
+    assert_int_equal(wrong_hits(s->world, &got, &right), 0);
+    free(set.blocks), free(right.blocks), free(got.blocks);
+    watertight_destroy(w);
+    trace_destroy(tracer), trace_destroy(reference);
+    return before;
 }
 
 static void holds(const char *spec, double map_x, double x, double radius, uint8_t depth, bool may_be_whole) {
@@ -192,21 +233,8 @@ static void holds(const char *spec, double map_x, double x, double radius, uint8
         add_instance(&s, group, map);
     }
     add_ball(&s, group, 60, depth ? 0.02 : 0, 1, 0, 0);
-    trace_tracer *tracer = stage_spec(&s, spec), *reference = stage_spec(&s, "bvh");
-    watertight *w = water(&s, tracer);
-    assert_non_null(w);
-    assert_int_equal(watertight_depth(w, vec_f32((float)x, 0, 0)), depth);
-    ray_set set = vertex_rays(s.world, 40000, x, radius);
-    ray_set right = traced(reference, &set, TRACE_INCOHERENT), got = traced(tracer, &set, TRACE_INCOHERENT);
-    size_t before = wrong_hits(&got, &right);
+    size_t before = holds_from(&s, spec, &(view){{x, 0, 0}, radius, depth});
     assert_true(before > 0 || may_be_whole); /* else this shows nothing */
-    assert_true(repair_closest(w, &got, depth) >= before);
-    assert_int_equal(wrong_hits(&got, &right), 0);
-    for (size_t i = 0; i < set.count && depth; ++i)
-        assert_int_not_equal(got.blocks[i / 16].hits.geometry[i % 16], FATHOM_NONE);
-    free(set.blocks), free(right.blocks), free(got.blocks);
-    watertight_destroy(w);
-    trace_destroy(tracer), trace_destroy(reference);
     stage_close(&s);
 }
 
@@ -219,6 +247,156 @@ static void closest_hits_hold(void **state) {
     holds("embree", 0, 6, 2, 0, false);
 }
 
+/* ---- whatever else is in the scene ---- */
+
+/* All meshes of `parts` as one; `flip`: each second one turned round; `split`: corners that nothing shares.
+ */
+static void add_joined(stage *s, fathom_id group, const stage *parts, bool flip, bool split) {
+    size_t vertices = 0, triangles = 0;
+    for (size_t k = 0; k < parts->scene->meshes.count; ++k) {
+        vertices += parts->scene->meshes.items[k].vertex_count;
+        triangles += parts->scene->meshes.items[k].triangle_count;
+    }
+    if (split) vertices = 3 * triangles;
+    float *p = stage_memory(s, vertices * 3 * sizeof *p);
+    uint32_t *index = stage_memory(s, triangles * 3 * sizeof *index), *t = index, base = 0;
+    for (size_t k = 0; k < parts->scene->meshes.count; ++k) {
+        const fathom_mesh *m = &parts->scene->meshes.items[k];
+        bool turned = flip && k % 2;
+        if (!split) memcpy(&p[3 * (size_t)base], m->positions, m->vertex_count * 3 * sizeof *p);
+        for (uint32_t i = 0; i < 3 * m->triangle_count; ++i, ++t) {
+            uint32_t from = m->indices[turned ? i - i % 3 + (3 - i % 3) % 3 : i];
+            *t = split ? (uint32_t)(t - index) : base + from;
+            if (split) memcpy(&p[3 * (size_t)*t], &m->positions[3 * (size_t)from], 3 * sizeof *p);
+        }
+        base += m->vertex_count;
+    }
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p, mesh.vertex_count = (uint32_t)vertices;
+    mesh.indices = index, mesh.triangle_count = (uint32_t)triangles;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
+}
+
+static void add_shells_to(stage *s, fathom_id group) {
+    for (int k = 1; k <= 3; ++k) add_ball(s, group, 40, 0.01, k, 0, 0);
+}
+
+static void add_shells(stage *s) { add_shells_to(s, FATHOM_ROOT); }
+
+/* Three shells in one mesh. */
+static void add_one_mesh(stage *s, fathom_id group, bool flip, bool split) {
+    stage parts;
+    stage_open(&parts);
+    add_shells(&parts);
+    add_joined(s, group, &parts, flip, split);
+    stage_close(&parts);
+}
+
+static void add_shells_in_one(stage *s) { add_one_mesh(s, FATHOM_ROOT, false, false); }
+static void add_shells_in_one_turned(stage *s) { add_one_mesh(s, FATHOM_ROOT, true, false); }
+static void add_shells_in_one_split(stage *s) { add_one_mesh(s, FATHOM_ROOT, true, true); }
+
+static void add_ball_and_sphere(stage *s) {
+    add_ball(s, FATHOM_ROOT, 60, 0.02, 1, 0, 0);
+    add_sphere(s, FATHOM_ROOT, 0, 0, -40, 30, 0);
+    add_sphere(s, FATHOM_ROOT, 0.8, 0.8, 0.8, 0.3, 0); /* within the mesh's box */
+}
+
+static void add_ball_and_walls(stage *s) {
+    const double behind[3] = {0, 0, -1.5}, corner[3] = {0.65, 0.65, 0.65};
+    const double u[3] = {20, 0, 0}, v[3] = {0, 20, 0}, a[3] = {0.2, -0.2, 0}, b[3] = {0.1, 0.1, -0.2};
+    add_ball(s, FATHOM_ROOT, 60, 0.02, 1, 0, 0);
+    add_quad(s, FATHOM_ROOT, behind, u, v, 0);
+    add_quad(s, FATHOM_ROOT, corner, a, b, 0);
+    add_plane(s, -3, 0);
+}
+
+static void add_balls_aside(stage *s) {
+    add_ball(s, FATHOM_ROOT, 60, 0, 1, 0, 0);
+    for (int k = -1; k <= 1; k += 2) add_ball(s, FATHOM_ROOT, 60, 0, 1, 2.5 * k, 0);
+}
+
+/* A mirrored and skewed instance inside a turned one; a ball inside both and one aside. */
+static void add_placed(stage *s) {
+    fathom_id group;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, "ball", &group));
+    add_ball(s, group, 40, 0.01, 1, 0, 0);
+    const double maps[3][12] = {{-1, 0.3, 0, 0, 0, 1, 0.2, 0, 0.1, 0, 1.1, 0},
+                                {1.8, -2.4, 0, 0, 2.4, 1.8, 0, 0, 0, 0, 3, 0},
+                                {0.5, 0, 0, 4.5, 0, 0.5, 0, 0, 0, 0, -0.5, 0}};
+    for (int k = 0; k < 3; ++k) add_instance(s, group, maps[k]);
+    add_ball(s, FATHOM_ROOT, 40, 0.01, 5.5, 0, 0);
+}
+
+static void add_placed_shells(stage *s) {
+    fathom_id group;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, "shells", &group));
+    add_one_mesh(s, group, true, false);
+    const double map[12] = {-1, 0.3, 0, 0, 0, 1, 0.2, 0, 0.1, 0, 1.1, 0};
+    add_instance(s, group, map);
+}
+
+/* Things inside: what a ray meets that misses the outer mesh on its way in. */
+static void add_contents(stage *s) {
+    add_ball(s, FATHOM_ROOT, 60, 0, 3, 0, 0);
+    add_ball(s, FATHOM_ROOT, 60, 0, 1, -1, 0);
+    add_sphere(s, FATHOM_ROOT, 1.2, 0, 0, 0.8, 0);
+}
+
+static void repair_does_not_depend_on_the_rest_of_the_scene(void **state) {
+    (void)state;
+    static const struct {
+        void (*add)(stage *s);
+        view views[5];
+        unsigned count;
+    } cases[] = {
+        {add_ball_and_sphere, {{{0, 0, 0}, 0.5, 1}, {{0, 5, 0}, 1, 0}}, 2},
+        {add_ball_and_walls, {{{0, 0, 0}, 0.5, 1}, {{0, 5, 0}, 1, 0}}, 2},
+        {add_balls_aside, {{{0, 0, 0}, 0.5, 1}, {{2.5, 0, 0}, 0.5, 1}, {{1.25, 0, 0}, 0.1, 0}}, 3},
+        {add_shells,
+         {{{0, 0, 0}, 0.5, 3},
+          {{0, 0, 0}, 0, 3},
+          {{0, 1.5, 0}, 0.3, 2},
+          {{0, 0, 2.5}, 0.3, 1},
+          {{0, 6, 0}, 1, 0}},
+         5},
+        {add_shells_in_one,
+         {{{0, 0, 0}, 0.5, 3},
+          {{0, 0, 0}, 0, 3},
+          {{0, 1.5, 0}, 0.3, 2},
+          {{0, 0, 2.5}, 0.3, 1},
+          {{0, 6, 0}, 1, 0}},
+         5},
+        {add_shells_in_one_turned,
+         {{{0, 0, 0}, 0.5, 3},
+          {{0, 0, 0}, 0, 3},
+          {{0, 1.5, 0}, 0.3, 2},
+          {{0, 0, 2.5}, 0.3, 1},
+          {{0, 6, 0}, 1, 0}},
+         5},
+        {add_shells_in_one_split,
+         {{{0, 0, 0}, 0.5, 3},
+          {{0, 0, 0}, 0, 3},
+          {{0, 1.5, 0}, 0.3, 2},
+          {{0, 0, 2.5}, 0.3, 1},
+          {{0, 6, 0}, 1, 0}},
+         5},
+        {add_placed, {{{0, 0, 0}, 0.3, 3}, {{0, 2, 0}, 0.3, 2}, {{4.5, 0, 0}, 0.1, 2}, {{0, 9, 0}, 1, 0}}, 4},
+        {add_placed_shells, {{{0, 0, 0}, 0.3, 3}, {{0, 1.5, 0}, 0.1, 2}, {{0, 8, 0}, 1, 0}}, 3},
+        {add_contents, {{{0, 6, 0}, 1, 0}, {{0, 2, 0}, 0.4, 1}, {{-1, 0, 0}, 0.3, 2}}, 3},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        stage s;
+        stage_open(&s);
+        cases[k].add(&s);
+        size_t before = 0;
+        for (unsigned i = 0; i < cases[k].count; ++i) before += holds_from(&s, "embree", &cases[k].views[i]);
+        assert_true(before > 0); /* else this shows nothing */
+        stage_close(&s);
+    }
+}
+
 /* From inside to infinity: everything is in the dark. */
 static void shadows_hold(void **state) {
     (void)state;
@@ -227,7 +405,8 @@ static void shadows_hold(void **state) {
     add_ball(&s, FATHOM_ROOT, 60, 0.02, 1, 0, 0);
     trace_tracer *tracer = stage_spec(&s, "embree:default");
     watertight *w = water(&s, tracer);
-    ray_set set = vertex_rays(s.world, 20000, 0, 0.5);
+    const double center[3] = {0, 0, 0};
+    ray_set set = vertex_rays(s.world, 20000, center, 0.5);
     uint8_t depths[16];
     memset(depths, 1, sizeof depths);
     size_t lit = 0, left = 0, changed = 0;
@@ -256,6 +435,7 @@ int main(void) {
         cmocka_unit_test(depth_counts_closed_meshes),
         cmocka_unit_test(absent_where_not_needed),
         cmocka_unit_test(closest_hits_hold),
+        cmocka_unit_test(repair_does_not_depend_on_the_rest_of_the_scene),
         cmocka_unit_test(shadows_hold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,70 @@
+/* Closed bodies: the connected pieces of closed meshes, which divide space, and how many of them lie around
+ * everything that a ray can meet. */
+#ifndef TRACE_BODIES_H
+#define TRACE_BODIES_H
+
+#include "trace/tracer.h"
+
+/* Which side of a body is out, by the way its corners go round. */
+typedef enum facing { FACING_NONE, FACING_OUT, FACING_IN } facing;
+
+#define BODIES_DEEPEST 200
+
+/* At least and at most so many closed bodies lie around it. */
+typedef struct depth_span {
+    uint8_t low, high;
+} depth_span;
+
+/* One piece of a closed mesh; or an open mesh, a sphere, a quad: these face nowhere. */
+typedef struct trace_body {
+    facing facing;
+    depth_span around; /* other bodies of its group, in front of its surface */
+} trace_body;
+
+typedef struct geometry_bodies {
+    uint32_t first, count; /* in `all` */
+    uint32_t *of_vertex;   /* a mesh of several pieces: the one of each vertex */
+    bool vague;            /* one body for what may lie in several places: anything may be around it */
+} geometry_bodies;
+
+/* A box around some closed bodies, as placed. */
+typedef struct body_box {
+    vec3_f32 lower, upper;
+    uint8_t count; /* of bodies in it; BODIES_DEEPEST: any number */
+} body_box;
+
+/* With more boxes than this, one holds them all: looking into each would take longer. */
+#define BODIES_BOXES 16
+
+typedef struct bodies {
+    const trace_tracer *tracer;
+    geometry_bodies *of; /* by the world's geometries */
+    trace_body *all;
+    size_t count;
+    depth_span *around; /* by instance: outside of it */
+    body_box boxes[BODIES_BOXES];
+    unsigned box_count;
+} bodies;
+
+/* For tracers with `retry`, which must outlive it. `all` is NULL where nothing is closed (unless `always`).
+ * False when out of memory; release in any case. */
+bool bodies_find(const trace_tracer *tracer, bool always, bodies *out);
+void bodies_release(bodies *b);
+
+static inline const trace_body *bodies_at(const bodies *b, uint32_t geometry, uint32_t primitive) {
+    const geometry_bodies *of = &b->of[geometry];
+    if (of->count < 2) return &b->all[of->first];
+    if (!of->of_vertex) return &b->all[of->first + primitive];
+    return &b->all[of->first +
+                   of->of_vertex[world_mesh(b->tracer->world, geometry)->indices[3 * (size_t)primitive]]];
+}
+
+/* Directions without a pattern that scenes share. A line meets an edge or a vertex with a probability of some
+ * 10^-5, so of five it is never most. */
+#define BODIES_PROBES 5
+extern const float bodies_probes[BODIES_PROBES][3];
+
+/* Closed bodies around p: of those that the list of crossings from p names, ways out less ways in. */
+int bodies_around(const bodies *b, const trace_crossings *list);
+
+#endif
