@@ -1,29 +1,55 @@
-/* Union-find over vertices. A vertex's parent is never a later vertex, so one pass in order leaves every
- * vertex next to its root. */
+/* Union-find over vertices, by all threads at once. A vertex's parent is never a later vertex, so one pass in
+ * order leaves every vertex next to its root. */
 #include "scene/pieces.h"
 
+#include "base/threads.h"
 #include "scene/boundary.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-static uint32_t root_of(uint32_t *parent, uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+#define GRAIN ((size_t)1 << 15)
+
+typedef _Atomic uint32_t shared;
+
+typedef struct search {
+    const fathom_mesh *mesh;
+    shared *parent; /* by vertex */
+    shared *table;  /* the first vertex met at a position, by the position's hash; FATHOM_NONE: none */
+    size_t mask;    /* of places in it */
+} search;
+
+static inline uint32_t get(shared *from) { return atomic_load_explicit(from, memory_order_relaxed); }
+static inline void set(shared *to, uint32_t v) { atomic_store_explicit(to, v, memory_order_relaxed); }
+
+/* Halves the path. Another thread may do the same: each writes an ancestor. */
+static uint32_t root_of(shared *parent, uint32_t v) {
+    for (uint32_t above = get(&parent[v]); above != v; above = get(&parent[v])) {
+        uint32_t next = get(&parent[above]);
+        if (next != above) set(&parent[v], next); /* what is only read is not sent between processors */
+        v = next;
+    }
     return v;
 }
 
-static void join(uint32_t *parent, uint32_t a, uint32_t b) {
-    if (parent[a] == parent[b]) return;
-    a = root_of(parent, a), b = root_of(parent, b);
-    if (a < b)
-        parent[b] = a;
-    else
-        parent[a] = b;
+/* The later root goes below the earlier one, so which vertices are roots in the end does not depend on the
+ * order. */
+static void join(shared *parent, uint32_t a, uint32_t b) {
+    if (get(&parent[a]) == get(&parent[b])) return;
+    for (;;) {
+        a = root_of(parent, a), b = root_of(parent, b);
+        if (a == b) return;
+        uint32_t late = a > b ? a : b, early = a > b ? b : a;
+        if (atomic_compare_exchange_strong(&parent[late], &(uint32_t){late}, early)) return;
+    }
 }
 
-static void join_triangles(const fathom_mesh *mesh, uint32_t *parent) {
-    const uint32_t *t = mesh->indices, *end = t + 3 * (size_t)mesh->triangle_count;
-    for (; t < end; t += 3) join(parent, t[0], t[1]), join(parent, t[0], t[2]);
+static void join_triangles(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const search *s = user;
+    const uint32_t *t = s->mesh->indices + 3 * begin;
+    for (size_t i = begin; i < end; ++i, t += 3) join(s->parent, t[0], t[1]), join(s->parent, t[0], t[2]);
 }
 
 /* Bits that are equal where the positions are: +0 makes one zero of two. */
@@ -35,68 +61,78 @@ static void position_bits(const fathom_mesh *mesh, uint32_t v, uint32_t out[3]) 
     memcpy(out, p, sizeof p);
 }
 
-/* Joins vertices at equal positions, by a hash table of the first one at each. */
-static bool join_positions(const fathom_mesh *mesh, uint32_t *parent) {
-    size_t size = 16;
-    while (size < 2 * (size_t)mesh->vertex_count) size *= 2;
-    uint32_t *table = malloc(size * sizeof *table);
-    if (!table) return false;
-    memset(table, 0xff, size * sizeof *table); /* FATHOM_NONE */
-    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        uint32_t key[3], other[3];
-        position_bits(mesh, v, key);
-        size_t k = boundary_mixed(key[0] ^ boundary_mixed(key[1] ^ boundary_mixed(key[2])));
-        for (k &= size - 1; table[k] != FATHOM_NONE; k = (k + 1) & (size - 1)) {
-            position_bits(mesh, table[k], other);
-            if (memcmp(key, other, sizeof key) == 0) break;
-        }
-        if (table[k] == FATHOM_NONE)
-            table[k] = v;
-        else
-            join(parent, table[k], v);
+/* The first vertex at the position of v, which may be v. */
+static uint32_t first_at(const search *s, uint32_t v) {
+    uint32_t key[3], other[3];
+    position_bits(s->mesh, v, key);
+    size_t k = boundary_mixed(key[0] ^ boundary_mixed(key[1] ^ boundary_mixed(key[2])));
+    for (;; ++k) {
+        shared *place = &s->table[k & s->mask];
+        uint32_t there = FATHOM_NONE;
+        if (atomic_compare_exchange_strong(place, &there, v)) return v;
+        position_bits(s->mesh, there, other);
+        if (memcmp(key, other, sizeof key) == 0) return there;
     }
-    free(table);
+}
+
+static void join_positions(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const search *s = user;
+    for (size_t v = begin; v < end; ++v) join(s->parent, first_at(s, (uint32_t)v), (uint32_t)v);
+}
+
+/* Joins vertices at equal positions. */
+static bool join_doubles(search *s, unsigned threads) {
+    size_t size = 16;
+    while (size < 2 * (size_t)s->mesh->vertex_count) size *= 2;
+    s->mask = size - 1;
+    s->table = malloc(size * sizeof *s->table);
+    if (!s->table) return false;
+    memset(s->table, 0xff, size * sizeof *s->table);
+    loop_parallel(threads, s->mesh->vertex_count, GRAIN, join_positions, s);
+    free(s->table);
     return true;
 }
 
-/* Whether all vertices have the root of the first triangle. Vertices that no triangle has spoil this, and
- * only cost the time of number_roots(). */
-static bool is_one(const fathom_mesh *mesh, uint32_t *parent) {
+/* Every vertex gets its root as parent. Whether that is the same for all: vertices that no triangle has spoil
+ * this, and only cost the time of number_roots(). */
+static bool flatten(const search *s) {
     bool one = true;
-    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        parent[v] = parent[parent[v]];
-        one &= parent[v] == parent[0];
+    for (uint32_t v = 0; v < s->mesh->vertex_count; ++v) {
+        uint32_t root = get(&s->parent[get(&s->parent[v])]);
+        set(&s->parent[v], root);
+        one &= root == 0;
     }
-    return one || !mesh->triangle_count;
+    return one || !s->mesh->triangle_count;
 }
 
 /* Numbers the roots of triangles in order, and gives every vertex its number. False: more than `most`. */
-static bool number_roots(const fathom_mesh *mesh, uint32_t *parent, uint32_t *number, uint32_t most,
-                         uint32_t *count) {
+static bool number_roots(const search *s, uint32_t *number, uint32_t most, uint32_t *count) {
     *count = 0;
-    memset(number, 0xff, mesh->vertex_count * sizeof *number);
-    for (size_t i = 0; i < mesh->triangle_count; ++i) {
-        uint32_t root = parent[mesh->indices[3 * i]];
+    memset(number, 0xff, s->mesh->vertex_count * sizeof *number);
+    for (size_t i = 0; i < s->mesh->triangle_count; ++i) {
+        uint32_t root = get(&s->parent[s->mesh->indices[3 * i]]);
         if (number[root] == FATHOM_NONE) number[root] = (*count)++;
         if (*count > most) return false;
     }
-    for (uint32_t v = 0; v < mesh->vertex_count; ++v) number[v] = number[parent[v]];
+    for (uint32_t v = 0; v < s->mesh->vertex_count; ++v) number[v] = number[get(&s->parent[v])];
     return true;
 }
 
-bool pieces_find(const fathom_mesh *mesh, bool by_position, uint32_t most, pieces *out) {
+bool pieces_find(unsigned threads, const fathom_mesh *mesh, bool by_position, uint32_t most, pieces *out) {
+    search s = {.mesh = mesh, .parent = malloc(mesh->vertex_count * sizeof *s.parent)};
+    uint32_t *number = NULL;
     *out = (pieces){.count = 1};
-    uint32_t *parent = malloc(mesh->vertex_count * sizeof *parent), *number = NULL;
-    if (!parent) return false;
-    for (uint32_t v = 0; v < mesh->vertex_count; ++v) parent[v] = v;
-    join_triangles(mesh, parent);
-    bool fine = !by_position || join_positions(mesh, parent);
-    if (fine && !is_one(mesh, parent)) {
+    if (!s.parent) return false;
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) set(&s.parent[v], v);
+    loop_parallel(threads, mesh->triangle_count, GRAIN, join_triangles, &s);
+    bool fine = !by_position || join_doubles(&s, threads);
+    if (fine && !flatten(&s)) {
         number = malloc(mesh->vertex_count * sizeof *number);
         fine = number != NULL;
-        if (fine && !number_roots(mesh, parent, number, most, &out->count)) out->count = 0;
+        if (fine && !number_roots(&s, number, most, &out->count)) out->count = 0;
     }
-    free(parent);
+    free(s.parent);
     if (fine && out->count > 1)
         out->of_vertex = number;
     else

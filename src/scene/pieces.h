@@ -11,7 +11,7 @@ typedef struct pieces {
 
 /* by_position: vertices at equal positions count as one. Looks for at most `most` pieces. False when out of
  * memory. Release of_vertex with free(). */
-bool pieces_find(const fathom_mesh *mesh, bool by_position, uint32_t most, pieces *out);
+bool pieces_find(unsigned threads, const fathom_mesh *mesh, bool by_position, uint32_t most, pieces *out);
 
 static inline uint32_t pieces_of(const uint32_t *of_vertex, const fathom_mesh *mesh, uint32_t triangle) {
     return of_vertex ? of_vertex[mesh->indices[3 * (size_t)triangle]] : 0;

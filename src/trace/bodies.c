@@ -9,6 +9,8 @@
 /* Pieces of one mesh, spheres or quads of one run, that are told apart. Beyond, all are one body, around
  * which any number may lie. */
 #define PIECES_MOST 256
+/* Vertices of a mesh that shares none along its seams: each is looked up by position, at some 50 ns. */
+#define DOUBLES_MOST ((uint32_t)1 << 20)
 /* Bodies and instances whose surroundings are looked at, a few microseconds each. */
 #define LOOKS_MOST 1024
 /* Points on each. */
@@ -20,7 +22,7 @@ const float bodies_probes[BODIES_PROBES][3] = {{0.5773f, 0.2113f, 0.7886f},
                                                {-0.7071f, -0.4937f, 0.5062f},
                                                {0.9129f, -0.1277f, -0.3877f}};
 
-static const depth_span anything = {0, BODIES_DEEPEST};
+static const depth_span anything = {0, BODIES_ANY};
 
 /* ---- points on surfaces ---- */
 
@@ -106,7 +108,10 @@ static bool split_geometry(finder *f, uint32_t geometry) {
     if (f->closed[geometry] != CLOSED_ALONE) return true;
     pieces found;
     bool doubled = f->world->mesh_facts.items[g->first].boundary != 0;
-    if (!pieces_find(world_mesh(f->world, geometry), doubled, PIECES_MOST, &found)) return false;
+    of->vague = doubled && world_mesh(f->world, geometry)->vertex_count > DOUBLES_MOST;
+    if (of->vague) return true;
+    unsigned threads = fathom_context_threads(f->world->scene->context);
+    if (!pieces_find(threads, world_mesh(f->world, geometry), doubled, PIECES_MOST, &found)) return false;
     of->vague = !found.count;
     if (found.count) of->count = found.count;
     of->of_vertex = found.of_vertex;
@@ -143,6 +148,15 @@ static void sample_bodies(finder *f) {
         } else {
             for (uint32_t k = 0; k < of->count; ++k) set_samples(f, g, of->first + k, k, 1);
         }
+    }
+}
+
+static void find_casts(finder *f) {
+    for (size_t i = 0; i < f->out->count; ++i) f->out->all[i].casts = true;
+    for (size_t g = 0; g < f->world->geometries.count; ++g) {
+        const geometry_bodies *of = &f->out->of[g];
+        if (!(f->world->geometries.items[g].flags & FATHOM_CASTS_NO_SHADOW)) continue;
+        for (uint32_t k = 0; k < of->count; ++k) f->out->all[of->first + k].casts = false;
     }
 }
 
@@ -203,10 +217,14 @@ static int step_out(const bodies *b, const trace_crossing *c) {
     return c->entering == (face == FACING_OUT) ? -1 : 1;
 }
 
-int bodies_around(const bodies *b, const trace_crossings *list) {
-    int depth = 0;
-    for (size_t i = 0; i < list->count; ++i) depth += step_out(b, &list->items[i]);
-    return depth;
+body_counts bodies_around(const bodies *b, const trace_crossings *list) {
+    body_counts counts = {0, 0};
+    for (size_t i = 0; i < list->count; ++i) {
+        const trace_crossing *c = &list->items[i];
+        int *count = bodies_at(b, c->geometry, c->primitive)->casts ? &counts.casting : &counts.other;
+        *count += step_out(b, c);
+    }
+    return counts;
 }
 
 /* A surface whose surroundings are asked for: a body, or all that an instance places. */
@@ -221,7 +239,7 @@ static bool is_own(const finder *f, const surface *s, const trace_crossing *c) {
 }
 
 static uint8_t clamp_depth(int depth) {
-    return (uint8_t)(depth < 0 ? 0 : (depth < BODIES_DEEPEST ? depth : BODIES_DEEPEST));
+    return (uint8_t)(depth < 0 ? 0 : (depth < BODIES_ANY ? depth : BODIES_ANY));
 }
 
 /* Surfaces that all but touch the point, within 2^-10 of its body's size, may lie to either side. */
@@ -314,7 +332,7 @@ static body_box instance_box(const finder *f, uint32_t k) {
 static uint8_t closed_bodies(const finder *f, uint32_t geometry) {
     const geometry_bodies *of = &f->out->of[geometry];
     if (f->out->all[of->first].facing == FACING_NONE) return 0;
-    return of->vague ? BODIES_DEEPEST : clamp_depth((int)of->count);
+    return of->vague ? BODIES_ANY : clamp_depth((int)of->count);
 }
 
 /* How many closed bodies a group places. */
@@ -353,7 +371,7 @@ static void keep_boxes(finder *f) {
     if (!b->around) {
         f->retry->bounds(b->tracer, 0, &all.lower, &all.upper);
         box_widen(&all);
-        all.count = BODIES_DEEPEST;
+        all.count = BODIES_ANY;
     }
     for (size_t i = 0; i < f->boxes.count; ++i) box_join(&all, &f->boxes.items[i].box);
     b->box_count = 1;
@@ -457,7 +475,7 @@ bool bodies_find(const trace_tracer *tracer, bool always, bodies *out) {
     bool fine = out->of && f.closed && (out->around || !few) && closed_find(w, f.closed);
     if (fine && (always || any_closed(&f))) {
         fine = number_bodies(&f);
-        if (fine) sample_bodies(&f);
+        if (fine) sample_bodies(&f), find_casts(&f);
         fine = fine && find_facings(&f) && find_around(&f);
     }
     free(f.closed);

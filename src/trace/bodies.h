@@ -8,9 +8,8 @@
 /* Which side of a body is out, by the way its corners go round. */
 typedef enum facing { FACING_NONE, FACING_OUT, FACING_IN } facing;
 
-#define BODIES_DEEPEST 200
-
 /* At least and at most so many closed bodies lie around it. */
+#define BODIES_ANY 255
 typedef struct depth_span {
     uint8_t low, high;
 } depth_span;
@@ -18,6 +17,7 @@ typedef struct depth_span {
 /* One piece of a closed mesh; or an open mesh, a sphere, a quad: these face nowhere. */
 typedef struct trace_body {
     facing facing;
+    bool casts;        /* shadows, all of it */
     depth_span around; /* other bodies of its group, in front of its surface */
 } trace_body;
 
@@ -30,7 +30,7 @@ typedef struct geometry_bodies {
 /* A box around some closed bodies, as placed. */
 typedef struct body_box {
     vec3_f32 lower, upper;
-    uint8_t count; /* of bodies in it; BODIES_DEEPEST: any number */
+    uint8_t count; /* of bodies in it; BODIES_ANY: any number */
 } body_box;
 
 /* With more boxes than this, one holds them all: looking into each would take longer. */
@@ -64,7 +64,12 @@ static inline const trace_body *bodies_at(const bodies *b, uint32_t geometry, ui
 #define BODIES_PROBES 5
 extern const float bodies_probes[BODIES_PROBES][3];
 
-/* Closed bodies around p: of those that the list of crossings from p names, ways out less ways in. */
-int bodies_around(const bodies *b, const trace_crossings *list);
+/* How many closed bodies lie around a point: of those that cast shadows, and of others. */
+typedef struct body_counts {
+    int casting, other;
+} body_counts;
+
+/* By the list of all crossings from the point in one direction: ways out less ways in. */
+body_counts bodies_around(const bodies *b, const trace_crossings *list);
 
 #endif

@@ -13,32 +13,46 @@ struct watertight {
     const trace_tracer *tracer;
     const watertight_kernels *kernels;
     bodies bodies;
-    bool inward;  /* some bodies face in */
-    bool nested;  /* something lies inside of a body */
-    bool turned;  /* some bodies are placed by maps that turn, mirror or skew */
-    bool shadows; /* every closed mesh casts shadows */
+    bool inward; /* some bodies face in */
+    bool nested; /* something lies inside of a body */
+    bool turned; /* some bodies are placed by maps that turn, mirror or skew */
 };
 
 /* ---- how deep a point lies ---- */
 
-/* As one direction shows it; -1: out of memory. */
-static int depth_along(const watertight *w, vec3_f32 p, vec3_f32 dir, trace_crossings *room) {
-    if (!w->tracer->retry->crossings(w->tracer, 0, p, dir, room)) return -1;
-    int depth = bodies_around(&w->bodies, room);
-    return depth < 0 ? 0 : (depth < BODIES_DEEPEST ? depth : BODIES_DEEPEST);
+/* A depth: how many bodies that cast shadows in the low bits, and how many others. */
+#define DEPTH_BITS 4
+#define COUNT_MOST ((1 << DEPTH_BITS) - 1) /* more are counted as so many */
+
+static int clamp_count(int count) { return count < 0 ? 0 : (count < COUNT_MOST ? count : COUNT_MOST); }
+
+static uint8_t depth_of(body_counts counts) {
+    return (uint8_t)(clamp_count(counts.casting) | clamp_count(counts.other) << DEPTH_BITS);
+}
+
+static body_counts counts_of(uint8_t depth) { return (body_counts){depth & COUNT_MOST, depth >> DEPTH_BITS}; }
+
+static int total_of(uint8_t depth) { return counts_of(depth).casting + counts_of(depth).other; }
+
+/* As one direction shows it. False when out of memory. */
+static bool depth_along(const watertight *w, vec3_f32 p, vec3_f32 dir, uint8_t *depth) {
+    trace_crossings room = {0};
+    bool fine = w->tracer->retry->crossings(w->tracer, 0, p, dir, &room);
+    *depth = fine ? depth_of(bodies_around(&w->bodies, &room)) : 0;
+    array_free(&room);
+    return fine;
 }
 
 uint8_t watertight_depth(const watertight *w, vec3_f32 p) {
-    int depths[BODIES_PROBES], best = 0, votes = 0;
-    trace_crossings room = {0};
-    for (int k = 0; k < BODIES_PROBES; ++k) depths[k] = depth_along(w, p, load_f32(bodies_probes[k]), &room);
-    array_free(&room);
+    uint8_t depths[BODIES_PROBES], best = 0;
+    int votes = 0;
+    for (int k = 0; k < BODIES_PROBES; ++k) depth_along(w, p, load_f32(bodies_probes[k]), &depths[k]);
     for (int k = 0; k < BODIES_PROBES; ++k) {
         int same = 0;
         for (int j = 0; j < BODIES_PROBES; ++j) same += depths[j] == depths[k];
         if (same > votes) best = depths[k], votes = same;
     }
-    return (uint8_t)(best > 0 ? best : 0);
+    return best;
 }
 
 /* ---- answers that cannot be ---- */
@@ -66,9 +80,9 @@ static bool leaves(const watertight *w, const trace_block *block, unsigned lane,
 }
 
 /* How many closed bodies at most lie around the lane's hit, by their boxes. */
-static unsigned most_around(const watertight *w, const trace_block *block, unsigned lane) {
+static int most_around(const watertight *w, const trace_block *block, unsigned lane) {
     const trace_rays *r = &block->rays;
-    unsigned most = 0;
+    int most = 0;
     float t = r->t_far[lane], x = r->org_x[lane] + t * r->dir_x[lane],
           y = r->org_y[lane] + t * r->dir_y[lane], z = r->org_z[lane] + t * r->dir_z[lane];
     for (unsigned i = 0; i < w->bodies.box_count; ++i) {
@@ -82,18 +96,18 @@ static unsigned most_around(const watertight *w, const trace_block *block, unsig
 
 /* Whether a ray from inside `depth` bodies can have met what the lane says first: as many have to be around a
  * point just in front of it. */
-static bool is_possible(const watertight *w, const trace_block *block, unsigned lane, unsigned depth) {
+static bool is_possible(const watertight *w, const trace_block *block, unsigned lane, int depth) {
     const trace_hits *h = &block->hits;
     if (h->geometry[lane] == FATHOM_NONE) return depth == 0;
     const trace_body *met = body_met(w, block, lane);
-    unsigned low = 0, high = BODIES_DEEPEST;
+    int low = 0, high = BODIES_ANY;
     if (met) {
         low = met->around.low, high = met->around.high;
         if (h->instance[lane] != FATHOM_NONE && w->bodies.around) {
             low += w->bodies.around[h->instance[lane]].low;
             high += w->bodies.around[h->instance[lane]].high;
         } else if (h->instance[lane] != FATHOM_NONE) {
-            high = BODIES_DEEPEST;
+            high = BODIES_ANY;
         }
         bool out = met->facing != FACING_NONE && leaves(w, block, lane, met->facing);
         low += out, high += out;
@@ -110,7 +124,8 @@ static unsigned wrong_lanes(const watertight *w, const trace_block *block, const
     if (!w->inward && !w->nested && memcmp(depth, outside, lanes) == 0 &&
         !w->kernels->any_back(w->tracer->world, w->turned, block, lanes))
         return 0; /* from outside, what is not nested is met from the front */
-    for (unsigned i = 0; i < lanes; ++i) found |= (unsigned)!is_possible(w, block, i, depth[i]) << i;
+    for (unsigned i = 0; i < lanes; ++i)
+        found |= (unsigned)!is_possible(w, block, i, total_of(depth[i])) << i;
     return found;
 }
 
@@ -119,12 +134,16 @@ watertight_sides watertight_sides_of(const watertight *w, const trace_block *blo
     watertight_sides sides = {depth, depth};
     const trace_body *met = body_met(w, block, lane);
     if (!met || met->facing == FACING_NONE) return sides;
+    body_counts counts = counts_of(depth);
+    int *count = met->casts ? &counts.casting : &counts.other;
     if (!leaves(w, block, lane, met->facing)) {
-        sides.behind = (uint8_t)(depth < BODIES_DEEPEST ? depth + 1 : depth);
+        ++*count;
     } else {
-        sides.before = depth > 0 ? depth : 1;
-        sides.behind = (uint8_t)(sides.before - 1);
+        if (*count == 0) ++*count;
+        sides.before = depth_of(counts);
+        --*count;
     }
+    sides.behind = depth_of(counts);
     return sides;
 }
 
@@ -134,12 +153,11 @@ watertight_sides watertight_sides_of(const watertight *w, const trace_block *blo
  * where bodies cross or touch and what lies around a surface is not the same everywhere. */
 static bool is_explained(const watertight *w, const trace_block *block, unsigned lane, uint8_t depth) {
     const trace_rays *r = &block->rays;
-    trace_crossings room = {0};
     vec3_f32 org = {r->org_x[lane], r->org_y[lane], r->org_z[lane]};
     vec3_f32 dir = {r->dir_x[lane], r->dir_y[lane], r->dir_z[lane]};
-    int found = depth_along(w, org, dir, &room);
-    array_free(&room);
-    return block->hits.geometry[lane] != FATHOM_NONE && found == depth;
+    uint8_t found;
+    if (block->hits.geometry[lane] == FATHOM_NONE || !depth_along(w, org, dir, &found)) return false;
+    return total_of(found) == total_of(depth);
 }
 
 /* Rounds of looking around a ray, at 2^-20 to 2^-6 of the distance. Where the first few find nothing, the
@@ -173,9 +191,9 @@ unsigned watertight_closest(const watertight *w, trace_block *block, const uint8
 unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t depth[TRACE_WIDTH],
                         uint8_t there, unsigned lanes) {
     unsigned changed = 0;
-    if (!w->shadows) return 0;
     for (unsigned i = 0; i < lanes; ++i) {
-        if (depth[i] == there || rays->t_far[i] < 0) continue;
+        bool apart = counts_of(depth[i]).casting != counts_of(there).casting;
+        if (!apart || rays->t_far[i] < 0) continue;
         unsigned k = 0;
         while (k < ROUNDS && !w->tracer->retry->any(w->tracer, rays, i, k)) ++k;
         changed += k < ROUNDS;
@@ -193,27 +211,18 @@ static bool is_straight(const world_instance *instance) {
     return diagonal && m[0][0] > 0 && m[1][1] == m[0][0] && m[2][2] == m[0][0];
 }
 
-static bool is_nested(depth_span around) { return around.low > 0; }
-
-/* Whether anything of the geometry is closed. */
-static bool survey_geometry(watertight *w, uint32_t geometry) {
+static bool is_closed(const watertight *w, uint32_t geometry) {
     const geometry_bodies *of = &w->bodies.of[geometry];
-    bool closed = false;
     for (uint32_t k = 0; k < of->count; ++k) {
-        const trace_body *b = &w->bodies.all[of->first + k];
-        closed |= b->facing != FACING_NONE;
-        w->inward |= b->facing == FACING_IN;
-        w->nested |= is_nested(b->around);
+        if (w->bodies.all[of->first + k].facing != FACING_NONE) return true;
     }
-    if (closed) w->shadows &= !(w->tracer->world->geometries.items[geometry].flags & FATHOM_CASTS_NO_SHADOW);
-    return closed;
+    return false;
 }
 
 static bool is_turned(const watertight *w, const world_instance *instance) {
     const world_group *group = &w->tracer->world->groups.items[instance->group];
     bool closed = false;
-    for (uint32_t i = group->first; i < group->first + group->count; ++i)
-        closed |= w->bodies.all[w->bodies.of[i].first].facing != FACING_NONE;
+    for (uint32_t i = 0; i < group->count; ++i) closed |= is_closed(w, group->first + i);
     return closed && !is_straight(instance);
 }
 
@@ -221,11 +230,15 @@ static bool is_turned(const watertight *w, const world_instance *instance) {
 static bool survey(watertight *w) {
     const world *scene = w->tracer->world;
     bool any = false;
-    w->shadows = true;
-    for (uint32_t g = 0; w->bodies.all && g < scene->geometries.count; ++g) any |= survey_geometry(w, g);
+    for (size_t i = 0; i < w->bodies.count; ++i) {
+        const trace_body *b = &w->bodies.all[i];
+        any |= b->facing != FACING_NONE;
+        w->inward |= b->facing == FACING_IN;
+        w->nested |= b->around.low > 0;
+    }
     for (size_t k = 0; any && k < scene->instances.count; ++k) {
         w->turned = w->turned || is_turned(w, &scene->instances.items[k]);
-        w->nested |= w->bodies.around && is_nested(w->bodies.around[k]);
+        w->nested |= w->bodies.around && w->bodies.around[k].low > 0;
     }
     return any;
 }

@@ -1,12 +1,17 @@
 /* Closed meshes that hold water, over a tracer that can miss their vertices.
  *
- * Closed meshes divide space: each point lies inside a number of them, and a ray's first hit or escape says
- * something of that number. From outside of all, the first hit of a closed mesh enters it. From inside, there
- * is a hit, and before the ray has left the box around all closed meshes. An answer that says otherwise is
- * wrong and is asked for again, more thoroughly. Answers that are possible cost a few instructions a ray.
+ * Every connected piece of a closed mesh is a body, inside of which a point lies or not, whichever way its
+ * triangles face. Bodies that do not cross have each the same number of others around it everywhere, and so
+ * has whatever lies in no body's surface; bodies.h finds these numbers. So what a ray meets first tells how
+ * many bodies are around it just before that: as many as around its origin, or the answer is wrong and is
+ * asked for again, more thoroughly. A shadow ray whose ends lie inside different numbers of bodies that cast
+ * shadows is blocked. Answers that are possible cost a few instructions a ray.
  *
- * What this does not see: a ray that misses a mesh on entering and on leaving alike, and one from inside that
- * misses the way out and meets something else within the box. */
+ * What this does not see:
+ * - a ray that misses a body twice, once going in and once going out, without meeting anything between: one
+ *   that passes two of its vertices within rounding;
+ * - where bodies cross or touch others, or are too many to be told apart (bodies.c), a ray that misses one
+ *   and then meets something that lies inside as well as outside of it. */
 #ifndef TRACE_WATERTIGHT_H
 #define TRACE_WATERTIGHT_H
 
@@ -20,11 +25,11 @@ fathom_status watertight_create(fathom_context *context, const trace_tracer *tra
                                 watertight **out);
 void watertight_destroy(watertight *w);
 
-/* How many closed meshes the point lies inside. */
+/* How many closed bodies the point lies inside, as a code: 0 is none, and so long as all of them cast
+ * shadows, the code is their number. */
 uint8_t watertight_depth(const watertight *w, vec3_f32 p);
 
-/* The number for a point just behind the hit of the lane, whose ray came from a point inside `depth`; at
- * least 1 in front of it where the ray leaves a mesh. */
+/* The depths of points just before and behind the hit of the lane, whose ray came from `depth`. */
 typedef struct watertight_sides {
     uint8_t before, behind;
 } watertight_sides;
@@ -35,7 +40,7 @@ watertight_sides watertight_sides_of(const watertight *w, const trace_block *blo
  * changed. */
 unsigned watertight_closest(const watertight *w, trace_block *block, const uint8_t depth[TRACE_WIDTH],
                             unsigned lanes);
-/* After trace_any(), for rays that end at a point inside `there` closed meshes. */
+/* After trace_any(), for rays that end at a point of depth `there`. */
 unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t depth[TRACE_WIDTH],
                         uint8_t there, unsigned lanes);
 

@@ -7,7 +7,8 @@
 #define H 72
 
 /* A closed mesh whose front is a grid of these points and whose back is a fan to the apex. */
-static void add_cave(stage *s, const vec3_f64 *points, vec3_f64 apex, fathom_id material) {
+static void add_cave_to(stage *s, fathom_id group, const vec3_f64 *points, vec3_f64 apex,
+                        fathom_id material) {
     static float p[(W * H + 1) * 3];
     static uint32_t index[(2 * W * H + 4 * (W + H)) * 3];
     uint32_t *t = index, top = W * H;
@@ -32,7 +33,38 @@ static void add_cave(stage *s, const vec3_f64 *points, vec3_f64 apex, fathom_id 
     fathom_mesh_default(&mesh);
     mesh.positions = p, mesh.vertex_count = W * H + 1;
     mesh.indices = index, mesh.triangle_count = (uint32_t)(t - index) / 3, mesh.material = material;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
+}
+
+static void add_cave(stage *s, const vec3_f64 *points, vec3_f64 apex, fathom_id material) {
+    add_cave_to(s, FATHOM_ROOT, points, apex, material);
+}
+
+/* A closed cube around (x, y, z) that casts no shadow. */
+static void add_cube(stage *s, double x, double y, double z, double half, fathom_id material) {
+    float p[8][3];
+    const uint32_t index[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+    for (int i = 0; i < 8; ++i) {
+        p[i][0] = (float)(x + (i & 1 ? half : -half));
+        p[i][1] = (float)(y + (i & 2 ? half : -half));
+        p[i][2] = (float)(z + (i & 4 ? half : -half));
+    }
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p[0], mesh.vertex_count = 8;
+    mesh.indices = index, mesh.triangle_count = 12, mesh.material = material;
+    mesh.flags = FATHOM_CASTS_NO_SHADOW;
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &mesh, NULL));
+}
+
+/* Mirrors all of the light, or lets all of it through, as it came. */
+static fathom_id add_specular(stage *s, bool glass) {
+    fathom_material m;
+    fathom_material_default(&m);
+    for (int c = 0; c < 3; ++c) m.k_d[c] = 0, (glass ? m.k_t : m.k_r)[c] = 1;
+    m.ior = 1;
+    return stage_material(s, &m);
 }
 
 /* Where the middle of each pixel looks, at distance 1 along the axis. The camera stands at 0. */
@@ -91,10 +123,71 @@ static void no_background_from_inside(void **state) {
     stage_close(&s);
 }
 
+/* What stands outside of the cave and shines, wherever rays that leak would go. */
+static void add_outside(stage *s) {
+    const double behind[3] = {0, 0, -9}, side[3] = {2.6, 0, -2.9}, u[3] = {90, 0, 0}, v[3] = {0, 90, 0};
+    const double small_u[3] = {0, 0.3, 0}, small_v[3] = {0, 0, 0.3};
+    fathom_id light = stage_emitter(s, 1);
+    stage_sphere(s, 0, 0, -60, 45, light);
+    stage_quad(s, behind, u, v, light);
+    stage_quad(s, side, small_u, small_v, light);
+    add_cube(s, 0, 0, -6, 1, light);
+}
+
+typedef enum way { STRAIGHT, MIRRORED, THROUGH_GLASS, SKEWED, NESTED } way;
+
+/* A black cave around the camera, whose vertices the rays are aimed at on this way. */
+static void add_black_cave(stage *s, way how) {
+    static vec3_f64 points[W * H];
+    fathom_id black = stage_lambert(s, 0.5f), group = FATHOM_ROOT;
+    const double mirror[3] = {0, 0, -1}, u[3] = {3, 0, 0}, v[3] = {0, 3, 0};
+    looks(0.5, points);
+    for (int i = 0; i < W * H; ++i) points[i] = scale_f64(3 + 0.3 * sin(0.7 * i), points[i]);
+    vec3_f64 apex = {0.1, 0.2, 7};
+    if (how == MIRRORED) { /* at z = -1: rays go on as if they came from (0, 0, -2) and towards +z */
+        for (int i = 0; i < W * H; ++i) points[i].z = -2 - points[i].z;
+        for (int i = 0; i < W * H; ++i) points[i].z += i % 2 ? 0.25 : 0;
+        apex.z = -9;
+        stage_quad(s, mirror, u, v, add_specular(s, false));
+    }
+    if (how == THROUGH_GLASS) add_cube(s, 0, 0, 0, 1, add_specular(s, true));
+    if (how == SKEWED) { /* placed mirrored, skewed and squeezed, so as to be where it was */
+        assert_ok(s->context, fathom_scene_add_group(s->scene, "cave", &group));
+        for (int i = 0; i < W * H; ++i)
+            points[i] = vec_f64(-points[i].x, 2 * points[i].y, points[i].z - 0.5 * points[i].x);
+        apex = vec_f64(-apex.x, 2 * apex.y, apex.z - 0.5 * apex.x);
+        fathom_instance instance;
+        fathom_instance_default(&instance);
+        const double map[12] = {-1, 0, 0, 0, 0, 0.5, 0, 0, -0.5, 0, 1, 0};
+        instance.group = group;
+        memcpy(instance.transform, map, sizeof map);
+        assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
+    }
+    add_cave_to(s, group, points, apex, black);
+    if (how == NESTED) { /* one around it, whose vertices the same rays pass */
+        for (int i = 0; i < W * H; ++i) points[i] = scale_f64(1.5, points[i]);
+        add_cave(s, points, vec_f64(0.2, 0.3, 12), stage_emitter(s, 1));
+    }
+}
+
+static void nothing_outside_is_seen_from_inside(void **state) {
+    (void)state;
+    for (way how = STRAIGHT; how <= NESTED; ++how) {
+        stage s = stage_open(W, H);
+        const float white[3] = {1, 1, 1};
+        fathom_scene_set_background(s.scene, white);
+        s.settings.max_depth = 4;
+        add_black_cave(&s, how);
+        add_outside(&s);
+        set_camera(&s, 0.5);
+        only_raw_leaks(&s, false);
+        stage_close(&s);
+    }
+}
+
 /* A cave with a white floor, and a sun outside: the way from each point seen to the sun is through a vertex
  * of the ceiling. */
-static void no_sun_from_outside(void **state) {
-    (void)state;
+static void no_sun(bool alone) {
     static vec3_f64 points[W * H];
     stage s = stage_open(W, H);
     fathom_id white = stage_lambert(&s, 1);
@@ -112,13 +205,24 @@ static void no_sun_from_outside(void **state) {
         points[i] = madd_f64(scale_f64(3, points[i]), 5 + 0.2 * sin(0.7 * i), to_sun);
     add_cave(&s, points, vec_f64(-0.4, -0.2, -90), white);
     set_camera(&s, 0.5);
+    if (!alone) { /* a cave of black glass that casts no shadow, and one aside */
+        add_cube(&s, 0, 0, 0, 300, add_specular(&s, true));
+        add_cube(&s, 50, 0, 0, 1, white);
+    }
     only_raw_leaks(&s, false);
     stage_close(&s);
+}
+
+static void no_sun_from_outside(void **state) {
+    (void)state;
+    no_sun(true);
+    no_sun(false);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_background_from_inside),
+        cmocka_unit_test(nothing_outside_is_seen_from_inside),
         cmocka_unit_test(no_sun_from_outside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
