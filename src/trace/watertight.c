@@ -116,14 +116,32 @@ static bool is_possible(const watertight *w, const trace_block *block, unsigned 
     return depth == 0 || low == high || depth <= most_around(w, block, lane);
 }
 
+/* Whether any lane meets something that lies inside of a body. */
+static bool any_nested(const watertight *w, const trace_block *block, unsigned lanes) {
+    const trace_hits *h = &block->hits;
+    const bodies *b = &w->bodies;
+    const size_t count = w->tracer->world->geometries.count;
+    unsigned nested = 0;
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (h->geometry[i] >= count) continue; /* nothing, or a plane */
+        nested |= b->of[h->geometry[i]].nested;
+        if (b->around && h->instance[i] != FATHOM_NONE) nested |= b->around[h->instance[i]].low;
+    }
+    return nested;
+}
+
+/* From outside, what is not nested is met from the front: the lanes are found out together. */
+static bool are_possible_from_outside(const watertight *w, const trace_block *block, unsigned lanes) {
+    if (w->inward || w->kernels->any_back(w->tracer->world, w->turned, block, lanes)) return false;
+    return !w->nested || !any_nested(w, block, lanes);
+}
+
 /* The lanes, as bits, whose answer cannot be right. */
 static unsigned wrong_lanes(const watertight *w, const trace_block *block, const uint8_t *depth,
                             unsigned lanes) {
     static const uint8_t outside[TRACE_WIDTH];
     unsigned found = 0;
-    if (!w->inward && !w->nested && memcmp(depth, outside, lanes) == 0 &&
-        !w->kernels->any_back(w->tracer->world, w->turned, block, lanes))
-        return 0; /* from outside, what is not nested is met from the front */
+    if (memcmp(depth, outside, lanes) == 0 && are_possible_from_outside(w, block, lanes)) return 0;
     for (unsigned i = 0; i < lanes; ++i)
         found |= (unsigned)!is_possible(w, block, i, total_of(depth[i])) << i;
     return found;
