@@ -165,11 +165,11 @@ static bool find_facings(finder *f) {
     for (uint32_t group = 0; group < w->groups.count; ++group) {
         uint32_t first = w->groups.items[group].first, end = first + w->groups.items[group].count;
         for (uint32_t g = first; g < end; ++g) {
-            const geometry_bodies *of = &f->out->of[g];
+            geometry_bodies *of = &f->out->of[g];
             if (f->closed[g] == CLOSED_NOT || !w->geometries.items[g].count) continue;
-            for (uint32_t k = 0; k < of->count; ++k) {
-                if (f->out->all[of->first + k].facing == FACING_NONE && !find_facing(f, group, of->first + k))
-                    return false;
+            for (uint32_t k = of->first; k < of->first + of->count; ++k) {
+                if (f->out->all[k].facing == FACING_NONE && !find_facing(f, group, k)) return false;
+                of->closed |= f->out->all[k].facing != FACING_NONE;
             }
         }
     }

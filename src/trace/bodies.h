@@ -25,6 +25,7 @@ typedef struct geometry_bodies {
     uint32_t first, count; /* in `all` */
     uint32_t *of_vertex;   /* a mesh of several pieces: the one of each vertex */
     bool vague;            /* one body for what may lie in several places: anything may be around it */
+    bool closed;           /* some of them are */
     bool nested;           /* some of them lie inside of other bodies of the group */
 } geometry_bodies;
 

@@ -116,24 +116,25 @@ static bool is_possible(const watertight *w, const trace_block *block, unsigned 
     return depth == 0 || low == high || depth <= most_around(w, block, lane);
 }
 
-/* Whether any lane meets something that lies inside of a body. */
-static bool any_nested(const watertight *w, const trace_block *block, unsigned lanes) {
+/* Whether any lane meets something that lies inside of a body, or (back) something closed. */
+static bool any_in_doubt(const watertight *w, const trace_block *block, unsigned lanes, bool back) {
     const trace_hits *h = &block->hits;
     const bodies *b = &w->bodies;
     const size_t count = w->tracer->world->geometries.count;
-    unsigned nested = 0;
+    unsigned found = 0;
     for (unsigned i = 0; i < lanes; ++i) {
         if (h->geometry[i] >= count) continue; /* nothing, or a plane */
-        nested |= b->of[h->geometry[i]].nested;
-        if (b->around && h->instance[i] != FATHOM_NONE) nested |= b->around[h->instance[i]].low;
+        const geometry_bodies *of = &b->of[h->geometry[i]];
+        found |= of->nested | (of->closed & back);
+        if (b->around && h->instance[i] != FATHOM_NONE) found |= b->around[h->instance[i]].low;
     }
-    return nested;
+    return found;
 }
 
 /* From outside, what is not nested is met from the front: the lanes are found out together. */
 static bool are_possible_from_outside(const watertight *w, const trace_block *block, unsigned lanes) {
-    if (w->inward || w->kernels->any_back(w->tracer->world, w->turned, block, lanes)) return false;
-    return !w->nested || !any_nested(w, block, lanes);
+    bool back = w->inward || w->kernels->any_back(w->tracer->world, w->turned, block, lanes);
+    return !(back || w->nested) || !any_in_doubt(w, block, lanes, back);
 }
 
 /* The lanes, as bits, whose answer cannot be right. */
@@ -229,18 +230,10 @@ static bool is_straight(const world_instance *instance) {
     return diagonal && m[0][0] > 0 && m[1][1] == m[0][0] && m[2][2] == m[0][0];
 }
 
-static bool is_closed(const watertight *w, uint32_t geometry) {
-    const geometry_bodies *of = &w->bodies.of[geometry];
-    for (uint32_t k = 0; k < of->count; ++k) {
-        if (w->bodies.all[of->first + k].facing != FACING_NONE) return true;
-    }
-    return false;
-}
-
 static bool is_turned(const watertight *w, const world_instance *instance) {
     const world_group *group = &w->tracer->world->groups.items[instance->group];
     bool closed = false;
-    for (uint32_t i = 0; i < group->count; ++i) closed |= is_closed(w, group->first + i);
+    for (uint32_t i = 0; i < group->count; ++i) closed |= w->bodies.of[group->first + i].closed;
     return closed && !is_straight(instance);
 }
 
