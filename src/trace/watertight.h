@@ -8,8 +8,8 @@
  * shadows is blocked. Answers that are possible cost a few instructions a ray.
  *
  * What this does not see:
- * - a ray that misses a body twice, once going in and once going out, without meeting anything between: one
- *   that passes two of its vertices within rounding;
+ * - a ray that misses two surfaces in a row, one going in and one going out: one that passes two vertices
+ *   within rounding;
  * - where bodies cross or touch others, or are too many to be told apart (bodies.c), a ray that misses one
  *   and then meets something that lies inside as well as outside of it. */
 #ifndef TRACE_WATERTIGHT_H
