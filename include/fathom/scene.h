@@ -40,7 +40,8 @@ typedef struct fathom_material {
     float shininess; /* the exponent n, [0, 1e9]; default 32 */
     float ior;       /* inside over outside, > 0; default 1.5 */
     fathom_specular specular; /* default FATHOM_SPECULAR_NONE */
-    bool fresnel;         /* k_r *= F and k_t *= 1 - F, F the dielectric Fresnel reflectance; default false */
+    bool fresnel; /* k_r *= F and k_t *= 1 - F, F the dielectric Fresnel reflectance, 1 on total internal
+                     reflection; without it, total internal reflection mirrors k_r + k_t; default false */
     bool lit_from_behind; /* lights on the viewer's far side count by |n·l|; default false */
 } fathom_material;
 

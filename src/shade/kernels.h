@@ -33,9 +33,10 @@ typedef struct shade_kernels {
                            bool specular, light_block *out);
 
     /* Mirror: r = -v + 2(n·v)n, weight k_r. Refraction by Snell's law with eta = 1/ior on entering and ior on
-     * leaving, weight k_t; on total internal reflection k_t goes to the mirrored ray, with k_r. With
-     * `fresnel`, k_r and k_t are scaled by the unpolarised dielectric reflectance F and 1 - F. Directions
-     * that a bent shading normal would send through the surface are taken about the geometric normal. */
+     * leaving, weight k_t; on total internal reflection the mirrored ray gets k_t as well. With
+     * `fresnel`, k_r and k_t are scaled by the unpolarised dielectric reflectance F and 1 - F; on total
+     * internal reflection F is 1, so k_r alone is left. Where a shading normal would send a ray through the
+     * surface, the geometric normal replaces it. */
     void (*bend_rays)(const surface_block *s, const material_block *m, bend_block *mirrored,
                       bend_block *refracted);
 } shade_kernels;

@@ -130,6 +130,50 @@ static void total_internal_reflection(void **state) {
     stage_close(&s);
 }
 
+/* F from inside glass of this index, 1 beyond the critical angle. */
+static double reflectance_inside(double ior, double sine) {
+    double in = sqrt(1 - sine * sine), cos2 = 1 - ior * ior * sine * sine;
+    if (cos2 <= 0) return 1;
+    double out = sqrt(cos2), parallel = (in - ior * out) / (in + ior * out),
+           across = (ior * in - out) / (ior * in + out);
+    return (parallel * parallel + across * across) / 2;
+}
+
+/* From inside glass with k_r = 0.25 and k_t = 0.75, a red surface is mirrored and a green one shines through.
+ * Snell's squared cosine is known to 16 u, so the cosine c to the smaller of 16 u / c and sqrt(16 u); and
+ * 1 - F <= 2 c (ior + 1 / ior) / cos, with `cos` that of the ray inside. */
+static void fresnel_shares_do_not_jump_at_the_critical_angle(void **state) {
+    (void)state;
+    const double ior = 1.5, error = 16 * 0x1p-24;
+    stage s = stage_open(4096, 1);
+    fathom_camera camera;
+    fathom_camera_default(&camera);
+    camera.w = 4, camera.h = 4.0 / 4096;
+    assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
+    fathom_material glass, red, green;
+    fathom_material_default(&glass);
+    for (int c = 0; c < 3; ++c) glass.k_d[c] = 0, glass.k_r[c] = 0.25f, glass.k_t[c] = 0.75f;
+    glass.fresnel = true, red = green = glass;
+    for (int c = 0; c < 3; ++c) red.k_r[c] = green.k_r[c] = red.k_t[c] = green.k_t[c] = 0;
+    red.k_e[0] = green.k_e[1] = 1;
+    /* The normal points away from the camera: the camera is inside. */
+    stage_plane(&s, (double[3]){0, 0, -1}, (double[3]){0, 0, -1}, stage_material(&s, &glass));
+    stage_plane(&s, (double[3]){0, 0, 1}, (double[3]){0, 0, 1}, stage_material(&s, &red));
+    stage_plane(&s, (double[3]){0, 0, -3}, (double[3]){0, 0, 1}, stage_material(&s, &green));
+    EACH_TRACER(s) {
+        fathom_film *film = stage_render(&s);
+        for (int x = 0; x < 4096; ++x) {
+            double at = (x + 0.5) / 4096 * 4 - 2, in = 1 / sqrt(1 + at * at), sine = fabs(at) * in;
+            double f = reflectance_inside(ior, sine), cos2 = fabs(1 - ior * ior * sine * sine);
+            double off = fmin(error / sqrt(cos2), sqrt(error)) * 2 * (ior + 1 / ior) / in + error;
+            assert_near(fathom_film_channel(film, "R")[x], 0.25 * f, 0.25 * off);
+            assert_near(fathom_film_channel(film, "G")[x], 0.75 * (1 - f), 0.75 * off);
+        }
+        fathom_film_destroy(film);
+    }
+    stage_close(&s);
+}
+
 /* A light at height 2 over an occluder at height 1 whose edge is at x = 0.25: the shadow on the ground ends
  * at x = 0.5. */
 static void shadow_edge(void **state) {
@@ -331,12 +375,18 @@ static void far_side_light(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sphere_silhouette), cmocka_unit_test(lit_plane_radiance),
-        cmocka_unit_test(snell_edge),        cmocka_unit_test(total_internal_reflection),
-        cmocka_unit_test(shadow_edge),       cmocka_unit_test(mirror_geometry),
-        cmocka_unit_test(mirror_corridor),   cmocka_unit_test(highlights),
-        cmocka_unit_test(spot_falloff),      cmocka_unit_test(camera_origin_counts),
+        cmocka_unit_test(sphere_silhouette),
+        cmocka_unit_test(lit_plane_radiance),
+        cmocka_unit_test(snell_edge),
+        cmocka_unit_test(total_internal_reflection),
+        cmocka_unit_test(shadow_edge),
+        cmocka_unit_test(mirror_geometry),
+        cmocka_unit_test(mirror_corridor),
+        cmocka_unit_test(highlights),
+        cmocka_unit_test(spot_falloff),
+        cmocka_unit_test(camera_origin_counts),
         cmocka_unit_test(far_side_light),
+        cmocka_unit_test(fresnel_shares_do_not_jump_at_the_critical_angle),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

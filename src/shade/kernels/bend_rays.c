@@ -44,6 +44,20 @@ static float snell_cos2(float eta, float cos_in, float sin2) {
     return (1 - eta) * (1 + eta) + eta * cos_in * (eta * cos_in);
 }
 
+/* Without `fresnel`, total internal reflection adds k_t to what is mirrored. With it, the shares k_r F and
+ * k_t (1 - F) hold there as everywhere: F reaches 1 at the critical angle, so nothing jumps. */
+static void set_weights(const surface_block *s, const material_block *m, int i, bool total, float reflectance,
+                        bend_block *mirrored, bend_block *refracted) {
+    const bool fresnel = m->fresnel[i] != 0;
+    for (int c = 0; c < 3; ++c) {
+        float k_r = m->k_r[c][i], k_t = m->k_t[c][i];
+        float r = fresnel ? k_r * reflectance : (total ? limited(k_r + k_t) : k_r);
+        float t = fresnel ? k_t * (1 - reflectance) : k_t;
+        mirrored->weight[c][i] = limited(s->weight[c][i] * r);
+        refracted->weight[c][i] = total ? 0 : limited(s->weight[c][i] * t);
+    }
+}
+
 static void bend_lane(const surface_block *s, const material_block *m, int i, bend_block *mirrored,
                       bend_block *refracted) {
     float n[3], mirror[3], through[3], aside[3];
@@ -80,15 +94,7 @@ static void bend_lane(const surface_block *s, const material_block *m, int i, be
     } else {
         set_unit(refracted, i, through);
     }
-    float reflectance = total ? 1 : fresnel_reflectance(eta, cos_in, cos_out);
-    float r_scale = m->fresnel[i] ? reflectance : 1, t_scale = m->fresnel[i] ? 1 - reflectance : 1;
-    for (int c = 0; c < 3; ++c) {
-        float k_r = m->k_r[c][i], k_t = m->k_t[c][i];
-        /* Fresnel shares out what k_r and k_t each give whole: their sum would mirror the light twice. */
-        float all = m->fresnel[i] ? fmaxf(k_r, k_t) : limited(k_r + k_t);
-        mirrored->weight[c][i] = limited(s->weight[c][i] * (total ? all : k_r * r_scale));
-        refracted->weight[c][i] = total ? 0 : limited(s->weight[c][i] * (k_t * t_scale));
-    }
+    set_weights(s, m, i, total, total ? 1 : fresnel_reflectance(eta, cos_in, cos_out), mirrored, refracted);
 }
 
 void KERNEL(bend_rays)(const surface_block *s, const material_block *m, bend_block *mirrored,
