@@ -1,5 +1,7 @@
 #include "render/plan.h"
 
+#include "render/light_surfaces.h"
+
 #include <stdlib.h>
 
 /* Samples of a pixel, on average, of images to a usual error. */
@@ -13,7 +15,7 @@ uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s)
 }
 
 /* Directional light comes from outside of all. */
-static fathom_status plan_watertight(fathom_context *context, render_plan *plan) {
+static fathom_status plan_watertight(fathom_context *context, render_plan *plan, const bool *in_mesh) {
     bool always = plan->settings.keep & FATHOM_PART_REPAIR;
     fathom_status status = watertight_create(context, plan->tracer, always, &plan->watertight);
     if (status != FATHOM_OK || !plan->watertight) return status;
@@ -22,10 +24,22 @@ static fathom_status plan_watertight(fathom_context *context, render_plan *plan)
     if (!plan->light_depths) return fail_memory(context, plan->light_count + 1);
     plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
     for (uint32_t i = 0; i < plan->light_count; ++i) {
-        if (plan->lights[i].type != FATHOM_LIGHT_DIRECTIONAL)
+        if (in_mesh[i])
+            plan->light_depths[i] = PLAN_DEPTH_UNSURE;
+        else if (plan->lights[i].type != FATHOM_LIGHT_DIRECTIONAL)
             plan->light_depths[i] = watertight_depth(plan->watertight, plan->lights[i].position);
     }
     return FATHOM_OK;
+}
+
+static fathom_status plan_surroundings(fathom_context *context, render_plan *plan) {
+    bool *in_mesh = calloc(plan->light_count + 1, sizeof *in_mesh);
+    if (!in_mesh) return fail_memory(context, plan->light_count + 1);
+    fathom_status status = light_surfaces_find(context, plan->world, plan->camera.eye, plan->lights,
+                                               plan->light_count, in_mesh, &plan->light_surfaces);
+    if (status == FATHOM_OK) status = plan_watertight(context, plan, in_mesh);
+    free(in_mesh);
+    return status;
 }
 
 /* What sends nothing to any surface is no light. */
@@ -66,7 +80,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->max_depth = plan->parts & FATHOM_PART_BOUNCES ? settings->max_depth : 0;
     plan->grid = (uint32_t)(sqrt((double)settings->spp) + 0.5);
     plan->t_near = (float)settings->epsilon;
-    fathom_status status = plan_watertight(context, plan);
+    fathom_status status = plan_surroundings(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
     else
@@ -78,6 +92,7 @@ void plan_destroy(render_plan *plan) {
     if (!plan) return;
     watertight_destroy(plan->watertight);
     free(plan->light_depths);
+    free(plan->light_surfaces);
     free(plan->lights);
     free(plan);
 }

@@ -6,6 +6,8 @@
 #include "render/parts.h"
 #include "trace/watertight.h"
 
+#define PLAN_DEPTH_UNSURE UINT8_MAX
+
 typedef struct render_plan {
     const fathom_scene *scene;
     const world *world;
@@ -16,13 +18,16 @@ typedef struct render_plan {
     shade_camera camera;
     shade_light *lights;
     uint32_t light_count;
-    watertight *watertight;           /* NULL: no answer of the tracer needs another look */
-    uint8_t eye_depth, *light_depths; /* closed meshes around the camera and each light, where it is in use */
-    unsigned features;                /* MATERIAL_ bits of the materials in use */
-    unsigned parts;                   /* FATHOM_PART_ bits of what is not left out */
-    uint32_t max_depth;               /* 0 when nothing mirrors or refracts */
-    uint32_t grid;                    /* n of the n × n patterns */
-    float t_near;                     /* 0, or the fixed epsilon */
+    watertight *watertight; /* NULL: no answer of the tracer needs another look */
+    /* Closed meshes around the camera and around each light, where it is in use; PLAN_DEPTH_UNSURE: the light
+     * lies in a mesh, and which side its rays end on depends on where they come from. */
+    uint8_t eye_depth, *light_depths;
+    light_surface *light_surfaces; /* what lights[].surfaces point to */
+    unsigned features;             /* MATERIAL_ bits of the materials in use */
+    unsigned parts;                /* FATHOM_PART_ bits of what is not left out */
+    uint32_t max_depth;            /* 0 when nothing mirrors or refracts */
+    uint32_t grid;                 /* n of the n × n patterns */
+    float t_near;                  /* 0, or the fixed epsilon */
 } render_plan;
 
 /* Release with plan_destroy(). */

@@ -41,8 +41,22 @@ static vec3_f64 map_normal(const float m[3][4], vec3_f64 v) {
 
 static vec3_f64 absolute(vec3_f64 v) { return (vec3_f64){fabs(v.x), fabs(v.y), fabs(v.z)}; }
 
-/* How far a tracer may carry a point of the world wrong along the normal n of the object. */
-static double carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p) {
+vec3_f64 surface_to_object(const world_instance *instance, vec3_f64 p) {
+    return map_point(instance->to_object, p);
+}
+
+vec3_f64 surface_normal_to_world(const world_instance *instance, vec3_f64 n) {
+    return map_normal(instance->to_object, n);
+}
+
+double surface_stretch_along(const world_instance *instance, vec3_f64 n) {
+    const double along[3] = {fabs(n.x), fabs(n.y), fabs(n.z)};
+    double sum = 0;
+    for (int i = 0; i < 9; ++i) sum += along[i / 3] * fabs((double)instance->to_object[i / 3][i % 3]);
+    return sum;
+}
+
+double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p) {
     vec3_f64 shift = translation(instance->to_world);
     vec3_f64 from = absolute(sub_f64(p, shift)), sum = add_f64(absolute(p), absolute(shift));
     const double along[3] = {fabs(n.x), fabs(n.y), fabs(n.z)};
@@ -80,7 +94,7 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
     vec3_f64 p = map_point(m, object_p), n = map_normal(inverse, object_n);
     p = add_f64(p, map_vector(m, sub_f64(object_p, map_point(inverse, p))));
     double length = sqrt(dot_f64(n, n));
-    b->beside[i] = (b->beside[i] + carried_along(instance, object_n, p)) / length;
+    b->beside[i] = (b->beside[i] + surface_carried_along(instance, object_n, p)) / length;
     put_f64(b->p, i, p);
     put_f64(b->n, i, scale_f64(1 / length, n));
     put_f32(b->ns, i, narrow(unit_of(map_normal(inverse, lane_f32(b->ns, i)))));

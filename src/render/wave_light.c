@@ -84,7 +84,8 @@ static bool trace_shadows(wave *w, uint32_t light, trace_coherence coherence) {
         size_t left = w->shadows.count - done;
         trace_any(w->plan->tracer, w->shadows.rays + done / LANES, left < piece ? left : piece, coherence);
     }
-    if (w->plan->watertight) repair_shadows(w, w->plan->light_depths[light]);
+    if (w->plan->watertight && w->plan->light_depths[light] != PLAN_DEPTH_UNSURE)
+        repair_shadows(w, w->plan->light_depths[light]);
     w->rays.shadow += w->shadows.count;
     add_seen(w);
     return true;

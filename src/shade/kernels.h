@@ -32,6 +32,9 @@ typedef struct shade_kernels {
     void (*light_evaluate)(const shade_light *light, const surface_block *s, const material_block *m,
                            bool specular, light_block *out);
 
+    /* Sets directions and distances of shadow rays by their origins; light_evaluate() does so, too. */
+    void (*light_aim)(const shade_light *light, light_block *b);
+
     /* Mirror: r = -v + 2(n·v)n, weight k_r. Refraction by Snell's law with eta = 1/ior on entering and ior on
      * leaving, weight k_t; on total internal reflection the mirrored ray gets k_t as well. With
      * `fresnel`, k_r and k_t are scaled by the unpolarised dielectric reflectance F and 1 - F; on total

@@ -47,8 +47,8 @@ static uint32_t met(const trace_hits *hits) {
 
 /* ---- shadows ---- */
 
-/* The ray ends just short of the light: a surface that holds the light does not shade itself. Two roundings
- * enter the distance, and one the product. */
+/* The ray ends before the light, not behind it: two roundings enter the distance, and one the product. What
+ * surfaces near the light need is in the distance already (shade/kernels/light_aim.c). */
 static const float before_light = 1 - 4 * 0x1p-24f;
 
 static uint32_t shadow_rays(const light_block *from, float least, float t_near, trace_rays *restrict out) {

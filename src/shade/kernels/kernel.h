@@ -14,6 +14,7 @@ void KERNEL(material_gather)(const scene_named_material *table, const surface_bl
                              material_block *restrict out);
 void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, const material_block *m,
                             bool specular, light_block *restrict out);
+void KERNEL(light_aim)(const shade_light *light, light_block *b);
 void KERNEL(bend_rays)(const surface_block *s, const material_block *m, bend_block *restrict mirrored,
                        bend_block *restrict refracted);
 

@@ -1,22 +1,7 @@
 #include "math/power.h"
 #include "shade/kernels/kernel.h"
+#include "shade/kernels/reach.h"
 #include "shade/limit.h"
-
-/* Lights so near or so far that the squared distance leaves the range of float. In the very point, or beyond
- * float's reach, a light has no direction: it lights nothing there. */
-static void arrive_stiff(const shade_light *light, int i, light_block *out, float *inverse) {
-    double x = (double)light->position.x - (double)out->origin[0][i],
-           y = (double)light->position.y - (double)out->origin[1][i],
-           z = (double)light->position.z - (double)out->origin[2][i];
-    double distance = sqrt(x * x + y * y + z * z);
-    bool within = distance > 0x1p-126 && distance < 0x1p126;
-    double scale = within ? 1 / distance : 0;
-    out->direction[0][i] = within ? (float)(x * scale) : 0;
-    out->direction[1][i] = within ? (float)(y * scale) : 0;
-    out->direction[2][i] = within ? (float)(z * scale) : 0;
-    out->distance[i] = within ? (float)distance : 0;
-    *inverse = (float)scale;
-}
 
 /* (edge - (1 - cos)) scale, where 1 - cos of the angle between unit vectors is half their difference squared.
  */
@@ -32,36 +17,17 @@ static void fall_off(const shade_light *light, const light_block *out, float fal
 
 /* Direction, distance, its inverse, and the cone's falloff. */
 static void arrive(const shade_light *light, light_block *out, float inverse[LANES], float falloff[LANES]) {
-    float square[LANES];
-    int stiff = 0;
-    for (int i = 0; i < LANES; ++i) {
-        float x = light->position.x - out->origin[0][i], y = light->position.y - out->origin[1][i],
-              z = light->position.z - out->origin[2][i];
-        float d2 = x * x + y * y + z * z, distance = sqrtf(d2);
-        inverse[i] = 1 / distance;
-        out->direction[0][i] = x * inverse[i];
-        out->direction[1][i] = y * inverse[i];
-        out->direction[2][i] = z * inverse[i];
-        out->distance[i] = distance;
-        falloff[i] = 1;
-        square[i] = d2;
-        stiff |= !(d2 > 0x1p-100f) | !(d2 < 0x1p100f);
-    }
-    for (int i = 0; stiff && i < LANES; ++i) {
-        if (!(square[i] > 0x1p-100f && square[i] < 0x1p100f)) arrive_stiff(light, i, out, &inverse[i]);
-    }
+    lanes3 to;
+    reach_from(light, out->origin, to);
+    reach_along(to, out->direction, out->distance, inverse);
+    for (int i = 0; i < LANES; ++i) falloff[i] = 1;
     if (light->type == FATHOM_LIGHT_SPOT) fall_off(light, out, falloff);
 }
 
 static void arrive_parallel(const shade_light *light, light_block *out, float inverse[LANES],
                             float falloff[LANES]) {
-    for (int i = 0; i < LANES; ++i) {
-        out->direction[0][i] = light->to_light.x;
-        out->direction[1][i] = light->to_light.y;
-        out->direction[2][i] = light->to_light.z;
-        out->distance[i] = INFINITY;
-        inverse[i] = falloff[i] = 1;
-    }
+    KERNEL(light_aim)(light, out);
+    for (int i = 0; i < LANES; ++i) inverse[i] = falloff[i] = 1;
 }
 
 /* Where the light stands to the surface. */
@@ -154,9 +120,7 @@ void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, co
                             bool specular, light_block *restrict out) {
     float inverse[LANES], falloff[LANES], rho_s[LANES] = {0};
     light_side side;
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) out->origin[c][i] = s->p[c][i] + s->lift[c][i];
-    }
+    memcpy(out->origin, s->p, sizeof out->origin);
     if (light->type == FATHOM_LIGHT_DIRECTIONAL) {
         arrive_parallel(light, out, inverse, falloff);
     } else {
@@ -180,4 +144,5 @@ void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, co
             out->radiance[c][i] = limited(weighed * reflected);
         }
     }
+    if (light->type != FATHOM_LIGHT_DIRECTIONAL) KERNEL(light_aim)(light, out);
 }

@@ -10,5 +10,6 @@ const shade_kernels KERNEL(shade_kernels) = {
     .surfaces = KERNEL(surfaces),
     .material_gather = KERNEL(material_gather),
     .light_evaluate = KERNEL(light_evaluate),
+    .light_aim = KERNEL(light_aim),
     .bend_rays = KERNEL(bend_rays),
 };
