@@ -165,6 +165,7 @@ static void open_scene(plain *p, const char *path, uint32_t spp) {
     check(p, fathom_scene_read(p->context, path, &p->scene));
     fathom_settings_default(&p->settings);
     p->settings.width = 1280, p->settings.height = 720, p->settings.spp = spp;
+    p->settings.terminator_fix = false; /* it can take a second shadow ray */
     fathom_context_set_threads(p->context, 1);
     check(p, world_create(p->scene, &p->world));
     check(p, world_check(p->world));

@@ -80,6 +80,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->max_depth = plan->parts & FATHOM_PART_BOUNCES ? settings->max_depth : 0;
     plan->grid = (uint32_t)(sqrt((double)settings->spp) + 0.5);
     plan->t_near = (float)settings->epsilon;
+    plan->lifts = settings->terminator_fix && plan->parts & FATHOM_PART_NORMALS;
     fathom_status status = plan_surroundings(context, plan);
     if (status == FATHOM_OK)
         *out = plan;

@@ -28,6 +28,7 @@ typedef struct render_plan {
     uint32_t max_depth;            /* 0 when nothing mirrors or refracts */
     uint32_t grid;                 /* n of the n × n patterns */
     float t_near;                  /* 0, or the fixed epsilon */
+    bool lifts;                    /* shadow rays of smooth meshes begin above their facets */
 } render_plan;
 
 /* Release with plan_destroy(). */

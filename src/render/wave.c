@@ -46,10 +46,15 @@ bool wave_reserve_paths(wave *w, path_queue *queue, size_t count) {
 bool wave_reserve_shadows(wave *w, size_t count) {
     shadow_queue *queue = &w->shadows;
     void *rays = queue->rays, *paths = queue->paths;
+    const size_t before = queue->capacity;
     bool ok = grow_blocks(w, &rays, sizeof(trace_rays), &paths, &queue->capacity, 0, count);
     queue->rays = rays;
     queue->paths = paths;
-    return ok;
+    if (!ok || !w->plan->lifts || queue->capacity == before) return ok;
+    free(queue->points);
+    queue->points = malloc(queue->capacity * sizeof *queue->points);
+    w->out_of_memory = !queue->points;
+    return !w->out_of_memory;
 }
 
 bool wave_reserve_surfaces(wave *w, size_t count) {
@@ -97,6 +102,7 @@ void wave_destroy(wave *w) {
     free(w->next.paths);
     free(w->shadows.rays);
     free(w->shadows.paths);
+    free(w->shadows.points);
     free(w->surfaces);
     free(w->refracted);
     free(w->gather);

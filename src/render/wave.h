@@ -31,6 +31,7 @@ typedef struct shadow_queue {
     unsigned filled;     /* lanes of the open block; 0: none is open */
     size_t count;        /* of rays, once it is closed: all blocks but the last are full */
     size_t capacity;     /* in rays, a multiple of 16 */
+    uint32_t *points;    /* by ray: its place among the surfaces; NULL: no point is lifted off its facet */
 } shadow_queue;
 
 /* What the first hit of each slot's sample leaves for the AOVs. */
@@ -157,6 +158,9 @@ bool wave_surfaces(wave *w, bool first);
 bool wave_light(wave *w, bool first);
 /* Takes from `arriving` what may be lost: light that adds less than the settings allow. Needs w->lost. */
 void wave_spare_faint(wave *w, const surface_block *s, light_block *arriving);
+/* Looks again at the shadow rays that met something and began above a facet: the facet itself may see the
+ * light. See wave_lifted.c. */
+void wave_look_from_facets(wave *w, uint32_t light, trace_coherence coherence);
 /* Fills wave->next: mirrored rays, then refracted ones. Each kind runs alike by itself, and packets of both
  * would not. */
 bool wave_bend(wave *w);

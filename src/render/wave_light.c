@@ -4,9 +4,12 @@
 
 /* ---- the queue ---- */
 
+/* first: the place of the block among the surfaces, in points. */
 static void push_block(shadow_queue *queue, const trace_rays *rays, const light_block *from,
-                       const surface_block *s) {
+                       const surface_block *s, uint32_t first) {
     path_block *path = &queue->paths[queue->blocks];
+    for (uint32_t i = 0; queue->points && i < LANES; ++i)
+        queue->points[queue->blocks * LANES + i] = first + i;
     queue->rays[queue->blocks++] = *rays;
     memcpy(path->weight, from->radiance, sizeof path->weight);
     memcpy(path->slot, s->slot, sizeof path->slot);
@@ -14,9 +17,10 @@ static void push_block(shadow_queue *queue, const trace_rays *rays, const light_
 }
 
 static void push_lane(shadow_queue *queue, const trace_rays *rays, const light_block *from,
-                      const surface_block *s, uint32_t i) {
+                      const surface_block *s, uint32_t first, uint32_t i) {
     if (!queue->filled) queue->open = queue->blocks++;
     unsigned lane = queue->filled;
+    if (queue->points) queue->points[queue->open * LANES + lane] = first + i;
     path_block *path = &queue->paths[queue->open];
     trace_rays_move(rays, i, &queue->rays[queue->open], lane);
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = from->radiance[c][i];
@@ -27,17 +31,27 @@ static void push_lane(shadow_queue *queue, const trace_rays *rays, const light_b
 
 /* Blocks whose rays all have something to gain stay as they are: of camera rays, which have a sample each,
  * in any order; of others, whose order is that of their sums, where none waits. */
-static void push_shadows(wave *w, const light_block *from, const surface_block *s, bool first) {
+static void push_shadows(wave *w, const light_block *from, size_t block, bool first) {
     shadow_queue *queue = &w->shadows;
+    const surface_block *s = &w->surfaces[block];
+    const uint32_t points = (uint32_t)(block * LANES);
     const float least = w->plan->parts & FATHOM_PART_UNLIT ? -1 : 0;
     trace_rays rays;
     uint32_t lanes = w->plan->blocks->shadow_rays(from, least, w->plan->t_near, &rays);
     lanes &= (1u << s->count) - 1;
     if (lanes == (1u << LANES) - 1 && (first || !queue->filled)) {
-        push_block(queue, &rays, from, s);
+        push_block(queue, &rays, from, s, points);
         return;
     }
-    for (; lanes; lanes &= lanes - 1) push_lane(queue, &rays, from, s, (uint32_t)__builtin_ctz(lanes));
+    for (; lanes; lanes &= lanes - 1)
+        push_lane(queue, &rays, from, s, points, (uint32_t)__builtin_ctz(lanes));
+}
+
+static void swap_points(uint32_t *points, size_t a, size_t b) {
+    uint32_t kept[LANES];
+    memcpy(kept, points + a * LANES, sizeof kept);
+    memcpy(points + a * LANES, points + b * LANES, sizeof kept);
+    memcpy(points + b * LANES, kept, sizeof kept);
 }
 
 /* The open block becomes the last one. */
@@ -50,6 +64,7 @@ static void close_queue(shadow_queue *queue) {
         path_block path = queue->paths[last];
         queue->rays[last] = queue->rays[queue->open], queue->paths[last] = queue->paths[queue->open];
         queue->rays[queue->open] = rays, queue->paths[queue->open] = path;
+        if (queue->points) swap_points(queue->points, last, queue->open);
     }
     queue->count -= LANES - queue->filled;
 }
@@ -87,6 +102,7 @@ static bool trace_shadows(wave *w, uint32_t light, trace_coherence coherence) {
     if (w->plan->watertight && w->plan->light_depths[light] != PLAN_DEPTH_UNSURE)
         repair_shadows(w, w->plan->light_depths[light]);
     w->rays.shadow += w->shadows.count;
+    if (w->plan->lifts) wave_look_from_facets(w, light, coherence);
     add_seen(w);
     return true;
 }
@@ -106,7 +122,7 @@ static bool add_light(wave *w, uint32_t index, bool first) {
         plan->kernels->light_evaluate(light, s, &materials, (plan->parts & FATHOM_PART_HIGHLIGHTS) != 0,
                                       &arriving);
         if (w->lost[0]) wave_spare_faint(w, s, &arriving);
-        push_shadows(w, &arriving, s, first);
+        push_shadows(w, &arriving, b, first);
     }
     close_queue(&w->shadows);
     w->rays.unlit += w->surface_count - w->shadows.count - (w->rays.faint - faint);

@@ -278,6 +278,86 @@ static void shadow_terminator(void **state) {
     assert_true(black_where_lit(false) > 100); /* the test sees the defect when the fix is off */
 }
 
+/* The cube [-1,1]x[0,2]x[-1,1] whose corners have the normals of a ball. */
+static void add_round_cube(stage *s, fathom_id group, fathom_id material) {
+    static const uint32_t face[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                                        {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+    float p[8][3], n[8][3];
+    uint32_t index[36];
+    for (uint32_t k = 0; k < 8; ++k) {
+        for (uint32_t c = 0; c < 3; ++c) p[k][c] = n[k][c] = k >> c & 1 ? 1 : -1;
+        p[k][1] += 1;
+    }
+    for (uint32_t k = 0; k < 36; ++k) {
+        static const uint32_t corner[6] = {0, 1, 2, 0, 2, 3};
+        index[k] = face[k / 6][corner[k % 6]];
+    }
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p[0], mesh.normals = n[0], mesh.vertex_count = mesh.normal_count = 8;
+    mesh.indices = index, mesh.triangle_count = 12, mesh.material = material;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
+}
+
+/* A round cube, or a ball, on a floor that covers points lifted off near its foot; placed: turned about the
+ * vertical and stretched, as an instance. */
+static stage on_floor(bool ball, bool placed, fathom_light_type type) {
+    stage s = stage_open(120, 90);
+    const fathom_id material = stage_lambert(&s, 0.8f);
+    fathom_id group = FATHOM_ROOT;
+    if (placed) {
+        fathom_instance instance;
+        fathom_instance_default(&instance);
+        assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &group));
+        const double place[12] = {0.7, 0, 0.3, 0, 0, 1.3, 0, 0, -0.3, 0, 0.7, 0};
+        memcpy(instance.transform, place, sizeof place);
+        instance.group = group;
+        assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    }
+    if (ball)
+        stage_mesh_sphere(&s, group, 7, 10, material);
+    else
+        add_round_cube(&s, group, material);
+    stage_plane(&s, (double[3]){0, ball ? -0.7 : 0, 0}, (double[3]){0, 1, 0}, material);
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = type, light.direction[0] = -1, light.direction[1] = -0.35, light.direction[2] = -0.2;
+    for (int c = 0; c < 3; ++c) light.position[c] = -40 * light.direction[c], light.intensity[c] = 1600;
+    assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
+    stage_camera(&s, (double[3]){0.3, 2.2, 5}, (double[3]){0, 0.8, 0}, (double[3]){0, 1, 0}, 0.8);
+    return s;
+}
+
+/* Pixels that see the light with the fix alone, and those that lose some of it. */
+static void count_lifted(stage *s, size_t *more, size_t *less) {
+    s->settings.terminator_fix = false;
+    fathom_film *flat = stage_render(s);
+    s->settings.terminator_fix = true;
+    fathom_film *lifted = stage_render(s);
+    for (size_t i = 0; i < 120 * 90; ++i) {
+        const float a = fathom_film_channel(flat, "R")[i], b = fathom_film_channel(lifted, "R")[i];
+        *less += b < a;
+        *more += a == 0 && b > 0;
+    }
+    fathom_film_destroy(flat);
+    fathom_film_destroy(lifted);
+}
+
+static void the_terminator_fix_only_adds_light(void **state) {
+    (void)state;
+    for (int k = 0; k < 8; ++k) {
+        stage s = on_floor(k & 1, k & 2, k & 4 ? FATHOM_LIGHT_POINT : FATHOM_LIGHT_DIRECTIONAL);
+        for (int tracer = 0; tracer < 2; ++tracer) {
+            size_t more = 0, less = 0;
+            s.settings.tracer = tracer ? FATHOM_TRACER_REFERENCE : FATHOM_TRACER_EMBREE;
+            count_lifted(&s, &more, &less);
+            assert_int_equal(less, 0);
+            if (k & 1) assert_true(more > 20); /* or the fix did nothing */
+        }
+        stage_close(&s);
+    }
+}
+
 typedef struct stopper {
     int calls, stop_at;
     pthread_t caller;
@@ -356,6 +436,7 @@ int main(void) {
         cmocka_unit_test(any_scale),
         cmocka_unit_test(tracers_agree),
         cmocka_unit_test(shadow_terminator),
+        cmocka_unit_test(the_terminator_fix_only_adds_light),
         cmocka_unit_test(stopping),
         cmocka_unit_test(coverage),
         cmocka_unit_test(bad_settings),
