@@ -79,7 +79,8 @@ FATHOM_API fathom_status fathom_scene_add_light(fathom_scene *scene, const fatho
  * Each shape belongs to a group. FATHOM_ROOT is the world; any other group appears where it is instanced. */
 
 enum {
-    FATHOM_CASTS_NO_SHADOW = 1u, /* shadow rays pass through */
+    FATHOM_CASTS_NO_SHADOW = 1u, /* shadow rays pass through; with a material of k_t 1, ior 1 and all else 0
+                                    the shape is not there: no ray meets it */
 };
 
 typedef struct fathom_sphere {

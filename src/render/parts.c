@@ -1,12 +1,15 @@
 #include "render/parts.h"
 
+#include "scene/absent.h"
 #include "shade/material.h"
 
 #include <stdio.h>
 
 unsigned parts_features(const fathom_scene *scene) {
+    const bool own = absent_by_own_material(scene);
     unsigned features = 0;
     for (size_t i = 0; i < scene->objects.count; ++i) {
+        if (own && absent_object(scene, (fathom_id)i)) continue;
         fathom_id material = scene_object_material(scene, (fathom_id)i);
         features |= material_features(&scene->materials.items[material].value);
     }
@@ -166,8 +169,17 @@ static bool tell_parts(const world *w, const fathom_settings *settings, unsigned
     return fine;
 }
 
+static bool tell_absent(const world *w, left_out_list *list) {
+    size_t count = 0;
+    for (size_t i = 0; i < w->scene->objects.count; ++i) count += w->absent[i];
+    if (!count) return true;
+    char what[sizeof((fathom_left_out *)NULL)->what];
+    snprintf(what, sizeof what, "%zu shape%s", count, count == 1 ? "" : "s");
+    return left_out_tell(list, what, "all light passes straight through, and there is no shadow");
+}
+
 bool left_out_find(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *out) {
-    bool fine = tell_shapes(w, out) && tell_parts(w, settings, parts, out);
+    bool fine = tell_absent(w, out) && tell_shapes(w, out) && tell_parts(w, settings, parts, out);
     if (fine && !(parts & FATHOM_PART_UVS))
         fine = left_out_tell(out, "texture coordinates", "no material has a texture");
     if (fine && !(parts & FATHOM_PART_LIGHTS)) fine = tell_lights(w, settings, out);

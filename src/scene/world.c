@@ -1,5 +1,6 @@
 #include "scene/world.h"
 
+#include "scene/absent.h"
 #include "scene/world_build.h"
 
 #include <float.h>
@@ -83,7 +84,7 @@ static bool add_kind(world *w, const scene_graph *graph, uint32_t group, scene_k
     for (uint32_t i = graph->objects.first[group]; i < graph->objects.first[group + 1]; ++i) {
         fathom_id id = graph->objects.items[i];
         scene_object object = scene->objects.items[id];
-        if (object.kind != kind) continue;
+        if (object.kind != kind || w->absent[id]) continue;
         bool added = true;
         switch (kind) {
         case SCENE_SPHERE:
@@ -153,7 +154,10 @@ fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origi
     world *w = calloc(1, sizeof *w);
     if (w) {
         w->scene = scene;
-        status = world_place(w, &graph, origin);
+        w->absent = calloc(scene->objects.count + 1, sizeof *w->absent);
+        status = w->absent ? absent_find(scene, &graph, w->absent)
+                           : fail_memory(scene->context, scene->objects.count);
+        if (status == FATHOM_OK) status = world_place(w, &graph, origin);
     } else {
         status = fail_memory(scene->context, sizeof *w);
     }
@@ -169,6 +173,7 @@ fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origi
 
 void world_destroy(world *w) {
     if (!w) return;
+    free(w->absent);
     array_free(&w->spheres);
     array_free(&w->sphere_objects);
     array_free(&w->quads);

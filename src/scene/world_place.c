@@ -49,7 +49,7 @@ static fathom_status make_parts(placer *p, uint32_t group) {
     for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
         fathom_id id = p->graph->objects.items[i];
         scene_object object = w->scene->objects.items[id];
-        if (object.kind != SCENE_MESH) continue;
+        if (object.kind != SCENE_MESH || w->absent[id]) continue;
         vec3_f64 own = load_f64(w->scene->meshes.items[object.index].origin), shared = p->origins[group];
         if (own.x == shared.x && own.y == shared.y && own.z == shared.z) continue;
         first = w->geometries.count;
@@ -96,7 +96,7 @@ static fathom_status place_planes(placer *p, uint32_t group, const affine_f64 *t
         fathom_id id = p->graph->objects.items[i];
         scene_object object = scene->objects.items[id];
         affine_f64 to_group;
-        if (object.kind != SCENE_PLANE) continue;
+        if (object.kind != SCENE_PLANE || p->w->absent[id]) continue;
         if (!affine_invert(to_world, &to_group)) return bad_frame(p, instance);
         if (!add_plane(p, &scene->planes.items[object.index], id, to_world, &to_group, material))
             return no_memory(p);

@@ -1,6 +1,8 @@
 /* glTF materials: the mapping's laws, and each kind of material by name. */
 #include "gltf_file.h"
 
+#include "scene/absent.h"
+
 static const double pi = 3.14159265358979324;
 
 /* The scene's first material of its own; everything else is as in the file. */
@@ -190,6 +192,25 @@ static void shadows_of_clear_things(void **state) {
     }
 }
 
+/* Whatever else the material has: the shape is not there. */
+static void what_mask_cuts_away_is_not_there(void **state) {
+    fixture *f = *state;
+    static const char *const more[] = {"", "'emissiveFactor':[1,1,1]",
+                                       "'extensions':{'KHR_materials_unlit':{}}",
+                                       "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},'"
+                                       "KHR_materials_ior':{'ior':1.33}}"};
+    for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{"
+                       "'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}%s%s}]"),
+                 *more[i] ? "," : "", more[i]);
+        fathom_scene *scene = read_triangle(f, json);
+        assert_true(absent_object(scene, 0));
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Names stay, a material is made once, and one that is not named is the format's default: white rough metal.
  */
 static void names_and_default(void **state) {
@@ -221,6 +242,7 @@ int main(void) {
         TEST(emission),
         TEST(alpha),
         TEST(shadows_of_clear_things),
+        TEST(what_mask_cuts_away_is_not_there),
         TEST(names_and_default),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,7 @@
 #include "mesh_file.h"
 
 #include "random.h"
+#include "scene/absent.h"
 
 static const read_mesh_options plain = {.material = FATHOM_NONE};
 
@@ -47,6 +48,19 @@ static void ways_to_write(void **state) {
     expect_square("f 1 2 3 4\n" SQUARE, 2);
     expect_square(SQUARE "f 1/ 2/ 3/ 4/\n", 2);
     expect_square(SQUARE "f 1// 2// 3// 4//\n", 2);
+}
+
+/* What dissolves to nothing is not there, and casts no shadow. */
+static void what_is_fully_dissolved_is_not_there(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        const char *library =
+            i ? "newmtl m\nKd 1 1 1\nKs 1 1 1\nillum 2\nd 0\n" : "newmtl m\nKd 1 1 1\nd 0.25\n";
+        mesh_write("m.mtl", library, strlen(library));
+        fathom_scene *scene = read_text("mtllib m.mtl\nusemtl m\n" SQUARE "f 1 2 3 4\n");
+        assert_int_equal(absent_object(scene, 0), i);
+        fathom_scene_destroy(scene);
+    }
 }
 
 /* Negative indices count back from where they stand. */
@@ -322,12 +336,19 @@ static void any_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ways_to_write),      cmocka_unit_test(negative_indices),
-        cmocka_unit_test(uvs_and_normals),    cmocka_unit_test(same_indices),
-        cmocka_unit_test(meshes_by_material), cmocka_unit_test(material_given),
-        cmocka_unit_test(smoothing_groups),   cmocka_unit_test(polygons),
-        cmocka_unit_test(far_from_origin),    cmocka_unit_test(warnings),
-        cmocka_unit_test(missing_libraries),  cmocka_unit_test(many_smoothing_groups),
+        cmocka_unit_test(ways_to_write),
+        cmocka_unit_test(what_is_fully_dissolved_is_not_there),
+        cmocka_unit_test(negative_indices),
+        cmocka_unit_test(uvs_and_normals),
+        cmocka_unit_test(same_indices),
+        cmocka_unit_test(meshes_by_material),
+        cmocka_unit_test(material_given),
+        cmocka_unit_test(smoothing_groups),
+        cmocka_unit_test(polygons),
+        cmocka_unit_test(far_from_origin),
+        cmocka_unit_test(warnings),
+        cmocka_unit_test(missing_libraries),
+        cmocka_unit_test(many_smoothing_groups),
         cmocka_unit_test(any_threads),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);

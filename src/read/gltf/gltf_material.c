@@ -25,7 +25,7 @@
  * Lights are never met by mirrored rays, so k_s (lights) and k_r (everything else) share F0 without
  * counting it twice: what a surface reflects is k_d + max(k_s / N, k_r F) + k_t (1 - F) <= 1.
  *
- * - alphaMode MASK: with a base alpha below the cutoff nothing is there (k_t = 1, ior 1).
+ * - alphaMode MASK: with a base alpha below the cutoff nothing is there (k_t = 1, ior 1: scene/absent.h).
  * - alphaMode BLEND: the base alpha a covers. All of the above times a, and k_t gets 1 - a with ior 1,
  *   which passes straight on. With T > 0 the refraction's ior stays.
  * - KHR_materials_unlit: k_e = b, nothing else.
@@ -89,7 +89,7 @@ static void map_lit(const factors *f, fathom_material *out) {
     double ratio = f->ior > 0 ? (f->ior - 1) / (f->ior + 1) : 1, w = mirror_share(alpha);
     double n = exponent_of(alpha), scale = lobe_norm(n), diffuse[3], f0[3];
     double cover = coverage_of(f);
-    bool refracts = f->transmission > 0 && f->ior > 0 && m < 1;
+    bool refracts = cover > 0 && f->transmission > 0 && f->ior > 0 && m < 1;
     bool straight = cover < 1 && !refracts;
     out->fresnel = f->ior > 0 && m < 0.5 && !straight;
     for (int i = 0; i < 3; ++i) {
