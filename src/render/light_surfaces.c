@@ -37,18 +37,14 @@ typedef struct found {
     light_surface surface;
 } found;
 
-typedef struct box {
-    vec3_f64 lower, upper;
-} box;
-
 typedef struct finder {
     const world *w;
     const shade_light *lights;
     uint32_t count;
-    double *farthest;   /* by light: the length of the longest ray */
-    double loose;       /* more than any surface may be off a light to count, in the world */
-    box *boxes;         /* by group, in its own space */
-    probe *all, *local; /* sorted along x; of the world, and of the instance that is looked through */
+    double *farthest;     /* by light: the length of the longest ray */
+    double loose;         /* more than any surface may be off a light to count, in the world */
+    scene_bounds *bounds; /* by group, in its own space */
+    probe *all, *local;   /* sorted along x; of the world, and of the instance that is looked through */
     bool *in_mesh;
     ARRAY(found) list;
     bool out_of_memory;
@@ -65,63 +61,47 @@ typedef struct view {
 } view;
 
 static double larger(double a, double b) { return a > b ? a : b; }
-static double smaller(double a, double b) { return a < b ? a : b; }
 static vec3_f64 absolute(vec3_f64 v) { return vec_f64(fabs(v.x), fabs(v.y), fabs(v.z)); }
 static double largest(vec3_f64 v) { return larger(fabs(v.x), larger(fabs(v.y), fabs(v.z))); }
 
-/* ---- boxes ---- */
+/* ---- bounds ---- */
 
-static box box_empty(void) {
-    return (box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-}
-
-static bool box_is_empty(const box *b) { return !(b->lower.x <= b->upper.x); }
-
-static void box_add(box *b, vec3_f64 p) {
-    b->lower = vec_f64(smaller(b->lower.x, p.x), smaller(b->lower.y, p.y), smaller(b->lower.z, p.z));
-    b->upper = vec_f64(larger(b->upper.x, p.x), larger(b->upper.y, p.y), larger(b->upper.z, p.z));
-}
-
-static box mesh_box(const world *w, uint32_t mesh) {
+static scene_bounds mesh_box(const world *w, uint32_t mesh) {
     const mesh_facts *facts = &w->mesh_facts.items[mesh];
-    return (box){widen(load_f32(facts->lower)), widen(load_f32(facts->upper))};
+    return (scene_bounds){widen(load_f32(facts->lower)), widen(load_f32(facts->upper))};
 }
 
-static box sphere_box(const world_sphere *s) {
+static scene_bounds sphere_box(const world_sphere *s) {
     vec3_f64 c = world_sphere_center(s), r = {(double)s->radius, (double)s->radius, (double)s->radius};
-    return (box){sub_f64(c, r), add_f64(c, r)};
+    return (scene_bounds){sub_f64(c, r), add_f64(c, r)};
 }
 
-static box face_box(const vec3_f64 v[3]) {
-    box out = {v[0], v[0]};
-    box_add(&out, v[1]);
-    box_add(&out, v[2]);
+static scene_bounds face_box(const vec3_f64 v[3]) {
+    scene_bounds out = {v[0], v[0]};
+    bounds_add(&out, v[1]);
+    bounds_add(&out, v[2]);
     return out;
 }
 
-static void box_join(box *b, box other) {
-    if (box_is_empty(&other)) return;
-    box_add(b, other.lower);
-    box_add(b, other.upper);
-}
+static void join(scene_bounds *to, scene_bounds other) { bounds_join(to, &other); }
 
-static box group_box(const world *w, const world_group *group) {
-    box out = box_empty();
+static scene_bounds group_box(const world *w, const world_group *group) {
+    scene_bounds out = bounds_empty();
     for (uint32_t i = group->first; i < group->first + group->count; ++i) {
         const world_geometry *g = &w->geometries.items[i];
         for (uint32_t k = 0; k < g->count && g->kind != WORLD_MESH; ++k) {
-            if (g->kind == WORLD_SPHERES) box_join(&out, sphere_box(&w->spheres.items[g->first + k]));
+            if (g->kind == WORLD_SPHERES) join(&out, sphere_box(&w->spheres.items[g->first + k]));
             for (int c = 0; c < 4 && g->kind == WORLD_QUADS; ++c)
-                box_add(&out, widen(w->quads.items[g->first + k].corner[c]));
+                bounds_add(&out, widen(w->quads.items[g->first + k].corner[c]));
         }
-        if (g->kind == WORLD_MESH) box_join(&out, mesh_box(w, g->first));
+        if (g->kind == WORLD_MESH) join(&out, mesh_box(w, g->first));
     }
     return out;
 }
 
-/* |M| half of the box around the middle of it. */
-static box box_placed(const box *b, const world_instance *instance) {
-    if (box_is_empty(b)) return *b;
+/* The middle is mapped, and |M| maps half the extent. */
+static scene_bounds placed_bounds(const scene_bounds *b, const world_instance *instance) {
+    if (bounds_is_empty(b)) return *b;
     vec3_f64 middle = scale_f64(0.5, add_f64(b->lower, b->upper)), half = sub_f64(b->upper, middle);
     double at[3], reach[3];
     for (int i = 0; i < 3; ++i) {
@@ -130,7 +110,7 @@ static box box_placed(const box *b, const world_instance *instance) {
         at[i] = dot_f64(row, middle) + (double)m[3];
         reach[i] = dot_f64(absolute(row), half);
     }
-    return (box){sub_f64(load_f64(at), load_f64(reach)), add_f64(load_f64(at), load_f64(reach))};
+    return (scene_bounds){sub_f64(load_f64(at), load_f64(reach)), add_f64(load_f64(at), load_f64(reach))};
 }
 
 /* ---- one surface and one light ---- */
@@ -220,36 +200,58 @@ static size_t first_from(const view *v, double x) {
     return low;
 }
 
-static bool in_box(const view *v, const box *b, vec3_f64 at) {
+static bool in_box(const view *v, const scene_bounds *b, vec3_f64 at) {
     return at.y >= b->lower.y - v->loose && at.y <= b->upper.y + v->loose && at.z >= b->lower.z - v->loose &&
            at.z <= b->upper.z + v->loose;
 }
 
-/* The next probe from `from` on that lies in the box or close by; v->count: there is none. */
-static size_t next_in(const view *v, const box *b, size_t from) {
+/* The next probe from `from` on that lies in the scene_bounds or close by; v->count: there is none. */
+static size_t next_in(const view *v, const scene_bounds *b, size_t from) {
     for (size_t k = from; k < v->count && v->probes[k].at.x <= b->upper.x + v->loose; ++k) {
         if (in_box(v, b, v->probes[k].at)) return k;
     }
     return v->count;
 }
 
-static size_t first_in(const view *v, const box *b) {
+static size_t first_in(const view *v, const scene_bounds *b) {
     return next_in(v, b, first_from(v, b->lower.x - v->loose));
 }
 
 static void look_through_faces(const view *v, const vec3_f64 corner[3]) {
-    const box b = face_box(corner);
+    const scene_bounds b = face_box(corner);
     for (size_t k = first_in(v, &b); k < v->count; k = next_in(v, &b, k + 1))
         look_at_face(v, &v->probes[k], corner);
 }
 
+/* Float will do: `loose` is some 2^12 of its roundings. */
+typedef struct float_box {
+    vec3_f32 lower, upper;
+} float_box;
+
+static float_box probes_box(const view *v) {
+    const vec3_f64 loose = {v->loose, v->loose, v->loose};
+    scene_bounds all = bounds_empty();
+    for (size_t k = 0; k < v->count; ++k) bounds_add(&all, v->probes[k].at);
+    return (float_box){narrow(sub_f64(all.lower, loose)), narrow(add_f64(all.upper, loose))};
+}
+
+static inline bool apart(float a, float b, float c, float lower, float upper) {
+    return ((a < lower) & (b < lower) & (c < lower)) | ((a > upper) & (b > upper) & (c > upper));
+}
+
+/* Most triangles lie apart from all lights: millions are looked at, so that has to be quick. */
 static void look_through_mesh(const view *v, const world *w, uint32_t index) {
     const fathom_mesh *mesh = &w->meshes.items[index];
-    const box all = mesh_box(w, index);
+    const scene_bounds all = mesh_box(w, index);
     if (first_in(v, &all) == v->count) return;
+    const float_box near = probes_box(v);
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
         vec3_f32 c[3];
         search_corners(mesh, t, c);
+        if (apart(c[0].x, c[1].x, c[2].x, near.lower.x, near.upper.x) ||
+            apart(c[0].y, c[1].y, c[2].y, near.lower.y, near.upper.y) ||
+            apart(c[0].z, c[1].z, c[2].z, near.lower.z, near.upper.z))
+            continue;
         const vec3_f64 corner[3] = {widen(c[0]), widen(c[1]), widen(c[2])};
         look_through_faces(v, corner);
     }
@@ -263,7 +265,7 @@ static void look_through_quad(const view *v, const world_quad *quad) {
 }
 
 static void look_through_sphere(const view *v, const world_sphere *s) {
-    const box b = sphere_box(s);
+    const scene_bounds b = sphere_box(s);
     for (size_t k = first_in(v, &b); k < v->count; k = next_in(v, &b, k + 1))
         look_at_sphere(v, &v->probes[k], s);
 }
@@ -294,9 +296,9 @@ static int by_x(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Only the lights that lie in its box are carried to object space. */
+/* Only the lights that lie in its scene_bounds are carried to object space. */
 static void look_through_instance(finder *f, const world_instance *instance) {
-    const box b = box_placed(&f->boxes[instance->group], instance);
+    const scene_bounds b = placed_bounds(&f->bounds[instance->group], instance);
     const view outside = {.probes = f->all, .count = f->count, .loose = f->loose};
     view v = {.f = f, .instance = instance, .probes = f->local};
     double square = 0;
@@ -329,12 +331,12 @@ static void look_through_world(finder *f) {
  * below its panel may be lost. */
 static void measure(finder *f, vec3_f32 eye) {
     const world *w = f->w;
-    box all = {widen(eye), widen(eye)};
-    for (size_t g = 0; g < w->groups.count; ++g) f->boxes[g] = group_box(w, &w->groups.items[g]);
-    if (w->groups.count) box_join(&all, f->boxes[0]);
+    scene_bounds all = {widen(eye), widen(eye)};
+    for (size_t g = 0; g < w->groups.count; ++g) f->bounds[g] = group_box(w, &w->groups.items[g]);
+    if (w->groups.count) bounds_join(&all, &f->bounds[0]);
     for (size_t i = 0; i < w->instances.count; ++i) {
         const world_instance *instance = &w->instances.items[i];
-        box_join(&all, box_placed(&f->boxes[instance->group], instance));
+        join(&all, placed_bounds(&f->bounds[instance->group], instance));
     }
     for (uint32_t k = 0; k < f->count; ++k) {
         vec3_f64 at = f->all[k].at, most = {larger(at.x - all.lower.x, all.upper.x - at.x),
@@ -408,12 +410,12 @@ fathom_status light_surfaces_find(fathom_context *context, const world *w, vec3_
     *out = NULL;
     finder f = {.w = w, .lights = lights, .in_mesh = in_mesh};
     f.farthest = calloc(count + 1, sizeof *f.farthest);
-    f.boxes = calloc(w->groups.count + 1, sizeof *f.boxes);
+    f.bounds = calloc(w->groups.count + 1, sizeof *f.bounds);
     f.all = calloc(2 * ((size_t)count + 1), sizeof *f.all);
     f.local = f.all ? f.all + count + 1 : NULL;
-    bool fine = f.farthest && f.boxes && f.all && find(&f, eye, lights, count, out);
+    bool fine = f.farthest && f.bounds && f.all && find(&f, eye, lights, count, out);
     free(f.farthest);
-    free(f.boxes);
+    free(f.bounds);
     free(f.all);
     array_free(&f.list);
     return fine ? FATHOM_OK : fail_memory(context, count * sizeof(light_surface));

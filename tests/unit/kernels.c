@@ -59,12 +59,13 @@ typedef struct outputs {
 } outputs;
 
 static void run(const shade_kernels *k, const scene_named_material *table, const surface_block *s,
-                const fathom_light lights[3], outputs *out) {
+                const fathom_light lights[3], const light_surface near[3], outputs *out) {
     memset(out, 0, sizeof *out);
     k->material_gather(table, s, &out->materials);
     for (int i = 0; i < 3; ++i) {
         shade_light light;
         light_prepare(&lights[i], vec_f64(0, 0, 0), &light);
+        light.surfaces = near, light.surface_count = i ? 3 : 0;
         k->light_evaluate(&light, s, &out->materials, i != 1, &out->lit[i]);
     }
     k->bend_rays(s, &out->materials, &out->mirrored, &out->refracted);
@@ -82,6 +83,13 @@ static void random_lights(fathom_light lights[3]) {
     }
 }
 
+/* Two that hold the light, in an edge, and one beside it. */
+static void random_near(light_surface near[3]) {
+    for (int k = 0; k < 3; ++k) {
+        near[k] = (light_surface){unit(), k < 2 ? 0 : (float)between(-1e-4, 1e-4), 1e-4f, 1e-5f};
+    }
+}
+
 static void same_bits_from_all(void **state) {
     (void)state;
     unsigned sets = 0;
@@ -92,13 +100,15 @@ static void same_bits_from_all(void **state) {
         static surface_block s;
         static outputs plain, wide;
         fathom_light lights[3];
+        light_surface near[3];
+        random_near(near);
         random_surface(&s);
         random_materials(table);
         random_lights(lights);
         for (int i = 0; i < LANES && round % 2; ++i) s.material[i] = s.material[0];
-        run(shade_kernels_at(0), table, &s, lights, &plain);
+        run(shade_kernels_at(0), table, &s, lights, near, &plain);
         for (unsigned k = 1; k < sets; ++k) {
-            run(shade_kernels_at(k), table, &s, lights, &wide);
+            run(shade_kernels_at(k), table, &s, lights, near, &wide);
             assert_memory_equal(&plain, &wide, sizeof plain);
         }
     }
