@@ -79,7 +79,8 @@ static void as_exported(void **state) {
     expect_color(body, "k_r", m.k_r, 0, 0, 0);
     assert_true(m.shininess == 250);
     assert_false(m.fresnel);
-    assert_string_equal(mesh_warnings, "");
+    assert_non_null(strstr(mesh_warnings, "m.mtl:3: a white Ka is left out"));
+    assert_ptr_equal(strchr(mesh_warnings, '\n'), mesh_warnings + strlen(mesh_warnings) - 1);
 }
 
 static void mirrors(void **state) {
@@ -154,12 +155,70 @@ static void glass(void **state) {
     }
 }
 
+static void expect_warning(const char *text) {
+    if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
+}
+
 static void left_out(void **state) {
     (void)state;
-    material_of("Kd 1 1 1\nmap_Kd a.png\nbump b.png\nPr 0.5\nKs spectral x.rfl\n");
-    assert_non_null(strstr(
-        mesh_warnings, "m.mtl:3: textures and other statements that are not rendered are left out (4 such"));
-    assert_ptr_equal(strchr(mesh_warnings, '\n'), mesh_warnings + strlen(mesh_warnings) - 1);
+    material_of("Kd 1 1 1\nPr 0.5\nKs spectral x.rfl\nPm 1\nTf 0.5 1 1\nd -halo 1\nillum 10\n");
+    expect_warning("m.mtl:3: statements that are not read are left out (2 such, the first here: \"Pr\")");
+    expect_warning("m.mtl:4: colours as spectra or in xyz are not read (1 such");
+    expect_warning("m.mtl:6: Tf is left out where illum is not glass");
+    expect_warning("m.mtl:7: d -halo is read as d");
+    expect_warning("m.mtl:8: illum 10 is read as 2");
+    material_of("Ks 1 1 1\nillum 2\n");
+    expect_warning("m.mtl:2: there is no highlight where Ns is missing or less than 1");
+}
+
+/* The factor of a texture that is not read is mostly 1: it would make a mirror, a lamp or a white wall. */
+static void factors_of_textures_lie(void **state) {
+    (void)state;
+    const char *body = "Kd 1 0.5 0\nmap_Kd a b.png\nKs 1 1 1\nmap_Ks c\nKe 1 1 1\nmap_Ke d\nKa 0.1 0.1 0.1\n"
+                       "map_Ka e\nNs 9\nmap_Ns f\nd 1\nmap_d g\nbump h\nillum 3\n";
+    fathom_material m = material_of(body);
+    expect_color(body, "k_d", m.k_d, 0.5, 0.25, 0);
+    expect_color(body, "k_s", m.k_s, 0, 0, 0);
+    expect_color(body, "k_r", m.k_r, 0, 0, 0);
+    expect_color(body, "k_e", m.k_e, 0, 0, 0);
+    expect_color(body, "k_t", m.k_t, 0, 0, 0);
+    assert_true(m.k_a[0] < 0);
+    const char *expected[] = {":3: map_Kd",  ":5: map_Ks", ":7: map_Ke",   ":9: map_Ka",
+                              ":11: map_Ns", ":13: map_d", ":14: map_bump"};
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) expect_warning(expected[i]);
+    /* Wherever the factor stands. */
+    m = material_of("map_Ke d\nKe 1 1 1\n");
+    expect_color("map_Ke first", "k_e", m.k_e, 0, 0, 0);
+}
+
+static void numbers_out_of_range_become_the_nearest(void **state) {
+    (void)state;
+    fathom_material m = material_of("Kd -1 0.5 2\nKs 1 1 1\nNs nan\nd 1.5\nillum 11\nNi -3\n");
+    expect_color("Kd", "k_d", m.k_d, 0, 0.5, 2);
+    expect_color("d", "k_t", m.k_t, 0, 0, 0);
+    assert_int_equal(m.specular, FATHOM_SPECULAR_NONE);
+    expect_warning("m.mtl:2: Kd: expected a number in [0, 1e+09]; the nearest is taken (1 such, the first "
+                   "here: \"-1\")");
+    expect_warning("m.mtl:4: Ns: expected a number in [0, 1e+09]; none is taken");
+    expect_warning("m.mtl:5: d: ");
+    expect_warning("m.mtl:6: illum: ");
+    expect_warning("m.mtl:7: Ni: ");
+    material_of("illum 2.5\n");
+    expect_warning("m.mtl:2: illum: expected a whole number");
+}
+
+static void materials_without_a_name_have_the_empty_one(void **state) {
+    (void)state;
+    const char *text = "Kd 0 0 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n";
+    mtl_library library = {0};
+    mesh_warnings[0] = '\0';
+    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+    assert_int_equal(library.materials.count, 2);
+    assert_string_equal(library.materials.items[0].name, "");
+    assert_true(library.materials.items[0].value.k_d[0] == 1);
+    expect_warning("m.mtl:1: expected newmtl first");
+    expect_warning("m.mtl:2: newmtl: expected a name");
+    mtl_free(&library);
 }
 
 /* Names are whole lines; a later material of a name takes the place of the earlier. */
@@ -178,11 +237,18 @@ static void names(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(defaults), cmocka_unit_test(diffuse_and_highlights),
-        cmocka_unit_test(ambient),  cmocka_unit_test(as_exported),
-        cmocka_unit_test(mirrors),  cmocka_unit_test(dissolve),
-        cmocka_unit_test(glass),    cmocka_unit_test(left_out),
+        cmocka_unit_test(defaults),
+        cmocka_unit_test(diffuse_and_highlights),
+        cmocka_unit_test(ambient),
+        cmocka_unit_test(as_exported),
+        cmocka_unit_test(mirrors),
+        cmocka_unit_test(dissolve),
+        cmocka_unit_test(glass),
+        cmocka_unit_test(left_out),
         cmocka_unit_test(names),
+        cmocka_unit_test(factors_of_textures_lie),
+        cmocka_unit_test(numbers_out_of_range_become_the_nearest),
+        cmocka_unit_test(materials_without_a_name_have_the_empty_one),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
 }

@@ -63,6 +63,94 @@ static void what_is_fully_dissolved_is_not_there(void **state) {
     }
 }
 
+/* The text with its line feeds replaced, behind a byte order mark or not. */
+static size_t write_text(const char *text, const char *line_end, bool mark, char *out) {
+    char *p = out;
+    if (mark) p += sprintf(p, "\xEF\xBB\xBF");
+    for (; *text; ++text) {
+        if (*text == '\n')
+            p += sprintf(p, "%s", line_end);
+        else
+            *p++ = *text;
+    }
+    return (size_t)(p - out);
+}
+
+static const char *const line_ends[] = {"\n", "\r\n", "\r"};
+
+static void byte_order_mark_and_line_ends_change_nothing(void **state) {
+    (void)state;
+    const char *mtl = "newmtl b\nKd 0 1 0\nnewmtl a\nKd 1 0 0\n";
+    const char *obj =
+        "v 9 9 9\nmtllib a.mtl\n# a \\\nv 0 0 0\nv 1 0 \\\n 0\nv 0 1 0\nusemtl a\nf 2 3 4\nf 4 3 1\n";
+    fathom_scene *scenes[6];
+    char text[512];
+    for (int i = 0; i < 6; ++i) {
+        mesh_write("a.mtl", text, write_text(mtl, line_ends[i / 2], i % 2, text));
+        const char *path = mesh_write("a.obj", text, write_text(obj, line_ends[i / 2], i % 2, text));
+        fathom_status status;
+        scenes[i] = mesh_try(read_obj, path, plain, &status);
+        assert_ok(context, status);
+        assert_string_equal(mesh_warnings, "");
+        assert_int_equal(mesh_at(scenes[i], 0)->vertex_count, 4);
+        mesh_expect_point(mesh_at(scenes[i], 0), 0, 9, 9, 9);
+        mesh_expect_equal(mesh_at(scenes[i], 0), mesh_at(scenes[0], 0));
+        assert_true(scenes[i]->materials.items[1].value.k_d[0] == 1);
+    }
+    for (int i = 0; i < 6; ++i) fathom_scene_destroy(scenes[i]);
+}
+
+/* A fault in such a file stands in the line that an editor shows. */
+static void lines_are_counted_however_they_end(void **state) {
+    (void)state;
+    char text[128];
+    for (int i = 0; i < 6; ++i) {
+        fathom_status status;
+        size_t size = write_text("v 0 0 0\n\nv 1 0 x\n", line_ends[i / 2], i % 2, text);
+        assert_null(mesh_try(read_obj, mesh_write("a.obj", text, size), plain, &status));
+        assert_non_null(strstr(fathom_context_message(context), "a.obj:3: v: number 3 of 3"));
+    }
+}
+
+static void expect_warning(const char *text) {
+    if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
+}
+
+/* Exporters name texture coordinates and normals that they do not write. */
+static void faces_lose_the_parts_that_the_file_has_no_data_for(void **state) {
+    (void)state;
+    const char *wrong[] = {"f 1/1/1 2/2/2 3/3/3\n", "f 1//1 2//2 3//3\n", "f 1/-1 2/-1 3/-1\n",
+                           "vt 0 0\nvn 0 0 1\nf 1/1/1 2/2/2 3/1/1\n", "vt 0 0\nf 1/1/-1 2/1/-1 3/1/-9\n"};
+    const bool has_uv[] = {false, false, false, false, true};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        char text[256];
+        snprintf(text, sizeof text, SQUARE "%s", wrong[i]);
+        fathom_scene *scene = read_text(text);
+        const uint32_t expected[3] = {0, 1, 2};
+        mesh_expect_indices(mesh_at(scene, 0)->indices, expected, 3);
+        assert_null(mesh_at(scene, 0)->normals);
+        assert_int_equal(mesh_at(scene, 0)->uvs != NULL, has_uv[i]);
+        expect_warning(strchr(wrong[i], 'v') || i == 0 ? "vn: a face names normals that the file"
+                                                       : "the file does not");
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void what_follows_a_vertex_is_told(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0 1\nv 1 1 0 1.0\nv 0 1 0 0.5\nf 1 2 3\n");
+    expect_warning(":1: vertex colours are not used (2 such");
+    expect_warning(":4: what follows x y z of a vertex is not read (1 such");
+    fathom_scene_destroy(scene);
+}
+
+static void a_library_without_a_name_is_told(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text("mtllib\nmtllib \n" SQUARE "usemtl\nf 1 2 3\n");
+    expect_warning(":1: mtllib: expected the name of a file");
+    fathom_scene_destroy(scene);
+}
+
 /* Negative indices count back from where they stand. */
 static void negative_indices(void **state) {
     (void)state;
@@ -250,7 +338,8 @@ static void warnings(void **state) {
 static void missing_libraries(void **state) {
     (void)state;
     fathom_scene *scene = read_text("mtllib a b\nmtllib c\nmtllib b\nmtllib c\n" SQUARE "f 1 2 3\n");
-    const char *text = ":1: mtllib: there is no file \"a\" (5 such names); materials";
+    const char *text =
+        ":1: mtllib: there is no file \"a\"; materials named from it get the default (5 such)\n";
     if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
     assert_ptr_equal(strchr(mesh_warnings, '\n') + 1, mesh_warnings + strlen(mesh_warnings));
     fathom_scene_destroy(scene);
@@ -348,6 +437,11 @@ int main(void) {
         cmocka_unit_test(far_from_origin),
         cmocka_unit_test(warnings),
         cmocka_unit_test(missing_libraries),
+        cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
+        cmocka_unit_test(lines_are_counted_however_they_end),
+        cmocka_unit_test(faces_lose_the_parts_that_the_file_has_no_data_for),
+        cmocka_unit_test(what_follows_a_vertex_is_told),
+        cmocka_unit_test(a_library_without_a_name_is_told),
         cmocka_unit_test(many_smoothing_groups),
         cmocka_unit_test(any_threads),
     };

@@ -43,13 +43,10 @@ static void faces(void **state) {
                  "a.obj:2: f: corner 3: v: index -2 goes back beyond the first; there are 1");
     expect_error(TRIANGLE "f 0 1 2\n", "corner 1: v: 0 is no index");
     expect_error(TRIANGLE "f 1 2 99999999999999999999999\n", "corner 3: v: index");
-    expect_error(TRIANGLE "vt 0 0\nf 1/1 2/2 3/1\n",
-                 "a.obj:5: f: corner 2: vt: index 2 is out of range; the file has 1");
-    expect_error(TRIANGLE "f 1//1 2//1 3//1\n", "corner 1: vn: index 1 is out of range; the file has 0");
     expect_error(TRIANGLE "f 1 2 x\n", "corner 3: v: expected an index, found \"x\"");
     expect_error(TRIANGLE "f 1 2 3.5\n", "corner 3: expected v, v/vt, v//vn or v/vt/vn, found \"3.5\"");
     expect_error(TRIANGLE "vt 0 0\nf 1/1 2/1 3\n", "corner 3: it has other parts");
-    expect_error(TRIANGLE "vt 0 0\nf 1/1/1/1 2 3\n", "corner 1: vn: index 1 is out of range");
+    expect_error(TRIANGLE "vt 0 0\nf 1/1/1/1 2 3\n", "corner 1: expected v, v/vt, v//vn or v/vt/vn");
     expect_error(TRIANGLE "s red\nf 1 2 3\n", "a.obj:4: s: expected a number, on or off, found \"red\"");
 }
 
@@ -91,15 +88,8 @@ static void expect_mtl_error(const char *mtl, const char *message) {
 
 static void materials(void **state) {
     (void)state;
-    expect_mtl_error("Kd 1 0 0\n", "m.mtl:1: Kd: expected newmtl before it");
-    expect_mtl_error("newmtl\n", "m.mtl:1: newmtl: expected a name");
     expect_mtl_error("newmtl a\nKd 1 x 0\n", "m.mtl:2: Kd: expected three numbers, found \"x\"");
     expect_mtl_error("newmtl a\nKd 1 0\n", "m.mtl:2: Kd: expected three numbers, found the end of the line");
-    expect_mtl_error("newmtl a\nKs -1 0 0\n", "m.mtl:2: Ks: expected a number in [0, 1e+09], found \"-1\"");
-    expect_mtl_error("newmtl a\n\nNs nan\n", "m.mtl:3: Ns: expected a number in");
-    expect_mtl_error("newmtl a\nd 1.5\n", "m.mtl:2: d: expected a number in [0, 1], found \"1.5\"");
-    expect_mtl_error("newmtl a\nillum 11\n", "m.mtl:2: illum: expected a number in [0, 10]");
-    expect_mtl_error("newmtl a\nillum 2.5\n", "m.mtl:2: illum: expected a whole number");
     expect_mtl_error("newmtl a\nNi\n", "m.mtl:2: Ni: expected a number, found the end of the line");
 }
 

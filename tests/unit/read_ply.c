@@ -267,7 +267,87 @@ static void loose_text(void **state) {
     fathom_scene *scene = mesh_try(read_ply, mesh_write("a.ply", text, strlen(text)), plain, &status);
     assert_ok(context, status);
     ply_expect_square(scene);
-    assert_non_null(strstr(mesh_warnings, "1 rows after the 6 that the header promises"));
+    assert_non_null(strstr(mesh_warnings, "rows after the 6 that the header promises are left out (1 such)"));
+    fathom_scene_destroy(scene);
+}
+
+/* The header's lines may end in any way, behind a byte order mark or not; so may rows of text. */
+static void byte_order_mark_and_line_ends_change_nothing(void **state) {
+    (void)state;
+    static const char *const ends[] = {"\n", "\r\n", "\r"};
+    for (int i = 0; i < 6 * FLAVOURS; ++i) {
+        const char *line_end = ends[i / 2 % 3];
+        ply_maker plain_file, m = {.flavour = (ply_flavour)(i / 6)};
+        ply_header(&plain_file, m.flavour, XYZ FACES(1), 0);
+        size_t header = plain_file.size;
+        ply_square(&plain_file);
+        ROW(&plain_file, "biiii", 4, 0, 1, 2, 3);
+        if (i % 2) ply_text(&m, "\xEF\xBB\xBF");
+        for (size_t k = 0; k < plain_file.size; ++k) {
+            bool text = k < header || m.flavour == ASCII;
+            if (text && plain_file.bytes[k] == '\n')
+                ply_text(&m, line_end);
+            else
+                ply_bytes(&m, &plain_file.bytes[k], 1);
+        }
+        fathom_scene *scene = ply_read(&m);
+        ply_expect_square(scene);
+        assert_string_equal(mesh_warnings, "");
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void expect_warning(const char *text) {
+    if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
+}
+
+static void what_is_not_used_is_told(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   "comment TextureFile a.png\nelement camera 1\nproperty float view\n" XYZ
+                   "property uchar red\nproperty uchar green\nproperty float quality\n" FACES(
+                       1) "property uchar blue\n",
+                   0);
+        ROW(&m, "f", 0);
+        const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        for (int i = 0; i < 4; ++i) ROW(&m, "fffbbf", corners[i][0], corners[i][1], 0, 1, 2, 3);
+        ROW(&m, "biiiib", 4, 0, 1, 2, 3, 9);
+        fathom_scene *scene = ply_read(&m);
+        ply_expect_square(scene);
+        expect_warning(":3: textures are not read; the surface has the default grey (1 such");
+        expect_warning(":4: element camera is not read (1 such)");
+        expect_warning(":6: vertex colours are not used (4 such)");
+        expect_warning(":6: element vertex: the property quality is not used (4 such)");
+        expect_warning("face colours are not used (1 such)");
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Behind the last row, and behind the last number of a row of text. */
+static void what_the_header_does_not_promise_is_told(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour, XYZ FACES(1), 0);
+        ply_square(&m);
+        ROW(&m, "biiii", 4, 0, 1, 2, 3);
+        ply_text(&m, "1 2\n3 4\n");
+        fathom_scene *scene = ply_read(&m);
+        ply_expect_square(scene);
+        expect_warning(flavour == ASCII
+                           ? "rows after the 5 that the header promises are left out (2 such)"
+                           : "bytes after the rows that the header promises are left out (8 such)");
+        fathom_scene_destroy(scene);
+    }
+    ply_maker m = {.flavour = ASCII};
+    ply_text(
+        &m, "ply\nformat ascii 1.0\n" XYZ FACES(1) "end_header\n0 0 0\n1 0 0 7\n1 1 0\n0 1 0\n4 0 1 2 3 4\n");
+    fathom_scene *scene = ply_read(&m);
+    ply_expect_square(scene);
+    expect_warning(
+        ":11: numbers beyond the properties of the header are left out (2 such, the first here: \"7\")");
     fathom_scene_destroy(scene);
 }
 
@@ -345,6 +425,9 @@ int main(void) {
         cmocka_unit_test(far_from_origin),
         cmocka_unit_test(options),
         cmocka_unit_test(loose_text),
+        cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
+        cmocka_unit_test(what_is_not_used_is_told),
+        cmocka_unit_test(what_the_header_does_not_promise_is_told),
         cmocka_unit_test(any_threads),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);

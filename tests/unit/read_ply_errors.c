@@ -109,8 +109,8 @@ static void wrong_text(void **state) {
                       "a.ply:11: y: expected a number, found \"x\"");
     expect_text_error(TEXT("0 0 0\n0 0\n0 0 0\n0 0 0\n3 0 1 2\n"),
                       "a.ply:11: z: expected a number, found the end of the line");
-    expect_text_error(TEXT("0 0 0\n0 0 0 7\n0 0 0\n0 0 0\n3 0 1 2\n"),
-                      "a.ply:11: vertex: expected the end of the row, found \"7\"");
+    expect_text_error(TEXT("0 0 0\n0 0 0 7 a\n0 0 0\n0 0 0\n3 0 1 2\n"),
+                      "a.ply:11: vertex: expected the end of the row, found \"a\"");
     expect_text_error(TEXT("0 0 0\n0 0 0\n0 nan 0\n0 0 0\n3 0 1 2\n"),
                       "a.ply:12: vertex 2: y is nan; expected a finite number");
     expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 1e40\n0 0 0\n3 0 1 2\n"),

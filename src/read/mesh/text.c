@@ -34,9 +34,50 @@ bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end) {
 
 fathom_status text_check_hole(const text_file *file, const file_map *map) {
     if (map->hole >= map->size) return FATHOM_OK;
-    const text_fault fault = {file->begin + map->hole, ZERO_BYTE};
+    const text_fault fault = {(const char *)map->bytes + map->hole, ZERO_BYTE};
     return text_fail(file, &fault);
 }
+
+const char *text_after_mark(const char *begin, const char *end) {
+    return end - begin >= 3 && memcmp(begin, "\xEF\xBB\xBF", 3) == 0 ? begin + 3 : begin;
+}
+
+bool text_ends_lines_in_cr(const char *begin, const char *end) {
+    const char *newline = memchr(begin, '\n', (size_t)(end - begin));
+    const char *cr = memchr(begin, '\r', (size_t)((newline ? newline : end) - begin));
+    return cr && cr + 1 != newline;
+}
+
+fathom_status text_copy(text_file *file) {
+    size_t size = (size_t)(file->end - file->begin);
+    file->copy = malloc(size + FILE_PADDING);
+    if (!file->copy) return fail_memory(file->context, size + FILE_PADDING);
+    memcpy(file->copy, file->begin, size);
+    memset(file->copy + size, 0, FILE_PADDING);
+    file->begin = file->copy;
+    file->end = file->copy + size;
+    return FATHOM_OK;
+}
+
+void text_mend_line_ends(char *begin, const char *end) {
+    for (char *p = begin; (p = memchr(p, '\r', (size_t)(end - p))) != NULL; ++p) {
+        if (p[1] != '\n') *p = '\n';
+    }
+}
+
+fathom_status text_open(fathom_context *context, const char *path, const file_map *map, text_file *out) {
+    const char *text = (const char *)map->bytes, *end = text + map->size;
+    *out = (text_file){.context = context, .path = path, .begin = text, .end = end};
+    fathom_status status = text_check_hole(out, map);
+    if (status != FATHOM_OK) return status;
+    out->begin = text_after_mark(text, end);
+    if (!text_ends_lines_in_cr(out->begin, end)) return FATHOM_OK;
+    status = text_copy(out);
+    if (status == FATHOM_OK) text_mend_line_ends(out->copy, out->end);
+    return status;
+}
+
+void text_close(text_file *file) { free(file->copy); }
 
 const char *text_quote(const char *at, char out[48]) {
     if (text_is_end(*at)) return "the end of the line";

@@ -12,7 +12,22 @@ typedef struct text_file {
     fathom_context *context;
     const char *path;
     const char *begin, *end;
+    char *copy; /* where the text lies when it is not the file's own bytes; else NULL */
 } text_file;
+
+/* The text of a mapped file, without a byte order mark. Where its first line ends in a carriage return alone,
+ * as on old Macs, it is a copy in which all such ends are line feeds. FATHOM_BAD_INPUT when the file has a
+ * hole, zeros that the disk does not store: told at once, though it be terabytes. */
+fathom_status text_open(fathom_context *context, const char *path, const file_map *map, text_file *out);
+void text_close(text_file *file);
+
+/* The parts of text_open(), for files that are text only in part. text_copy() leaves the line ends to the
+ * caller; zeros follow the copy as they do the file. */
+const char *text_after_mark(const char *begin, const char *end);
+bool text_ends_lines_in_cr(const char *begin, const char *end);
+fathom_status text_copy(text_file *file);
+/* Turns the carriage returns that no line feed follows into line feeds. */
+void text_mend_line_ends(char *begin, const char *end);
 
 /* What is wrong, found on any thread, told later on the calling one. at == NULL: nothing. */
 typedef struct text_fault {
@@ -27,8 +42,7 @@ bool text_wrong(text_fault *fault, const char *at, const char *format, ...)
 fathom_status text_fail(const text_file *file, const text_fault *fault);
 /* Text has no zero bytes: keeps a fault at the first one, if there is one, and returns false. */
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end);
-/* FATHOM_BAD_INPUT when the file has a hole, zeros that the disk does not store: told at once, though it be
- * terabytes. */
+/* FATHOM_BAD_INPUT when the file has a hole. */
 fathom_status text_check_hole(const text_file *file, const file_map *map);
 /* From 1. */
 size_t text_line(const text_file *file, const char *at);

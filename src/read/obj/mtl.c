@@ -25,11 +25,15 @@
  * if d < 1, times Tf if there is one; else Tf; else, as in the format's own formula, 1 - Ks. Its diffuse part
  * fades as it clears: times d if d < 1, else by 1 - the largest of k_t; highlights stay. Without Fresnel's
  * law k_r is cut to 1 - k_t where the file has both: a surface gives back no more than it gets. Fresnel's law
- * needs ior != 1: where Ni is 1 it would reflect nothing, and the mirror is a plain one. */
+ * needs ior != 1: where Ni is 1 it would reflect nothing, and the mirror is a plain one.
+ *
+ * Textures are not read. Each is taken as one even colour, the least wrong one: map_Kd as grey 0.5, since its
+ * factor is mostly white; map_Ks and map_Ke as black, since a highlight, a mirror or a glow all over hides
+ * the model; map_d as opaque. */
 #include "read/obj/mtl.h"
 
+#include "read/mesh/notes.h"
 #include "read/mesh/number.h"
-#include "read/mesh/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -37,10 +41,13 @@
 /* What a file says of a material, as it says it. */
 typedef struct mtl_entry {
     double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum;
-    unsigned given; /* bits of the kinds below */
+    unsigned given;  /* bits of the kinds below */
+    unsigned mapped; /* the same: a texture goes with it */
+    const char *at[10];
 } mtl_entry;
 
 enum { MTL_KA, MTL_KD, MTL_KS, MTL_KE, MTL_TF, MTL_NS, MTL_NI, MTL_D, MTL_TR, MTL_ILLUM, MTL_KINDS };
+_Static_assert(sizeof(((mtl_entry *)0)->at) == MTL_KINDS * sizeof(char *), "a place for each kind");
 
 static bool given(const mtl_entry *m, int kind) { return m->given >> kind & 1; }
 
@@ -65,11 +72,19 @@ static double make_glass(const mtl_entry *m, bool fresnel, fathom_material *out)
     return dissolves ? m->d : fmax(0, 1 - largest(out->k_t));
 }
 
+static bool is_white(const double rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
+static bool is_black(const double rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
+
+/* none: as the file format's documents have it. */
+static int illum_of(const mtl_entry *m) {
+    return given(m, MTL_ILLUM) ? (int)m->illum : is_black(m->ks) ? 1 : 2;
+}
+static bool is_glass(int illum) { return illum == 4 || illum == 6 || illum == 7 || illum == 9; }
+
 static void make_surface(const mtl_entry *m, int illum, fathom_material *out) {
     const double black[3] = {0, 0, 0};
-    bool white = m->ka[0] == 1 && m->ka[1] == 1 && m->ka[2] == 1;
     set(out->k_d, m->kd, 1);
-    if (given(m, MTL_KA) && !white) set(out->k_a, m->ka, 1);
+    if (given(m, MTL_KA) && !is_white(m->ka)) set(out->k_a, m->ka, 1);
     if (illum == 0) set(out->k_a, black, 1);
     set(out->k_e, m->ke, 1);
     if (illum >= 2 && m->ns >= 1) {
@@ -87,10 +102,8 @@ static void scale(float rgb[3], double factor) {
 static fathom_material material_from(const mtl_entry *m) {
     fathom_material out;
     fathom_material_default(&out);
-    bool shines = m->ks[0] > 0 || m->ks[1] > 0 || m->ks[2] > 0;
-    int illum = given(m, MTL_ILLUM) ? (int)m->illum : shines ? 2 : 1;
-    bool glass = illum == 4 || illum == 6 || illum == 7 || illum == 9;
-    bool dissolves = !glass && m->d < 1;
+    int illum = illum_of(m);
+    bool glass = is_glass(illum), dissolves = !glass && m->d < 1;
     bool straight = illum == 4 || illum == 9 || dissolves;
     make_surface(m, illum, &out);
     out.ior = straight ? 1 : m->ni > 0 ? (float)m->ni : 1.5f;
@@ -115,18 +128,48 @@ typedef struct mtl_reader {
     mtl_entry entry;
     size_t current; /* index of the material that is being read */
     bool begun;
-    size_t unused; /* statements passed over */
-    const char *first_unused;
+    note_list notes;
 } mtl_reader;
 
+static void note_at(mtl_reader *r, const char *at, const char *text) {
+    notes_add_line(&r->notes, 1, &r->file, at, "%s", text);
+}
+/* With the word there, where the text does not name it. */
+static void note_word(mtl_reader *r, const char *at, const char *text) {
+    notes_add_at(&r->notes, 1, &r->file, at, "%s", text);
+}
+
+/* What the file says of a material that its meaning here passes over. */
+static void note_unused(mtl_reader *r) {
+    const mtl_entry *m = &r->entry;
+    const int illum = illum_of(m);
+    if (given(m, MTL_KA) && is_white(m->ka) && illum != 0)
+        note_at(r, m->at[MTL_KA], "a white Ka is left out; the surface reflects ambient light by its Kd");
+    if (given(m, MTL_KS) && !is_black(m->ks) && illum >= 2 && m->ns < 1)
+        note_at(r, m->at[MTL_KS], "there is no highlight where Ns is missing or less than 1");
+    if (given(m, MTL_TF) && !is_white(m->tf) && !is_glass(illum))
+        note_at(r, m->at[MTL_TF], "Tf is left out where illum is not glass (4, 6, 7 or 9)");
+    if (illum == 10) note_at(r, m->at[MTL_ILLUM], "illum 10 is read as 2");
+}
+
+static void without_textures(mtl_entry *m) {
+    if (m->mapped >> MTL_KA & 1) m->given &= ~(1u << MTL_KA);
+    if (m->mapped >> MTL_KS & 1) memset(m->ks, 0, sizeof m->ks);
+    if (m->mapped >> MTL_KE & 1) memset(m->ke, 0, sizeof m->ke);
+    for (int k = 0; k < 3 && m->mapped >> MTL_KD & 1; ++k) m->kd[k] *= 0.5;
+}
+
 static void finish_material(mtl_reader *r) {
-    if (r->begun) r->library->materials.items[r->current].value = material_from(&r->entry);
+    if (!r->begun) return;
+    without_textures(&r->entry);
+    note_unused(r);
+    r->library->materials.items[r->current].value = material_from(&r->entry);
 }
 
 static bool begin_material(mtl_reader *r, const char *p) {
     finish_material(r);
     size_t length = text_rest(&p, r->file.end);
-    if (!length) return text_wrong(&r->fault, p, "newmtl: expected a name");
+    if (!length) note_at(r, p, "newmtl: expected a name; only usemtl without a name finds this material");
     uint32_t known = names_find(&r->library->names, p, length);
     if (known == UINT32_MAX) {
         mtl_material material = {.name = strndup(p, length)};
@@ -165,24 +208,51 @@ static const struct mtl_field {
     [MTL_ILLUM] = {"illum", offsetof(mtl_entry, illum), 1, 0, 10},
 };
 
+/* Textures by what they go with, the kind that is not kept as it is, and what is done instead. */
+static const struct mtl_map {
+    const char *keyword;
+    int kind; /* -1: nothing changes */
+    const char *text;
+} mtl_maps[] = {
+    {"map_Kd", MTL_KD, "map_Kd is not read; the texture is taken as an even grey of 0.5"},
+    {"map_Ka", MTL_KA, "map_Ka is not read; Ka is left out with it"},
+    {"map_Ks", MTL_KS, "map_Ks is not read; Ks is left out with it: no highlight, no mirror"},
+    {"map_Ke", MTL_KE, "map_Ke is not read; Ke is left out with it: nothing is emitted"},
+    {"map_d", -1, "map_d is not read; d stands alone"},
+    {"map_Ns", -1, "map_Ns is not read; Ns stands alone"},
+    {"map_bump", -1, "map_bump is not read; the surface is smooth"},
+    {"map_Bump", -1, "map_bump is not read; the surface is smooth"},
+    {"bump", -1, "map_bump is not read; the surface is smooth"},
+    {"norm", -1, "norm is not read; the surface is smooth"},
+    {"disp", -1, "disp is not read; the surface is not displaced"},
+    {"refl", -1, "refl is not read; mirrors show the scene alone"},
+};
+
+/* The value itself, or the nearest that the field may have; `before` for what is no number at all. */
+static double limited(mtl_reader *r, const struct mtl_field *field, const char *at, double value,
+                      double before) {
+    if (value >= field->lowest && value <= field->highest) return value;
+    notes_add_at(&r->notes, 1, &r->file, at, "%s: expected a number in [%g, %g]; %s is taken", field->keyword,
+                 field->lowest, field->highest, isnan(value) ? "none" : "the nearest");
+    return isnan(value) ? before : value > field->highest ? field->highest : field->lowest;
+}
+
 /* One number stands for all three of a colour. */
 static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const char *p, double *out) {
     char quote[48];
     for (int i = 0; i < field->numbers; ++i) {
         const char *at = text_skip(p);
+        double value;
         p = at;
         if (i == 1 && (text_is_end(*at) || *at == '#')) {
             out[1] = out[2] = out[0];
             return true;
         }
-        if (!number_read(&p, &out[i]) || !text_is_break(*p)) {
+        if (!number_read(&p, &value) || !text_is_break(*p)) {
             return text_wrong(&r->fault, at, "%s: expected %s, found %s", field->keyword,
                               field->numbers == 3 ? "three numbers" : "a number", text_quote(at, quote));
         }
-        if (!(out[i] >= field->lowest && out[i] <= field->highest)) {
-            return text_wrong(&r->fault, at, "%s: expected a number in [%g, %g], found %s", field->keyword,
-                              field->lowest, field->highest, text_quote(at, quote));
-        }
+        out[i] = limited(r, field, at, value, out[i]);
     }
     return true;
 }
@@ -192,28 +262,43 @@ static bool is_word(const char *p, const char *word) {
     return strncmp(p, word, length) == 0 && text_is_break(p[length]);
 }
 
-static void pass_over(mtl_reader *r, const char *at) {
-    if (!r->unused++) r->first_unused = at;
-}
-
 static bool read_field(mtl_reader *r, int kind, const char *at) {
     const struct mtl_field *field = &mtl_fields[kind];
-    if (!r->begun) return text_wrong(&r->fault, at, "%s: expected newmtl before it", field->keyword);
+    if (!r->begun) {
+        note_word(r, at, "expected newmtl first; statements before it are left out");
+        return true;
+    }
     const char *p = text_skip(at + strlen(field->keyword));
     if (is_word(p, "spectral") || is_word(p, "xyz")) {
-        pass_over(r, at);
+        note_word(r, at, "colours as spectra or in xyz are not read");
         return true;
     }
     /* The halo would fade towards the outline; the number means the same. */
-    if (kind == MTL_D && is_word(p, "-halo")) p += 5;
+    if (kind == MTL_D && is_word(p, "-halo")) {
+        note_at(r, p, "d -halo is read as d");
+        p += 5;
+    }
     double *out = (double *)(void *)((char *)&r->entry + field->offset);
     if (!read_numbers(r, field, p, out)) return false;
     if (kind == MTL_TR) *out = 1 - *out;
     if (kind == MTL_ILLUM && *out != floor(*out)) {
-        return text_wrong(&r->fault, p, "illum: expected a whole number from 0 to 10");
+        note_word(r, p, "illum: expected a whole number from 0 to 10; its fraction is left out");
+        *out = floor(*out);
     }
     r->entry.given |= 1u << kind;
+    r->entry.at[kind] = at;
     return true;
+}
+
+static bool read_map(mtl_reader *r, const char *at) {
+    for (size_t i = 0; i < sizeof mtl_maps / sizeof *mtl_maps; ++i) {
+        const struct mtl_map *map = &mtl_maps[i];
+        if (!is_word(at, map->keyword)) continue;
+        note_at(r, at, map->text);
+        if (map->kind >= 0) r->entry.mapped |= 1u << map->kind;
+        return true;
+    }
+    return false;
 }
 
 static bool read_line(mtl_reader *r, const char *at) {
@@ -222,7 +307,7 @@ static bool read_line(mtl_reader *r, const char *at) {
     for (int kind = 0; kind < MTL_KINDS; ++kind) {
         if (is_word(at, mtl_fields[kind].keyword)) return read_field(r, kind, at);
     }
-    pass_over(r, at);
+    if (!read_map(r, at)) note_word(r, at, "statements that are not read are left out");
     return true;
 }
 
@@ -249,19 +334,13 @@ fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *l
         return FATHOM_OK;
     }
     if (status != FATHOM_OK) return status;
-    const char *text = (const char *)map.bytes;
-    mtl_reader r = {.file = {context, path, text, text + map.size}, .library = library};
-    status = text_check_hole(&r.file, &map);
-    if (status == FATHOM_OK && !text_has_no_zeros(&r.fault, text, text + map.size))
+    mtl_reader r = {.library = library};
+    status = text_open(context, path, &map, &r.file);
+    if (status == FATHOM_OK && !text_has_no_zeros(&r.fault, r.file.begin, r.file.end))
         status = text_fail(&r.file, &r.fault);
     if (status == FATHOM_OK) status = read_lines(&r);
-    if (status == FATHOM_OK && r.unused) {
-        char quote[48];
-        warn(context,
-             "%s:%zu: textures and other statements that are not rendered are left out (%zu such, the first "
-             "%s)",
-             path, text_line(&r.file, r.first_unused), r.unused, text_quote(r.first_unused, quote));
-    }
+    if (status == FATHOM_OK) notes_tell(&r.notes, context, path);
+    text_close(&r.file);
     return file_finish(context, &map, status);
 }
 

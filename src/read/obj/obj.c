@@ -8,7 +8,7 @@
 
 static fathom_status cut_pieces(obj_reader *r) {
     size_t *starts = text_pieces(&r->file, OBJ_PIECE, &r->piece_count);
-    r->pieces = starts ? calloc(r->piece_count, sizeof *r->pieces) : NULL;
+    r->pieces = starts ? calloc(r->piece_count + 1, sizeof *r->pieces) : NULL;
     for (size_t i = 0; r->pieces && i < r->piece_count; ++i) {
         r->pieces[i].begin = r->file.begin + starts[i];
         r->pieces[i].end = r->file.begin + starts[i + 1];
@@ -17,29 +17,22 @@ static fathom_status cut_pieces(obj_reader *r) {
     return r->pieces ? FATHOM_OK : fail_memory(r->scene->context, r->piece_count * sizeof *r->pieces);
 }
 
-static void add_tally(obj_tally *sum, const obj_tally *of_piece) {
-    if (!sum->count) sum->first = of_piece->first;
-    sum->count += of_piece->count;
-}
-
-static void warn_tally(const obj_reader *r, const obj_tally *t, const char *what) {
-    if (!t->count) return;
-    char quote[48];
-    warn(r->scene->context, "%s:%zu: %s (%zu such, the first here: %s)", r->file.path,
-         text_line(&r->file, t->first), what, t->count, text_quote(t->first, quote));
-}
-
-/* What was passed over, once for each kind. */
-static void warn_of_rest(const obj_reader *r) {
-    obj_tally lines = {0}, small = {0}, unknown = {0};
-    for (size_t i = 0; i < r->piece_count; ++i) {
-        add_tally(&lines, &r->pieces[i].lines);
-        add_tally(&small, &r->pieces[i].small);
-        add_tally(&unknown, &r->pieces[i].unknown);
+/* Joins what the pieces counted. */
+static void note_tallies(obj_reader *r) {
+    static const char *const texts[OBJ_TALLIES] = {
+        [OBJ_T_LINES] = "lines and points are not rendered",
+        [OBJ_T_SMALL] = "faces of less than 3 corners are left out",
+        [OBJ_T_COLORS] = "vertex colours are not used",
+        [OBJ_T_BEHIND] = "what follows x y z of a vertex is not read",
+        [OBJ_T_NO_UV] = "vt: a face names texture coordinates that the file does not have; it gets none",
+        [OBJ_T_NO_NORMAL] = "vn: a face names normals that the file does not have; it gets none",
+        [OBJ_T_UNKNOWN] = "statements that are not read are left out"};
+    for (int k = 0; k < OBJ_TALLIES; ++k) {
+        for (size_t i = 0; i < r->piece_count; ++i) {
+            const obj_tally *t = &r->pieces[i].tallies[k];
+            notes_add_at(&r->notes, t->count, &r->file, t->first, "%s", texts[k]);
+        }
     }
-    warn_tally(r, &lines, "lines and points are not rendered");
-    warn_tally(r, &small, "faces of less than 3 corners are left out");
-    warn_tally(r, &unknown, "statements that are not read are left out");
 }
 
 static fathom_status read_mapped(obj_reader *r) {
@@ -49,7 +42,9 @@ static fathom_status read_mapped(obj_reader *r) {
     if (status == FATHOM_OK) status = obj_parse(r);
     if (status == FATHOM_OK) status = obj_smooth(r);
     if (status == FATHOM_OK) status = obj_build(r);
-    if (status == FATHOM_OK) warn_of_rest(r);
+    if (status != FATHOM_OK) return status;
+    note_tallies(r);
+    notes_tell(&r->notes, r->scene->context, r->file.path);
     return status;
 }
 
@@ -75,14 +70,13 @@ fathom_status read_obj(fathom_scene *scene, fathom_id group, const char *path,
     file_map map;
     fathom_status status = file_open(scene->context, path, &map);
     if (status != FATHOM_OK) return status;
-    const char *text = (const char *)map.bytes;
     obj_reader r = {.scene = scene,
                     .group = group,
                     .options = *options,
-                    .file = {scene->context, path, text, text + map.size},
                     .threads = fathom_context_threads(scene->context)};
-    status = text_check_hole(&r.file, &map);
+    status = text_open(scene->context, path, &map, &r.file);
     if (status == FATHOM_OK) status = read_mapped(&r);
     release(&r);
+    text_close(&r.file);
     return file_finish(scene->context, &map, status);
 }

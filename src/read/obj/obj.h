@@ -8,6 +8,7 @@
 #define READ_OBJ_H
 
 #include "read/mesh/names.h"
+#include "read/mesh/notes.h"
 #include "read/mesh/text.h"
 #include "read/read.h"
 
@@ -39,7 +40,19 @@ typedef struct obj_polygon {
     uint32_t corners;
 } obj_polygon;
 
-/* What is passed over: how often, and where first. */
+/* The kinds of things that a piece passes over. */
+enum {
+    OBJ_T_LINES,  /* l and p */
+    OBJ_T_SMALL,  /* faces of less than 3 corners */
+    OBJ_T_COLORS, /* of vertices */
+    OBJ_T_BEHIND, /* what else follows the numbers of a vertex */
+    OBJ_T_NO_UV,  /* faces with indices of texture coordinates that the file does not have */
+    OBJ_T_NO_NORMAL,
+    OBJ_T_UNKNOWN, /* statements that are not read */
+    OBJ_TALLIES
+};
+
+/* How often, and where first. */
 typedef struct obj_tally {
     size_t count;
     const char *first;
@@ -58,8 +71,8 @@ typedef struct obj_piece {
     ARRAY(uint32_t) corners[OBJ_KINDS];
     ARRAY(obj_run) runs;
     ARRAY(obj_polygon) polygons;
-    double lower[3], upper[3];       /* of the positions */
-    obj_tally lines, small, unknown; /* l and p; faces of less than 3 corners; statements not read */
+    double lower[3], upper[3]; /* of the positions */
+    obj_tally tallies[OBJ_TALLIES];
     text_fault fault;
     bool out_of_memory;
 } obj_piece;
@@ -75,6 +88,7 @@ typedef struct obj_reader {
     fathom_id group;
     read_mesh_options options;
     text_file file;
+    note_list notes;
     unsigned threads;
     obj_piece *pieces;
     size_t piece_count;

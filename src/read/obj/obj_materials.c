@@ -6,6 +6,19 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Exporters repeat the statement for each object. */
+typedef struct library_names {
+    name_table seen;   /* as they are written */
+    obj_tally absent;  /* names of no file */
+    obj_tally refused; /* names of files that may not be read */
+    size_t absent_length;
+    char why[320]; /* the first was refused */
+} library_names;
+
+static void tally(obj_tally *t, const char *at) {
+    if (!t->count++) t->first = at;
+}
+
 /* *out: the path of the file of this name, beside the OBJ file, or NULL when there is none. */
 static fathom_status find_named(const obj_reader *r, const char *name, char **out) {
     fathom_status status = read_beside(r->scene, r->file.path, name, out);
@@ -15,7 +28,8 @@ static fathom_status find_named(const obj_reader *r, const char *name, char **ou
     return FATHOM_OK;
 }
 
-/* The same for a mention of `length` bytes. Names written on Windows may have backslashes for slashes. */
+/* The same for a mention of `length` bytes; BAD_INPUT: it may not be read, and the message says why. Names
+ * written on Windows may have backslashes for slashes. */
 static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
     *out = NULL;
     char *copy = strndup(name, length);
@@ -26,9 +40,7 @@ static fathom_status find_library(const obj_reader *r, const char *name, size_t 
         status = find_named(r, copy, out);
     }
     free(copy);
-    if (status != FATHOM_BAD_INPUT) return status;
-    return fail_within(r->scene->context, status, "%s:%zu: mtllib: ", r->file.path,
-                       text_line(&r->file, name));
+    return status;
 }
 
 static fathom_status read_library(obj_reader *r, mtl_library *library, char *path) {
@@ -37,15 +49,8 @@ static fathom_status read_library(obj_reader *r, mtl_library *library, char *pat
     return status;
 }
 
-/* Exporters repeat the statement for each object. */
-typedef struct library_names {
-    name_table seen;   /* as they are written */
-    size_t missing;    /* of those */
-    const char *first; /* that is missing */
-    size_t first_length;
-} library_names;
-
-/* Reads it if there is such a file and it was not read yet; *found tells whether there is. */
+/* Reads it if there is such a file and it was not read yet; BAD_INPUT when it may not be read. *found tells
+ * whether there is one. */
 static fathom_status read_name(obj_reader *r, mtl_library *library, library_names *names, const char *name,
                                size_t length, bool *found) {
     char *path;
@@ -59,26 +64,40 @@ static fathom_status read_name(obj_reader *r, mtl_library *library, library_name
     return fail_memory(r->scene->context, length);
 }
 
-static void note_missing(library_names *names, const char *name, size_t length) {
-    if (names->missing++) return;
-    names->first = name;
-    names->first_length = length;
+/* A model without its materials is still a model: what cannot be read is noted. */
+static fathom_status read_word(obj_reader *r, mtl_library *library, library_names *names, const char *word,
+                               size_t length) {
+    bool found;
+    fathom_status status = read_name(r, library, names, word, length, &found);
+    if (status == FATHOM_BAD_INPUT && !found) {
+        if (!names->refused.count)
+            snprintf(names->why, sizeof names->why, "%s", fathom_context_message(r->scene->context));
+        tally(&names->refused, word);
+        return FATHOM_OK;
+    }
+    if (status == FATHOM_OK && !found) {
+        if (!names->absent.count) names->absent_length = length;
+        tally(&names->absent, word);
+    }
+    return status;
 }
 
 /* One name, which may hold blanks; or several, set apart by blanks. */
 static fathom_status read_mention(obj_reader *r, mtl_library *library, library_names *names,
                                   const obj_mention *mention) {
     bool found;
+    if (!mention->length) {
+        notes_add_at(&r->notes, 1, &r->file, mention->at, "mtllib: expected the name of a file");
+        return FATHOM_OK;
+    }
     fathom_status status = read_name(r, library, names, mention->at, mention->length, &found);
-    if (status != FATHOM_OK || found) return status;
+    if (found || (status != FATHOM_OK && status != FATHOM_BAD_INPUT)) return status;
     const char *end = mention->at + mention->length;
     for (const char *p = mention->at; p < end;) {
         const char *word = p;
         while (p < end && !text_is_blank(*p)) ++p;
-        size_t length = (size_t)(p - word);
-        status = read_name(r, library, names, word, length, &found);
+        status = read_word(r, library, names, word, (size_t)(p - word));
         if (status != FATHOM_OK) return status;
-        if (!found) note_missing(names, word, length);
         while (p < end && text_is_blank(*p)) ++p;
     }
     return FATHOM_OK;
@@ -102,16 +121,17 @@ static fathom_status read_mentions(obj_reader *r, mtl_library *library, library_
     return FATHOM_OK;
 }
 
+static int shown(size_t length) { return length < 200 ? (int)length : 200; }
+
 static fathom_status read_libraries(obj_reader *r, mtl_library *library) {
     library_names names = {0};
     fathom_status status = read_mentions(r, library, &names);
-    if (status == FATHOM_OK && names.missing) {
-        char more[48] = "";
-        if (names.missing > 1) snprintf(more, sizeof more, " (%zu such names)", names.missing);
-        warn(r->scene->context,
-             "%s:%zu: mtllib: there is no file \"%.*s\"%s; materials named from it get the default",
-             r->file.path, text_line(&r->file, names.first),
-             (int)(names.first_length < 200 ? names.first_length : 200), names.first, more);
+    if (status == FATHOM_OK) {
+        notes_add_line(&r->notes, names.absent.count, &r->file, names.absent.first,
+                       "mtllib: there is no file \"%.*s\"; materials named from it get the default",
+                       shown(names.absent_length), names.absent.first);
+        notes_add_line(&r->notes, names.refused.count, &r->file, names.refused.first,
+                       "mtllib: %s; materials named from it get the default", names.why);
     }
     names_free(&names.seen);
     return status;
@@ -141,12 +161,10 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
             return fail_memory(r->scene->context, sizeof(obj_slot));
         }
     }
-    if (missing) {
-        warn(r->scene->context,
-             "%s:%zu: usemtl: no material \"%.*s\" is defined; it gets the default (%zu such %s)",
-             r->file.path, text_line(&r->file, first->text), (int)first->length, first->text, missing,
-             missing == 1 ? "name" : "names");
-    }
+    if (missing)
+        notes_add_line(&r->notes, missing, &r->file, first->text,
+                       "usemtl: no material \"%.*s\" is defined; it gets the default", shown(first->length),
+                       first->text);
     return FATHOM_OK;
 }
 

@@ -18,6 +18,7 @@ typedef struct obj_parser {
     obj_piece *piece;
     uint64_t seen[OBJ_KINDS]; /* in the whole file */
     uint32_t slot, group;
+    unsigned absent; /* the parts of the face that the file has no data for */
     size_t next_material;
     ARRAY(obj_corner) face;
 } obj_parser;
@@ -67,6 +68,27 @@ static const char *read_position(obj_parser *s, const char *p) {
     return p;
 }
 
+static void tally(obj_parser *s, int kind, const char *at) {
+    obj_tally *t = &s->piece->tallies[kind];
+    if (!t->count++) t->first = text_skip(at);
+}
+
+/* Behind x, y and z: nothing, a weight, which means something for curves alone, or a colour. */
+static void tally_behind(obj_parser *s, const char *at) {
+    const char *p = text_skip(at);
+    double v[3], weight = 0;
+    int count = 0;
+    if (text_is_end(*p) || *p == '#') return;
+    while (count < 3 && number_read(&p, &v[count])) {
+        if (!count++) weight = v[0];
+        p = text_skip(p);
+    }
+    if (count == 3)
+        tally(s, OBJ_T_COLORS, at);
+    else if (weight != 1)
+        tally(s, OBJ_T_BEHIND, at);
+}
+
 static const char *read_uv(obj_parser *s, const char *p) {
     double v[2];
     if (s->r->scene->without_uvs) {
@@ -104,14 +126,19 @@ static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
                           text_quote(at, quote));
     }
     int64_t found = index > 0 ? index - 1 : (int64_t)s->seen[kind] + index;
+    bool found_none = index < 0 ? found < 0 : (uint64_t)found >= s->r->total[kind];
     if (index == 0)
         return text_wrong(fault, at, "f: corner %zu: %s: 0 is no index; the first is 1", corner, kinds[kind]);
+    if (found_none && kind != OBJ_POSITION) {
+        s->absent |= 1u << kind;
+        return true;
+    }
     if (index < 0 && found < 0) {
         return text_wrong(fault, at,
                           "f: corner %zu: %s: index %lld goes back beyond the first; there are %llu above",
                           corner, kinds[kind], (long long)index, (unsigned long long)s->seen[kind]);
     }
-    if ((uint64_t)found >= s->r->total[kind]) {
+    if (found_none) {
         return text_wrong(fault, at, "f: corner %zu: %s: index %lld is out of range; the file has %llu",
                           corner, kinds[kind], (long long)index, (unsigned long long)s->r->total[kind]);
     }
@@ -178,17 +205,15 @@ static bool push_kind(obj_parser *s, obj_run *run, int kind) {
     return true;
 }
 
-static void tally(obj_tally *t, const char *at) {
-    if (!t->count++) t->first = at;
-}
-
 static bool push_face(obj_parser *s, const char *at, unsigned parts) {
     obj_piece *piece = s->piece;
     size_t n = s->face.count;
     if (n < 3) {
-        tally(&piece->small, at);
+        tally(s, OBJ_T_SMALL, at);
         return true;
     }
+    if (s->absent >> OBJ_UV & 1) tally(s, OBJ_T_NO_UV, at);
+    if (s->absent >> OBJ_NORMAL & 1) tally(s, OBJ_T_NO_NORMAL, at);
     obj_run *run = run_for(s, parts);
     if (!run || !push_kind(s, run, OBJ_UV) || !push_kind(s, run, OBJ_NORMAL)) return false;
     if (!array_room(&piece->corners[OBJ_POSITION], 3 * (n - 2))) return false;
@@ -209,6 +234,7 @@ static const char *read_face(obj_parser *s, const char *p) {
     const char *first = p;
     unsigned parts = 0;
     s->face.count = 0;
+    s->absent = 0;
     for (;;) {
         const char *at = text_skip(p);
         p = at;
@@ -229,7 +255,7 @@ static const char *read_face(obj_parser *s, const char *p) {
         }
         s->face.items[s->face.count++] = corner;
     }
-    if (push_face(s, first, parts)) return p;
+    if (push_face(s, first, parts & ~s->absent)) return p;
     s->piece->out_of_memory = true;
     return NULL;
 }
@@ -242,10 +268,12 @@ static const char *read_smoothing(obj_parser *s, const char *p) {
     return NULL;
 }
 
-/* What is left of the line is not looked at: weights and colours of vertices are no part of a mesh here. */
 static const char *read_statement(obj_parser *s, obj_statement statement, const char *p) {
     switch (statement) {
-    case OBJ_S_POSITION: return read_position(s, p);
+    case OBJ_S_POSITION:
+        p = read_position(s, p);
+        if (p) tally_behind(s, p);
+        return p;
     case OBJ_S_UV: return read_uv(s, p);
     case OBJ_S_NORMAL: return read_normal(s, p);
     case OBJ_S_FACE: return read_face(s, p);
@@ -254,9 +282,9 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
         if (s->next_material < s->piece->materials.count)
             s->slot = s->piece->materials.items[s->next_material++].slot;
         return p;
-    case OBJ_S_LINE: tally(&s->piece->lines, p); return p;
+    case OBJ_S_LINE: tally(s, OBJ_T_LINES, p); return p;
     case OBJ_S_UNKNOWN:
-        if (p < s->piece->end) tally(&s->piece->unknown, p);
+        if (p < s->piece->end) tally(s, OBJ_T_UNKNOWN, p);
         return p;
     case OBJ_S_EMPTY:
     case OBJ_S_NAME:

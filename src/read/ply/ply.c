@@ -38,7 +38,7 @@ fathom_status ply_status(ply_reader *r) {
     if (!r->fault.at) return FATHOM_OK;
     if (r->header.format == PLY_ASCII || r->fault.at < r->header.body) return text_fail(&r->file, &r->fault);
     return fail(context, FATHOM_BAD_INPUT, "%s: at byte %zu: %s", r->file.path,
-                (size_t)(r->fault.at - r->file.begin), r->fault.what);
+                r->map.size - (size_t)(r->file.end - r->fault.at), r->fault.what);
 }
 
 fathom_status ply_allocate_arrays(ply_reader *r) {
@@ -172,18 +172,16 @@ static fathom_status add_mesh(ply_reader *r) {
 }
 
 static fathom_status read_mapped(ply_reader *r) {
-    fathom_context *context = r->scene->context;
     fathom_status status = ply_read_header(r);
     if (status != FATHOM_OK) return status;
+    ply_note_unused(r);
     choose_arrays(r);
     status = r->header.format == PLY_ASCII ? ply_read_ascii(r) : ply_read_binary(r);
     if (status != FATHOM_OK) return status;
-    if (r->small) {
-        warn(context, "%s: faces of less than 3 corners are left out (%zu such)", r->file.path, r->small);
-    }
+    notes_add(&r->notes, r->small, "", "faces of less than 3 corners are left out");
     if (!r->triangle_count) {
-        return fail(context, FATHOM_BAD_INPUT, "%s: no faces: expected at least one with 3 corners or more",
-                    r->file.path);
+        return fail(r->scene->context, FATHOM_BAD_INPUT,
+                    "%s: no faces: expected at least one with 3 corners or more", r->file.path);
     }
     status = make_normals(r);
     if (status == FATHOM_OK) status = keep_map(r);
@@ -200,9 +198,10 @@ fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
                     .lock = PTHREAD_MUTEX_INITIALIZER};
     fathom_status status = file_open(scene->context, path, &r.map);
     if (status != FATHOM_OK) return status;
-    const char *text = (const char *)r.map.bytes;
-    r.file = (text_file){scene->context, path, text, text + r.map.size};
-    status = read_mapped(&r);
+    status = ply_open_text(&r, path);
+    if (status == FATHOM_OK) status = read_mapped(&r);
+    if (status == FATHOM_OK) notes_tell(&r.notes, scene->context, path);
     ply_free_header(&r.header);
+    text_close(&r.file);
     return file_finish(scene->context, &r.map, status);
 }

@@ -5,7 +5,7 @@
 #define READ_PLY_H
 
 #include "base/file.h"
-#include "read/mesh/text.h"
+#include "read/mesh/notes.h"
 #include "read/read.h"
 
 #include <pthread.h>
@@ -82,7 +82,8 @@ typedef struct ply_reader {
     fathom_id group;
     read_mesh_options options;
     file_map map;
-    text_file file;
+    text_file file; /* text as far as it is text, and what follows */
+    note_list notes;
     unsigned threads;
     ply_header header;
     size_t vertex_element, face_element;
@@ -109,7 +110,11 @@ void ply_no_memory(ply_reader *r);
  */
 fathom_status ply_status(ply_reader *r);
 
+/* Makes the file's header, and its rows if they are text, into text with line feeds. */
+fathom_status ply_open_text(ply_reader *r, const char *path);
 fathom_status ply_read_header(ply_reader *r);
+/* Notes what of the file is not read. */
+void ply_note_unused(ply_reader *r);
 void ply_free_header(ply_header *header);
 
 /* Fills arrays[] (checked: all finite), bounds, origin and the triangles. */

@@ -14,6 +14,8 @@
 typedef struct ascii_piece {
     const char *begin, *end;
     uint64_t rows, base; /* rows in it, rows before it */
+    size_t longer;       /* rows with more numbers than properties */
+    const char *first_longer;
     ply_faces faces;
 } ascii_piece;
 
@@ -100,17 +102,23 @@ static bool read_list(ply_reader *r, const ply_property *property, const char **
     return true;
 }
 
-static bool end_row(ply_reader *r, const ply_element *element, const char *p) {
+/* Numbers that no property stands for are passed over. */
+static bool end_row(ply_reader *r, const ply_element *element, ascii_piece *piece, const char *p) {
     char quote[48];
-    p = skip_blanks(p);
-    return text_is_end(*p) ||
-           ply_wrong(r, p,
-                     "%.40s: expected the end of the row, found %s; it has more numbers than "
-                     "the header has properties",
-                     element->name, text_quote(p, quote));
+    double number;
+    const char *first = skip_blanks(p);
+    for (p = first; !text_is_end(*p); p = skip_blanks(p)) {
+        const char *at = p;
+        if (number_read(&p, &number) && text_is_break(*p)) continue;
+        return ply_wrong(r, at, "%.40s: expected the end of the row, found %s", element->name,
+                         text_quote(at, quote));
+    }
+    if (p != first && !piece->longer++) piece->first_longer = first;
+    return true;
 }
 
-static bool read_vertex(const ascii_reader *a, uint32_t number, const char *at, scene_bounds *bounds) {
+static bool read_vertex(const ascii_reader *a, ascii_piece *piece, uint32_t number, const char *at,
+                        scene_bounds *bounds) {
     ply_reader *r = a->r;
     const ply_element *element = &r->header.elements.items[r->vertex_element];
     double values[PLY_ROLES] = {0}, value;
@@ -124,23 +132,23 @@ static bool read_vertex(const ascii_reader *a, uint32_t number, const char *at, 
         if (!read_number(r, property, &p, &value)) return false;
         if (a->role_of[i] >= 0) values[a->role_of[i]] = value;
     }
-    if (!a->moving) return end_row(r, element, p) && ply_put_vertex(r, number, values, at, bounds);
+    if (!a->moving) return end_row(r, element, piece, p) && ply_put_vertex(r, number, values, at, bounds);
     ply_put_position(r, number, values);
     return true;
 }
 
-static bool read_face(const ascii_reader *a, ply_faces *faces, const char *at) {
+static bool read_face(const ascii_reader *a, ascii_piece *piece, const char *at) {
     ply_reader *r = a->r;
     const ply_element *element = &r->header.elements.items[r->face_element];
     const char *p = at;
     for (size_t i = 0; i < element->properties.count; ++i) {
         const ply_property *property = &element->properties.items[i];
         double value;
-        bool good = property->is_list ? read_list(r, property, &p, i == r->index_list ? faces : NULL)
+        bool good = property->is_list ? read_list(r, property, &p, i == r->index_list ? &piece->faces : NULL)
                                       : read_number(r, property, &p, &value);
         if (!good) return false;
     }
-    return end_row(r, element, p) && ply_push_row(r, faces, at);
+    return end_row(r, element, piece, p) && ply_push_row(r, &piece->faces, at);
 }
 
 static void read_pieces(void *user, size_t begin, size_t end, unsigned worker) {
@@ -154,9 +162,9 @@ static void read_pieces(void *user, size_t begin, size_t end, unsigned worker) {
         for (; p < piece->end; p = next_row(line_after(p, piece->end), piece->end), ++row) {
             bool good = true;
             if (row >= a->vertex_begin && row < a->vertex_end) {
-                good = read_vertex(a, (uint32_t)(row - a->vertex_begin), p, &bounds);
+                good = read_vertex(a, piece, (uint32_t)(row - a->vertex_begin), p, &bounds);
             } else if (!a->moving && row >= a->face_begin && row < a->face_end) {
-                good = read_face(a, &piece->faces, p);
+                good = read_face(a, piece, p);
             }
             if (!good) break;
         }
@@ -197,8 +205,8 @@ static fathom_status place_rows(ascii_reader *a) {
         ply_wrong(r, r->file.end, "the file ends after %llu rows; its header promises %llu",
                   (unsigned long long)a->rows, (unsigned long long)promised);
     } else if (a->rows > promised) {
-        warn(r->scene->context, "%s: %llu rows after the %llu that the header promises are left out",
-             r->file.path, (unsigned long long)(a->rows - promised), (unsigned long long)promised);
+        notes_add(&r->notes, (size_t)(a->rows - promised), "",
+                  "rows after the %llu that the header promises are left out", (unsigned long long)promised);
     }
     return ply_status(r);
 }
@@ -212,6 +220,10 @@ static fathom_status read_rows(ascii_reader *a) {
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, a->piece_count, 1, read_pieces, a);
     status = ply_status(r);
+    for (size_t i = 0; i < a->piece_count; ++i) {
+        notes_add_at(&r->notes, a->pieces[i].longer, &r->file, a->pieces[i].first_longer,
+                     "numbers beyond the properties of the header are left out");
+    }
     if (status == FATHOM_OK) status = ply_choose_origin(r, &a->moving);
     if (status != FATHOM_OK) return status;
     if (a->moving) loop_parallel(r->threads, a->piece_count, 1, read_pieces, a);

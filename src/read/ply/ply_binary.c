@@ -19,6 +19,7 @@ typedef struct binary_reader {
 static void use_in_place(binary_reader *b, ply_array *array) {
     const ply_rows *rows = &b->vertices;
     if (!array->present || rows->blocks || rows->row % sizeof(float) || b->big != PLY_HOST_BIG) return;
+    if (b->r->file.copy) return; /* it does not outlive the reader */
     size_t first = rows->offsets[b->r->role[array->first_role]];
     const unsigned char *values = rows->begin + first;
     if ((uintptr_t)values % sizeof(float)) return;
@@ -265,6 +266,9 @@ static fathom_status find_rows(binary_reader *b) {
             ply_free_rows(&rows);
         if (status != FATHOM_OK) return status;
     }
+    if (last + 1 == r->header.elements.count)
+        notes_add(&r->notes, (size_t)((const unsigned char *)r->file.end - p), "",
+                  "bytes after the rows that the header promises are left out");
     return FATHOM_OK;
 }
 

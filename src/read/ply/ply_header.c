@@ -110,6 +110,14 @@ static bool read_property(ply_reader *r, const char *line, const char *p) {
     return !r->out_of_memory;
 }
 
+/* MeshLab names its textures in comments. */
+static void read_comment(ply_reader *r, const char *p) {
+    char word[PLY_NAME];
+    const char *at = read_word(&p, word);
+    if (strcmp(word, "TextureFile") == 0)
+        notes_add_at(&r->notes, 1, &r->file, at, "textures are not read; the surface has the default grey");
+}
+
 /* The line after the header, NULL after a fault. */
 static const char *read_lines(ply_reader *r) {
     bool has_format = false;
@@ -138,7 +146,9 @@ static const char *read_lines(ply_reader *r) {
             good = read_element(r, line, p);
         } else if (strcmp(word, "property") == 0) {
             good = read_property(r, line, p);
-        } else if (number > 0 && word[0] && strcmp(word, "comment") != 0 && strcmp(word, "obj_info") != 0) {
+        } else if (strcmp(word, "comment") == 0) {
+            read_comment(r, p);
+        } else if (number > 0 && word[0] && strcmp(word, "obj_info") != 0) {
             good = ply_wrong(r, at, "expected format, comment, element, property or end_header, found %s",
                              text_quote(at, quote));
         }
@@ -254,6 +264,37 @@ static bool find_faces(ply_reader *r) {
     return true;
 }
 
+/* Header lines that end in a carriage return alone; the rows behind them too if they are text. */
+static void mend_lines(char *text, const char *end) {
+    bool is_text = false;
+    for (char *line = text, *cr; (cr = memchr(line, '\r', (size_t)(end - line))) != NULL; line = cr + 1) {
+        char word[PLY_NAME];
+        const char *p = line;
+        if (cr[1] != '\n') *cr = '\n';
+        read_word(&p, word);
+        if (strcmp(word, "format") == 0) {
+            read_word(&p, word);
+            is_text = strcmp(word, "ascii") == 0;
+        }
+        if (strcmp(word, "end_header") != 0) continue;
+        if (is_text) text_mend_line_ends(cr + 1, end);
+        return;
+    }
+}
+
+fathom_status ply_open_text(ply_reader *r, const char *path) {
+    const char *text = (const char *)r->map.bytes, *end = text + r->map.size;
+    const char *begin = text_after_mark(text, end);
+    const size_t size = (size_t)(end - begin);
+    r->file = (text_file){.context = r->scene->context, .path = path, .begin = begin, .end = end};
+    if (!text_ends_lines_in_cr(begin, begin + (size < LINE_MAX_BYTES ? size : LINE_MAX_BYTES)))
+        return FATHOM_OK;
+    fathom_status status = text_check_hole(&r->file, &r->map);
+    if (status == FATHOM_OK) status = text_copy(&r->file);
+    if (status == FATHOM_OK) mend_lines(r->file.copy, r->file.end);
+    return status;
+}
+
 fathom_status ply_read_header(ply_reader *r) {
     r->header.body = r->file.end;
     const char *body = read_lines(r);
@@ -267,4 +308,49 @@ fathom_status ply_read_header(ply_reader *r) {
 void ply_free_header(ply_header *header) {
     for (size_t i = 0; i < header->elements.count; ++i) array_free(&header->elements.items[i].properties);
     array_free(&header->elements);
+}
+
+/* ---- what is not read ---- */
+
+static bool is_color(const char *name) {
+    static const char *const names[] = {"red", "green", "blue",        "alpha",         "r",           "g",
+                                        "b",   "a",     "diffuse_red", "diffuse_green", "diffuse_blue"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        if (strcmp(names[i], name) == 0) return true;
+    }
+    return false;
+}
+
+static bool has_role(const ply_reader *r, size_t property) {
+    for (int role = 0; role < PLY_ROLES; ++role) {
+        if (r->role[role] == (int)property) return true;
+    }
+    return false;
+}
+
+static void note_properties(ply_reader *r, const ply_element *element, bool vertices) {
+    bool colors = false;
+    for (size_t i = 0; i < element->properties.count; ++i) {
+        const char *name = element->properties.items[i].name;
+        if (vertices ? has_role(r, i) : i == r->index_list) continue;
+        if (is_color(name))
+            colors = true;
+        else
+            notes_add_line(&r->notes, (size_t)element->count, &r->file, element->line,
+                           "element %.40s: the property %s is not used", element->name, name);
+    }
+    if (colors)
+        notes_add_line(&r->notes, (size_t)element->count, &r->file, element->line, "%s colours are not used",
+                       vertices ? "vertex" : "face");
+}
+
+void ply_note_unused(ply_reader *r) {
+    for (size_t i = 0; i < r->header.elements.count; ++i) {
+        const ply_element *element = &r->header.elements.items[i];
+        if (i == r->vertex_element || i == r->face_element)
+            note_properties(r, element, i == r->vertex_element);
+        else
+            notes_add_line(&r->notes, (size_t)element->count, &r->file, element->line,
+                           "element %.40s is not read", element->name);
+    }
 }

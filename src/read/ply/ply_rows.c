@@ -8,7 +8,7 @@
 static bool is_big(const ply_reader *r) { return r->header.format == PLY_BIG; }
 
 static size_t bytes_left(const ply_reader *r, const unsigned char *p) {
-    return (size_t)(r->map.bytes + r->map.size - p);
+    return (size_t)((const unsigned char *)r->file.end - p);
 }
 
 bool ply_list_count(ply_reader *r, const ply_property *list, const unsigned char **p, uint64_t *out) {

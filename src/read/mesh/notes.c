@@ -1,0 +1,68 @@
+#include "read/mesh/notes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static note *find(note_list *notes, const char *text) {
+    for (size_t i = 0; i < notes->count; ++i) {
+        if (strcmp(notes->items[i].text, text) == 0) return &notes->items[i];
+    }
+    return NULL;
+}
+
+/* The note of this kind; NULL when it is new and there is no room for it. */
+static note *obtain(note_list *notes, const char *format, va_list args) {
+    note fresh = {.count = 0};
+    vsnprintf(fresh.text, sizeof fresh.text, format, args);
+    note *known = find(notes, fresh.text);
+    if (known || notes->count == NOTES_MAX) return known;
+    notes->items[notes->count] = fresh;
+    return &notes->items[notes->count++];
+}
+
+/* The note, when this is the first of its kind and it gets its place; else NULL. */
+static note *count_in(note_list *notes, size_t times, const char *format, va_list args) {
+    if (!times) return NULL;
+    note *n = obtain(notes, format, args);
+    bool first = n && !n->count;
+    *(n ? &n->count : &notes->beyond) += times;
+    return first ? n : NULL;
+}
+
+void notes_add(note_list *notes, size_t times, const char *place, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    note *first = count_in(notes, times, format, args);
+    va_end(args);
+    if (first) snprintf(first->place, sizeof first->place, "%s", place);
+}
+
+void notes_add_line(note_list *notes, size_t times, const text_file *file, const char *at, const char *format,
+                    ...) {
+    va_list args;
+    va_start(args, format);
+    note *first = count_in(notes, times, format, args);
+    va_end(args);
+    if (first) snprintf(first->place, sizeof first->place, ":%zu", text_line(file, at));
+}
+
+void notes_add_at(note_list *notes, size_t times, const text_file *file, const char *at, const char *format,
+                  ...) {
+    va_list args;
+    va_start(args, format);
+    note *first = count_in(notes, times, format, args);
+    va_end(args);
+    if (!first) return;
+    snprintf(first->place, sizeof first->place, ":%zu", text_line(file, at));
+    text_quote(at, first->example);
+}
+
+void notes_tell(const note_list *notes, fathom_context *context, const char *path) {
+    for (size_t i = 0; i < notes->count; ++i) {
+        const note *n = &notes->items[i];
+        warn(context, "%s%s: %s (%zu such%s%s)", path, n->place, n->text, n->count,
+             n->example[0] ? ", the first here: " : "", n->example);
+    }
+    if (notes->beyond)
+        warn(context, "%s: more kinds of things are not followed (%zu such)", path, notes->beyond);
+}
