@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "cli/progress.h"
+#include "cli/warnings.h"
 #include "json/memory.h"
 
 #include <string.h>
@@ -61,12 +62,6 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
     return false;
 }
 
-static void say_warning(void *user, const char *message) {
-    (void)user;
-    progress_clear_line();
-    fprintf(stderr, "fathom: warning: %s\n", message);
-}
-
 fathom_status command_context(unsigned threads, fathom_context **out) {
     fathom_status status = fathom_context_create(out);
     if (status != FATHOM_OK) {
@@ -75,6 +70,6 @@ fathom_status command_context(unsigned threads, fathom_context **out) {
     }
     json_memory_watch();
     fathom_context_set_threads(*out, threads);
-    fathom_context_on_warning(*out, say_warning, NULL);
+    fathom_context_on_warning(*out, warnings_say, NULL);
     return FATHOM_OK;
 }

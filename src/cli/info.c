@@ -3,6 +3,7 @@
 #include "cli/interrupt.h"
 #include "cli/json_text.h"
 #include "cli/left_out.h"
+#include "cli/warnings.h"
 
 #include "base/status.h"
 #include "scene/world.h"
@@ -16,20 +17,6 @@ typedef struct info_settings {
     unsigned threads;
     bool json, allow_outside;
 } info_settings;
-
-#define PROBLEMS_MAX 64
-
-/* What was found wrong, in the order it was found; the strings are its own. */
-typedef struct problem_list {
-    char *items[PROBLEMS_MAX];
-    size_t count;
-} problem_list;
-
-static void add_problem(void *user, const char *message) {
-    problem_list *problems = user;
-    if (problems->count < PROBLEMS_MAX && (problems->items[problems->count] = strdup(message)))
-        ++problems->count;
-}
 
 static double megabytes(uint64_t bytes) { return 1e-6 * (double)bytes; }
 
@@ -87,7 +74,7 @@ static void print_facts(const fathom_scene *scene, const info_facts *f) {
     left_out_print(f->left_out.items, (uint32_t)f->left_out.count, "left out  ");
 }
 
-static void print_problems(const problem_list *problems) {
+static void print_problems(const warning_list *problems) {
     printf("problems  %s\n", problems->count ? "" : "none");
     for (size_t i = 0; i < problems->count; ++i) printf("  %s\n", problems->items[i]);
 }
@@ -151,13 +138,12 @@ static void set_facts(json_t *root, const fathom_scene *scene, const info_facts 
 
 /* facts: NULL when the scene cannot be rendered. */
 static fathom_status print_json(fathom_context *context, const char *path, const fathom_scene *scene,
-                                const info_facts *facts, const problem_list *problems) {
-    json_t *root = json_object(), *list = json_array();
+                                const info_facts *facts, const warning_list *problems) {
+    json_t *root = json_object();
     json_object_set_new(root, "file", json_text(path));
     json_object_set_new(root, "renderable", json_boolean(facts != NULL));
     if (facts) set_facts(root, scene, facts);
-    for (size_t i = 0; i < problems->count; ++i) json_array_append_new(list, json_text(problems->items[i]));
-    json_object_set_new(root, "problems", list);
+    json_object_set_new(root, "problems", warnings_json(problems));
     char *bytes = json_dump_text(root, 0);
     json_decref(root);
     if (!bytes) return fail_memory(context, 4096);
@@ -167,28 +153,28 @@ static fathom_status print_json(fathom_context *context, const char *path, const
 }
 
 /* Things that can be rendered but hardly can be meant. */
-static void look_for_problems(const fathom_scene *scene, const info_facts *f, problem_list *problems) {
+static void look_for_problems(const fathom_scene *scene, const info_facts *f, warning_list *problems) {
     char text[128];
     if (f->degenerate_triangles) {
         snprintf(text, sizeof text, "triangles without area that are left out: %llu",
                  (unsigned long long)f->degenerate_triangles);
-        add_problem(problems, text);
+        warnings_keep(problems, text);
     }
     if (f->beyond_reach) {
         snprintf(text, sizeof text,
                  "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu", WORLD_REACH,
                  (unsigned long long)f->beyond_reach);
-        add_problem(problems, text);
+        warnings_keep(problems, text);
     }
     bool emits = false, ambient = false;
     for (size_t i = 0; i < f->feature_count; ++i) emits |= strcmp(f->features[i], "emission") == 0;
     for (int c = 0; c < 3; ++c) ambient |= scene->ambient[c] > 0;
     if (!scene->lights.count && !emits && !ambient)
-        add_problem(problems, "no light, no ambient light and nothing that emits: every surface is black");
+        warnings_keep(problems, "no light, no ambient light and nothing that emits: every surface is black");
 }
 
 static fathom_status describe(fathom_context *context, const info_settings *settings,
-                              problem_list *problems) {
+                              warning_list *problems) {
     fathom_scene *scene = NULL;
     info_facts facts = {.spheres = 0};
     const fathom_read_options read = {.camera = settings->camera, .up = settings->up};
@@ -208,7 +194,7 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
     if (renderable)
         look_for_problems(scene, &facts, problems);
     else
-        add_problem(problems, fathom_context_message(context));
+        warnings_keep(problems, fathom_context_message(context));
     if (settings->json) {
         fathom_status printed =
             print_json(context, settings->scene, scene, renderable ? &facts : NULL, problems);
@@ -232,10 +218,10 @@ static fathom_status run(int argc, char **argv) {
     if (status != FATHOM_OK) return status;
     fathom_context_allow_outside(context, settings.allow_outside);
     interrupt_install();
-    problem_list problems = {.count = 0};
-    fathom_context_on_warning(context, add_problem, &problems);
+    warning_list problems = {.count = 0};
+    fathom_context_on_warning(context, warnings_keep, &problems);
     status = describe(context, &settings, &problems);
-    for (size_t i = 0; i < problems.count; ++i) free(problems.items[i]);
+    warnings_free(&problems);
     fathom_context_destroy(context);
     return status;
 }

@@ -212,16 +212,21 @@ static fathom_status read_and_render(fathom_context *context, int argc, char **a
     progress_begin(options->quiet);
     progress_phase(FATHOM_PHASE_READ);
     render_report report = {.finished = 0};
+    fathom_context_on_warning(context, warnings_say, &report.warnings);
     fathom_scene *scene;
     double begin = clock_seconds();
     status = say_status(&command_render, context, read_scene(context, options, &scene));
-    if (status != FATHOM_OK) return status;
+    if (status != FATHOM_OK) {
+        warnings_free(&report.warnings);
+        return status;
+    }
     outputs_may_be_read(context); /* the checkpoint, that is */
     report.read_seconds = clock_seconds() - begin;
     status = merge_settings(context, scene, argc, argv, options);
     say_status(&command_render, context, status);
     if (status == FATHOM_OK) status = render_scene(context, scene, options, &report, start);
     array_free(&report.left_out);
+    warnings_free(&report.warnings);
     fathom_scene_destroy(scene);
     return status;
 }

@@ -111,6 +111,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
     json_object_set_new(root, "bvhBytes", json_count(s->bvh_bytes));
     json_object_set_new(root, "memory", pack_memory(r));
     json_object_set_new(root, "leftOut", left_out_json(r->left_out.items, (uint32_t)r->left_out.count));
+    json_object_set_new(root, "warnings", warnings_json(&r->warnings));
     set_embree(root, s->tracer);
     json_object_set_new(root, "threads", json_count(s->threads));
     return root;

@@ -3,6 +3,7 @@
 #define CLI_STATS_H
 
 #include "cli/render_options.h"
+#include "cli/warnings.h"
 #include "render/parts.h"
 
 typedef struct render_report {
@@ -13,6 +14,7 @@ typedef struct render_report {
     bool interrupted;
     double finished; /* of the render, [0,1] */
     left_out_list left_out;
+    warning_list warnings;
 } render_report;
 
 uint64_t report_rays(const render_report *report);

@@ -181,7 +181,7 @@ static bool tell_absent(const world *w, left_out_list *list) {
 bool left_out_find(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *out) {
     bool fine = tell_absent(w, out) && tell_shapes(w, out) && tell_parts(w, settings, parts, out);
     if (fine && !(parts & FATHOM_PART_UVS))
-        fine = left_out_tell(out, "texture coordinates", "no material has a texture");
+        fine = left_out_tell(out, "texture coordinates", "textures are not read");
     if (fine && !(parts & FATHOM_PART_LIGHTS)) fine = tell_lights(w, settings, out);
     if (fine && (settings->max_loss > 0 || settings->max_relative_loss > 0))
         fine = left_out_tell(out, "faint shadow rays",

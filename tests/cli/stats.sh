@@ -48,6 +48,7 @@ OBJ
 run 0 render mesh.obj -o a.exr --size 32x32 --stats s.json
 [ "$(number s.json triangles) $(number s.json degenerateTriangles)" = '2 1' ] || die 'degenerate triangles'
 [ "$(grep -c 'fathom: warning: triangles without area that are left out: 1' err.txt)" = 1 ] || die 'one warning'
+said s.json '    "triangles without area that are left out: 1"'
 
 # Where python is at hand: it is JSON for others, too.
 if python3 -c 'import json' 2>/dev/null; then

@@ -141,6 +141,49 @@ static void specular_and_ior_zero(void **state) {
     assert_near(old.k_r[2], 0.25, 0x1p-24);
 }
 
+/* What lights a material is the same, whichever of the two workflows describes it. */
+static void specular_glossiness_keeps_its_colour(void **state) {
+    fixture *f = *state;
+    const char *more =
+        ",'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[0.1,0.8,0.2,1],"
+        "'specularFactor':[0.75,0.5,0.25],'glossinessFactor':0.4}}";
+    fathom_material m = read_factors(f, 1, 1, 1, more);
+    assert_near(m.k_d[0], 0.25 * 0.1, 0x1p-24);
+    assert_near(m.k_d[1], 0.5 * 0.8, 0x1p-24);
+    assert_near(m.k_d[2], 0.75 * 0.2, 0x1p-24);
+    assert_near(m.shininess, 2 / pow(0.6, 4) - 2, 1e-5);
+    assert_near(m.k_s[0] / m.k_s[2], 3, 1e-6);
+    assert_false(m.fresnel);
+    assert_int_equal(f->warnings, 0);
+}
+
+/* A texture that is not read is taken as one even value: no silhouette, no mirror, no glass all over. */
+static void textures_are_taken_as_even_values(void **state) {
+    fixture *f = *state;
+    const char *all =
+        "'pbrMetallicRoughness':{'baseColorTexture':{'index':0},'metallicRoughnessTexture':{'index':0}},"
+        "'emissiveFactor':[1,1,1],'emissiveTexture':{'index':0},'occlusionTexture':{'index':0},"
+        "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1,'transmissionTexture':{}},"
+        "'KHR_materials_specular':{'specularTexture':{},'specularColorTexture':{}}}";
+    fathom_material grey = read_factors(f, 0.5, 0, 1, ""), m = read_material(f, all);
+    for (int c = 0; c < 3; ++c) {
+        assert_near(m.k_d[c], grey.k_d[0], 0);
+        assert_near(m.k_s[c], grey.k_s[0], 0);
+        assert_near(m.k_e[c] + m.k_t[c] + m.k_r[c], 0, 0);
+    }
+    assert_int_equal(f->warnings, 7);
+    m = read_material(f, "'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseTexture':{},"
+                         "'specularGlossinessTexture':{}}}");
+    assert_near(m.k_d[0], 0.96 * 0.5, 0x1p-24);
+    assert_near(m.k_r[0], 0, 0);
+    assert_near(m.shininess, 1, 0);
+    /* Unlit and of one colour, it would be an outline. */
+    m = read_material(f, "'extensions':{'KHR_materials_unlit':{}},'pbrMetallicRoughness':{'metallicFactor':0,"
+                         "'baseColorTexture':{'index':0}}");
+    assert_near(m.k_e[0], 0, 0);
+    assert_near(m.k_d[0], 0.96 * 0.5, 0x1p-24);
+}
+
 static void emission(void **state) {
     fixture *f = *state;
     fathom_material m = read_factors(f, 0, 0, 1,
@@ -239,6 +282,8 @@ int main(void) {
         TEST(plastic_and_metal),
         TEST(glass),
         TEST(specular_and_ior_zero),
+        TEST(specular_glossiness_keeps_its_colour),
+        TEST(textures_are_taken_as_even_values),
         TEST(emission),
         TEST(alpha),
         TEST(shadows_of_clear_things),

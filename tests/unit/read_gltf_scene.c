@@ -109,16 +109,25 @@ static void what_is_left_out_is_said_once(void **state) {
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode'"
          ":1},"
          "{'attributes':{'POSITION':0}}]}]",
-         "points or lines"},
+         "primitives[0].mode: points and lines are left out (2 such)"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':0}]},"
          "{'attributes':{'POSITION':0},'targets':[{'POSITION':0}]}]}]",
          "morph"},
         {"'meshes':[{'primitives':[{'attributes':{}},{'attributes':{}},{'attributes':{'POSITION':0}}]}]",
          "without POSITION"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0},{'attributes':{'POSITION':0},"
-         "'material':1}]}],'materials':[{'normalTexture':{'index':0}},{'pbrMetallicRoughness':{"
-         "'baseColorTexture':{'index':0}}}]",
-         "textures"},
+         "'material':1}]}],'materials':[{'normalTexture':{'index':0}},{'normalTexture':{'index':0}}]",
+         "materials[0]: normalTexture is not read, and taken as flat (2 such)"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':7},'material':0}]}],'materials':[{}"
+         "]",
+         "meshes[0].primitives[0].attributes.COLOR_0: vertex colours are not used (1 such)"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{'doubleSided':"
+         "false}]",
+         "materials[0].doubleSided: back faces are seen"},
+        {"'extensionsUsed':['A_b'],'materials':[{'extensions':{'A_b':{'extensions':{'KHR_texture_transform':{"
+         "}}}},"
+         "'extras':{'extensions':{'B_c':0}}},{'extensions':{'A_b':1}}]," TRIANGLE_MESH,
+         "materials[0]: the extension A_b is not followed (2 such)"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char json[4096];
@@ -131,6 +140,26 @@ static void what_is_left_out_is_said_once(void **state) {
         assert_true(scene->meshes.count > 0 && scene->instances.count == 1 + (i == 1));
         fathom_scene_destroy(scene);
     }
+}
+
+/* KHR_node_visibility hides what is below as well, and lights, but not cameras. */
+static void hidden_nodes_show_nothing_but_their_camera(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene = read_triangle(
+        f, WITH_DATA(
+               TRIANGLE_MESH
+               ",'extensionsRequired':['KHR_node_visibility'],'nodes':[{'mesh':0},{'mesh':0,'children':[2,3],"
+               "'extensions':{'KHR_node_visibility':{'visible':false}}},{'mesh':0,'camera':0,'extensions':{"
+               "'KHR_node_visibility':{'visible':true}}},{'extensions':{'KHR_lights_punctual':{'light':0}}},"
+               "{'mesh':0,'extensions':{'KHR_node_visibility':{}}}],"
+               "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point'}]}},"
+               "'cameras':[{'type':'perspective','perspective':{'yfov':1,'znear':0.1}}]"));
+    assert_int_equal(scene->instances.count, 2);
+    assert_int_equal(scene->lights.count, 0);
+    assert_true(scene->has_camera);
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "nodes[1]: KHR_node_visibility hides it"));
+    fathom_scene_destroy(scene);
 }
 
 #define CAMERAS                                                                                              \
@@ -241,6 +270,7 @@ int main(void) {
         TEST(which_nodes_are_shown),
         TEST(what_is_left_out_is_said_once),
         TEST(camera),
+        TEST(hidden_nodes_show_nothing_but_their_camera),
         TEST(lights),
         TEST(surroundings_only_when_asked_for),
         TEST(into_a_group),

@@ -1,43 +1,13 @@
 /* glTF 2.0 and GLB: the whole of it.
  *
  * What is read: the nodes of the default scene (else the first scene, else all root nodes; else every mesh
- * once), triangles of any mode, materials, one perspective camera, KHR_lights_punctual. Skins, morph
- * targets and animations are left in the rest pose, textures are not used: each is warned about once. */
+ * once), triangles of any mode, materials, one perspective camera, and the extensions of gltf_extension.c.
+ * Skins, morph targets and animations are left in the rest pose, textures and vertex colours are not used,
+ * both sides of a triangle are seen: each is noted. */
 #include "read/gltf/gltf.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* Extensions that are followed, and those that only touch textures, which are not used anyway. */
-static const char *const known_extensions[] = {
-    "KHR_lights_punctual",    "KHR_materials_ior",       "KHR_materials_transmission",
-    "KHR_materials_specular", "KHR_materials_unlit",     "KHR_materials_emissive_strength",
-    "KHR_mesh_quantization",  "EXT_mesh_gpu_instancing", "KHR_texture_transform",
-    "KHR_texture_basisu",     "EXT_texture_webp",        "EXT_texture_avif",
-};
-
-static bool is_known(const char *name) {
-    for (size_t i = 0; i < sizeof known_extensions / sizeof *known_extensions; ++i) {
-        if (strcmp(known_extensions[i], name) == 0) return true;
-    }
-    return false;
-}
-
-static fathom_status check_extensions(gltf *g) {
-    gltf_value required;
-    fathom_status status = gltf_array(g, &g->root, "extensionsRequired", &required);
-    for (size_t i = 0; i < gltf_count(&required) && status == FATHOM_OK; ++i) {
-        const char *name = json_string_value(json_array_get(required.json, i));
-        if (name && is_known(name)) continue;
-        gltf_value at = {.parent = &required, .index = i};
-        if (!name) return gltf_fail(g, &at, NULL, "is not a string; expected the name of an extension");
-        status = gltf_fail(g, &at, NULL,
-                           "the file cannot be read without the extension \"%.80s\", which is not supported; "
-                           "export it without",
-                           name);
-    }
-    return status;
-}
 
 /* "2.0" and any "2.x": a later minor version stays readable unless minVersion says otherwise. */
 static fathom_status check_version(gltf *g) {
@@ -87,10 +57,12 @@ static fathom_status make_tables(gltf *g) {
     return FATHOM_OK;
 }
 
-static void warn_animations(gltf *g) {
-    if (json_array_size(json_object_get(g->root.json, "animations")))
-        warn(g->context,
-             "%s: it is animated; animations are not followed, everything rests where its node is", g->path);
+static void note_animations(gltf *g) {
+    const gltf_value animations = gltf_member(&g->root, "animations");
+    for (size_t i = 0; i < gltf_count(&animations); ++i) {
+        const gltf_value at = {.parent = &animations, .index = i};
+        gltf_note(g, &at, NULL, "animations are not followed; everything rests where its node is");
+    }
 }
 
 static fathom_status close_source(gltf *g, gltf_source *source, fathom_status status) {
@@ -121,12 +93,16 @@ fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
     gltf g = {.scene = scene, .context = scene->context, .group = group, .path = path, .options = options};
     fathom_status status = gltf_open(&g);
     if (status == FATHOM_OK) status = check_version(&g);
-    if (status == FATHOM_OK) status = check_extensions(&g);
+    if (status == FATHOM_OK) status = gltf_check_extensions(&g);
     if (status == FATHOM_OK) status = open_arrays(&g);
     if (status == FATHOM_OK) status = make_tables(&g);
     if (status == FATHOM_OK) status = gltf_nodes_place(&g);
     if (status == FATHOM_OK && options->surroundings) status = gltf_camera_take(&g);
-    if (status == FATHOM_OK) warn_animations(&g);
-    if (status == FATHOM_OK) gltf_warn_images(&g);
+    if (status == FATHOM_OK) {
+        note_animations(&g);
+        gltf_note_extensions(&g);
+        gltf_note_images(&g);
+        notes_tell(&g.notes, g.context, path);
+    }
     return finish(&g, status);
 }

@@ -12,11 +12,13 @@
  * gltf_material.c   materials to the model's
  * gltf_node.c       the hierarchy, its instances
  * gltf_light.c      lights
- * gltf_camera.c     cameras, and which one is taken */
+ * gltf_camera.c     cameras, and which one is taken
+ * gltf_extension.c  extensions: which are followed, and what is said of the others */
 #ifndef READ_GLTF_H
 #define READ_GLTF_H
 
 #include "base/file.h"
+#include "read/mesh/notes.h"
 #include "read/read.h"
 #include "json/memory.h"
 
@@ -57,17 +59,6 @@ typedef struct gltf_array_entry {
     const uint32_t *indices; /* NULL: not made yet */
 } gltf_array_entry;
 
-/* One bit for each kind of warning: each is given once a file. */
-enum {
-    GLTF_WARNED_TEXTURES = 1u << 0,
-    GLTF_WARNED_SKINS = 1u << 1,
-    GLTF_WARNED_MORPH = 1u << 2,
-    GLTF_WARNED_MODES = 1u << 3,
-    GLTF_WARNED_POSITIONS = 1u << 4,
-    GLTF_WARNED_REST = 1u << 5,
-    GLTF_WARNED_RANGE = 1u << 6,
-};
-
 typedef struct gltf_material {
     fathom_id id;   /* FATHOM_NONE: not made yet */
     unsigned flags; /* of the meshes that wear it */
@@ -98,7 +89,7 @@ typedef struct gltf {
     uint64_t file_bytes;   /* of the files opened */
     uint64_t charged;      /* bytes: gltf_charge() */
     ARRAY(gltf_camera) seen_cameras;
-    unsigned warned;
+    note_list notes;
 } gltf;
 
 #define GLTF_EMPTY (FATHOM_NONE - 1) /* a mesh without a triangle */
@@ -113,7 +104,9 @@ fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const ch
     __attribute__((format(printf, 4, 5)));
 /* Puts file and place in front of the message that a call of the scene left. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
-void gltf_warn_once(gltf *g, unsigned kind, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* What is left out, or read otherwise than the file says; see notes.h. */
+void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 gltf_value gltf_member(const gltf_value *parent, const char *key);
 fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
@@ -150,8 +143,8 @@ fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
 /* From now on the scene keeps the buffer's bytes. Call before anything of the scene points into them. */
 fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer);
 void gltf_source_release(void *source);
-/* Images are not used, but a model without its files is not whole: says which are missing. */
-void gltf_warn_images(gltf *g);
+/* Images are not used, but a model without its files is not whole: notes those that are missing. */
+void gltf_note_images(gltf *g);
 
 /* ---- gltf_memory.c ---- */
 
@@ -223,6 +216,13 @@ fathom_status gltf_array_floats(gltf *g, const gltf_value *user, const char *key
 /* Not looked at yet: what they must be below is known to the user alone. */
 fathom_status gltf_array_indices(gltf *g, const gltf_value *user, const char *key, bool *present,
                                  const uint32_t **out, uint32_t *count);
+
+/* ---- gltf_extension.c ---- */
+
+/* FATHOM_BAD_INPUT when the file cannot be read without an extension that is not followed. */
+fathom_status gltf_check_extensions(gltf *g);
+/* Notes those that are used and not followed. */
+void gltf_note_extensions(gltf *g);
 
 /* ---- what the document holds ---- */
 

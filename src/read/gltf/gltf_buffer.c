@@ -169,14 +169,11 @@ static bool is_missing(gltf *g, const char *uri) {
     return missing;
 }
 
-void gltf_warn_images(gltf *g) {
-    const json_t *images = json_object_get(g->root.json, "images");
-    size_t count = 0, first = 0;
-    for (size_t i = 0; i < json_array_size(images); ++i) {
-        const char *uri = json_string_value(json_object_get(json_array_get(images, i), "uri"));
-        if (uri && is_missing(g, uri) && !count++) first = i;
+void gltf_note_images(gltf *g) {
+    const gltf_value images = gltf_member(&g->root, "images");
+    for (size_t i = 0; i < gltf_count(&images); ++i) {
+        const gltf_value at = {.json = json_array_get(images.json, i), .parent = &images, .index = i};
+        const char *uri = json_string_value(json_object_get(at.json, "uri"));
+        if (uri && is_missing(g, uri)) gltf_note(g, &at, "uri", "there is no such file");
     }
-    if (count)
-        warn(g->context, "%s: images[%zu].uri: there is no file \"%.80s\" (%zu such); textures are not used",
-             g->path, first, json_string_value(json_object_get(json_array_get(images, first), "uri")), count);
 }

@@ -40,15 +40,14 @@ fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom
     return fail_within(g->context, status, "%s: %s%s", g->path, place, place[0] ? ": " : "");
 }
 
-void gltf_warn_once(gltf *g, unsigned kind, const char *format, ...) {
-    if (g->warned & kind) return;
-    g->warned |= kind;
-    char text[1024];
+void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {
+    char place[128] = ": ", text[320];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    warn(g->context, "%s: %s", g->path, text);
+    write_member(at, key, place + 2, sizeof place - 2);
+    notes_add(&g->notes, 1, place[2] ? place : "", "%s", text);
 }
 
 static const char *kind_name(const json_t *json) {

@@ -64,7 +64,7 @@ static fathom_status read_light(gltf *g, const gltf_value *at, fathom_light *out
     if (status == FATHOM_OK && out->type == FATHOM_LIGHT_SPOT) status = read_cone(g, at, out);
     for (int i = 0; i < 3; ++i) out->intensity[i] = (float)(color[i] * intensity / pi);
     if (json_object_get(at->json, "range"))
-        gltf_warn_once(g, GLTF_WARNED_RANGE, "the range of lights is ignored; they fall off for ever");
+        gltf_note(g, at, "range", "the range of lights is ignored; they fall off for ever");
     return status;
 }
 

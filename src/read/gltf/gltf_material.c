@@ -31,7 +31,18 @@
  * - KHR_materials_unlit: k_e = b, nothing else.
  * - emissiveFactor: k_e = factor times KHR_materials_emissive_strength; it lights nothing else.
  * - ior 0: F0 is the specular colour, no refraction. So older workflows are carried over.
- * - Textures are not used, their factor stands alone; warned about once.
+ * - KHR_materials_pbrSpecularGlossiness: as an ior of 0 with the specular colour, a dielectric with the
+ *   diffuse colour as b, and r = 1 - glossiness.
+ *
+ * Textures are not read. Their factors are mostly 1 and mean little alone, so each texture is taken as one
+ * even value, the least wrong one:
+ *
+ * - base colour and diffuse: grey 0.5, alpha 1. White would be brighter than any texture makes the surface.
+ * - an unlit material with a base colour texture is lit: the even colour would show an outline alone.
+ * - metallic and roughness: 0 and 1. Most surfaces are no metals, and a metal without its colour is white.
+ * - specular and glossiness: 0.04 and 0, for the same reason.
+ * - emission and transmission: 0. They are spots on most models; all over they hide the model.
+ * - specular factors, normals, occlusion: 1, flat, none.
  *
  * A mesh whose material lets more than half of the light through casts no shadow: shadow rays know only
  * all or nothing. */
@@ -134,14 +145,16 @@ static unsigned flags_of(const fathom_material *m) {
 
 /* ---- reading ---- */
 
-static void note_textures(gltf *g, const gltf_value *at) {
-    static const char *const keys[] = {
-        "baseColorTexture", "metallicRoughnessTexture", "emissiveTexture",      "normalTexture",
-        "occlusionTexture", "transmissionTexture",      "specularColorTexture", "specularTexture"};
-    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
-        if (json_object_get(at->json, keys[i]))
-            gltf_warn_once(g, GLTF_WARNED_TEXTURES, "textures are not used; the colours beside them are");
-    }
+/* Whether the texture is there; then it is noted that it is not read, and what is taken for it. */
+static bool lacks_texture(gltf *g, const gltf_value *at, const char *key, const char *taken) {
+    if (!json_object_get(at->json, key)) return false;
+    gltf_note(g, at, NULL, "%s is not read, and taken as %s", key, taken);
+    return true;
+}
+
+static void without_base(factors *f) {
+    for (int i = 0; i < 3; ++i) f->base[i] *= 0.5;
+    f->unlit = false;
 }
 
 static fathom_status read_metallic_roughness(gltf *g, const gltf_value *at, factors *f) {
@@ -150,7 +163,27 @@ static fathom_status read_metallic_roughness(gltf *g, const gltf_value *at, fact
     if (status == FATHOM_OK) status = gltf_numbers(g, &pbr, "baseColorFactor", 4, 0, 1, f->base);
     if (status == FATHOM_OK) status = gltf_number(g, &pbr, "metallicFactor", 0, 1, &f->metallic);
     if (status == FATHOM_OK) status = gltf_number(g, &pbr, "roughnessFactor", 0, 1, &f->roughness);
-    note_textures(g, &pbr);
+    if (lacks_texture(g, &pbr, "baseColorTexture",
+                      f->unlit ? "grey 0.5, and the material as lit" : "grey 0.5"))
+        without_base(f);
+    if (lacks_texture(g, &pbr, "metallicRoughnessTexture", "no metal, and rough")) f->metallic = 0;
+    return status;
+}
+
+/* The older workflow, instead of metallic and roughness. */
+static fathom_status read_specular_glossiness(gltf *g, const gltf_value *pbr, factors *f) {
+    double glossiness = 1;
+    fathom_status status = gltf_numbers(g, pbr, "diffuseFactor", 4, 0, 1, f->base);
+    if (status == FATHOM_OK) status = gltf_numbers(g, pbr, "specularFactor", 3, 0, 1, f->specular_color);
+    if (status == FATHOM_OK) status = gltf_number(g, pbr, "glossinessFactor", 0, 1, &glossiness);
+    if (lacks_texture(g, pbr, "diffuseTexture", f->unlit ? "grey 0.5, and the material as lit" : "grey 0.5"))
+        without_base(f);
+    f->metallic = f->ior = 0;
+    f->roughness = 1 - glossiness;
+    if (lacks_texture(g, pbr, "specularGlossinessTexture", "specular 0.04, and rough")) {
+        for (int i = 0; i < 3; ++i) f->specular_color[i] *= 0.04;
+        f->roughness = 1;
+    }
     return status;
 }
 
@@ -185,12 +218,13 @@ static fathom_status read_specular(gltf *g, const gltf_value *extensions, factor
     if (status == FATHOM_OK) status = gltf_number(g, &specular, "specularFactor", 0, 1, &f->specular);
     if (status == FATHOM_OK)
         status = gltf_numbers(g, &specular, "specularColorFactor", 3, 0, 1e6, f->specular_color);
-    note_textures(g, &specular);
+    lacks_texture(g, &specular, "specularTexture", "1");
+    lacks_texture(g, &specular, "specularColorTexture", "white");
     return status;
 }
 
 static fathom_status read_extensions(gltf *g, const gltf_value *at, factors *f) {
-    gltf_value extensions, transmission, emissive, unlit = {.json = NULL};
+    gltf_value extensions, transmission, emissive, glossiness;
     fathom_status status = gltf_object(g, at, "extensions", &extensions);
     if (status == FATHOM_OK) status = read_ior(g, &extensions, f);
     if (status == FATHOM_OK) status = read_specular(g, &extensions, f);
@@ -198,22 +232,41 @@ static fathom_status read_extensions(gltf *g, const gltf_value *at, factors *f) 
         status = gltf_object(g, &extensions, "KHR_materials_transmission", &transmission);
     if (status != FATHOM_OK) return status;
     status = gltf_number(g, &transmission, "transmissionFactor", 0, 1, &f->transmission);
-    note_textures(g, &transmission);
+    if (lacks_texture(g, &transmission, "transmissionTexture", "opaque")) f->transmission = 0;
     if (status == FATHOM_OK)
         status = gltf_object(g, &extensions, "KHR_materials_emissive_strength", &emissive);
     if (status == FATHOM_OK)
         status = gltf_number(g, &emissive, "emissiveStrength", 0, 1e30, &f->emissive_strength);
-    if (status == FATHOM_OK) status = gltf_object(g, &extensions, "KHR_materials_unlit", &unlit);
-    f->unlit = unlit.json != NULL;
+    if (status == FATHOM_OK)
+        status = gltf_object(g, &extensions, "KHR_materials_pbrSpecularGlossiness", &glossiness);
+    if (status != FATHOM_OK) return status;
+    return glossiness.json ? read_specular_glossiness(g, &glossiness, f) : read_metallic_roughness(g, at, f);
+}
+
+static fathom_status read_unlit(gltf *g, const gltf_value *at, factors *f) {
+    gltf_value extensions, unlit;
+    fathom_status status = gltf_extension(g, at, "KHR_materials_unlit", &extensions, &unlit);
+    f->unlit = status == FATHOM_OK && unlit.json;
+    return status;
+}
+
+/* Both sides of a surface are seen. */
+static fathom_status read_sides(gltf *g, const gltf_value *at) {
+    bool both = true;
+    fathom_status status = gltf_flag(g, at, "doubleSided", &both);
+    if (!both) gltf_note(g, at, "doubleSided", "back faces are seen, whatever doubleSided says");
     return status;
 }
 
 static fathom_status read_factors(gltf *g, const gltf_value *at, factors *f) {
-    fathom_status status = read_metallic_roughness(g, at, f);
+    fathom_status status = read_unlit(g, at, f);
+    if (status == FATHOM_OK) status = read_extensions(g, at, f);
     if (status == FATHOM_OK) status = gltf_numbers(g, at, "emissiveFactor", 3, 0, 1, f->emissive);
     if (status == FATHOM_OK) status = read_alpha(g, at, f);
-    if (status == FATHOM_OK) status = read_extensions(g, at, f);
-    note_textures(g, at);
+    if (status == FATHOM_OK) status = read_sides(g, at);
+    if (lacks_texture(g, at, "emissiveTexture", "black")) memset(f->emissive, 0, sizeof f->emissive);
+    lacks_texture(g, at, "normalTexture", "flat");
+    lacks_texture(g, at, "occlusionTexture", "none");
     return status;
 }
 

@@ -66,8 +66,7 @@ static fathom_status read_indices(gltf *g, primitive *p) {
     if (status != FATHOM_OK) return status;
     p->mesh.triangle_count = triangles_of(p->mode, count);
     if (!p->mesh.triangle_count || (p->mode == MODE_TRIANGLES && count % 3)) {
-        gltf_warn_once(g, GLTF_WARNED_REST,
-                       "a mesh has vertices that make up no whole triangle; they are left out");
+        gltf_note(g, p->at, NULL, "a mesh has vertices that make up no whole triangle; they are left out");
     }
     p->mesh.indices = corners;
     if (!p->mesh.triangle_count) return FATHOM_OK;
@@ -162,8 +161,7 @@ static fathom_status read_mode(gltf *g, const gltf_value *at, uint32_t *mode) {
     uint64_t value = MODE_TRIANGLES;
     fathom_status status = gltf_integer(g, at, "mode", 0, MODE_FAN, &value);
     *mode = value < MODE_TRIANGLES ? 0 : (uint32_t)value;
-    if (status == FATHOM_OK && !*mode)
-        gltf_warn_once(g, GLTF_WARNED_MODES, "it holds points or lines, which are left out");
+    if (status == FATHOM_OK && !*mode) gltf_note(g, at, "mode", "points and lines are left out");
     return status;
 }
 
@@ -177,13 +175,15 @@ static fathom_status add_primitive(gltf *g, const gltf_value *at, fathom_id grou
     if (status == FATHOM_OK) status = read_mode(g, at, &p.mode);
     if (status != FATHOM_OK || !p.mode) return status;
     if (gltf_count(&targets))
-        gltf_warn_once(g, GLTF_WARNED_MORPH, "morph targets are not applied; meshes have their base shape");
+        gltf_note(g, at, "targets", "morph targets are not applied; meshes have their base shape");
     status = read_positions(g, &p, &present);
     if (status != FATHOM_OK) return status;
     if (!present) {
-        gltf_warn_once(g, GLTF_WARNED_POSITIONS, "a mesh without POSITION is left out");
+        gltf_note(g, at, NULL, "a mesh without POSITION is left out");
         return FATHOM_OK;
     }
+    if (json_object_get(attributes.json, "COLOR_0"))
+        gltf_note(g, &attributes, "COLOR_0", "vertex colours are not used");
     status = read_indices(g, &p);
     if (status != FATHOM_OK || !p.mesh.triangle_count) return status;
     if (!g->options->flat) status = read_normals(g, &p);

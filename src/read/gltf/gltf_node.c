@@ -8,13 +8,13 @@
 
 typedef struct step {
     uint32_t node;
+    bool hidden;         /* the node's parent is */
     affine_f64 to_world; /* of the node's parent */
 } step;
 
 typedef struct walk {
     uint32_t *parents; /* GLTF_ABSENT: a root */
     ARRAY(step) stack;
-    uint32_t flattened; /* nodes left out because they are scaled to nothing */
 } walk;
 
 /* ---- the graph ---- */
@@ -107,7 +107,7 @@ static fathom_status read_transform(gltf *g, const gltf_value *node, affine_f64 
 
 /* ---- placing ---- */
 
-static fathom_status add_instance(gltf *g, walk *w, const gltf_value *node, fathom_id group,
+static fathom_status add_instance(gltf *g, const gltf_value *node, fathom_id group,
                                   const affine_f64 *to_world) {
     affine_f64 inverse;
     fathom_instance instance;
@@ -122,7 +122,7 @@ static fathom_status add_instance(gltf *g, walk *w, const gltf_value *node, fath
     if (!finite) return gltf_fail(g, node, NULL, "is placed out of the range of numbers by its transforms");
     /* A scale of zero is how files hide things. */
     if (!affine_invert(to_world, &inverse)) {
-        ++w->flattened;
+        gltf_note(g, node, NULL, "is scaled to nothing, and left out");
         return FATHOM_OK;
     }
     /* Twice in memory, and half as much again, while their array grows. */
@@ -156,8 +156,8 @@ static void part_at(const gltf_floats *part, uint32_t i, int n, double *out) {
 }
 
 /* EXT_mesh_gpu_instancing: one node, many places. */
-static fathom_status add_many(gltf *g, walk *w, const gltf_value *node, const gltf_value *instancing,
-                              fathom_id group, const affine_f64 *to_world) {
+static fathom_status add_many(gltf *g, const gltf_value *node, const gltf_value *instancing, fathom_id group,
+                              const affine_f64 *to_world) {
     gltf_value attributes;
     instance_parts p = {.count = 0};
     fathom_status status = gltf_object(g, instancing, "attributes", &attributes);
@@ -176,33 +176,33 @@ static fathom_status add_many(gltf *g, walk *w, const gltf_value *node, const gl
         if (!(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] > 0))
             return gltf_fail(g, &attributes, "ROTATION", "entry %u is zero; expected unit quaternions", i);
         affine_f64 one = compose_parts(t, r, s), map = affine_compose(to_world, &one);
-        status = add_instance(g, w, node, group, &map);
+        status = add_instance(g, node, group, &map);
     }
     return status;
 }
 
-static fathom_status place_mesh(gltf *g, walk *w, const gltf_value *node, const affine_f64 *to_world) {
+static fathom_status place_mesh(gltf *g, const gltf_value *node, const affine_f64 *to_world) {
     uint32_t mesh = GLTF_ABSENT;
     fathom_id group = GLTF_EMPTY;
     gltf_value extensions, instancing;
     fathom_status status = gltf_index(g, node, "mesh", &g->meshes, &mesh);
     if (status != FATHOM_OK || mesh == GLTF_ABSENT) return status;
     if (json_object_get(node->json, "skin"))
-        gltf_warn_once(g, GLTF_WARNED_SKINS,
-                       "skins are not applied; meshes keep the shape they are stored in");
+        gltf_note(g, node, "skin", "skins are not applied; meshes keep the shape they are stored in");
     status = gltf_mesh_group(g, mesh, &group);
     if (status != FATHOM_OK || group == GLTF_EMPTY) return status;
     status = gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
     if (status != FATHOM_OK) return status;
-    if (instancing.json) return add_many(g, w, node, &instancing, group, to_world);
-    return add_instance(g, w, node, group, to_world);
+    if (instancing.json) return add_many(g, node, &instancing, group, to_world);
+    return add_instance(g, node, group, to_world);
 }
 
 /* Children are stacked last to first, so that nodes come in the order in which a reader of the file meets
  * them. */
-static fathom_status stack_children(gltf *g, walk *w, const gltf_value *list, const affine_f64 *to_world) {
+static fathom_status stack_children(gltf *g, walk *w, const gltf_value *list, bool hidden,
+                                    const affine_f64 *to_world) {
     for (size_t i = gltf_count(list); i-- > 0;) {
-        step next = {.to_world = *to_world};
+        step next = {.hidden = hidden, .to_world = *to_world};
         fathom_status status = gltf_index_item(g, list, i, &g->nodes, &next.node);
         if (status != FATHOM_OK) return status;
         if (!array_push(&w->stack, next)) return fail_memory(g->context, sizeof next);
@@ -210,20 +210,33 @@ static fathom_status stack_children(gltf *g, walk *w, const gltf_value *list, co
     return FATHOM_OK;
 }
 
+/* KHR_node_visibility hides meshes and lights of the node and of all below it. */
+static fathom_status read_visibility(gltf *g, const gltf_value *node, bool *hidden) {
+    gltf_value extensions, visibility;
+    bool visible = true;
+    fathom_status status = gltf_extension(g, node, "KHR_node_visibility", &extensions, &visibility);
+    if (status == FATHOM_OK) status = gltf_flag(g, &visibility, "visible", &visible);
+    if (!visible) gltf_note(g, node, NULL, "KHR_node_visibility hides it, and what is below it");
+    *hidden = *hidden || !visible;
+    return status;
+}
+
 static fathom_status visit(gltf *g, walk *w, const step *at) {
     gltf_value node, children;
     affine_f64 local;
+    bool hidden = at->hidden;
     fathom_status status = gltf_item(g, &g->nodes, at->node, &node);
     if (status == FATHOM_OK) status = read_transform(g, &node, &local);
+    if (status == FATHOM_OK) status = read_visibility(g, &node, &hidden);
     if (status != FATHOM_OK) return status;
     affine_f64 to_world = affine_compose(&at->to_world, &local);
-    status = place_mesh(g, w, &node, &to_world);
+    if (!hidden) status = place_mesh(g, &node, &to_world);
     if (status == FATHOM_OK && g->options->surroundings) {
         status = gltf_camera_note(g, &node, &to_world);
-        if (status == FATHOM_OK) status = gltf_light_place(g, &node, &to_world);
+        if (status == FATHOM_OK && !hidden) status = gltf_light_place(g, &node, &to_world);
     }
     if (status == FATHOM_OK) status = gltf_array(g, &node, "children", &children);
-    return status == FATHOM_OK ? stack_children(g, w, &children, &to_world) : status;
+    return status == FATHOM_OK ? stack_children(g, w, &children, hidden, &to_world) : status;
 }
 
 static fathom_status walk_down(gltf *g, walk *w) {
@@ -261,14 +274,14 @@ static fathom_status walk_scene(gltf *g, walk *w) {
     if (status == FATHOM_OK) status = gltf_item(g, &g->scenes, index, &scene);
     if (status == FATHOM_OK) status = gltf_array(g, &scene, "nodes", &list);
     if (status == FATHOM_OK) status = check_scene_roots(g, w, &list);
-    if (status == FATHOM_OK) status = stack_children(g, w, &list, &identity);
+    if (status == FATHOM_OK) status = stack_children(g, w, &list, false, &identity);
     return status == FATHOM_OK ? walk_down(g, w) : status;
 }
 
 static fathom_status walk_roots(gltf *g, walk *w) {
     fathom_status status = FATHOM_OK;
     for (uint32_t i = 0; i < gltf_count(&g->nodes) && status == FATHOM_OK; ++i) {
-        step root = {i, affine_identity()};
+        step root = {i, false, affine_identity()};
         if (w->parents[i] == GLTF_ABSENT) status = visit(g, w, &root);
         if (status == FATHOM_OK) status = walk_down(g, w);
     }
@@ -276,20 +289,20 @@ static fathom_status walk_roots(gltf *g, walk *w) {
 }
 
 /* A file that is a library of meshes: each is shown once, where it is. */
-static fathom_status place_all_meshes(gltf *g, walk *w) {
+static fathom_status place_all_meshes(gltf *g) {
     affine_f64 identity = affine_identity();
     fathom_status status = FATHOM_OK;
     for (uint32_t i = 0; i < gltf_count(&g->meshes) && status == FATHOM_OK; ++i) {
         fathom_id group = GLTF_EMPTY;
         gltf_value mesh = {.parent = &g->meshes, .index = i};
         status = gltf_mesh_group(g, i, &group);
-        if (status == FATHOM_OK && group != GLTF_EMPTY) status = add_instance(g, w, &mesh, group, &identity);
+        if (status == FATHOM_OK && group != GLTF_EMPTY) status = add_instance(g, &mesh, group, &identity);
     }
     return status;
 }
 
 static fathom_status place_all(gltf *g, walk *w) {
-    if (!gltf_count(&g->nodes)) return place_all_meshes(g, w);
+    if (!gltf_count(&g->nodes)) return place_all_meshes(g);
     fathom_status status = find_parents(g, w->parents);
     if (status == FATHOM_OK) status = find_cycle(g, w->parents);
     if (status != FATHOM_OK) return status;
@@ -300,8 +313,6 @@ fathom_status gltf_nodes_place(gltf *g) {
     size_t count = gltf_count(&g->nodes);
     walk w = {.parents = malloc((count + 1) * sizeof *w.parents)};
     fathom_status status = w.parents ? place_all(g, &w) : fail_memory(g->context, count * sizeof *w.parents);
-    if (status == FATHOM_OK && w.flattened)
-        warn(g->context, "%s: %u instances are scaled to nothing and left out", g->path, w.flattened);
     free(w.parents);
     array_free(&w.stack);
     return status;
