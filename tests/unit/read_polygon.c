@@ -244,11 +244,36 @@ static void many_corners(void **state) {
     free(fan);
 }
 
+/* Long ears that many corners could lie in, and outlines that cross themselves everywhere: the time does not
+ * grow with the square of the corners, or this test would not end. */
+static void many_corners_that_are_in_the_way(void **state) {
+    (void)state;
+    const uint32_t n = 200000;
+    float(*p)[3] = calloc(n, sizeof *p);
+    uint32_t *fan = malloc(3 * (size_t)n * sizeof *fan);
+    random_state random = {3};
+    assert_true(p && fan);
+    for (int star = 0; star < 2; ++star) {
+        for (uint32_t i = 0; i < n; ++i) {
+            double turn = 6.283185307179586 * i / n, radius = 1 + random_unit(&random);
+            p[i][0] = (float)(star ? radius * cos(turn) : radius);
+            p[i][1] = (float)(star ? radius * sin(turn) : random_unit(&random));
+        }
+        split((const float(*)[3])p, n, fan);
+    }
+    /* The star is simple: all its triangles turn as it does. */
+    for (uint32_t t = 0; t < n - 2; ++t)
+        assert_true(area((const float(*)[3])p, fan[3 * t], fan[3 * t + 1], fan[3 * t + 2]) >= 0);
+    free(p);
+    free(fan);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_stars),     cmocka_unit_test(clockwise), cmocka_unit_test(hard_outlines),
-        cmocka_unit_test(crossed_outlines), cmocka_unit_test(quads),     cmocka_unit_test(streams),
-        cmocka_unit_test(many_corners),
+        cmocka_unit_test(random_stars),  cmocka_unit_test(clockwise),
+        cmocka_unit_test(hard_outlines), cmocka_unit_test(crossed_outlines),
+        cmocka_unit_test(quads),         cmocka_unit_test(streams),
+        cmocka_unit_test(many_corners),  cmocka_unit_test(many_corners_that_are_in_the_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,21 +58,35 @@ static void split_quad(const polygon_vertices *v, uint32_t *fan, uint32_t *secon
  * cut, as angles only shrink. */
 typedef enum turn { TURN_CONVEX, TURN_FLAT, TURN_REFLEX, TURN_GONE } turn;
 
-/* The polygon in the plane, counterclockwise, as a ring; and a grid over the corners that are not convex:
- * only they can lie in an ear. */
+enum { TURNS = TURN_GONE + 1 };
+
+#define LEAF_CORNERS 16 /* at most; large enough that the tree takes less memory than the ring */
+
+/* The corners that may lie in an ear, those that are not convex, in a k-d tree: node k has the children 2k
+ * and 2k + 1, node 1 is the root, and those from `leaves` on are the leaves. */
+typedef struct tree {
+    uint32_t leaves;  /* a power of two; 0: the tree is empty */
+    uint32_t *order;  /* the corners, leaf after leaf */
+    uint32_t *first;  /* of each leaf, in order[]; one more for the end */
+    uint32_t *live;   /* of each node: how many of its corners are not convex, and still there */
+    double (*box)[4]; /* of each node: lowest x, y, highest x, y */
+} tree;
+
+/* The polygon in the plane, counterclockwise, as a ring. */
 typedef struct ring {
-    uint32_t n, cells; /* the grid has cells × cells */
+    uint32_t n;
     double (*point)[2];
     uint32_t *next, *last;
-    uint32_t *cell_first, *cell_items;
+    uint32_t *leaf;      /* of the tree, in which a corner is; 0: none */
     uint32_t *triangles; /* corner numbers, 3 each */
     uint32_t *moved;     /* n, for carrying streams along */
     uint32_t *queue;     /* corners that may be ears: a circle of n */
     uint32_t *queued;    /* whether a corner is in it */
     uint32_t queue_begin, queue_count;
     turn *turns;
-    double low[2], scale[2];
+    uint32_t count[TURNS]; /* of corners that turn so */
     uint32_t triangle_count;
+    tree tree;
 } ring;
 
 static double orientation(const double a[2], const double b[2], const double c[2]) {
@@ -84,21 +98,27 @@ static turn turn_at(const ring *r, uint32_t i) {
     return area > 0 ? TURN_CONVEX : area < 0 ? TURN_REFLEX : TURN_FLAT;
 }
 
+static uint32_t leaves_for(uint32_t corners) {
+    uint32_t leaves = 1;
+    while ((uint64_t)leaves * LEAF_CORNERS < corners) leaves *= 2;
+    return leaves;
+}
+
 static bool ring_allocate(polygon_work *work, uint32_t n, ring *r) {
-    /* About two corners to a cell. */
-    uint32_t cells = (uint32_t)sqrt(n / 2.0);
-    r->n = n;
-    r->cells = cells < 1 ? 1 : cells > 1024 ? 1024 : cells;
-    size_t words[] = {4 * (size_t)n,
-                      n,
-                      n,
-                      (size_t)r->cells * r->cells + 1,
-                      n,
-                      3 * (size_t)n,
-                      n,
-                      n,
-                      n,
-                      (size_t)n * sizeof *r->turns / sizeof(uint32_t)};
+    const size_t leaves = leaves_for(n), point = 2 * sizeof(double) / sizeof(uint32_t);
+    const size_t words[] = {point * n,
+                            2 * point * 2 * leaves,
+                            n,
+                            n,
+                            n,
+                            3 * (size_t)n,
+                            n,
+                            n,
+                            n,
+                            n,
+                            leaves + 1,
+                            2 * leaves,
+                            (size_t)n * sizeof *r->turns / sizeof(uint32_t)};
     size_t bytes = 0;
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i) bytes += words[i] * sizeof(uint32_t);
     if (bytes > work->size) {
@@ -107,13 +127,15 @@ static bool ring_allocate(polygon_work *work, uint32_t n, ring *r) {
         work->memory = memory;
         work->size = bytes;
     }
+    r->n = n;
     r->point = work->memory;
-    uint32_t *at = (uint32_t *)work->memory + words[0];
-    uint32_t **parts[] = {&r->next,      &r->last,  &r->cell_first, &r->cell_items,
-                          &r->triangles, &r->moved, &r->queue,      &r->queued};
+    r->tree.box = (double(*)[4])(void *)((uint32_t *)work->memory + words[0]);
+    uint32_t *at = (uint32_t *)work->memory + words[0] + words[1];
+    uint32_t **parts[] = {&r->next,  &r->last,   &r->leaf,       &r->triangles,  &r->moved,
+                          &r->queue, &r->queued, &r->tree.order, &r->tree.first, &r->tree.live};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         *parts[i] = at;
-        at += words[i + 1];
+        at += words[i + 2];
     }
     r->turns = (turn *)(void *)at;
     return true;
@@ -161,40 +183,81 @@ static bool is_convex(const ring *r) {
     return reversals <= 2;
 }
 
-/* In cells, from 0 to r->cells. */
-static double in_cells(const ring *r, double x, int axis) { return (x - r->low[axis]) * r->scale[axis]; }
+/* ---- the tree ---- */
 
-static uint32_t cell_number(const ring *r, double cell) {
-    return cell <= 0 ? 0 : cell >= r->cells - 1 ? r->cells - 1 : (uint32_t)cell;
+/* Puts into place `nth` of order[begin…end) the corner that sorting by the axis would, with no larger ones
+ * before it and no smaller ones behind (Hoare's selection). */
+static void select_nth(const ring *r, int axis, uint32_t begin, uint32_t end, uint32_t nth) {
+    uint32_t *order = r->tree.order;
+    while (end - begin > 1) {
+        const double pivot = r->point[order[begin + (end - begin) / 2]][axis];
+        int64_t low = begin, high = (int64_t)end - 1;
+        while (low <= high) {
+            while (r->point[order[low]][axis] < pivot) ++low;
+            while (r->point[order[high]][axis] > pivot) --high;
+            if (low > high) break;
+            uint32_t swap = order[low];
+            order[low++] = order[high];
+            order[high--] = swap;
+        }
+        if ((int64_t)nth <= high)
+            end = (uint32_t)(high + 1);
+        else if ((int64_t)nth >= low)
+            begin = (uint32_t)low;
+        else
+            return;
+    }
 }
 
-static uint32_t *cell_at(const ring *r, uint32_t i) {
-    uint32_t x = cell_number(r, in_cells(r, r->point[i][0], 0));
-    uint32_t y = cell_number(r, in_cells(r, r->point[i][1], 1));
-    return r->cell_first + y * r->cells + x;
-}
-
-/* Counting sort of the corners that are not convex into cells. */
-static void fill_grid(ring *r) {
-    double high[2];
-    memcpy(r->low, r->point[0], sizeof r->low);
-    memcpy(high, r->point[0], sizeof high);
-    for (uint32_t i = 1; i < r->n; ++i) {
+static void fit_box(const ring *r, uint32_t begin, uint32_t end, double box[4]) {
+    box[0] = box[1] = (double)INFINITY;
+    box[2] = box[3] = -(double)INFINITY;
+    for (uint32_t i = begin; i < end; ++i) {
+        const double *p = r->point[r->tree.order[i]];
         for (int k = 0; k < 2; ++k) {
-            r->low[k] = fmin(r->low[k], r->point[i][k]);
-            high[k] = fmax(high[k], r->point[i][k]);
+            box[k] = p[k] < box[k] ? p[k] : box[k];
+            box[k + 2] = p[k] > box[k + 2] ? p[k] : box[k + 2];
         }
     }
-    for (int k = 0; k < 2; ++k) r->scale[k] = high[k] > r->low[k] ? r->cells / (high[k] - r->low[k]) : 0;
-    size_t count = (size_t)r->cells * r->cells;
-    memset(r->cell_first, 0, (count + 1) * sizeof *r->cell_first);
-    for (uint32_t i = 0; i < r->n; ++i) {
-        if (r->turns[i] != TURN_CONVEX) ++*cell_at(r, i);
+}
+
+static void build(ring *r, uint32_t node, uint32_t begin, uint32_t end) {
+    tree *t = &r->tree;
+    t->live[node] = end - begin;
+    fit_box(r, begin, end, t->box[node]);
+    if (node >= t->leaves) {
+        t->first[node - t->leaves] = begin;
+        for (uint32_t i = begin; i < end; ++i) r->leaf[t->order[i]] = node;
+        return;
     }
-    for (size_t c = 1; c <= count; ++c) r->cell_first[c] += r->cell_first[c - 1];
+    const double *box = t->box[node];
+    const uint32_t middle = begin + (end - begin) / 2;
+    select_nth(r, box[3] - box[1] > box[2] - box[0], begin, end, middle);
+    build(r, 2 * node, begin, middle);
+    build(r, 2 * node + 1, middle, end);
+}
+
+static void make_tree(ring *r) {
+    uint32_t count = 0;
     for (uint32_t i = 0; i < r->n; ++i) {
-        if (r->turns[i] != TURN_CONVEX) r->cell_items[--*cell_at(r, i)] = i;
+        r->leaf[i] = 0;
+        if (r->turns[i] != TURN_CONVEX) r->tree.order[count++] = i;
     }
+    if (!count) return;
+    r->tree.leaves = leaves_for(count);
+    r->tree.first[r->tree.leaves] = count;
+    build(r, 1, 0, count);
+}
+
+static bool may_block(turn t) { return t == TURN_FLAT || t == TURN_REFLEX; }
+
+static void set_turn(ring *r, uint32_t i, turn to) {
+    const turn from = r->turns[i];
+    --r->count[from];
+    ++r->count[to];
+    r->turns[i] = to;
+    if (may_block(from) == may_block(to)) return;
+    for (uint32_t node = r->leaf[i]; node; node /= 2) r->tree.live[node] += may_block(to) ? 1 : UINT32_MAX;
 }
 
 static bool same_point(const double a[2], const double b[2]) { return a[0] == b[0] && a[1] == b[1]; }
@@ -202,81 +265,59 @@ static bool same_point(const double a[2], const double b[2]) { return a[0] == b[
 /* Whether corner k is in the way of the ear a, b, c. Corners at the same place as one of its own are not: an
  * outline may touch itself where a hole is joined to it. */
 static bool blocks(const ring *r, uint32_t k, const double *a, const double *b, const double *c) {
-    if (r->turns[k] != TURN_FLAT && r->turns[k] != TURN_REFLEX) return false;
+    if (!may_block(r->turns[k])) return false;
     const double *p = r->point[k];
     return orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 && orientation(c, a, p) >= 0 &&
            !same_point(p, a) && !same_point(p, b) && !same_point(p, c);
 }
 
-static double clamp(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
-
-/* The part of a row of cells, from y to y + 1, that the triangle t covers: from x[0] to x[1]. The row is
- * taken a little higher: places in the grid, numbers up to 2^10, are rounded by less than 2^-40. */
-static void row_range(double t[3][2], double y, double x[2]) {
-    const double low = y - 0x1p-20, high = y + 1 + 0x1p-20;
-    x[0] = (double)INFINITY, x[1] = -(double)INFINITY;
-    for (int k = 0; k < 3; ++k) {
-        const double *a = t[k], *b = t[(k + 1) % 3];
-        if (a[1] > b[1]) {
-            const double *swap = a;
-            a = b;
-            b = swap;
-        }
-        if (b[1] < low || a[1] > high) continue;
-        for (int end = 0; end < 2; ++end) {
-            double rise = b[1] - a[1],
-                   part = rise > 0 ? (clamp(end ? high : low, a[1], b[1]) - a[1]) / rise : end;
-            double at = a[0] + part * (b[0] - a[0]);
-            x[0] = at < x[0] ? at : x[0];
-            x[1] = at > x[1] ? at : x[1];
-        }
-    }
+/* Whether all points of the box are to the right of the line from a to b, as orientation() sees them.
+ * Rounding keeps order, so its result grows or falls with each coordinate of the point: one corner tells. */
+static bool right_of(const double *a, const double *b, const double box[4]) {
+    const double extreme[2] = {b[1] - a[1] < 0 ? box[2] : box[0], b[0] - a[0] < 0 ? box[1] : box[3]};
+    return orientation(a, b, extreme) < 0;
 }
 
-/* Only the cells that the triangle touches are looked at, not those of its box: ears can be long and thin. */
+/* Whether a corner of the node is in the way. Boxes of one point, where the outline touches itself, need not
+ * be looked into at a corner of the ear. */
+static bool is_blocked(const ring *r, uint32_t node, const double *a, const double *b, const double *c) {
+    const tree *t = &r->tree;
+    const double *box = t->box[node];
+    if (!t->live[node] || right_of(a, b, box) || right_of(b, c, box) || right_of(c, a, box)) return false;
+    if (same_point(box, box + 2) && (same_point(box, a) || same_point(box, b) || same_point(box, c)))
+        return false;
+    if (node < t->leaves) return is_blocked(r, 2 * node, a, b, c) || is_blocked(r, 2 * node + 1, a, b, c);
+    for (uint32_t i = t->first[node - t->leaves]; i < t->first[node - t->leaves + 1]; ++i) {
+        if (blocks(r, t->order[i], a, b, c)) return true;
+    }
+    return false;
+}
+
 static bool is_ear(const ring *r, uint32_t i) {
     if (r->turns[i] != TURN_CONVEX) return false;
-    const double *a = r->point[r->last[i]], *b = r->point[i], *c = r->point[r->next[i]];
-    double t[3][2];
-    for (int k = 0; k < 2; ++k) {
-        t[0][k] = in_cells(r, a[k], k);
-        t[1][k] = in_cells(r, b[k], k);
-        t[2][k] = in_cells(r, c[k], k);
-    }
-    uint32_t top = cell_number(r, fmax(t[0][1], fmax(t[1][1], t[2][1])) + 0x1p-20);
-    for (uint32_t y = cell_number(r, fmin(t[0][1], fmin(t[1][1], t[2][1])) - 0x1p-20); y <= top; ++y) {
-        double x[2];
-        row_range(t, y, x);
-        /* Cells of a row lie one after the other. */
-        const uint32_t *row = r->cell_first + y * r->cells;
-        uint32_t end = row[cell_number(r, x[1] + 0x1p-20) + 1];
-        for (uint32_t item = row[cell_number(r, x[0] - 0x1p-20)]; item < end; ++item) {
-            if (blocks(r, r->cell_items[item], a, b, c)) return false;
-        }
-    }
-    return true;
+    return !r->tree.leaves || !is_blocked(r, 1, r->point[r->last[i]], r->point[i], r->point[r->next[i]]);
 }
 
 static void cut(ring *r, uint32_t i) {
     uint32_t last = r->last[i], next = r->next[i];
     uint32_t *t = r->triangles + 3 * (size_t)r->triangle_count++;
     t[0] = last, t[1] = i, t[2] = next;
-    r->turns[i] = TURN_GONE;
+    set_turn(r, i, TURN_GONE);
     r->next[last] = next;
     r->last[next] = last;
-    r->turns[last] = turn_at(r, last);
-    r->turns[next] = turn_at(r, next);
+    set_turn(r, last, turn_at(r, last));
+    set_turn(r, next, turn_at(r, next));
 }
 
 /* No corner is an ear: the outline crosses itself, or what is left has no area. Flat corners go first, they
  * cover nothing; then convex ones. */
 static uint32_t least_bad(const ring *r, uint32_t i) {
-    uint32_t best = i;
-    for (uint32_t k = r->next[i]; k != i; k = r->next[k]) {
-        if (r->turns[k] == TURN_FLAT) return k;
-        if (r->turns[k] == TURN_CONVEX && r->turns[best] == TURN_REFLEX) best = k;
-    }
-    return best;
+    const turn own = r->turns[i];
+    const turn wanted = r->count[TURN_FLAT] > (own == TURN_FLAT) ? TURN_FLAT : TURN_CONVEX;
+    if (wanted == TURN_CONVEX && (own != TURN_REFLEX || !r->count[TURN_CONVEX])) return i;
+    uint32_t k = r->next[i];
+    while (r->turns[k] != wanted) k = r->next[k];
+    return k;
 }
 
 static void enqueue(ring *r, uint32_t i) {
@@ -338,9 +379,9 @@ bool polygon_split(polygon_work *work, const polygon_vertices *vertices, uint32_
     ring r = {0};
     if (!ring_allocate(work, corners, &r)) return false;
     project(vertices, fan, &r);
-    for (uint32_t i = 0; i < r.n; ++i) r.turns[i] = turn_at(&r, i);
+    for (uint32_t i = 0; i < r.n; ++i) ++r.count[r.turns[i] = turn_at(&r, i)];
     if (is_convex(&r)) return true;
-    fill_grid(&r);
+    make_tree(&r);
     cut_ears(&r);
     move_stream(&r, fan);
     move_stream(&r, second);
