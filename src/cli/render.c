@@ -167,10 +167,10 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
         fathom_film_destroy(film);
         return say_status(&command_render, context, image_prefetch_status(context));
     }
-    /* What no reader could see: how the scene's parts fit together. Files that changed name themselves, and
-     * so does a checkpoint. */
-    if (status == FATHOM_BAD_INPUT && !saving_is_named(&w.saving, context) &&
-        fathom_scene_check_files(scene) == FATHOM_OK)
+    /* What no reader could see: how the scene's parts fit together, and in memory. Files that changed name
+     * themselves, and so does a checkpoint. */
+    if ((status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES) &&
+        !saving_is_named(&w.saving, context) && fathom_scene_check_files(scene) == FATHOM_OK)
         fail_within(context, status, "%s: ", options->scene);
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
         say_status(&command_render, context, status);

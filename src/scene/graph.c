@@ -118,3 +118,16 @@ void graph_destroy(scene_graph *graph) {
     free(graph->order);
     *graph = (scene_graph){.order = NULL};
 }
+
+double graph_count_placements(const fathom_scene *scene, const scene_graph *graph, double *placements) {
+    double total = 0;
+    placements[FATHOM_ROOT] = 1;
+    for (uint32_t k = 0; k < graph->order_count; ++k) {
+        uint32_t g = graph->order[k];
+        total += placements[g];
+        for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {
+            placements[scene->instances.items[graph->instances.items[i]].group] += placements[g];
+        }
+    }
+    return total;
+}

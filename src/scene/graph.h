@@ -24,4 +24,8 @@ void graph_destroy(scene_graph *graph);
 /* The bounds of each group that the root reaches, in the group's own coordinates; release with free(). */
 fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, scene_bounds **out);
 
+/* Ways from the root to each group; returns their sum. `placements` has an entry a group, all 0. As double,
+ * so that absurd counts do not wrap. */
+double graph_count_placements(const fathom_scene *scene, const scene_graph *graph, double *placements);
+
 #endif

@@ -132,7 +132,8 @@ static fathom_status check_camera(const world *w) {
     vec3_f64 eye = sub_f64(load_f64(w->scene->camera.origin), w->origin);
     if (fabs(eye.x) < WORLD_REACH && fabs(eye.y) < WORLD_REACH && fabs(eye.z) < WORLD_REACH) return FATHOM_OK;
     return fail(w->scene->context, FATHOM_BAD_INPUT,
-                "camera: it stands %g from the scene; expected less than %g", length_f64(eye), WORLD_REACH);
+                "camera: it stands %g from the scene; expected less than %g",
+                hypot(hypot(eye.x, eye.y), eye.z), WORLD_REACH);
 }
 
 fathom_status world_check(const world *w) {

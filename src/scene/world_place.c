@@ -18,7 +18,7 @@ typedef struct placer {
     bool *in_root;        /* by group: its main part is among the root's geometries, and needs no frame */
     uint32_t *first_part; /* by group, FATHOM_NONE: not made yet */
     uint32_t *part_count; /* by group */
-    double *placements;   /* by group: ways from the root, as double so that absurd counts do not wrap */
+    double *placements;   /* by group: ways from the root */
     ARRAY(group_part) parts;
 } placer;
 
@@ -181,18 +181,8 @@ static fathom_status place(placer *p, const placement *at, bool *descend) {
     return status;
 }
 
-/* Ways from the root to each group. */
 static fathom_status count_placements(placer *p) {
-    double total = 0;
-    p->placements[FATHOM_ROOT] = 1;
-    for (uint32_t k = 0; k < p->graph->order_count; ++k) {
-        uint32_t g = p->graph->order[k];
-        total += p->placements[g];
-        for (uint32_t i = p->graph->instances.first[g]; i < p->graph->instances.first[g + 1]; ++i) {
-            p->placements[p->w->scene->instances.items[p->graph->instances.items[i]].group] +=
-                p->placements[g];
-        }
-    }
+    const double total = graph_count_placements(p->w->scene, p->graph, p->placements);
     /* Embree's geometry ids are 32 bits wide, and the root's own geometries want some of them. */
     if (total < 0x1p31) return FATHOM_OK;
     return fail(p->w->scene->context, FATHOM_OUT_OF_RESOURCES,

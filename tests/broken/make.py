@@ -68,6 +68,7 @@ objects("type-unknown", '{"type": "torus"}')
 objects("type-number", '{"type": 3}')
 objects("key-unknown", '{"type": "sphere", "center": [0, 0, 0], "raduis": 1}')
 objects("radius-missing", '{"type": "sphere", "center": [0, 0, 0]}')
+objects("radius-huge", '{"type": "sphere", "center": [0, 0, 0], "radius": 1e308}')
 objects("radius-negative", '{"type": "sphere", "center": [0, 0, 0], "radius": -1}')
 objects("radius-text", '{"type": "sphere", "center": [0, 0, 0], "radius": "1"}')
 objects("center-two", '{"type": "sphere", "center": [0, 0], "radius": 1}')
@@ -81,6 +82,9 @@ objects("mesh-neither", '{"type": "mesh"}')
 objects("mesh-both", '{"type": "mesh", "file": "a.obj", "positions": [[0, 0, 0]], "indices": [[0, 0, 0]]}')
 objects("mesh-index-beyond", '{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],\n"indices": [[0, 1, 3]]}')
 objects("mesh-index-negative", '{"type": "mesh", "positions": [[0, 0, 0]], "indices": [[0, -1, 0]]}')
+scene("nested-instances", json.dumps(
+    {"objects": [{"type": "instance", "of": "g0"}],
+     "groups": {**{f"g{i}": [{"type": "instance", "of": f"g{i + 1}"}] * 10 for i in range(8)}, "g8": [json.loads(SPHERE)]}}))
 objects("mesh-index-fraction", '{"type": "mesh", "positions": [[0, 0, 0]], "indices": [[0, 0.5, 0]]}')
 objects("mesh-index-huge", '{"type": "mesh", "positions": [[0, 0, 0]], "indices": [[0, 0, 1e300]]}')
 objects("mesh-normals-few", '{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "indices": [[0, 1, 2]],\n'

@@ -75,7 +75,7 @@ limits() { # image, what it is without a limit, further arguments…
             refused=yes
             [ $fits = no ] || die "$image: $limit is not enough, though less was"
             [ "$(wc -l <err.txt)" -eq 1 ] || die "$image, $limit: expected one line on stderr"
-            said err.txt 'fathom: out of memory: building takes about '
+            said err.txt ': out of memory: building takes about '
             [ ! -e "$image" ] && [ ! -e l.json ] || die "$image, $limit: out of memory, and a file is there"
             ;;
         *) die "$image, $limit: exit code $code, expected 0 or 4" ;;

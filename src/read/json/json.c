@@ -4,10 +4,12 @@
 #include "read/json/json_place.h"
 #include "read/json/json_syntax.h"
 #include "read/read.h"
+#include "scene/graph.h"
 #include "scene/image_size.h"
 #include "json/memory.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- camera and image ---- */
@@ -147,11 +149,36 @@ static fathom_status check_cycles(const object_reader *r, json_t *groups) {
     return found == FATHOM_OK ? doc_within(r->doc, &at, status) : found;
 }
 
+/* A few bytes can ask for any amount: each level of groups within groups multiplies what is placed. Each
+ * placement takes about 0.5 kB when it is rendered. */
+static fathom_status check_placements(const object_reader *r) {
+    const double most = 0x1p20 + (double)strlen(r->doc->text) / 4;
+    const size_t groups = r->scene->groups.count;
+    const where at = {NULL, "groups", 0};
+    scene_graph graph;
+    fathom_status status = graph_create(r->scene, &graph);
+    if (status != FATHOM_OK) return status;
+    double *placements = calloc(groups, sizeof *placements);
+    const double total = placements ? graph_count_placements(r->scene, &graph, placements) : 0;
+    if (!placements)
+        status = fail_memory(r->scene->context, groups * sizeof *placements);
+    else if (total > most)
+        status = doc_fail(
+            r->doc, &at,
+            "nested instances place %.3g groups; expected at most %.0f: 2^20, and one for each 4 bytes "
+            "of the file",
+            total, most);
+    free(placements);
+    graph_destroy(&graph);
+    return status;
+}
+
 static fathom_status add_objects(const object_reader *r, const form_scene_values *v) {
     const where at = {NULL, "objects", 0};
     fathom_status status = fill_groups(r, v->groups);
     if (status == FATHOM_OK) status = object_list(r, &at, v->objects, FATHOM_ROOT);
-    return status == FATHOM_OK ? check_cycles(r, v->groups) : status;
+    if (status == FATHOM_OK) status = check_cycles(r, v->groups);
+    return status == FATHOM_OK ? check_placements(r) : status;
 }
 
 /* Of the scene's own checks this one alone is about a value of the file, and waits for the objects and the
