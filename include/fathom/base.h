@@ -66,7 +66,7 @@ FATHOM_API fathom_status fathom_context_create(fathom_context **out);
 FATHOM_API void fathom_context_destroy(fathom_context *context);
 
 /* The message of the last call that did not return FATHOM_OK; "" when there was none, or context is NULL.
- * Never NULL; valid until the next call on this context. */
+ * Calls that return FATHOM_OK leave it as it was. Never NULL; valid until the next call on this context. */
 FATHOM_API const char *fathom_context_message(const fathom_context *context);
 
 /* Called for each thing that was rendered around (degenerate triangles, ignored textures…), on the

@@ -210,10 +210,12 @@ fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *or
     p.first_part = malloc(groups * sizeof *p.first_part);
     p.part_count = calloc(groups, sizeof *p.part_count);
     p.placements = calloc(groups, sizeof *p.placements);
-    fathom_status status = no_memory(&p);
+    fathom_status status;
     if (p.origins && p.in_root && p.first_part && p.part_count && p.placements) {
         for (size_t g = 0; g < groups; ++g) p.first_part[g] = FATHOM_NONE;
         status = place_all(&p, origin);
+    } else {
+        status = no_memory(&p);
     }
     free(p.origins);
     free(p.in_root);

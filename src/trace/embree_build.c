@@ -226,11 +226,12 @@ fathom_status embree_build(embree_tracer *tracer) {
     const world *w = tracer->base.world;
     tracer->scenes = calloc(w->groups.count, sizeof *tracer->scenes);
     bool *placed = reach_placed(w);
-    fathom_status status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
-    if (tracer->scenes && placed) {
+    fathom_status status;
+    if (tracer->scenes && placed)
         status = reach_find(tracer->context, w, placed, &tracer->reach);
-        if (status == FATHOM_OK) status = build_all(tracer, placed);
-    }
+    else
+        status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
+    if (status == FATHOM_OK) status = build_all(tracer, placed);
     free(placed);
     return status;
 }

@@ -1,0 +1,158 @@
+/* The context's message is that of a call that failed: calls that succeed leave none. */
+#include "render.h"
+#include "unit_folder.h"
+
+/* Succeeds, and leaves the message of the context as it was: empty. */
+#define assert_quiet(context, call)                                                                          \
+    do {                                                                                                     \
+        assert_ok(context, call);                                                                            \
+        assert_string_equal(fathom_context_message(context), "");                                            \
+    } while (0)
+
+/* Every kind of shape, a material that mirrors and refracts, two lights. */
+static stage full_stage(void) {
+    stage s = stage_open(48, 40);
+    fathom_material glass;
+    fathom_material_default(&glass);
+    for (int c = 0; c < 3; ++c) glass.k_r[c] = 0.2f, glass.k_t[c] = 0.8f;
+    fathom_id id;
+    assert_quiet(s.context, fathom_scene_add_material(s.scene, "glass", &glass, &id));
+    stage_sphere(&s, -1, 0, -5, 1, id);
+    stage_quad(&s, (double[3]){1, 0, -6}, (double[3]){1, 0, 0}, (double[3]){0, 1, 0}, 0);
+    stage_plane(&s, (double[3]){0, -1, 0}, (double[3]){0, 1, 0}, 0);
+    fathom_generate_options options;
+    fathom_generate_options_default(&options);
+    options.triangles = 300;
+    fathom_id group;
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    assert_quiet(s.context, fathom_scene_add_group(s.scene, "mesh", &group));
+    assert_quiet(s.context, fathom_scene_generate(s.scene, group, &options));
+    instance.group = group, instance.transform[11] = -7;
+    assert_quiet(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    stage_point_light(&s, 2, 5, 0, 30);
+    assert_quiet(s.context, fathom_scene_complete(s.scene));
+    assert_quiet(s.context, fathom_scene_check(s.scene));
+    return s;
+}
+
+static void render_quietly(stage *s, const fathom_checkpoint *saving) {
+    fathom_film *film;
+    fathom_stats stats;
+    if (saving) {
+        assert_quiet(s->context, fathom_render_checkpointed(s->context, s->scene, &s->settings, saving, NULL,
+                                                            NULL, &stats, &film));
+    } else {
+        assert_quiet(s->context,
+                     fathom_render(s->context, s->scene, &s->settings, NULL, NULL, &stats, &film));
+    }
+    fathom_film_destroy(film);
+}
+
+static void a_render_that_succeeds_leaves_no_message(void **state) {
+    (void)state;
+    static const char *const tracers[] = {NULL,  "embree:user",     "embree:compact",   "embree:low",
+                                          "bvh", "linear:textbook", "linear:robust:f64"};
+    stage s = full_stage();
+    s.settings.aovs = FATHOM_AOVS;
+    for (size_t i = 0; i < sizeof tracers / sizeof *tracers; ++i) {
+        s.settings.tracer_spec = tracers[i];
+        render_quietly(&s, NULL);
+    }
+    stage_close(&s);
+}
+
+static void every_way_to_sample_leaves_no_message(void **state) {
+    (void)state;
+    stage s = full_stage();
+    s.settings.spp = 16;
+    render_quietly(&s, NULL);
+    s.settings.pattern = FATHOM_PATTERN_SOBOL, s.settings.target_error = 0.1;
+    render_quietly(&s, NULL);
+    s.settings.max_time = 5;
+    render_quietly(&s, NULL);
+    stage_close(&s);
+}
+
+/* resume without a file there is warned of, and no failure. */
+static void a_checkpointed_render_leaves_no_message(void **state) {
+    (void)state;
+    const char *path = in_folder("a.part");
+    stage s = full_stage();
+    fathom_checkpoint saving;
+    fathom_checkpoint_default(&saving);
+    saving.path = path, saving.resume = true, saving.every = 0;
+    render_quietly(&s, &saving);
+    unlink(path);
+    stage_close(&s);
+}
+
+static void writing_leaves_no_message(void **state) {
+    (void)state;
+    static const char *const images[] = {"a.png", "a.exr", "a.jpg", "a.tif"};
+    static const char *const meshes[] = {"a.ply", "a.glb", "a.obj"};
+    stage s = full_stage();
+    s.settings.aovs = FATHOM_AOVS;
+    fathom_film *film = stage_render(&s);
+    fathom_write_options options;
+    fathom_write_options_default(&options);
+    fathom_image_prefetch();
+    for (size_t i = 0; i < sizeof images / sizeof *images; ++i) {
+        assert_quiet(s.context, fathom_film_write(s.context, film, in_folder(images[i]), &options));
+        unlink(in_folder(images[i]));
+    }
+    assert_quiet(s.context, fathom_film_write_plain(s.context, film, in_folder("b.exr")));
+    unlink(in_folder("b.exr"));
+    fathom_film_destroy(film);
+    for (size_t i = 0; i < sizeof meshes / sizeof *meshes; ++i) {
+        assert_quiet(s.context, fathom_scene_write_mesh(s.scene, in_folder(meshes[i])));
+        unlink(in_folder(meshes[i]));
+    }
+    unlink(in_folder("a.mtl"));
+    stage_close(&s);
+}
+
+static void reading_leaves_no_message(void **state) {
+    (void)state;
+    static const char *const files[] = {"scenes/example.json", "scenes/example.obj",
+                                        "scenes/first-render.json"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+        char path[1024];
+        fathom_scene *scene;
+        snprintf(path, sizeof path, "%s/%s", SOURCE_DIR, files[i]);
+        assert_quiet(context, fathom_scene_read(context, path, &scene));
+        assert_quiet(context, fathom_scene_check_files(scene));
+        fathom_scene_destroy(scene);
+        assert_quiet(context, fathom_scene_read_to_render(context, path, &scene));
+        fathom_scene_destroy(scene);
+    }
+}
+
+static void tracing_leaves_no_message(void **state) {
+    (void)state;
+    stage s = full_stage();
+    const fathom_tracer_kind kinds[] = {FATHOM_TRACER_EMBREE, FATHOM_TRACER_REFERENCE};
+    for (size_t i = 0; i < 2; ++i) {
+        fathom_tracer *tracer;
+        const fathom_ray ray = {.direction = {0, 0, -1}, .t_max = INFINITY};
+        fathom_hit hit;
+        bool any;
+        assert_quiet(s.context, fathom_tracer_create(s.context, s.scene, kinds[i], &tracer));
+        assert_quiet(s.context, fathom_tracer_closest(tracer, &ray, 1, &hit));
+        assert_quiet(s.context, fathom_tracer_any(tracer, &ray, 1, &any));
+        fathom_tracer_destroy(tracer);
+    }
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_render_that_succeeds_leaves_no_message),
+        cmocka_unit_test(every_way_to_sample_leaves_no_message),
+        cmocka_unit_test(a_checkpointed_render_leaves_no_message),
+        cmocka_unit_test(writing_leaves_no_message),
+        cmocka_unit_test(reading_leaves_no_message),
+        cmocka_unit_test(tracing_leaves_no_message),
+    };
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+}
