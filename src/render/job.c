@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/threads.h"
+#include "render/preview.h"
 #include "render/watch.h"
 
 #include <stdlib.h>
@@ -250,8 +251,15 @@ static void collect(job *j) {
     }
 }
 
+static void show_preview(job *j) {
+    const fathom_settings *s = &j->plan->settings;
+    if (j->deadline > 0 || s->target_error > 0 || s->spp == 1) return;
+    preview_run(j->plan, j->threads, &j->stop, j->options->saving, j->film);
+}
+
 static void run(void *user) {
     job *j = user;
+    show_preview(j);
     j->workers = calloc(j->threads, sizeof *j->workers);
     if (j->workers) {
         if (j->deadline > 0)
@@ -351,6 +359,7 @@ fathom_status job_run(fathom_context *context, const render_plan *plan, const jo
         checkpoint_end(j.options->saving, j.interrupted && j.files == FATHOM_OK,
                        fraction_done(&j, clock_seconds()), atomic_load(&j.rays_done));
     }
+    j.result.finished = j.interrupted ? fraction_done(&j, clock_seconds()) : 1;
     *out = j.result;
     return job_status(context, &j);
 }

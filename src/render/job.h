@@ -7,6 +7,7 @@
 typedef struct job_result {
     ray_counts rays;
     uint64_t samples; /* that the film's pixels are the means of */
+    double finished;  /* share of the work, or of the time */
     double error;     /* the largest estimate of any wave; see adaptive.h. 0 when it was not estimated */
 } job_result;
 
@@ -27,9 +28,10 @@ typedef struct job_options {
 } job_options;
 
 /* FATHOM_INTERRUPTED when progress said stop: squares of 4 × 4 pixels that were finished are in the film, and
- * where samples follow an error waves of 32 × 32; the rest is black. FATHOM_BAD_INPUT when a file of the
- * scene was changed, which also stops it. FATHOM_BAD_USAGE when the deadline comes before each pixel has a
- * sample. */
+ * where samples follow an error waves of 32 × 32. The remaining pixels show the preview (preview.h), or are
+ * black where samples follow an error and where there was no time for one. FATHOM_BAD_INPUT when a file of
+ * the scene was changed, which also stops it. FATHOM_BAD_USAGE when the deadline comes before each pixel has
+ * a sample. */
 fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
                       fathom_film *film, job_result *out);
 

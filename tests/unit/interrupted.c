@@ -1,0 +1,101 @@
+/* Renders that are stopped: what the film holds then. */
+#include "render.h"
+
+#define SIDE 100u
+#define ENDLESS_SPP 65536u /* minutes on any machine */
+
+/* As soon as rays are counted: those of the preview are not. */
+static bool goes_on(void *user, const fathom_progress *now) {
+    (void)user;
+    return now->phase != FATHOM_PHASE_RENDER || now->rays == 0;
+}
+
+static stage two_balls(void) {
+    static const double eye[3] = {0, 1, 5}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
+    stage s = stage_open(SIDE, SIDE);
+    fathom_material mirror;
+    fathom_material_default(&mirror);
+    for (int c = 0; c < 3; ++c) mirror.k_r[c] = 0.6f;
+    stage_camera(&s, eye, target, up, 0.8);
+    stage_sphere(&s, -0.8, 0, 0, 1, stage_material(&s, &mirror));
+    stage_sphere(&s, 1.1, -0.2, 0.5, 0.8, stage_lambert(&s, 0.7f));
+    stage_plane(&s, (double[3]){0, -1, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.5f));
+    stage_point_light(&s, 2, 4, 3, 20);
+    s.settings.pattern = FATHOM_PATTERN_SOBOL;
+    s.settings.aovs = FATHOM_AOVS;
+    return s;
+}
+
+/* Stopped on its way. */
+static fathom_film *render_and_stop(stage *s, uint32_t spp) {
+    fathom_film *film;
+    s->settings.spp = spp;
+    assert_int_equal(fathom_render(s->context, s->scene, &s->settings, goes_on, NULL, NULL, &film),
+                     FATHOM_INTERRUPTED);
+    return film;
+}
+
+/* Pixels that meet the same object as the middle of the pixel does. */
+static size_t alike(const fathom_film *a, const fathom_film *b, size_t pixels) {
+    const uint32_t *x = fathom_film_channel_id(a, "id.object"), *y = fathom_film_channel_id(b, "id.object");
+    size_t count = 0;
+    for (size_t i = 0; i < pixels; ++i) count += x[i] == y[i];
+    return count;
+}
+
+static void assert_whole_frame(stage *s, const uint32_t crop[4]) {
+    memcpy(s->settings.crop, crop, sizeof s->settings.crop);
+    fathom_film *stopped = render_and_stop(s, ENDLESS_SPP);
+    s->settings.spp = 1;
+    fathom_film *one = stage_render(s);
+    uint32_t width, height;
+    fathom_film_size(one, &width, &height);
+    const size_t pixels = (size_t)width * height;
+    const uint32_t *samples = fathom_film_channel_id(stopped, "samples");
+    size_t shown = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        assert_true(samples[i] == 0 || samples[i] == ENDLESS_SPP);
+        shown += samples[i] == 0 && fathom_film_channel(stopped, "A")[i] > 0;
+    }
+    /* Blocks are 2 pixels wide for so many samples: only outlines can differ, a few times the width of the
+     * image in length. */
+    assert_true(shown > 0);
+    assert_true(pixels - alike(stopped, one, pixels) < 6 * (size_t)(width + height));
+    fathom_film_destroy(stopped);
+    fathom_film_destroy(one);
+}
+
+static void a_stopped_render_shows_the_whole_frame(void **state) {
+    (void)state;
+    stage s = two_balls();
+    for (unsigned threads = 1; threads <= 3; threads += 2) {
+        fathom_context_set_threads(s.context, threads);
+        assert_whole_frame(&s, (uint32_t[4]){0, 0, 0, 0});
+        assert_whole_frame(&s, (uint32_t[4]){7, 5, 93, 71});
+    }
+    stage_close(&s);
+}
+
+/* The preview is seen in no image that is finished, and counts in no figure. */
+static void a_finished_render_holds_samples_alone(void **state) {
+    (void)state;
+    stage s = two_balls();
+    fathom_film *film;
+    fathom_stats stats;
+    s.settings.spp = 5;
+    assert_ok(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, &stats, &film));
+    assert_int_equal(stats.camera_rays, (uint64_t)SIDE * SIDE * 5);
+    assert_int_equal(stats.samples, (uint64_t)SIDE * SIDE * 5);
+    for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i)
+        assert_int_equal(fathom_film_channel_id(film, "samples")[i], 5);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stopped_render_shows_the_whole_frame),
+        cmocka_unit_test(a_finished_render_holds_samples_alone),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
