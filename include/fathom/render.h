@@ -30,7 +30,8 @@ enum {
     FATHOM_AOV_ID =
         1u
         << 5, /* id.object id.primitive id.instance: of the sample nearest the centre; FATHOM_NONE for none */
-    FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel */
+    FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel. In files
+                                     these four end in ".V", since Blender reads single letters alone */
     FATHOM_AOVS = (1u << 7) - 1
 };
 
@@ -122,7 +123,8 @@ typedef struct fathom_progress {
 } fathom_progress;
 
 /* Called about ten times a second from the calling thread. Return false to stop: the render then returns
- * FATHOM_INTERRUPTED with the film as far as it got. */
+ * FATHOM_INTERRUPTED with the film as far as it got. Where all pixels get the same samples, every pixel gets
+ * its first one before any gets a second. */
 typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
 
 typedef struct fathom_stats {
@@ -136,6 +138,7 @@ typedef struct fathom_stats {
                                    or outside its cone, or the surface is black to it */
     uint64_t faint_shadow_rays; /* nor these: what they could add was within max_loss and max_relative_loss */
     uint64_t samples;           /* that the film's pixels are the means of, all together */
+    double finished;            /* share of the render that is done, [0,1]; with max_time, of the time */
     double error_estimate;      /* with target_error or max_time: the largest of any tile (see target_error);
                                    infinite when time ended before it was known. Otherwise 0 */
     double build_seconds, render_seconds;
@@ -227,7 +230,8 @@ typedef struct fathom_write_options {
 
 FATHOM_API void fathom_write_options_default(fathom_write_options *options);
 /* The format follows the extension: .exr (scene-linear, all channels), .png, .jpg, .jpeg, .tif, .tiff (8-bit,
- * through the view). The file appears whole or not at all. */
+ * through the view). $SOURCE_DATE_EPOCH, seconds since 1970, is the date in the file where it is set;
+ * FATHOM_BAD_USAGE when it is no such number. The file appears whole or not at all. */
 FATHOM_API fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
                                            const fathom_write_options *options);
 /* All channels as uncompressed, scene-linear EXR of 32-bit values, whatever the extension, without the image

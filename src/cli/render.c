@@ -180,6 +180,7 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     }
     interrupt_keep_work(true);
     report->interrupted = status == FATHOM_INTERRUPTED;
+    report->finished = report->stats.finished;
     report->scene = scene->name;
     fathom_status written = write_all(context, film, options, report, start);
     fathom_film_destroy(film);

@@ -97,8 +97,7 @@ static const named_bits aov_names[] = {{"alpha", FATHOM_AOV_ALPHA},
                                        {"albedo", FATHOM_AOV_ALBEDO},
                                        {"id", FATHOM_AOV_ID},
                                        {"samples", FATHOM_AOV_SAMPLES},
-                                       {"all", FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P |
-                                                   FATHOM_AOV_ALBEDO | FATHOM_AOV_ID | FATHOM_AOV_SAMPLES},
+                                       {"all", FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ALPHA},
                                        {"none", 0},
                                        {NULL, 0}};
 
@@ -195,7 +194,9 @@ const args_option render_option_table[] = {
      ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); give it again for more images of the "
      "same render"},
     {"aov", 0, "LIST", take_aovs, 0, 0, 0,
-     "further channels: any of alpha,Z,N,P,albedo,id,samples, or all, or none; all but alpha need an .exr"},
+     "further channels: any of alpha,Z,N,P,albedo,id,samples, or none; alpha makes the background "
+     "transparent, "
+     "and the others need an .exr; all: the others, without alpha"},
     {"exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,
      "colours in the .exr as 32-bit float rather than half"},
     {"stats", 0, "FILE.json", take_text, FIELD(stats), 0, 0, "write counts, times, rays and memory as JSON"},

@@ -113,6 +113,11 @@ static void put_numbers_as_text(exr *out, const image_attribute *attribute) {
     for (size_t i = 0; i < attribute->count; ++i) put(out, text, number_text(text, attribute, i));
 }
 
+static void put_m44f(exr *out, const image_attribute *attribute) {
+    begin_attribute(out, attribute->name, "m44f", sizeof(float) * 16);
+    for (size_t i = 0; i < 16; ++i) put_float(out, (float)attribute->numbers[i]);
+}
+
 static void put_attribute(exr *out, const image_attribute *attribute) {
     if (attribute->text) {
         begin_attribute(out, attribute->name, "string", strlen(attribute->text));
@@ -120,6 +125,10 @@ static void put_attribute(exr *out, const image_attribute *attribute) {
         return;
     }
     const char *type = type_of(attribute->count);
+    if (image_attribute_is_m44f(attribute)) {
+        put_m44f(out, attribute);
+        return;
+    }
     if (!type) {
         put_numbers_as_text(out, attribute);
         return;

@@ -9,6 +9,7 @@
 #include "base/status.h"
 
 #include <fathom/render.h>
+#include <string.h>
 
 typedef enum image_type { IMAGE_FLOAT, IMAGE_UINT } image_type;
 
@@ -22,14 +23,21 @@ typedef struct image_channel {
 } image_channel;
 
 /* A header entry: text when it is not NULL, else `count` numbers. EXR stores 1, 2, 3, 9 and 16 numbers as a
- * double, vector or matrix of doubles, and any other count as a text of numbers. The other formats keep texts
- * where they have a place for them (Software, ImageDescription; PNG: any). */
+ * double, vector or matrix of doubles, and any other count as a text of numbers; the matrices that OpenEXR
+ * itself defines are of floats. The other formats keep texts where they have a place for them (Software,
+ * ImageDescription; PNG: any). */
 typedef struct image_attribute {
     const char *name;
     const char *text;
     const double *numbers;
     size_t count;
 } image_attribute;
+
+/* Whether OpenEXR defines the entry as a matrix of floats. */
+static inline bool image_attribute_is_m44f(const image_attribute *a) {
+    return !a->text && a->count == 16 &&
+           (strcmp(a->name, "worldToCamera") == 0 || strcmp(a->name, "worldToNDC") == 0);
+}
 
 typedef struct image {
     uint32_t width, height;

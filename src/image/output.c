@@ -1,6 +1,7 @@
 #include "image/output.h"
 
 #include "base/file.h"
+#include "image/date.h"
 #include "image/loader.h"
 
 #include <math.h>
@@ -99,6 +100,8 @@ fathom_status image_check(fathom_context *context, const char *path, const fatho
     image_format format = IMAGE_EXR;
     fathom_status status = output_format(context, path, &format);
     if (status == FATHOM_OK) status = output_check_exposure(context, options);
+    image_date date;
+    if (status == FATHOM_OK) status = date_read(context, &date);
     if (status == FATHOM_OK) status = file_check_writable(context, path);
     if (status != FATHOM_OK || !output_needs_module(format, options)) return status;
     status = loader_find(context);

@@ -1,6 +1,7 @@
 #include "base/file.h"
 #include "base/pool.h"
 #include "base/threads.h"
+#include "image/date.h"
 #include "image/icc.h"
 #include "image/loader.h"
 #include "image/output.h"
@@ -33,6 +34,7 @@ typedef struct writing {
     const image_module *module; /* NULL where it is not needed */
     const image_writer_calls *calls;
     image_format format;
+    image_date date;
     image shown; /* what the file will hold of the image */
     image_channel *channels;
     image_storage *storage;
@@ -170,6 +172,7 @@ static fathom_status write_to(writing *w, file_writer *file) {
                            .srgb = w->srgb,
                            .profile = profile,
                            .profile_size = sizeof profile,
+                           .date = w->date.text[0] ? w->date.text : NULL,
                            .img = &w->shown,
                            .storage = w->storage};
     image_writer *writer;
@@ -246,12 +249,13 @@ static fathom_status choose_view(writing *w, const fathom_write_options *options
     return FATHOM_OK;
 }
 
-/* Of w, what is written to is filled in. */
+/* The caller has set the context, and where the image goes: `path`, `bytes` and `size`. */
 static fathom_status write_image(writing *w, const image *img, const fathom_write_options *options) {
     fathom_context *context = w->context;
     w->threads = fathom_context_threads(context);
     fathom_status status = output_format(context, w->path, &w->format);
     if (status == FATHOM_OK) status = output_check_exposure(context, options);
+    if (status == FATHOM_OK) status = date_read(context, &w->date);
     if (status == FATHOM_OK) status = check_image(context, img, w->path, w->format);
     if (status == FATHOM_OK && output_needs_module(w->format, options))
         status = loader_module(context, &w->module);

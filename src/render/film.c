@@ -8,7 +8,7 @@
 static float *add_channel(fathom_film *film, const char *name, bool is_id, bool color) {
     /* float and uint32_t are both four bytes: one allocation serves either. */
     float *data = film->pixels + film->channel_count * (size_t)film->width * film->height;
-    film->channels[film->channel_count++] = (film_channel){name, is_id, color, data};
+    film->channels[film->channel_count++] = (film_channel){name, name, is_id, color, data};
     return data;
 }
 
@@ -19,8 +19,11 @@ static void add_three(fathom_film *film, float *out[3], const char *a, const cha
     out[2] = add_channel(film, c, false, color);
 }
 
-static uint32_t *add_id(fathom_film *film, const char *name) {
-    return (uint32_t *)(void *)add_channel(film, name, true, false);
+/* Blender takes what follows the last dot for the name of a component, and reads single letters alone. */
+static uint32_t *add_id(fathom_film *film, const char *name, const char *name_in_file) {
+    uint32_t *data = (uint32_t *)(void *)add_channel(film, name, true, false);
+    film->channels[film->channel_count - 1].name_in_file = name_in_file;
+    return data;
 }
 
 static void add_channels(fathom_film *film, unsigned aovs) {
@@ -31,11 +34,11 @@ static void add_channels(fathom_film *film, unsigned aovs) {
     if (aovs & FATHOM_AOV_P) add_three(film, film->p, "P.X", "P.Y", "P.Z", false);
     if (aovs & FATHOM_AOV_ALBEDO) add_three(film, film->albedo, "albedo.R", "albedo.G", "albedo.B", true);
     if (aovs & FATHOM_AOV_ID) {
-        film->object = add_id(film, "id.object");
-        film->primitive = add_id(film, "id.primitive");
-        film->instance = add_id(film, "id.instance");
+        film->object = add_id(film, "id.object", "id.object.V");
+        film->primitive = add_id(film, "id.primitive", "id.primitive.V");
+        film->instance = add_id(film, "id.instance", "id.instance.V");
     }
-    if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples");
+    if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples", "samples.V");
 }
 
 uint32_t film_channels(unsigned aovs) {
@@ -69,6 +72,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->settings = *settings;
     film->settings.tracer_spec = NULL; /* not the film's; the tracer's name is in the statistics */
     film->camera = scene->camera;
+    memcpy(film->background, scene->background, sizeof film->background);
     film->scene_name = strdup(scene->name);
     fathom_status status = check_memory(context, film);
     if (status == FATHOM_OK) film->pixels = memory_take(film_bytes(film));

@@ -9,7 +9,7 @@
 #define FILM_CHANNELS 20
 
 typedef struct film_channel {
-    const char *name;
+    const char *name, *name_in_file;
     bool is_id, color;
     void *data; /* float or uint32_t, width * height */
 } film_channel;
@@ -26,6 +26,8 @@ struct fathom_film {
     fathom_settings settings;
     fathom_camera camera;
     fathom_stats stats;
+    bool interrupted;
+    float background[3];
     char *scene_name;
     left_out_list left_out; /* of the render that filled it */
 };

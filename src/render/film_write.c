@@ -2,7 +2,7 @@
 #include "base/clock.h"
 #include "image/exr.h"
 #include "image/image.h"
-#include "render/film.h"
+#include "render/film_marks.h"
 #include "trace/trace.h"
 
 #include <stdlib.h>
@@ -29,11 +29,10 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
     image_channel channels[FILM_CHANNELS];
     for (uint32_t i = 0; i < film->channel_count; ++i) {
         const film_channel *c = &film->channels[i];
-        channels[i] =
-            (image_channel){c->name, c->is_id ? IMAGE_UINT : IMAGE_FLOAT, c->color, c->data, sizeof(float)};
+        channels[i] = (image_channel){c->name_in_file, c->is_id ? IMAGE_UINT : IMAGE_FLOAT, c->color, c->data,
+                                      sizeof(float)};
     }
     const double spp = film->settings.spp, seed = (double)film->settings.seed,
-                 seconds = film->stats.render_seconds + film->stats.resumed_seconds,
                  fovy = 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
     const double mean_spp = (double)film->stats.samples / ((double)film->width * film->height);
     const bool estimated = film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate);
@@ -50,7 +49,6 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
         {"fathom:pattern", pattern, NULL, 0},
         {"fathom:spp", NULL, &spp, 1},
         {"fathom:seed", NULL, &seed, 1},
-        {"fathom:renderTime", NULL, &seconds, 1},
         {"fathom:camera:origin", NULL, film->camera.origin, 3},
         {"fathom:camera:x", NULL, film->camera.x, 3},
         {"fathom:camera:y", NULL, film->camera.y, 3},
@@ -59,6 +57,12 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
         {"fathom:meanSpp", NULL, &mean_spp, 1},
         {"fathom:errorEstimate", NULL, &film->stats.error_estimate, 1}, /* of renders that estimate it */
     };
+    const size_t count = sizeof attributes / sizeof *attributes - !estimated;
+    film_marks marks;
+    image_attribute all[sizeof attributes / sizeof *attributes + FILM_MARKS];
+    memcpy(all, attributes, count * sizeof *all);
+    film_marks_of(film, to->options, &marks);
+    memcpy(all + count, marks.items, marks.count * sizeof *all);
     const image img = {.width = film->width,
                        .height = film->height,
                        .x = film->x,
@@ -67,8 +71,8 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
                        .full_height = film->full_height,
                        .channels = channels,
                        .channel_count = film->channel_count,
-                       .attributes = attributes,
-                       .attribute_count = sizeof attributes / sizeof *attributes - !estimated};
+                       .attributes = all,
+                       .attribute_count = count + marks.count};
     return call(context, &img, to);
 }
 

@@ -155,6 +155,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     film->stats.unlit_shadow_rays = result.rays.unlit;
     film->stats.faint_shadow_rays = result.rays.faint;
     film->stats.samples = result.samples;
+    film->stats.finished = result.finished;
     film->stats.error_estimate = result.error;
     return status;
 }
@@ -240,6 +241,7 @@ static fathom_status render(fathom_context *context, const fathom_scene *scene,
     }
     checkpoint_close(options.saving);
     if (stats) *stats = film->stats;
+    film->interrupted = status == FATHOM_INTERRUPTED;
     bool doubtful = changed != FATHOM_OK && extra->keep_doubtful && film->stats.samples;
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED && !doubtful) {
         fathom_film_destroy(film);

@@ -12,6 +12,9 @@ typedef struct shade_camera {
     vec3_f64 view; /* unit, the way the camera looks */
 } shade_camera;
 
+/* Width and height of the image plane at distance 1. */
+void camera_extent(const fathom_camera *camera, uint32_t width, uint32_t height, double *w, double *h);
+
 void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height, vec3_f64 origin,
                     shade_camera *out);
 

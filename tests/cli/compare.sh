@@ -77,8 +77,8 @@ said err.txt 'gray.pgm: FLIP needs the channels R, G and B'
 # Numbers of one image and numbers of shapes in the other, though the channel is called the same: what stands for its type
 # in the head of the file, a whole number, is made a float's.
 run 0 render scene.json -o c.exr --aov id
-at=$(grep -abo -m 1 'id.instance' c.exr | head -n 1 | cut -d : -f 1)
+at=$(grep -abo -m 1 'id.instance.V' c.exr | head -n 1 | cut -d : -f 1)
 cp c.exr d.exr
-printf '\002' | dd of=d.exr bs=1 seek=$((at + 12)) conv=notrunc 2>/dev/null
+printf '\002' | dd of=d.exr bs=1 seek=$((at + 14)) conv=notrunc 2>/dev/null
 run 1 compare c.exr d.exr
-said out.txt 'channel id.instance is of different types'
+said out.txt 'channel id.instance.V is of different types'

@@ -72,8 +72,8 @@ run 0 render scene.json -o a.exr --aov Z,alpha
 run 0 render scene.json -o b.exr --aov alpha,z
 same a.exr b.exr
 run 0 render scene.json -o a.exr --aov all
-for channel in A:alpha Z:Z N.:N P.:P albedo.:albedo id.:id samples:samples; do
-    names=$(echo alpha,Z,N,P,albedo,id,samples | sed "s/${channel#*:}//; s/,,/,/; s/^,//; s/,\$//")
+for channel in Z:Z N.:N P.:P albedo.:albedo id.:id samples:samples; do
+    names=$(echo Z,N,P,albedo,id,samples | sed "s/${channel#*:}//; s/,,/,/; s/^,//; s/,\$//")
     run 0 render scene.json -o b.exr --aov "$names"
     run 1 compare a.exr b.exr
     grep -q "^channel ${channel%:*}[^ ]* is only in the first" out.txt || die "${channel#*:} is not an AOV of its own"
@@ -82,6 +82,30 @@ run 0 render scene.json -o a.png --aov alpha
 run 0 render scene.json -o b.png
 run 1 compare a.png b.png
 said out.txt 'channel A is only in the first'
+
+# All of them leave the background as it is, in both files; only alpha takes it away.
+run 0 render scene.json -o c.png -o c.exr --aov all
+same b.png c.png
+run 0 render scene.json -o d.exr --aov all,alpha
+run 1 compare d.exr c.exr
+said out.txt 'channel A is only in the first'
+
+# Equal renders are equal files where the time is given, and say so where it is no time.
+export SOURCE_DATE_EPOCH=1700000000
+for kind in exr png jpg tif; do
+    run 0 render scene.json -o a.$kind
+    run 0 render scene.json -o b.$kind --threads 1
+    cmp a.$kind b.$kind || die "equal renders, other $kind"
+done
+grep -qa '2023:11:14 22:13:20' a.exr || die 'the date is not the one that was given'
+grep -qa renderTime a.exr && die 'a time of this render alone'
+for wrong in soon -1 1e9 99999999999999; do
+    SOURCE_DATE_EPOCH=$wrong
+    refused 2 'SOURCE_DATE_EPOCH: expected seconds since 1970' render scene.json -o c.exr
+done
+unset SOURCE_DATE_EPOCH
+run 0 render scene.json -o a.exr
+grep -qa renderTime a.exr || die 'no time of the render'
 
 # Colour: display formats only.
 run 0 render scene.json -o a.png -o a.exr -o a.jpg -o a.tif

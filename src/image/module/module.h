@@ -7,7 +7,7 @@
 #include "image/image.h"
 
 /* Grows with every change of this file: a module of another build is refused, not called. */
-#define IMAGE_MODULE_VERSION 2
+#define IMAGE_MODULE_VERSION 3
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -35,6 +35,7 @@ typedef struct image_target {
     bool srgb;                    /* mark the pixels as sRGB… */
     const unsigned char *profile; /* …with this profile, where the format has no word of its own for it */
     size_t profile_size;
+    const char *date;             /* "2026:11:22 16:45:33", of formats that hold one; NULL: now */
     const image *img;             /* sizes, attributes, names of the channels to write; not their pixels */
     const image_storage *storage; /* of each channel; EXR takes a mixture, the other formats bytes */
 } image_target;

@@ -76,6 +76,12 @@ static OIIO::TypeDesc type_of(image_storage storage) {
 
 static void add_numbers(OIIO::ImageSpec &spec, const image_attribute &a) {
     using OIIO::TypeDesc;
+    if (image_attribute_is_m44f(&a)) {
+        float matrix[16];
+        std::transform(a.numbers, a.numbers + 16, matrix, [](double x) { return static_cast<float>(x); });
+        spec.attribute(a.name, TypeDesc(TypeDesc::FLOAT, TypeDesc::MATRIX44), matrix);
+        return;
+    }
     switch (a.count) {
     case 1: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE), a.numbers); return;
     case 2: spec.attribute(a.name, TypeDesc(TypeDesc::DOUBLE, TypeDesc::VEC2), a.numbers); return;
@@ -109,6 +115,8 @@ static OIIO::ImageSpec describe(const image_target &target) {
         if (spec.channelnames[i] == "A") spec.alpha_channel = static_cast<int>(i);
         if (spec.channelnames[i] == "Z") spec.z_channel = static_cast<int>(i);
     }
+    /* OpenImageIO writes the present where there is no date. */
+    if (target.date) spec.attribute("DateTime", target.date);
     for (size_t i = 0; i < img.attribute_count; ++i) {
         const image_attribute &a = img.attributes[i];
         if (a.text)
