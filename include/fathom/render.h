@@ -219,6 +219,18 @@ typedef struct fathom_left_out {
 /* Returns how many; *out, valid as long as the film, may be NULL when there are none, and so may out. */
 FATHOM_API uint32_t fathom_film_left_out(const fathom_film *film, const fathom_left_out **out);
 
+/* How bright the film is where it shows something other than the bare background. */
+typedef struct fathom_brightness {
+    uint64_t pixels;  /* that do */
+    uint64_t black;   /* of them: without any light */
+    uint64_t clipped; /* of them: brighter than white, 1, at the exposure that was asked about */
+    float exposure; /* stops, a multiple of 0.1: at most 1 % of the lit pixels are brighter than white; 0 when
+                       all are black */
+} fathom_brightness;
+
+/* exposure: as in fathom_write_options. film may be NULL: all is 0 then. */
+FATHOM_API void fathom_film_brightness(const fathom_film *film, float exposure, fathom_brightness *out);
+
 typedef struct fathom_write_options {
     float exposure;      /* stops, applied before the view transform and not to EXR; default 0 */
     const char *ocio;    /* OpenColorIO config file; NULL: $OCIO, else the built-in sRGB config */

@@ -1,3 +1,4 @@
+#include "cli/brightness.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/left_out.h"
@@ -182,6 +183,8 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     report->interrupted = status == FATHOM_INTERRUPTED;
     report->finished = report->stats.finished;
     report->scene = scene->name;
+    brightness_expose(film, options);
+    if (!report->interrupted) brightness_warn(context, scene, film, options);
     fathom_status written = write_all(context, film, options, report, start);
     fathom_film_destroy(film);
     written = saving_end(&w.saving, status == FATHOM_INTERRUPTED, written);

@@ -37,6 +37,13 @@ static bool take_epsilon(const args_option *option, const char *value, void *fie
     return true;
 }
 
+static bool take_exposure(const args_option *option, const char *value, void *field, args_problem *problem) {
+    render_options *options = field;
+    options->exposure_auto = strcmp(value, "auto") == 0;
+    options->write.exposure = 0;
+    return options->exposure_auto || take_f32(option, value, &options->write.exposure, problem);
+}
+
 static bool take_block_width(const args_option *option, const char *value, void *field,
                              args_problem *problem) {
     unsigned place;
@@ -259,7 +266,8 @@ const args_option render_option_table[] = {
      "fathom/plugin.h"},
 
     {.help = "Colour of .png, .jpg and .tif"},
-    {"exposure", 0, "STOPS", take_f32, FIELD(write.exposure), -64, 64, "each doubles the light (0)"},
+    {"exposure", 0, "STOPS|auto", take_exposure, 0, -64, 64,
+     "each doubles the light (0); auto: 99 of 100 lit pixels are at most white"},
     {"display", 0, "NAME", take_text, FIELD(write.display), 0, 0, "of the OpenColorIO config (its default)"},
     {"view", 0, "NAME", take_text, FIELD(write.view), 0, 0, "of the display (its default)"},
     {"ocio", 0, "FILE", take_text, FIELD(write.ocio), 0, 0,
@@ -327,6 +335,9 @@ static bool finish_loss(render_options *options, args_problem *problem) {
         return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
                                    "alone; expected no --ocio, --display, --view and no $OCIO");
     }
+    if (options->loss == FATHOM_LOSS_8BIT && options->exposure_auto)
+        return args_wrong(problem, "--leave-out-below 8bit: needs the exposure before rendering; expected "
+                                   "--exposure STOPS rather than auto");
     fathom_settings_set_loss(&options->settings, options->loss, options->write.exposure);
     return true;
 }

@@ -24,6 +24,7 @@ typedef struct render_options {
     unsigned threads;    /* 0: all processors */
     render_background background;
     fathom_write_options write;
+    bool exposure_auto; /* found once the film is there */
     fathom_loss loss;
     const char *stats;       /* NULL: none */
     const char *checkpoint;  /* NULL: none */

@@ -97,6 +97,7 @@ static json_t *pack(const render_report *r, const render_options *options) {
     json_object_set_new(root, "scene", json_text(r->scene));
     json_object_set_new(root, "image", pack_image(r, options));
     json_object_set_new(root, "outputs", pack_outputs(&options->outputs));
+    json_object_set_new(root, "exposure", json_real((double)options->write.exposure));
     json_object_set_new(root, "interrupted", json_boolean(r->interrupted));
     json_object_set_new(root, "checkpoint", pack_checkpoint(s, options->checkpoint));
     json_object_set_new(root, "triangles", json_count(s->triangles));
@@ -200,6 +201,7 @@ void stats_print(const render_report *report, const render_options *options) {
     }
     printf(": %ux%u, ", report->width, report->height);
     print_sampling(report, options);
+    if (options->exposure_auto) printf(", exposure %g", (double)options->write.exposure);
     printf(", %.2f s, %.1f Mrays/s", report->total_seconds, 1e-6 * report_rays_per_second(report));
     if (report->interrupted) printf(", interrupted at %u %%", (unsigned)(100 * report->finished));
     putchar('\n');

@@ -20,6 +20,27 @@ unsigned parts_features(const fathom_scene *scene) {
     return features;
 }
 
+/* Passes all light, wherever it goes on. Fresnel's law takes a share of it at every surface that refracts. */
+static bool is_transparent(const fathom_scene *scene, fathom_id material) {
+    const fathom_material *m = &scene->materials.items[material].value;
+    if (material_features(m) != MATERIAL_REFRACT || (m->fresnel && m->ior != 1)) return false;
+    for (int c = 0; c < 3; ++c) {
+        if (!(m->k_t[c] >= 1) || m->k_a[c] * scene->ambient[c] > 0) return false;
+    }
+    return true;
+}
+
+bool parts_all_transparent(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        if (!is_transparent(scene, scene_object_material(scene, (fathom_id)i))) return false;
+    }
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        fathom_id material = scene->instances.items[i].material;
+        if (material != FATHOM_NONE && !is_transparent(scene, material)) return false;
+    }
+    return scene->objects.count > 0;
+}
+
 static bool any_smooth(const world *w) {
     for (size_t i = 0; i < w->geometries.count; ++i) {
         if (w->geometries.items[i].smooth) return true;

@@ -9,6 +9,9 @@
 /* MATERIAL_ bits of the materials in use. */
 unsigned parts_features(const fathom_scene *scene);
 
+/* Whether nothing but the background can be seen: every surface passes all light, and adds none. */
+bool parts_all_transparent(const fathom_scene *scene);
+
 /* What spots are held against: a ball around all points from which shadow rays may start. */
 typedef struct parts_extent {
     bool known;      /* false: there is no spot, or no end to the scene */

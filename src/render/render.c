@@ -198,6 +198,11 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
         warn(context, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
              WORLD_REACH, (unsigned long long)w->beyond_reach);
     }
+    if (status == FATHOM_OK && parts_all_transparent(scene)) {
+        warn(context,
+             "all surfaces are fully transparent: nothing but the background can be seen (in an .mtl, "
+             "opaque is d 1 or Tr 0)");
+    }
     trace_tracer *tracer = NULL;
     if (status == FATHOM_OK)
         status = run_build(context, w, film, settings, options->progress, options->user, &tracer);

@@ -113,6 +113,38 @@ run 0 render scene.json -o b.png -o b.exr -o b.jpg -o b.tif --exposure 1
 same a.exr b.exr
 for kind in png jpg tif; do differ a.$kind b.$kind; done
 same a.png a.tif
+
+# A light that clips is named with the exposure to try; auto takes that one.
+sed 's/"intensity": 25/"intensity": 20000/' scene.json >bright.json
+run 0 render bright.json -o a.png
+said err.txt 'fathom: warning: bright.json: a light of intensity 20000 clips '
+exposure=$(sed -n 's/.*try --exposure \([-0-9.]*\),.*/\1/p' err.txt)
+run 0 render bright.json -o b.png --exposure auto --stats b.json
+silent err.txt
+said out.txt "exposure $exposure"
+said b.json "\"exposure\": $exposure"
+grep -qa 'fathom:exposure' b.png || die 'the exposure is not in the header'
+run 0 render bright.json -o c.png --exposure "$exposure"
+silent err.txt
+same b.png c.png
+run 0 render bright.json -o a.exr
+silent err.txt
+sed 's/"intensity": 25/"intensity": 0.01/; s/"background": .*/"background": [0, 0, 0],/' scene.json >dark.json
+run 0 render dark.json -o a.png
+said err.txt 'of the pixels are nearly black'
+sed 's/"lights": .*/"lights": [],/' scene.json >black.json
+run 0 render black.json -o a.exr --max-depth 0
+said err.txt 'all that is in view is black: the scene has no lights'
+refused 2 '--leave-out-below 8bit: needs the exposure' \
+    render scene.json -o c.png --leave-out-below 8bit --exposure auto
+refused 2 '--exposure: expected a number' render scene.json -o c.png --exposure much
+
+# What MeshLab writes for opaque is invisible.
+printf 'newmtl a\nKd 0.6 0.6 0.6\nTr 1.0\n' >clear.mtl
+printf 'mtllib clear.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >clear.obj
+run 0 render clear.obj -o a.png
+said err.txt 'all surfaces are fully transparent'
+
 refused 2 'No Such View' render scene.json -o c.png --view 'No Such View'
 refused 2 'No Such Display' render scene.json -o c.png --display 'No Such Display'
 refused 2 'missing.ocio' render scene.json -o c.png --ocio missing.ocio

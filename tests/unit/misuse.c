@@ -236,6 +236,10 @@ static void null_for_films(void **state) {
     fathom_film_size(film, NULL, &height);
     fathom_film_size(film, &width, NULL);
     assert_int_equal(width + height, 64);
+    fathom_brightness brightness = {.pixels = 7};
+    fathom_film_brightness(NULL, 0, &brightness);
+    assert_int_equal(brightness.pixels, 0);
+    fathom_film_brightness(film, 0, NULL);
     assert_null(fathom_film_channel(NULL, "R"));
     assert_null(fathom_film_channel(film, NULL));
     assert_null(fathom_film_channel_id(NULL, "id.object"));

@@ -1,0 +1,73 @@
+/* How bright a film is, and the exposure that shows it. */
+#include "render.h"
+
+#define SIDE 20u
+
+/* A quad that sends out radiance `e` before a background. It covers half of the image: no camera ray meets
+ * its edge. */
+static fathom_film *render_emitter(float e, float background, unsigned aovs) {
+    static const double eye[3] = {0, 0, 2}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
+    stage s = stage_open(SIDE, SIDE);
+    stage_camera(&s, eye, target, up, 0.8);
+    stage_quad(&s, (double[3]){-50, 0, 0}, (double[3]){50, 0, 0}, (double[3]){0, 50, 0},
+               stage_emitter(&s, e));
+    assert_ok(s.context,
+              fathom_scene_set_background(s.scene, (float[3]){background, background, background}));
+    s.settings.aovs = aovs;
+    fathom_film *film = stage_render(&s);
+    stage_close(&s);
+    return film;
+}
+
+static fathom_brightness brightness_of(float e, float background, unsigned aovs, float exposure) {
+    fathom_film *film = render_emitter(e, background, aovs);
+    fathom_brightness b;
+    fathom_film_brightness(film, exposure, &b);
+    fathom_film_destroy(film);
+    return b;
+}
+
+static void background_does_not_count(void **state) {
+    (void)state;
+    assert_int_equal(brightness_of(3, 0.5f, 0, 0).pixels, SIDE * SIDE / 2);
+    assert_int_equal(brightness_of(3, 0.5f, FATHOM_AOV_ALPHA, 0).pixels, SIDE * SIDE / 2);
+    assert_int_equal(brightness_of(0.5f, 0.5f, FATHOM_AOV_ALPHA, 0).pixels, SIDE * SIDE / 2);
+}
+
+static void brighter_than_white_is_clipped(void **state) {
+    (void)state;
+    assert_int_equal(brightness_of(3, 0.5f, 0, 0).clipped, SIDE * SIDE / 2);
+    assert_int_equal(brightness_of(3, 0.5f, 0, -1).clipped, SIDE * SIDE / 2);
+    assert_int_equal(brightness_of(3, 0.5f, 0, -2).clipped, 0);
+    assert_int_equal(brightness_of(1, 0.5f, 0, 0).clipped, 0);
+}
+
+static void black_is_counted(void **state) {
+    (void)state;
+    fathom_brightness b = brightness_of(0, 0.5f, 0, 0);
+    assert_int_equal(b.black, SIDE * SIDE / 2);
+    assert_true(b.exposure == 0);
+    assert_int_equal(brightness_of(1e-30f, 0.5f, 0, 0).black, 0);
+}
+
+/* The exposure found shows everything, and half a stop more would not: bins are a sixteenth of an octave
+ * wide, and steps a tenth of a stop. */
+static void the_exposure_found_just_clips_nothing(void **state) {
+    (void)state;
+    for (float e = 1e-20f; e < 1e20f; e *= 7.3f) {
+        float exposure = brightness_of(e, 0, 0, 0).exposure;
+        assert_int_equal(brightness_of(e, 0, 0, exposure).clipped, 0);
+        assert_int_equal(brightness_of(e, 0, 0, exposure + 0.5f).clipped, SIDE * SIDE / 2);
+        assert_near(exposure * 10, roundf(exposure * 10), 1e-3); /* float's roundings of 100 and less */
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(background_does_not_count),
+        cmocka_unit_test(brighter_than_white_is_clipped),
+        cmocka_unit_test(black_is_counted),
+        cmocka_unit_test(the_exposure_found_just_clips_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
