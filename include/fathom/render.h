@@ -123,8 +123,8 @@ typedef struct fathom_progress {
 } fathom_progress;
 
 /* Called about ten times a second from the calling thread. Return false to stop: the render then returns
- * FATHOM_INTERRUPTED with the film as far as it got. Where all pixels get the same samples, every pixel gets
- * its first one before any gets a second. */
+ * FATHOM_INTERRUPTED with the film as far as it got. Where all pixels get the same samples, those that
+ * have none yet show a coarse preview, with 0 in the channel "samples". */
 typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
 
 typedef struct fathom_stats {

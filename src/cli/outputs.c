@@ -25,7 +25,7 @@ static bool resolve(const char *path, char folder[PATH_MAX], const char **name) 
     return realpath(above, folder) != NULL;
 }
 
-static bool same_file(const char *a, const char *b) {
+bool outputs_are_same(const char *a, const char *b) {
     struct stat info_a, info_b;
     if (stat(a, &info_a) == 0 && stat(b, &info_b) == 0)
         return info_a.st_dev == info_b.st_dev && info_a.st_ino == info_b.st_ino;
@@ -51,11 +51,11 @@ void outputs_may_be_read(fathom_context *context) { context_set_outputs(context,
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input) {
     for (size_t i = 0; i < count; ++i) {
-        if (input && same_file(outputs[i], input))
+        if (input && outputs_are_same(outputs[i], input))
             return fail(context, FATHOM_BAD_USAGE, "%s: is the input; expected another name for the output",
                         outputs[i]);
         for (size_t k = 0; k < i; ++k) {
-            if (same_file(outputs[i], outputs[k]))
+            if (outputs_are_same(outputs[i], outputs[k]))
                 return fail(context, FATHOM_BAD_USAGE,
                             "%s: the same file is named twice; expected different outputs", outputs[i]);
         }

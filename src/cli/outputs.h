@@ -9,6 +9,9 @@
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input);
 
+/* Whether both paths lead to one file, or would. */
+bool outputs_are_same(const char *a, const char *b);
+
 /* Reads what it likes from now on. */
 void outputs_may_be_read(fathom_context *context);
 

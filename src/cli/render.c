@@ -3,6 +3,7 @@
 #include "cli/interrupt.h"
 #include "cli/left_out.h"
 #include "cli/outputs.h"
+#include "cli/partial.h"
 #include "cli/progress.h"
 #include "cli/rescue.h"
 #include "cli/saving.h"
@@ -26,12 +27,17 @@ static fathom_status check_outputs(fathom_context *context, const render_options
     if (options->stats) all[count++] = options->stats;
     if (options->checkpoint) all[count++] = options->checkpoint;
     fathom_status status = outputs_check_distinct(context, all, count, options->scene);
+    if (status == FATHOM_OK) status = partial_check(context, &options->outputs, all, count);
     for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
         status = image_check(context, options->outputs.items[i], &options->write);
     }
     if (status == FATHOM_OK && options->stats) status = file_check_writable(context, options->stats);
     if (status == FATHOM_OK) status = saving_check(context, options);
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i) file_remove_left_over(all[i]);
+    for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
+        char partial[PATH_MAX];
+        if (partial_name(options->outputs.items[i], partial)) file_remove_left_over(partial);
+    }
     return status;
 }
 
@@ -62,6 +68,9 @@ static fathom_status merge_settings(fathom_context *context, const fathom_scene 
     if (scene_check_settings(context, &options->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
     return check_sizes(context, options);
 }
+
+/* A message that names all outputs. */
+#define SAID 8192
 
 typedef struct watched {
     fathom_context *context;
@@ -147,6 +156,40 @@ static fathom_status write_all(fathom_context *context, const fathom_film *film,
     return status;
 }
 
+static void tell_interrupted(const render_options *options) {
+    char text[SAID];
+    int used = snprintf(text, sizeof text, "interrupted; the image is written as far as it got, to ");
+    for (size_t i = 0; i < options->outputs.count && used >= 0 && used < SAID; ++i) {
+        used +=
+            snprintf(text + used, (size_t)(SAID - used), "%s%s", i ? ", " : "", options->outputs.items[i]);
+    }
+    if (options->checkpoint && used >= 0 && used < SAID)
+        snprintf(text + used, (size_t)(SAID - used), "; --resume continues");
+    say_error(text);
+}
+
+/* The image of a render that ended with `status`, and what is to be said of it. */
+static fathom_status finish(fathom_context *context, const fathom_scene *scene, const fathom_film *film,
+                            render_options *options, render_report *report, const saving *kept,
+                            double start) {
+    const bool interrupted = report->interrupted;
+    partial_names *room = NULL;
+    fathom_status status = interrupted ? partial_rename(context, &options->outputs, &room) : FATHOM_OK;
+    brightness_expose(film, options);
+    if (!interrupted) brightness_warn(context, scene, film, options);
+    if (status == FATHOM_OK)
+        status = write_all(context, film, options, report, start);
+    else
+        rescue_film(context, film, options->outputs.items[0], "the pixels");
+    status = saving_end(kept, interrupted, status);
+    if (status == FATHOM_OK && interrupted) {
+        tell_interrupted(options);
+        status = FATHOM_INTERRUPTED;
+    }
+    free(room);
+    return status;
+}
+
 #define DOUBTFUL "the pixels rendered until then, of which some may be wrong,"
 
 static fathom_status render_scene(fathom_context *context, fathom_scene *scene, render_options *options,
@@ -183,17 +226,8 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
     report->interrupted = status == FATHOM_INTERRUPTED;
     report->finished = report->stats.finished;
     report->scene = scene->name;
-    brightness_expose(film, options);
-    if (!report->interrupted) brightness_warn(context, scene, film, options);
-    fathom_status written = write_all(context, film, options, report, start);
+    status = finish(context, scene, film, options, report, &w.saving, start);
     fathom_film_destroy(film);
-    written = saving_end(&w.saving, status == FATHOM_INTERRUPTED, written);
-    if (written != FATHOM_OK) return written;
-    if (status == FATHOM_INTERRUPTED) {
-        say_error(options->checkpoint
-                      ? "interrupted; the image is written as far as it got, and --resume continues"
-                      : "interrupted; the image is written as far as it got");
-    }
     return status;
 }
 
@@ -264,8 +298,9 @@ const command command_render = {
     .text = "SCENE is scene JSON (.json) or a model: .glb, .gltf, .obj, .ply. A model without\n"
             "camera or lights gets a camera that frames it, and lights. Models take 16\n"
             "samples a pixel.\n"
-            "Ctrl-C stops, keeps what is finished as an image, and exits with code 5. So do\n"
-            "SIGTERM, SIGHUP (a terminal that is closed) and SIGXCPU (ulimit -t).\n"
+            "Ctrl-C stops, writes the image as far as it got to NAME.partial.EXT, leaves a\n"
+            "finished NAME.EXT as it was, and exits with code 5. So do SIGTERM, SIGHUP (a\n"
+            "terminal that is closed) and SIGXCPU (ulimit -t).\n"
             "If an image cannot be written, its pixels go to NAME.rescue.exr beside it, or to\n"
             "the working folder, $TMPDIR or /tmp, and a message says where. So do those of a\n"
             "scene whose files were changed while it was rendered: exit code 3.\n"

@@ -53,8 +53,9 @@ end() {
     [ -s c ] || die 'SIGUSR1 left no checkpoint'
     kill -TERM $child
     end 5
-    said err.txt 'interrupted; the image is written as far as it got, and --resume continues'
-    differ whole.exr a.exr
+    said err.txt 'interrupted; the image is written as far as it got, to a.partial.exr; --resume continues'
+    differ whole.exr a.partial.exr
+    [ ! -e a.exr ] || die 'a partial image under the name of a finished one'
     [ -s c ] || die 'SIGTERM left no checkpoint'
     [ ! -e c.fathom-lock ] || die 'SIGTERM left a lock'
 

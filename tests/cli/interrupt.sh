@@ -16,21 +16,31 @@ stop() {
 
 # That it stops at all: ten seconds are forever. How fast it does is measured by bench/start.sh.
 quick() {
-    rm -f i.exr i.json
+    rm -f i.partial.exr i.json
+    cp finished.exr i.exr
     stop "$@"
     awk "BEGIN { exit !($took < 10) }" || die "it took $took s to stop"
 }
 
 long='heavy.glb -o i.exr --spp 65536'
+run 0 render heavy.glb -o finished.exr --size 40x30
 for signal in INT TERM; do
     # shellcheck disable=SC2086
     quick $signal 3 render $long --stats i.json
     [ $code -eq 5 ] || die "SIG$signal: exit code $code, expected 5"
-    said err.txt 'fathom: interrupted; the image is written as far as it got'
+    said err.txt 'fathom: interrupted; the image is written as far as it got, to i.partial.exr'
     said out.txt 'interrupted at '
     said i.json '"interrupted": true'
-    same i.exr i.exr
+    cmp finished.exr i.exr || die 'the finished image is gone'
+    same i.partial.exr i.partial.exr
+    grep -qa 'fathom:interrupted' i.partial.exr || die 'the header does not say interrupted'
+    grep -qa 'fathom:finished' i.partial.exr || die 'the header does not say how much is done'
 done
+
+# Nothing that is written to may be where a partial image goes.
+refused 2 'i.partial.exr: an interrupted render puts i.exr there' \
+    render heavy.glb -o i.exr --checkpoint i.partial.exr
+refused 2 'i.partial.png: an interrupted render puts i.png there' render heavy.glb -o i.png -o i.partial.png
 ls -A | grep tmp && die 'a temporary file was left behind'
 
 # timeout without --foreground sends the signal to the process and to its group: twice at once is once.
@@ -42,7 +52,7 @@ timeout --preserve-status -s INT 3 "$FATHOM" render $long >out.txt 2>err.txt || 
 # A terminal that is closed, of which the shell and the system tell, and the processor's time that is up, of which the
 # system tells every second: like Ctrl-C, and no second one is in haste.
 for signal in HUP XCPU; do
-    rm -f i.exr
+    rm -f i.partial.exr
     "$FATHOM" render heavy.glb -o i.exr --max-time 20 >out.txt 2>err.txt &
     until grep -q '%' err.txt; do
         kill -0 $! || die 'it ended before it was met'
@@ -55,16 +65,16 @@ for signal in HUP XCPU; do
     wait $! || code=$?
     [ $code -eq 5 ] || die "SIG$signal: exit code $code, expected 5"
     said err.txt 'fathom: interrupted; the image is written as far as it got'
-    same i.exr i.exr
+    same i.partial.exr i.partial.exr
 done
 
 # While it reads or builds there is nothing to save: no output, no file left, code 5.
 run 0 generate terrain -t 2M -o large.obj
-rm -f i.exr
+rm -f i.exr i.partial.exr
 stop INT 0.1 render large.obj -o i.exr --stats i2.json
 [ $code -eq 5 ] || die "while reading: exit code $code, expected 5"
 said err.txt 'fathom: interrupted; nothing was written'
-[ ! -e i.exr ] && [ ! -e i2.json ] || die 'an output of nothing'
+[ ! -e i.exr ] && [ ! -e i.partial.exr ] && [ ! -e i2.json ] || die 'an output of nothing'
 rm -f large.obj large.mtl
 
 # While a mesh is made or written: nothing is left.
