@@ -10,15 +10,15 @@
  * centres it. */
 #include "scene/framing.h"
 
-#include "base/threads.h"
 #include "scene/graph.h"
+#include "scene/reach.h"
 
 #include <stdlib.h>
 
-enum { SIDES = 4 };
+enum { SIDES = REACH_SIDES };
 
-/* Vertices that are looked at in one pass, some 4 ns each, and groups that are stepped into. What is beyond
- * counts by its box. */
+/* Vertices that may be looked at in one pass, at most some 4 ns each, and groups that are stepped into. What
+ * is beyond counts by its box. */
 #define VERTICES_MOST ((uint64_t)1 << 24)
 #define PLACES_MOST 65536u
 
@@ -42,7 +42,7 @@ typedef struct walk {
     uint32_t places;   /* that may still be stepped into */
     double reach[SIDES];
     unsigned threads;
-    double *most; /* SIDES for each thread */
+    reach_boxes *boxes; /* for each mesh */
 } walk;
 
 static directions through(const directions *d, const affine_f64 *map) {
@@ -70,48 +70,25 @@ static void add_box(walk *w, const directions *d, const scene_bounds *box) {
     for (int i = 0; i < 8 && !bounds_is_empty(box); ++i) add_point(w, d, bounds_corner(box, i));
 }
 
-typedef struct vertex_loop {
-    const fathom_mesh *mesh;
-    double x[SIDES], y[SIDES], z[SIDES];
-    double *most; /* SIDES for each worker */
-} vertex_loop;
-
-/* The loop over the sides is the inner one: it becomes vector code. */
-static void look_at_vertices(void *user, size_t begin, size_t end, unsigned worker) {
-    const vertex_loop *loop = user;
-    const fathom_mesh *mesh = loop->mesh;
-    const size_t stride = mesh->position_stride ? mesh->position_stride / sizeof(float) : 3;
-    double most[SIDES], *out = loop->most + worker * SIDES;
-    for (int i = 0; i < SIDES; ++i) most[i] = out[i];
-    for (size_t k = begin; k < end; ++k) {
-        const float *p = mesh->positions + k * stride;
-        const double px = (double)p[0], py = (double)p[1], pz = (double)p[2];
-        for (int i = 0; i < SIDES; ++i) {
-            const double reach = loop->x[i] * px + loop->y[i] * py + loop->z[i] * pz;
-            most[i] = reach > most[i] ? reach : most[i];
-        }
+/* A mesh that does not reach beyond the rest of the scene needs no boxes. */
+static bool add_mesh(walk *w, const directions *d, uint32_t index) {
+    const fathom_mesh *mesh = &w->scene->meshes.items[index];
+    const mesh_facts *facts = &w->scene->mesh_facts.items[index];
+    reach_boxes *boxes = &w->boxes[index];
+    reach_sides sides;
+    reach_box all;
+    for (int i = 0; i < SIDES; ++i) {
+        sides.x[i] = d->normal[i].x, sides.y[i] = d->normal[i].y, sides.z[i] = d->normal[i].z;
+        sides.origin[i] = dot_f64(d->normal[i], load_f64(mesh->origin)), sides.offset[i] = d->offset[i];
     }
-    for (int i = 0; i < SIDES; ++i) out[i] = most[i];
+    for (int k = 0; k < 3; ++k) all.lower[k] = facts->lower[k], all.upper[k] = facts->upper[k];
+    if (!reach_box_beyond(&sides, &all, w->reach)) return true;
+    if (!boxes->items && !reach_make_boxes(w->threads, mesh, boxes)) return false;
+    reach_of_mesh(w->threads, &sides, mesh, boxes, w->reach);
+    return true;
 }
 
-/* A piece is some 0.1 ms of work: smaller meshes are not worth a thread. */
-#define PIECE 32768
-
-static void add_vertices(walk *w, const directions *d, const fathom_mesh *mesh) {
-    const unsigned threads = mesh->vertex_count > PIECE ? w->threads : 1;
-    vertex_loop loop = {.mesh = mesh, .most = w->most};
-    for (int i = 0; i < SIDES; ++i)
-        loop.x[i] = d->normal[i].x, loop.y[i] = d->normal[i].y, loop.z[i] = d->normal[i].z;
-    for (unsigned i = 0; i < threads * SIDES; ++i) loop.most[i] = -INFINITY;
-    loop_parallel(threads, mesh->vertex_count, PIECE, look_at_vertices, &loop);
-    for (unsigned k = 0; k < threads * SIDES; ++k) {
-        const unsigned i = k % SIDES;
-        double reach = loop.most[k] + dot_f64(d->normal[i], load_f64(mesh->origin)) + d->offset[i];
-        w->reach[i] = fmax(w->reach[i], reach);
-    }
-}
-
-static void add_object(walk *w, const directions *d, fathom_id id) {
+static bool add_object(walk *w, const directions *d, fathom_id id) {
     const scene_object object = w->scene->objects.items[id];
     switch (object.kind) {
     case SCENE_SPHERE: {
@@ -126,15 +103,15 @@ static void add_object(walk *w, const directions *d, fathom_id id) {
         const fathom_mesh *mesh = &w->scene->meshes.items[object.index];
         if (mesh->vertex_count <= w->vertices) {
             w->vertices -= mesh->vertex_count;
-            add_vertices(w, d, mesh);
-        } else {
-            scene_bounds box = scene_object_bounds(w->scene, id);
-            add_box(w, d, &box);
+            return add_mesh(w, d, object.index);
         }
+        scene_bounds box = scene_object_bounds(w->scene, id);
+        add_box(w, d, &box);
         break;
     }
     case SCENE_PLANE: break;
     }
+    return true;
 }
 
 /* ---- groups ---- */
@@ -160,7 +137,9 @@ static bool add_group(walk *w, const step *at) {
         return true;
     }
     w->vertices -= items;
-    for (uint32_t i = objects[0]; i < objects[1]; ++i) add_object(w, &at->along, w->graph->objects.items[i]);
+    for (uint32_t i = objects[0]; i < objects[1]; ++i) {
+        if (!add_object(w, &at->along, w->graph->objects.items[i])) return false;
+    }
     for (uint32_t i = instances[0]; i < instances[1]; ++i) {
         if (!add_instance(w, &at->along, &w->scene->instances.items[w->graph->instances.items[i]]))
             return false;
@@ -228,7 +207,7 @@ static const double off_centre = 1.0 / 512;
  * deep scene fills the cone before its tip. No view of a scene as wide as its image needs to be this near. */
 #define CLEAR (1.0 / 32)
 
-/* Most scenes take four or five; each looks at every vertex. */
+/* Most scenes take four or five; each looks at the box of every run of vertices. */
 #define PASSES_MOST 16
 
 typedef struct fit {
@@ -296,13 +275,14 @@ fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, 
         *empty = false;
         walk w = {.scene = scene, .graph = &graph, .of_group = of_group};
         w.threads = fathom_context_threads(scene->context);
-        w.most = malloc(w.threads * SIDES * sizeof *w.most);
-        if (!w.most || !find_eye(&w, axes, (double[2]){across, up}, eye))
+        w.boxes = calloc(scene->meshes.count + 1, sizeof *w.boxes);
+        if (!w.boxes || !find_eye(&w, axes, (double[2]){across, up}, eye))
             status = fail_memory(scene->context, sizeof *w.stack.items);
         else if (!finite_f64(*eye))
             status = fail_place(scene, &of_group[FATHOM_ROOT]);
         array_free(&w.stack);
-        free(w.most);
+        for (size_t i = 0; i < scene->meshes.count && w.boxes; ++i) free(w.boxes[i].items);
+        free(w.boxes);
     }
     free(of_group);
     graph_destroy(&graph);

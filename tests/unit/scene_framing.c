@@ -1,5 +1,7 @@
 /* The automatic camera: what it has in view, how large, and where its up is. */
 #include "math/affine.h"
+#include "random.h"
+#include "scene/reach.h"
 #include "scene/scene.h"
 #include "unit.h"
 
@@ -265,6 +267,80 @@ static void scenes_without_end_are_refused(void **state) {
     assert_fails(context, fathom_scene_complete(scene), FATHOM_BAD_INPUT, "camera: there is none");
 }
 
+/* ---- the reach of a mesh ---- */
+
+#define FLOATS_MOST 560000
+static float coordinates[FLOATS_MOST];
+
+/* By the definition. */
+static void assert_reach(const reach_sides *s, const fathom_mesh *mesh, const double floor[REACH_SIDES]) {
+    double most[REACH_SIDES];
+    memcpy(most, floor, sizeof most);
+    reach_boxes boxes;
+    assert_true(reach_make_boxes(2, mesh, &boxes));
+    reach_of_mesh(2, s, mesh, &boxes, most);
+    free(boxes.items);
+    for (int i = 0; i < REACH_SIDES; ++i) {
+        double expected = floor[i];
+        for (uint32_t k = 0; k < mesh->vertex_count; ++k) {
+            const float *p = mesh->positions + k * (mesh->position_stride / sizeof(float));
+            const double reach = s->x[i] * (double)p[0] + s->y[i] * (double)p[1] + s->z[i] * (double)p[2] +
+                                 s->origin[i] + s->offset[i];
+            if (reach > expected) expected = reach;
+        }
+        assert_true(most[i] == expected);
+    }
+}
+
+/* Points along a spiral on a ball, so that runs are apart; some moved by a little, some not finite. */
+static void fill_mesh(random_state *r, fathom_mesh *mesh, double odd) {
+    static const float odds[] = {NAN, INFINITY, -INFINITY};
+    const size_t step = mesh->position_stride / sizeof(float);
+    for (size_t i = 0; i < FLOATS_MOST; ++i) coordinates[i] = NAN; /* between the vertices */
+    for (uint32_t k = 0; k < mesh->vertex_count; ++k) {
+        const double z = 2 * (k + 0.5) / mesh->vertex_count - 1, across = sqrt(1 - z * z), turn = 40 * z;
+        const double p[3] = {across * cos(turn), across * sin(turn), z + random_in(r, 0, 0.01)};
+        for (int c = 0; c < 3; ++c) coordinates[k * step + (size_t)c] = (float)p[c];
+        if (random_unit(r) < odd) coordinates[k * step + random_bits(r) % 3] = odds[random_bits(r) % 3];
+    }
+    mesh->positions = coordinates;
+}
+
+/* Sides of any size, such that products and sums overflow, and along axes. */
+static reach_sides random_sides(random_state *r) {
+    static const double sizes_of[] = {0, 1, 1e-300, 1e300, 1.7e308, INFINITY};
+    reach_sides s;
+    double *const terms[5] = {s.x, s.y, s.z, s.origin, s.offset};
+    const bool odd = random_unit(r) < 0.5;
+    for (int i = 0; i < REACH_SIDES; ++i) {
+        for (int k = 0; k < 5; ++k)
+            terms[k][i] = random_in(r, -1, 1) * (odd ? sizes_of[random_bits(r) % 6] : 1);
+    }
+    return s;
+}
+
+static void skipped_runs_never_change_the_reach(void **state) {
+    (void)state;
+    static const uint32_t counts[] = {1, 2, 7, 127, 128, 129, 255, 1000, 70000};
+    static const size_t strides[] = {12, 16, 20, 32};
+    const double nowhere[REACH_SIDES] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY},
+                 some[REACH_SIDES] = {0, 0.5, 1, -1};
+    random_state r = {1};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    for (size_t c = 0; c < sizeof counts / sizeof *counts; ++c) {
+        for (size_t i = 0; i < sizeof strides / sizeof *strides; ++i) {
+            mesh.vertex_count = counts[c], mesh.position_stride = strides[i];
+            for (int k = 0; k < 8; ++k) {
+                const reach_sides sides = random_sides(&r);
+                fill_mesh(&r, &mesh, k % 2 ? 0.002 : 0);
+                assert_reach(&sides, &mesh, nowhere);
+                assert_reach(&sides, &mesh, some);
+            }
+        }
+    }
+}
+
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
@@ -277,6 +353,7 @@ int main(void) {
         TEST(too_many_copies_stay_in_view),
         TEST(up_z_is_the_turned_scene),
         TEST(scenes_without_end_are_refused),
+        TEST(skipped_runs_never_change_the_reach),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
