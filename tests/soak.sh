@@ -8,7 +8,7 @@ build=${FATHOM_BUILD:-build}/test-release
 renders=${1:-10000}
 sh tests/packages.sh test
 mkdir -p "$build"
-{ cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release && cmake --build "$build" --target soak fathom_image_module; } \
+{ cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release && cmake --build "$build" --target soak fathom_image_module fathom_image_helper; } \
     >"$build/soak.log" 2>&1 || { tail -n 20 "$build/soak.log" >&2; exit 1; }
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

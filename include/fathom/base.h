@@ -23,8 +23,7 @@
  * Stack. 64 KiB are enough for the calling thread, unless plug-ins and callbacks take more.
  *
  * Processes. A child of fork() may make contexts and call with them. What its parent made may only be read
- * there, and images that OpenImageIO writes or reads (.exr, .jpg, .tif) are not for children of a parent that
- * did so before: they would wait for threads that OpenImageIO has in the parent alone. */
+ * there. */
 #ifndef FATHOM_BASE_H
 #define FATHOM_BASE_H
 

@@ -247,13 +247,13 @@ FATHOM_API void fathom_write_options_default(fathom_write_options *options);
 FATHOM_API fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
                                            const fathom_write_options *options);
 /* All channels as uncompressed, scene-linear EXR of 32-bit values, whatever the extension, without the image
- * module and hardly any memory: for pixels whose own file cannot be written. The file appears whole or not at
+ * helper and hardly any memory: for pixels whose own file cannot be written. The file appears whole or not at
  * all. FATHOM_OUT_OF_RESOURCES. */
 FATHOM_API fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film,
                                                  const char *path);
-/* Starts loading the image module in the background, so that the first write does not wait for it. PNG in the
- * built-in sRGB view does without the module. From here on the module counts in what a render is expected to
- * hold. */
+/* Starts the image helper in the background, so that the first write does not wait for it. PNG in the
+ * built-in sRGB view does without it. The helper is a process of its own, in which OpenImageIO and
+ * OpenColorIO work: it ends with this process, and whatever ends it earlier fails one call. */
 FATHOM_API void fathom_image_prefetch(void);
 
 #ifdef __cplusplus

@@ -13,11 +13,9 @@ size_t memory_free(void);
  * more than there is. Little is not asked about. */
 bool memory_has(size_t bytes);
 
-/* The program with its libraries, before it holds a scene: alone, and with the image module: the most of it,
- * while the module loads. Half of that is given back then, but what is built may stand before. What a thread
- * has under way comes beside it; 0.55 MB of it were measured. */
-#define MEMORY_PROGRAM_ALONE 20000000u
-#define MEMORY_PROGRAM 150000000u
+/* The program with its libraries, before it holds a scene, and what a thread has under way; 0.55 MB of that
+ * were measured. The image helper is another process, of some 120 MB. */
+#define MEMORY_PROGRAM 20000000u
 #define MEMORY_THREAD 1000000u
 
 /* Zeroes, whose pages are there before they are used, up to 64 MB: touched one by one, a million pixels take

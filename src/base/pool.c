@@ -58,9 +58,9 @@ static void *serve(void *unused) {
     return NULL;
 }
 
-/* Under the lock: one more thread for every task that waits, and `spare` beyond. */
-static bool enough_threads(unsigned spare) {
-    while (idle < waiting + spare) {
+/* Under the lock: a thread for every task that waits, and one more. */
+static bool enough_threads(void) {
+    while (idle < waiting + 1) {
         pthread_t thread;
         if (pthread_create(&thread, NULL, serve, NULL) != 0) return false;
         pthread_detach(thread);
@@ -69,19 +69,12 @@ static bool enough_threads(unsigned spare) {
     return true;
 }
 
-void pool_start(unsigned threads) {
-    pthread_once(&once, prepare);
-    pthread_mutex_lock(&lock);
-    enough_threads(threads);
-    pthread_mutex_unlock(&lock);
-}
-
 bool pool_run(pool_task *task) {
     pthread_once(&once, prepare);
     task->done = false;
     task->next = NULL;
     pthread_mutex_lock(&lock);
-    bool served = enough_threads(1);
+    bool served = enough_threads();
     if (served) {
         *last = task;
         last = &task->next;

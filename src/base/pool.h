@@ -16,8 +16,6 @@ typedef struct pool_task {
     struct pool_task *next;
 } pool_task;
 
-/* Has at least this many threads wait for work, as far as the system grants them. */
-void pool_start(unsigned threads);
 /* Starts task->run(task->user) on another thread at once; false when no thread can be had: then nothing has
  * begun. */
 bool pool_run(pool_task *task);

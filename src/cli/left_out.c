@@ -4,7 +4,7 @@
 #include <string.h>
 
 bool left_out_image_module(left_out_list *list) {
-    return left_out_tell(list, "image module", "PNG in the built-in sRGB view is written without it");
+    return left_out_tell(list, "image helper", "PNG in the built-in sRGB view is written without it");
 }
 
 void left_out_print(const fathom_left_out *items, uint32_t count, const char *title) {

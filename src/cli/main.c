@@ -60,9 +60,8 @@ static fathom_status dispatch(int argc, char **argv) {
     return c->run(argc - 1, argv + 1);
 }
 
-/* All files are closed by now. exit() would go on to tear down the image module's 260 libraries, one by one,
- * and wait for it where it is still being loaded; the system takes all back at once. Sanitizers and
- * counts of what ran report in exit(). */
+/* All files are closed by now, and the system takes back all memory at once. Sanitizers and coverage report
+ * in exit(). */
 static _Noreturn void leave(fathom_status status) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(FATHOM_COVERAGE)
     exit((int)status);

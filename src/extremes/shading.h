@@ -43,7 +43,7 @@ fathom_status shading_run(fathom_context *context, const shading_options *option
  * then. */
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows);
 /* By Embree, whatever the options name: the scene at the origin and moved, beside what plain float makes of
- * it. Takes the image module, and some seconds for textbook intersectors. */
+ * it. Takes some seconds for textbook intersectors. */
 fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
                                    shading_images *images);
 

@@ -1,8 +1,8 @@
 /* Images in files. PNG in sRGB is written here. OpenImageIO, for all other formats and for reading, and
- * OpenColorIO, for all other views, live in a module of their own, fathom_image.so, which is loaded on the
- * first use: its 260 libraries cost a quarter of a second. It is looked for at
- * $FATHOM_IMAGE_MODULE, else in the folder `fathom` beside the file that holds this code, else in the library
- * folders that belong to that file's place. */
+ * OpenColorIO, for all other views, live in a process of their own, the image helper: it starts when the
+ * first image needs it, next to other work, since its 260 libraries take a quarter of a second to load.
+ * Whatever they do, this process lives on. The helper's program is looked for in the folder `fathom` next to
+ * the file that holds this code, else in the library folders that belong to that file's place. */
 #ifndef IMAGE_IMAGE_H
 #define IMAGE_IMAGE_H
 
@@ -58,8 +58,8 @@ typedef struct image {
  * role scene_linear is taken to be linear Rec.709.
  *
  * FATHOM_BAD_USAGE: unknown extension, display or view (the message lists those there are), no such config;
- * FATHOM_BAD_INPUT: the config is broken; FATHOM_OUT_OF_RESOURCES: cannot be written; FATHOM_INTERNAL: the
- * module cannot be loaded. */
+ * FATHOM_BAD_INPUT: the config is broken; FATHOM_OUT_OF_RESOURCES: cannot be
+ * written, or the image helper is missing or ended. */
 fathom_status image_write(fathom_context *context, const image *img, const char *path,
                           const fathom_write_options *options);
 
@@ -72,8 +72,8 @@ fathom_status image_encode_png(fathom_context *context, const image *img, const 
                                unsigned char **bytes, size_t *size);
 
 /* Checks path and options as image_write() would, before anything is rendered for them: the extension, that
- * the folder exists and can be written to, that the module is there if it is needed. Loads it only to look
- * for a view, where the format needs one other than the built-in sRGB. */
+ * the folder exists and can be written to, that the helper is there if it is needed. Asks it only for
+ * a view, where the format needs one other than the built-in sRGB. */
 fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options);
 /* FATHOM_BAD_USAGE when the format does not hold as many pixels: known before rendering, as the rest is
  * before reading. */
@@ -83,7 +83,7 @@ fathom_status image_check_size(fathom_context *context, const char *path, uint32
  * view. */
 bool image_view_is_srgb(const fathom_write_options *options);
 
-/* Whether writing there loads the module; false of extensions that are not known. */
+/* Whether writing there takes the helper; false of extensions that are not known. */
 bool image_needs_module(const char *path, const fathom_write_options *options);
 
 /* Reads every channel, in the file's order: unsigned 32-bit channels as IMAGE_UINT, all others as float (8-
@@ -92,27 +92,11 @@ bool image_needs_module(const char *path, const fathom_write_options *options);
 fathom_status image_read(fathom_context *context, const char *path, const image **out);
 void image_release(const image *img);
 
-/* Starts loading the module on a thread of its own. Leaving the process waits for that thread. */
+/* Starts the helper, and does not wait for it. */
 void image_prefetch(void);
 
-/* Whether it was asked for, and is there or may still come. */
-bool image_is_wanted(void);
-
-/* Whether the calling thread is loading the module: what ends the process then is one of its libraries. For
- * handlers of signals and of exit(). */
-bool image_is_loading_here(void);
-
-/* For a handler of the signals that end a process. Where the calling thread is in a call of the module, that
- * call fails and this does not return: with FATHOM_OUT_OF_RESOURCES where what happened, `number`, is what
- * libraries do when they lack memory, else with FATHOM_INTERNAL. */
-void image_call_failed_here(int number, bool lack);
-/* Whether the calling thread is in one; whether any is, for which libraries may work on threads of their own.
- */
-bool image_is_called_here(void);
-bool image_is_called(void);
-
-/* FATHOM_INTERNAL with the reason once that has failed, so that nobody renders for hours towards a file that
- * cannot be written. FATHOM_OK while it is under way, too. Any thread. */
+/* FATHOM_OUT_OF_RESOURCES with the reason once its start has failed, so that nobody renders for hours towards
+ * a file that cannot be written. FATHOM_OK while it is under way, too. Any thread. */
 fathom_status image_prefetch_status(fathom_context *context);
 
 #endif

@@ -1,205 +1,237 @@
 #include "image/loader.h"
 
-#include "base/pool.h"
-#include "base/stall.h"
-#include "base/threads.h"
-#include "image/module_open.h"
-#include "image/rest.h"
+#include "base/file.h"
+#include "image/helper.h"
+#include "image/wire_image.h"
 
 #include <limits.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-#include <unistd.h>
+#include <string.h>
 
-static struct {
-    pthread_mutex_t lock; /* guards the rest; not held while loading */
-    pthread_cond_t ended; /* `loading` or `busy` is less now */
-    const image_module *module;
-    module_trouble why; /* the last load failed */
-    unsigned loading;   /* 0, 1 */
-    unsigned busy;      /* threads for it, which have something to do when the module is there */
-    stall thread;       /* the last of them; none: whoever asked loads on its own */
-    pid_t process;      /* in which it began */
-    atomic_bool closing;
-} loader = {.lock = PTHREAD_MUTEX_INITIALIZER, .ended = PTHREAD_COND_INITIALIZER};
+/* Something that is open in the helper. */
+typedef struct remote {
+    uint64_t object, process;
+    unsigned threads;
+    size_t pixel_bytes; /* of a writer */
+    uint32_t width;
+} remote;
 
-static void load_now(void) {
-    module_trouble why = {.status = FATHOM_OK};
-    const image_module *module = module_open(&loader.closing, &why);
-    pthread_mutex_lock(&loader.lock);
-    loader.module = module;
-    loader.why = why;
-    loader.loading = 0;
-    pthread_cond_broadcast(&loader.ended);
-    pthread_mutex_unlock(&loader.lock);
+static fathom_status ask(helper_exchange *e, image_message *message) {
+    fathom_status status = helper_ask(e);
+    if (status != FATHOM_OK) snprintf(message->text, sizeof message->text, "%s", e->reply.text);
+    return status;
 }
 
-/* `ahead`: of its use; nobody has asked for the module yet. */
-static void *load_on_thread(void *ahead) {
-    pthread_mutex_lock(&loader.lock);
-    loader.thread = (stall){.thread = gettid()};
-    pthread_mutex_unlock(&loader.lock);
-    size_t before = rest_library_count();
-    load_now();
-    /* Beside a build that may need the memory; whoever waits for the module need not wait for this. */
-    if (ahead && loader_loaded()) rest_libraries(before);
-    pthread_mutex_lock(&loader.lock);
-    --loader.busy;
-    pthread_cond_broadcast(&loader.ended);
-    pthread_mutex_unlock(&loader.lock);
-    return NULL;
+/* Asks with what `b` holds, which is released. */
+static fathom_status ask_with(helper_exchange *e, wire_buffer *b, image_message *message) {
+    fathom_status status = FATHOM_OUT_OF_RESOURCES;
+    e->bytes = b->items, e->request.size = b->count;
+    if (b->lost)
+        snprintf(message->text, sizeof message->text, "out of memory");
+    else
+        status = ask(e, message);
+    free(b->items);
+    return status;
 }
 
-/* ---- waiting for it ---- */
+static remote *remember(const helper_exchange *e, unsigned threads) {
+    remote *r = malloc(sizeof *r);
+    if (r) *r = (remote){.object = e->reply.object, .process = e->process, .threads = threads};
+    return r;
+}
 
-/* Under the lock. A library that waits for itself, as GLib does where it lacks memory for the message that it
- * lacks memory, would have everyone wait for ever. */
-static bool never_ends(void) { return loader.process != getpid() || stall_look(&loader.thread); }
+static helper_exchange about(const remote *r, wire_op op) {
+    return (helper_exchange){.request = {.op = op, .threads = r->threads, .object = r->object},
+                             .descriptor = -1,
+                             .process = r->process};
+}
 
-/* Under the lock, while `*what` holds: false when it will for ever. */
-static bool wait_while(const unsigned *what) {
-    while (*what) {
-        if (never_ends()) return false;
-        struct timespec until;
-        clock_gettime(CLOCK_MONOTONIC, &until);
-        until.tv_nsec += 100000000;
-        if (until.tv_nsec >= 1000000000) ++until.tv_sec, until.tv_nsec -= 1000000000;
-        pthread_cond_clockwait(&loader.ended, &loader.lock, CLOCK_MONOTONIC, &until);
+/* ---- writing ---- */
+
+static size_t storage_bytes(image_storage storage) {
+    switch (storage) {
+    case IMAGE_STORE_U8: return 1;
+    case IMAGE_STORE_HALF: return 2;
+    case IMAGE_STORE_FLOAT:
+    case IMAGE_STORE_UINT: return 4;
     }
+    return 0;
+}
+
+static fathom_status open_writer(const image_target *target, image_writer **out, image_message *message) {
+    wire_buffer b = {NULL, 0, 0, false};
+    helper_exchange e = {.request = {.op = WIRE_OPEN, .threads = target->threads},
+                         .descriptor = target->descriptor};
+    wire_put_text(&b, target->path);
+    wire_put_u32(&b, target->format);
+    wire_put_u32(&b, target->srgb);
+    wire_put_u32(&b, (uint32_t)target->profile_size);
+    wire_put(&b, target->profile, target->profile_size);
+    wire_put_text(&b, target->date);
+    wire_put_image(&b, target->img, target->storage);
+    fathom_status status = ask_with(&e, &b, message);
+    if (status != FATHOM_OK) return status;
+    remote *r = remember(&e, target->threads);
+    if (!r) {
+        snprintf(message->text, sizeof message->text, "out of memory");
+        return FATHOM_OUT_OF_RESOURCES; /* the helper keeps the file open until it ends */
+    }
+    r->width = target->img->width;
+    for (size_t i = 0; i < target->img->channel_count; ++i)
+        r->pixel_bytes += storage_bytes(target->storage[i]);
+    *out = (image_writer *)(void *)r;
+    return FATHOM_OK;
+}
+
+static fathom_status write_rows(image_writer *writer, uint32_t count, const void *pixels,
+                                image_message *message) {
+    const remote *r = (const remote *)(const void *)writer;
+    helper_exchange e = about(r, WIRE_ROWS);
+    e.bytes = pixels, e.request.count = count, e.request.size = r->pixel_bytes * r->width * count;
+    return ask(&e, message);
+}
+
+static fathom_status close_writer(image_writer *writer, bool finish, image_message *message) {
+    remote *r = (remote *)(void *)writer;
+    helper_exchange e = about(r, WIRE_CLOSE);
+    e.request.count = finish;
+    fathom_status status = ask(&e, message);
+    free(r);
+    return status;
+}
+
+/* ---- reading ---- */
+
+/* An image as it was read: everything that it points to lies in `bytes`, behind it. */
+typedef struct read_image_memory {
+    image img;
+    wire_image parts;
+    unsigned char *bytes;
+} read_image_memory;
+
+/* Nothing of what the helper says is taken for granted. */
+static bool place_planes(read_image_memory *m, uint64_t described, uint64_t size) {
+    const image *img = &m->parts.img;
+    uint64_t at = (described + WIRE_ALIGNED - 1) / WIRE_ALIGNED * WIRE_ALIGNED;
+    uint64_t plane = (uint64_t)img->width * img->height * sizeof(float);
+    if (!img->width || !img->height || at > size || img->channel_count > (size - at) / plane) return false;
+    for (size_t i = 0; i < img->channel_count; ++i) {
+        m->parts.channels[i].data = m->bytes + at + i * plane;
+        m->parts.channels[i].stride = sizeof(float);
+    }
+    m->img = *img;
     return true;
 }
 
-/* For a process that ends: false where the load never does. */
-static bool wait_for_end(void) {
-    if (loader.process != getpid()) return true; /* a forked child has no such thread */
-    if (image_is_loading_here()) return true;    /* a library calls exit() */
-    atomic_store(&loader.closing, true);         /* what has not begun to load need not */
-    pthread_mutex_lock(&loader.lock);
-    bool ended = wait_while(&loader.busy);
-    pthread_mutex_unlock(&loader.lock);
-    return ended;
+static void release_image(const image *img) {
+    read_image_memory *m = (read_image_memory *)(uintptr_t)img;
+    if (!m) return;
+    wire_image_free(&m->parts);
+    free(m->bytes);
+    free(m);
 }
 
-static void leave_at_exit(int status, void *unused) {
-    (void)unused;
-    if (wait_for_end()) return;
-    /* The dynamic loader's own end would wait for that thread. */
-    fflush(NULL);
-    _exit(status);
+static fathom_status take_image(void *user, const unsigned char *bytes, const wire_reply *reply) {
+    read_image_memory *m = calloc(1, sizeof *m);
+    if (!m) return FATHOM_OUT_OF_RESOURCES;
+    m->bytes = malloc(reply->size ? reply->size : 1);
+    fathom_status status = FATHOM_OUT_OF_RESOURCES;
+    if (m->bytes && reply->object <= reply->size) {
+        memcpy(m->bytes, bytes, reply->size);
+        wire_cursor c = {m->bytes, m->bytes + reply->object, false};
+        if (wire_take_image(&c, &m->parts) && place_planes(m, reply->object, reply->size)) status = FATHOM_OK;
+    }
+    if (status == FATHOM_OK)
+        *(const image **)user = &m->img;
+    else
+        release_image(&m->img);
+    return status;
 }
 
-static void wait_at_end_of_thread(void *unused) {
-    (void)unused;
-    wait_for_end();
+/* The helper's working folder may be another one. */
+static fathom_status read_image(const char *path, unsigned threads, const image **out,
+                                image_message *message) {
+    char whole[PATH_MAX];
+    wire_buffer b = {NULL, 0, 0, false};
+    helper_exchange e = {
+        .request = {.op = WIRE_READ, .threads = threads}, .descriptor = -1, .take = take_image, .user = out};
+    *out = NULL;
+    wire_put_text(&b, realpath(path, whole) ? whole : path);
+    fathom_status status = ask_with(&e, &b, message);
+    if (status != FATHOM_OK && !message->text[0])
+        snprintf(message->text, sizeof message->text, "out of memory");
+    return status;
 }
 
-/* The C library's side of C++'s thread_local destructors; glibc 2.18 and later, in no header. */
-extern int __cxa_thread_atexit_impl(void (*destructor)(void *), void *object, void *library);
+/* ---- views ---- */
 
-/* While a library is loaded, its constructors run and register destructors; exit() on another thread would
- * run those at the same time. A handler of exit() comes too late, after them: the last registered runs
- * first. What exit() runs before all handlers are the thread's own destructors, so the thread that asked for
- * the load, nearly always the one that leaves the process, waits there. The handler is for those that
- * exit elsewhere, and where the wait has no end. */
-static void wait_at_exit(void) {
-    module_loading_here(true); /* it calls abort() where memory is lacking */
-    __cxa_thread_atexit_impl(wait_at_end_of_thread, NULL, &loader);
-    module_loading_here(false);
-    on_exit(leave_at_exit, NULL);
+static fathom_status open_view(const image_view_request *request, image_view **out, bool *srgb,
+                               image_message *message) {
+    char whole[PATH_MAX];
+    wire_buffer b = {NULL, 0, 0, false};
+    helper_exchange e = {.request = {.op = WIRE_VIEW}, .descriptor = -1};
+    wire_put_text(&b, request->config && realpath(request->config, whole) ? whole : request->config);
+    wire_put_text(&b, request->display);
+    wire_put_text(&b, request->view);
+    fathom_status status = ask_with(&e, &b, message);
+    if (status != FATHOM_OK) return status;
+    remote *r = remember(&e, 1);
+    if (!r) {
+        snprintf(message->text, sizeof message->text, "out of memory");
+        return FATHOM_OUT_OF_RESOURCES;
+    }
+    *srgb = e.reply.flag != 0;
+    *out = (image_view *)(void *)r;
+    return FATHOM_OK;
 }
 
-/* ---- beginning it ---- */
+typedef struct shown {
+    float *rgba;
+    size_t size;
+} shown;
 
-static bool on_new_thread(void *(*run)(void *), void *user) {
-    pthread_t thread;
-    sigset_t old;
-    threads_without_signals(&old); /* signals are for the threads that know of them */
-    bool made = pthread_create(&thread, NULL, run, user) == 0;
-    pthread_sigmask(SIG_SETMASK, &old, NULL);
-    if (made) pthread_detach(thread);
-    return made;
+static fathom_status take_pixels(void *user, const unsigned char *bytes, const wire_reply *reply) {
+    const shown *to = user;
+    (void)reply;
+    memcpy(to->rgba, bytes, to->size);
+    return FATHOM_OK;
 }
 
-/* Under the lock, which it gives back for a while where no thread can be had. */
-static void begin(bool ahead) {
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
-    loader.loading = 1;
-    ++loader.busy;
-    loader.process = getpid();
-    loader.thread = (stall){.thread = 0};
-    module_find_begin();
-    pthread_once(&once, wait_at_exit);
-    if (on_new_thread(load_on_thread, ahead ? &loader : NULL)) return;
-    --loader.busy;
-    pthread_mutex_unlock(&loader.lock);
-    load_now();
-    pthread_mutex_lock(&loader.lock);
+static fathom_status apply_view(const image_view *view, unsigned threads, float *rgba, size_t count,
+                                image_message *message) {
+    helper_exchange e = about((const remote *)(const void *)view, WIRE_APPLY);
+    shown to = {rgba, count * 4 * sizeof *rgba};
+    e.request.threads = threads, e.request.count = count, e.request.size = to.size;
+    e.bytes = rgba, e.take = take_pixels, e.user = &to;
+    return ask(&e, message);
 }
 
-void image_prefetch(void) {
-    /* While the module loads, making a thread waits for it: reading and rendering find theirs made
-     * already, one for each processor and one that watches. */
-    pool_start(processor_count() + 1);
-    pthread_mutex_lock(&loader.lock);
-    if (!loader.module && !loader.loading) begin(true);
-    pthread_mutex_unlock(&loader.lock);
+static void close_view(image_view *view) {
+    helper_exchange e = about((const remote *)(const void *)view, WIRE_END_VIEW);
+    helper_ask(&e);
+    free(view);
 }
 
-/* ---- what came of it ---- */
+const image_module image_calls = {IMAGE_MODULE_VERSION,
+                                  {open_writer, write_rows, close_writer},
+                                  read_image,
+                                  release_image,
+                                  open_view,
+                                  apply_view,
+                                  close_view};
 
-static fathom_status fail_module(fathom_context *context, fathom_status status, const char *why) {
-    return fail(context, status, "image module: %s", why);
-}
+/* ---- its life ---- */
 
-static fathom_status fail_endless(fathom_context *context) {
-    if (loader.process != getpid())
-        return fail_module(context, FATHOM_INTERNAL, "the process was forked while it was loaded");
-    return fail(
-        context, FATHOM_OUT_OF_RESOURCES,
-        "image module: a library has been waiting for itself for %d seconds while it was loaded, as some do "
-        "when they lack memory",
-        STALL_SECONDS);
-}
-
-fathom_status loader_module(fathom_context *context, const image_module **out) {
-    pthread_mutex_lock(&loader.lock);
-    if (!loader.module && !loader.loading) begin(false);
-    bool ended = wait_while(&loader.loading);
-    *out = loader.module;
-    module_trouble why = loader.why;
-    pthread_mutex_unlock(&loader.lock);
-    if (*out) return FATHOM_OK;
-    return ended ? fail_module(context, why.status, why.text) : fail_endless(context);
-}
-
-const image_module *loader_loaded(void) {
-    pthread_mutex_lock(&loader.lock);
-    const image_module *module = loader.module;
-    pthread_mutex_unlock(&loader.lock);
-    return module;
-}
-
-bool image_is_wanted(void) {
-    pthread_mutex_lock(&loader.lock);
-    bool wanted = loader.module || loader.loading;
-    pthread_mutex_unlock(&loader.lock);
-    return wanted;
-}
+void image_prefetch(void) { helper_prefetch(); }
 
 fathom_status image_prefetch_status(fathom_context *context) {
-    pthread_mutex_lock(&loader.lock);
-    bool endless = loader.loading && never_ends();
-    module_trouble why = loader.why;
-    pthread_mutex_unlock(&loader.lock);
-    if (endless) return fail_endless(context);
-    return why.status == FATHOM_OK ? FATHOM_OK : fail_module(context, why.status, why.text);
+    char text[1024];
+    fathom_status status = helper_look(text);
+    return status == FATHOM_OK ? status : fail(context, status, "image helper: %s", text);
 }
 
 fathom_status loader_find(fathom_context *context) {
-    module_trouble why = {.status = FATHOM_OK};
-    char path[PATH_MAX];
-    return module_find(path, &why) ? FATHOM_OK : fail_module(context, why.status, why.text);
+    char text[1024];
+    return helper_find(text) ? FATHOM_OK : fail(context, FATHOM_OUT_OF_RESOURCES, "image helper: %s", text);
 }

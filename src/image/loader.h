@@ -1,17 +1,14 @@
-/* Finding and loading fathom_image.so. */
+/* What the image helper does for this process, as plain calls. */
 #ifndef IMAGE_LOADER_H
 #define IMAGE_LOADER_H
 
-#include "image/module/module.h"
+#include "image/module.h"
 
-/* The module, loaded on the first call; waits for a load that is under way. Any thread. It is never unloaded.
- * FATHOM_INTERNAL names what was tried; FATHOM_OUT_OF_RESOURCES: memory or descriptors ran out. */
-fathom_status loader_module(fathom_context *context, const image_module **out);
+/* The calls of helper/module.h, each made in the helper; any thread. A call that the helper does not survive
+ * fails with FATHOM_OUT_OF_RESOURCES, and so does each later one on what was open then. */
+extern const image_module image_calls;
 
-/* The module if it is loaded, else NULL. Whoever holds something of the module's can count on it. */
-const image_module *loader_loaded(void);
-
-/* Whether there is a module to load, without loading it. */
+/* FATHOM_OUT_OF_RESOURCES when the helper's program is not there, with a message. Starts nothing. */
 fathom_status loader_find(fathom_context *context);
 
 #endif

@@ -75,11 +75,11 @@ bool image_needs_module(const char *path, const fathom_write_options *options) {
     return known_format(extension, &format) && output_needs_module(format, options);
 }
 
-fathom_status output_open_view(fathom_context *context, const image_module *module,
-                               const fathom_write_options *options, image_view **out, bool *srgb) {
+fathom_status output_open_view(fathom_context *context, const fathom_write_options *options, image_view **out,
+                               bool *srgb) {
     image_message message = {""};
     image_view_request request = {config_of(options), options->display, options->view};
-    fathom_status status = module->view_open(&request, out, srgb, &message);
+    fathom_status status = image_calls.view_open(&request, out, srgb, &message);
     if (status == FATHOM_OK) return status;
     if (!request.config) return fail(context, status, "OpenColorIO: %s", message.text);
     return fail(context, status, "OpenColorIO config %s%s: %s", options->ocio ? "" : "($OCIO) ",
@@ -87,12 +87,10 @@ fathom_status output_open_view(fathom_context *context, const image_module *modu
 }
 
 static fathom_status check_view(fathom_context *context, const fathom_write_options *options) {
-    const image_module *module;
     image_view *view;
     bool srgb;
-    fathom_status status = loader_module(context, &module);
-    if (status == FATHOM_OK) status = output_open_view(context, module, options, &view, &srgb);
-    if (status == FATHOM_OK) module->view_close(view);
+    fathom_status status = output_open_view(context, options, &view, &srgb);
+    if (status == FATHOM_OK) image_calls.view_close(view);
     return status;
 }
 

@@ -2,7 +2,7 @@
 #ifndef IMAGE_OUTPUT_H
 #define IMAGE_OUTPUT_H
 
-#include "image/module/module.h"
+#include "image/module.h"
 
 /* FATHOM_BAD_USAGE: the extension is unknown. */
 fathom_status output_format(fathom_context *context, const char *path, image_format *out);
@@ -14,9 +14,9 @@ fathom_status output_check_exposure(fathom_context *context, const fathom_write_
 
 bool output_needs_module(image_format format, const fathom_write_options *options);
 
-/* The view that the options name, by OpenColorIO; to be closed by the module's view_close(). *srgb: see
+/* The view that the options name, by OpenColorIO; to be closed by image_calls.view_close(). *srgb: see
  * module.h. */
-fathom_status output_open_view(fathom_context *context, const image_module *module,
-                               const fathom_write_options *options, image_view **out, bool *srgb);
+fathom_status output_open_view(fathom_context *context, const fathom_write_options *options, image_view **out,
+                               bool *srgb);
 
 #endif

@@ -65,7 +65,7 @@ static float scale_by(const image_packing *packing, float alpha) {
     return alpha > 0.0f && alpha < 1.0f ? packing->gain / alpha : packing->gain;
 }
 
-static void gather_row(const image_packing *packing, uint32_t y, float *rgba) {
+void pack_row_for_view(const image_packing *packing, uint32_t y, float *rgba) {
     const image *img = packing->img;
     const image_channel *alpha = alpha_of(img);
     for (size_t x = 0; x < img->width; ++x) {
@@ -87,16 +87,11 @@ void pack_row_srgb(const image_packing *packing, uint32_t y, unsigned char *out)
     }
 }
 
-fathom_status pack_row_through_view(const image_packing *packing, uint32_t y, float *scratch,
-                                    unsigned char *out, image_message *message) {
+void pack_row_from_view(const image_packing *packing, uint32_t y, const float *rgba, unsigned char *out) {
     const image *img = packing->img;
-    gather_row(packing, y, scratch);
-    fathom_status status = packing->module->view_apply(packing->view, scratch, img->width, message);
-    if (status != FATHOM_OK) return status;
     const image_channel *alpha = alpha_of(img);
     for (size_t x = 0; x < img->width; ++x) {
-        for (size_t c = 0; c < 3; ++c) *out++ = byte_from_float(scratch[4 * x + c]);
+        for (size_t c = 0; c < 3; ++c) *out++ = byte_from_float(rgba[4 * x + c]);
         if (alpha) *out++ = byte_from_float(load_at(img, alpha, y, x));
     }
-    return FATHOM_OK;
 }

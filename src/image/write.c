@@ -10,7 +10,6 @@
 #include "image/write_png.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,7 +30,6 @@ static const image_channel *find_channel(const image *img, const char *name) {
 typedef struct writing {
     fathom_context *context;
     const char *path;
-    const image_module *module; /* NULL where it is not needed */
     const image_writer_calls *calls;
     image_format format;
     image_date date;
@@ -50,9 +48,9 @@ typedef struct writing {
     unsigned char *rows[2]; /* chunks of packed rows; the second only where one is packed ahead */
     size_t first;           /* row from which rows are packed… */
     unsigned into;          /* …into which chunk */
-    float *scratch;         /* 4 · width floats for each worker */
-    atomic_bool failed;
-    image_message *messages; /* one for each worker */
+    float *shown_rows;      /* of a chunk, 4 · width floats each, where there is a view */
+    fathom_status viewed;   /* what the view said of the last chunk */
+    image_message message;  /* and why */
 } writing;
 
 static fathom_status choose_channels(writing *w, const image *img, const fathom_write_options *options) {
@@ -91,8 +89,11 @@ static bool packs_ahead(const writing *w) {
     return w->threads > 1 && (w->format == IMAGE_PNG || w->format == IMAGE_JPEG);
 }
 
+static float *row_for_view(const writing *w, size_t y) { return w->shown_rows + 4 * w->shown.width * y; }
+
 static void pack_rows(void *user, size_t begin, size_t end, unsigned worker) {
     writing *w = user;
+    (void)worker;
     size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
     for (size_t y = begin; y < end; ++y) {
         unsigned char *out = w->rows[w->into] + y * row_bytes;
@@ -100,25 +101,23 @@ static void pack_rows(void *user, size_t begin, size_t end, unsigned worker) {
             pack_row(&w->packing, (uint32_t)(w->first + y), out);
             continue;
         }
-        if (!w->view) {
+        if (w->view)
+            pack_row_from_view(&w->packing, (uint32_t)(w->first + y), row_for_view(w, y), out);
+        else
             pack_row_srgb(&w->packing, (uint32_t)(w->first + y), out);
-            continue;
-        }
-        fathom_status status = pack_row_through_view(&w->packing, (uint32_t)(w->first + y),
-                                                     w->scratch + (size_t)4 * w->shown.width * worker, out,
-                                                     &w->messages[worker]);
-        if (status != FATHOM_OK) atomic_store(&w->failed, true);
     }
 }
 
-/* What the first of the workers that failed has to say. */
+static void gather_rows(void *user, size_t begin, size_t end, unsigned worker) {
+    writing *w = user;
+    (void)worker;
+    for (size_t y = begin; y < end; ++y)
+        pack_row_for_view(&w->packing, (uint32_t)(w->first + y), row_for_view(w, y));
+}
+
 static fathom_status pack_failure(const writing *w) {
-    for (unsigned i = 0; i < w->threads; ++i) {
-        if (w->messages[i].text[0]) {
-            return fail(w->context, FATHOM_INTERNAL, "%s: OpenColorIO: %s", w->path, w->messages[i].text);
-        }
-    }
-    return fail(w->context, FATHOM_INTERNAL, "%s: OpenColorIO failed", w->path);
+    if (!w->message.text[0]) return fail(w->context, w->viewed, "%s: OpenColorIO failed", w->path);
+    return fail(w->context, w->viewed, "%s: OpenColorIO: %s", w->path, w->message.text);
 }
 
 static size_t rows_from(const writing *w, size_t first) {
@@ -128,7 +127,14 @@ static size_t rows_from(const writing *w, size_t first) {
 
 static void pack_chunk(void *user) {
     writing *w = user;
-    loop_parallel(w->threads, rows_from(w, w->first), 4, pack_rows, w);
+    size_t rows = rows_from(w, w->first);
+    if (w->view) {
+        loop_parallel(w->threads, rows, 4, gather_rows, w);
+        w->viewed =
+            image_calls.view_apply(w->view, w->threads, w->shown_rows, rows * w->shown.width, &w->message);
+        if (w->viewed != FATHOM_OK) return;
+    }
+    loop_parallel(w->threads, rows, 4, pack_rows, w);
 }
 
 /* The rows from `first` on, while the chunk after them is packed where that pays. */
@@ -152,7 +158,7 @@ static fathom_status write_rows(writing *w, image_writer *writer, image_message 
     w->first = 0;
     pack_chunk(w);
     for (size_t first = 0; first < w->shown.height; first += w->chunk) {
-        if (atomic_load(&w->failed)) return pack_failure(w);
+        if (w->viewed != FATHOM_OK) return pack_failure(w);
         fathom_status status = write_chunk(w, writer, first, message);
         if (status != FATHOM_OK)
             return fail(w->context, status, "%s: cannot be written: %s", w->path, message->text);
@@ -187,7 +193,9 @@ static fathom_status write_to(writing *w, file_writer *file) {
     return status;
 }
 
+/* A chunk of rows takes more as the floats that a view is given than as bytes. */
 static size_t chunk_rows(const writing *w, size_t row_bytes) {
+    if (w->view) row_bytes = 4 * sizeof(float) * w->shown.width;
     size_t rows = packs_ahead(w) ? CHUNK_ROWS : CHUNK_BYTES / row_bytes / CHUNK_ROWS * CHUNK_ROWS;
     if (rows < CHUNK_ROWS) rows = CHUNK_ROWS;
     return rows < w->shown.height ? rows : w->shown.height;
@@ -195,14 +203,13 @@ static size_t chunk_rows(const writing *w, size_t row_bytes) {
 
 static fathom_status allocate_rows(writing *w) {
     size_t row_bytes = w->packing.pixel_bytes * w->shown.width;
-    size_t scratch_bytes = w->view ? sizeof(float) * 4 * w->shown.width * w->threads : 1;
     w->chunk = chunk_rows(w, row_bytes);
+    size_t view_bytes = w->view ? sizeof(float) * 4 * w->shown.width * w->chunk : 1;
     w->rows[0] = malloc(w->chunk * row_bytes);
     w->rows[1] = packs_ahead(w) ? malloc(w->chunk * row_bytes) : NULL;
-    w->scratch = malloc(scratch_bytes);
-    w->messages = calloc(w->threads, sizeof *w->messages);
-    if (w->rows[0] && (w->rows[1] || !packs_ahead(w)) && w->scratch && w->messages) return FATHOM_OK;
-    return fail_memory(w->context, w->chunk * row_bytes + scratch_bytes);
+    w->shown_rows = malloc(view_bytes);
+    if (w->rows[0] && (w->rows[1] || !packs_ahead(w)) && w->shown_rows) return FATHOM_OK;
+    return fail_memory(w->context, w->chunk * row_bytes + view_bytes);
 }
 
 static fathom_status open_file(const writing *w, file_writer **out) {
@@ -222,7 +229,7 @@ static fathom_status close_file(const writing *w, file_writer *file, fathom_stat
 /* Memory for the rows under way, then the file. */
 static fathom_status write_file(writing *w) {
     w->packing.img = &w->shown, w->packing.storage = w->storage;
-    w->packing.module = w->module, w->packing.view = w->view, w->packing.srgb = &w->srgb_codes;
+    w->packing.srgb = &w->srgb_codes;
     for (size_t i = 0; i < w->shown.channel_count; ++i) {
         w->packing.pixel_bytes += pack_storage_size(w->storage[i]);
     }
@@ -230,7 +237,7 @@ static fathom_status write_file(writing *w) {
     fathom_status status = allocate_rows(w);
     if (status == FATHOM_OK) status = open_file(w, &file);
     if (status == FATHOM_OK) status = close_file(w, file, write_to(w, file));
-    free(w->rows[0]), free(w->rows[1]), free(w->scratch), free(w->messages);
+    free(w->rows[0]), free(w->rows[1]), free(w->shown_rows);
     return status;
 }
 
@@ -244,7 +251,7 @@ static fathom_status check_image(fathom_context *context, const image *img, cons
 
 static fathom_status choose_view(writing *w, const fathom_write_options *options) {
     w->srgb = image_view_is_srgb(options);
-    if (!w->srgb) return output_open_view(w->context, w->module, options, &w->view, &w->srgb);
+    if (!w->srgb) return output_open_view(w->context, options, &w->view, &w->srgb);
     srgb_codes_fill(&w->srgb_codes);
     return FATHOM_OK;
 }
@@ -257,10 +264,8 @@ static fathom_status write_image(writing *w, const image *img, const fathom_writ
     if (status == FATHOM_OK) status = output_check_exposure(context, options);
     if (status == FATHOM_OK) status = date_read(context, &w->date);
     if (status == FATHOM_OK) status = check_image(context, img, w->path, w->format);
-    if (status == FATHOM_OK && output_needs_module(w->format, options))
-        status = loader_module(context, &w->module);
     if (status != FATHOM_OK) return status;
-    w->calls = w->format == IMAGE_PNG ? &write_png_calls : &w->module->writer;
+    w->calls = w->format == IMAGE_PNG ? &write_png_calls : &image_calls.writer;
     w->packing.gain = exp2f(options->exposure);
     w->channels = calloc(img->channel_count, sizeof *w->channels);
     w->storage = calloc(img->channel_count, sizeof *w->storage);
@@ -268,7 +273,7 @@ static fathom_status write_image(writing *w, const image *img, const fathom_writ
     if (status == FATHOM_OK) status = choose_channels(w, img, options);
     if (status == FATHOM_OK && w->format != IMAGE_EXR) status = choose_view(w, options);
     if (status == FATHOM_OK) status = write_file(w);
-    if (w->view) w->module->view_close(w->view);
+    if (w->view) image_calls.view_close(w->view);
     free(w->channels), free(w->storage);
     return status;
 }

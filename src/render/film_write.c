@@ -3,16 +3,11 @@
 #include "image/exr.h"
 #include "image/image.h"
 #include "render/film_marks.h"
-#include "trace/trace.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* What comes beside the load finds its threads made. */
-void fathom_image_prefetch(void) {
-    trace_start_threads();
-    image_prefetch();
-}
+void fathom_image_prefetch(void) { image_prefetch(); }
 
 /* Where to; what a call has no use for is NULL. */
 typedef struct target {

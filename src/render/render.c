@@ -2,7 +2,6 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
-#include "image/image.h"
 #include "render/checkpoint/checkpoint.h"
 #include "render/job.h"
 #include "render/watch.h"
@@ -41,12 +40,11 @@ static void report_build(void *user) {
 }
 
 static uint64_t program_bytes(const fathom_context *context) {
-    return (image_is_wanted() ? MEMORY_PROGRAM : MEMORY_PROGRAM_ALONE) +
-           (uint64_t)fathom_context_threads(context) * MEMORY_THREAD;
+    return MEMORY_PROGRAM + (uint64_t)fathom_context_threads(context) * MEMORY_THREAD;
 }
 
 /* What the process will hold beside the tracer's structures. Of a large film nothing is there yet, unless a
- * checkpoint has filled it, the image module may not be loaded, and of a mapped mesh only what was looked at
+ * checkpoint has filled it, and of a mapped mesh only what was looked at
  * is in memory. */
 static fathom_status memory_beside(fathom_context *context, const fathom_scene *scene,
                                    const fathom_film *film, uint64_t *out) {

@@ -138,23 +138,6 @@ static fathom_status open_device(embree_tracer *tracer) {
     return FATHOM_OK;
 }
 
-/* Building anything makes them, and they stay: they are the task scheduler's, not the device's. Signals are
- * for the threads that know of them. Failures are reported by the build that meets them again. */
-void trace_start_threads(void) {
-    char config[32];
-    sigset_t old;
-    threads_without_signals(&old);
-    snprintf(config, sizeof config, "threads=%u", build_threads(processor_count()));
-    RTCDevice device = atomic_load(&scarce) ? NULL : rtcNewDevice(config);
-    RTCScene scene = device ? rtcNewScene(device) : NULL;
-    if (scene) {
-        rtcCommitScene(scene);
-        rtcReleaseScene(scene);
-    }
-    if (device) rtcReleaseDevice(device);
-    pthread_sigmask(SIG_SETMASK, &old, NULL);
-}
-
 /* The filters for wide packets use the instructions of the kernels for them. */
 static void choose_calls(embree_tracer *tracer) {
     static const unsigned widths[] = {0, 1, 4, 8, 16, 16, 16};

@@ -86,10 +86,6 @@ fathom_status trace_create(fathom_context *context, const world *w, const trace_
                            trace_tracer **out);
 void trace_destroy(trace_tracer *tracer);
 
-/* Makes the threads that Embree builds with, which takes about a millisecond. Else the first build does, and
- * where a library is being loaded at that time it waits for it: making a thread takes the loader's lock. */
-void trace_start_threads(void);
-
 /* Each rendering thread calls this before its first ray: Embree wants denormals flushed to zero, and every
  * tracer gets the same arithmetic. Returns the state for trace_thread_end(). */
 unsigned trace_thread_begin(void);

@@ -1,7 +1,7 @@
 # A disk that fails under an image loses no pixels, and nothing half is left under the final name.
 . "$SOURCE/tests/cli/check.inc"
 write_scene
-"$FATHOM" render scene.json -o good.exr --exr-float >/dev/null
+"$FATHOM" render scene.json -o good.exr --exr-float --size 384x256 >/dev/null
 
 # fault CALL FILE ERROR AFTER ARGUMENT…: a render whose disk fails so; it has to end with code 4.
 fault() {
@@ -26,51 +26,51 @@ if [ -z "$SANITIZE" ]; then
         stem=${name%.*}
         # Input/output error a little after the trial of 4096 bytes that comes before rendering, and later.
         for after in 4200 6000; do
-            fault write "$stem.fathom-tmp" 5 $after render scene.json -o $name
+            fault write "$stem.fathom-tmp" 5 $after render scene.json -o $name --size 384x256
             said err.txt "fathom: $name: cannot be written: Input/output error"
             rescued a.rescue.exr
         done
         # The disk's own cache could not be written, as is learnt when waiting for it.
-        fault fsync "$stem.fathom-tmp" 5 0 render scene.json -o $name
+        fault fsync "$stem.fathom-tmp" 5 0 render scene.json -o $name --size 384x256
         said err.txt "fathom: $name: cannot be written: Input/output error"
         rescued a.rescue.exr
         # No space left on device.
-        fault rename "$name" 28 0 render scene.json -o $name
+        fault rename "$name" 28 0 render scene.json -o $name --size 384x256
         said err.txt "fathom: $name: cannot be written: No space left on device"
         rescued a.rescue.exr
     done
     # What stands there stays; a rescued image of an earlier run, too.
     echo old >a.png
     echo old >a.rescue.exr
-    fault write a.fathom-tmp 5 6000 render scene.json -o a.png
+    fault write a.fathom-tmp 5 6000 render scene.json -o a.png --size 384x256
     [ "$(cat a.png a.rescue.exr)" = "$(printf 'old\nold')" ] || die 'a file that was there is gone'
     rm a.png a.rescue.exr
     rescued a.rescue-2.exr
     # An image that holds all channels is no worse than a rescued one.
-    fault write a.fathom-tmp 5 6000 render scene.json -o a.png -o b.exr --exr-float
+    fault write a.fathom-tmp 5 6000 render scene.json -o a.png -o b.exr --exr-float --size 384x256
     same b.exr good.exr
     [ ! -e a.rescue.exr ] || die 'rescued, though b.exr holds all'
     rm b.exr
     # A folder that is full: the next place is the working folder.
     mkdir folder
-    fault write folder/a 28 6000 render scene.json -o folder/a.png
+    fault write folder/a 28 6000 render scene.json -o folder/a.png --size 384x256
     [ -z "$(ls -A folder)" ] || die "left in the folder: $(ls -A folder)"
     rmdir folder
     rescued a.rescue.exr
     # The longest name there is, which nothing can be added to.
     long=$(printf '%0251d' 0)
-    fault rename "$long.png" 28 0 render scene.json -o "$long.png"
+    fault rename "$long.png" 28 0 render scene.json -o "$long.png" --size 384x256
     rescued "$(printf '%0227d' 0).rescue.exr"
     # All names beside it are taken, a thousand of them: likewise.
     mkdir folder
     for i in "" $(seq -f -%g 2 1000); do : >"folder/a.rescue$i.exr"; done
-    fault write folder/a.fathom-tmp 5 6000 render scene.json -o folder/a.png
+    fault write folder/a.fathom-tmp 5 6000 render scene.json -o folder/a.png --size 384x256
     rm -r folder
     rescued a.rescue.exr
     # Several at once, whose disk is full for all: each has its own.
     for i in 1 2 3 4; do
         FAULT_CALL=rename FAULT_FILE=a.png FAULT_ERROR=28 FAULT_AFTER=0 LD_PRELOAD=$BUILD/tests/faults/disk.so \
-            "$FATHOM" render scene.json -o a.png >/dev/null 2>&1 &
+            "$FATHOM" render scene.json -o a.png --size 384x256 >/dev/null 2>&1 &
     done
     wait
     for name in a.rescue a.rescue-2 a.rescue-3 a.rescue-4; do
@@ -159,6 +159,6 @@ echo 'no library' >module.so
 code=0
 FATHOM_IMAGE_MODULE=$PWD/module.so "$FATHOM" render scene.json -o e.exr --size 2000x2000 --tracer linear:f64 --spp 1024 \
     >out.txt 2>err.txt || code=$?
-[ $code -eq 70 ] || die "no module: exit code $code, expected 70"
-said err.txt 'fathom: image module: '
+[ $code -eq 4 ] || die "no module: exit code $code, expected 4"
+said err.txt 'fathom: image helper: '
 [ ! -e e.exr ] || die 'no module: there is an image'

@@ -6,7 +6,7 @@
 has() { grep -Eq -e "$2" elf.txt || die "$1: readelf shows no $2"; }
 has_not() { ! grep -Eq -e "$2" elf.txt || die "$1: readelf shows $2"; }
 
-for file in "$FATHOM" "$BUILD/lib/libfathom.so" "$BUILD/lib/fathom/fathom_image.so"; do
+for file in "$FATHOM" "$BUILD/lib/libfathom.so" "$BUILD/lib/fathom/fathom_image.so" "$BUILD/lib/fathom/fathom-image"; do
     readelf --wide --file-header --program-headers --dynamic "$file" >elf.txt
     has "$file" '^ *Type: +DYN'
     has "$file" '^ *GNU_RELRO '

@@ -8,8 +8,7 @@ run 0 generate sphere -t 1200k -o ball.glb
 run 0 render ball.glb -o usual.exr --size 64x48 --memory-limit 8G
 not_said err.txt warning
 
-# What was foreseen is never less than what it comes to, nor more by as much as the program's share, which is held
-# whole only while the image module loads.
+# What was foreseen is never less than what it comes to, nor more by as much as the program's share.
 foreseen() { # image, most that may be foreseen in vain, further arguments…
     image=$1 vain=$2
     shift 2
@@ -19,30 +18,30 @@ foreseen() { # image, most that may be foreseen in vain, further arguments…
     [ "$((all - peak))" -le "$vain" ] || die "$*: only $peak bytes at most, $all were foreseen"
     [ "$(number m.json bvhBytes)" -le "$(number m.json bvhPeakBytes)" ] || die "$*: more is kept than there was at most"
 }
-for spec in embree:low embree:medium embree:compact:medium; do foreseen seen.exr 150000000 --tracer $spec; done
-# PNG does without the module; every thread has something under way.
+for spec in embree:low embree:medium embree:compact:medium; do foreseen seen.exr 60000000 --tracer $spec; done
+# Every thread has something under way.
 foreseen seen.png 60000000
 foreseen seen.png 80000000 --threads 32 --size 1280x720
-foreseen seen.exr 150000000
+foreseen seen.exr 60000000
 needed=$(($(number m.json meshBytes) + $(number m.json bvhBytes) + $(number m.json filmBytes)))
 awk "BEGIN { d = $(number m.json peakToNeeded) * $needed / $(number m.json peakBytes) - 1; exit !(d < 1e-6 && d > -1e-6) }" ||
     die 'peakToNeeded'
 run 0 render ball.glb -o seen.exr --size 64x48 -v
 said out.txt 'times meshes 28.8, BVH '
 
-# 150 MB of program, 2 of threads, 29 of mesh; the usual structures take 125 MB, compact ones 49.
-run 0 render ball.glb -o compact.exr --size 64x48 --threads 2 --memory-limit 240M --stats s.json
+# 20 MB of program, 2 of threads, 29 of mesh; the usual structures take 125 MB, compact ones 49.
+run 0 render ball.glb -o compact.exr --size 64x48 --threads 2 --memory-limit 110M --stats s.json
 said err.txt 'warning: the usual acceleration structure would take about 0.12 GB, and 0.06 GB are left beside program, meshes and image: a compact'
-[ "$(number s.json peakMemoryBytes)" -le 240000000 ] || die "beyond the limit: $(number s.json peakMemoryBytes)"
+[ "$(number s.json peakMemoryBytes)" -le 110000000 ] || die "beyond the limit: $(number s.json peakMemoryBytes)"
 run 0 compare usual.exr compact.exr --tolerance 1e-3
 
 refused 4 'out of memory: building takes about 0.05 GB, and' \
-    render ball.glb -o none.exr --size 64x48 --threads 2 --memory-limit 190M --quiet
+    render ball.glb -o none.exr --size 64x48 --threads 2 --memory-limit 60M --quiet
 
 # Who names the structures gets them or nothing.
 refused 4 'out of memory: building takes about 0.12 GB' \
-    render ball.glb -o none.exr --size 64x48 --threads 2 --memory-limit 240M --tracer embree:medium --quiet
-run 0 render ball.glb -o named.exr --size 64x48 --threads 2 --memory-limit 240M --tracer embree:compact
+    render ball.glb -o none.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:medium --quiet
+run 0 render ball.glb -o named.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:compact
 not_said err.txt warning
 
 # Every limit, from what nothing fits to what all does, ends with code 4, a line and no file, or with the pixels that there
@@ -54,7 +53,7 @@ run 0 render ball.glb -o compact.exr --size 64x48 --tracer embree:compact
 limits() { # image, what it is without a limit, further arguments…
     image=$1 whole=$2 fits=no refused=no
     shift 2
-    for limit in 1M 20M 100M 150M 155M 160M 165M 170M 175M 180M 185M 190M 195M 200M 220M 1G; do
+    for limit in 1M 20M 25M 30M 35M 40M 45M 50M 55M 60M 65M 70M 90M 120M 1G; do
         code=0
         "$FATHOM" render ball.glb -o "$image" --size 64x48 --threads 2 --memory-limit $limit --stats l.json --quiet "$@" \
             >out.txt 2>err.txt || code=$?

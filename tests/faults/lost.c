@@ -1,7 +1,7 @@
 /* In place of the image module: a library that ends the process, or waits for itself, in the way that
  * $FAULT_LOST names, as some of the image module's do when memory is lacking; while it is loaded, or where
  * the name begins with "rows-", when rows are written. Its views fail, and what it reads is broken. */
-#include "image/module/module.h"
+#include "image/module.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -42,7 +42,7 @@ static char own_view;
 
 static fathom_status open_nothing(const image_target *target, image_writer **out, image_message *message) {
     (void)target, (void)message;
-    *out = NULL;
+    *out = (image_writer *)&own_view;
     return FATHOM_OK;
 }
 
@@ -64,8 +64,7 @@ static fathom_status close_nothing(image_writer *writer, bool finish, image_mess
 static fathom_status fail_read(const char *path, unsigned threads, const image **out,
                                image_message *message) {
     (void)path, (void)threads, (void)out;
-    snprintf(message->text, sizeof message->text, "%s",
-             strcmp(way(), "read-lack") == 0 ? "Cannot allocate memory" : "is broken");
+    snprintf(message->text, sizeof message->text, "is broken");
     return FATHOM_BAD_INPUT;
 }
 
@@ -76,8 +75,9 @@ static fathom_status open_view(const image_view_request *request, image_view **o
     return FATHOM_OK;
 }
 
-static fathom_status fail_view(const image_view *view, float *rgba, size_t count, image_message *message) {
-    (void)view, (void)rgba, (void)count;
+static fathom_status fail_view(const image_view *view, unsigned threads, float *rgba, size_t count,
+                               image_message *message) {
+    (void)view, (void)threads, (void)rgba, (void)count;
     if (strcmp(way(), "view") == 0) snprintf(message->text, sizeof message->text, "no such colour");
     return FATHOM_INTERNAL;
 }

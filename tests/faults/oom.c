@@ -227,6 +227,8 @@ static main_fn *program;
 
 static int counted_main(int argc, char **argv, char **environment) {
     const char *path = getenv("FATHOM_OOM_REPORT"), *words = getenv("FATHOM_OOM");
+    /* The image helper is another program: what it lacks ends in a message of the one that started it. */
+    if (strcmp(program_invocation_short_name, "fathom-image") == 0) words = path = NULL;
     if (path) report = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     if (words) choose(words);
     return program(argc, argv, environment);

@@ -20,6 +20,7 @@ for file in include/fathom/fathom.h bin/fathom share/fathom/fathom.schema.json; 
     [ -s "$prefix/$file" ] || fail "$file was not installed"
 done
 [ -s "$libdir/fathom/fathom_image.so" ] || fail "fathom_image.so was not installed"
+[ -x "$libdir/fathom/fathom-image" ] || fail "fathom-image was not installed"
 [ -s "$libdir/fathom/fathom_image.parts" ] || fail "fathom_image.parts was not installed"
 for header in "$SOURCE"/include/fathom/*.h; do
     cmp -s "$header" "$prefix/include/fathom/${header##*/}" || fail "$header was not installed as it is"

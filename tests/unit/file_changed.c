@@ -368,7 +368,6 @@ int main(int argc, char **argv) {
     if (argc == 3) return meet_foreign_fault(argv[1][0] - '0', argv[2]);
     fathom_guard_files();
     sigaction(SIGBUS, NULL, &guard_action);
-    trace_start_threads(); /* as the program does, to whose threads no signals are sent */
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(truncated_before_rendering),
         cmocka_unit_test(truncated_and_removed),

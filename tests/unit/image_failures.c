@@ -1,7 +1,5 @@
-/* What goes wrong with images is said, and leaves nothing behind. Tests in child processes come first: the
- * module is never unloaded, and some of its libraries start threads that a forked child does not have. */
+/* Failures with images get a message and leave nothing behind. */
 #include "image/image.h"
-#include "image/loader.h"
 #include "unit_folder.h"
 
 #include <dirent.h>
@@ -64,23 +62,19 @@ static bool fails_with(fathom_status found, fathom_status expected, const char *
     return false;
 }
 
+/* The module that the helper loads stands for everything that can be wrong with its libraries. */
 static bool without_module(void *user) {
     (void)user;
     image img = noisy();
     fathom_write_options options = defaults();
     setenv("FATHOM_IMAGE_MODULE", "/nowhere/fathom_image.so", 1);
     image_prefetch(); /* its failure is nobody's business yet */
-    bool ok = fails_with(image_check(context, in_folder("a.exr"), &options), FATHOM_INTERNAL,
+    bool ok = fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_OUT_OF_RESOURCES,
                          "/nowhere/fathom_image.so");
-    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_INTERNAL,
-                     "/nowhere/fathom_image.so");
+    ok &= fails_with(image_prefetch_status(context), FATHOM_OUT_OF_RESOURCES, "/nowhere/fathom_image.so");
     setenv("FATHOM_IMAGE_MODULE", in_folder("a.txt"), 1);
-    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_INTERNAL, "a.txt");
-    /* Nobody would ever write to it. */
-    ok &= mkfifo(in_folder("pipe"), 0600) == 0 && setenv("FATHOM_IMAGE_MODULE", in_folder("pipe"), 1) == 0;
-    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_INTERNAL,
-                     "pipe: expected a file");
-    ok &= unlink(in_folder("pipe")) == 0;
+    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_OUT_OF_RESOURCES,
+                     "a.txt");
     /* Once it can be had, it is. */
     unsetenv("FATHOM_IMAGE_MODULE");
     return ok && image_write(context, &img, in_folder("a.exr"), &options) == FATHOM_OK;
@@ -97,15 +91,9 @@ static bool with_failing_module(void *user) {
     setenv("FAULT_LOST", "view", 1);
     bool ok = fails_with(image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL,
                          "a.png: OpenColorIO: no such colour");
-    setenv("FAULT_LOST", "view-silent", 1);
-    ok &= fails_with(image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL,
-                     "a.png: OpenColorIO failed");
     ok &= access(in_folder("a.png"), F_OK) != 0;
-    ok &= fails_with(image_read(context, in_folder("a.txt"), &found), FATHOM_BAD_INPUT,
-                     "a.txt: cannot be read as an image: is broken");
-    setenv("FAULT_LOST", "read-lack", 1);
-    return ok & fails_with(image_read(context, in_folder("a.txt"), &found), FATHOM_OUT_OF_RESOURCES,
-                           "a.txt: cannot be read as an image: Cannot allocate memory");
+    return ok & fails_with(image_read(context, in_folder("a.txt"), &found), FATHOM_BAD_INPUT,
+                           "a.txt: cannot be read as an image: is broken");
 }
 
 static void failing_module(void **state) {
@@ -123,23 +111,48 @@ static void missing_module(void **state) {
     assert_int_equal(unlink(in_folder("a.txt")), 0);
 }
 
-/* A module that is no library would end in an error. */
 static bool png_without_module(void *user) {
     (void)user;
     image img = noisy();
     fathom_write_options options = defaults();
     setenv("FATHOM_IMAGE_MODULE", "/nowhere/fathom_image.so", 1);
     bool ok = image_check(context, in_folder("a.png"), &options) == FATHOM_OK &&
-              image_write(context, &img, in_folder("a.png"), &options) == FATHOM_OK && !loader_loaded();
+              image_write(context, &img, in_folder("a.png"), &options) == FATHOM_OK;
     options.view = "Raw";
-    ok &= fails_with(image_check(context, in_folder("a.png"), &options), FATHOM_INTERNAL, "/nowhere/");
-    ok &= fails_with(image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL, "/nowhere/");
+    ok &=
+        fails_with(image_check(context, in_folder("a.png"), &options), FATHOM_OUT_OF_RESOURCES, "/nowhere/");
+    ok &= fails_with(image_write(context, &img, in_folder("a.png"), &options), FATHOM_OUT_OF_RESOURCES,
+                     "/nowhere/");
     return ok && unlink(in_folder("a.png")) == 0;
 }
 
-static void png_needs_no_module(void **state) {
+static void png_needs_no_helper(void **state) {
     (void)state;
     in_child(png_without_module, NULL);
+}
+
+/* Whatever a library does while it is loaded or at work ends a call, and not this process; the next call has
+ * a new helper. */
+static bool survives(void *user) {
+    image img = noisy();
+    fathom_write_options options = defaults();
+    setenv("FAULT_LOST", user, 1);
+    setenv("FATHOM_IMAGE_MODULE", LOST_MODULE, 1);
+    setenv("FATHOM_IMAGE_SECONDS", "0.5", 1);
+    bool ok = fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_OUT_OF_RESOURCES,
+                         "image helper");
+    ok &= access(in_folder("a.exr"), F_OK) != 0;
+    unsetenv("FAULT_LOST"), unsetenv("FATHOM_IMAGE_MODULE"), unsetenv("FATHOM_IMAGE_SECONDS");
+    return ok && image_write(context, &img, in_folder("a.exr"), &options) == FATHOM_OK &&
+           unlink(in_folder("a.exr")) == 0;
+}
+
+static void libraries_that_end_their_process_end_only_a_call(void **state) {
+    (void)state;
+    static const char *const ways[] = {"exit",       "abort",     "null",       "fault",
+                                       "hang",       "rows-exit", "rows-abort", "rows-null",
+                                       "rows-fault", "rows-hang", "rows-thread"};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) in_child(survives, (void *)(uintptr_t)ways[i]);
 }
 
 static bool prefetch_and_leave(void *user) {
@@ -151,56 +164,29 @@ static bool prefetch_and_leave(void *user) {
 /* Leaving the process at any moment of the load, with all exit handlers. */
 static void leaving_while_loading(void **state) {
     (void)state;
-    for (long i = 0; i < 16; ++i) {
-        struct timespec wait = {0, i * 17000000};
+    for (long i = 0; i < 6; ++i) {
+        struct timespec wait = {0, i * 40000000};
         in_child(prefetch_and_leave, &wait);
     }
 }
 
-static bool prefetch_and_fork(void *user) {
-    (void)user;
-    image_prefetch();
-    pid_t child = fork();
-    if (child == 0) exit(0); /* has no thread to wait for */
-    int status;
-    return waitpid(child, &status, 0) == child && status == 0;
-}
-
-static void forking_while_loading(void **state) {
-    (void)state;
-    in_child(prefetch_and_fork, NULL);
-}
-
-/* A child of a process that loads has no thread that goes on with it. */
-static bool writes_in_child(const image *img) {
-    pid_t child = fork();
-    if (child == 0) {
-        fathom_write_options options = defaults();
-        exit(!fails_with(image_write(context, img, in_folder("a.exr"), &options), FATHOM_INTERNAL,
-                         "forked while it was loaded"));
-    }
-    int status;
-    return waitpid(child, &status, 0) == child && status == 0;
-}
-
-/* The process waits for the module neither when it wants to write nor when it leaves. */
-static bool module_hangs(void *user) {
+/* A child of a process with a helper has one of its own, and so has its parent. */
+static bool write_in_both(void *user) {
     (void)user;
     image img = noisy();
     fathom_write_options options = defaults();
-    setenv("FAULT_LOST", "hang", 1);
-    setenv("FATHOM_IMAGE_MODULE", LOST_MODULE, 1);
-    image_prefetch();
-    bool ok = image_prefetch_status(context) == FATHOM_OK && writes_in_child(&img);
-    ok &= fails_with(image_write(context, &img, in_folder("a.exr"), &options), FATHOM_OUT_OF_RESOURCES,
-                     "has been waiting for itself");
-    ok &= fails_with(image_prefetch_status(context), FATHOM_OUT_OF_RESOURCES, "has been waiting for itself");
-    return ok && access(in_folder("a.exr"), F_OK) != 0;
+    bool ok = image_write(context, &img, in_folder("a.exr"), &options) == FATHOM_OK;
+    pid_t child = fork();
+    if (child == 0) exit(image_write(context, &img, in_folder("b.exr"), &options) != FATHOM_OK);
+    ok &= image_write(context, &img, in_folder("a.exr"), &options) == FATHOM_OK;
+    int status;
+    ok &= waitpid(child, &status, 0) == child && status == 0;
+    return ok && unlink(in_folder("a.exr")) == 0 && unlink(in_folder("b.exr")) == 0;
 }
 
-static void module_that_hangs(void **state) {
+static void a_forked_child_writes_too(void **state) {
     (void)state;
-    in_child(module_hangs, NULL);
+    in_child(write_in_both, NULL);
 }
 
 static bool write_after_prefetch(void *user) {
@@ -337,15 +323,14 @@ static void bad_reads(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(missing_module),
-        cmocka_unit_test(png_needs_no_module),
+        cmocka_unit_test(png_needs_no_helper),
         cmocka_unit_test(leaving_while_loading),
-        cmocka_unit_test(forking_while_loading),
-        cmocka_unit_test(module_that_hangs),
+        cmocka_unit_test(a_forked_child_writes_too),
+        cmocka_unit_test(libraries_that_end_their_process_end_only_a_call),
         cmocka_unit_test(failing_module),
         cmocka_unit_test(writing_waits_for_the_load),
         cmocka_unit_test(closed_folder),
         cmocka_unit_test(full_disk),
-        /* From here on the module is loaded. */
         cmocka_unit_test(bad_paths),
         cmocka_unit_test(jpeg_has_a_largest_size),
         cmocka_unit_test(bad_reads),

@@ -1,5 +1,5 @@
 /* Image files through OpenImageIO, and the table that the loader looks up. */
-#include "image/module/guard.h"
+#include "helper/guard.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>

@@ -1,13 +1,13 @@
-/* What fathom_image.so offers: the only thing that crosses between C and the C++ of OpenImageIO and
- * OpenColorIO. No exception passes: each call returns a status, and on failure leaves its reason in
- * `message`. */
+/* What fathom_image.so offers to the image helper, and image/loader.h to the library: the only calls that
+ * cross between C and the C++ of OpenImageIO and OpenColorIO. No exception passes: each call returns a
+ * status, and on failure leaves its reason in `message`. */
 #ifndef IMAGE_MODULE_MODULE_H
 #define IMAGE_MODULE_MODULE_H
 
 #include "image/image.h"
 
 /* Grows with every change of this file: a module of another build is refused, not called. */
-#define IMAGE_MODULE_VERSION 3
+#define IMAGE_MODULE_VERSION 4
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -67,15 +67,17 @@ typedef struct image_module {
     /* *srgb: whether what the view gives is meant for an sRGB screen. */
     fathom_status (*view_open)(const image_view_request *request, image_view **out, bool *srgb,
                                image_message *message);
-    /* In place, on `count` pixels of four floats; finite values only. Any number of threads at once. */
-    fathom_status (*view_apply)(const image_view *view, float *rgba, size_t count, image_message *message);
+    /* In place, on `count` pixels of four floats; finite values only. The number of threads changes no pixel.
+     */
+    fathom_status (*view_apply)(const image_view *view, unsigned threads, float *rgba, size_t count,
+                                image_message *message);
     void (*view_close)(image_view *view);
 } image_module;
 
 #ifdef __cplusplus
 fathom_status image_view_open(const image_view_request *request, image_view **out, bool *srgb,
                               image_message *message) noexcept;
-fathom_status image_view_apply(const image_view *view, float *rgba, size_t count,
+fathom_status image_view_apply(const image_view *view, unsigned threads, float *rgba, size_t count,
                                image_message *message) noexcept;
 void image_view_close(image_view *view) noexcept;
 #endif

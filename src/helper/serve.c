@@ -1,0 +1,240 @@
+/* The image helper: the process in which OpenImageIO and OpenColorIO live.
+ *
+ * The library starts it when the first image needs it, and it ends when the library's end of the socket
+ * closes. Whatever its libraries do (exit, abort, fault, hang), the renderer's process lives on and says so.
+ */
+#include "image/wire_image.h"
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#define MODULE_FILE "fathom_image.so"
+#define PARTS_FILE "fathom_image.parts"
+#define OBJECTS 64
+
+static const image_module *module;
+static wire_memory memory = {.descriptor = WIRE_MEMORY};
+
+/* Writers and views that are open. */
+static struct object {
+    image_writer *writer;
+    image_view *view;
+    int descriptor;
+} objects[OBJECTS];
+
+static void say(wire_reply *reply, fathom_status status, const char *text) {
+    reply->status = status;
+    snprintf(reply->text, sizeof reply->text, "%s", text);
+}
+
+/* ---- loading ---- */
+
+/* The libraries that the module needs, one by one, beginning with those that need no others. A dlopen() looks
+ * for each symbol of each library that it brings in all of them, and the module has 260: loaded one by one,
+ * each library looks only where it needs to, and all of them take half of the time. */
+static void load_parts(const char *folder) {
+    char path[PATH_MAX + sizeof PARTS_FILE], name[256];
+    snprintf(path, sizeof path, "%s/" PARTS_FILE, folder);
+    FILE *list = fopen(path, "re");
+    while (list && fgets(name, sizeof name, list)) {
+        name[strcspn(name, "\n")] = '\0';
+        if (*name) dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    }
+    if (list) fclose(list);
+}
+
+static bool own_folder(char folder[PATH_MAX]) {
+    ssize_t length = readlink("/proc/self/exe", folder, PATH_MAX - 1);
+    if (length <= 0) return false;
+    folder[length] = '\0';
+    *strrchr(folder, '/') = '\0';
+    return true;
+}
+
+/* $FATHOM_IMAGE_MODULE stands for the module that lies next to this program. */
+static void load(wire_reply *reply) {
+    char folder[PATH_MAX], path[PATH_MAX + sizeof MODULE_FILE];
+    const char *named = getenv("FATHOM_IMAGE_MODULE");
+    if (named && *named) {
+        snprintf(path, sizeof path, "%s", named);
+    } else if (own_folder(folder)) {
+        snprintf(path, sizeof path, "%s/" MODULE_FILE, folder);
+        load_parts(folder);
+    } else {
+        say(reply, FATHOM_OUT_OF_RESOURCES, "the folder of the image helper is not known: is /proc mounted?");
+        return;
+    }
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    const char *error = library ? NULL : dlerror();
+    module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
+    if (module && module->version == IMAGE_MODULE_VERSION) return;
+    if (!library)
+        say(reply, FATHOM_OUT_OF_RESOURCES, error ? error : "cannot be loaded");
+    else
+        say(reply, FATHOM_OUT_OF_RESOURCES, "the image module is of another build");
+    module = NULL;
+}
+
+/* ---- requests ---- */
+
+static struct object *free_object(uint64_t *number) {
+    for (size_t i = 0; i < OBJECTS; ++i) {
+        if (objects[i].writer || objects[i].view) continue;
+        *number = i + 1;
+        return &objects[i];
+    }
+    return NULL;
+}
+
+static struct object *object_of(uint64_t number) {
+    return number - 1 < OBJECTS ? &objects[number - 1] : NULL;
+}
+
+static void open_file(const wire_request *request, int descriptor, wire_reply *reply,
+                      image_message *message) {
+    wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
+    image_target target = {.path = wire_take_text(&c), .descriptor = descriptor, .threads = request->threads};
+    target.format = (image_format)wire_take_u32(&c);
+    target.srgb = wire_take_u32(&c);
+    target.profile_size = wire_take_u32(&c);
+    target.profile = wire_take(&c, target.profile_size);
+    target.date = wire_take_text(&c);
+    wire_image w;
+    struct object *object = free_object(&reply->object);
+    if (!object || !target.path || !wire_take_image(&c, &w)) {
+        say(reply, FATHOM_OUT_OF_RESOURCES, "out of memory");
+        if (descriptor >= 0) close(descriptor);
+        return;
+    }
+    target.img = &w.img, target.storage = w.storage;
+    reply->status = module->writer.open(&target, &object->writer, message);
+    wire_image_free(&w);
+    if (reply->status == FATHOM_OK)
+        object->descriptor = descriptor;
+    else
+        close(descriptor), object->writer = NULL;
+}
+
+static void close_file(const wire_request *request, struct object *object, wire_reply *reply,
+                       image_message *message) {
+    reply->status = module->writer.close(object->writer, request->count != 0, message);
+    object->writer = NULL;
+    close(object->descriptor);
+}
+
+/* The description, then the planes. */
+static bool give_image(const image *img, wire_reply *reply) {
+    wire_buffer b = {NULL, 0, 0, false};
+    const size_t plane = (size_t)img->width * img->height * sizeof(float);
+    wire_put_image(&b, img, NULL);
+    size_t at = (b.count + WIRE_ALIGNED - 1) / WIRE_ALIGNED * WIRE_ALIGNED,
+           size = at + plane * img->channel_count;
+    bool fits = !b.lost && wire_memory_reach(&memory, size, true);
+    if (fits) {
+        memcpy(memory.bytes, b.items, b.count);
+        for (size_t i = 0; i < img->channel_count; ++i)
+            memcpy(memory.bytes + at + i * plane, img->channels[i].data, plane);
+        reply->object = b.count, reply->size = size;
+    }
+    free(b.items);
+    return fits;
+}
+
+static void read_file(const wire_request *request, wire_reply *reply, image_message *message) {
+    wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
+    const char *path = wire_take_text(&c);
+    const image *img = NULL;
+    reply->status = path ? module->read(path, request->threads, &img, message) : FATHOM_INTERNAL;
+    if (reply->status != FATHOM_OK) return;
+    if (!give_image(img, reply)) say(reply, FATHOM_OUT_OF_RESOURCES, "out of memory");
+    module->release(img);
+}
+
+static void open_view(const wire_request *request, wire_reply *reply, image_message *message) {
+    wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
+    image_view_request wanted;
+    wanted.config = wire_take_text(&c), wanted.display = wire_take_text(&c), wanted.view = wire_take_text(&c);
+    struct object *object = free_object(&reply->object);
+    bool srgb = false;
+    if (!object || c.bad) {
+        say(reply, FATHOM_OUT_OF_RESOURCES, "too many views are open");
+        return;
+    }
+    reply->status = module->view_open(&wanted, &object->view, &srgb, message);
+    if (reply->status != FATHOM_OK) object->view = NULL;
+    reply->flag = srgb;
+}
+
+/* ---- the loop ---- */
+
+static void serve_object(const wire_request *request, wire_reply *reply, image_message *message) {
+    struct object *object = object_of(request->object);
+    const bool of_view = request->op == WIRE_APPLY || request->op == WIRE_END_VIEW;
+    if (!object || !(of_view ? (void *)object->view : (void *)object->writer)) {
+        say(reply, FATHOM_INTERNAL, "no such writer or view");
+        return;
+    }
+    switch ((wire_op)request->op) {
+    case WIRE_ROWS:
+        reply->status = module->writer.rows(object->writer, (uint32_t)request->count, memory.bytes, message);
+        break;
+    case WIRE_CLOSE: close_file(request, object, reply, message); break;
+    case WIRE_APPLY:
+        reply->status = module->view_apply(object->view, request->threads, (float *)(void *)memory.bytes,
+                                           request->count, message);
+        break;
+    case WIRE_END_VIEW:
+        module->view_close(object->view);
+        object->view = NULL;
+        break;
+    case WIRE_OPEN:
+    case WIRE_READ:
+    case WIRE_VIEW: break;
+    }
+}
+
+static void serve(const wire_request *request, int descriptor, wire_reply *reply) {
+    image_message message = {""};
+    if (!wire_memory_reach(&memory, request->size ? request->size : 1, true)) {
+        say(reply, FATHOM_OUT_OF_RESOURCES, "out of memory");
+        return;
+    }
+    if (request->op == WIRE_OPEN)
+        open_file(request, descriptor, reply, &message);
+    else if (request->op == WIRE_READ)
+        read_file(request, reply, &message);
+    else if (request->op == WIRE_VIEW)
+        open_view(request, reply, &message);
+    else
+        serve_object(request, reply, &message);
+    if (message.text[0]) snprintf(reply->text, sizeof reply->text, "%s", message.text);
+}
+
+/* Signals that end a terminal's or a job's processes are for the renderer, which may want images written
+ * before it ends; a core of this process is of no use to its users. */
+static void settle(void) {
+    static const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU, SIGPIPE, SIGXFSZ};
+    for (size_t i = 0; i < sizeof ignored / sizeof *ignored; ++i) signal(ignored[i], SIG_IGN);
+    setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
+}
+
+int main(void) {
+    wire_request request;
+    wire_reply reply = {.version = WIRE_VERSION};
+    int descriptor = -1;
+    settle();
+    load(&reply);
+    while (wire_send(WIRE_SOCKET, &reply, sizeof reply, -1) && module &&
+           wire_receive(WIRE_SOCKET, &request, sizeof request, -1, &descriptor) == WIRE_CAME) {
+        reply = (wire_reply){.version = WIRE_VERSION};
+        serve(&request, descriptor, &reply);
+    }
+    /* The destructors of 260 libraries have nothing to do that matters. */
+    _exit(0);
+}
