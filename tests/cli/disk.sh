@@ -102,7 +102,7 @@ if [ -z "$SANITIZE" ]; then
     wait $program || code=$?
     [ $code -eq 4 ] || die "stopped without its work saved: exit code $code, expected 4"
     said err.txt 'fathom: interrupted; the image is written as far as it got, but the work could not be saved to c'
-    rm a.png out.txt err.txt
+    rm a.partial.png out.txt err.txt
     [ "$(ls -A)" = "$(printf 'good.exr\nscene.json')" ] || die "left behind: $(ls -A)"
     # Known before anything is rendered: no room for a single page.
     fault write a.fathom-tmp 28 0 render scene.json -o a.png
