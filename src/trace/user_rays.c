@@ -130,7 +130,7 @@ static bool take_hits(const fathom_tracer *tracer, const user_ray *rays, trace_b
         user_hit_resolve(tracer->world, block, i, ray->org, ray->dir, &hits[i]);
         bool inside = hits[i].t > ray->t_min && hits[i].t < ray->t_max;
         hits[i].t = inside ? ldexp(hits[i].t + ray->skipped, -ray->exponent) : HUGE_VAL;
-        block->rays.t_near[i] = nextafterf(met, INFINITY);
+        block->rays.t_near[i] = met; /* the interval is open, so the ray goes on behind this hit */
         block->rays.t_far[i] = inside ? -1 : t_far[i];
         again = again || !inside;
     }

@@ -2,6 +2,8 @@
 #include "stage.h"
 
 #include <pthread.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static const fathom_tracer_kind kinds[] = {FATHOM_TRACER_EMBREE, FATHOM_TRACER_REFERENCE};
 
@@ -164,6 +166,82 @@ static void continuing_from_a_hit(void **state) {
     stage_close(&s);
 }
 
+/* ---- rays that start on a surface ---- */
+
+/* A cube, a grid, a quad, a sphere and a plane in the root, and all but the plane again in two instances. */
+static void add_surfaces(stage *s) {
+    static const float p[] = {1, 1, 1, 2, 1, 1, 1, 2, 1, 2, 2, 1, 1, 1, 2, 2, 1, 2, 1, 2, 2, 2, 2, 2};
+    static const uint32_t t[] = {0, 1, 2, 3, 2, 1, 4, 6, 5, 7, 5, 6, 0, 4, 1, 5, 1, 4,
+                                 2, 3, 6, 7, 6, 3, 0, 2, 4, 6, 4, 2, 1, 5, 3, 7, 3, 5};
+    const double center[3] = {-1, -1, 0.5}, u[3] = {0.7, 0.1, 0.2}, v[3] = {-0.1, 0.6, 0.3};
+    const double maps[2][12] = {{0.6, -0.8, 0, 4, 0.8, 0.6, 0, 0, 0, 0, 1, 0},
+                                {-2, 0, 0, -4, 0, 0.5, 0, 3, 0.1, 0, 1, 1}};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p, mesh.vertex_count = 8, mesh.indices = t, mesh.triangle_count = 12;
+    fathom_id group;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, "surfaces", &group));
+    const fathom_id places[2] = {FATHOM_ROOT, group};
+    for (size_t i = 0; i < 2; ++i) {
+        assert_ok(s->context, fathom_scene_add_mesh(s->scene, places[i], &mesh, NULL));
+        add_quad(s, places[i], center, u, v, 0);
+        add_sphere(s, places[i], 1.5, -1.5, 0, 0.75, 0);
+        add_instance(s, group, maps[i]);
+    }
+    add_grid(s, 4, -3);
+    add_plane(s, -5, 0);
+}
+
+/* From a hit's own position, in all directions and along the surface. */
+static void shoot_from(stage *s, const fathom_tracer *tracer, const fathom_hit *hit) {
+    static const double starts[] = {0, 1e-6, 1e-310, 1e-40, 0x1p-126, -1e-6, -1};
+    static const double ends[] = {HUGE_VAL, 1, 1e-40};
+    const float *n = hit->geometric_normal;
+    for (size_t i = 0; i < sizeof starts / sizeof *starts * 3 * 4; ++i) {
+        double d[3] = {between(-1, 1), between(-1, 1), between(-1, 1)};
+        if (i % 4 == 0) d[0] = (double)n[0], d[1] = (double)n[1], d[2] = (double)n[2];
+        if (i % 4 == 1) d[0] = -(double)n[0], d[1] = -(double)n[1], d[2] = -(double)n[2];
+        fathom_ray ray = {.t_min = starts[i / 12], .t_max = ends[i / 4 % 3]};
+        memcpy(ray.origin, hit->position, sizeof ray.origin);
+        memcpy(ray.direction, d, sizeof d);
+        fathom_hit next = shoot(s, tracer, ray);
+        assert_true(next.t == HUGE_VAL || (next.t > ray.t_min && next.t < ray.t_max));
+    }
+}
+
+static void shoot_from_all(fathom_tracer_kind kind) {
+    stage s;
+    stage_open(&s);
+    add_surfaces(&s);
+    fathom_tracer *tracer = stage_tracer(&s, kind);
+    for (int i = 0; i < 400; ++i) {
+        fathom_ray ray = {{between(-5, 5), between(-5, 5), between(-5, 5)}, {0, 0, 0}, 0, HUGE_VAL};
+        for (int k = 0; k < 3; ++k) ray.direction[k] = between(-2, 2) - ray.origin[k];
+        fathom_hit hit = shoot(&s, tracer, ray);
+        if (hit.t < HUGE_VAL) shoot_from(&s, tracer, &hit);
+    }
+    fathom_tracer_destroy(tracer);
+    stage_close(&s);
+}
+
+/* In a child with a time limit. */
+static void rays_from_a_surface_end_and_meet_what_is_inside(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        fflush(NULL);
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            alarm(60);
+            shoot_from_all(kinds[k]);
+            _exit(0);
+        }
+        int status = -1;
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+}
+
 static void wrong_rays_are_refused(void **state) {
     (void)state;
     stage s;
@@ -239,9 +317,14 @@ static void threads_share_a_tracer(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sphere_anywhere),      cmocka_unit_test(a_mesh_instanced),
-        cmocka_unit_test(a_quad_and_a_plane),     cmocka_unit_test(continuing_from_a_hit),
-        cmocka_unit_test(wrong_rays_are_refused), cmocka_unit_test(threads_share_a_tracer),
+        /* first: a child wants no threads in its parent */
+        cmocka_unit_test(rays_from_a_surface_end_and_meet_what_is_inside),
+        cmocka_unit_test(a_sphere_anywhere),
+        cmocka_unit_test(a_mesh_instanced),
+        cmocka_unit_test(a_quad_and_a_plane),
+        cmocka_unit_test(continuing_from_a_hit),
+        cmocka_unit_test(wrong_rays_are_refused),
+        cmocka_unit_test(threads_share_a_tracer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
