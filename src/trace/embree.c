@@ -58,8 +58,10 @@ static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_op
     return RTC_BUILD_QUALITY_MEDIUM;
 }
 
-/* A packet wider than the kernels is only taken apart by Embree, so calls are no wider than that. */
-static unsigned call_width(RTCDevice device, unsigned asked) {
+/* Embree 3 takes a packet apart that is wider than its kernels, and then traces the lanes that are not valid
+ * too: whatever they hold, which it can abort on. So calls are no wider than the kernels. */
+unsigned embree_call_width(const embree_tracer *tracer, unsigned asked) {
+    RTCDevice device = tracer->device;
     if (asked >= 16 && rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return 16;
     if (asked >= 8 && rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) return 8;
     if (asked >= 4 && rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED)) return 4;
@@ -142,10 +144,8 @@ static fathom_status open_device(embree_tracer *tracer) {
 static void choose_calls(embree_tracer *tracer) {
     static const unsigned widths[] = {0, 1, 4, 8, 16, 16, 16};
     unsigned asked = widths[tracer->spec.calls];
-    unsigned native = call_width(tracer->device, asked ? asked : tracer->options->width);
-    tracer->width = asked ? asked : native;
-    if (tracer->spec.ties == TRACE_SETTLED)
-        tracer->filter = embree_filter(native == tracer->width ? native : 1);
+    tracer->width = embree_call_width(tracer, asked ? asked : tracer->options->width);
+    if (tracer->spec.ties == TRACE_SETTLED) tracer->filter = embree_filter(tracer->width);
 #if EMBREE_HAS_STREAMS
     static const trace_ops streams = {destroy, embree_stream_closest, embree_stream_any, false, false};
     if (tracer->spec.calls >= TRACE_CALLS_STREAM_1M) tracer->base.ops = &streams;

@@ -6,7 +6,9 @@
 #include "trace/reach.h"
 #include "trace/tracer.h"
 
+#include <float.h>
 #include <stdatomic.h>
+#include <string.h>
 
 /* Ray and geometry masks: a ray meets what shares a bit with it. Camera and mirrored rays ask for the first,
  * shadow rays for the second, and the rays of embree_repair.c for Embree's own triangles alone. */
@@ -23,7 +25,7 @@ typedef struct embree_tracer {
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     enum RTCBuildQuality quality;
-    unsigned width;            /* rays in one call */
+    unsigned width;            /* rays in one call, no more than the kernels take */
     trace_reach reach;         /* of the rays that are given to Embree */
     RTCFilterFunctionN filter; /* NULL: ties are not settled */
     _Atomic int64_t bytes;     /* held by Embree */
@@ -84,13 +86,53 @@ float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned 
  * become the world's. */
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far);
 
+/* ---- embree_way.c ---- */
+
+/* In packets of how many a block goes to Embree, and whether to the kernels for coherent packets. */
+typedef struct embree_way {
+    unsigned width;
+    bool coherent;
+} embree_way;
+embree_way embree_way_closest(const embree_tracer *tracer, const trace_rays *rays, unsigned lanes,
+                              trace_coherence coherence);
+embree_way embree_way_any(const embree_tracer *tracer, trace_coherence coherence);
+
+/* ---- embree.c ---- */
+
+/* The widest packet, up to `asked`, that Embree's kernels take whole. */
+unsigned embree_call_width(const embree_tracer *tracer, unsigned asked);
+
 /* ---- embree_trace.c ---- */
 
 /* How a block was asked. */
 typedef struct embree_asked {
     _Alignas(64) int valid[TRACE_WIDTH]; /* -1: the lane is traced; else 0 */
-    float t_far[TRACE_WIDTH];
+    float t_near[TRACE_WIDTH], t_far[TRACE_WIDTH];
 } embree_asked;
+
+/* Our intervals are open, Embree's may be closed. At the far end it gets the last float inside (infinity and
+ * what is not positive stays). At the near end a triangle may be met at t_near itself, so the t that comes
+ * back is moved inside. Embree's t is off by more than that, but for a ray that starts in a triangle: t is
+ * exactly 0. That is no hit, so t_near is at least the first number that threads which trace, where denormals
+ * are zero, take for positive. */
+static inline float embree_last_inside(float t_far) {
+    uint32_t bits;
+    memcpy(&bits, &t_far, sizeof bits);
+    bits -= bits - 1 < 0x7f7fffffu;
+    memcpy(&t_far, &bits, sizeof bits);
+    return t_far;
+}
+static inline float embree_t_near(float t_near) { return t_near < FLT_MIN ? FLT_MIN : t_near; }
+/* `last` is embree_last_inside() of t_far. */
+static inline float embree_move_inside(float t, float t_near, float last) {
+    uint32_t bits;
+    float first = embree_t_near(t_near);
+    memcpy(&bits, &first, sizeof bits);
+    bits += t_near >= FLT_MIN;
+    memcpy(&first, &bits, sizeof first);
+    t = t < first ? first : t;
+    return t > last ? last : t;
+}
 
 /* A block once more, for calls that take fewer than 16: packets one after the other, each aligned as Embree
  * wants it. */
@@ -116,15 +158,15 @@ typedef enum embree_spread {
 
 /* What is done to a block around Embree's call; kernels/embree_block.c. */
 struct embree_kernels {
-    /* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and moves t_far to
-     * the last float inside the interval. */
+    /* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and makes their
+     * intervals Embree's. */
     void (*prepare)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
                     int valid[TRACE_WIDTH]);
     /* The same, and arms the call but for its context, vote and raw. False, and nothing is done, where
      * stretch.h has to scale directions first; scaled: it has. */
     bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           embree_asked *asked, embree_call *call);
-    /* Sets t_far. Whether lanes are tied. */
+    /* Sets t_far, and t_near as it was. Whether lanes are tied. */
     bool (*end_closest)(trace_block *block, unsigned lanes, const embree_asked *asked,
                         const embree_call *call);
     bool (*begin_any)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
@@ -137,6 +179,9 @@ struct embree_kernels {
     void (*join)(const embree_packets *from, unsigned width, trace_rays *rays, trace_hits *hits);
 };
 const embree_kernels *embree_kernels_best(void);
+/* Closest hits of a prepared block, in packets of the way's width. */
+void embree_closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
+                            const embree_way *way, embree_context *context, RTCFilterFunctionN filter);
 /* Embree's ids to the world's. */
 void embree_translate(const world *w, trace_hits *hits, unsigned lane);
 unsigned embree_lanes(size_t count, size_t block);
@@ -146,17 +191,6 @@ bool embree_may_hang(const embree_tracer *tracer);
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence);
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
-
-/* ---- embree_way.c ---- */
-
-/* In packets of how many a block goes to Embree, and whether to the kernels for coherent packets. */
-typedef struct embree_way {
-    unsigned width;
-    bool coherent;
-} embree_way;
-embree_way embree_way_closest(const embree_tracer *tracer, const trace_rays *rays, unsigned lanes,
-                              trace_coherence coherence);
-embree_way embree_way_any(const embree_tracer *tracer, trace_coherence coherence);
 
 /* ---- embree_repair.c ---- */
 

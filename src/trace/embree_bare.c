@@ -39,7 +39,7 @@ void embree_bare_load_as(const trace_tracer *base, bare_query query, unsigned wi
                              out->valid);
     bool hangs = query == BARE_ANY && coherent && embree_may_hang(tracer);
     out->lanes = lanes;
-    out->width = hangs && width > 8 ? 8 : width;
+    out->width = embree_call_width(tracer, hangs && width > 8 ? 8 : width);
     out->coherent = coherent;
     if (out->width < TRACE_WIDTH) {
         split(&ready, out);

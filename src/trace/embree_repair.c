@@ -88,7 +88,8 @@ static bool look_around(const embree_tracer *tracer, const trace_rays *rays, uns
         around.hits.geometry[i] = around.hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
     }
     embree_context_init(&to.context);
-    embree_intersect(TRACE_WIDTH, valid, tracer->scenes[0], &to.context, true, gather_filter, &around);
+    const embree_way way = {tracer->width, true};
+    embree_closest_packets(tracer, &around, valid, TRACE_WIDTH, &way, &to.context, gather_filter);
     return vote->met.any;
 }
 

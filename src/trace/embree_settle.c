@@ -114,8 +114,8 @@ RTCFilterFunctionN embree_filter(unsigned width) {
 
 /* ---- the tied ray asked again ---- */
 
-static void announce(trace_block *block, unsigned lane, const embree_offered *winner) {
-    block->rays.t_far[lane] = winner->t;
+static void announce(trace_block *block, unsigned lane, float t_far, const embree_offered *winner) {
+    block->rays.t_far[lane] = embree_move_inside(winner->t, block->rays.t_near[lane], t_far);
     trace_hits *hits = &block->hits;
     hits->ng_x[lane] = winner->normal[0], hits->ng_y[lane] = winner->normal[1],
     hits->ng_z[lane] = winner->normal[2];
@@ -133,7 +133,7 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
         .ray = {.org_x = r->org_x[lane],
                 .org_y = r->org_y[lane],
                 .org_z = r->org_z[lane],
-                .tnear = r->t_near[lane],
+                .tnear = embree_t_near(r->t_near[lane]),
                 .dir_x = r->dir_x[lane],
                 .dir_y = r->dir_y[lane],
                 .dir_z = r->dir_z[lane],
@@ -145,5 +145,5 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
     call.vote = &vote;
     embree_intersect(1, NULL, tracer->scenes[0], &call.context, false, filter_any, &alone);
     bool near = vote.met.any && vote.search.best.t <= vote.offered.t * HALF_WINDOW;
-    if (vote.offered.any) announce(block, lane, near ? &vote.met : &vote.offered);
+    if (vote.offered.any) announce(block, lane, t_far, near ? &vote.met : &vote.offered);
 }

@@ -71,7 +71,8 @@ static void lane_store(const embree_tracer *tracer, const trace_block *from, con
                        trace_block *to, unsigned i) {
     to->hits.geometry[i] = from->hits.geometry[i];
     if (from->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) return;
-    to->rays.t_far[i] = stretch_back(scale, i, from->rays.t_far[i], to->rays.t_near[i], to->rays.t_far[i]);
+    float t = stretch_back(scale, i, from->rays.t_far[i], to->rays.t_near[i], to->rays.t_far[i]);
+    to->rays.t_far[i] = embree_move_inside(t, to->rays.t_near[i], embree_last_inside(to->rays.t_far[i]));
     to->hits.ng_x[i] = from->hits.ng_x[i], to->hits.ng_y[i] = from->hits.ng_y[i],
     to->hits.ng_z[i] = from->hits.ng_z[i];
     to->hits.u[i] = from->hits.u[i], to->hits.v[i] = from->hits.v[i];

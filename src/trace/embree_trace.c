@@ -15,14 +15,18 @@ const embree_kernels *embree_kernels_best(void) {
 
 /* ---- closest hit ---- */
 
-static void closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
-                            const embree_way *way, embree_context *context) {
+void embree_closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
+                            const embree_way *way, embree_context *context, RTCFilterFunctionN filter) {
     const unsigned width = way->width;
+    if (width == TRACE_WIDTH) {
+        embree_intersect(width, valid, tracer->scenes[0], context, way->coherent, filter, block);
+        return;
+    }
     embree_packets packets;
     tracer->kernels->split(&block->rays, &block->hits, width, &packets);
     for (unsigned first = 0; first < lanes; first += width) {
         if (width == 1 && !valid[first]) continue;
-        embree_intersect(width, &valid[first], tracer->scenes[0], context, way->coherent, tracer->filter,
+        embree_intersect(width, &valid[first], tracer->scenes[0], context, way->coherent, filter,
                          embree_packet(&packets, first));
     }
     tracer->kernels->join(&packets, width, &block->rays, &block->hits);
@@ -63,12 +67,7 @@ static bool closest_block(const embree_tracer *tracer, trace_block *block, unsig
     call.vote = NULL;
     call.raw = !tracer->filter;
     const embree_way way = embree_way_closest(tracer, &block->rays, lanes, coherence);
-    if (way.width == TRACE_WIDTH) {
-        embree_intersect(TRACE_WIDTH, asked.valid, tracer->scenes[0], &call.context, way.coherent,
-                         tracer->filter, block);
-    } else {
-        closest_packets(tracer, block, asked.valid, lanes, &way, &call.context);
-    }
+    embree_closest_packets(tracer, block, asked.valid, lanes, &way, &call.context, tracer->filter);
     bool tied = tracer->kernels->end_closest(block, lanes, &asked, &call);
     translate(tracer, block, lanes);
     if (tied) settle(tracer, block, lanes, &call);

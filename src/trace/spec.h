@@ -38,10 +38,9 @@ typedef enum trace_quality {
     TRACE_QUALITY_HIGH
 } trace_quality;
 
-/* How rays reach Embree. A given width is kept even where the kernels are narrower and Embree takes packets
- * apart. */
+/* How rays reach Embree. No packet is wider than the processor's kernels. */
 typedef enum trace_calls {
-    TRACE_CALLS_AUTO, /* by trace_options.width, but no wider than the kernels */
+    TRACE_CALLS_AUTO, /* by trace_options.width */
     TRACE_CALLS_1,
     TRACE_CALLS_4,
     TRACE_CALLS_8,

@@ -2,7 +2,9 @@
  *
  * Coordinates are the world's (see world.h), not the scene's. No ray may hold a NaN or an infinity (but t_far
  * may be infinite), and no direction may be zero: Debian's Embree can abort on those. 0 <= t_near. A hit has
- * t in the open interval (t_near, t_far), as the tracer computes it. */
+ * t in the open interval (t_near, t_far), as the tracer computes it. Our own shapes are met exactly when that
+ * t is inside; Embree's, off by 8 units of roundoff over the cosine to the normal, may be left out or counted
+ * within as much of an end. */
 #ifndef TRACE_TRACE_H
 #define TRACE_TRACE_H
 

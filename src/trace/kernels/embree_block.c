@@ -10,8 +10,7 @@
 /* ---- before ---- */
 
 /* Embree can abort on numbers that are not finite or too large for it, so such lanes never reach it, and meet
- * nothing. The far end of the interval is open, and Embree's is closed: t_far moves to the float below
- * (infinity and what is not positive stays). */
+ * nothing. */
 static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restrict rays, unsigned lanes,
                                   uint32_t mask, int *restrict valid) {
     const float reach = tracer->reach.origin,
@@ -25,10 +24,8 @@ static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restr
         valid[i] = from & to & (rays->t_near[i] < rays->t_far[i]) ? -1 : 0;
     }
     for (unsigned i = 0; i < lanes; ++i) {
-        uint32_t bits;
-        memcpy(&bits, &rays->t_far[i], sizeof bits);
-        bits -= bits - 1 < 0x7f7fffffu;
-        memcpy(&rays->t_far[i], &bits, sizeof bits);
+        rays->t_near[i] = embree_t_near(rays->t_near[i]);
+        rays->t_far[i] = embree_last_inside(rays->t_far[i]);
     }
     for (unsigned i = 0; i < lanes; ++i) {
         rays->time[i] = 0, rays->mask[i] = mask, rays->id[i] = i, rays->flags[i] = 0;
@@ -43,7 +40,9 @@ static void prepare_lanes(const embree_tracer *tracer, trace_rays *rays, unsigne
 static ALWAYS_INLINE bool begin(const embree_tracer *tracer, trace_rays *restrict rays, unsigned lanes,
                                 uint32_t mask, bool scaled, embree_asked *restrict asked) {
     if (!scaled && stretch_needed(rays, lanes)) return false;
-    for (unsigned i = 0; i < lanes; ++i) asked->t_far[i] = rays->t_far[i];
+    for (unsigned i = 0; i < lanes; ++i) {
+        asked->t_near[i] = rays->t_near[i], asked->t_far[i] = rays->t_far[i];
+    }
     prepare(tracer, rays, lanes, mask, asked->valid);
     return true;
 }
@@ -147,7 +146,9 @@ static ALWAYS_INLINE uint32_t end_closest_lanes(trace_block *restrict block, uns
     for (unsigned i = 0; i < lanes; ++i) {
         uint32_t missed = block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID ? ~0u : 0;
         float met = chosen(noted, call->best[i], block->rays.t_far[i]);
+        met = embree_move_inside(met, asked->t_near[i], call->far[i]);
         block->rays.t_far[i] = chosen(missed, asked->t_far[i], met);
+        block->rays.t_near[i] = asked->t_near[i];
         tied |= (uint32_t)call->tied[i] & noted & ~missed;
     }
     return tied;
@@ -164,6 +165,7 @@ static ALWAYS_INLINE void end_any_lanes(trace_rays *restrict rays, unsigned lane
     for (unsigned i = 0; i < lanes; ++i) {
         uint32_t met = asked->valid[i] & (rays->t_far[i] < 0) ? ~0u : 0;
         rays->t_far[i] = chosen(met, -INFINITY, asked->t_far[i]);
+        rays->t_near[i] = asked->t_near[i];
     }
 }
 
