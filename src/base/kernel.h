@@ -7,6 +7,8 @@
 #ifndef BASE_KERNEL_H
 #define BASE_KERNEL_H
 
+#include "base/isa.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
@@ -29,21 +31,9 @@
 #define KERNEL_DECLARE(type, table) extern const type table##_plain
 #endif
 
-/* No more than so many of them, for measurements: -DCMAKE_C_FLAGS=-DKERNEL_MOST=2 leaves AVX-512 out. */
-#ifndef KERNEL_MOST
-#define KERNEL_MOST 3
-#endif
-
-/* How many of them this processor can run, at least 1. */
+/* How many of them may run here, at least 1. */
 static inline unsigned kernel_levels(void) {
-#if defined(__x86_64__)
-    if (KERNEL_MOST < 2 || !__builtin_cpu_supports("avx2")) return 1;
-    bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    return wide && KERNEL_MOST > 2 ? 3 : 2;
-#else
-    return 1;
-#endif
+    return isa_usable(ISA_AVX512) ? 3 : (isa_usable(ISA_AVX2) ? 2 : 1);
 }
 
 /* mask is all ones or 0: a or b, both of them read. */

@@ -1,37 +1,16 @@
 /* Embree once with each instruction set: its kernels do not leak alike. */
+#include "base/isa.h"
 #include "cli/validate.h"
 
 #include <string.h>
 
-typedef struct isa {
-    const char *word;
-    bool (*has)(void);
-} isa;
-
-#if defined(__x86_64__)
-static bool has_sse2(void) { return true; }
-static bool has_sse42(void) { return __builtin_cpu_supports("sse4.2"); }
-static bool has_avx(void) { return __builtin_cpu_supports("avx"); }
-static bool has_avx2(void) { return __builtin_cpu_supports("avx2"); }
-static bool has_avx512(void) {
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
-}
-static const isa sets[] = {
-    {"sse2", has_sse2}, {"sse4.2", has_sse42}, {"avx", has_avx}, {"avx2", has_avx2}, {"avx512", has_avx512}};
-#define SETS (sizeof sets / sizeof *sets)
-#else
-static const isa sets[1];
-#define SETS 0
-#endif
-
 /* Whether the words leave the instruction set open. */
 static bool is_open(const char *spec) {
     if (strncmp(spec, "embree", 6) != 0) return false;
-    for (size_t i = 0; i < SETS; ++i) {
-        const char *found = strstr(spec, sets[i].word);
+    for (isa_set set = ISA_SSE2; set <= ISA_AVX512; ++set) {
+        const char *found = strstr(spec, isa_word(set));
         char after = '\0';
-        if (found) after = found[strlen(sets[i].word)];
+        if (found) after = found[strlen(isa_word(set))];
         if (found && found[-1] == ':' && (after == '\0' || after == ':')) return false;
     }
     return true;
@@ -51,10 +30,10 @@ fathom_status validate_each_isa(fathom_context *context, validate_settings *sett
     bool fits = true;
     for (size_t i = 0; i < settings->tracers.count; ++i) {
         const char *spec = settings->tracers.items[i];
-        bool open = SETS > 0 && is_open(spec);
+        bool open = isa_usable(ISA_SSE2) && is_open(spec);
         if (!open) fits = put(room, &out, spec, "") && fits;
-        for (size_t k = 0; open && k < SETS; ++k)
-            fits = (!sets[k].has() || put(room, &out, spec, sets[k].word)) && fits;
+        for (isa_set set = ISA_SSE2; open && set <= ISA_AVX512; ++set)
+            fits = (!isa_usable(set) || put(room, &out, spec, isa_word(set))) && fits;
     }
     if (!fits)
         return fail(context, FATHOM_BAD_USAGE,

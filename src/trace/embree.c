@@ -70,13 +70,13 @@ unsigned embree_call_width(const embree_tracer *tracer, unsigned asked) {
 
 /* Embree does not tell which kernels it picked, but their native widths do, up to pairs that only the
  * processor tells apart. */
-static const char *isa_name(RTCDevice device, trace_isa most) {
+static const char *isa_name(RTCDevice device, isa_set most) {
 #if defined(__x86_64__)
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return "AVX-512";
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) {
-        return most != TRACE_ISA_AVX && __builtin_cpu_supports("avx2") ? "AVX2" : "AVX";
+        return most != ISA_AVX && isa_usable(ISA_AVX2) ? "AVX2" : "AVX";
     }
-    return most != TRACE_ISA_SSE2 && __builtin_cpu_supports("sse4.2") ? "SSE4.2" : "SSE2";
+    return most != ISA_SSE2 && isa_usable(ISA_SSE42) ? "SSE4.2" : "SSE2";
 #elif defined(__aarch64__)
     (void)device, (void)most;
     return "NEON";
@@ -116,12 +116,11 @@ static void destroy(trace_tracer *base) {
 }
 
 static fathom_status open_device(embree_tracer *tracer) {
-    static const char *const isas[] = {"",         ",isa=sse2", ",isa=sse4.2",
-                                       ",isa=avx", ",isa=avx2", ",isa=avx512"};
+    const char *isa = isa_word(isa_limit(tracer->spec.isa));
     char config[64];
     unsigned threads = tracer->options->threads;
     if (!threads) threads = fathom_context_threads(tracer->context);
-    snprintf(config, sizeof config, "threads=%u%s", build_threads(threads), isas[tracer->spec.isa]);
+    snprintf(config, sizeof config, "threads=%u%s%s", build_threads(threads), *isa ? ",isa=" : "", isa);
     tracer->device = rtcNewDevice(config);
     if (!tracer->device) {
         enum RTCError error = rtcGetDeviceError(NULL);

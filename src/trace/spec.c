@@ -56,11 +56,11 @@ static const word words[] = {
 #endif
     {"settled", SORT_TIES, TRACE_SETTLED, EMBREE},
     {"raw", SORT_TIES, TRACE_RAW, EMBREE},
-    {"sse2", SORT_ISA, TRACE_ISA_SSE2, EMBREE},
-    {"sse4.2", SORT_ISA, TRACE_ISA_SSE42, EMBREE},
-    {"avx", SORT_ISA, TRACE_ISA_AVX, EMBREE},
-    {"avx2", SORT_ISA, TRACE_ISA_AVX2, EMBREE},
-    {"avx512", SORT_ISA, TRACE_ISA_AVX512, EMBREE},
+    {"sse2", SORT_ISA, ISA_SSE2, EMBREE},
+    {"sse4.2", SORT_ISA, ISA_SSE42, EMBREE},
+    {"avx", SORT_ISA, ISA_AVX, EMBREE},
+    {"avx2", SORT_ISA, ISA_AVX2, EMBREE},
+    {"avx512", SORT_ISA, ISA_AVX512, EMBREE},
 };
 #define WORDS (sizeof words / sizeof *words)
 
@@ -81,7 +81,7 @@ static void spec_set(trace_spec *spec, const unsigned value[SORT_COUNT]) {
     spec->quality = (trace_quality)value[SORT_QUALITY];
     spec->calls = (trace_calls)value[SORT_CALLS];
     spec->ties = (trace_ties)value[SORT_TIES];
-    spec->isa = (trace_isa)value[SORT_ISA];
+    spec->isa = (isa_set)value[SORT_ISA];
 }
 
 static void spec_get(const trace_spec *spec, unsigned value[SORT_COUNT]) {

@@ -4,6 +4,7 @@
 #ifndef TRACE_SPEC_H
 #define TRACE_SPEC_H
 
+#include "base/isa.h"
 #include "base/status.h"
 
 typedef enum trace_kind {
@@ -54,16 +55,6 @@ typedef enum trace_ties {
     TRACE_RAW      /* whatever Embree says */
 } trace_ties;
 
-/* The most that Embree may use; the processor may have less. */
-typedef enum trace_isa {
-    TRACE_ISA_BEST,
-    TRACE_ISA_SSE2,
-    TRACE_ISA_SSE42,
-    TRACE_ISA_AVX,
-    TRACE_ISA_AVX2,
-    TRACE_ISA_AVX512
-} trace_isa;
-
 typedef struct trace_spec {
     trace_kind kind;
     trace_form form;           /* linear */
@@ -73,7 +64,7 @@ typedef struct trace_spec {
     trace_quality quality;
     trace_calls calls;
     trace_ties ties;
-    trace_isa isa;
+    isa_set isa;      /* the most that Embree may use; the processor may have less */
     const char *path; /* plugin: as given; not owned */
 } trace_spec;
 

@@ -21,6 +21,10 @@ static fathom_status create(fathom_context *context, const world *w, const trace
 fathom_status trace_create(fathom_context *context, const world *w, const trace_options *options,
                            trace_tracer **out) {
     *out = NULL;
+    const char *unknown = isa_unknown();
+    if (unknown)
+        return fail(context, FATHOM_BAD_USAGE,
+                    "$FATHOM_ISA: expected sse2, sse4.2, avx, avx2 or avx512, found \"%.40s\"", unknown);
     if (options->spec) return create(context, w, options->spec, options, out);
     const trace_spec embree = {.kind = TRACE_EMBREE, .quality = options->quality};
     switch (options->kind) {

@@ -45,3 +45,12 @@ mkfifo pipe.so
 refused 3 'tracer ./pipe.so: cannot be loaded: is not a regular file' render ball.ply -o c.exr --tracer pipe.so
 rm pipe.so
 refused 3 'is of version 0; expected 1' render ball.ply -o c.exr --tracer "$plugins/faulty.so"
+
+# $FATHOM_ISA limits the instruction set, and a word that names none is refused, whatever traces.
+if [ "$(uname -m)" = x86_64 ]; then
+    (export FATHOM_ISA=sse2; run 0 render scene.json -o a.exr --exr-float --tracer embree:avx2 --stats a.json)
+    said a.json '"isa": "SSE2"'
+fi
+for tracer in embree linear; do
+    (export FATHOM_ISA=sse9; refused 2 'FATHOM_ISA: expected sse2, sse4.2, avx, avx2 or avx512, found "sse9"' render scene.json -o a.exr --tracer $tracer)
+done

@@ -1,0 +1,20 @@
+/* The instruction sets that kernels and Embree may use: the processor's, up to $FATHOM_ISA where that is set.
+ * It has a machine run what a plainer one would, to the last bit of what follows from instructions. */
+#ifndef BASE_ISA_H
+#define BASE_ISA_H
+
+#include <stdbool.h>
+
+/* Each holds those before it. */
+typedef enum isa_set { ISA_BEST, ISA_SSE2, ISA_SSE42, ISA_AVX, ISA_AVX2, ISA_AVX512 } isa_set;
+
+/* "sse4.2"; "" for ISA_BEST, and for what is none. */
+const char *isa_word(isa_set set);
+/* The plainer of `most` and $FATHOM_ISA; ISA_BEST leaves it to the processor. */
+isa_set isa_limit(isa_set most);
+/* Whether the processor has the set and $FATHOM_ISA allows it. Never ISA_BEST. */
+bool isa_usable(isa_set set);
+/* The value of $FATHOM_ISA where it names no set; else NULL. */
+const char *isa_unknown(void);
+
+#endif
