@@ -195,7 +195,7 @@ FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *
  * tighter direction of an image of the size in its settings; see fathom_scene_set_settings(). */
 FATHOM_API fathom_status fathom_scene_complete(fathom_scene *scene);
 
-/* All that can only be checked once the scene is whole: cycles, absent geometry, a light inside a sphere…
+/* All that can only be checked once the scene is whole: cycles, absent geometry…
  * Rendering calls it. */
 FATHOM_API fathom_status fathom_scene_check(const fathom_scene *scene);
 

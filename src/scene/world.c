@@ -138,7 +138,9 @@ static fathom_status check_camera(const world *w) {
 
 fathom_status world_check(const world *w) {
     fathom_status status = check_area(w);
-    return status == FATHOM_OK ? check_camera(w) : status;
+    if (status == FATHOM_OK) status = check_camera(w);
+    if (status == FATHOM_OK) world_warn_of_lights(w);
+    return status;
 }
 
 /* ---- the whole ---- */
@@ -197,6 +199,10 @@ fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive) {
     case WORLD_MESH: return w->mesh_objects.items[g->first];
     }
     return FATHOM_NONE;
+}
+
+uint32_t world_primitive(const world *w, uint32_t geometry, uint32_t primitive) {
+    return w->geometries.items[geometry].kind == WORLD_MESH ? primitive : 0;
 }
 
 fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance) {

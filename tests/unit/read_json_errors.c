@@ -95,12 +95,6 @@ static void lines_and_places(void **state) {
                    "objects[4].rotate.angle: expected a number, found null");
 }
 
-/* A light that shines into the inside of a sphere is found by the scene, and placed by the reader. */
-static void light_inside_a_sphere(void **state) {
-    (void)state;
-    assert_refused("[0, 9, 0]", "[0, 0.5, 0]", 10, "lights[0]: it lies inside the sphere");
-}
-
 /* What a mesh file says comes behind the place that names it. */
 static void mesh_files(void **state) {
     (void)state;
@@ -265,7 +259,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_whole_is_good),
         cmocka_unit_test(lines_and_places),
-        cmocka_unit_test(light_inside_a_sphere),
         cmocka_unit_test(mesh_files),
         cmocka_unit_test(syntax),
         cmocka_unit_test(numbers),

@@ -105,23 +105,53 @@ static void wholes_that_cannot_be(void **state) {
     close_scene(&f);
 }
 
-static void lights_in_spheres(void **state) {
+static void note_light(void *user, const char *message) {
+    if (strstr(message, "lies inside a sphere")) snprintf(user, 300, "%s", message);
+}
+
+static const char *warned_of_light(fixture *f) {
+    static char message[300];
+    world *w;
+    message[0] = '\0';
+    fathom_context_on_warning(f->context, note_light, message);
+    assert_ok(f->context, fathom_scene_check(f->scene));
+    assert_ok(f->context, world_create(f->scene, &w));
+    assert_ok(f->context, world_check(w));
+    world_destroy(w);
+    return message;
+}
+
+/* Wherever the sphere's frames put it, and whatever it is made of; not where the camera is in there too. */
+static void lights_in_spheres_are_warned_of(void **state) {
     (void)state;
-    fixture f = open_scene();
-    assert_ok(f.context, add_sphere(&f, FATHOM_ROOT, 0, 0, -5, 1));
-    fathom_light light;
-    fathom_light_default(&light);
-    light.position[2] = -4.5;
-    assert_ok(f.context, fathom_scene_add_light(f.scene, &light, NULL));
-    assert_fails(f.context, fathom_scene_check(f.scene), FATHOM_BAD_INPUT,
-                 "lights[0]: it lies inside the sphere");
-    /* A room: the camera is in there too. */
-    fathom_camera camera;
-    fathom_camera_default(&camera);
-    camera.origin[2] = -5;
-    assert_ok(f.context, fathom_scene_set_camera(f.scene, &camera));
-    assert_ok(f.context, fathom_scene_check(f.scene));
-    close_scene(&f);
+    static const double shifts[] = {0, 1e7};
+    for (int k = 0; k < 8; ++k) {
+        fixture f = open_scene();
+        bool placed = k & 1, shadow = !(k & 2);
+        double x = shifts[k / 4];
+        fathom_sphere sphere;
+        fathom_sphere_default(&sphere);
+        sphere.center[0] = placed ? 0 : x, sphere.center[2] = placed ? -2.5 : -5;
+        sphere.radius = placed ? 0.5 : 1;
+        sphere.flags = shadow ? 0 : FATHOM_CASTS_NO_SHADOW;
+        fathom_id group = placed ? add_group(&f, "ball") : FATHOM_ROOT;
+        assert_ok(f.context, fathom_scene_add_sphere(f.scene, group, &sphere, NULL));
+        if (placed) assert_ok(f.context, add_instance(&f, group, FATHOM_ROOT, x, 2));
+        fathom_light light;
+        fathom_light_default(&light);
+        light.position[0] = x, light.position[2] = -3.9;
+        assert_ok(f.context, fathom_scene_add_light(f.scene, &light, NULL));
+        assert_string_equal(warned_of_light(&f), "");
+        light.position[2] = -4.1;
+        assert_ok(f.context, fathom_scene_add_light(f.scene, &light, NULL));
+        assert_int_equal(strncmp(warned_of_light(&f), "lights[1]", 9) == 0, shadow);
+        fathom_camera camera;
+        fathom_camera_default(&camera);
+        camera.origin[0] = x, camera.origin[2] = -5;
+        assert_ok(f.context, fathom_scene_set_camera(f.scene, &camera));
+        assert_string_equal(warned_of_light(&f), "");
+        close_scene(&f);
+    }
 }
 
 /* Two levels of frames: scale by 2 at x = 10, in a frame scaled by 3 at x = 100. */
@@ -251,7 +281,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bad_shapes),
         cmocka_unit_test(wholes_that_cannot_be),
-        cmocka_unit_test(lights_in_spheres),
+        cmocka_unit_test(lights_in_spheres_are_warned_of),
         cmocka_unit_test(nests_to_any_depth),
         cmocka_unit_test(nested_frames_multiply),
         cmocka_unit_test(needless_frames_are_left_out),

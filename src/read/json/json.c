@@ -181,17 +181,6 @@ static fathom_status add_objects(const object_reader *r, const form_scene_values
     return status == FATHOM_OK ? check_placements(r) : status;
 }
 
-/* Of the scene's own checks this one alone is about a value of the file, and waits for the objects and the
- * camera. The others come when the scene is complete. */
-static fathom_status check_lights(const object_reader *r) {
-    unsigned light;
-    if (fathom_scene_check(r->scene) != FATHOM_BAD_INPUT) return FATHOM_OK;
-    const char *message = fathom_context_message(r->scene->context), *what = strstr(message, ": ");
-    if (!what || sscanf(message, "lights[%u]", &light) != 1) return FATHOM_OK;
-    const where at = {NULL, "lights", 0}, item = {&at, NULL, light};
-    return doc_fail(r->doc, &item, "%s", what + 2);
-}
-
 /* ---- the document ---- */
 
 static fathom_status build(const object_reader *r, json_t *root, form_scene_values *v) {
@@ -207,7 +196,7 @@ static fathom_status build(const object_reader *r, json_t *root, form_scene_valu
     if (status == FATHOM_OK && doc_has(root, "camera"))
         status = set_camera(r, json_object_get(root, "camera"), &v->camera);
     if (doc_has(root, "lights")) scene->has_lights = true;
-    return status == FATHOM_OK ? check_lights(r) : status;
+    return status;
 }
 
 static fathom_status read_root(const doc *d, json_t *root, fathom_scene *scene) {
