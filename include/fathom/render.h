@@ -27,9 +27,8 @@ enum {
     FATHOM_AOV_N = 1u << 2,      /* N.X N.Y N.Z: shading normal, world, averaged */
     FATHOM_AOV_P = 1u << 3,      /* P.X P.Y P.Z: world position, of the sample nearest the centre */
     FATHOM_AOV_ALBEDO = 1u << 4, /* albedo.R albedo.G albedo.B: k_d + k_s, averaged */
-    FATHOM_AOV_ID =
-        1u
-        << 5, /* id.object id.primitive id.instance: of the sample nearest the centre; FATHOM_NONE for none */
+    FATHOM_AOV_ID = 1u << 5, /* id.object id.primitive id.instance: as in fathom_hit, of the sample nearest
+                                the centre; FATHOM_NONE for none */
     FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel. In files
                                      these four end in ".V", since Blender reads single letters alone */
     FATHOM_AOVS = (1u << 7) - 1

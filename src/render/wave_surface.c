@@ -59,7 +59,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     }
     f->object[slot] = plane ? scene->planes.items[g->primitive[i]].object
                             : world_object(scene, g->geometry[i], g->primitive[i]);
-    f->primitive[slot] = plane ? 0 : g->primitive[i];
+    f->primitive[slot] = plane ? 0 : world_primitive(scene, g->geometry[i], g->primitive[i]);
     f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, g, i);
 }
 

@@ -182,5 +182,5 @@ void user_hit_resolve(const world *w, const trace_block *block, unsigned lane, v
     set_out(w, &hit, out);
     out->object = world_object(w, geometry, primitive);
     out->material = world_material(w, geometry, primitive, instance);
-    out->primitive = g->kind == WORLD_MESH ? primitive : 0;
+    out->primitive = world_primitive(w, geometry, primitive);
 }

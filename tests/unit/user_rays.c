@@ -242,6 +242,50 @@ static void rays_from_a_surface_end_and_meet_what_is_inside(void **state) {
     }
 }
 
+/* Ids in images are those of hits: object, primitive within it, instance. Away from edges, which the float of
+ * a position can cross. */
+static void ids_in_images_are_those_of_hits(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s);
+    add_surfaces(&s);
+    fathom_settings settings;
+    fathom_settings_default(&settings);
+    settings.width = 64, settings.height = 48, settings.aovs = FATHOM_AOV_ID | FATHOM_AOV_P;
+    const double eye[3] = {1, -9, 7}, target[3] = {0, 0, 0}, up[3] = {0, 0, 1};
+    fathom_camera camera;
+    fathom_camera_look_at(eye, target, up, 0.9, &camera);
+    assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
+    fathom_tracer *tracer = stage_tracer(&s, FATHOM_TRACER_REFERENCE);
+    for (int k = 0; k < 2; ++k) {
+        fathom_film *film;
+        settings.tracer = kinds[k];
+        assert_ok(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film));
+        const float *p[3] = {fathom_film_channel(film, "P.X"), fathom_film_channel(film, "P.Y"),
+                             fathom_film_channel(film, "P.Z")};
+        const uint32_t *object = fathom_film_channel_id(film, "id.object");
+        const uint32_t *primitive = fathom_film_channel_id(film, "id.primitive");
+        const uint32_t *instance = fathom_film_channel_id(film, "id.instance");
+        size_t compared[16] = {0};
+        for (size_t i = 0; i < 64 * 48; ++i) {
+            if (object[i] == FATHOM_NONE) continue;
+            fathom_ray ray = {.t_max = 1.001};
+            for (int c = 0; c < 3; ++c) ray.origin[c] = eye[c], ray.direction[c] = (double)p[c][i] - eye[c];
+            fathom_hit hit = shoot(&s, tracer, ray);
+            bool inside = hit.u > 1e-3f && hit.v > 1e-3f && fabsf(hit.u + hit.v - 1) > 1e-3f;
+            if (!inside || !(fabs(hit.t - 1) < 1e-5)) continue;
+            assert_int_equal(object[i], hit.object);
+            assert_int_equal(primitive[i], hit.primitive);
+            assert_int_equal(instance[i], hit.instance);
+            ++compared[hit.object];
+        }
+        for (size_t i = 0; i < 8; ++i) assert_true(compared[i] > 5);
+        fathom_film_destroy(film);
+    }
+    fathom_tracer_destroy(tracer);
+    stage_close(&s);
+}
+
 static void wrong_rays_are_refused(void **state) {
     (void)state;
     stage s;
@@ -323,6 +367,7 @@ int main(void) {
         cmocka_unit_test(a_mesh_instanced),
         cmocka_unit_test(a_quad_and_a_plane),
         cmocka_unit_test(continuing_from_a_hit),
+        cmocka_unit_test(ids_in_images_are_those_of_hits),
         cmocka_unit_test(wrong_rays_are_refused),
         cmocka_unit_test(threads_share_a_tracer),
     };
