@@ -34,9 +34,9 @@ static json_t *pack_machine(void) {
     char cpu[128];
     double load[3] = {NAN, NAN, NAN};
     machine_cpu(cpu, sizeof cpu);
-    json_t *machine =
-        json_pack("{s:o, s:o, s:s, s:s}", "cpu", json_text(cpu), "processors", json_count(processor_count()),
-                  "compiler", machine_compiler(), "flags", machine_flags());
+    json_t *machine = json_pack("{s:o, s:o, s:s, s:s, s:s}", "cpu", json_text(cpu), "processors",
+                                json_count(processor_count()), "kernels", machine_kernels(), "compiler",
+                                machine_compiler(), "flags", machine_flags());
     if (getloadavg(load, 3) > 0) json_object_set_new(machine, "load", json_real(load[0]));
     return machine;
 }

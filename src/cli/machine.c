@@ -1,5 +1,7 @@
 #include "cli/machine.h"
 
+#include "base/kernel.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -21,6 +23,11 @@ void machine_cpu(char *out, size_t size) {
 
 #define TEXT_OF(x) #x
 #define TEXT(x) TEXT_OF(x)
+
+const char *machine_kernels(void) {
+    static const char *const names[] = {"baseline", "AVX2", "AVX-512"};
+    return names[kernel_levels() - 1];
+}
 
 const char *machine_compiler(void) {
 #if defined(__clang__)

@@ -7,6 +7,8 @@
 
 /* The processor's name as the system has it; "unknown". */
 void machine_cpu(char *out, size_t size);
+/* The instruction set of our own loops: "AVX2". Embree's is in its tracer's name. */
+const char *machine_kernels(void);
 /* "gcc 12.2.0" */
 const char *machine_compiler(void);
 /* How the program was compiled: "Release -O3 -DNDEBUG". */

@@ -169,8 +169,9 @@ static json_t *pack_machine(const validate_runs *runs, unsigned threads) {
         if (strncmp(name, "Embree ", 7) == 0)
             snprintf(embree, sizeof embree, "%.*s", (int)strcspn(name + 7, ","), name + 7);
     }
-    return json_pack("{s:o, s:o, s:o, s:s}", "cpu", json_text(cpu), "threads", json_count(threads), "embree",
-                     embree[0] ? json_string(embree) : json_null(), "compiler", machine_compiler());
+    return json_pack("{s:o, s:o, s:s, s:o, s:s}", "cpu", json_text(cpu), "threads", json_count(threads),
+                     "kernels", machine_kernels(), "embree", embree[0] ? json_string(embree) : json_null(),
+                     "compiler", machine_compiler());
 }
 
 static json_t *pack(const validate_results *results, const validate_settings *settings) {

@@ -28,7 +28,7 @@ refused 4 'its folder does not exist' bench render scene.json --json no/a.json
 # The render phase: everything in all three forms.
 run 0 bench render scene.json --spp 1,4 --threads 1,2 --repeats 2 --json r.json --csv r.csv --report render
 said out.txt 'all of the render phase:'
-for key in bench fathom commit date cpu processors compiler flags embree load scene runs spp seconds read build plan \
+for key in bench fathom commit date cpu processors kernels compiler flags embree load scene runs spp seconds read build plan \
     render write rays speeds ceiling renderToBare tracedToBare median low high; do
     said r.json "\"$key\": "
 done
