@@ -31,9 +31,11 @@ refuse() {
     while IFS="$(printf '\t')" read -r arguments expected message; do
         # shellcheck disable=SC2086 # words, by design
         refuse $arguments
-        # What info refuses, a render refuses in the same words, before there is any file; some of them suffice.
+        # What info refuses, a render refuses in the same words, before there is any file; some of them suffice. A
+        # render leaves texture coordinates in their files.
         rows=$((rows + 1))
         case $expected$arguments in
+        '3info '*-texture-*) ;;
         '3info '*.*) [ $((rows % 8)) -ne 0 ] || refuse render "${arguments#info }" -o a.png -q ;;
         esac
     done <"$SOURCE/tests/broken/expected.tsv"
