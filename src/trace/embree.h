@@ -68,7 +68,7 @@ typedef struct embree_call {
     embree_context context;               /* first, so that a callback's context is the call */
     _Alignas(64) float best[TRACE_WIDTH]; /* nearest t offered so far */
     float far[TRACE_WIDTH];               /* t_far as it was asked */
-    int tied[TRACE_WIDTH];                /* another candidate lies within the window of the best */
+    int tied[TRACE_WIDTH];                /* not 0: the answer may not be the only one */
     struct embree_vote *vote;             /* not NULL: the call settles one tied ray */
     bool raw;                             /* nothing is noted: the nearest stays, or the last of those */
 } embree_call;
@@ -81,6 +81,9 @@ RTCFilterFunctionN embree_filter(unsigned width);
 
 /* A candidate of a user geometry at t, its hit in rows of n numbers: returns the ray's new t_far. */
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t);
+
+/* Embree takes no component of a direction for less than 1e-18 where it tests boxes. */
+#define EMBREE_LEAST_DIRECTION 0x1p-58f
 
 /* Decides a tied lane anew, with the t_far that it was asked for. The ids of its hit, Embree's until now,
  * become the world's. */
@@ -167,8 +170,7 @@ struct embree_kernels {
     bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           embree_asked *asked, embree_call *call);
     /* Sets t_far, and t_near as it was. Whether lanes are tied. */
-    bool (*end_closest)(trace_block *block, unsigned lanes, const embree_asked *asked,
-                        const embree_call *call);
+    bool (*end_closest)(trace_block *block, unsigned lanes, const embree_asked *asked, embree_call *call);
     bool (*begin_any)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
                       embree_asked *asked);
     void (*end_any)(trace_rays *rays, unsigned lanes, const embree_asked *asked);

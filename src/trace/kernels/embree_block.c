@@ -139,9 +139,22 @@ static void join(const embree_packets *from, unsigned width, trace_rays *rays, t
 
 /* ---- after ---- */
 
+/* Of barycentric coordinates, whose rounding it exceeds on triangles that are seen from up to 2^10 times
+ * their size. */
+#define EDGE 0x1p-12f
+
+/* Where embree_settle.c has to ask for both sides of a box: hits at an edge by a ray along an axis. */
+static ALWAYS_INLINE uint32_t along_box(const trace_block *restrict block, unsigned i) {
+    const trace_rays *r = &block->rays;
+    const float u = block->hits.u[i], v = block->hits.v[i], least = EMBREE_LEAST_DIRECTION;
+    bool along = (fabsf(r->dir_x[i]) < least) | (fabsf(r->dir_y[i]) < least) | (fabsf(r->dir_z[i]) < least);
+    bool edge = (u <= EDGE) | (v <= EDGE) | (u + v >= 1 - EDGE);
+    return along & edge ? ~0u : 0;
+}
+
 static ALWAYS_INLINE uint32_t end_closest_lanes(trace_block *restrict block, unsigned lanes,
                                                 const embree_asked *restrict asked,
-                                                const embree_call *restrict call) {
+                                                embree_call *restrict call) {
     uint32_t tied = 0, noted = call->raw ? 0 : ~0u;
     for (unsigned i = 0; i < lanes; ++i) {
         uint32_t missed = block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID ? ~0u : 0;
@@ -149,13 +162,14 @@ static ALWAYS_INLINE uint32_t end_closest_lanes(trace_block *restrict block, uns
         met = embree_move_inside(met, asked->t_near[i], call->far[i]);
         block->rays.t_far[i] = chosen(missed, asked->t_far[i], met);
         block->rays.t_near[i] = asked->t_near[i];
-        tied |= (uint32_t)call->tied[i] & noted & ~missed;
+        uint32_t open = (uint32_t)call->tied[i] | along_box(block, i);
+        call->tied[i] = (int)open;
+        tied |= open & noted & ~missed;
     }
     return tied;
 }
 
-static bool end_closest(trace_block *block, unsigned lanes, const embree_asked *asked,
-                        const embree_call *call) {
+static bool end_closest(trace_block *block, unsigned lanes, const embree_asked *asked, embree_call *call) {
     return lanes == TRACE_WIDTH ? end_closest_lanes(block, TRACE_WIDTH, asked, call)
                                 : end_closest_lanes(block, lanes, asked, call);
 }
