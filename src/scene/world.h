@@ -98,7 +98,7 @@ typedef struct world {
     ARRAY(world_geometry) geometries;
     ARRAY(world_group) groups; /* 0: what is placed in the root itself */
     ARRAY(world_instance) instances;
-    bool *absent; /* by object of the scene: in no geometry; see absent.h */
+    bool *absent;                  /* by object of the scene: in no geometry; see absent.h */
     uint64_t degenerate_triangles; /* without area: stored, never hit */
     uint64_t beyond_reach; /* primitives with a coordinate not below WORLD_REACH, in their group's space:
                               stored; Embree leaves them out */

@@ -257,14 +257,10 @@ static void mutations(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_whole_is_good),
-        cmocka_unit_test(lines_and_places),
-        cmocka_unit_test(mesh_files),
-        cmocka_unit_test(syntax),
-        cmocka_unit_test(numbers),
-        cmocka_unit_test(deep_nests),
-        cmocka_unit_test(long_chains),
-        cmocka_unit_test(deep_rings),
+        cmocka_unit_test(the_whole_is_good), cmocka_unit_test(lines_and_places),
+        cmocka_unit_test(mesh_files),        cmocka_unit_test(syntax),
+        cmocka_unit_test(numbers),           cmocka_unit_test(deep_nests),
+        cmocka_unit_test(long_chains),       cmocka_unit_test(deep_rings),
         cmocka_unit_test(mutations),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
