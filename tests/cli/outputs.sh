@@ -74,9 +74,6 @@ printf '{ "camera": { "eye": [0, 0, 1e20], "target": [0, 0, 0] },
   "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >bad.json
 refused 3 'bad.json: camera: it stands 1e+20 from the scene' render bad.json -o a.png
 refused 3 'bad.json: camera: it stands 1e+20 from the scene' info bad.json
-printf '{ "lights": [\n { "type": "point", "position": [0, 0, 0] } ],
-  "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }' >bad.json
-refused 3 'bad.json:2: lights[0]: it lies inside the sphere' render bad.json -o a.png
 printf 'v 0 0 0\nv 1 0 0\nf 1 2 2\n' >bad.obj
 refused 3 'bad.obj: the scene holds no geometry with an area' render bad.obj -o a.png
 refused 3 'bad.obj: the scene holds no geometry with an area' info bad.obj

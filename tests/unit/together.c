@@ -213,13 +213,17 @@ static void messages_go_to_the_renders_context(void **state) {
     assert_int_equal(scenes_warnings, 0);
     assert_int_equal(others_warnings, 1);
     assert_int_equal(stats.threads, 3);
-    /* A light in a sphere is only found when the scene is whole. */
-    stage_sphere(&s, 2, 5, 0, 1, 0);
+    /* A cycle is only found when the scene is whole. */
+    fathom_instance loop;
+    fathom_instance_default(&loop);
+    assert_ok(s.context, fathom_scene_add_group(s.scene, "loop", &loop.group));
+    loop.parent = loop.group;
+    assert_ok(s.context, fathom_scene_add_instance(s.scene, &loop, NULL));
     fathom_tracer *tracer;
     assert_fails(other, fathom_render(other, s.scene, &s.settings, NULL, NULL, NULL, &film), FATHOM_BAD_INPUT,
-                 "lights[0]");
+                 "in a cycle");
     assert_fails(other, fathom_tracer_create(other, s.scene, FATHOM_TRACER_EMBREE, &tracer), FATHOM_BAD_INPUT,
-                 "lights[0]");
+                 "in a cycle");
     assert_string_equal(fathom_context_message(s.context), "");
     fathom_context_destroy(other);
     stage_close(&s);
