@@ -12,8 +12,8 @@ const char *verdict_name(verdict v) {
 verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
     bool embree = spec->kind == TRACE_EMBREE;
     bool textbook = spec->kind == TRACE_LINEAR && spec->form == TRACE_TEXTBOOK;
-    unsigned seen = embree && spec->shapes != TRACE_SHAPES_USER ? 1u << ORACLE_TRIANGLE : 0;
-    if (embree && spec->shapes == TRACE_SHAPES_QUAD) seen |= 1u << ORACLE_QUAD;
+    bool own = embree && spec->shapes != TRACE_SHAPES_USER;
+    unsigned seen = own ? 1u << ORACLE_TRIANGLE | 1u << ORACLE_QUAD : 0;
     return (verdict_tracer){.unit = unit,
                             .seen = seen,
                             .inverted = embree,

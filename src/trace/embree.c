@@ -111,6 +111,7 @@ static void destroy(trace_tracer *base) {
         if (tracer->scenes[g]) rtcReleaseScene(tracer->scenes[g]);
     }
     free(tracer->scenes);
+    free(tracer->halved);
     release_device(tracer->device);
     free(tracer);
 }

@@ -24,6 +24,7 @@ typedef struct embree_tracer {
     const embree_kernels *kernels;
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
+    bool *halved;     /* by the world's geometries: its quads are Embree's triangles; NULL: none are */
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call, no more than the kernels take */
     trace_reach reach;         /* of the rays that are given to Embree */
@@ -58,8 +59,14 @@ RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_g
 
 /* ---- embree_native.c ---- */
 
+/* Whether Embree's own intersectors answer for the geometry. */
+bool embree_is_native(trace_shapes shapes, const world *w, const world_geometry *geometry);
+/* Whether it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. */
+bool embree_is_halved(trace_shapes shapes, const world *w, const world_geometry *geometry);
+
 /* Embree's own triangles, quads or spheres; NULL when Embree is out of memory. */
-RTCGeometry embree_native_geometry(RTCDevice device, const world *w, const world_geometry *geometry);
+RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const world *w,
+                                   const world_geometry *geometry);
 
 /* ---- embree_settle.c: which of several candidates is the closest hit ---- */
 
@@ -184,8 +191,12 @@ const embree_kernels *embree_kernels_best(void);
 /* Closest hits of a prepared block, in packets of the way's width. */
 void embree_closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
                             const embree_way *way, embree_context *context, RTCFilterFunctionN filter);
-/* Embree's ids to the world's. */
-void embree_translate(const world *w, trace_hits *hits, unsigned lane);
+/* Whether a geometry of the world is quads that are traced as triangles. */
+static inline bool embree_in_halves(const embree_tracer *tracer, uint32_t geometry) {
+    return tracer->halved && tracer->halved[geometry];
+}
+/* Embree's ids, and a quad's u and v, to the world's. */
+void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane);
 unsigned embree_lanes(size_t count, size_t block);
 /* Whether coherent shadow rays must not go by sixteen. */
 bool embree_may_hang(const embree_tracer *tracer);

@@ -38,26 +38,6 @@ static bool on_progress(void *user, double fraction) { return go_on(user, fracti
 
 /* ---- geometries ---- */
 
-/* Embree's triangles are met by products of three lengths, two sides and a distance from the ray's origin, in
- * float: those of whole precision lie between 2^-102 and 2^127. In a mesh as large as c, with sides down to
- * c 2^-12 (16 million triangles over a ball) and seen from up to 2^18 c, that is from c = 2^-24 to 2^36. Our
- * own intersectors go on to wider numbers where they must. Quads are triangles, spheres are met by products
- * of two lengths, of four where the direction is as long. */
-static bool in_native_range(const world_geometry *geometry) {
-    return geometry->largest == 0 || (geometry->largest >= 0x1p-24f && geometry->largest <= 0x1p36f);
-}
-
-/* Whether Embree's own intersector answers for the geometry. Flat triangles are kept from it one by one. */
-static bool is_native(trace_shapes shapes, const world_geometry *geometry) {
-    bool fit = in_native_range(geometry);
-    switch (geometry->kind) {
-    case WORLD_SPHERES: return shapes == TRACE_SHAPES_SPHERE && fit && !geometry->flat;
-    case WORLD_QUADS: return shapes == TRACE_SHAPES_QUAD && fit && !geometry->flat;
-    case WORLD_MESH: break;
-    }
-    return shapes != TRACE_SHAPES_USER && fit;
-}
-
 /* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. So is the quality: a
  * scene of low quality builds each mesh by its geometry's own. */
 static void attach(embree_tracer *tracer, RTCScene scene, RTCGeometry geometry, uint32_t id, unsigned mask) {
@@ -70,7 +50,8 @@ static void attach(embree_tracer *tracer, RTCScene scene, RTCGeometry geometry, 
 }
 
 static unsigned geometry_mask(const embree_tracer *tracer, const world_geometry *geometry) {
-    bool mesh = geometry->kind == WORLD_MESH && is_native(tracer->spec.shapes, geometry);
+    bool mesh =
+        geometry->kind == WORLD_MESH && embree_is_native(tracer->spec.shapes, tracer->base.world, geometry);
     unsigned mask = EMBREE_SEEN | (mesh ? EMBREE_MESHES : 0);
     if (geometry->flags & FATHOM_CASTS_NO_SHADOW) return mask;
     return mask | EMBREE_SHADOWS | (mesh ? EMBREE_MESH_SHADOWS : 0);
@@ -81,8 +62,8 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
     for (uint32_t i = 0; i < group->count; ++i) {
         const world_geometry *geometry = &w->geometries.items[group->first + i];
         if (!geometry->count) continue;
-        RTCGeometry made = is_native(tracer->spec.shapes, geometry)
-                               ? embree_native_geometry(tracer->device, w, geometry)
+        RTCGeometry made = embree_is_native(tracer->spec.shapes, tracer->base.world, geometry)
+                               ? embree_native_geometry(tracer->device, tracer->spec.shapes, w, geometry)
                                : embree_user_geometry(tracer->device, w, geometry);
         attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
     }
@@ -222,12 +203,26 @@ static fathom_status build_all(embree_tracer *tracer, const bool *placed) {
     return FATHOM_OK;
 }
 
+/* False when out of memory. */
+static bool find_halved(embree_tracer *tracer) {
+    const world *w = tracer->base.world;
+    size_t count = w->geometries.count;
+    bool any = false;
+    for (size_t g = 0; g < count && !any; ++g)
+        any = embree_is_halved(tracer->spec.shapes, w, &w->geometries.items[g]);
+    if (!any) return true;
+    tracer->halved = calloc(count, sizeof *tracer->halved);
+    for (size_t g = 0; tracer->halved && g < count; ++g)
+        tracer->halved[g] = embree_is_halved(tracer->spec.shapes, w, &w->geometries.items[g]);
+    return tracer->halved != NULL;
+}
+
 fathom_status embree_build(embree_tracer *tracer) {
     const world *w = tracer->base.world;
     tracer->scenes = calloc(w->groups.count, sizeof *tracer->scenes);
     bool *placed = reach_placed(w);
     fathom_status status;
-    if (tracer->scenes && placed)
+    if (tracer->scenes && placed && find_halved(tracer))
         status = reach_find(tracer->context, w, placed, &tracer->reach);
     else
         status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);

@@ -77,7 +77,7 @@ static void lane_store(const embree_tracer *tracer, const trace_block *from, con
     to->hits.ng_z[i] = from->hits.ng_z[i];
     to->hits.u[i] = from->hits.u[i], to->hits.v[i] = from->hits.v[i];
     to->hits.primitive[i] = from->hits.primitive[i], to->hits.instance[i] = from->hits.instance[i];
-    embree_translate(tracer->base.world, &to->hits, i);
+    embree_translate(tracer, &to->hits, i);
 }
 
 void embree_stream_closest(const trace_tracer *base, trace_block *blocks, trace_fine *fine, size_t count,

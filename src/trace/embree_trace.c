@@ -32,21 +32,34 @@ void embree_closest_packets(const embree_tracer *tracer, trace_block *block, con
     tracer->kernels->join(&packets, width, &block->rays, &block->hits);
 }
 
-void embree_translate(const world *w, trace_hits *hits, unsigned lane) {
+void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane) {
+    const world *w = tracer->base.world;
     uint32_t group = 0, roots = w->groups.items[0].count;
     if (hits->instance[lane] != RTC_INVALID_GEOMETRY_ID) {
         hits->instance[lane] -= roots;
         group = w->instances.items[hits->instance[lane]].group;
     }
     hits->geometry[lane] += w->groups.items[group].first;
+    if (!embree_in_halves(tracer, hits->geometry[lane])) return;
+    if (hits->primitive[lane] & 1) hits->u[lane] = 1 - hits->u[lane], hits->v[lane] = 1 - hits->v[lane];
+    hits->primitive[lane] /= 2;
 }
 
-/* The ids of all that was met, Embree's until now, become the world's. */
+/* Whether the ids of the root's geometries name one that is traced in halves. */
+static bool any_in_halves(const embree_tracer *tracer, const uint32_t geometry[TRACE_WIDTH], unsigned lanes) {
+    bool any = false;
+    for (unsigned i = 0; tracer->halved && i < lanes; ++i)
+        any |= geometry[i] != RTC_INVALID_GEOMETRY_ID && tracer->halved[geometry[i]];
+    return any;
+}
+
+/* The ids of all that was met, Embree's until now, become the world's. Without instances there is one group,
+ * whose geometries come first. */
 static void translate(const embree_tracer *tracer, trace_block *block, unsigned lanes) {
-    const world *w = tracer->base.world;
-    if (!w->instances.count) return; /* one group, whose geometries come first */
+    const trace_hits *hits = &block->hits;
+    if (!tracer->base.world->instances.count && !any_in_halves(tracer, hits->geometry, lanes)) return;
     for (unsigned i = 0; i < lanes; ++i) {
-        if (block->hits.geometry[i] != RTC_INVALID_GEOMETRY_ID) embree_translate(w, &block->hits, i);
+        if (hits->geometry[i] != RTC_INVALID_GEOMETRY_ID) embree_translate(tracer, &block->hits, i);
     }
 }
 

@@ -11,10 +11,12 @@ typedef struct embree_offered {
     bool any;
     float t;
     uint32_t ids[3]; /* the world's: instance, geometry, primitive */
+    uint32_t half;   /* of a quad that is traced in halves: which, 0 or 1; else 0 */
     float normal[3], u, v;
 } embree_offered;
 
 typedef struct embree_vote {
+    const embree_tracer *tracer;
     search_f32 search;      /* by the reference intersector */
     embree_offered met;     /* first among those that it meets, by its t */
     embree_offered offered; /* first among all, by Embree's own */

@@ -40,8 +40,10 @@ static bool sphere_point(const world_sphere *spheres, uint32_t count, vec3_f32 *
 static bool quad_point(const world_quad *quads, uint32_t count, vec3_f32 *out) {
     for (uint32_t i = 0; i < count; ++i) {
         const vec3_f32 *v = quads[i].corner;
-        *out = v[0];
-        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3])) return true;
+        *out = v[1]; /* in both halves, of which one may have no area */
+        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3]) &&
+            (triangle_has_area_f32(v[0], v[1], v[3]) || triangle_has_area_f32(v[2], v[3], v[1])))
+            return true;
     }
     return false;
 }
