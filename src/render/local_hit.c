@@ -3,7 +3,6 @@
 #include "render/local_hit.h"
 
 #include "reference/reference.h"
-#include "shade/local.h"
 
 static double largest3(double a, double b, double c) { return fmax(fabs(a), fmax(fabs(b), fabs(c))); }
 
@@ -31,35 +30,6 @@ void local_sphere(const world_sphere *sphere, const local_ray *ray, local_hit *o
     vec3_f64 n = unit_of(madd_f64(from, t, ray->dir));
     *out = (local_hit){
         .p = madd_f64(c, radius, n), .n = n, .ns = narrow(n), .beside = 16 * 0x1p-53 * (largest(c) + radius)};
-}
-
-static double clamp_unit(double x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
-
-/* The corner-weighted point of a face, and how far from its plane a ray that starts there may seem to start.
- */
-static void set_face(vec3_f64 a, vec3_f64 ab, vec3_f64 ac, double u, double v, local_hit *out) {
-    vec3_f64 n = unit_of(cross_f64(ab, ac));
-    double extent = fmax(largest(sub_f64(ac, ab)), fmax(largest(ab), largest(ac)));
-    *out = (local_hit){.p = madd_f64(madd_f64(a, u, ab), v, ac),
-                       .n = n,
-                       .ns = narrow(n),
-                       .beside = LOCAL_FACE_BESIDE * extent};
-}
-
-/* A half of the quad is a triangle of its own, with a plane of its own where rounding has bent the quad. */
-void local_quad(const world_quad *quad, const local_ray *ray, local_hit *out) {
-    vec3_f32 org = narrow(ray->org), dir = narrow(ray->dir);
-    const vec3_f32 *c = quad->corner;
-    reference_hit_f32 hit = {0};
-    if (!quad_robust_f32(c[0], c[1], c[2], c[3], org, dir, ray->t_near, INFINITY, &hit) &&
-        !quad_textbook_f32(c[0], c[1], c[2], c[3], org, dir, ray->t_near, INFINITY, &hit)) {
-        hit.u = (float)clamp_unit((double)hit.u), hit.v = (float)clamp_unit((double)hit.v);
-    }
-    double u = (double)hit.u, v = (double)hit.v;
-    bool second = hit.u + hit.v > 1;
-    if (second) u = 1 - u, v = 1 - v;
-    vec3_f64 a = widen(c[second ? 2 : 0]), b = widen(c[second ? 3 : 1]), d = widen(c[second ? 1 : 3]);
-    set_face(a, sub_f64(b, a), sub_f64(d, a), u, v, out);
 }
 
 /* On which side of a plane a ray starts is decided in double wherever float is in doubt (quad_text.h). */

@@ -17,7 +17,6 @@ typedef struct local_ray {
 } local_ray;
 
 void local_sphere(const world_sphere *sphere, const local_ray *ray, local_hit *out);
-void local_quad(const world_quad *quad, const local_ray *ray, local_hit *out);
 void local_plane(const world_plane *plane, const local_ray *ray, local_hit *out);
 
 #endif

@@ -11,6 +11,7 @@
 #include "render/surface_point.h"
 
 #include "render/local_hit.h"
+#include "shade/half.h"
 
 #include <string.h>
 
@@ -138,6 +139,16 @@ static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, ui
     g->facets.smooth = true;
 }
 
+/* A quad is the half of it that the ray meets. */
+static void add_half(surface_gather *g, unsigned i, const world_quad *quad, const local_ray *local) {
+    static const int halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
+    const vec3_f32 *v = quad->corner;
+    bool second = half_is_second(widen(v[0]), widen(v[1]), widen(v[2]), widen(v[3]), local->org, local->dir);
+    for (int k = 0; k < 3; ++k) put_f32(g->facets.corner[k], i, v[halves[second][k]]);
+    g->facets.facet[i] = ~0u;
+    g->faceted = true;
+}
+
 static void add_hit(surface_gather *g, unsigned i, const local_hit *hit) {
     put_f64(g->local.p, i, hit->p);
     put_f64(g->local.n, i, hit->n);
@@ -156,7 +167,7 @@ static void add_primitive(surface_gather *g, unsigned i, const world *w, const l
     const world_geometry *geometry = &w->geometries.items[g->geometry[i]];
     switch (geometry->kind) {
     case WORLD_SPHERES: local_sphere(&w->spheres.items[geometry->first + primitive], local, &hit); break;
-    case WORLD_QUADS: local_quad(&w->quads.items[geometry->first + primitive], local, &hit); break;
+    case WORLD_QUADS: add_half(g, i, &w->quads.items[geometry->first + primitive], local); return;
     case WORLD_MESH: add_facet(g, i, &w->meshes.items[geometry->first], primitive); return;
     }
     add_hit(g, i, &hit);
@@ -184,12 +195,20 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
     add_primitive(g, i, w, &local);
 }
 
-/* The mesh that all lanes met, as part of the root; NULL: they did not. */
-static const fathom_mesh *common_mesh(const world *w, const trace_hits *hits) {
+/* The mesh, or the quads none of which is flat, that all lanes met as part of the root; NULL: they did not.
+ */
+static const world_geometry *common_facets(const world *w, const trace_hits *hits) {
     uint32_t differ = 0, id = hits->geometry[0];
     for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | ~hits->instance[i];
-    if (differ || id == TRACE_PLANE || w->geometries.items[id].kind != WORLD_MESH) return NULL;
-    return world_mesh(w, id);
+    if (differ || id == TRACE_PLANE) return NULL;
+    const world_geometry *met = &w->geometries.items[id];
+    return met->kind == WORLD_MESH || (met->kind == WORLD_QUADS && !met->flat) ? met : NULL;
+}
+
+static bool same_primitive(const uint32_t primitive[LANES]) {
+    uint32_t differ = 0;
+    for (int i = 0; i < LANES; ++i) differ |= primitive[i] ^ primitive[0];
+    return !differ;
 }
 
 /* Triangles of a mesh that caches do not hold from one wave to the next: some 20 bytes each. */
@@ -232,8 +251,8 @@ bool surface_gather_block(surface_gather *g, const world *w, const shade_kernels
                           const trace_block *block) {
     const trace_rays *rays = &block->rays;
     const trace_hits *hits = &block->hits;
-    const fathom_mesh *mesh = common_mesh(w, hits);
-    if (!mesh) {
+    const world_geometry *met = common_facets(w, hits);
+    if (!met) {
         for (unsigned i = 0; i < LANES; ++i) surface_gather_add(g, w, block, i);
         return false;
     }
@@ -243,11 +262,16 @@ bool surface_gather_block(surface_gather *g, const world *w, const shade_kernels
     memcpy(g->local.ray[0], rays->dir_x, sizeof rays->dir_x);
     memcpy(g->local.ray[1], rays->dir_y, sizeof rays->dir_y);
     memcpy(g->local.ray[2], rays->dir_z, sizeof rays->dir_z);
-    kernels->facet_gather(mesh, g->normals, hits->primitive, trace_origins(rays), trace_directions(rays),
-                          &g->facets, &g->local);
+    const bool quads = met->kind == WORLD_QUADS;
+    if (quads)
+        kernels->quad_gather(&w->quads.items[met->first], hits->primitive, trace_origins(rays),
+                             trace_directions(rays), &g->facets, &g->local);
+    else
+        kernels->facet_gather(&w->meshes.items[met->first], g->normals, hits->primitive, trace_origins(rays),
+                              trace_directions(rays), &g->facets, &g->local);
     g->count = LANES;
     g->faceted = true;
-    return true;
+    return !quads || same_primitive(hits->primitive);
 }
 
 /* The rest of a block repeats its last hit. */

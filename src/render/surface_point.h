@@ -13,7 +13,7 @@ typedef struct surface_gather {
     uint32_t geometry[LANES], primitive[LANES], instance[LANES]; /* as in trace_hits */
     unsigned count;
     uint32_t instances; /* bit i: lane i is in an instance */
-    bool faceted;       /* some lane met a triangle */
+    bool faceted;       /* some lane met a triangle or a quad */
     bool normals;       /* shading normals are wanted */
 } surface_gather;
 
@@ -22,7 +22,8 @@ typedef struct surface_gather {
 void surface_gather_begin(surface_gather *g, bool normals, bool always);
 /* Adds what a lane met; there must be room. */
 void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane);
-/* All sixteen lanes, which all met something, to an empty one. Whether they met one mesh. */
+/* All sixteen lanes, which all met something, to an empty one. Whether it is known that they met one object.
+ */
 bool surface_gather_block(surface_gather *g, const world *w, const shade_kernels *kernels,
                           const trace_block *block);
 /* Ask the caches for what gathering a block of hits reads, where it is likely not to be there: indices first

@@ -136,10 +136,10 @@ static void find_materials(const wave *w, bool one, surface_block *s) {
 /* A block whose rays all met something is a block of surfaces as it is. */
 static void add_block(wave *w, const trace_block *block, const path_block *path, bool first) {
     surface_block *s = &w->surfaces[w->surface_count / LANES];
-    bool one_mesh = surface_gather_block(w->gather, w->plan->world, w->plan->kernels, block);
+    bool one_object = surface_gather_block(w->gather, w->plan->world, w->plan->kernels, block);
     memcpy(s->weight, path->weight, sizeof s->weight);
     memcpy(s->slot, path->slot, sizeof s->slot);
-    find_materials(w, one_mesh, s);
+    find_materials(w, one_object, s);
     if (w->plan->watertight) note_all_depths(w, block, path, s);
     end_block(w, first);
 }

@@ -2,6 +2,7 @@
 #ifndef SHADE_KERNELS_H
 #define SHADE_KERNELS_H
 
+#include "scene/world.h"
 #include "shade/bend.h"
 #include "shade/camera.h"
 #include "shade/light.h"
@@ -16,6 +17,10 @@ typedef struct shade_kernels {
     void (*facet_gather)(const fathom_mesh *mesh, bool normals, const uint32_t triangle[LANES],
                          const float org[3][LANES], const float dir[3][LANES], facet_block *f,
                          local_block *b);
+
+    /* The same for the halves that they met of quads, none of them flat, by the index of the quad. */
+    void (*quad_gather)(const world_quad *quads, const uint32_t primitive[LANES], const float org[3][LANES],
+                        const float dir[3][LANES], facet_block *f, local_block *b);
 
     /* Points and normals of the lanes that met triangles; the other lanes stay. lifted: whether the points
      * for shadow rays are wanted. */

@@ -35,11 +35,11 @@ typedef struct local_block {
     lanes3 ray;             /* direction in the world */
 } local_block;
 
-/* Of the lanes that met a triangle, its corners, and its normals there. */
+/* Of the lanes that met a triangle, or half a quad, its corners, and its normals there. */
 typedef struct facet_block {
     _Alignas(64) float corner[3][3][LANES]; /* corner, axis, lane */
     float normal[3][3][LANES];
-    uint32_t facet[LANES]; /* all ones: the lane is a triangle's */
+    uint32_t facet[LANES]; /* all ones: the lane is a triangle's or a quad's */
     uint32_t bent[LANES];  /* all ones: it has normals; they need not be unit */
     bool smooth;           /* some lane has */
 } facet_block;

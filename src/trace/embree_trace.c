@@ -32,6 +32,15 @@ void embree_closest_packets(const embree_tracer *tracer, trace_block *block, con
     tracer->kernels->join(&packets, width, &block->rays, &block->hits);
 }
 
+/* A hit of the world's geometry: where that is quads in halves, its primitive, u and v become the quad's. */
+static inline void join_halves(const embree_tracer *tracer, trace_hits *hits, unsigned lane) {
+    if (!embree_in_halves(tracer, hits->geometry[lane])) return;
+    bool second = hits->primitive[lane] & 1;
+    hits->u[lane] = second ? 1 - hits->u[lane] : hits->u[lane];
+    hits->v[lane] = second ? 1 - hits->v[lane] : hits->v[lane];
+    hits->primitive[lane] /= 2;
+}
+
 void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane) {
     const world *w = tracer->base.world;
     uint32_t group = 0, roots = w->groups.items[0].count;
@@ -40,26 +49,19 @@ void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned la
         group = w->instances.items[hits->instance[lane]].group;
     }
     hits->geometry[lane] += w->groups.items[group].first;
-    if (!embree_in_halves(tracer, hits->geometry[lane])) return;
-    if (hits->primitive[lane] & 1) hits->u[lane] = 1 - hits->u[lane], hits->v[lane] = 1 - hits->v[lane];
-    hits->primitive[lane] /= 2;
-}
-
-/* Whether the ids of the root's geometries name one that is traced in halves. */
-static bool any_in_halves(const embree_tracer *tracer, const uint32_t geometry[TRACE_WIDTH], unsigned lanes) {
-    bool any = false;
-    for (unsigned i = 0; tracer->halved && i < lanes; ++i)
-        any |= geometry[i] != RTC_INVALID_GEOMETRY_ID && tracer->halved[geometry[i]];
-    return any;
+    join_halves(tracer, hits, lane);
 }
 
 /* The ids of all that was met, Embree's until now, become the world's. Without instances there is one group,
  * whose geometries come first. */
-static void translate(const embree_tracer *tracer, trace_block *block, unsigned lanes) {
-    const trace_hits *hits = &block->hits;
-    if (!tracer->base.world->instances.count && !any_in_halves(tracer, hits->geometry, lanes)) return;
-    for (unsigned i = 0; i < lanes; ++i) {
-        if (hits->geometry[i] != RTC_INVALID_GEOMETRY_ID) embree_translate(tracer, &block->hits, i);
+static void translate(const embree_tracer *tracer, trace_hits *hits, unsigned lanes) {
+    const bool instances = tracer->base.world->instances.count > 0;
+    for (unsigned i = 0; (instances || tracer->halved) && i < lanes; ++i) {
+        if (hits->geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        if (instances)
+            embree_translate(tracer, hits, i);
+        else
+            join_halves(tracer, hits, i);
     }
 }
 
@@ -82,7 +84,7 @@ static bool closest_block(const embree_tracer *tracer, trace_block *block, unsig
     const embree_way way = embree_way_closest(tracer, &block->rays, lanes, coherence);
     embree_closest_packets(tracer, block, asked.valid, lanes, &way, &call.context, tracer->filter);
     bool tied = tracer->kernels->end_closest(block, lanes, &asked, &call);
-    translate(tracer, block, lanes);
+    translate(tracer, &block->hits, lanes);
     if (tied) settle(tracer, block, lanes, &call);
     return true;
 }

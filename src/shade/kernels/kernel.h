@@ -8,6 +8,8 @@
 void KERNEL(facet_gather)(const fathom_mesh *mesh, bool normals, const uint32_t triangle[LANES],
                           const float org[3][LANES], const float dir[3][LANES], facet_block *restrict f,
                           local_block *restrict b);
+void KERNEL(quad_gather)(const world_quad *quads, const uint32_t primitive[LANES], const float org[3][LANES],
+                         const float dir[3][LANES], facet_block *restrict f, local_block *restrict b);
 void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b);
 void KERNEL(surfaces)(const local_block *b, bool automatic, surface_block *restrict s);
 void KERNEL(material_gather)(const scene_named_material *table, const surface_block *s,

@@ -6,6 +6,7 @@
 const shade_kernels KERNEL(shade_kernels) = {
     .name = TEXT(KERNEL_ISA),
     .facet_gather = KERNEL(facet_gather),
+    .quad_gather = KERNEL(quad_gather),
     .facets = KERNEL(facets),
     .surfaces = KERNEL(surfaces),
     .material_gather = KERNEL(material_gather),
