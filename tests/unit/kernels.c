@@ -1,6 +1,7 @@
 /* The kernels of every instruction set give the same bits. */
 #include "render/kernels.h"
 #include "random.h"
+#include "shade/half.h"
 #include "unit.h"
 
 static random_state random_numbers = {7};
@@ -188,6 +189,74 @@ static void same_hits_from_all(void **state) {
     }
 }
 
+/* ---- quads ---- */
+
+#define QUADS 5
+
+typedef struct quad_case {
+    world_quad quads[QUADS];
+    uint32_t primitive[LANES];
+    lanes3 org, dir;
+} quad_case;
+
+/* Parallelograms, that rays are aimed at; all lanes at one in every third round. */
+static void random_quads(quad_case *c, int round) {
+    float size = (float)random_log(&random_numbers, 1e-12, 1e12);
+    for (int q = 0; q < QUADS; ++q) {
+        vec3_f32 center = scale_f32(size, unit()), u = scale_f32(size, unit()), v = scale_f32(size, unit());
+        for (int k = 0; k < 4; ++k)
+            c->quads[q].corner[k] = madd_f32(madd_f32(center, k % 3 ? 1 : -1, u), k > 1 ? 1 : -1, v);
+    }
+    for (int i = 0; i < LANES; ++i) {
+        c->primitive[i] = round % 3 ? (uint32_t)between(0, QUADS) : 3;
+        const vec3_f32 *corner = c->quads[c->primitive[i]].corner;
+        vec3_f32 org = scale_f32(3 * size, unit());
+        vec3_f32 target = madd_f32(corner[0], (float)between(0, 1), sub_f32(corner[1], corner[0]));
+        target = madd_f32(target, (float)between(0, 1), sub_f32(corner[3], corner[0]));
+        put(c->org, i, org), put(c->dir, i, sub_f32(target, org));
+    }
+}
+
+static void find_quads(const shade_kernels *k, const quad_case *c, hit_outputs *out) {
+    memset(out, 0, sizeof *out);
+    k->quad_gather(c->quads, c->primitive, c->org, c->dir, &out->facets, &out->local);
+    memcpy(out->local.ray, c->dir, sizeof c->dir);
+    k->facets(&out->facets, true, &out->local);
+    k->surfaces(&out->local, true, &out->surface);
+}
+
+static vec3_f64 lane_of(const lanes3 from, int i) {
+    return vec_f64((double)from[0][i], (double)from[1][i], (double)from[2][i]);
+}
+
+/* The half is the one that a hit by itself is given: a pixel does not depend on its neighbours. */
+static void check_halves(const quad_case *c, const hit_outputs *out) {
+    for (int i = 0; i < LANES; ++i) {
+        const vec3_f32 *v = c->quads[c->primitive[i]].corner;
+        bool second = half_is_second(widen(v[0]), widen(v[1]), widen(v[2]), widen(v[3]), lane_of(c->org, i),
+                                     lane_of(c->dir, i));
+        vec3_f64 expected = widen(v[second ? 2 : 0]);
+        vec3_f64 got = {(double)out->facets.corner[0][0][i], (double)out->facets.corner[0][1][i],
+                        (double)out->facets.corner[0][2][i]};
+        assert_true(got.x == expected.x && got.y == expected.y && got.z == expected.z);
+    }
+}
+
+static void same_halves_from_all(void **state) {
+    (void)state;
+    for (int round = 0; round < 3000; ++round) {
+        static quad_case c;
+        static hit_outputs plain, wide;
+        random_quads(&c, round);
+        find_quads(shade_kernels_at(0), &c, &plain);
+        check_halves(&c, &plain);
+        for (unsigned k = 1; shade_kernels_at(k); ++k) {
+            find_quads(shade_kernels_at(k), &c, &wide);
+            assert_memory_equal(&plain, &wide, sizeof plain);
+        }
+    }
+}
+
 /* ---- rays ---- */
 
 typedef struct ray_case {
@@ -282,8 +351,8 @@ static void same_rays_from_all(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(same_bits_from_all),
-                                       cmocka_unit_test(same_hits_from_all),
-                                       cmocka_unit_test(same_rays_from_all)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(same_bits_from_all), cmocka_unit_test(same_hits_from_all),
+        cmocka_unit_test(same_halves_from_all), cmocka_unit_test(same_rays_from_all)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
