@@ -353,7 +353,6 @@ static void same_rays_from_all(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(same_bits_from_all), cmocka_unit_test(same_hits_from_all),
-        cmocka_unit_test(same_halves_from_all), cmocka_unit_test(same_halves_from_all),
-        cmocka_unit_test(same_rays_from_all)};
+        cmocka_unit_test(same_halves_from_all), cmocka_unit_test(same_rays_from_all)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
