@@ -112,6 +112,7 @@ static void destroy(trace_tracer *base) {
     }
     free(tracer->scenes);
     free(tracer->halved);
+    free(tracer->beside);
     release_device(tracer->device);
     free(tracer);
 }

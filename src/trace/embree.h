@@ -2,6 +2,7 @@
 #ifndef TRACE_EMBREE_H
 #define TRACE_EMBREE_H
 
+#include "trace/beside.h"
 #include "trace/embree_api.h"
 #include "trace/reach.h"
 #include "trace/tracer.h"
@@ -25,6 +26,8 @@ typedef struct embree_tracer {
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     bool *halved;     /* by the world's geometries: its quads are Embree's triangles; NULL: none are */
+    beside_spheres *beside; /* the root's spheres, which are not in the scene; NULL: they are */
+    const beside_kernels *beside_kernels;
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call, no more than the kernels take */
     trace_reach reach;         /* of the rays that are given to Embree */
@@ -60,15 +63,20 @@ RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_g
 /* ---- embree_native.c ---- */
 
 /* Whether Embree's own intersectors answer for the geometry. */
-bool embree_is_native(trace_shapes shapes, const world *w, const world_geometry *geometry);
-/* Whether it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. */
-bool embree_is_halved(trace_shapes shapes, const world *w, const world_geometry *geometry);
+bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry);
+/* Whether it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. Only
+ * in robust scenes: in others rays slip through where the halves meet. */
+bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry);
 
 /* Embree's own triangles, quads or spheres; NULL when Embree is out of memory. */
 RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const world *w,
                                    const world_geometry *geometry);
 
 /* ---- embree_settle.c: which of several candidates is the closest hit ---- */
+
+/* Candidates within half the window of the best are put to the vote. */
+#define EMBREE_WINDOW (1 + 0x1p-14f)
+#define EMBREE_HALF_WINDOW (1 + 0x1p-15f)
 
 /* What a closest-hit call carries besides Embree's own context, by lane of the block (the ray's id). */
 typedef struct embree_call {
@@ -204,6 +212,17 @@ bool embree_may_hang(const embree_tracer *tracer);
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence);
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
+
+/* ---- embree_beside.c ---- */
+
+/* Sets tracer->beside where few spheres are to be tested there. */
+fathom_status embree_beside_choose(embree_tracer *tracer);
+/* The spheres after Embree's answer for a block: hits with the world's ids, the interval and t_far as the
+ * tracer's callers have them. Needs tracer->beside. */
+void embree_beside_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
+                           const embree_asked *asked);
+void embree_beside_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes,
+                       const embree_asked *asked);
 
 /* ---- embree_repair.c ---- */
 

@@ -50,19 +50,23 @@ static void attach(embree_tracer *tracer, RTCScene scene, RTCGeometry geometry, 
 }
 
 static unsigned geometry_mask(const embree_tracer *tracer, const world_geometry *geometry) {
-    bool mesh =
-        geometry->kind == WORLD_MESH && embree_is_native(tracer->spec.shapes, tracer->base.world, geometry);
+    bool mesh = geometry->kind == WORLD_MESH && embree_is_native(&tracer->spec, tracer->base.world, geometry);
     unsigned mask = EMBREE_SEEN | (mesh ? EMBREE_MESHES : 0);
     if (geometry->flags & FATHOM_CASTS_NO_SHADOW) return mask;
     return mask | EMBREE_SHADOWS | (mesh ? EMBREE_MESH_SHADOWS : 0);
+}
+
+/* Whether a geometry of the group is tested next to the scene. */
+static bool is_beside(const embree_tracer *tracer, const world_group *group, const world_geometry *geometry) {
+    return tracer->beside && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
 }
 
 static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world_group *group) {
     const world *w = tracer->base.world;
     for (uint32_t i = 0; i < group->count; ++i) {
         const world_geometry *geometry = &w->geometries.items[group->first + i];
-        if (!geometry->count) continue;
-        RTCGeometry made = embree_is_native(tracer->spec.shapes, tracer->base.world, geometry)
+        if (!geometry->count || is_beside(tracer, group, geometry)) continue;
+        RTCGeometry made = embree_is_native(&tracer->spec, tracer->base.world, geometry)
                                ? embree_native_geometry(tracer->device, tracer->spec.shapes, w, geometry)
                                : embree_user_geometry(tracer->device, w, geometry);
         attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
@@ -128,6 +132,7 @@ static fathom_status check_bounds(embree_tracer *tracer, uint32_t index) {
     vec3_f32 p;
     float slack;
     for (uint32_t g = group->first; g < group->first + group->count; ++g) {
+        if (is_beside(tracer, group, &w->geometries.items[g])) continue;
         if (reach_point(w, &w->geometries.items[g], &p) && !holds(&bounds, p, 0))
             return missing(tracer, "geometry", g, p, &bounds);
     }
@@ -209,11 +214,11 @@ static bool find_halved(embree_tracer *tracer) {
     size_t count = w->geometries.count;
     bool any = false;
     for (size_t g = 0; g < count && !any; ++g)
-        any = embree_is_halved(tracer->spec.shapes, w, &w->geometries.items[g]);
+        any = embree_is_halved(&tracer->spec, w, &w->geometries.items[g]);
     if (!any) return true;
     tracer->halved = calloc(count, sizeof *tracer->halved);
     for (size_t g = 0; tracer->halved && g < count; ++g)
-        tracer->halved[g] = embree_is_halved(tracer->spec.shapes, w, &w->geometries.items[g]);
+        tracer->halved[g] = embree_is_halved(&tracer->spec, w, &w->geometries.items[g]);
     return tracer->halved != NULL;
 }
 
@@ -226,6 +231,7 @@ fathom_status embree_build(embree_tracer *tracer) {
         status = reach_find(tracer->context, w, placed, &tracer->reach);
     else
         status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
+    if (status == FATHOM_OK) status = embree_beside_choose(tracer);
     if (status == FATHOM_OK) status = build_all(tracer, placed);
     free(placed);
     return status;

@@ -29,21 +29,22 @@ static bool quads_in_native_range(const world_quad *quads, uint32_t count) {
     return true;
 }
 
-bool embree_is_halved(trace_shapes shapes, const world *w, const world_geometry *geometry) {
-    return geometry->kind == WORLD_QUADS &&
-           (shapes == TRACE_SHAPES_TRIANGLES || shapes == TRACE_SHAPES_SPHERE) && in_native_range(geometry) &&
-           geometry->count <= UINT32_MAX / 4 &&
+bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry) {
+    bool wanted = spec->shapes == TRACE_SHAPES_TRIANGLES || spec->shapes == TRACE_SHAPES_SPHERE;
+    return geometry->kind == WORLD_QUADS && wanted && spec->flags == TRACE_SCENE_ROBUST &&
+           in_native_range(geometry) && geometry->count <= UINT32_MAX / 4 &&
            quads_in_native_range(&w->quads.items[geometry->first], geometry->count);
 }
 
 /* Flat triangles are kept from Embree one by one. */
-bool embree_is_native(trace_shapes shapes, const world *w, const world_geometry *geometry) {
+bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry) {
+    const trace_shapes shapes = spec->shapes;
     bool fit = in_native_range(geometry);
     switch (geometry->kind) {
     case WORLD_SPHERES: return shapes == TRACE_SHAPES_SPHERE && fit && !geometry->flat;
     case WORLD_QUADS:
         if (shapes == TRACE_SHAPES_QUAD) return fit && !geometry->flat;
-        return embree_is_halved(shapes, w, geometry);
+        return embree_is_halved(spec, w, geometry);
     case WORLD_MESH: break;
     }
     return shapes != TRACE_SHAPES_USER && fit;

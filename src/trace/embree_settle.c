@@ -33,9 +33,6 @@
 
 #include <math.h>
 
-#define WINDOW (1 + 0x1p-14f)
-#define HALF_WINDOW (1 + 0x1p-15f)
-
 /* ---- every ray: noting candidates ---- */
 
 void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far) {
@@ -49,8 +46,8 @@ void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far) {
 
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t) {
     if (call->vote) embree_vote_consider(call->vote, hit, n, t);
-    float best = call->best[lane], nearest = t < best ? t : best, reach = nearest * WINDOW;
-    call->tied[lane] = best <= t * WINDOW;
+    float best = call->best[lane], nearest = t < best ? t : best, reach = nearest * EMBREE_WINDOW;
+    call->tied[lane] = best <= t * EMBREE_WINDOW;
     call->best[lane] = nearest;
     return reach < call->far[lane] ? reach : call->far[lane];
 }
@@ -90,8 +87,8 @@ filter_packet(const struct RTCFilterFunctionNArguments *args, unsigned n) {
     float *restrict bests = call->best + first, *restrict fars = call->far + first;
     int *restrict ties = call->tied + first;
     for (unsigned i = 0; i < n; ++i) {
-        float t = t_far[i], best = bests[i], nearest = t < best ? t : best, reach = nearest * WINDOW;
-        int tied = best <= t * WINDOW;
+        float t = t_far[i], best = bests[i], nearest = t < best ? t : best, reach = nearest * EMBREE_WINDOW;
+        int tied = best <= t * EMBREE_WINDOW;
         reach = reach < fars[i] ? reach : fars[i];
         ties[i] = valid[i] ? tied : ties[i];
         bests[i] = valid[i] ? nearest : best;
@@ -167,6 +164,6 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
         }
         if (other) ask(tracer, r, lane, dir, t_far, &vote);
     }
-    bool near = vote.met.any && vote.search.best.t <= vote.offered.t * HALF_WINDOW;
+    bool near = vote.met.any && vote.search.best.t <= vote.offered.t * EMBREE_HALF_WINDOW;
     if (vote.offered.any) announce(block, lane, t_far, near ? &vote.met : &vote.offered);
 }

@@ -86,6 +86,7 @@ static bool closest_block(const embree_tracer *tracer, trace_block *block, unsig
     bool tied = tracer->kernels->end_closest(block, lanes, &asked, &call);
     translate(tracer, &block->hits, lanes);
     if (tied) settle(tracer, block, lanes, &call);
+    if (tracer->beside) embree_beside_closest(tracer, block, lanes, &asked);
     return true;
 }
 
@@ -155,6 +156,7 @@ static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
         any_packets(tracer, rays, asked.valid, lanes, &way, &context);
     }
     tracer->kernels->end_any(rays, lanes, &asked);
+    if (tracer->beside) embree_beside_any(tracer, rays, lanes, &asked);
     return true;
 }
 

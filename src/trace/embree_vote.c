@@ -44,6 +44,16 @@ static bool try_primitive(search_f32 *s, const uint32_t ids[3]) {
     return s->met && memcmp(s->best_ids, ids, sizeof s->best_ids) == 0;
 }
 
+bool embree_vote_reference(const embree_tracer *tracer, const trace_rays *rays, unsigned lane, float t_far,
+                           const uint32_t ids[3], float *t) {
+    search_f32 search;
+    search_begin_f32(&search, tracer->base.world, TRACE_ROBUST, rays, lane, false);
+    search.t_max = t_far;
+    if (!try_primitive(&search, ids)) return false;
+    *t = search.best.t;
+    return true;
+}
+
 /* On equal t the first in world order, so that the order of the visits decides nothing. */
 static bool is_nearer(const embree_offered *a, const embree_offered *b) {
     if (a->t != b->t) return a->t < b->t;

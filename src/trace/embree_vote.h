@@ -25,6 +25,9 @@ typedef struct embree_vote {
 /* For the lane's ray, its interval as it was asked. */
 void embree_vote_begin(embree_vote *vote, const embree_tracer *tracer, const trace_rays *rays, unsigned lane,
                        float t_far);
+/* The t at which the reference intersector meets a primitive of the world by the lane's ray; false: not. */
+bool embree_vote_reference(const embree_tracer *tracer, const trace_rays *rays, unsigned lane, float t_far,
+                           const uint32_t ids[3], float *t);
 /* A hit in rows of n numbers, at t by Embree. */
 void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float t);
 

@@ -4,13 +4,15 @@
 #include "bench/render_time.h"
 #include "bench/replay.h"
 #include "render/job.h"
+#include "trace/beside.h"
 
-/* Balls over a floor of triangles, near and lit: no planes, which Embree does not see. */
+/* Balls over a floor of triangles, near and lit: no planes, which Embree does not see, and one sphere more
+ * than are tested next to it. */
 static void fill(stage *s) {
     add_ball(s, FATHOM_ROOT, 12, 0.05, 0.7, 0, 0);
     add_ball(s, FATHOM_ROOT, 9, 0.1, 0.5, 1.1, 0);
     add_grid(s, 8, -0.9);
-    add_sphere(s, FATHOM_ROOT, -1, 0.2, 0.3, 0.4, 0);
+    for (int i = 0; i <= BESIDE_MOST; ++i) add_sphere(s, FATHOM_ROOT, -1, 0.2 + 0.05 * i, 0.3, 0.4, 0);
 }
 
 static uint64_t met_closest(const ray_set *set) {
