@@ -191,7 +191,8 @@ static void no_sun(bool alone) {
     static vec3_f64 points[W * H];
     stage s = stage_open(W, H);
     fathom_id white = stage_lambert(&s, 1);
-    const double floor_at[3] = {0, 0, -3}, u[3] = {9, 0, 0}, v[3] = {0, 9, 0};
+    /* A small one: rays start off it by a part of its size, and pass the vertices by a part of that. */
+    const double floor_at[3] = {0, 0, -3}, u[3] = {2, 0, 0}, v[3] = {0, 2, 0};
     stage_quad(&s, floor_at, u, v, white);
     fathom_light sun;
     fathom_light_default(&sun);
