@@ -106,13 +106,27 @@ static fathom_status missing(embree_tracer *tracer, const char *what, uint32_t i
                 (double)b->lower_y, (double)b->upper_y, (double)b->lower_z, (double)b->upper_z);
 }
 
-/* The middle of an instance, with a bound on what rounding does to it: 8 units of its products. */
+/* Embree leaves out instances whose boxes reach so far; reach_find() has told. */
+static bool reaches_too_far(const world_instance *instance, const struct RTCBounds *b) {
+    float x = fmaxf(fabsf(b->lower_x), fabsf(b->upper_x)), y = fmaxf(fabsf(b->lower_y), fabsf(b->upper_y));
+    float z = fmaxf(fabsf(b->lower_z), fabsf(b->upper_z));
+    bool far = false;
+    for (int i = 0; i < 3; ++i) {
+        const float *m = instance->to_world[i];
+        far |= !(fabsf(m[0]) * x + fabsf(m[1]) * y + fabsf(m[2]) * z + fabsf(m[3]) < (float)WORLD_REACH);
+    }
+    return far;
+}
+
+/* The middle of an instance, with a bound on what rounding does to it: 8 units of its products. False where
+ * the scene need not hold it. */
 static bool instance_point(const embree_tracer *tracer, const world_instance *instance, vec3_f32 *out,
                            float *slack) {
     RTCScene scene = tracer->scenes[instance->group];
     if (!scene) return false;
     struct RTCBounds b;
     rtcGetSceneBounds(scene, &b);
+    if (reaches_too_far(instance, &b)) return false;
     float x = (b.lower_x + b.upper_x) / 2, y = (b.lower_y + b.upper_y) / 2, z = (b.lower_z + b.upper_z) / 2;
     float p[3], size = 0;
     for (int i = 0; i < 3; ++i) {
