@@ -23,40 +23,99 @@ static inline void put_f32(float to[3][LANES], int i, uint32_t mine, vec3_f32 v)
     to[2][i] = chosen(mine, v.z, to[2][i]);
 }
 
-/* Weights of the second and third corner (Möller and Trumbore 1997), clamped into the triangle: a tracer with
- * other arithmetic may have found a point that falls a rounding outside. */
-static inline void weigh(vec3_f64 a, vec3_f64 ab, vec3_f64 ac, vec3_f64 org, vec3_f64 dir, double *u,
-                         double *v) {
-    vec3_f64 from_a = sub_f64(org, a), across = cross_f64(dir, ac), along = cross_f64(from_a, ab);
-    double determinant = dot_f64(ab, across);
-    bool flat = determinant == 0;
-    double inverse = 1 / (flat ? 1 : determinant);
-    double x = clamp_unit(dot_f64(from_a, across) * inverse);
-    double y = clamp_unit(dot_f64(dir, along) * inverse);
-    x = flat ? 1 / 3.0 : x, y = flat ? 1 / 3.0 : y;
-    double most = 1 - x;
-    *u = x, *v = y < most ? y : most;
-}
-
 /* The largest coordinate of a side; a rounding of float does not matter to what it bounds. */
 static inline float extent_of(vec3_f32 a, vec3_f32 b, vec3_f32 c) {
     return larger(largest(sub_f32(b, a)), larger(largest(sub_f32(c, a)), largest(sub_f32(c, b))));
 }
 
-static void find_points(const facet_block *f, local_block *restrict b, float (*restrict weight)[LANES]) {
+/* Step by step and in double alone: loops this short overlap in the processor, where a long one waits for its
+ * quotients and roots. */
+typedef struct facet_points {
+    double a[3][LANES], ab[3][LANES], ac[3][LANES]; /* a corner, and the sides from it */
+    double n[3][LANES], inverse[LANES];             /* across, and the inverse of its length */
+    double u[LANES], v[LANES], determinant[LANES];  /* weights of the second and third corner */
+} facet_points;
+
+static void find_sides(const facet_block *f, facet_points *restrict out) {
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) {
+            double a = (double)f->corner[0][c][i];
+            out->a[c][i] = a;
+            out->ab[c][i] = (double)f->corner[1][c][i] - a;
+            out->ac[c][i] = (double)f->corner[2][c][i] - a;
+        }
+    }
+}
+
+static void find_normals(facet_points *restrict p) {
     for (int i = 0; i < LANES; ++i) {
-        bool mine = f->facet[i] != 0;
-        vec3_f64 a = widen(lane_f32(f->corner[0], i));
-        vec3_f64 ab = sub_f64(widen(lane_f32(f->corner[1], i)), a);
-        vec3_f64 ac = sub_f64(widen(lane_f32(f->corner[2], i)), a), n = cross_f64(ab, ac);
-        double u, v, square = dot_f64(n, n), inverse = inverse_root(square > 0 ? square : 1);
-        weigh(a, ab, ac, lane_f64(b->org, i), lane_f64(b->dir, i), &u, &v);
-        float extent =
-            extent_of(lane_f32(f->corner[0], i), lane_f32(f->corner[1], i), lane_f32(f->corner[2], i));
-        put_f64(b->p, i, mine, madd_f64(madd_f64(a, u, ab), v, ac));
-        put_f64(b->n, i, mine, scale_f64(inverse, n));
-        b->beside[i] = mine ? LOCAL_FACE_BESIDE * (double)extent : b->beside[i];
+        vec3_f64 n = cross_f64(lane_f64(p->ab, i), lane_f64(p->ac, i));
+        put_f64(p->n, i, true, n);
+        p->inverse[i] = dot_f64(n, n);
+    }
+    for (int i = 0; i < LANES; ++i) p->inverse[i] = inverse_root(p->inverse[i] > 0 ? p->inverse[i] : 1);
+}
+
+/* Weights of the second and third corner (Möller and Trumbore 1997), clamped into the triangle: a tracer with
+ * other arithmetic may have found a point that falls a rounding outside. */
+static void weigh(const local_block *b, facet_points *restrict p) {
+    for (int i = 0; i < LANES; ++i) {
+        vec3_f64 ab = lane_f64(p->ab, i), ac = lane_f64(p->ac, i), dir = lane_f64(b->dir, i);
+        vec3_f64 from_a = sub_f64(lane_f64(b->org, i), lane_f64(p->a, i));
+        vec3_f64 across = cross_f64(dir, ac), along = cross_f64(from_a, ab);
+        p->determinant[i] = dot_f64(ab, across);
+        p->u[i] = dot_f64(from_a, across), p->v[i] = dot_f64(dir, along);
+    }
+    for (int i = 0; i < LANES; ++i) {
+        bool flat = p->determinant[i] == 0;
+        double inverse = 1 / (flat ? 1 : p->determinant[i]);
+        double x = clamp_unit(p->u[i] * inverse), y = clamp_unit(p->v[i] * inverse);
+        x = flat ? 1 / 3.0 : x, y = flat ? 1 / 3.0 : y;
+        double most = 1 - x;
+        p->u[i] = x, p->v[i] = y < most ? y : most;
+    }
+}
+
+static inline void set_points(const facet_points *p, bool all, const uint32_t facet[LANES],
+                              local_block *restrict b) {
+    for (int i = 0; i < LANES; ++i) {
+        bool mine = all || facet[i] != 0;
+        vec3_f64 at = madd_f64(lane_f64(p->a, i), p->u[i], lane_f64(p->ab, i));
+        put_f64(b->p, i, mine, madd_f64(at, p->v[i], lane_f64(p->ac, i)));
+        put_f64(b->n, i, mine, scale_f64(p->inverse[i], lane_f64(p->n, i)));
+    }
+}
+
+static void set_weights(const facet_points *from, float (*restrict weight)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        double u = from->u[i], v = from->v[i];
         weight[0][i] = (float)(1 - u - v), weight[1][i] = (float)u, weight[2][i] = (float)v;
+    }
+}
+
+static void set_beside(const facet_block *f, bool all, double *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        double beside =
+            LOCAL_FACE_BESIDE * (double)extent_of(lane_f32(f->corner[0], i), lane_f32(f->corner[1], i),
+                                                  lane_f32(f->corner[2], i));
+        out[i] = all || f->facet[i] ? beside : out[i];
+    }
+}
+
+static void find_points(const facet_block *f, local_block *restrict b, float (*restrict weight)[LANES]) {
+    facet_points points;
+    uint32_t others = 0;
+    for (int i = 0; i < LANES; ++i) others |= ~f->facet[i];
+    find_sides(f, &points);
+    find_normals(&points);
+    weigh(b, &points);
+    set_weights(&points, weight);
+    if (others) {
+        set_points(&points, false, f->facet, b);
+        set_beside(f, false, b->beside);
+    } else {
+        set_points(&points, true, f->facet, b);
+        set_beside(f, true, b->beside);
     }
 }
 
