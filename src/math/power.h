@@ -50,12 +50,16 @@ static inline float power_exp2(double y) {
 
 /* (1-d)^n for d in [0, 2] and n in [0, 1e9]: within 1 ulp of the true value for d < 0.29, however close to 1
  * the base is; for larger d as if 1 - d were rounded first. 0 below 2^-126 and for d >= 1, and 1 for n = 0
- * and d < 1. */
-static inline float power_one_less(float d, float n) {
+ * and d < 1. In two steps: n log2(1-d), then its power. Loops over lanes take each by itself: shorter ones
+ * overlap in the processor. */
+static inline double power_exponent(float d, float n) {
     float x = 1 - d;
-    float inside = x < 0x1p-126f ? 0x1p-126f : x;
-    float some = x < 0x1p-126f ? 0.0f : 1.0f;
-    return some * power_exp2((double)n * power_log2(inside, d));
+    return (double)n * power_log2(x < 0x1p-126f ? 0x1p-126f : x, d);
 }
+static inline float power_finish(float d, double exponent) {
+    float some = 1 - d < 0x1p-126f ? 0.0f : 1.0f;
+    return some * power_exp2(exponent);
+}
+static inline float power_one_less(float d, float n) { return power_finish(d, power_exponent(d, n)); }
 
 #endif

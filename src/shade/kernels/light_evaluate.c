@@ -16,9 +16,10 @@ static void fall_off(const shade_light *light, const light_block *out, float fal
 }
 
 /* Direction, distance, its inverse, and the cone's falloff. */
-static void arrive(const shade_light *light, light_block *out, float inverse[LANES], float falloff[LANES]) {
+static void arrive(const shade_light *light, const surface_block *s, light_block *out, float inverse[LANES],
+                   float falloff[LANES]) {
     lanes3 to;
-    reach_from(light, out->origin, to);
+    reach_from(light, s->p, to);
     reach_along(to, out->direction, out->distance, inverse);
     for (int i = 0; i < LANES; ++i) falloff[i] = 1;
     if (light->type == FATHOM_LIGHT_SPOT) fall_off(light, out, falloff);
@@ -107,7 +108,9 @@ static void highlight(const surface_block *s, const material_block *m, const lan
         float half = 0.5f * chosen(m->phong[i], phong[i], blinn[i]);
         less[i] = half < 1 ? half : 1;
     }
-    for (int i = 0; i < LANES; ++i) out[i] = power_one_less(less[i], m->shininess[i]);
+    double exponent[LANES];
+    for (int i = 0; i < LANES; ++i) exponent[i] = power_exponent(less[i], m->shininess[i]);
+    for (int i = 0; i < LANES; ++i) out[i] = power_finish(less[i], exponent[i]);
 }
 
 static bool any_lit(const light_side *side, const float falloff[LANES]) {
@@ -120,11 +123,11 @@ void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, co
                             bool specular, light_block *restrict out) {
     float inverse[LANES], falloff[LANES], rho_s[LANES] = {0};
     light_side side;
-    memcpy(out->origin, s->p, sizeof out->origin);
     if (light->type == FATHOM_LIGHT_DIRECTIONAL) {
+        memcpy(out->origin, s->p, sizeof out->origin);
         arrive_parallel(light, out, inverse, falloff);
     } else {
-        arrive(light, out, inverse, falloff);
+        arrive(light, s, out, inverse, falloff);
     }
     judge_sides(s, m, out->direction, &side);
     begin_rays(s, &side, out->origin);
