@@ -4,13 +4,12 @@
 
 /* ---- the queue ---- */
 
-/* first: the place of the block among the surfaces, in points. */
-static void push_block(shadow_queue *queue, const trace_rays *rays, const light_block *from,
-                       const surface_block *s, uint32_t first) {
+/* Rays that lie where the next block begins. first: the place of the block among the surfaces, in points. */
+static void push_block(shadow_queue *queue, const light_block *from, const surface_block *s, uint32_t first) {
     path_block *path = &queue->paths[queue->blocks];
     for (uint32_t i = 0; queue->points && i < LANES; ++i)
         queue->points[queue->blocks * LANES + i] = first + i;
-    queue->rays[queue->blocks++] = *rays;
+    ++queue->blocks;
     memcpy(path->weight, from->radiance, sizeof path->weight);
     memcpy(path->slot, s->slot, sizeof path->slot);
     memcpy(path->depth, s->depth, sizeof path->depth);
@@ -30,21 +29,22 @@ static void push_lane(shadow_queue *queue, const trace_rays *rays, const light_b
 }
 
 /* Blocks whose rays all have something to gain stay as they are: of camera rays, which have a sample each,
- * in any order; of others, whose order is that of their sums, where none waits. */
+ * in any order; of others, whose order is that of their sums, where none waits. Each block of surfaces adds
+ * one block of rays at most, and its rays are made there: one that opens meanwhile takes lanes in order, none
+ * to a place behind its own. */
 static void push_shadows(wave *w, const light_block *from, size_t block, bool first) {
     shadow_queue *queue = &w->shadows;
     const surface_block *s = &w->surfaces[block];
     const uint32_t points = (uint32_t)(block * LANES);
     const float least = w->plan->parts & FATHOM_PART_UNLIT ? -1 : 0;
-    trace_rays rays;
-    uint32_t lanes = w->plan->blocks->shadow_rays(from, least, w->plan->t_near, &rays);
+    trace_rays *rays = &queue->rays[queue->blocks];
+    uint32_t lanes = w->plan->blocks->shadow_rays(from, least, w->plan->t_near, rays);
     lanes &= (1u << s->count) - 1;
     if (lanes == (1u << LANES) - 1 && (first || !queue->filled)) {
-        push_block(queue, &rays, from, s, points);
+        push_block(queue, from, s, points);
         return;
     }
-    for (; lanes; lanes &= lanes - 1)
-        push_lane(queue, &rays, from, s, points, (uint32_t)__builtin_ctz(lanes));
+    for (; lanes; lanes &= lanes - 1) push_lane(queue, rays, from, s, points, (uint32_t)__builtin_ctz(lanes));
 }
 
 static void swap_points(uint32_t *points, size_t a, size_t b) {
