@@ -1,7 +1,8 @@
 #!/bin/sh
 # Static analysis of src/: nothing is found but what tests/analyze.txt lists, each with its reason, and everything in
 # that list is still found.
-# usage: sh tests/analyze.sh [tidy] [cppcheck] [analyzer]     (default: all three)
+# usage: sh tests/analyze.sh [clang] [tidy] [cppcheck] [analyzer]     (default: all four)
+#   clang     clang's own warnings, of all files, those of the tests too; nothing is compiled to code
 #   tidy      clang-tidy 14, as .clang-tidy says
 #   cppcheck  cppcheck 2.10: errors, warnings, performance, portability
 #   analyzer  gcc 12's -fanalyzer, which knows C alone
@@ -12,24 +13,44 @@ cd "$(dirname "$0")/.."
 source=$(pwd)
 build=${FATHOM_BUILD:-$source/build}/analyze
 jobs=${JOBS:-$(nproc)}
-[ $# -gt 0 ] || set -- tidy cppcheck analyzer
+[ $# -gt 0 ] || set -- clang tidy cppcheck analyzer
 
-mkdir -p "$build"
-cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DFATHOM_TESTS=OFF >"$build/configure.log" 2>&1 ||
-    { cat "$build/configure.log" >&2; echo "fathom analysis: configuring failed" >&2; exit 1; }
+configure() { # folder, further options of cmake…
+    folder=$1
+    shift
+    mkdir -p "$folder"
+    cmake -S "$source" -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release "$@" >"$folder/configure.log" 2>&1 ||
+        { cat "$folder/configure.log" >&2; echo "fathom analysis: configuring failed" >&2; exit 1; }
+}
+
+# The compiler's commands, one a line.
+commands() { # folder
+    sed -n 's/^  "command": "\(.*\)",$/\1/p' "$1/compile_commands.json" | sed 's/\\\([\\"]\)/\1/g'
+}
+
+configure "$build" -DFATHOM_TESTS=OFF
 findings=$build/findings
 : >"$findings"
 
-# The commands of src/, one a line and each file once: kernels are compiled several times over.
-sed -n 's/^  "command": "\(.*\)",$/\1/p' "$build/compile_commands.json" | sed 's/\\\([\\"]\)/\1/g' |
+# Those of src/, each file once: kernels are compiled several times over.
+commands "$build" |
     awk -v folder="$source/src/" 'index($NF, folder) == 1 && !seen[$NF]++' >"$build/commands"
 awk '{ print $NF }' "$build/commands" >"$build/files"
 
 # Lines such as "src/a.c:12:3: warning: text [check]", in whatever folder, to tool|file|line|check|text.
 keep() { # tool
-    sed -n -E -e "s#^$build/modules/[a-z0-9_]+/#src/#" -e "s#^$source/##" \
+    sed -n -E -e "s#^$build/(clang/)?modules/[a-z0-9_]+/#src/#" -e "s#^$source/##" \
         -e "s#^([^ :]+):([0-9]+):([0-9]+:)? (warning|error|performance|portability|style): (.*) \[([^][]*)\]\$#$1|\1|\2|\6|\5#p" |
         sed -E "s#^([^|]*\|[^|]*\|[^|]*\|)([^|,]*)(,[^|]*)?\|#\1\2|#" | sort -u >>"$findings"
+}
+
+clang_warnings() {
+    command -v clang >/dev/null || { echo "no clang: passed by"; return 1; }
+    configure "$build/clang" -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++
+    commands "$build/clang" | sed -E 's# -o [^ ]+ -c # -fsyntax-only -fno-caret-diagnostics #' | (
+        cd "$build/clang"
+        tr '\n' '\0' | xargs -0 -P "$jobs" -n 1 sh -c 'eval "LC_ALL=C $0" 2>&1 || echo "${0##* }:1: error: does not compile [clang]"'
+    ) | sed -E 's#\[-W([^][]*)\]$#[\1]#' | keep clang
 }
 
 tidy() {
@@ -59,11 +80,12 @@ ran=""
 for tool; do
     began=$(date +%s)
     case $tool in
+    clang) clang_warnings && ran="$ran clang" ;;
     tidy) tidy && ran="$ran tidy" ;;
     cppcheck) cppcheck_all && ran="$ran cppcheck" ;;
     analyzer) analyzer && ran="$ran analyzer" ;;
     *)
-        echo "usage: sh tests/analyze.sh [tidy] [cppcheck] [analyzer]" >&2
+        echo "usage: sh tests/analyze.sh [clang] [tidy] [cppcheck] [analyzer]" >&2
         exit 2
         ;;
     esac

@@ -30,7 +30,7 @@ flags=""
 mkdir -p "$build"
 echo "== fuzz: building in $build"
 {
-    cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_FUZZ=ON \
+    cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_FUZZ=ON -DFATHOM_WERROR=ON \
         -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_C_FLAGS="$flags" &&
         cmake --build "$build" --target fuzz -j "$jobs"
 } >"$build/build.log" 2>&1 ||

@@ -5,7 +5,7 @@
 #   sanitize  AddressSanitizer and UndefinedBehaviorSanitizer, the same suite
 #   thread    ThreadSanitizer, the tests of threads
 #   fuzz      every reader with libFuzzer for ten seconds, from the corpus on: tests/fuzz.sh
-#   analyze   clang-tidy, cppcheck and gcc's -fanalyzer over src/: tests/analyze.sh
+#   analyze   clang's warnings, clang-tidy, cppcheck and gcc's -fanalyzer: tests/analyze.sh
 #   thread-all   ThreadSanitizer, every test: an hour and more
 # Builds go to build/test-NAME, or $FATHOM_BUILD/test-NAME.
 set -eu
@@ -20,7 +20,7 @@ build() { # name, further options of cmake…
     name=$1
     shift
     echo "== $name: building in $builds/test-$name"
-    cmake -S "$source" -B "$builds/test-$name" -G Ninja "$@" >"$builds/test-$name.log" 2>&1 ||
+    cmake -S "$source" -B "$builds/test-$name" -G Ninja -DFATHOM_WERROR=ON "$@" >"$builds/test-$name.log" 2>&1 ||
         { cat "$builds/test-$name.log" >&2; echo "fathom tests: configuring failed" >&2; exit 1; }
     cmake --build "$builds/test-$name" -j "$jobs" >"$builds/test-$name.log" 2>&1 ||
         { grep -A 12 -E 'error|FAILED' "$builds/test-$name.log" >&2; echo "fathom tests: the build failed" >&2; exit 1; }

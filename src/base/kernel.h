@@ -31,6 +31,13 @@
 #define KERNEL_DECLARE(type, table) extern const type table##_plain
 #endif
 
+/* For __attribute__((target(…))) of one function. clang ignores an attribute that names a preferred width. */
+#if defined(__clang__)
+#define KERNEL_TARGET_AVX512 "avx512f,avx512vl,avx512dq,avx512bw"
+#else
+#define KERNEL_TARGET_AVX512 "avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512"
+#endif
+
 /* How many of them may run here, at least 1. */
 static inline unsigned kernel_levels(void) {
     return isa_usable(ISA_AVX512) ? 3 : (isa_usable(ISA_AVX2) ? 2 : 1);

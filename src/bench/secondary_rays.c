@@ -162,7 +162,8 @@ static box box_of(const record *r, const record_call *call) {
 }
 
 static uint64_t key_of(const trace_rays *rays, size_t k, const box *b) {
-    uint64_t octant = (rays->dir_x[k] < 0) | (rays->dir_y[k] < 0) << 1 | (rays->dir_z[k] < 0) << 2;
+    const unsigned x = rays->dir_x[k] < 0, y = rays->dir_y[k] < 0, z = rays->dir_z[k] < 0;
+    uint64_t octant = x | y << 1 | z << 2;
     uint32_t morton = 0;
     for (int c = 0; c < 3; ++c) {
         float size = b->high[c] - b->low[c], at = coordinate(rays, k, c) - b->low[c];

@@ -63,7 +63,7 @@ static fathom_status dispatch(int argc, char **argv) {
 /* All files are closed by now, and the system takes back all memory at once. Sanitizers and coverage report
  * in exit(). */
 static _Noreturn void leave(fathom_status status) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(FATHOM_COVERAGE)
+#if defined(FATHOM_SANITIZED) || defined(FATHOM_COVERAGE)
     exit((int)status);
 #else
     fflush(NULL);

@@ -259,7 +259,7 @@ bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_r
                     const oracle_primitive *p, double t) {
     if (in_float(tracer) && fabs(t) > (double)FLT_MAX) return true;
     if (tracer->textbook && tracer->unit >= 0x1p-53 && textbook_beyond(tracer, ray, p, t)) return true;
-    if (!tracer->largest) return false;
+    if (!(tracer->largest > 0)) return false;
     return largest_corner(p) > tracer->largest || origin_beyond(w, ray->org, tracer->largest);
 }
 

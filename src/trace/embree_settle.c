@@ -29,6 +29,7 @@
  * a million. Two of those 78 pass the rim of what only the reference meets, and meet something farther. What
  * Embree rejects no filter sees, so no vote finds it. Kernels with and without fused products differ among
  * themselves as much. */
+#include "base/kernel.h"
 #include "trace/embree_vote.h"
 
 #include <math.h>
@@ -104,7 +105,7 @@ filter_packet(const struct RTCFilterFunctionNArguments *args, unsigned n) {
 #define INSTRUCTIONS(isa)
 #endif
 
-INSTRUCTIONS("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")
+INSTRUCTIONS(KERNEL_TARGET_AVX512)
 static void filter_16(const struct RTCFilterFunctionNArguments *args) { filter_packet(args, 16); }
 
 INSTRUCTIONS("avx") static void filter_8(const struct RTCFilterFunctionNArguments *args) {

@@ -9,7 +9,7 @@ static fathom_context *context;
 
 static int set_up(void **state) {
     (void)state;
-    return fathom_context_create(&context);
+    return (int)fathom_context_create(&context);
 }
 
 static int tear_down(void **state) {
