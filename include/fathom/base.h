@@ -99,6 +99,9 @@ FATHOM_API void fathom_guard_files(void);
 
 /* "0.1.0" */
 FATHOM_API const char *fathom_version(void);
+/* The commit that it was configured from, with a "+" where files had been changed; "" when that is not known.
+ */
+FATHOM_API const char *fathom_commit(void);
 
 #ifdef __cplusplus
 }

@@ -69,12 +69,6 @@ bool context_is_output(const fathom_context *context, const struct stat *file) {
     return false;
 }
 
-const char *fathom_version(void) {
-#define TEXT(x) #x
-#define DOTTED(a, b, c) TEXT(a) "." TEXT(b) "." TEXT(c)
-    return DOTTED(FATHOM_VERSION_MAJOR, FATHOM_VERSION_MINOR, FATHOM_VERSION_PATCH);
-}
-
 /* Messages quote files, and are shown on terminals: no byte of a file may steer one, or pass for a line of
  * its own. */
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...) {

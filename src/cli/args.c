@@ -134,7 +134,15 @@ static bool parse_operand(parser *p, const char *text) {
     return true;
 }
 
+bool args_ask_help(int argc, char **argv) {
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) return true;
+    }
+    return false;
+}
+
 args_result args_parse(const args_spec *spec, int argc, char **argv, void *settings, args_problem *problem) {
+    if (args_ask_help(argc, argv)) return ARGS_HELP;
     parser p = {spec, argc, 1, argv, settings, 0, problem};
     bool options_end = false;
     for (; p.at < argc; ++p.at) {
@@ -144,8 +152,6 @@ args_result args_parse(const args_spec *spec, int argc, char **argv, void *setti
             fine = parse_operand(&p, text);
         } else if (strcmp(text, "--") == 0) {
             fine = options_end = true;
-        } else if (strcmp(text, "--help") == 0 || strcmp(text, "-h") == 0) {
-            return ARGS_HELP;
         } else {
             fine = text[1] == '-' ? parse_long(&p, text) : parse_short(&p, text);
         }

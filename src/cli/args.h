@@ -10,6 +10,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define ARGS_LIST_MAX 16
 
 /* Values of an option that may be given several times. */
@@ -60,8 +64,12 @@ typedef struct args_spec {
 typedef enum args_result { ARGS_READY, ARGS_HELP, ARGS_WRONG } args_result;
 
 /* argv[0] is the command's own name and is passed over. Takes --name value, --name=value, -n value, -nvalue,
- * "--" before operands that begin with a dash, and --help or -h. The strings stay argv's. */
+ * and "--" before operands that begin with a dash. --help or -h anywhere before "--" is ARGS_HELP, whatever
+ * else is wrong. The strings stay argv's. */
 args_result args_parse(const args_spec *spec, int argc, char **argv, void *settings, args_problem *problem);
+
+/* --help or -h is among the arguments, before "--". */
+bool args_ask_help(int argc, char **argv);
 
 /* The entry that `wanted` was probably meant to be, at most a third of its letters away; NULL: none. */
 const char *args_nearest(const char *wanted, const char *const *names, size_t count);
@@ -95,5 +103,9 @@ bool take_choice(const args_option *option, const char *value, void *field, args
 bool args_read_u64(const char **text, char end, uint64_t *out);
 /* A finite decimal number, whatever the locale. */
 bool args_read_f64(const char **text, char end, double *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

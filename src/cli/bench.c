@@ -20,12 +20,12 @@ const command *bench_find(const char *name) {
 
 static fathom_status run(int argc, char **argv) {
     if (argc < 2) return say_usage(&command_bench, "bench: expected what to measure");
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+    const command *found = bench_find(argv[1]);
+    if (found) return found->run(argc - 1, argv + 1);
+    if (args_ask_help(argc, argv)) {
         help_command(&command_bench, stdout);
         return FATHOM_OK;
     }
-    const command *found = bench_find(argv[1]);
-    if (found) return found->run(argc - 1, argv + 1);
     char text[128];
     snprintf(text, sizeof text, "bench: there is nothing called \"%.60s\" to measure", argv[1]);
     return say_usage(&command_bench, text);

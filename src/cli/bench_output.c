@@ -44,7 +44,7 @@ static json_t *pack_machine(void) {
 json_t *bench_head(const char *what) {
     char date[16];
     machine_date(date);
-    const char *commit = machine_commit();
+    const char *commit = fathom_commit();
     return json_pack("{s:s, s:s, s:o, s:s, s:o}", "bench", what, "fathom", fathom_version(), "commit",
                      *commit ? json_string(commit) : json_null(), "date", date, "machine", pack_machine());
 }

@@ -1,7 +1,7 @@
 #include "cli/command.h"
 
 #include "base/text.h"
-#include "cli/progress.h"
+#include "cli/log.h"
 #include "cli/warnings.h"
 #include "json/memory.h"
 
@@ -32,16 +32,12 @@ void print_name(FILE *out, const char *name) {
     fputs(room, out);
 }
 
-void say_error(const char *text) {
-    progress_clear_line();
-    fputs("fathom: ", stderr);
-    print_name(stderr, text);
-    putc('\n', stderr);
-}
+void say_error(const char *text) { log_line(LOG_ERROR, text); }
 
 fathom_status say_usage(const command *c, const char *text) {
-    progress_clear_line();
-    fprintf(stderr, "fathom: %s; see fathom help%s%s\n", text, c ? " " : "", c ? c->name : "");
+    char line[LOG_LENGTH];
+    snprintf(line, sizeof line, "%s; see fathom help%s%s", text, c ? " " : "", c ? c->name : "");
+    log_line(LOG_ERROR, line);
     return FATHOM_BAD_USAGE;
 }
 

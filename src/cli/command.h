@@ -32,7 +32,7 @@ void help_command(const command *c, FILE *out);
 /* A name that a file or its writer may have chosen, without what could steer a terminal. */
 void print_name(FILE *out, const char *name);
 
-/* "fathom: " + text on stderr, one line. */
+/* One line on stderr; others than errors by log_line(). */
 void say_error(const char *text);
 /* The same for wrong usage: adds where help is, and returns FATHOM_BAD_USAGE. c: NULL when no command was
  * found. */

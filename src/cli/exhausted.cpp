@@ -2,12 +2,13 @@
 
 extern "C" {
 #include "base/file.h"
-#include "cli/progress.h"
+#include "cli/log.h"
 }
 
 #include <fathom/base.h>
 
 #include <atomic>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -22,15 +23,9 @@ extern "C" {
 static std::atomic<void *> reserve;
 static std::atomic<bool> was_refused;
 
-static void say(const char *text) {
-    ssize_t ignored = write(STDERR_FILENO, text, std::strlen(text));
-    static_cast<void>(ignored);
-}
-
 /* Asks for no memory. */
-[[noreturn]] static void leave(fathom_status status, const char *text, const char *more) {
-    say(progress_clear_text());
-    say(text), say(more), say("\n");
+[[noreturn]] static void leave(fathom_status status, const char *text) {
+    log_line(LOG_ERROR, text);
     file_writer_abort_all();
     _exit(status);
 }
@@ -38,7 +33,7 @@ static void say(const char *text) {
 static void on_refusal() {
     was_refused = true;
     void *spare = reserve.exchange(nullptr);
-    if (!spare) leave(FATHOM_OUT_OF_RESOURCES, "fathom: out of memory", "");
+    if (!spare) leave(FATHOM_OUT_OF_RESOURCES, "out of memory");
     munmap(spare, RESERVE);
 }
 
@@ -56,12 +51,14 @@ static void on_terminate() {
         try {
             throw;
         } catch (const std::exception &e) {
-            if (!is_lack(e)) leave(FATHOM_INTERNAL, "fathom: internal error: a library failed: ", e.what());
+            char text[512];
+            std::snprintf(text, sizeof text, "internal error: a library failed: %s", e.what());
+            if (!is_lack(e)) leave(FATHOM_INTERNAL, text);
         } catch (...) {
-            leave(FATHOM_INTERNAL, "fathom: internal error: a library failed", "");
+            leave(FATHOM_INTERNAL, "internal error: a library failed");
         }
     }
-    leave(FATHOM_OUT_OF_RESOURCES, "fathom: out of memory or threads", "");
+    leave(FATHOM_OUT_OF_RESOURCES, "out of memory or threads");
 }
 
 void exhausted_watch() {

@@ -10,7 +10,7 @@ void help_overview(FILE *out) {
     for (size_t i = 0; i < command_count; ++i) {
         fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
     }
-    fputs("\nfathom help COMMAND tells more; fathom --version says which Fathom this is.\n"
+    fputs("\nfathom COMMAND --help tells more, and fathom --version -v which Fathom this is.\n"
           "The first image:  fathom render model.glb -o image.png\n",
           out);
 }
@@ -55,14 +55,30 @@ static void put_option(FILE *out, const args_option *option) {
     put_wrapped(out, option->help, at, HELP_COLUMN);
 }
 
+static const args_option common[] = {
+    {.help = "Every command"},
+    {"log", 0, "text|json", NULL, 0, 0, 0,
+     "progress, warnings and errors on stderr as lines, or as one JSON object a line (text)"},
+    {"help", 'h', NULL, NULL, 0, 0, 0, "this text"},
+    {.help = NULL},
+};
+
 void help_command(const command *c, FILE *out) {
     fprintf(out, "%s\n\nUsage: fathom %s%s%s\n", c->summary, c->name, *c->usage ? " " : "", c->usage);
     if (c->text) fprintf(out, "\n%s", c->text);
     for (const args_option *o = c->args.options; o && o->help; ++o) put_option(out, o);
+    for (const args_option *o = common; o->help; ++o) put_option(out, o);
     if (c->examples) fprintf(out, "\nExamples:\n%s", c->examples);
 }
 
+/* "help render --help" asks for nothing else than "help render". */
+static int without_help(int argc, char **argv) {
+    while (argc > 2 && (strcmp(argv[argc - 1], "--help") == 0 || strcmp(argv[argc - 1], "-h") == 0)) --argc;
+    return argc;
+}
+
 static fathom_status run(int argc, char **argv) {
+    argc = without_help(argc, argv);
     const command *bench = argc == 3 && strcmp(argv[1], "bench") == 0 ? bench_find(argv[2]) : NULL;
     if (bench) {
         help_command(bench, stdout);

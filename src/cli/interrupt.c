@@ -1,7 +1,7 @@
 #include "cli/interrupt.h"
 
 #include "base/file.h"
-#include "cli/progress.h"
+#include "cli/log.h"
 
 #include <fathom/base.h>
 #include <signal.h>
@@ -39,11 +39,7 @@ static void on_signal(int number) {
     clock_gettime(CLOCK_MONOTONIC, &first);
     asked = 1;
     if (keep_work) return;
-    static const char text[] = "fathom: interrupted; nothing was written\n";
-    const char *clear = progress_clear_text();
-    ssize_t ignored = write(STDERR_FILENO, clear, strlen(clear));
-    ignored = write(STDERR_FILENO, text, sizeof text - 1);
-    (void)ignored;
+    log_line(LOG_ERROR, "interrupted; nothing was written");
     file_writer_abort_all();
     _exit(FATHOM_INTERRUPTED);
 }

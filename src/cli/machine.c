@@ -38,7 +38,6 @@ const char *machine_compiler(void) {
 }
 
 const char *machine_flags(void) { return FATHOM_FLAGS; }
-const char *machine_commit(void) { return FATHOM_COMMIT; }
 
 void machine_date(char out[16]) {
     time_t now = time(NULL);

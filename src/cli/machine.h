@@ -13,8 +13,6 @@ const char *machine_kernels(void);
 const char *machine_compiler(void);
 /* How the program was compiled: "Release -O3 -DNDEBUG". */
 const char *machine_flags(void);
-/* The commit it was configured from, with a "+" where files had been changed; "" when that is not known. */
-const char *machine_commit(void);
 /* Today, as 2026-11-21 in universal time. */
 void machine_date(char out[16]);
 

@@ -1,5 +1,7 @@
 #include "cli/command.h"
 #include "cli/exhausted.h"
+#include "cli/log.h"
+#include "cli/version.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -31,26 +33,34 @@ static fathom_status finish(fathom_status status) {
     errno = 0;
     failed |= fflush(stdout) != 0;
     if (!failed) return status;
-    fprintf(stderr, "fathom: standard output cannot be written%s%s\n", errno ? ": " : "",
-            errno ? strerror(errno) : "");
+    char text[256];
+    snprintf(text, sizeof text, "standard output cannot be written%s%s", errno ? ": " : "",
+             errno ? strerror(errno) : "");
+    say_error(text);
     return status == FATHOM_OK ? FATHOM_OUT_OF_RESOURCES : status;
 }
 
+static bool is_either(const char *text, const char *name, const char *letter) {
+    return strcmp(text, name) == 0 || strcmp(text, letter) == 0;
+}
+
 static fathom_status dispatch(int argc, char **argv) {
+    args_problem problem;
+    if (!log_take_option(&argc, argv, &problem)) return say_usage(NULL, problem.text);
+    if (argc < 2 && log_is_json()) return say_usage(NULL, "expected a command");
     if (argc < 2) {
         help_overview(stderr);
         return FATHOM_BAD_USAGE;
     }
     const char *name = argv[1];
-    if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) {
-        printf("fathom %s\n", fathom_version());
+    if (is_either(name, "--version", "-V")) {
+        version_print(argc > 2 && is_either(argv[2], "--verbose", "-v"));
         return FATHOM_OK;
     }
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+    if (is_either(name, "--help", "-h")) {
         help_overview(stdout);
         return FATHOM_OK;
     }
-    args_problem problem;
     if (name[0] == '-') {
         args_wrong(&problem, "expected a command before \"%.60s\"", name);
         return say_usage(NULL, problem.text);

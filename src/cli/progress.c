@@ -1,12 +1,14 @@
 #include "cli/progress.h"
 
+#include "cli/log.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-typedef enum display { DISPLAY_NONE, DISPLAY_LINES, DISPLAY_BAR } display;
+typedef enum display { DISPLAY_NONE, DISPLAY_LINES, DISPLAY_BAR, DISPLAY_JSON } display;
 
 /* One process, one stderr. */
 static struct {
@@ -14,18 +16,35 @@ static struct {
     bool drawn;      /* a bar stands on the terminal's line */
     unsigned tenths; /* last one printed of this phase */
     fathom_phase phase;
+    double seconds;   /* of the last JSON line of this phase; < 0: none yet */
     const char *work; /* the name of the phase of rendering; NULL: "render" */
 } state;
 
 /* Lines are for runs that someone waits for. */
 #define LINES_AFTER_SECONDS 1.0
+/* Programs get the beginning of each phase, and then a line as often. */
+#define JSON_EVERY_SECONDS 1.0
+/* What is over sooner needs no estimate. */
+#define ESTIMATE_FROM_SECONDS 10.0
 
-void progress_begin(bool quiet) {
+static display choose_display(bool quiet) {
     const char *terminal = getenv("TERM");
     bool dumb = !terminal || strcmp(terminal, "dumb") == 0;
-    state.display = quiet ? DISPLAY_NONE : isatty(STDERR_FILENO) && !dumb ? DISPLAY_BAR : DISPLAY_LINES;
-    state.drawn = false;
+    if (quiet) return DISPLAY_NONE;
+    if (log_is_json()) return DISPLAY_JSON;
+    return isatty(STDERR_FILENO) && !dumb ? DISPLAY_BAR : DISPLAY_LINES;
+}
+
+static void begin_phase(fathom_phase phase) {
+    state.phase = phase;
     state.tenths = 0;
+    state.seconds = -1;
+}
+
+void progress_begin(bool quiet) {
+    state.display = choose_display(quiet);
+    state.drawn = false;
+    begin_phase(FATHOM_PHASE_READ);
 }
 
 void progress_call(const char *name) { state.work = name; }
@@ -59,22 +78,36 @@ static double clamp_fraction(double fraction) { return fraction > 0 ? fraction <
 /* Rounded down: 100 means done. */
 static unsigned percent(const fathom_progress *p) { return (unsigned)(100 * clamp_fraction(p->fraction)); }
 
+static double rays_per_second(const fathom_progress *p) {
+    return p->seconds > 0 ? (double)p->rays / p->seconds : 0;
+}
+
+/* By what was done so far; < 0: not known yet. */
+static double seconds_left(const fathom_progress *p) {
+    double fraction = clamp_fraction(p->fraction);
+    return fraction > 0 && p->seconds > 0.2 ? p->seconds * (1 - fraction) / fraction : -1;
+}
+
+/* "0:12", "1:00:12" */
+static void put_clock(double seconds, char *out, size_t size) {
+    unsigned whole = seconds < 359998 ? (unsigned)(seconds + 0.5) : 359999;
+    if (whole < 3600)
+        snprintf(out, size, "%u:%02u", whole / 60, whole % 60);
+    else
+        snprintf(out, size, "%u:%02u:%02u", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
 /* ", 45.2 Mrays/s, 0:12 left": each part only when it is known. */
 static void put_rate(const fathom_progress *p, char *out, size_t size) {
-    double fraction = clamp_fraction(p->fraction);
-    char rate[32] = "", left[32] = "";
+    char rate[32] = "", clock[16], left[32] = "";
     if (p->rays && p->seconds > 0) {
-        double rays = (double)p->rays / p->seconds;
+        double rays = rays_per_second(p);
         bool many = rays >= 1e5; /* 0.1 M */
         snprintf(rate, sizeof rate, ", %.1f %crays/s", rays * (many ? 1e-6 : 1e-3), many ? 'M' : 'k');
     }
-    if (fraction > 0 && p->seconds > 0.2) {
-        double seconds = p->seconds * (1 - fraction) / fraction + 0.5;
-        unsigned whole = seconds < 359999 ? (unsigned)seconds : 359999;
-        if (whole < 3600)
-            snprintf(left, sizeof left, ", %u:%02u left", whole / 60, whole % 60);
-        else
-            snprintf(left, sizeof left, ", %u:%02u:%02u left", whole / 3600, whole / 60 % 60, whole % 60);
+    if (seconds_left(p) >= 0) {
+        put_clock(seconds_left(p), clock, sizeof clock);
+        snprintf(left, sizeof left, ", %s left", clock);
     }
     snprintf(out, size, "%s%s", rate, left);
 }
@@ -110,8 +143,20 @@ static void print_line(const fathom_progress *p) {
     if (p->seconds < LINES_AFTER_SECONDS || tenths <= state.tenths) return;
     char text[128];
     progress_line(p, text, sizeof text);
-    fprintf(stderr, "fathom: %s\n", text);
+    log_line(LOG_INFO, text);
     state.tenths = tenths;
+}
+
+static void print_json(const fathom_progress *p) {
+    if (state.seconds >= 0 && p->seconds < state.seconds + JSON_EVERY_SECONDS) return;
+    char text[128], members[256], left[48] = "";
+    progress_line(p, text, sizeof text);
+    if (seconds_left(p) >= 0) snprintf(left, sizeof left, ", \"secondsLeft\": %.3g", seconds_left(p));
+    snprintf(members, sizeof members,
+             "\"phase\": \"%s\", \"fraction\": %.4f, \"seconds\": %.3f, \"raysPerSecond\": %.4g%s",
+             phase_name(p->phase), clamp_fraction(p->fraction), p->seconds, rays_per_second(p), left);
+    log_line_with(LOG_INFO, text, members);
+    state.seconds = p->seconds;
 }
 
 static void draw_bar(const fathom_progress *p) {
@@ -123,22 +168,31 @@ static void draw_bar(const fathom_progress *p) {
 }
 
 void progress_update(const fathom_progress *p) {
-    if (p->phase != state.phase) state.tenths = 0;
-    state.phase = p->phase;
+    if (p->phase != state.phase) begin_phase(p->phase);
     switch (state.display) {
     case DISPLAY_NONE: break;
     case DISPLAY_LINES: print_line(p); break;
     case DISPLAY_BAR: draw_bar(p); break;
+    case DISPLAY_JSON: print_json(p); break;
     }
 }
 
 void progress_phase(fathom_phase phase) {
-    state.phase = phase;
-    state.tenths = 0;
+    begin_phase(phase);
+    if (state.display == DISPLAY_JSON) print_json(&(fathom_progress){.phase = phase});
     if (state.display != DISPLAY_BAR) return;
     char text[64];
     snprintf(text, sizeof text, "%s ...", phase_name(phase));
     fprintf(stderr, "\r%.*s\033[K", (int)(columns() - 1), text);
     fflush(stderr);
     state.drawn = true;
+}
+
+void progress_estimate(double seconds) {
+    if (state.display == DISPLAY_NONE || seconds < ESTIMATE_FROM_SECONDS) return;
+    char clock[16], text[64], members[64];
+    put_clock(seconds, clock, sizeof clock);
+    snprintf(text, sizeof text, "takes about %s", clock);
+    snprintf(members, sizeof members, "\"estimatedSeconds\": %.4g", seconds);
+    log_line_with(LOG_INFO, text, members);
 }

@@ -1,8 +1,12 @@
-/* How far it is, on stderr: a bar redrawn in place on a terminal, else plain lines of percent. */
+/* How far it is, on stderr: a bar redrawn in place on a terminal, else plain lines of percent, or JSON. */
 #ifndef CLI_PROGRESS_H
 #define CLI_PROGRESS_H
 
 #include <fathom/render.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* quiet: nothing is ever shown. */
 void progress_begin(bool quiet);
@@ -12,6 +16,9 @@ void progress_call(const char *name);
 /* A phase that reports nothing while it lasts: shown by its name on a terminal. */
 void progress_phase(fathom_phase phase);
 void progress_update(const fathom_progress *progress);
+/* "takes about 12:30", for work of which a part shows how long all of it takes; nothing where that is short.
+ */
+void progress_estimate(double seconds);
 
 /* Takes the bar away, so that a line can be printed in its place; the next update draws it again. */
 void progress_clear_line(void);
@@ -22,5 +29,9 @@ const char *progress_clear_text(void);
 void progress_bar(const fathom_progress *progress, unsigned columns, char *out, size_t size);
 /* The same facts as one line: "render 30 %, 45.2 Mrays/s, 0:12 left". */
 void progress_line(const fathom_progress *progress, char *out, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

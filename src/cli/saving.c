@@ -2,6 +2,7 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/log.h"
 #include "render/checkpoint/checkpoint.h"
 
 #include <errno.h>
@@ -28,7 +29,7 @@ static void saved(void *user, fathom_status status, const char *message, double 
     }
     if (status == FATHOM_OK && s->asked) {
         snprintf(text, sizeof text, "%s: saved at %u %%", s->request.path, (unsigned)(100 * fraction));
-        say_error(text);
+        log_line(LOG_INFO, text);
     }
     s->asked = false;
     s->failed = status != FATHOM_OK;
@@ -87,9 +88,8 @@ fathom_status saving_end(const saving *s, bool interrupted, fathom_status status
         return FATHOM_OUT_OF_RESOURCES;
     }
     if (!interrupted && unlink(path) != 0 && errno != ENOENT) {
-        snprintf(text, sizeof text, "warning: %s: is of no more use and cannot be removed: %s", path,
-                 strerror(errno));
-        say_error(text);
+        snprintf(text, sizeof text, "%s: is of no more use and cannot be removed: %s", path, strerror(errno));
+        log_line(LOG_WARNING, text);
     }
     return status;
 }

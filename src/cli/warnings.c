@@ -1,9 +1,8 @@
 #include "cli/warnings.h"
 
 #include "cli/json_text.h"
-#include "cli/progress.h"
+#include "cli/log.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,8 +13,7 @@ void warnings_keep(void *user, const char *message) {
 }
 
 void warnings_say(void *user, const char *message) {
-    progress_clear_line();
-    fprintf(stderr, "fathom: warning: %s\n", message);
+    log_line(LOG_WARNING, message);
     if (user) warnings_keep(user, message);
 }
 

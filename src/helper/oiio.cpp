@@ -1,6 +1,7 @@
 /* Image files through OpenImageIO, and the table that the loader looks up. */
 #include "helper/guard.h"
 
+#include <OpenColorIO/OpenColorABI.h>
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
@@ -374,8 +375,8 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
 
 static void image_file_release(const image *img) noexcept { delete static_cast<const file_image *>(img); }
 
-extern "C" __attribute__((visibility("default")))
-const image_module fathom_image_module = {IMAGE_MODULE_VERSION, {writer_open, writer_rows, writer_close},
-                                          image_file_read,      image_file_release,
-                                          image_view_open,      image_view_apply,
-                                          image_view_close};
+extern "C" __attribute__((visibility("default"))) const image_module fathom_image_module = {
+    IMAGE_MODULE_VERSION, {writer_open, writer_rows, writer_close},
+    image_file_read,      image_file_release,
+    image_view_open,      image_view_apply,
+    image_view_close,     "OpenImageIO " OIIO_VERSION_STRING ", OpenColorIO " OCIO_VERSION_FULL_STR};

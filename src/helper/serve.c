@@ -73,7 +73,10 @@ static void load(wire_reply *reply) {
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     const char *error = library ? NULL : dlerror();
     module = library ? dlsym(library, IMAGE_MODULE_SYMBOL) : NULL;
-    if (module && module->version == IMAGE_MODULE_VERSION) return;
+    if (module && module->version == IMAGE_MODULE_VERSION) {
+        say(reply, FATHOM_OK, module->libraries ? module->libraries : "");
+        return;
+    }
     if (!library)
         say(reply, FATHOM_OUT_OF_RESOURCES, error ? error : "cannot be loaded");
     else

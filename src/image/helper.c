@@ -32,6 +32,7 @@ static struct {
     int socket;
     wire_memory memory;
     uint64_t process; /* counts the helpers, from 1 */
+    char libraries[1024]; /* as it said when it was ready */
     char why[1024];   /* the last start failed */
 } helper = {.lock = PTHREAD_MUTEX_INITIALIZER, .socket = -1, .memory = {.descriptor = -1}};
 
@@ -201,8 +202,10 @@ static void come_up(bool wait) {
         say(helper.why, "the image helper is of another build");
     else if (hello.status != FATHOM_OK)
         say(helper.why, "%s", hello.text);
-    else
+    else {
+        say(helper.libraries, "%s", hello.text);
         helper.state = HELPER_READY;
+    }
     if (helper.state == HELPER_FAILED) end();
 }
 
@@ -277,6 +280,15 @@ fathom_status helper_ask(helper_exchange *e) {
                      : fail_text(e, "out of memory");
     }
     e->process = helper.process;
+    pthread_mutex_unlock(&helper.lock);
+    return status;
+}
+
+fathom_status helper_libraries(char text[1024]) {
+    helper_exchange none = {.descriptor = -1};
+    pthread_mutex_lock(&helper.lock);
+    fathom_status status = be_ready(&none);
+    say(text, "%s", status == FATHOM_OK ? helper.libraries : none.reply.text);
     pthread_mutex_unlock(&helper.lock);
     return status;
 }

@@ -32,6 +32,8 @@ fathom_status helper_ask(helper_exchange *e);
 void helper_prefetch(void);
 /* Why the last start failed, in `text`; FATHOM_OK while it is under way. Does not wait. */
 fathom_status helper_look(char text[1024]);
+/* What it works with, in `text`, or why it cannot be started; waits for its start. */
+fathom_status helper_libraries(char text[1024]);
 /* Whether the program is there; else why not. */
 bool helper_find(char text[1024]);
 

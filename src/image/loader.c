@@ -219,7 +219,8 @@ const image_module image_calls = {IMAGE_MODULE_VERSION,
                                   release_image,
                                   open_view,
                                   apply_view,
-                                  close_view};
+                                  close_view,
+                                  NULL};
 
 /* ---- its life ---- */
 
@@ -229,6 +230,14 @@ fathom_status image_prefetch_status(fathom_context *context) {
     char text[1024];
     fathom_status status = helper_look(text);
     return status == FATHOM_OK ? status : fail(context, status, "image helper: %s", text);
+}
+
+fathom_status image_libraries(fathom_context *context, char out[256]) {
+    char text[1024];
+    fathom_status status = helper_libraries(text);
+    if (status != FATHOM_OK) return fail(context, status, "image helper: %s", text);
+    snprintf(out, 256, "%.255s", text);
+    return status;
 }
 
 fathom_status loader_find(fathom_context *context) {

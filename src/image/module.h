@@ -72,6 +72,8 @@ typedef struct image_module {
     fathom_status (*view_apply)(const image_view *view, unsigned threads, float *rgba, size_t count,
                                 image_message *message);
     void (*view_close)(image_view *view);
+
+    const char *libraries; /* "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2" */
 } image_module;
 
 #ifdef __cplusplus

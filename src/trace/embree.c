@@ -153,13 +153,22 @@ static void choose_calls(embree_tracer *tracer) {
 #endif
 }
 
-static void describe(embree_tracer *tracer) {
-    RTCDevice device = tracer->device;
-    snprintf(tracer->base.name, sizeof tracer->base.name, "Embree %d.%d.%d, %s",
+static void put_name(RTCDevice device, trace_isa most, char *out, size_t size) {
+    snprintf(out, size, "Embree %d.%d.%d, %s",
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
-             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH),
-             isa_name(device, tracer->spec.isa));
+             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH), isa_name(device, most));
+}
+
+void trace_embree_name(char *out, size_t size) {
+    RTCDevice device = rtcNewDevice("threads=1");
+    snprintf(out, size, "Embree %s cannot be started", RTC_VERSION_STRING);
+    if (device) put_name(device, TRACE_ISA_BEST, out, size);
+    release_device(device);
+}
+
+static void describe(embree_tracer *tracer) {
+    put_name(tracer->device, tracer->spec.isa, tracer->base.name, sizeof tracer->base.name);
     static const char *const shapes[] = {"triangles", "user", "quad", "sphere"};
     static const char *const flags[] = {"robust", "default", "compact"};
     snprintf(tracer->base.way, sizeof tracer->base.way, "%s, %s, %s", shapes[tracer->spec.shapes],

@@ -111,6 +111,8 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 
 /* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
 const char *trace_name(const trace_tracer *tracer);
+/* The name that Embree's tracer has on this machine, by default. */
+void trace_embree_name(char *out, size_t size);
 /* The name, and what else answers may depend on: "Embree 3.13.5, AVX-512, triangles, robust, settled". */
 void trace_identity(const trace_tracer *tracer, char out[128]);
 uint64_t trace_bvh_bytes(const trace_tracer *tracer);

@@ -10,6 +10,14 @@ cp out.txt version.txt
 run 0 -V
 cmp -s out.txt version.txt || die 'fathom -V is not fathom --version'
 rm version.txt
+for letter in -v --verbose; do
+    run 0 --version $letter
+    for line in '^fathom [0-9]' '^commit ' '^compiler .*(gcc|[cC]lang)' '^tracer +Embree [34]\.[0-9.]+, [A-Z]' '^shading ' \
+        '^images +OpenImageIO [0-9.]+, OpenColorIO [0-9]' '^libraries libpng [0-9].*jansson [0-9].*GMP [0-9]' \
+        '^processor .* [0-9]+ threads'; do
+        grep -qE "$line" out.txt || die "--version $letter: no line $line"
+    done
+done
 for arguments in --help -h help 'help help'; do
     # shellcheck disable=SC2086
     run 0 $arguments
@@ -24,7 +32,22 @@ for command in render info generate compare validate bench help; do
     cp out.txt help.txt
     run 0 $command --help
     cmp -s out.txt help.txt || die "fathom $command --help is not fathom help $command"
+    said out.txt '-h, --help '
+    for arguments in '-h' 'nothing -h' '--zebra --spp -h' '-h --zebra'; do
+        [ $command != help ] || continue
+        # shellcheck disable=SC2086
+        run 0 $command $arguments
+        cmp -s out.txt help.txt || die "fathom $command $arguments is not fathom help $command"
+    done
+    run 0 help $command -h
+    cmp -s out.txt help.txt || die "fathom help $command -h is not fathom help $command"
     awk 'length($0) > 80 { exit 1 }' out.txt || die "the help of $command is wider than 80 columns"
+done
+for what in trace render error build growth secondary; do
+    run 0 help bench $what
+    cp out.txt help.txt
+    run 0 bench $what nothing -h
+    cmp -s out.txt help.txt || die "fathom bench $what -h is not fathom help bench $what"
 done
 # Every option is in the help.
 run 0 help render

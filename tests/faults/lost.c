@@ -90,4 +90,5 @@ const image_module fathom_image_module = {.version = IMAGE_MODULE_VERSION,
                                           .read = fail_read,
                                           .view_open = open_view,
                                           .view_apply = fail_view,
-                                          .view_close = close_view};
+                                          .view_close = close_view,
+                                          .libraries = "none"};

@@ -1,0 +1,29 @@
+/* Lines on stderr: for people, or with --log json one JSON object a line for programs. */
+#ifndef CLI_LOG_H
+#define CLI_LOG_H
+
+#include "cli/args.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum log_level { LOG_INFO, LOG_WARNING, LOG_ERROR } log_level;
+
+/* Takes "--log text|json" out of the arguments, wherever it stands. False: wrong usage. */
+bool log_take_option(int *argc, char **argv, args_problem *problem);
+bool log_is_json(void);
+
+/* "fathom: text", or {"time": seconds since 1970, "level": "error", "message": "text"}. A progress bar is
+ * taken away first. What could steer a terminal becomes '?', and what is longer than LOG_LENGTH is cut off.
+ * Asks for no memory and takes no lock: signal handlers may call it. */
+#define LOG_LENGTH 8192
+void log_line(log_level level, const char *text);
+/* With further members of the object, such as "\"fraction\": 0.5", which lines for people leave out. */
+void log_line_with(log_level level, const char *text, const char *members);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
