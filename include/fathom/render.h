@@ -151,6 +151,8 @@ typedef struct fathom_stats {
     double resumed_seconds; /* of rendering, by the calls that this one continues; rays and seconds above are
                                of this call alone, samples and errors of the film */
     uint64_t resumed_samples; /* in the pixels that these had finished */
+    uint64_t
+        scene_fingerprint; /* tells scenes apart that may look different, whatever their files are called */
     unsigned threads;
     char tracer[64]; /* "Embree 3.13.5, AVX-512" */
 } fathom_stats;
@@ -237,6 +239,7 @@ typedef struct fathom_write_options {
     const char *view;    /* NULL: the display's default */
     bool float_color;    /* EXR: R G B A albedo as 32-bit float rather than half, which ends at 65504; default
                             false */
+    const char *command; /* what made the image, a line of text for the header; NULL or "": none */
 } fathom_write_options;
 
 FATHOM_API void fathom_write_options_default(fathom_write_options *options);

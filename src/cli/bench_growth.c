@@ -4,6 +4,7 @@
 #include "cli/bench_output.h"
 #include "cli/bench_run.h"
 #include "cli/json_text.h"
+#include "cli/temporary.h"
 
 #include "bench/growth.h"
 
@@ -55,13 +56,13 @@ static fathom_status measure(fathom_context *context, const bench_growth_setting
                              growth_point *out) {
     const growth_options options = {asked->repeats, asked->seconds, asked->size.width, asked->size.height,
                                     RECORD_BYTES};
-    char path[BENCH_PATH];
-    fathom_status status = bench_temporary(context, ".glb", path);
+    char path[TEMPORARY_PATH];
+    fathom_status status = temporary_create(context, ".glb", path);
     if (status != FATHOM_OK) return status;
     fathom_context_set_threads(context, 0);
     status = generate(context, triangles, path);
     if (status == FATHOM_OK) status = growth_measure(context, path, &options, out);
-    bench_remove_temporary(path);
+    temporary_remove(path);
     return status;
 }
 

@@ -6,6 +6,7 @@
 #include "cli/machine.h"
 #include "cli/outputs.h"
 #include "cli/report.h"
+#include "cli/standard_output.h"
 
 #include <limits.h>
 #include <math.h>
@@ -15,10 +16,12 @@
 fathom_status bench_output_check(fathom_context *context, const bench_output *output, const char *input) {
     char paths[REPORT_FILES][PATH_MAX];
     const char *files[2 + REPORT_FILES];
+    const char *const asked[] = {output->json, output->csv};
     size_t count = 0;
-    if (output->json) files[count++] = output->json;
-    if (output->csv) files[count++] = output->csv;
-    fathom_status status = FATHOM_OK;
+    fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, asked, 2);
+    for (int i = 0; i < 2; ++i) {
+        if (asked[i] && !standard_output_is_named(asked[i])) files[count++] = asked[i];
+    }
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i) {
         status = file_check_writable(context, files[i]);
     }
@@ -84,14 +87,6 @@ void bench_csv_text(FILE *out, const char *text) {
 
 /* ---- files ---- */
 
-static fathom_status write_text(fathom_context *context, const char *path, const char *text) {
-    file_writer *writer;
-    fathom_status status = file_writer_open(context, path, &writer);
-    if (status != FATHOM_OK) return status;
-    file_writer_put(writer, text, strlen(text));
-    return file_writer_commit(writer);
-}
-
 static void put_facts(FILE *out, const json_t *root) {
     const char *key;
     const json_t *value;
@@ -120,7 +115,7 @@ static fathom_status write_csv(fathom_context *context, const char *path, const 
     put_csv(out, root);
     fathom_status status = FATHOM_OK;
     if (fclose(out) != 0) status = fail_memory(context, size);
-    if (status == FATHOM_OK) status = write_text(context, path, text);
+    if (status == FATHOM_OK) status = outputs_write(context, path, text, size);
     free(text);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "cli/bench_output.h"
 #include "cli/bench_run.h"
 #include "cli/json_text.h"
+#include "cli/temporary.h"
 
 #include "base/clock.h"
 #include "bench/render_time.h"
@@ -38,8 +39,8 @@ typedef struct measured {
 
 static fathom_status write_once(fathom_context *context, const fathom_scene *scene,
                                 const fathom_settings *settings, double *seconds) {
-    char path[BENCH_PATH];
-    fathom_status status = bench_temporary(context, ".png", path);
+    char path[TEMPORARY_PATH];
+    fathom_status status = temporary_create(context, ".png", path);
     if (status != FATHOM_OK) return status;
     fathom_film *film;
     fathom_write_options options;
@@ -49,7 +50,7 @@ static fathom_status write_once(fathom_context *context, const fathom_scene *sce
     if (status == FATHOM_OK) status = fathom_film_write(context, film, path, &options);
     *seconds = clock_seconds() - began;
     if (film) fathom_film_destroy(film);
-    bench_remove_temporary(path);
+    temporary_remove(path);
     return status;
 }
 

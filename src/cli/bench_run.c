@@ -2,13 +2,6 @@
 
 #include "cli/interrupt.h"
 
-#include "base/file.h"
-#include "base/status.h"
-
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 fathom_status bench_run(const command *c, unsigned threads, bool outside, bench_measure measure,
                         const void *asked) {
     fathom_context *context;
@@ -42,21 +35,4 @@ fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_s
     *out = NULL;
     fathom_status status = fathom_scene_create(context, out);
     return status == FATHOM_OK ? fathom_scene_generate(*out, FATHOM_ROOT, &options) : status;
-}
-
-fathom_status bench_temporary(fathom_context *context, const char *ending, char path[BENCH_PATH]) {
-    const char *folder = getenv("TMPDIR");
-    snprintf(path, BENCH_PATH, "%s/fathom-bench-XXXXXX%s", folder && *folder ? folder : "/tmp", ending);
-    int file = mkstemps(path, (int)strlen(ending));
-    if (file < 0)
-        return fail(context, FATHOM_OUT_OF_RESOURCES,
-                    "%s: cannot be written; expected a folder for temporary files in $TMPDIR", path);
-    file_abort_also(path);
-    close(file);
-    return FATHOM_OK;
-}
-
-void bench_remove_temporary(char path[BENCH_PATH]) {
-    remove(path);
-    file_abort_no_more(path);
 }

@@ -20,11 +20,4 @@ fathom_status bench_open(fathom_context *context, const char *path, args_size si
 /* A sphere as `fathom generate sphere` makes it. Release with fathom_scene_destroy(), whatever comes back. */
 fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_scene **out);
 
-#define BENCH_PATH 4096
-
-/* An empty file in $TMPDIR, its name with this ending, to be removed with bench_remove_temporary() or by a
- * signal that ends the process. */
-fathom_status bench_temporary(fathom_context *context, const char *ending, char path[BENCH_PATH]);
-void bench_remove_temporary(char path[BENCH_PATH]);
-
 #endif

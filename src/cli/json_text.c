@@ -1,7 +1,7 @@
 #include "cli/json_text.h"
 
-#include "base/file.h"
 #include "base/status.h"
+#include "cli/outputs.h"
 #include "json/memory.h"
 
 #include <stdlib.h>
@@ -31,14 +31,10 @@ char *json_dump_text(const json_t *root, unsigned digits) {
 
 fathom_status json_write_file(fathom_context *context, const char *path, const json_t *root) {
     char *text = json_dump_text(root, 9);
-    file_writer *writer;
     if (!text) return fail_memory(context, 4096);
-    fathom_status status = file_writer_open(context, path, &writer);
-    if (status == FATHOM_OK) {
-        file_writer_put(writer, text, strlen(text));
-        file_writer_put(writer, "\n", 1);
-        status = file_writer_commit(writer);
-    }
+    const size_t length = strlen(text);
+    text[length] = '\n'; /* in place of the end */
+    fathom_status status = outputs_write(context, path, text, length + 1);
     free(text);
     return status;
 }

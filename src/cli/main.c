@@ -1,6 +1,7 @@
 #include "cli/command.h"
 #include "cli/exhausted.h"
 #include "cli/log.h"
+#include "cli/provenance.h"
 #include "cli/version.h"
 
 #include <errno.h>
@@ -47,6 +48,7 @@ static bool is_either(const char *text, const char *name, const char *letter) {
 static fathom_status dispatch(int argc, char **argv) {
     args_problem problem;
     if (!log_take_option(&argc, argv, &problem)) return say_usage(NULL, problem.text);
+    provenance_note(argc, argv);
     if (argc < 2 && log_is_json()) return say_usage(NULL, "expected a command");
     if (argc < 2) {
         help_overview(stderr);

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "cli/args.h"
+#include "cli/standard_output.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -62,4 +63,13 @@ fathom_status outputs_check_distinct(fathom_context *context, const char *const 
     }
     keep_from_reading(context, outputs, count);
     return FATHOM_OK;
+}
+
+fathom_status outputs_write(fathom_context *context, const char *path, const char *bytes, size_t size) {
+    if (standard_output_is_named(path)) return standard_output_put(context, bytes, size);
+    file_writer *writer;
+    fathom_status status = file_writer_open(context, path, &writer);
+    if (status != FATHOM_OK) return status;
+    file_writer_put(writer, bytes, size);
+    return file_writer_commit(writer);
 }

@@ -12,6 +12,9 @@ fathom_status outputs_check_distinct(fathom_context *context, const char *const 
 /* Whether both paths lead to one file, or would. */
 bool outputs_are_same(const char *a, const char *b);
 
+/* A file that is no image: whole or not at all. "-" is standard output (standard_output.h). */
+fathom_status outputs_write(fathom_context *context, const char *path, const char *bytes, size_t size);
+
 /* Reads what it likes from now on. */
 void outputs_may_be_read(fathom_context *context);
 

@@ -10,10 +10,6 @@
 #define MARK ".partial"
 
 bool partial_name(const char *path, char out[PATH_MAX]) {
-    if (strcmp(path, "-") == 0) {
-        out[0] = '-', out[1] = '\0';
-        return true;
-    }
     const char *name = file_name(path), *extension = path + file_stem_length(path);
     const size_t fixed = strlen(MARK) + strlen(extension), folder = (size_t)(name - path);
     size_t stem = (size_t)(extension - name);
@@ -42,7 +38,7 @@ static fathom_status check_one(fathom_context *context, const char *path, const 
     char name[PATH_MAX];
     if (!partial_name(path, name)) return too_long(context, path);
     for (size_t i = 0; i < count; ++i) {
-        if (strcmp(path, "-") == 0 || !outputs_are_same(name, files[i])) continue;
+        if (!outputs_are_same(name, files[i])) continue;
         return fail(context, FATHOM_BAD_USAGE,
                     "%s: an interrupted render puts %s there; expected another name for one of the two",
                     files[i], path);

@@ -5,8 +5,10 @@
 #include "cli/outputs.h"
 #include "cli/partial.h"
 #include "cli/progress.h"
+#include "cli/provenance.h"
 #include "cli/rescue.h"
 #include "cli/saving.h"
+#include "cli/standard_output.h"
 #include "cli/stats.h"
 #include "cli/time_left.h"
 
@@ -20,18 +22,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-static fathom_status check_outputs(fathom_context *context, const render_options *options) {
+static bool writes_stats_file(const render_options *options) {
+    return options->stats && !standard_output_is_named(options->stats);
+}
+
+static fathom_status check_outputs(fathom_context *context, render_options *options) {
     const char *all[ARGS_LIST_MAX + 2];
     size_t count = 0;
+    fathom_status status = standard_output_begin(context, &options->outputs, &options->stats, 1);
+    if (status != FATHOM_OK) return status;
     for (; count < options->outputs.count; ++count) all[count] = options->outputs.items[count];
-    if (options->stats) all[count++] = options->stats;
+    if (writes_stats_file(options)) all[count++] = options->stats;
     if (options->checkpoint) all[count++] = options->checkpoint;
-    fathom_status status = outputs_check_distinct(context, all, count, options->scene);
+    status = outputs_check_distinct(context, all, count, options->scene);
     if (status == FATHOM_OK) status = partial_check(context, &options->outputs, all, count);
     for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
         status = image_check(context, options->outputs.items[i], &options->write);
     }
-    if (status == FATHOM_OK && options->stats) status = file_check_writable(context, options->stats);
+    if (status == FATHOM_OK && writes_stats_file(options))
+        status = file_check_writable(context, options->stats);
     if (status == FATHOM_OK) status = saving_check(context, options);
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i) file_remove_left_over(all[i]);
     for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
@@ -57,10 +66,13 @@ static fathom_status merge_settings(fathom_context *context, const fathom_scene 
     args_problem problem;
     fathom_scene_settings(scene, &settings);
     render_options_default(options, &settings);
+    options->write.command = provenance_command();
     if (args_parse(&command_render.args, argc, argv, options, &problem) != ARGS_READY ||
         !render_options_finish(options, &problem)) {
         return fail(context, FATHOM_INTERNAL, "the command line changed while it was read");
     }
+    fathom_status status = standard_output_begin(context, &options->outputs, &options->stats, 1);
+    if (status != FATHOM_OK) return status;
     if (settings.aovs & ~options->settings.aovs && !options->aovs_given)
         warn(context, "%s: asks for AOVs that only .exr holds; they are left out", options->scene);
     if (options->min_spp_given && !(options->settings.target_error > 0 || options->settings.max_time > 0))
@@ -123,9 +135,11 @@ static fathom_status write_images(fathom_context *context, const fathom_film *fi
     for (size_t i = 0; i < options->outputs.count; ++i) {
         const char *path = options->outputs.items[i];
         fathom_status status = fathom_film_write(context, film, path, &options->write);
+        if (status == FATHOM_OK) status = standard_output_deliver(context, i, path);
         say_status(&command_render, context, status);
         kept |= status == FATHOM_OK && holds_all(path);
-        if (status != FATHOM_OK && !failed) result = status, failed = path;
+        if (status != FATHOM_OK && !failed)
+            result = status, failed = standard_output_shown(&options->outputs, i);
     }
     if (failed && !kept) rescue_film(context, film, failed, "the pixels");
     return result;
@@ -138,7 +152,7 @@ static fathom_status write_all(fathom_context *context, const fathom_film *film,
     progress_phase(FATHOM_PHASE_WRITE);
     if (say_status(&command_render, context, list_left_out(context, film, options, &report->left_out)) !=
         FATHOM_OK) {
-        rescue_film(context, film, options->outputs.items[0], "the pixels");
+        rescue_film(context, film, standard_output_shown(&options->outputs, 0), "the pixels");
         return FATHOM_OUT_OF_RESOURCES;
     }
     double begin = clock_seconds();
@@ -160,8 +174,8 @@ static void tell_interrupted(const render_options *options) {
     char text[SAID];
     int used = snprintf(text, sizeof text, "interrupted; the image is written as far as it got, to ");
     for (size_t i = 0; i < options->outputs.count && used >= 0 && used < SAID; ++i) {
-        used +=
-            snprintf(text + used, (size_t)(SAID - used), "%s%s", i ? ", " : "", options->outputs.items[i]);
+        used += snprintf(text + used, (size_t)(SAID - used), "%s%s", i ? ", " : "",
+                         standard_output_shown(&options->outputs, i));
     }
     if (options->checkpoint && used >= 0 && used < SAID)
         snprintf(text + used, (size_t)(SAID - used), "; --resume continues");
@@ -180,7 +194,7 @@ static fathom_status finish(fathom_context *context, const fathom_scene *scene, 
     if (status == FATHOM_OK)
         status = write_all(context, film, options, report, start);
     else
-        rescue_film(context, film, options->outputs.items[0], "the pixels");
+        rescue_film(context, film, standard_output_shown(&options->outputs, 0), "the pixels");
     status = saving_end(kept, interrupted, status);
     if (status == FATHOM_OK && interrupted) {
         tell_interrupted(options);
@@ -218,7 +232,7 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
         fail_within(context, status, "%s: ", options->scene);
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
         say_status(&command_render, context, status);
-        if (film) rescue_film(context, film, options->outputs.items[0], DOUBTFUL);
+        if (film) rescue_film(context, film, standard_output_shown(&options->outputs, 0), DOUBTFUL);
         fathom_film_destroy(film);
         return status;
     }
@@ -283,7 +297,9 @@ static fathom_status run(int argc, char **argv) {
     status = command_context(options.threads, &context);
     if (status != FATHOM_OK) return status;
     fathom_context_allow_outside(context, options.allow_outside);
+    options.write.command = provenance_command();
     status = read_and_render(context, argc, argv, &options, start);
+    standard_output_end();
     fathom_context_destroy(context);
     return status;
 }

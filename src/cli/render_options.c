@@ -1,6 +1,7 @@
 #include "cli/render_options.h"
 
 #include "cli/command.h"
+#include "cli/standard_output.h"
 
 #include "base/file.h"
 #include "image/image.h"
@@ -197,16 +198,19 @@ static bool take_above_zero(const args_option *option, const char *value, void *
 
 const args_option render_option_table[] = {
     {.help = "Output"},
-    {"output", 'o', "IMAGE", take_list, FIELD(outputs), 0, 0,
-     ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); give it again for more images of the "
-     "same render"},
+    {"output", 'o', "IMAGE", take_output, FIELD(outputs), 0, 0,
+     ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); - is PNG to standard output, and "
+     "exr:- "
+     "another format; give it again for more images of the same render"},
     {"aov", 0, "LIST", take_aovs, 0, 0, 0,
      "further channels: any of alpha,Z,N,P,albedo,id,samples, or none; alpha makes the background "
      "transparent, "
      "and the others need an .exr; all: the others, without alpha"},
     {"exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,
      "colours in the .exr as 32-bit float rather than half"},
-    {"stats", 0, "FILE.json", take_text, FIELD(stats), 0, 0, "write counts, times, rays and memory as JSON"},
+    {"stats", 0, "FILE.json", take_text, FIELD(stats), 0, 0,
+     "write counts, times, rays and memory as JSON, with the command line and the scene's fingerprint; - is "
+     "standard output"},
 
     {.help = "Image"},
     COMMAND_CAMERA(render_options),

@@ -1,9 +1,10 @@
 #include "cli/stats.h"
 
-#include "base/file.h"
 #include "cli/command.h"
 #include "cli/json_text.h"
 #include "cli/left_out.h"
+#include "cli/provenance.h"
+#include "cli/standard_output.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -86,15 +87,26 @@ static json_t *pack_checkpoint(const fathom_stats *s, const char *path) {
 
 static json_t *pack_outputs(const args_list *outputs) {
     json_t *array = json_array();
-    for (size_t i = 0; i < outputs->count; ++i) json_array_append_new(array, json_text(outputs->items[i]));
+    for (size_t i = 0; i < outputs->count; ++i)
+        json_array_append_new(array, json_text(standard_output_shown(outputs, i)));
     return array;
+}
+
+/* Text: a number of 64 bits is more than most readers of JSON keep. */
+static json_t *pack_fingerprint(uint64_t fingerprint) {
+    char text[24];
+    snprintf(text, sizeof text, "%016llx", (unsigned long long)fingerprint);
+    return json_string(text);
 }
 
 static json_t *pack(const render_report *r, const render_options *options) {
     json_t *root = json_object();
     const fathom_stats *s = &r->stats;
     json_object_set_new(root, "fathom", json_string(fathom_version()));
+    json_object_set_new(root, "commit", *fathom_commit() ? json_string(fathom_commit()) : json_null());
+    json_object_set_new(root, "command", provenance_arguments());
     json_object_set_new(root, "scene", json_text(r->scene));
+    json_object_set_new(root, "sceneFingerprint", pack_fingerprint(s->scene_fingerprint));
     json_object_set_new(root, "image", pack_image(r, options));
     json_object_set_new(root, "outputs", pack_outputs(&options->outputs));
     json_object_set_new(root, "exposure", json_real((double)options->write.exposure));
@@ -121,17 +133,8 @@ static json_t *pack(const render_report *r, const render_options *options) {
 fathom_status stats_write(fathom_context *context, const render_report *report,
                           const render_options *options) {
     json_t *root = pack(report, options);
-    char *bytes = json_dump_text(root, 9);
+    fathom_status status = json_write_file(context, options->stats, root);
     json_decref(root);
-    if (!bytes) return fail_memory(context, 4096);
-    file_writer *writer;
-    fathom_status status = file_writer_open(context, options->stats, &writer);
-    if (status == FATHOM_OK) {
-        file_writer_put(writer, bytes, strlen(bytes));
-        file_writer_put(writer, "\n", 1);
-        status = file_writer_commit(writer);
-    }
-    free(bytes);
     return status;
 }
 
@@ -197,7 +200,7 @@ void stats_print(const render_report *report, const render_options *options) {
     if (options->verbose) print_details(report, options);
     for (size_t i = 0; i < options->outputs.count; ++i) {
         if (i) fputs(", ", stdout);
-        print_name(stdout, options->outputs.items[i]);
+        print_name(stdout, standard_output_shown(&options->outputs, i));
     }
     printf(": %ux%u, ", report->width, report->height);
     print_sampling(report, options);

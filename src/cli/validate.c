@@ -8,6 +8,7 @@
 #include "cli/interrupt.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
+#include "cli/standard_output.h"
 #include "parity/builtin.h"
 
 #include <stdlib.h>
@@ -155,9 +156,11 @@ static fathom_status write_results(fathom_context *context, work *k, uint64_t *w
 static fathom_status check(fathom_context *context, const validate_settings *settings) {
     const char *outputs[2];
     size_t count = 0;
-    if (settings->json) outputs[count++] = settings->json;
+    fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, &settings->json, 1);
+    if (status != FATHOM_OK) return status;
+    if (settings->json && !standard_output_is_named(settings->json)) outputs[count++] = settings->json;
     if (settings->failures) outputs[count++] = settings->failures;
-    fathom_status status = outputs_check_distinct(context, outputs, count, settings->scene);
+    status = outputs_check_distinct(context, outputs, count, settings->scene);
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i)
         status = file_check_writable(context, outputs[i]);
     if (status == FATHOM_OK && settings->report) status = validate_check_report(context, settings);

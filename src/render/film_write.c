@@ -4,6 +4,7 @@
 #include "image/image.h"
 #include "render/film_marks.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +19,15 @@ typedef struct target {
 } target;
 
 typedef fathom_status (*write_call)(fathom_context *context, const image *img, const target *to);
+
+/* Leaves out empty texts: how many are left. */
+static size_t keep_known(image_attribute *attributes, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (!attributes[i].text || *attributes[i].text) attributes[kept++] = attributes[i];
+    }
+    return kept;
+}
 
 static fathom_status write_film(fathom_context *context, const fathom_film *film, write_call call,
                                 const target *to) {
@@ -36,10 +46,16 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
                                                                                 : "sobol";
     char software[64] = "Fathom ";
     for (size_t i = 0; fathom_version()[i] && i < 32; ++i) software[7 + i] = fathom_version()[i];
+    char fingerprint[24];
+    snprintf(fingerprint, sizeof fingerprint, "%016llx", (unsigned long long)film->stats.scene_fingerprint);
+    const char *command = to->options && to->options->command ? to->options->command : "";
     const image_attribute attributes[] = {
         {"Software", software, NULL, 0},
         {"fathom:scene", film->scene_name, NULL, 0},
         {"fathom:version", fathom_version(), NULL, 0},
+        {"fathom:commit", fathom_commit(), NULL, 0},
+        {"fathom:command", command, NULL, 0},
+        {"fathom:fingerprint", fingerprint, NULL, 0},
         {"fathom:tracer", film->stats.tracer, NULL, 0},
         {"fathom:pattern", pattern, NULL, 0},
         {"fathom:spp", NULL, &spp, 1},
@@ -67,7 +83,7 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
                        .channels = channels,
                        .channel_count = film->channel_count,
                        .attributes = all,
-                       .attribute_count = count + marks.count};
+                       .attribute_count = keep_known(all, count + marks.count)};
     return call(context, &img, to);
 }
 

@@ -5,6 +5,7 @@
 #include "render/checkpoint/checkpoint.h"
 #include "render/job.h"
 #include "render/watch.h"
+#include "scene/fingerprint.h"
 
 typedef struct build {
     fathom_context *context;
@@ -233,7 +234,8 @@ static fathom_status render(fathom_context *context, const fathom_scene *scene,
     status = film_create(context, &view, settings, &film);
     if (status != FATHOM_OK) return status;
     job_options options = {.reserve = extra->reserve, .progress = progress, .user = user};
-    if (extra->saving)
+    status = scene_fingerprint(&view, &film->stats.scene_fingerprint);
+    if (status == FATHOM_OK && extra->saving)
         status = checkpoint_open(context, extra->saving, &view, settings, film, &options.saving);
     if (status == FATHOM_OK) status = render_film(context, &view, settings, extra->origin, &options, film);
     fathom_status changed = FATHOM_OK;

@@ -125,7 +125,7 @@ if [ -c /dev/full ]; then
     said err.txt 'fathom: standard output cannot be written: No space left on device'
     same a.png a.png
     "$FATHOM" render scene.json -o b.png >out.txt 2>/dev/full || die 'a full stderr is no failure'
-    cmp a.png b.png || die 'a full stderr changed the image'
+    same a.png b.png || die 'a full stderr changed the image'
 fi
 mkfifo pipe
 (exec <pipe) &

@@ -131,3 +131,59 @@ run 0 render -o a.png -- -scene.json
 if [ "$(awk '/MemAvailable/ { print $2 }' /proc/meminfo)" -lt 50000000 ]; then
     refused 4 'render a smaller image or a crop' render scene.json -o a.exr --size 65536x65536 --quiet
 fi
+
+# Standard output: the same image as in a file, with what is said to people on stderr.
+write_scene
+run 0 render scene.json -o a.exr -o a.png
+for format in png exr jpg tif; do
+    "$FATHOM" render scene.json -o $format:- >b.$format 2>err.txt || die "$format to standard output"
+    said err.txt "stdout.$format: 96x64"
+    [ $format = jpg ] || [ $format = tif ] || same a.$format b.$format
+done
+"$FATHOM" render scene.json -o c.exr -o - --stats s.json -q >b.png || die 'PNG to standard output, beside a file'
+same a.png b.png
+same a.exr c.exr
+said s.json '"stdout.png"'
+"$FATHOM" render scene.json -o exr:- --aov Z -v 2>err.txt | cat >b.exr
+said err.txt 'tracer '
+run 1 compare b.exr a.exr
+said out.txt 'channel Z is only in the first'
+"$FATHOM" render scene.json -o c.png --stats - >b.json 2>err.txt || die 'statistics to standard output'
+said err.txt 'c.png: 96x64'
+[ -n "$(number b.json peakMemoryBytes)" ] || die 'statistics to standard output'
+"$FATHOM" bench trace scene.json --rays 64 --repeats 1 --csv - >b.csv 2>err.txt || die 'CSV to standard output'
+head -n 1 b.csv | grep -q '^# fathom bench trace' || die 'CSV to standard output'
+if python3 -c 'import json' 2>/dev/null; then
+    for arguments in 'render scene.json -o c.png --stats -' 'bench trace scene.json --rays 64 --repeats 1 --json -' \
+        'validate scene.json --rays 10 --json -'; do
+        # shellcheck disable=SC2086
+        "$FATHOM" $arguments 2>err.txt | python3 -c 'import json, sys; json.load(sys.stdin)' || die "$arguments: not JSON"
+    done
+fi
+rm b.* c.* s.json
+refused 2 'standard output is named twice' render scene.json -o - -o exr:-
+refused 2 'standard output is named twice' render scene.json -o - --stats -
+refused 2 'standard output is named twice' bench trace scene.json --json - --csv -
+refused 2 'bmp:-: unknown image extension' render scene.json -o bmp:-
+refused 3 'nothing.json: No such file' render nothing.json -o -
+# Nothing stays in the folder for temporary files.
+mkdir temporary
+TMPDIR=$PWD/temporary "$FATHOM" render scene.json -o - -q >b.png
+TMPDIR=$PWD/temporary "$FATHOM" render nothing.json -o - >out.txt 2>&1 && die 'a scene that is not there'
+rmdir temporary || die 'a temporary file was left behind'
+TMPDIR=$PWD/nowhere
+export TMPDIR
+refused 4 'expected a folder for temporary files in $TMPDIR' render scene.json -o -
+unset TMPDIR
+if [ -w /dev/full ]; then
+    code=0
+    "$FATHOM" render scene.json -o - >/dev/full 2>err.txt || code=$?
+    [ $code -eq 4 ] || die "an image to a full disk: exit code $code, expected 4"
+    said err.txt 'standard output cannot be written: No space left'
+    said err.txt 'the pixels are in stdout.rescue.exr'
+    run 0 compare a.exr stdout.rescue.exr --tolerance 0.001
+fi
+if command -v script >/dev/null; then
+    script -qec "'$FATHOM' render scene.json -o -" /dev/null </dev/null >tty.txt && die 'an image to a terminal'
+    said tty.txt 'standard output is a terminal; expected a pipe or a file'
+fi

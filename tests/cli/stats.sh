@@ -85,3 +85,30 @@ at_least "$(number t.json faintShadow)" 100 'faint shadow rays'
 run 0 compare a.exr b.exr --tolerance 0.000489
 refused 2 'expected no --ocio, --display, --view and no $OCIO' render scene.json -o a.png --leave-out-below 8bit --view Raw
 refused 2 '--leave-out-below: expected none|8bit|half' render scene.json -o a.png --leave-out-below 4bit
+
+# What made an image: in the statistics exactly, in the header without folders, and not at all where equal images are to be
+# equal files.
+mkdir folder
+cp scene.json "folder/the scene.json"
+run 0 render "$PWD/folder/the scene.json" -o folder/a.png --spp=4 --stats s.json
+said s.json "\"$PWD/folder/the scene.json\""
+said s.json '"--spp=4"'
+grep -qE '"commit": ("[0-9a-f]+\+?"|null)' s.json || die 'commit'
+fingerprint=$(sed -n 's/.*"sceneFingerprint": "\([0-9a-f]\{16\}\)".*/\1/p' s.json)
+[ -n "$fingerprint" ] || die 'fingerprint'
+said folder/a.png "fathom render 'the scene.json' -o a.png --spp=4 --stats s.json"
+said folder/a.png "$fingerprint"
+not_said folder/a.png "$PWD"
+run 0 render scene.json -o a.exr --stats t.json
+said t.json "$fingerprint"
+said a.exr "$fingerprint"
+said a.exr 'fathom render scene.json -o a.exr --stats t.json'
+sed -i 's/"radius": 0.8/"radius": 0.7/' scene.json
+run 0 render scene.json -o a.exr --stats t.json
+not_said t.json "$fingerprint"
+SOURCE_DATE_EPOCH=1
+export SOURCE_DATE_EPOCH
+run 0 render scene.json -o a.png
+run 0 render scene.json -o b.png --threads 1
+cmp a.png b.png || die 'equal images are other files'
+unset SOURCE_DATE_EPOCH

@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-static fathom_write_options defaults(void) { return (fathom_write_options){0, NULL, NULL, NULL, false}; }
+static fathom_write_options defaults(void) { return (fathom_write_options){.exposure = 0}; }
 
 static float half_value(unsigned half) {
     unsigned exponent = half >> 10 & 31u, mantissa = half & 1023u;

@@ -13,7 +13,7 @@
 
 static const char *const files[] = {"a.exr", "a.png", "a.jpg", "a.tif"};
 
-static fathom_write_options defaults(void) { return (fathom_write_options){0, NULL, NULL, NULL, false}; }
+static fathom_write_options defaults(void) { return (fathom_write_options){.exposure = 0}; }
 
 enum { SIDE = 256 };
 static float noise[3 * SIDE * SIDE];

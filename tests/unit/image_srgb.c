@@ -128,7 +128,7 @@ static void rows_are_the_modules(void **state) {
 /* Decided by the names alone. */
 static void who_needs_the_module(void **state) {
     (void)state;
-    fathom_write_options options = {0, NULL, NULL, NULL, false};
+    fathom_write_options options = {0, NULL, NULL, NULL, false, NULL};
     assert_false(image_needs_module("a.png", &options));
     assert_false(image_needs_module("a.txt", &options)); /* nor can it be written */
     assert_true(image_needs_module("a.exr", &options));

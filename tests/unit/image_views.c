@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-static fathom_write_options defaults(void) { return (fathom_write_options){0, NULL, NULL, NULL, false}; }
+static fathom_write_options defaults(void) { return (fathom_write_options){.exposure = 0}; }
 
 static const float colors[5][3] = {
     {0.18f, 0.18f, 0.18f}, {0.5f, 0, 0}, {0, 0.5f, 0}, {0, 0, 0.5f}, {0.1f, 0.4f, 0.9f}};

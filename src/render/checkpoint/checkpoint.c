@@ -5,7 +5,6 @@
 #include "base/pool.h"
 #include "render/adaptive_record.h"
 #include "render/checkpoint/checkpoint_write.h"
-#include "scene/fingerprint.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -74,16 +73,14 @@ static void count_before(checkpoint *c) {
     c->film->stats.resumed_samples = s->samples;
 }
 
-static fathom_status prepare(checkpoint *c, const fathom_scene *scene) {
-    uint64_t fingerprint;
+static fathom_status prepare(checkpoint *c) {
     const bool hits = c->settings.aovs & ~(unsigned)FATHOM_AOV_SAMPLES;
     bool exists = false;
     fathom_status status = checkpoint_check_path(c->context, &c->options, &exists);
     if (status == FATHOM_OK) status = file_lock_take(c->context, c->options.path, &c->file);
-    if (status == FATHOM_OK) status = scene_fingerprint(scene, &fingerprint);
     if (status != FATHOM_OK) return status;
     file_remove_left_over(c->options.path);
-    checkpoint_key_of(&c->settings, c->film, fingerprint, &c->key);
+    checkpoint_key_of(&c->settings, c->film, c->film->stats.scene_fingerprint, &c->key);
     if (!checkpoint_state_create(&c->settings, c->film, hits, &c->state) ||
         !checkpoint_write_create(&c->state, c->film, &c->write) ||
         fathom_context_create(&c->saving) != FATHOM_OK)
@@ -108,7 +105,7 @@ fathom_status checkpoint_open(fathom_context *context, const fathom_checkpoint *
     c->scene = scene;
     c->film = film;
     pthread_mutex_init(&c->lock, NULL);
-    fathom_status status = prepare(c, scene);
+    fathom_status status = prepare(c);
     if (status == FATHOM_OK)
         *out = c;
     else
