@@ -31,13 +31,15 @@ static fathom_status measure_one(fathom_context *context, bench_stage *stage, co
 }
 
 fathom_status build_time_measure(fathom_context *context, bench_stage *stage, const char *words,
-                                 unsigned repeats, uint32_t spp, build_time *out) {
+                                 unsigned repeats, uint32_t spp, const bench_watch *watch, build_time *out) {
     samples taken[BUILD_QUALITIES];
     fathom_status status = FATHOM_OK;
     for (unsigned q = 0; q < BUILD_QUALITIES; ++q) out->qualities[q] = (build_quality){.name = names[q]};
+    bench_watch_tell(watch, 0, repeats);
     for (unsigned repeat = 0; repeat < repeats; ++repeat) {
         for (unsigned q = 0; q < BUILD_QUALITIES && status == FATHOM_OK; ++q)
             status = measure_one(context, stage, words, spp, repeat, &out->qualities[q], &taken[q]);
+        bench_watch_tell(watch, repeat + 1, repeats);
     }
     if (status != FATHOM_OK) return status;
     for (unsigned q = 0; q < BUILD_QUALITIES; ++q) {

@@ -4,6 +4,7 @@
 
 #include "bench/stage.h"
 #include "bench/statistics.h"
+#include "bench/watch.h"
 
 #define BUILD_QUALITIES 3
 #define BUILD_REPEATS_MAX 100
@@ -33,9 +34,9 @@ typedef struct build_time {
 } build_time;
 
 /* Qualities take turns. words: a tracer of Embree's, without a quality, such as "embree:default". spp: of
- * each render, by sobol. */
+ * each render, by sobol. watch may be NULL. */
 fathom_status build_time_measure(fathom_context *context, bench_stage *stage, const char *words,
-                                 unsigned repeats, uint32_t spp, build_time *out);
+                                 unsigned repeats, uint32_t spp, const bench_watch *watch, build_time *out);
 
 /* Ranges and totals from the medians. */
 void build_time_summarise(const bench_stage *stage, build_time *result);

@@ -35,6 +35,15 @@ static void finish(samples *s, quartiles out[BENCH_CLOCKS]) {
     for (int c = 0; c < BENCH_CLOCKS; ++c) out[c] = quartiles_of(s->by[c], s->count);
 }
 
+/* Shares of the time, roughly: rendering takes most of a small mesh's, building most of a large one's. */
+#define READ_UNTIL 0.1
+#define BUILT_UNTIL 0.5
+
+static void tell(const growth_options *options, const samples *s, double from, double to) {
+    const bench_watch part = bench_watch_part(options->watch, from, to);
+    bench_watch_tell(&part, s->count + s->warm, options->repeats + 1);
+}
+
 /* The scene that was read last stays. */
 static fathom_status time_reading(fathom_context *context, const char *path, const growth_options *options,
                                   fathom_scene **scene, growth_point *out) {
@@ -48,6 +57,7 @@ static fathom_status time_reading(fathom_context *context, const char *path, con
         if (status != FATHOM_OK) return status;
         bench_seconds cost = bench_since(&start);
         add(&s, &cost);
+        tell(options, &s, 0, READ_UNTIL);
     }
     finish(&s, out->read);
     return FATHOM_OK;
@@ -79,6 +89,7 @@ static fathom_status time_building(fathom_context *context, const fathom_scene *
         if (status != FATHOM_OK) return status;
         bench_seconds cost = bench_since(&start);
         add(&s, &cost);
+        tell(options, &s, READ_UNTIL, BUILT_UNTIL);
     }
     finish(&s, out->build);
     out->bvh_bytes = trace_bvh_bytes(*tracer), out->peak_bytes = trace_peak_bytes(*tracer);
@@ -88,7 +99,8 @@ static fathom_status time_building(fathom_context *context, const fathom_scene *
 
 static fathom_status measure_scene(fathom_context *context, const fathom_scene *scene,
                                    const growth_options *options, growth_point *out) {
-    const render_time_options times = {options->repeats, {1}, 1, options->record_bytes};
+    const bench_watch rendering = bench_watch_part(options->watch, BUILT_UNTIL, 1);
+    const render_time_options times = {options->repeats, {1}, 1, options->record_bytes, &rendering};
     fathom_settings settings;
     world *w = NULL;
     trace_tracer *tracer = NULL;

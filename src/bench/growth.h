@@ -11,7 +11,8 @@ typedef struct growth_options {
     unsigned repeats; /* [1, GROWTH_REPEATS_MAX]; fewer where those of one phase take longer than `seconds` */
     double seconds;
     uint32_t width, height;
-    uint64_t record_bytes; /* as of render_time_options */
+    uint64_t record_bytes;    /* as of render_time_options */
+    const bench_watch *watch; /* may be NULL */
 } growth_options;
 
 /* One mesh. Phases run once more than they are counted: the first time warms up. Reading is of a file in the

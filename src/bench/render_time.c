@@ -1,6 +1,7 @@
 #include "bench/render_time.h"
 
 #include "base/clock.h"
+#include "base/threads.h"
 #include "bench/replay.h"
 #include "render/job.h"
 
@@ -13,7 +14,40 @@ typedef struct bench {
     const fathom_settings *settings;
     const render_time_options *options;
     render_time *out;
+    double done, total; /* work, see below */
 } bench;
+
+/* ---- how far it is ----
+ * A render by one thread is one unit; the bare calls, and the same through the tracer, take about 0.65 of it.
+ */
+
+#define REPLAY 0.65
+
+/* All renders of one repetition, by each number of threads. */
+static double speed_work(const render_time_options *options) {
+    double work = 0;
+    for (unsigned t = 0; t < options->thread_counts; ++t) {
+        const unsigned threads = options->threads[t], most = processor_count();
+        work += 1.0 / (threads < most ? threads : most);
+    }
+    return work;
+}
+
+/* One render and all replays of one repetition. */
+static double ratio_work(const render_time_options *options) {
+    return 1 + 2 * REPLAY + (options->thread_counts > 1 ? options->thread_counts * REPLAY : 0);
+}
+
+static double all_work(const bench *b) {
+    const double repeats = b->options->repeats, recording = 1;
+    const bool ratio = embree_bare_possible(b->tracer);
+    return repeats * speed_work(b->options) + (ratio ? recording + repeats * ratio_work(b->options) : 0);
+}
+
+static void finish_work(bench *b, double work) {
+    b->done += work;
+    bench_watch_tell(b->options->watch, b->done, b->total);
+}
 
 typedef struct timing {
     double plan, seconds, cpu;
@@ -62,7 +96,8 @@ static bool time_together(const bench *b, const record *r, unsigned repeat, sums
 }
 
 /* Each in turn, and the other way round every other time, so that what changes with the time favours none. */
-static fathom_status time_band(const bench *b, const record *r, const fathom_settings *settings, sums *s) {
+static fathom_status time_band(bench *b, const record *r, const fathom_settings *settings, double share,
+                               sums *s) {
     for (unsigned k = 0; k < b->options->repeats; ++k) {
         timing render;
         replay_result bare, traced;
@@ -74,6 +109,7 @@ static fathom_status time_band(const bench *b, const record *r, const fathom_set
         if (!ok || !replay_traced(r, b->tracer, &traced) || !time_together(b, r, k, s))
             return fail_memory(b->context, sizeof *r);
         s->render[k] += render.cpu, s->bare[k] += bare.cpu_seconds, s->traced[k] += traced.cpu_seconds;
+        finish_work(b, share * ratio_work(b->options));
     }
     return FATHOM_OK;
 }
@@ -100,17 +136,19 @@ static uint32_t band_rows(const bench *b, uint32_t rows) {
     return fit < tile ? tile : (uint32_t)fit / tile * tile;
 }
 
-static fathom_status time_bands(const bench *b, record *r, sums *s) {
+static fathom_status time_bands(bench *b, record *r, sums *s) {
     fathom_settings part = *b->settings;
     uint32_t *c = part.crop;
     if (!c[2]) c[0] = c[1] = 0, c[2] = part.width, c[3] = part.height;
-    const uint32_t end = c[3], rows = band_rows(b, end - c[1]);
+    const uint32_t end = c[3], all = end - c[1], rows = band_rows(b, all);
     fathom_status status = FATHOM_OK;
     for (uint32_t y = c[1]; y < end && status == FATHOM_OK; y = c[3]) {
         uint32_t next = (y + rows) / part.tile_size * part.tile_size;
         c[1] = y, c[3] = end - y <= rows ? end : next;
+        const double share = (double)(c[3] - y) / all;
         status = record_band(b, &part, r);
-        if (status == FATHOM_OK) status = time_band(b, r, &part, s);
+        finish_work(b, share);
+        if (status == FATHOM_OK) status = time_band(b, r, &part, share, s);
         b->out->ratio.closest += record_rays(r, BARE_CLOSEST);
         b->out->ratio.any += record_rays(r, BARE_ANY);
         ++b->out->ratio.bands;
@@ -140,7 +178,7 @@ static void set_bare_speeds(const bench *b, sums *s) {
     }
 }
 
-static fathom_status measure_ratio(const bench *b) {
+static fathom_status measure_ratio(bench *b) {
     if (!embree_bare_possible(b->tracer)) return FATHOM_OK;
     sums *s = calloc(1, sizeof *s);
     if (!s) return fail_memory(b->context, sizeof *s);
@@ -179,7 +217,7 @@ static void set_speeds(const bench *b, speed_sums *s) {
     }
 }
 
-static fathom_status measure_speeds(const bench *b) {
+static fathom_status measure_speeds(bench *b) {
     speed_sums *s = calloc(1, sizeof *s);
     if (!s) return fail_memory(b->context, sizeof *s);
     fathom_status status = FATHOM_OK;
@@ -190,6 +228,7 @@ static fathom_status measure_speeds(const bench *b) {
             s->plan[k] = render.plan, s->seconds[t][k] = render.seconds, s->cpu[t][k] = render.cpu;
             b->out->rays = render.rays;
         }
+        finish_work(b, speed_work(b->options));
     }
     if (status == FATHOM_OK) set_speeds(b, s);
     free(s);
@@ -200,7 +239,9 @@ fathom_status render_time_measure(fathom_context *context, const world *w, const
                                   const fathom_settings *settings, const render_time_options *options,
                                   render_time *out) {
     *out = (render_time){.speed_count = 0};
-    bench b = {context, w, tracer, settings, options, out};
+    bench b = {context, w, tracer, settings, options, out, 0, 1};
+    b.total = all_work(&b);
+    finish_work(&b, 0);
     fathom_status status = measure_speeds(&b);
     return status == FATHOM_OK ? measure_ratio(&b) : status;
 }

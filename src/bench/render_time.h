@@ -3,6 +3,7 @@
 #define BENCH_RENDER_TIME_H
 
 #include "bench/statistics.h"
+#include "bench/watch.h"
 #include "render/wave.h"
 
 #define RENDER_TIME_REPEATS_MAX 1000
@@ -37,7 +38,8 @@ typedef struct render_time {
 typedef struct render_time_options {
     unsigned repeats; /* [1, RENDER_TIME_REPEATS_MAX] */
     unsigned threads[RENDER_TIME_THREADS_MAX], thread_counts;
-    uint64_t record_bytes; /* rays of one band take about as much at most */
+    uint64_t record_bytes;    /* rays of one band take about as much at most */
+    const bench_watch *watch; /* may be NULL */
 } render_time_options;
 
 /* Sets the context's threads. The settings' crop, if any, is what is rendered. */

@@ -32,7 +32,7 @@ static bool take_turn(const trace_tracer *tracer, const record *rays, int way, r
 /* Ways take turns, each repetition beginning with another one. The render's way and single rays follow one
  * another, so that what changes with the time favours neither. */
 static bool measure_row(const trace_tracer *tracer, const record *rays, const record *sorted,
-                        unsigned repeats, samples *s, secondary_row *row) {
+                        unsigned repeats, const bench_watch *watch, samples *s, secondary_row *row) {
     bare_query query = row->kind == SECONDARY_SHADOW ? BARE_ANY : BARE_CLOSEST;
     for (unsigned k = 0; k < repeats; ++k) {
         for (int i = 0; i < SECONDARY_WAYS; ++i) {
@@ -43,28 +43,45 @@ static bool measure_row(const trace_tracer *tracer, const record *rays, const re
             if (way == SECONDARY_SINGLE) row->met = result.met[query];
         }
         s->to_single[k] = s->ns[SECONDARY_RENDER][k] / s->ns[SECONDARY_SINGLE][k];
+        bench_watch_tell(watch, k + 1, repeats);
     }
     for (int way = 0; way < SECONDARY_WAYS; ++way) row->ns[way] = quartiles_of(s->ns[way], repeats);
     row->to_single = quartiles_of(s->to_single, repeats);
     return true;
 }
 
+static uint64_t rays_of(const record *r) { return record_rays(r, BARE_CLOSEST) + record_rays(r, BARE_ANY); }
+
+static uint64_t all_rays(const secondary_rays *rays) {
+    uint64_t sum = 0;
+    for (uint32_t d = 0; d < SECONDARY_DEPTHS; ++d) {
+        for (int k = 0; k < SECONDARY_KINDS; ++k) sum += rays_of(&rays->of[d][k]);
+    }
+    return sum;
+}
+
 fathom_status secondary_measure(fathom_context *context, const trace_tracer *tracer,
-                                const secondary_rays *rays, unsigned repeats, secondary_time *out) {
+                                const secondary_rays *rays, unsigned repeats, const bench_watch *watch,
+                                secondary_time *out) {
+    const double all = (double)all_rays(rays);
+    double done = 0;
     out->count = 0;
+    bench_watch_tell(watch, 0, all);
     samples *s = malloc(sizeof *s);
     bool ok = s != NULL;
     for (uint32_t d = 0; d < SECONDARY_DEPTHS; ++d) {
         for (int k = 0; k < SECONDARY_KINDS && ok; ++k) {
             const record *r = &rays->of[d][k];
-            uint64_t count = record_rays(r, BARE_CLOSEST) + record_rays(r, BARE_ANY);
+            uint64_t count = rays_of(r);
             if (!count) continue;
+            const bench_watch part = bench_watch_part(watch, done / all, (done + (double)count) / all);
+            done += (double)count;
             record sorted;
             secondary_row *row = &out->rows[out->count++];
             *row = (secondary_row){.depth = d, .kind = (secondary_kind)k, .rays = count};
             ok = secondary_sorted(r, &sorted);
             if (!ok) break;
-            ok = measure_row(tracer, r, &sorted, repeats, s, row);
+            ok = measure_row(tracer, r, &sorted, repeats, &part, s, row);
             record_free(&sorted);
         }
     }

@@ -4,6 +4,7 @@
 
 #include "bench/secondary_rays.h"
 #include "bench/statistics.h"
+#include "bench/watch.h"
 
 #define SECONDARY_REPEATS_MAX 1000
 
@@ -36,8 +37,9 @@ typedef struct secondary_time {
     size_t count; /* of those that have rays */
 } secondary_time;
 
-/* The tracer must have a bare form. */
+/* The tracer must have a bare form; watch may be NULL. */
 fathom_status secondary_measure(fathom_context *context, const trace_tracer *tracer,
-                                const secondary_rays *rays, unsigned repeats, secondary_time *out);
+                                const secondary_rays *rays, unsigned repeats, const bench_watch *watch,
+                                secondary_time *out);
 
 #endif

@@ -105,13 +105,23 @@ typedef struct samples {
     double per_second[TRACE_TIME_REPEATS_MAX], per_cpu_second[TRACE_TIME_REPEATS_MAX];
 } samples;
 
+/* Finding how many blocks fit takes up to about two turns. */
+#define FITTING 2.0
+
+/* turns: that are done. */
+static void tell(const trace_time_options *options, size_t count, double turns) {
+    bench_watch_tell(options->watch, turns, (options->repeats + FITTING) * (double)(count * TRACE_SETS));
+}
+
 static void measure(const trace_tracer *const *tracers, size_t count, turn turns[][TRACE_SETS],
                     const trace_time_options *options, samples *kept, trace_rate (*out)[TRACE_SETS]) {
     for (size_t i = 0; i < count * TRACE_SETS; ++i) {
         turn *t = &turns[i / TRACE_SETS][i % TRACE_SETS];
         t->tracer = tracers[i / TRACE_SETS];
         t->blocks = fitting_blocks(*t, options);
+        tell(options, count, FITTING * (double)(i + 1));
     }
+    const double fitted = FITTING * (double)(count * TRACE_SETS);
     for (unsigned k = 0; k < options->repeats; ++k) {
         for (size_t i = 0; i < count * TRACE_SETS; ++i) {
             size_t tracer = (i + k) % count, set = i / count;
@@ -121,6 +131,7 @@ static void measure(const trace_tracer *const *tracers, size_t count, turn turns
             samples *to = &kept[tracer * TRACE_SETS + set];
             to->per_second[k] = rays * options->threads / o.seconds;
             to->per_cpu_second[k] = rays / o.cpu;
+            tell(options, count, fitted + (double)(k * count * TRACE_SETS + i + 1));
             out[tracer][set].rays = t->blocks * TRACE_WIDTH, out[tracer][set].met = o.met;
         }
     }

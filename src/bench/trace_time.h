@@ -4,6 +4,7 @@
 
 #include "bench/statistics.h"
 #include "bench/trace_rays.h"
+#include "bench/watch.h"
 
 #define TRACE_TIME_REPEATS_MAX 1000
 #define TRACE_TIME_TRACERS_MAX 32
@@ -18,7 +19,8 @@ typedef struct trace_rate {
 typedef struct trace_time_options {
     unsigned repeats; /* [1, TRACE_TIME_REPEATS_MAX] */
     unsigned threads;
-    double seconds; /* of processor time that one repetition of a tracer and a set may take */
+    double seconds;           /* of processor time that one repetition of a tracer and a set may take */
+    const bench_watch *watch; /* may be NULL */
 } trace_time_options;
 
 /* Tracers take turns, each repetition beginning with another one. out: for each tracer, for each set. */

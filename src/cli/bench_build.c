@@ -3,6 +3,7 @@
 #include "cli/bench_output.h"
 #include "cli/bench_run.h"
 #include "cli/json_text.h"
+#include "cli/progress.h"
 
 #include "bench/build_time.h"
 
@@ -143,9 +144,13 @@ static fathom_status bench(fathom_context *context, const void *user) {
     build_time result;
     fathom_status status = check_tracer(context, asked->tracer);
     if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
+    bench_progress_begin(asked->quiet);
+    const bench_watch watch = bench_progress_part(0, 1);
     if (status == FATHOM_OK) status = bench_open(context, asked->scene, asked->size, &stage);
     if (status == FATHOM_OK)
-        status = build_time_measure(context, &stage, asked->tracer, asked->repeats, asked->spp, &result);
+        status =
+            build_time_measure(context, &stage, asked->tracer, asked->repeats, asked->spp, &watch, &result);
+    progress_clear_line();
     if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
     if (status == FATHOM_OK) {
         if (!asked->quiet) print(&stage, &result);

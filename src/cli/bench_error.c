@@ -1,7 +1,6 @@
 /* `fathom bench error`: image error against run time, by antialiasing pattern. */
 #include "cli/bench_error.h"
 
-#include "base/clock.h"
 #include "base/status.h"
 #include "cli/bench.h"
 #include "cli/bench_run.h"
@@ -12,9 +11,7 @@
 #include <math.h>
 
 static bool on_progress(void *user, double fraction) {
-    const double *start = user;
-    const fathom_progress p = {FATHOM_PHASE_RENDER, fmin(fraction, 1), 0, clock_seconds() - *start};
-    progress_update(&p);
+    bench_progress_tell(user, fmin(fraction, 1));
     return !interrupt_asked();
 }
 
@@ -27,16 +24,12 @@ static fathom_status open_stage(fathom_context *context, const bench_error_setti
 
 static fathom_status measure(fathom_context *context, const bench_error_settings *asked,
                              const bench_stage *stage, converge_result *result) {
-    double start = clock_seconds();
     const converge_options options = {.rounds = asked->seeds,
                                       .max_spp = asked->max_spp,
                                       .half_spp = asked->half_spp,
                                       .seed = asked->seed,
                                       .ppd = asked->ppd,
-                                      .progress = on_progress,
-                                      .user = &start};
-    progress_begin(asked->quiet);
-    progress_call("measure");
+                                      .progress = on_progress};
     interrupt_keep_work(true);
     fathom_status status = converge_measure(context, stage, &options, result);
     interrupt_keep_work(false);
@@ -62,6 +55,7 @@ static fathom_status bench(fathom_context *context, const void *user) {
     trace_spec spec;
     fathom_status status = asked->tracer ? trace_spec_parse(context, asked->tracer, &spec) : FATHOM_OK;
     if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
+    bench_progress_begin(asked->quiet);
     if (status == FATHOM_OK) status = open_stage(context, asked, &stage);
     if (status == FATHOM_OK) status = measure(context, asked, &stage, &result);
     if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);

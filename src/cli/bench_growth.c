@@ -4,6 +4,7 @@
 #include "cli/bench_output.h"
 #include "cli/bench_run.h"
 #include "cli/json_text.h"
+#include "cli/progress.h"
 #include "cli/temporary.h"
 
 #include "bench/growth.h"
@@ -52,15 +53,28 @@ static fathom_status generate(fathom_context *context, uint64_t triangles, const
     return status;
 }
 
-static fathom_status measure(fathom_context *context, const bench_growth_settings *asked, uint64_t triangles,
+/* The part of all work that comes before size `index`. Rendering takes as long as reading and building of
+ * about a million triangles. */
+static double work_before(const bench_growth_settings *asked, size_t index) {
+    double before = 0, all = 0;
+    for (size_t i = 0; i < asked->triangles.count; ++i) {
+        const double work = (double)asked->triangles.items[i] + 1e6;
+        if (i < index) before += work;
+        all += work;
+    }
+    return before / all;
+}
+
+static fathom_status measure(fathom_context *context, const bench_growth_settings *asked, size_t index,
                              growth_point *out) {
-    const growth_options options = {asked->repeats, asked->seconds, asked->size.width, asked->size.height,
-                                    RECORD_BYTES};
+    const bench_watch watch = bench_progress_part(work_before(asked, index), work_before(asked, index + 1));
+    const growth_options options = {asked->repeats,     asked->seconds, asked->size.width,
+                                    asked->size.height, RECORD_BYTES,   &watch};
     char path[TEMPORARY_PATH];
     fathom_status status = temporary_create(context, ".glb", path);
     if (status != FATHOM_OK) return status;
     fathom_context_set_threads(context, 0);
-    status = generate(context, triangles, path);
+    status = generate(context, asked->triangles.items[index], path);
     if (status == FATHOM_OK) status = growth_measure(context, path, &options, out);
     temporary_remove(path);
     return status;
@@ -128,7 +142,8 @@ static fathom_status run_sizes(fathom_context *context, const bench_growth_setti
         for (size_t i = 0; i < json_array_size(runs); ++i) print_run(json_array_get(runs, i));
     }
     for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
-        status = measure(context, asked, asked->triangles.items[i], point);
+        status = measure(context, asked, i, point);
+        progress_clear_line();
         if (status != FATHOM_OK) break;
         json_t *run = pack_run(point);
         bench_head_tracer(root, point->tracer);
@@ -147,6 +162,7 @@ static fathom_status bench(fathom_context *context, const void *user) {
         return fail(context, FATHOM_BAD_USAGE, "--triangles N,N is missing");
     fathom_status status = bench_output_check(context, &asked->output, NULL);
     if (status != FATHOM_OK) return status;
+    bench_progress_begin(asked->quiet);
     json_t *root = bench_head("growth"), *runs = json_array();
     json_object_set_new(root, "width", json_count(asked->size.width));
     json_object_set_new(root, "height", json_count(asked->size.height));

@@ -3,6 +3,7 @@
 #include "cli/bench_output.h"
 #include "cli/bench_run.h"
 #include "cli/json_text.h"
+#include "cli/progress.h"
 #include "cli/temporary.h"
 
 #include "base/clock.h"
@@ -71,8 +72,8 @@ static fathom_status build(fathom_context *context, const world *w, const trace_
 
 static fathom_status measure(fathom_context *context, const fathom_scene *scene, const trace_spec *spec,
                              const fathom_settings *settings, const bench_render_settings *asked,
-                             measured *out) {
-    render_time_options options = {.repeats = asked->repeats, .record_bytes = RECORD_BYTES};
+                             const bench_watch *watch, measured *out) {
+    render_time_options options = {.repeats = asked->repeats, .record_bytes = RECORD_BYTES, .watch = watch};
     for (size_t i = 0; i < asked->threads.count; ++i)
         options.threads[options.thread_counts++] = (unsigned)asked->threads.items[i];
     fathom_context_set_threads(context, 0);
@@ -233,21 +234,32 @@ static fathom_status check_settings(fathom_context *context, const fathom_scene 
 
 static fathom_status measure_one(fathom_context *context, const fathom_scene *scene, const trace_spec *spec,
                                  const fathom_settings *settings, const bench_render_settings *asked,
-                                 double read, json_t *root) {
+                                 const bench_watch *watch, double read, json_t *root) {
     measured *m = calloc(1, sizeof *m);
     if (!m) return fail_memory(context, sizeof *m);
-    fathom_status status = measure(context, scene, spec, settings, asked, m);
+    fathom_status status = measure(context, scene, spec, settings, asked, watch, m);
     if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
     if (status == FATHOM_OK) {
         m->read = read;
         json_t *run = pack_run(settings, m);
         bench_head_tracer(root, m->tracer);
+        progress_clear_line();
         if (!asked->quiet) print_run(run);
         fflush(stdout);
         json_array_append_new(json_object_get(root, "runs"), run);
     }
     free(m);
     return status;
+}
+
+/* The part of all work that comes before run `index`: it is in proportion to the samples. */
+static double work_before(const bench_render_settings *asked, size_t index) {
+    double before = 0, all = 0;
+    for (size_t i = 0; i < asked->spp.count; ++i) {
+        if (i < index) before += (double)asked->spp.items[i];
+        all += (double)asked->spp.items[i];
+    }
+    return before / all;
 }
 
 static fathom_status measure_all(fathom_context *context, const bench_render_settings *asked,
@@ -262,7 +274,8 @@ static fathom_status measure_all(fathom_context *context, const bench_render_set
     status = check_settings(context, scene, asked);
     for (size_t i = 0; i < asked->spp.count && status == FATHOM_OK; ++i) {
         fathom_settings settings = settings_of(scene, asked, i);
-        status = measure_one(context, scene, spec, &settings, asked, read, root);
+        const bench_watch watch = bench_progress_part(work_before(asked, i), work_before(asked, i + 1));
+        status = measure_one(context, scene, spec, &settings, asked, &watch, read, root);
     }
     if (status == FATHOM_OK) status = bench_output_write(context, &asked->output, root, put_csv);
     json_decref(root);
@@ -277,7 +290,9 @@ static fathom_status bench(fathom_context *context, const void *user) {
     trace_spec spec;
     fathom_status status = trace_spec_parse(context, asked->tracer, &spec);
     if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
-    return status == FATHOM_OK ? measure_all(context, asked, &spec) : status;
+    if (status != FATHOM_OK) return status;
+    bench_progress_begin(asked->quiet);
+    return measure_all(context, asked, &spec);
 }
 
 static fathom_status run(int argc, char **argv) {

@@ -3,6 +3,7 @@
 #define CLI_BENCH_RUN_H
 
 #include "bench/stage.h"
+#include "bench/watch.h"
 #include "cli/command.h"
 
 /* `asked` is what the command line filled. */
@@ -12,6 +13,13 @@ typedef fathom_status (*bench_measure)(fathom_context *context, const void *aske
  * and files outside the scene's folder as --allow-outside says, and says what went wrong. */
 fathom_status bench_run(const command *c, unsigned threads, bool outside, bench_measure measure,
                         const void *asked);
+
+/* How far it is, as render shows it, and once it can be told, how long it takes. Begins with reading. */
+void bench_progress_begin(bool quiet);
+/* Fraction of all that is measured. */
+void bench_progress_tell(void *unused, double fraction);
+/* For measurements that are this part of all. */
+bench_watch bench_progress_part(double from, double to);
 
 /* The scene of the file with its settings, but for one sample a pixel and neither a target error nor a time;
  * size: in place of the settings', unless it is 0. Release with stage_close(), whatever comes back. */

@@ -3,6 +3,7 @@
 #include "cli/bench_output.h"
 #include "cli/bench_run.h"
 #include "cli/json_text.h"
+#include "cli/progress.h"
 
 #include "bench/secondary_time.h"
 
@@ -90,7 +91,9 @@ static fathom_status measure(fathom_context *context, const bench_stage *stage,
     fathom_status status = rays && time ? FATHOM_OK : fail_memory(context, sizeof *rays + sizeof *time);
     if (status == FATHOM_OK) status = record_stage(context, stage, asked->rays, rays);
     if (status == FATHOM_OK) {
-        status = secondary_measure(context, stage->tracer, rays, asked->repeats, time);
+        const bench_watch watch = bench_progress_part(0, 1);
+        status = secondary_measure(context, stage->tracer, rays, asked->repeats, &watch, time);
+        progress_clear_line();
         secondary_free(rays);
     }
     bench_head_tracer(root, trace_name(stage->tracer));
@@ -128,6 +131,7 @@ static fathom_status bench(fathom_context *context, const void *user) {
     fathom_status status = trace_spec_parse(context, asked->tracer, &spec);
     if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
     if (status != FATHOM_OK) return status;
+    bench_progress_begin(asked->quiet);
     json_t *root = head(asked);
     status = run_scene(context, asked, root);
     if (status == FATHOM_OK && !asked->quiet) print_rows(json_object_get(root, "rows"));

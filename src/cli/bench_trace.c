@@ -4,6 +4,7 @@
 #include "cli/bench_run.h"
 #include "cli/command.h"
 #include "cli/json_text.h"
+#include "cli/progress.h"
 
 #include "base/clock.h"
 #include "base/threads.h"
@@ -76,13 +77,15 @@ typedef struct arena {
     bench_stage stage; /* without a tracer: each contestant has its own */
     const char *name;
     uint64_t triangles, primitives;
+    double from, to; /* its part of all that is measured */
 } arena;
 
-static arena arena_of(const bench_stage *stage, const char *name) {
+static arena arena_of(const bench_stage *stage, const char *name, double from, double to) {
     const fathom_scene *scene = stage->scene;
     uint64_t triangles = scene_triangles(scene);
-    return (arena){*stage, name, triangles,
-                   triangles + scene->spheres.count + scene->quads.count + scene->planes.count};
+    return (arena){*stage,    name,
+                   triangles, triangles + scene->spheres.count + scene->quads.count + scene->planes.count,
+                   from,      to};
 }
 
 static fathom_status open_sphere(fathom_context *context, uint64_t triangles, bench_stage *out) {
@@ -109,7 +112,8 @@ static fathom_status race(fathom_context *context, const arena *s, const bench_t
                           field *f) {
     const trace_tracer *tracers[TRACE_TIME_TRACERS_MAX];
     static trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS];
-    const trace_time_options options = {asked->repeats, asked->threads, asked->seconds};
+    const bench_watch watch = bench_progress_part(s->from, s->to);
+    const trace_time_options options = {asked->repeats, asked->threads, asked->seconds, &watch};
     trace_set sets[TRACE_SETS] = {{NULL, 0}};
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
@@ -250,17 +254,21 @@ static fathom_status run_arena(fathom_context *context, const arena *s, const be
         bench_head_tracer(root, trace_name(f->items[i].tracer));
         json_array_append_new(runs, pack_run(s, &f->items[i]));
     }
+    progress_clear_line();
     if (status == FATHOM_OK && !asked->quiet) print_scene(s, f, runs, first);
     for (size_t i = 0; i < f->count; ++i) trace_destroy(f->items[i].tracer);
     free(f);
     return status;
 }
 
+/* index: of the scene among those that are measured. */
 static fathom_status run_stage(fathom_context *context, fathom_status opened, bench_stage *stage,
-                               const char *name, const bench_trace_settings *asked, json_t *root) {
+                               const char *name, double index, const bench_trace_settings *asked,
+                               json_t *root) {
     fathom_status status = opened;
     if (status == FATHOM_OK) {
-        const arena a = arena_of(stage, name);
+        const double all = (double)(asked->triangles.count + (asked->scene != NULL));
+        const arena a = arena_of(stage, name, index / all, (index + 1) / all);
         status = run_arena(context, &a, asked, root);
     }
     if (status == FATHOM_OK) status = fathom_scene_check_files(stage->scene);
@@ -273,11 +281,12 @@ static fathom_status run_scenes(fathom_context *context, const bench_trace_setti
     bench_stage stage;
     if (asked->scene) {
         status = bench_open(context, asked->scene, (args_size){0, 0}, &stage);
-        status = run_stage(context, status, &stage, asked->scene, asked, root);
+        status = run_stage(context, status, &stage, asked->scene, 0, asked, root);
     }
     for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
         status = open_sphere(context, asked->triangles.items[i], &stage);
-        status = run_stage(context, status, &stage, "generated sphere", asked, root);
+        status = run_stage(context, status, &stage, "generated sphere", (double)i + (asked->scene != NULL),
+                           asked, root);
     }
     return status;
 }
@@ -294,6 +303,7 @@ static fathom_status bench(fathom_context *context, const void *user) {
     const bench_trace_settings *asked = user;
     fathom_status status = check(context, asked);
     if (status != FATHOM_OK) return status;
+    bench_progress_begin(asked->quiet);
     json_t *root = bench_head("trace");
     json_object_set_new(root, "repeats", json_count(asked->repeats));
     json_object_set_new(root, "threads", json_count(asked->threads));

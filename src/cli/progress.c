@@ -148,7 +148,8 @@ static void print_line(const fathom_progress *p) {
 }
 
 static void print_json(const fathom_progress *p) {
-    if (state.seconds >= 0 && p->seconds < state.seconds + JSON_EVERY_SECONDS) return;
+    const bool ends = p->fraction >= 1 && state.tenths < 10;
+    if (state.seconds >= 0 && p->seconds < state.seconds + JSON_EVERY_SECONDS && !ends) return;
     char text[128], members[256], left[48] = "";
     progress_line(p, text, sizeof text);
     if (seconds_left(p) >= 0) snprintf(left, sizeof left, ", \"secondsLeft\": %.3g", seconds_left(p));
@@ -157,6 +158,7 @@ static void print_json(const fathom_progress *p) {
              phase_name(p->phase), clamp_fraction(p->fraction), p->seconds, rays_per_second(p), left);
     log_line_with(LOG_INFO, text, members);
     state.seconds = p->seconds;
+    state.tenths = (unsigned)(10 * clamp_fraction(p->fraction));
 }
 
 static void draw_bar(const fathom_progress *p) {

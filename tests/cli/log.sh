@@ -44,6 +44,20 @@ said out.txt 'a.png: 96x64'
 run_log render scene.json -o a.png --log json --quiet
 silent err.txt
 
+# Every bench tells how far it is, up to the end.
+for bench in 'trace scene.json --rays 64 --tracer bvh' 'render scene.json --spp 1' 'build scene.json' 'secondary scene.json' \
+    'error scene.json --max-spp 1' 'growth --triangles 100,1k --size 32x32'; do
+    repeats='--repeats 1'
+    case $bench in error*) repeats='--seeds 1' ;; esac
+    # shellcheck disable=SC2086
+    run_log bench $bench $repeats --log json
+    lines_are_objects
+    said err.txt '"phase": "measure", "fraction": 1.0000'
+    # shellcheck disable=SC2086
+    run_log bench $bench $repeats --log json --quiet
+    silent err.txt
+done
+
 # Warnings.
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n' >mesh.obj
 run_log render mesh.obj -o a.png --size 8x8 --log json --quiet

@@ -1,5 +1,6 @@
 /* Build quality against time: ranges and totals from made-up medians. */
 #include "bench/build_time.h"
+#include "told.h"
 #include "unit.h"
 
 static fathom_context *context;
@@ -64,7 +65,10 @@ static void never(void **state) {
 static void measured(void **state) {
     (void)state;
     build_time t;
-    assert_ok(context, build_time_measure(context, &stage, "embree:default", 2, 4, &t));
+    told far;
+    const bench_watch watch = told_watch(&far);
+    assert_ok(context, build_time_measure(context, &stage, "embree:default", 2, 4, &watch, &t));
+    told_all(&far, 3);
     for (int q = 0; q < BUILD_QUALITIES; ++q) {
         assert_true(t.qualities[q].build[BENCH_WALL].median > 0);
         assert_true(t.qualities[q].sample[BENCH_WALL].median > 0);

@@ -4,6 +4,7 @@
 #include "bench/render_time.h"
 #include "bench/replay.h"
 #include "render/job.h"
+#include "told.h"
 #include "trace/beside.h"
 
 /* Balls over a floor of triangles, near and lit: no planes, which Embree does not see, and one sphere more
@@ -134,14 +135,17 @@ static void measures(void **state) {
     const uint64_t room[] = {UINT64_C(1) << 30, 1};
     const unsigned bands[] = {1, 4};
     for (int k = 0; k < 2; ++k) {
+        told far;
+        const bench_watch watch = told_watch(&far);
         render_time_options options = {
-            .repeats = 2, .threads = {1, 2}, .thread_counts = 2, .record_bytes = room[k]};
+            .repeats = 2, .threads = {1, 2}, .thread_counts = 2, .record_bytes = room[k], .watch = &watch};
         render_time time;
         assert_ok(s.context, render_time_measure(s.context, s.world, real, &settings, &options, &time));
         assert_int_equal(time.rays.camera, 7000);
         assert_true(time.rays.shadow > 100);
         assert_true(time.has_ratio);
         assert_int_equal(time.ratio.bands, bands[k]);
+        told_all(&far, 1 + 2 + 3 * bands[k]);
         assert_int_equal(time.ratio.closest, time.rays.camera);
         assert_int_equal(time.ratio.any, time.rays.shadow);
     }

@@ -3,6 +3,7 @@
 #include "bench/secondary_time.h"
 
 #include "render.h"
+#include "told.h"
 
 typedef struct studio {
     stage s;
@@ -128,7 +129,10 @@ static void meets(void **state) {
     secondary_time *time = malloc(sizeof *time);
     assert_non_null(time);
     assert_ok(t.s.context, secondary_record(t.s.context, t.plan, 3000, &rays));
-    assert_ok(t.s.context, secondary_measure(t.s.context, t.tracer, &rays, 2, time));
+    told far;
+    const bench_watch watch = told_watch(&far);
+    assert_ok(t.s.context, secondary_measure(t.s.context, t.tracer, &rays, 2, &watch, time));
+    told_all(&far, 1 + 2 * (unsigned)time->count);
     assert_true(time->count >= 8);
     for (size_t i = 0; i < time->count; ++i) {
         const secondary_row *row = &time->rows[i];

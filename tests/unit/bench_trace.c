@@ -2,6 +2,7 @@
 #include "stage.h"
 
 #include "bench/trace_time.h"
+#include "told.h"
 
 static void open_scene(stage *s) {
     stage_open(s);
@@ -86,9 +87,12 @@ static void whole(void **state) {
     trace_set sets[TRACE_SETS];
     assert_ok(s.context, trace_sets_create(s.context, s.world, made[0], 5000, sets));
     for (unsigned threads = 1; threads < 4; threads += 2) {
-        trace_time_options options = {.repeats = 2, .threads = threads, .seconds = 1e6};
+        told far;
+        const bench_watch watch = told_watch(&far);
+        trace_time_options options = {.repeats = 2, .threads = threads, .seconds = 1e6, .watch = &watch};
         trace_rate rates[4][TRACE_SETS];
         assert_ok(s.context, trace_time_measure(s.context, tracers, 4, sets, &options, rates));
+        told_all(&far, 3 * 4 * TRACE_SETS);
         for (int k = 0; k < TRACE_SETS; ++k) {
             for (int i = 0; i < 4; ++i) {
                 assert_int_equal(rates[i][k].rays, sets[k].count * TRACE_WIDTH);

@@ -134,7 +134,7 @@ static fathom_status measure_build(fathom_context *context, const char *file, ou
     bench_stage stage;
     build_time time;
     fathom_status status = open_stage(context, file, &stage);
-    if (status == FATHOM_OK) status = build_time_measure(context, &stage, "embree", 2, 1, &time);
+    if (status == FATHOM_OK) status = build_time_measure(context, &stage, "embree", 2, 1, NULL, &time);
     for (int q = 0; q < BUILD_QUALITIES && status == FATHOM_OK; ++q)
         add(out, &time.qualities[q].rays, sizeof time.qualities[q].rays);
     stage_close(&stage);
@@ -161,7 +161,7 @@ static fathom_status measure_rays(fathom_context *context, const bench_stage *st
     static secondary_time time;
     fathom_status status = secondary_record(context, plan, UINT64_MAX, &rays);
     if (status != FATHOM_OK) return status;
-    status = secondary_measure(context, stage->tracer, &rays, 1, &time);
+    status = secondary_measure(context, stage->tracer, &rays, 1, NULL, &time);
     for (size_t i = 0; i < time.count && status == FATHOM_OK; ++i)
         add(out, &time.rows[i].met, sizeof time.rows[i].met);
     secondary_free(&rays);
