@@ -59,7 +59,7 @@ mkdir room
 TMPDIR=$PWD/room
 "$FATHOM" bench growth --triangles 10k --repeats 100 --seconds 1000 --quiet >out.txt 2>err.txt &
 bench=$!
-while [ -z "$(find room -name 'fathom-bench-*' -size +0)" ] && kill -0 $bench 2>/dev/null; do sleep 0.05; done
+while [ -z "$(find room -name 'fathom-*.glb' -size +0)" ] && kill -0 $bench 2>/dev/null; do sleep 0.05; done
 kill $bench
 code=0
 wait $bench || code=$?
