@@ -153,7 +153,7 @@ static void choose_calls(embree_tracer *tracer) {
 #endif
 }
 
-static void put_name(RTCDevice device, trace_isa most, char *out, size_t size) {
+static void put_name(RTCDevice device, isa_set most, char *out, size_t size) {
     snprintf(out, size, "Embree %d.%d.%d, %s",
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
              (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
@@ -163,7 +163,7 @@ static void put_name(RTCDevice device, trace_isa most, char *out, size_t size) {
 void trace_embree_name(char *out, size_t size) {
     RTCDevice device = rtcNewDevice("threads=1");
     snprintf(out, size, "Embree %s cannot be started", RTC_VERSION_STRING);
-    if (device) put_name(device, TRACE_ISA_BEST, out, size);
+    if (device) put_name(device, isa_limit(ISA_BEST), out, size);
     release_device(device);
 }
 
