@@ -31,9 +31,9 @@ static struct {
     pid_t child;
     int socket;
     wire_memory memory;
-    uint64_t process; /* counts the helpers, from 1 */
+    uint64_t process;     /* counts the helpers, from 1 */
     char libraries[1024]; /* as it said when it was ready */
-    char why[1024];   /* the last start failed */
+    char why[1024];       /* the last start failed */
 } helper = {.lock = PTHREAD_MUTEX_INITIALIZER, .socket = -1, .memory = {.descriptor = -1}};
 
 static void say(char text[1024], const char *format, ...) __attribute__((format(printf, 2, 3)));

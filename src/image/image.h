@@ -95,8 +95,8 @@ void image_release(const image *img);
 /* Starts the helper, and does not wait for it. */
 void image_prefetch(void);
 
-/* The libraries that the helper works with, "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2", in `out`; waits for its start.
- * FATHOM_OUT_OF_RESOURCES as of image_write(). */
+/* The libraries that the helper works with, "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2", in `out`; waits for its
+ * start. FATHOM_OUT_OF_RESOURCES as of image_write(). */
 fathom_status image_libraries(fathom_context *context, char out[256]);
 
 /* FATHOM_OUT_OF_RESOURCES with the reason once its start has failed, so that nobody renders for hours towards
