@@ -7,7 +7,7 @@
 
 #include <limits.h>
 
-/* "out.partial.exr" for "out.exr", cut where names may not be as long; "-" stays. False where the path is too
+/* "out.partial.exr" for "out.exr", cut where names may not be as long. False where the path is too
  * long. */
 bool partial_name(const char *path, char out[PATH_MAX]);
 

@@ -187,3 +187,32 @@ if command -v script >/dev/null; then
     script -qec "'$FATHOM' render scene.json -o -" /dev/null </dev/null >tty.txt && die 'an image to a terminal'
     said tty.txt 'standard output is a terminal; expected a pipe or a file'
 fi
+
+# Interrupted: what there is goes to standard output, too, and no file is left.
+mkdir temporary
+TMPDIR=$PWD/temporary
+export TMPDIR
+"$FATHOM" render scene.json -o - --size 640x480 --pattern sobol --spp 65536 --log json >b.png 2>err.txt &
+render=$!
+while ! grep -q '"phase": "render"' err.txt && kill -0 $render 2>/dev/null; do sleep 0.05; done
+kill $render
+code=0
+wait $render || code=$?
+[ $code -eq 5 ] || die "interrupted: exit code $code, expected 5"
+said err.txt 'interrupted; the image is written as far as it got, to stdout.png'
+run 0 compare b.png b.png
+rmdir temporary || die "interrupted: left $(ls temporary)"
+unset TMPDIR
+
+# The image helper is a part of the installation: without it the machine lacks something, and the message says what.
+mkdir alone
+cp "$FATHOM" alone/fathom
+code=0
+alone/fathom render scene.json -o d.exr >out.txt 2>err.txt || code=$?
+[ $code -eq 4 ] || die "a program without its helper: exit code $code, expected 4"
+said err.txt 'fathom: image helper: fathom/fathom-image was found neither beside'
+said err.txt 'install Fathom again, or write .png'
+alone/fathom render scene.json -o d.png >out.txt 2>err.txt || die 'PNG needs no helper'
+alone/fathom --version -v >out.txt
+said out.txt 'images    PNG alone: image helper: '
+rm -r alone
