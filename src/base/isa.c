@@ -22,7 +22,7 @@ isa_set isa_limit(isa_set most) {
 
 const char *isa_unknown(void) {
     const char *text = getenv("FATHOM_ISA");
-    return text && named(text) == ISA_BEST ? text : NULL;
+    return text && *text && named(text) == ISA_BEST ? text : NULL;
 }
 
 #if defined(__x86_64__)

@@ -4,6 +4,7 @@
 
 #include "render.h"
 #include "told.h"
+#include "trace/beside.h"
 
 typedef struct studio {
     stage s;
@@ -12,7 +13,7 @@ typedef struct studio {
     render_plan *plan;
 } studio;
 
-/* A ball of glass before a ball of mirrors, both of triangles, over a floor that takes their shadows. */
+/* A ball of glass of triangles before a ball of mirrors, over a floor that takes their shadows. */
 static void studio_open(studio *t) {
     t->s = stage_open(100, 70);
     fathom_material m;
@@ -23,6 +24,8 @@ static void studio_open(studio *t) {
     fathom_id mirror = stage_material(&t->s, &m);
     stage_mesh_sphere(&t->s, FATHOM_ROOT, 24, 48, glass);
     stage_sphere(&t->s, 0.6, 0.3, -2.4, 1, mirror);
+    /* More spheres than are tested next to Embree: bare calls meet them too. */
+    for (int i = 0; i < BESIDE_MOST; ++i) stage_sphere(&t->s, 0, -9 - 3 * i, 0, 1, mirror);
     stage_quad(&t->s, (double[3]){0, -1.1, 0}, (double[3]){5, 0, 0}, (double[3]){0, 0, -5},
                stage_lambert(&t->s, 0.5f));
     stage_point_light(&t->s, 2, 5, 4, 40);
