@@ -1,7 +1,7 @@
 /* A few spheres of the root, tested next to Embree's trees as planes are.
  *
  * Embree keeps a tree for each kind of geometry, and every ray goes through all of them: ten spheres with
- * callbacks next to a mesh of a million triangles cost all rays 6 to 9 %, met or not, Embree's own spheres
+ * callbacks next to a mesh of a million triangles cost all rays 6 to 7 %, met or not, Embree's own spheres
  * 27 % (bench/README.md). Sixteen spheres are held against a block of rays in two of AVX2's vectors, and few
  * blocks come near one. */
 #ifndef TRACE_BESIDE_H
