@@ -29,6 +29,7 @@ static void null_for_contexts(void **state) {
     fathom_guard_files(); /* takes nothing */
     assert_true(fathom_context_threads(NULL) >= 1);
     assert_non_null(fathom_version());
+    assert_non_null(fathom_commit());
 }
 
 static void null_for_defaults(void **state) {
