@@ -59,7 +59,8 @@ static bool comes_first(const embree_tracer *tracer, const trace_block *block, u
     if (hits->geometry[lane] == FATHOM_NONE) return true;
     const uint32_t other[3] = {hits->instance[lane], hits->geometry[lane], hits->primitive[lane]};
     bool settled = tracer->filter && t <= met * EMBREE_HALF_WINDOW && met <= t * EMBREE_HALF_WINDOW;
-    if (settled && !embree_vote_reference(tracer, &block->rays, lane, t_far, other, &met)) settled = false;
+    /* Where the reference has no t of its own, Embree's stands. */
+    if (settled) (void)embree_vote_reference(tracer, &block->rays, lane, t_far, other, &met);
     return t < met || (t == met && search_comes_before_f32(ids, other));
 }
 

@@ -238,10 +238,10 @@ static void shadows_of_clear_things(void **state) {
 /* Whatever else the material has: the shape is not there. */
 static void what_mask_cuts_away_is_not_there(void **state) {
     fixture *f = *state;
-    static const char *const more[] = {"", "'emissiveFactor':[1,1,1]",
-                                       "'extensions':{'KHR_materials_unlit':{}}",
-                                       "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},'"
-                                       "KHR_materials_ior':{'ior':1.33}}"};
+    static const char *const more[] = {
+        "", "'emissiveFactor':[1,1,1]", "'extensions':{'KHR_materials_unlit':{}}",
+        ("'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},'"
+         "KHR_materials_ior':{'ior':1.33}}")};
     for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
         char json[4096];
         snprintf(json, sizeof json,
