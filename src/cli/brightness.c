@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of what is in view, at least, to be warned of. */
+/* The least share of the view that is worth a warning. */
 #define MOST_PIXELS 0.5
 
 /* 8 of 255 levels of sRGB, whose curve is 12.92 x there. */

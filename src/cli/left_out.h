@@ -7,7 +7,7 @@
 #include <fathom/render.h>
 #include <jansson.h>
 
-/* That the image helper is not started. False when out of memory. */
+/* Adds that the image helper is not started. False when out of memory. */
 bool left_out_image_module(left_out_list *list);
 /* A line each, the first behind `title`, the others below it. */
 void left_out_print(const fathom_left_out *items, uint32_t count, const char *title);

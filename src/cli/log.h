@@ -15,7 +15,7 @@ bool log_take_option(int *argc, char **argv, args_problem *problem);
 bool log_is_json(void);
 
 /* "fathom: text", or {"time": seconds since 1970, "level": "error", "message": "text"}. A progress bar is
- * taken away first. What could steer a terminal becomes '?', and what is longer than LOG_LENGTH is cut off.
+ * taken away first. Bytes that could steer a terminal become '?'. Text beyond LOG_LENGTH is cut.
  * Asks for no memory and takes no lock: signal handlers may call it. */
 #define LOG_LENGTH 8192
 void log_line(log_level level, const char *text);

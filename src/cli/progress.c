@@ -24,7 +24,7 @@ static struct {
 #define LINES_AFTER_SECONDS 1.0
 /* Programs get the beginning of each phase, and then a line as often. */
 #define JSON_EVERY_SECONDS 1.0
-/* What is over sooner needs no estimate. */
+/* Shorter work needs no estimate. */
 #define ESTIMATE_FROM_SECONDS 10.0
 
 static display choose_display(bool quiet) {

@@ -1,4 +1,4 @@
-/* What made a result: for headers of images and for --stats. */
+/* Provenance of a result, for headers of images and for --stats. */
 #ifndef CLI_PROVENANCE_H
 #define CLI_PROVENANCE_H
 

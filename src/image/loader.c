@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "image/helper.h"
+#include "image/pack.h"
 #include "image/wire_image.h"
 
 #include <limits.h>
@@ -49,16 +50,6 @@ static helper_exchange about(const remote *r, wire_op op) {
 
 /* ---- writing ---- */
 
-static size_t storage_bytes(image_storage storage) {
-    switch (storage) {
-    case IMAGE_STORE_U8: return 1;
-    case IMAGE_STORE_HALF: return 2;
-    case IMAGE_STORE_FLOAT:
-    case IMAGE_STORE_UINT: return 4;
-    }
-    return 0;
-}
-
 static fathom_status open_writer(const image_target *target, image_writer **out, image_message *message) {
     wire_buffer b = {NULL, 0, 0, false};
     helper_exchange e = {.request = {.op = WIRE_OPEN, .threads = target->threads},
@@ -79,7 +70,7 @@ static fathom_status open_writer(const image_target *target, image_writer **out,
     }
     r->width = target->img->width;
     for (size_t i = 0; i < target->img->channel_count; ++i)
-        r->pixel_bytes += storage_bytes(target->storage[i]);
+        r->pixel_bytes += pack_storage_size(target->storage[i]);
     *out = (image_writer *)(void *)r;
     return FATHOM_OK;
 }
