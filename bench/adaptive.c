@@ -5,7 +5,7 @@
  * True images have SPP Sobol samples of another seed. Ways take turns within each repetition. From the CPU
  * time of fathom_render(), all threads together, that of the same call for one wave and 4 samples is taken
  * off: what is left is rendering, the build always being the same. */
-#include "image/flip.h"
+#include "image/compare/flip.h"
 
 #include <fathom/fathom.h>
 

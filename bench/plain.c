@@ -6,7 +6,7 @@
  * plan, queues or lists; what it does to a block is done by the renderer's own kernels. Its pixels have to be
  * the renderer's, bit by bit: both do the same work. Both run on one thread and take turns. */
 #include "base/clock.h"
-#include "bench/statistics.h"
+#include "measure/statistics.h"
 #include "render/job.h"
 #include "render/surface_point.h"
 #include "scene/scene.h"

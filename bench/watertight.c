@@ -1,11 +1,11 @@
 /* What slips through closed meshes, and what it costs that nothing does. See watertight.sh.
  *   watertight count FILE RAYS SPEC…     rays at vertices from inside: missed before and after the repair
  *   watertight cost FILE REPEATS         a frame's camera rays with and without the repair, interleaved */
-#include "trace/watertight.h"
+#include "trace/watertight/watertight.h"
 #include "base/clock.h"
-#include "parity/rays_aim.h"
 #include "shade/camera.h"
 #include "trace/search.h"
+#include "verify/search/rays_aim.h"
 
 #include <fathom/fathom.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef TESTS_TOLD_H
 #define TESTS_TOLD_H
 
-#include "bench/watch.h"
+#include "measure/watch.h"
 #include "unit.h"
 
 typedef struct told {

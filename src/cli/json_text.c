@@ -1,7 +1,7 @@
 #include "cli/json_text.h"
 
 #include "base/status.h"
-#include "cli/outputs.h"
+#include "cli/render/outputs.h"
 #include "json/memory.h"
 
 #include <stdlib.h>

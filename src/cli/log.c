@@ -1,7 +1,7 @@
 #include "cli/log.h"
 
 #include "base/text.h"
-#include "cli/progress.h"
+#include "cli/render/progress.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 #include "cli/command.h"
-#include "cli/exhausted.h"
 #include "cli/log.h"
 #include "cli/provenance.h"
+#include "cli/render/exhausted.h"
 #include "cli/version.h"
 
 #include <errno.h>

@@ -2,7 +2,7 @@
 #ifndef IMAGE_MODULE_GUARD_H
 #define IMAGE_MODULE_GUARD_H
 
-#include "image/module.h"
+#include "image/helper/module.h"
 
 #include <cstdio>
 #include <new>

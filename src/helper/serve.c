@@ -3,7 +3,7 @@
  * The library starts it when the first image needs it, and it ends when the library's end of the socket
  * closes. Whatever its libraries do (exit, abort, fault, hang), the renderer's process lives on and says so.
  */
-#include "image/wire_image.h"
+#include "image/helper/wire_image.h"
 
 #include <dlfcn.h>
 #include <limits.h>

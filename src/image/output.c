@@ -2,7 +2,7 @@
 
 #include "base/file.h"
 #include "image/date.h"
-#include "image/loader.h"
+#include "image/helper/loader.h"
 
 #include <math.h>
 #include <stdlib.h>

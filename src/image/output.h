@@ -2,7 +2,7 @@
 #ifndef IMAGE_OUTPUT_H
 #define IMAGE_OUTPUT_H
 
-#include "image/module.h"
+#include "image/helper/module.h"
 
 /* FATHOM_BAD_USAGE: the extension is unknown. */
 fathom_status output_format(fathom_context *context, const char *path, image_format *out);

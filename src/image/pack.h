@@ -2,7 +2,7 @@
 #ifndef IMAGE_PACK_H
 #define IMAGE_PACK_H
 
-#include "image/module.h"
+#include "image/helper/module.h"
 #include "image/srgb.h"
 
 typedef struct image_packing {

@@ -1,5 +1,5 @@
 #include "base/file.h"
-#include "image/loader.h"
+#include "image/helper/loader.h"
 
 #include <string.h>
 

@@ -9,7 +9,7 @@
 typedef struct path_block {
     _Alignas(64) float weight[3][LANES];
     uint32_t slot[LANES];
-    uint8_t depth[LANES]; /* closed meshes around the ray's origin; see trace/watertight.h */
+    uint8_t depth[LANES]; /* closed meshes around the ray's origin; see trace/watertight/watertight.h */
 } path_block;
 
 /* Where in their pixels the samples of a square of 4 × 4 lie, row by row: [0,1) from the top left. */

@@ -3,7 +3,7 @@
 #ifndef RENDER_LIGHT_SURFACES_H
 #define RENDER_LIGHT_SURFACES_H
 
-#include "scene/world.h"
+#include "scene/world/world.h"
 #include "shade/light.h"
 
 /* The most of one light: the nearest are kept. Twenty triangles meet in a vertex of a fine mesh at worst. */

@@ -2,7 +2,7 @@
 #ifndef RENDER_LOCAL_HIT_H
 #define RENDER_LOCAL_HIT_H
 
-#include "scene/world.h"
+#include "scene/world/world.h"
 
 /* As a lane of local_block. */
 typedef struct local_hit {

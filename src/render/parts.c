@@ -1,6 +1,6 @@
 #include "render/parts.h"
 
-#include "scene/absent.h"
+#include "scene/mesh/absent.h"
 #include "shade/material.h"
 
 #include <stdio.h>

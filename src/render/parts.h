@@ -2,7 +2,7 @@
 #ifndef RENDER_PARTS_H
 #define RENDER_PARTS_H
 
-#include "scene/world.h"
+#include "scene/world/world.h"
 
 #include <fathom/render.h>
 

@@ -4,7 +4,7 @@
 
 #include "render/kernels.h"
 #include "render/parts.h"
-#include "trace/watertight.h"
+#include "trace/watertight/watertight.h"
 
 #define PLAN_DEPTH_UNSURE UINT8_MAX
 

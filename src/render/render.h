@@ -3,7 +3,7 @@
 #define RENDER_RENDER_H
 
 #include "render/job.h"
-#include "scene/world.h"
+#include "scene/world/world.h"
 
 #include <fathom/render.h>
 

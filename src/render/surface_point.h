@@ -3,7 +3,7 @@
 #ifndef RENDER_SURFACE_POINT_H
 #define RENDER_SURFACE_POINT_H
 
-#include "scene/world.h"
+#include "scene/world/world.h"
 #include "shade/kernels.h"
 #include "trace/trace.h"
 

@@ -42,7 +42,7 @@ typedef struct first_hits {
 
 typedef struct ray_counts {
     uint64_t camera, shadow, reflection, refraction;
-    uint64_t repaired; /* of these: answers put right by trace/watertight.h */
+    uint64_t repaired; /* of these: answers put right by trace/watertight/watertight.h */
     uint64_t unlit;    /* shadow rays that nothing was to be gained from */
     uint64_t faint;    /* and too little */
 } ray_counts;

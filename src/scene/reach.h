@@ -2,7 +2,7 @@
 #ifndef SCENE_REACH_H
 #define SCENE_REACH_H
 
-#include "scene/mesh_facts.h"
+#include "scene/mesh/mesh_facts.h"
 
 #include <stdbool.h>
 #include <stddef.h>

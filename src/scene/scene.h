@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "math/affine.h"
-#include "scene/mesh_facts.h"
+#include "scene/mesh/mesh_facts.h"
 
 #include <fathom/read.h>
 

@@ -2,7 +2,7 @@
 #ifndef SHADE_KERNELS_H
 #define SHADE_KERNELS_H
 
-#include "scene/world.h"
+#include "scene/world/world.h"
 #include "shade/bend.h"
 #include "shade/camera.h"
 #include "shade/light.h"

@@ -15,8 +15,8 @@ typedef double lanes3_f64[3][LANES];
 /* Near its plane a triangle of side L and normal n is told from a ray by t = n·v / n·d, the corners v seen
  * from the start: each is off by u L, each term of n and of the two products by some units of L², L³. Were
  * all roundings at their worst and of one sign, 26 u L² / |n| sides of distance could be lost
- * (parity/verdict_bound.c), 30 u L for an equilateral one. They are not: of 1e6 rays from triangles up to
- * four times as long as wide none needs more than 2 u L, neither by our form nor by Embree's
+ * (verify/verdict/verdict_bound.c), 30 u L for an equilateral one. They are not: of 1e6 rays from triangles
+ * up to four times as long as wide none needs more than 2 u L, neither by our form nor by Embree's
  * (bench/offset.sh). Six times that is taken; and all of it, with the point's own rounding, stays below 32
  * units. Slivers would need more, as the inverse of their width: bench/README.md says how many of their rays
  * meet them again. */

@@ -21,7 +21,7 @@ typedef struct surface_block {
     uint32_t entering[LANES]; /* all ones: the viewer is outside, by the geometric normal; else 0 */
     uint32_t smooth[LANES];   /* all ones: the side of a light is judged by ns, not ng; else 0 */
     uint8_t depth[LANES], depth_behind[LANES]; /* closed meshes around the viewer's side, and around the
-                                                  other; set where trace/watertight.h is in use */
+                                                  other; set where trace/watertight/watertight.h is in use */
     uint32_t count;                            /* lanes [0, count) are points; the rest repeats the last */
 } surface_block;
 

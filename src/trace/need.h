@@ -2,7 +2,7 @@
 #ifndef TRACE_NEED_H
 #define TRACE_NEED_H
 
-#include "scene/world.h"
+#include "scene/world/world.h"
 
 typedef struct trace_need {
     double kept;   /* bytes of Embree's finished structure, beyond the meshes themselves */

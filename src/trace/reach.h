@@ -2,7 +2,7 @@
 #ifndef TRACE_REACH_H
 #define TRACE_REACH_H
 
-#include "scene/world.h"
+#include "scene/world/world.h"
 
 /* Embree drops primitives whose coordinates are not below this; half of it leaves room for sums. */
 #define REACH_LARGEST 1.844e18f

@@ -8,7 +8,7 @@
 #ifndef TRACE_TRACE_H
 #define TRACE_TRACE_H
 
-#include "scene/world.h"
+#include "scene/world/world.h"
 #include "trace/spec.h"
 
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* In place of the image module: a library that ends the process, or waits for itself, in the way that
  * $FAULT_LOST names, as some of the image module's do when memory is lacking; while it is loaded, or where
  * the name begins with "rows-", when rows are written. Its views fail, and what it reads is broken. */
-#include "image/module.h"
+#include "image/helper/module.h"
 
 #include <pthread.h>
 #include <signal.h>

@@ -2,7 +2,7 @@
  * and the readers of values that only other commands use. Nothing is run. */
 #include "fuzz.h"
 
-#include "cli/render_options.h"
+#include "cli/render/render_options.h"
 #include "trace/spec.h"
 
 #include <stdlib.h>

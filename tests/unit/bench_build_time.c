@@ -1,5 +1,5 @@
 /* Build quality against time: ranges and totals from made-up medians. */
-#include "bench/build_time.h"
+#include "measure/build_time.h"
 #include "told.h"
 #include "unit.h"
 

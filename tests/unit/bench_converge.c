@@ -1,5 +1,5 @@
 /* Error against time: fits and tables from made-up images, and a small scene measured. */
-#include "bench/converge.h"
+#include "measure/converge.h"
 #include "unit.h"
 
 #define STEPS 5

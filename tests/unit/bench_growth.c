@@ -1,5 +1,5 @@
 /* Exponents of growth. */
-#include "bench/growth.h"
+#include "measure/growth.h"
 #include "unit.h"
 
 /* Seconds that are a power of the triangles have that exponent, and an interval of nothing but rounding: sums

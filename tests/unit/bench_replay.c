@@ -1,11 +1,11 @@
 /* The recording tracer changes no answer and keeps every ray; a replay meets what was met. */
 #include "stage.h"
 
-#include "bench/render_time.h"
-#include "bench/replay.h"
+#include "measure/render_time.h"
+#include "measure/replay.h"
 #include "render/job.h"
 #include "told.h"
-#include "trace/beside.h"
+#include "trace/embree/beside.h"
 
 /* Balls over a floor of triangles, near and lit: no planes, which Embree does not see, and one sphere more
  * than are tested next to it. */

@@ -1,10 +1,10 @@
 /* The rays that `fathom bench secondary` asks about are those of the render, each of its kind and depth. */
-#include "bench/replay.h"
-#include "bench/secondary_time.h"
+#include "measure/replay.h"
+#include "measure/secondary_time.h"
 
 #include "render.h"
 #include "told.h"
-#include "trace/beside.h"
+#include "trace/embree/beside.h"
 
 typedef struct studio {
     stage s;

@@ -1,7 +1,7 @@
 /* What measurements are told by: medians, intervals, lines. */
 #include "unit.h"
 
-#include "bench/statistics.h"
+#include "measure/statistics.h"
 
 static void medians(void **state) {
     (void)state;

@@ -1,7 +1,7 @@
 /* The rays that tracers are measured with, and that all of them are asked of each. No time is judged. */
 #include "stage.h"
 
-#include "bench/trace_time.h"
+#include "measure/trace_time.h"
 #include "told.h"
 
 static void open_scene(stage *s) {

@@ -1,5 +1,5 @@
 /* A few spheres next to Embree's scene: the answers are the reference's, whatever the block. */
-#include "trace/beside.h"
+#include "trace/embree/beside.h"
 #include "stage.h"
 
 static const char *const ways[] = {"embree:1", "embree:4:low", "embree:8", "embree:16:high", "embree:quad"};

@@ -2,7 +2,7 @@
 #include "stage.h"
 
 #include "base/clock.h"
-#include "trace/bvh.h"
+#include "trace/bvh/bvh.h"
 
 /* ---- parity ---- */
 

@@ -32,7 +32,8 @@ static void add_quads(stage *s, unsigned count) {
 
 static double length_of(vec3_f32 v) { return length_f64(widen(v)); }
 
-/* parity/verdict_bound.c: 32 u L S |d| / |d·n| for the weights of a triangle, 32 u L² S / |d·n| for t. */
+/* verify/verdict/verdict_bound.c: 32 u L S |d| / |d·n| for the weights of a triangle, 32 u L² S / |d·n| for
+ * t. */
 static void check_against_reference(const world *w, const ray_set *got, size_t i) {
     const trace_block *b = &got->blocks[i / 16];
     size_t k = i % 16;

@@ -1,7 +1,7 @@
 /* Which of Embree's kernels a block gets, and that no answer depends on it. */
 #include "stage.h"
 
-#include "trace/embree.h"
+#include "trace/embree/embree.h"
 
 /* Directions that are off from the first one's, (0, 0, 1), by up to `off` along x. */
 static void lean(trace_rays *rays, float off) {

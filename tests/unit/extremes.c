@@ -1,6 +1,6 @@
 /* The grid of extreme cases: each gives its rows, nothing is wrong in them, and a tracer with a fault is
  * found. */
-#include "extremes/extremes.h"
+#include "verify/extremes/extremes.h"
 #include "unit.h"
 
 static fathom_context *context;

@@ -1,6 +1,6 @@
 /* Shading where it is stiff: each case within its bound, and each case able to fail. */
-#include "extremes/shading_studio.h"
 #include "unit.h"
+#include "verify/light/shading_studio.h"
 
 static fathom_context *context;
 

@@ -1,6 +1,6 @@
 /* A scene at the Earth's radius looks as at the origin, and the images beside it show what that saves. */
-#include "extremes/shading.h"
 #include "unit.h"
+#include "verify/light/shading.h"
 
 static void moved_scene(void **state) {
     (void)state;

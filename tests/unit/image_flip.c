@@ -1,8 +1,8 @@
 /* FLIP against values worked out by hand from its equations. */
 #include "unit.h"
 
-#include "image/flip.h"
-#include "image/flip_colour.h"
+#include "image/compare/flip.h"
+#include "image/compare/flip_colour.h"
 #include "random.h"
 
 #define WIDTH 48

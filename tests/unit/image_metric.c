@@ -1,7 +1,7 @@
 /* RMSE and relative MSE against values worked out by hand. */
 #include "unit.h"
 
-#include "image/metric.h"
+#include "image/compare/metric.h"
 
 #define COUNT 4
 

@@ -1,7 +1,7 @@
 /* The built-in sRGB view is that of OpenColorIO's config, to the last bit; files in it need no image module.
  */
 #include "image/byte.h"
-#include "image/loader.h"
+#include "image/helper/loader.h"
 #include "image/pack.h"
 #include "image/srgb.h"
 #include "unit.h"

@@ -1,6 +1,6 @@
 /* Memory that runs out, requests.h says how: in each command of the program, which then ends with code 4,
  * says something and leaves no file, or does all that it does with all its memory. */
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 #include "cli/command.h"
 
 #include "requests.h" /* last: cmocka defines words such as fail */

@@ -1,12 +1,12 @@
 /* Memory that runs out, requests.h says how: while measuring, and over the extreme cases. */
-#include "bench/build_time.h"
-#include "bench/converge.h"
-#include "bench/growth.h"
-#include "bench/secondary_time.h"
-#include "bench/trace_time.h"
-#include "extremes/extremes.h"
-#include "extremes/shading_studio.h"
+#include "measure/build_time.h"
+#include "measure/converge.h"
+#include "measure/growth.h"
+#include "measure/secondary_time.h"
+#include "measure/trace_time.h"
 #include "render/plan.h"
+#include "verify/extremes/extremes.h"
+#include "verify/light/shading_studio.h"
 
 #include "requests.h" /* last: cmocka defines words such as fail */
 

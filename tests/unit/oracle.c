@@ -1,9 +1,9 @@
 /* The oracle against cases computed by hand, and its two ways of computing against each other. */
-#include "parity/oracle.h"
-#include "parity/exact_root.h"
+#include "verify/exact/oracle.h"
 #include "random.h"
 #include "trace/trace.h"
 #include "unit.h"
+#include "verify/exact/exact_root.h"
 
 static oracle_ray ray_of(vec3_f32 org, vec3_f32 dir, float t_near, float t_far) {
     return (oracle_ray){org, dir, t_near, t_far};

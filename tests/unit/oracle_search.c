@@ -1,8 +1,8 @@
 /* The exact search over a world against asking the oracle, in whole numbers, about every primitive. */
-#include "parity/search.h"
 #include "random.h"
 #include "trace/trace.h"
 #include "unit.h"
+#include "verify/search/search.h"
 
 #include <fathom/scene.h>
 

@@ -1,11 +1,11 @@
 /* The oracle's two ways of computing against each other on hard random cases, its whole numbers against GMP's
  * own, and all of it with denormals flushed and under the flags that it ships with. */
 #include "math/affine.h"
-#include "parity/exact_root.h"
-#include "parity/oracle.h"
 #include "random.h"
 #include "trace/trace.h"
 #include "unit.h"
+#include "verify/exact/exact_root.h"
+#include "verify/exact/oracle.h"
 
 typedef struct tally {
     int asked, hits, exact, parallel;

@@ -1,7 +1,7 @@
 /* The bar fits its terminal, and its numbers follow from what is reported. */
 #include "unit.h"
 
-#include "cli/progress.h"
+#include "cli/render/progress.h"
 
 static fathom_progress at(double fraction, uint64_t rays, double seconds) {
     return (fathom_progress){

@@ -1,7 +1,7 @@
 /* glTF materials: the mapping's laws, and each kind of material by name. */
 #include "gltf_file.h"
 
-#include "scene/absent.h"
+#include "scene/mesh/absent.h"
 
 static const double pi = 3.14159265358979324;
 

@@ -2,7 +2,7 @@
 #include "mesh_file.h"
 
 #include "random.h"
-#include "scene/absent.h"
+#include "scene/mesh/absent.h"
 
 static const read_mesh_options plain = {.material = FATHOM_NONE};
 

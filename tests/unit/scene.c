@@ -1,5 +1,5 @@
 /* Building scenes: what is refused, and what the world of the tracers becomes. */
-#include "scene/world.h"
+#include "scene/world/world.h"
 #include "unit.h"
 
 typedef struct fixture {

@@ -1,6 +1,6 @@
 /* Where shapes come to lie: whatever origins and frames the world takes for its floats, each point stays
  * where the scene has it; and what cannot be placed is told. */
-#include "scene/world.h"
+#include "scene/world/world.h"
 #include "unit_scene.h"
 
 static fathom_id add_group(void) {

@@ -1,8 +1,8 @@
 /* Spheres with twice the digits of float, from the world to every tracer, the oracle and the rays of one's
  * own. */
-#include "parity/oracle.h"
-#include "parity/search.h"
 #include "stage.h"
+#include "verify/exact/oracle.h"
+#include "verify/search/search.h"
 
 /* 2^24 + 1/2 and its like are no floats; the sphere touches the origin from below. */
 static const double big = 16777216.5;

@@ -1,6 +1,6 @@
 /* Closed meshes: which are, how deep a point lies in them, and that no ray slips through their vertices. */
-#include "trace/watertight.h"
-#include "scene/closed.h"
+#include "trace/watertight/watertight.h"
+#include "scene/mesh/closed.h"
 #include "stage.h"
 
 /* ---- which meshes are closed ---- */

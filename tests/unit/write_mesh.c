@@ -1,7 +1,7 @@
 /* Mesh files: what is written reads back as the same triangles, bit for bit. */
 #include "base/file.h"
-#include "read/write/write.h"
 #include "unit_folder.h"
+#include "write/write.h"
 
 #include <fathom/read.h>
 #include <sys/stat.h>

@@ -1,7 +1,7 @@
 /* What mesh files are made of: texts, names, welded vertices, and materials that a format cannot hold as they
  * are. */
-#include "read/write/write.h"
 #include "unit_folder.h"
+#include "write/write.h"
 
 #include <fathom/read.h>
 

@@ -7,8 +7,8 @@
  * that are narrower than the camera's view lose its sides, and a warning says so. */
 #include "math/frame.h"
 #include "read/gltf/gltf.h"
-#include "scene/cameras.h"
-#include "scene/image_size.h"
+#include "scene/camera/cameras.h"
+#include "scene/camera/image_size.h"
 
 #include <string.h>
 

@@ -25,7 +25,8 @@
  * Lights are never met by mirrored rays, so k_s (lights) and k_r (everything else) share F0 without
  * counting it twice: what a surface reflects is k_d + max(k_s / N, k_r F) + k_t (1 - F) <= 1.
  *
- * - alphaMode MASK: with a base alpha below the cutoff nothing is there (k_t = 1, ior 1: scene/absent.h).
+ * - alphaMode MASK: with a base alpha below the cutoff nothing is there (k_t = 1, ior 1:
+ * scene/mesh/absent.h).
  * - alphaMode BLEND: the base alpha a covers. All of the above times a, and k_t gets 1 - a with ior 1,
  *   which passes straight on. With T > 0 the refraction's ior stays.
  * - KHR_materials_unlit: k_e = b, nothing else.

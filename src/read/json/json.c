@@ -4,8 +4,8 @@
 #include "read/json/json_place.h"
 #include "read/json/json_syntax.h"
 #include "read/read.h"
+#include "scene/camera/image_size.h"
 #include "scene/graph.h"
-#include "scene/image_size.h"
 #include "json/memory.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 #include "read/obj/obj.h"
 
 #include "base/threads.h"
-#include "scene/absent.h"
+#include "scene/mesh/absent.h"
 
 #include <stdlib.h>
 #include <string.h>

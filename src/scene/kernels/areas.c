@@ -1,7 +1,7 @@
 /* Whether triangles have an area: a quick look that is right where it says so. WIDE_FOURS triangles at once,
  * each vertex four floats of a register, of which the last is of no use. */
 #include "scene/kernels/kernel.h"
-#include "scene/world.h"
+#include "scene/world/world.h"
 
 FOUR_INLINE four corner(const float *positions, size_t stride, uint32_t index) {
     return four_load((const char *)positions + index * stride);

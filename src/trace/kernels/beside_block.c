@@ -1,7 +1,7 @@
 /* Spheres against a block of rays. */
 #include "base/kernel.h"
 #include "reference/reference.h"
-#include "trace/beside.h"
+#include "trace/embree/beside.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* What is done to a block of rays around Embree's call. */
 #include "base/kernel.h"
-#include "trace/embree.h"
+#include "trace/embree/embree.h"
 #include "trace/stretch.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "trace/watertight_kernels.h"
+#include "trace/watertight/watertight_kernels.h"
 
 #include "base/kernel.h"
 

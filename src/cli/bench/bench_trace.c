@@ -1,0 +1,364 @@
+/* `fathom bench trace`: rays a second of every tracer, what they cost to build, by triangle count. */
+#include "cli/bench/bench.h"
+#include "cli/bench/bench_output.h"
+#include "cli/bench/bench_run.h"
+#include "cli/command.h"
+#include "cli/json_text.h"
+#include "cli/render/progress.h"
+
+#include "base/clock.h"
+#include "base/threads.h"
+#include "measure/trace_time.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct bench_trace_settings {
+    const char *scene;
+    args_list tracers;
+    args_counts triangles;
+    uint64_t rays;
+    uint32_t repeats, threads;
+    double seconds;
+    bool quiet;
+    bench_output output;
+    bool allow_outside;
+} bench_trace_settings;
+
+/* ---- which tracers ---- */
+
+typedef struct contestant {
+    const char *text;
+    trace_spec spec;
+    trace_tracer *tracer;
+    double build, build_cpu;
+    trace_rate rates[TRACE_SETS];
+} contestant;
+
+typedef struct field {
+    contestant items[TRACE_TIME_TRACERS_MAX];
+    size_t count;
+} field;
+
+static fathom_status enter(fathom_context *context, field *f, const char *text) {
+    contestant *c = &f->items[f->count];
+    *c = (contestant){.text = text};
+    fathom_status status = trace_spec_parse(context, text, &c->spec);
+    if (status == FATHOM_OK) ++f->count;
+    return status;
+}
+
+/* The most primitives that linear search is asked about, unless asked for: sixteen rays take it some 30 ms.
+ */
+#define LINEAR_MOST 1000000
+
+/* All that there is, but what would only repeat another: words of this Embree alone are left out elsewhere.
+ */
+static void enter_all(fathom_context *context, field *f, const fathom_scene *scene, uint64_t primitives) {
+    static const char *const always[] = {"embree:1",        "embree:4",       "embree:8",
+                                         "embree:16",       "embree:raw:16",  "embree:stream1m",
+                                         "embree:streamnm", "embree:user:16", "bvh"};
+    for (size_t i = 0; i < sizeof always / sizeof *always; ++i) enter(context, f, always[i]);
+    if (scene->quads.count) enter(context, f, "embree:quad:16");
+    if (scene->spheres.count) enter(context, f, "embree:sphere:16");
+    if (primitives <= LINEAR_MOST) enter(context, f, "linear");
+}
+
+static fathom_status enter_given(fathom_context *context, field *f, const args_list *tracers) {
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i)
+        status = enter(context, f, tracers->items[i]);
+    return status;
+}
+
+/* ---- one scene ---- */
+
+typedef struct arena {
+    bench_stage stage; /* without a tracer: each contestant has its own */
+    const char *name;
+    uint64_t triangles, primitives;
+    double from, to; /* its part of all that is measured */
+} arena;
+
+static arena arena_of(const bench_stage *stage, const char *name, double from, double to) {
+    const fathom_scene *scene = stage->scene;
+    uint64_t triangles = scene_triangles(scene);
+    return (arena){*stage,    name,
+                   triangles, triangles + scene->spheres.count + scene->quads.count + scene->planes.count,
+                   from,      to};
+}
+
+static fathom_status open_sphere(fathom_context *context, uint64_t triangles, bench_stage *out) {
+    fathom_scene *scene;
+    fathom_settings settings;
+    fathom_status status = bench_sphere(context, triangles, &scene);
+    if (status == FATHOM_OK) status = fathom_scene_complete(scene);
+    *out = (bench_stage){.scene = scene};
+    if (status != FATHOM_OK) return status;
+    fathom_scene_settings(scene, &settings);
+    return stage_open(context, scene, &settings, out);
+}
+
+static fathom_status build(fathom_context *context, const world *w, contestant *c, unsigned threads) {
+    trace_options options = {.spec = &c->spec, .width = TRACE_WIDTH, .threads = threads};
+    double began = clock_seconds(), cpu = clock_process_seconds();
+    fathom_status status = trace_create(context, w, &options, &c->tracer);
+    c->build = clock_seconds() - began, c->build_cpu = clock_process_seconds() - cpu;
+    return status == FATHOM_OK ? status : fail_within(context, status, "%s: ", c->text);
+}
+
+/* The rays come from the first tracer's hits. */
+static fathom_status race(fathom_context *context, const arena *s, const bench_trace_settings *asked,
+                          field *f) {
+    const trace_tracer *tracers[TRACE_TIME_TRACERS_MAX];
+    static trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS];
+    const bench_watch watch = bench_progress_part(s->from, s->to);
+    const trace_time_options options = {asked->repeats, asked->threads, asked->seconds, &watch};
+    trace_set sets[TRACE_SETS] = {{NULL, 0}};
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
+        status = build(context, s->stage.world, &f->items[i], asked->threads);
+        tracers[i] = f->items[i].tracer;
+    }
+    if (status == FATHOM_OK) {
+        status = trace_sets_create(context, s->stage.world, tracers[0], asked->rays, sets);
+        if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", s->name);
+    }
+    if (status == FATHOM_OK) status = trace_time_measure(context, tracers, f->count, sets, &options, rates);
+    for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i)
+        memcpy(f->items[i].rates, rates[i], sizeof rates[i]);
+    trace_sets_free(sets);
+    return status;
+}
+
+/* ---- results ---- */
+
+static json_t *millions(quartiles q) {
+    return bench_quartiles((quartiles){1e-6 * q.low, 1e-6 * q.median, 1e-6 * q.high});
+}
+
+static json_t *pack_rate(trace_set_kind kind, const trace_rate *r) {
+    bool any = trace_set_query(kind) == BARE_ANY, coherent = trace_set_coherence(kind) == TRACE_COHERENT;
+    return json_pack("{s:s, s:s, s:b, s:o, s:o, s:o, s:o}", "set", trace_set_name(kind), "query",
+                     any ? "any" : "closest", "coherent", coherent, "rays", json_count(r->rays), "met",
+                     json_count(r->met), "millionRaysPerSecond", millions(r->per_second),
+                     "millionRaysPerCpuSecond", millions(r->per_cpu_second));
+}
+
+static json_t *pack_run(const arena *s, const contestant *c) {
+    json_t *rates = json_array();
+    for (int k = 0; k < TRACE_SETS; ++k)
+        json_array_append_new(rates, pack_rate((trace_set_kind)k, &c->rates[k]));
+    return json_pack("{s:o, s:o, s:o, s:o, s:s, s:f, s:f, s:o, s:o}", "scene", json_text(s->name),
+                     "triangles", json_count(s->triangles), "primitives", json_count(s->primitives), "spec",
+                     json_text(c->text), "tracer", trace_name(c->tracer), "buildSeconds", c->build,
+                     "buildCpuSeconds", c->build_cpu, "bvhBytes", json_count(trace_bvh_bytes(c->tracer)),
+                     "rates", rates);
+}
+
+static void print_rate(const json_t *rate, uint64_t most) {
+    double median = bench_number(rate, "millionRaysPerCpuSecond", "median");
+    double low = bench_number(rate, "millionRaysPerCpuSecond", "low");
+    double high = bench_number(rate, "millionRaysPerCpuSecond", "high");
+    bool fewer = bench_number(rate, "rays", NULL) < (double)most;
+    char cell[48];
+    snprintf(cell, sizeof cell, "%.3g%s +-%.0f%%", median, fewer ? "*" : "", 50 * (high - low) / median);
+    printf(" %-15s", cell);
+}
+
+/* The most rays that any tracer was asked of a set. */
+static uint64_t most_rays(const field *f, int set) {
+    uint64_t most = 0;
+    for (size_t i = 0; i < f->count; ++i) {
+        if (f->items[i].rates[set].rays > most) most = f->items[i].rates[set].rays;
+    }
+    return most;
+}
+
+static void print_fewer(const field *f) {
+    bool any = false;
+    for (size_t i = 0; i < f->count; ++i) {
+        for (int s = 0; s < TRACE_SETS; ++s) {
+            const trace_rate *r = &f->items[i].rates[s];
+            if (r->rays >= most_rays(f, s)) continue;
+            printf("%s%s %s %llu", any ? ", " : "* fewer rays: ", f->items[i].text,
+                   trace_set_name((trace_set_kind)s), (unsigned long long)r->rays);
+            any = true;
+        }
+    }
+    if (any) putchar('\n');
+}
+
+static void print_scene(const arena *s, const field *f, const json_t *runs, size_t first) {
+    print_name(stdout, s->name);
+    printf(": %llu primitives, of them %llu triangles; rays camera %llu, others %llu\n",
+           (unsigned long long)s->primitives, (unsigned long long)s->triangles,
+           (unsigned long long)most_rays(f, TRACE_SET_CAMERA),
+           (unsigned long long)most_rays(f, TRACE_SET_BOUNCE));
+    printf("%-17s %8s %8s %-15s %-15s %-15s %-15s\n", "Mrays/s", "build s", "BVH MB", "camera", "bounce",
+           "shadow", "between");
+    for (size_t i = 0; i < f->count; ++i) {
+        const json_t *run = json_array_get(runs, first + i), *rates = json_object_get(run, "rates");
+        printf("%-17.40s %8.3f %8.1f", f->items[i].text, bench_number(run, "buildSeconds", NULL),
+               1e-6 * bench_number(run, "bvhBytes", NULL));
+        for (int k = 0; k < TRACE_SETS; ++k) print_rate(json_array_get(rates, (size_t)k), most_rays(f, k));
+        putchar('\n');
+    }
+    print_fewer(f);
+    fflush(stdout);
+}
+
+static void put_csv(FILE *out, const json_t *root) {
+    fputs("triangles,primitives,tracer,build_seconds,build_cpu_seconds,bvh_bytes,set,query,coherent,rays,met,"
+          "mrays_per_cpu_second_low,mrays_per_cpu_second_median,mrays_per_cpu_second_high,"
+          "mrays_per_second_median,scene\n",
+          out);
+    size_t i, k;
+    json_t *run, *rate;
+    json_array_foreach(json_object_get(root, "runs"), i, run) {
+        json_array_foreach(json_object_get(run, "rates"), k, rate) {
+            fprintf(out, "%.0f,%.0f,", bench_number(run, "triangles", NULL),
+                    bench_number(run, "primitives", NULL));
+            bench_csv_text(out, json_string_value(json_object_get(run, "spec")));
+            fprintf(out, ",%.6g,%.6g,%.0f,%s,%s,%d,%.0f,%.0f", bench_number(run, "buildSeconds", NULL),
+                    bench_number(run, "buildCpuSeconds", NULL), bench_number(run, "bvhBytes", NULL),
+                    json_string_value(json_object_get(rate, "set")),
+                    json_string_value(json_object_get(rate, "query")),
+                    json_is_true(json_object_get(rate, "coherent")), bench_number(rate, "rays", NULL),
+                    bench_number(rate, "met", NULL));
+            fprintf(out, ",%.6g,%.6g,%.6g,%.6g,", bench_number(rate, "millionRaysPerCpuSecond", "low"),
+                    bench_number(rate, "millionRaysPerCpuSecond", "median"),
+                    bench_number(rate, "millionRaysPerCpuSecond", "high"),
+                    bench_number(rate, "millionRaysPerSecond", "median"));
+            bench_csv_text(out, json_string_value(json_object_get(run, "scene")));
+            fputc('\n', out);
+        }
+    }
+}
+
+/* ---- the command ---- */
+
+static fathom_status run_arena(fathom_context *context, const arena *s, const bench_trace_settings *asked,
+                               json_t *root) {
+    json_t *runs = json_object_get(root, "runs");
+    size_t first = json_array_size(runs);
+    field *f = calloc(1, sizeof *f);
+    if (!f) return fail_memory(context, sizeof *f);
+    fathom_status status = FATHOM_OK;
+    if (asked->tracers.count)
+        status = enter_given(context, f, &asked->tracers);
+    else
+        enter_all(context, f, s->stage.scene, s->primitives);
+    if (status == FATHOM_OK) status = race(context, s, asked, f);
+    for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
+        bench_head_tracer(root, trace_name(f->items[i].tracer));
+        json_array_append_new(runs, pack_run(s, &f->items[i]));
+    }
+    progress_clear_line();
+    if (status == FATHOM_OK && !asked->quiet) print_scene(s, f, runs, first);
+    for (size_t i = 0; i < f->count; ++i) trace_destroy(f->items[i].tracer);
+    free(f);
+    return status;
+}
+
+/* index: of the scene among those that are measured. */
+static fathom_status run_stage(fathom_context *context, fathom_status opened, bench_stage *stage,
+                               const char *name, double index, const bench_trace_settings *asked,
+                               json_t *root) {
+    fathom_status status = opened;
+    if (status == FATHOM_OK) {
+        const double all = (double)(asked->triangles.count + (asked->scene != NULL));
+        const arena a = arena_of(stage, name, index / all, (index + 1) / all);
+        status = run_arena(context, &a, asked, root);
+    }
+    if (status == FATHOM_OK) status = fathom_scene_check_files(stage->scene);
+    stage_close(stage);
+    return status;
+}
+
+static fathom_status run_scenes(fathom_context *context, const bench_trace_settings *asked, json_t *root) {
+    fathom_status status = FATHOM_OK;
+    bench_stage stage;
+    if (asked->scene) {
+        status = bench_open(context, asked->scene, (args_size){0, 0}, &stage);
+        status = run_stage(context, status, &stage, asked->scene, 0, asked, root);
+    }
+    for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
+        status = open_sphere(context, asked->triangles.items[i], &stage);
+        status = run_stage(context, status, &stage, "generated sphere", (double)i + (asked->scene != NULL),
+                           asked, root);
+    }
+    return status;
+}
+
+static fathom_status check(fathom_context *context, const bench_trace_settings *asked) {
+    if (!asked->scene && !asked->triangles.count)
+        return fail(context, FATHOM_BAD_USAGE, "bench trace: SCENE is missing; expected it or --triangles");
+    field f = {.count = 0};
+    fathom_status status = enter_given(context, &f, &asked->tracers);
+    return status == FATHOM_OK ? bench_output_check(context, &asked->output, asked->scene) : status;
+}
+
+static fathom_status bench(fathom_context *context, const void *user) {
+    const bench_trace_settings *asked = user;
+    fathom_status status = check(context, asked);
+    if (status != FATHOM_OK) return status;
+    bench_progress_begin(asked->quiet);
+    json_t *root = bench_head("trace");
+    json_object_set_new(root, "repeats", json_count(asked->repeats));
+    json_object_set_new(root, "threads", json_count(asked->threads));
+    json_object_set_new(root, "raysAsked", json_count(asked->rays));
+    json_object_set_new(root, "runs", json_array());
+    status = run_scenes(context, asked, root);
+    if (status == FATHOM_OK) status = bench_output_write(context, &asked->output, root, put_csv);
+    json_decref(root);
+    return status;
+}
+
+static fathom_status run(int argc, char **argv) {
+    bench_trace_settings asked = {.rays = 262144, .repeats = 9, .threads = 1, .seconds = 0.1};
+    fathom_status status;
+    if (!command_parse(&command_bench_trace, argc, argv, &asked, &status)) return status;
+    return bench_run(&command_bench_trace, 0, asked.allow_outside, bench, &asked);
+}
+
+#define FIELD(name) offsetof(bench_trace_settings, name)
+
+static const args_option options[] = {
+    {.help = "Options"},
+    {"tracer", 0, "SPEC", take_list, FIELD(tracers), 0, 0,
+     "what is measured; may be given several times (all there are, with linear search up to a million "
+     "primitives)"},
+    {"triangles", 0, "N,N", take_counts, FIELD(triangles), 1, 4e9,
+     "besides, or instead of SCENE, generated spheres of so many triangles, such as 10k,100k,1M"},
+    {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "of the camera (262144); the others have its hits"},
+    {"seconds", 0, "S", take_f64, FIELD(seconds), 1e-6, 1e6,
+     "the most for one repetition of one tracer and kind of rays; slower ones get fewer rays (0.1)"},
+    {"repeats", 0, "N", take_u32, FIELD(repeats), 1, TRACE_TIME_REPEATS_MAX,
+     "of which medians and quartiles are told (9)"},
+    {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "that build and trace (1)"},
+    COMMAND_ALLOW_OUTSIDE(bench_trace_settings),
+    BENCH_OUTPUT_OPTIONS(bench_trace_settings),
+    {.help = NULL},
+};
+static const char *const operands[] = {"SCENE"};
+static const size_t operand_offsets[] = {FIELD(scene)};
+
+const command command_bench_trace = {
+    .name = "bench trace",
+    .usage = "[SCENE] [--triangles N,N] [options]",
+    .summary = "Measure rays a second of every tracer.",
+    .text = "Four kinds of rays, made once and asked of every tracer:\n"
+            "  camera   closest hit, coherent: packets of 4 x 4 pixels\n"
+            "  bounce   closest hit, incoherent: from what the camera sees, anywhere\n"
+            "  shadow   any hit, coherent: from what the camera sees to the first light\n"
+            "  between  any hit, incoherent: between any two points that the camera sees\n"
+            "Tracers take turns, so that a machine that slows down favours none. All of them\n"
+            "are in memory together. Told are million rays for each second of a thread's\n"
+            "processor time: medians, and half the distance of the quartiles. --json and\n"
+            "--csv have rays a second by the clock besides. SPEC is as for render.\n",
+    .examples = "  fathom bench trace --triangles 10k,100k,1M --report results\n"
+                "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n",
+    .args = {options, operands, operand_offsets, 1, 1},
+    .run = run,
+};

@@ -1,0 +1,163 @@
+#include "cli/command.h"
+#include "cli/compare/compare_flip.h"
+#include "image/compare/flip.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct compare_settings {
+    const char *a, *b;
+    double tolerance, ppd;
+    bool quiet, flip;
+} compare_settings;
+
+typedef struct difference {
+    double largest; /* infinite where only one of the two is a finite number */
+    uint32_t x, y;  /* where the largest is */
+    const char *channel;
+    double square_sum; /* over all values */
+    uint64_t values, pixels;
+} difference;
+
+/* Equal infinities and two NaN do not differ; anything else that is not finite differs without bound. */
+static double distance(double a, double b) {
+    if (a == b || (isnan(a) && isnan(b))) return 0;
+    double d = fabs(a - b);
+    return isnan(d) ? HUGE_VAL : d;
+}
+
+/* What keeps the two from being compared at all; false when there is such a thing. */
+static bool check_alike(const image *a, const image *b, args_problem *problem) {
+    if (a->width != b->width || a->height != b->height)
+        return args_wrong(problem, "different sizes: %ux%u and %ux%u", a->width, a->height, b->width,
+                          b->height);
+    if (a->x != b->x || a->y != b->y || a->full_width != b->full_width || a->full_height != b->full_height)
+        return args_wrong(problem, "different crops: at (%u,%u) of %ux%u and at (%u,%u) of %ux%u", a->x, a->y,
+                          a->full_width, a->full_height, b->x, b->y, b->full_width, b->full_height);
+    for (int pass = 0; pass < 2; ++pass) {
+        const image *one = pass ? b : a, *other = pass ? a : b;
+        for (size_t i = 0; i < one->channel_count; ++i) {
+            const image_channel *c = &one->channels[i], *twin = compare_channel(other, c->name);
+            if (!twin)
+                return args_wrong(problem, "channel %.60s is only in the %s", c->name,
+                                  pass ? "second" : "first");
+            if (twin->type != c->type)
+                return args_wrong(problem, "channel %.60s is of different types", c->name);
+        }
+    }
+    return true;
+}
+
+static void compare_pixel(const image *a, const image *b, uint32_t x, uint32_t y, double tolerance,
+                          difference *out) {
+    bool differs = false;
+    for (size_t i = 0; i < a->channel_count; ++i) {
+        const image_channel *c = &a->channels[i], *twin = compare_channel(b, c->name);
+        double d = distance(compare_value(c, a->width, x, y), compare_value(twin, b->width, x, y));
+        differs |= d > tolerance;
+        out->square_sum += d * d;
+        ++out->values;
+        if (d > out->largest) {
+            out->largest = d;
+            out->x = x, out->y = y;
+            out->channel = c->name;
+        }
+    }
+    out->pixels += differs;
+}
+
+static fathom_status compare_images(const image *a, const image *b, const compare_settings *settings) {
+    args_problem problem;
+    if (!check_alike(a, b, &problem)) {
+        if (!settings->quiet) printf("%s\n", problem.text);
+        return FATHOM_CHECK_FAILED;
+    }
+    difference d = {.largest = 0};
+    for (uint32_t y = 0; y < a->height; ++y) {
+        for (uint32_t x = 0; x < a->width; ++x) compare_pixel(a, b, x, y, settings->tolerance, &d);
+    }
+    if (!settings->quiet) {
+        printf("max %.9g", d.largest);
+        if (d.largest > 0) {
+            fputs(" in ", stdout);
+            print_name(stdout, d.channel);
+            printf(" at (%u,%u)", d.x, d.y);
+        }
+        printf(", RMSE %.9g, %llu of %llu pixels differ", sqrt(d.square_sum / (double)d.values),
+               (unsigned long long)d.pixels, (unsigned long long)a->width * a->height);
+        if (settings->tolerance > 0) printf(" by more than %g", settings->tolerance);
+        putchar('\n');
+    }
+    return d.pixels ? FATHOM_CHECK_FAILED : FATHOM_OK;
+}
+
+static fathom_status print_flip(fathom_context *context, const image *a, const image *b,
+                                const compare_settings *settings) {
+    const compare_side one = {a, settings->a}, other = {b, settings->b};
+    compare_flip f;
+    fathom_status status = compare_flip_of(context, &one, &other, settings->ppd, &f);
+    if (status != FATHOM_OK) return say_status(&command_compare, context, status);
+    printf("FLIP %.6g at %g pixels a degree", f.mean, settings->ppd);
+    if (f.nonfinite) printf(", %llu pixels not finite", (unsigned long long)f.nonfinite);
+    putchar('\n');
+    return status;
+}
+
+static fathom_status read_and_compare(fathom_context *context, const compare_settings *settings) {
+    const image *a = NULL, *b = NULL;
+    fathom_status status = image_read(context, settings->a, &a);
+    if (status == FATHOM_OK) status = image_read(context, settings->b, &b);
+    say_status(&command_compare, context, status);
+    args_problem unlike;
+    fathom_status flipped = FATHOM_OK;
+    if (status == FATHOM_OK) status = compare_images(a, b, settings);
+    if (settings->flip && !settings->quiet && (status == FATHOM_OK || status == FATHOM_CHECK_FAILED) &&
+        check_alike(a, b, &unlike))
+        flipped = print_flip(context, a, b, settings);
+    if (flipped != FATHOM_OK) status = flipped;
+    image_release(a);
+    image_release(b);
+    return status;
+}
+
+static fathom_status run(int argc, char **argv) {
+    compare_settings settings = {.tolerance = 0, .ppd = FLIP_PPD};
+    fathom_status status;
+    if (!command_parse(&command_compare, argc, argv, &settings, &status)) return status;
+    fathom_context *context;
+    status = command_context(0, &context);
+    if (status != FATHOM_OK) return status;
+    status = read_and_compare(context, &settings);
+    fathom_context_destroy(context);
+    return status;
+}
+
+static const args_option options[] = {
+    {.help = "Options"},
+    {"tolerance", 0, "T", take_f64, offsetof(compare_settings, tolerance), 0, 1e300,
+     "differences up to T do not count (0)"},
+    {"flip", 0, NULL, take_true, offsetof(compare_settings, flip), 0, 0,
+     "also FLIP, the difference that is seen when flipping between the two, from 0 to 1, after sRGB: values "
+     "of "
+     ".exr are taken as linear, of others as sRGB's"},
+    {"ppd", 0, "N", take_f64, offsetof(compare_settings, ppd), FLIP_PPD_LEAST, FLIP_PPD_MOST,
+     "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
+    {"quiet", 'q', NULL, take_true, offsetof(compare_settings, quiet), 0, 0, "only the exit code"},
+    {.help = NULL},
+};
+static const char *const operands[] = {"A", "B"};
+static const size_t operand_offsets[] = {offsetof(compare_settings, a), offsetof(compare_settings, b)};
+
+const command command_compare = {
+    .name = "compare",
+    .usage = "A B [--tolerance T] [--flip]",
+    .summary = "Tell how much two images differ.",
+    .text = "Compares every channel of two images as stored, and prints the largest\n"
+            "difference of a value, the root mean square of all, and how many pixels differ.\n"
+            "The exit code is 0 when none does, 1 when some do or the images have not the\n"
+            "same size, crop and channels. FLIP changes no exit code.\n",
+    .examples = "  fathom compare old.exr new.exr --tolerance 0.001\n"
+                "  fathom compare old.png new.png --flip\n",
+    .args = {options, operands, operand_offsets, 2},
+    .run = run,
+};

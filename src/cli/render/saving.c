@@ -1,0 +1,95 @@
+#include "cli/render/saving.h"
+
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/log.h"
+#include "render/checkpoint/checkpoint.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A message that names a path twice. */
+#define SAID 8192
+
+static bool wanted(void *user) {
+    saving *s = user;
+    if (interrupt_take_save()) s->asked = true;
+    return s->asked;
+}
+
+/* Only the first of failures in a row is told: the disk may stay full for hours. */
+static void saved(void *user, fathom_status status, const char *message, double fraction) {
+    saving *s = user;
+    char text[SAID];
+    if (status != FATHOM_OK && !s->failed) {
+        snprintf(text, sizeof text, "%s; rendering goes on, and the next save may do better", message);
+        say_error(text);
+    }
+    if (status == FATHOM_OK && s->asked) {
+        snprintf(text, sizeof text, "%s: saved at %u %%", s->request.path, (unsigned)(100 * fraction));
+        log_line(LOG_INFO, text);
+    }
+    s->asked = false;
+    s->failed = status != FATHOM_OK;
+}
+
+static void fill(const render_options *options, fathom_checkpoint *out) {
+    fathom_checkpoint_default(out);
+    out->path = options->checkpoint;
+    out->resume = options->resume;
+    if (options->checkpoint_every >= 0) out->every = options->checkpoint_every;
+}
+
+fathom_status saving_check(fathom_context *context, const render_options *options) {
+    fathom_checkpoint request;
+    bool exists;
+    if (!options->checkpoint) return FATHOM_OK;
+    fill(options, &request);
+    return checkpoint_check_path(context, &request, &exists);
+}
+
+void saving_begin(const render_options *options, saving *out) {
+    *out = (saving){.asked = false};
+    fill(options, &out->request);
+    out->request.wanted = wanted;
+    out->request.saved = saved;
+    out->request.user = out;
+}
+
+const fathom_checkpoint *saving_request(const saving *s) { return s->request.path ? &s->request : NULL; }
+
+void saving_tick(const saving *s) {
+    if (!s->request.path && interrupt_take_save())
+        say_error("SIGUSR1: nothing is saved without --checkpoint FILE; rendering goes on");
+}
+
+bool saving_is_named(const saving *s, const fathom_context *context) {
+    const char *path = s->request.path;
+    return path && strncmp(fathom_context_message(context), path, strlen(path)) == 0;
+}
+
+fathom_status saving_end(const saving *s, bool interrupted, fathom_status status) {
+    const char *path = s->request.path;
+    if (!path) return status;
+    char text[SAID];
+    if (status != FATHOM_OK) {
+        if (access(path, F_OK) != 0) return status;
+        snprintf(text, sizeof text, "%s: is kept; --resume continues from what was saved last", path);
+        say_error(text);
+        return status;
+    }
+    if (interrupted && s->failed) {
+        snprintf(text, sizeof text,
+                 "interrupted; the image is written as far as it got, but the work could not be saved to %s",
+                 path);
+        say_error(text);
+        return FATHOM_OUT_OF_RESOURCES;
+    }
+    if (!interrupted && unlink(path) != 0 && errno != ENOENT) {
+        snprintf(text, sizeof text, "%s: is of no more use and cannot be removed: %s", path, strerror(errno));
+        log_line(LOG_WARNING, text);
+    }
+    return status;
+}

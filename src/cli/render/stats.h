@@ -1,0 +1,36 @@
+/* What a render did, as numbers. */
+#ifndef CLI_STATS_H
+#define CLI_STATS_H
+
+#include "cli/render/render_options.h"
+#include "cli/render/warnings.h"
+#include "render/parts.h"
+
+typedef struct render_report {
+    fathom_stats stats;
+    const char *scene;      /* its name */
+    uint32_t width, height; /* as written, cropped */
+    double read_seconds, write_seconds, total_seconds;
+    bool interrupted;
+    double finished; /* of the render, [0,1] */
+    left_out_list left_out;
+    warning_list warnings;
+} render_report;
+
+uint64_t report_rays(const render_report *report);
+double report_rays_per_second(const render_report *report);
+/* Samples a pixel, on average. */
+double report_mean_spp(const render_report *report);
+/* The most memory the process ever held. */
+uint64_t report_peak_bytes(void);
+/* Meshes, BVH and film. */
+uint64_t report_needed_bytes(const render_report *report);
+
+/* --stats: one JSON object, whole or not at all. */
+fathom_status stats_write(fathom_context *context, const render_report *report,
+                          const render_options *options);
+
+/* One line to stdout; several with --verbose, none with --quiet. */
+void stats_print(const render_report *report, const render_options *options);
+
+#endif

@@ -1,0 +1,333 @@
+#include "cli/validate/validate_extremes.h"
+#include "cli/validate/validate_shading.h"
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/threads.h"
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/render/outputs.h"
+#include "cli/render/progress.h"
+#include "cli/standard_output.h"
+#include "verify/builtin.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FAILURES_KEPT 1000000 /* of each family, for a file */
+#define FAILURES_FIRST 1000   /* of each family, for the page, which shows the first that are wrong */
+
+/* ---- running ---- */
+
+typedef struct work {
+    const validate_settings *settings;
+    const fathom_scene *scene; /* NULL: a built-in one */
+    double next_look;          /* at its files */
+    validate_results results;
+    uint64_t before, total; /* rays */
+    double start;
+} work;
+
+static bool on_progress(void *user, uint64_t rays) {
+    work *k = user;
+    uint64_t done = k->before + rays;
+    fathom_progress p = {FATHOM_PHASE_RENDER, (double)done / (double)k->total, done,
+                         clock_seconds() - k->start};
+    progress_update(&p);
+    if (k->scene && scene_watch_files(k->scene, &k->next_look) != FATHOM_OK) return false;
+    return !interrupt_asked();
+}
+
+static fathom_status run_tracer(fathom_context *context, work *k, const validate_stage *stage,
+                                const char *scene, const char *spec) {
+    compare_subject subject;
+    trace_tracer *tracer;
+    fathom_status status = validate_subject(context, stage, spec, &subject, &tracer);
+    if (status != FATHOM_OK) return status;
+    validate_run *run =
+        array_room(&k->results.runs, 1) ? &k->results.runs.items[k->results.runs.count++] : NULL;
+    if (run) {
+        memset(run, 0, sizeof *run);
+        run->scene = strdup(scene), run->spec = strdup(spec);
+    }
+    if (!run || !run->scene || !run->spec) {
+        trace_destroy(tracer);
+        return fail_memory(context, sizeof *run);
+    }
+    snprintf(run->tracer, sizeof run->tracer, "%s", trace_name(tracer));
+    compare_options options = {.families = k->settings->families,
+                               .rays = k->settings->rays,
+                               .seed = k->settings->seed,
+                               .sample = k->settings->sample,
+                               .threads = k->settings->threads,
+                               .failures = k->settings->failures ? FAILURES_KEPT : FAILURES_FIRST,
+                               .progress = on_progress,
+                               .user = k};
+    k->scene = stage->scene;
+    double start = clock_seconds();
+    status = compare_run(context, &subject, &options, &run->result);
+    run->seconds = clock_seconds() - start;
+    trace_destroy(tracer);
+    if (stage->scene && status != FATHOM_OUT_OF_RESOURCES) {
+        fathom_status changed = fathom_scene_check_files(stage->scene);
+        if (changed != FATHOM_OK) return changed;
+    }
+    if (run->result.differ)
+        return fail(context, FATHOM_INTERNAL,
+                    "%s: the search for exact hits and testing every primitive differ "
+                    "in %llu of %llu rays",
+                    scene, (unsigned long long)run->result.differ, (unsigned long long)run->result.sampled);
+    return status;
+}
+
+static const args_list default_tracers = {{"embree", "reference"}, 2};
+
+static unsigned family_count(unsigned families) {
+    unsigned count = 0;
+    for (; families; families &= families - 1) ++count;
+    return count;
+}
+
+static fathom_status run_scene(fathom_context *context, work *k, const char *scene) {
+    const args_list *tracers = &k->settings->tracers;
+    validate_stage stage;
+    fathom_status status = validate_stage_open(context, scene, &stage);
+    for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i) {
+        status = run_tracer(context, k, &stage, scene, tracers->items[i]);
+        k->before += k->settings->rays * family_count(k->settings->families);
+    }
+    validate_stage_close(&stage);
+    return status;
+}
+
+static fathom_status run_all(fathom_context *context, work *k) {
+    unsigned scenes = 0;
+    while (builtin_name(scenes)) ++scenes;
+    if (k->settings->scene) scenes = 1;
+    k->total = scenes * k->settings->tracers.count * family_count(k->settings->families) * k->settings->rays;
+    k->start = clock_seconds();
+    fathom_status status = FATHOM_OK;
+    for (unsigned i = 0; i < scenes && status == FATHOM_OK; ++i)
+        status = run_scene(context, k, k->settings->scene ? k->settings->scene : builtin_name(i));
+    progress_clear_line();
+    return status;
+}
+
+/* ---- results ---- */
+
+static int by_tracer(const void *a, const void *b) {
+    return strcmp(((const validate_run *)a)->spec, ((const validate_run *)b)->spec);
+}
+
+static fathom_status write_results(fathom_context *context, work *k, uint64_t *wrong) {
+    /* Few runs: an insertion keeps the scenes' order within each tracer. */
+    for (size_t i = 1; i < k->results.runs.count; ++i) {
+        validate_run run = k->results.runs.items[i];
+        size_t at = i;
+        for (; at > 0 && by_tracer(&k->results.runs.items[at - 1], &run) > 0; --at)
+            k->results.runs.items[at] = k->results.runs.items[at - 1];
+        k->results.runs.items[at] = run;
+    }
+    uint64_t leaks = 0;
+    for (size_t i = 0; i < k->results.runs.count; ++i) {
+        compare_family sum = validate_sum(&k->results.runs.items[i]);
+        *wrong += sum.counts[VERDICT_WRONG] + sum.any_counts[VERDICT_WRONG];
+        leaks += sum.counts[VERDICT_LEAK] + sum.any_counts[VERDICT_LEAK];
+    }
+    *wrong += validate_extremes_wrong(&k->results.extremes),
+        leaks += validate_extremes_leaks(&k->results.extremes);
+    *wrong += validate_shading_wrong(&k->results.shading);
+    if (!k->settings->quiet) {
+        validate_print(&k->results.runs, k->settings);
+        if (k->settings->isa) validate_print_isas(&k->results.runs);
+        if (k->settings->extremes) validate_extremes_print(&k->results.extremes, k->settings);
+        validate_shading_print(&k->results.shading, k->settings);
+        printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)*wrong,
+               (unsigned long long)leaks, clock_seconds() - k->start);
+    }
+    fathom_status status = FATHOM_OK;
+    if (k->settings->json || k->settings->report)
+        status = validate_write_json(context, &k->results, k->settings);
+    if (status == FATHOM_OK && k->settings->failures)
+        status = validate_write_failures(context, &k->results, k->settings);
+    return status;
+}
+
+static fathom_status check(fathom_context *context, const validate_settings *settings) {
+    const char *outputs[2];
+    size_t count = 0;
+    fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, &settings->json, 1);
+    if (status != FATHOM_OK) return status;
+    if (settings->json && !standard_output_is_named(settings->json)) outputs[count++] = settings->json;
+    if (settings->failures) outputs[count++] = settings->failures;
+    status = outputs_check_distinct(context, outputs, count, settings->scene);
+    for (size_t i = 0; i < count && status == FATHOM_OK; ++i)
+        status = file_check_writable(context, outputs[i]);
+    if (status == FATHOM_OK && settings->report) status = validate_check_report(context, settings);
+    for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
+        trace_spec spec;
+        status = trace_spec_parse(context, settings->tracers.items[i], &spec);
+    }
+    return status;
+}
+
+static fathom_status validate(fathom_context *context, const validate_settings *settings) {
+    fathom_status status = check(context, settings);
+    if (status != FATHOM_OK) return say_status(&command_validate, context, status);
+    interrupt_install();
+    if (settings->replay) {
+        status = validate_replay(context, settings);
+        return status == FATHOM_CHECK_FAILED ? status : say_status(&command_validate, context, status);
+    }
+    progress_begin(settings->quiet);
+    progress_call("validate");
+    interrupt_keep_work(true);
+    work k = {.settings = settings};
+    uint64_t wrong = 0;
+    status = run_all(context, &k);
+    if (status == FATHOM_OK && settings->extremes)
+        status = validate_extremes_run(context, settings, &k.results.extremes, &k.results.extremes_failures);
+    if (status == FATHOM_OK && settings->extremes)
+        status = validate_shading_run(context, settings, &k.results.shading, &k.results.images);
+    say_status(&command_validate, context, status);
+    if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
+        fathom_status written = write_results(context, &k, &wrong);
+        if (written != FATHOM_OK) status = say_status(&command_validate, context, written);
+    }
+    for (size_t i = 0; i < k.results.runs.count; ++i) {
+        compare_result_free(&k.results.runs.items[i].result);
+        free(k.results.runs.items[i].scene);
+        free(k.results.runs.items[i].spec);
+    }
+    array_free(&k.results.runs);
+    array_free(&k.results.extremes);
+    array_free(&k.results.extremes_failures);
+    array_free(&k.results.shading);
+    shading_images_free(&k.results.images);
+    return status == FATHOM_OK && wrong ? FATHOM_CHECK_FAILED : status;
+}
+
+static fathom_status run(int argc, char **argv) {
+    validate_settings settings = {.rays = 3000, .sample = 2, .families = (1u << RAYS_FAMILIES) - 1};
+    fathom_status status;
+    if (!command_parse(&command_validate, argc, argv, &settings, &status)) return status;
+    settings.tracers_given = settings.tracers.count > 0;
+    if (!settings.tracers_given && !settings.replay) settings.tracers = default_tracers;
+    fathom_context *context;
+    status = command_context(settings.threads, &context);
+    if (status != FATHOM_OK) return status;
+    fathom_context_allow_outside(context, settings.allow_outside);
+    settings.threads = fathom_context_threads(context);
+    if (!settings.threads) settings.threads = processor_count();
+    validate_isas isas;
+    if (settings.isa) status = validate_each_isa(context, &settings, &isas);
+    status =
+        status == FATHOM_OK ? validate(context, &settings) : say_status(&command_validate, context, status);
+    fathom_context_destroy(context);
+    return status;
+}
+
+static bool take_families(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    unsigned families = 0;
+    for (const char *word = value;; ++word) {
+        size_t length = strcspn(word, ",");
+        int found = -1;
+        for (int f = 0; f < RAYS_FAMILIES; ++f) {
+            const char *name = rays_family_name((rays_family)f);
+            if (strlen(name) == length && strncmp(name, word, length) == 0) found = f;
+        }
+        if (found < 0)
+            return args_wrong(problem,
+                              "expected names from camera,uniform,edge,vertex,grazing,tangent,surface,far,"
+                              "axis,scaled,interval, found \"%.60s\"",
+                              value);
+        families |= 1u << found;
+        word += length;
+        if (!*word) break;
+    }
+    *(unsigned *)field = families;
+    return true;
+}
+
+static bool take_all(const args_option *option, const char *value, void *field, args_problem *problem) {
+    (void)option;
+    if (strcmp(value, "all") != 0) return args_wrong(problem, "expected all, found \"%.60s\"", value);
+    *(bool *)field = true;
+    return true;
+}
+
+static const args_option options[] = {
+    {.help = "Options"},
+    {"tracer", 0, "SPEC", take_list, offsetof(validate_settings, tracers), 0, 0,
+     "what is judged; may be given several times (embree and reference)"},
+    {"rays", 0, "N", take_count, offsetof(validate_settings, rays), 1, 1e15,
+     "of each family, scene and tracer (3000); 20k, 8M and 1G are understood"},
+    {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, 0, "of the rays (0)"},
+    {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
+     "camera, uniform, edge, vertex, grazing, tangent, surface, far, axis, scaled and interval, separated by "
+     "commas (all)"},
+    {"sample", 0, "N", take_count, offsetof(validate_settings, sample), 0, 1e15,
+     "rays of each family whose exact hit is also looked for among all primitives, without any tree (2)"},
+    {"isa", 0, "all", take_all, offsetof(validate_settings, isa), 0, 0,
+     "Embree once with each of its instruction sets that the processor has; leaks are then counted by set"},
+    {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
+     "besides, the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
+     "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},
+    {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
+     "1 to 1024 (one a processor)"},
+    COMMAND_ALLOW_OUTSIDE(validate_settings),
+    {.help = "Results"},
+    {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0, "a row for each family"},
+    {"quiet", 'q', NULL, take_true, offsetof(validate_settings, quiet), 0, 0, "only the exit code"},
+    {"json", 0, "FILE", take_text, offsetof(validate_settings, json), 0, 0, "all figures"},
+    {"report", 0, "DIR", take_text, offsetof(validate_settings, report), 0, 0,
+     "all figures as one page with tables and plots, DIR/index.html"},
+    {"failures", 0, "FILE", take_text, offsetof(validate_settings, failures), 0, 0,
+     "every ray with a leak or a wrong answer, a line each"},
+    {"replay", 0, "FILE", take_text, offsetof(validate_settings, replay), 0, 0,
+     "ask the rays of such a file again, each alone"},
+    {.help = NULL},
+};
+static const char *const operands[] = {"SCENE"};
+static const size_t operand_offsets[] = {offsetof(validate_settings, scene)};
+
+const command command_validate = {
+    .name = "validate",
+    .usage = "[SCENE] [--tracer SPEC ...] [options]",
+    .summary = "Hold tracers against exact arithmetic.",
+    .text = "Traces families of difficult rays and judges every answer by an exact oracle:\n"
+            "  agree        the exact hit or miss, t to the last places\n"
+            "  tie          another primitive at the same t\n"
+            "  edge         closer to an edge than the tracer's precision can tell\n"
+            "  range        closer to an end of the interval than it can tell\n"
+            "  conditioned  t off by no more than a bound: a constant times the condition\n"
+            "               number of that intersection times the unit roundoff\n"
+            "  beyond       numbers that leave the range of the tracer's floats\n"
+            "  leak         what the tracer is known to miss: Embree, surfaces at edges and\n"
+            "               vertices\n"
+            "  wrong        anything else\n"
+            "Each ray is asked for its closest hit and for any hit, whose rows are shown with\n"
+            "--verbose or when they have leaks or wrong answers.\n"
+            "Without SCENE built-in scenes of every shape are used. Errors of t are in units\n"
+            "of its last place as a float; `constant` is the largest error in units of the\n"
+            "condition number times the unit roundoff. The textbook's sphere is bound by its\n"
+            "own error analysis, which loses the square of distance over radius. SPEC is\n"
+            "embree, reference, linear, bvh and their options, as linear:f64 or\n"
+            "embree:robust:high:16.\n"
+            "--extremes adds cases at the limits, by group and number: scales and places,\n"
+            "slivers, grazing and tangent rays, copies, nested frames, shapes and rays that\n"
+            "are none. A line sums up all tracers; -v has one for each, and what the case is.\n"
+            "Besides, small scenes are rendered by each tracer and held against closed forms:\n"
+            "facing mirrors, light guides, indices of refraction, highlights, lights and\n"
+            "spots at their limits, and a scene moved by the Earth's radius.\n"
+            "The exit code is 1 when anything is wrong.\n",
+    .examples = "  fathom validate\n"
+                "  fathom validate --report results\n"
+                "  fathom validate bunny.obj --rays 100k --families edge,vertex -v\n"
+                "  fathom validate --tracer linear:f64 --failures bad.txt\n"
+                "  fathom validate --replay bad.txt\n"
+                "  fathom validate --extremes --json all.json\n",
+    .args = {options, operands, operand_offsets, 1, 1},
+    .run = run,
+};

@@ -1,0 +1,209 @@
+#include "cli/validate/validate_extremes.h"
+
+#include "base/clock.h"
+#include "base/threads.h"
+#include "cli/interrupt.h"
+#include "cli/json_text.h"
+#include "cli/render/progress.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- running ---- */
+
+/* A case gets a twelfth of the rays that a family of a scene gets. */
+#define SHARE 12
+
+/* Of each family of a case and tracer, in --failures. */
+#define FAILURES_KEPT 100
+
+static const char *const default_tracers[] = {"linear:f32", "linear:f64", "bvh", "embree", "embree:user"};
+
+typedef struct grid {
+    double cases, done, start;
+    uint64_t rays;
+} grid;
+
+static bool on_progress(void *user, uint64_t rays) {
+    const grid *g = user;
+    fathom_progress p = {FATHOM_PHASE_RENDER, g->done / g->cases, g->rays + rays, clock_seconds() - g->start};
+    progress_update(&p);
+    return !interrupt_asked();
+}
+
+static extremes_options options_of(fathom_context *context, const validate_settings *settings, grid *g) {
+    extremes_options o = {.specs = default_tracers,
+                          .spec_count = sizeof default_tracers / sizeof *default_tracers,
+                          .rays = (settings->rays + SHARE - 1) / SHARE,
+                          .seed = settings->seed,
+                          .threads = fathom_context_threads(context),
+                          .progress = on_progress,
+                          .user = g};
+    if (!o.threads) o.threads = processor_count();
+    if (settings->tracers_given) o.specs = settings->tracers.items, o.spec_count = settings->tracers.count;
+    return o;
+}
+
+fathom_status validate_extremes_run(fathom_context *context, const validate_settings *settings,
+                                    extremes_rows *rows, extremes_failures *failures) {
+    grid g = {.start = clock_seconds()};
+    extremes_options options = options_of(context, settings, &g);
+    if (settings->failures) options.failures = failures, options.kept = FAILURES_KEPT;
+    for (unsigned k = 0; k < extremes_groups(); ++k) g.cases += extremes_cases(k);
+    progress_begin(settings->quiet);
+    progress_call("extremes");
+    fathom_status status = FATHOM_OK;
+    for (unsigned k = 0; k < extremes_groups(); ++k) {
+        for (unsigned i = 0; i < extremes_cases(k) && status == FATHOM_OK; ++i) {
+            size_t first = rows->count;
+            status = extremes_run(context, k, i, &options, rows);
+            for (; first < rows->count; ++first) g.rays += rows->items[first].rays;
+            ++g.done;
+        }
+    }
+    progress_clear_line();
+    return status;
+}
+
+/* ---- results ---- */
+
+static uint64_t total(const extremes_rows *rows, verdict v) {
+    uint64_t sum = 0;
+    for (size_t i = 0; i < rows->count; ++i) sum += rows->items[i].counts[v] + rows->items[i].any_counts[v];
+    return sum;
+}
+
+uint64_t validate_extremes_wrong(const extremes_rows *rows) { return total(rows, VERDICT_WRONG); }
+uint64_t validate_extremes_leaks(const extremes_rows *rows) { return total(rows, VERDICT_LEAK); }
+
+static void print_counts(const extremes_row *row) {
+    printf(" %9llu", (unsigned long long)row->rays);
+    for (int v = 0; v < VERDICT_COUNT; ++v) {
+        if (row->counts[v])
+            printf(" %8llu", (unsigned long long)row->counts[v]);
+        else
+            printf(" %8s", "-");
+    }
+    printf(" %8.2g\n", row->constant);
+}
+
+#define NAME_WIDTH 36
+
+static void print_heading(const char *title) {
+    printf("\n%-*s %9s", NAME_WIDTH, title, "rays");
+    for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %8.8s", verdict_name((verdict)v));
+    printf(" %8s\n", "constant");
+}
+
+static void add_row(extremes_row *sum, const extremes_row *row) {
+    sum->rays += row->rays;
+    for (int v = 0; v < VERDICT_COUNT; ++v) sum->counts[v] += row->counts[v];
+    if (row->constant > sum->constant) sum->constant = row->constant;
+}
+
+static bool is_last_of_case(const extremes_rows *rows, size_t i) {
+    if (i + 1 == rows->count) return true;
+    const extremes_row *a = &rows->items[i], *b = &rows->items[i + 1];
+    return strcmp(a->group, b->group) != 0 || a->parameter != b->parameter;
+}
+
+static unsigned group_of(const char *name) {
+    unsigned g = 0;
+    while (g + 1 < extremes_groups() && strcmp(extremes_name(g), name) != 0) ++g;
+    return g;
+}
+
+static void print_group(const char *name) {
+    char title[96];
+    const char *meaning = extremes_meaning(group_of(name));
+    snprintf(title, sizeof title, *meaning ? "%s: %s" : "%s", name, meaning);
+    print_heading(title);
+}
+
+/* Where the number is only one of a list, by words. */
+static void print_name(const extremes_row *row) {
+    if (*extremes_meaning(group_of(row->group)))
+        printf("%-*g", NAME_WIDTH, row->parameter);
+    else
+        printf("%-*.*s", NAME_WIDTH, NAME_WIDTH, row->words);
+}
+
+/* A line a case, of all its tracers; with --verbose one for each tracer too. */
+static void print_cases(const extremes_rows *rows, bool verbose) {
+    const char *group = "";
+    extremes_row sum = {.rays = 0};
+    for (size_t i = 0; i < rows->count; ++i) {
+        const extremes_row *row = &rows->items[i];
+        if (strcmp(group, row->group) != 0) print_group(row->group);
+        group = row->group;
+        add_row(&sum, row);
+        if (verbose) {
+            printf("    %-*s", NAME_WIDTH - 4, row->spec);
+            print_counts(row);
+        }
+        if (!is_last_of_case(rows, i)) continue;
+        print_name(row);
+        print_counts(&sum);
+        if (verbose) printf("  %s\n", row->words);
+        sum = (extremes_row){.rays = 0};
+    }
+}
+
+static void print_tracers(const extremes_rows *rows) {
+    print_heading("extreme cases, all");
+    for (size_t i = 0; i < rows->count; ++i) {
+        const char *spec = rows->items[i].spec;
+        bool known = false;
+        for (size_t k = 0; k < i && !known; ++k) known = strcmp(rows->items[k].spec, spec) == 0;
+        if (known) continue;
+        extremes_row sum = {.rays = 0};
+        for (size_t k = i; k < rows->count; ++k) {
+            if (strcmp(rows->items[k].spec, spec) == 0) add_row(&sum, &rows->items[k]);
+        }
+        printf("%-*s", NAME_WIDTH, spec);
+        print_counts(&sum);
+    }
+}
+
+/* The table is long: what is wrong in it is said once more. */
+static void print_wrong(const extremes_rows *rows) {
+    for (size_t i = 0; i < rows->count; ++i) {
+        const extremes_row *row = &rows->items[i];
+        uint64_t any = row->any_counts[VERDICT_WRONG];
+        if (!row->counts[VERDICT_WRONG] && !any) continue;
+        printf("wrong: %s %g, %s: %llu of %llu", row->group, row->parameter, row->spec,
+               (unsigned long long)row->counts[VERDICT_WRONG], (unsigned long long)row->rays);
+        if (any) printf(", and %llu of any hit", (unsigned long long)any);
+        printf(": %s\n", row->words);
+    }
+}
+
+void validate_extremes_print(const extremes_rows *rows, const validate_settings *settings) {
+    print_cases(rows, settings->verbose);
+    print_tracers(rows);
+    print_wrong(rows);
+}
+
+static json_t *pack_verdicts(const uint64_t counts[VERDICT_COUNT]) {
+    json_t *verdicts = json_object();
+    for (int v = 0; v < VERDICT_COUNT; ++v)
+        json_object_set_new(verdicts, verdict_name((verdict)v), json_count(counts[v]));
+    return verdicts;
+}
+
+static json_t *pack_row(const extremes_row *row) {
+    json_t *constant = isfinite(row->constant) ? json_real(row->constant) : json_null();
+    bool ok = !row->counts[VERDICT_WRONG] && !row->any_counts[VERDICT_WRONG];
+    json_t *any = json_pack("{s:o, s:o}", "rays", json_count(row->any_rays), "verdicts",
+                            pack_verdicts(row->any_counts));
+    return json_pack("{s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:o, s:b}", "group", row->group, "parameter",
+                     row->parameter, "case", row->words, "spec", json_text(row->spec), "rays",
+                     json_count(row->rays), "verdicts", pack_verdicts(row->counts), "any", any, "constant",
+                     constant, "ok", ok);
+}
+
+json_t *validate_extremes_json(const extremes_rows *rows) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < rows->count; ++i) json_array_append_new(list, pack_row(&rows->items[i]));
+    return list;
+}

@@ -1,0 +1,202 @@
+/* Failing rays as text: what they were asked of, and their numbers as hexadecimal floats, which lose nothing.
+ * A ray asked for any hit has "any-" before its verdict. */
+#include "cli/validate/validate.h"
+
+#include "base/file.h"
+#include "cli/command.h"
+#include "cli/json_text.h"
+#include "cli/render/ray_line.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LINE_ROOM 512
+#define FAILURES_SHOWN 20
+#define LINE_HEAD "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n"
+
+/* All of a line but the scene's name, which may be long. */
+static void format_line(const char *spec, const compare_failure *f, char line[LINE_ROOM]) {
+    const oracle_ray *r = &f->ray;
+    snprintf(line, LINE_ROOM, "%.100s %s %llu %s%s %a %a %a %a %a %a %a %a ", spec,
+             rays_family_name(f->family), (unsigned long long)f->index, f->any ? RAY_LINE_ANY : "",
+             verdict_name(f->verdict), (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x,
+             (double)r->dir.y, (double)r->dir.z, (double)r->t_near, (double)r->t_far);
+}
+
+static void put_line(file_writer *writer, const char *spec, const char *scene, const compare_failure *f) {
+    char line[LINE_ROOM];
+    format_line(spec, f, line);
+    file_writer_put(writer, line, strlen(line));
+    file_writer_put(writer, scene, strlen(scene));
+    file_writer_put(writer, "\n", 1);
+}
+
+static void put_extreme(file_writer *writer, const extremes_failure *f) {
+    char scene[128];
+    snprintf(scene, sizeof scene, VALIDATE_EXTREME "%s:%.17g", f->group, f->parameter);
+    put_line(writer, f->spec, scene, &f->failure);
+}
+
+json_t *validate_failures_json(const validate_run *run) {
+    json_t *lines = json_array();
+    for (size_t i = 0; i < run->result.failures.count && json_array_size(lines) < FAILURES_SHOWN; ++i) {
+        const compare_failure *f = &run->result.failures.items[i];
+        if (f->verdict != VERDICT_WRONG) continue;
+        char line[LINE_ROOM + PATH_MAX];
+        format_line(run->spec, f, line);
+        size_t length = strlen(line);
+        snprintf(line + length, sizeof line - length, "%s", run->scene);
+        json_array_append_new(lines, json_text(line));
+    }
+    return lines;
+}
+
+fathom_status validate_write_failures(fathom_context *context, const validate_results *results,
+                                      const validate_settings *settings) {
+    file_writer *writer;
+    fathom_status status = file_writer_open(context, settings->failures, &writer);
+    if (status != FATHOM_OK) return status;
+    file_writer_put(writer, LINE_HEAD, strlen(LINE_HEAD));
+    for (size_t i = 0; i < results->runs.count; ++i) {
+        const validate_run *run = &results->runs.items[i];
+        for (size_t k = 0; k < run->result.failures.count; ++k)
+            put_line(writer, run->spec, run->scene, &run->result.failures.items[k]);
+    }
+    for (size_t i = 0; i < results->extremes_failures.count; ++i)
+        put_extreme(writer, &results->extremes_failures.items[i]);
+    return file_writer_commit(writer);
+}
+
+/* ---- replay ---- */
+
+typedef struct replay {
+    const validate_settings *settings;
+    validate_stage stage;
+    char scene[4096], spec[128]; /* that are open; "" at first */
+    trace_tracer *tracer;
+    compare_subject subject;
+    uint64_t rays, wrong;
+} replay;
+
+/* What a file names is not what someone typed: scenes lie in the working folder, and no code is run. Extreme
+ * cases and built-in scenes are names without a slash, and lie in it as well. */
+static fathom_status check_names(fathom_context *context, const replay *r, const ray_line *line) {
+    trace_spec spec;
+    fathom_status status = FATHOM_OK;
+    if (!r->settings->scene) status = file_confine(context, "", line->scene, line->scene);
+    if (status != FATHOM_OK || r->settings->tracers.count) return status;
+    status = trace_spec_parse(context, line->spec, &spec);
+    if (status == FATHOM_BAD_USAGE) return FATHOM_BAD_INPUT; /* the file used it */
+    if (status != FATHOM_OK || spec.kind != TRACE_PLUGIN) return status;
+    return fail(context, FATHOM_BAD_INPUT,
+                "the tracer %s is a library; a file may not choose what code runs: expected --tracer %s",
+                line->spec, line->spec);
+}
+
+/* The scene and the tracer of the line, unless they are open already. */
+static fathom_status open_subject(fathom_context *context, replay *r, const ray_line *line) {
+    fathom_status allowed = check_names(context, r, line);
+    if (allowed != FATHOM_OK) return allowed;
+    const char *scene = r->settings->scene ? r->settings->scene : line->scene;
+    const char *spec = r->settings->tracers.count ? r->settings->tracers.items[0] : line->spec;
+    bool same = strcmp(scene, r->scene) == 0;
+    if (same && strcmp(spec, r->spec) == 0) return FATHOM_OK;
+    trace_destroy(r->tracer);
+    r->tracer = NULL;
+    fathom_status status = FATHOM_OK;
+    if (!same) {
+        validate_stage_close(&r->stage);
+        snprintf(r->scene, sizeof r->scene, "%s", scene);
+        status = validate_stage_open(context, scene, &r->stage);
+    }
+    snprintf(r->spec, sizeof r->spec, "%s", spec);
+    if (status == FATHOM_OK) status = validate_subject(context, &r->stage, r->spec, &r->subject, &r->tracer);
+    return status;
+}
+
+static void print_answer(const verdict_answer *a) {
+    if (a->geometry == FATHOM_NONE)
+        printf("miss");
+    else
+        printf("geometry %u primitive %u instance %d t %a", a->geometry, a->primitive, (int)a->instance,
+               a->t);
+}
+
+static bool print_exact(const replay *r, const ray_line *line) {
+    search_result room = {.asked = 0};
+    bool fine = (line->any ? search_shadow : search_closest)(r->stage.search, &line->ray, &room);
+    if (fine && room.ties.count) {
+        const search_hit *hit = &room.ties.items[0];
+        print_answer(
+            &(verdict_answer){hit->geometry, hit->primitive, hit->instance, (double)hit->answer.t.value, 0});
+        if (room.ties.count > 1) printf(" (%zu at this t)", room.ties.count);
+    } else {
+        printf("miss");
+    }
+    search_result_free(&room);
+    return fine;
+}
+
+static void print_head(const replay *r, const ray_line *line, verdict v) {
+    print_name(stdout, r->scene);
+    printf(" %s %s %llu: %s%s\n  tracer: ", r->spec, line->family, line->index, line->any ? RAY_LINE_ANY : "",
+           verdict_name(v));
+}
+
+static fathom_status replay_one(fathom_context *context, replay *r, const ray_line *line) {
+    verdict_answer answer = {.geometry = FATHOM_NONE};
+    verdict_report report = {.verdict = VERDICT_AGREE};
+    bool met = false;
+    bool judged = line->any ? compare_one_any(&r->subject, &line->ray, &met, &report.verdict)
+                            : compare_one(&r->subject, &line->ray, &answer, &report);
+    if (!judged) return fail_memory(context, 1);
+    ++r->rays;
+    r->wrong += report.verdict == VERDICT_WRONG;
+    if (r->settings->quiet) return FATHOM_OK;
+    print_head(r, line, report.verdict);
+    if (line->any && met)
+        printf("met");
+    else
+        print_answer(&answer);
+    printf("\n  exact:  ");
+    bool fine = print_exact(r, line);
+    putchar('\n');
+    return fine ? FATHOM_OK : fail_memory(context, 1);
+}
+
+static fathom_status replay_ray(fathom_context *context, replay *r, const ray_line *line) {
+    fathom_status status = open_subject(context, r, line);
+    if (status == FATHOM_OK && !rays_allowed(r->stage.source, &line->ray))
+        return fail(context, FATHOM_BAD_INPUT, "the ray has no direction or is out of range");
+    return status == FATHOM_OK ? replay_one(context, r, line) : status;
+}
+
+static fathom_status replay_text(fathom_context *context, replay *r, const file_map *map) {
+    const char *text = (const char *)map->bytes;
+    ray_lines lines = {context, r->settings->replay, text, text + map->size, 0};
+    for (;;) {
+        ray_line line;
+        bool found;
+        fathom_status status = ray_lines_next(&lines, &line, &found);
+        if (status != FATHOM_OK || !found) return status;
+        status = replay_ray(context, r, &line);
+        if (status == FATHOM_BAD_INPUT)
+            return fail_within(context, status, "%s:%u: ", lines.path, lines.number);
+        if (status != FATHOM_OK) return status;
+    }
+}
+
+fathom_status validate_replay(fathom_context *context, const validate_settings *settings) {
+    replay r = {.settings = settings};
+    file_map map;
+    fathom_status status = file_open(context, settings->replay, &map);
+    if (status != FATHOM_OK) return status;
+    status = replay_text(context, &r, &map);
+    status = file_finish(context, &map, status);
+    trace_destroy(r.tracer);
+    validate_stage_close(&r.stage);
+    if (status != FATHOM_OK) return status;
+    printf("%llu rays, %llu wrong\n", (unsigned long long)r.rays, (unsigned long long)r.wrong);
+    return r.wrong ? FATHOM_CHECK_FAILED : FATHOM_OK;
+}

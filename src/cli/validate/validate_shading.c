@@ -1,0 +1,130 @@
+#include "cli/validate/validate_shading.h"
+
+#include "cli/interrupt.h"
+#include "cli/json_text.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- running ---- */
+
+static bool on_progress(void *user, const fathom_progress *progress) {
+    (void)user;
+    (void)progress; /* of one of some hundred small images */
+    return !interrupt_asked();
+}
+
+/* Rows of one group next to each other, in the order they came in. */
+static void gather_groups(shading_rows *rows) {
+    for (size_t i = 1; i < rows->count; ++i) {
+        shading_row row = rows->items[i];
+        size_t at = i, to = i;
+        while (to > 0 && strcmp(rows->items[to - 1].group, row.group) != 0) --to;
+        if (to == 0) continue; /* the first of its group */
+        for (; at > to; --at) rows->items[at] = rows->items[at - 1];
+        rows->items[to] = row;
+    }
+}
+
+fathom_status validate_shading_run(fathom_context *context, const validate_settings *settings,
+                                   shading_rows *rows, shading_images *images) {
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
+        const shading_options options = {.spec = settings->tracers.items[i], .progress = on_progress};
+        trace_spec spec;
+        status = trace_spec_parse(context, options.spec, &spec);
+        if (status != FATHOM_OK || spec.kind == TRACE_PLUGIN) continue;
+        status = shading_run(context, &options, rows);
+        if (status == FATHOM_OK) status = shading_earth(context, &options, rows);
+    }
+    gather_groups(rows);
+    if (status != FATHOM_OK || !(settings->json || settings->report)) return status;
+    const shading_options options = {.progress = on_progress};
+    return shading_earth_images(context, &options, images);
+}
+
+/* ---- results ---- */
+
+uint64_t validate_shading_wrong(const shading_rows *rows) {
+    uint64_t wrong = 0;
+    for (size_t i = 0; i < rows->count; ++i) wrong += !rows->items[i].ok;
+    return wrong;
+}
+
+static double share_of(const shading_row *row) {
+    if (row->error == 0) return 0;
+    return row->bound > 0 ? row->error / row->bound : (double)INFINITY;
+}
+
+static void print_row(const shading_row *row) {
+    printf("  %-64.64s %-20s %12.6g %12.6g %9.2g %9.2g%s\n", row->what, row->spec, row->measured,
+           row->expected, row->error, row->bound, row->ok ? "" : "  wrong");
+}
+
+/* A line for each group; what is wrong, and with --verbose every case, beneath it. */
+static size_t print_group(const shading_rows *rows, size_t first, bool verbose) {
+    size_t end = first, wrong = 0;
+    double most = 0;
+    for (; end < rows->count && strcmp(rows->items[end].group, rows->items[first].group) == 0; ++end) {
+        wrong += !rows->items[end].ok;
+        most = fmax(most, share_of(&rows->items[end]));
+    }
+    printf("%-20s %9zu %8zu %12.2g\n", rows->items[first].group, end - first, wrong, most);
+    for (size_t i = first; i < end; ++i) {
+        if (verbose || !rows->items[i].ok) print_row(&rows->items[i]);
+    }
+    return end;
+}
+
+void validate_shading_print(const shading_rows *rows, const validate_settings *settings) {
+    if (!rows->count) return;
+    printf("\n%-20s %9s %8s %12s\n", "shading", "cases", "wrong", "error/bound");
+    for (size_t i = 0; i < rows->count;) i = print_group(rows, i, settings->verbose);
+}
+
+static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
+
+static json_t *pack_row(const shading_row *row) {
+    char words[sizeof row->what + 64];
+    snprintf(words, sizeof words, "%s, by %s", row->what, row->spec);
+    return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "group", row->group, "parameter",
+                     number(row->parameter), "case", json_text(words), "spec", json_text(row->spec),
+                     "measured", number(row->measured), "expected", number(row->expected), "error",
+                     number(row->error), "bound", number(row->bound), "ok", row->ok);
+}
+
+json_t *validate_shading_json(const shading_rows *rows) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < rows->count; ++i) json_array_append_new(list, pack_row(&rows->items[i]));
+    return list;
+}
+
+/* RFC 4648. NULL when out of memory. */
+static char *base64(const unsigned char *bytes, size_t count) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char *text = malloc((count + 2) / 3 * 4 + 1), *c = text;
+    for (size_t i = 0; text && i < count; i += 3) {
+        size_t left = count - i;
+        uint32_t three = (uint32_t)bytes[i] << 16 | (left > 1 ? (uint32_t)bytes[i + 1] << 8 : 0) |
+                         (left > 2 ? (uint32_t)bytes[i + 2] : 0);
+        *c++ = digits[three >> 18];
+        *c++ = digits[three >> 12 & 63];
+        *c++ = left > 1 ? digits[three >> 6 & 63] : '=';
+        *c++ = left > 2 ? digits[three & 63] : '=';
+    }
+    if (text) *c = 0;
+    return text;
+}
+
+json_t *validate_images_json(const shading_images *images) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < images->count; ++i) {
+        const shading_image *image = &images->items[i];
+        char *png = base64(image->png, image->png_bytes);
+        json_array_append_new(list, json_pack("{s:s, s:o, s:s}", "title", image->title, "caption",
+                                              json_text(image->caption), "png", png ? png : ""));
+        free(png);
+    }
+    return list;
+}

@@ -1,0 +1,49 @@
+/* What the generators share. */
+#ifndef READ_GENERATE_H
+#define READ_GENERATE_H
+
+#include "generate/generate_noise.h"
+#include "scene/scene.h"
+
+/* A mesh whose arrays the scene owns, to be filled and then added with generate_finish(). */
+typedef struct generate_mesh {
+    float *positions;  /* x y z */
+    float *normals;    /* x y z; NULL for a flat mesh */
+    float *uvs;        /* u v; NULL for none */
+    uint32_t *indices; /* 3 a triangle */
+    uint32_t vertex_count, triangle_count;
+} generate_mesh;
+
+enum { GENERATE_NORMALS = 1, GENERATE_UVS = 2 };
+
+/* FATHOM_OUT_OF_RESOURCES, before anything is touched, when the arrays cannot fit the memory that is free. */
+fathom_status generate_allocate(fathom_scene *scene, uint32_t vertices, uint32_t triangles, unsigned arrays,
+                                generate_mesh *out);
+fathom_status generate_finish(fathom_scene *scene, fathom_id group, const generate_mesh *mesh,
+                              fathom_id material);
+
+/* Rows of a grid, in pieces of about the same work. */
+void generate_rows(const fathom_scene *scene, size_t rows, size_t row_size,
+                   void (*body)(void *job, size_t begin, size_t end, unsigned worker), void *job);
+
+/* A height field over [-1,1]² in x and z: `cells` × `cells` squares of two triangles, y up. */
+typedef struct terrain {
+    uint32_t seed, cells;
+    double relief;    /* height of the highest peaks over the middle, about */
+    double frequency; /* hills along one unit, about */
+    double roughness; /* height of an octave over that of the one before, (0,1) */
+} terrain;
+
+fathom_status generate_height_field(fathom_scene *scene, const terrain *t, generate_mesh *out);
+/* Height of the field's triangles (not of the noise) at (x,z) inside the square. */
+double height_field_at(const generate_mesh *field, uint32_t cells, double x, double z);
+
+/* The nearest n >= 1 for which `factor` n² triangles come closest to `triangles`. */
+uint32_t generate_nearest_square(uint64_t triangles, uint32_t factor);
+
+fathom_status generate_sphere(fathom_scene *scene, fathom_id group, const fathom_generate_options *options);
+fathom_status generate_terrain(fathom_scene *scene, fathom_id group, const fathom_generate_options *options);
+fathom_status generate_sponge(fathom_scene *scene, fathom_id group, const fathom_generate_options *options);
+fathom_status generate_forest(fathom_scene *scene, fathom_id group, const fathom_generate_options *options);
+
+#endif

@@ -1,0 +1,200 @@
+#include "image/compare/flip.h"
+
+#include "image/compare/flip_colour.h"
+#include "image/compare/flip_filter.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* The paper's constants (colour metric, final difference): exponents of the colour and the feature
+ * difference, and how the first is spread over [0,1]: up to the fraction 0.4 of the largest it takes the
+ * first 0.95. */
+#define COLOUR_POWER 0.7
+#define FEATURE_POWER 0.5
+#define KNEE_AT 0.4
+#define KNEE_VALUE 0.95
+/* Width in degrees of the edges that the eye is best at. */
+#define FEATURE_WIDTH 0.082
+
+struct flip_view {
+    flip_size size;
+    double *hunt[3];      /* colours after the eye's blur */
+    double *edge, *point; /* how much of either there is */
+    unsigned char *broken;
+    double *memory;
+};
+
+/* ---- the eye's blur ---- */
+
+/* Contrast sensitivity as a sum of two Gaussians of the angle x, Σ a √(π/b) exp(-π² x² / b), for lightness,
+ * red against green, blue against yellow. */
+static const struct {
+    double a, b;
+} sensitivity[3][2] = {{{1, 0.0047}, {0, 1e-5}}, {{1, 0.0053}, {0, 1e-5}}, {{34.1, 0.04}, {13.5, 0.025}}};
+#define WIDEST 0.04 /* b: all filters reach three deviations of the widest */
+
+static double deviation_of(double b, double ppd) { return sqrt(b / (2 * M_PI * M_PI)) * ppd; }
+
+/* The part of a Gaussian in the sum over the pixels, before both are made to sum to one. */
+static double share_of(double a, double b, double ppd, int radius) {
+    double sum = 0, sigma = deviation_of(b, ppd);
+    for (int x = -radius; x <= radius; ++x) sum += exp(-x * x / (2 * sigma * sigma));
+    return a * sqrt(M_PI / b) * sum * sum;
+}
+
+typedef struct workroom {
+    double *in, *across, *one, *line;
+} workroom;
+
+static void blur(const flip_view *v, int channel, double ppd, const workroom *room, double *out) {
+    size_t count = v->size.width * v->size.height;
+    int radius = (int)ceil(3 * deviation_of(WIDEST, ppd));
+    double shares[2], total = 0;
+    for (int i = 0; i < 2; ++i) {
+        shares[i] = share_of(sensitivity[channel][i].a, sensitivity[channel][i].b, ppd, radius);
+        total += shares[i];
+    }
+    for (size_t p = 0; p < count; ++p) out[p] = 0;
+    for (int i = 0; i < 2; ++i) {
+        if (!(shares[i] > 0)) continue;
+        flip_kernel k = flip_gauss(deviation_of(sensitivity[channel][i].b, ppd), radius);
+        flip_along_rows(room->in, v->size, &k, room->line, room->across);
+        flip_along_columns(room->across, v->size, &k, room->one);
+        for (size_t p = 0; p < count; ++p) out[p] += shares[i] / total * room->one[p];
+    }
+}
+
+/* ---- edges and points ---- */
+
+/* √(gx² + gy²) of a filter along x, and the same along y; each is smoothed the other way. */
+static void detect(const flip_view *v, const flip_kernel *k, const flip_kernel *smooth, const workroom *room,
+                   double *out) {
+    size_t count = v->size.width * v->size.height;
+    flip_along_rows(room->in, v->size, k, room->line, room->across);
+    flip_along_columns(room->across, v->size, smooth, out);
+    flip_along_rows(room->in, v->size, smooth, room->line, room->across);
+    flip_along_columns(room->across, v->size, k, room->one);
+    for (size_t p = 0; p < count; ++p) out[p] = hypot(out[p], room->one[p]);
+}
+
+static void find_features(flip_view *v, double ppd, const workroom *room) {
+    double sigma = 0.5 * FEATURE_WIDTH * ppd;
+    int radius = (int)ceil(3 * sigma);
+    flip_kernel smooth = flip_gauss(sigma, radius), edge = flip_edge(sigma, radius),
+                point = flip_point(sigma, radius);
+    detect(v, &edge, &smooth, room, v->edge);
+    detect(v, &point, &smooth, room, v->point);
+}
+
+/* ---- views ---- */
+
+static double shown(float value) { return value > 0 ? fmin((double)value, 1) : 0; }
+
+/* One channel of the image's opponent colours. */
+static void take_channel(const metric_image *img, int channel, double *out) {
+    for (size_t p = 0; p < (size_t)img->width * img->height; ++p) {
+        double rgb[3] = {shown(img->rgb[0][p]), shown(img->rgb[1][p]), shown(img->rgb[2][p])}, opponent[3];
+        flip_opponent(rgb, opponent);
+        out[p] = opponent[channel];
+    }
+}
+
+/* Blurred colours are clamped to what a screen can show, as the eye sees no other. */
+static void see_colours(flip_view *v) {
+    for (size_t p = 0; p < v->size.width * v->size.height; ++p) {
+        double opponent[3] = {v->hunt[0][p], v->hunt[1][p], v->hunt[2][p]}, rgb[3], hunt[3];
+        flip_opponent_rgb(opponent, rgb);
+        for (int c = 0; c < 3; ++c) rgb[c] = fmin(1, fmax(0, rgb[c]));
+        flip_hunt(rgb, hunt);
+        for (int c = 0; c < 3; ++c) v->hunt[c][p] = hunt[c];
+    }
+}
+
+static void mark_broken(flip_view *v, const metric_image *img) {
+    for (size_t p = 0; p < v->size.width * v->size.height; ++p) {
+        bool finite = true;
+        for (int c = 0; c < 3; ++c) finite &= isfinite(img->rgb[c][p]) != 0;
+        v->broken[p] = !finite;
+    }
+}
+
+static void fill(flip_view *v, const metric_image *img, double ppd, const workroom *room) {
+    mark_broken(v, img);
+    for (int c = 0; c < 3; ++c) {
+        take_channel(img, c, room->in);
+        blur(v, c, ppd, room, v->hunt[c]);
+    }
+    see_colours(v);
+    take_channel(img, 0, room->in);
+    for (size_t p = 0; p < v->size.width * v->size.height; ++p) room->in[p] = (room->in[p] + 16) / 116;
+    find_features(v, ppd, room);
+}
+
+flip_view *flip_view_create(const metric_image *img, double ppd) {
+    size_t count = (size_t)img->width * img->height;
+    flip_view *v = calloc(1, sizeof *v);
+    double *room = malloc((3 * count + img->width + 2 * FLIP_RADIUS_MOST) * sizeof *room);
+    if (v) {
+        v->size = (flip_size){img->width, img->height};
+        v->memory = malloc(5 * count * sizeof *v->memory);
+        v->broken = malloc(count);
+    }
+    if (!v || !room || !v->memory || !v->broken) {
+        free(room);
+        flip_view_destroy(v);
+        return NULL;
+    }
+    for (size_t c = 0; c < 3; ++c) v->hunt[c] = v->memory + c * count;
+    v->edge = v->memory + 3 * count, v->point = v->memory + 4 * count;
+    const workroom work = {room, room + count, room + 2 * count, room + 3 * count};
+    fill(v, img, ppd, &work);
+    free(room);
+    return v;
+}
+
+void flip_view_destroy(flip_view *view) {
+    if (!view) return;
+    free(view->memory);
+    free(view->broken);
+    free(view);
+}
+
+/* ---- differences ---- */
+
+/* No two colours differ by more than green and blue. */
+static double largest_colour(void) {
+    double green[3], blue[3];
+    flip_hunt((const double[3]){0, 1, 0}, green);
+    flip_hunt((const double[3]){0, 0, 1}, blue);
+    return pow(flip_hyab(green, blue), COLOUR_POWER);
+}
+
+static double colour_difference(const flip_view *a, const flip_view *b, size_t p, double largest) {
+    double one[3], other[3];
+    for (int c = 0; c < 3; ++c) one[c] = a->hunt[c][p], other[c] = b->hunt[c][p];
+    double d = pow(flip_hyab(one, other), COLOUR_POWER), knee = KNEE_AT * largest;
+    if (d < knee) return KNEE_VALUE / knee * d;
+    return KNEE_VALUE + (d - knee) / (largest - knee) * (1 - KNEE_VALUE);
+}
+
+static double feature_difference(const flip_view *a, const flip_view *b, size_t p) {
+    double edge = fabs(a->edge[p] - b->edge[p]), point = fabs(a->point[p] - b->point[p]);
+    return pow(fmax(edge, point) / M_SQRT2, FEATURE_POWER);
+}
+
+/* Where a feature comes or goes, a difference of colours counts for more. */
+static double difference(const flip_view *a, const flip_view *b, size_t p, double largest) {
+    if (a->broken[p] | b->broken[p]) return 1;
+    return pow(colour_difference(a, b, p, largest), 1 - feature_difference(a, b, p));
+}
+
+double flip_mean(const flip_view *a, const flip_view *b, float *map) {
+    double sum = 0, largest = largest_colour();
+    size_t count = a->size.width * a->size.height;
+    for (size_t p = 0; p < count; ++p) {
+        double d = difference(a, b, p, largest);
+        sum += d;
+        if (map) map[p] = (float)d;
+    }
+    return sum / (double)count;
+}

@@ -1,0 +1,29 @@
+/* FLIP: the difference a person sees who flips between two images on a screen, in [0,1] for each pixel
+ * (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, FLIP: A Difference Evaluator for
+ * Alternating Images, 2020).
+ *
+ * This is LDR-FLIP after the display transform of sRGB: linear values are clamped to [0,1], which is what
+ * such a screen shows of them (the curve of sRGB and its inverse, the metric's first step, cancel). NaN shows
+ * as 0, as in image files. It is symmetric in its two images. */
+#ifndef IMAGE_FLIP_H
+#define IMAGE_FLIP_H
+
+#include "image/compare/metric.h"
+
+/* Pixels to a degree of the eye: 67 are those of a 4K screen 0.7 m wide, seen from 0.7 m, as in the paper. */
+#define FLIP_PPD 67.0
+#define FLIP_PPD_LEAST 1.0
+#define FLIP_PPD_MOST 500.0
+
+/* An image as the eye sees it, to be compared with any number of others. */
+typedef struct flip_view flip_view;
+
+/* NULL when out of memory. Release with flip_view_destroy(). ppd: in [FLIP_PPD_LEAST, FLIP_PPD_MOST]. */
+flip_view *flip_view_create(const metric_image *img, double ppd);
+void flip_view_destroy(flip_view *view);
+
+/* The mean of all pixels' differences. map: gets them, width × height; may be NULL. Both views are of one
+ * size and made with the same ppd. */
+double flip_mean(const flip_view *a, const flip_view *b, float *map);
+
+#endif

@@ -1,0 +1,296 @@
+#include "image/helper/helper.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <link.h>
+#include <pthread.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/auxv.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define HELPER_FILE "fathom/fathom-image"
+
+extern char **environ;
+
+typedef enum helper_state { HELPER_NONE, HELPER_STARTING, HELPER_READY, HELPER_FAILED } helper_state;
+
+static struct {
+    pthread_mutex_t lock; /* guards the rest; held while a request is under way */
+    helper_state state;
+    pid_t owner; /* the process that started it: a forked child has no part in it */
+    pid_t child;
+    int socket;
+    wire_memory memory;
+    uint64_t process;     /* counts the helpers, from 1 */
+    char libraries[1024]; /* as it said when it was ready */
+    char why[1024];       /* the last start failed */
+} helper = {.lock = PTHREAD_MUTEX_INITIALIZER, .socket = -1, .memory = {.descriptor = -1}};
+
+static void say(char text[1024], const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void say(char text[1024], const char *format, ...) {
+    va_list list;
+    va_start(list, format);
+    vsnprintf(text, 1024, format, list);
+    va_end(list);
+}
+
+/* ---- where it is ---- */
+
+/* Seen from the folder of the file that holds this code: libfathom.so in a library folder, or a program in
+ * bin/. IMAGE_LIBRARY_FOLDER is where the installation puts libraries, seen from where it puts programs;
+ * IMAGE_MULTIARCH is the system's name for the architecture, perhaps "". */
+static const char *const places[] = {"", IMAGE_LIBRARY_FOLDER "/", "../lib/", "../lib/" IMAGE_MULTIARCH "/"};
+
+/* The main program is known by its empty name in the link map: the name it was called by may be anything. */
+static bool own_file(char path[PATH_MAX]) {
+    Dl_info info;
+    struct link_map *map = NULL;
+    if (!dladdr1((void *)(uintptr_t)&helper, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return false;
+    if (realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", path)) return true;
+    /* Without /proc: as it was called, which is good for as long as the working folder stays. */
+    const char *called = (const char *)(uintptr_t)getauxval(AT_EXECFN);
+    return !map->l_name[0] && called && realpath(called, path);
+}
+
+static bool find_program(char path[PATH_MAX], char text[1024]) {
+    char own[PATH_MAX];
+    bool known = own_file(own);
+    for (size_t i = 0; known && i < sizeof places / sizeof *places; ++i) {
+        const char *slash = strrchr(own, '/');
+        int length = snprintf(path, PATH_MAX, "%.*s/%s" HELPER_FILE, (int)(slash - own), own, places[i]);
+        if (length < PATH_MAX && access(path, X_OK) == 0) return true;
+    }
+    say(text,
+        "%s was found neither beside %s nor in the library folders near it; install Fathom again, "
+        "or write .png in the sRGB view, which needs no helper",
+        HELPER_FILE, known ? own : "(unknown program)");
+    return false;
+}
+
+bool helper_find(char text[1024]) {
+    char path[PATH_MAX];
+    return find_program(path, text);
+}
+
+/* ---- its life ---- */
+
+static double limit_seconds(void) {
+    const char *named = getenv("FATHOM_IMAGE_SECONDS");
+    double seconds = named ? strtod(named, NULL) : 0;
+    return seconds > 0 && seconds <= 1e6 ? seconds : HELPER_SECONDS;
+}
+
+/* Under the lock. What it left behind is taken away; of a helper that the parent process owns nothing is
+ * touched but what this process holds of it. */
+static void end(void) {
+    if (helper.socket >= 0) close(helper.socket);
+    helper.socket = -1;
+    wire_memory_release(&helper.memory);
+    if (helper.child > 0 && helper.owner == getpid()) {
+        kill(helper.child, SIGKILL);
+        while (waitpid(helper.child, NULL, 0) < 0 && errno == EINTR) continue;
+    }
+    helper.child = 0;
+}
+
+/* Under the lock. The words for a helper that answers no more, by how it ended. */
+static void say_end(char text[1024], const char *doing) {
+    int status;
+    pid_t found = 0;
+    for (int i = 0; i < 50 && found == 0; ++i) { /* its socket closes just before it has ended */
+        found = waitpid(helper.child, &status, WNOHANG);
+        if (found == 0) usleep(2000);
+    }
+    if (found != helper.child) {
+        say(text, "the image helper ended %s", doing);
+        return;
+    }
+    helper.child = 0;
+    const char *name = WIFSIGNALED(status) ? sigabbrev_np(WTERMSIG(status)) : NULL;
+    if (name)
+        say(text,
+            "the image helper was ended by SIG%s %s: one of its libraries failed, as they do when memory is "
+            "lacking",
+            name, doing);
+    else
+        say(text, "the image helper ended %s: one of its libraries left, as some do when memory is lacking",
+            doing);
+}
+
+/* Descriptors as far up as those that the helper gets are not, and closed in every program that is started.
+ */
+static int move_up(int descriptor) {
+    int moved = descriptor < 0 ? -1 : fcntl(descriptor, F_DUPFD_CLOEXEC, 10);
+    if (descriptor >= 0) close(descriptor);
+    return moved;
+}
+
+/* Nothing that it prints is for anybody, and no other descriptor of this process is its business: a pipe that
+ * it held open would have its reader wait. */
+static bool spawn(const char *path, int socket, int memory) {
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none;
+    char *const arguments[] = {(char[]){"fathom-image"}, NULL};
+    if (posix_spawn_file_actions_init(&actions) != 0) return false;
+    if (posix_spawnattr_init(&attributes) != 0) {
+        posix_spawn_file_actions_destroy(&actions);
+        return false;
+    }
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    for (int stream = 0; stream <= STDERR_FILENO; ++stream)
+        posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+    posix_spawn_file_actions_adddup2(&actions, socket, WIRE_SOCKET);
+    posix_spawn_file_actions_adddup2(&actions, memory, WIRE_MEMORY);
+    posix_spawn_file_actions_addclosefrom_np(&actions, WIRE_MEMORY + 1);
+    int failed = posix_spawn(&helper.child, path, &actions, &attributes, arguments, environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failed) helper.child = 0;
+    return !failed;
+}
+
+/* Under the lock. */
+static void start(void) {
+    char path[PATH_MAX];
+    int sockets[2] = {-1, -1};
+    end();
+    helper.state = HELPER_FAILED;
+    if (!find_program(path, helper.why)) return;
+    bool made = socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets) == 0;
+    helper.socket = move_up(sockets[0]);
+    int theirs = move_up(sockets[1]);
+    helper.memory.descriptor = move_up(memfd_create("fathom-image", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    /* Memory that shrank under a mapping would end this process. */
+    made = made && helper.socket >= 0 && theirs >= 0 && helper.memory.descriptor >= 0 &&
+           fcntl(helper.memory.descriptor, F_ADD_SEALS, F_SEAL_SHRINK) == 0 &&
+           spawn(path, theirs, helper.memory.descriptor);
+    if (theirs >= 0) close(theirs);
+    if (made) {
+        helper.state = HELPER_STARTING;
+        helper.owner = getpid();
+        ++helper.process;
+        return;
+    }
+    say(helper.why, "the image helper cannot be started: %s", strerror(errno));
+    end();
+}
+
+/* Under the lock. Takes the word that it is ready, waiting for it if `wait`. */
+static void come_up(bool wait) {
+    wire_reply hello;
+    int milliseconds = wait ? (int)(1000 * limit_seconds()) : 0;
+    wire_result result = wire_receive(helper.socket, &hello, sizeof hello, milliseconds, NULL);
+    if (result == WIRE_LATE && !wait) return;
+    hello.text[sizeof hello.text - 1] = '\0';
+    helper.state = HELPER_FAILED;
+    if (result == WIRE_LATE)
+        say(helper.why, "the image helper was not ready after %g seconds", limit_seconds());
+    else if (result == WIRE_GONE)
+        say_end(helper.why, "while it loaded its libraries");
+    else if (hello.version != WIRE_VERSION)
+        say(helper.why, "the image helper is of another build");
+    else if (hello.status != FATHOM_OK)
+        say(helper.why, "%s", hello.text);
+    else {
+        say(helper.libraries, "%s", hello.text);
+        helper.state = HELPER_READY;
+    }
+    if (helper.state == HELPER_FAILED) end();
+}
+
+/* Under the lock. A child of fork() starts a helper of its own. */
+static void disown(void) {
+    if (helper.state == HELPER_NONE || helper.owner == getpid()) return;
+    end();
+    helper.state = HELPER_NONE;
+}
+
+void helper_prefetch(void) {
+    pthread_mutex_lock(&helper.lock);
+    disown();
+    if (helper.state == HELPER_NONE || helper.state == HELPER_FAILED) start();
+    pthread_mutex_unlock(&helper.lock);
+}
+
+fathom_status helper_look(char text[1024]) {
+    if (pthread_mutex_trylock(&helper.lock) != 0) return FATHOM_OK; /* somebody waits for it */
+    disown();
+    if (helper.state == HELPER_STARTING) come_up(false);
+    bool failed = helper.state == HELPER_FAILED;
+    if (failed) say(text, "%s", helper.why);
+    pthread_mutex_unlock(&helper.lock);
+    return failed ? FATHOM_OUT_OF_RESOURCES : FATHOM_OK;
+}
+
+/* ---- asking ---- */
+
+static fathom_status fail_text(helper_exchange *e, const char *text) {
+    say(e->reply.text, "%s", text);
+    return FATHOM_OUT_OF_RESOURCES;
+}
+
+/* Under the lock: a helper that is ready. */
+static fathom_status be_ready(helper_exchange *e) {
+    disown();
+    if (e->process && (helper.state != HELPER_READY || e->process != helper.process))
+        return fail_text(e, "the image helper ended before");
+    if (helper.state == HELPER_NONE || helper.state == HELPER_FAILED) start();
+    if (helper.state == HELPER_STARTING) come_up(true);
+    return helper.state == HELPER_READY ? FATHOM_OK : fail_text(e, helper.why);
+}
+
+/* Under the lock. */
+static fathom_status exchange(helper_exchange *e) {
+    if (e->request.size && !wire_memory_reach(&helper.memory, e->request.size, true))
+        return fail_text(e, errno == ENOMEM || errno == ENOSPC ? "out of memory" : strerror(errno));
+    if (e->bytes) memcpy(helper.memory.bytes, e->bytes, e->request.size);
+    wire_result result = WIRE_GONE;
+    if (wire_send(helper.socket, &e->request, sizeof e->request, e->descriptor))
+        result = wire_receive(helper.socket, &e->reply, sizeof e->reply, (int)(1000 * limit_seconds()), NULL);
+    e->reply.text[sizeof e->reply.text - 1] = '\0';
+    if (result == WIRE_CAME) return (fathom_status)e->reply.status;
+    if (result == WIRE_LATE)
+        say(e->reply.text, "the image helper gave no answer for %g seconds", limit_seconds());
+    else
+        say_end(e->reply.text, "at work");
+    end();
+    helper.state = HELPER_NONE;
+    return FATHOM_OUT_OF_RESOURCES;
+}
+
+fathom_status helper_ask(helper_exchange *e) {
+    pthread_mutex_lock(&helper.lock);
+    e->reply = (wire_reply){.text = ""};
+    fathom_status status = be_ready(e);
+    if (status == FATHOM_OK) status = exchange(e);
+    if (status == FATHOM_OK && e->take) {
+        status = wire_memory_reach(&helper.memory, e->reply.size, false)
+                     ? e->take(e->user, helper.memory.bytes, &e->reply)
+                     : fail_text(e, "out of memory");
+    }
+    e->process = helper.process;
+    pthread_mutex_unlock(&helper.lock);
+    return status;
+}
+
+fathom_status helper_libraries(char text[1024]) {
+    helper_exchange none = {.descriptor = -1};
+    pthread_mutex_lock(&helper.lock);
+    fathom_status status = be_ready(&none);
+    say(text, "%s", status == FATHOM_OK ? helper.libraries : none.reply.text);
+    pthread_mutex_unlock(&helper.lock);
+    return status;
+}

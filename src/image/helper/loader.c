@@ -1,0 +1,237 @@
+#include "image/helper/loader.h"
+
+#include "base/file.h"
+#include "image/helper/helper.h"
+#include "image/helper/wire_image.h"
+#include "image/pack.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Something that is open in the helper. */
+typedef struct remote {
+    uint64_t object, process;
+    unsigned threads;
+    size_t pixel_bytes; /* of a writer */
+    uint32_t width;
+} remote;
+
+static fathom_status ask(helper_exchange *e, image_message *message) {
+    fathom_status status = helper_ask(e);
+    if (status != FATHOM_OK) snprintf(message->text, sizeof message->text, "%s", e->reply.text);
+    return status;
+}
+
+/* Asks with what `b` holds, which is released. */
+static fathom_status ask_with(helper_exchange *e, wire_buffer *b, image_message *message) {
+    fathom_status status = FATHOM_OUT_OF_RESOURCES;
+    e->bytes = b->items, e->request.size = b->count;
+    if (b->lost)
+        snprintf(message->text, sizeof message->text, "out of memory");
+    else
+        status = ask(e, message);
+    free(b->items);
+    return status;
+}
+
+static remote *remember(const helper_exchange *e, unsigned threads) {
+    remote *r = malloc(sizeof *r);
+    if (r) *r = (remote){.object = e->reply.object, .process = e->process, .threads = threads};
+    return r;
+}
+
+static helper_exchange about(const remote *r, wire_op op) {
+    return (helper_exchange){.request = {.op = op, .threads = r->threads, .object = r->object},
+                             .descriptor = -1,
+                             .process = r->process};
+}
+
+/* ---- writing ---- */
+
+static fathom_status open_writer(const image_target *target, image_writer **out, image_message *message) {
+    wire_buffer b = {NULL, 0, 0, false};
+    helper_exchange e = {.request = {.op = WIRE_OPEN, .threads = target->threads},
+                         .descriptor = target->descriptor};
+    wire_put_text(&b, target->path);
+    wire_put_u32(&b, target->format);
+    wire_put_u32(&b, target->srgb);
+    wire_put_u32(&b, (uint32_t)target->profile_size);
+    wire_put(&b, target->profile, target->profile_size);
+    wire_put_text(&b, target->date);
+    wire_put_image(&b, target->img, target->storage);
+    fathom_status status = ask_with(&e, &b, message);
+    if (status != FATHOM_OK) return status;
+    remote *r = remember(&e, target->threads);
+    if (!r) {
+        snprintf(message->text, sizeof message->text, "out of memory");
+        return FATHOM_OUT_OF_RESOURCES; /* the helper keeps the file open until it ends */
+    }
+    r->width = target->img->width;
+    for (size_t i = 0; i < target->img->channel_count; ++i)
+        r->pixel_bytes += pack_storage_size(target->storage[i]);
+    *out = (image_writer *)(void *)r;
+    return FATHOM_OK;
+}
+
+static fathom_status write_rows(image_writer *writer, uint32_t count, const void *pixels,
+                                image_message *message) {
+    const remote *r = (const remote *)(const void *)writer;
+    helper_exchange e = about(r, WIRE_ROWS);
+    e.bytes = pixels, e.request.count = count, e.request.size = r->pixel_bytes * r->width * count;
+    return ask(&e, message);
+}
+
+static fathom_status close_writer(image_writer *writer, bool finish, image_message *message) {
+    remote *r = (remote *)(void *)writer;
+    helper_exchange e = about(r, WIRE_CLOSE);
+    e.request.count = finish;
+    fathom_status status = ask(&e, message);
+    free(r);
+    return status;
+}
+
+/* ---- reading ---- */
+
+/* An image as it was read: everything that it points to lies in `bytes`, behind it. */
+typedef struct read_image_memory {
+    image img;
+    wire_image parts;
+    unsigned char *bytes;
+} read_image_memory;
+
+/* Nothing of what the helper says is taken for granted. */
+static bool place_planes(read_image_memory *m, uint64_t described, uint64_t size) {
+    const image *img = &m->parts.img;
+    uint64_t at = (described + WIRE_ALIGNED - 1) / WIRE_ALIGNED * WIRE_ALIGNED;
+    uint64_t plane = (uint64_t)img->width * img->height * sizeof(float);
+    if (!img->width || !img->height || at > size || img->channel_count > (size - at) / plane) return false;
+    for (size_t i = 0; i < img->channel_count; ++i) {
+        m->parts.channels[i].data = m->bytes + at + i * plane;
+        m->parts.channels[i].stride = sizeof(float);
+    }
+    m->img = *img;
+    return true;
+}
+
+static void release_image(const image *img) {
+    read_image_memory *m = (read_image_memory *)(uintptr_t)img;
+    if (!m) return;
+    wire_image_free(&m->parts);
+    free(m->bytes);
+    free(m);
+}
+
+static fathom_status take_image(void *user, const unsigned char *bytes, const wire_reply *reply) {
+    read_image_memory *m = calloc(1, sizeof *m);
+    if (!m) return FATHOM_OUT_OF_RESOURCES;
+    m->bytes = malloc(reply->size ? reply->size : 1);
+    fathom_status status = FATHOM_OUT_OF_RESOURCES;
+    if (m->bytes && reply->object <= reply->size) {
+        memcpy(m->bytes, bytes, reply->size);
+        wire_cursor c = {m->bytes, m->bytes + reply->object, false};
+        if (wire_take_image(&c, &m->parts) && place_planes(m, reply->object, reply->size)) status = FATHOM_OK;
+    }
+    if (status == FATHOM_OK)
+        *(const image **)user = &m->img;
+    else
+        release_image(&m->img);
+    return status;
+}
+
+/* The helper's working folder may be another one. */
+static fathom_status read_image(const char *path, unsigned threads, const image **out,
+                                image_message *message) {
+    char whole[PATH_MAX];
+    wire_buffer b = {NULL, 0, 0, false};
+    helper_exchange e = {
+        .request = {.op = WIRE_READ, .threads = threads}, .descriptor = -1, .take = take_image, .user = out};
+    *out = NULL;
+    wire_put_text(&b, realpath(path, whole) ? whole : path);
+    fathom_status status = ask_with(&e, &b, message);
+    if (status != FATHOM_OK && !message->text[0])
+        snprintf(message->text, sizeof message->text, "out of memory");
+    return status;
+}
+
+/* ---- views ---- */
+
+static fathom_status open_view(const image_view_request *request, image_view **out, bool *srgb,
+                               image_message *message) {
+    char whole[PATH_MAX];
+    wire_buffer b = {NULL, 0, 0, false};
+    helper_exchange e = {.request = {.op = WIRE_VIEW}, .descriptor = -1};
+    wire_put_text(&b, request->config && realpath(request->config, whole) ? whole : request->config);
+    wire_put_text(&b, request->display);
+    wire_put_text(&b, request->view);
+    fathom_status status = ask_with(&e, &b, message);
+    if (status != FATHOM_OK) return status;
+    remote *r = remember(&e, 1);
+    if (!r) {
+        snprintf(message->text, sizeof message->text, "out of memory");
+        return FATHOM_OUT_OF_RESOURCES;
+    }
+    *srgb = e.reply.flag != 0;
+    *out = (image_view *)(void *)r;
+    return FATHOM_OK;
+}
+
+typedef struct shown {
+    float *rgba;
+    size_t size;
+} shown;
+
+static fathom_status take_pixels(void *user, const unsigned char *bytes, const wire_reply *reply) {
+    const shown *to = user;
+    (void)reply;
+    memcpy(to->rgba, bytes, to->size);
+    return FATHOM_OK;
+}
+
+static fathom_status apply_view(const image_view *view, unsigned threads, float *rgba, size_t count,
+                                image_message *message) {
+    helper_exchange e = about((const remote *)(const void *)view, WIRE_APPLY);
+    shown to = {rgba, count * 4 * sizeof *rgba};
+    e.request.threads = threads, e.request.count = count, e.request.size = to.size;
+    e.bytes = rgba, e.take = take_pixels, e.user = &to;
+    return ask(&e, message);
+}
+
+static void close_view(image_view *view) {
+    helper_exchange e = about((const remote *)(const void *)view, WIRE_END_VIEW);
+    helper_ask(&e);
+    free(view);
+}
+
+const image_module image_calls = {IMAGE_MODULE_VERSION,
+                                  {open_writer, write_rows, close_writer},
+                                  read_image,
+                                  release_image,
+                                  open_view,
+                                  apply_view,
+                                  close_view,
+                                  NULL};
+
+/* ---- its life ---- */
+
+void image_prefetch(void) { helper_prefetch(); }
+
+fathom_status image_prefetch_status(fathom_context *context) {
+    char text[1024];
+    fathom_status status = helper_look(text);
+    return status == FATHOM_OK ? status : fail(context, status, "image helper: %s", text);
+}
+
+fathom_status image_libraries(fathom_context *context, char out[256]) {
+    char text[1024];
+    fathom_status status = helper_libraries(text);
+    if (status != FATHOM_OK) return fail(context, status, "image helper: %s", text);
+    snprintf(out, 256, "%.255s", text);
+    return status;
+}
+
+fathom_status loader_find(fathom_context *context) {
+    char text[1024];
+    return helper_find(text) ? FATHOM_OK : fail(context, FATHOM_OUT_OF_RESOURCES, "image helper: %s", text);
+}

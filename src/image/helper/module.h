@@ -1,0 +1,87 @@
+/* What fathom_image.so offers to the image helper, and image/helper/loader.h to the library: the only calls
+ * that cross between C and the C++ of OpenImageIO and OpenColorIO. No exception passes: each call returns a
+ * status, and on failure leaves its reason in `message`. */
+#ifndef IMAGE_MODULE_MODULE_H
+#define IMAGE_MODULE_MODULE_H
+
+#include "image/image.h"
+
+/* Grows with every change of this file: a module of another build is refused, not called. */
+#define IMAGE_MODULE_VERSION 4
+#define IMAGE_MODULE_SYMBOL "fathom_image_module"
+
+typedef struct image_message {
+    char text[1024];
+} image_message;
+
+typedef enum image_format { IMAGE_EXR, IMAGE_PNG, IMAGE_JPEG, IMAGE_TIFF } image_format;
+typedef enum image_storage {
+    IMAGE_STORE_U8,
+    IMAGE_STORE_HALF,
+    IMAGE_STORE_FLOAT,
+    IMAGE_STORE_UINT
+} image_storage;
+
+/* A file to be written: its bytes go to `file` in order, or to `descriptor` by offset; `path` is for
+ * messages. Beyond the call only these two are kept. */
+struct file_writer; /* base/file.h */
+
+typedef struct image_target {
+    const char *path;
+    struct file_writer *file;
+    int descriptor;
+    image_format format;
+    unsigned threads;
+    bool srgb;                    /* mark the pixels as sRGB… */
+    const unsigned char *profile; /* …with this profile, where the format has no word of its own for it */
+    size_t profile_size;
+    const char *date;             /* "2026:11:22 16:45:33", of formats that hold one; NULL: now */
+    const image *img;             /* sizes, attributes, names of the channels to write; not their pixels */
+    const image_storage *storage; /* of each channel; EXR takes a mixture, the other formats bytes */
+} image_target;
+
+/* A display and view of a config. NULL: the built-in config, the config's default display, the display's
+ * view. */
+typedef struct image_view_request {
+    const char *config, *display, *view;
+} image_view_request;
+
+typedef struct image_writer image_writer;
+typedef struct image_view image_view;
+
+typedef struct image_writer_calls {
+    fathom_status (*open)(const image_target *target, image_writer **out, image_message *message);
+    /* The next `count` rows from the top: pixels of interleaved channels, each in its storage. */
+    fathom_status (*rows)(image_writer *writer, uint32_t count, const void *pixels, image_message *message);
+    /* Ends the writer's life, whether it fails or not; `finish` is false to abandon the file. */
+    fathom_status (*close)(image_writer *writer, bool finish, image_message *message);
+} image_writer_calls;
+
+typedef struct image_module {
+    unsigned version;
+    image_writer_calls writer; /* of all formats but PNG */
+
+    fathom_status (*read)(const char *path, unsigned threads, const image **out, image_message *message);
+    void (*release)(const image *img);
+
+    /* *srgb: whether what the view gives is meant for an sRGB screen. */
+    fathom_status (*view_open)(const image_view_request *request, image_view **out, bool *srgb,
+                               image_message *message);
+    /* In place, on `count` pixels of four floats; finite values only. The number of threads changes no pixel.
+     */
+    fathom_status (*view_apply)(const image_view *view, unsigned threads, float *rgba, size_t count,
+                                image_message *message);
+    void (*view_close)(image_view *view);
+
+    const char *libraries; /* "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2" */
+} image_module;
+
+#ifdef __cplusplus
+fathom_status image_view_open(const image_view_request *request, image_view **out, bool *srgb,
+                              image_message *message) noexcept;
+fathom_status image_view_apply(const image_view *view, unsigned threads, float *rgba, size_t count,
+                               image_message *message) noexcept;
+void image_view_close(image_view *view) noexcept;
+#endif
+
+#endif

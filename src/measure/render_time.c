@@ -1,0 +1,247 @@
+#include "measure/render_time.h"
+
+#include "base/clock.h"
+#include "base/threads.h"
+#include "measure/replay.h"
+#include "render/job.h"
+
+#include <stdlib.h>
+
+typedef struct bench {
+    fathom_context *context;
+    const world *world;
+    const trace_tracer *tracer;
+    const fathom_settings *settings;
+    const render_time_options *options;
+    render_time *out;
+    double done, total; /* work, see below */
+} bench;
+
+/* ---- how far it is ----
+ * A render by one thread is one unit; the bare calls, and the same through the tracer, take about 0.65 of it.
+ */
+
+#define REPLAY 0.65
+
+/* All renders of one repetition, by each number of threads. */
+static double speed_work(const render_time_options *options) {
+    double work = 0;
+    for (unsigned t = 0; t < options->thread_counts; ++t) {
+        const unsigned threads = options->threads[t], most = processor_count();
+        work += 1.0 / (threads < most ? threads : most);
+    }
+    return work;
+}
+
+/* One render and all replays of one repetition. */
+static double ratio_work(const render_time_options *options) {
+    return 1 + 2 * REPLAY + (options->thread_counts > 1 ? options->thread_counts * REPLAY : 0);
+}
+
+static double all_work(const bench *b) {
+    const double repeats = b->options->repeats, recording = 1;
+    const bool ratio = embree_bare_possible(b->tracer);
+    return repeats * speed_work(b->options) + (ratio ? recording + repeats * ratio_work(b->options) : 0);
+}
+
+static void finish_work(bench *b, double work) {
+    b->done += work;
+    bench_watch_tell(b->options->watch, b->done, b->total);
+}
+
+typedef struct timing {
+    double plan, seconds, cpu;
+    ray_counts rays;
+} timing;
+
+/* One render phase, with a plan and a film of its own as any render has. */
+static fathom_status render_once(const bench *b, const trace_tracer *tracer, const fathom_settings *settings,
+                                 unsigned threads, timing *out) {
+    fathom_film *film;
+    render_plan *plan = NULL;
+    fathom_context_set_threads(b->context, threads);
+    fathom_status status = film_create(b->context, b->world->scene, settings, &film);
+    if (status != FATHOM_OK) return status;
+    double start = clock_seconds();
+    status = plan_create(b->context, b->world, tracer, settings, &plan);
+    double began = clock_seconds(), cpu = clock_process_seconds();
+    job_result result = {.samples = 0};
+    const job_options options = {.deadline = began + settings->max_time};
+    if (status == FATHOM_OK) status = job_run(b->context, plan, &options, film, &result);
+    out->rays = result.rays;
+    out->seconds = clock_seconds() - began;
+    out->cpu = clock_process_seconds() - cpu;
+    out->plan = began - start;
+    plan_destroy(plan);
+    fathom_film_destroy(film);
+    return status;
+}
+
+/* ---- against the bare calls ---- */
+
+typedef struct sums {
+    double render[RENDER_TIME_REPEATS_MAX], traced[RENDER_TIME_REPEATS_MAX], bare[RENDER_TIME_REPEATS_MAX];
+    double together[RENDER_TIME_THREADS_MAX][RENDER_TIME_REPEATS_MAX]; /* bare, by the clock */
+} sums;
+
+/* By so many threads as rendered. */
+static bool time_together(const bench *b, const record *r, unsigned repeat, sums *s) {
+    const render_time_options *options = b->options;
+    for (unsigned t = 0; t < options->thread_counts && options->thread_counts > 1; ++t) {
+        replay_result bare;
+        if (!replay_bare_together(r, b->tracer, options->threads[t], &bare)) return false;
+        s->together[t][repeat] += bare.seconds;
+    }
+    return true;
+}
+
+/* Each in turn, and the other way round every other time, so that what changes with the time favours none. */
+static fathom_status time_band(bench *b, const record *r, const fathom_settings *settings, double share,
+                               sums *s) {
+    for (unsigned k = 0; k < b->options->repeats; ++k) {
+        timing render;
+        replay_result bare, traced;
+        bool first = k % 2, ok = true;
+        if (first) ok = replay_bare(r, b->tracer, &bare);
+        fathom_status status = render_once(b, b->tracer, settings, 1, &render);
+        if (status != FATHOM_OK) return status;
+        if (!first) ok = replay_bare(r, b->tracer, &bare);
+        if (!ok || !replay_traced(r, b->tracer, &traced) || !time_together(b, r, k, s))
+            return fail_memory(b->context, sizeof *r);
+        s->render[k] += render.cpu, s->bare[k] += bare.cpu_seconds, s->traced[k] += traced.cpu_seconds;
+        finish_work(b, share * ratio_work(b->options));
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status record_band(const bench *b, const fathom_settings *settings, record *r) {
+    trace_tracer *recorder = record_tracer(b->tracer, r);
+    if (!recorder) return fail_memory(b->context, sizeof *r);
+    record_clear(r);
+    timing render;
+    fathom_status status = render_once(b, recorder, settings, 1, &render);
+    trace_destroy(recorder);
+    if (status != FATHOM_OK || !r->out_of_memory) return status;
+    return fail(b->context, FATHOM_OUT_OF_RESOURCES,
+                "out of memory for the rays of a render; expected fewer samples or a smaller image");
+}
+
+/* Rows of the image whose rays take no more than record_bytes: whole tiles, at least one. */
+static uint32_t band_rows(const bench *b, uint32_t rows) {
+    double rays = (double)plan_expected_rays(b->world->scene, b->settings);
+    double bytes = rays / TRACE_WIDTH * sizeof(trace_rays) / rows;
+    double fit = (double)b->options->record_bytes / bytes;
+    uint32_t tile = b->settings->tile_size;
+    if (fit >= rows) return rows;
+    return fit < tile ? tile : (uint32_t)fit / tile * tile;
+}
+
+static fathom_status time_bands(bench *b, record *r, sums *s) {
+    fathom_settings part = *b->settings;
+    uint32_t *c = part.crop;
+    if (!c[2]) c[0] = c[1] = 0, c[2] = part.width, c[3] = part.height;
+    const uint32_t end = c[3], all = end - c[1], rows = band_rows(b, all);
+    fathom_status status = FATHOM_OK;
+    for (uint32_t y = c[1]; y < end && status == FATHOM_OK; y = c[3]) {
+        uint32_t next = (y + rows) / part.tile_size * part.tile_size;
+        c[1] = y, c[3] = end - y <= rows ? end : next;
+        const double share = (double)(c[3] - y) / all;
+        status = record_band(b, &part, r);
+        finish_work(b, share);
+        if (status == FATHOM_OK) status = time_band(b, r, &part, share, s);
+        b->out->ratio.closest += record_rays(r, BARE_CLOSEST);
+        b->out->ratio.any += record_rays(r, BARE_ANY);
+        ++b->out->ratio.bands;
+    }
+    return status;
+}
+
+static void set_ratio(render_ratio *ratio, sums *s, unsigned repeats) {
+    double to_bare[RENDER_TIME_REPEATS_MAX];
+    for (unsigned k = 0; k < repeats; ++k) to_bare[k] = s->render[k] / s->bare[k];
+    ratio->render_to_bare = quartiles_of(to_bare, repeats);
+    for (unsigned k = 0; k < repeats; ++k) to_bare[k] = s->traced[k] / s->bare[k];
+    ratio->traced_to_bare = quartiles_of(to_bare, repeats);
+    ratio->render = quartiles_of(s->render, repeats);
+    ratio->traced = quartiles_of(s->traced, repeats);
+    ratio->bare = quartiles_of(s->bare, repeats);
+}
+
+static void set_bare_speeds(const bench *b, sums *s) {
+    const render_time_options *options = b->options;
+    double gain[RENDER_TIME_REPEATS_MAX];
+    for (unsigned t = 0; t < options->thread_counts && options->thread_counts > 1; ++t) {
+        double more = (double)options->threads[t] / options->threads[0];
+        for (unsigned k = 0; k < options->repeats; ++k)
+            gain[k] = more * s->together[0][k] / s->together[t][k];
+        b->out->speeds[t].bare_speedup = quartiles_of(gain, options->repeats);
+    }
+}
+
+static fathom_status measure_ratio(bench *b) {
+    if (!embree_bare_possible(b->tracer)) return FATHOM_OK;
+    sums *s = calloc(1, sizeof *s);
+    if (!s) return fail_memory(b->context, sizeof *s);
+    record r = {.blocks = 0};
+    fathom_status status = time_bands(b, &r, s);
+    record_free(&r);
+    b->out->has_ratio = status == FATHOM_OK;
+    if (b->out->has_ratio) {
+        set_ratio(&b->out->ratio, s, b->options->repeats);
+        set_bare_speeds(b, s);
+    }
+    free(s);
+    return status;
+}
+
+/* ---- by threads ---- */
+
+typedef struct speed_sums {
+    double plan[RENDER_TIME_REPEATS_MAX];
+    double seconds[RENDER_TIME_THREADS_MAX][RENDER_TIME_REPEATS_MAX];
+    double cpu[RENDER_TIME_THREADS_MAX][RENDER_TIME_REPEATS_MAX];
+} speed_sums;
+
+static void set_speeds(const bench *b, speed_sums *s) {
+    unsigned repeats = b->options->repeats;
+    double gain[RENDER_TIME_REPEATS_MAX];
+    b->out->plan_seconds = quartiles_of(s->plan, repeats);
+    b->out->speed_count = b->options->thread_counts;
+    for (unsigned t = b->options->thread_counts; t-- > 0;) { /* the first is sorted last */
+        render_speed *speed = &b->out->speeds[t];
+        for (unsigned k = 0; k < repeats; ++k) gain[k] = s->seconds[0][k] / s->seconds[t][k];
+        speed->threads = b->options->threads[t];
+        speed->speedup = quartiles_of(gain, repeats);
+        speed->seconds = quartiles_of(s->seconds[t], repeats);
+        speed->cpu_seconds = quartiles_of(s->cpu[t], repeats);
+    }
+}
+
+static fathom_status measure_speeds(bench *b) {
+    speed_sums *s = calloc(1, sizeof *s);
+    if (!s) return fail_memory(b->context, sizeof *s);
+    fathom_status status = FATHOM_OK;
+    for (unsigned k = 0; k < b->options->repeats; ++k) {
+        for (unsigned t = 0; t < b->options->thread_counts && status == FATHOM_OK; ++t) {
+            timing render = {.plan = 0};
+            status = render_once(b, b->tracer, b->settings, b->options->threads[t], &render);
+            s->plan[k] = render.plan, s->seconds[t][k] = render.seconds, s->cpu[t][k] = render.cpu;
+            b->out->rays = render.rays;
+        }
+        finish_work(b, speed_work(b->options));
+    }
+    if (status == FATHOM_OK) set_speeds(b, s);
+    free(s);
+    return status;
+}
+
+fathom_status render_time_measure(fathom_context *context, const world *w, const trace_tracer *tracer,
+                                  const fathom_settings *settings, const render_time_options *options,
+                                  render_time *out) {
+    *out = (render_time){.speed_count = 0};
+    bench b = {context, w, tracer, settings, options, out, 0, 1};
+    b.total = all_work(&b);
+    finish_work(&b, 0);
+    fathom_status status = measure_speeds(&b);
+    return status == FATHOM_OK ? measure_ratio(&b) : status;
+}

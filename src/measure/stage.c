@@ -1,0 +1,83 @@
+#include "measure/stage.h"
+
+#include "base/clock.h"
+#include "render/job.h"
+
+#include <string.h>
+
+bench_seconds bench_now(void) { return (bench_seconds){{clock_process_seconds(), clock_seconds()}}; }
+
+bench_seconds bench_since(const bench_seconds *start) {
+    bench_seconds s = bench_now();
+    for (int c = 0; c < BENCH_CLOCKS; ++c) s.by[c] -= start->by[c];
+    return s;
+}
+
+fathom_status stage_open(fathom_context *context, fathom_scene *scene, const fathom_settings *settings,
+                         bench_stage *out) {
+    *out = (bench_stage){.scene = scene, .settings = *settings};
+    out->settings.aovs = 0;
+    memset(out->settings.crop, 0, sizeof out->settings.crop);
+    fathom_status status = scene_check_settings(context, &out->settings);
+    if (status == FATHOM_OK) status = fathom_scene_check(scene);
+    if (status == FATHOM_OK) status = world_create(scene, &out->world);
+    if (status == FATHOM_OK) status = world_check(out->world);
+    return status;
+}
+
+fathom_status stage_build(fathom_context *context, bench_stage *stage, const char *words, uint64_t rays) {
+    trace_spec spec;
+    if (!words) words = stage->settings.tracer_spec;
+    fathom_status status = words ? trace_spec_parse(context, words, &spec) : FATHOM_OK;
+    if (status != FATHOM_OK) return status;
+    trace_destroy(stage->tracer);
+    stage->tracer = NULL;
+    const trace_options options = {.spec = words ? &spec : NULL,
+                                   .kind = stage->settings.tracer,
+                                   .width = stage->settings.block_width,
+                                   .threads = fathom_context_threads(context),
+                                   .expected_rays = rays};
+    bench_seconds start = bench_now();
+    status = trace_create(context, stage->world, &options, &stage->tracer);
+    stage->build = bench_since(&start);
+    return status;
+}
+
+void stage_close(bench_stage *stage) {
+    trace_destroy(stage->tracer);
+    world_destroy(stage->world);
+    fathom_scene_destroy(stage->scene);
+    memset(stage, 0, sizeof *stage);
+}
+
+static fathom_status render_film(fathom_context *context, const bench_stage *stage,
+                                 const fathom_settings *settings, fathom_progress_fn progress, void *user,
+                                 fathom_film *film, stage_cost *cost) {
+    render_plan *plan;
+    job_result result = {.samples = 0};
+    fathom_status status = plan_create(context, stage->world, stage->tracer, settings, &plan);
+    if (status != FATHOM_OK) return status;
+    bench_seconds start = bench_now();
+    status = job_run(context, plan, &(job_options){.progress = progress, .user = user}, film, &result);
+    cost->seconds = bench_since(&start);
+    const ray_counts rays = result.rays;
+    cost->rays = rays.camera + rays.shadow + rays.reflection + rays.refraction;
+    plan_destroy(plan);
+    return status;
+}
+
+fathom_status stage_render(fathom_context *context, const bench_stage *stage, const stage_shot *shot,
+                           fathom_progress_fn progress, void *user, float *rgb, stage_cost *cost) {
+    fathom_settings settings = stage->settings;
+    settings.pattern = shot->pattern, settings.spp = shot->spp, settings.seed = shot->seed;
+    settings.target_error = settings.max_time = 0; /* as many samples everywhere */
+    fathom_film *film;
+    fathom_status status = scene_check_settings(context, &settings);
+    if (status == FATHOM_OK) status = film_create(context, stage->scene, &settings, &film);
+    if (status != FATHOM_OK) return status;
+    status = render_film(context, stage, &settings, progress, user, film, cost);
+    size_t pixels = (size_t)film->width * film->height;
+    for (size_t c = 0; c < 3 && rgb; ++c) memcpy(rgb + c * pixels, film->rgb[c], pixels * sizeof *rgb);
+    fathom_film_destroy(film);
+    return status;
+}

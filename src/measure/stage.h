@@ -1,0 +1,53 @@
+/* A scene that is built once and rendered again and again, the rendering timed by itself. */
+#ifndef BENCH_STAGE_H
+#define BENCH_STAGE_H
+
+#include "scene/world/world.h"
+#include "trace/trace.h"
+
+#include <fathom/render.h>
+
+/* Seconds of processor time, of all threads together, and by the clock. While other work shares the machine
+ * the first says more. */
+typedef enum bench_clock { BENCH_CPU, BENCH_WALL, BENCH_CLOCKS } bench_clock;
+
+typedef struct bench_seconds {
+    double by[BENCH_CLOCKS];
+} bench_seconds;
+
+bench_seconds bench_now(void);
+bench_seconds bench_since(const bench_seconds *start);
+
+typedef struct bench_stage {
+    fathom_scene *scene;
+    world *world;
+    trace_tracer *tracer; /* NULL until stage_build() */
+    fathom_settings settings;
+    bench_seconds build; /* of the tracer alone */
+} bench_stage;
+
+/* Takes the scene, whatever comes back: release with stage_close(). The whole image is rendered, without
+ * AOVs.
+ */
+fathom_status stage_open(fathom_context *context, fathom_scene *scene, const fathom_settings *settings,
+                         bench_stage *out);
+/* Builds by the words, NULL for the settings' tracer, as for so many rays; what was built before goes. */
+fathom_status stage_build(fathom_context *context, bench_stage *stage, const char *words, uint64_t rays);
+void stage_close(bench_stage *stage);
+
+typedef struct stage_shot {
+    fathom_pattern pattern;
+    uint32_t spp;
+    uint64_t seed;
+} stage_shot;
+
+typedef struct stage_cost {
+    bench_seconds seconds; /* rays made, traced, shaded and summed: nothing else */
+    uint64_t rays;
+} stage_cost;
+
+/* rgb: room for three planes of the image; may be NULL. progress as in fathom_render(). */
+fathom_status stage_render(fathom_context *context, const bench_stage *stage, const stage_shot *shot,
+                           fathom_progress_fn progress, void *user, float *rgb, stage_cost *cost);
+
+#endif

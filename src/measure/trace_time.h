@@ -1,0 +1,31 @@
+/* Rays a second of several tracers over the same rays. */
+#ifndef BENCH_TRACE_TIME_H
+#define BENCH_TRACE_TIME_H
+
+#include "measure/statistics.h"
+#include "measure/trace_rays.h"
+#include "measure/watch.h"
+
+#define TRACE_TIME_REPEATS_MAX 1000
+#define TRACE_TIME_TRACERS_MAX 32
+
+typedef struct trace_rate {
+    uint64_t rays; /* in each repetition: a slow tracer gets fewer, evenly out of the set */
+    uint64_t met;  /* of them */
+    quartiles per_second,
+        per_cpu_second; /* by the clock, of all threads together; by one thread's processor time */
+} trace_rate;
+
+typedef struct trace_time_options {
+    unsigned repeats; /* [1, TRACE_TIME_REPEATS_MAX] */
+    unsigned threads;
+    double seconds;           /* of processor time that one repetition of a tracer and a set may take */
+    const bench_watch *watch; /* may be NULL */
+} trace_time_options;
+
+/* Tracers take turns, each repetition beginning with another one. out: for each tracer, for each set. */
+fathom_status trace_time_measure(fathom_context *context, const trace_tracer *const *tracers, size_t count,
+                                 const trace_set sets[TRACE_SETS], const trace_time_options *options,
+                                 trace_rate (*out)[TRACE_SETS]);
+
+#endif

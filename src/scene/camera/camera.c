@@ -1,0 +1,124 @@
+#include "math/frame.h"
+#include "scene/camera/framing.h"
+#include "scene/camera/image_size.h"
+
+static const double default_fovy = 0.78539816339744831; /* 45 degrees */
+
+static void set_frame(fathom_camera *camera, const frame_f64 *frame) {
+    store_f64(camera->origin, frame->origin);
+    store_f64(camera->x, frame->x);
+    store_f64(camera->y, frame->y);
+    store_f64(camera->z, frame->z);
+}
+
+void fathom_camera_look_at(const double eye[3], const double target[3], const double up[3], double fovy,
+                           fathom_camera *out) {
+    if (!eye || !target || !up || !out) return;
+    vec3_f64 e = load_f64(eye);
+    frame_f64 frame = frame_from(e, sub_f64(e, load_f64(target)), load_f64(up));
+    *out = (fathom_camera){.d = 1, .h = 2 * tan(fovy / 2)};
+    set_frame(out, &frame);
+}
+
+void fathom_camera_default(fathom_camera *camera) {
+    fathom_camera_look_at((double[3]){0, 0, 0}, (double[3]){0, 0, -1}, (double[3]){0, 1, 0}, default_fovy,
+                          camera);
+}
+
+static bool is_frame(const fathom_camera *camera) {
+    vec3_f64 x = load_f64(camera->x), y = load_f64(camera->y), z = load_f64(camera->z);
+    /* Frames may come as float (glTF) or from decimal text: axes good to 1e-4 are meant as a frame. */
+    const double slack = 1e-4;
+    return finite_f64(load_f64(camera->origin)) && fabs(dot_f64(x, x) - 1) < slack &&
+           fabs(dot_f64(y, y) - 1) < slack && fabs(dot_f64(z, z) - 1) < slack &&
+           fabs(dot_f64(x, y)) < slack && fabs(dot_f64(x, z)) < slack && fabs(dot_f64(y, z)) < slack &&
+           dot_f64(cross_f64(x, y), z) > 0;
+}
+
+fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *camera) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!camera) return fail_null(scene->context, "camera");
+    if (!is_frame(camera)) {
+        return fail(
+            scene->context, FATHOM_BAD_INPUT,
+            "camera: the axes are not a right-handed frame of unit vectors at right angles, or not finite");
+    }
+    if (!(camera->d > 0 && camera->h > 0 && camera->w >= 0) || !isfinite(camera->d + camera->h + camera->w)) {
+        return fail(
+            scene->context, FATHOM_BAD_INPUT,
+            "camera: expected d > 0, h > 0 and w >= 0, found d %g, h %g and w %g; a field of view must lie "
+            "between 0 and 180 degrees",
+            camera->d, camera->h, camera->w);
+    }
+    scene->camera = *camera;
+    frame_f64 frame = frame_from(load_f64(camera->origin), load_f64(camera->z), load_f64(camera->y));
+    set_frame(&scene->camera, &frame);
+    scene->has_camera = true;
+    return FATHOM_OK;
+}
+
+/* ---- completing ---- */
+
+/* Of the tighter direction of the image, in which the scene touches both sides of this share. */
+static const double filled = 0.9;
+
+/* Looks from ahead, a little to the right and above. */
+static frame_f64 default_view(fathom_up up) {
+    const vec3_f64 origin = {0, 0, 0};
+    switch (up) {
+    case FATHOM_UP_Y: return frame_from(origin, (vec3_f64){0.45, 0.35, 1}, (vec3_f64){0, 1, 0});
+    case FATHOM_UP_Z: return frame_from(origin, (vec3_f64){0.45, -1, 0.35}, (vec3_f64){0, 0, 1});
+    }
+    return frame_from(origin, (vec3_f64){0, 0, 1}, (vec3_f64){0, 1, 0});
+}
+
+static fathom_status frame_everything(fathom_scene *scene) {
+    const image_size size = scene_image_size(scene);
+    frame_f64 view = default_view(scene->asked ? scene->asked->up : FATHOM_UP_Y);
+    const double up = filled * tan(default_fovy / 2);
+    bool empty;
+    fathom_status status =
+        scene_frame_all(scene, &view, up * size.width / size.height, up, &empty, &view.origin);
+    if (status != FATHOM_OK || empty) return status;
+    scene->camera = (fathom_camera){.d = 1, .h = 2 * tan(default_fovy / 2)};
+    set_frame(&scene->camera, &view);
+    scene->has_camera = true;
+    return FATHOM_OK;
+}
+
+/* A key light from above the camera's left, and a weak one from its right that keeps shadowed sides readable.
+ * Directional, so that no scale enters. Some ambient light and a dark grey behind, where the file says
+ * nothing of them, keep the shadowed side apart from the background. */
+static fathom_status light_everything(fathom_scene *scene) {
+    vec3_f64 x = load_f64(scene->camera.x), y = load_f64(scene->camera.y), z = load_f64(scene->camera.z);
+    const struct {
+        double right, up, back;
+        float rgb[3];
+    } rig[] = {{-0.6, 0.9, 0.7, {0.85f, 0.82f, 0.78f}}, {0.9, 0.25, 0.5, {0.18f, 0.2f, 0.24f}}};
+    for (size_t i = 0; i < sizeof rig / sizeof *rig; ++i) {
+        fathom_light light;
+        fathom_light_default(&light);
+        light.type = FATHOM_LIGHT_DIRECTIONAL;
+        vec3_f64 to_light = madd_f64(madd_f64(scale_f64(rig[i].right, x), rig[i].up, y), rig[i].back, z);
+        store_f64(light.direction, neg_f64(to_light));
+        for (int c = 0; c < 3; ++c) light.intensity[c] = rig[i].rgb[c];
+        fathom_status status = fathom_scene_add_light(scene, &light, NULL);
+        if (status != FATHOM_OK) return status;
+    }
+    fathom_status status = FATHOM_OK;
+    if (!scene->has_background)
+        status = fathom_scene_set_background(scene, (float[3]){0.05f, 0.055f, 0.065f});
+    if (status != FATHOM_OK || scene->has_ambient) return status;
+    return fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
+}
+
+fathom_status fathom_scene_complete(fathom_scene *scene) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    fathom_status status = scene_check_cycles(scene);
+    if (status != FATHOM_OK) return status;
+    if (!scene->has_camera) {
+        status = frame_everything(scene);
+        if (status != FATHOM_OK) return status;
+    }
+    return scene->lights.count || scene->has_lights ? FATHOM_OK : light_everything(scene);
+}

@@ -1,0 +1,131 @@
+#include "scene/camera/cameras.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool copy_text(const char *text, char **out) {
+    *out = text ? strdup(text) : NULL;
+    return *out || !text;
+}
+
+fathom_status scene_note_camera(fathom_scene *scene, const char *name, const char *own_name,
+                                bool orthographic) {
+    scene_camera camera = {.orthographic = orthographic};
+    if (copy_text(name, &camera.name) && copy_text(own_name, &camera.own_name) &&
+        array_push(&scene->cameras, camera))
+        return FATHOM_OK;
+    free(camera.name);
+    free(camera.own_name);
+    return fail_memory(scene->context, sizeof camera);
+}
+
+/* ---- in words ---- */
+
+#define LISTED_MOST 20
+
+typedef struct text {
+    char bytes[4096];
+    size_t used;
+} text;
+
+static void put(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void put(text *t, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    int length = vsnprintf(t->bytes + t->used, sizeof t->bytes - t->used, format, args);
+    va_end(args);
+    if (length > 0) t->used += (size_t)length;
+    if (t->used >= sizeof t->bytes) t->used = sizeof t->bytes - 1;
+}
+
+/* 3 "Top" (orthographic) */
+static void put_camera(text *t, const fathom_scene *scene, size_t i) {
+    const scene_camera *c = &scene->cameras.items[i];
+    const char *name = c->name ? c->name : c->own_name;
+    put(t, "%zu", i);
+    if (name) put(t, " \"%.60s\"", name);
+    if (c->orthographic) put(t, " (orthographic)");
+}
+
+static void put_all(text *t, const fathom_scene *scene) {
+    const size_t count = scene->cameras.count, listed = count < LISTED_MOST ? count : LISTED_MOST;
+    for (size_t i = 0; i < listed; ++i) {
+        put(t, i ? ", " : "");
+        put_camera(t, scene, i);
+    }
+    if (count > listed) put(t, " and %zu more, which fathom info lists", count - listed);
+}
+
+/* ---- choosing ---- */
+
+typedef enum name_kind { NAME_OF_NODE, NAME_OF_CAMERA } name_kind;
+
+/* How many have the name; *out is the first. */
+static size_t find_name(const fathom_scene *scene, const char *wanted, name_kind kind, uint32_t *out) {
+    size_t found = 0;
+    for (size_t i = 0; i < scene->cameras.count; ++i) {
+        const scene_camera *c = &scene->cameras.items[i];
+        const char *name = kind == NAME_OF_NODE ? c->name : c->own_name;
+        if (!name || strcmp(name, wanted) != 0) continue;
+        if (!found++) *out = (uint32_t)i;
+    }
+    return found;
+}
+
+static bool find_number(const fathom_scene *scene, const char *wanted, uint32_t *out) {
+    const size_t digits = strspn(wanted, "0123456789");
+    if (!digits || digits > 9 || wanted[digits]) return false;
+    *out = (uint32_t)strtoul(wanted, NULL, 10);
+    return *out < scene->cameras.count;
+}
+
+static fathom_status find_asked(const fathom_scene *scene, const char *path, const char *wanted,
+                                uint32_t *out) {
+    text list = {.used = 0};
+    size_t found = find_name(scene, wanted, NAME_OF_NODE, out);
+    if (!found) found = find_name(scene, wanted, NAME_OF_CAMERA, out);
+    if (!found && find_number(scene, wanted, out)) found = 1;
+    if (found == 1 && !scene->cameras.items[*out].orthographic) return FATHOM_OK;
+    put_all(&list, scene);
+    if (!found) {
+        return fail(scene->context, FATHOM_BAD_USAGE, "%s: there is no camera \"%.60s\"; expected one of %s",
+                    path, wanted, list.bytes);
+    }
+    if (found > 1) {
+        return fail(scene->context, FATHOM_BAD_USAGE,
+                    "%s: %zu cameras are called \"%.60s\"; expected the number of one of %s", path, found,
+                    wanted, list.bytes);
+    }
+    return fail(
+        scene->context, FATHOM_BAD_USAGE,
+        "%s: camera \"%.60s\" is orthographic, which is not rendered; expected a perspective one of %s", path,
+        wanted, list.bytes);
+}
+
+static void warn_others(const fathom_scene *scene, const char *path) {
+    text taken = {.used = 0}, others = {.used = 0};
+    size_t orthographic = 0;
+    const size_t count = scene->cameras.count;
+    for (size_t i = 0; i < count; ++i) orthographic += scene->cameras.items[i].orthographic;
+    if (count < 2 && !orthographic) return;
+    if (orthographic) put(&others, ", %zu of them orthographic, which are not rendered", orthographic);
+    if (scene->camera_taken == FATHOM_NONE)
+        put(&taken, "the automatic camera");
+    else
+        put_camera(&taken, scene, scene->camera_taken);
+    warn(scene->context, "%s: holds %zu camera%s%s; %s is taken, and --camera NAME|N takes another", path,
+         count, count == 1 ? "" : "s", others.bytes, taken.bytes);
+}
+
+fathom_status scene_choose_camera(fathom_scene *scene, const char *path) {
+    const char *wanted = scene->asked ? scene->asked->camera : NULL;
+    scene->camera_taken = FATHOM_NONE;
+    if (!scene->cameras.count) return FATHOM_OK;
+    if (wanted) return find_asked(scene, path, wanted, &scene->camera_taken);
+    for (size_t i = scene->cameras.count; i-- > 0;) {
+        if (!scene->cameras.items[i].orthographic) scene->camera_taken = (uint32_t)i;
+    }
+    warn_others(scene, path);
+    return FATHOM_OK;
+}

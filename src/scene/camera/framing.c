@@ -1,0 +1,290 @@
+/* A view is bounded by four planes through the eye. Their normals follow from the view's axes and slopes
+ * alone, so all that the eye's place depends on is how far the scene reaches along four directions. Let x, y,
+ * z be coordinates along the view's axes. An eye at e sees p within the slope s across when
+ *
+ *     p.x + s p.z <= e.x + s e.z   and   -p.x + s p.z <= -e.x + s e.z,
+ *
+ * and likewise up. With A and B the largest left sides of all points, e.z >= (A + B) / 2s, and with equality
+ * e.x = (A - B) / 2. The direction that asks for the larger e.z is the tighter one. In the other one the
+ * scene takes a smaller slope s, the one with (A + B) / 2s = e.z, and e.x = (A - B) / 2 for that slope
+ * centres it. */
+#include "scene/camera/framing.h"
+
+#include "scene/graph.h"
+#include "scene/reach.h"
+
+#include <stdlib.h>
+
+enum { SIDES = REACH_SIDES };
+
+/* Vertices that may be looked at in one pass, at most some 4 ns each, and groups that are stepped into. What
+ * is beyond counts by its box. */
+#define VERTICES_MOST ((uint64_t)1 << 24)
+#define PLACES_MOST 65536u
+
+/* The four directions in the coordinates of a group: a point p there reaches to normal[i] · p + offset[i]. */
+typedef struct directions {
+    vec3_f64 normal[SIDES];
+    double offset[SIDES];
+} directions;
+
+typedef struct step {
+    uint32_t group;
+    directions along;
+} step;
+
+typedef struct walk {
+    const fathom_scene *scene;
+    const scene_graph *graph;
+    const scene_bounds *of_group;
+    ARRAY(step) stack;
+    uint64_t vertices; /* that may still be looked at */
+    uint32_t places;   /* that may still be stepped into */
+    double reach[SIDES];
+    unsigned threads;
+    reach_boxes *boxes; /* for each mesh */
+} walk;
+
+static directions through(const directions *d, const affine_f64 *map) {
+    const vec3_f64 moved = {map->m[0][3], map->m[1][3], map->m[2][3]};
+    directions out;
+    for (int i = 0; i < SIDES; ++i) {
+        out.normal[i] = affine_transposed_vector(map, d->normal[i]);
+        out.offset[i] = d->offset[i] + dot_f64(d->normal[i], moved);
+    }
+    return out;
+}
+
+/* ---- shapes ---- */
+
+static void add_ball(walk *w, const directions *d, vec3_f64 center, double radius) {
+    for (int i = 0; i < SIDES; ++i) {
+        double reach = dot_f64(d->normal[i], center) + d->offset[i] + radius * length_f64(d->normal[i]);
+        w->reach[i] = fmax(w->reach[i], reach);
+    }
+}
+
+static void add_point(walk *w, const directions *d, vec3_f64 p) { add_ball(w, d, p, 0); }
+
+static void add_box(walk *w, const directions *d, const scene_bounds *box) {
+    for (int i = 0; i < 8 && !bounds_is_empty(box); ++i) add_point(w, d, bounds_corner(box, i));
+}
+
+/* A mesh that does not reach beyond the rest of the scene needs no boxes. */
+static bool add_mesh(walk *w, const directions *d, uint32_t index) {
+    const fathom_mesh *mesh = &w->scene->meshes.items[index];
+    const mesh_facts *facts = &w->scene->mesh_facts.items[index];
+    reach_boxes *boxes = &w->boxes[index];
+    reach_sides sides;
+    reach_box all;
+    for (int i = 0; i < SIDES; ++i) {
+        sides.x[i] = d->normal[i].x, sides.y[i] = d->normal[i].y, sides.z[i] = d->normal[i].z;
+        sides.origin[i] = dot_f64(d->normal[i], load_f64(mesh->origin)), sides.offset[i] = d->offset[i];
+    }
+    for (int k = 0; k < 3; ++k) all.lower[k] = facts->lower[k], all.upper[k] = facts->upper[k];
+    if (!reach_box_beyond(&sides, &all, w->reach)) return true;
+    if (!boxes->items && !reach_make_boxes(w->threads, mesh, boxes)) return false;
+    reach_of_mesh(w->threads, &sides, mesh, boxes, w->reach);
+    return true;
+}
+
+static bool add_object(walk *w, const directions *d, fathom_id id) {
+    const scene_object object = w->scene->objects.items[id];
+    switch (object.kind) {
+    case SCENE_SPHERE: {
+        const fathom_sphere *sphere = &w->scene->spheres.items[object.index];
+        add_ball(w, d, load_f64(sphere->center), sphere->radius);
+        break;
+    }
+    case SCENE_QUAD:
+        for (int i = 0; i < 4; ++i) add_point(w, d, load_f64(w->scene->quads.items[object.index].corners[i]));
+        break;
+    case SCENE_MESH: {
+        const fathom_mesh *mesh = &w->scene->meshes.items[object.index];
+        if (mesh->vertex_count <= w->vertices) {
+            w->vertices -= mesh->vertex_count;
+            return add_mesh(w, d, object.index);
+        }
+        scene_bounds box = scene_object_bounds(w->scene, id);
+        add_box(w, d, &box);
+        break;
+    }
+    case SCENE_PLANE: break;
+    }
+    return true;
+}
+
+/* ---- groups ---- */
+
+static bool add_instance(walk *w, const directions *d, const fathom_instance *instance) {
+    affine_f64 map;
+    affine_load(&map, instance->transform);
+    const step inner = {instance->group, through(d, &map)};
+    if (!w->places) {
+        add_box(w, &inner.along, &w->of_group[instance->group]);
+        return true;
+    }
+    --w->places;
+    return array_push(&w->stack, inner);
+}
+
+static bool add_group(walk *w, const step *at) {
+    const uint32_t *objects = w->graph->objects.first + at->group,
+                   *instances = w->graph->instances.first + at->group;
+    const uint64_t items = (uint64_t)(objects[1] - objects[0]) + (instances[1] - instances[0]);
+    if (items > w->vertices) {
+        add_box(w, &at->along, &w->of_group[at->group]);
+        return true;
+    }
+    w->vertices -= items;
+    for (uint32_t i = objects[0]; i < objects[1]; ++i) {
+        if (!add_object(w, &at->along, w->graph->objects.items[i])) return false;
+    }
+    for (uint32_t i = instances[0]; i < instances[1]; ++i) {
+        if (!add_instance(w, &at->along, &w->scene->instances.items[w->graph->instances.items[i]]))
+            return false;
+    }
+    return true;
+}
+
+/* How far everything reaches from `center` along the normals of a view of these slopes. */
+static bool measure(walk *w, const frame_f64 *axes, vec3_f64 center, const double slope[2]) {
+    step root = {.group = FATHOM_ROOT};
+    for (int i = 0; i < SIDES; ++i) {
+        const vec3_f64 side = i < 2 ? axes->x : axes->y;
+        root.along.normal[i] = madd_f64(i % 2 ? neg_f64(side) : side, slope[i / 2], axes->z);
+        root.along.offset[i] = -dot_f64(root.along.normal[i], center);
+        w->reach[i] = -INFINITY;
+    }
+    w->vertices = VERTICES_MOST, w->places = PLACES_MOST, w->stack.count = 0;
+    bool fine = array_push(&w->stack, root);
+    while (fine && w->stack.count) {
+        const step at = w->stack.items[--w->stack.count];
+        fine = add_group(w, &at);
+    }
+    return fine;
+}
+
+/* The slope at which a slack direction is centred enters its own equation: excess(s) = A + B - 2 s distance =
+ * 0. The excess is convex, not negative at 0 and not positive at the slope of the whole view. Regula falsi
+ * keeps the root between the two; halving the value of an end that stays (the Illinois rule) keeps it fast.
+ */
+typedef struct bracket {
+    double low, above; /* a slope and its excess, >= 0 */
+    double high, below;
+    int moved; /* which end moved last: -1 low, 1 high */
+} bracket;
+
+static double middle(const bracket *b) {
+    const double fall = b->above - b->below;
+    return fall > 0 ? b->low + (b->high - b->low) * (b->above / fall) : b->high;
+}
+
+static void narrow_to(bracket *b, double slope, double excess) {
+    if (excess > 0) {
+        b->low = slope, b->above = excess;
+        if (b->moved == -1) b->below *= 0.5;
+        b->moved = -1;
+    } else {
+        b->high = slope, b->below = excess;
+        if (b->moved == 1) b->above *= 0.5;
+        b->moved = 1;
+    }
+}
+
+/* How far the box of everything comes towards the eye from its middle. */
+static double foremost(const frame_f64 *axes, const scene_bounds *box) {
+    double most = 0;
+    for (int i = 0; i < 8; ++i)
+        most = fmax(most, dot_f64(sub_f64(bounds_corner(box, i), bounds_center(box)), axes->z));
+    return most;
+}
+
+/* Of the view's slope, as the foremost point shows it: what centring may miss. */
+static const double off_centre = 1.0 / 512;
+
+/* Of the scene's radius. Where one point is outermost on all sides, the nearest eye would be that point: a
+ * deep scene fills the cone before its tip. No view of a scene as wide as its image needs to be this near. */
+#define CLEAR (1.0 / 32)
+
+/* Most scenes take four or five; each looks at the box of every run of vertices. */
+#define PASSES_MOST 16
+
+typedef struct fit {
+    double most[2];
+    double distance, clear; /* of the eye from the middle and from the foremost corner of the box */
+    bracket of[2];          /* across, up */
+} fit;
+
+static double excess(const walk *w, const fit *f, int i, double slope) {
+    return w->reach[2 * i] + w->reach[2 * i + 1] - 2 * slope * f->distance;
+}
+
+/* The two ends of the brackets; the view's own slopes tell how far the eye has to be. */
+static bool begin_fit(walk *w, const frame_f64 *axes, const scene_bounds *box, fit *f) {
+    if (!measure(w, axes, bounds_center(box), f->most)) return false;
+    for (int i = 0; i < 2; ++i) f->distance = fmax(f->distance, excess(w, f, i, 0) / (2 * f->most[i]));
+    f->distance = fmax(f->distance, foremost(axes, box) + bounds_radius(box) * CLEAR);
+    if (!(f->distance > 0)) f->distance = 1; /* a single point */
+    f->clear = f->distance - foremost(axes, box);
+    for (int i = 0; i < 2; ++i)
+        f->of[i] = (bracket){.high = f->most[i], .below = excess(w, f, i, f->most[i])};
+    if (!measure(w, axes, bounds_center(box), (double[2]){0, 0})) return false;
+    for (int i = 0; i < 2; ++i) f->of[i].above = excess(w, f, i, 0);
+    return true;
+}
+
+static bool find_eye(walk *w, const frame_f64 *axes, const double most[2], vec3_f64 *eye) {
+    const scene_bounds *box = &w->of_group[FATHOM_ROOT];
+    fit f = {.most = {most[0], most[1]}};
+    if (!begin_fit(w, axes, box, &f)) return false;
+    bool near = false;
+    for (int pass = 2; pass < PASSES_MOST && !near; ++pass) {
+        const double slope[2] = {middle(&f.of[0]), middle(&f.of[1])};
+        if (!measure(w, axes, bounds_center(box), slope)) return false;
+        near = true;
+        for (int i = 0; i < 2; ++i) {
+            const double left = excess(w, &f, i, slope[i]);
+            near &= fabs(left) <= off_centre * 2 * f.clear * most[i];
+            narrow_to(&f.of[i], slope[i], left);
+        }
+    }
+    *eye = madd_f64(bounds_center(box), f.distance, axes->z);
+    *eye = madd_f64(*eye, 0.5 * (w->reach[0] - w->reach[1]), axes->x);
+    *eye = madd_f64(*eye, 0.5 * (w->reach[2] - w->reach[3]), axes->y);
+    return true;
+}
+
+static fathom_status fail_place(const fathom_scene *scene, const scene_bounds *box) {
+    return fail(
+        scene->context, FATHOM_BAD_INPUT,
+        "camera: there is none, and none can be placed to see everything from (%g, %g, %g) to (%g, %g, "
+        "%g); give one",
+        box->lower.x, box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
+}
+
+fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
+                              bool *empty, vec3_f64 *eye) {
+    scene_graph graph;
+    scene_bounds *of_group;
+    *empty = true;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    status = graph_bounds(scene, &graph, &of_group);
+    if (status == FATHOM_OK && !bounds_is_empty(&of_group[FATHOM_ROOT])) {
+        *empty = false;
+        walk w = {.scene = scene, .graph = &graph, .of_group = of_group};
+        w.threads = fathom_context_threads(scene->context);
+        w.boxes = calloc(scene->meshes.count + 1, sizeof *w.boxes);
+        if (!w.boxes || !find_eye(&w, axes, (double[2]){across, up}, eye))
+            status = fail_memory(scene->context, sizeof *w.stack.items);
+        else if (!finite_f64(*eye))
+            status = fail_place(scene, &of_group[FATHOM_ROOT]);
+        array_free(&w.stack);
+        for (size_t i = 0; i < scene->meshes.count && w.boxes; ++i) free(w.boxes[i].items);
+        free(w.boxes);
+    }
+    free(of_group);
+    graph_destroy(&graph);
+    return status;
+}

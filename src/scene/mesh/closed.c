@@ -1,0 +1,104 @@
+/* A mesh has no boundary when its directed edges cancel: each edge from a to b has one from b to a. Give
+ * every vertex v two numbers x(v), y(v); then x(a) y(b) - x(b) y(a) of an edge and of its reverse cancel, and
+ * the sum over all edges of all triangles, modulo 2^64, is zero where the mesh is closed. Of an open mesh the
+ * edges of the boundary are left, and each of its vertices b counts y(b) times the difference of x at its two
+ * neighbours there: with x different for all vertices and y pseudo-random, the sum is zero with a probability
+ * of about 2^-32. (A linear map of the chain's boundary: no edge is ever looked up.)
+ *
+ * The numbers come from the vertex's index at first: that sum is taken as a mesh comes in. Meshes whose
+ * vertices are doubled along seams look open that way, so for these they come from the position. */
+#include "scene/mesh/closed.h"
+
+#include "base/threads.h"
+#include "scene/boundary.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define GRAIN ((size_t)1 << 15)
+
+/* Equal floats have equal bits but for the two zeros. */
+static inline uint32_t bits_of(float f) {
+    uint32_t bits;
+    f += 0.0f;
+    memcpy(&bits, &f, sizeof bits);
+    return bits;
+}
+
+static boundary_pair of_position(const float p[3]) {
+    uint32_t h = boundary_mixed(bits_of(p[0]) + 0x9e3779b9u);
+    h = boundary_mixed((h ^ bits_of(p[1])) * 0x01000193u + 0x7f4a7c15u);
+    h = boundary_mixed((h ^ bits_of(p[2])) * 0x01000193u + 0x3c6ef372u);
+    return (boundary_pair){h, boundary_mixed(h + 0x7f4a7c15u)};
+}
+
+typedef struct sum {
+    const fathom_mesh *mesh;
+    boundary_pair *pairs;   /* by vertex, from its position */
+    _Atomic uint64_t total; /* modulo 2^64, so in any order */
+} sum;
+
+static void set_pairs(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const sum *s = user;
+    const char *positions = (const char *)s->mesh->positions;
+    for (size_t i = begin; i < end; ++i) {
+        s->pairs[i] = of_position((const float *)(const void *)(positions + i * s->mesh->position_stride));
+    }
+}
+
+static void add_by_position(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    sum *s = user;
+    const uint32_t *t = s->mesh->indices;
+    uint64_t total = 0;
+    for (size_t i = 3 * begin; i < 3 * end; i += 3)
+        total += boundary_sum(s->pairs[t[i]], s->pairs[t[i + 1]], s->pairs[t[i + 2]]);
+    atomic_fetch_add(&s->total, total);
+}
+
+/* *left: what the mesh leaves open, by position; 0: nothing. False when out of memory. */
+static bool open_sum(unsigned threads, const fathom_mesh *mesh, const mesh_facts *facts, uint64_t *left) {
+    *left = facts->boundary;
+    if (!*left) return true;
+    sum s = {.mesh = mesh, .pairs = malloc(mesh->vertex_count * sizeof *s.pairs)};
+    if (!s.pairs) return false;
+    loop_parallel(threads, mesh->vertex_count, GRAIN, set_pairs, &s);
+    loop_parallel(threads, mesh->triangle_count, GRAIN, add_by_position, &s);
+    *left = atomic_load(&s.total);
+    free(s.pairs);
+    return true;
+}
+
+static bool is_open_mesh(const world *w, uint32_t geometry, const closed_how *closed) {
+    return w->geometries.items[geometry].kind == WORLD_MESH && closed[geometry] == CLOSED_NOT;
+}
+
+/* The geometries [first, end) of one group. */
+static bool find_in_group(const world *w, uint32_t first, uint32_t end, closed_how *closed) {
+    unsigned threads = fathom_context_threads(w->scene->context);
+    uint64_t together = 0;
+    for (uint32_t i = first; i < end; ++i) {
+        uint64_t left;
+        if (!is_open_mesh(w, i, closed)) continue;
+        uint32_t mesh = w->geometries.items[i].first;
+        if (!open_sum(threads, &w->meshes.items[mesh], &w->mesh_facts.items[mesh], &left)) return false;
+        if (!left) closed[i] = CLOSED_ALONE;
+        together += left;
+    }
+    for (uint32_t i = first; i < end && !together; ++i) {
+        if (is_open_mesh(w, i, closed)) closed[i] = CLOSED_TOGETHER;
+    }
+    return true;
+}
+
+bool closed_find(const world *w, closed_how *closed) {
+    bool fine = true;
+    for (size_t i = 0; i < w->geometries.count; ++i) closed[i] = CLOSED_NOT;
+    for (size_t g = 0; g < w->groups.count && fine; ++g) {
+        uint32_t first = w->groups.items[g].first, end = first + w->groups.items[g].count;
+        fine = find_in_group(w, first, end, closed);
+    }
+    return fine;
+}

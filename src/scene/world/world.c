@@ -1,0 +1,213 @@
+#include "scene/world/world.h"
+
+#include "scene/mesh/absent.h"
+#include "scene/world/world_build.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- shapes of one group, as geometries ---- */
+
+static vec3_f32 relative(const double p[3], vec3_f64 origin) { return narrow(sub_f64(load_f64(p), origin)); }
+
+/* Extends the last geometry when it is of this kind and its flags fit, else begins one. */
+static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_group, uint32_t next,
+                                unsigned flags) {
+    if (w->geometries.count > first_of_group) {
+        world_geometry *last = &w->geometries.items[w->geometries.count - 1];
+        if (last->kind == kind && last->flags == flags) return last;
+    }
+    world_geometry fresh = {.kind = kind, .first = next, .flags = flags, .instance = FATHOM_NONE};
+    return array_push(&w->geometries, fresh) ? &w->geometries.items[w->geometries.count - 1] : NULL;
+}
+
+/* What x loses as a float, as one that tracers do not flush to zero. */
+static float rest_of(double x) {
+    float rest = (float)(x - (double)(float)x);
+    return fabsf(rest) < FLT_MIN ? 0 : rest;
+}
+
+/* Where a sphere passes by the origin at a distance g, float tells things of 2^-24 g apart, and the view may
+ * show what is 2^-12 g large, a pixel. A planet's centre and radius, rounded to half a metre, would bury or
+ * lift all that stands on it. So what rounding takes from them is kept where it is more than 2^-16 g, a
+ * sixteenth of such a pixel: for spheres at least some 2^7 times larger than g. Others are the floats that
+ * all tracers share, Embree's own spheres too: more digits would not show. */
+static world_sphere sphere_of(vec3_f64 center, double radius) {
+    world_sphere sphere = {.center = narrow(center), .radius = (float)radius};
+    vec3_f32 rest = {rest_of(center.x), rest_of(center.y), rest_of(center.z)};
+    float radius_rest = rest_of(radius);
+    double lost = length_f64(widen(rest)) + fabs((double)radius_rest);
+    if (!(lost > 0x1p-16 * fabs(length_f64(center) - radius)) || !isfinite(lost)) return sphere;
+    sphere.center_rest = rest, sphere.radius_rest = radius_rest;
+    return sphere;
+}
+
+static bool add_sphere(world *w, const fathom_sphere *s, fathom_id object, uint32_t first_of_group,
+                       vec3_f64 origin) {
+    world_sphere sphere = sphere_of(sub_f64(load_f64(s->center), origin), s->radius);
+    world_geometry *run = open_run(w, WORLD_SPHERES, first_of_group, (uint32_t)w->spheres.count, s->flags);
+    if (!run || !array_push(&w->spheres, sphere) || !array_push(&w->sphere_objects, object)) return false;
+    ++run->count;
+    return true;
+}
+
+static bool add_quad(world *w, const fathom_quad *q, fathom_id object, uint32_t first_of_group,
+                     vec3_f64 origin) {
+    world_quad quad;
+    for (int i = 0; i < 4; ++i) quad.corner[i] = relative(q->corners[i], origin);
+    world_geometry *run = open_run(w, WORLD_QUADS, first_of_group, (uint32_t)w->quads.count, q->flags);
+    if (!run || !array_push(&w->quads, quad) || !array_push(&w->quad_objects, object)) return false;
+    ++run->count;
+    return true;
+}
+
+static bool add_mesh(world *w, uint32_t index, fathom_id object) {
+    const fathom_mesh *mesh = &w->scene->meshes.items[index];
+    world_geometry geometry = {.kind = WORLD_MESH,
+                               .first = (uint32_t)w->meshes.count,
+                               .count = mesh->triangle_count,
+                               .flags = mesh->flags,
+                               .smooth = mesh->normals != NULL,
+                               .instance = FATHOM_NONE};
+    return array_push(&w->geometries, geometry) && array_push(&w->meshes, *mesh) &&
+           array_push(&w->mesh_facts, w->scene->mesh_facts.items[index]) &&
+           array_push(&w->mesh_objects, object);
+}
+
+static bool same_point(const double p[3], vec3_f64 q) { return p[0] == q.x && p[1] == q.y && p[2] == q.z; }
+
+/* All of kind `kind` in the group, so that runs of spheres and of quads are as long as can be. */
+static bool add_kind(world *w, const scene_graph *graph, uint32_t group, scene_kind kind, uint32_t first,
+                     vec3_f64 origin) {
+    const fathom_scene *scene = w->scene;
+    for (uint32_t i = graph->objects.first[group]; i < graph->objects.first[group + 1]; ++i) {
+        fathom_id id = graph->objects.items[i];
+        scene_object object = scene->objects.items[id];
+        if (object.kind != kind || w->absent[id]) continue;
+        bool added = true;
+        switch (kind) {
+        case SCENE_SPHERE:
+            added = add_sphere(w, &scene->spheres.items[object.index], id, first, origin);
+            break;
+        case SCENE_QUAD: added = add_quad(w, &scene->quads.items[object.index], id, first, origin); break;
+        case SCENE_MESH:
+            if (same_point(scene->meshes.items[object.index].origin, origin))
+                added = add_mesh(w, object.index, id);
+            break;
+        case SCENE_PLANE: break;
+        }
+        if (!added) return false;
+    }
+    return true;
+}
+
+bool world_add_geometries(world *w, const scene_graph *graph, uint32_t group, vec3_f64 origin) {
+    uint32_t first = (uint32_t)w->geometries.count;
+    return add_kind(w, graph, group, SCENE_SPHERE, first, origin) &&
+           add_kind(w, graph, group, SCENE_QUAD, first, origin) &&
+           add_kind(w, graph, group, SCENE_MESH, first, origin);
+}
+
+bool world_add_lone_mesh(world *w, fathom_id object) {
+    return add_mesh(w, w->scene->objects.items[object].index, object);
+}
+
+/* ---- checks ---- */
+
+/* Some triangles without area are rendered around; a scene of nothing else shows nothing. */
+static fathom_status check_area(const world *w) {
+    uint64_t triangles = 0;
+    for (size_t i = 0; i < w->meshes.count; ++i) triangles += w->meshes.items[i].triangle_count;
+    if (w->spheres.count || w->quads.count || w->planes.count || w->degenerate_triangles < triangles ||
+        !triangles)
+        return FATHOM_OK;
+    return fail(w->scene->context, FATHOM_BAD_INPUT,
+                "the scene holds no geometry with an area: its triangles (%llu) are all degenerate",
+                (unsigned long long)triangles);
+}
+
+/* Farther out no ray of the camera could be traced, nor float tell one pixel's ray from the next. */
+static fathom_status check_camera(const world *w) {
+    vec3_f64 eye = sub_f64(load_f64(w->scene->camera.origin), w->origin);
+    if (fabs(eye.x) < WORLD_REACH && fabs(eye.y) < WORLD_REACH && fabs(eye.z) < WORLD_REACH) return FATHOM_OK;
+    return fail(w->scene->context, FATHOM_BAD_INPUT,
+                "camera: it stands %g from the scene; expected less than %g",
+                hypot(hypot(eye.x, eye.y), eye.z), WORLD_REACH);
+}
+
+fathom_status world_check(const world *w) {
+    fathom_status status = check_area(w);
+    if (status == FATHOM_OK) status = check_camera(w);
+    if (status == FATHOM_OK) world_warn_of_lights(w);
+    return status;
+}
+
+/* ---- the whole ---- */
+
+fathom_status world_create(const fathom_scene *scene, world **out) {
+    return world_create_from(scene, NULL, out);
+}
+
+fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origin, world **out) {
+    *out = NULL;
+    scene_graph graph;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    world *w = calloc(1, sizeof *w);
+    if (w) {
+        w->scene = scene;
+        w->absent = calloc(scene->objects.count + 1, sizeof *w->absent);
+        status = w->absent ? absent_find(scene, &graph, w->absent)
+                           : fail_memory(scene->context, scene->objects.count);
+        if (status == FATHOM_OK) status = world_place(w, &graph, origin);
+    } else {
+        status = fail_memory(scene->context, sizeof *w);
+    }
+    graph_destroy(&graph);
+    if (status != FATHOM_OK) {
+        world_destroy(w);
+        return status;
+    }
+    world_count(w);
+    *out = w;
+    return FATHOM_OK;
+}
+
+void world_destroy(world *w) {
+    if (!w) return;
+    free(w->absent);
+    array_free(&w->spheres);
+    array_free(&w->sphere_objects);
+    array_free(&w->quads);
+    array_free(&w->quad_objects);
+    array_free(&w->planes);
+    array_free(&w->meshes);
+    array_free(&w->mesh_facts);
+    array_free(&w->mesh_objects);
+    array_free(&w->geometries);
+    array_free(&w->groups);
+    array_free(&w->instances);
+    free(w);
+}
+
+fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive) {
+    const world_geometry *g = &w->geometries.items[geometry];
+    switch (g->kind) {
+    case WORLD_SPHERES: return w->sphere_objects.items[g->first + primitive];
+    case WORLD_QUADS: return w->quad_objects.items[g->first + primitive];
+    case WORLD_MESH: return w->mesh_objects.items[g->first];
+    }
+    return FATHOM_NONE;
+}
+
+uint32_t world_primitive(const world *w, uint32_t geometry, uint32_t primitive) {
+    return w->geometries.items[geometry].kind == WORLD_MESH ? primitive : 0;
+}
+
+fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance) {
+    if (instance != FATHOM_NONE && w->instances.items[instance].material != FATHOM_NONE) {
+        return w->instances.items[instance].material;
+    }
+    return scene_object_material(w->scene, world_object(w, geometry, primitive));
+}

@@ -1,0 +1,70 @@
+/* The maps of an instance, and what a tracer makes of them that has but to_world and inverts it in float.
+ *
+ * u = 2^-24. The inverse is the adjugate over the determinant. An entry of the adjugate is the difference of
+ * two products, off by 2 u P, P the sum of their sizes. The determinant D is the sum of three products of an
+ * entry and one of the adjugate, off by 5 u S, S the sum of the sizes of its six products. Its reciprocal and
+ * the last product round by at most 4 u more. So an entry a of the inverse is off by 2 u P / |D| + |a| (5 S /
+ * |D| + 4) u, and to_object itself by u |a|, once it is rounded. */
+#include "scene/world/world.h"
+
+static const double unit_round = 0x1p-24;
+
+/* Rows and columns but i and j, cyclic: entry (i, j) of the inverse is their determinant over D. */
+static double minor_size(const affine_f64 *a, int i, int j) {
+    int r = (j + 1) % 3, s = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
+    return fabs(a->m[r][c] * a->m[s][d]) + fabs(a->m[r][d] * a->m[s][c]);
+}
+
+static double determinant(const affine_f64 *a) {
+    vec3_f64 x = load_f64(a->m[0]), y = load_f64(a->m[1]), z = load_f64(a->m[2]);
+    return dot_f64(x, cross_f64(y, z));
+}
+
+static void set_error(world_instance *instance, const affine_f64 *to_world, const affine_f64 *inverse) {
+    double d = fabs(determinant(to_world)), sum = 0;
+    for (int j = 0; j < 3; ++j) sum += fabs(to_world->m[0][j]) * minor_size(to_world, j, 0);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            double entry = fabs(inverse->m[i][j]);
+            instance->to_object_error[i][j] =
+                (float)(unit_round * (2 * minor_size(to_world, i, j) / d + entry * (5 * sum / d + 5)));
+        }
+    }
+}
+
+/* What is smaller may be flushed to zero. */
+static const double least = 0x1p-126;
+/* Embree takes no component of a direction for less than 1e-18 where it tests boxes. A direction carried to
+ * the object and back is bent by no more than 2^-24 of its length where nothing grows by more than this. Then
+ * no product of three entries leaves the range above. */
+static const double growth_most = 0x1p35;
+
+static double row_sum(const double row[4]) { return fabs(row[0]) + fabs(row[1]) + fabs(row[2]); }
+
+/* What is flushed from a determinant's products, six times `least`, has to vanish beside 2^-24 of it; and
+ * twice `least`, from an entry of the adjugate, beside 2^-24 of the largest in its row. */
+bool world_instance_fits_float(const world_instance *instance) {
+    affine_f64 map;
+    for (int i = 0; i < 12; ++i) map.m[i / 4][i % 4] = (double)instance->to_world[i / 4][i % 4];
+    double d = fabs(determinant(&map));
+    if (!(d >= 8 * least / unit_round)) return false;
+    for (int i = 0; i < 3; ++i) {
+        const float *a = instance->to_object[i];
+        double entry = fmax(fabs((double)a[0]), fmax(fabs((double)a[1]), fabs((double)a[2])));
+        if (!(entry * d >= 2 * least / unit_round) || !(row_sum(map.m[i]) <= growth_most)) return false;
+    }
+    return true;
+}
+
+/* to_object inverts the rounded to_world, so that both say the same place. */
+bool world_instance_set(world_instance *instance, const affine_f64 *to_world) {
+    affine_f64 rounded, inverse;
+    for (int i = 0; i < 12; ++i) {
+        instance->to_world[i / 4][i % 4] = (float)to_world->m[i / 4][i % 4];
+        rounded.m[i / 4][i % 4] = (double)instance->to_world[i / 4][i % 4];
+    }
+    if (!affine_invert(&rounded, &inverse)) return false;
+    for (int i = 0; i < 12; ++i) instance->to_object[i / 4][i % 4] = (float)inverse.m[i / 4][i % 4];
+    set_error(instance, &rounded, &inverse);
+    return true;
+}

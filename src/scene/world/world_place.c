@@ -1,0 +1,227 @@
+/* Nested groups become one level of instances: each way from the root to a group is one placement. */
+#include "math/frame.h"
+#include "scene/world/world_build.h"
+
+#include <stdlib.h>
+
+/* One frame in which part of a group lies: its main part at the group's origin, or a mesh with an origin of
+ * its own. */
+typedef struct group_part {
+    uint32_t world_group;
+    vec3_f64 origin;
+} group_part;
+
+typedef struct placer {
+    world *w;
+    const scene_graph *graph;
+    vec3_f64 *origins;    /* by group */
+    bool *in_root;        /* by group: its main part is among the root's geometries, and needs no frame */
+    uint32_t *first_part; /* by group, FATHOM_NONE: not made yet */
+    uint32_t *part_count; /* by group */
+    double *placements;   /* by group: ways from the root */
+    ARRAY(group_part) parts;
+} placer;
+
+static fathom_status no_memory(const placer *p) {
+    return fail_memory(p->w->scene->context, sizeof(world_instance));
+}
+
+static bool add_group(world *w, size_t first_geometry) {
+    world_group group = {(uint32_t)first_geometry, (uint32_t)(w->geometries.count - first_geometry)};
+    return array_push(&w->groups, group);
+}
+
+static bool add_part(placer *p, size_t first_geometry, vec3_f64 origin) {
+    group_part part = {(uint32_t)p->w->groups.count, origin};
+    return add_group(p->w, first_geometry) && array_push(&p->parts, part);
+}
+
+/* Makes the group's geometries, once however often it is placed. */
+static fathom_status make_parts(placer *p, uint32_t group) {
+    if (p->first_part[group] != FATHOM_NONE) return FATHOM_OK;
+    world *w = p->w;
+    p->first_part[group] = (uint32_t)p->parts.count;
+    size_t first = w->geometries.count;
+    if (!p->in_root[group]) {
+        if (!world_add_geometries(w, p->graph, group, p->origins[group])) return no_memory(p);
+        if (w->geometries.count > first && !add_part(p, first, p->origins[group])) return no_memory(p);
+    }
+    for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
+        fathom_id id = p->graph->objects.items[i];
+        scene_object object = w->scene->objects.items[id];
+        if (object.kind != SCENE_MESH || w->absent[id]) continue;
+        vec3_f64 own = load_f64(w->scene->meshes.items[object.index].origin), shared = p->origins[group];
+        if (own.x == shared.x && own.y == shared.y && own.z == shared.z) continue;
+        first = w->geometries.count;
+        if (!world_add_lone_mesh(w, id) || !add_part(p, first, own)) return no_memory(p);
+    }
+    p->part_count[group] = (uint32_t)p->parts.count - p->first_part[group];
+    return FATHOM_OK;
+}
+
+static fathom_status bad_frame(const placer *p, fathom_id id) {
+    return fail(p->w->scene->context, FATHOM_BAD_INPUT,
+                "instance %u: its frame, with those around it, flattens space or leaves the range of float",
+                id);
+}
+
+static fathom_status add_instance(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
+                                  fathom_id id) {
+    world_instance instance = {.group = group, .material = material, .id = id};
+    if (!world_instance_set(&instance, to_world)) return bad_frame(p, id);
+    return array_push(&p->w->instances, instance) ? FATHOM_OK : no_memory(p);
+}
+
+static bool add_plane(placer *p, const fathom_plane *plane, fathom_id object, const affine_f64 *to_world,
+                      const affine_f64 *to_group, fathom_id material) {
+    vec3_f64 point = sub_f64(affine_point(to_world, load_f64(plane->point)), p->w->origin);
+    vec3_f64 normal =
+        normalize_f64(affine_transposed_vector(to_group, normalize_f64(load_f64(plane->normal))));
+    frame_f64 frame = frame_from(point, normal, (vec3_f64){0, 0, 0});
+    world_plane out = {.normal = narrow(normal),
+                       .offset = (float)dot_f64(normal, point),
+                       .point = narrow(scale_f64(dot_f64(normal, point), normal)),
+                       .u = narrow(frame.x),
+                       .v = narrow(frame.y),
+                       .object = object,
+                       .material = material != FATHOM_NONE ? material : plane->material,
+                       .flags = plane->flags};
+    return array_push(&p->w->planes, out);
+}
+
+static fathom_status place_planes(placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material,
+                                  fathom_id instance) {
+    const fathom_scene *scene = p->w->scene;
+    for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
+        fathom_id id = p->graph->objects.items[i];
+        scene_object object = scene->objects.items[id];
+        affine_f64 to_group;
+        if (object.kind != SCENE_PLANE || p->w->absent[id]) continue;
+        if (!affine_invert(to_world, &to_group)) return bad_frame(p, instance);
+        if (!add_plane(p, &scene->planes.items[object.index], id, to_world, &to_group, material))
+            return no_memory(p);
+    }
+    return FATHOM_OK;
+}
+
+/* A group that is placed once, where its coordinates already are the world's, needs no frame: its geometries
+ * join the root's. */
+static bool joins_root(const placer *p, uint32_t group, const affine_f64 *to_world, fathom_id material) {
+    vec3_f64 a = p->origins[group], b = p->w->origin;
+    return p->placements[group] == 1 && material == FATHOM_NONE && affine_is_identity(to_world) &&
+           a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+typedef struct placement {
+    uint32_t group;
+    affine_f64 to_world; /* the scene's world, not yet moved to the origin */
+    fathom_id material, id;
+} placement;
+
+static placement child_placement(const placer *p, const placement *parent, fathom_id id) {
+    const fathom_instance *instance = &p->w->scene->instances.items[id];
+    affine_f64 map;
+    affine_load(&map, instance->transform);
+    placement child = {instance->group, affine_compose(&parent->to_world, &map),
+                       parent->material != FATHOM_NONE ? parent->material : instance->material, id};
+    return child;
+}
+
+/* Placements still to visit, the next one last. Groups nest to any depth, so no visit calls another. */
+typedef ARRAY(placement) placement_stack;
+
+/* Puts the instances in the group of `at` on the stack, in such an order that the first is visited first. */
+static fathom_status push_children(const placer *p, placement_stack *stack, const placement *at) {
+    uint32_t first = p->graph->instances.first[at->group];
+    for (uint32_t i = p->graph->instances.first[at->group + 1]; i-- > first;) {
+        if (!array_push(stack, child_placement(p, at, p->graph->instances.items[i]))) return no_memory(p);
+    }
+    return FATHOM_OK;
+}
+
+typedef fathom_status (*visit_fn)(placer *p, const placement *at, bool *descend);
+
+/* The root, then what it holds: each placement before those in it. */
+static fathom_status visit_all(placer *p, visit_fn visit) {
+    placement_stack stack = {.items = NULL};
+    placement at = {FATHOM_ROOT, affine_identity(), FATHOM_NONE, FATHOM_NONE};
+    fathom_status status = array_push(&stack, at) ? FATHOM_OK : no_memory(p);
+    while (stack.count && status == FATHOM_OK) {
+        at = stack.items[--stack.count];
+        bool descend = true;
+        status = visit(p, &at, &descend);
+        if (status == FATHOM_OK && descend) status = push_children(p, &stack, &at);
+    }
+    array_free(&stack);
+    return status;
+}
+
+/* The root's geometries first, with those of groups that join it: they must lie together. */
+static fathom_status join_root(placer *p, const placement *at, bool *descend) {
+    *descend = at->group == FATHOM_ROOT || joins_root(p, at->group, &at->to_world, at->material);
+    if (!*descend) return FATHOM_OK;
+    size_t first = p->w->geometries.count;
+    if (!world_add_geometries(p->w, p->graph, at->group, p->w->origin)) return no_memory(p);
+    for (size_t g = first; g < p->w->geometries.count; ++g) p->w->geometries.items[g].instance = at->id;
+    p->in_root[at->group] = true;
+    return FATHOM_OK;
+}
+
+static fathom_status place(placer *p, const placement *at, bool *descend) {
+    *descend = true;
+    fathom_status status = make_parts(p, at->group);
+    if (status == FATHOM_OK) status = place_planes(p, at->group, &at->to_world, at->material, at->id);
+    affine_f64 move = affine_translation(neg_f64(p->w->origin));
+    for (uint32_t i = 0; i < p->part_count[at->group] && status == FATHOM_OK; ++i) {
+        group_part part = p->parts.items[p->first_part[at->group] + i];
+        affine_f64 shift = affine_translation(part.origin), moved = affine_compose(&at->to_world, &shift);
+        affine_f64 to_world = affine_compose(&move, &moved);
+        status = add_instance(p, part.world_group, &to_world, at->material, at->id);
+    }
+    return status;
+}
+
+static fathom_status count_placements(placer *p) {
+    const double total = graph_count_placements(p->w->scene, p->graph, p->placements);
+    /* Embree's geometry ids are 32 bits wide, and the root's own geometries want some of them. */
+    if (total < 0x1p31) return FATHOM_OK;
+    return fail(p->w->scene->context, FATHOM_OUT_OF_RESOURCES,
+                "nested instances place %.3g groups, at most 2^31 can be held; nest fewer", total);
+}
+
+static fathom_status place_all(placer *p, const vec3_f64 *origin) {
+    fathom_status status = count_placements(p);
+    if (status == FATHOM_OK) status = world_choose_origins(p->w->scene, p->graph, p->origins);
+    if (status != FATHOM_OK) return status;
+    if (origin) p->origins[FATHOM_ROOT] = *origin;
+    p->w->origin = p->origins[FATHOM_ROOT];
+    /* The root's own geometries and those that join: one run, group 0. */
+    status = visit_all(p, join_root);
+    if (status != FATHOM_OK) return status;
+    if (!add_group(p->w, 0)) return no_memory(p);
+    return visit_all(p, place);
+}
+
+fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *origin) {
+    size_t groups = w->scene->groups.count;
+    placer p = {.w = w, .graph = graph};
+    p.origins = calloc(groups, sizeof *p.origins);
+    p.in_root = calloc(groups, sizeof *p.in_root);
+    p.first_part = malloc(groups * sizeof *p.first_part);
+    p.part_count = calloc(groups, sizeof *p.part_count);
+    p.placements = calloc(groups, sizeof *p.placements);
+    fathom_status status;
+    if (p.origins && p.in_root && p.first_part && p.part_count && p.placements) {
+        for (size_t g = 0; g < groups; ++g) p.first_part[g] = FATHOM_NONE;
+        status = place_all(&p, origin);
+    } else {
+        status = no_memory(&p);
+    }
+    free(p.origins);
+    free(p.in_root);
+    free(p.first_part);
+    free(p.part_count);
+    free(p.placements);
+    array_free(&p.parts);
+    return status;
+}

@@ -1,0 +1,232 @@
+/* From the world to trees: the boxes of everything, and how far they can be trusted. */
+#include "base/array.h"
+#include "trace/bvh/bvh.h"
+#include "trace/search.h"
+
+#include <stdlib.h>
+
+typedef ARRAY(bvh_item) item_array;
+
+static void item_empty(bvh_item *item) {
+    for (int k = 0; k < 3; ++k) item->lower[k] = INFINITY, item->upper[k] = -INFINITY;
+}
+
+static void item_add(bvh_item *item, vec3_f32 p) {
+    const float c[3] = {p.x, p.y, p.z};
+    for (int k = 0; k < 3; ++k) {
+        item->lower[k] = c[k] < item->lower[k] ? c[k] : item->lower[k];
+        item->upper[k] = c[k] > item->upper[k] ? c[k] : item->upper[k];
+    }
+}
+
+/* ---- boxes of primitives; false: never met ---- */
+
+/* Triangles with a corner that is not finite are never met. */
+static bool add_triangle(bvh_item *item, vec3_f32 a, vec3_f32 b, vec3_f32 c) {
+    if (!finite_f32(a) || !finite_f32(b) || !finite_f32(c)) return false;
+    item_add(item, a), item_add(item, b), item_add(item, c);
+    return true;
+}
+
+static bool quad_box(const world_quad *quad, bvh_item *item) {
+    const vec3_f32 *v = quad->corner;
+    bool first = add_triangle(item, v[0], v[1], v[3]), second = add_triangle(item, v[2], v[3], v[1]);
+    return first && second;
+}
+
+/* The float beyond the double: outward by at least half a unit. */
+static float below(double x) { return nextafterf((float)x, -INFINITY); }
+static float above(double x) { return nextafterf((float)x, INFINITY); }
+
+static bool sphere_box(const world_sphere *s, bvh_item *item) {
+    if (!finite_f32(s->center) || !isfinite(s->radius)) return false;
+    double c[3], radius = world_sphere_radius(s);
+    store_f64(c, world_sphere_center(s));
+    for (int k = 0; k < 3; ++k) {
+        item->lower[k] = below(c[k] - radius);
+        item->upper[k] = above(c[k] + radius);
+    }
+    return true;
+}
+
+static bool primitive_box(const world *w, const world_geometry *geometry, uint32_t k, bvh_item *item) {
+    switch (geometry->kind) {
+    case WORLD_SPHERES: return sphere_box(&w->spheres.items[geometry->first + k], item);
+    case WORLD_QUADS: return quad_box(&w->quads.items[geometry->first + k], item);
+    case WORLD_MESH: break;
+    }
+    vec3_f32 v[3];
+    search_corners(&w->meshes.items[geometry->first], k, v);
+    return add_triangle(item, v[0], v[1], v[2]);
+}
+
+/* ---- the tree of a geometry ---- */
+
+static fathom_status fill_blocks(const bvh_build *build, const fathom_mesh *mesh, const bvh_item *items,
+                                 bvh_tree *tree) {
+    for (uint32_t n = 0; n < tree->node_count; ++n) tree->count += tree->nodes[n].count > 0;
+    tree->blocks = calloc(tree->count, sizeof *tree->blocks);
+    if (!tree->blocks) return fail_memory(build->context, tree->count * sizeof *tree->blocks);
+    bvh_block *block = tree->blocks;
+    for (uint32_t n = 0; n < tree->node_count; ++n) {
+        bvh_node *node = &tree->nodes[n];
+        if (!node->count) continue;
+        for (uint32_t i = 0; i < node->count; ++i) {
+            vec3_f32 v[3];
+            block->primitive[i] = items[node->first + i].id;
+            search_corners(mesh, block->primitive[i], v);
+            for (int c = 0; c < 3; ++c) {
+                block->v[c][0][i] = v[c].x, block->v[c][1][i] = v[c].y, block->v[c][2][i] = v[c].z;
+            }
+        }
+        node->first = (uint32_t)(block++ - tree->blocks);
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status fill_items(const bvh_build *build, const item_array *items, bvh_tree *tree) {
+    tree->count = (uint32_t)items->count;
+    tree->items = malloc(items->count * sizeof *tree->items);
+    if (!tree->items) return fail_memory(build->context, items->count * sizeof *tree->items);
+    for (size_t i = 0; i < items->count; ++i) tree->items[i] = items->items[i].id;
+    return FATHOM_OK;
+}
+
+static fathom_status build_geometry(const bvh_build *build, const world *w, uint32_t index, bvh_tree *tree) {
+    static const bvh_kind kinds[] = {
+        [WORLD_SPHERES] = BVH_SPHERES, [WORLD_QUADS] = BVH_QUADS, [WORLD_MESH] = BVH_TRIANGLES};
+    const world_geometry *geometry = &w->geometries.items[index];
+    *tree = (bvh_tree){.kind = kinds[geometry->kind]};
+    /* The point of a reported hit on a sphere lies within 256 units of the distance of it (bvh_text.h). */
+    if (geometry->kind == WORLD_SPHERES) tree->spread = 512;
+    item_array items = {0};
+    if (!array_room(&items, geometry->count)) {
+        return fail_memory(build->context, geometry->count * sizeof(bvh_item));
+    }
+    for (uint32_t k = 0; k < geometry->count; ++k) {
+        bvh_item *item = &items.items[items.count];
+        item_empty(item);
+        item->id = k;
+        items.count += primitive_box(w, geometry, k, item);
+    }
+    fathom_status status = bvh_tree_build(build, items.items, (uint32_t)items.count, tree);
+    if (status == FATHOM_OK && items.count) {
+        status = tree->kind == BVH_TRIANGLES
+                     ? fill_blocks(build, &w->meshes.items[geometry->first], items.items, tree)
+                     : fill_items(build, &items, tree);
+    }
+    array_free(&items);
+    return status;
+}
+
+/* ---- the tree of a group ---- */
+
+/* The largest sum of a row: how much longer the linear part can make the largest coordinate of a vector. */
+static double norm(const affine_f64 *map) {
+    double most = 0;
+    for (int r = 0; r < 3; ++r) {
+        most = fmax(most, fabs(map->m[r][0]) + fabs(map->m[r][1]) + fabs(map->m[r][2]));
+    }
+    return most;
+}
+
+static double largest_of(const float a[3], const float b[3]) {
+    double most = 0;
+    for (int k = 0; k < 3; ++k) most = fmax(most, fmax(fabs((double)a[k]), fabs((double)b[k])));
+    return most;
+}
+
+/* The box of an instance in the world, and what its rays' roundings add to the tree's slack: see bvh_text.h.
+ * Where a map cannot be inverted, the box holds everything. */
+static void instance_box(const world_instance *instance, const bvh_tree *inside, bvh_item *item,
+                         bvh_tree *tree) {
+    affine_f64 to_object, to_world;
+    for (int i = 0; i < 12; ++i) to_object.m[i / 4][i % 4] = (double)instance->to_object[i / 4][i % 4];
+    if (!affine_invert(&to_object, &to_world)) {
+        for (int k = 0; k < 3; ++k) item->lower[k] = -0x1p120f, item->upper[k] = 0x1p120f;
+        return;
+    }
+    const bvh_node *root = &inside->nodes[0];
+    double shift = fmax(fabs(to_object.m[0][3]), fmax(fabs(to_object.m[1][3]), fabs(to_object.m[2][3])));
+    double grow = norm(&to_world), condition = grow * norm(&to_object), extent = 0;
+    double pad = 64 * 0x1p-53 * condition * grow * (largest_of(root->lower, root->upper) + shift);
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        vec3_f64 p = affine_point(&to_world, vec_f64((double)(corner & 1 ? root->upper : root->lower)[0],
+                                                     (double)(corner & 2 ? root->upper : root->lower)[1],
+                                                     (double)(corner & 4 ? root->upper : root->lower)[2]));
+        const double c[3] = {p.x, p.y, p.z};
+        for (int k = 0; k < 3; ++k) lower[k] = fmin(lower[k], c[k]), upper[k] = fmax(upper[k], c[k]);
+    }
+    for (int k = 0; k < 3; ++k) {
+        item->lower[k] = below(lower[k] - pad), item->upper[k] = above(upper[k] + pad);
+        extent = fmax(extent, (double)root->upper[k] - (double)root->lower[k]);
+    }
+    tree->spread = fmax(tree->spread, condition * (inside->spread + 32));
+    tree->offset =
+        fmax(tree->offset, condition * inside->offset +
+                               8 * (condition * largest_of(item->lower, item->upper) + grow * shift));
+    tree->reach = fmax(tree->reach, grow * (extent + inside->reach));
+}
+
+static bool add_instances(const bvh_tracer *tracer, item_array *items, bvh_tree *tree) {
+    const world *w = tracer->base.world;
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        const bvh_tree *inside = &tracer->groups[w->instances.items[k].group];
+        if (!inside->node_count) continue;
+        bvh_item item = {.id = (uint32_t)(w->geometries.count + k)};
+        instance_box(&w->instances.items[k], inside, &item, tree);
+        if (!array_push(items, item)) return false;
+    }
+    return true;
+}
+
+static bool add_geometries(const bvh_tracer *tracer, const world_group *group, item_array *items,
+                           bvh_tree *tree) {
+    for (uint32_t g = group->first; g < group->first + group->count; ++g) {
+        const bvh_tree *part = &tracer->geometries[g];
+        if (!part->node_count) continue;
+        bvh_item item = {.id = g};
+        for (int k = 0; k < 3; ++k) {
+            item.lower[k] = part->nodes[0].lower[k], item.upper[k] = part->nodes[0].upper[k];
+        }
+        tree->spread = fmax(tree->spread, part->spread);
+        if (!array_push(items, item)) return false;
+    }
+    return true;
+}
+
+static fathom_status build_group(const bvh_build *build, bvh_tracer *tracer, uint32_t index) {
+    bvh_tree *tree = &tracer->groups[index];
+    *tree = (bvh_tree){.kind = BVH_PARTS};
+    item_array items = {0};
+    fathom_status status = FATHOM_OK;
+    if (!add_geometries(tracer, &tracer->base.world->groups.items[index], &items, tree) ||
+        (index == 0 && !add_instances(tracer, &items, tree))) {
+        status = fail_memory(build->context, (items.count + 1) * sizeof *items.items);
+    }
+    if (status == FATHOM_OK) status = bvh_tree_build(build, items.items, (uint32_t)items.count, tree);
+    if (status == FATHOM_OK && items.count) status = fill_items(build, &items, tree);
+    array_free(&items);
+    return status;
+}
+
+/* ---- all of it ---- */
+
+fathom_status bvh_world_build(const bvh_build *build, bvh_tracer *tracer) {
+    const world *w = tracer->base.world;
+    tracer->geometries = calloc(w->geometries.count + 1, sizeof *tracer->geometries);
+    tracer->groups = calloc(w->groups.count, sizeof *tracer->groups);
+    if (!tracer->geometries || !tracer->groups) {
+        return fail_memory(build->context, (w->geometries.count + w->groups.count) * sizeof(bvh_tree));
+    }
+    fathom_status status = FATHOM_OK;
+    for (uint32_t g = 0; g < w->geometries.count && status == FATHOM_OK; ++g) {
+        status = build_geometry(build, w, g, &tracer->geometries[g]);
+    }
+    /* The root's group is the first and holds the others. */
+    for (uint32_t g = (uint32_t)w->groups.count; g-- > 0 && status == FATHOM_OK;) {
+        status = build_group(build, tracer, g);
+    }
+    return status;
+}

@@ -1,0 +1,238 @@
+/* What the files of the Embree tracer share. */
+#ifndef TRACE_EMBREE_H
+#define TRACE_EMBREE_H
+
+#include "trace/embree/beside.h"
+#include "trace/embree/embree_api.h"
+#include "trace/reach.h"
+#include "trace/tracer.h"
+
+#include <float.h>
+#include <stdatomic.h>
+#include <string.h>
+
+/* Ray and geometry masks: a ray meets what shares a bit with it. Camera and mirrored rays ask for the first,
+ * shadow rays for the second, and the rays of embree_repair.c for Embree's own triangles alone. */
+#define EMBREE_SEEN 1u
+#define EMBREE_SHADOWS 2u
+#define EMBREE_MESHES 4u
+#define EMBREE_MESH_SHADOWS 8u
+
+typedef struct embree_kernels embree_kernels;
+
+typedef struct embree_tracer {
+    trace_tracer base;
+    const embree_kernels *kernels;
+    RTCDevice device;
+    RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
+    bool *halved;     /* by the world's geometries: its quads are Embree's triangles; NULL: none are */
+    beside_spheres *beside; /* the root's spheres, which are not in the scene; NULL: they are */
+    const beside_kernels *beside_kernels;
+    enum RTCBuildQuality quality;
+    unsigned width;            /* rays in one call, no more than the kernels take */
+    trace_reach reach;         /* of the rays that are given to Embree */
+    RTCFilterFunctionN filter; /* NULL: ties are not settled */
+    _Atomic int64_t bytes;     /* held by Embree */
+    _Atomic int64_t peak;      /* the most of it */
+    uint64_t most_bytes;       /* that it may hold; 0: no limit */
+    _Atomic int error;         /* the first RTCError that the device reported */
+    char error_text[256];      /* its message; written once, by whoever set error */
+    fathom_context *context;   /* while building */
+    const trace_options *options;
+    trace_spec spec;
+    _Atomic double work, work_done; /* primitives to build, and built; read by Embree's threads */
+    _Atomic double work_now;        /* of the scene being built */
+} embree_tracer;
+
+/* ---- embree_memory.c ---- */
+
+/* Takes compact structures where the usual ones do not fit into options->memory and the caller did not name
+ * any; FATHOM_OUT_OF_RESOURCES where nothing fits. Also sets what the device may allocate at all. */
+fathom_status embree_fit_memory(embree_tracer *tracer);
+
+/* ---- embree_build.c ---- */
+
+/* Fills tracer->scenes. FATHOM_INTERRUPTED when progress said stop. */
+fathom_status embree_build(embree_tracer *tracer);
+
+/* ---- embree_shapes.c ---- */
+
+/* User geometry over the hand-written intersectors; NULL when Embree is out of memory. */
+RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_geometry *geometry);
+
+/* ---- embree_native.c ---- */
+
+/* Whether Embree's own intersectors answer for the geometry. */
+bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry);
+/* Whether it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. Only
+ * in robust scenes: in others rays slip through where the halves meet. */
+bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry);
+
+/* Embree's own triangles, quads or spheres; NULL when Embree is out of memory. */
+RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const world *w,
+                                   const world_geometry *geometry);
+
+/* ---- embree_settle.c: which of several candidates is the closest hit ---- */
+
+/* Candidates within half the window of the best are put to the vote. */
+#define EMBREE_WINDOW (1 + 0x1p-14f)
+#define EMBREE_HALF_WINDOW (1 + 0x1p-15f)
+
+/* What a closest-hit call carries besides Embree's own context, by lane of the block (the ray's id). */
+typedef struct embree_call {
+    embree_context context;               /* first, so that a callback's context is the call */
+    _Alignas(64) float best[TRACE_WIDTH]; /* nearest t offered so far */
+    float far[TRACE_WIDTH];               /* t_far as it was asked */
+    int tied[TRACE_WIDTH];                /* not 0: the answer may not be the only one */
+    struct embree_vote *vote;             /* not NULL: the call settles one tied ray */
+    bool raw;                             /* nothing is noted: the nearest stays, or the last of those */
+} embree_call;
+
+/* Arms a call, or several in a row, for the lanes whose t_far these are. */
+void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far);
+
+/* The filter for triangles in calls of this width. */
+RTCFilterFunctionN embree_filter(unsigned width);
+
+/* A candidate of a user geometry at t, its hit in rows of n numbers: returns the ray's new t_far. */
+float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t);
+
+/* Embree takes no component of a direction for less than 1e-18 where it tests boxes. */
+#define EMBREE_LEAST_DIRECTION 0x1p-58f
+
+/* Decides a tied lane anew, with the t_far that it was asked for. The ids of its hit, Embree's until now,
+ * become the world's. */
+void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far);
+
+/* ---- embree_way.c ---- */
+
+/* In packets of how many a block goes to Embree, and whether to the kernels for coherent packets. */
+typedef struct embree_way {
+    unsigned width;
+    bool coherent;
+} embree_way;
+embree_way embree_way_closest(const embree_tracer *tracer, const trace_rays *rays, unsigned lanes,
+                              trace_coherence coherence);
+embree_way embree_way_any(const embree_tracer *tracer, trace_coherence coherence);
+
+/* ---- embree.c ---- */
+
+/* The widest packet, up to `asked`, that Embree's kernels take whole. */
+unsigned embree_call_width(const embree_tracer *tracer, unsigned asked);
+
+/* ---- embree_trace.c ---- */
+
+/* How a block was asked. */
+typedef struct embree_asked {
+    _Alignas(64) int valid[TRACE_WIDTH]; /* -1: the lane is traced; else 0 */
+    float t_near[TRACE_WIDTH], t_far[TRACE_WIDTH];
+} embree_asked;
+
+/* Our intervals are open, Embree's may be closed. At the far end it gets the last float inside (infinity and
+ * what is not positive stays). At the near end a triangle may be met at t_near itself, so the t that comes
+ * back is moved inside. Embree's t is off by more than that, but for a ray that starts in a triangle: t is
+ * exactly 0. That is no hit, so t_near is at least the first number that threads which trace, where denormals
+ * are zero, take for positive. */
+static inline float embree_last_inside(float t_far) {
+    uint32_t bits;
+    memcpy(&bits, &t_far, sizeof bits);
+    bits -= bits - 1 < 0x7f7fffffu;
+    memcpy(&t_far, &bits, sizeof bits);
+    return t_far;
+}
+static inline float embree_t_near(float t_near) { return t_near < FLT_MIN ? FLT_MIN : t_near; }
+/* `last` is embree_last_inside() of t_far. */
+static inline float embree_move_inside(float t, float t_near, float last) {
+    uint32_t bits;
+    float first = embree_t_near(t_near);
+    memcpy(&bits, &first, sizeof bits);
+    bits += t_near >= FLT_MIN;
+    memcpy(&first, &bits, sizeof first);
+    t = t < first ? first : t;
+    return t > last ? last : t;
+}
+
+/* A block once more, for calls that take fewer than 16: packets one after the other, each aligned as Embree
+ * wants it. */
+#define EMBREE_PACKET_ROWS 24
+typedef struct embree_packets {
+    _Alignas(64) uint32_t rows[EMBREE_PACKET_ROWS * TRACE_WIDTH];
+} embree_packets;
+_Static_assert(EMBREE_RAY_ROWS + EMBREE_HIT_ROWS <= EMBREE_PACKET_ROWS, "a packet's rows");
+/* The one whose first ray is the block's lane `first`. */
+static inline uint32_t *embree_packet(embree_packets *packets, unsigned first) {
+    return &packets->rows[EMBREE_PACKET_ROWS * first];
+}
+
+/* How far the directions of a block are from its first, |Δx| + |Δy| + |Δz| over the first's
+ * |x| + |y| + |z|; embree_way.c says what for. */
+#define EMBREE_ALIKE 0.05f
+#define EMBREE_SIMILAR 0.5f
+typedef enum embree_spread {
+    EMBREE_SPREAD_ALIKE,   /* all within EMBREE_ALIKE */
+    EMBREE_SPREAD_SIMILAR, /* within EMBREE_SIMILAR */
+    EMBREE_SPREAD_WIDE
+} embree_spread;
+
+/* What is done to a block around Embree's call; kernels/embree_block.c. */
+struct embree_kernels {
+    /* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and makes their
+     * intervals Embree's. */
+    void (*prepare)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
+                    int valid[TRACE_WIDTH]);
+    /* The same, and arms the call but for its context, vote and raw. False, and nothing is done, where
+     * stretch.h has to scale directions first; scaled: it has. */
+    bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
+                          embree_asked *asked, embree_call *call);
+    /* Sets t_far, and t_near as it was. Whether lanes are tied. */
+    bool (*end_closest)(trace_block *block, unsigned lanes, const embree_asked *asked, embree_call *call);
+    bool (*begin_any)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
+                      embree_asked *asked);
+    void (*end_any)(trace_rays *rays, unsigned lanes, const embree_asked *asked);
+    embree_spread (*spread)(const trace_rays *rays, unsigned lanes);
+    /* To packets of 1, 4 or 8, and t_far and the hits back. All sixteen lanes, so that those that are not
+     * traced stay as they are. hits may be NULL. */
+    void (*split)(const trace_rays *rays, const trace_hits *hits, unsigned width, embree_packets *out);
+    void (*join)(const embree_packets *from, unsigned width, trace_rays *rays, trace_hits *hits);
+};
+const embree_kernels *embree_kernels_best(void);
+/* Closest hits of a prepared block, in packets of the way's width. */
+void embree_closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
+                            const embree_way *way, embree_context *context, RTCFilterFunctionN filter);
+/* Whether a geometry of the world is quads that are traced as triangles. */
+static inline bool embree_in_halves(const embree_tracer *tracer, uint32_t geometry) {
+    return tracer->halved && tracer->halved[geometry];
+}
+/* Embree's ids, and a quad's u and v, to the world's. */
+void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane);
+unsigned embree_lanes(size_t count, size_t block);
+/* Whether coherent shadow rays must not go by sixteen. */
+bool embree_may_hang(const embree_tracer *tracer);
+
+void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                    trace_coherence coherence);
+void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
+
+/* ---- embree_beside.c ---- */
+
+/* Sets tracer->beside where few spheres are to be tested there. */
+fathom_status embree_beside_choose(embree_tracer *tracer);
+/* The spheres after Embree's answer for a block: hits with the world's ids, the interval and t_far as the
+ * tracer's callers have them. Needs tracer->beside. */
+void embree_beside_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
+                           const embree_asked *asked);
+void embree_beside_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes,
+                       const embree_asked *asked);
+
+/* ---- embree_repair.c ---- */
+
+/* NULL where the tracer's own triangles are not Embree's, or where it answers raw. */
+const trace_retry *embree_retry(const trace_spec *spec);
+
+/* ---- embree_stream.c: the same by streams, raw; only where EMBREE_HAS_STREAMS ---- */
+void embree_stream_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                           trace_coherence coherence);
+void embree_stream_any(const trace_tracer *tracer, trace_rays *blocks, size_t count,
+                       trace_coherence coherence);
+
+#endif

@@ -1,0 +1,252 @@
+/* From the world to Embree's scenes: one for each group, instances in the root. */
+#include "reference/reference.h"
+#include "trace/embree/embree.h"
+#include "trace/reach.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- errors and progress ---- */
+
+/* Embree 3 knows a bad_alloc of its own code by its text alone. */
+static bool lacked_memory(int error, const char *text) {
+    return error == RTC_ERROR_OUT_OF_MEMORY ||
+           (error == RTC_ERROR_UNKNOWN && (strstr(text, "bad_alloc") || strstr(text, "out of memory")));
+}
+
+static fathom_status device_status(embree_tracer *tracer) {
+    int error = atomic_load(&tracer->error);
+    if (error == RTC_ERROR_NONE) error = (int)rtcGetDeviceError(tracer->device);
+    if (error == RTC_ERROR_NONE) return FATHOM_OK;
+    if (error == RTC_ERROR_CANCELLED) {
+        return fail(tracer->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
+    }
+    return fail(tracer->context,
+                lacked_memory(error, tracer->error_text) ? FATHOM_OUT_OF_RESOURCES : FATHOM_INTERNAL,
+                "Embree, while building: error %d: %s", error, tracer->error_text);
+}
+
+static bool go_on(embree_tracer *tracer, double fraction_of_scene) {
+    if (!tracer->options->progress) return true;
+    double part = fraction_of_scene < 1 ? fraction_of_scene : 1;
+    double done = tracer->work_done + part * tracer->work_now;
+    return tracer->options->progress(tracer->options->user, tracer->work > 0 ? done / tracer->work : 1);
+}
+
+static bool on_progress(void *user, double fraction) { return go_on(user, fraction); }
+
+/* ---- geometries ---- */
+
+/* Masks are set for every geometry: Embree 3 begins with all bits, Embree 4 with one. So is the quality: a
+ * scene of low quality builds each mesh by its geometry's own. */
+static void attach(embree_tracer *tracer, RTCScene scene, RTCGeometry geometry, uint32_t id, unsigned mask) {
+    if (!geometry) return;
+    rtcSetGeometryBuildQuality(geometry, tracer->quality);
+    rtcSetGeometryMask(geometry, mask);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+static unsigned geometry_mask(const embree_tracer *tracer, const world_geometry *geometry) {
+    bool mesh = geometry->kind == WORLD_MESH && embree_is_native(&tracer->spec, tracer->base.world, geometry);
+    unsigned mask = EMBREE_SEEN | (mesh ? EMBREE_MESHES : 0);
+    if (geometry->flags & FATHOM_CASTS_NO_SHADOW) return mask;
+    return mask | EMBREE_SHADOWS | (mesh ? EMBREE_MESH_SHADOWS : 0);
+}
+
+/* Whether a geometry of the group is tested next to the scene. */
+static bool is_beside(const embree_tracer *tracer, const world_group *group, const world_geometry *geometry) {
+    return tracer->beside && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
+}
+
+static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world_group *group) {
+    const world *w = tracer->base.world;
+    for (uint32_t i = 0; i < group->count; ++i) {
+        const world_geometry *geometry = &w->geometries.items[group->first + i];
+        if (!geometry->count || is_beside(tracer, group, geometry)) continue;
+        RTCGeometry made = embree_is_native(&tracer->spec, tracer->base.world, geometry)
+                               ? embree_native_geometry(tracer->device, tracer->spec.shapes, w, geometry)
+                               : embree_user_geometry(tracer->device, w, geometry);
+        attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
+    }
+}
+
+static void attach_instances(embree_tracer *tracer, RTCScene root) {
+    const world *w = tracer->base.world;
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        const world_instance *instance = &w->instances.items[k];
+        RTCScene scene = tracer->scenes[instance->group];
+        if (!scene) continue;
+        RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+        if (!geometry) return;
+        rtcSetGeometryInstancedScene(geometry, scene);
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->to_world);
+        attach(tracer, root, geometry, w->groups.items[0].count + (uint32_t)k,
+               EMBREE_SEEN | EMBREE_SHADOWS | EMBREE_MESHES | EMBREE_MESH_SHADOWS);
+    }
+}
+
+/* ---- that what was built is there ----
+ * A configuration that Embree does not support builds nothing and says nothing, and every ray misses. So the
+ * bounds of each scene must hold a point of each geometry that can be hit. */
+
+static bool holds(const struct RTCBounds *b, vec3_f32 p, float slack) {
+    return p.x >= b->lower_x - slack && p.x <= b->upper_x + slack && p.y >= b->lower_y - slack &&
+           p.y <= b->upper_y + slack && p.z >= b->lower_z - slack && p.z <= b->upper_z + slack;
+}
+
+static fathom_status missing(embree_tracer *tracer, const char *what, uint32_t index, vec3_f32 p,
+                             const struct RTCBounds *b) {
+    return fail(tracer->context, FATHOM_INTERNAL,
+                "Embree built a scene without %s %u: its point (%g, %g, %g) lies outside "
+                "[%g, %g] x [%g, %g] x [%g, %g]",
+                what, index, (double)p.x, (double)p.y, (double)p.z, (double)b->lower_x, (double)b->upper_x,
+                (double)b->lower_y, (double)b->upper_y, (double)b->lower_z, (double)b->upper_z);
+}
+
+/* Embree leaves out instances whose boxes reach so far; reach_find() has told. */
+static bool reaches_too_far(const world_instance *instance, const struct RTCBounds *b) {
+    float x = fmaxf(fabsf(b->lower_x), fabsf(b->upper_x)), y = fmaxf(fabsf(b->lower_y), fabsf(b->upper_y));
+    float z = fmaxf(fabsf(b->lower_z), fabsf(b->upper_z));
+    bool far = false;
+    for (int i = 0; i < 3; ++i) {
+        const float *m = instance->to_world[i];
+        far |= !(fabsf(m[0]) * x + fabsf(m[1]) * y + fabsf(m[2]) * z + fabsf(m[3]) < (float)WORLD_REACH);
+    }
+    return far;
+}
+
+/* The middle of an instance, with a bound on what rounding does to it: 8 units of its products. False where
+ * the scene need not hold it. */
+static bool instance_point(const embree_tracer *tracer, const world_instance *instance, vec3_f32 *out,
+                           float *slack) {
+    RTCScene scene = tracer->scenes[instance->group];
+    if (!scene) return false;
+    struct RTCBounds b;
+    rtcGetSceneBounds(scene, &b);
+    if (reaches_too_far(instance, &b)) return false;
+    float x = (b.lower_x + b.upper_x) / 2, y = (b.lower_y + b.upper_y) / 2, z = (b.lower_z + b.upper_z) / 2;
+    float p[3], size = 0;
+    for (int i = 0; i < 3; ++i) {
+        const float *m = instance->to_world[i];
+        p[i] = m[0] * x + m[1] * y + m[2] * z + m[3];
+        size += fabsf(m[0] * x) + fabsf(m[1] * y) + fabsf(m[2] * z) + fabsf(m[3]);
+    }
+    *out = load_f32(p), *slack = 8 * 0x1p-24f * size;
+    return reach_usable(*out);
+}
+
+static fathom_status check_bounds(embree_tracer *tracer, uint32_t index) {
+    const world *w = tracer->base.world;
+    const world_group *group = &w->groups.items[index];
+    struct RTCBounds bounds;
+    rtcGetSceneBounds(tracer->scenes[index], &bounds);
+    vec3_f32 p;
+    float slack;
+    for (uint32_t g = group->first; g < group->first + group->count; ++g) {
+        if (is_beside(tracer, group, &w->geometries.items[g])) continue;
+        if (reach_point(w, &w->geometries.items[g], &p) && !holds(&bounds, p, 0))
+            return missing(tracer, "geometry", g, p, &bounds);
+    }
+    for (uint32_t k = 0; index == 0 && k < w->instances.count; ++k) {
+        if (instance_point(tracer, &w->instances.items[k], &p, &slack) && !holds(&bounds, p, slack))
+            return missing(tracer, "instance", k, p, &bounds);
+    }
+    return FATHOM_OK;
+}
+
+/* ---- scenes ---- */
+
+/* Robust unless asked otherwise: it costs packets next to nothing. Never together with the compact flag: with
+ * both, occlusion of coherent packets does not return on AVX-512. The filter flag costs nothing until a call
+ * brings a filter. */
+static enum RTCSceneFlags scene_flags(const trace_spec *spec) {
+    enum RTCSceneFlags filter = spec->ties == TRACE_SETTLED ? EMBREE_SCENE_FLAG_FILTER : RTC_SCENE_FLAG_NONE;
+    switch (spec->flags) {
+    case TRACE_SCENE_ROBUST: return filter | RTC_SCENE_FLAG_ROBUST;
+    case TRACE_SCENE_COMPACT: return filter | RTC_SCENE_FLAG_COMPACT;
+    case TRACE_SCENE_DEFAULT: break;
+    }
+    return filter;
+}
+
+static RTCScene new_scene(embree_tracer *tracer) {
+    RTCScene scene = rtcNewScene(tracer->device);
+    if (!scene) return NULL;
+    rtcSetSceneFlags(scene, scene_flags(&tracer->spec));
+    rtcSetSceneBuildQuality(scene, tracer->quality);
+    if (tracer->options->progress) rtcSetSceneProgressMonitorFunction(scene, on_progress, tracer);
+    return scene;
+}
+
+static double group_work(const world *w, const world_group *group) {
+    double work = 0;
+    for (uint32_t i = 0; i < group->count; ++i) work += w->geometries.items[group->first + i].count;
+    return work;
+}
+
+static fathom_status build_scene(embree_tracer *tracer, uint32_t index) {
+    const world *w = tracer->base.world;
+    const world_group *group = &w->groups.items[index];
+    RTCScene scene = tracer->scenes[index] = new_scene(tracer);
+    if (scene) {
+        attach_geometries(tracer, scene, group);
+        if (index == 0) attach_instances(tracer, scene);
+    }
+    fathom_status status = device_status(tracer);
+    if (status != FATHOM_OK) return status;
+    tracer->work_now = group_work(w, group) + (index == 0 ? (double)w->instances.count : 0);
+    rtcCommitScene(scene);
+    status = device_status(tracer);
+    if (status != FATHOM_OK) return status;
+    tracer->work_done += tracer->work_now;
+    tracer->work_now = 0;
+    return check_bounds(tracer, index);
+}
+
+static fathom_status build_all(embree_tracer *tracer, const bool *placed) {
+    const world *w = tracer->base.world;
+    tracer->work = (double)w->instances.count;
+    for (size_t g = 0; g < w->groups.count; ++g) {
+        if (placed[g]) tracer->work += group_work(w, &w->groups.items[g]);
+    }
+    for (uint32_t g = (uint32_t)w->groups.count; g-- > 0;) {
+        if (!go_on(tracer, 0)) {
+            return fail(tracer->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
+        }
+        fathom_status status = placed[g] ? build_scene(tracer, g) : FATHOM_OK;
+        if (status != FATHOM_OK) return status;
+    }
+    return FATHOM_OK;
+}
+
+/* False when out of memory. */
+static bool find_halved(embree_tracer *tracer) {
+    const world *w = tracer->base.world;
+    size_t count = w->geometries.count;
+    bool any = false;
+    for (size_t g = 0; g < count && !any; ++g)
+        any = embree_is_halved(&tracer->spec, w, &w->geometries.items[g]);
+    if (!any) return true;
+    tracer->halved = calloc(count, sizeof *tracer->halved);
+    for (size_t g = 0; tracer->halved && g < count; ++g)
+        tracer->halved[g] = embree_is_halved(&tracer->spec, w, &w->geometries.items[g]);
+    return tracer->halved != NULL;
+}
+
+fathom_status embree_build(embree_tracer *tracer) {
+    const world *w = tracer->base.world;
+    tracer->scenes = calloc(w->groups.count, sizeof *tracer->scenes);
+    bool *placed = reach_placed(w);
+    fathom_status status;
+    if (tracer->scenes && placed && find_halved(tracer))
+        status = reach_find(tracer->context, w, placed, &tracer->reach);
+    else
+        status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
+    if (status == FATHOM_OK) status = embree_beside_choose(tracer);
+    if (status == FATHOM_OK) status = build_all(tracer, placed);
+    free(placed);
+    return status;
+}

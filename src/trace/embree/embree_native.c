@@ -1,0 +1,170 @@
+/* Embree's own shapes over the world's numbers, and which of them are used. */
+#include "reference/reference.h"
+#include "trace/embree/embree.h"
+#include "trace/search.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- which ---- */
+
+/* Embree's triangles are met by products of three lengths, two sides and a distance from the ray's origin, in
+ * float: those of whole precision lie between 2^-102 and 2^127. In a mesh as large as c, with sides down to
+ * c 2^-12 (16 million triangles over a ball) and seen from up to 2^18 c, that is from c = 2^-24 to 2^36. Our
+ * own intersectors go on to wider numbers where they must. Quads are triangles, spheres are met by products
+ * of two lengths, of four where the direction is as long. */
+static bool in_native_range(const world_geometry *geometry) {
+    return geometry->largest == 0 || (geometry->largest >= 0x1p-24f && geometry->largest <= 0x1p36f);
+}
+
+/* A run of quads may hold small ones next to large ones. Those with sides down to 2^-34, seen from as near,
+ * are met by products in the same range. A quad that is only a point is never met. */
+static bool quads_in_native_range(const world_quad *quads, uint32_t count) {
+    for (uint32_t k = 0; k < count; ++k) {
+        const vec3_f32 *v = quads[k].corner;
+        float size = fmaxf(largest_f32(sub_f32(v[1], v[0])), largest_f32(sub_f32(v[3], v[0])));
+        size = fmaxf(size, fmaxf(largest_f32(sub_f32(v[2], v[1])), largest_f32(sub_f32(v[3], v[2]))));
+        if (size > 0 && size < 0x1p-34f) return false;
+    }
+    return true;
+}
+
+bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry) {
+    bool wanted = spec->shapes == TRACE_SHAPES_TRIANGLES || spec->shapes == TRACE_SHAPES_SPHERE;
+    return geometry->kind == WORLD_QUADS && wanted && spec->flags == TRACE_SCENE_ROBUST &&
+           in_native_range(geometry) && geometry->count <= UINT32_MAX / 4 &&
+           quads_in_native_range(&w->quads.items[geometry->first], geometry->count);
+}
+
+/* Flat triangles are kept from Embree one by one. */
+bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry) {
+    const trace_shapes shapes = spec->shapes;
+    bool fit = in_native_range(geometry);
+    switch (geometry->kind) {
+    case WORLD_SPHERES: return shapes == TRACE_SHAPES_SPHERE && fit && !geometry->flat;
+    case WORLD_QUADS:
+        if (shapes == TRACE_SHAPES_QUAD) return fit && !geometry->flat;
+        return embree_is_halved(spec, w, geometry);
+    case WORLD_MESH: break;
+    }
+    return shapes != TRACE_SHAPES_USER && fit;
+}
+
+/* ---- geometries ---- */
+
+/* In doubt Embree's robust mode meets triangles without area: rounding gives them a normal. It leaves out
+ * those that name no vertex, so in a mesh that has some, flat ones are told as such. */
+static bool copy_indices(RTCGeometry geometry, const fathom_mesh *mesh) {
+    uint32_t *to = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                           3 * sizeof *to, mesh->triangle_count);
+    if (!to) return false;
+    memcpy(to, mesh->indices, 3 * sizeof *to * (size_t)mesh->triangle_count);
+    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
+        vec3_f32 v[3];
+        search_corners(mesh, i, v);
+        if (!triangle_has_area_f32(v[0], v[1], v[2])) to[3 * (size_t)i] = UINT32_MAX;
+    }
+    return true;
+}
+
+static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh, bool flat) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!geometry) return NULL;
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
+                               mesh->position_stride ? mesh->position_stride : 3 * sizeof(float),
+                               mesh->vertex_count);
+    if (flat) {
+        if (copy_indices(geometry, mesh)) return geometry;
+        rtcReleaseGeometry(geometry);
+        return NULL;
+    }
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
+                               3 * sizeof(uint32_t), mesh->triangle_count);
+    return geometry;
+}
+
+/* The triangle of three corners of a quad, by index; of none where it has no area or the quad is never met.
+ */
+static void set_half(const world_quad *quad, bool met, const uint32_t corner[3], uint32_t first,
+                     uint32_t out[3]) {
+    const vec3_f32 *v = quad->corner;
+    bool area = met && triangle_has_area_f32(v[corner[0]], v[corner[1]], v[corner[2]]);
+    for (int i = 0; i < 3; ++i) out[i] = area ? first + corner[i] : UINT32_MAX;
+}
+
+static bool usable(const world_quad *quad) {
+    const vec3_f32 *v = quad->corner;
+    return reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3]);
+}
+
+/* Quads as the triangles (0,1,3) and (2,3,1), among those of the meshes. Embree keeps a tree for each kind of
+ * geometry, and every ray goes through all of them: one QUAD, or one box with a callback, next to a mesh
+ * costs each ray a second tree. */
+static RTCGeometry half_geometry(RTCDevice device, const world_quad *quads, uint32_t count) {
+    static const uint32_t halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!geometry) return NULL;
+    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                              3 * sizeof(float), 4 * (size_t)count);
+    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                3 * sizeof(uint32_t), 2 * (size_t)count);
+    if (!vertices || !indices) {
+        rtcReleaseGeometry(geometry);
+        return NULL;
+    }
+    memcpy(vertices, quads, count * sizeof *quads);
+    for (uint32_t k = 0; k < count; ++k) {
+        bool met = usable(&quads[k]);
+        for (uint32_t half = 0; half < 2; ++half)
+            set_half(&quads[k], met, halves[half], 4 * k, &indices[6 * (size_t)k + 3 * half]);
+    }
+    return geometry;
+}
+
+/* Embree splits a QUAD into v0 v1 v3 and v2 v3 v1, as the world's are. Vertices are copied: Embree reads past
+ * the end of shared ones. */
+static RTCGeometry quad_geometry(RTCDevice device, const world_quad *quads, uint32_t count) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
+    if (!geometry) return NULL;
+    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                              3 * sizeof(float), 4 * (size_t)count);
+    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
+                                                4 * sizeof(uint32_t), count);
+    if (!vertices || !indices) {
+        rtcReleaseGeometry(geometry);
+        return NULL;
+    }
+    memcpy(vertices, quads, count * sizeof *quads);
+    for (uint32_t i = 0; i < 4 * count; ++i) indices[i] = i;
+    return geometry;
+}
+_Static_assert(sizeof(world_quad) == 12 * sizeof(float), "four corners, tightly packed");
+
+/* Embree has no more than float for them: what a split sphere has besides is left out. */
+static RTCGeometry sphere_geometry(RTCDevice device, const world_sphere *spheres, uint32_t count) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    if (!geometry) return NULL;
+    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                              4 * sizeof(float), count);
+    if (!vertices) {
+        rtcReleaseGeometry(geometry);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        store_f32(vertices + 4 * (size_t)i, spheres[i].center);
+        vertices[4 * (size_t)i + 3] = spheres[i].radius;
+    }
+    return geometry;
+}
+
+RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const world *w,
+                                   const world_geometry *geometry) {
+    switch (geometry->kind) {
+    case WORLD_SPHERES: return sphere_geometry(device, &w->spheres.items[geometry->first], geometry->count);
+    case WORLD_QUADS:
+        return (shapes == TRACE_SHAPES_QUAD ? quad_geometry : half_geometry)(
+            device, &w->quads.items[geometry->first], geometry->count);
+    case WORLD_MESH: break;
+    }
+    return mesh_geometry(device, &w->meshes.items[geometry->first], geometry->flat > 0);
+}

@@ -1,0 +1,180 @@
+/* Blocks of rays to Embree's calls and back: whole where the call takes 16, else in packets. */
+#include "base/kernel.h"
+#include "trace/embree/embree.h"
+#include "trace/stretch.h"
+
+#include <math.h>
+#include <string.h>
+
+KERNEL_DECLARE(embree_kernels, embree_kernels);
+
+const embree_kernels *embree_kernels_best(void) {
+    static const embree_kernels *const all[] = KERNEL_SETS(embree_kernels);
+    return all[kernel_levels() - 1];
+}
+
+/* ---- closest hit ---- */
+
+void embree_closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
+                            const embree_way *way, embree_context *context, RTCFilterFunctionN filter) {
+    const unsigned width = way->width;
+    if (width == TRACE_WIDTH) {
+        embree_intersect(width, valid, tracer->scenes[0], context, way->coherent, filter, block);
+        return;
+    }
+    embree_packets packets;
+    tracer->kernels->split(&block->rays, &block->hits, width, &packets);
+    for (unsigned first = 0; first < lanes; first += width) {
+        if (width == 1 && !valid[first]) continue;
+        embree_intersect(width, &valid[first], tracer->scenes[0], context, way->coherent, filter,
+                         embree_packet(&packets, first));
+    }
+    tracer->kernels->join(&packets, width, &block->rays, &block->hits);
+}
+
+/* A hit of the world's geometry: where that is quads in halves, its primitive, u and v become the quad's. */
+static inline void join_halves(const embree_tracer *tracer, trace_hits *hits, unsigned lane) {
+    if (!embree_in_halves(tracer, hits->geometry[lane])) return;
+    bool second = hits->primitive[lane] & 1;
+    hits->u[lane] = second ? 1 - hits->u[lane] : hits->u[lane];
+    hits->v[lane] = second ? 1 - hits->v[lane] : hits->v[lane];
+    hits->primitive[lane] /= 2;
+}
+
+void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane) {
+    const world *w = tracer->base.world;
+    uint32_t group = 0, roots = w->groups.items[0].count;
+    if (hits->instance[lane] != RTC_INVALID_GEOMETRY_ID) {
+        hits->instance[lane] -= roots;
+        group = w->instances.items[hits->instance[lane]].group;
+    }
+    hits->geometry[lane] += w->groups.items[group].first;
+    join_halves(tracer, hits, lane);
+}
+
+/* The ids of all that was met, Embree's until now, become the world's. Without instances there is one group,
+ * whose geometries come first. */
+static void translate(const embree_tracer *tracer, trace_hits *hits, unsigned lanes) {
+    const bool instances = tracer->base.world->instances.count > 0;
+    for (unsigned i = 0; (instances || tracer->halved) && i < lanes; ++i) {
+        if (hits->geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        if (instances)
+            embree_translate(tracer, hits, i);
+        else
+            join_halves(tracer, hits, i);
+    }
+}
+
+static void settle(const embree_tracer *tracer, trace_block *block, unsigned lanes, const embree_call *call) {
+    for (unsigned i = 0; i < lanes; ++i) {
+        bool met = block->hits.geometry[i] != RTC_INVALID_GEOMETRY_ID;
+        if (met && call->tied[i]) embree_settle(tracer, block, i, call->far[i]);
+    }
+}
+
+/* False where directions have to be scaled first. */
+static bool closest_block(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
+                          trace_coherence coherence) {
+    embree_asked asked;
+    embree_call call;
+    if (!tracer->kernels->begin_closest(tracer, block, lanes, scaled, &asked, &call)) return false;
+    embree_context_init(&call.context);
+    call.vote = NULL;
+    call.raw = !tracer->filter;
+    const embree_way way = embree_way_closest(tracer, &block->rays, lanes, coherence);
+    embree_closest_packets(tracer, block, asked.valid, lanes, &way, &call.context, tracer->filter);
+    bool tied = tracer->kernels->end_closest(block, lanes, &asked, &call);
+    translate(tracer, &block->hits, lanes);
+    if (tied) settle(tracer, block, lanes, &call);
+    if (tracer->beside) embree_beside_closest(tracer, block, lanes, &asked);
+    return true;
+}
+
+unsigned embree_lanes(size_t count, size_t block) {
+    size_t left = count - block * TRACE_WIDTH;
+    return left < TRACE_WIDTH ? (unsigned)left : TRACE_WIDTH;
+}
+
+/* By a copy, since the caller's rays stay as they are but for t_far. */
+static __attribute__((noinline)) void closest_stretched(const embree_tracer *tracer, trace_block *block,
+                                                        unsigned lanes, trace_coherence coherence) {
+    trace_block scaled = *block;
+    stretch s;
+    stretch_rays(&scaled.rays, lanes, &s);
+    closest_block(tracer, &scaled, lanes, true, coherence);
+    block->hits = scaled.hits;
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (block->hits.geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        float t = scaled.rays.t_far[i];
+        block->rays.t_far[i] = stretch_back(&s, i, t, block->rays.t_near[i], block->rays.t_far[i]);
+    }
+}
+
+void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                    trace_coherence coherence) {
+    (void)fine;
+    for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
+        unsigned lanes = embree_lanes(count, b);
+        if (!closest_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherence))
+            closest_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherence);
+    }
+}
+
+/* ---- any hit ---- */
+
+static void any_packets(const embree_tracer *tracer, trace_rays *rays, const int *valid, unsigned lanes,
+                        const embree_way *way, embree_context *context) {
+    const unsigned width = way->width;
+    embree_packets packets;
+    tracer->kernels->split(rays, NULL, width, &packets);
+    for (unsigned first = 0; first < lanes; first += width) {
+        if (width == 1 && !valid[first]) continue;
+        embree_occluded(width, &valid[first], tracer->scenes[0], context, way->coherent,
+                        embree_packet(&packets, first));
+    }
+    tracer->kernels->join(&packets, width, rays, NULL);
+}
+
+/* Four kernels may; which two they are besides those of embree_api.h is not known, so Embree's own quads and
+ * spheres are not trusted either. */
+bool embree_may_hang(const embree_tracer *tracer) {
+    trace_shapes shapes = tracer->spec.shapes;
+    return EMBREE_COHERENT_16_MAY_HANG && (tracer->base.world->instances.count ||
+                                           shapes == TRACE_SHAPES_QUAD || shapes == TRACE_SHAPES_SPHERE);
+}
+
+static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
+                      trace_coherence coherence) {
+    embree_asked asked;
+    if (!tracer->kernels->begin_any(tracer, rays, lanes, scaled, &asked)) return false;
+    embree_context context;
+    embree_context_init(&context);
+    const embree_way way = embree_way_any(tracer, coherence);
+    if (way.width == TRACE_WIDTH) {
+        embree_occluded(TRACE_WIDTH, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
+    } else {
+        any_packets(tracer, rays, asked.valid, lanes, &way, &context);
+    }
+    tracer->kernels->end_any(rays, lanes, &asked);
+    if (tracer->beside) embree_beside_any(tracer, rays, lanes, &asked);
+    return true;
+}
+
+static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer, trace_rays *rays,
+                                                    unsigned lanes, trace_coherence coherence) {
+    trace_rays scaled = *rays;
+    stretch s;
+    stretch_rays(&scaled, lanes, &s);
+    any_block(tracer, &scaled, lanes, true, coherence);
+    for (unsigned i = 0; i < lanes; ++i) {
+        if (scaled.t_far[i] == -INFINITY) rays->t_far[i] = -INFINITY;
+    }
+}
+
+void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
+    for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
+        unsigned lanes = embree_lanes(count, b);
+        if (!any_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherence))
+            any_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherence);
+    }
+}

@@ -1,0 +1,80 @@
+#include "trace/embree/embree_vote.h"
+
+#include <string.h>
+
+void embree_vote_begin(embree_vote *vote, const embree_tracer *tracer, const trace_rays *rays, unsigned lane,
+                       float t_far) {
+    vote->tracer = tracer;
+    search_begin_f32(&vote->search, tracer->base.world, TRACE_ROBUST, rays, lane, false);
+    vote->search.t_max = t_far;
+    vote->met.any = vote->offered.any = false;
+}
+
+/* Embree's ids, and a quad's u and v, to the world's. */
+static void take_ids(const embree_tracer *tracer, const uint32_t ids[3], embree_offered *out) {
+    const world *w = tracer->base.world;
+    uint32_t group = 0;
+    out->ids[0] = ids[0], out->ids[2] = ids[2];
+    if (ids[0] != RTC_INVALID_GEOMETRY_ID) {
+        out->ids[0] -= w->groups.items[0].count;
+        group = w->instances.items[out->ids[0]].group;
+    }
+    out->ids[1] = ids[1] + w->groups.items[group].first;
+    if (!embree_in_halves(tracer, out->ids[1])) return;
+    out->half = ids[2] & 1, out->ids[2] = ids[2] / 2;
+    if (out->half) out->u = 1 - out->u, out->v = 1 - out->v;
+}
+
+/* Whether it is the best so far. */
+static bool try_primitive(search_f32 *s, const uint32_t ids[3]) {
+    const world *w = s->world;
+    const world_geometry *geometry = &w->geometries.items[ids[1]];
+    search_enter_f32(s, ids[0]);
+    s->at[1] = ids[1];
+    switch (geometry->kind) {
+    case WORLD_SPHERES: search_sphere_f32(s, &w->spheres.items[geometry->first + ids[2]], ids[2]); break;
+    case WORLD_QUADS: search_quad_f32(s, &w->quads.items[geometry->first + ids[2]], ids[2]); break;
+    case WORLD_MESH: {
+        vec3_f32 corner[3];
+        search_corners(&w->meshes.items[geometry->first], ids[2], corner);
+        search_triangle_f32(s, corner, ids[2]);
+        break;
+    }
+    }
+    return s->met && memcmp(s->best_ids, ids, sizeof s->best_ids) == 0;
+}
+
+bool embree_vote_reference(const embree_tracer *tracer, const trace_rays *rays, unsigned lane, float t_far,
+                           const uint32_t ids[3], float *t) {
+    search_f32 search;
+    search_begin_f32(&search, tracer->base.world, TRACE_ROBUST, rays, lane, false);
+    search.t_max = t_far;
+    if (!try_primitive(&search, ids)) return false;
+    *t = search.best.t;
+    return true;
+}
+
+/* On equal t the first in world order, so that the order of the visits decides nothing. */
+static bool is_nearer(const embree_offered *a, const embree_offered *b) {
+    if (a->t != b->t) return a->t < b->t;
+    return search_comes_before_f32(a->ids, b->ids) ||
+           (memcmp(a->ids, b->ids, sizeof a->ids) == 0 && a->half < b->half);
+}
+
+void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float t) {
+    const uint32_t *id = (const uint32_t *)(const void *)hit;
+    const uint32_t from[3] = {id[EMBREE_ROW_INSTANCE * n], id[EMBREE_ROW_GEOMETRY * n],
+                              id[EMBREE_ROW_PRIMITIVE * n]};
+    embree_offered c = {
+        .any = true,
+        .t = t,
+        .normal = {hit[EMBREE_ROW_NG * n], hit[(EMBREE_ROW_NG + 1) * n], hit[(EMBREE_ROW_NG + 2) * n]},
+        .u = hit[EMBREE_ROW_U * n],
+        .v = hit[EMBREE_ROW_V * n]};
+    take_ids(vote->tracer, from, &c);
+    if (!vote->offered.any || is_nearer(&c, &vote->offered)) vote->offered = c;
+    /* Embree offers both roots of its own spheres, and both halves of a quad. */
+    bool farther =
+        vote->met.any && memcmp(vote->met.ids, c.ids, sizeof c.ids) == 0 && !is_nearer(&c, &vote->met);
+    if (!farther && try_primitive(&vote->search, c.ids)) vote->met = c;
+}

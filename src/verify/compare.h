@@ -1,0 +1,94 @@
+/* A tracer against the oracle, family by family. */
+#ifndef PARITY_COMPARE_H
+#define PARITY_COMPARE_H
+
+#include "trace/trace.h"
+#include "verify/histogram.h"
+#include "verify/search/rays.h"
+#include "verify/verdict/verdict.h"
+
+/* The largest of something, and the ray that caused it: of equals the first. */
+typedef struct compare_most {
+    double value;
+    uint64_t index;
+    oracle_ray ray;
+} compare_most;
+
+/* What is measured where the line meets what the tracer named and the verdict is neither leak nor wrong. */
+typedef enum compare_measure {
+    COMPARE_T_ULPS,     /* of t, in units of its last place as a float */
+    COMPARE_T_RELATIVE, /* of t times |d|, which is that of the position, over the world's radius */
+    COMPARE_POSITION,   /* as in error.h, and those below */
+    COMPARE_NORMAL,
+    COMPARE_UV,
+    COMPARE_MEASURES
+} compare_measure;
+
+typedef struct compare_error {
+    histogram counts;
+    compare_most most;
+} compare_error;
+
+/* What came of one family. */
+typedef struct compare_family {
+    uint64_t rays, counts[VERDICT_COUNT];
+    uint64_t any_rays, any_counts[VERDICT_COUNT]; /* of the same rays, asked for any hit */
+    compare_error errors[COMPARE_MEASURES];
+    compare_most constant; /* the largest error over (unit roundoff times condition number) */
+    uint64_t asked, exact; /* questions to the oracle, and those that took whole numbers */
+} compare_family;
+
+typedef struct compare_failure {
+    rays_family family;
+    uint64_t index;
+    oracle_ray ray;
+    verdict verdict;
+    bool any;              /* of any hit; `answer` then has no more than geometry, FATHOM_NONE for a miss */
+    verdict_answer answer; /* of the closest */
+} compare_failure;
+
+/* What is judged. All of it is borrowed. */
+typedef struct compare_subject {
+    const world *world;
+    const search *search;
+    const rays_source *source;
+    const trace_tracer *tracer;
+    verdict_tracer precision;
+} compare_subject;
+
+typedef struct compare_options {
+    unsigned families; /* bit i: rays_family i */
+    uint64_t rays;     /* of each family */
+    uint64_t seed;
+    unsigned threads;
+    size_t failures; /* kept, of each family: the first ones */
+    uint64_t
+        sample; /* of each family so many rays first have their exact answer found by every primitive too */
+    /* From the calling thread, with the number of rays done. False stops it. May be NULL. */
+    bool (*progress)(void *user, uint64_t rays);
+    void *user;
+} compare_options;
+
+typedef struct compare_result {
+    compare_family families[RAYS_FAMILIES];
+    ARRAY(compare_failure) failures; /* leaks and what is wrong, by family and index, any hit after closest */
+    uint64_t sampled, differ;        /* rays of the sample; those where both ways did not find the same */
+    uint64_t nanoseconds, rays; /* spent tracing closest hits, added up over threads, and of how many rays */
+} compare_result;
+
+/* Zero `out` first and release it with compare_result_free() whatever comes back. FATHOM_INTERRUPTED when
+ * progress said stop: `out` then holds what was done. No number but
+ * nanoseconds depends on the threads. */
+fathom_status compare_run(fathom_context *context, const compare_subject *subject,
+                          const compare_options *options, compare_result *out);
+void compare_result_free(compare_result *result);
+
+/* Traces one ray by itself, and judges the answer. False when out of memory. */
+bool compare_one(const compare_subject *subject, const oracle_ray *ray, verdict_answer *answer,
+                 verdict_report *out);
+/* The same for any hit. */
+bool compare_one_any(const compare_subject *subject, const oracle_ray *ray, bool *met, verdict *out);
+
+void compare_family_join(compare_family *to, const compare_family *from);
+
+#endif

@@ -1,0 +1,73 @@
+/* In balls: what is computed here is known to far more digits than any tracer has. */
+#include "verify/error.h"
+#include "verify/exact/solution.h"
+#include "verify/mode.h"
+
+double error_ulp(double x) {
+    int exponent;
+    (void)frexp(x, &exponent);
+    return ldexp(1, exponent - 24 < -149 ? -149 : exponent - 24);
+}
+
+static double position_error(const oracle_ray *ray, const oracle_answer *answer, double t) {
+    double far = 0, moved = (double)fabsl((long double)(answer->t.value - (real_f128)t));
+    for (int i = 0; i < 3; ++i) far = fmax(far, fabs((double)answer->position[i].value));
+    return moved * length_f64(widen(ray->dir)) / error_ulp(far);
+}
+
+/* Of the sphere at the point; of a quad, of the part. */
+static ball3 exact_normal(const oracle_ray *ray, const oracle_primitive *p, const oracle_answer *answer) {
+    if (p->shape == ORACLE_PLANE) return ball3_exact(p->v[1]);
+    if (p->shape == ORACLE_SPHERE) {
+        estimate_ray r = estimate_ray_of(ray, p->instance);
+        ball3 center = ball3_sub(ball3_exact(p->v[0]), ball3_exact(neg_f32(p->rest)));
+        ball3 f = ball3_sub(r.org, center);
+        return (ball3){ball_add(f.x, ball_mul(answer->t, r.dir.x)),
+                       ball_add(f.y, ball_mul(answer->t, r.dir.y)),
+                       ball_add(f.z, ball_mul(answer->t, r.dir.z))};
+    }
+    bool quad = p->shape == ORACLE_QUAD, second = quad && answer->part;
+    const vec3_f32 *v = p->v;
+    ball3 a = ball3_exact(v[second ? 2 : 0]), b = ball3_exact(v[second ? 3 : 1]),
+          c = ball3_exact(v[second ? 1
+                            : quad ? 3
+                                   : 2]);
+    return ball3_cross(ball3_sub(b, a), ball3_sub(c, a));
+}
+
+static double angle(ball3 a, ball3 b) {
+    ball3 c = ball3_cross(a, b);
+    long double across = sqrtl((long double)ball3_dot(c, c).value);
+    return (double)atan2l(across, (long double)ball3_dot(a, b).value);
+}
+
+static double normal_error(const oracle_ray *ray, const oracle_primitive *p, const oracle_answer *answer,
+                           vec3_f32 said) {
+    bool any = finite_f32(said) && (said.x != 0 || said.y != 0 || said.z != 0);
+    return (any ? angle(exact_normal(ray, p, answer), ball3_exact(said)) : 3.141592653589793) * 0x1p24;
+}
+
+static double uv_error(const oracle_primitive *p, const oracle_answer *answer, const error_said *said) {
+    if (p->shape == ORACLE_SPHERE || p->shape == ORACLE_PLANE) return -1;
+    double error = isfinite(said->u) && isfinite(said->v) ? 0 : (double)INFINITY;
+    for (int k = 1; k <= 2; ++k) {
+        real_f128 exact = answer->weight[k].value;
+        if (p->shape == ORACLE_QUAD && answer->part) exact = 1 - exact;
+        error = fmax(error, (double)fabsl((long double)(exact - (real_f128)(k == 1 ? said->u : said->v))));
+    }
+    return error * 0x1p24;
+}
+
+static MODE_APART void measure(const oracle_ray *ray, const oracle_primitive *p, const oracle_answer *answer,
+                               const error_said *said, error_report *out) {
+    out->position = position_error(ray, answer, said->t);
+    out->normal = normal_error(ray, p, answer, said->normal);
+    out->uv = uv_error(p, answer, said);
+}
+
+void error_measure(const oracle_ray *ray, const oracle_primitive *primitive, const oracle_answer *answer,
+                   const error_said *said, error_report *out) {
+    unsigned mode = mode_enter();
+    measure(ray, primitive, answer, said, out);
+    mode_leave(mode);
+}

@@ -1,0 +1,196 @@
+#include "verify/exact/oracle.h"
+#include "verify/condition.h"
+#include "verify/exact/exact.h"
+#include "verify/exact/solution.h"
+#include "verify/mode.h"
+
+#include <string.h>
+
+static bool finite_rows(const float m[3][4]) {
+    for (int i = 0; i < 12; ++i) {
+        if (!isfinite(m[i / 4][i % 4])) return false;
+    }
+    return true;
+}
+
+static unsigned points_of(const oracle_primitive *primitive) {
+    switch (primitive->shape) {
+    case ORACLE_SPHERE: return 1;
+    case ORACLE_PLANE: return 2;
+    case ORACLE_TRIANGLE: return 3;
+    case ORACLE_QUAD: break;
+    }
+    return 4;
+}
+
+/* Whether there is a ray and a shape at all. */
+static bool answerable(const oracle_ray *ray, const oracle_primitive *primitive) {
+    for (unsigned i = 0; i < points_of(primitive); ++i) {
+        if (!finite_f32(primitive->v[i])) return false;
+    }
+    if (primitive->shape == ORACLE_SPHERE && !(primitive->radius > 0 && isfinite(primitive->radius)))
+        return false;
+    if (primitive->instance && !finite_rows(primitive->instance->to_object)) return false;
+    return finite_f32(ray->org) && finite_f32(ray->dir) && !isnan(ray->t_near) && !isnan(ray->t_far);
+}
+
+static bool inside(const solution *s, unsigned i) {
+    return s->above_near[i].value > 0 && s->below_far[i].value > 0;
+}
+
+static ball smallest(const ball *balls, unsigned count) {
+    ball least = balls[0];
+    for (unsigned i = 1; i < count; ++i) {
+        if (balls[i].value < least.value) least = balls[i];
+    }
+    return least;
+}
+
+static void judge_sphere(const solution *s, oracle_answer *answer) {
+    answer->edge = s->edge;
+    answer->line = s->roots == 2;
+    if (!answer->line) {
+        answer->t = s->t[0];
+        return;
+    }
+    unsigned part = s->above_near[0].value > 0 ? 0u : 1u;
+    answer->part = part;
+    answer->hit = inside(s, part);
+    answer->t = s->t[part], answer->other = s->t[1 - part];
+    answer->above_near = s->above_near[part], answer->below_far = s->below_far[part];
+}
+
+static void judge_flat(const solution *s, const oracle_primitive *primitive, oracle_answer *answer) {
+    memcpy(answer->weight, s->weight, sizeof answer->weight);
+    answer->edge = primitive->shape == ORACLE_PLANE ? ball_exact(1) : smallest(s->weight, 3);
+    answer->line = answer->edge.value >= 0;
+    answer->hit = answer->line && inside(s, 0);
+    answer->t = s->t[0];
+    answer->above_near = s->above_near[0], answer->below_far = s->below_far[0];
+}
+
+static void set_position(const oracle_ray *ray, oracle_answer *answer) {
+    const float org[3] = {ray->org.x, ray->org.y, ray->org.z}, dir[3] = {ray->dir.x, ray->dir.y, ray->dir.z};
+    for (int i = 0; i < 3; ++i) {
+        answer->position[i] =
+            ball_add(ball_exact((double)org[i]), ball_mul(answer->t, ball_exact((double)dir[i])));
+    }
+}
+
+/* A sphere, triangle or plane. */
+static void ask_one(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
+                    oracle_answer *answer) {
+    solution s;
+    memset(&s, 0, sizeof s);
+    memset(answer, 0, sizeof *answer);
+    answer->exact = way == ORACLE_EXACT || !estimate_solve(ray, primitive, &s);
+    if (answer->exact) exact_solve(ray, primitive, &s);
+    answer->parallel = s.parallel;
+    if (s.parallel) return;
+    if (primitive->shape == ORACLE_SPHERE)
+        judge_sphere(&s, answer);
+    else
+        judge_flat(&s, primitive, answer);
+    if (answer->line) set_position(ray, answer);
+    condition_set(ray, primitive, answer);
+}
+
+/* What the answer's t belongs to: of a quad, the part's triangle. */
+static oracle_primitive part_of(const oracle_primitive *primitive, unsigned part) {
+    oracle_primitive one = *primitive;
+    if (primitive->shape != ORACLE_QUAD) return one;
+    one.shape = ORACLE_TRIANGLE;
+    one.v[0] = primitive->v[part ? 2 : 0];
+    one.v[1] = primitive->v[part ? 3 : 1];
+    one.v[2] = primitive->v[part ? 1 : 3];
+    return one;
+}
+
+static oracle_pair pair_of(const oracle_primitive *primitive, const oracle_answer *answer) {
+    oracle_pair pair = {part_of(primitive, answer->part), *answer};
+    return pair;
+}
+
+/* The hit; of two hits, and of two that lie outside the interval, the nearer, the first part's on equal t;
+ * else a part that the line meets; else the one that it came closer to. */
+static unsigned better_part(const oracle_ray *ray, const oracle_primitive *quad, const oracle_answer part[2],
+                            oracle_way way) {
+    if (part[0].parallel || part[1].parallel) return part[0].parallel;
+    if (part[0].hit != part[1].hit) return part[1].hit;
+    if (part[0].line && part[1].line) {
+        oracle_pair a = pair_of(quad, &part[0]), b = pair_of(quad, &part[1]);
+        return oracle_compare(ray, &a, &b, way) > 0;
+    }
+    return part[1].edge.value > part[0].edge.value;
+}
+
+static void ask_quad(const oracle_ray *ray, const oracle_primitive *quad, oracle_way way,
+                     oracle_answer *answer) {
+    oracle_answer part[2];
+    for (unsigned i = 0; i < 2; ++i) {
+        oracle_primitive triangle = part_of(quad, i);
+        ask_one(ray, &triangle, way, &part[i]);
+        part[i].part = i;
+    }
+    *answer = part[better_part(ray, quad, part, way)];
+    answer->exact = part[0].exact || part[1].exact;
+    if (answer->line) answer->edge = smallest(answer->weight + 1, 2);
+}
+
+static MODE_APART void ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
+                           oracle_answer *answer) {
+    if (!answerable(ray, primitive)) {
+        memset(answer, 0, sizeof *answer);
+        answer->parallel = true;
+    } else if (primitive->shape == ORACLE_QUAD) {
+        ask_quad(ray, primitive, way, answer);
+    } else {
+        ask_one(ray, primitive, way, answer);
+    }
+}
+
+void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
+                oracle_answer *answer) {
+    unsigned mode = mode_enter();
+    ask(ray, primitive, way, answer);
+    mode_leave(mode);
+}
+
+static void root_of(const oracle_ray *ray, const oracle_pair *pair, exact_root *out) {
+    oracle_primitive one = part_of(&pair->primitive, pair->answer.part);
+    exact_root_of(ray, &one, pair->answer.part, out);
+}
+
+static MODE_APART int compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b,
+                              oracle_way way) {
+    ball difference = ball_sub(a->answer.t, b->answer.t);
+    if (way == ORACLE_FAST && ball_known(difference)) return (difference.value > 0) - (difference.value < 0);
+    exact_root x, y;
+    root_of(ray, a, &x);
+    root_of(ray, b, &y);
+    return exact_root_compare(&x, &y);
+}
+
+int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b, oracle_way way) {
+    unsigned mode = mode_enter();
+    int order = compare(ray, a, b, way);
+    mode_leave(mode);
+    return order;
+}
+
+static MODE_APART int compare_value(const oracle_ray *ray, const oracle_pair *a, float bound,
+                                    oracle_way way) {
+    ball difference = ball_sub(a->answer.t, ball_exact((double)bound));
+    if (way == ORACLE_FAST && ball_known(difference)) return (difference.value > 0) - (difference.value < 0);
+    exact_root x;
+    root_of(ray, a, &x);
+    exact_root_subtract(&x, dyadic_of(bound));
+    return exact_root_sign(&x);
+}
+
+int oracle_compare_value(const oracle_ray *ray, const oracle_pair *a, float bound, oracle_way way) {
+    unsigned mode = mode_enter();
+    int order = compare_value(ray, a, bound, way);
+    mode_leave(mode);
+    return order;
+}

@@ -1,0 +1,96 @@
+/* The exact oracle: whether a ray meets a primitive, where, and by how much, for the real-number geometry of
+ * the very floats that tracers are given.
+ *
+ * First in quadruple precision with a running error bound (ball.h); whatever that cannot tell to twelve
+ * digits is computed in whole numbers (exact.h), without any rounding. So every sign is right, and zero is
+ * zero.
+ *
+ * Definitions. A hit has t in the open interval (t_near, t_far), in units of |dir|. Triangles are closed:
+ * their edges and vertices belong to them; rays in the triangle's plane miss; triangles without area are
+ * never met. A quad is the triangles (0,1,3) and (2,3,1). A sphere is met where its discriminant is at least
+ * 0, at the smaller root in the interval, else the larger; its radius must be above 0. A plane holds the
+ * points with (P - point) · normal = 0; parallel rays miss. In an instance the ray is carried by to_object,
+ * row by row, without rounding. Input that is not finite is never met (but t_near and t_far may be infinite),
+ * nor is anything by a ray without direction.
+ *
+ * Nothing allocates, fails, keeps state or depends on the thread's floating-point mode. */
+#ifndef PARITY_ORACLE_H
+#define PARITY_ORACLE_H
+
+#include "scene/world/world.h"
+#include "verify/exact/ball.h"
+
+typedef struct oracle_ray {
+    vec3_f32 org, dir;
+    float t_near, t_far;
+} oracle_ray;
+
+typedef enum oracle_shape { ORACLE_SPHERE, ORACLE_TRIANGLE, ORACLE_QUAD, ORACLE_PLANE } oracle_shape;
+
+typedef struct oracle_primitive {
+    oracle_shape shape;
+    vec3_f32 v[4]; /* corners; of a sphere: v[0] is the centre; of a plane: v[0] a point, v[1] the normal */
+    float radius;  /* of a sphere */
+    vec3_f32 rest; /* of a sphere: is added to its centre, and radius_rest to its radius (world_sphere) */
+    float radius_rest;
+    const world_instance *instance; /* NULL: none. Borrowed */
+} oracle_primitive;
+
+/* Of a sphere, to the last digit of double. */
+static inline vec3_f64 oracle_center(const oracle_primitive *p) {
+    return add_f64(widen(p->v[0]), widen(p->rest));
+}
+static inline double oracle_radius(const oracle_primitive *p) {
+    return (double)p->radius + (double)p->radius_rest;
+}
+
+/* How far inputs off by a relative u each move a result, to first order: by at most u times this. Infinite
+ * where it is not differentiable. */
+typedef struct oracle_condition {
+    double t, edge;
+} oracle_condition;
+
+/* Balls are known to 2^-40 of themselves and are exactly zero where the number is, except those of
+ * `position`. */
+typedef struct oracle_answer {
+    bool hit;
+    bool exact;    /* whole numbers were needed */
+    bool parallel; /* the ray lies along the plane, or there is no such shape or ray: nothing below is set */
+    bool line;     /* the whole line meets the shape, wherever t lies */
+    unsigned part; /* quad: the triangle, 0 or 1, of a miss the one that came closer; sphere: 0 the smaller
+                      root, 1 the larger */
+    ball t;     /* of the hit. Of a miss: where the plane is met; the root that was rejected last; of a sphere
+                   that     the line misses, the closest approach */
+    ball other; /* sphere with line set: the other root */
+    ball above_near, below_far; /* t - t_near, t_far - t: both positive for a hit; not set when a sphere's
+                                   line is false */
+    ball weight[3]; /* of the triangle's corners A, B, C at t; they add to 1. Of a quad: of the part's */
+    /* At least 0 exactly where line is true. Triangle: the smallest weight. Quad: of a hit the smaller of the
+     * two weights at the outer edges; of a miss the larger of both parts' smallest weights. Sphere: 1 - l²/R²
+     * with l the line's distance from the centre. Plane: 1. */
+    ball edge;
+    ball position[3];           /* in world coordinates; set when line is */
+    oracle_condition condition; /* for the inputs as given, to_object among them */
+    oracle_condition inverted;  /* where the tracer inverts to_world in its own precision, as Embree does */
+} oracle_answer;
+
+/* ORACLE_EXACT goes to whole numbers at once: the self-test compares both ways. */
+typedef enum oracle_way { ORACLE_FAST, ORACLE_EXACT } oracle_way;
+
+void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
+                oracle_answer *answer);
+
+/* A primitive and its answer to one ray. */
+typedef struct oracle_pair {
+    oracle_primitive primitive;
+    oracle_answer answer;
+} oracle_pair;
+
+/* -1, 0 or 1 as the t of a is less than, equal to or greater than that of b, exactly. Both must have line
+ * set. */
+int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b, oracle_way way);
+
+/* Exactly the sign of t - bound, for a finite bound; line must be set. */
+int oracle_compare_value(const oracle_ray *ray, const oracle_pair *a, float bound, oracle_way way);
+
+#endif

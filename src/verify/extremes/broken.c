@@ -1,0 +1,128 @@
+/* Primitives that are none, among good ones: without area, not finite, or twice there. They are never hit and
+ * hide nothing. What a scene does not take is put into the world behind its back. */
+#include "verify/extremes/case.h"
+
+#include <float.h>
+
+#define BROKEN 24u
+
+static vec3_f64 corner_at(unsigned i, unsigned k) {
+    /* Multiples of 1/64 add without rounding. */
+    return vec_f64(floor(scattered(i, k, -64, 64)) / 64, floor(scattered(i, k + 3, -64, 64)) / 64,
+                   floor(scattered(i, k + 6, -64, 64)) / 64);
+}
+
+/* ---- what a scene takes ---- */
+
+/* Corners a, a + p s, a + q s. */
+static void put_lines(extremes_case *c, double p, double q) {
+    vec3_f64 corners[3 * BROKEN];
+    for (unsigned i = 0; i < BROKEN; ++i) {
+        vec3_f64 a = corner_at(i, 0), s = scale_f64(0.25, corner_at(i, 9));
+        corners[3 * i] = a, corners[3 * i + 1] = madd_f64(a, p, s), corners[3 * i + 2] = madd_f64(a, q, s);
+    }
+    put_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
+}
+
+static void put_collinear(extremes_case *c) { put_lines(c, 1, 3); }
+static void put_points(extremes_case *c) { put_lines(c, 0, 0); }
+static void put_doubled_corners(extremes_case *c) { put_lines(c, 2, 2); }
+static void put_twice(extremes_case *c) { put_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6); }
+
+static void put_whole(extremes_case *c) {
+    vec3_f64 corners[3 * BROKEN];
+    for (unsigned i = 0; i < BROKEN; ++i) {
+        for (unsigned k = 0; k < 3; ++k) corners[3 * i + k] = corner_at(i, 3 * k);
+    }
+    put_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
+}
+
+/* ---- what it does not ---- */
+
+static void set_one(vec3_f32 *p, unsigned axis, float to) {
+    *(axis % 3 == 0 ? &p->x : axis % 3 == 1 ? &p->y : &p->z) = to;
+}
+
+/* One coordinate of each triangle of the second mesh. */
+static void break_mesh(extremes_case *c, float to) {
+    fathom_mesh *mesh = &c->world->meshes.items[1];
+    float *positions = case_memory(c, mesh->vertex_count * 3 * sizeof *positions);
+    if (!positions) return;
+    for (uint32_t i = 0; i < 3 * mesh->vertex_count; ++i)
+        positions[i] = i % 9 == i / 9 % 9 ? to : mesh->positions[i];
+    mesh->positions = positions;
+}
+
+static void nan_triangles(extremes_case *c) { break_mesh(c, NAN); }
+static void infinite_triangles(extremes_case *c) { break_mesh(c, -INFINITY); }
+
+/* Every other one. */
+static void break_quads(extremes_case *c, float to) {
+    for (uint32_t i = 0; i < c->world->quads.count; i += 2)
+        set_one(&c->world->quads.items[i].corner[i / 2 % 4], i, to);
+}
+
+static void nan_quads(extremes_case *c) { break_quads(c, NAN); }
+static void infinite_quads(extremes_case *c) { break_quads(c, INFINITY); }
+
+static void flat_quads(extremes_case *c) {
+    for (uint32_t i = 0; i < c->world->quads.count; i += 2) {
+        vec3_f32 *corner = c->world->quads.items[i].corner;
+        if (i % 4)
+            corner[1] = corner[2] = corner[3] = corner[0];
+        else
+            corner[2] = corner[1], corner[3] = corner[0];
+    }
+}
+
+static void break_radii(extremes_case *c, float to) {
+    for (uint32_t i = 0; i < c->world->spheres.count; i += 2) c->world->spheres.items[i].radius = to;
+}
+
+static void nan_radii(extremes_case *c) { break_radii(c, NAN); }
+static void infinite_radii(extremes_case *c) { break_radii(c, INFINITY); }
+static void no_radii(extremes_case *c) { break_radii(c, 0); }
+static void negative_radii(extremes_case *c) { break_radii(c, -0.3f); }
+
+static void break_centers(extremes_case *c, float to) {
+    for (uint32_t i = 0; i < c->world->spheres.count; i += 2)
+        set_one(&c->world->spheres.items[i].center, i / 2, to);
+}
+
+static void nan_centers(extremes_case *c) { break_centers(c, NAN); }
+static void infinite_centers(extremes_case *c) { break_centers(c, -INFINITY); }
+
+static const struct {
+    const char *words;
+    void (*put)(extremes_case *c);
+    void (*patch)(extremes_case *c);
+} kinds[] = {
+    {"triangles with corners on a line", put_collinear, NULL},
+    {"triangles that are a point", put_points, NULL},
+    {"triangles with two equal corners", put_doubled_corners, NULL},
+    {"every triangle twice", put_twice, NULL},
+    {"triangles with a NaN", put_whole, nan_triangles},
+    {"triangles with infinite coordinates", put_whole, infinite_triangles},
+    {"quads with a NaN", NULL, nan_quads},
+    {"quads with infinite coordinates", NULL, infinite_quads},
+    {"quads that are a line or a point", NULL, flat_quads},
+    {"spheres of radius NaN", NULL, nan_radii},
+    {"spheres of infinite radius", NULL, infinite_radii},
+    {"spheres of radius 0", NULL, no_radii},
+    {"spheres of negative radius", NULL, negative_radii},
+    {"spheres with a NaN in the centre", NULL, nan_centers},
+    {"spheres with an infinite centre", NULL, infinite_centers},
+};
+
+void broken_make(extremes_case *c, double kind) {
+    size_t k = (size_t)kind - 1;
+    case_say(c, "%s", kinds[k].words);
+    put_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6);
+    if (kinds[k].put) {
+        kinds[k].put(c);
+    } else {
+        put_spheres(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
+        put_quads(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
+    }
+    c->patch = kinds[k].patch;
+}

@@ -1,0 +1,220 @@
+/* The table of groups, and how a case is asked. */
+#include "verify/extremes/case.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct group {
+    const char *name, *meaning;
+    void (*make)(extremes_case *c, double parameter);
+    fathom_status (*check)(fathom_context *context, fathom_tracer_kind kind, double which, extremes_row *row);
+    const double *values;
+    unsigned count;
+} group;
+
+static const double scales[] = {1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1,
+                                1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8};
+static const double sizes[] = {1e-35, 1e-30, 1e-25, 1e-20, 1e-15, 1e-12, 1e12, 1e15, 1e17};
+static const double reaches[] = {1e16, 1e17, 1e18, 3e18, 9e19, 1e25, 1e38, 1e39};
+static const double offsets[] = {0, 1e2, 1e3, 1e4, 1e5, 1e6, 6.371e6, 1e8, 1e10, 1e12};
+static const double aspects[] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
+static const double angles[] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
+static const double tangents[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 0};
+static const double ratios[] = {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
+static const double parts[] = {1e-3, 1e-2, 1e-1, 1, 1e1, 1e2, 1e3, 1e4, 1e5};
+static const double counts[] = {2, 10, 100, 1000, 10000};
+static const double layers[] = {2, 10, 100, 1000};
+static const double steps[] = {1e-6, 1e-4, 1e-2, 1, 1e2, 1e4, 1e6};
+static const double numbers[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+#define VALUES(a) (a), sizeof(a) / sizeof *(a)
+
+static const group groups[] = {
+    {"scale-spheres", "scale", scale_spheres, NULL, VALUES(scales)},
+    {"scale-quads", "scale", scale_quads, NULL, VALUES(scales)},
+    {"scale-triangles", "scale", scale_triangles, NULL, VALUES(scales)},
+    {"size-spheres", "scale", scale_spheres, NULL, VALUES(sizes)},
+    {"size-quads", "scale", scale_quads, NULL, VALUES(sizes)},
+    {"size-triangles", "scale", scale_triangles, NULL, VALUES(sizes)},
+    {"beyond-spheres", "size", beyond_spheres, NULL, VALUES(reaches)},
+    {"beyond-quads", "size", beyond_quads, NULL, VALUES(reaches)},
+    {"beyond-triangles", "size", beyond_triangles, NULL, reaches, 7},
+    {"offset-near", "distance", offset_near, NULL, VALUES(offsets)},
+    {"offset-raw", "distance", offset_raw, NULL, VALUES(offsets)},
+    {"sliver", "length/width", sliver_make, NULL, VALUES(aspects)},
+    {"grazing-triangles", "radians", grazing_triangles, NULL, VALUES(angles)},
+    {"grazing-quads", "radians", grazing_quads, NULL, VALUES(angles)},
+    {"grazing-spheres", "radians", grazing_spheres, NULL, VALUES(angles)},
+    {"grazing-planes", "radians", grazing_planes, NULL, VALUES(angles)},
+    {"tangent", "distance over radius", tangent_make, NULL, VALUES(tangents)},
+    {"ratio-outside", "radius over distance", ratio_outside, NULL, VALUES(ratios)},
+    {"ratio-inside", "radius over distance", ratio_inside, NULL, ratios + 6, 7},
+    {"ratio-surface", "radius over distance", ratio_surface, NULL, VALUES(ratios)},
+    {"planet-part", "metres", planet_make, NULL, VALUES(parts)},
+    {"planet-all", "metres", planet_outer, NULL, VALUES(parts)},
+    {"copies-triangles", "copies", copies_triangles, NULL, VALUES(counts)},
+    {"copies-quads", "copies", copies_quads, NULL, VALUES(counts)},
+    {"copies-spheres", "copies", copies_spheres, NULL, VALUES(counts)},
+    {"overlap-level", "triangles", overlap_level, NULL, VALUES(layers)},
+    {"overlap-tilted", "triangles", overlap_tilted, NULL, VALUES(layers)},
+    {"nested-back", "factor", nested_back, NULL, VALUES(steps)},
+    {"nested-grow", "factor", nested_grow, NULL, VALUES(steps)},
+    {"nested-stretch", "factor", nested_stretch, NULL, VALUES(steps)},
+    {"nested-mirror", "factor", nested_mirror, NULL, VALUES(steps)},
+    {"broken", "", broken_make, NULL, numbers, 15},
+    {"refused", "", NULL, refused_check, numbers, 5},
+    {"user-rays", "", NULL, user_rays_check, numbers, 8},
+};
+
+unsigned extremes_groups(void) { return sizeof groups / sizeof *groups; }
+const char *extremes_name(unsigned g) { return groups[g].name; }
+const char *extremes_meaning(unsigned g) { return groups[g].meaning; }
+unsigned extremes_cases(unsigned g) { return groups[g].count; }
+double extremes_parameter(unsigned g, unsigned index) { return groups[g].values[index]; }
+
+/* ---- cases of rays ---- */
+
+/* Whether the tracer takes such scenes at all. */
+static bool suits(const extremes_case *c, const trace_spec *spec) {
+    const world *w = c->world;
+    return spec->kind != TRACE_PLUGIN ||
+           !(w->spheres.count || w->quads.count || w->planes.count || w->instances.count);
+}
+
+static unsigned bits(unsigned set) {
+    unsigned count = 0;
+    for (; set; set &= set - 1) ++count;
+    return count;
+}
+
+static void sum_up(const compare_result *result, extremes_row *row) {
+    for (int f = 0; f < RAYS_FAMILIES; ++f) {
+        const compare_family *family = &result->families[f];
+        row->rays += family->rays, row->any_rays += family->any_rays;
+        for (int v = 0; v < VERDICT_COUNT; ++v) {
+            row->counts[v] += family->counts[v];
+            row->any_counts[v] += family->any_counts[v];
+        }
+        row->constant = fmax(row->constant, family->constant.value);
+    }
+}
+
+static bool keep_failures(const compare_result *result, const extremes_options *o, const char *text,
+                          const extremes_row *row) {
+    for (size_t i = 0; i < result->failures.count; ++i) {
+        extremes_failure failure = {row->group, text, row->parameter, result->failures.items[i]};
+        if (!array_push(o->failures, failure)) return false;
+    }
+    return true;
+}
+
+static fathom_status compare_case(const extremes_case *c, const char *text, const trace_spec *spec,
+                                  trace_tracer *tracer, const extremes_options *o, extremes_row *row) {
+    compare_subject subject = {c->world, c->search, c->source, tracer,
+                               verdict_tracer_of(spec, trace_unit(tracer))};
+    unsigned families = c->maker ? 1u : c->families, share = bits(families) * (c->thin ? c->thin : 1);
+    compare_options options = {.families = families,
+                               .rays = (o->rays + share - 1) / share,
+                               .seed = o->seed,
+                               .threads = o->threads,
+                               .failures = o->kept,
+                               .progress = o->progress,
+                               .user = o->user};
+    compare_result result;
+    memset(&result, 0, sizeof result);
+    fathom_status status = compare_run(c->context, &subject, &options, &result);
+    sum_up(&result, row);
+    if (o->failures && !keep_failures(&result, o, text, row))
+        status = fail_memory(c->context, sizeof *o->failures->items);
+    compare_result_free(&result);
+    return status;
+}
+
+static fathom_status push(fathom_context *context, extremes_rows *rows, const extremes_row *row) {
+    return array_push(rows, *row) ? FATHOM_OK : fail_memory(context, sizeof *row);
+}
+
+static fathom_status ask_tracer(const extremes_case *c, const extremes_options *o, const char *text,
+                                extremes_row *row, extremes_rows *rows) {
+    trace_spec spec;
+    fathom_status status = trace_spec_parse(c->context, text, &spec);
+    if (status != FATHOM_OK || !suits(c, &spec)) return status;
+    trace_tracer *tracer;
+    trace_options options = {.spec = &spec, .width = TRACE_WIDTH, .threads = o->threads};
+    status = trace_create(c->context, c->world, &options, &tracer);
+    if (status == FATHOM_OK) status = compare_case(c, text, &spec, tracer, o, row);
+    trace_destroy(tracer);
+    if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
+        row->spec = text;
+        fathom_status pushed = push(c->context, rows, row);
+        if (pushed != FATHOM_OK) return pushed;
+    }
+    return status;
+}
+
+static fathom_status run_case(fathom_context *context, const group *g, double parameter,
+                              const extremes_options *o, extremes_rows *rows) {
+    extremes_case c;
+    fathom_status status = case_open(context, g->make, parameter, &c);
+    for (size_t i = 0; i < o->spec_count && status == FATHOM_OK; ++i) {
+        extremes_row row = {.group = g->name, .parameter = parameter};
+        memcpy(row.words, c.words, sizeof row.words);
+        status = ask_tracer(&c, o, o->specs[i], &row, rows);
+    }
+    case_close(&c);
+    return status;
+}
+
+/* ---- one case opened ---- */
+
+struct extremes_scene {
+    extremes_case c;
+};
+
+fathom_status extremes_open(fathom_context *context, const char *name, double parameter,
+                            extremes_scene **out) {
+    *out = NULL;
+    for (unsigned g = 0; g < extremes_groups(); ++g) {
+        if (strcmp(groups[g].name, name) != 0 || !groups[g].make) continue;
+        extremes_scene *scene = calloc(1, sizeof *scene);
+        if (!scene) return fail_memory(context, sizeof *scene);
+        *out = scene;
+        return case_open(context, groups[g].make, parameter, &scene->c);
+    }
+    return fail(context, FATHOM_BAD_INPUT, "there is no group of extreme cases \"%.60s\" that asks rays",
+                name);
+}
+
+void extremes_close(extremes_scene *scene) {
+    if (!scene) return;
+    case_close(&scene->c);
+    free(scene);
+}
+
+world *extremes_world(const extremes_scene *scene) { return scene->c.world; }
+search *extremes_search(const extremes_scene *scene) { return scene->c.search; }
+rays_source *extremes_source(const extremes_scene *scene) { return scene->c.source; }
+
+/* ---- cases of the public calls ---- */
+
+static fathom_status run_check(fathom_context *context, const group *g, double parameter,
+                               extremes_rows *rows) {
+    static const struct {
+        const char *name;
+        fathom_tracer_kind kind;
+    } kinds[] = {{"embree", FATHOM_TRACER_EMBREE}, {"reference", FATHOM_TRACER_REFERENCE}};
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < 2 && status == FATHOM_OK; ++i) {
+        extremes_row row = {.group = g->name, .parameter = parameter, .spec = kinds[i].name};
+        status = g->check(context, kinds[i].kind, parameter, &row);
+        if (status == FATHOM_OK) status = push(context, rows, &row);
+    }
+    return status;
+}
+
+fathom_status extremes_run(fathom_context *context, unsigned g, unsigned index,
+                           const extremes_options *options, extremes_rows *rows) {
+    double parameter = groups[g].values[index];
+    return groups[g].make ? run_case(context, &groups[g], parameter, options, rows)
+                          : run_check(context, &groups[g], parameter, rows);
+}

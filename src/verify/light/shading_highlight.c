@@ -1,0 +1,73 @@
+/* Highlights by their formulas, k_s cos^n, for exponents up to a million and beyond: across the peak, where
+ * the cosine is 1 to the last digits of float, and down the flanks to where nothing is left. */
+#include "verify/light/shading_studio.h"
+
+#define PIXELS 65
+
+static const vec3_f64 normal = {0, 0, 1}, across = {0.8, 0, -0.6}, mirrored = {0.6, 0, 0.8};
+
+typedef struct gloss {
+    fathom_specular kind;
+    double n; /* as the formula has it */
+} gloss;
+
+/* The angle whose cosine is raised. Phong: of the viewer to the mirrored light; Blinn: of the normal to the
+ * half vector. By the sine: near the peak the cosine holds nothing. */
+static double angle_of(const gloss *g, vec3_f64 v) {
+    vec3_f64 light = {-mirrored.x, 0, mirrored.z};
+    vec3_f64 a = g->kind == FATHOM_SPECULAR_PHONG ? mirrored : normal;
+    vec3_f64 b = g->kind == FATHOM_SPECULAR_PHONG ? v : normalize_f64(add_f64(light, v));
+    return atan2(length_f64(cross_f64(a, b)), dot_f64(a, b));
+}
+
+/* cos^n for the angle and for angles `off` nearer: v, l, n and what is made of them take some 10 roundings,
+ * and the half square of a small difference 3 more. Float ends at 2^-126. */
+static void judge(const studio *s, const gloss *g, double field, uint32_t i, studio_worst *worst) {
+    const double off = 10 * SHADING_U;
+    vec3_f64 v = neg_f64(studio_direction(s, neg_f64(mirrored), across, field, i));
+    double angle = angle_of(g, v), value = pow(cos(angle), g->n);
+    if (!(angle < 1.5)) return; /* cos ~ 0: no highlight either way, to many more digits than asked for */
+    double nearer = pow(cos(fmax(angle - off, 0)), g->n), further = pow(cos(angle + off), g->n);
+    double rounding = 24 * SHADING_U + g->n * 3 * SHADING_U * (1 - cos(angle));
+    double bound = mirrored.z * (fmax(nearer - value, value - further) + nearer * rounding + 0x1p-126);
+    studio_judge(worst, studio_at(s, 1, i), mirrored.z * value, bound);
+}
+
+static fathom_status one(fathom_context *context, const shading_options *options, shading_rows *rows,
+                         fathom_specular kind, double n, double field) {
+    bool phong = kind == FATHOM_SPECULAR_PHONG;
+    studio s;
+    studio_open(context, options, rows, PIXELS, &s);
+    fathom_material m = studio_black();
+    for (int c = 0; c < 3; ++c) m.k_s[c] = 1;
+    m.specular = kind, m.shininess = (float)n;
+    studio_plane(&s, (vec3_f64){0, 0, 0}, normal, &m);
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_DIRECTIONAL;
+    light.direction[0] = mirrored.x, light.direction[1] = 0, light.direction[2] = -mirrored.z;
+    studio_light(&s, &light);
+    studio_camera(&s, scale_f64(4, mirrored), neg_f64(mirrored), across, field);
+    gloss g = {kind, studio_twisted(&s, n)};
+    studio_worst worst = {0};
+    bool rendered = studio_render(&s);
+    for (uint32_t i = 0; rendered && i < PIXELS; ++i) judge(&s, &g, field, i, &worst);
+    studio_row(&s, phong ? "phong" : "blinn", n, &worst, "%s's highlight of exponent %g over %.2g rad",
+               phong ? "Phong" : "Blinn", n, field);
+    return studio_close(&s);
+}
+
+fathom_status shading_highlights(fathom_context *context, const shading_options *options,
+                                 shading_rows *rows) {
+    static const fathom_specular kinds[2] = {FATHOM_SPECULAR_PHONG, FATHOM_SPECULAR_BLINN};
+    fathom_status status = FATHOM_OK;
+    for (int k = 0; k < 2; ++k) {
+        for (int e = 0; e <= 9 && status == FATHOM_OK; ++e) {
+            double n = pow(10, e);
+            /* cos^n has fallen to e^-18 at 6/sqrt(n); Blinn's angle is half the viewer's. */
+            status = one(context, options, rows, kinds[k], n, fmin(1, (k ? 24 : 12) / sqrt(n)));
+            if (status == FATHOM_OK && e >= 4) status = one(context, options, rows, kinds[k], n, 1);
+        }
+    }
+    return status;
+}

@@ -1,0 +1,149 @@
+/* Mirrors that face each other and are nearly parallel: one at z = 0, the other from (0, 1) down towards +x
+ * by a small angle a. Unfolded, the path is one straight line: after 2m reflections it is the line of the
+ * camera's ray turned by -2 m a about the apex, where the mirrors' planes meet, and after one more that line
+ * with z turned over. So each hit, and where the path leaves, has a closed form however many there are. */
+#include "verify/light/shading_beam.h"
+#include "verify/light/shading_studio.h"
+
+#define PIXELS 32
+
+static const double left = -1, right = 8,
+                    beyond = 2; /* ends of the mirrors, and how far off the rulers are */
+static const vec3_f64 eye = {0, 0, 0.5};
+
+typedef struct corridor {
+    double angle, gap; /* as the formula has them */
+    uint32_t max_depth;
+} corridor;
+
+/* The image's x runs along z: pixels differ in slope, from one bounce in 2 to one in 4 for each unit of x. */
+static const double field = 1.2;
+static vec3_f64 view_of(void) { return normalize_f64((vec3_f64){1, 0, -1.7}); }
+static vec3_f64 up_of(void) { return normalize_f64((vec3_f64){1.7, 0, 1}); }
+
+static fathom_material mirror(void) {
+    fathom_material m = studio_black();
+    for (int c = 0; c < 3; ++c) m.k_r[c] = 1;
+    m.k_e[2] = 1; /* blue counts the hits */
+    return m;
+}
+
+static void build(studio *s, double angle, uint32_t max_depth) {
+    fathom_material m = mirror(), red = studio_lambert(1, 0, 0), green = studio_lambert(0, 1, 0);
+    double middle = (left + right) / 2, half = (right - left) / 2;
+    studio_quad(s, (vec3_f64){middle, 0, 0}, (vec3_f64){half, 0, 0}, (vec3_f64){0, 1, 0}, &m);
+    studio_quad(s, (vec3_f64){middle, 0, 1 - middle * tan(angle)}, (vec3_f64){half, 0, -half * tan(angle)},
+                (vec3_f64){0, -1, 0}, &m);
+    studio_plane(s, (vec3_f64){left - beyond, 0, 0}, (vec3_f64){1, 0, 0}, &red);
+    studio_plane(s, (vec3_f64){right + beyond, 0, 0}, (vec3_f64){-1, 0, 0}, &green);
+    studio_point_light(s, (vec3_f64){left - beyond + 1, 2, 0.5}, 1, 0, 0);
+    studio_point_light(s, (vec3_f64){right + beyond - 1, 2, 0.5}, 0, 1, 0);
+    studio_camera(s, eye, view_of(), up_of(), field);
+    s->settings.max_depth = max_depth;
+}
+
+/* The line after `bounces` reflections. (1 - cos θ) and sin θ times the apex's distance gap / tan a stay
+ * finite as a goes to 0, θ = -2 m a. */
+static void unfolded(const corridor *c, vec3_f64 direction, unsigned bounces, vec3_f64 *at, vec3_f64 *along) {
+    double m = bounces / 2, turn = 2 * m * c->angle, tangent = tan(c->angle);
+    double cosine = cos(turn), sine = -sin(turn), half = sin(m * c->angle);
+    double x = tangent > 0 ? 2 * half * half * c->gap / tangent : 0;
+    double z = tangent > 0 ? sin(turn) * c->gap / tangent : 2 * m * c->gap;
+    *at = (vec3_f64){cosine * eye.x - sine * eye.z + x, 0, sine * eye.x + cosine * eye.z + z};
+    *along =
+        (vec3_f64){cosine * direction.x - sine * direction.z, 0, sine * direction.x + cosine * direction.z};
+    if (bounces % 2) at->z = -at->z, along->z = -along->z;
+}
+
+/* How far along the line its next mirror lies, or infinity; x: where. */
+static double next_mirror(const corridor *c, unsigned bounces, vec3_f64 at, vec3_f64 along, double *x) {
+    double slope = bounces % 2 ? -tan(c->angle) : 0, height = bounces % 2 ? c->gap : 0;
+    double t = (height + slope * at.x - at.z) / (along.z - slope * along.x);
+    *x = at.x + t * along.x;
+    return t;
+}
+
+typedef struct leaving {
+    unsigned hits;
+    bool ended;               /* by the depth limit */
+    bool sure;                /* no hit is so near a mirror's end that float might see it otherwise */
+    vec3_f64 at, along, last; /* the line, and the last hit on it */
+    beam error;               /* of the path so far: only its bounds count */
+} leaving;
+
+static vec3_f64 facing(const corridor *c, unsigned bounces) {
+    return bounces % 2 ? (vec3_f64){-sin(c->angle), 0, -cos(c->angle)} : (vec3_f64){0, 0, 1};
+}
+
+/* Corners are rounded: over a mirror's 9 units that turns it by less than 2 u. Its normal is that of a cross
+ * product made unit. */
+static const double normal_error = 8 * SHADING_U;
+
+static leaving follow(const corridor *c, vec3_f64 direction) {
+    leaving out = {.sure = true, .last = eye, .error = beam_start(eye, direction)};
+    for (;; ++out.hits) {
+        double x;
+        unfolded(c, direction, out.hits, &out.at, &out.along);
+        double t = next_mirror(c, out.hits, out.at, out.along, &x);
+        double slant = fabs(dot_f64(out.along, facing(c, out.hits)));
+        double blur = 2 * (out.error.aside + 32 * SHADING_U * right) / slant;
+        bool on = t > 0 && x > left && x < right;
+        out.sure &= fabs(x - left) > blur && fabs(x - right) > blur;
+        if (out.hits > c->max_depth) out.ended = true;
+        if (!on || out.ended) return out;
+        vec3_f64 hit = madd_f64(out.at, t, out.along);
+        beam_go(&out.error, length_f64(sub_f64(hit, out.last)), right);
+        beam_mirror(&out.error, facing(c, out.hits), normal_error);
+        out.last = hit;
+    }
+}
+
+/* Blue is the number of hits; red and green tell where on the rulers the path ends. */
+static void judge(const studio *s, const corridor *c, uint32_t i, studio_worst *count,
+                  studio_worst *landing) {
+    leaving path = follow(c, studio_direction(s, view_of(), up_of(), field, i));
+    if (!path.sure) return;
+    studio_judge(count, studio_at(s, 2, i), path.hits, 0);
+    if (path.ended) return;
+    bool back = path.along.x < 0;
+    double wall = back ? left - beyond : right + beyond, bound = 0;
+    beam b = path.error;
+    vec3_f64 at = madd_f64(path.at, (wall - path.at.x) / path.along.x, path.along);
+    beam_go(&b, length_f64(sub_f64(at, path.last)), fmax(right, fabs(at.z)) + beyond);
+    b.at = at, b.along = path.along;
+    double value = beam_radiance(&b, (vec3_f64){back ? wall + 1 : wall - 1, 2, 0.5},
+                                 (vec3_f64){back ? 1 : -1, 0, 0}, fmax(right, fabs(b.at.z)) + beyond, &bound);
+    studio_judge(landing, studio_at(s, back ? 0 : 1, i), value, bound);
+}
+
+static fathom_status one(fathom_context *context, const shading_options *options, shading_rows *rows,
+                         double angle, uint32_t max_depth, bool of_depth) {
+    studio s;
+    studio_open(context, options, rows, PIXELS, &s);
+    build(&s, angle, max_depth);
+    corridor c = {angle, studio_twisted(&s, 1), max_depth};
+    studio_worst count = {0}, landing = {0};
+    if (studio_render(&s)) {
+        for (uint32_t i = 0; i < PIXELS; ++i) judge(&s, &c, i, &count, &landing);
+    }
+    if (of_depth) {
+        studio_row(&s, "mirror depth", max_depth, &count,
+                   "hits of mirrors 1e-3 rad apart, %u bounces allowed", max_depth);
+    } else {
+        studio_row(&s, "mirrors", angle, &count, "hits between mirrors %g rad from parallel", angle);
+        studio_row(&s, "mirrors", angle, &landing, "light where paths leave mirrors %g rad from parallel",
+                   angle);
+    }
+    return studio_close(&s);
+}
+
+fathom_status shading_mirrors(fathom_context *context, const shading_options *options, shading_rows *rows) {
+    static const double angles[] = {0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
+    static const uint32_t depths[] = {0, 1, 5, 11, 64};
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < sizeof angles / sizeof *angles && status == FATHOM_OK; ++i)
+        status = one(context, options, rows, angles[i], 64, false);
+    for (size_t i = 0; i < sizeof depths / sizeof *depths && status == FATHOM_OK; ++i)
+        status = one(context, options, rows, 1e-3, depths[i], true);
+    return status;
+}

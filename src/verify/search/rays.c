@@ -1,0 +1,171 @@
+#include "verify/search/rays_aim.h"
+
+#include <float.h>
+
+typedef rays_draft draft;
+typedef draft (*maker)(const rays_source *s, rays_random *r, uint64_t index);
+
+static draft towards(vec3_f64 org, vec3_f64 target) {
+    return (draft){org, sub_f64(target, org), 0, (double)INFINITY};
+}
+
+static vec3_f64 around(const rays_source *s, rays_random *r) {
+    return rays_in_ball(r, s->center, 2 * s->radius);
+}
+
+static draft make_camera(const rays_source *s, rays_random *r, uint64_t index) {
+    (void)index;
+    const fathom_camera *c = &s->world->scene->camera;
+    double u = rays_unit(r) - 0.5, v = rays_unit(r) - 0.5, w = c->w > 0 ? c->w : c->h * 16 / 9;
+    vec3_f64 dir = scale_f64(u * w, load_f64(c->x));
+    dir = madd_f64(dir, v * c->h, load_f64(c->y));
+    dir = madd_f64(dir, -c->d, load_f64(c->z));
+    vec3_f64 org = sub_f64(load_f64(c->origin), s->world->origin);
+    return (draft){org, normalize_f64(dir), 0, (double)INFINITY};
+}
+
+static draft make_uniform(const rays_source *s, rays_random *r, uint64_t index) {
+    (void)index;
+    vec3_f64 org = around(s, r);
+    return towards(org, rays_pick(s, r).point);
+}
+
+/* Every other ray from around the middle of what it aims at: inside, where that is closed. */
+static vec3_f64 viewpoint(const rays_source *s, rays_random *r, const rays_target *target, uint64_t index) {
+    return index % 2 ? around(s, r) : rays_in_ball(r, target->run->center, 0.2 * target->run->radius);
+}
+
+static draft make_edge(const rays_source *s, rays_random *r, uint64_t index) {
+    rays_target target = rays_pick(s, r);
+    vec3_f64 point = target.point;
+    if (target.corners) {
+        unsigned k = (unsigned)(rays_unit(r) * target.corners);
+        vec3_f64 a = target.corner[k], b = target.corner[(k + 1) % target.corners];
+        point = madd_f64(a, rays_unit(r), sub_f64(b, a));
+    }
+    return towards(viewpoint(s, r, &target, index), point);
+}
+
+static draft make_vertex(const rays_source *s, rays_random *r, uint64_t index) {
+    rays_target target = rays_pick(s, r);
+    vec3_f64 point = target.point;
+    if (target.corners) point = target.corner[(unsigned)(rays_unit(r) * target.corners)];
+    return towards(viewpoint(s, r, &target, index), point);
+}
+
+static draft make_grazing(const rays_source *s, rays_random *r, uint64_t index) {
+    (void)index;
+    rays_target target = rays_pick(s, r);
+    double tilt = rays_power(r, -6, 0) * (rays_unit(r) < 0.5 ? -1 : 1);
+    vec3_f64 dir = madd_f64(rays_perpendicular(r, target.normal), tilt, target.normal);
+    double away = target.run->radius * rays_power(r, -2, 1);
+    return (draft){madd_f64(target.point, -away, dir), dir, 0, (double)INFINITY};
+}
+
+/* Of a sphere: at right angles to the normal, past its surface by a fraction down to 1e-8 of the radius. */
+static draft make_tangent(const rays_source *s, rays_random *r, uint64_t index) {
+    (void)index;
+    rays_target target = rays_pick(s, r);
+    double away = target.run->radius * rays_power(r, -1, 1);
+    double off = rays_power(r, -8, -1) * (rays_unit(r) < 0.5 ? -1 : 1);
+    vec3_f64 dir = rays_perpendicular(r, target.normal), point = target.point;
+    if (target.corners) {
+        unsigned k = (unsigned)(rays_unit(r) * target.corners);
+        vec3_f64 a = target.corner[k], edge = sub_f64(target.corner[(k + 1) % target.corners], a);
+        point = madd_f64(a, rays_unit(r), edge);
+        dir = normalize_f64(madd_f64(normalize_f64(edge), off, target.normal));
+    } else {
+        point = madd_f64(point, off * target.run->radius, target.normal);
+    }
+    return (draft){madd_f64(point, -away, dir), dir, 0, (double)INFINITY};
+}
+
+static draft make_surface(const rays_source *s, rays_random *r, uint64_t index) {
+    (void)index;
+    vec3_f64 org = rays_pick(s, r).point;
+    return (draft){org, rays_direction(r), 0, (double)INFINITY};
+}
+
+static draft make_far(const rays_source *s, rays_random *r, uint64_t index) {
+    (void)index;
+    vec3_f64 target = rays_pick(s, r).point;
+    return towards(madd_f64(target, s->radius * rays_power(r, 1, 6), rays_direction(r)), target);
+}
+
+static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
+    vec3_f64 target = rays_pick(s, r).point;
+    vec3_f64 dir = rays_direction(r);
+    double zero = index % 2 ? -0.0 : 0.0, *parts[3] = {&dir.x, &dir.y, &dir.z};
+    unsigned axis = (unsigned)(rays_unit(r) * 3);
+    *parts[axis] = zero;
+    if (rays_unit(r) < 0.5) *parts[(axis + 1) % 3] = zero;
+    return (draft){madd_f64(target, -2 * s->radius, dir), dir, 0, (double)INFINITY};
+}
+
+static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
+    draft ray = make_uniform(s, r, index);
+    ray.dir = scale_f64(rays_power(r, -20, 20), normalize_f64(ray.dir));
+    return ray;
+}
+
+/* The hit aimed at has t = 1 but for rounding. */
+static draft make_interval(const rays_source *s, rays_random *r, uint64_t index) {
+    draft ray = make_uniform(s, r, index);
+    double width = rays_power(r, -8, 0);
+    switch (index % 5) {
+    case 0: ray.t_near = 1 - width, ray.t_far = 1 + width; break;
+    case 1: ray.t_near = 1; break;
+    case 2: ray.t_far = 1; break;
+    case 3: ray.t_far = rays_power(r, -37, 0); break;
+    default: ray.t_near = rays_power(r, 0, 37), ray.t_far = FLT_MAX; break;
+    }
+    return ray;
+}
+
+static const struct {
+    const char *name;
+    maker make;
+} families[RAYS_FAMILIES] = {
+    [RAYS_CAMERA] = {"camera", make_camera},
+    [RAYS_UNIFORM] = {"uniform", make_uniform},
+    [RAYS_EDGE] = {"edge", make_edge},
+    [RAYS_VERTEX] = {"vertex", make_vertex},
+    [RAYS_GRAZING] = {"grazing", make_grazing},
+    [RAYS_TANGENT] = {"tangent", make_tangent},
+    [RAYS_SURFACE] = {"surface", make_surface},
+    [RAYS_FAR] = {"far", make_far},
+    [RAYS_AXIS] = {"axis", make_axis},
+    [RAYS_SCALED] = {"scaled", make_scaled},
+    [RAYS_INTERVAL] = {"interval", make_interval},
+};
+
+const char *rays_family_name(rays_family family) { return families[family].name; }
+
+/* Tracers flush denormals, the oracle does not: parts that would be denormal are 0 for both. */
+static float normal_f32(double x) { return fabs(x) < (double)FLT_MIN ? (float)copysign(0, x) : (float)x; }
+
+static vec3_f32 rounded(vec3_f64 v) { return vec_f32(normal_f32(v.x), normal_f32(v.y), normal_f32(v.z)); }
+
+bool rays_allowed(const rays_source *source, const oracle_ray *ray) {
+    bool moves = ray->dir.x != 0 || ray->dir.y != 0 || ray->dir.z != 0;
+    bool in_range = source->stretch * length_f64(widen(ray->dir)) <= RAYS_LONGEST &&
+                    source->stretch * length_f64(widen(ray->org)) + source->shift <= RAYS_LARGEST;
+    return in_range && moves && ray->t_near >= 0 && isfinite(ray->t_near) && ray->t_near <= ray->t_far;
+}
+
+void rays_set_maker(rays_source *source, rays_maker make, const void *user) {
+    source->own = make, source->own_user = user;
+}
+
+oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index) {
+    rays_random r = rays_random_of(seed, (uint64_t)family, index);
+    oracle_ray ray;
+    for (int attempt = 0; attempt < 64; ++attempt) {
+        draft d =
+            source->own ? source->own(source->own_user, &r, index) : families[family].make(source, &r, index);
+        ray = (oracle_ray){rounded(d.org), rounded(d.dir), normal_f32(d.t_near), (float)d.t_far};
+        if (rays_allowed(source, &ray)) return ray;
+    }
+    /* Nothing in this world can be aimed at in float. */
+    return (oracle_ray){{0, 0, 0}, {0, 0, 1}, 0, INFINITY};
+}

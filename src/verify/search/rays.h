@@ -1,0 +1,62 @@
+/* Families of rays that look for the weak places of intersectors. Ray `index` of a family depends on the
+ * world, the seed and the index alone. Every ray is allowed: no coordinate of its origin above RAYS_LARGEST,
+ * none of its direction, which is not zero, above RAYS_LONGEST, 0 <= t_near <= t_far; t_far may be infinite.
+ */
+#ifndef PARITY_RAYS_H
+#define PARITY_RAYS_H
+
+#include "verify/exact/oracle.h"
+
+typedef enum rays_family {
+    RAYS_CAMERA,   /* the scene's own */
+    RAYS_UNIFORM,  /* from around the world to anywhere in it */
+    RAYS_EDGE,     /* at edges; every other one from inside a closed shape, where every miss is wrong */
+    RAYS_VERTEX,   /* at vertices, likewise */
+    RAYS_GRAZING,  /* 1 to 1e-6 radians off the surface */
+    RAYS_TANGENT,  /* past the rim of spheres; along the edges of others */
+    RAYS_SURFACE,  /* from a point on a surface, as float rounds it */
+    RAYS_FAR,      /* from 10 to 1e6 times the world's radius away */
+    RAYS_AXIS,     /* one or two components of the direction are 0 or -0 */
+    RAYS_SCALED,   /* directions 1e-20 to 1e20 long */
+    RAYS_INTERVAL, /* intervals around a hit, down to nothing; tiny and huge ones */
+    RAYS_FAMILIES
+} rays_family;
+
+/* "camera" … */
+const char *rays_family_name(rays_family family);
+
+/* Where the rays of a world aim. */
+typedef struct rays_source rays_source;
+
+/* FATHOM_BAD_INPUT when nothing is in the world. The world must outlive it. */
+fathom_status rays_create(fathom_context *context, const world *w, rays_source **out);
+void rays_destroy(rays_source *source);
+
+/* Sums and differences of such coordinates are floats. What a tracer itself cannot take of it is
+ * VERDICT_BEYOND. */
+#define RAYS_LARGEST 1e30
+#define RAYS_LONGEST 1e37
+/* Whether a ray may be handed to a tracer: it is within these limits, in the space of any instance too. */
+bool rays_allowed(const rays_source *source, const oracle_ray *ray);
+
+/* Any number of threads at once. */
+oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index);
+
+/* A ray in double, in the world's coordinates; rays_make() rounds it, and asks again with other numbers if it
+ * is not allowed. */
+typedef struct rays_draft {
+    vec3_f64 org, dir;
+    double t_near, t_far;
+} rays_draft;
+
+/* `random`: see rays_aim.h. */
+struct rays_random;
+typedef rays_draft (*rays_maker)(const void *user, struct rays_random *random, uint64_t index);
+
+/* From now on every family is these rays. */
+void rays_set_maker(rays_source *source, rays_maker make, const void *user);
+
+/* Of a sphere around all that has bounds; at least 1e-30. Errors of position are told relative to it. */
+double rays_world_radius(const rays_source *source);
+
+#endif

@@ -1,0 +1,70 @@
+/* What an answer of a tracer is worth, held against the exact one. */
+#ifndef PARITY_VERDICT_H
+#define PARITY_VERDICT_H
+
+#include "trace/spec.h"
+#include "verify/search/search.h"
+
+typedef enum verdict {
+    VERDICT_AGREE,       /* the oracle's primitive, t within VERDICT_ULPS; or a miss where it says miss */
+    VERDICT_TIE,         /* another primitive, whose exact t is the same or too near for the precision */
+    VERDICT_EDGE,        /* right for a ray moved by less than the precision can tell, past an edge */
+    VERDICT_RANGE,       /* t too near an end of the interval for the precision */
+    VERDICT_CONDITIONED, /* the oracle's primitive, t off by no more than the bound of verdict_bound.h */
+    VERDICT_BEYOND,      /* numbers that leave the range of the tracer's floats: see verdict_beyond() */
+    VERDICT_LEAK, /* what a tracer is known to miss: a surface at an edge or vertex though it goes on at the
+                     other side; by directions whose reciprocals it clamps */
+    VERDICT_WRONG,
+    VERDICT_COUNT
+} verdict;
+
+/* "agree" … */
+const char *verdict_name(verdict v);
+
+/* t may be off by so many units of its own rounding before its condition matters. */
+#define VERDICT_ULPS 2
+
+typedef struct verdict_tracer {
+    double unit;   /* roundoff of its arithmetic: 2^-24 for float */
+    bool inverted; /* inverts to_world itself, as Embree does */
+    bool leaks;    /* misses surfaces at edges and vertices; else that is wrong */
+    unsigned
+        seen; /* bit i: oracle_shape i, whose sides it forms from corners as seen from the ray's origin */
+    bool textbook;  /* spheres by the plain quadratic */
+    double clamped; /* components of directions below this count as this where boxes are tested; 0: none */
+    double largest; /* takes no ray and no primitive with a coordinate above; 0: any float */
+} verdict_tracer;
+
+/* What the tracer said: ids as in trace_hits, geometry FATHOM_NONE for a miss. */
+typedef struct verdict_answer {
+    uint32_t geometry, primitive, instance;
+    double t, t_low; /* their sum: as the tracer computed it */
+} verdict_answer;
+
+typedef struct verdict_report {
+    verdict verdict;
+    bool measured;    /* the line meets the primitive, so that t has an error; what follows is set */
+    double exact_t;   /* of the primitive that the tracer named */
+    double t_error;   /* |t - exact_t| */
+    double condition; /* of exact_t: a relative change of u in all inputs moves it by at most u times this */
+    oracle_primitive primitive;
+    oracle_answer exact;
+} verdict_report;
+
+/* Whether there is such a primitive. */
+bool verdict_names_primitive(const world *w, const verdict_answer *answer);
+
+/* What is known of a tracer by its words. */
+verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit);
+
+/* Judges one closest hit. `room` is for searches and is written over. False when out of memory. */
+bool verdict_closest(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
+                     const verdict_answer *answer, search_result *room, verdict_report *out);
+
+/* Judges whether anything that casts a shadow is met: AGREE, EDGE, RANGE, BEYOND, LEAK or WRONG, which mean
+ * the same for the surfaces that were skipped or met. `hint`: what the tracer says is the closest hit, since
+ * that is likely what it met; or NULL. False when out of memory. */
+bool verdict_any(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
+                 bool met, const verdict_answer *hint, search_result *room, verdict *out);
+
+#endif

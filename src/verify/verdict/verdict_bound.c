@@ -1,0 +1,280 @@
+/* Forward error of the intersectors, to first order in the unit roundoff u.
+ *
+ * S bounds the size of every number that enters as a length: in object space |E| + |t d| + the largest |V|,
+ * where the map M of an instance makes |M| (|E| + |T| + |t d|) of the ray's share, T its translation; times
+ * |M| |A| for a tracer that computes the inverse M of A itself. In an object's space the ray is rounded once
+ * more: by u S. L is the longest side, n = e × e' with |n| <= L².
+ *
+ * Triangle, by edge planes (Embree's robust mode) or Cramer's rule: differences and cross products leave
+ * 4 u L S in an edge's normal e × v, products and sums 3 more: 7 u |d| L S, so weights are off by 7 u |d| L S
+ * / |d·n|, and by as much again for the division by their sum: 14. t = n·v / n·d: 7 u L² S in the numerator,
+ * 6 u L² |d| in the denominator, which is 6 u L² S / |d·n| in t: 13, and 3 more for an approximate
+ * reciprocal. By shearing (Woop): a sheared coordinate is off by 5 u S, the edge functions of what is sheared
+ * are exact where a sign is in doubt, so weights are off by 2 · 5 u |d| L S / |d·n|, otherwise by 13 of them;
+ * depth is interpolated over two sides of depth at most L / |d|: 26 u L² S / |d·n|. So 32 bounds all of them,
+ * with room for the rounding of the ray in object space. Grazing rays and slivers are in |d·n|.
+ *
+ * Where sides are differences of corners seen from E, as in Embree, they are off by 2 u S, and n by 4 u L S.
+ * It stands in both n·v and n·d, so t is off by 4 u L S |V - P| / |d·n| with P on the plane: within L S L for
+ * hits; for a point beside the triangle, which the exact ray only passes, |V - P| <= L Σ|w_k|, with its
+ * weights. They also make d·n off by 4 u L S |d|: from so far that this is as large as d·n, nothing is left
+ * of the normal, and t is anything. That many u |d| L S / |d·n| are an eighth of the bound of the weights.
+ *
+ * All of this is to first order, for a denominator that is known: d·n is off by 6 u L² |d|, d itself by the
+ * map. Where K u L² |d| / |d·n| = r is not small the quotients are bounded by 1 / (1 - r) times as much, from
+ * r = 1 on by nothing: the ray cannot be told from one in the triangle's plane.
+ *
+ * Quad: as its triangles.
+ *
+ * Sphere in the form without cancellation (sphere_text.h): |δD| <= 36 u |f| √(R² + l²), |f| <= S: 1 - l²/R²
+ * is off by 36 u S √(R² + l²) / R² <= 36 u S (R + l) / R²; from so far that l is off by more than R, l is the
+ * larger. The root moves by |δD| /
+ * (2 |d| √D) <= 26 u S R / |d·m| with m = P - C and |d·m| = |d| √D; c / q adds 27 u |t|, b / a 6 u |f| / |d|:
+ * at most 33 u S R / |d·m|, since |d·m| <= |d| R. 64 bounds both sums. |d·m| = |d|² |t - t'| / 2, with t' the
+ * other root.
+ *
+ * Sphere by the textbook's quadratic: a is off by 3 u |d|², b by 8 u |d| |f|, b² by 36 u |d|² |f|², c by u (6
+ * |f|² + 2 R²), 4 a c by 4 u |d|² (10 |f|² + 6 R²), and their difference rounds by 4 u |d|² (|f|² + R²): 4
+ * |d|² D is off by u |d|² (80 |f|² + 28 R²), D by u (20 |f|² + 7 R²) <= 27 u S², and 2 u S² more for an
+ * origin rounded in object space. So 1 - l²/R² is off by 29 u S²/R². The root of the discriminant moves by
+ * |δD| / √D, and by √|δD| at most: t by 29 u S² / |d·m| or √29 u S / |d|, whichever is less, and by 10 u S /
+ * |d| for b, the sum and the quotient. 64 S² / |d·m| holds that.
+ *
+ * Quad by the textbook: all of it lies in the plane of the first triangle, from which the fourth corner is h
+ * away. So points of the second are off by h: as if S were larger by h / (32 u).
+ *
+ * Plane: f·n is off by 4 u |n| S, d·n by 3 u |n| |d|: together 7 u |n| S / |d·n|, and 16 with the origin's
+ * and the quotient's rounding. */
+#include "verify/verdict/verdict_bound.h"
+#include "reference/reference.h"
+
+#include <float.h>
+
+typedef struct frame {
+    vec3_f64 org, dir;
+    double norm, inverse_norm; /* of the map's linear part and its inverse; 1 in the world */
+    double shift;              /* of to_world */
+    double dir_size;           /* bounds |dir| and what its error is relative to */
+} frame;
+
+static double norm_of(const float m[3][4]) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) sum += (double)m[i][j] * (double)m[i][j];
+    }
+    return sqrt(sum);
+}
+
+static vec3_f64 carried(const float m[3][4], vec3_f64 p, double w) {
+    double r[3];
+    for (int i = 0; i < 3; ++i) {
+        r[i] = (double)m[i][0] * p.x + (double)m[i][1] * p.y + (double)m[i][2] * p.z + (double)m[i][3] * w;
+    }
+    return load_f64(r);
+}
+
+static frame frame_of(const verdict_tracer *tracer, const oracle_ray *ray, const world_instance *instance) {
+    frame f = {widen(ray->org), widen(ray->dir), 1, 1, 0, length_f64(widen(ray->dir))};
+    if (!instance) return f;
+    const float(*m)[4] = instance->to_object;
+    f.org = carried(m, f.org, 1), f.dir = carried(m, f.dir, 0);
+    f.norm = norm_of(m), f.inverse_norm = norm_of(instance->to_world);
+    vec3_f64 shift = {(double)instance->to_world[0][3], (double)instance->to_world[1][3],
+                      (double)instance->to_world[2][3]};
+    f.shift = length_f64(shift);
+    f.dir_size *= f.norm * (tracer->inverted ? f.norm * f.inverse_norm : 1);
+    return f;
+}
+
+static bool in_float(const verdict_tracer *tracer) { return tracer->unit >= 0x1p-24; }
+
+double verdict_rounding(const verdict_tracer *tracer, double t) {
+    double flushed = in_float(tracer) ? (double)FLT_MIN : 0;
+    return VERDICT_ULPS * 2 * fmax(tracer->unit, 0x1p-53) * fabs(t) + flushed;
+}
+
+double verdict_constant(oracle_shape shape) {
+    switch (shape) {
+    case ORACLE_SPHERE: return 64;
+    case ORACLE_TRIANGLE:
+    case ORACLE_QUAD: return 32;
+    case ORACLE_PLANE: return 16;
+    }
+    return 0;
+}
+
+/* 1 / (1 - r), or infinite. */
+static double widened(double r) { return r < 1 ? 1 / (1 - r) : (double)INFINITY; }
+
+static verdict_bound of_triangle(const frame *f, const vec3_f32 v[3], const oracle_answer *answer,
+                                 double size, double factor) {
+    vec3_f64 a = widen(v[0]), b = widen(v[1]), c = widen(v[2]), n = cross_f64(sub_f64(b, a), sub_f64(c, a));
+    double along = fabs(dot_f64(f->dir, n)), d = length_f64(f->dir);
+    double side = fmax(length_f64(sub_f64(b, a)), fmax(length_f64(sub_f64(c, a)), length_f64(sub_f64(c, b))));
+    double wide = widened(factor * side * side * f->dir_size / along) / along;
+    double spread = 0; /* of the weights, 1 within */
+    for (int k = 0; k < 3; ++k) spread += fabs((double)answer->weight[k].value);
+    return (verdict_bound){side * side * fmax(1, spread) * size * wide, d * side * size * wide, size};
+}
+
+/* Past the rim, the closest approach at t' stands in for the roots, which part from it by at most √|δD| /
+ * |d|: that is of the order √u, so `factor` goes under the root. */
+static verdict_bound of_sphere(const frame *f, double radius, const oracle_answer *answer, double size,
+                               double factor) {
+    double d = length_f64(f->dir), l = sqrt(fmax(0, 1 - (double)answer->edge.value)); /* over R */
+    double edge = size * (1 + l) / radius;
+    if (!answer->line) return (verdict_bound){(size + radius * sqrt(edge / factor)) / d, edge, size};
+    double gap = fabs((double)(answer->t.value - answer->other.value));
+    return (verdict_bound){size * radius / (d * d * gap / 2), edge, size};
+}
+
+static verdict_bound of_textbook_sphere(const frame *f, double radius, const oracle_answer *answer,
+                                        double size, double factor) {
+    double d = length_f64(f->dir), edge = size * size / (radius * radius);
+    double most = size / (d * sqrt(factor)) + size / d; /* what √|δD| allows */
+    double aside = fmax(size, size * size / radius);    /* moves l²/R² by twice `edge` at the rim */
+    if (!answer->line) return (verdict_bound){most, edge, aside};
+    double gap = fabs((double)(answer->t.value - answer->other.value));
+    return (verdict_bound){fmin(size * size / (d * d * gap / 2), most), edge, aside};
+}
+
+static verdict_bound of_plane(const frame *f, vec3_f64 n, double size, double factor) {
+    double along = fabs(dot_f64(f->dir, n)), r = factor * length_f64(n) * f->dir_size / along;
+    return (verdict_bound){length_f64(n) * size / along * widened(r), 0, size};
+}
+
+static verdict_bound of_shape(const frame *f, const oracle_primitive *p, const oracle_answer *answer,
+                              double size, double factor, bool textbook) {
+    switch (p->shape) {
+    case ORACLE_SPHERE:
+        return (textbook ? of_textbook_sphere : of_sphere)(f, oracle_radius(p), answer, size, factor);
+    case ORACLE_PLANE: return of_plane(f, widen(p->v[1]), size, factor);
+    case ORACLE_TRIANGLE:
+    case ORACLE_QUAD: break;
+    }
+    const vec3_f32 parts[2][3] = {{p->v[0], p->v[1], p->v[p->shape == ORACLE_QUAD ? 3 : 2]},
+                                  {p->v[2], p->v[3], p->v[1]}};
+    return of_triangle(f, parts[p->shape == ORACLE_QUAD ? answer->part : 0], answer, size, factor);
+}
+
+static double largest_corner(const oracle_primitive *p) {
+    if (p->shape == ORACLE_PLANE) return length_f64(widen(p->v[0]));
+    if (p->shape == ORACLE_SPHERE) return length_f64(widen(p->v[0])) + (double)p->radius;
+    double size = 0;
+    for (int k = 0; k < (p->shape == ORACLE_QUAD ? 4 : 3); ++k) size = fmax(size, length_f64(widen(p->v[k])));
+    return size;
+}
+
+/* S at the ray's t. */
+static double size_of(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
+                      const frame *f, double t) {
+    double reach = length_f64(widen(ray->org)) + f->shift + fabs(t) * length_f64(widen(ray->dir));
+    /* A flushed result is off by FLT_MIN at most, as rounding would be in one of FLT_MIN / u. */
+    double size = f->norm * reach + (in_float(tracer) ? (double)FLT_MIN / tracer->unit : 0);
+    if (tracer->inverted && p->instance) size *= f->norm * f->inverse_norm;
+    return size + largest_corner(p);
+}
+
+/* How far a quad's fourth corner is from the plane of its first triangle. */
+static double bend_of(const oracle_primitive *quad) {
+    vec3_f64 a = widen(quad->v[0]);
+    vec3_f64 n = cross_f64(sub_f64(widen(quad->v[1]), a), sub_f64(widen(quad->v[3]), a));
+    double length = length_f64(n);
+    return length > 0 ? fabs(dot_f64(sub_f64(widen(quad->v[2]), a), n)) / length : 0;
+}
+
+verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
+                               const oracle_primitive *primitive, const oracle_answer *answer) {
+    frame f = frame_of(tracer, ray, primitive->instance);
+    double t = (double)answer->t.value, size = size_of(tracer, ray, primitive, &f, t);
+    double factor = verdict_constant(primitive->shape) * tracer->unit;
+    if (tracer->textbook && primitive->shape == ORACLE_QUAD) size += bend_of(primitive) / factor;
+    verdict_bound bound = of_shape(&f, primitive, answer, size, factor, tracer->textbook);
+    bound.t = factor * bound.t + verdict_rounding(tracer, t);
+    bound.edge *= factor;
+    bound.aside *= factor * (primitive->instance ? f.inverse_norm : 1);
+    return bound;
+}
+
+/* |t d| is at most |E| + extent there, and corners are |M| extent at most. */
+double verdict_aside(const verdict_tracer *tracer, const world *w, const oracle_ray *ray, double extent) {
+    double far = 2 * length_f64(widen(ray->org)) + extent, factor = 64 * tracer->unit;
+    double most = factor * (far + extent);
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        frame f = frame_of(tracer, ray, &w->instances.items[k]);
+        double spread = f.norm * f.inverse_norm, share = tracer->inverted ? spread : 1;
+        most = fmax(most, factor * spread * ((far + f.shift) * share + extent));
+    }
+    return most;
+}
+
+double verdict_reported(const verdict_tracer *tracer, const oracle_primitive *p, const verdict_bound *bound) {
+    return tracer->seen >> p->shape & 1 ? bound->t * widened(bound->edge / 8) : bound->t;
+}
+
+/* As embree_build.c has it. */
+static bool origin_beyond(const world *w, vec3_f32 org, double limit) {
+    double size = (double)largest_f32(org);
+    if (size > limit) return true;
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        for (int i = 0; i < 3; ++i) {
+            const float *m = w->instances.items[k].to_object[i];
+            double s = fabs((double)m[0]) + fabs((double)m[1]) + fabs((double)m[2]);
+            if (size * s + fabs((double)m[3]) > limit) return true;
+        }
+    }
+    return false;
+}
+
+/* Whether products that the textbook forms leave their range: the larger overflows, or what is lost of the
+ * smaller counts beside rounding. The robust forms go on in wider precision then. */
+static bool textbook_beyond(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
+                            double t) {
+    frame f = frame_of(tracer, ray, p->instance);
+    double d = length_f64(f.dir), size = size_of(tracer, ray, p, &f, t), n = 1, large = 0, small = 0,
+           side = 0;
+    switch (p->shape) {
+    case ORACLE_SPHERE:
+        large = 4 * d * d * size * size;
+        small = d * d * fmin(1, 4 * (double)p->radius * (double)p->radius);
+        break;
+    case ORACLE_PLANE:
+        n = length_f64(widen(p->v[1]));
+        large = n * fmax(size, d), small = n * d;
+        break;
+    case ORACLE_TRIANGLE:
+    case ORACLE_QUAD:
+        for (int k = 1; k < (p->shape == ORACLE_QUAD ? 4 : 3); ++k)
+            side = fmax(side, length_f64(sub_f64(widen(p->v[k]), widen(p->v[0]))));
+        large = side * fmax(size * d, side * fmax(size, d)), small = side * side * d;
+        if (p->shape == ORACLE_QUAD) large = fmax(large, pow(side, 4)), small = fmin(small, pow(side, 4));
+        break;
+    }
+    bool narrow = in_float(tracer);
+    double most = narrow ? (double)FLT_MAX : DBL_MAX, least = narrow ? (double)FLT_MIN : DBL_MIN;
+    return !(large < most / 16) || !(small * tracer->unit > 16 * least);
+}
+
+bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_ray *ray,
+                    const oracle_primitive *p, double t) {
+    if (in_float(tracer) && fabs(t) > (double)FLT_MAX) return true;
+    if (tracer->textbook && tracer->unit >= 0x1p-53 && textbook_beyond(tracer, ray, p, t)) return true;
+    if (!(tracer->largest > 0)) return false;
+    return largest_corner(p) > tracer->largest || origin_beyond(w, ray->org, tracer->largest);
+}
+
+vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *p) {
+    vec3_f64 dir = widen(ray->dir);
+    return narrow(p->instance ? carried(p->instance->to_object, dir, 0) : dir);
+}
+
+bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p) {
+    if (p->shape == ORACLE_SPHERE) return false;
+    frame f = frame_of(tracer, ray, p->instance);
+    vec3_f64 v = widen(p->v[0]), n = widen(p->v[1]);
+    if (p->shape != ORACLE_PLANE)
+        n = cross_f64(sub_f64(n, v), sub_f64(widen(p->v[p->shape == ORACLE_QUAD ? 3 : 2]), v));
+    double limit = verdict_constant(p->shape) * tracer->unit * size_of(tracer, ray, p, &f, 0);
+    double length = length_f64(n);
+    return length > 0 && fabs(dot_f64(sub_f64(f.org, v), n)) <= limit * length;
+}

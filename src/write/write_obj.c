@@ -1,0 +1,190 @@
+/* OBJ: instances placed, normals and uvs with indices of their own, materials in a library beside it. */
+#include "base/file.h"
+#include "write/write.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct obj {
+    const fathom_scene *scene;
+    const scene_graph *graph;
+    write_stream stream;
+    char **names;       /* of materials */
+    fathom_id material; /* in use */
+    size_t objects;
+    size_t positions, normals, uvs; /* lines before the placement being written */
+} obj;
+
+/* ---- lines ---- */
+
+static const float *item(const float *base, size_t stride, size_t i) {
+    return (const float *)(const void *)((const char *)base + stride * i);
+}
+
+static char *put_line(char *out, const char *key, const float *numbers, int count) {
+    while (*key) *out++ = *key++;
+    for (int k = 0; k < count; ++k) {
+        *out++ = ' ';
+        out += write_float(out, numbers[k]);
+    }
+    *out++ = '\n';
+    return out;
+}
+
+static size_t format_positions(const void *user, size_t begin, size_t end, char *out) {
+    const write_placement *at = user;
+    char *start = out;
+    for (size_t i = begin; i < end; ++i) {
+        vec3_f32 p =
+            write_placed_position(at, load_f32(item(at->mesh->positions, at->mesh->position_stride, i)));
+        out = put_line(out, "v", (const float[3]){p.x, p.y, p.z}, 3);
+    }
+    return (size_t)(out - start);
+}
+
+static size_t format_normals(const void *user, size_t begin, size_t end, char *out) {
+    const write_placement *at = user;
+    char *start = out;
+    for (size_t i = begin; i < end; ++i) {
+        vec3_f32 n = write_placed_normal(at, load_f32(item(at->mesh->normals, at->mesh->normal_stride, i)));
+        out = put_line(out, "vn", (const float[3]){n.x, n.y, n.z}, 3);
+    }
+    return (size_t)(out - start);
+}
+
+static size_t format_uvs(const void *user, size_t begin, size_t end, char *out) {
+    const write_placement *at = user;
+    char *start = out;
+    for (size_t i = begin; i < end; ++i)
+        out = put_line(out, "vt", item(at->mesh->uvs, at->mesh->uv_stride, i), 2);
+    return (size_t)(out - start);
+}
+
+typedef struct obj_faces {
+    const obj *o;
+    const write_placement *at;
+} obj_faces;
+
+/* a, a/t, a//n or a/t/n, counted from 1 over the whole file. */
+static char *put_corner(char *out, const obj_faces *f, size_t corner) {
+    const fathom_mesh *m = f->at->mesh;
+    uint32_t position = m->indices[corner];
+    *out++ = ' ';
+    out += write_integer(out, f->o->positions + position + 1);
+    if (!m->uvs && !m->normals) return out;
+    *out++ = '/';
+    if (m->uvs) out += write_integer(out, f->o->uvs + (m->uv_indices ? m->uv_indices[corner] : position) + 1);
+    if (!m->normals) return out;
+    *out++ = '/';
+    return out +
+           write_integer(out, f->o->normals + (m->normal_indices ? m->normal_indices[corner] : position) + 1);
+}
+
+static size_t format_faces(const void *user, size_t begin, size_t end, char *out) {
+    const obj_faces *f = user;
+    size_t second = f->at->mirrored ? 2 : 1;
+    char *start = out;
+    for (size_t t = begin; t < end; ++t) {
+        *out++ = 'f';
+        out = put_corner(out, f, 3 * t);
+        out = put_corner(out, f, 3 * t + second);
+        out = put_corner(out, f, 3 * t + 3 - second);
+        *out++ = '\n';
+    }
+    return (size_t)(out - start);
+}
+
+/* ---- file ---- */
+
+static void put_head(obj *o, const write_placement *at) {
+    const char *group = o->scene->groups.items[o->scene->objects.items[at->object].group];
+    char text[64];
+    int length = snprintf(text, sizeof text, "o object_%zu", o->objects++);
+    write_bytes(&o->stream, text, (size_t)length);
+    /* The group's name goes behind ours, as far as it is one word in one line. */
+    for (const char *c = group ? group : ""; *c; ++c) {
+        char letter = (unsigned char)*c <= ' ' ? '_' : *c;
+        if (c == group) write_bytes(&o->stream, "_", 1);
+        write_bytes(&o->stream, &letter, 1);
+    }
+    if (o->material != at->material) {
+        const char *name = o->names[at->material];
+        write_bytes(&o->stream, "\nusemtl ", 8);
+        write_bytes(&o->stream, name, strlen(name));
+        o->material = at->material;
+    }
+    write_bytes(&o->stream, "\n", 1);
+}
+
+static fathom_status put_placement(void *user, const write_placement *at) {
+    obj *o = user;
+    const fathom_mesh *m = at->mesh;
+    size_t line = 3 * WRITE_NUMBER_BYTES + 8;
+    put_head(o, at);
+    write_items(&o->stream, m->vertex_count, line, format_positions, at);
+    if (m->uvs) write_items(&o->stream, m->uv_count, line, format_uvs, at);
+    if (m->normals) write_items(&o->stream, m->normal_count, line, format_normals, at);
+    obj_faces faces = {o, at};
+    write_items(&o->stream, m->triangle_count, 9 * 22 + 8, format_faces, &faces);
+    o->positions += m->vertex_count;
+    o->uvs += m->uvs ? m->uv_count : 0;
+    o->normals += m->normals ? m->normal_count : 0;
+    return FATHOM_OK;
+}
+
+/* Readers, ours among them, index with 32 bits. */
+static fathom_status check_count(const obj *o, const char *path) {
+    size_t *ways, vertices = 0;
+    fathom_status status = write_count_ways(o->scene, o->graph, &ways);
+    if (status != FATHOM_OK) return status;
+    for (size_t i = 0; i < o->scene->objects.count; ++i) {
+        scene_object object = o->scene->objects.items[i];
+        if (object.kind != SCENE_MESH) continue;
+        const fathom_mesh *m = &o->scene->meshes.items[object.index];
+        size_t most = m->vertex_count > m->normal_count ? m->vertex_count : m->normal_count;
+        if (m->uv_count > most) most = m->uv_count;
+        vertices = write_add(vertices, write_multiply(ways[object.group], most));
+    }
+    free(ways);
+    if (vertices <= UINT32_MAX) return FATHOM_OK;
+    return fail(
+        o->scene->context, FATHOM_BAD_USAGE,
+        "%s: with all instances placed there are %zu vertices, and readers of OBJ count to 4294967295; .glb "
+        "keeps instances as they are",
+        path, vertices);
+}
+
+/* "models/bunny.obj" -> "models/bunny.mtl" */
+static char *library_path(const char *path) {
+    size_t stem = strlen(path) - strlen("obj");
+    char *library = strdup(path);
+    if (library) memcpy(library + stem, "mtl", 3);
+    return library;
+}
+
+static fathom_status put_all(obj *o, const char *path, const char *library) {
+    fathom_status status = write_stream_open(o->scene->context, path, &o->stream);
+    if (status != FATHOM_OK) return status;
+    const char *beside = file_name(library);
+    write_bytes(&o->stream, "# Fathom ", 9);
+    write_bytes(&o->stream, fathom_version(), strlen(fathom_version()));
+    write_bytes(&o->stream, "\nmtllib ", 8);
+    write_bytes(&o->stream, beside, strlen(beside));
+    write_bytes(&o->stream, "\n", 1);
+    status = write_each_placement(o->scene, o->graph, put_placement, o);
+    /* The library is there before the file that names it is. */
+    if (status == FATHOM_OK) status = write_mtl(o->scene, library, o->names);
+    return write_stream_close(&o->stream, status);
+}
+
+fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path) {
+    obj o = {.scene = scene, .graph = graph, .material = FATHOM_NONE};
+    char *library = library_path(path);
+    fathom_status status = library ? check_count(&o, path) : fail_memory(scene->context, strlen(path));
+    if (status == FATHOM_OK) status = write_names(scene, &o.names);
+    if (status == FATHOM_OK) status = put_all(&o, path, library);
+    write_names_free(scene, o.names);
+    free(library);
+    return status;
+}
