@@ -1,5 +1,6 @@
 /* What mesh files are made of: texts, names, welded vertices, and materials that a format cannot hold as they
  * are. */
+#include "base/file.h"
 #include "unit_folder.h"
 #include "write/write.h"
 
