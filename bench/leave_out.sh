@@ -1,8 +1,9 @@
 #!/bin/sh
-# What each part of the renderer costs where the scene does without it: kept, against left out.
+# What a part of the renderer costs: a scene that does without it, against the same view of a scene that needs it.
 # usage: BUILD=build/release sh bench/leave_out.sh [REPEATS [INSTRUCTIONS]]
-# Prints a table for bench/README.md: ratios of the render phase, one thread. The two sides take turns; best of all times,
-# and the median of the rounds' ratios. Instructions are of a smaller image, by valgrind (whose processor has AVX2). INSTRUCTIONS=0 does without valgrind. TRIANGLES=20k SIZE=320x180 measure less.
+# Prints a table for bench/README.md: ratios of the render phase, one thread. The two scenes take turns; the table has the
+# best times and the median of the rounds' ratios. Instructions are of a smaller image, by valgrind (whose processor has AVX2).
+# INSTRUCTIONS=0 does without valgrind. TRIANGLES=20k SIZE=320x180 measure less.
 set -eu
 repeats=${1:-9}
 instructions=${2:-1}
@@ -31,34 +32,32 @@ lights() {
 
 "$fathom" generate terrain --triangles "${TRIANGLES:-200k}" -o terrain.glb -q
 scene plain "" ""
-# What nobody sees, under the terrain: a geometry of its own kind in Embree's tree.
+# Shapes under the terrain, which nobody sees: each adds a geometry of its own kind to Embree's tree.
 scene sphere "" ', { "type": "sphere", "center": [0, -0.6, 0], "radius": 0.01, "material": "m" }'
 scene quad "" ', { "type": "quad", "center": [0, -0.6, 0], "u": [0.01, 0, 0], "v": [0, 0, 0.01], "material": "m" }'
 scene plane "" ', { "type": "plane", "point": [0, -9, 0], "normal": [0, 1, 0], "material": "m" }'
+# One corner of an open and of a closed tetrahedron there, and one that mirrors.
+faces='[0, -9, 0], [1, -9, 0], [0, -9, 1], [0, -8, 0]], "indices": [[0, 1, 2], [0, 3, 1], [0, 2, 3]'
+scene open "" ", { \"type\": \"mesh\", \"positions\": [$faces], \"material\": \"m\" }"
+scene closed "" ", { \"type\": \"mesh\", \"positions\": [$faces, [1, 3, 2]], \"material\": \"m\" }"
+sed 's/\("m": {[^}]*}\)/\1, "mirror": { "kr": [0.5, 0.5, 0.5] }/; s/\(.*\)"material": "m"/\1"material": "mirror"/' open.json >mirror.json
 cp plain.json instance.json
 sed -i 's/"shading": "flat"/"shading": "flat", "translation": [0, 1e-6, 0]/' instance.json
-sed 's/"position": \[1.5, 2.5, 1\]/"position": [1.5, 0.2, 0]/' plain.json >low.json
-sed 's/"eye": [^]]*]/"eye": [0.3, 1.1, 9]/' plain.json >sky.json
-scene aside ', { "type": "spot", "position": [0, 5, 0], "direction": [0, 1, 0], "intensity": 9, "outerAngle": 30 }' ""
+sed 's/"eye": [^]]*]/"eye": [0.3, 1.1, 9]/' plain.json >dark.json
+sed 's/"background": \[0, 0, 0\]/"background": [1e-30, 0, 0]/' dark.json >sky.json
 scene faint "$(lights 8 1e-5)" ""
 
-# Each line: a name, the scene and options without, the scene and options with.
+# Each line: a name, the scene and options that do without it, the scene and options that need it.
 cat >cases.txt <<'CASES'
 nothing (the spread)|plain|plain
-shading normals|plain|plain --keep normals
-highlights|plain|plain --keep highlights
-ambient and emitted light|plain|plain --keep glow
-background|sky|sky --keep background
-mirrored and refracted rays|plain|plain --keep bounces
-buffers of AOVs|plain|plain --keep hits
-watertight repair|plain|plain --keep repair
-shadow rays for nothing|low|low --keep unlit
-all of these|plain|plain --keep all
+background|dark|sky
+mirrored and refracted rays|open|mirror
+buffers of AOVs|plain|plain --aov Z
+watertight repair|open|closed
 sphere geometry|plain|sphere
 quad geometry|plain|quad
 planes|plain|plane
 instances|plain|instance
-a light that points aside|aside|aside --keep lights
 8 faint lights' shadow rays, 8 bit|faint --leave-out-below 8bit|faint
 CASES
 
@@ -91,13 +90,13 @@ for _ in $(seq "$repeats"); do
         # shellcheck disable=SC2086
         left_out=$(render_seconds $without)
         # shellcheck disable=SC2086
-        kept=$(render_seconds $with)
-        echo "$what|$left_out|$kept"
+        with_it=$(render_seconds $with)
+        echo "$what|$left_out|$with_it"
     done <cases.txt
 done >times.txt
 : >counted.txt
 
-echo "| what the scene does without | left out, ms | kept / left out, best | median (quartiles) | instructions |"
+echo "| what the scene does without | without, ms | with / without, best | median (quartiles) | instructions |"
 echo "|---|---|---|---|---|"
 while IFS='|' read -r what without with; do
     row=$(awk -F'|' -v what="$what" '$1 == what { print $3 / $2, $2, $3 }' times.txt | sort -n | awk '
@@ -109,8 +108,8 @@ while IFS='|' read -r what without with; do
         # shellcheck disable=SC2086
         left_out=$(render_instructions $without)
         # shellcheck disable=SC2086
-        kept=$(render_instructions $with)
-        ratio=$(awk "BEGIN { printf \"%.3f\", $kept / $left_out }")
+        with_it=$(render_instructions $with)
+        ratio=$(awk "BEGIN { printf \"%.3f\", $with_it / $left_out }")
     fi
     echo "| $what | $row | $ratio |"
 done <cases.txt

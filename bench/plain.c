@@ -52,7 +52,7 @@ static void add_light(plain *p, const shade_light *light, const surface_block *s
     light_block arriving;
     trace_rays rays;
     p->shade->material_gather(p->scene->materials.items, s, &materials);
-    p->shade->light_evaluate(light, s, &materials, p->plan->parts & FATHOM_PART_HIGHLIGHTS, &arriving);
+    p->shade->light_evaluate(light, s, &materials, &arriving);
     uint32_t lanes = p->blocks->shadow_rays(&arriving, 0, p->plan->t_near, &rays) & met;
     if (!lanes) return;
     for (uint32_t i = 0; i < LANES; ++i) rays.t_far[i] = lanes >> i & 1 ? rays.t_far[i] : -1;
@@ -84,8 +84,8 @@ static void add_square(plain *p, uint32_t left, uint32_t top, const square_sampl
     if (!met) return;
     fill_up(&block.hits, met);
     facets.smooth = false;
-    p->shade->facet_gather(p->mesh, p->plan->parts & FATHOM_PART_NORMALS, block.hits.primitive,
-                           trace_origins(&block.rays), trace_directions(&block.rays), &facets, &local);
+    p->shade->facet_gather(p->mesh, block.hits.primitive, trace_origins(&block.rays),
+                           trace_directions(&block.rays), &facets, &local);
     memcpy(local.ray, trace_directions(&block.rays), sizeof local.ray);
     p->shade->facets(&facets, p->settings.terminator_fix, &local);
     p->shade->surfaces(&local, true, &s);
@@ -178,8 +178,8 @@ static void open_scene(plain *p, const char *path, uint32_t spp) {
     p->material = world_material(p->world, 0, 0, FATHOM_NONE);
     bool plain_scene = p->world->geometries.count == 1 && p->world->meshes.count == 1 &&
                        !p->world->instances.count && !p->world->planes.count && !p->plan->max_depth &&
-                       !p->plan->eye_depth && !(p->plan->parts & (FATHOM_PART_GLOW | FATHOM_PART_BACKGROUND));
-    if (!plain_scene) die("expected one mesh, no mirror or glass, no ambient light or background");
+                       !p->plan->eye_depth && !p->plan->background;
+    if (!plain_scene) die("expected one mesh, no mirror or glass, no background");
 }
 
 int main(int argc, char **argv) {

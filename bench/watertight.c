@@ -48,7 +48,7 @@ static double make_tracer(subject *s, const char *words) {
     trace_options options = {.spec = &spec, .width = TRACE_WIDTH};
     need(trace_create(s->context, s->world, &options, &s->tracer) == FATHOM_OK, s->context);
     double began = clock_seconds();
-    need(watertight_create(s->context, s->tracer, false, &s->water) == FATHOM_OK, s->context);
+    need(watertight_create(s->context, s->tracer, &s->water) == FATHOM_OK, s->context);
     return clock_seconds() - began;
 }
 

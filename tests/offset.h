@@ -585,7 +585,7 @@ static inline void offset_points(offset_trial *t, const trace_block *block) {
     surface_block s;
     surface_gather g;
     memset(&g, 0, sizeof g);
-    surface_gather_begin(&g, true, false);
+    surface_gather_begin(&g);
     for (size_t i = 0; i < OFFSET_RAYS; ++i) {
         if (block->hits.geometry[i] == FATHOM_NONE) continue;
         surface_gather_add(&g, &t->o.w, block, i);

@@ -34,21 +34,6 @@ enum {
     FATHOM_AOVS = (1u << 7) - 1
 };
 
-/* Parts of the renderer that a scene may do without, a bit each. */
-enum {
-    FATHOM_PART_NORMALS = 1u << 0,    /* shading normals, mixed of those at the corners */
-    FATHOM_PART_HIGHLIGHTS = 1u << 1, /* Phong's and Blinn's */
-    FATHOM_PART_GLOW = 1u << 2,       /* ambient and emitted radiance */
-    FATHOM_PART_BACKGROUND = 1u << 3,
-    FATHOM_PART_LIGHTS = 1u << 4,  /* lights that send nothing to any surface */
-    FATHOM_PART_UNLIT = 1u << 5,   /* shadow rays from where their light adds nothing */
-    FATHOM_PART_BOUNCES = 1u << 6, /* mirrored and refracted rays */
-    FATHOM_PART_HITS = 1u << 7,    /* first hits, of which AOVs are made */
-    FATHOM_PART_REPAIR = 1u << 8,  /* looking for rays that slipped through closed meshes */
-    FATHOM_PART_UVS = 1u << 9,     /* texture coordinates, which are kept by reading them */
-    FATHOM_PARTS = (1u << 10) - 1
-};
-
 typedef struct fathom_settings {
     uint32_t width, height; /* pixels, [1, 65536]; default 1280 × 720 */
     uint32_t spp;           /* samples a pixel, [1, 65536]; default 1. The most of any pixel when there is a
@@ -88,8 +73,6 @@ typedef struct fathom_settings {
     uint64_t memory_limit;   /* bytes that the process may have in memory; 0 (default): what is free. Embree's
                                 compact structures are taken where only they fit; FATHOM_OUT_OF_RESOURCES
                                 before anything is built where not even they do */
-    unsigned keep;           /* FATHOM_PART_ bits of what is not left out where the scene does without it: for
-                                measuring. No pixel depends on it; default 0 */
 } fathom_settings;
 
 typedef enum fathom_loss {

@@ -41,7 +41,7 @@ bool parts_all_transparent(const fathom_scene *scene) {
     return scene->objects.count > 0;
 }
 
-static bool any_smooth(const world *w) {
+bool parts_smooth(const world *w) {
     for (size_t i = 0; i < w->geometries.count; ++i) {
         if (w->geometries.items[i].smooth) return true;
     }
@@ -67,7 +67,7 @@ parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
     if (scene_world_bounds(w->scene, &bounds) != FATHOM_OK || bounds_is_empty(&bounds)) return out;
     out.known = true;
     out.center = bounds_center(&bounds);
-    out.radius = bounds_radius(&bounds) * (settings->terminator_fix && any_smooth(w) ? 3 : 1);
+    out.radius = bounds_radius(&bounds) * (settings->terminator_fix && parts_smooth(w) ? 3 : 1);
     return out;
 }
 
@@ -93,36 +93,19 @@ light_use parts_light(const parts_extent *extent, const world *w, const fathom_l
     return spot && extent->known && cone_misses(extent, w->origin, light) ? LIGHT_ASIDE : LIGHT_USED;
 }
 
-static bool any_light(const world *w, const fathom_settings *settings) {
-    parts_extent extent = parts_extent_of(w, settings);
-    for (size_t i = 0; i < w->scene->lights.count; ++i) {
-        if (parts_light(&extent, w, &w->scene->lights.items[i]) == LIGHT_USED) return true;
-    }
-    return false;
+/* ---- stages ---- */
+
+bool parts_background(const fathom_scene *scene) {
+    const float *rgb = scene->background;
+    return rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0;
 }
 
-/* ---- parts ---- */
-
-static bool is_black(const float rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
-
-static bool shades_by_normals(unsigned features, bool lit) {
-    return lit || features & (MATERIAL_MIRROR | MATERIAL_REFRACT);
+bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings) {
+    return settings->max_depth && parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT);
 }
 
-unsigned parts_needed(const world *w, const fathom_settings *settings) {
-    const fathom_scene *scene = w->scene;
-    const unsigned features = parts_features(scene), bends = MATERIAL_MIRROR | MATERIAL_REFRACT;
-    const bool lit = features & MATERIAL_LIT && any_light(w, settings), smooth = any_smooth(w);
-    const bool ambient = scene->ambient[0] > 0 || scene->ambient[1] > 0 || scene->ambient[2] > 0;
-    unsigned parts = 0;
-    if (smooth && (shades_by_normals(features, lit) || settings->aovs & FATHOM_AOV_N))
-        parts |= FATHOM_PART_NORMALS;
-    if (lit && features & MATERIAL_SPECULAR) parts |= FATHOM_PART_HIGHLIGHTS;
-    if (ambient || features & MATERIAL_EMIT) parts |= FATHOM_PART_GLOW;
-    if (!is_black(scene->background)) parts |= FATHOM_PART_BACKGROUND;
-    if (features & bends && settings->max_depth) parts |= FATHOM_PART_BOUNCES;
-    if (settings->aovs & ~(unsigned)FATHOM_AOV_SAMPLES) parts |= FATHOM_PART_HITS;
-    return parts;
+bool parts_first_hits(const fathom_settings *settings) {
+    return settings->aovs & ~(unsigned)FATHOM_AOV_SAMPLES;
 }
 
 /* ---- in words ---- */
@@ -135,19 +118,39 @@ bool left_out_tell(left_out_list *list, const char *what, const char *why) {
 }
 
 typedef struct wording {
-    unsigned part;
+    bool needed;
     const char *what, *why;
 } wording;
 
+static bool tell_unneeded(const wording *words, size_t count, left_out_list *list) {
+    for (size_t i = 0; i < count; ++i) {
+        if (!words[i].needed && !left_out_tell(list, words[i].what, words[i].why)) return false;
+    }
+    return true;
+}
+
 static bool tell_shapes(const world *w, left_out_list *list) {
-    bool fine = true;
-    if (!w->meshes.count) fine = left_out_tell(list, "triangle geometry", "there is no mesh");
-    if (fine && !w->spheres.count) fine = left_out_tell(list, "sphere geometry", "there is no sphere");
-    if (fine && !w->quads.count) fine = left_out_tell(list, "quad geometry", "there is no quad");
-    if (fine && !w->planes.count) fine = left_out_tell(list, "planes", "there is none");
-    if (fine && !w->instances.count)
-        fine = left_out_tell(list, "instances", "all shapes lie in the world's own frame");
-    return fine;
+    const wording words[] = {{w->meshes.count, "triangle geometry", "there is no mesh"},
+                             {w->spheres.count, "sphere geometry", "there is no sphere"},
+                             {w->quads.count, "quad geometry", "there is no quad"},
+                             {w->planes.count, "planes", "there is none"},
+                             {w->instances.count, "instances", "all shapes lie in the world's own frame"},
+                             {parts_smooth(w), "shading normals", "no mesh has any"},
+                             {false, "texture coordinates", "textures are not read"}};
+    return tell_unneeded(words, sizeof words / sizeof *words, list);
+}
+
+static bool tell_stages(const world *w, const fathom_settings *s, bool repair, left_out_list *list) {
+    const wording words[] = {
+        {parts_background(w->scene), "background", "it is black"},
+        {parts_bounces(w->scene, s), "mirrored and refracted rays",
+         s->max_depth ? "no material mirrors or refracts" : "the depth limit is 0"},
+        {parts_first_hits(s), "buffers of AOVs", "no AOV of first hits is asked for"},
+        {repair, "watertight repair", "there is no closed mesh that the tracer could leak"},
+        {!(s->max_loss > 0 || s->max_relative_loss > 0), "faint shadow rays",
+         "what they could add is less than the loss that is allowed"},
+        {s->target_error > 0 || s->max_time > 0, "error estimates", "every pixel gets as many samples"}};
+    return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 
 static bool tell_light(left_out_list *list, size_t index, light_use use) {
@@ -158,7 +161,6 @@ static bool tell_light(left_out_list *list, size_t index, light_use use) {
                          use == LIGHT_BLACK ? "it is black" : "its cone holds nothing of the scene");
 }
 
-/* Of all lights at once where no surface reflects any. */
 static bool tell_lights(const world *w, const fathom_settings *settings, left_out_list *list) {
     const fathom_scene *scene = w->scene;
     parts_extent extent = parts_extent_of(w, settings);
@@ -172,24 +174,6 @@ static bool tell_lights(const world *w, const fathom_settings *settings, left_ou
                          "where the surface faces away or lies outside the cone");
 }
 
-static bool tell_parts(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *list) {
-    const wording words[] = {
-        {FATHOM_PART_NORMALS, "shading normals",
-         any_smooth(w) ? "no material and no AOV makes use of them" : "no mesh has any"},
-        {FATHOM_PART_HIGHLIGHTS, "highlights", "no lit material has any"},
-        {FATHOM_PART_GLOW, "ambient and emitted light", "there is no ambient light and nothing emits"},
-        {FATHOM_PART_BACKGROUND, "background", "it is black"},
-        {FATHOM_PART_BOUNCES, "mirrored and refracted rays",
-         settings->max_depth ? "no material mirrors or refracts" : "the depth limit is 0"},
-        {FATHOM_PART_HITS, "buffers of AOVs", "no AOV of first hits is asked for"},
-        {FATHOM_PART_REPAIR, "watertight repair", "there is no closed mesh that the tracer could leak"}};
-    bool fine = true;
-    for (size_t i = 0; i < sizeof words / sizeof *words && fine; ++i) {
-        if (!(parts & words[i].part)) fine = left_out_tell(list, words[i].what, words[i].why);
-    }
-    return fine;
-}
-
 static bool tell_absent(const world *w, left_out_list *list) {
     size_t count = 0;
     for (size_t i = 0; i < w->scene->objects.count; ++i) count += w->absent[i];
@@ -199,15 +183,7 @@ static bool tell_absent(const world *w, left_out_list *list) {
     return left_out_tell(list, what, "all light passes straight through, and there is no shadow");
 }
 
-bool left_out_find(const world *w, const fathom_settings *settings, unsigned parts, left_out_list *out) {
-    bool fine = tell_absent(w, out) && tell_shapes(w, out) && tell_parts(w, settings, parts, out);
-    if (fine && !(parts & FATHOM_PART_UVS))
-        fine = left_out_tell(out, "texture coordinates", "textures are not read");
-    if (fine && !(parts & FATHOM_PART_LIGHTS)) fine = tell_lights(w, settings, out);
-    if (fine && (settings->max_loss > 0 || settings->max_relative_loss > 0))
-        fine = left_out_tell(out, "faint shadow rays",
-                             "what they could add is less than the loss that is allowed");
-    if (fine && !(settings->target_error > 0 || settings->max_time > 0))
-        fine = left_out_tell(out, "error estimates", "every pixel gets as many samples");
-    return fine;
+bool left_out_find(const world *w, const fathom_settings *settings, bool repair, left_out_list *out) {
+    return tell_absent(w, out) && tell_shapes(w, out) && tell_stages(w, settings, repair, out) &&
+           tell_lights(w, settings, out);
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 bool pixel_sums_create(const render_plan *plan, pixel_sums *out) {
-    const bool wanted = plan->parts & FATHOM_PART_HITS;
+    const bool wanted = plan->first_hits;
     out->hits = wanted ? malloc(sizeof *out->hits) : NULL;
     return out->hits || !wanted;
 }

@@ -16,10 +16,8 @@ uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s)
 
 /* Directional light comes from outside of all. */
 static fathom_status plan_watertight(fathom_context *context, render_plan *plan, const bool *in_mesh) {
-    bool always = plan->settings.keep & FATHOM_PART_REPAIR;
-    fathom_status status = watertight_create(context, plan->tracer, always, &plan->watertight);
+    fathom_status status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK || !plan->watertight) return status;
-    plan->parts |= FATHOM_PART_REPAIR;
     plan->light_depths = calloc(plan->light_count + 1, 1);
     if (!plan->light_depths) return fail_memory(context, plan->light_count + 1);
     plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
@@ -42,15 +40,14 @@ static fathom_status plan_surroundings(fathom_context *context, render_plan *pla
     return status;
 }
 
-/* What sends nothing to any surface is no light. */
+/* Only lights that can send something to a surface. */
 static void plan_lights(render_plan *plan) {
     const fathom_scene *scene = plan->scene;
-    const bool all = plan->parts & FATHOM_PART_LIGHTS;
     const parts_extent extent = parts_extent_of(plan->world, &plan->settings);
-    if (!all && !(plan->features & MATERIAL_LIT)) return;
+    if (!(plan->features & MATERIAL_LIT)) return;
     for (size_t i = 0; i < scene->lights.count; ++i) {
         const fathom_light *light = &scene->lights.items[i];
-        if (all || parts_light(&extent, plan->world, light) == LIGHT_USED)
+        if (parts_light(&extent, plan->world, light) == LIGHT_USED)
             light_prepare(light, plan->world->origin, &plan->lights[plan->light_count++]);
     }
 }
@@ -74,13 +71,14 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);
-    plan->parts = parts_needed(w, settings) | (settings->keep & ~(unsigned)FATHOM_PART_REPAIR);
+    plan->background = parts_background(scene);
+    plan->first_hits = parts_first_hits(settings);
     camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
     plan_lights(plan);
-    plan->max_depth = plan->parts & FATHOM_PART_BOUNCES ? settings->max_depth : 0;
+    plan->max_depth = parts_bounces(scene, settings) ? settings->max_depth : 0;
     plan->grid = (uint32_t)(sqrt((double)settings->spp) + 0.5);
     plan->t_near = (float)settings->epsilon;
-    plan->lifts = settings->terminator_fix && plan->parts & FATHOM_PART_NORMALS;
+    plan->lifts = settings->terminator_fix && parts_smooth(w);
     fathom_status status = plan_surroundings(context, plan);
     if (status == FATHOM_OK)
         *out = plan;

@@ -24,7 +24,8 @@ typedef struct render_plan {
     uint8_t eye_depth, *light_depths;
     light_surface *light_surfaces; /* what lights[].surfaces point to */
     unsigned features;             /* MATERIAL_ bits of the materials in use */
-    unsigned parts;                /* FATHOM_PART_ bits of what is not left out */
+    bool background;               /* it is not black */
+    bool first_hits;               /* AOVs are made of them */
     uint32_t max_depth;            /* 0 when nothing mirrors or refracts */
     uint32_t grid;                 /* n of the n × n patterns */
     float t_near;                  /* 0, or the fixed epsilon */

@@ -135,7 +135,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     double began = clock_seconds();
     fathom_status status = plan_create(context, w, tracer, settings, &plan);
     film->stats.build_seconds += clock_seconds() - began;
-    if (status == FATHOM_OK && !left_out_find(w, settings, plan->parts, &film->left_out))
+    if (status == FATHOM_OK && !left_out_find(w, settings, plan->watertight, &film->left_out))
         status = fail_memory(context, sizeof(fathom_left_out));
     if (status != FATHOM_OK) {
         plan_destroy(plan);

@@ -104,9 +104,9 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
 
 /* ---- hits ---- */
 
-void surface_gather_begin(surface_gather *g, bool normals, bool always) {
-    g->count = 0, g->instances = 0, g->faceted = false, g->normals = normals;
-    g->facets.smooth = always;
+void surface_gather_begin(surface_gather *g) {
+    g->count = 0, g->instances = 0, g->faceted = false;
+    g->facets.smooth = false;
 }
 
 /* For hits that come one by one: unused lanes are computed too, as a triangle seen from a distance of 1. */
@@ -131,7 +131,7 @@ static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, ui
                 load_f32(vector_at(mesh->positions, mesh->position_stride, index[k])));
     g->facets.facet[i] = ~0u;
     g->faceted = true;
-    if (!mesh->normals || !g->normals) return;
+    if (!mesh->normals) return;
     index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k)
         put_f32(g->facets.normal[k], i, load_f32(vector_at(mesh->normals, mesh->normal_stride, index[k])));
@@ -235,10 +235,10 @@ static void ask_rows(const float *rows, size_t stride, const uint32_t vertex[3])
     for (int k = 0; k < 3; ++k) __builtin_prefetch((const char *)rows + stride * vertex[k]);
 }
 
-void surface_ask_corners(const world *w, bool normals, const trace_hits *hits) {
+void surface_ask_corners(const world *w, const trace_hits *hits) {
     const fathom_mesh *mesh = large_mesh(w, hits);
     if (!mesh) return;
-    const bool bent = normals && mesh->normals && !mesh->normal_indices;
+    const bool bent = mesh->normals && !mesh->normal_indices;
     for (int i = 0; i < LANES; ++i) {
         if (hits->geometry[i] != hits->geometry[0]) continue;
         const uint32_t *vertex = mesh->indices + 3 * (size_t)hits->primitive[i];
@@ -267,7 +267,7 @@ bool surface_gather_block(surface_gather *g, const world *w, const shade_kernels
         kernels->quad_gather(&w->quads.items[met->first], hits->primitive, trace_origins(rays),
                              trace_directions(rays), &g->facets, &g->local);
     else
-        kernels->facet_gather(&w->meshes.items[met->first], g->normals, hits->primitive, trace_origins(rays),
+        kernels->facet_gather(&w->meshes.items[met->first], hits->primitive, trace_origins(rays),
                               trace_directions(rays), &g->facets, &g->local);
     g->count = LANES;
     g->faceted = true;

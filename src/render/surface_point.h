@@ -14,12 +14,10 @@ typedef struct surface_gather {
     unsigned count;
     uint32_t instances; /* bit i: lane i is in an instance */
     bool faceted;       /* some lane met a triangle or a quad */
-    bool normals;       /* shading normals are wanted */
 } surface_gather;
 
-/* An empty one. normals: whether shading normals are wanted; always: they are computed where no mesh has any,
- * too, for measuring. */
-void surface_gather_begin(surface_gather *g, bool normals, bool always);
+/* Makes it empty. */
+void surface_gather_begin(surface_gather *g);
 /* Adds what a lane met; there must be room. */
 void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane);
 /* All sixteen lanes, which all met something, to an empty one. Whether it is known that they met one object.
@@ -29,7 +27,7 @@ bool surface_gather_block(surface_gather *g, const world *w, const shade_kernels
 /* Ask the caches for what gathering a block of hits reads, where it is likely not to be there: indices first
  * and, once these have come, corners. */
 void surface_ask_indices(const world *w, const trace_hits *hits);
-void surface_ask_corners(const world *w, bool normals, const trace_hits *hits);
+void surface_ask_corners(const world *w, const trace_hits *hits);
 /* Fills the first g->count lanes of s but for weight, slot, material and count, and what g->local says of
  * them in the world's coordinates; all other lanes get something finite. lift: whether the points for shadow
  * rays are wanted. automatic: rays begin off the surface by the point's error; else on it. */

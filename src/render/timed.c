@@ -40,7 +40,7 @@ static uint32_t waves_across(uint32_t begin, uint32_t length) {
 
 size_t timed_bytes(const job *j) {
     const fathom_film *film = j->film;
-    bool hits = j->plan->parts & FATHOM_PART_HITS;
+    bool hits = j->plan->first_hits;
     size_t count = (size_t)waves_across(film->x, film->width) * waves_across(film->y, film->height);
     size_t kept = j->options->saving ? checkpoint_wave_bytes(j->options->saving) : 0;
     return count * (sizeof(adaptive_wave) + (hits ? sizeof(hit_sums) : 0) + kept);

@@ -84,7 +84,7 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out) {
     float *radiance = calloc((loses ? 6 : 3) * WAVE_SLOTS, sizeof *radiance);
     for (int c = 0; c < 3; ++c) out->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
     for (int c = 0; c < 3; ++c) out->lost[c] = radiance && loses ? radiance + (3 + c) * WAVE_SLOTS : NULL;
-    const bool hits = plan->parts & FATHOM_PART_HITS;
+    const bool hits = plan->first_hits;
     if (hits) out->first = malloc(sizeof *out->first);
     void *gather = NULL;
     if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;

@@ -57,11 +57,6 @@ static uint32_t shadowed(const trace_rays *rays) {
     return bits;
 }
 
-/* A light that is asked for though nothing is to be gained from it needs no second look. */
-static bool gains(const path_block *path, size_t lane) {
-    return path->weight[0][lane] + path->weight[1][lane] + path->weight[2][lane] > 0;
-}
-
 void wave_look_from_facets(wave *w, uint32_t light, trace_coherence coherence) {
     const shadow_queue *queue = &w->shadows;
     second_look look;
@@ -75,7 +70,6 @@ void wave_look_from_facets(wave *w, uint32_t light, trace_coherence coherence) {
             const surface_block *s = &w->surfaces[queue->points[ray] / LANES];
             const unsigned i = queue->points[ray] % LANES;
             if (!is_lifted(s, i) || !faces(s, i, &w->plan->lights[light])) continue;
-            if (!gains(&queue->paths[done / LANES], ray % LANES)) continue;
             add_ray(w, &look, s, i, ray);
             if (look.count == LANES) cast(w, &look, light, coherence);
         }

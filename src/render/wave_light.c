@@ -36,9 +36,8 @@ static void push_shadows(wave *w, const light_block *from, size_t block, bool fi
     shadow_queue *queue = &w->shadows;
     const surface_block *s = &w->surfaces[block];
     const uint32_t points = (uint32_t)(block * LANES);
-    const float least = w->plan->parts & FATHOM_PART_UNLIT ? -1 : 0;
     trace_rays *rays = &queue->rays[queue->blocks];
-    uint32_t lanes = w->plan->blocks->shadow_rays(from, least, w->plan->t_near, rays);
+    uint32_t lanes = w->plan->blocks->shadow_rays(from, 0, w->plan->t_near, rays);
     lanes &= (1u << s->count) - 1;
     if (lanes == (1u << LANES) - 1 && (first || !queue->filled)) {
         push_block(queue, from, s, points);
@@ -119,8 +118,7 @@ static bool add_light(wave *w, uint32_t index, bool first) {
         material_block materials;
         light_block arriving;
         plan->kernels->material_gather(plan->scene->materials.items, s, &materials);
-        plan->kernels->light_evaluate(light, s, &materials, (plan->parts & FATHOM_PART_HIGHLIGHTS) != 0,
-                                      &arriving);
+        plan->kernels->light_evaluate(light, s, &materials, &arriving);
         if (w->lost[0]) wave_spare_faint(w, s, &arriving);
         push_shadows(w, &arriving, b, first);
     }
@@ -131,7 +129,7 @@ static bool add_light(wave *w, uint32_t index, bool first) {
 
 bool wave_light(wave *w, bool first) {
     const render_plan *plan = w->plan;
-    for (size_t b = 0; plan->parts & FATHOM_PART_GLOW && b * LANES < w->surface_count; ++b) {
+    for (size_t b = 0; b * LANES < w->surface_count; ++b) {
         material_block materials;
         plan->kernels->material_gather(plan->scene->materials.items, &w->surfaces[b], &materials);
         material_add_constant(&materials, &w->surfaces[b], plan->scene->ambient, w->radiance);

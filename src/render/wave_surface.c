@@ -102,11 +102,6 @@ static void pad(surface_block *s) {
     }
 }
 
-static void begin_block(wave *w) {
-    surface_gather_begin(w->gather, w->plan->parts & FATHOM_PART_NORMALS,
-                         w->plan->settings.keep & FATHOM_PART_NORMALS);
-}
-
 static void end_block(wave *w, bool first) {
     const render_plan *plan = w->plan;
     surface_block *s = &w->surfaces[w->surface_count / LANES];
@@ -117,7 +112,7 @@ static void end_block(wave *w, bool first) {
     pad(s);
     for (unsigned i = 0; first && w->first && i < s->count; ++i) keep_first(w, i, s->slot[i]);
     w->surface_count += s->count;
-    begin_block(w);
+    surface_gather_begin(w->gather);
 }
 
 static void add_hits(wave *w, const trace_block *block, const path_block *path, uint32_t met, bool first) {
@@ -148,7 +143,7 @@ static void add_block(wave *w, const trace_block *block, const path_block *path,
  * background is not among them. Mirrors and glass still show it. */
 static bool shows_background(const wave *w, bool first) {
     bool seen = !(first && w->plan->settings.aovs & FATHOM_AOV_ALPHA);
-    return seen && w->plan->parts & FATHOM_PART_BACKGROUND;
+    return seen && w->plan->background;
 }
 
 static unsigned lanes_from(const wave *w, size_t done) {
@@ -169,7 +164,7 @@ static void ask_ahead(const wave *w, size_t done) {
     const trace_block *block = &w->now.rays[done / LANES];
     const size_t left = (w->now.count - done - 1) / LANES; /* blocks after this one */
     if (left >= 2 * ASK_AHEAD) surface_ask_indices(w->plan->world, &block[2 * ASK_AHEAD].hits);
-    if (left >= ASK_AHEAD) surface_ask_corners(w->plan->world, w->gather->normals, &block[ASK_AHEAD].hits);
+    if (left >= ASK_AHEAD) surface_ask_corners(w->plan->world, &block[ASK_AHEAD].hits);
 }
 
 /* Whole blocks stay together, of camera rays in any order, since each has a sample of its own; the order of
@@ -180,7 +175,7 @@ bool wave_surfaces(wave *w, bool first) {
     uint32_t partial = 0;
     w->surface_count = 0;
     if (!wave_reserve_surfaces(w, w->now.count)) return false;
-    begin_block(w);
+    surface_gather_begin(w->gather);
     for (size_t done = 0; done < w->now.count; done += LANES) {
         const trace_block *block = &w->now.rays[done / LANES];
         const path_block *path = &w->now.paths[done / LANES];

@@ -141,8 +141,6 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
         return fail(context, FATHOM_BAD_INPUT, "tile size: expected a multiple of 32 up to 65536, found %u",
                     s->tile_size);
     }
-    if (s->keep & ~(unsigned)FATHOM_PARTS)
-        return fail(context, FATHOM_BAD_INPUT, "keep: expected FATHOM_PART_ bits, found %#x", s->keep);
     return check_crop(context, s);
 }
 

@@ -12,11 +12,10 @@
 typedef struct shade_kernels {
     const char *name; /* "plain", "avx2", "avx512" */
 
-    /* Sixteen rays, given in the mesh's space, and the triangles of the mesh that they met; normals: with
-     * them, where it has any. Indices and vertices must lie within 2^31 numbers. */
-    void (*facet_gather)(const fathom_mesh *mesh, bool normals, const uint32_t triangle[LANES],
-                         const float org[3][LANES], const float dir[3][LANES], facet_block *f,
-                         local_block *b);
+    /* Sixteen rays, given in the mesh's space, and the triangles of the mesh that they met, with
+     * normals where it has any. Indices and vertices must lie within 2^31 numbers. */
+    void (*facet_gather)(const fathom_mesh *mesh, const uint32_t triangle[LANES], const float org[3][LANES],
+                         const float dir[3][LANES], facet_block *f, local_block *b);
 
     /* The same for the halves that they met of quads, none of them flat, by the index of the quad. */
     void (*quad_gather)(const world_quad *quads, const uint32_t primitive[LANES], const float org[3][LANES],
@@ -33,9 +32,8 @@ typedef struct shade_kernels {
     /* Loads the materials of the block's points. `table` is indexed by material id. */
     void (*material_gather)(const scene_named_material *table, const surface_block *s, material_block *out);
 
-    /* specular: whether any material in the scene has a highlight. */
     void (*light_evaluate)(const shade_light *light, const surface_block *s, const material_block *m,
-                           bool specular, light_block *out);
+                           light_block *out);
 
     /* Sets directions and distances of shadow rays by their origins; light_evaluate() does so, too. */
     void (*light_aim)(const shade_light *light, light_block *b);

@@ -7,11 +7,10 @@
 
 /* What a material can do at all, a bit each: stages that no material needs are never run. */
 enum {
-    MATERIAL_LIT = 1u << 0,      /* k_d or k_s */
-    MATERIAL_MIRROR = 1u << 1,   /* k_r */
-    MATERIAL_REFRACT = 1u << 2,  /* k_t */
-    MATERIAL_EMIT = 1u << 3,     /* k_e */
-    MATERIAL_SPECULAR = 1u << 4, /* k_s */
+    MATERIAL_LIT = 1u << 0,     /* k_d or k_s */
+    MATERIAL_MIRROR = 1u << 1,  /* k_r */
+    MATERIAL_REFRACT = 1u << 2, /* k_t */
+    MATERIAL_EMIT = 1u << 3,    /* k_e */
 };
 unsigned material_features(const fathom_material *m);
 

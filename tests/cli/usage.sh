@@ -52,7 +52,7 @@ done
 # Every option is in the help.
 run 0 help render
 for option in --output --size --spp --pattern --crop --threads --seed --max-depth --epsilon --no-terminator-fix \
-    --keep --leave-out-below --tracer --aov --exposure --view --display --ocio --exr-float --background --block-width --tile-size --quiet \
+    --leave-out-below --tracer --aov --exposure --view --display --ocio --exr-float --background --block-width --tile-size --quiet \
     --verbose --stats; do
     said out.txt " $option"
 done

@@ -314,7 +314,7 @@ static void what_no_pixel_depends_on_is_free(void **state) {
     place *p = *state;
     fathom_film *film;
     make_checkpoint(p);
-    p->s.settings.tile_size = 64, p->s.settings.block_width = 4, p->s.settings.keep = FATHOM_PARTS;
+    p->s.settings.tile_size = 64, p->s.settings.block_width = 4;
     p->ticks = 0;
     assert_int_equal(render(p, 3, NULL, &film), FATHOM_INTERRUPTED);
     fathom_film_destroy(film);

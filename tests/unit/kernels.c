@@ -67,7 +67,7 @@ static void run(const shade_kernels *k, const scene_named_material *table, const
         shade_light light;
         light_prepare(&lights[i], vec_f64(0, 0, 0), &light);
         light.surfaces = near, light.surface_count = i ? 3 : 0;
-        k->light_evaluate(&light, s, &out->materials, i != 1, &out->lit[i]);
+        k->light_evaluate(&light, s, &out->materials, &out->lit[i]);
     }
     k->bend_rays(s, &out->materials, &out->mirrored, &out->refracted);
 }
@@ -163,7 +163,7 @@ typedef struct hit_outputs {
 
 static void find_hits(const shade_kernels *k, const hit_case *c, hit_outputs *out) {
     memset(out, 0, sizeof *out);
-    k->facet_gather(&c->mesh, true, c->triangle, c->org, c->dir, &out->facets, &out->local);
+    k->facet_gather(&c->mesh, c->triangle, c->org, c->dir, &out->facets, &out->local);
     memcpy(out->local.ray, c->dir, sizeof c->dir);
     k->facets(&out->facets, true, &out->local);
     k->surfaces(&out->local, true, &out->surface);

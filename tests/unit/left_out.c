@@ -1,11 +1,9 @@
-/* What a scene does without is left out, said, and never seen: no pixel changes when it is kept. */
+/* A render says what it does without, and no pixel shows that it was left out. */
 #include "image/half.h"
 #include "scene/scene.h"
 
 #include "random.h"
 #include "render.h"
-
-#include <glob.h>
 
 /* ---- films ---- */
 
@@ -24,19 +22,10 @@ static void assert_same(const fathom_film *a, const fathom_film *b) {
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) assert_same_channel(a, b, names[i]);
 }
 
-static fathom_film *render_keeping(stage *s, unsigned keep, fathom_stats *stats) {
+static fathom_film *render(stage *s, fathom_stats *stats) {
     fathom_film *film;
-    s->settings.keep = keep;
     assert_ok(s->context, fathom_render(s->context, s->scene, &s->settings, NULL, NULL, stats, &film));
     return film;
-}
-
-/* The image with what is left out and with these parts kept. */
-static void assert_unseen(stage *s, unsigned keep) {
-    fathom_film *less = render_keeping(s, 0, NULL), *more = render_keeping(s, keep, NULL);
-    assert_same(less, more);
-    fathom_film_destroy(less);
-    fathom_film_destroy(more);
 }
 
 static bool says(const fathom_film *film, const char *what) {
@@ -48,31 +37,7 @@ static bool says(const fathom_film *film, const char *what) {
     return false;
 }
 
-/* ---- all scenes of the tour ---- */
-
-static void compare_scene(const char *path, unsigned aovs) {
-    stage s;
-    assert_int_equal(fathom_context_create(&s.context), FATHOM_OK);
-    assert_ok(s.context, fathom_scene_read(s.context, path, &s.scene));
-    fathom_scene_settings(s.scene, &s.settings);
-    s.settings.width = 72, s.settings.height = 54, s.settings.spp = 1, s.settings.aovs = aovs;
-    assert_unseen(&s, FATHOM_PARTS);
-    stage_close(&s);
-}
-
-static void test_tour(void **state) {
-    (void)state;
-    glob_t found;
-    assert_int_equal(glob(SOURCE_DIR "/scenes/tour/*.json", 0, NULL, &found), 0);
-    assert_true(found.gl_pathc >= 20);
-    for (size_t i = 0; i < found.gl_pathc; ++i) {
-        compare_scene(found.gl_pathv[i], 0);
-        compare_scene(found.gl_pathv[i], FATHOM_AOV_ALPHA | FATHOM_AOV_N | FATHOM_AOV_Z);
-    }
-    globfree(&found);
-}
-
-/* ---- each part, in a scene that does without it ---- */
+/* ---- the list ---- */
 
 static void look_at_origin(stage *s) {
     stage_camera(s, (double[3]){0.4, 0.6, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7);
@@ -92,43 +57,23 @@ static stage open_plain(void) {
     return s;
 }
 
-static const struct {
-    unsigned part;
-    const char *what;
-} parts[] = {
-    {FATHOM_PART_NORMALS, "shading normals"},        {FATHOM_PART_HIGHLIGHTS, "highlights"},
-    {FATHOM_PART_GLOW, "ambient and emitted light"}, {FATHOM_PART_BACKGROUND, "background"},
-    {FATHOM_PART_UNLIT, "shadow rays for nothing"},  {FATHOM_PART_BOUNCES, "mirrored and refracted rays"},
-    {FATHOM_PART_HITS, "buffers of AOVs"},           {FATHOM_PART_REPAIR, "watertight repair"}};
+static const char *const stages[] = {"background", "mirrored and refracted rays", "buffers of AOVs",
+                                     "watertight repair", "shading normals"};
 
-static void test_plain_scene_needs_nothing(void **state) {
+static void a_plain_scene_does_without_all(void **state) {
     (void)state;
     stage s = open_plain();
-    fathom_film *film = render_keeping(&s, 0, NULL);
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) assert_true(says(film, parts[i].what));
+    fathom_film *film = render(&s, NULL);
+    for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) assert_true(says(film, stages[i]));
     assert_true(says(film, "sphere geometry") && says(film, "quad geometry") && says(film, "planes"));
     assert_true(says(film, "instances") && says(film, "error estimates"));
+    assert_true(says(film, "shadow rays for nothing"));
     assert_false(says(film, "triangle geometry") || says(film, "lights[0]"));
     fathom_film_destroy(film);
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) assert_unseen(&s, parts[i].part);
     stage_close(&s);
 }
 
-/* What is kept is not said to be left out. */
-static void test_kept_is_not_said(void **state) {
-    (void)state;
-    stage s = open_plain();
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
-        if (parts[i].part == FATHOM_PART_UNLIT) continue; /* said with the lights */
-        fathom_film *film = render_keeping(&s, parts[i].part, NULL);
-        assert_false(says(film, parts[i].what));
-        fathom_film_destroy(film);
-    }
-    stage_close(&s);
-}
-
-/* A scene that needs all is told of nothing but what is asked of the settings. */
-static void test_full_scene(void **state) {
+static void a_scene_that_needs_all_stages_does_without_none(void **state) {
     (void)state;
     stage s = stage_open(48, 40);
     fathom_material m;
@@ -143,30 +88,23 @@ static void test_full_scene(void **state) {
     assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.1f, 0.2f, 0.3f}));
     s.settings.aovs = FATHOM_AOV_Z;
     look_at_origin(&s);
-    fathom_film *film = render_keeping(&s, 0, NULL);
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
-        if (parts[i].part != FATHOM_PART_UNLIT) assert_false(says(film, parts[i].what));
-    }
+    fathom_film *film = render(&s, NULL);
+    for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) assert_false(says(film, stages[i]));
     fathom_film_destroy(film);
     stage_close(&s);
 }
 
-/* Shading normals that only an AOV shows, and that nothing does. */
-static void test_normals_of_what_only_emits(void **state) {
+static void surfaces_that_only_emit_cast_no_shadow_rays(void **state) {
     (void)state;
     stage s = stage_open(48, 40);
     stage_mesh_sphere(&s, FATHOM_ROOT, 8, 16, stage_emitter(&s, 1));
     stage_point_light(&s, 2, 3, 2, 20);
     look_at_origin(&s);
-    fathom_film *film = render_keeping(&s, 0, NULL);
-    assert_true(says(film, "shading normals") && says(film, "lights and their shadow rays"));
+    fathom_stats stats;
+    fathom_film *film = render(&s, &stats);
+    assert_true(says(film, "lights and their shadow rays"));
+    assert_int_equal(stats.shadow_rays + stats.unlit_shadow_rays, 0);
     fathom_film_destroy(film);
-    assert_unseen(&s, FATHOM_PARTS);
-    s.settings.aovs = FATHOM_AOV_N;
-    film = render_keeping(&s, 0, NULL);
-    assert_false(says(film, "shading normals"));
-    fathom_film_destroy(film);
-    assert_unseen(&s, FATHOM_PARTS);
     stage_close(&s);
 }
 
@@ -195,7 +133,7 @@ static void assert_read_without(const char *path) {
     fathom_scene_settings(with.scene, &with.settings);
     with.settings.width = 48, with.settings.height = 36;
     without.settings = with.settings;
-    fathom_film *x = render_keeping(&with, 0, NULL), *y = render_keeping(&without, 0, NULL);
+    fathom_film *x = render(&with, NULL), *y = render(&without, NULL);
     assert_same(x, y);
     assert_true(says(y, "texture coordinates"));
     fathom_film_destroy(x);
@@ -213,7 +151,7 @@ static const char json_text[] =
     " \"uvs\": [[0,0], [1,0], [0,1]] },\n"
     "{ \"type\": \"mesh\", \"file\": \"left_out.obj\" } ] }\n";
 
-static void test_uvs_stay_in_their_files(void **state) {
+static void images_do_not_depend_on_reading_texture_coordinates(void **state) {
     (void)state;
     stage s = open_plain();
     write_text("left_out.obj", obj_text);
@@ -231,20 +169,26 @@ static void test_uvs_stay_in_their_files(void **state) {
 
 /* ---- lights and shadow rays ---- */
 
-/* Each point of each light has its ray, cast or not; kept, all are cast. */
-static void test_unlit_rays_are_counted(void **state) {
+static uint64_t hit_pixels(const fathom_film *film) {
+    const uint32_t *object = fathom_film_channel_id(film, "id.object");
+    uint64_t count = 0;
+    for (size_t i = 0; i < 48 * 40; ++i) count += object[i] != FATHOM_NONE;
+    return count;
+}
+
+static void each_point_has_a_ray_to_each_light_cast_or_counted(void **state) {
     (void)state;
     stage s = stage_open(48, 40);
     stage_sphere(&s, 0, 0, 0, 1, 0);
     stage_point_light(&s, 3, 3, 2, 20);
     stage_point_light(&s, 0, 0, -9, 20); /* behind all that is seen */
+    s.settings.aovs = FATHOM_AOV_ID;
     look_at_origin(&s);
-    fathom_stats less, more;
-    fathom_film_destroy(render_keeping(&s, 0, &less));
-    fathom_film_destroy(render_keeping(&s, FATHOM_PART_UNLIT, &more));
-    assert_int_equal(more.unlit_shadow_rays, 0);
-    assert_int_equal(less.shadow_rays + less.unlit_shadow_rays, more.shadow_rays);
-    assert_true(2 * less.unlit_shadow_rays > more.shadow_rays);
+    fathom_stats stats;
+    fathom_film *film = render(&s, &stats);
+    assert_int_equal(stats.shadow_rays + stats.unlit_shadow_rays, 2 * hit_pixels(film));
+    assert_true(stats.unlit_shadow_rays > stats.shadow_rays && stats.shadow_rays > 0);
+    fathom_film_destroy(film);
     stage_close(&s);
 }
 
@@ -258,45 +202,55 @@ static void add_spot(stage *s, const double at[3], const double along[3], float 
     assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
 }
 
-/* Spots of all kinds around a ball: those left out would have lit nothing. */
-static void test_spots_that_point_aside(void **state) {
+/* A plane behind the camera, which nothing shows, makes the scene endless: no spot is left out then. */
+static stage open_spot(const double at[3], const double along[3], float outer, bool terminator_fix,
+                       bool endless) {
+    stage s = stage_open(12, 12);
+    stage_mesh_sphere(&s, FATHOM_ROOT, 6, 12, 0);
+    if (endless) stage_plane(&s, (double[3]){0, 0, 99}, (double[3]){0, 0, 1}, 0);
+    s.settings.terminator_fix = terminator_fix;
+    add_spot(&s, at, along, outer);
+    look_at_origin(&s);
+    return s;
+}
+
+static void a_spot_that_is_left_out_would_have_lit_nothing(void **state) {
     (void)state;
     random_state random = {7};
     unsigned aside = 0, dark = 0;
     for (int k = 0; k < 150; ++k) {
-        stage s = stage_open(12, 12);
-        stage_mesh_sphere(&s, FATHOM_ROOT, 6, 12, 0);
-        s.settings.terminator_fix = k % 2;
         double at[3], along[3];
         for (int i = 0; i < 3; ++i) at[i] = random_in(&random, -6, 6), along[i] = random_in(&random, -1, 1);
-        add_spot(&s, at, along, (float)random_in(&random, 0.05, 1.5));
-        look_at_origin(&s);
+        const float outer = (float)random_in(&random, 0.05, 1.5);
+        stage s = open_spot(at, along, outer, k % 2, false),
+              endless = open_spot(at, along, outer, k % 2, true);
         fathom_stats stats;
-        fathom_film *less = render_keeping(&s, 0, NULL),
-                    *more = render_keeping(&s, FATHOM_PART_LIGHTS, &stats);
+        fathom_film *less = render(&s, NULL), *more = render(&endless, &stats);
         aside += says(less, "lights[0]");
         dark += !stats.shadow_rays;
         if (says(less, "lights[0]")) assert_int_equal(stats.shadow_rays, 0);
+        assert_false(says(more, "lights[0]"));
         assert_same(less, more);
         fathom_film_destroy(less);
         fathom_film_destroy(more);
         stage_close(&s);
+        stage_close(&endless);
     }
     assert_true(aside > 20 && dark > aside && dark < 150);
 }
 
-/* Where there is no end to the scene, or the light is within it, a cone always holds some of it. */
-static void test_spots_that_are_kept(void **state) {
+/* Some of it may lie in any cone. */
+static void a_spot_of_an_endless_scene_is_kept(void **state) {
     (void)state;
     stage s = stage_open(16, 16);
     stage_sphere(&s, 0, 0, 0, 1, 0);
     add_spot(&s, (double[3]){0, 5, 0}, (double[3]){0, 1, 0}, 0.3f);
     look_at_origin(&s);
-    fathom_film *film = render_keeping(&s, 0, NULL);
+    fathom_film *film = render(&s, NULL);
     assert_true(says(film, "lights[0]"));
     fathom_film_destroy(film);
     stage_plane(&s, (double[3]){0, 9, 0}, (double[3]){0, -1, 0}, 0);
-    film = render_keeping(&s, 0, NULL);
+    film = render(&s, NULL);
     assert_false(says(film, "lights[0]"));
     fathom_film_destroy(film);
     stage_close(&s);
@@ -341,16 +295,16 @@ static void assert_loses_little(stage *s, uint64_t *faint) {
     exact.max_loss = exact.max_relative_loss = 0;
     fathom_stats stats;
     s->settings = exact;
-    fathom_film *whole = render_keeping(s, 0, NULL);
+    fathom_film *whole = render(s, NULL);
     s->settings = loses;
-    fathom_film *less = render_keeping(s, 0, &stats);
+    fathom_film *less = render(s, &stats);
     assert_lost(whole, less, &loses);
     *faint = stats.faint_shadow_rays;
     fathom_film_destroy(whole);
     fathom_film_destroy(less);
 }
 
-static void test_losses_are_bounded(void **state) {
+static void no_channel_loses_more_than_is_allowed(void **state) {
     (void)state;
     stage s = open_faint();
     const float losses[][2] = {{1e-9f, 0}, {1e-4f, 0}, {0, 1e-4f}, {0.01f, 0.01f}, {1, 1}};
@@ -364,15 +318,14 @@ static void test_losses_are_bounded(void **state) {
     stage_close(&s);
 }
 
-/* Every ray is cast, not worth it, or for nothing. */
-static void test_faint_rays_are_counted(void **state) {
+static void each_ray_is_cast_or_faint_or_unlit(void **state) {
     (void)state;
     stage s = open_faint();
     s.settings.max_depth = 0; /* the same points in either image */
     fathom_stats exact, loses;
-    fathom_film_destroy(render_keeping(&s, 0, &exact));
+    fathom_film_destroy(render(&s, &exact));
     fathom_settings_set_loss(&s.settings, FATHOM_LOSS_8BIT, 0);
-    fathom_film *film = render_keeping(&s, 0, &loses);
+    fathom_film *film = render(&s, &loses);
     assert_true(says(film, "faint shadow rays"));
     assert_int_equal(exact.faint_shadow_rays, 0);
     assert_true(loses.faint_shadow_rays > exact.shadow_rays / 10);
@@ -390,9 +343,9 @@ static int srgb_level(float value) {
 /* Files of the kind that was named change by one step at most, and some do. */
 static void assert_one_step(stage *s, fathom_loss loss, float exposure) {
     fathom_settings_set_loss(&s->settings, FATHOM_LOSS_NONE, exposure);
-    fathom_film *whole = render_keeping(s, 0, NULL);
+    fathom_film *whole = render(s, NULL);
     fathom_settings_set_loss(&s->settings, loss, exposure);
-    fathom_film *less = render_keeping(s, 0, NULL);
+    fathom_film *less = render(s, NULL);
     const float *x = fathom_film_channel(whole, "G"), *y = fathom_film_channel(less, "G");
     int changed = 0;
     for (size_t i = 0; i < 64 * 48; ++i) {
@@ -407,7 +360,7 @@ static void assert_one_step(stage *s, fathom_loss loss, float exposure) {
     fathom_film_destroy(less);
 }
 
-static void test_losses_that_do_not_show(void **state) {
+static void files_change_by_one_step_at_most(void **state) {
     (void)state;
     stage s = open_faint();
     assert_one_step(&s, FATHOM_LOSS_8BIT, 0);
@@ -417,14 +370,14 @@ static void test_losses_that_do_not_show(void **state) {
 }
 
 /* What a sample loses depends on nothing but its own paths. */
-static void test_losses_in_a_crop(void **state) {
+static void a_crop_loses_what_the_whole_image_loses(void **state) {
     (void)state;
     stage s = open_faint();
     fathom_settings_set_loss(&s.settings, FATHOM_LOSS_8BIT, 0);
-    fathom_film *whole = render_keeping(&s, 0, NULL);
+    fathom_film *whole = render(&s, NULL);
     const uint32_t crop[4] = {13, 7, 51, 39};
     memcpy(s.settings.crop, crop, sizeof crop);
-    fathom_film *part = render_keeping(&s, 0, NULL);
+    fathom_film *part = render(&s, NULL);
     const float *x = fathom_film_channel(whole, "R"), *y = fathom_film_channel(part, "R");
     for (uint32_t row = crop[1]; row < crop[3]; ++row)
         assert_memory_equal(x + row * 64 + crop[0], y + (row - crop[1]) * 38, 38 * sizeof *x);
@@ -433,7 +386,7 @@ static void test_losses_in_a_crop(void **state) {
     stage_close(&s);
 }
 
-static void test_wrong_losses(void **state) {
+static void losses_outside_0_to_1_are_refused(void **state) {
     (void)state;
     stage s = open_plain();
     fathom_film *film;
@@ -446,18 +399,8 @@ static void test_wrong_losses(void **state) {
     stage_close(&s);
 }
 
-static void test_unknown_parts(void **state) {
-    (void)state;
-    stage s = open_plain();
-    fathom_film *film;
-    s.settings.keep = 1u << 30;
-    assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
-                 FATHOM_BAD_INPUT, "keep: expected FATHOM_PART_ bits");
-    stage_close(&s);
-}
-
 /* The last test: after all of these scenes read and rendered, nothing has asked for it. */
-static void test_image_module_is_not_loaded(void **state) {
+static void rendering_does_not_load_the_image_libraries(void **state) {
     (void)state;
     char line[512];
     FILE *maps = fopen("/proc/self/maps", "r");
@@ -470,22 +413,19 @@ static void test_image_module_is_not_loaded(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tour),
-        cmocka_unit_test(test_plain_scene_needs_nothing),
-        cmocka_unit_test(test_kept_is_not_said),
-        cmocka_unit_test(test_full_scene),
-        cmocka_unit_test(test_normals_of_what_only_emits),
-        cmocka_unit_test(test_uvs_stay_in_their_files),
-        cmocka_unit_test(test_unlit_rays_are_counted),
-        cmocka_unit_test(test_spots_that_point_aside),
-        cmocka_unit_test(test_spots_that_are_kept),
-        cmocka_unit_test(test_losses_are_bounded),
-        cmocka_unit_test(test_faint_rays_are_counted),
-        cmocka_unit_test(test_losses_that_do_not_show),
-        cmocka_unit_test(test_losses_in_a_crop),
-        cmocka_unit_test(test_wrong_losses),
-        cmocka_unit_test(test_unknown_parts),
-        cmocka_unit_test(test_image_module_is_not_loaded),
+        cmocka_unit_test(a_plain_scene_does_without_all),
+        cmocka_unit_test(a_scene_that_needs_all_stages_does_without_none),
+        cmocka_unit_test(surfaces_that_only_emit_cast_no_shadow_rays),
+        cmocka_unit_test(images_do_not_depend_on_reading_texture_coordinates),
+        cmocka_unit_test(each_point_has_a_ray_to_each_light_cast_or_counted),
+        cmocka_unit_test(a_spot_that_is_left_out_would_have_lit_nothing),
+        cmocka_unit_test(a_spot_of_an_endless_scene_is_kept),
+        cmocka_unit_test(no_channel_loses_more_than_is_allowed),
+        cmocka_unit_test(each_ray_is_cast_or_faint_or_unlit),
+        cmocka_unit_test(files_change_by_one_step_at_most),
+        cmocka_unit_test(a_crop_loses_what_the_whole_image_loses),
+        cmocka_unit_test(losses_outside_0_to_1_are_refused),
+        cmocka_unit_test(rendering_does_not_load_the_image_libraries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -88,8 +88,6 @@ static void weights_and_losses(void **state) {
     RIGHT(s.max_loss = 1, s.max_relative_loss = 1);
     WRONG("epsilon", s.epsilon = -1e-300);
     WRONG("epsilon", s.epsilon = INFINITY);
-    WRONG("keep", s.keep = FATHOM_PARTS + 1u);
-    RIGHT(s.keep = FATHOM_PARTS);
 }
 
 #define SOBOL s.pattern = FATHOM_PATTERN_SOBOL, s.spp = 64

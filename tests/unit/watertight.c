@@ -65,7 +65,7 @@ static void closed_is_without_boundary(void **state) {
 
 static watertight *water(stage *s, const trace_tracer *tracer) {
     watertight *w = NULL;
-    assert_ok(s->context, watertight_create(s->context, tracer, false, &w));
+    assert_ok(s->context, watertight_create(s->context, tracer, &w));
     return w;
 }
 

@@ -57,10 +57,10 @@ typedef struct material_uses {
 
 static void add_material(const fathom_scene *scene, fathom_id id, material_uses *uses) {
     const fathom_material *m = &scene->materials.items[id].value;
-    unsigned bits = material_features(m);
-    uses->bits |= bits;
-    uses->phong |= m->specular == FATHOM_SPECULAR_PHONG && bits & MATERIAL_SPECULAR;
-    uses->blinn |= m->specular == FATHOM_SPECULAR_BLINN && bits & MATERIAL_SPECULAR;
+    uses->bits |= material_features(m);
+    const bool specular = m->k_s[0] > 0 || m->k_s[1] > 0 || m->k_s[2] > 0;
+    uses->phong |= specular && m->specular == FATHOM_SPECULAR_PHONG;
+    uses->blinn |= specular && m->specular == FATHOM_SPECULAR_BLINN;
     uses->fresnel |= m->fresnel;
     uses->lit_from_behind |= m->lit_from_behind;
 }
@@ -135,10 +135,9 @@ static fathom_status list_left_out(const world *w, info_facts *out) {
     bool closed;
     fathom_status status = any_closed(w, &closed);
     if (status != FATHOM_OK) return status;
-    unsigned parts = parts_needed(w, settings) | (closed ? FATHOM_PART_REPAIR : 0);
     fathom_write_options usual;
     fathom_write_options_default(&usual);
-    bool fine = left_out_find(w, settings, parts, &out->left_out);
+    bool fine = left_out_find(w, settings, closed, &out->left_out);
     if (fine && image_view_is_srgb(&usual)) fine = left_out_image_module(&out->left_out);
     return fine ? FATHOM_OK : fail_memory(w->scene->context, sizeof(fathom_left_out));
 }

@@ -246,7 +246,7 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
 }
 
 static fathom_status read_scene(fathom_context *context, const render_options *options, fathom_scene **out) {
-    const fathom_read_options read = {.without_uvs = !(options->settings.keep & FATHOM_PART_UVS),
+    const fathom_read_options read = {.without_uvs = true,
                                       .camera = options->camera,
                                       .up = options->up,
                                       .width = options->size.width,

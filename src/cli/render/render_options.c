@@ -109,19 +109,6 @@ static const named_bits aov_names[] = {{"alpha", FATHOM_AOV_ALPHA},
                                        {"none", 0},
                                        {NULL, 0}};
 
-static const named_bits part_names[] = {{"normals", FATHOM_PART_NORMALS},
-                                        {"highlights", FATHOM_PART_HIGHLIGHTS},
-                                        {"glow", FATHOM_PART_GLOW},
-                                        {"background", FATHOM_PART_BACKGROUND},
-                                        {"lights", FATHOM_PART_LIGHTS},
-                                        {"unlit", FATHOM_PART_UNLIT},
-                                        {"bounces", FATHOM_PART_BOUNCES},
-                                        {"hits", FATHOM_PART_HITS},
-                                        {"repair", FATHOM_PART_REPAIR},
-                                        {"uvs", FATHOM_PART_UVS},
-                                        {"all", FATHOM_PARTS},
-                                        {NULL, 0}};
-
 static bool find_bits(const named_bits *table, const char *name, size_t length, unsigned *bits) {
     for (; table->name; ++table) {
         if (strlen(table->name) != length || strncasecmp(table->name, name, length) != 0) continue;
@@ -154,14 +141,6 @@ static bool take_aovs(const args_option *option, const char *value, void *field,
     options->aovs_given = true;
     return take_bits(aov_names, "alpha,Z,N,P,albedo,id,samples, or all, or none", value,
                      &options->settings.aovs, problem);
-}
-
-static bool take_parts(const args_option *option, const char *value, void *field, args_problem *problem) {
-    (void)option;
-    render_options *options = field;
-    return take_bits(part_names,
-                     "normals,highlights,glow,background,lights,unlit,bounces,hits,repair,uvs, or all", value,
-                     &options->settings.keep, problem);
 }
 
 static bool take_spp(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -286,11 +265,6 @@ const args_option render_option_table[] = {
      "rays handed to Embree at once (16); no pixel depends on it"},
     {"tile-size", 0, "N", take_tile_size, FIELD(settings.tile_size), 32, 65536,
      "pixels, a multiple of 32 (32); no pixel depends on it"},
-    {"keep", 0, "LIST", take_parts, 0, 0, 0,
-     "what not to leave out though the scene does without it, for measuring: normals, highlights, "
-     "glow, background, lights, unlit, bounces, hits, repair, uvs, with commas between, or all; no pixel "
-     "depends "
-     "on it"},
     COMMAND_ALLOW_OUTSIDE(render_options),
     {"quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings"},
     {"verbose", 'v', NULL, take_true, FIELD(verbose), 0, 0,

@@ -56,10 +56,9 @@ static inline void widen_lanes(const float from[3][LANES], double (*restrict to)
     }
 }
 
-void KERNEL(facet_gather)(const fathom_mesh *mesh, bool normals, const uint32_t triangle[LANES],
-                          const float org[3][LANES], const float dir[3][LANES], facet_block *restrict f,
-                          local_block *restrict b) {
-    const uint32_t bent = normals && mesh->normals ? ~0u : 0;
+void KERNEL(facet_gather)(const fathom_mesh *mesh, const uint32_t triangle[LANES], const float org[3][LANES],
+                          const float dir[3][LANES], facet_block *restrict f, local_block *restrict b) {
+    const uint32_t bent = mesh->normals ? ~0u : 0;
     fetch(mesh->positions, mesh->position_stride, mesh->indices, triangle, f->corner);
     widen_lanes(org, b->org);
     widen_lanes(dir, b->dir);

@@ -120,7 +120,7 @@ static bool any_lit(const light_side *side, const float falloff[LANES]) {
 }
 
 void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, const material_block *m,
-                            bool specular, light_block *restrict out) {
+                            light_block *restrict out) {
     float inverse[LANES], falloff[LANES], rho_s[LANES] = {0};
     light_side side;
     if (light->type == FATHOM_LIGHT_DIRECTIONAL) {
@@ -135,7 +135,7 @@ void KERNEL(light_evaluate)(const shade_light *light, const surface_block *s, co
         memset(out->radiance, 0, sizeof out->radiance);
         return;
     }
-    if (specular) highlight(s, m, out->direction, side.n_dot_l, rho_s);
+    highlight(s, m, out->direction, side.n_dot_l, rho_s);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) {
             /* The squared distance is divided by in two steps: it may be out of range where the quotient is

@@ -203,7 +203,7 @@ static bool any_closed(const finder *f) {
     return false;
 }
 
-bool bodies_find(const trace_tracer *tracer, bool always, bodies *out) {
+bool bodies_find(const trace_tracer *tracer, bodies *out) {
     const world *w = tracer->world;
     *out = (bodies){.tracer = tracer};
     finder f = {.out = out, .world = w, .retry = tracer->retry};
@@ -212,7 +212,7 @@ bool bodies_find(const trace_tracer *tracer, bool always, bodies *out) {
     f.closed = calloc(w->geometries.count + 1, sizeof *f.closed);
     if (few) out->around = calloc(w->instances.count + 1, sizeof *out->around);
     bool fine = out->of && f.closed && (out->around || !few) && closed_find(w, f.closed);
-    if (fine && (always || any_closed(&f))) {
+    if (fine && any_closed(&f)) {
         fine = number_bodies(&f);
         if (fine) sample_bodies(&f), find_casts(&f);
         fine = fine && find_facings(&f) && finder_around(&f);

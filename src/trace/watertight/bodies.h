@@ -50,7 +50,7 @@ typedef struct bodies {
 
 /* For tracers with `retry`, which must outlive it. `all` is NULL where nothing is closed (unless `always`).
  * False when out of memory; release in any case. */
-bool bodies_find(const trace_tracer *tracer, bool always, bodies *out);
+bool bodies_find(const trace_tracer *tracer, bodies *out);
 void bodies_release(bodies *b);
 
 static inline const trace_body *bodies_at(const bodies *b, uint32_t geometry, uint32_t primitive) {

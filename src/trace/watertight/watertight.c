@@ -261,18 +261,17 @@ static bool has_mesh(const world *w) {
     return false;
 }
 
-fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, bool always,
-                                watertight **out) {
+fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, watertight **out) {
     static const watertight_kernels *const kernels[] = KERNEL_SETS(watertight_kernels);
     const world *scene = tracer->world;
     *out = NULL;
-    if (!tracer->retry || !(always || has_mesh(scene))) return FATHOM_OK;
+    if (!tracer->retry || !has_mesh(scene)) return FATHOM_OK;
     watertight *w = calloc(1, sizeof *w);
     if (!w) return fail_memory(context, sizeof *w);
     w->tracer = tracer;
     w->kernels = kernels[kernel_levels() - 1];
-    bool fine = bodies_find(tracer, always, &w->bodies);
-    if (fine && (survey(w) || always)) {
+    bool fine = bodies_find(tracer, &w->bodies);
+    if (fine && survey(w)) {
         *out = w;
         return FATHOM_OK;
     }

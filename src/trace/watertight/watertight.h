@@ -19,10 +19,9 @@
 
 typedef struct watertight watertight;
 
-/* *out is NULL where there is nothing to do: no closed mesh (unless `always`), or a tracer that misses none.
+/* *out is NULL where there is nothing to do: no closed mesh, or a tracer that misses none.
  * The tracer must outlive it. Release with watertight_destroy(). */
-fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, bool always,
-                                watertight **out);
+fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, watertight **out);
 void watertight_destroy(watertight *w);
 
 /* How many closed bodies the point lies inside, as a code: 0 is none, and so long as all of them cast
