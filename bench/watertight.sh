@@ -12,11 +12,11 @@ mkdir -p "$folder"
 trap 'rm -rf "$folder"' EXIT
 
 includes=""
-for module in base math reference scene trace parity shade; do includes="$includes -I$build/modules/$module"; done
+for module in base math reference scene trace verify shade; do includes="$includes -I$build/modules/$module"; done
 embree=$(pkg-config --libs embree4 2>/dev/null || echo "-l$(ls /usr/lib/*/libembree[34].so | sed 's/.*lib\(embree[34]\).so/\1/' | tail -n 1)")
 # shellcheck disable=SC2086 # lists of words
 cc -std=c11 -O2 -D_GNU_SOURCE -ffp-contract=off $includes -I"$source/include" "$source/bench/watertight.c" \
-    "$build/src/libfathom_core.a" $embree -ljansson -lgmp -lpthread -ldl -lm -o "$folder/watertight"
+    "$build/src/libfathom_check.a" "$build/src/libfathom_core.a" $embree -ljansson -lgmp -lpthread -ldl -lm -o "$folder/watertight"
 
 "$build/bin/fathom" generate sphere --triangles 160k -o "$folder/sphere.glb" --quiet
 echo "| tracer | rays at vertices, from inside | closest: missed | after repair | any: missed | after repair | closed meshes found, s |"
