@@ -1,7 +1,7 @@
 /* Status, messages and the context that every other call is given.
  *
- * Fathom never exits, prints or aborts: each call returns a status, and the context keeps one message
- * that names the file, the line and the field. Plain C99, and C++17.
+ * Fathom never exits, prints or aborts: each call returns a status, and the context keeps one error: what
+ * went wrong, in which file, line and field. Plain C99, and C++17.
  *
  * NULL. No pointer may be NULL unless the comment on its call says so; `destroy` calls take NULL, and so does
  * `out` where a call adds something to a scene and the id is not wanted. A call that is given NULL elsewhere
@@ -18,7 +18,8 @@
  * was made with. As long as none of those runs, any number of threads, each with a context of its own, may
  * give the same scene to fathom_render() and fathom_tracer_create(): they only read it. Any number of threads
  * may trace rays with the same tracer and read the same film. Callbacks (warnings, progress) must not call
- * with the context they were called for, but for fathom_context_message() and fathom_context_threads().
+ * with the context they were called for, but for fathom_context_error(), fathom_context_message() and
+ * fathom_context_threads().
  *
  * Stack. 64 KiB are enough for the calling thread, unless plug-ins and callbacks take more.
  *
@@ -56,7 +57,7 @@ typedef enum fathom_status {
     FATHOM_INTERNAL = 70         /* a fault of Fathom's own */
 } fathom_status;
 
-/* Owns the message, the warning callback and the thread count. Calls on different contexts may run at
+/* Owns the error, the warning callback and the thread count. Calls on different contexts may run at
  * the same time; one context serves one calling thread at a time. */
 typedef struct fathom_context fathom_context;
 
@@ -64,8 +65,31 @@ typedef struct fathom_context fathom_context;
 FATHOM_API fathom_status fathom_context_create(fathom_context **out);
 FATHOM_API void fathom_context_destroy(fathom_context *context);
 
-/* The message of the last call that did not return FATHOM_OK; "" when there was none, or context is NULL.
- * Calls that return FATHOM_OK leave it as it was. Never NULL; valid until the next call on this context. */
+/* Where an error is. Strings are never NULL; "" means not known, or that there is none. Later versions may
+ * add members at the end. */
+typedef struct fathom_place {
+    const char *file;  /* the path as it was given, byte for byte; show it with care */
+    size_t line;       /* from 1; 0: not known, as in files of bytes */
+    size_t column;     /* from 1; 0: not known */
+    bool has_byte;     /* whether `byte` is known */
+    size_t byte;       /* from the beginning of the file */
+    const char *field; /* "objects[3].radius", "radius", a statement or a property; fit for a terminal */
+    const struct fathom_place
+        *within; /* what led there: the object of a scene that names this file; or NULL */
+} fathom_place;
+
+typedef struct fathom_error {
+    fathom_status status;      /* FATHOM_OK: no call has failed yet */
+    const fathom_place *place; /* never NULL */
+    const char *text;          /* what was found and expected, without the place; fit for a terminal */
+} fathom_error;
+
+/* The error of the last call that did not return FATHOM_OK. Calls that return FATHOM_OK leave it as it was.
+ * Never NULL, even when context is; valid until the next call on this context. */
+FATHOM_API const fathom_error *fathom_context_error(const fathom_context *context);
+
+/* The same error as one line, "FILE:LINE: FIELD: text", fit for a terminal; "" when there was none, or
+ * context is NULL. Never NULL; valid until the next call on this context. */
 FATHOM_API const char *fathom_context_message(const fathom_context *context);
 
 /* Called for each thing that was rendered around (degenerate triangles, ignored textures…), on the

@@ -65,9 +65,9 @@ fathom_status file_lock_take(fathom_context *context, const char *path, file_loc
     const int error = errno;
     lock_free(lock);
     if (result == ATTEMPT_TAKEN)
-        return fail(context, FATHOM_BAD_USAGE,
-                    "%s: another render saves its work there; expected another file", path);
-    return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be locked: %s", path, strerror(error));
+        return fail_file(context, FATHOM_BAD_USAGE, path,
+                         "another render saves its work there; expected another file");
+    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be locked: %s", strerror(error));
 }
 
 void file_lock_release(file_lock *lock) {

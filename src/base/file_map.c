@@ -177,13 +177,13 @@ static fathom_status map_bytes(fathom_context *context, const char *path, int de
     void *base = (void *)(uintptr_t)map->bytes;
     if (mmap(base, map->size, PROT_READ, MAP_PRIVATE | MAP_FIXED, descriptor, 0) != MAP_FAILED)
         return FATHOM_OK;
-    return fail(context, status_of(errno), "%s: cannot be mapped: %s", path, strerror(errno));
+    return fail_file(context, status_of(errno), path, "cannot be mapped: %s", strerror(errno));
 }
 
 static fathom_status fail_truncated(fathom_context *context, const char *path, size_t left, size_t size) {
-    return fail(context, FATHOM_BAD_INPUT,
-                "%s: was truncated while it was read: %zu bytes are left of %zu; try again when it is whole",
-                path, left, size);
+    return fail_file(context, FATHOM_BAD_INPUT, path,
+                     "was truncated while it was read: %zu bytes are left of %zu; try again when it is whole",
+                     left, size);
 }
 
 static fathom_status copy_bytes(fathom_context *context, const char *path, int descriptor, file_map *map) {
@@ -191,7 +191,7 @@ static fathom_status copy_bytes(fathom_context *context, const char *path, int d
     for (size_t done = 0; done < map->size;) {
         ssize_t got = read(descriptor, base + done, map->size - done);
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) return fail(context, status_of(errno), "%s: %s", path, strerror(errno));
+        if (got < 0) return fail_file(context, status_of(errno), path, "%s", strerror(errno));
         if (got == 0) return fail_truncated(context, path, done, map->size);
         done += (size_t)got;
     }
@@ -209,15 +209,15 @@ static fathom_status open_descriptor(fathom_context *context, const char *path, 
                                      file_map *out) {
     struct stat info;
     if (fstat(descriptor, &info) != 0)
-        return fail(context, status_of(errno), "%s: %s", path, strerror(errno));
+        return fail_file(context, status_of(errno), path, "%s", strerror(errno));
     if (S_ISDIR(info.st_mode))
-        return fail(context, FATHOM_BAD_INPUT, "%s: is a folder, expected a file", path);
+        return fail_file(context, FATHOM_BAD_INPUT, path, "is a folder, expected a file");
     if (!S_ISREG(info.st_mode))
-        return fail(context, FATHOM_BAD_INPUT, "%s: is not a regular file; expected one on a disk", path);
+        return fail_file(context, FATHOM_BAD_INPUT, path, "is not a regular file; expected one on a disk");
     if (context_is_output(context, &info))
-        return fail(context, FATHOM_BAD_USAGE, "%s: would be read and written; expected another output",
-                    path);
-    if (info.st_size == 0) return fail(context, FATHOM_BAD_INPUT, "%s: the file is empty", path);
+        return fail_file(context, FATHOM_BAD_USAGE, path,
+                         "would be read and written; expected another output");
+    if (info.st_size == 0) return fail_file(context, FATHOM_BAD_INPUT, path, "the file is empty");
     bool copies = context_copies_files(context);
     size_t size = (size_t)info.st_size, page = (size_t)sysconf(_SC_PAGESIZE);
     size_t reserved = (size + FILE_PADDING + page - 1) / page * page;
@@ -234,7 +234,7 @@ fathom_status file_open(fathom_context *context, const char *path, file_map *out
     *out = (file_map){0};
     /* A pipe is not waited for, and a terminal does not become ours. */
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (descriptor < 0) return fail(context, status_of(errno), "%s: %s", path, strerror(errno));
+    if (descriptor < 0) return fail_file(context, status_of(errno), path, "%s", strerror(errno));
     fathom_status status = open_descriptor(context, path, descriptor, out);
     close(descriptor);
     if (status != FATHOM_OK) file_close(out);
@@ -255,13 +255,12 @@ fathom_status file_check(fathom_context *context, const file_map *map) {
     file_state state = witness_look(record->witness, clock_seconds(), &left);
     if (state == FILE_TRUNCATED) return fail_truncated(context, path, left, map->size);
     if (atomic_load(&record->slot->lost))
-        return fail(
-            context, FATHOM_BAD_INPUT,
-            "%s: was truncated while it was read, or cannot be read to its end; try again when it is whole",
-            path);
+        return fail_file(
+            context, FATHOM_BAD_INPUT, path,
+            "was truncated while it was read, or cannot be read to its end; try again when it is whole");
     if (state == FILE_CHANGED)
-        return fail(context, FATHOM_BAD_INPUT,
-                    "%s: was changed while it was read; try again when nothing writes to it", path);
+        return fail_file(context, FATHOM_BAD_INPUT, path,
+                         "was changed while it was read; try again when nothing writes to it");
     return FATHOM_OK;
 }
 

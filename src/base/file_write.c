@@ -161,7 +161,7 @@ fathom_status file_writer_open(fathom_context *context, const char *path, file_w
     writer->stream = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (!writer->stream) {
         fathom_status status =
-            fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", path, strerror(errno));
+            fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(errno));
         if (descriptor >= 0) close(descriptor), unlink(writer->temporary);
         writer_free(writer);
         return status;
@@ -217,8 +217,8 @@ fathom_status file_writer_commit(file_writer *writer) {
     fathom_status status = FATHOM_OK;
     if (error) {
         if (!renamed) unlink(writer->temporary);
-        status = fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", writer->path,
-                      strerror(error));
+        status = fail_file(context, FATHOM_OUT_OF_RESOURCES, writer->path, "cannot be written: %s",
+                           strerror(error));
     }
     writer_free(writer);
     return status;
@@ -255,7 +255,7 @@ static fathom_status probe(fathom_context *context, const char *path) {
     int error = fflush(writer->stream) == 0 ? writer->error : errno;
     file_writer_abort(writer);
     if (!error) return FATHOM_OK;
-    return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", path, strerror(error));
+    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(error));
 }
 
 /* What would keep a file that is there from being replaced in the end: 0, or an errno. Its own rights would
@@ -278,14 +278,14 @@ static fathom_status check_folder(fathom_context *context, const char *path, con
     int error = faccessat(AT_FDCWD, folder, W_OK | X_OK, AT_EACCESS) == 0 ? 0 : errno;
     if (!error) return FATHOM_OK;
     const bool none = error == ENOENT || error == ENOTDIR;
-    return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: its folder%s%s", path,
-                none ? " does not exist" : ": ", none ? "" : strerror(error));
+    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: its folder%s%s",
+                     none ? " does not exist" : ": ", none ? "" : strerror(error));
 }
 
 fathom_status file_check_writable(fathom_context *context, const char *path) {
     struct stat info;
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
-        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: is not a regular file", path);
+        return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: is not a regular file");
     }
     char *folder = file_beside(path, ".");
     if (!folder) return fail_memory(context, strlen(path) + 2);
@@ -293,6 +293,6 @@ fathom_status file_check_writable(fathom_context *context, const char *path) {
     int error = status == FATHOM_OK ? refusal(path, folder) : 0;
     free(folder);
     if (error)
-        status = fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be written: %s", path, strerror(error));
+        status = fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(error));
     return status == FATHOM_OK ? probe(context, path) : status;
 }

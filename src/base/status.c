@@ -7,11 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the longest path there may be, and what is said of it. */
+/* Enough for the longest path and what is said of it. */
 #define MESSAGE_SIZE 6144
 
-struct fathom_context {
+/* A list of rays, a scene, a glTF file and its buffer are the longest way to an error. */
+enum { PLACES = 4, STRINGS_SIZE = (PLACES + 1) * MESSAGE_SIZE };
+
+typedef struct error_store {
+    fathom_error error;
+    fathom_place places[PLACES]; /* from the error outwards */
+    size_t place_count, used;
+    char strings[STRINGS_SIZE]; /* what `error` and `places` point to */
     char message[MESSAGE_SIZE];
+} error_store;
+
+struct fathom_context {
+    error_store failed;
     fathom_warning_fn on_warning;
     void *warning_user;
     unsigned threads;
@@ -20,15 +31,26 @@ struct fathom_context {
     size_t output_count;
 };
 
+static const fathom_place no_place = {.file = "", .field = ""};
+static const fathom_error no_error = {FATHOM_OK, &no_place, ""};
+
 fathom_status fathom_context_create(fathom_context **out) {
     if (!out) return FATHOM_BAD_USAGE;
     *out = calloc(1, sizeof **out);
-    return *out ? FATHOM_OK : FATHOM_OUT_OF_RESOURCES;
+    if (!*out) return FATHOM_OUT_OF_RESOURCES;
+    (*out)->failed.error = no_error;
+    return FATHOM_OK;
 }
 
 void fathom_context_destroy(fathom_context *context) { free(context); }
 
-const char *fathom_context_message(const fathom_context *context) { return context ? context->message : ""; }
+const fathom_error *fathom_context_error(const fathom_context *context) {
+    return context ? &context->failed.error : &no_error;
+}
+
+const char *fathom_context_message(const fathom_context *context) {
+    return context ? context->failed.message : "";
+}
 
 void fathom_context_on_warning(fathom_context *context, fathom_warning_fn fn, void *user) {
     if (!context) return;
@@ -69,30 +91,144 @@ bool context_is_output(const fathom_context *context, const struct stat *file) {
     return false;
 }
 
-/* Messages quote files, and are shown on terminals: no byte of a file may steer one, or pass for a line of
- * its own. */
-fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...) {
-    if (!context) return status;
+/* ---- errors ---- */
+
+static const char *keep(error_store *store, const char *text) {
+    if (!text || !*text || store->used >= STRINGS_SIZE) return "";
+    char *copy = store->strings + store->used;
+    snprintf(copy, STRINGS_SIZE - store->used, "%s", text);
+    store->used += strlen(copy) + 1;
+    return copy;
+}
+
+/* Texts and fields quote files, and are shown on terminals: no byte of a file may steer one, or pass for a
+ * line of its own. */
+static const char *keep_disarmed(error_store *store, const char *text) {
+    const size_t begin = store->used;
+    const char *kept = keep(store, text);
+    if (*kept) text_disarm(store->strings + begin);
+    return kept;
+}
+
+static void add_place(error_store *store, const fathom_place *place) {
+    if (store->place_count == PLACES) return;
+    fathom_place *added = &store->places[store->place_count];
+    *added = *place;
+    added->file = keep(store, place->file);
+    added->field = keep_disarmed(store, place->field);
+    added->within = NULL;
+    if (store->place_count++) added[-1].within = added;
+}
+
+static void append(char *message, const char *format, ...) {
+    const size_t used = strlen(message);
     va_list args;
     va_start(args, format);
-    vsnprintf(context->message, MESSAGE_SIZE, format, args);
+    vsnprintf(message + used, MESSAGE_SIZE - used, format, args);
     va_end(args);
-    text_disarm(context->message);
+}
+
+static void append_place(char *message, const fathom_place *place) {
+    append(message, "%s", place->file);
+    if (place->line) append(message, ":%zu", place->line);
+    if (place->column) append(message, ":%zu", place->column);
+    if (*place->file) append(message, ": ");
+    if (place->has_byte) append(message, "at byte %zu: ", place->byte);
+    if (*place->field) append(message, "%s: ", place->field);
+}
+
+/* The one place where an error becomes a message. */
+static void format_message(error_store *store) {
+    store->message[0] = '\0';
+    for (size_t i = store->place_count; i-- > 0;) append_place(store->message, &store->places[i]);
+    append(store->message, "%s", store->error.text);
+    text_disarm(store->message);
+}
+
+/* The arguments may be strings of the error before. */
+static fathom_status store_error(fathom_context *context, fathom_status status, const fathom_place *place,
+                                 const char *format, va_list args) {
+    if (!context) return status;
+    error_store *store = &context->failed;
+    char text[MESSAGE_SIZE];
+    vsnprintf(text, sizeof text, format, args);
+    store->used = store->place_count = 0;
+    add_place(store, place);
+    store->error = (fathom_error){status, store->places, keep_disarmed(store, text)};
+    format_message(store);
     return status;
 }
 
-fathom_status fail_within(fathom_context *context, fathom_status status, const char *format, ...) {
-    if (!context) return status;
-    char inner[MESSAGE_SIZE];
-    memcpy(inner, context->message, MESSAGE_SIZE);
+fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    int used = vsnprintf(context->message, MESSAGE_SIZE, format, args);
+    store_error(context, status, &no_place, format, args);
     va_end(args);
-    if (used >= 0 && used < MESSAGE_SIZE) {
-        snprintf(context->message + used, (size_t)(MESSAGE_SIZE - used), "%s", inner);
+    return status;
+}
+
+fathom_status fail_file(fathom_context *context, fathom_status status, const char *file, const char *format,
+                        ...) {
+    va_list args;
+    va_start(args, format);
+    store_error(context, status, &(fathom_place){.file = file}, format, args);
+    va_end(args);
+    return status;
+}
+
+fathom_status fail_field(fathom_context *context, fathom_status status, const char *field, const char *format,
+                         ...) {
+    va_list args;
+    va_start(args, format);
+    store_error(context, status, &(fathom_place){.field = field}, format, args);
+    va_end(args);
+    return status;
+}
+
+fathom_status fail_item(fathom_context *context, fathom_status status, const char *array, size_t index,
+                        const char *format, ...) {
+    char field[64];
+    snprintf(field, sizeof field, "%s[%zu]", array, index);
+    va_list args;
+    va_start(args, format);
+    store_error(context, status, &(fathom_place){.field = field}, format, args);
+    va_end(args);
+    return status;
+}
+
+fathom_status fail_at(fathom_context *context, fathom_status status, const fathom_place *place,
+                      const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    store_error(context, status, place, format, args);
+    va_end(args);
+    return status;
+}
+
+/* The error has no file yet: it is where `place` says. Its own field is a name of the callee's. */
+static void move_error(error_store *store, const fathom_place *place) {
+    const char *field = store->places[0].field;
+    fathom_place joined = *place;
+    if (!joined.field || !*joined.field) {
+        joined.field = field;
+    } else if (*field) {
+        char text[MESSAGE_SIZE];
+        snprintf(text, sizeof text, "%s: %s", field, store->error.text);
+        store->error.text = keep(store, text);
     }
-    text_disarm(context->message);
+    store->place_count = 0;
+    add_place(store, &joined);
+}
+
+fathom_status fail_within(fathom_context *context, fathom_status status, const fathom_place *place) {
+    if (!context) return status;
+    error_store *store = &context->failed;
+    if (store->place_count == 1 && !*store->places[0].file)
+        move_error(store, place);
+    else
+        add_place(store, place);
+    store->error.status = status;
+    format_message(store);
     return status;
 }
 
@@ -101,7 +237,7 @@ fathom_status fail_memory(fathom_context *context, size_t bytes) {
 }
 
 fathom_status fail_null(fathom_context *context, const char *argument) {
-    return fail(context, FATHOM_BAD_USAGE, "%s: expected an address, found NULL", argument);
+    return fail_field(context, FATHOM_BAD_USAGE, argument, "expected an address, found NULL");
 }
 
 void warn(fathom_context *context, const char *format, ...) {

@@ -1,4 +1,4 @@
-/* The context's message, and how functions fail. */
+/* The context's error, and how functions fail. */
 #ifndef BASE_STATUS_H
 #define BASE_STATUS_H
 
@@ -6,16 +6,24 @@
 #include <stdarg.h>
 #include <sys/stat.h>
 
-/* Stores the message and returns the status, so that a failure is one line: return fail(ctx,
- * FATHOM_BAD_INPUT, …); A message says where (file:line: or file: at byte N:), what was found, what was
- * expected. Without a context there is no place for it, as for whoever only asks whether. */
+/* These store an error and return the status, so that a failure is one line: return fail(context,
+ * FATHOM_BAD_INPUT, …); The text says what was found and what was expected; the place says where. NULL for a
+ * string of the place means "". Without a context they only return the status. */
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+fathom_status fail_file(fathom_context *context, fathom_status status, const char *file, const char *format,
+                        ...) __attribute__((format(printf, 4, 5)));
+fathom_status fail_field(fathom_context *context, fathom_status status, const char *field, const char *format,
+                         ...) __attribute__((format(printf, 4, 5)));
+/* The field is an item of an array: "rays[17]". */
+fathom_status fail_item(fathom_context *context, fathom_status status, const char *array, size_t index,
+                        const char *format, ...) __attribute__((format(printf, 5, 6)));
+fathom_status fail_at(fathom_context *context, fathom_status status, const fathom_place *place,
+                      const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* Puts text in front of the message that a callee left ("scene.json:12: objects[3]: "), and hands the status
- * on. */
-fathom_status fail_within(fathom_context *context, fathom_status status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+/* Adds the place that a callee did not know and returns the status. An error that names a file keeps it and
+ * is `within` this place. Any other moves here: its own field goes to the text if this place has a field. */
+fathom_status fail_within(fathom_context *context, fathom_status status, const fathom_place *place);
 
 fathom_status fail_memory(fathom_context *context, size_t bytes);
 

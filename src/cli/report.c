@@ -79,14 +79,14 @@ static fathom_status check_ours(fathom_context *context, const char *path) {
     FILE *file = fopen(path, "rb");
     if (!file) {
         if (errno == ENOENT) return FATHOM_OK;
-        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be replaced: %s", path, strerror(errno));
+        return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be replaced: %s", strerror(errno));
     }
     size_t size = fread(head, 1, sizeof head - 1, file);
     head[size] = '\0';
     fclose(file);
     if (size == 0 || strstr(head, GENERATOR)) return FATHOM_OK;
-    return fail(context, FATHOM_OUT_OF_RESOURCES,
-                "%s: is there already and is no report of fathom; remove it or name another folder", path);
+    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
+                     "is there already and is no report of fathom; remove it or name another folder");
 }
 
 /* A folder that does not exist yet is a file to be made in the one above. */
@@ -103,8 +103,8 @@ static fathom_status check_folder(fathom_context *context, const char *folder) {
     char page[PATH_MAX], results[PATH_MAX];
     if (stat(folder, &info) != 0) return check_new(context, folder);
     if (!S_ISDIR(info.st_mode))
-        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: is a file; expected a folder for the report",
-                    folder);
+        return fail_file(context, FATHOM_OUT_OF_RESOURCES, folder,
+                         "is a file; expected a folder for the report");
     report_paths(folder, page, results);
     fathom_status status = file_check_writable(context, page);
     return status == FATHOM_OK ? check_ours(context, page) : status;
@@ -124,12 +124,12 @@ fathom_status report_write(fathom_context *context, const char *folder, const js
     fathom_status status = check_folder(context, folder);
     if (status != FATHOM_OK) return status;
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: cannot be made: %s", folder, strerror(errno));
+        return fail_file(context, FATHOM_OUT_OF_RESOURCES, folder, "cannot be made: %s", strerror(errno));
     report_paths(folder, page, data);
     status = json_write_file(context, data, results);
     if (status != FATHOM_OK) return status;
     char *arguments[] = {(char[]){"python3"}, (char[]){"-EsB"}, script, data, page, NULL};
     if (script_path(script) && run_script(arguments, false) == 0) return FATHOM_OK;
-    return fail(context, FATHOM_OUT_OF_RESOURCES, "%s: could not be drawn; the results are in %s", page,
-                data);
+    return fail_file(context, FATHOM_OUT_OF_RESOURCES, page, "could not be drawn; the results are in %s",
+                     data);
 }

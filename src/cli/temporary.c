@@ -14,8 +14,8 @@ fathom_status temporary_create(fathom_context *context, const char *ending, char
     int file = mkstemps(path, (int)strlen(ending));
     if (file < 0) {
         fathom_status status =
-            fail(context, FATHOM_OUT_OF_RESOURCES,
-                 "%s: cannot be written; expected a folder for temporary files in $TMPDIR", path);
+            fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
+                      "cannot be written; expected a folder for temporary files in $TMPDIR");
         path[0] = '\0';
         return status;
     }

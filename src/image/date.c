@@ -29,9 +29,8 @@ fathom_status date_read(fathom_context *context, image_date *out) {
     if (!text) return FATHOM_OK;
     if (!read_seconds(text, &seconds) || !gmtime_r(&seconds, &utc) ||
         !strftime(out->text, sizeof out->text, "%Y:%m:%d %H:%M:%S", &utc)) {
-        return fail(context, FATHOM_BAD_USAGE,
-                    "SOURCE_DATE_EPOCH: expected seconds since 1970, such as 1700000000, found \"%.40s\"",
-                    text);
+        return fail_field(context, FATHOM_BAD_USAGE, "SOURCE_DATE_EPOCH",
+                          "expected seconds since 1970, such as 1700000000, found \"%.40s\"", text);
     }
     return FATHOM_OK;
 }

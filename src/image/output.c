@@ -26,15 +26,15 @@ fathom_status output_format(fathom_context *context, const char *path, image_for
     char extension[16];
     file_extension(path, extension);
     if (known_format(extension, out)) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_USAGE,
-                "%s: unknown image extension \"%s\"; expected .exr, .png, .jpg, .jpeg, .tif or .tiff", path,
-                extension);
+    return fail_file(context, FATHOM_BAD_USAGE, path,
+                     "unknown image extension \"%s\"; expected .exr, .png, .jpg, .jpeg, .tif or .tiff",
+                     extension);
 }
 
 fathom_status output_check_exposure(fathom_context *context, const fathom_write_options *options) {
     if (isfinite(exp2f(options->exposure)) && isfinite(options->exposure)) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_USAGE, "exposure: %g; expected stops below 128",
-                (double)options->exposure);
+    return fail_field(context, FATHOM_BAD_USAGE, "exposure", "%g; expected stops below 128",
+                      (double)options->exposure);
 }
 
 /* libjpeg ends the process when it is asked for more. */
@@ -43,8 +43,8 @@ fathom_status output_check_exposure(fathom_context *context, const fathom_write_
 fathom_status output_check_size(fathom_context *context, const char *path, image_format format,
                                 uint32_t width, uint32_t height) {
     if (format != IMAGE_JPEG || (width <= JPEG_LARGEST_SIDE && height <= JPEG_LARGEST_SIDE)) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_USAGE, "%s: %u x %u pixels; JPEG holds at most %u x %u", path, width,
-                height, JPEG_LARGEST_SIDE, JPEG_LARGEST_SIDE);
+    return fail_file(context, FATHOM_BAD_USAGE, path, "%u x %u pixels; JPEG holds at most %u x %u", width,
+                     height, JPEG_LARGEST_SIDE, JPEG_LARGEST_SIDE);
 }
 
 fathom_status image_check_size(fathom_context *context, const char *path, uint32_t width, uint32_t height) {

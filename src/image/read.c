@@ -17,11 +17,11 @@ fathom_status image_read(fathom_context *context, const char *path, const image 
     if (status != FATHOM_OK) return status;
     bool cut = png_is_cut(&map);
     file_close(&map);
-    if (cut) return fail(context, FATHOM_BAD_INPUT, "%s: the PNG file is cut short", path);
+    if (cut) return fail_file(context, FATHOM_BAD_INPUT, path, "the PNG file is cut short");
     image_message message = {""};
     status = image_calls.read(path, fathom_context_threads(context), out, &message);
     if (status == FATHOM_OK) return status;
-    return fail(context, status, "%s: cannot be read as an image: %s", path, message.text);
+    return fail_file(context, status, path, "cannot be read as an image: %s", message.text);
 }
 
 void image_release(const image *img) { image_calls.release(img); }

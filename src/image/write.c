@@ -74,7 +74,7 @@ static fathom_status choose_channels(writing *w, const image *img, const fathom_
         const image_channel *channel = find_channel(img, names[i]);
         if (!channel && i == 3) break;
         if (!channel)
-            return fail(w->context, FATHOM_INTERNAL, "%s: the image has no channel %s", w->path, names[i]);
+            return fail_file(w->context, FATHOM_INTERNAL, w->path, "the image has no channel %s", names[i]);
         w->storage[*count] = IMAGE_STORE_U8;
         w->channels[(*count)++] = *channel;
     }
@@ -116,8 +116,8 @@ static void gather_rows(void *user, size_t begin, size_t end, unsigned worker) {
 }
 
 static fathom_status pack_failure(const writing *w) {
-    if (!w->message.text[0]) return fail(w->context, w->viewed, "%s: OpenColorIO failed", w->path);
-    return fail(w->context, w->viewed, "%s: OpenColorIO: %s", w->path, w->message.text);
+    if (!w->message.text[0]) return fail_file(w->context, w->viewed, w->path, "OpenColorIO failed");
+    return fail_file(w->context, w->viewed, w->path, "OpenColorIO: %s", w->message.text);
 }
 
 static size_t rows_from(const writing *w, size_t first) {
@@ -161,7 +161,7 @@ static fathom_status write_rows(writing *w, image_writer *writer, image_message 
         if (w->viewed != FATHOM_OK) return pack_failure(w);
         fathom_status status = write_chunk(w, writer, first, message);
         if (status != FATHOM_OK)
-            return fail(w->context, status, "%s: cannot be written: %s", w->path, message->text);
+            return fail_file(w->context, status, w->path, "cannot be written: %s", message->text);
     }
     return FATHOM_OK;
 }
@@ -184,11 +184,11 @@ static fathom_status write_to(writing *w, file_writer *file) {
     image_writer *writer;
     fathom_status status = w->calls->open(&target, &writer, &message);
     if (status != FATHOM_OK)
-        return fail(w->context, status, "%s: cannot be written: %s", w->path, message.text);
+        return fail_file(w->context, status, w->path, "cannot be written: %s", message.text);
     status = write_rows(w, writer, &message);
     fathom_status closed = w->calls->close(writer, status == FATHOM_OK, &message);
     if (status == FATHOM_OK && closed != FATHOM_OK) {
-        status = fail(w->context, closed, "%s: cannot be written: %s", w->path, message.text);
+        status = fail_file(w->context, closed, w->path, "cannot be written: %s", message.text);
     }
     return status;
 }
@@ -244,7 +244,7 @@ static fathom_status write_file(writing *w) {
 static fathom_status check_image(fathom_context *context, const image *img, const char *path,
                                  image_format format) {
     if (!img->width || !img->height || !img->channel_count) {
-        return fail(context, FATHOM_INTERNAL, "%s: the image is empty", path);
+        return fail_file(context, FATHOM_INTERNAL, path, "the image is empty");
     }
     return output_check_size(context, path, format, img->width, img->height);
 }

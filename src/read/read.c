@@ -36,9 +36,9 @@ static const struct format *format_find(const char *extension) {
 static fathom_status fail_extension(fathom_context *context, const char *path, const char *extension,
                                     const char *known) {
     if (!*extension)
-        return fail(context, FATHOM_BAD_INPUT, "%s: the name has no extension; expected %s", path, known);
-    return fail(context, FATHOM_BAD_INPUT, "%s: the extension .%s is not known; expected %s", path, extension,
-                known);
+        return fail_file(context, FATHOM_BAD_INPUT, path, "the name has no extension; expected %s", known);
+    return fail_file(context, FATHOM_BAD_INPUT, path, "the extension .%s is not known; expected %s",
+                     extension, known);
 }
 
 fathom_status read_mesh(fathom_scene *scene, fathom_id group, const char *path,
@@ -75,9 +75,9 @@ static fathom_status name_after(fathom_scene *scene, const char *path) {
 static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
     if (asked->camera && !scene->cameras.count) {
-        return fail(scene->context, FATHOM_BAD_USAGE,
-                    "%s: has no cameras to choose \"%.60s\" from; nodes of .gltf and .glb files have", path,
-                    asked->camera);
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "has no cameras to choose \"%.60s\" from; nodes of .gltf and .glb files have",
+                         asked->camera);
     }
     if (asked->up != FATHOM_UP_Y && scene->has_camera) {
         warn(scene->context, "%s: has a camera of its own, so nothing follows from which axis is up", path);
@@ -92,7 +92,7 @@ static fathom_status read_and_complete(fathom_scene *scene, const char *path) {
     if (status != FATHOM_OK) return status;
     status = fathom_scene_complete(scene);
     if (status == FATHOM_OK) status = fathom_scene_check(scene);
-    return status == FATHOM_OK ? status : fail_within(scene->context, status, "%s: ", path);
+    return status == FATHOM_OK ? status : fail_within(scene->context, status, &(fathom_place){.file = path});
 }
 
 static fathom_status read_whole(fathom_scene *scene, const char *path, const fathom_read_options *options) {
@@ -106,7 +106,7 @@ static fathom_status read_whole(fathom_scene *scene, const char *path, const fat
 
 static fathom_status check_options(fathom_context *context, const fathom_read_options *options) {
     if ((unsigned)options->up > FATHOM_UP_Z)
-        return fail(context, FATHOM_BAD_USAGE, "up: there is no axis %u", (unsigned)options->up);
+        return fail_field(context, FATHOM_BAD_USAGE, "up", "there is no axis %u", (unsigned)options->up);
     if (!options->width != !options->height) {
         return fail(context, FATHOM_BAD_USAGE, "width, height: expected both or none, found %u and %u",
                     options->width, options->height);

@@ -323,10 +323,10 @@ static fathom_status job_status(fathom_context *context, const job *j) {
     if (j->files != FATHOM_OK) return j->files;
     if (j->interrupted) return fail(context, FATHOM_INTERRUPTED, "stopped; what was finished is kept");
     if (!(j->sampled < 1)) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_USAGE,
-                "max time: too short: it ended when %.0f %% of the image had its first sample; give more "
-                "time, or render a smaller image",
-                floor(100 * j->sampled));
+    return fail_field(context, FATHOM_BAD_USAGE, "max time",
+                      "too short: it ended when %.0f %% of the image had its first sample; give more "
+                      "time, or render a smaller image",
+                      floor(100 * j->sampled));
 }
 
 /* The film holds what is finished already, and its samples are counted with it. */

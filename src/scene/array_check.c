@@ -76,19 +76,20 @@ static void check_index_run(void *user, size_t begin, size_t end, unsigned worke
 fathom_status array_check_stride(fathom_context *context, const char *what, size_t stride,
                                  size_t components) {
     if (stride % 4 == 0 && stride >= components * sizeof(float)) return FATHOM_OK;
-    return fail(context, FATHOM_BAD_INPUT, "%s: the stride is %zu; expected a multiple of 4 of at least %zu",
-                what, stride, components * sizeof(float));
+    return fail_field(context, FATHOM_BAD_INPUT, what,
+                      "the stride is %zu; expected a multiple of 4 of at least %zu", stride,
+                      components * sizeof(float));
 }
 
 fathom_status array_fail_odd(fathom_context *context, const char *what, size_t bad) {
-    return fail(context, FATHOM_BAD_INPUT, "%s[%zu]: expected finite numbers, found a NaN or an infinity",
-                what, bad);
+    return fail_item(context, FATHOM_BAD_INPUT, what, bad,
+                     "expected finite numbers, found a NaN or an infinity");
 }
 
 fathom_status array_fail_index(fathom_context *context, const char *what, const uint32_t *indices, size_t bad,
                                uint32_t limit) {
-    return fail(context, FATHOM_BAD_INPUT, "%s[%zu] (triangle %zu): %u is out of range, there are %u", what,
-                bad, bad / 3, indices[bad], limit);
+    return fail_item(context, FATHOM_BAD_INPUT, what, bad,
+                     "%u, of triangle %zu, is out of range; there are %u", indices[bad], bad / 3, limit);
 }
 
 fathom_status array_check_finite(fathom_context *context, const char *what, const float *values,

@@ -107,8 +107,8 @@ static fathom_status check_color(fathom_context *context, const char *what, cons
                                  float lowest) {
     for (int i = 0; i < 3; ++i) {
         if (!isfinite(rgb[i]) || rgb[i] < lowest) {
-            return fail(context, FATHOM_BAD_INPUT, "%s: expected finite numbers >= %g, found %g", what,
-                        (double)lowest, (double)rgb[i]);
+            return fail_field(context, FATHOM_BAD_INPUT, what, "expected finite numbers >= %g, found %g",
+                              (double)lowest, (double)rgb[i]);
         }
     }
     return FATHOM_OK;
@@ -134,13 +134,15 @@ static fathom_status check_material(fathom_context *context, const fathom_materi
     }
     if (status != FATHOM_OK) return status;
     if (!(m->shininess >= 0 && m->shininess <= 1e9f)) {
-        return fail(context, FATHOM_BAD_INPUT, "shininess: expected a number in [0, 1e9], found %g",
-                    (double)m->shininess);
+        return fail_field(context, FATHOM_BAD_INPUT, "shininess", "expected a number in [0, 1e9], found %g",
+                          (double)m->shininess);
     }
     if ((unsigned)m->specular > FATHOM_SPECULAR_BLINN)
-        return fail(context, FATHOM_BAD_USAGE, "specular: there is no kind %u", (unsigned)m->specular);
+        return fail_field(context, FATHOM_BAD_USAGE, "specular", "there is no kind %u",
+                          (unsigned)m->specular);
     if (!(m->ior > 0) || !isfinite(m->ior)) {
-        return fail(context, FATHOM_BAD_INPUT, "ior: expected a number > 0, found %g", (double)m->ior);
+        return fail_field(context, FATHOM_BAD_INPUT, "ior", "expected a number > 0, found %g",
+                          (double)m->ior);
     }
     return FATHOM_OK;
 }
@@ -204,11 +206,12 @@ fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *li
     fathom_status status = check_color(context, "intensity", light->intensity, 0);
     if (status != FATHOM_OK) return status;
     if (light->type != FATHOM_LIGHT_DIRECTIONAL && !finite_f64(load_f64(light->position))) {
-        return fail(context, FATHOM_BAD_INPUT, "position: expected three finite numbers");
+        return fail_field(context, FATHOM_BAD_INPUT, "position", "expected three finite numbers");
     }
     vec3_f64 direction = load_f64(light->direction);
     if (light->type != FATHOM_LIGHT_POINT && (!finite_f64(direction) || length_f64(direction) == 0)) {
-        return fail(context, FATHOM_BAD_INPUT, "direction: expected a finite vector that is not zero");
+        return fail_field(context, FATHOM_BAD_INPUT, "direction",
+                          "expected a finite vector that is not zero");
     }
     if (light->type == FATHOM_LIGHT_SPOT &&
         !(light->inner_angle >= 0 && light->inner_angle < light->outer_angle &&
@@ -263,8 +266,8 @@ fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instan
     affine_f64 map, inverse;
     affine_load(&map, instance->transform);
     if (!affine_invert(&map, &inverse)) {
-        return fail(context, FATHOM_BAD_INPUT,
-                    "transform: it flattens space or is not finite; expected one that can be inverted");
+        return fail_field(context, FATHOM_BAD_INPUT, "transform",
+                          "it flattens space or is not finite; expected one that can be inverted");
     }
     if (!array_push(&scene->instances, *instance)) return fail_memory(context, sizeof *instance);
     if (out) *out = (fathom_id)(scene->instances.count - 1);

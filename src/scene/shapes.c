@@ -51,11 +51,11 @@ fathom_status fathom_scene_add_sphere(fathom_scene *scene, fathom_id group, cons
     if (!scene) return FATHOM_BAD_USAGE;
     if (!sphere) return fail_null(scene->context, "sphere");
     if (!finite_f64(load_f64(sphere->center))) {
-        return fail(scene->context, FATHOM_BAD_INPUT, "center: expected three finite numbers");
+        return fail_field(scene->context, FATHOM_BAD_INPUT, "center", "expected three finite numbers");
     }
     if (!(sphere->radius > 0) || !isfinite(sphere->radius)) {
-        return fail(scene->context, FATHOM_BAD_INPUT, "radius: expected a number > 0, found %g",
-                    sphere->radius);
+        return fail_field(scene->context, FATHOM_BAD_INPUT, "radius", "expected a number > 0, found %g",
+                          sphere->radius);
     }
     if (!array_room(&scene->spheres, 1)) return fail_memory(scene->context, sizeof *sphere);
     fathom_status status = book(scene, SCENE_SPHERE, scene->spheres.count, group, sphere->material, out);
@@ -79,7 +79,8 @@ static fathom_status check_quad(fathom_context *context, const fathom_quad *quad
     for (int i = 0; i < 4; ++i) {
         c[i] = load_f64(quad->corners[i]);
         if (!finite_f64(c[i]))
-            return fail(context, FATHOM_BAD_INPUT, "corners[%d]: expected three finite numbers", i);
+            return fail_item(context, FATHOM_BAD_INPUT, "corners", (size_t)i,
+                             "expected three finite numbers");
     }
     vec3_f64 normal = cross_f64(sub_f64(c[2], c[0]), sub_f64(c[3], c[1]));
     if (!(length_f64(normal) > 0)) return fail(context, FATHOM_BAD_INPUT, "quad: it has no area");
@@ -87,11 +88,9 @@ static fathom_status check_quad(fathom_context *context, const fathom_quad *quad
     for (int i = 0; i < 4; ++i) {
         vec3_f64 next = sub_f64(c[(i + 1) % 4], c[i]), last = sub_f64(c[(i + 3) % 4], c[i]);
         if (!(dot_f64(cross_f64(next, last), normal) > 0)) {
-            return fail(
-                context, FATHOM_BAD_INPUT,
-                "corners[%d]: the quad is not convex there; expected four corners in order around it, or use "
-                "triangles",
-                i);
+            return fail_item(context, FATHOM_BAD_INPUT, "corners", (size_t)i,
+                             "the quad is not convex there; expected four corners in order around it, or "
+                             "use triangles");
         }
         if (fabs(dot_f64(next, normal)) > planarity_slack(quad)) {
             return fail(context, FATHOM_BAD_INPUT,
@@ -119,11 +118,12 @@ fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group, const
     if (!scene) return FATHOM_BAD_USAGE;
     if (!plane) return fail_null(scene->context, "plane");
     if (!finite_f64(load_f64(plane->point))) {
-        return fail(scene->context, FATHOM_BAD_INPUT, "point: expected three finite numbers");
+        return fail_field(scene->context, FATHOM_BAD_INPUT, "point", "expected three finite numbers");
     }
     vec3_f64 normal = load_f64(plane->normal);
     if (!finite_f64(normal) || length_f64(normal) == 0) {
-        return fail(scene->context, FATHOM_BAD_INPUT, "normal: expected a finite vector that is not zero");
+        return fail_field(scene->context, FATHOM_BAD_INPUT, "normal",
+                          "expected a finite vector that is not zero");
     }
     if (!array_room(&scene->planes, 1)) return fail_memory(scene->context, sizeof *plane);
     fathom_status status = book(scene, SCENE_PLANE, scene->planes.count, group, plane->material, out);
@@ -135,18 +135,18 @@ fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group, const
 
 static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
     if (!m->positions || !m->vertex_count)
-        return fail(context, FATHOM_BAD_INPUT, "positions: the mesh has no vertices");
+        return fail_field(context, FATHOM_BAD_INPUT, "positions", "the mesh has no vertices");
     if (!m->indices || !m->triangle_count)
-        return fail(context, FATHOM_BAD_INPUT, "indices: the mesh has no triangles");
+        return fail_field(context, FATHOM_BAD_INPUT, "indices", "the mesh has no triangles");
     if (!finite_f64(load_f64(m->origin)))
-        return fail(context, FATHOM_BAD_INPUT, "origin: expected three finite numbers");
+        return fail_field(context, FATHOM_BAD_INPUT, "origin", "expected three finite numbers");
     if (m->normals && !m->normal_indices && m->normal_count < m->vertex_count) {
-        return fail(context, FATHOM_BAD_INPUT, "normals: there are %u for %u vertices", m->normal_count,
-                    m->vertex_count);
+        return fail_field(context, FATHOM_BAD_INPUT, "normals", "there are %u for %u vertices",
+                          m->normal_count, m->vertex_count);
     }
     if (m->uvs && !m->uv_indices && m->uv_count < m->vertex_count) {
-        return fail(context, FATHOM_BAD_INPUT, "uvs: there are %u for %u vertices", m->uv_count,
-                    m->vertex_count);
+        return fail_field(context, FATHOM_BAD_INPUT, "uvs", "there are %u for %u vertices", m->uv_count,
+                          m->vertex_count);
     }
     size_t corners = (size_t)m->triangle_count * 3;
     fathom_status status =
@@ -156,13 +156,13 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, m
         status = array_check_finite(context, "normals", m->normals, m->normal_stride, 3, m->normal_count);
         if (status == FATHOM_OK && m->normal_indices) {
             status =
-                array_check_indices(context, "normal indices", m->normal_indices, corners, m->normal_count);
+                array_check_indices(context, "normal_indices", m->normal_indices, corners, m->normal_count);
         }
     }
     if (status == FATHOM_OK && m->uvs) {
         status = array_check_finite(context, "uvs", m->uvs, m->uv_stride, 2, m->uv_count);
         if (status == FATHOM_OK && m->uv_indices) {
-            status = array_check_indices(context, "uv indices", m->uv_indices, corners, m->uv_count);
+            status = array_check_indices(context, "uv_indices", m->uv_indices, corners, m->uv_count);
         }
     }
     return status;

@@ -25,7 +25,7 @@ fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *
     *out = NULL;
     if (!context || !scene) return fail_null(context, "scene");
     if ((unsigned)kind > FATHOM_TRACER_REFERENCE)
-        return fail(context, FATHOM_BAD_USAGE, "tracer: there is no kind %u", (unsigned)kind);
+        return fail_field(context, FATHOM_BAD_USAGE, "tracer", "there is no kind %u", (unsigned)kind);
     fathom_tracer *tracer = calloc(1, sizeof *tracer);
     if (!tracer) return fail_memory(context, sizeof *tracer);
     tracer->context = context;
@@ -63,7 +63,7 @@ typedef struct user_ray {
 static fathom_status refuse(const fathom_tracer *tracer, size_t index, const char *what) {
     fathom_tracer *own = (fathom_tracer *)(uintptr_t)tracer;
     pthread_mutex_lock(&own->message);
-    fail(tracer->context, FATHOM_BAD_USAGE, "rays[%zu]: %s", index, what);
+    fail_item(tracer->context, FATHOM_BAD_USAGE, "rays", index, "%s", what);
     pthread_mutex_unlock(&own->message);
     return FATHOM_BAD_USAGE;
 }

@@ -122,11 +122,11 @@ static fathom_status put_file(glb *g) {
     if (g->json.failed) return fail_memory(g->scene->context, g->json.bytes.capacity);
     size_t total = header + 2 * chunk + g->json.bytes.count + g->binary_size;
     if (total > UINT32_MAX) {
-        return fail(
-            g->scene->context, FATHOM_BAD_USAGE,
-            "%s: the arrays and nodes take %zu bytes, and a .glb holds at most 4294967295; .ply holds more "
+        return fail_file(
+            g->scene->context, FATHOM_BAD_USAGE, g->path,
+            "the arrays and nodes take %zu bytes, and a .glb holds at most 4294967295; .ply holds more "
             "triangles",
-            g->path, total);
+            total);
     }
     const uint32_t head[5] = {0x46546c67, 2, (uint32_t)total, (uint32_t)g->json.bytes.count, 0x4e4f534a};
     const uint32_t binary[2] = {(uint32_t)g->binary_size, 0x004e4942};

@@ -88,7 +88,7 @@ fathom_status glb_plan_groups(glb *g) {
     for (uint32_t k = g->graph->order_count; k-- > 0;) count_nodes(g, g->graph->order[k]);
     size_t nodes = g->groups[FATHOM_ROOT].nodes;
     if (nodes <= MOST_NODES) return FATHOM_OK;
-    return fail(g->scene->context, FATHOM_BAD_USAGE,
-                "%s: glTF needs a node for each of %zu placed groups, and a .glb has room for about %zu",
-                g->path, nodes, MOST_NODES);
+    return fail_file(g->scene->context, FATHOM_BAD_USAGE, g->path,
+                     "glTF needs a node for each of %zu placed groups, and a .glb has room for about %zu",
+                     nodes, MOST_NODES);
 }

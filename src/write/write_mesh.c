@@ -28,7 +28,7 @@ static fathom_status check_shapes(const fathom_scene *scene, const scene_graph *
         }
     }
     if (placed[SCENE_MESH]) return FATHOM_OK;
-    return fail(scene->context, FATHOM_BAD_USAGE, "%s: the scene holds no triangles to write", path);
+    return fail_file(scene->context, FATHOM_BAD_USAGE, path, "the scene holds no triangles to write");
 }
 
 fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *path) {
@@ -39,8 +39,8 @@ fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *pat
     size_t count = sizeof formats / sizeof *formats, format = 0;
     while (format < count && strcmp(formats[format].extension, extension) != 0) ++format;
     if (format == count) {
-        return fail(scene->context, FATHOM_BAD_USAGE,
-                    "%s: meshes are written as .glb, .ply or .obj, found extension \"%s\"", path, extension);
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "meshes are written as .glb, .ply or .obj, found extension \"%s\"", extension);
     }
     scene_graph graph;
     fathom_status status = graph_create(scene, &graph);

@@ -148,11 +148,11 @@ static fathom_status check_count(const obj *o, const char *path) {
     }
     free(ways);
     if (vertices <= UINT32_MAX) return FATHOM_OK;
-    return fail(
-        o->scene->context, FATHOM_BAD_USAGE,
-        "%s: with all instances placed there are %zu vertices, and readers of OBJ count to 4294967295; .glb "
+    return fail_file(
+        o->scene->context, FATHOM_BAD_USAGE, path,
+        "with all instances placed there are %zu vertices, and readers of OBJ count to 4294967295; .glb "
         "keeps instances as they are",
-        path, vertices);
+        vertices);
 }
 
 /* "models/bunny.obj" -> "models/bunny.mtl" */

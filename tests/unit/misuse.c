@@ -22,6 +22,7 @@ static void null_for_contexts(void **state) {
     refuses(fathom_context_create(NULL));
     fathom_context_destroy(NULL);
     assert_string_equal(fathom_context_message(NULL), "");
+    assert_int_equal(fathom_context_error(NULL)->status, FATHOM_OK);
     fathom_context_on_warning(NULL, NULL, NULL);
     fathom_context_set_threads(NULL, 3);
     fathom_context_allow_outside(NULL, true);

@@ -205,8 +205,8 @@ static void values(void **state) {
     data = triangle;
     data.indices[1] = 3;
     write_glb(f, SHOWN(TRIANGLE_MESH), &data, sizeof data);
-    assert_rejected(f,
-                    "meshes[0].primitives[0].indices: entry[1] (triangle 0): 3 is out of range, there are 3");
+    assert_rejected(
+        f, "meshes[0].primitives[0].indices: entry[1]: 3, of triangle 0, is out of range; there are 3");
 }
 
 #define NODES(nodes) WITH_DATA(TRIANGLE_MESH ",'nodes':[" nodes "]")

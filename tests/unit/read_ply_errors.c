@@ -112,9 +112,9 @@ static void wrong_text(void **state) {
     expect_text_error(TEXT("0 0 0\n0 0 0 7 a\n0 0 0\n0 0 0\n3 0 1 2\n"),
                       "a.ply:11: vertex: expected the end of the row, found \"a\"");
     expect_text_error(TEXT("0 0 0\n0 0 0\n0 nan 0\n0 0 0\n3 0 1 2\n"),
-                      "a.ply:12: vertex 2: y is nan; expected a finite number");
+                      "a.ply:12: y: vertex 2 has nan; expected a finite number");
     expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 1e40\n0 0 0\n3 0 1 2\n"),
-                      "a.ply:12: vertex 2: z is 1e+40; expected a finite number");
+                      "a.ply:12: z: vertex 2 has 1e+40; expected a finite number");
     expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 4\n"),
                       "a.ply:14: face: vertex index 4 is out of range; there are 4 vertices");
     expect_text_error(TEXT("0 0 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 -1\n"),
@@ -139,7 +139,7 @@ static void wrong_bytes(void **state) {
             size_t body = m.size;
             ROW(&m, "fff fff fff fff", 0, 0, 0, 1, 0, 0, 1, (double)NAN, 0, 0, 1, (double)INFINITY);
             ROW(&m, "biii biii", 3, 0, 1, 2, 3, 0, 2, 3);
-            snprintf(expected, sizeof expected, "at byte %zu: vertex 2: y is %s", body + 24, "nan");
+            snprintf(expected, sizeof expected, "at byte %zu: y: vertex 2 has %s", body + 24, "nan");
             expect_error(&m, expected);
             ply_header(&m, (ply_flavour)flavour, XYZ FACES(2), shift);
             ply_square(&m);
@@ -180,7 +180,7 @@ static void first_fault(void **state) {
         fathom_status status;
         fathom_context_set_threads(context, threads);
         assert_null(mesh_try(read_ply, path, plain, &status));
-        assert_fails(context, status, FATHOM_BAD_INPUT, "vertex 90000: x is nan");
+        assert_fails(context, status, FATHOM_BAD_INPUT, "x: vertex 90000 has nan");
     }
     fathom_context_set_threads(context, 0);
 }

@@ -269,15 +269,15 @@ static void meshes(void **state) {
     MESH("positions: the stride is 14", m.position_stride = 14);
     MESH("positions: the stride is 8", m.position_stride = 8);
     MESH("positions[3]", m.positions = odd);
-    MESH("indices[5] (triangle 1): 4 is out of range, there are 4", m.indices = beyond);
+    MESH("indices[5]: 4, of triangle 1, is out of range; there are 4", m.indices = beyond);
     MESH("normals: there are 3 for 4", m.normals = corners, m.normal_count = 3);
     MESH("normals: the stride is 8", m.normals = corners, m.normal_count = 4, m.normal_stride = 8);
     MESH("normals[3]", m.normals = odd, m.normal_count = 4);
-    MESH("normal indices[5]", m.normals = corners, m.normal_count = 4, m.normal_indices = beyond);
+    MESH("normal_indices[5]", m.normals = corners, m.normal_count = 4, m.normal_indices = beyond);
     MESH("uvs: there are 3 for 4", m.uvs = corners, m.uv_count = 3);
     MESH("uvs: the stride is 6", m.uvs = corners, m.uv_count = 4, m.uv_stride = 6);
     MESH("uvs[5]", m.uvs = odd, m.uv_count = 6);
-    MESH("uv indices[5]", m.uvs = corners, m.uv_count = 4, m.uv_indices = beyond);
+    MESH("uv_indices[5]", m.uvs = corners, m.uv_count = 4, m.uv_indices = beyond);
 }
 
 /* Long arrays are checked by several threads: told is the first fault, whoever finds one first. */
@@ -304,7 +304,7 @@ static void the_first_fault_is_told(void **state) {
     assert_non_null(good);
     m.indices = good, m.triangle_count = INDICES / 3;
     REFUSED(fathom_scene_add_mesh_shared(scene, FATHOM_ROOT, &m, NULL),
-            "normal indices[300001] (triangle 100000): 4 is out of range");
+            "normal_indices[300001]: 4, of triangle 100000, is out of range");
     free(good);
     free(positions);
     free(indices);

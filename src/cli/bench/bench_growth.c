@@ -101,14 +101,14 @@ static fathom_status take_earlier(fathom_context *context, const char *path, jso
     json_error_t error;
     json_t *earlier = json_load_file(path, 0, &error);
     if (!earlier)
-        return fail(context, FATHOM_BAD_INPUT, "%s:%d: %s; expected what bench growth --json wrote", path,
-                    error.line, error.text);
+        return fail_at(context, FATHOM_BAD_INPUT, &(fathom_place){.file = path, .line = (size_t)error.line},
+                       "%s; expected what bench growth --json wrote", error.text);
     const char *bench = json_string_value(json_object_get(earlier, "bench"));
     json_t *run;
     size_t i;
     fathom_status status = FATHOM_OK;
     if (!bench || strcmp(bench, "growth") != 0)
-        status = fail(context, FATHOM_BAD_INPUT, "%s: expected what bench growth --json wrote", path);
+        status = fail_file(context, FATHOM_BAD_INPUT, path, "expected what bench growth --json wrote");
     json_array_foreach(json_object_get(earlier, "runs"), i, run) insert(runs, json_incref(run));
     json_decref(earlier);
     return status;

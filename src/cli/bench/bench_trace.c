@@ -104,7 +104,7 @@ static fathom_status build(fathom_context *context, const world *w, contestant *
     double began = clock_seconds(), cpu = clock_process_seconds();
     fathom_status status = trace_create(context, w, &options, &c->tracer);
     c->build = clock_seconds() - began, c->build_cpu = clock_process_seconds() - cpu;
-    return status == FATHOM_OK ? status : fail_within(context, status, "%s: ", c->text);
+    return status == FATHOM_OK ? status : fail_within(context, status, &(fathom_place){.field = c->text});
 }
 
 /* The rays come from the first tracer's hits. */
@@ -122,7 +122,7 @@ static fathom_status race(fathom_context *context, const arena *s, const bench_t
     }
     if (status == FATHOM_OK) {
         status = trace_sets_create(context, s->stage.world, tracers[0], asked->rays, sets);
-        if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", s->name);
+        if (status == FATHOM_BAD_INPUT) fail_within(context, status, &(fathom_place){.file = s->name});
     }
     if (status == FATHOM_OK) status = trace_time_measure(context, tracers, f->count, sets, &options, rates);
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i)

@@ -53,7 +53,7 @@ static fathom_status take_image(fathom_context *context, const compare_side *sid
     for (size_t i = 0; i < 3; ++i) {
         const image_channel *c = compare_channel(side->img, names[i]);
         if (!c || c->type != IMAGE_FLOAT)
-            return fail(context, FATHOM_BAD_INPUT, "%s: FLIP needs the channels R, G and B", side->path);
+            return fail_file(context, FATHOM_BAD_INPUT, side->path, "FLIP needs the channels R, G and B");
         take_plane(c, side->img, encoded, *memory + i * pixels);
         out->rgb[i] = *memory + i * pixels;
     }

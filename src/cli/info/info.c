@@ -181,7 +181,8 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
     fathom_status status = fathom_scene_read_with(context, settings->scene, &read, &scene);
     if (status == FATHOM_OK) {
         status = info_gather(scene, &facts);
-        if (status == FATHOM_BAD_INPUT) fail_within(context, status, "%s: ", settings->scene);
+        if (status == FATHOM_BAD_INPUT)
+            fail_within(context, status, &(fathom_place){.file = settings->scene});
         if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
     }
     /* Lack of memory is no property of the scene. */

@@ -53,12 +53,12 @@ fathom_status outputs_check_distinct(fathom_context *context, const char *const 
                                      const char *input) {
     for (size_t i = 0; i < count; ++i) {
         if (input && outputs_are_same(outputs[i], input))
-            return fail(context, FATHOM_BAD_USAGE, "%s: is the input; expected another name for the output",
-                        outputs[i]);
+            return fail_file(context, FATHOM_BAD_USAGE, outputs[i],
+                             "is the input; expected another name for the output");
         for (size_t k = 0; k < i; ++k) {
             if (outputs_are_same(outputs[i], outputs[k]))
-                return fail(context, FATHOM_BAD_USAGE,
-                            "%s: the same file is named twice; expected different outputs", outputs[i]);
+                return fail_file(context, FATHOM_BAD_USAGE, outputs[i],
+                                 "the same file is named twice; expected different outputs");
         }
     }
     keep_from_reading(context, outputs, count);

@@ -19,8 +19,8 @@ bool partial_name(const char *path, char out[PATH_MAX]) {
 }
 
 static fathom_status too_long(fathom_context *context, const char *path) {
-    return fail(context, FATHOM_BAD_USAGE, "%s: expected a path shorter by %zu bytes, which " MARK " takes",
-                path, strlen(MARK));
+    return fail_file(context, FATHOM_BAD_USAGE, path,
+                     "expected a path shorter by %zu bytes, which " MARK " takes", strlen(MARK));
 }
 
 fathom_status partial_rename(fathom_context *context, args_list *outputs, partial_names **room) {
@@ -39,9 +39,9 @@ static fathom_status check_one(fathom_context *context, const char *path, const 
     if (!partial_name(path, name)) return too_long(context, path);
     for (size_t i = 0; i < count; ++i) {
         if (!outputs_are_same(name, files[i])) continue;
-        return fail(context, FATHOM_BAD_USAGE,
-                    "%s: an interrupted render puts %s there; expected another name for one of the two",
-                    files[i], path);
+        return fail_file(context, FATHOM_BAD_USAGE, files[i],
+                         "an interrupted render puts %s there; expected another name for one of the two",
+                         path);
     }
     return FATHOM_OK;
 }

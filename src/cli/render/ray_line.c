@@ -33,7 +33,8 @@ static bool parse(const char *text, ray_line *out) {
 }
 
 static fathom_status fail_line(const ray_lines *lines, const char *what) {
-    return fail(lines->context, FATHOM_BAD_INPUT, "%s:%u: %s", lines->path, lines->number, what);
+    const fathom_place place = {.file = lines->path, .line = lines->number};
+    return fail_at(lines->context, FATHOM_BAD_INPUT, &place, "%s", what);
 }
 
 static fathom_status read_line(const ray_lines *lines, const char *text, size_t length, ray_line *out) {

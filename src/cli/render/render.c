@@ -225,11 +225,10 @@ static fathom_status render_scene(fathom_context *context, fathom_scene *scene, 
         fathom_film_destroy(film);
         return say_status(&command_render, context, image_prefetch_status(context));
     }
-    /* What no reader could see: how the scene's parts fit together, and in memory. Files that changed name
-     * themselves, and so does a checkpoint. */
+    /* Errors that no reader could find, such as how the scene's parts fit together, name no file yet. */
     if ((status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES) &&
-        !saving_is_named(&w.saving, context) && fathom_scene_check_files(scene) == FATHOM_OK)
-        fail_within(context, status, "%s: ", options->scene);
+        !*fathom_context_error(context)->place->file)
+        fail_within(context, status, &(fathom_place){.file = options->scene});
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
         say_status(&command_render, context, status);
         if (film) rescue_film(context, film, standard_output_shown(&options->outputs, 0), DOUBTFUL);

@@ -65,11 +65,6 @@ void saving_tick(const saving *s) {
         say_error("SIGUSR1: nothing is saved without --checkpoint FILE; rendering goes on");
 }
 
-bool saving_is_named(const saving *s, const fathom_context *context) {
-    const char *path = s->request.path;
-    return path && strncmp(fathom_context_message(context), path, strlen(path)) == 0;
-}
-
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status) {
     const char *path = s->request.path;
     if (!path) return status;

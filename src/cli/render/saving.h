@@ -19,8 +19,6 @@ void saving_begin(const render_options *options, saving *out);
 const fathom_checkpoint *saving_request(const saving *s);
 /* While rendering: tells who sends SIGUSR1 in vain. */
 void saving_tick(const saving *s);
-/* Whether the context's message is about the checkpoint. */
-bool saving_is_named(const saving *s, const fathom_context *context);
 /* After images were written: `status` is how that went. Hands it on, or FATHOM_OUT_OF_RESOURCES when an
  * interrupted render could not be saved. */
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status);

@@ -73,10 +73,10 @@ static fathom_status run_tracer(fathom_context *context, work *k, const validate
         if (changed != FATHOM_OK) return changed;
     }
     if (run->result.differ)
-        return fail(context, FATHOM_INTERNAL,
-                    "%s: the search for exact hits and testing every primitive differ "
-                    "in %llu of %llu rays",
-                    scene, (unsigned long long)run->result.differ, (unsigned long long)run->result.sampled);
+        return fail_file(context, FATHOM_INTERNAL, scene,
+                         "the search for exact hits and testing every primitive differ "
+                         "in %llu of %llu rays",
+                         (unsigned long long)run->result.differ, (unsigned long long)run->result.sampled);
     return status;
 }
 

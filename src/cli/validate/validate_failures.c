@@ -182,7 +182,7 @@ static fathom_status replay_text(fathom_context *context, replay *r, const file_
         if (status != FATHOM_OK || !found) return status;
         status = replay_ray(context, r, &line);
         if (status == FATHOM_BAD_INPUT)
-            return fail_within(context, status, "%s:%u: ", lines.path, lines.number);
+            return fail_within(context, status, &(fathom_place){.file = lines.path, .line = lines.number});
         if (status != FATHOM_OK) return status;
     }
 }

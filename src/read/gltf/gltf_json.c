@@ -30,14 +30,15 @@ fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const ch
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    return fail(g->context, FATHOM_BAD_INPUT, "%s: %s%s%s", g->path, place, place[0] ? ": " : "", text);
+    return fail_at(g->context, FATHOM_BAD_INPUT, &(fathom_place){.file = g->path, .field = place}, "%s",
+                   text);
 }
 
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status) {
     if (status != FATHOM_BAD_INPUT) return status;
     char place[256];
     write_member(at, key, place, sizeof place);
-    return fail_within(g->context, status, "%s: %s%s", g->path, place, place[0] ? ": " : "");
+    return fail_within(g->context, status, &(fathom_place){.file = g->path, .field = place});
 }
 
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {

@@ -214,11 +214,6 @@ static fathom_status read_root(const doc *d, json_t *root, fathom_scene *scene) 
     return status;
 }
 
-static fathom_status fail_syntax(const doc *d, const json_error_t *error) {
-    return fail(d->context, FATHOM_BAD_INPUT, "%s:%d:%d: %s", d->path, error->line, error->column,
-                json_syntax_text(error));
-}
-
 fathom_status read_json(fathom_scene *scene, const char *path) {
     file_map map;
     fathom_status status = file_open(scene->context, path, &map);
@@ -236,7 +231,7 @@ fathom_status read_json(fathom_scene *scene, const char *path) {
     if (arena.lacked)
         status = fail_memory(scene->context, size);
     else
-        status = root ? read_root(&d, root, scene) : fail_syntax(&d, &error);
+        status = root ? read_root(&d, root, scene) : json_syntax_fail(scene->context, path, &error);
     json_arena_release(&arena);
     return file_finish(scene->context, &map, status);
 }

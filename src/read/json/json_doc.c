@@ -10,24 +10,20 @@
 
 enum { PATH_ROOM = 512, TEXT_ROOM = 512 };
 
-static fathom_status place_message(const doc *d, const where *at, fathom_status status) {
-    char path[PATH_ROOM];
-    where_path(at, path, sizeof path);
-    return fail_within(d->context, status, "%s:%u: %s%s", d->path, where_find(d->text, at).line, path,
-                       *path ? ": " : "");
+/* path: filled in, for the place to point to. */
+static fathom_place place_of(const doc *d, const where *at, char path[PATH_ROOM]) {
+    where_path(at, path, PATH_ROOM);
+    return (fathom_place){.file = d->path, .line = where_find(d->text, at).line, .field = path};
 }
 
 fathom_status doc_within(const doc *d, const where *at, fathom_status status) {
-    /* A callee's message often begins with a field, and the document often has it under the same name. */
-    char text[1024];
-    snprintf(text, sizeof text, "%s", fathom_context_message(d->context));
-    char *colon = strstr(text, ": ");
-    if (!colon) return place_message(d, at, status);
-    *colon = '\0';
-    const where field = {at, text, 0};
-    if (!where_find(d->text, &field).whole) return place_message(d, at, status);
-    fail(d->context, status, "%s", colon + 2);
-    return place_message(d, &field, status);
+    char path[PATH_ROOM];
+    const fathom_error *error = fathom_context_error(d->context);
+    const where field = {at, error->place->field, 0};
+    const bool named = !*error->place->file && *field.key && where_find(d->text, &field).whole;
+    const fathom_place place = place_of(d, named ? &field : at, path);
+    return named ? fail_at(d->context, status, &place, "%s", error->text)
+                 : fail_within(d->context, status, &place);
 }
 
 fathom_status doc_fail(const doc *d, const where *at, const char *format, ...) {
@@ -36,8 +32,9 @@ fathom_status doc_fail(const doc *d, const where *at, const char *format, ...) {
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    fail(d->context, FATHOM_BAD_INPUT, "%s", text);
-    return place_message(d, at, FATHOM_BAD_INPUT);
+    char path[PATH_ROOM];
+    const fathom_place place = place_of(d, at, path);
+    return fail_at(d->context, FATHOM_BAD_INPUT, &place, "%s", text);
 }
 
 fathom_status doc_expected(const doc *d, const where *at, json_t *value, const char *expected) {

@@ -12,10 +12,10 @@ typedef struct doc {
     const char *text; /* all of it, zero-terminated */
 } doc;
 
-/* FATHOM_BAD_INPUT with the message "FILE:LINE: PATH: " + text. */
+/* FATHOM_BAD_INPUT at this file, line and path. */
 fathom_status doc_fail(const doc *d, const where *at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-/* Puts "FILE:LINE: PATH: " in front of a callee's message; a field that it begins with joins the path. */
+/* Adds the place to a callee's error. Its field joins the path where the document has it under that name. */
 fathom_status doc_within(const doc *d, const where *at, fathom_status status);
 /* "expected `expected`, found " + what stands there. */
 fathom_status doc_expected(const doc *d, const where *at, json_t *value, const char *expected);

@@ -4,9 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool text_wrong(text_fault *fault, const char *at, const char *format, ...) {
+bool text_wrong(text_fault *fault, const char *at, const char *field, const char *format, ...) {
     if (fault->at) return false;
     fault->at = at;
+    snprintf(fault->field, sizeof fault->field, "%s", field ? field : "");
     va_list args;
     va_start(args, format);
     vsnprintf(fault->what, sizeof fault->what, format, args);
@@ -21,20 +22,21 @@ size_t text_line(const text_file *file, const char *at) {
 }
 
 fathom_status text_fail(const text_file *file, const text_fault *fault) {
-    return fail(file->context, FATHOM_BAD_INPUT, "%s:%zu: %s", file->path, text_line(file, fault->at),
-                fault->what);
+    const fathom_place place = {
+        .file = file->path, .line = text_line(file, fault->at), .field = fault->field};
+    return fail_at(file->context, FATHOM_BAD_INPUT, &place, "%s", fault->what);
 }
 
 #define ZERO_BYTE "a zero byte; expected text"
 
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end) {
     const char *zero = memchr(begin, '\0', (size_t)(end - begin));
-    return !zero || text_wrong(fault, zero, ZERO_BYTE);
+    return !zero || text_wrong(fault, zero, NULL, ZERO_BYTE);
 }
 
 fathom_status text_check_hole(const text_file *file, const file_map *map) {
     if (map->hole >= map->size) return FATHOM_OK;
-    const text_fault fault = {(const char *)map->bytes + map->hole, ZERO_BYTE};
+    const text_fault fault = {(const char *)map->bytes + map->hole, "", ZERO_BYTE};
     return text_fail(file, &fault);
 }
 

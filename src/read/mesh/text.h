@@ -32,13 +32,14 @@ void text_mend_line_ends(char *begin, const char *end);
 /* What is wrong, found on any thread, told later on the calling one. at == NULL: nothing. */
 typedef struct text_fault {
     const char *at;
+    char field[52]; /* the statement or property; "": none */
     char what[200];
 } text_fault;
 
-/* Keeps the first fault of its thread's piece; always returns false. */
-bool text_wrong(text_fault *fault, const char *at, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-/* FATHOM_BAD_INPUT, "path:line: what". */
+/* Keeps the first fault of its thread's piece; always returns false. field: may be NULL. */
+bool text_wrong(text_fault *fault, const char *at, const char *field, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+/* FATHOM_BAD_INPUT, at the fault's line. */
 fathom_status text_fail(const text_file *file, const text_fault *fault);
 /* Text has no zero bytes: keeps a fault at the first one, if there is one, and returns false. */
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end);

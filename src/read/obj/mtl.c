@@ -249,7 +249,7 @@ static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const cha
             return true;
         }
         if (!number_read(&p, &value) || !text_is_break(*p)) {
-            return text_wrong(&r->fault, at, "%s: expected %s, found %s", field->keyword,
+            return text_wrong(&r->fault, at, field->keyword, "expected %s, found %s",
                               field->numbers == 3 ? "three numbers" : "a number", text_quote(at, quote));
         }
         out[i] = limited(r, field, at, value, out[i]);

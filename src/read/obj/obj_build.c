@@ -58,9 +58,8 @@ static fathom_status allocate_meshes(obj_builder *b) {
     for (size_t i = 0; i < b->meshes.count; ++i) {
         obj_mesh *mesh = &b->meshes.items[i];
         if (mesh->count >= UINT32_MAX)
-            return fail(b->r->scene->context, FATHOM_BAD_INPUT,
-                        "%s: %zu triangles of one material; at most 2^32 - 2 fit into a mesh",
-                        b->r->file.path, mesh->count);
+            return fail_file(b->r->scene->context, FATHOM_BAD_INPUT, b->r->file.path,
+                             "%zu triangles of one material; at most 2^32 - 2 fit into a mesh", mesh->count);
         for (int k = 0; k < OBJ_KINDS; ++k) {
             if (k != OBJ_POSITION && (!mesh->has[k] || mesh->same[k])) continue;
             void *memory;
@@ -146,9 +145,9 @@ static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from, mesh_f
 static fathom_status add_meshes(obj_builder *b) {
     fathom_status status = place_runs(b);
     if (status == FATHOM_OK && !b->meshes.count) {
-        return fail(b->r->scene->context, FATHOM_BAD_INPUT,
-                    "%s: it has no faces (%llu vertices); expected at least one f statement with 3 corners",
-                    b->r->file.path, (unsigned long long)b->r->total[OBJ_POSITION]);
+        return fail_file(b->r->scene->context, FATHOM_BAD_INPUT, b->r->file.path,
+                         "it has no faces (%llu vertices); expected at least one f statement with 3 corners",
+                         (unsigned long long)b->r->total[OBJ_POSITION]);
     }
     if (status == FATHOM_OK) status = allocate_meshes(b);
     if (status != FATHOM_OK) return status;

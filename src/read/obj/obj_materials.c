@@ -153,7 +153,8 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
         if (found != UINT32_MAX) {
             const mtl_material *from = &library->materials.items[found];
             fathom_status status = fathom_scene_add_material(r->scene, from->name, &from->value, &material);
-            if (status != FATHOM_OK) return fail_within(r->scene->context, status, "%s: ", r->file.path);
+            if (status != FATHOM_OK)
+                return fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
         } else if (!missing++) {
             first = name;
         }

@@ -34,13 +34,14 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
         out[i] = 0;
         if (i >= required && (text_is_end(*at) || *at == '#')) continue;
         if (!number_read(&p, &out[i]) || !text_is_break(*p)) {
-            text_wrong(fault, at, "%s: number %d of %d: expected a number, found %s", what, i + 1, count,
+            text_wrong(fault, at, what, "number %d of %d: expected a number, found %s", i + 1, count,
                        text_quote(at, quote));
             return NULL;
         }
         if (!(fabs(out[i]) <= (double)FLT_MAX)) {
-            text_wrong(fault, at, "%s: number %d of %d: expected a finite number that fits a float, found %s",
-                       what, i + 1, count, text_quote(at, quote));
+            text_wrong(fault, at, what,
+                       "number %d of %d: expected a finite number that fits a float, found %s", i + 1, count,
+                       text_quote(at, quote));
             return NULL;
         }
     }
@@ -50,7 +51,7 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
 /* Whether there is room for one more: statements were counted before, in a file that others may write to. */
 static bool has_room(obj_parser *s, int kind, const char *at) {
     return s->seen[kind] < s->r->total[kind] ||
-           text_wrong(&s->piece->fault, at, "the file has changed since it was counted through");
+           text_wrong(&s->piece->fault, at, NULL, "the file has changed since it was counted through");
 }
 
 static const char *read_position(obj_parser *s, const char *p) {
@@ -122,24 +123,25 @@ static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
     text_fault *fault = &s->piece->fault;
     size_t corner = s->face.count + 1;
     if (!number_read_integer(p, &index)) {
-        return text_wrong(fault, at, "f: corner %zu: %s: expected an index, found %s", corner, kinds[kind],
+        return text_wrong(fault, at, "f", "corner %zu: %s: expected an index, found %s", corner, kinds[kind],
                           text_quote(at, quote));
     }
     int64_t found = index > 0 ? index - 1 : (int64_t)s->seen[kind] + index;
     bool found_none = index < 0 ? found < 0 : (uint64_t)found >= s->r->total[kind];
     if (index == 0)
-        return text_wrong(fault, at, "f: corner %zu: %s: 0 is no index; the first is 1", corner, kinds[kind]);
+        return text_wrong(fault, at, "f", "corner %zu: %s: 0 is no index; the first is 1", corner,
+                          kinds[kind]);
     if (found_none && kind != OBJ_POSITION) {
         s->absent |= 1u << kind;
         return true;
     }
     if (index < 0 && found < 0) {
-        return text_wrong(fault, at,
-                          "f: corner %zu: %s: index %lld goes back beyond the first; there are %llu above",
+        return text_wrong(fault, at, "f",
+                          "corner %zu: %s: index %lld goes back beyond the first; there are %llu above",
                           corner, kinds[kind], (long long)index, (unsigned long long)s->seen[kind]);
     }
     if (found_none) {
-        return text_wrong(fault, at, "f: corner %zu: %s: index %lld is out of range; the file has %llu",
+        return text_wrong(fault, at, "f", "corner %zu: %s: index %lld is out of range; the file has %llu",
                           corner, kinds[kind], (long long)index, (unsigned long long)s->r->total[kind]);
     }
     *out = (uint32_t)found;
@@ -159,7 +161,7 @@ static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned
         *parts |= 1u << kind;
     }
     if (text_is_break(**p)) return true;
-    return text_wrong(&s->piece->fault, at, "f: corner %zu: expected v, v/vt, v//vn or v/vt/vn, found %s",
+    return text_wrong(&s->piece->fault, at, "f", "corner %zu: expected v, v/vt, v//vn or v/vt/vn, found %s",
                       s->face.count + 1, text_quote(at, quote));
 }
 
@@ -243,8 +245,8 @@ static const char *read_face(obj_parser *s, const char *p) {
         unsigned of_corner;
         if (!read_corner(s, &p, &corner, &of_corner)) return NULL;
         if (s->face.count && of_corner != parts) {
-            text_wrong(&s->piece->fault, at,
-                       "f: corner %zu: it has other parts (v/vt/vn) than corner 1; expected the same in all",
+            text_wrong(&s->piece->fault, at, "f",
+                       "corner %zu: it has other parts (v/vt/vn) than corner 1; expected the same in all",
                        s->face.count + 1);
             return NULL;
         }
@@ -264,7 +266,7 @@ static const char *read_smoothing(obj_parser *s, const char *p) {
     char quote[48];
     if (obj_smoothing_group(p, &s->group)) return p;
     p = text_skip(p);
-    text_wrong(&s->piece->fault, p, "s: expected a number, on or off, found %s", text_quote(p, quote));
+    text_wrong(&s->piece->fault, p, "s", "expected a number, on or off, found %s", text_quote(p, quote));
     return NULL;
 }
 

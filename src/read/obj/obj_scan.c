@@ -121,9 +121,9 @@ fathom_status obj_scan(obj_reader *r) {
     fathom_status status = carry_over(r);
     for (int k = 0; k < OBJ_KINDS && status == FATHOM_OK; ++k) {
         if (r->total[k] < UINT32_MAX) continue;
-        status =
-            fail(r->scene->context, FATHOM_BAD_INPUT, "%s: it has %llu %s; at most 2^32 - 2 can be indexed",
-                 r->file.path, (unsigned long long)r->total[k], kinds[k]);
+        status = fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                           "it has %llu %s; at most 2^32 - 2 can be indexed", (unsigned long long)r->total[k],
+                           kinds[k]);
     }
     return status;
 }

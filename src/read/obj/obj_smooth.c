@@ -132,8 +132,8 @@ static fathom_status make_normals(obj_reader *r, const smooth_faces *faces) {
     fathom_context *context = r->scene->context;
     size_t before = (size_t)r->total[OBJ_NORMAL], count = before + faces->slot_count;
     if (count >= UINT32_MAX)
-        return fail(context, FATHOM_BAD_INPUT, "%s: too many normals: at most 2^32 - 2 can be indexed",
-                    r->file.path);
+        return fail_file(context, FATHOM_BAD_INPUT, r->file.path,
+                         "too many normals: at most 2^32 - 2 can be indexed");
     size_t bytes = count * 3 * sizeof(float) + 16;
     float *normals = realloc(r->values[OBJ_NORMAL], bytes);
     if (!normals) return fail_memory(context, bytes);

@@ -7,11 +7,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-bool ply_wrong(ply_reader *r, const void *at, const char *format, ...) {
+bool ply_wrong(ply_reader *r, const void *at, const char *field, const char *format, ...) {
     pthread_mutex_lock(&r->lock);
     if (!r->fault.at || (const char *)at < r->fault.at) {
         va_list args;
         va_start(args, format);
+        snprintf(r->fault.field, sizeof r->fault.field, "%s", field ? field : "");
         vsnprintf(r->fault.what, sizeof r->fault.what, format, args);
         va_end(args);
         r->fault.at = at;
@@ -37,8 +38,11 @@ fathom_status ply_status(ply_reader *r) {
     if (r->out_of_memory) return fail_memory(context, r->map.size);
     if (!r->fault.at) return FATHOM_OK;
     if (r->header.format == PLY_ASCII || r->fault.at < r->header.body) return text_fail(&r->file, &r->fault);
-    return fail(context, FATHOM_BAD_INPUT, "%s: at byte %zu: %s", r->file.path,
-                r->map.size - (size_t)(r->file.end - r->fault.at), r->fault.what);
+    const fathom_place place = {.file = r->file.path,
+                                .has_byte = true,
+                                .byte = r->map.size - (size_t)(r->file.end - r->fault.at),
+                                .field = r->fault.field};
+    return fail_at(context, FATHOM_BAD_INPUT, &place, "%s", r->fault.what);
 }
 
 fathom_status ply_allocate_arrays(ply_reader *r) {
@@ -64,8 +68,8 @@ bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], c
     static const char *const names[PLY_ROLES] = {"x", "y", "z", "nx", "ny", "nz", "u", "v"};
     for (int role = 0; role < PLY_ROLES; ++role) {
         if (fabs(values[role]) <= (double)FLT_MAX) continue;
-        return ply_wrong(r, at, "vertex %u: %s is %g; expected a finite number that fits a float", i,
-                         names[role], values[role]);
+        return ply_wrong(r, at, names[role], "vertex %u has %g; expected a finite number that fits a float",
+                         i, values[role]);
     }
     bounds->lower.x = values[PLY_X] < bounds->lower.x ? values[PLY_X] : bounds->lower.x;
     bounds->lower.y = values[PLY_Y] < bounds->lower.y ? values[PLY_Y] : bounds->lower.y;
@@ -180,8 +184,8 @@ static fathom_status read_mapped(ply_reader *r) {
     if (status != FATHOM_OK) return status;
     notes_add(&r->notes, r->small, "", "faces of less than 3 corners are left out");
     if (!r->triangle_count) {
-        return fail(r->scene->context, FATHOM_BAD_INPUT,
-                    "%s: no faces: expected at least one with 3 corners or more", r->file.path);
+        return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                         "no faces: expected at least one with 3 corners or more");
     }
     status = make_normals(r);
     if (status == FATHOM_OK) status = keep_map(r);

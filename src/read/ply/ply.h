@@ -101,8 +101,10 @@ typedef struct ply_reader {
     bool out_of_memory;
 } ply_reader;
 
-/* Keeps the fault that is first in the file, from any thread; always returns false. */
-bool ply_wrong(ply_reader *r, const void *at, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Keeps the fault that is first in the file, from any thread; always returns false. field: the statement or
+ * property; may be NULL. */
+bool ply_wrong(ply_reader *r, const void *at, const char *field, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 /* Joins what a thread found to the reader's. */
 void ply_join_bounds(ply_reader *r, const scene_bounds *bounds);
 void ply_no_memory(ply_reader *r);

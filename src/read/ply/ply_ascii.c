@@ -54,8 +54,9 @@ static void count_rows(void *user, size_t begin, size_t end, unsigned worker) {
     ascii_reader *a = user;
     for (size_t i = begin; i < end; ++i) {
         ascii_piece *piece = &a->pieces[i];
-        text_fault zero = {NULL, ""};
-        if (!text_has_no_zeros(&zero, piece->begin, piece->end)) ply_wrong(a->r, zero.at, "%s", zero.what);
+        text_fault zero = {NULL, "", ""};
+        if (!text_has_no_zeros(&zero, piece->begin, piece->end))
+            ply_wrong(a->r, zero.at, NULL, "%s", zero.what);
         const char *p = next_row(piece->begin, piece->end);
         for (; p < piece->end; p = next_row(line_after(p, piece->end), piece->end)) ++piece->rows;
     }
@@ -66,7 +67,7 @@ static bool read_number(ply_reader *r, const ply_property *property, const char 
     const char *at = skip_blanks(*p);
     *p = at;
     if (number_read(p, out) && text_is_break(**p)) return true;
-    return ply_wrong(r, at, "%.40s: expected a number, found %s", property->name, text_quote(at, quote));
+    return ply_wrong(r, at, property->name, "expected a number, found %s", text_quote(at, quote));
 }
 
 static bool read_whole(ply_reader *r, const ply_property *property, const char **p, int64_t *out) {
@@ -74,8 +75,7 @@ static bool read_whole(ply_reader *r, const ply_property *property, const char *
     const char *at = skip_blanks(*p);
     *p = at;
     if (number_read_integer(p, out) && text_is_break(**p)) return true;
-    return ply_wrong(r, at, "%.40s: expected a whole number, found %s", property->name,
-                     text_quote(at, quote));
+    return ply_wrong(r, at, property->name, "expected a whole number, found %s", text_quote(at, quote));
 }
 
 /* `keep`: the numbers' array, or NULL to pass over them. */
@@ -83,7 +83,7 @@ static bool read_list(ply_reader *r, const ply_property *property, const char **
     int64_t count;
     const char *at = *p;
     if (!read_whole(r, property, p, &count)) return false;
-    if (count < 0) return ply_wrong(r, at, "%.40s: a list of %lld numbers", property->name, (long long)count);
+    if (count < 0) return ply_wrong(r, at, property->name, "a list of %lld numbers", (long long)count);
     if (keep) keep->row.count = 0;
     for (int64_t i = 0; i < count; ++i) {
         double number;
@@ -110,7 +110,7 @@ static bool end_row(ply_reader *r, const ply_element *element, ascii_piece *piec
     for (p = first; !text_is_end(*p); p = skip_blanks(p)) {
         const char *at = p;
         if (number_read(&p, &number) && text_is_break(*p)) continue;
-        return ply_wrong(r, at, "%.40s: expected the end of the row, found %s", element->name,
+        return ply_wrong(r, at, element->name, "expected the end of the row, found %s",
                          text_quote(at, quote));
     }
     if (p != first && !piece->longer++) piece->first_longer = first;
@@ -202,7 +202,7 @@ static fathom_status place_rows(ascii_reader *a) {
         promised = next;
     }
     if (a->rows < promised) {
-        ply_wrong(r, r->file.end, "the file ends after %llu rows; its header promises %llu",
+        ply_wrong(r, r->file.end, NULL, "the file ends after %llu rows; its header promises %llu",
                   (unsigned long long)a->rows, (unsigned long long)promised);
     } else if (a->rows > promised) {
         notes_add(&r->notes, (size_t)(a->rows - promised), "",

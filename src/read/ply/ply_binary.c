@@ -120,7 +120,7 @@ static const ply_property *index_list(const binary_reader *b) {
 static bool load_index(const binary_reader *b, ply_type type, const unsigned char *p, int64_t *out) {
     double index = ply_load(p, type, b->big);
     if (!(fabs(index) < 0x1p53) || index != floor(index)) {
-        return ply_wrong(b->r, p, "%s: the index %g is not a whole number", b->faces.element->name, index);
+        return ply_wrong(b->r, p, b->faces.element->name, "the index %g is not a whole number", index);
     }
     *out = (int64_t)index;
     return true;
@@ -187,9 +187,9 @@ static fathom_status read_alike_faces(binary_reader *b, uint64_t corners) {
     }
     /* Each corner has its bytes in the file: no product overflows. */
     if (count * (corners - 2) >= UINT32_MAX) {
-        return fail(r->scene->context, FATHOM_BAD_INPUT,
-                    "%s: %llu triangles; at most 2^32 - 2 fit into a mesh", r->file.path,
-                    (unsigned long long)(count * (corners - 2)));
+        return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                         "%llu triangles; at most 2^32 - 2 fit into a mesh",
+                         (unsigned long long)(count * (corners - 2)));
     }
     r->triangle_count = (size_t)(count * (corners - 2));
     b->corners = (uint32_t)corners;

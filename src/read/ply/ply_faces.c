@@ -8,8 +8,9 @@
 
 bool ply_check_index(ply_reader *r, int64_t index, const void *at) {
     if (index >= 0 && index < (int64_t)r->vertex_count) return true;
-    return ply_wrong(r, at, "%s: vertex index %lld is out of range; there are %u vertices",
-                     r->header.elements.items[r->face_element].name, (long long)index, r->vertex_count);
+    return ply_wrong(r, at, r->header.elements.items[r->face_element].name,
+                     "vertex index %lld is out of range; there are %u vertices", (long long)index,
+                     r->vertex_count);
 }
 
 static bool push_triangle(ply_faces *faces, int64_t a, int64_t b, int64_t c) {
@@ -103,8 +104,8 @@ fathom_status ply_join_faces(ply_reader *r, ply_faces *faces, size_t count) {
     fathom_status status = ply_status(r);
     if (status != FATHOM_OK || !r->triangle_count) return status;
     if (r->triangle_count >= UINT32_MAX)
-        return fail(r->scene->context, FATHOM_BAD_INPUT,
-                    "%s: %zu triangles; at most 2^32 - 2 fit into a mesh", r->file.path, r->triangle_count);
+        return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
+                         "%zu triangles; at most 2^32 - 2 fit into a mesh", r->triangle_count);
     void *memory;
     status = scene_allocate_items(r->scene, r->triangle_count, 3 * sizeof *r->indices, &memory);
     if (status != FATHOM_OK) return status;

@@ -1,6 +1,7 @@
 #include "read/mesh/number.h"
 #include "read/ply/ply.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,11 +53,10 @@ static bool read_type(ply_reader *r, const char **p, ply_type *out) {
         *out = types[i].type;
         return true;
     }
-    return ply_wrong(
-        r, at,
-        "property: the type %s is not known; expected char, uchar, short, ushort, int, uint, float, "
-        "double, or int8 to float64",
-        text_quote(at, quote));
+    return ply_wrong(r, at, "property",
+                     "the type %s is not known; expected char, uchar, short, ushort, int, uint, float, "
+                     "double, or int8 to float64",
+                     text_quote(at, quote));
 }
 
 static bool read_format(ply_reader *r, const char *p) {
@@ -68,22 +68,28 @@ static bool read_format(ply_reader *r, const char *p) {
         r->header.format = (ply_format)i;
         at = read_word(&p, word);
         return strcmp(word, "1.0") == 0 ||
-               ply_wrong(r, at, "format: expected version 1.0, found %s", text_quote(at, quote));
+               ply_wrong(r, at, "format", "expected version 1.0, found %s", text_quote(at, quote));
     }
-    return ply_wrong(r, at, "format: expected ascii, binary_little_endian or binary_big_endian, found %s",
+    return ply_wrong(r, at, "format", "expected ascii, binary_little_endian or binary_big_endian, found %s",
                      text_quote(at, quote));
 }
 
+/* Returns `out`. */
+static const char *element_field(const ply_element *element, char out[52]) {
+    snprintf(out, 52, "element %.40s", element->name);
+    return out;
+}
+
 static bool read_element(ply_reader *r, const char *line, const char *p) {
-    char quote[48];
+    char quote[48], field[52];
     ply_element element = {.line = line};
     const char *at = read_word(&p, element.name);
-    if (!element.name[0]) return ply_wrong(r, at, "element: expected a name and a count");
+    if (!element.name[0]) return ply_wrong(r, at, "element", "expected a name and a count");
     while (text_is_blank(*p)) ++p;
     int64_t count;
     at = p;
     if (!number_read_integer(&p, &count) || count < 0 || !text_is_break(*p)) {
-        return ply_wrong(r, at, "element %.20s: expected a count, found %s", element.name,
+        return ply_wrong(r, at, element_field(&element, field), "expected a count, found %s",
                          text_quote(at, quote));
     }
     element.count = (uint64_t)count;
@@ -92,7 +98,7 @@ static bool read_element(ply_reader *r, const char *line, const char *p) {
 }
 
 static bool read_property(ply_reader *r, const char *line, const char *p) {
-    if (!r->header.elements.count) return ply_wrong(r, line, "property: expected an element before it");
+    if (!r->header.elements.count) return ply_wrong(r, line, "property", "expected an element before it");
     ply_element *element = &r->header.elements.items[r->header.elements.count - 1];
     ply_property property = {.count_type = PLY_UINT8};
     char word[PLY_NAME];
@@ -105,7 +111,7 @@ static bool read_property(ply_reader *r, const char *line, const char *p) {
     }
     if (!read_type(r, &p, &property.type)) return false;
     const char *at = read_word(&p, property.name);
-    if (!property.name[0]) return ply_wrong(r, at, "property: expected a name");
+    if (!property.name[0]) return ply_wrong(r, at, "property", "expected a name");
     if (!array_push(&element->properties, property)) ply_no_memory(r);
     return !r->out_of_memory;
 }
@@ -129,17 +135,17 @@ static const char *read_lines(ply_reader *r) {
         const char *p = line, *at = read_word(&p, word);
         bool good = true;
         if (number == 0 && strcmp(word, "ply") != 0) {
-            good = ply_wrong(r, line, "expected \"ply\" as the first line of a PLY file, found %s",
+            good = ply_wrong(r, line, NULL, "expected \"ply\" as the first line of a PLY file, found %s",
                              text_quote(at, quote));
         } else if (!newline && most < left) {
-            good =
-                ply_wrong(r, line, "a line of more than %zu characters; expected a header's, or end_header",
-                          LINE_MAX_BYTES);
+            good = ply_wrong(r, line, NULL,
+                             "a line of more than %zu characters; expected a header's, or end_header",
+                             LINE_MAX_BYTES);
         } else if (!newline) {
-            good = ply_wrong(r, end, "the file ends inside the header; expected end_header");
+            good = ply_wrong(r, end, NULL, "the file ends inside the header; expected end_header");
         } else if (strcmp(word, "end_header") == 0) {
             if (has_format) return newline + 1;
-            good = ply_wrong(r, line, "end_header: expected a format statement before it");
+            good = ply_wrong(r, line, "end_header", "expected a format statement before it");
         } else if (strcmp(word, "format") == 0) {
             has_format = good = read_format(r, p);
         } else if (strcmp(word, "element") == 0) {
@@ -149,8 +155,9 @@ static const char *read_lines(ply_reader *r) {
         } else if (strcmp(word, "comment") == 0) {
             read_comment(r, p);
         } else if (number > 0 && word[0] && strcmp(word, "obj_info") != 0) {
-            good = ply_wrong(r, at, "expected format, comment, element, property or end_header, found %s",
-                             text_quote(at, quote));
+            good =
+                ply_wrong(r, at, NULL, "expected format, comment, element, property or end_header, found %s",
+                          text_quote(at, quote));
         }
         if (!good) return NULL;
         line = newline + 1;
@@ -172,19 +179,19 @@ static uint64_t smallest_row(const ply_reader *r, const ply_element *element) {
 
 /* Counts are promises: nothing is allocated that the file has no bytes for. */
 static bool check_counts(ply_reader *r) {
+    char field[52];
     uint64_t left = (uint64_t)(r->file.end - r->header.body);
     if (r->header.format == PLY_ASCII) ++left; /* the last line need not end */
     for (size_t i = 0; i < r->header.elements.count; ++i) {
         const ply_element *element = &r->header.elements.items[i];
         if (!element->count) continue;
         uint64_t row = smallest_row(r, element);
-        if (!row) return ply_wrong(r, element->line, "element %.40s: it has no properties", element->name);
+        if (!row) return ply_wrong(r, element->line, element_field(element, field), "it has no properties");
         if (element->count > left / row) {
-            return ply_wrong(
-                r, element->line,
-                "element %.40s: %llu rows of at least %llu bytes do not fit into the %llu bytes that follow",
-                element->name, (unsigned long long)element->count, (unsigned long long)row,
-                (unsigned long long)left);
+            return ply_wrong(r, element->line, element_field(element, field),
+                             "%llu rows of at least %llu bytes do not fit into the %llu bytes that follow",
+                             (unsigned long long)element->count, (unsigned long long)row,
+                             (unsigned long long)left);
         }
         left -= element->count * row;
     }
@@ -216,10 +223,10 @@ static bool find_roles(ply_reader *r) {
                                                     {"v", "t", "texture_v", "texture_t"}};
     r->vertex_element = find_element(&r->header, "vertex");
     if (r->vertex_element == SIZE_MAX)
-        return ply_wrong(r, r->file.begin, "element vertex: the header has none");
+        return ply_wrong(r, r->file.begin, "element vertex", "the header has none");
     const ply_element *vertex = &r->header.elements.items[r->vertex_element];
     if (vertex->count >= UINT32_MAX) {
-        return ply_wrong(r, vertex->line, "element vertex: %llu rows; at most 2^32 - 2 can be indexed",
+        return ply_wrong(r, vertex->line, "element vertex", "%llu rows; at most 2^32 - 2 can be indexed",
                          (unsigned long long)vertex->count);
     }
     r->vertex_count = (uint32_t)vertex->count;
@@ -231,7 +238,7 @@ static bool find_roles(ply_reader *r) {
         bool found = r->role[role] >= 0 && !vertex->properties.items[r->role[role]].is_list;
         if (!found) r->role[role] = -1;
         if (!found && role <= PLY_Z) {
-            return ply_wrong(r, vertex->line, "element vertex: it has no number %s; expected x, y and z",
+            return ply_wrong(r, vertex->line, "element vertex", "it has no number %s; expected x, y and z",
                              names[role][0]);
         }
     }
@@ -239,6 +246,7 @@ static bool find_roles(ply_reader *r) {
 }
 
 static bool find_faces(ply_reader *r) {
+    char field[52];
     const ply_element *elements = r->header.elements.items;
     r->face_element = find_element(&r->header, "face");
     if (r->face_element == SIZE_MAX || !elements[r->face_element].count) {
@@ -248,7 +256,7 @@ static bool find_faces(ply_reader *r) {
     }
     if (r->face_element == SIZE_MAX || !elements[r->face_element].count || !r->vertex_count) {
         return ply_wrong(
-            r, r->file.begin,
+            r, r->file.begin, NULL,
             "no faces: a cloud of %u points has no surface to render; expected an element face or "
             "tristrips that is not empty",
             r->vertex_count);
@@ -257,8 +265,8 @@ static bool find_faces(ply_reader *r) {
     int list = find_property(face, "vertex_indices");
     if (list < 0) list = find_property(face, "vertex_index");
     if (list < 0 || !face->properties.items[list].is_list) {
-        return ply_wrong(r, face->line, "element %s: it has no list vertex_indices or vertex_index",
-                         face->name);
+        return ply_wrong(r, face->line, element_field(face, field),
+                         "it has no list vertex_indices or vertex_index");
     }
     r->index_list = (size_t)list;
     return true;

@@ -13,15 +13,16 @@ static size_t bytes_left(const ply_reader *r, const unsigned char *p) {
 
 bool ply_list_count(ply_reader *r, const ply_property *list, const unsigned char **p, uint64_t *out) {
     size_t size = ply_size(list->count_type), left = bytes_left(r, *p);
-    if (left < size) return ply_wrong(r, *p, "%.40s: the file ends before the list's length", list->name);
+    if (left < size) return ply_wrong(r, *p, list->name, "the file ends before the list's length");
     double count = ply_load(*p, list->count_type, is_big(r));
     if (!(count >= 0 && count < 0x1p32) || count != floor(count)) {
-        return ply_wrong(r, *p, "%.40s: a list of length %g", list->name, count);
+        return ply_wrong(r, *p, list->name, "a list of length %g", count);
     }
     *out = (uint64_t)count;
     if (*out > (left - size) / ply_size(list->type)) {
-        return ply_wrong(r, *p, "%.40s: a list of %llu numbers does not fit into the %zu bytes that follow",
-                         list->name, (unsigned long long)*out, left - size);
+        return ply_wrong(r, *p, list->name,
+                         "a list of %llu numbers does not fit into the %zu bytes that follow",
+                         (unsigned long long)*out, left - size);
     }
     *p += size;
     return true;
@@ -38,7 +39,7 @@ static const unsigned char *walk_row(ply_reader *r, const ply_element *element, 
         if (property->is_list && !ply_list_count(r, property, &p, &count)) return NULL;
         size_t bytes = (size_t)count * ply_size(property->type);
         if (bytes > bytes_left(r, p)) {
-            ply_wrong(r, p, "%.40s: the file ends before it", property->name);
+            ply_wrong(r, p, property->name, "the file ends before it");
             return NULL;
         }
         p += bytes;

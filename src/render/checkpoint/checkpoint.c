@@ -47,10 +47,9 @@ fathom_status checkpoint_check_path(fathom_context *context, const fathom_checkp
                     options->every);
     *exists = lstat(options->path, &info) == 0;
     if (*exists && !options->resume) {
-        return fail(
-            context, FATHOM_BAD_USAGE,
-            "%s: there is a file already, which may be hours of work; resume it (--resume), or remove it",
-            options->path);
+        return fail_file(
+            context, FATHOM_BAD_USAGE, options->path,
+            "there is a file already, which may be hours of work; resume it (--resume), or remove it");
     }
     return file_check_writable(context, options->path);
 }

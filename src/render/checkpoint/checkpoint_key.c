@@ -85,10 +85,10 @@ static void print_number(kind how, uint64_t number, char out[32]) {
 
 static fathom_status differs(fathom_context *context, const char *path, const char *name, const char *saved,
                              const char *now) {
-    return fail(context, FATHOM_BAD_INPUT,
-                "%s: the checkpoint was saved with %s %s, and this render has %s; expected the same render, "
-                "or another checkpoint file",
-                path, name, saved, now);
+    return fail_file(context, FATHOM_BAD_INPUT, path,
+                     "the checkpoint was saved with %s %s, and this render has %s; expected the same render, "
+                     "or another checkpoint file",
+                     name, saved, now);
 }
 
 fathom_status checkpoint_key_compare(fathom_context *context, const char *path, const checkpoint_key *saved,

@@ -17,8 +17,8 @@ typedef struct reading {
 } reading;
 
 static fathom_status damaged(const reading *r, const char *what) {
-    return fail(r->context, FATHOM_BAD_INPUT,
-                "%s: the checkpoint is damaged: %s; remove it to render from the beginning", r->name, what);
+    return fail_file(r->context, FATHOM_BAD_INPUT, r->name,
+                     "the checkpoint is damaged: %s; remove it to render from the beginning", what);
 }
 
 /* NULL when there are not as many bytes. */
@@ -39,16 +39,15 @@ static fathom_status check_format(reading *r) {
     uint32_t format;
     const unsigned char *magic = take(r, strlen(CHECKPOINT_MAGIC));
     if (!magic || memcmp(magic, CHECKPOINT_MAGIC, strlen(CHECKPOINT_MAGIC)) != 0) {
-        return fail(r->context, FATHOM_BAD_INPUT,
-                    "%s: is not a checkpoint; expected a file that rendering with a checkpoint left",
-                    r->name);
+        return fail_file(r->context, FATHOM_BAD_INPUT, r->name,
+                         "is not a checkpoint; expected a file that rendering with a checkpoint left");
     }
     if (!copy(r, &format, sizeof format)) return damaged(r, "it ends too early");
     if (format == CHECKPOINT_FORMAT) return FATHOM_OK;
-    return fail(r->context, FATHOM_BAD_INPUT,
-                "%s: is a checkpoint of format %u, and this Fathom reads format %u; finish it with the "
-                "Fathom that began it, or remove it",
-                r->name, format, CHECKPOINT_FORMAT);
+    return fail_file(r->context, FATHOM_BAD_INPUT, r->name,
+                     "is a checkpoint of format %u, and this Fathom reads format %u; finish it with the "
+                     "Fathom that began it, or remove it",
+                     format, CHECKPOINT_FORMAT);
 }
 
 /* Of all bytes before the last eight. */

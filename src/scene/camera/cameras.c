@@ -89,18 +89,18 @@ static fathom_status find_asked(const fathom_scene *scene, const char *path, con
     if (found == 1 && !scene->cameras.items[*out].orthographic) return FATHOM_OK;
     put_all(&list, scene);
     if (!found) {
-        return fail(scene->context, FATHOM_BAD_USAGE, "%s: there is no camera \"%.60s\"; expected one of %s",
-                    path, wanted, list.bytes);
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "there is no camera \"%.60s\"; expected one of %s", wanted, list.bytes);
     }
     if (found > 1) {
-        return fail(scene->context, FATHOM_BAD_USAGE,
-                    "%s: %zu cameras are called \"%.60s\"; expected the number of one of %s", path, found,
-                    wanted, list.bytes);
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "%zu cameras are called \"%.60s\"; expected the number of one of %s", found, wanted,
+                         list.bytes);
     }
-    return fail(
-        scene->context, FATHOM_BAD_USAGE,
-        "%s: camera \"%.60s\" is orthographic, which is not rendered; expected a perspective one of %s", path,
-        wanted, list.bytes);
+    return fail_file(
+        scene->context, FATHOM_BAD_USAGE, path,
+        "camera \"%.60s\" is orthographic, which is not rendered; expected a perspective one of %s", wanted,
+        list.bytes);
 }
 
 static void warn_others(const fathom_scene *scene, const char *path) {

@@ -17,7 +17,7 @@ static void count(extremes_row *row, bool right) {
 static const double bad[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
 
 static bool says_why(fathom_context *context, fathom_status status) {
-    return status == FATHOM_BAD_INPUT && strlen(fathom_context_message(context)) > 8;
+    return status == FATHOM_BAD_INPUT && strlen(fathom_context_error(context)->text) > 8;
 }
 
 static void refuse_spheres(fathom_context *context, fathom_scene *scene, extremes_row *row) {
@@ -131,7 +131,8 @@ static void expect_refusal(const ray_check *c, fathom_ray ray) {
     for (int i = 0; i < 20; ++i) rays[i] = good, hits[i].t = 0;
     rays[17] = ray;
     bool right = fathom_tracer_closest(c->tracer, rays, 20, hits) == FATHOM_BAD_USAGE;
-    right = right && strstr(fathom_context_message(c->context), "rays[17]") && hits[0].t == 2;
+    right =
+        right && strcmp(fathom_context_error(c->context)->place->field, "rays[17]") == 0 && hits[0].t == 2;
     bool any[20];
     right = right && fathom_tracer_any(c->tracer, rays, 20, any) == FATHOM_BAD_USAGE;
     count(c->row, right);

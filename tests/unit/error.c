@@ -1,0 +1,242 @@
+/* Every error names its place: file, line or byte, and field. */
+#include "unit_folder.h"
+
+#include <fathom/read.h>
+#include <fathom/scene.h>
+
+#define GOOD_OBJ "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+/* Reads a file that is wrong and returns the error. */
+static const fathom_error *error_of(const char *path) {
+    fathom_scene *scene = NULL;
+    assert_int_equal(fathom_scene_read(context, path, &scene), FATHOM_BAD_INPUT);
+    assert_null(scene);
+    const fathom_error *error = fathom_context_error(context);
+    assert_int_equal(error->status, FATHOM_BAD_INPUT);
+    return error;
+}
+
+static const fathom_error *error_in(const char *path, const char *text) {
+    unit_write_file(path, text, strlen(text));
+    const fathom_error *error = error_of(path);
+    unlink(path);
+    return error;
+}
+
+static void assert_place(const fathom_place *place, const char *file, size_t line, const char *field) {
+    assert_string_equal(place->file, file);
+    assert_int_equal(place->line, line);
+    assert_string_equal(place->field, field);
+}
+
+static void assert_message(const char *format, ...) {
+    char expected[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(expected, sizeof expected, format, args);
+    va_end(args);
+    assert_string_equal(fathom_context_message(context), expected);
+}
+
+static void no_error_before_a_call_fails(void **state) {
+    (void)state;
+    fathom_context *fresh;
+    assert_int_equal(fathom_context_create(&fresh), FATHOM_OK);
+    const fathom_context *contexts[] = {fresh, NULL};
+    for (int i = 0; i < 2; ++i) {
+        const fathom_error *error = fathom_context_error(contexts[i]);
+        assert_int_equal(error->status, FATHOM_OK);
+        assert_string_equal(error->text, "");
+        assert_place(error->place, "", 0, "");
+        assert_null(error->place->within);
+        assert_string_equal(fathom_context_message(contexts[i]), "");
+    }
+    fathom_context_destroy(fresh);
+}
+
+static void argument_errors_name_the_field(void **state) {
+    (void)state;
+    fathom_scene *scene;
+    fathom_sphere sphere;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_sphere_default(&sphere);
+    sphere.radius = -1;
+    assert_int_equal(fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL), FATHOM_BAD_INPUT);
+    const fathom_error *error = fathom_context_error(context);
+    assert_place(error->place, "", 0, "radius");
+    assert_string_equal(error->text, "expected a number > 0, found -1");
+    assert_message("radius: %s", error->text);
+
+    const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1};
+    const uint32_t indices[3] = {0, 1, 5};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
+    assert_int_equal(fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL), FATHOM_BAD_INPUT);
+    assert_place(fathom_context_error(context)->place, "", 0, "indices[2]");
+
+    assert_int_equal(fathom_scene_add_sphere(scene, FATHOM_ROOT, NULL, NULL), FATHOM_BAD_USAGE);
+    assert_int_equal(fathom_context_error(context)->status, FATHOM_BAD_USAGE);
+    assert_place(fathom_context_error(context)->place, "", 0, "sphere");
+    fathom_scene_destroy(scene);
+}
+
+static void json_errors_name_line_and_field(void **state) {
+    (void)state;
+    const char *path = in_folder("a.json");
+    const fathom_error *error =
+        error_in(path, "{\"objects\": [\n{\"type\": \"sphere\", \"center\": [0, 0, 0],\n\"radius\": -1}]}");
+    assert_place(error->place, path, 3, "objects[0].radius");
+    assert_false(error->place->has_byte);
+    assert_null(error->place->within);
+    assert_message("%s:3: objects[0].radius: %s", path, error->text);
+}
+
+static void json_syntax_errors_name_line_and_column(void **state) {
+    (void)state;
+    const char *path = in_folder("a.json");
+    const fathom_error *error = error_in(path, "{\n  \"objects\": [}");
+    assert_place(error->place, path, 2, "");
+    assert_int_equal(error->place->column, 15);
+    assert_message("%s:2:15: %s", path, error->text);
+}
+
+/* The scene finds it, not the reader; the document has the field under the same name. */
+static void fields_of_calls_join_the_path_in_json(void **state) {
+    (void)state;
+    const char *path = in_folder("a.json");
+    const fathom_error *error =
+        error_in(path, "{\"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1}],\n"
+                       "\"lights\": [{\"type\": \"directional\",\n\"direction\": [0, 0, 0]}]}");
+    assert_place(error->place, path, 3, "lights[0].direction");
+}
+
+static void obj_errors_name_line_and_statement(void **state) {
+    (void)state;
+    const char *path = in_folder("a.obj");
+    const fathom_error *error = error_in(path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
+    assert_place(error->place, path, 4, "f");
+    assert_message("%s:4: f: %s", path, error->text);
+    assert_place(error_in(path, "v 0 0 0\nv 1 none 0\n" GOOD_OBJ)->place, path, 2, "v");
+}
+
+static void ply_text_errors_name_line_and_property(void **state) {
+    (void)state;
+    const char *path = in_folder("a.ply");
+#define HEADER(FORMAT)                                                                                       \
+    "ply\nformat " FORMAT " 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"   \
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    const fathom_error *error = error_in(path, HEADER("ascii") "0 0 0\n1 0 0\n0 none 0\n3 0 1 2\n");
+    assert_place(error->place, path, 12, "y");
+    assert_place(error_in(path, HEADER("ascii") "0 0 0\n1 0 0\n0 1 nan\n3 0 1 2\n")->place, path, 12, "z");
+    assert_place(error_in(path, "ply\nformat ascii 2.0\n")->place, path, 2, "format");
+    assert_place(error_in(path, "ply\nformat ascii 1.0\nelement vertex many\n")->place, path, 3,
+                 "element vertex");
+}
+
+static void ply_byte_errors_name_byte_and_property(void **state) {
+    (void)state;
+    const char *path = in_folder("a.ply");
+    char bytes[512];
+    const size_t header = strlen(HEADER("binary_little_endian"));
+    const float vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, NAN};
+    memcpy(bytes, HEADER("binary_little_endian"), header);
+    memcpy(bytes + header, vertices, sizeof vertices);
+    memcpy(bytes + header + sizeof vertices, "\3\0\0\0\0\1\0\0\0\2\0\0\0", 13);
+    unit_write_file(path, bytes, header + sizeof vertices + 13);
+    const fathom_error *error = error_of(path);
+    unlink(path);
+    assert_place(error->place, path, 0, "z");
+    assert_true(error->place->has_byte);
+    assert_int_equal(error->place->byte, header + 24); /* where its vertex begins */
+    assert_message("%s: at byte %zu: z: %s", path, header + 24, error->text);
+}
+
+static void gltf_errors_name_the_field(void **state) {
+    (void)state;
+    const char *path = in_folder("a.gltf");
+    const fathom_error *error =
+        error_in(path, "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [{\"primitives\": 3}]}");
+    assert_place(error->place, path, 0, "meshes[0].primitives");
+    assert_message("%s: meshes[0].primitives: %s", path, error->text);
+    error = error_in(path, "{\"asset\":\n {\"version\" 2}}");
+    assert_place(error->place, path, 2, "");
+    assert_true(error->place->column > 0);
+}
+
+static void glb_errors_name_the_byte(void **state) {
+    (void)state;
+    const char *path = in_folder("a.glb");
+    const fathom_error *error = error_in(path, "glTF\1");
+    assert_place(error->place, path, 0, "");
+    assert_true(error->place->has_byte);
+    assert_int_equal(error->place->byte, 5);
+    assert_message("%s: at byte 5: %s", path, error->text);
+}
+
+/* The error is in the mesh; `within` is the object that names it. */
+static void errors_of_named_files_tell_who_names_them(void **state) {
+    (void)state;
+    const char *scene = in_folder("a.json"), *mesh = in_folder("bad.obj");
+    unit_write_file(mesh, "v 0 0 0\nf 1 1 2\n", 16);
+    const fathom_error *error =
+        error_in(scene, "{\"objects\": [\n{\"type\": \"mesh\",\n\"file\": \"bad.obj\"}]}");
+    unlink(mesh);
+    assert_place(error->place, mesh, 2, "f");
+    assert_non_null(error->place->within);
+    assert_place(error->place->within, scene, 3, "objects[0].file");
+    assert_null(error->place->within->within);
+    assert_message("%s:3: objects[0].file: %s:2: f: %s", scene, mesh, error->text);
+}
+
+static void missing_files_are_named(void **state) {
+    (void)state;
+    const char *path = in_folder("none.obj");
+    fathom_scene *scene;
+    assert_int_equal(fathom_scene_read(context, path, &scene), FATHOM_BAD_INPUT);
+    assert_place(fathom_context_error(context)->place, path, 0, "");
+    assert_string_equal(fathom_context_error(context)->text, "No such file or directory");
+}
+
+/* A terminal must not obey the name of a file; whoever opens the file needs its bytes. */
+static void only_the_file_may_hold_control_characters(void **state) {
+    (void)state;
+    const char *path = in_folder("a\033[2J.json");
+    const fathom_error *error = error_in(path, "{\"\\u001b[2J\": 1}");
+    assert_string_equal(error->place->file, path);
+    assert_null(strchr(error->place->field, '\033'));
+    assert_null(strchr(error->text, '\033'));
+    assert_null(strchr(fathom_context_message(context), '\033'));
+}
+
+static void success_keeps_the_last_error(void **state) {
+    (void)state;
+    const char *bad = in_folder("a.json"), *good = in_folder("a.obj");
+    error_in(bad, "{");
+    unit_write_file(good, GOOD_OBJ, strlen(GOOD_OBJ));
+    fathom_scene *scene;
+    assert_ok(context, fathom_scene_read(context, good, &scene));
+    unlink(good);
+    fathom_scene_destroy(scene);
+    assert_string_equal(fathom_context_error(context)->place->file, bad);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_error_before_a_call_fails),
+        cmocka_unit_test(argument_errors_name_the_field),
+        cmocka_unit_test(json_errors_name_line_and_field),
+        cmocka_unit_test(json_syntax_errors_name_line_and_column),
+        cmocka_unit_test(fields_of_calls_join_the_path_in_json),
+        cmocka_unit_test(obj_errors_name_line_and_statement),
+        cmocka_unit_test(ply_text_errors_name_line_and_property),
+        cmocka_unit_test(ply_byte_errors_name_byte_and_property),
+        cmocka_unit_test(gltf_errors_name_the_field),
+        cmocka_unit_test(glb_errors_name_the_byte),
+        cmocka_unit_test(errors_of_named_files_tell_who_names_them),
+        cmocka_unit_test(missing_files_are_named),
+        cmocka_unit_test(only_the_file_may_hold_control_characters),
+        cmocka_unit_test(success_keeps_the_last_error),
+    };
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+}
