@@ -68,7 +68,7 @@ JSON
 }
 for bad in ../secret/data.bin ..%2Fsecret/data.bin %2e%2e/secret/data.bin folder/data.bin; do
     gltf box/a.gltf "$bad"
-    refused 3 "fathom: box/a.gltf: buffers[0].uri: \"" info box/a.gltf
+    refused 3 "fathom: box/a.gltf:1: buffers[0].uri: \"" info box/a.gltf
     said err.txt "$out box/a.gltf,"
     run 0 info box/a.gltf --allow-outside
 done
@@ -79,10 +79,10 @@ refused 3 "buffers[0].uri: \"../data.bin\" $out box/models/b.gltf," info box/mod
 scene models/b.gltf
 run 0 info box/scene.json
 gltf box/models/b.gltf ../../secret/data.bin
-refused 3 "scene.json:2: objects[0].file: box/models/b.gltf: buffers[0].uri: \"../../secret/data.bin\" $out" \
+refused 3 "scene.json:2: objects[0].file: box/models/b.gltf:1: buffers[0].uri: \"../../secret/data.bin\" $out" \
     info box/scene.json
 gltf box/a.gltf none.bin
-refused 3 'fathom: box/a.gltf: buffers[0].uri: box/none.bin: No such file' info box/a.gltf
+refused 3 'fathom: box/a.gltf:1: buffers[0].uri: box/none.bin: No such file' info box/a.gltf
 
 # Images are not used; those that are missing are told, those outside not looked for.
 gltf box/a.gltf data.bin

@@ -152,22 +152,36 @@ static void ply_byte_errors_name_byte_and_property(void **state) {
     assert_message("%s: at byte %zu: z: %s", path, header + 24, error->text);
 }
 
-static void gltf_errors_name_the_field(void **state) {
+#define GLTF "{\"asset\": {\"version\": \"2.0\"},\n\"meshes\": [\n{\"primitives\": 3}]}"
+
+static void gltf_errors_name_line_and_field(void **state) {
     (void)state;
     const char *path = in_folder("a.gltf");
-    const fathom_error *error =
-        error_in(path, "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [{\"primitives\": 3}]}");
-    assert_place(error->place, path, 0, "meshes[0].primitives");
-    assert_message("%s: meshes[0].primitives: %s", path, error->text);
+    const fathom_error *error = error_in(path, GLTF);
+    assert_place(error->place, path, 3, "meshes[0].primitives");
+    assert_message("%s:3: meshes[0].primitives: %s", path, error->text);
     error = error_in(path, "{\"asset\":\n {\"version\" 2}}");
     assert_place(error->place, path, 2, "");
     assert_true(error->place->column > 0);
 }
 
-static void glb_errors_name_the_byte(void **state) {
+static void glb_errors_name_byte_and_field(void **state) {
     (void)state;
     const char *path = in_folder("a.glb");
-    const fathom_error *error = error_in(path, "glTF\1");
+    const uint32_t size = sizeof GLTF - 1, head[5] = {0x46546C67, 2, 20 + size, size, 0x4E4F534A};
+    char bytes[512];
+    memcpy(bytes, head, 20);
+    memcpy(bytes + 20, GLTF, size);
+    unit_write_file(path, bytes, 20 + size);
+    const fathom_error *error = error_of(path);
+    unlink(path);
+    const size_t byte = 20 + (size_t)(strchr(GLTF, '3') - GLTF);
+    assert_place(error->place, path, 0, "meshes[0].primitives");
+    assert_true(error->place->has_byte);
+    assert_int_equal(error->place->byte, byte);
+    assert_message("%s: at byte %zu: meshes[0].primitives: %s", path, byte, error->text);
+
+    error = error_in(path, "glTF\1");
     assert_place(error->place, path, 0, "");
     assert_true(error->place->has_byte);
     assert_int_equal(error->place->byte, 5);
@@ -231,8 +245,8 @@ int main(void) {
         cmocka_unit_test(obj_errors_name_line_and_statement),
         cmocka_unit_test(ply_text_errors_name_line_and_property),
         cmocka_unit_test(ply_byte_errors_name_byte_and_property),
-        cmocka_unit_test(gltf_errors_name_the_field),
-        cmocka_unit_test(glb_errors_name_the_byte),
+        cmocka_unit_test(gltf_errors_name_line_and_field),
+        cmocka_unit_test(glb_errors_name_byte_and_field),
         cmocka_unit_test(errors_of_named_files_tell_who_names_them),
         cmocka_unit_test(missing_files_are_named),
         cmocka_unit_test(only_the_file_may_hold_control_characters),

@@ -79,6 +79,8 @@ typedef struct gltf {
     gltf_source *source;
     const unsigned char *binary; /* the GLB's BIN chunk, or NULL */
     uint64_t binary_size;
+    const char *text; /* the JSON */
+    size_t text_at;   /* the byte of a .glb at which it begins; 0 in .gltf files */
     json_arena arena; /* of all values */
     gltf_value root, accessors, views, buffers, materials, meshes, nodes, scenes, cameras;
     gltf_value extensions, punctual, lights; /* of the document */
@@ -97,12 +99,12 @@ typedef struct gltf {
 
 /* ---- gltf_json.c ----
  * Getters leave *out as it was where the member is absent: it holds the default. All fail with
- * FATHOM_BAD_INPUT and the place: "file: meshes[2].name: is a number; expected a string". */
+ * FATHOM_BAD_INPUT and the place: "file:3: meshes[2].name: is a number; expected a string". */
 
 /* `key` may be NULL: the value `at` itself. */
 fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* Puts file and place in front of the message that a call of the scene left. */
+/* Adds the place to the error that a call of the scene left. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
 /* What is left out, or read otherwise than the file says; see notes.h. */
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)

@@ -28,6 +28,7 @@ static fathom_status fail_byte(gltf *g, size_t at, const char *format, ...) {
 /* `at`: where the text begins in a GLB; 0 for a .gltf file. */
 static fathom_status parse_json(gltf *g, const char *text, size_t size, size_t at) {
     json_error_t error;
+    g->text = text, g->text_at = at;
     /* Duplicate keys are an error: which of them counts would be a guess. */
     g->root = (gltf_value){.json = json_arena_read(&g->arena, text, size, JSON_REJECT_DUPLICATES, &error)};
     if (g->arena.lacked) return fail_memory(g->context, size);

@@ -1,53 +1,59 @@
 /* Typed values that know their place in the document. */
 #include "read/gltf/gltf.h"
+#include "read/json/json_where.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* "meshes[2].primitives[0]"; returns the length, at most room - 1. */
-static size_t write_place(const gltf_value *v, char *out, size_t room) {
-    if (!v || !v->parent) {
-        out[0] = '\0';
-        return 0;
-    }
-    size_t used = write_place(v->parent, out, room);
-    int length = v->key ? snprintf(out + used, room - used, "%s%s", used ? "." : "", v->key)
-                        : snprintf(out + used, room - used, "[%zu]", v->index);
-    if (length > 0) used += (size_t)length;
-    return used < room ? used : room - 1;
+/* Deeper than any value that is read. */
+enum { DEPTH = 32, PATH_ROOM = 256 };
+
+/* The steps to a member of `v`, or to `v` itself; links: filled in. NULL for the document. */
+static const where *steps_to(const gltf_value *v, const char *key, where links[DEPTH]) {
+    size_t count = 0;
+    if (key) links[count++] = (where){NULL, key, 0};
+    for (; v && v->parent && count < DEPTH; v = v->parent) links[count++] = (where){NULL, v->key, v->index};
+    for (size_t i = 1; i < count; ++i) links[i - 1].parent = &links[i];
+    return count ? links : NULL;
 }
 
-static void write_member(const gltf_value *at, const char *key, char *out, size_t room) {
-    size_t used = write_place(at, out, room);
-    if (key) snprintf(out + used, room - used, "%s%s", used ? "." : "", key);
+/* The line in .gltf files and the byte in .glb files. path: filled in, for the place to point to. */
+static fathom_place place_of(const gltf *g, const gltf_value *at, const char *key, char path[PATH_ROOM]) {
+    where links[DEPTH];
+    const where *steps = steps_to(at, key, links);
+    where_path(steps, path, PATH_ROOM);
+    const where_place found = where_find(g->text, steps);
+    if (!g->text_at) return (fathom_place){.file = g->path, .line = found.line, .field = path};
+    const size_t byte = g->text_at + (size_t)(found.value - g->text);
+    return (fathom_place){.file = g->path, .has_byte = true, .byte = byte, .field = path};
 }
 
 fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {
-    char place[256], text[1024];
-    write_member(at, key, place, sizeof place);
+    char path[PATH_ROOM], text[1024];
+    const fathom_place place = place_of(g, at, key, path);
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    return fail_at(g->context, FATHOM_BAD_INPUT, &(fathom_place){.file = g->path, .field = place}, "%s",
-                   text);
+    return fail_at(g->context, FATHOM_BAD_INPUT, &place, "%s", text);
 }
 
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status) {
     if (status != FATHOM_BAD_INPUT) return status;
-    char place[256];
-    write_member(at, key, place, sizeof place);
-    return fail_within(g->context, status, &(fathom_place){.file = g->path, .field = place});
+    char path[PATH_ROOM];
+    const fathom_place place = place_of(g, at, key, path);
+    return fail_within(g->context, status, &place);
 }
 
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {
     char place[128] = ": ", text[320];
+    where links[DEPTH];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    write_member(at, key, place + 2, sizeof place - 2);
+    where_path(steps_to(at, key, links), place + 2, sizeof place - 2);
     notes_add(&g->notes, 1, place[2] ? place : "", "%s", text);
 }
 
