@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 
 /* These store an error and return the status, so that a failure is one line: return fail(context,
- * FATHOM_BAD_INPUT, …); The text says what was found and what was expected; the place says where. NULL for a
+ * FATHOM_BAD_INPUT, …). The text says what was found and what was expected; the place says where. NULL for a
  * string of the place means "". Without a context they only return the status. */
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
