@@ -1,14 +1,12 @@
 #!/bin/sh
 # How far rendering is from Embree's bare calls: BUILD=build/release sh bench/render.sh [REPEATS [REPEATS_AT_16_SPP]]
 # Prints a table for bench/README.md: displaced spheres of 0.36 and 8 million triangles, Lambert and Phong, 1280x720,
-# with 1 and 8 point lights, 1 and 16 spp. The last column is the renderer over bench/plain.c, a loop for such scenes
-# alone. MESHES="8M", LIGHTS="1", SPP="1" measure less; TRACER=embree:avx2 another.
+# with 1 and 8 point lights, 1 and 16 spp. MESHES="8M", LIGHTS="1", SPP="1" measure less; TRACER=embree:avx2 another.
 set -eu
 repeats=${1:-9}
 many=${2:-$repeats}
 source=$(cd "$(dirname "$0")/.." && pwd)
 fathom=${BUILD:-$source/build}/bin/fathom
-plain=${BUILD:-$source/build}/tests/bench_plain
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
@@ -28,8 +26,8 @@ scene() {
     }'
 }
 
-echo "| triangles | lights | spp | rays: closest, any | bare calls, one thread | through the tracer | render phase (quartiles) | two threads, by the clock: render, bare | over a plain loop (quartiles) |"
-echo "|---|---|---|---|---|---|---|---|---|"
+echo "| triangles | lights | spp | rays: closest, any | bare calls, one thread | through the tracer | render phase (quartiles) | two threads, by the clock: render, bare |"
+echo "|---|---|---|---|---|---|---|---|"
 for mesh in ${MESHES:-360k 8M}; do
     "$fathom" generate sphere --triangles "$mesh" -o "$folder/$mesh.glb" -q
     for lights in ${LIGHTS:-1 8}; do
@@ -39,13 +37,11 @@ for mesh in ${MESHES:-360k 8M}; do
             [ "$spp" = 1 ] || times=$many
             "$fathom" bench render "$folder/scene.json" --tracer "${TRACER:-embree}" --spp "$spp" --repeats "$times" \
                 --quiet --csv "$folder/result.csv"
-            over=
-            [ -n "${TRACER:-}" ] || over=$("$plain" "$folder/scene.json" "$spp" "$times")
-            awk -F, -v over="${over##*: }" -v mesh="$mesh" -v lights="$lights" '
+            awk -F, -v mesh="$mesh" -v lights="$lights" '
                 /^#/ || $1 == "spp" { next }
                 { row = sprintf("| %s | %s | %s | %.2f M, %.2f M | %.4f s | %.3f | %.3f (%.3f–%.3f) |", mesh, lights, $1,
                                 ($10 + $12 + $13) / 1e6, $11 / 1e6, $14, $18, $16, $15, $17); speedup = sprintf("%.2f, %.2f", $9, $19) }
-                END { printf "%s %s | %s |\n", row, speedup, over }' "$folder/result.csv"
+                END { printf "%s %s |\n", row, speedup }' "$folder/result.csv"
         done
     done
     rm -f "$folder/$mesh.glb"

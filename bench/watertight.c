@@ -3,7 +3,7 @@
  *   watertight cost FILE REPEATS         a frame's camera rays with and without the repair, interleaved */
 #include "trace/watertight/watertight.h"
 #include "base/clock.h"
-#include "shade/camera.h"
+#include "camera/camera.h"
 #include "trace/search.h"
 #include "verify/search/rays_aim.h"
 
@@ -83,6 +83,7 @@ static void aim(const fathom_mesh *m, rays_random *r, vec3_f64 center, double ra
 }
 
 static void count_block(const subject *s, const trace_rays *rays, const uint8_t *depth, counts *c) {
+    static const uint8_t outside[TRACE_WIDTH];
     trace_block block = {.rays = *rays};
     trace_rays shadow = *rays;
     trace_closest(s->tracer, &block, TRACE_WIDTH, TRACE_INCOHERENT);
@@ -92,7 +93,7 @@ static void count_block(const subject *s, const trace_rays *rays, const uint8_t 
         c->lit += shadow.t_far[i] > 0;
     }
     watertight_closest(s->water, &block, depth, TRACE_WIDTH);
-    watertight_any(s->water, &shadow, depth, 0, TRACE_WIDTH);
+    watertight_any(s->water, &shadow, depth, outside, TRACE_WIDTH);
     for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
         c->left += block.hits.geometry[i] == FATHOM_NONE;
         c->lit_left += shadow.t_far[i] > 0;

@@ -27,7 +27,7 @@
 
 #include "math/affine.h"
 #include "random.h"
-#include "render/surface_point.h"
+#include "surface/gather.h"
 #include "trace/trace.h"
 
 #include <float.h>
@@ -591,7 +591,7 @@ static inline void offset_points(offset_trial *t, const trace_block *block) {
         surface_gather_add(&g, &t->o.w, block, i);
     }
     if (!g.count) return;
-    surface_gather_end(&g, &t->o.w, shade_kernels_best(), false, true, &s);
+    surface_gather_end(&g, &t->o.w, surface_kernels_best(), false, true, &s);
     for (unsigned i = 0; i < g.count; ++i) {
         for (int side = -1; side <= 1; side += 2) {
             trace_block leaving;

@@ -1,6 +1,6 @@
 #include "measure/build_time.h"
 
-#include "render/plan.h"
+#include "integrate/plan.h"
 
 #include <math.h>
 #include <stdio.h>

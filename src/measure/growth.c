@@ -1,6 +1,6 @@
 #include "measure/growth.h"
 
-#include "render/plan.h"
+#include "integrate/plan.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,8 +2,8 @@
 
 #include "base/clock.h"
 #include "base/threads.h"
+#include "job/job.h"
 #include "measure/replay.h"
-#include "render/job.h"
 
 #include <stdlib.h>
 

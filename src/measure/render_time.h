@@ -2,9 +2,9 @@
 #ifndef BENCH_RENDER_TIME_H
 #define BENCH_RENDER_TIME_H
 
+#include "integrate/wave.h"
 #include "measure/statistics.h"
 #include "measure/watch.h"
-#include "render/wave.h"
 
 #define RENDER_TIME_REPEATS_MAX 1000
 #define RENDER_TIME_THREADS_MAX 8

@@ -1,6 +1,6 @@
 #include "measure/secondary_rays.h"
 
-#include "render/wave.h"
+#include "integrate/wave.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -45,7 +45,7 @@ static bool keep_part(const recording *r, uint32_t depth, secondary_kind kind, s
         size_t k = i - begin;
         trace_rays_move(&r->wave.now.rays[i / LANES].rays, i % LANES, &rays[k / LANES], k % LANES);
     }
-    record_keep(to, BARE_CLOSEST, wave_coherence(depth, kind == SECONDARY_MIRRORED), rays, sizeof *rays,
+    record_keep(to, BARE_CLOSEST, classic_coherence(depth, kind == SECONDARY_MIRRORED), rays, sizeof *rays,
                 end - begin);
     free(rays);
     return !to->out_of_memory;
@@ -59,14 +59,14 @@ static bool keep_waiting(const recording *r, uint32_t depth) {
 }
 
 static bool record_wave(recording *r, const wave_region *region) {
-    memset(r->wave.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    memset(r->wave.run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
     wave_batch batch;
     batch.count = wave_region_squares(region, batch.squares);
     if (!wave_camera_rays(&r->wave, region, &batch)) return false;
     for (uint32_t depth = 0; r->wave.now.count; ++depth) {
         record *shadows = wanted(r, depth, SECONDARY_SHADOW);
         record_redirect(r->recorder, NULL, shadows);
-        if (!keep_waiting(r, depth) || !wave_step(&r->wave, depth)) return false;
+        if (!keep_waiting(r, depth) || !classic_step(&r->wave, depth)) return false;
         if (shadows && shadows->out_of_memory) return false;
     }
     return true;

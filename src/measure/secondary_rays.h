@@ -2,8 +2,8 @@
 #ifndef BENCH_SECONDARY_RAYS_H
 #define BENCH_SECONDARY_RAYS_H
 
+#include "integrate/plan.h"
 #include "measure/record.h"
-#include "render/plan.h"
 
 /* Of camera rays and eight bounces; what is deeper is left out. */
 #define SECONDARY_DEPTHS 9

@@ -1,7 +1,7 @@
 #include "measure/stage.h"
 
 #include "base/clock.h"
-#include "render/job.h"
+#include "job/job.h"
 
 #include <string.h>
 

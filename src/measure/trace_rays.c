@@ -1,7 +1,7 @@
 #include "measure/trace_rays.h"
 
-#include "shade/camera.h"
-#include "shade/light.h"
+#include "camera/camera.h"
+#include "light/light.h"
 #include "verify/search/rays_aim.h"
 
 #include <math.h>

@@ -11,7 +11,7 @@ READERS = {
     "obj": ["src/read/obj/"],
     "ply": ["src/read/ply/"],
     "rays": ["src/cli/render/ray_line.c"],
-    "checkpoint": ["src/render/checkpoint/", "src/render/adaptive_record.c"],
+    "checkpoint": ["src/render/checkpoint/", "src/job/adaptive_record.c"],
     "command_line": ["src/cli/", "src/trace/spec.c"],
 }
 

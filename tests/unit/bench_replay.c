@@ -1,9 +1,9 @@
 /* The recording tracer changes no answer and keeps every ray; a replay meets what was met. */
 #include "stage.h"
 
+#include "job/job.h"
 #include "measure/render_time.h"
 #include "measure/replay.h"
-#include "render/job.h"
 #include "told.h"
 #include "trace/embree/beside.h"
 

@@ -1,10 +1,10 @@
 /* Checkpoints: what is saved comes back to the last bit, and nothing else is ever taken for it. */
 #include "base/file.h"
 #include "base/hash.h"
-#include "render/adaptive_record.h"
-#include "render/checkpoint/checkpoint_state.h"
-#include "render/checkpoint/checkpoint_write.h"
-#include "render/film.h"
+#include "film/film.h"
+#include "job/adaptive_record.h"
+#include "job/checkpoint/checkpoint_state.h"
+#include "job/checkpoint/checkpoint_write.h"
 #include "scene/fingerprint.h"
 
 #include "random.h"

@@ -1,5 +1,5 @@
 /* Rendering to an error or a time: what is promised of the error, and what may change no pixel. */
-#include "render/render.h"
+#include "job/render.h"
 
 #include "random.h"
 #include "render.h"
@@ -132,7 +132,7 @@ static void compare_waves(stage *s, const fathom_film *truth, tally *t) {
 
 /* The estimate of a wave, twice over, holds its true error in six of seven waves at least, and on the mean
  * the estimate is no less than the error. Derived: with Σ(q - m)² / 12 of four quarters, unbiased or too
- * large (render/adaptive.h), and a single pixel that has all the error, error over estimate is Student's t of
+ * large (job/adaptive.h), and a single pixel that has all the error, error over estimate is Student's t of
  * 3 degrees of freedom, and |t| > 2 has 13.9 %; more pixels only make it rarer (8: F(8, 24) > 4 has 0.4 %).
  * The true image has 2048 samples a pixel and another seed: its error, along edges, is 1/13 of that of 64
  * samples. */

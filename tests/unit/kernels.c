@@ -1,7 +1,10 @@
 /* The kernels of every instruction set give the same bits. */
-#include "render/kernels.h"
+#include "integrate/kernels.h"
+#include "camera/camera.h"
+#include "film/pixel_sums.h"
 #include "random.h"
-#include "shade/half.h"
+#include "surface/half.h"
+#include "surface/kernels.h"
 #include "unit.h"
 
 static random_state random_numbers = {7};
@@ -30,10 +33,8 @@ static void random_surface(surface_block *s) {
         put(s->v, i, between(0, 1) < 0.1 ? neg_f32(ng) : unit());
         put(s->lift, i, scale_f32(size * 1e-3f, unit()));
         s->offset[i] = size * 1e-6f;
-        for (int c = 0; c < 3; ++c) s->weight[c][i] = (float)between(0, 1);
         s->entering[i] = between(0, 1) < 0.5 ? ~0u : 0, s->smooth[i] = between(0, 1) < 0.5 ? ~0u : 0;
         s->material[i] = (uint32_t)between(0, 4);
-        s->slot[i] = (uint32_t)i;
     }
 }
 
@@ -54,22 +55,37 @@ static void random_materials(scene_named_material table[4]) {
 }
 
 typedef struct outputs {
-    material_block materials;
+    bsdf_block bsdf;
     light_block lit[3];
-    bend_block mirrored, refracted;
+    bsdf_value values[3];
+    lanes3 gains[3];
+    scatter_block mirrored, refracted;
+    bool lights[3];
 } outputs;
 
-static void run(const shade_kernels *k, const scene_named_material *table, const surface_block *s,
+/* Surfaces, lights and materials with the kernels of set k. */
+static void run(unsigned k, const scene_named_material *table, const surface_block *s,
                 const fathom_light lights[3], const light_surface near[3], outputs *out) {
+    static const float ambient[3] = {0.25f, 0.5f, 1};
+    path_block path;
     memset(out, 0, sizeof *out);
-    k->material_gather(table, s, &out->materials);
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) path.weight[c][i] = 1.0f / (float)(1 + c + i);
+    }
+    material_kernels_at(k)->make(table, ambient, s, &out->bsdf);
     for (int i = 0; i < 3; ++i) {
         shade_light light;
+        light_block *lit = &out->lit[i];
         light_prepare(&lights[i], vec_f64(0, 0, 0), &light);
         light.surfaces = near, light.surface_count = i ? 3 : 0;
-        k->light_evaluate(&light, s, &out->materials, &out->lit[i]);
+        light_kernels_at(k)->sample(&light, s->p, lit);
+        out->lights[i] =
+            material_kernels_at(k)->evaluate(s, &out->bsdf, lit->direction, lit->falloff, &out->values[i]);
+        surface_kernels_at(k)->starts(s, out->values[i].behind, lit->origin);
+        light_kernels_at(k)->aim(&light, lit);
+        if (out->lights[i]) integrate_kernels_at(k)->gains(&path, lit, &out->values[i], out->gains[i]);
     }
-    k->bend_rays(s, &out->materials, &out->mirrored, &out->refracted);
+    material_kernels_at(k)->scatter(s, &out->bsdf, &out->mirrored, &out->refracted);
 }
 
 static void random_lights(fathom_light lights[3]) {
@@ -94,8 +110,10 @@ static void random_near(light_surface near[3]) {
 static void same_bits_from_all(void **state) {
     (void)state;
     unsigned sets = 0;
-    while (shade_kernels_at(sets)) ++sets;
-    assert_ptr_equal(shade_kernels_at(sets - 1), shade_kernels_best());
+    while (material_kernels_at(sets)) ++sets;
+    assert_ptr_equal(material_kernels_at(sets - 1), material_kernels_best());
+    assert_ptr_equal(surface_kernels_at(sets - 1), surface_kernels_best());
+    assert_ptr_equal(light_kernels_at(sets - 1), light_kernels_best());
     for (int round = 0; round < 3000; ++round) {
         static scene_named_material table[4];
         static surface_block s;
@@ -107,9 +125,9 @@ static void same_bits_from_all(void **state) {
         random_materials(table);
         random_lights(lights);
         for (int i = 0; i < LANES && round % 2; ++i) s.material[i] = s.material[0];
-        run(shade_kernels_at(0), table, &s, lights, near, &plain);
+        run(0, table, &s, lights, near, &plain);
         for (unsigned k = 1; k < sets; ++k) {
-            run(shade_kernels_at(k), table, &s, lights, near, &wide);
+            run(k, table, &s, lights, near, &wide);
             assert_memory_equal(&plain, &wide, sizeof plain);
         }
     }
@@ -161,7 +179,7 @@ typedef struct hit_outputs {
     surface_block surface;
 } hit_outputs;
 
-static void find_hits(const shade_kernels *k, const hit_case *c, hit_outputs *out) {
+static void find_hits(const surface_kernels *k, const hit_case *c, hit_outputs *out) {
     memset(out, 0, sizeof *out);
     k->facet_gather(&c->mesh, c->triangle, c->org, c->dir, &out->facets, &out->local);
     memcpy(out->local.ray, c->dir, sizeof c->dir);
@@ -176,14 +194,14 @@ static void same_hits_from_all(void **state) {
         static hit_case c;
         static hit_outputs plain, wide;
         random_hits(&c, round);
-        find_hits(shade_kernels_at(0), &c, &plain);
+        find_hits(surface_kernels_at(0), &c, &plain);
         for (int i = 0; i < LANES; ++i) {
             size_t vertex = c.indices[3 * c.triangle[i] + 2] * (c.mesh.position_stride / sizeof(float));
             for (int axis = 0; axis < 3; ++axis)
                 assert_true(plain.facets.corner[2][axis][i] == c.positions[vertex + (size_t)axis]);
         }
-        for (unsigned k = 1; shade_kernels_at(k); ++k) {
-            find_hits(shade_kernels_at(k), &c, &wide);
+        for (unsigned k = 1; surface_kernels_at(k); ++k) {
+            find_hits(surface_kernels_at(k), &c, &wide);
             assert_memory_equal(&plain, &wide, sizeof plain);
         }
     }
@@ -217,7 +235,7 @@ static void random_quads(quad_case *c, int round) {
     }
 }
 
-static void find_quads(const shade_kernels *k, const quad_case *c, hit_outputs *out) {
+static void find_quads(const surface_kernels *k, const quad_case *c, hit_outputs *out) {
     memset(out, 0, sizeof *out);
     k->quad_gather(c->quads, c->primitive, c->org, c->dir, &out->facets, &out->local);
     memcpy(out->local.ray, c->dir, sizeof c->dir);
@@ -248,10 +266,10 @@ static void same_halves_from_all(void **state) {
         static quad_case c;
         static hit_outputs plain, wide;
         random_quads(&c, round);
-        find_quads(shade_kernels_at(0), &c, &plain);
+        find_quads(surface_kernels_at(0), &c, &plain);
         check_halves(&c, &plain);
-        for (unsigned k = 1; shade_kernels_at(k); ++k) {
-            find_quads(shade_kernels_at(k), &c, &wide);
+        for (unsigned k = 1; surface_kernels_at(k); ++k) {
+            find_quads(surface_kernels_at(k), &c, &wide);
             assert_memory_equal(&plain, &wide, sizeof plain);
         }
     }
@@ -300,18 +318,23 @@ static void random_ray_case(ray_case *c, int round) {
     }
 }
 
-static void run_rays(const render_kernels *k, const ray_case *c, ray_outputs *out) {
+static void run_rays(unsigned set, const ray_case *c, ray_outputs *out) {
+    const integrate_kernels *k = integrate_kernels_at(set);
+    const film_kernels *film = film_kernels_at(set);
+    shadow_block shadows;
     memset(out, 0, sizeof *out);
-    k->camera_rays(&c->camera, 0.5f, c->left, c->top, &c->at, &out->camera);
+    memcpy(shadows.gain, c->light.radiance, sizeof shadows.gain);
+    memcpy(shadows.slot, c->slot, sizeof shadows.slot);
+    camera_kernels_at(set)->rays(&c->camera, 0.5f, c->left, c->top, &c->at, &out->camera);
     k->begin_paths(48, 3, &out->path);
     out->met = k->met(&c->hits);
-    out->gaining = k->shadow_rays(&c->light, 0, 0.5f, &out->shadow);
+    out->gaining = k->shadow_rays(&c->light, c->light.radiance, 0.5f, &out->shadow);
     trace_rays answered = out->shadow;
     for (int i = 0; i < LANES; i += 3) answered.t_far[i] = -INFINITY;
-    k->add_seen(&answered, c->light.radiance, c->slot, c->lanes,
+    k->add_seen(&answered, &shadows, c->lanes,
                 (float *const[]){out->radiance[0], out->radiance[1], out->radiance[2]});
-    k->add_samples(out->radiance[0], SLOTS, out->sums);
-    k->store_square(out->sums + 16, 0.25, 5, out->stored[0]);
+    film->add_samples(out->radiance[0], SLOTS, out->sums);
+    film->store_square(out->sums + 16, 0.25, 5, out->stored[0]);
 }
 
 static void is_right(const ray_case *c, const ray_outputs *out) {
@@ -341,10 +364,10 @@ static void same_rays_from_all(void **state) {
         static ray_case c;
         static ray_outputs plain, wide;
         random_ray_case(&c, round);
-        run_rays(render_kernels_at(0), &c, &plain);
+        run_rays(0, &c, &plain);
         is_right(&c, &plain);
-        for (unsigned k = 1; render_kernels_at(k); ++k) {
-            run_rays(render_kernels_at(k), &c, &wide);
+        for (unsigned k = 1; integrate_kernels_at(k); ++k) {
+            run_rays(k, &c, &wide);
             assert_memory_equal(&plain, &wide, sizeof plain);
         }
     }

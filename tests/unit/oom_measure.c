@@ -1,10 +1,10 @@
 /* Memory that runs out, requests.h says how: while measuring, and over the extreme cases. */
+#include "integrate/plan.h"
 #include "measure/build_time.h"
 #include "measure/converge.h"
 #include "measure/growth.h"
 #include "measure/secondary_time.h"
 #include "measure/trace_time.h"
-#include "render/plan.h"
 #include "verify/extremes/extremes.h"
 #include "verify/light/shading_studio.h"
 

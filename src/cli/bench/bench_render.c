@@ -7,9 +7,9 @@
 #include "cli/temporary.h"
 
 #include "base/clock.h"
+#include "film/film.h"
+#include "integrate/plan.h"
 #include "measure/render_time.h"
-#include "render/film.h"
-#include "render/plan.h"
 #include "scene/scene.h"
 
 #include <stdlib.h>

@@ -2,12 +2,12 @@
 
 #include "base/memory.h"
 #include "cli/render/left_out.h"
+#include "film/film.h"
 #include "image/image.h"
-#include "render/film.h"
+#include "material/material.h"
 #include "scene/graph.h"
 #include "scene/mesh/closed.h"
 #include "scene/world/world.h"
-#include "shade/material.h"
 #include "trace/need.h"
 #include "trace/reach.h"
 

@@ -2,7 +2,7 @@
 #ifndef CLI_INFO_FACTS_H
 #define CLI_INFO_FACTS_H
 
-#include "render/parts.h"
+#include "integrate/parts.h"
 
 #define INFO_FEATURES_MAX 24
 

@@ -2,7 +2,7 @@
 #ifndef CLI_LEFT_OUT_H
 #define CLI_LEFT_OUT_H
 
-#include "render/parts.h"
+#include "integrate/parts.h"
 
 #include <fathom/render.h>
 #include <jansson.h>

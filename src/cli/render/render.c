@@ -16,7 +16,7 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "image/image.h"
-#include "render/render.h"
+#include "job/render.h"
 #include "scene/scene.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/log.h"
-#include "render/checkpoint/checkpoint.h"
+#include "job/checkpoint/checkpoint.h"
 
 #include <errno.h>
 #include <stdio.h>

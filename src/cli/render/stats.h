@@ -4,7 +4,7 @@
 
 #include "cli/render/render_options.h"
 #include "cli/render/warnings.h"
-#include "render/parts.h"
+#include "integrate/parts.h"
 
 typedef struct render_report {
     fathom_stats stats;

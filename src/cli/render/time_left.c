@@ -1,7 +1,7 @@
 #include "cli/render/time_left.h"
 
 #include "base/status.h"
-#include "render/film.h"
+#include "film/film.h"
 
 fathom_status time_left(fathom_context *context, double elapsed, render_options *options) {
     if (!(options->max_time > 0)) return FATHOM_OK;

@@ -3,7 +3,7 @@
 #define CLI_TIME_LEFT_H
 
 #include "cli/render/render_options.h"
-#include "render/job.h"
+#include "job/job.h"
 
 /* Sets settings.max_time to what is left at `elapsed` seconds after the start, for rendering and writing.
  * FATHOM_BAD_USAGE when nothing is. Does nothing without --max-time. */

@@ -208,10 +208,11 @@ unsigned watertight_closest(const watertight *w, trace_block *block, const uint8
 }
 
 unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t depth[TRACE_WIDTH],
-                        uint8_t there, unsigned lanes) {
+                        const uint8_t end_depth[TRACE_WIDTH], unsigned lanes) {
     unsigned changed = 0;
     for (unsigned i = 0; i < lanes; ++i) {
-        bool apart = counts_of(depth[i]).casting != counts_of(there).casting;
+        if (end_depth[i] == WATERTIGHT_UNSURE) continue;
+        bool apart = counts_of(depth[i]).casting != counts_of(end_depth[i]).casting;
         if (!apart || rays->t_far[i] < 0) continue;
         unsigned k = 0;
         while (k < ROUNDS && !w->tracer->retry->any(w->tracer, rays, i, k)) ++k;

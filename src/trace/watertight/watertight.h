@@ -39,8 +39,11 @@ watertight_sides watertight_sides_of(const watertight *w, const trace_block *blo
  * changed. */
 unsigned watertight_closest(const watertight *w, trace_block *block, const uint8_t depth[TRACE_WIDTH],
                             unsigned lanes);
-/* After trace_any(), for rays that end at a point of depth `there`. */
+/* The end of a ray lies in a closed mesh: its side depends on where the ray comes from. */
+#define WATERTIGHT_UNSURE UINT8_MAX
+
+/* After trace_any(), for rays between points of these depths. */
 unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t depth[TRACE_WIDTH],
-                        uint8_t there, unsigned lanes);
+                        const uint8_t end_depth[TRACE_WIDTH], unsigned lanes);
 
 #endif

@@ -2,7 +2,7 @@
  * double. The renderer counts from near the view before anything becomes float, so that the images are the
  * same; beside them stands what float makes of the moved scene where nobody does: positions half a metre
  * apart. */
-#include "render/render.h"
+#include "job/render.h"
 #include "trace/spec.h"
 #include "verify/light/shading_studio.h"
 

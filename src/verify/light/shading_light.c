@@ -1,6 +1,6 @@
 /* Point lights in places and of strengths where divisions go wrong: on the surface they light, a rounding
  * beside it, at 1e20 and at 1e-20, and brighter than float can add up. */
-#include "shade/limit.h"
+#include "math/limit.h"
 #include "verify/light/shading_studio.h"
 
 #define PIXELS 33
@@ -73,7 +73,7 @@ static fathom_status distant(fathom_context *context, const shading_options *opt
 }
 
 /* ---- brighter than can be added up ----
- * Radiance ends at 2^100, see shade/limit.h. */
+ * Radiance ends at 2^100, see math/limit.h. */
 
 static fathom_status bright(fathom_context *context, const shading_options *options, shading_rows *rows,
                             double intensity) {

@@ -1,0 +1,55 @@
+/* The pinhole camera as rays. */
+#ifndef CAMERA_CAMERA_H
+#define CAMERA_CAMERA_H
+
+#include "math/inverse_root.h"
+#include "math/lanes.h"
+#include "scene/scene.h"
+
+#include "trace/trace.h"
+
+/* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not yet unit. */
+typedef struct shade_camera {
+    vec3_f32 eye; /* in the world's coordinates */
+    vec3_f64 corner, across, down;
+    vec3_f64 view; /* unit, the way the camera looks */
+} shade_camera;
+
+/* Width and height of the image plane at distance 1. */
+void camera_extent(const fathom_camera *camera, uint32_t width, uint32_t height, double *w, double *h);
+
+void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height, vec3_f64 origin,
+                    shade_camera *out);
+
+/* Towards image position (x, y): Q(u,v) - O of the pinhole, v counted from the bottom. */
+static inline vec3_f64 camera_towards(const shade_camera *c, double x, double y) {
+    return (vec3_f64){c->corner.x + x * c->across.x + y * c->down.x,
+                      c->corner.y + x * c->across.y + y * c->down.y,
+                      c->corner.z + x * c->across.z + y * c->down.z};
+}
+
+/* The same as a unit direction. */
+static inline vec3_f32 camera_direction(const shade_camera *c, double x, double y) {
+    vec3_f64 d = camera_towards(c, x, y);
+    return narrow(scale_f64(inverse_root(dot_f64(d, d)), d));
+}
+
+/* Where in their pixels the samples of a square of 4 × 4 lie, row by row: [0,1) from the top left. */
+typedef struct square_samples {
+    _Alignas(64) double x[LANES], y[LANES];
+    bool alike; /* in the same place of all pixels: only the first is set */
+} square_samples;
+
+typedef struct camera_kernels {
+    const char *name; /* "plain", "avx2", "avx512" */
+
+    /* Rays through a square of 4 × 4 pixels, whose first is (left, top), towards t = infinity. */
+    void (*rays)(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
+                 const square_samples *at, trace_rays *out);
+} camera_kernels;
+
+const camera_kernels *camera_kernels_best(void);
+/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+const camera_kernels *camera_kernels_at(unsigned index);
+
+#endif

@@ -1,0 +1,29 @@
+#include "base/kernel.h"
+#include "camera/camera.h"
+
+static inline void directions(const shade_camera *camera, uint32_t left, uint32_t top,
+                              const square_samples *at, bool alike, trace_rays *restrict out) {
+    const shade_camera c = *camera;
+    for (uint32_t i = 0; i < LANES; ++i) {
+        double x = (double)(int32_t)(left + i % 4) + at->x[alike ? 0 : i];
+        double y = (double)(int32_t)(top + i / 4) + at->y[alike ? 0 : i];
+        vec3_f32 d = camera_direction(&c, x, y);
+        out->dir_x[i] = d.x, out->dir_y[i] = d.y, out->dir_z[i] = d.z;
+    }
+}
+
+/* Samples that are alike are read as two numbers: the processor would wait for sixteen that were stored one
+ * by one a moment ago. */
+static void rays(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
+                 const square_samples *at, trace_rays *restrict out) {
+    if (at->alike)
+        directions(camera, left, top, at, true, out);
+    else
+        directions(camera, left, top, at, false, out);
+    for (uint32_t i = 0; i < LANES; ++i) {
+        out->org_x[i] = camera->eye.x, out->org_y[i] = camera->eye.y, out->org_z[i] = camera->eye.z;
+        out->t_near[i] = t_near, out->t_far[i] = INFINITY;
+    }
+}
+
+const camera_kernels KERNEL(camera_kernels) = {.name = KERNEL_ISA_TEXT(KERNEL_ISA), .rays = rays};

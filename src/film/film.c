@@ -1,0 +1,122 @@
+#include "film/film.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static float *add_channel(fathom_film *film, const char *name, bool is_id, bool color) {
+    /* float and uint32_t are both four bytes: one allocation serves either. */
+    float *data = film->pixels + film->channel_count * (size_t)film->width * film->height;
+    film->channels[film->channel_count++] = (film_channel){name, name, is_id, color, data};
+    return data;
+}
+
+static void add_three(fathom_film *film, float *out[3], const char *a, const char *b, const char *c,
+                      bool color) {
+    out[0] = add_channel(film, a, false, color);
+    out[1] = add_channel(film, b, false, color);
+    out[2] = add_channel(film, c, false, color);
+}
+
+/* Blender takes what follows the last dot for the name of a component, and reads single letters alone. */
+static uint32_t *add_id(fathom_film *film, const char *name, const char *name_in_file) {
+    uint32_t *data = (uint32_t *)(void *)add_channel(film, name, true, false);
+    film->channels[film->channel_count - 1].name_in_file = name_in_file;
+    return data;
+}
+
+static void add_channels(fathom_film *film, unsigned aovs) {
+    add_three(film, film->rgb, "R", "G", "B", true);
+    if (aovs & FATHOM_AOV_ALPHA) film->alpha = add_channel(film, "A", false, true);
+    if (aovs & FATHOM_AOV_Z) film->z = add_channel(film, "Z", false, false);
+    if (aovs & FATHOM_AOV_N) add_three(film, film->n, "N.X", "N.Y", "N.Z", false);
+    if (aovs & FATHOM_AOV_P) add_three(film, film->p, "P.X", "P.Y", "P.Z", false);
+    if (aovs & FATHOM_AOV_ALBEDO) add_three(film, film->albedo, "albedo.R", "albedo.G", "albedo.B", true);
+    if (aovs & FATHOM_AOV_ID) {
+        film->object = add_id(film, "id.object", "id.object.V");
+        film->primitive = add_id(film, "id.primitive", "id.primitive.V");
+        film->instance = add_id(film, "id.instance", "id.instance.V");
+    }
+    if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples", "samples.V");
+}
+
+uint32_t film_channels(unsigned aovs) {
+    const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
+                   three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
+    return 3 + (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
+}
+
+uint64_t film_bytes(const fathom_film *film) {
+    return (uint64_t)film->width * film->height * sizeof(float) * film_channels(film->settings.aovs);
+}
+
+static fathom_status check_memory(fathom_context *context, const fathom_film *film) {
+    uint64_t bytes = film_bytes(film), room = memory_free();
+    if (bytes <= room) return FATHOM_OK;
+    return fail(context, FATHOM_OUT_OF_RESOURCES,
+                "out of memory: %u x %u pixels take %.1f GiB, and %.1f GiB are free; render a smaller image "
+                "or a crop",
+                film->width, film->height, (double)bytes * 0x1p-30, (double)room * 0x1p-30);
+}
+
+fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          fathom_film **out) {
+    *out = NULL;
+    fathom_film *film = calloc(1, sizeof *film);
+    if (!film) return fail_memory(context, sizeof *film);
+    const settings_region region = settings_region_of(settings);
+    film->x = region.x, film->y = region.y;
+    film->width = region.width, film->height = region.height;
+    film->full_width = settings->width, film->full_height = settings->height;
+    film->settings = *settings;
+    film->settings.tracer_spec = NULL; /* not the film's; the tracer's name is in the statistics */
+    film->camera = scene->camera;
+    memcpy(film->background, scene->background, sizeof film->background);
+    film->scene_name = strdup(scene->name);
+    fathom_status status = check_memory(context, film);
+    if (status == FATHOM_OK) film->pixels = memory_take(film_bytes(film));
+    if (status == FATHOM_OK && (!film->scene_name || !film->pixels))
+        status = fail_memory(context, film_bytes(film));
+    if (status != FATHOM_OK) {
+        fathom_film_destroy(film);
+        return status;
+    }
+    add_channels(film, settings->aovs);
+    *out = film;
+    return FATHOM_OK;
+}
+
+void fathom_film_destroy(fathom_film *film) {
+    if (!film) return;
+    memory_return(film->pixels, film_bytes(film));
+    free(film->scene_name);
+    array_free(&film->left_out);
+    free(film);
+}
+
+void fathom_film_size(const fathom_film *film, uint32_t *width, uint32_t *height) {
+    if (width) *width = film ? film->width : 0;
+    if (height) *height = film ? film->height : 0;
+}
+
+uint32_t fathom_film_left_out(const fathom_film *film, const fathom_left_out **out) {
+    if (out) *out = film ? film->left_out.items : NULL;
+    return film ? (uint32_t)film->left_out.count : 0;
+}
+
+static const void *find_channel(const fathom_film *film, const char *name, bool is_id) {
+    for (uint32_t i = 0; film && name && i < film->channel_count; ++i) {
+        const film_channel *c = &film->channels[i];
+        if (c->is_id == is_id && strcmp(c->name, name) == 0) return c->data;
+    }
+    return NULL;
+}
+
+const float *fathom_film_channel(const fathom_film *film, const char *name) {
+    return find_channel(film, name, false);
+}
+
+const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name) {
+    return find_channel(film, name, true);
+}

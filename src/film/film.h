@@ -1,0 +1,64 @@
+/* The film: planar channels of the cropped image, top row first. */
+#ifndef FILM_FILM_H
+#define FILM_FILM_H
+
+#include "base/array.h"
+#include "scene/scene.h"
+
+#include <fathom/render.h>
+
+/* What a render did without. */
+typedef ARRAY(fathom_left_out) left_out_list;
+
+#define FILM_CHANNELS 20
+
+typedef struct film_channel {
+    const char *name, *name_in_file;
+    bool is_id, color;
+    void *data; /* float or uint32_t, width * height */
+} film_channel;
+
+struct fathom_film {
+    uint32_t width, height, x, y, full_width, full_height;
+    film_channel channels[FILM_CHANNELS];
+    uint32_t channel_count;
+    float *pixels; /* of all channels */
+    /* The same memory by meaning; NULL when not asked for. */
+    float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3];
+    uint32_t *object, *primitive, *instance, *samples;
+    /* For the header of image files. */
+    fathom_settings settings;
+    fathom_camera camera;
+    fathom_stats stats;
+    bool interrupted;
+    float background[3];
+    char *scene_name;
+    left_out_list left_out; /* of the render that filled it */
+};
+
+fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          fathom_film **out);
+
+/* As fathom_film_write() would write PNG with the default options, to memory: no folder is needed. On
+ * FATHOM_OK release it with free(). */
+fathom_status film_encode_png(fathom_context *context, const fathom_film *film, unsigned char **bytes,
+                              size_t *size);
+
+typedef struct film_outputs {
+    const char *const *paths;
+    size_t count;
+    const fathom_write_options *options;
+} film_outputs;
+
+/* Seconds that writing the film to these files will take: a part of it is written for that, and thrown away;
+ * the more, the more seconds are allowed for it. What cannot be written takes no time: fathom_film_write()
+ * will say why. */
+double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
+                          double allowed);
+
+/* Channels of a film with these AOVs, a float or uint32_t a pixel each. */
+uint32_t film_channels(unsigned aovs);
+/* Of its pixels. */
+uint64_t film_bytes(const fathom_film *film);
+
+#endif

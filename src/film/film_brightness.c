@@ -1,0 +1,64 @@
+/* How bright a film is, and the exposure that shows it. */
+#include "film/film.h"
+
+#include <string.h>
+
+/* A bin for each sixteenth of an octave: the sign, the exponent and four bits of the fraction. */
+#define BIN_SHIFT 19
+#define BINS (1u << (31 - BIN_SHIFT))
+
+/* Part of the lit pixels that may be brighter than white: highlights, and lights that are in view. */
+#define BRIGHTEST 0.01
+
+static uint32_t bin_of(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits >> BIN_SHIFT;
+}
+
+/* The least value above those in the bin. */
+static float bin_end(uint32_t bin) {
+    const uint32_t bits = (bin + 1) << BIN_SHIFT;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static bool shows_background(const fathom_film *film, size_t pixel) {
+    if (film->alpha) return film->alpha[pixel] == 0;
+    return film->rgb[0][pixel] == film->background[0] && film->rgb[1][pixel] == film->background[1] &&
+           film->rgb[2][pixel] == film->background[2];
+}
+
+/* Its largest channel, without the alpha. */
+static float brightness_at(const fathom_film *film, size_t pixel) {
+    const float largest = fmaxf(film->rgb[0][pixel], fmaxf(film->rgb[1][pixel], film->rgb[2][pixel]));
+    const float alpha = film->alpha ? film->alpha[pixel] : 1;
+    return alpha > 0 && alpha < 1 ? largest / alpha : largest;
+}
+
+/* In steps of a tenth, downwards: at most as many pixels as allowed are brighter than white. */
+static float exposure_for(const uint64_t counts[BINS], uint64_t lit) {
+    const double most = BRIGHTEST * (double)lit;
+    uint64_t above = 0;
+    uint32_t bin = BINS - 1;
+    while (bin > 0 && (double)(above + counts[bin]) <= most) above += counts[bin--];
+    return (float)(floor(-10 * log2((double)bin_end(bin))) / 10 + 0.0); /* no -0 */
+}
+
+void fathom_film_brightness(const fathom_film *film, float exposure, fathom_brightness *out) {
+    if (!out) return;
+    *out = (fathom_brightness){0};
+    if (!film) return;
+    uint64_t counts[BINS] = {0};
+    const float white = exp2f(-exposure);
+    for (size_t i = 0; i < (size_t)film->width * film->height; ++i) {
+        if (shows_background(film, i)) continue;
+        const float value = brightness_at(film, i);
+        ++out->pixels;
+        out->black += value > 0 ? 0 : 1;
+        out->clipped += value > white ? 1 : 0;
+        if (value > 0) ++counts[bin_of(value)];
+    }
+    if (out->black < out->pixels) out->exposure = exposure_for(counts, out->pixels - out->black);
+}

@@ -1,0 +1,21 @@
+/* Entries of an image's header that tell where its pixels lie in the world, and how it came about. */
+#ifndef FILM_FILM_MARKS_H
+#define FILM_FILM_MARKS_H
+
+#include "film/film.h"
+#include "image/image.h"
+
+#define FILM_MARKS 7
+
+typedef struct film_marks {
+    image_attribute items[FILM_MARKS];
+    size_t count;
+    /* What the entries point to. */
+    double to_camera[16], to_ndc[16], seconds;
+    char finished[32], exposure[32], description[64];
+} film_marks;
+
+/* options: NULL for files without a view. The entries point into `out` and the film. */
+void film_marks_of(const fathom_film *film, const fathom_write_options *options, film_marks *out);
+
+#endif

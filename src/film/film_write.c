@@ -1,0 +1,190 @@
+/* The film to an image file, with what it was made from in the header. */
+#include "base/clock.h"
+#include "film/film_marks.h"
+#include "image/exr.h"
+#include "image/image.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void fathom_image_prefetch(void) { image_prefetch(); }
+
+/* Where to; what a call has no use for is NULL. */
+typedef struct target {
+    const char *path;
+    const fathom_write_options *options;
+    unsigned char **bytes;
+    size_t *size;
+} target;
+
+typedef fathom_status (*write_call)(fathom_context *context, const image *img, const target *to);
+
+/* Leaves out empty texts: how many are left. */
+static size_t keep_known(image_attribute *attributes, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (!attributes[i].text || *attributes[i].text) attributes[kept++] = attributes[i];
+    }
+    return kept;
+}
+
+static fathom_status write_film(fathom_context *context, const fathom_film *film, write_call call,
+                                const target *to) {
+    image_channel channels[FILM_CHANNELS];
+    for (uint32_t i = 0; i < film->channel_count; ++i) {
+        const film_channel *c = &film->channels[i];
+        channels[i] = (image_channel){c->name_in_file, c->is_id ? IMAGE_UINT : IMAGE_FLOAT, c->color, c->data,
+                                      sizeof(float)};
+    }
+    const double spp = film->settings.spp, seed = (double)film->settings.seed,
+                 fovy = 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
+    const double mean_spp = (double)film->stats.samples / ((double)film->width * film->height);
+    const bool estimated = film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate);
+    const char *pattern = film->settings.pattern == FATHOM_PATTERN_GRID         ? "grid"
+                          : film->settings.pattern == FATHOM_PATTERN_STRATIFIED ? "stratified"
+                                                                                : "sobol";
+    char software[64] = "Fathom ";
+    for (size_t i = 0; fathom_version()[i] && i < 32; ++i) software[7 + i] = fathom_version()[i];
+    char fingerprint[24];
+    snprintf(fingerprint, sizeof fingerprint, "%016llx", (unsigned long long)film->stats.scene_fingerprint);
+    const char *command = to->options && to->options->command ? to->options->command : "";
+    const image_attribute attributes[] = {
+        {"Software", software, NULL, 0},
+        {"fathom:scene", film->scene_name, NULL, 0},
+        {"fathom:version", fathom_version(), NULL, 0},
+        {"fathom:commit", fathom_commit(), NULL, 0},
+        {"fathom:command", command, NULL, 0},
+        {"fathom:fingerprint", fingerprint, NULL, 0},
+        {"fathom:tracer", film->stats.tracer, NULL, 0},
+        {"fathom:pattern", pattern, NULL, 0},
+        {"fathom:spp", NULL, &spp, 1},
+        {"fathom:seed", NULL, &seed, 1},
+        {"fathom:camera:origin", NULL, film->camera.origin, 3},
+        {"fathom:camera:x", NULL, film->camera.x, 3},
+        {"fathom:camera:y", NULL, film->camera.y, 3},
+        {"fathom:camera:z", NULL, film->camera.z, 3},
+        {"fathom:camera:fovy", NULL, &fovy, 1},
+        {"fathom:meanSpp", NULL, &mean_spp, 1},
+        {"fathom:errorEstimate", NULL, &film->stats.error_estimate, 1}, /* of renders that estimate it */
+    };
+    const size_t count = sizeof attributes / sizeof *attributes - !estimated;
+    film_marks marks;
+    image_attribute all[sizeof attributes / sizeof *attributes + FILM_MARKS];
+    memcpy(all, attributes, count * sizeof *all);
+    film_marks_of(film, to->options, &marks);
+    memcpy(all + count, marks.items, marks.count * sizeof *all);
+    const image img = {.width = film->width,
+                       .height = film->height,
+                       .x = film->x,
+                       .y = film->y,
+                       .full_width = film->full_width,
+                       .full_height = film->full_height,
+                       .channels = channels,
+                       .channel_count = film->channel_count,
+                       .attributes = all,
+                       .attribute_count = keep_known(all, count + marks.count)};
+    return call(context, &img, to);
+}
+
+static fathom_status write_whole(fathom_context *context, const image *img, const target *to) {
+    return image_write(context, img, to->path, to->options);
+}
+
+static fathom_status write_plain(fathom_context *context, const image *img, const target *to) {
+    return exr_write_plain(context, img, to->path);
+}
+
+static fathom_status write_rehearsal(fathom_context *context, const image *img, const target *to) {
+    return image_rehearse(context, img, to->path, to->options);
+}
+
+static fathom_status write_memory(fathom_context *context, const image *img, const target *to) {
+    return image_encode_png(context, img, to->options, to->bytes, to->size);
+}
+
+fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
+                                const fathom_write_options *options) {
+    if (!context || !film) return fail_null(context, "film");
+    if (!path) return fail_null(context, "path");
+    if (!options) return fail_null(context, "options");
+    return write_film(context, film, write_whole, &(target){.path = path, .options = options});
+}
+
+fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film, const char *path) {
+    if (!context || !film) return fail_null(context, "film");
+    if (!path) return fail_null(context, "path");
+    return write_film(context, film, write_plain, &(target){.path = path});
+}
+
+fathom_status film_encode_png(fathom_context *context, const fathom_film *film, unsigned char **bytes,
+                              size_t *size) {
+    fathom_write_options options;
+    fathom_write_options_default(&options);
+    return write_film(context, film, write_memory,
+                      &(target){.options = &options, .bytes = bytes, .size = size});
+}
+
+/* ---- how long it takes ---- */
+
+/* Rows that EXR compresses together. */
+#define GROUP 16u
+
+/* Of all groups, one in so many is rehearsed at least. */
+#define SHARE 8u
+
+static void strip_destroy(fathom_film *strip) {
+    for (uint32_t i = 0; i < strip->channel_count; ++i) free(strip->channels[i].data);
+}
+
+/* Groups of rows from all over the film, as a film of their own as far as writing goes. */
+static bool strip_create(const fathom_film *film, uint32_t groups, fathom_film *out) {
+    const size_t bytes = (size_t)GROUP * film->width * sizeof(float), all = film->height / GROUP;
+    *out = *film;
+    out->height = out->full_height = groups * GROUP, out->y = 0;
+    for (out->channel_count = 0; out->channel_count < film->channel_count; ++out->channel_count) {
+        char *to = malloc(groups * bytes);
+        if (!to) return false;
+        for (size_t g = 0; g < groups; ++g) {
+            const char *from = film->channels[out->channel_count].data;
+            memcpy(to + g * bytes, from + g * all / groups * bytes, bytes);
+        }
+        out->channels[out->channel_count].data = to;
+    }
+    return true;
+}
+
+static double rehearse(fathom_context *context, const fathom_film *film, uint32_t groups,
+                       const film_outputs *outputs) {
+    fathom_film strip;
+    double seconds = 0;
+    if (strip_create(film, groups, &strip)) {
+        double began = clock_seconds();
+        for (size_t i = 0; i < outputs->count; ++i) {
+            write_film(context, &strip, write_rehearsal,
+                       &(target){.path = outputs->paths[i], .options = outputs->options});
+        }
+        seconds = clock_seconds() - began;
+    }
+    strip_destroy(&strip);
+    return seconds;
+}
+
+static uint32_t at_most(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+/* What a file takes however small it is, and what each group of rows does, by two sizes: the larger one as
+ * large as the time for it allows. The first write of all loads what the later ones find there. */
+double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
+                          double allowed) {
+    const uint32_t all = film->height / GROUP;
+    if (all < 2) return 0; /* no time to speak of */
+    rehearse(context, film, 1, outputs);
+    double one = rehearse(context, film, 1, outputs), more, spent = 0;
+    uint32_t groups, next = all / SHARE > 2 ? all / SHARE : 2;
+    do {
+        groups = next, next = at_most(2 * groups, all);
+        more = rehearse(context, film, groups, outputs);
+        spent += more;
+    } while (groups < all && spent + 2 * more < allowed);
+    return one + fmax(more - one, 0) / (groups - 1) * ((double)film->height / GROUP - 1);
+}

@@ -1,0 +1,15 @@
+#include "base/kernel.h"
+#include "film/pixel_sums.h"
+
+static void add_samples(const float *restrict from, size_t count, double *restrict to) {
+    for (size_t i = 0; i < count / LANES * LANES; ++i) to[i] += (double)from[i];
+}
+
+static void store_square(const double *restrict sums, double scale, size_t width, float *restrict to) {
+    _Alignas(64) float mean[LANES];
+    for (int i = 0; i < LANES; ++i) mean[i] = (float)(sums[i] * scale);
+    for (size_t row = 0; row < 4; ++row) memcpy(to + row * width, mean + 4 * row, 4 * sizeof *to);
+}
+
+const film_kernels KERNEL(film_kernels) = {
+    .name = KERNEL_ISA_TEXT(KERNEL_ISA), .add_samples = add_samples, .store_square = store_square};

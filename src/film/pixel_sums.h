@@ -1,0 +1,55 @@
+/* Samples summed into pixels, in double and in the order of the samples. */
+#ifndef FILM_PIXEL_SUMS_H
+#define FILM_PIXEL_SUMS_H
+
+#include "film/film.h"
+#include "film/squares.h"
+
+typedef struct film_kernels {
+    const char *name; /* "plain", "avx2", "avx512" */
+
+    /* to[i] += from[i]; count is a multiple of 16. */
+    void (*add_samples)(const float *from, size_t count, double *to);
+
+    /* A square of 4 × 4 sums, scaled, to an image of this width. */
+    void (*store_square)(const double *sums, double scale, size_t width, float *to);
+} film_kernels;
+
+const film_kernels *film_kernels_best(void);
+/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+const film_kernels *film_kernels_at(unsigned index);
+
+/* What only AOVs need. */
+typedef struct hit_sums {
+    double n[3][WAVE_SLOTS], albedo[3][WAVE_SLOTS], alpha[WAVE_SLOTS];
+    double nearest[WAVE_SLOTS]; /* squared distance to the pixel's centre of the sample kept in `centre` */
+    first_hits centre;
+} hit_sums;
+
+/* Of a wave's pixels, by slot. */
+typedef struct pixel_sums {
+    double rgb[3][WAVE_SLOTS];
+    hit_sums *hits;  /* NULL: no AOV wants them */
+    sampler sampler; /* which made the samples */
+    const film_kernels *kernels;
+} pixel_sums;
+
+/* hits: whether AOVs want first hits. */
+bool pixel_sums_create(const sampler *from, bool hits, pixel_sums *out);
+void pixel_sums_destroy(pixel_sums *sums);
+void pixel_sums_clear(pixel_sums *sums);
+
+/* The samples of the square at `place` of a batch, and their first hits where AOVs want them. The sums are of
+ * the region's wave. */
+void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_region *region,
+                    const wave_batch *batch, uint32_t place);
+
+/* The means of `samples` samples of the pixels of a square to the film, as far as they lie in the region. */
+void pixel_sums_store_square(const pixel_sums *sums, const wave_region *region, const wave_square *square,
+                             uint32_t samples, fathom_film *film);
+
+/* The mean of `samples` samples to a pixel of the film, (x, y) in the image. */
+void pixel_sums_store(const pixel_sums *sums, uint32_t slot, uint32_t samples, uint32_t x, uint32_t y,
+                      fathom_film *film);
+
+#endif

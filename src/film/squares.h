@@ -1,0 +1,85 @@
+/* How an image is divided: waves of 32 × 32 pixels, in them squares of 4 × 4, and batches of squares with a
+ * sample of each pixel. The grid is fixed to the image, not to tiles, crops or threads. */
+#ifndef FILM_SQUARES_H
+#define FILM_SQUARES_H
+
+#include "math/lanes.h"
+#include "sample/sample.h"
+
+#include <stdbool.h>
+
+#define WAVE_SIDE 32
+#define WAVE_SLOTS (WAVE_SIDE * WAVE_SIDE)
+#define WAVE_SQUARES (WAVE_SLOTS / LANES) /* of 4 × 4 pixels */
+
+/* The pixels of a wave: the part of its 32 × 32 square that is rendered, in image coordinates, half open. */
+typedef struct wave_region {
+    uint32_t x0, y0, x1, y1;
+    uint32_t left, top; /* the square's corner */
+} wave_region;
+
+/* The slot of a pixel at (x, y) from the square's corner: by squares of 4 × 4, then by rows. */
+static inline uint32_t wave_slot(uint32_t x, uint32_t y) {
+    return (y / 4 * (WAVE_SIDE / 4) + x / 4) * LANES + y % 4 * 4 + x % 4;
+}
+
+/* One sample of each pixel of a 4 × 4 square, whose corner is a multiple of 4. */
+typedef struct wave_square {
+    uint32_t left, top, index;
+} wave_square;
+
+/* The sample of the square's pixel (left + k % 4, top + k / 4). */
+static inline sample_key wave_square_key(const wave_square *s, uint32_t k) {
+    return (sample_key){s->left + k % 4, s->top + k / 4, s->index};
+}
+
+/* Square s of a region's wave, the squares taken row by row: its pixels have the slots from s * 16 on. */
+static inline wave_square wave_square_at(const wave_region *r, uint32_t s, uint32_t index) {
+    const uint32_t across = WAVE_SIDE / 4;
+    return (wave_square){r->left + s % across * 4, r->top + s / across * 4, index};
+}
+
+static inline bool wave_square_is_whole(const wave_region *r, const wave_square *s) {
+    return s->left >= r->x0 && s->left + 4 <= r->x1 && s->top >= r->y0 && s->top + 4 <= r->y1;
+}
+
+/* The pixels of the square that lie in the region, as bits: pixel (left + k % 4, top + k / 4) is bit k. */
+static inline uint32_t wave_square_pixels(const wave_region *r, const wave_square *s) {
+    uint32_t bits = 0;
+    for (uint32_t k = 0; k < LANES; ++k) {
+        uint32_t x = s->left + k % 4, y = s->top + k / 4;
+        bits |= x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1 ? 1u << k : 0;
+    }
+    return bits;
+}
+
+/* Those squares that hold pixels of the region, row by row, for their first samples; returns how many. */
+static inline uint32_t wave_region_squares(const wave_region *r, wave_square out[WAVE_SQUARES]) {
+    uint32_t count = 0;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
+        const wave_square q = wave_square_at(r, s, 0);
+        if (q.left < r->x1 && q.left + 4 > r->x0 && q.top < r->y1 && q.top + 4 > r->y0) out[count++] = q;
+    }
+    return count;
+}
+
+/* Squares in any order, also several samples of one: pixel (x, y) of the one at `place` has the slot
+ * place * 16 + (y - top) * 4 + x - left. */
+typedef struct wave_batch {
+    wave_square squares[WAVE_SQUARES];
+    uint32_t count;
+} wave_batch;
+
+/* What the first hit of each slot's sample leaves for the AOVs. */
+typedef struct first_hits {
+    float z[WAVE_SLOTS], n[3][WAVE_SLOTS], p[3][WAVE_SLOTS], albedo[3][WAVE_SLOTS], alpha[WAVE_SLOTS];
+    uint32_t object[WAVE_SLOTS], primitive[WAVE_SLOTS], instance[WAVE_SLOTS];
+} first_hits;
+
+/* The samples of a batch, by slot. */
+typedef struct wave_samples {
+    float *radiance[3];
+    first_hits *first; /* NULL when no AOV wants it */
+} wave_samples;
+
+#endif

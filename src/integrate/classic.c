@@ -1,0 +1,213 @@
+/* Classic recursive ray tracing: at each vertex the light of every light, and a mirrored and a refracted ray.
+ * Whitted, "An improved illumination model for shaded display" (1980), with Phong's and Blinn's highlights.
+ */
+#include "integrate/wave.h"
+#include "math/limit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- light ---- */
+
+static bool emits(const bsdf_block *bsdf) {
+    float sum = 0;
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) sum += bsdf->emission[c][i];
+    }
+    return sum > 0;
+}
+
+/* Ambient and emitted light. */
+static void add_emission(const vertex_block *v, float *const radiance[3]) {
+    if (!emits(&v->bsdf)) return;
+    for (int c = 0; c < 3; ++c) {
+        float value[LANES];
+        for (int i = 0; i < LANES; ++i) value[i] = limited(v->path.weight[c][i] * v->bsdf.emission[c][i]);
+        for (uint32_t i = 0; i < v->surface.count; ++i) radiance[c][v->path.slot[i]] += value[i];
+    }
+}
+
+/* Rounded upwards: however many are added, `lost` is never less than their sum. */
+static float sum_above(float lost, float gain) { return (lost + gain) * (1 + 0x1p-21f); }
+
+static bool may_lose(const wave *w, uint32_t slot, const lanes3 gain, uint32_t i) {
+    const fathom_settings *settings = &w->run.plan->settings;
+    for (int c = 0; c < 3; ++c) {
+        float most = settings->max_loss + settings->max_relative_loss * w->run.samples.radiance[c][slot];
+        if (!(sum_above(w->lost[c][slot], gain[c][i]) <= most)) return false;
+    }
+    return true;
+}
+
+/* Takes gains away that are not worth a shadow ray. What is left out of a sample, were every light seen, is
+ * at most max_loss + max_relative_loss R, R its radiance so far: radiance only grows, so R is at most the
+ * sample's own in the end. A pixel is the mean of its samples, and loses at most max_loss + max_relative_loss
+ * times its value. Each sample goes by its own paths alone, in their order, so grouping changes nothing. */
+static void leave_out_faint(wave *w, const vertex_block *v, light_block *light, lanes3 gain) {
+    for (uint32_t i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        if (!(gain[0][i] + gain[1][i] + gain[2][i] > 0) || !may_lose(w, slot, gain, i)) continue;
+        for (int c = 0; c < 3; ++c) {
+            w->lost[c][slot] = sum_above(w->lost[c][slot], gain[c][i]);
+            gain[c][i] = 0;
+        }
+        light->distance[i] = 0;
+        ++w->run.rays.faint;
+    }
+}
+
+/* The gains of a block of vertices from a light, and the shadow rays towards it. */
+static void push_light(wave *w, size_t block, uint32_t index, bool first) {
+    const render_plan *plan = w->run.plan;
+    const shade_light *light = &plan->lights[index];
+    const vertex_block *v = &w->vertices[block];
+    light_block sample;
+    bsdf_value value;
+    lanes3 gain;
+    plan->light_kernels->sample(light, v->surface.p, &sample);
+    if (!plan->material_kernels->evaluate(&v->surface, &v->bsdf, sample.direction, sample.falloff, &value))
+        return;
+    plan->surface_kernels->starts(&v->surface, value.behind, sample.origin);
+    if (light->type != FATHOM_LIGHT_DIRECTIONAL) plan->light_kernels->aim(light, &sample);
+    plan->kernels->gains(&v->path, &sample, &value, gain);
+    if (w->lost[0]) leave_out_faint(w, v, &sample, gain);
+    wave_push_shadows(w, block, index, &sample, gain, first);
+}
+
+/* Light by light, since rays to one point run alike. */
+static bool add_light(wave *w, uint32_t index, bool first) {
+    const uint64_t faint = w->run.rays.faint;
+    if (!wave_begin_shadows(w)) return false;
+    for (size_t b = 0; b < wave_blocks(w->vertex_count); ++b) push_light(w, b, index, first);
+    if (!wave_cast_shadows(w, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
+    w->run.rays.unlit += w->vertex_count - w->shadows.count - (w->run.rays.faint - faint);
+    return true;
+}
+
+static bool add_lights(wave *w, bool first) {
+    for (size_t b = 0; b < wave_blocks(w->vertex_count); ++b)
+        add_emission(&w->vertices[b], w->run.samples.radiance);
+    for (uint32_t i = 0; i < w->run.plan->light_count; ++i) {
+        if (!add_light(w, i, first)) return false;
+    }
+    return true;
+}
+
+/* ---- mirrored and refracted rays ---- */
+
+static void push_path(wave *w, const vertex_block *v, const scatter_block *from, const float weight[3],
+                      const uint8_t *depths, uint32_t i) {
+    size_t block = w->next.count / LANES, lane = w->next.count % LANES;
+    trace_rays *rays = &w->next.rays[block].rays;
+    path_block *path = &w->next.paths[block];
+    rays->org_x[lane] = from->origin[0][i];
+    rays->org_y[lane] = from->origin[1][i];
+    rays->org_z[lane] = from->origin[2][i];
+    rays->dir_x[lane] = from->direction[0][i];
+    rays->dir_y[lane] = from->direction[1][i];
+    rays->dir_z[lane] = from->direction[2][i];
+    rays->t_near[lane] = w->run.plan->t_near;
+    rays->t_far[lane] = INFINITY;
+    for (int c = 0; c < 3; ++c) path->weight[c][lane] = weight[c];
+    path->slot[lane] = v->path.slot[i];
+    path->depth[lane] = depths[i];
+    ++w->next.count;
+}
+
+/* A path whose weight can no longer change the image ends here. */
+static bool push_paths(wave *w, const vertex_block *v, const scatter_block *from, const uint8_t *depths) {
+    const float limit = w->run.plan->settings.min_weight;
+    if (!wave_reserve_paths(w, &w->next, LANES)) return false;
+    for (uint32_t i = 0; i < v->surface.count; ++i) {
+        float weight[3];
+        for (int c = 0; c < 3; ++c) weight[c] = limited(v->path.weight[c][i] * from->share[c][i]);
+        if (weight[0] > limit || weight[1] > limit || weight[2] > limit)
+            push_path(w, v, from, weight, depths, i);
+    }
+    return true;
+}
+
+/* Fills `next`: mirrored rays, then refracted ones. Each kind runs alike by itself, and packets of both would
+ * not. */
+static bool scatter(wave *w) {
+    const material_kernels *kernels = w->run.plan->material_kernels;
+    const bool refracts = (w->run.plan->features & MATERIAL_REFRACT) != 0;
+    const size_t blocks = wave_blocks(w->vertex_count);
+    if (refracts && !wave_reserve_refracted(w, blocks)) return false;
+    for (size_t b = 0; b < blocks; ++b) {
+        const vertex_block *v = &w->vertices[b];
+        scatter_block mirrored, none;
+        kernels->scatter(&v->surface, &v->bsdf, &mirrored, refracts ? &w->refracted[b] : &none);
+        if (!push_paths(w, v, &mirrored, v->path.depth)) return false;
+    }
+    w->next.mirrored = w->next.count;
+    for (size_t b = 0; refracts && b < blocks; ++b) {
+        const vertex_block *v = &w->vertices[b];
+        if (!push_paths(w, v, &w->refracted[b], v->depth_behind)) return false;
+    }
+    w->run.rays.reflection += w->next.mirrored;
+    w->run.rays.refraction += w->next.count - w->next.mirrored;
+    return true;
+}
+
+/* ---- the way of the paths ---- */
+
+/* Mirrored rays of the first hits leave where neighbouring camera rays arrived, and most of them leave the
+ * surface for good. Refracted ones cross what they enter, and reach its other side far from one another. */
+trace_coherence classic_coherence(uint32_t depth, bool mirrored) {
+    if (depth == 0) return TRACE_COHERENT;
+    return depth == 1 && mirrored ? TRACE_NEIGHBOURS : TRACE_INCOHERENT;
+}
+
+/* A block of both kinds counts as refracted. */
+static bool trace_paths(wave *w, uint32_t depth) {
+    size_t count = w->now.count, mirrored = w->now.mirrored;
+    if (depth == 0) mirrored = 0;
+    if (mirrored < count) mirrored -= mirrored % LANES;
+    return wave_trace(w, 0, mirrored, classic_coherence(depth, true)) &&
+           wave_trace(w, mirrored, count, classic_coherence(depth, false));
+}
+
+bool classic_step(wave *w, uint32_t depth) {
+    if (!trace_paths(w, depth)) return false;
+    if (!wave_surfaces(w, depth == 0) || !add_lights(w, depth == 0)) return false;
+    w->next.count = 0;
+    if (depth < w->run.plan->max_depth && !scatter(w)) return false;
+    path_queue kept = w->now;
+    w->now = w->next;
+    w->next = kept;
+    return true;
+}
+
+static void count_by_square(const wave *w) {
+    for (size_t k = 0; w->run.square_rays && k < w->now.count; ++k)
+        ++w->run.square_rays[w->now.paths[k / LANES].slot[k % LANES] / LANES];
+}
+
+static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
+    wave *w = (wave *)state;
+    memset(w->run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    if (w->lost[0]) memset(w->lost[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
+    if (!wave_camera_rays(w, region, batch)) return false;
+    for (uint32_t depth = 0; w->now.count; ++depth) {
+        count_by_square(w);
+        if (!classic_step(w, depth)) return false;
+    }
+    return true;
+}
+
+static integration *create(const render_plan *plan, const atomic_bool *stop) {
+    wave *w = malloc(sizeof *w);
+    if (w && wave_create(plan, stop, w)) return &w->run;
+    free(w);
+    return NULL;
+}
+
+static void destroy(integration *state) {
+    if (!state) return;
+    wave_destroy((wave *)state);
+    free(state);
+}
+
+const integrator integrator_classic = {"classic", create, run, destroy};

@@ -1,0 +1,5 @@
+#include "integrate/kernels.h"
+
+#include "base/kernel.h"
+
+KERNEL_CHOICE(integrate_kernels)

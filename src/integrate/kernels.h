@@ -1,0 +1,49 @@
+/* What integrators do to a block of sixteen rays at once; see base/kernel.h. */
+#ifndef INTEGRATE_KERNELS_H
+#define INTEGRATE_KERNELS_H
+
+#include "light/light.h"
+#include "material/material.h"
+#include "trace/trace.h"
+
+/* Next to each block of rays: what the paths carry. */
+typedef struct path_block {
+    _Alignas(64) float weight[3][LANES]; /* what radiance along the ray counts in its sample */
+    uint32_t slot[LANES];                /* the sample it counts in */
+    uint8_t depth[LANES]; /* closed meshes around the ray's origin; see trace/watertight/watertight.h */
+} path_block;
+
+/* Next to each block of shadow rays. */
+typedef struct shadow_block {
+    _Alignas(64) lanes3 gain; /* what the sample gains when nothing is in the way */
+    uint32_t slot[LANES];
+    uint8_t depth[LANES], end_depth[LANES]; /* closed meshes around the ray's two ends */
+} shadow_block;
+
+typedef struct integrate_kernels {
+    const char *name; /* "plain", "avx2", "avx512" */
+
+    /* Paths of weight 1 that begin in neighbouring slots. */
+    void (*begin_paths)(uint32_t first_slot, uint8_t depth, path_block *out);
+
+    /* The lanes, as bits, that met something. */
+    uint32_t (*met)(const trace_hits *hits);
+
+    /* What samples gain from a light: weight L f cosine. */
+    void (*gains)(const path_block *path, const light_block *light, const bsdf_value *value,
+                  float (*gain)[LANES]);
+
+    /* Rays to a light, and the lanes, as bits, that have something to gain from seeing it. */
+    uint32_t (*shadow_rays)(const light_block *light, const float gain[3][LANES], float t_near,
+                            trace_rays *out);
+
+    /* Adds the gains of the first `lanes` rays that reached their light. */
+    void (*add_seen)(const trace_rays *rays, const shadow_block *shadows, unsigned lanes,
+                     float *const radiance[3]);
+} integrate_kernels;
+
+const integrate_kernels *integrate_kernels_best(void);
+/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+const integrate_kernels *integrate_kernels_at(unsigned index);
+
+#endif

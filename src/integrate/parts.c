@@ -1,0 +1,189 @@
+#include "integrate/parts.h"
+
+#include "material/material.h"
+#include "scene/mesh/absent.h"
+
+#include <stdio.h>
+
+unsigned parts_features(const fathom_scene *scene) {
+    const bool own = absent_by_own_material(scene);
+    unsigned features = 0;
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        if (own && absent_object(scene, (fathom_id)i)) continue;
+        fathom_id material = scene_object_material(scene, (fathom_id)i);
+        features |= material_features(&scene->materials.items[material].value);
+    }
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        fathom_id material = scene->instances.items[i].material;
+        if (material != FATHOM_NONE) features |= material_features(&scene->materials.items[material].value);
+    }
+    return features;
+}
+
+/* Passes all light, wherever it goes on. Fresnel's law takes a share of it at every surface that refracts. */
+static bool is_transparent(const fathom_scene *scene, fathom_id material) {
+    const fathom_material *m = &scene->materials.items[material].value;
+    if (material_features(m) != MATERIAL_REFRACT || (m->fresnel && m->ior != 1)) return false;
+    for (int c = 0; c < 3; ++c) {
+        if (!(m->k_t[c] >= 1) || m->k_a[c] * scene->ambient[c] > 0) return false;
+    }
+    return true;
+}
+
+bool parts_all_transparent(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        if (!is_transparent(scene, scene_object_material(scene, (fathom_id)i))) return false;
+    }
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        fathom_id material = scene->instances.items[i].material;
+        if (material != FATHOM_NONE && !is_transparent(scene, material)) return false;
+    }
+    return scene->objects.count > 0;
+}
+
+bool parts_smooth(const world *w) {
+    for (size_t i = 0; i < w->geometries.count; ++i) {
+        if (w->geometries.items[i].smooth) return true;
+    }
+    return false;
+}
+
+static bool any_spot(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->lights.count; ++i) {
+        if (scene->lights.items[i].type == FATHOM_LIGHT_SPOT) return true;
+    }
+    return false;
+}
+
+/* ---- lights ---- */
+
+/* A point of a smooth mesh may be lifted off its facet by as much as the facet is large, so at most by the
+ * ball's diameter. */
+parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
+    parts_extent out = {.known = false};
+    if (w->planes.count || !any_spot(w->scene)) return out;
+    scene_bounds bounds;
+    /* Without memory to find it, it is not known: no light is left out then, which changes no pixel. */
+    if (scene_world_bounds(w->scene, &bounds) != FATHOM_OK || bounds_is_empty(&bounds)) return out;
+    out.known = true;
+    out.center = bounds_center(&bounds);
+    out.radius = bounds_radius(&bounds) * (settings->terminator_fix && parts_smooth(w) ? 3 : 1);
+    return out;
+}
+
+/* The renderer has floats counted from the world's origin: 2^-16 of the distances is far more than they are
+ * off. At an angle a beyond the edge of the cone the cosine's difference is at least 2 sin²(a/2) (light.h
+ * has the falloff), which for a = 2^-8 is 2^-17: 128 roundings of unit vectors' squares. */
+static bool cone_misses(const parts_extent *extent, vec3_f64 origin, const fathom_light *light) {
+    const double beyond = 0x1p-8, loose = 0x1p-16;
+    vec3_f64 at = load_f64(light->position), axis = normalize_f64(load_f64(light->direction));
+    vec3_f64 to = sub_f64(extent->center, at);
+    double distance = length_f64(to);
+    double radius = extent->radius + loose * (extent->radius + length_f64(sub_f64(extent->center, origin)) +
+                                              length_f64(sub_f64(at, origin)));
+    if (!(distance > radius)) return false;
+    double aside = acos(fmin(fmax(dot_f64(to, axis) / distance, -1), 1));
+    return aside - asin(radius / distance) > (double)light->outer_angle + beyond;
+}
+
+light_use parts_light(const parts_extent *extent, const world *w, const fathom_light *light) {
+    const float *rgb = light->intensity;
+    if (!(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0)) return LIGHT_BLACK;
+    bool spot = light->type == FATHOM_LIGHT_SPOT;
+    return spot && extent->known && cone_misses(extent, w->origin, light) ? LIGHT_ASIDE : LIGHT_USED;
+}
+
+/* ---- stages ---- */
+
+bool parts_background(const fathom_scene *scene) {
+    const float *rgb = scene->background;
+    return rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0;
+}
+
+bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings) {
+    return settings->max_depth && parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT);
+}
+
+bool parts_first_hits(const fathom_settings *settings) {
+    return settings->aovs & ~(unsigned)FATHOM_AOV_SAMPLES;
+}
+
+/* ---- in words ---- */
+
+bool left_out_tell(left_out_list *list, const char *what, const char *why) {
+    fathom_left_out item;
+    snprintf(item.what, sizeof item.what, "%s", what);
+    snprintf(item.why, sizeof item.why, "%s", why);
+    return array_push(list, item);
+}
+
+typedef struct wording {
+    bool needed;
+    const char *what, *why;
+} wording;
+
+static bool tell_unneeded(const wording *words, size_t count, left_out_list *list) {
+    for (size_t i = 0; i < count; ++i) {
+        if (!words[i].needed && !left_out_tell(list, words[i].what, words[i].why)) return false;
+    }
+    return true;
+}
+
+static bool tell_shapes(const world *w, left_out_list *list) {
+    const wording words[] = {{w->meshes.count, "triangle geometry", "there is no mesh"},
+                             {w->spheres.count, "sphere geometry", "there is no sphere"},
+                             {w->quads.count, "quad geometry", "there is no quad"},
+                             {w->planes.count, "planes", "there is none"},
+                             {w->instances.count, "instances", "all shapes lie in the world's own frame"},
+                             {parts_smooth(w), "shading normals", "no mesh has any"},
+                             {false, "texture coordinates", "textures are not read"}};
+    return tell_unneeded(words, sizeof words / sizeof *words, list);
+}
+
+static bool tell_stages(const world *w, const fathom_settings *s, bool repair, left_out_list *list) {
+    const wording words[] = {
+        {parts_background(w->scene), "background", "it is black"},
+        {parts_bounces(w->scene, s), "mirrored and refracted rays",
+         s->max_depth ? "no material mirrors or refracts" : "the depth limit is 0"},
+        {parts_first_hits(s), "buffers of AOVs", "no AOV of first hits is asked for"},
+        {repair, "watertight repair", "there is no closed mesh that the tracer could leak"},
+        {!(s->max_loss > 0 || s->max_relative_loss > 0), "faint shadow rays",
+         "what they could add is less than the loss that is allowed"},
+        {s->target_error > 0 || s->max_time > 0, "error estimates", "every pixel gets as many samples"}};
+    return tell_unneeded(words, sizeof words / sizeof *words, list);
+}
+
+static bool tell_light(left_out_list *list, size_t index, light_use use) {
+    char what[sizeof((fathom_left_out *)NULL)->what];
+    snprintf(what, sizeof what, "lights[%zu]", index);
+    return use == LIGHT_USED ||
+           left_out_tell(list, what,
+                         use == LIGHT_BLACK ? "it is black" : "its cone holds nothing of the scene");
+}
+
+static bool tell_lights(const world *w, const fathom_settings *settings, left_out_list *list) {
+    const fathom_scene *scene = w->scene;
+    parts_extent extent = parts_extent_of(w, settings);
+    if (!scene->lights.count) return left_out_tell(list, "lights and their shadow rays", "there is no light");
+    if (!(parts_features(scene) & MATERIAL_LIT))
+        return left_out_tell(list, "lights and their shadow rays", "no material reflects their light");
+    for (size_t i = 0; i < scene->lights.count; ++i) {
+        if (!tell_light(list, i, parts_light(&extent, w, &scene->lights.items[i]))) return false;
+    }
+    return left_out_tell(list, "shadow rays for nothing",
+                         "where the surface faces away or lies outside the cone");
+}
+
+static bool tell_absent(const world *w, left_out_list *list) {
+    size_t count = 0;
+    for (size_t i = 0; i < w->scene->objects.count; ++i) count += w->absent[i];
+    if (!count) return true;
+    char what[sizeof((fathom_left_out *)NULL)->what];
+    snprintf(what, sizeof what, "%zu shape%s", count, count == 1 ? "" : "s");
+    return left_out_tell(list, what, "all light passes straight through, and there is no shadow");
+}
+
+bool left_out_find(const world *w, const fathom_settings *settings, bool repair, left_out_list *out) {
+    return tell_absent(w, out) && tell_shapes(w, out) && tell_stages(w, settings, repair, out) &&
+           tell_lights(w, settings, out);
+}

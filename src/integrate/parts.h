@@ -1,0 +1,41 @@
+/* What a scene needs of the renderer, and in words what it does without. */
+#ifndef INTEGRATE_PARTS_H
+#define INTEGRATE_PARTS_H
+
+#include "film/film.h"
+#include "scene/world/world.h"
+
+#include <fathom/render.h>
+
+/* MATERIAL_ bits of the materials in use. */
+unsigned parts_features(const fathom_scene *scene);
+
+/* Whether nothing but the background can be seen: every surface passes all light, and adds none. */
+bool parts_all_transparent(const fathom_scene *scene);
+
+/* A ball around all points from which shadow rays may start, to find the spots that light none of them. */
+typedef struct parts_extent {
+    bool known;      /* false: there is no spot, or no end to the scene */
+    vec3_f64 center; /* the scene's coordinates */
+    double radius;
+} parts_extent;
+
+parts_extent parts_extent_of(const world *w, const fathom_settings *settings);
+
+typedef enum light_use { LIGHT_USED, LIGHT_BLACK, LIGHT_ASIDE } light_use;
+
+/* LIGHT_ASIDE: a spot whose cone holds no point of the scene. */
+light_use parts_light(const parts_extent *extent, const world *w, const fathom_light *light);
+
+bool parts_background(const fathom_scene *scene); /* it is not black */
+bool parts_smooth(const world *w);                /* a mesh has shading normals */
+bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings);
+bool parts_first_hits(const fathom_settings *settings); /* AOVs are made of them */
+
+/* Adds a line. Both: false when out of memory. */
+bool left_out_tell(left_out_list *list, const char *what, const char *why);
+/* What a render does without, and why. repair: whether rays that slip through closed meshes are looked for.
+ */
+bool left_out_find(const world *w, const fathom_settings *settings, bool repair, left_out_list *out);
+
+#endif

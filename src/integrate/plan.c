@@ -1,0 +1,103 @@
+#include "integrate/plan.h"
+
+#include "integrate/integrator.h"
+#include "light/light_surfaces.h"
+
+#include <stdlib.h>
+
+/* Samples of a pixel, on average, of images to a usual error. */
+#define ADAPTIVE_USUAL_SPP 32u
+
+uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s) {
+    unsigned bounces = parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? 2 : 1;
+    uint64_t spp = s->spp;
+    if ((s->target_error > 0 || s->max_time > 0) && spp > ADAPTIVE_USUAL_SPP) spp = ADAPTIVE_USUAL_SPP;
+    return settings_pixels(s) * spp * (1 + scene->lights.count) * bounces;
+}
+
+/* Directional light comes from outside of all. */
+static fathom_status plan_watertight(fathom_context *context, render_plan *plan, const bool *in_mesh) {
+    fathom_status status = watertight_create(context, plan->tracer, &plan->watertight);
+    if (status != FATHOM_OK || !plan->watertight) return status;
+    plan->light_depths = calloc(plan->light_count + 1, 1);
+    if (!plan->light_depths) return fail_memory(context, plan->light_count + 1);
+    plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
+    for (uint32_t i = 0; i < plan->light_count; ++i) {
+        if (in_mesh[i])
+            plan->light_depths[i] = WATERTIGHT_UNSURE;
+        else if (plan->lights[i].type != FATHOM_LIGHT_DIRECTIONAL)
+            plan->light_depths[i] = watertight_depth(plan->watertight, plan->lights[i].position);
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status plan_surroundings(fathom_context *context, render_plan *plan) {
+    bool *in_mesh = calloc(plan->light_count + 1, sizeof *in_mesh);
+    if (!in_mesh) return fail_memory(context, plan->light_count + 1);
+    fathom_status status = light_surfaces_find(context, plan->world, plan->camera.eye, plan->lights,
+                                               plan->light_count, in_mesh, &plan->light_surfaces);
+    if (status == FATHOM_OK) status = plan_watertight(context, plan, in_mesh);
+    free(in_mesh);
+    return status;
+}
+
+/* Only lights that can send something to a surface. */
+static void plan_lights(render_plan *plan) {
+    const fathom_scene *scene = plan->scene;
+    const parts_extent extent = parts_extent_of(plan->world, &plan->settings);
+    if (!(plan->features & MATERIAL_LIT)) return;
+    for (size_t i = 0; i < scene->lights.count; ++i) {
+        const fathom_light *light = &scene->lights.items[i];
+        if (parts_light(&extent, plan->world, light) == LIGHT_USED)
+            light_prepare(light, plan->world->origin, &plan->lights[plan->light_count++]);
+    }
+}
+
+fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
+                          const fathom_settings *settings, render_plan **out) {
+    *out = NULL;
+    const fathom_scene *scene = w->scene;
+    render_plan *plan = calloc(1, sizeof *plan);
+    shade_light *lights = malloc((scene->lights.count + 1) * sizeof *lights);
+    if (!plan || !lights) {
+        free(plan);
+        free(lights);
+        return fail_memory(context, sizeof *plan);
+    }
+    plan->scene = scene;
+    plan->world = w;
+    plan->tracer = tracer;
+    plan->integrator = &integrator_classic;
+    plan->camera_kernels = camera_kernels_best();
+    plan->surface_kernels = surface_kernels_best();
+    plan->material_kernels = material_kernels_best();
+    plan->light_kernels = light_kernels_best();
+    plan->kernels = integrate_kernels_best();
+    plan->settings = *settings;
+    plan->lights = lights;
+    plan->features = parts_features(scene);
+    plan->background = parts_background(scene);
+    plan->first_hits = parts_first_hits(settings);
+    camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
+    plan_lights(plan);
+    plan->max_depth = parts_bounces(scene, settings) ? settings->max_depth : 0;
+    plan->sampler =
+        (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
+    plan->t_near = (float)settings->epsilon;
+    plan->lifts = settings->terminator_fix && parts_smooth(w);
+    fathom_status status = plan_surroundings(context, plan);
+    if (status == FATHOM_OK)
+        *out = plan;
+    else
+        plan_destroy(plan);
+    return status;
+}
+
+void plan_destroy(render_plan *plan) {
+    if (!plan) return;
+    watertight_destroy(plan->watertight);
+    free(plan->light_depths);
+    free(plan->light_surfaces);
+    free(plan->lights);
+    free(plan);
+}

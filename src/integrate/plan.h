@@ -1,0 +1,50 @@
+/* What this scene needs, and nothing else: computed once before rendering. */
+#ifndef INTEGRATE_PLAN_H
+#define INTEGRATE_PLAN_H
+
+#include "camera/camera.h"
+#include "film/pixel_sums.h"
+#include "integrate/kernels.h"
+#include "integrate/parts.h"
+#include "surface/kernels.h"
+#include "trace/watertight/watertight.h"
+
+typedef struct integrator integrator;
+
+typedef struct render_plan {
+    const fathom_scene *scene;
+    const world *world;
+    const trace_tracer *tracer;
+    fathom_settings settings;
+    const integrator *integrator;
+    const camera_kernels *camera_kernels;
+    const surface_kernels *surface_kernels;
+    const material_kernels *material_kernels;
+    const light_kernels *light_kernels;
+    const integrate_kernels *kernels;
+    sampler sampler;
+    shade_camera camera;
+    shade_light *lights;
+    uint32_t light_count;
+    watertight *watertight; /* NULL: no answer of the tracer needs another look */
+    /* Closed meshes around the camera and around each light, where it is in use; WATERTIGHT_UNSURE: the light
+     * lies in a mesh, and which side its rays end on depends on where they come from. */
+    uint8_t eye_depth, *light_depths;
+    light_surface *light_surfaces; /* what lights[].surfaces point to */
+    unsigned features;             /* MATERIAL_ bits of the materials in use */
+    bool background;               /* it is not black */
+    bool first_hits;               /* AOVs are made of them */
+    uint32_t max_depth;            /* 0 when nothing mirrors or refracts */
+    float t_near;                  /* 0, or the fixed epsilon */
+    bool lifts;                    /* shadow rays of smooth meshes begin above their facets */
+} render_plan;
+
+/* Release with plan_destroy(). */
+fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
+                          const fathom_settings *settings, render_plan **out);
+void plan_destroy(render_plan *plan);
+
+/* Rays a render with these settings is expected to trace, within a factor of a few: for the build quality. */
+uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *settings);
+
+#endif

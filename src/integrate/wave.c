@@ -1,0 +1,140 @@
+#include "integrate/wave.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Embree wants its 16-wide structures aligned to 64 bytes, which realloc does not keep. */
+static bool grow(void **items, size_t used, size_t bytes) {
+    void *grown = aligned_alloc(64, (bytes + 63) / 64 * 64);
+    if (!grown) return false;
+    /* Lanes that no ray fills are handed over as inactive, but are read by vector code all the same. */
+    memset(grown, 0, bytes);
+    if (used) memcpy(grown, *items, used);
+    free(*items);
+    *items = grown;
+    return true;
+}
+
+static size_t grown_capacity(size_t capacity, size_t need) {
+    size_t room = capacity + capacity / 2;
+    if (room < need) room = need;
+    return (room + LANES - 1) / LANES * LANES;
+}
+
+/* Two arrays of blocks that grow together. */
+typedef struct block_pair {
+    void *items[2];
+    size_t sizes[2];
+} block_pair;
+
+static bool grow_pair(wave *w, block_pair *pair, size_t *capacity, size_t used, size_t need) {
+    if (need <= *capacity) return true;
+    const size_t room = grown_capacity(*capacity, need), blocks = room / LANES, old = wave_blocks(used);
+    for (int k = 0; k < 2; ++k) {
+        if (grow(&pair->items[k], old * pair->sizes[k], blocks * pair->sizes[k])) continue;
+        w->run.out_of_memory = true;
+        return false;
+    }
+    *capacity = room;
+    return true;
+}
+
+/* An array of blocks with room for `blocks`; the first `used` stay. */
+static bool grow_single(wave *w, void **items, size_t size, size_t used, size_t blocks) {
+    if (!grow(items, used * size, blocks * size)) w->run.out_of_memory = true;
+    return !w->run.out_of_memory;
+}
+
+bool wave_reserve_paths(wave *w, path_queue *queue, size_t count) {
+    block_pair pair = {{queue->rays, queue->paths}, {sizeof *queue->rays, sizeof *queue->paths}};
+    bool ok = grow_pair(w, &pair, &queue->capacity, queue->count, queue->count + count);
+    queue->rays = pair.items[0], queue->paths = pair.items[1];
+    return ok;
+}
+
+bool wave_reserve_shadows(wave *w, size_t count) {
+    shadow_queue *queue = &w->shadows;
+    block_pair pair = {{queue->rays, queue->shadows}, {sizeof *queue->rays, sizeof *queue->shadows}};
+    const size_t before = queue->capacity;
+    bool ok = grow_pair(w, &pair, &queue->capacity, 0, count);
+    queue->rays = pair.items[0], queue->shadows = pair.items[1];
+    if (!ok || !w->run.plan->lifts || queue->capacity == before) return ok;
+    free(queue->sources);
+    queue->sources = malloc(queue->capacity * sizeof *queue->sources);
+    w->run.out_of_memory = !queue->sources;
+    return !w->run.out_of_memory;
+}
+
+bool wave_reserve_vertices(wave *w, size_t count) {
+    if (w->vertex_count + count <= w->vertex_capacity) return true;
+    const size_t room = grown_capacity(w->vertex_capacity, w->vertex_count + count);
+    void *items = w->vertices;
+    bool ok = grow_single(w, &items, sizeof *w->vertices, wave_blocks(w->vertex_count), room / LANES);
+    w->vertices = items;
+    if (ok) w->vertex_capacity = room;
+    return ok;
+}
+
+bool wave_reserve_refracted(wave *w, size_t blocks) {
+    if (blocks <= w->refracted_capacity) return true;
+    const size_t room = grown_capacity(w->refracted_capacity, blocks);
+    void *items = w->refracted;
+    bool ok = grow_single(w, &items, sizeof *w->refracted, 0, room);
+    w->refracted = items;
+    if (ok) w->refracted_capacity = room;
+    return ok;
+}
+
+bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out) {
+    *out = (wave){.run = {.plan = plan, .stop = stop}};
+    const bool loses = plan->settings.max_loss > 0 || plan->settings.max_relative_loss > 0;
+    wave_samples *samples = &out->run.samples;
+    float *radiance = calloc((loses ? 6 : 3) * WAVE_SLOTS, sizeof *radiance);
+    for (int c = 0; c < 3; ++c) samples->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
+    for (int c = 0; c < 3; ++c) out->lost[c] = radiance && loses ? radiance + (3 + c) * WAVE_SLOTS : NULL;
+    if (plan->first_hits) samples->first = malloc(sizeof *samples->first);
+    void *gather = NULL;
+    if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
+    bool ok = radiance && out->gather && (samples->first || !plan->first_hits) &&
+              wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_vertices(out, WAVE_SLOTS) &&
+              wave_reserve_shadows(out, WAVE_SLOTS);
+    if (!ok) wave_destroy(out);
+    return ok;
+}
+
+void wave_destroy(wave *w) {
+    free(w->now.rays);
+    free(w->now.paths);
+    free(w->next.rays);
+    free(w->next.paths);
+    free(w->shadows.rays);
+    free(w->shadows.shadows);
+    free(w->shadows.sources);
+    free(w->vertices);
+    free(w->refracted);
+    free(w->gather);
+    free(w->run.samples.radiance[0]);
+    free(w->run.samples.first);
+    *w = (wave){.run = {.plan = NULL}};
+}
+
+/* A few instructions for each ray whose answer is possible. */
+static void repair(wave *w, size_t first, size_t count) {
+    if (!w->run.plan->watertight) return;
+    for (size_t done = 0; done < count; done += LANES) {
+        size_t block = (first + done) / LANES;
+        w->run.rays.repaired += watertight_closest(w->run.plan->watertight, &w->now.rays[block],
+                                                   w->now.paths[block].depth, wave_lanes(count, done));
+    }
+}
+
+bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence) {
+    for (size_t done = begin; done < end; done += wave_trace_piece(w)) {
+        if (atomic_load_explicit(w->run.stop, memory_order_relaxed)) return false;
+        size_t left = end - done, piece = wave_trace_piece(w);
+        if (left < piece) piece = left;
+        trace_closest(w->run.plan->tracer, w->now.rays + done / LANES, piece, coherence);
+        repair(w, done, piece);
+    }
+    return true;
+}

@@ -1,0 +1,107 @@
+/* A wave: up to 1024 paths, a sample each, that go through the stages together in blocks of 16. Queues and
+ * stages that integrators share.
+ *
+ * Every queue keeps the order of its parents: what is added to a sample, and in which order, depends on
+ * nothing else. */
+#ifndef INTEGRATE_WAVE_H
+#define INTEGRATE_WAVE_H
+
+#include "integrate/integrator.h"
+#include "surface/gather.h"
+
+/* Rays waiting for their closest hit. */
+typedef struct path_queue {
+    trace_block *rays;
+    path_block *paths;
+    size_t count, capacity; /* in rays; capacity is a multiple of 16 */
+    size_t mirrored;        /* after the first wave: the first so many are mirrored, all others refracted */
+} path_queue;
+
+/* Sixteen vertices of paths: where they are, what the surface does with light, and what the paths carry. */
+typedef struct vertex_block {
+    surface_block surface;
+    bsdf_block bsdf;
+    path_block path;             /* arriving; its depth is of the viewer's side */
+    uint8_t depth_behind[LANES]; /* of the other side; depths are set where trace/watertight is in use */
+} vertex_block;
+
+/* The vertex and the light of a shadow ray. */
+typedef struct shadow_source {
+    uint32_t vertex, light;
+} shadow_source;
+
+/* Shadow rays. While it is filled, whole blocks and single rays come in turns: one block is open, wherever it
+ * lies. */
+typedef struct shadow_queue {
+    trace_rays *rays;
+    shadow_block *shadows;
+    size_t blocks, open;    /* the open one is among them */
+    unsigned filled;        /* lanes of the open block; 0: none is open */
+    size_t count;           /* of rays, once it is closed: all blocks but the last are full */
+    size_t capacity;        /* in rays, a multiple of 16 */
+    shadow_source *sources; /* by ray; NULL: no vertex is lifted off its facet */
+} shadow_queue;
+
+typedef struct wave {
+    integration run; /* first: the integrator's interface points to it */
+    path_queue now, next;
+    shadow_queue shadows;
+    vertex_block *vertices;
+    surface_gather *gather;               /* hits on their way to the next block of vertices */
+    uint32_t partial[WAVE_SQUARES];       /* blocks of rays of which some met something */
+    size_t vertex_count, vertex_capacity; /* in points */
+    scatter_block *refracted;             /* of each block of vertices; NULL when nothing refracts */
+    size_t refracted_capacity;            /* in blocks */
+    float *lost[3];                       /* by slot, what was left out; NULL: nothing may be */
+} wave;
+
+bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out);
+void wave_destroy(wave *w);
+
+/* Room for n more rays or points; false and run.out_of_memory when there is none. */
+bool wave_reserve_paths(wave *w, path_queue *queue, size_t count);
+/* In all; what was in the queue is gone. */
+bool wave_reserve_shadows(wave *w, size_t count);
+bool wave_reserve_vertices(wave *w, size_t count);
+bool wave_reserve_refracted(wave *w, size_t blocks);
+
+static inline size_t wave_blocks(size_t count) { return (count + LANES - 1) / LANES; }
+/* Lanes of the block that begins at `done`, of a queue of `count`. */
+static inline unsigned wave_lanes(size_t count, size_t done) {
+    return count - done < LANES ? (unsigned)(count - done) : LANES;
+}
+
+/* Rays between two looks at the stop flag, a multiple of 16. Linear search may take milliseconds for each
+ * ray. */
+static inline size_t wave_trace_piece(const wave *w) {
+    return w->run.plan->settings.tracer == FATHOM_TRACER_EMBREE ? 4096 : LANES;
+}
+
+/* ---- the stages, in order ---- */
+
+/* Fills `now` with the camera's rays of a batch. */
+bool wave_camera_rays(wave *w, const wave_region *region, const wave_batch *batch);
+/* Closest hits of the rays [begin, end) of `now`; begin is a multiple of 16. False: stopped. */
+bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence);
+/* Vertices of all hits of `now`; misses add the background. first: of the camera's rays. */
+bool wave_surfaces(wave *w, bool first);
+/* An empty queue of shadow rays, with room for one from each vertex. */
+bool wave_begin_shadows(wave *w);
+/* Shadow rays from a block of vertices to a light that gives them `gain`. Each block of vertices must come
+ * after those before it. */
+void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to, lanes3 gain, bool first);
+/* Casts them, and adds the gains of those that see their light. False: stopped. */
+bool wave_cast_shadows(wave *w, trace_coherence coherence);
+/* Looks again at the shadow rays that met something and began above a facet: the facet itself may see the
+ * light. See wave_lifted.c. */
+void wave_look_from_facets(wave *w, trace_coherence coherence);
+
+/* ---- the classic integrator, in steps: for benches that record its rays ---- */
+
+/* The stages after the camera's: the hits of `now`, their light, and the rays that leave them, which become
+ * `now`. Until none is left; depth counts up from 0. */
+bool classic_step(wave *w, uint32_t depth);
+/* What is known of the mirrored and of the other rays of `now` then. */
+trace_coherence classic_coherence(uint32_t depth, bool mirrored);
+
+#endif

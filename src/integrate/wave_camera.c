@@ -1,0 +1,64 @@
+#include "integrate/wave.h"
+
+static void place(const render_plan *plan, const wave_square *s, square_samples *out) {
+    out->alike = plan->settings.pattern == FATHOM_PATTERN_GRID;
+    const uint32_t count = out->alike ? 1 : LANES;
+    for (uint32_t k = 0; k < count; ++k)
+        sample_2d(&plan->sampler, wave_square_key(s, k), SAMPLE_PIXEL, &out->x[k], &out->y[k]);
+}
+
+static void camera_rays(const render_plan *plan, const wave_square *s, const square_samples *at,
+                        trace_rays *out) {
+    plan->camera_kernels->rays(&plan->camera, plan->t_near, s->left, s->top, at, out);
+}
+
+/* A packet of 16 rays is a square: its rays stay together longer than those of a line. first: the slot of
+ * the square's first pixel. */
+static void push_whole(wave *w, const wave_square *s, uint32_t first, const square_samples *at) {
+    camera_rays(w->run.plan, s, at, &w->now.rays[w->now.count / LANES].rays);
+    w->run.plan->kernels->begin_paths(first, w->run.plan->eye_depth, &w->now.paths[w->now.count / LANES]);
+    w->now.count += LANES;
+}
+
+static void push_pixel(wave *w, uint32_t slot, const trace_rays *from, uint32_t i) {
+    size_t lane = w->now.count % LANES;
+    path_block *path = &w->now.paths[w->now.count / LANES];
+    trace_rays_move(from, i, &w->now.rays[w->now.count / LANES].rays, lane);
+    for (int c = 0; c < 3; ++c) path->weight[c][lane] = 1;
+    path->slot[lane] = slot;
+    path->depth[lane] = w->run.plan->eye_depth;
+    ++w->now.count;
+}
+
+static void push_partial(wave *w, const wave_region *region, const wave_square *s, uint32_t first,
+                         const square_samples *at) {
+    trace_rays rays;
+    camera_rays(w->run.plan, s, at, &rays);
+    for (uint32_t left = wave_square_pixels(region, s); left; left &= left - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(left);
+        push_pixel(w, first + i, &rays, i);
+    }
+}
+
+static void push_squares(wave *w, const wave_region *region, const wave_batch *batch, bool whole) {
+    square_samples at;
+    for (uint32_t i = 0; i < batch->count; ++i) {
+        const wave_square *s = &batch->squares[i];
+        if (wave_square_is_whole(region, s) != whole) continue;
+        place(w->run.plan, s, &at);
+        if (whole)
+            push_whole(w, s, i * LANES, &at);
+        else
+            push_partial(w, region, s, i * LANES, &at);
+    }
+}
+
+/* Squares at the rims of images follow the whole ones, which fill whole blocks. */
+bool wave_camera_rays(wave *w, const wave_region *region, const wave_batch *batch) {
+    w->now.count = 0;
+    if (!wave_reserve_paths(w, &w->now, WAVE_SLOTS)) return false;
+    push_squares(w, region, batch, true);
+    push_squares(w, region, batch, false);
+    w->run.rays.camera += w->now.count;
+    return true;
+}

@@ -1,0 +1,119 @@
+#include "integrate/wave.h"
+
+#include <string.h>
+
+/* ---- the queue ---- */
+
+bool wave_begin_shadows(wave *w) {
+    w->shadows.blocks = w->shadows.filled = 0;
+    return wave_reserve_shadows(w, w->vertex_count + LANES);
+}
+
+static void note_source(shadow_queue *queue, size_t ray, size_t vertex, uint32_t light) {
+    if (queue->sources) queue->sources[ray] = (shadow_source){(uint32_t)vertex, light};
+}
+
+/* Its rays lie where the next block begins. */
+static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex, uint32_t light,
+                       uint8_t end_depth, lanes3 gain) {
+    shadow_block *shadows = &queue->shadows[queue->blocks];
+    for (unsigned i = 0; queue->sources && i < LANES; ++i)
+        note_source(queue, queue->blocks * LANES + i, vertex + i, light);
+    ++queue->blocks;
+    memcpy(shadows->gain, gain, sizeof shadows->gain);
+    memcpy(shadows->slot, v->path.slot, sizeof shadows->slot);
+    memcpy(shadows->depth, v->path.depth, sizeof shadows->depth);
+    memset(shadows->end_depth, end_depth, sizeof shadows->end_depth);
+}
+
+static void push_lane(shadow_queue *queue, const trace_rays *rays, const vertex_block *v, size_t vertex,
+                      uint32_t light, uint8_t end_depth, lanes3 gain, uint32_t i) {
+    if (!queue->filled) queue->open = queue->blocks++;
+    unsigned lane = queue->filled;
+    shadow_block *shadows = &queue->shadows[queue->open];
+    note_source(queue, queue->open * LANES + lane, vertex + i, light);
+    trace_rays_move(rays, i, &queue->rays[queue->open], lane);
+    for (int c = 0; c < 3; ++c) shadows->gain[c][lane] = gain[c][i];
+    shadows->slot[lane] = v->path.slot[i];
+    shadows->depth[lane] = v->path.depth[i];
+    shadows->end_depth[lane] = end_depth;
+    queue->filled = (lane + 1) % LANES;
+}
+
+/* Blocks whose rays all have something to gain stay whole: of camera rays, which have a sample each, in any
+ * order; of others, whose order is that of their sums, where none waits. Each block of vertices adds one
+ * block of rays at most, and its rays are made there: one that opens meanwhile takes lanes in order, none to
+ * a place behind its own. */
+void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to, lanes3 gain,
+                       bool first) {
+    const render_plan *plan = w->run.plan;
+    shadow_queue *queue = &w->shadows;
+    const vertex_block *v = &w->vertices[block];
+    const uint8_t end_depth = plan->watertight ? plan->light_depths[light] : WATERTIGHT_UNSURE;
+    trace_rays *rays = &queue->rays[queue->blocks];
+    uint32_t lanes = plan->kernels->shadow_rays(to, gain, plan->t_near, rays);
+    lanes &= (1u << v->surface.count) - 1;
+    if (lanes == (1u << LANES) - 1 && (first || !queue->filled)) {
+        push_block(queue, v, block * LANES, light, end_depth, gain);
+        return;
+    }
+    for (; lanes; lanes &= lanes - 1)
+        push_lane(queue, rays, v, block * LANES, light, end_depth, gain, (uint32_t)__builtin_ctz(lanes));
+}
+
+static void swap_sources(shadow_source *sources, size_t a, size_t b) {
+    shadow_source kept[LANES];
+    memcpy(kept, sources + a * LANES, sizeof kept);
+    memcpy(sources + a * LANES, sources + b * LANES, sizeof kept);
+    memcpy(sources + b * LANES, kept, sizeof kept);
+}
+
+/* The open block becomes the last one. */
+static void close_queue(shadow_queue *queue) {
+    queue->count = queue->blocks * LANES;
+    if (!queue->filled) return;
+    const size_t last = queue->blocks - 1, open = queue->open;
+    if (open != last) {
+        trace_rays rays = queue->rays[last];
+        shadow_block shadows = queue->shadows[last];
+        queue->rays[last] = queue->rays[open], queue->shadows[last] = queue->shadows[open];
+        queue->rays[open] = rays, queue->shadows[open] = shadows;
+        if (queue->sources) swap_sources(queue->sources, last, open);
+    }
+    queue->count -= LANES - queue->filled;
+}
+
+/* ---- tracing ---- */
+
+static void repair(wave *w) {
+    const shadow_queue *queue = &w->shadows;
+    for (size_t done = 0; done < queue->count; done += LANES) {
+        shadow_block *shadows = &queue->shadows[done / LANES];
+        w->run.rays.repaired +=
+            watertight_any(w->run.plan->watertight, &queue->rays[done / LANES], shadows->depth,
+                           shadows->end_depth, wave_lanes(queue->count, done));
+    }
+}
+
+static void add_seen(wave *w) {
+    const shadow_queue *queue = &w->shadows;
+    for (size_t done = 0; done < queue->count; done += LANES)
+        w->run.plan->kernels->add_seen(&queue->rays[done / LANES], &queue->shadows[done / LANES],
+                                       wave_lanes(queue->count, done), w->run.samples.radiance);
+}
+
+bool wave_cast_shadows(wave *w, trace_coherence coherence) {
+    shadow_queue *queue = &w->shadows;
+    const size_t piece = wave_trace_piece(w);
+    close_queue(queue);
+    for (size_t done = 0; done < queue->count; done += piece) {
+        if (atomic_load_explicit(w->run.stop, memory_order_relaxed)) return false;
+        size_t left = queue->count - done;
+        trace_any(w->run.plan->tracer, queue->rays + done / LANES, left < piece ? left : piece, coherence);
+    }
+    if (w->run.plan->watertight) repair(w);
+    w->run.rays.shadow += queue->count;
+    if (w->run.plan->lifts) wave_look_from_facets(w, coherence);
+    add_seen(w);
+    return true;
+}

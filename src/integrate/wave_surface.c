@@ -1,0 +1,202 @@
+/* Hits become vertices of paths: points, materials, and what the paths carry. */
+#include "integrate/wave.h"
+#include "math/limit.h"
+
+#include <string.h>
+
+/* Of lane i of the gathered hits. */
+static fathom_id hit_material(const world *scene, const surface_gather *g, unsigned i) {
+    if (g->geometry[i] == TRACE_PLANE) return scene->planes.items[g->primitive[i]].material;
+    return world_material(scene, g->geometry[i], g->primitive[i], g->instance[i]);
+}
+
+static void add_background(wave *w, const path_block *path, uint32_t missed) {
+    const float *background = w->run.plan->scene->background;
+    for (; missed; missed &= missed - 1) {
+        int i = __builtin_ctz(missed);
+        uint32_t slot = path->slot[i];
+        w->run.samples.radiance[0][slot] += limited(path->weight[0][i] * background[0]);
+        w->run.samples.radiance[1][slot] += limited(path->weight[1][i] * background[1]);
+        w->run.samples.radiance[2][slot] += limited(path->weight[2][i] * background[2]);
+    }
+}
+
+static void keep_miss(first_hits *f, uint32_t slot) {
+    f->alpha[slot] = 0;
+    f->z[slot] = INFINITY;
+    for (int c = 0; c < 3; ++c) f->n[c][slot] = f->p[c][slot] = f->albedo[c][slot] = 0;
+    f->object[slot] = f->primitive[slot] = f->instance[slot] = FATHOM_NONE;
+}
+
+static fathom_id placed_by(const world *scene, const surface_gather *g, unsigned i) {
+    return g->instance[i] != FATHOM_NONE ? scene->instances.items[g->instance[i]].id
+                                         : scene->geometries.items[g->geometry[i]].instance;
+}
+
+/* Of lane i of the gathered hits. */
+static void keep_first(wave *w, unsigned i, uint32_t slot) {
+    const world *scene = w->run.plan->world;
+    const surface_gather *g = w->gather;
+    const local_block *b = &g->local;
+    const fathom_material *m = &w->run.plan->scene->materials.items[hit_material(scene, g, i)].value;
+    first_hits *f = w->run.samples.first;
+    vec3_f32 dir = {b->ray[0][i], b->ray[1][i], b->ray[2][i]};
+    bool plane = g->geometry[i] == TRACE_PLANE, specular = m->specular != FATHOM_SPECULAR_NONE;
+    vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]}, from_eye = sub_f64(p, widen(w->run.plan->camera.eye));
+    vec3_f32 ng = {(float)b->n[0][i], (float)b->n[1][i], (float)b->n[2][i]};
+    vec3_f32 ns = {b->ns[0][i], b->ns[1][i], b->ns[2][i]};
+    if (!(dot_f32(ns, ng) * dot_f32(ng, dir) < 0)) ns = neg_f32(ns);
+    const float world_p[3] = {(float)(p.x + scene->origin.x), (float)(p.y + scene->origin.y),
+                              (float)(p.z + scene->origin.z)};
+    const float normal[3] = {ns.x, ns.y, ns.z};
+    f->alpha[slot] = 1;
+    f->z[slot] = (float)dot_f64(from_eye, w->run.plan->camera.view);
+    for (int c = 0; c < 3; ++c) {
+        f->p[c][slot] = world_p[c];
+        f->n[c][slot] = normal[c];
+        f->albedo[c][slot] = m->k_d[c] + (specular ? m->k_s[c] : 0);
+    }
+    f->object[slot] = plane ? scene->planes.items[g->primitive[i]].object
+                            : world_object(scene, g->geometry[i], g->primitive[i]);
+    f->primitive[slot] = plane ? 0 : world_primitive(scene, g->geometry[i], g->primitive[i]);
+    f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, g, i);
+}
+
+/* Only glass takes a path to the other side. */
+static void note_depths(const wave *w, const trace_block *block, const path_block *path, size_t lane,
+                        vertex_block *v, unsigned i) {
+    watertight_sides sides = {path->depth[lane], path->depth[lane]};
+    if (w->run.plan->features & MATERIAL_REFRACT)
+        sides = watertight_sides_of(w->run.plan->watertight, block, (unsigned)lane, path->depth[lane]);
+    v->path.depth[i] = sides.before;
+    v->depth_behind[i] = sides.behind;
+}
+
+static void note_all_depths(const wave *w, const trace_block *block, const path_block *path,
+                            vertex_block *v) {
+    if (w->run.plan->features & MATERIAL_REFRACT) {
+        for (unsigned i = 0; i < LANES; ++i) note_depths(w, block, path, i, v, i);
+    } else {
+        memcpy(v->path.depth, path->depth, sizeof v->path.depth);
+        memcpy(v->depth_behind, path->depth, sizeof v->depth_behind);
+    }
+}
+
+/* A hit joins the block of vertices that is being filled. */
+static void add_hit(wave *w, const trace_block *block, const path_block *path, size_t lane) {
+    vertex_block *v = &w->vertices[w->vertex_count / LANES];
+    unsigned i = w->gather->count;
+    surface_gather_add(w->gather, w->run.plan->world, block, lane);
+    for (int c = 0; c < 3; ++c) v->path.weight[c][i] = path->weight[c][lane];
+    v->path.slot[i] = path->slot[lane];
+    v->surface.material[i] = hit_material(w->run.plan->world, w->gather, i);
+    if (w->run.plan->watertight) note_depths(w, block, path, lane, v, i);
+}
+
+/* The unused lanes of the last block repeat its last point, so that stages may compute all 16. */
+static void pad(vertex_block *v) {
+    for (size_t last = v->surface.count - 1, i = v->surface.count; i < LANES; ++i) {
+        for (int c = 0; c < 3; ++c) v->path.weight[c][i] = v->path.weight[c][last];
+        v->path.slot[i] = v->path.slot[last];
+        v->surface.material[i] = v->surface.material[last];
+    }
+}
+
+static void end_block(wave *w, bool first) {
+    const render_plan *plan = w->run.plan;
+    vertex_block *v = &w->vertices[w->vertex_count / LANES];
+    surface_block *s = &v->surface;
+    if (!w->gather->count) return;
+    s->count = w->gather->count;
+    surface_gather_end(w->gather, plan->world, plan->surface_kernels, plan->settings.terminator_fix,
+                       !(plan->settings.epsilon > 0), s);
+    pad(v);
+    plan->material_kernels->make(plan->scene->materials.items, plan->scene->ambient, s, &v->bsdf);
+    for (unsigned i = 0; first && w->run.samples.first && i < s->count; ++i)
+        keep_first(w, i, v->path.slot[i]);
+    w->vertex_count += s->count;
+    surface_gather_begin(w->gather);
+}
+
+static void add_hits(wave *w, const trace_block *block, const path_block *path, uint32_t met, bool first) {
+    for (; met; met &= met - 1) {
+        add_hit(w, block, path, (size_t)__builtin_ctz(met));
+        if (w->gather->count == LANES) end_block(w, first);
+    }
+}
+
+static void find_materials(const wave *w, bool one, surface_block *s) {
+    fathom_id first = hit_material(w->run.plan->world, w->gather, 0);
+    for (unsigned i = 0; i < LANES; ++i) s->material[i] = first;
+    for (unsigned i = 1; !one && i < LANES; ++i)
+        s->material[i] = hit_material(w->run.plan->world, w->gather, i);
+}
+
+/* A block whose rays all met something is a block of vertices as it is. */
+static void add_block(wave *w, const trace_block *block, const path_block *path, bool first) {
+    vertex_block *v = &w->vertices[w->vertex_count / LANES];
+    bool one_object =
+        surface_gather_block(w->gather, w->run.plan->world, w->run.plan->surface_kernels, block);
+    memcpy(v->path.weight, path->weight, sizeof v->path.weight);
+    memcpy(v->path.slot, path->slot, sizeof v->path.slot);
+    find_materials(w, one_object, &v->surface);
+    if (w->run.plan->watertight) note_all_depths(w, block, path, v);
+    end_block(w, first);
+}
+
+/* With coverage asked for, the image is to be laid over something else: colours are premultiplied, and the
+ * background is not among them. Mirrors and glass still show it. */
+static bool shows_background(const wave *w, bool first) {
+    bool seen = !(first && w->run.plan->settings.aovs & FATHOM_AOV_ALPHA);
+    return seen && w->run.plan->background;
+}
+
+static void add_misses(wave *w, const path_block *path, uint32_t missed, bool background, bool first) {
+    if (background) add_background(w, path, missed);
+    for (; first && w->run.samples.first && missed; missed &= missed - 1)
+        keep_miss(w->run.samples.first, path->slot[__builtin_ctz(missed)]);
+}
+
+/* Blocks between asking for indices, asking for corners, and reading these: bench/README.md has what others
+ * take. */
+#define ASK_AHEAD 4
+
+static void ask_ahead(const wave *w, size_t done) {
+    const trace_block *block = &w->now.rays[done / LANES];
+    const size_t left = (w->now.count - done - 1) / LANES; /* blocks after this one */
+    if (left >= 2 * ASK_AHEAD) surface_ask_indices(w->run.plan->world, &block[2 * ASK_AHEAD].hits);
+    if (left >= ASK_AHEAD) surface_ask_corners(w->run.plan->world, &block[ASK_AHEAD].hits);
+}
+
+/* Whole blocks stay together, of camera rays in any order, since each has a sample of its own; the order of
+ * others is that in which their light is added. */
+bool wave_surfaces(wave *w, bool first) {
+    const bool background = shows_background(w, first);
+    const uint32_t whole = (1u << LANES) - 1;
+    uint32_t partial = 0;
+    w->vertex_count = 0;
+    if (!wave_reserve_vertices(w, w->now.count)) return false;
+    surface_gather_begin(w->gather);
+    for (size_t done = 0; done < w->now.count; done += LANES) {
+        const trace_block *block = &w->now.rays[done / LANES];
+        const path_block *path = &w->now.paths[done / LANES];
+        uint32_t lanes = (1u << wave_lanes(w->now.count, done)) - 1,
+                 met = w->run.plan->kernels->met(&block->hits) & lanes;
+        ask_ahead(w, done);
+        if (met != lanes) add_misses(w, path, lanes & ~met, background, first);
+        if (met == whole && !w->gather->count)
+            add_block(w, block, path, first);
+        else if (met && first)
+            w->partial[partial++] = (uint32_t)(done / LANES);
+        else if (met)
+            add_hits(w, block, path, met, first);
+    }
+    for (uint32_t i = 0; i < partial; ++i) {
+        const trace_block *block = &w->now.rays[w->partial[i]];
+        uint32_t lanes = (1u << wave_lanes(w->now.count, w->partial[i] * (size_t)LANES)) - 1;
+        add_hits(w, block, &w->now.paths[w->partial[i]], w->run.plan->kernels->met(&block->hits) & lanes,
+                 first);
+    }
+    end_block(w, first);
+    return true;
+}

@@ -1,0 +1,66 @@
+/* Saving a render on the way; the file is described in checkpoint_state.h, the calls of programs in
+ * fathom/render.h.
+ *
+ * Rendering never waits for it: what is finished stays as it is, and is written by a thread of its own, which
+ * is told of it under a lock. */
+#ifndef JOB_CHECKPOINT_H
+#define JOB_CHECKPOINT_H
+
+#include "job/adaptive.h"
+
+typedef struct checkpoint checkpoint;
+
+/* What can be told from the path alone, as checkpoint_open() does. */
+fathom_status checkpoint_check_path(fathom_context *context, const fathom_checkpoint *options, bool *exists);
+
+/* Fills the film with what the file holds when it is to be continued. FATHOM_BAD_USAGE: there is a file, and
+ * it is not, or another render saves to it; FATHOM_BAD_INPUT: the file is of no use; FATHOM_OUT_OF_RESOURCES:
+ * it could not be written. On FATHOM_OK release with checkpoint_close(). */
+fathom_status checkpoint_open(fathom_context *context, const fathom_checkpoint *options,
+                              const fathom_scene *scene, const fathom_settings *settings, fathom_film *film,
+                              checkpoint **out);
+/* NULL is fine. The film's statistics get what was saved. */
+void checkpoint_close(checkpoint *c);
+
+/* Once the tracer is known, before anything is rendered. FATHOM_BAD_INPUT: the file was of another. */
+fathom_status checkpoint_begin(checkpoint *c, const char *tracer);
+
+/* What was done by the renders that this one continues: seconds of rendering, rays, pixels that are finished,
+ * samples in them and their largest error. */
+typedef struct checkpoint_past {
+    double seconds, error;
+    uint64_t rays, pixels, samples;
+} checkpoint_past;
+checkpoint_past checkpoint_before(const checkpoint *c);
+
+/* ---- on the calling thread ---- */
+
+/* About ten times a second. fraction: of the whole render; rays: all so far. */
+void checkpoint_tick(checkpoint *c, double fraction, uint64_t rays);
+/* After the last thread has ended. Saves when there is more to do. */
+void checkpoint_end(checkpoint *c, bool interrupted, double fraction, uint64_t rays);
+
+/* ---- on the threads that render; each wave on one at a time ---- */
+
+uint32_t checkpoint_wave(const checkpoint *c, uint32_t x, uint32_t y);
+/* Squares of a wave that are finished: see checkpoint_state.h. */
+uint64_t checkpoint_finished(const checkpoint *c, uint32_t place);
+/* Pixels of the film in these. */
+uint64_t checkpoint_finished_pixels(const checkpoint *c, uint32_t place);
+/* These squares are in the film now, of so many samples, with at most this error. */
+void checkpoint_finish(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error);
+/* All of the wave that the film shows. */
+void checkpoint_finish_wave(checkpoint *c, uint32_t place, uint64_t samples, double error);
+/* Calls before this one have begun the wave, and not finished it. */
+bool checkpoint_is_begun(const checkpoint *c, uint32_t place);
+/* How far a wave got; false when it has to begin. a: after adaptive_begin(). */
+bool checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a);
+/* How often that is worth its while, in seconds. */
+double checkpoint_keep_seconds(const checkpoint *c);
+/* How far it is now, between two passes. Where there is no memory for that the last one stays. */
+void checkpoint_keep(checkpoint *c, uint32_t place, const adaptive_wave *a);
+
+/* Bytes that it takes for each wave that is begun, and not finished. */
+size_t checkpoint_wave_bytes(const checkpoint *c);
+
+#endif

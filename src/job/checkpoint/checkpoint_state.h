@@ -1,0 +1,114 @@
+/* What a checkpoint holds, in memory and as bytes.
+ *
+ * A render is the work of waves (wave.h). Of a wave whose pixels all get the same samples, squares of 4 × 4
+ * pixels are finished one after the other, and then they are in the film and never change again: the film
+ * under the bits of `squares` is all that there is to save. A wave that is sampled to an error or a time is
+ * known between two passes by its record (adaptive_record.c); once it is finished it is in the film too.
+ *
+ * The file, little endian, floats as IEEE 754 has them:
+ *
+ *     8 bytes     "FTHMCKPT"
+ *     u32         CHECKPOINT_FORMAT
+ *     u32         how many numbers the key has
+ *     32 bytes    the program's version, a text with zeros after it
+ *     128 bytes   the tracer, likewise
+ *     u64 each    the key's numbers
+ *     records     u32 wave, u32 0, then its bytes: of waves that are begun, in rising order
+ *     u32 ~0, u32 0
+ *     u64, u64    samples in the film; rays traced
+ *     f64, f64    the largest error of a finished wave; seconds spent on rendering
+ *     u64 each    squares, of every wave
+ *     squares     for each wave, finished square and channel: 16 values, those beyond the film's rim 0
+ *     u64         hash (base/hash.h) of all bytes before it */
+#ifndef JOB_CHECKPOINT_STATE_H
+#define JOB_CHECKPOINT_STATE_H
+
+#include "job/adaptive.h"
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "checkpoints are written as memory has them");
+
+#define CHECKPOINT_FORMAT 1u
+#define CHECKPOINT_MAGIC "FTHMCKPT"
+
+/* What pixels depend on. Reals are here by their bits. */
+typedef enum checkpoint_number {
+    CHECKPOINT_SCENE,
+    CHECKPOINT_WIDTH,
+    CHECKPOINT_HEIGHT,
+    CHECKPOINT_CROP_X0,
+    CHECKPOINT_CROP_Y0,
+    CHECKPOINT_CROP_X1,
+    CHECKPOINT_CROP_Y1,
+    CHECKPOINT_SPP,
+    CHECKPOINT_PATTERN,
+    CHECKPOINT_SEED,
+    CHECKPOINT_TARGET_ERROR,
+    CHECKPOINT_TIMED,
+    CHECKPOINT_MIN_SPP,
+    CHECKPOINT_MAX_DEPTH,
+    CHECKPOINT_MIN_WEIGHT,
+    CHECKPOINT_MAX_LOSS,
+    CHECKPOINT_MAX_RELATIVE_LOSS,
+    CHECKPOINT_EPSILON,
+    CHECKPOINT_TERMINATOR_FIX,
+    CHECKPOINT_AOVS,
+    CHECKPOINT_NUMBERS
+} checkpoint_number;
+
+typedef struct checkpoint_key {
+    char version[32], tracer[128]; /* zeros after the text */
+    uint64_t numbers[CHECKPOINT_NUMBERS];
+} checkpoint_key;
+
+/* The waves that a film is made of. */
+typedef struct checkpoint_grid {
+    uint32_t first_x, first_y; /* corner of the first one, in the image */
+    uint32_t across, count;
+} checkpoint_grid;
+
+typedef struct checkpoint_state {
+    checkpoint_grid grid;
+    uint64_t *squares;       /* of each wave: those that are finished, bit y / 4 * 8 + x / 4 */
+    unsigned char **records; /* of each wave; NULL: it is not begun, or finished */
+    bool hits;               /* in the records */
+    uint32_t spp;            /* the most of a pixel in a record */
+    uint64_t samples, rays;
+    double error, seconds;
+} checkpoint_state;
+
+/* scene: its fingerprint. The tracer is not in it yet. */
+void checkpoint_key_of(const fathom_settings *settings, const fathom_film *film, uint64_t scene,
+                       checkpoint_key *out);
+/* FATHOM_BAD_INPUT names the first thing that differs, and both values. path: of the file that `saved` is
+ * from. */
+fathom_status checkpoint_key_compare(fathom_context *context, const char *path, const checkpoint_key *saved,
+                                     const checkpoint_key *now);
+fathom_status checkpoint_tracer_compare(fathom_context *context, const char *path, const char *saved,
+                                        const char *now);
+
+/* Nothing is finished yet. False when out of memory. */
+bool checkpoint_state_create(const fathom_settings *settings, const fathom_film *film, bool hits,
+                             checkpoint_state *out);
+void checkpoint_state_destroy(checkpoint_state *state);
+
+uint32_t checkpoint_wave_at(const checkpoint_grid *grid, uint32_t x, uint32_t y);
+/* The squares of a wave that the film shows at least a part of. */
+uint64_t checkpoint_shown(const checkpoint_grid *grid, const fathom_film *film, uint32_t place);
+/* Pixels of these squares that the film shows. */
+uint64_t checkpoint_pixels(const checkpoint_grid *grid, const fathom_film *film, uint32_t place,
+                           uint64_t squares);
+
+/* One channel of a square, between the film and 16 values; what the film does not show is 0. */
+void checkpoint_square_save(const checkpoint_grid *grid, const fathom_film *film, uint32_t place,
+                            unsigned square, uint32_t channel, uint32_t out[LANES]);
+void checkpoint_square_load(const checkpoint_grid *grid, const fathom_film *film, uint32_t place,
+                            unsigned square, uint32_t channel, const uint32_t in[LANES]);
+
+/* What a file's bytes say, into a film and a state that are made for this render. `name` is the file's, for
+ * messages; `tracer` gets what the file says of it. FATHOM_BAD_INPUT: no checkpoint, a damaged one, or one of
+ * another render; then film and state may be half filled. Any bytes are safe. */
+fathom_status checkpoint_read(fathom_context *context, const char *name, const unsigned char *bytes,
+                              size_t size, const checkpoint_key *key, const fathom_film *film,
+                              checkpoint_state *state, char tracer[128]);
+
+#endif

@@ -1,0 +1,38 @@
+/* The job: waves handed to threads, samples summed into pixels, progress and stopping. */
+#ifndef JOB_JOB_H
+#define JOB_JOB_H
+
+#include "job/checkpoint/checkpoint.h"
+
+typedef struct job_result {
+    ray_counts rays;
+    uint64_t samples; /* that the film's pixels are the means of */
+    double finished;  /* share of the work, or of the time */
+    double error;     /* the largest estimate of any wave; see adaptive.h. 0 when it was not estimated */
+} job_result;
+
+/* What is to be left of a time for what comes after rendering: asked once, on a thread of the job, when each
+ * pixel has a sample and the film holds it. */
+typedef struct job_reserve {
+    double (*seconds)(void *user, const fathom_film *film, double left); /* left: of the time */
+    void *user;
+} job_reserve;
+
+/* All may be 0. */
+typedef struct job_options {
+    double deadline;            /* of clock_seconds(), for settings with a time */
+    const job_reserve *reserve; /* comes off it */
+    checkpoint *saving;         /* begun; the film holds what it has finished */
+    fathom_progress_fn progress;
+    void *user;
+} job_options;
+
+/* FATHOM_INTERRUPTED when progress said stop: squares of 4 × 4 pixels that were finished are in the film, and
+ * where samples follow an error waves of 32 × 32. The remaining pixels show the preview (preview.h), or are
+ * black where samples follow an error and where there was no time for one. FATHOM_BAD_INPUT when a file of
+ * the scene was changed, which also stops it. FATHOM_BAD_USAGE when the deadline comes before each pixel has
+ * a sample. */
+fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
+                      fathom_film *film, job_result *out);
+
+#endif

@@ -1,0 +1,50 @@
+/* What the ways to run a job share. */
+#ifndef JOB_JOB_INNER_H
+#define JOB_JOB_INNER_H
+
+#include "job/adaptive.h"
+#include "job/job.h"
+
+/* A thread's integration is made when the thread first needs it. */
+typedef struct worker {
+    integration *integration;
+    adaptive_wave *adaptive; /* NULL: every pixel gets the same samples, or waves keep their own */
+    pixel_sums *sums;        /* otherwise */
+    adaptive_limit limit;
+    double kept;      /* clock_seconds() when its adaptive wave was last saved, or began */
+    uint64_t samples; /* in the film */
+    double error;     /* the largest of its waves */
+} worker;
+
+typedef struct job {
+    const render_plan *plan;
+    fathom_film *film;
+    worker *workers;
+    atomic_bool stop, failed;
+    _Atomic uint64_t pixels_done, rays_done;
+    job_result result;
+    const job_options *options;
+    double began;            /* of clock_seconds(), as the next; the calls that this one continues count */
+    _Atomic double deadline; /* 0: none. What has to be reserved comes off it on the way */
+    uint64_t rays_before;    /* of these calls */
+    atomic_bool complete;    /* nothing is left to stop */
+    bool interrupted;
+    fathom_status files; /* of the scene: not FATHOM_OK once one was found changed, which ends the job */
+    double next_look;    /* at them */
+    double sampled;      /* part of the waves that have samples, when time ended before all had */
+    unsigned threads;
+} job;
+
+/* The worker of this index, ready for work; NULL when the job stops. */
+worker *job_worker(job *j, unsigned index);
+/* After a pass or a wave, for progress. before: its rays then. */
+void job_count_rays(job *j, const integration *work, const ray_counts *before);
+/* Ends the job after the integrator's run() returned false. */
+void job_stop(job *j, const integration *work);
+
+/* Rounds over all waves until the deadline. */
+void timed_run(job *j);
+/* Bytes that timed_run() takes. */
+size_t timed_bytes(const job *j);
+
+#endif

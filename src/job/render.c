@@ -1,0 +1,291 @@
+#include "job/render.h"
+
+#include "base/clock.h"
+#include "base/memory.h"
+#include "job/checkpoint/checkpoint.h"
+#include "job/job.h"
+#include "job/watch.h"
+#include "scene/fingerprint.h"
+
+typedef struct build {
+    fathom_context *context;
+    const world *world;
+    trace_options options;
+    trace_tracer *tracer;
+    fathom_status status;
+    fathom_progress_fn progress; /* on the calling thread alone */
+    void *progress_user;
+    double began;
+    _Atomic double fraction; /* as Embree's building threads last said */
+    atomic_bool stop;
+} build;
+
+static bool on_build(void *user, double fraction) {
+    build *b = user;
+    atomic_store(&b->fraction, fraction);
+    return !atomic_load(&b->stop);
+}
+
+static void build_tracer(void *user) {
+    build *b = user;
+    b->status = trace_create(b->context, b->world, &b->options, &b->tracer);
+}
+
+static void report_build(void *user) {
+    build *b = user;
+    fathom_progress now = {.phase = FATHOM_PHASE_BUILD,
+                           .fraction = fmin(fmax(atomic_load(&b->fraction), 0), 1),
+                           .seconds = clock_seconds() - b->began};
+    if (b->progress && !atomic_load(&b->stop) && !b->progress(b->progress_user, &now))
+        atomic_store(&b->stop, true);
+}
+
+static uint64_t program_bytes(const fathom_context *context) {
+    return MEMORY_PROGRAM + (uint64_t)fathom_context_threads(context) * MEMORY_THREAD;
+}
+
+/* What the process will hold beside the tracer's structures. Of a large film nothing is there yet, unless a
+ * checkpoint has filled it, and of a mapped mesh only what was looked at
+ * is in memory. */
+static fathom_status memory_beside(fathom_context *context, const fathom_scene *scene,
+                                   const fathom_film *film, uint64_t *out) {
+    uint64_t meshes;
+    fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &meshes);
+    if (status != FATHOM_OK) return status;
+    uint64_t bytes = film_bytes(film), expected = program_bytes(context) + meshes,
+             film_now = film->stats.resumed_samples ? bytes : memory_taken(bytes);
+    uint64_t resident = memory_resident();
+    resident = resident > film_now ? resident - film_now : 0;
+    *out = (resident > expected ? resident : expected) + bytes;
+    return FATHOM_OK;
+}
+
+/* What is left for building. At least a byte, since none would mean no limit. */
+static uint64_t building_memory(uint64_t beside, uint64_t limit) {
+    uint64_t free_now = memory_free(), room = free_now > INT64_MAX ? 0 : free_now + memory_private();
+    if (limit && (!room || limit < room)) room = limit;
+    return !room ? 0 : (room > beside + 1 ? room - beside : 1);
+}
+
+static fathom_status run_build(fathom_context *context, const world *w, fathom_film *film,
+                               const fathom_settings *settings, fathom_progress_fn progress, void *user,
+                               trace_tracer **out) {
+    static const watch_calls calls = {build_tracer, report_build};
+    trace_spec spec;
+    const char *words = settings->tracer_spec;
+    fathom_status status = words ? trace_spec_parse(context, words, &spec) : FATHOM_OK;
+    if (status != FATHOM_OK) return status;
+    uint64_t beside;
+    status = scene_rest_files(w->scene);
+    if (status == FATHOM_OK) status = memory_beside(context, w->scene, film, &beside);
+    if (status != FATHOM_OK) return status;
+    build b = {.context = context,
+               .world = w,
+               .progress = progress,
+               .progress_user = user,
+               .began = clock_seconds()};
+    b.options = (trace_options){.spec = words ? &spec : NULL,
+                                .kind = settings->tracer,
+                                .width = settings->block_width,
+                                .threads = fathom_context_threads(context),
+                                .expected_rays = plan_expected_rays(w->scene, settings),
+                                .memory = building_memory(beside, settings->memory_limit),
+                                .progress = progress ? on_build : NULL,
+                                .user = &b};
+    watch_run(&calls, &b);
+    *out = b.tracer;
+    if (b.tracer && trace_foreseen_bytes(b.tracer))
+        film->stats.foreseen_bytes = beside + trace_foreseen_bytes(b.tracer);
+    if (b.status != FATHOM_OK || !atomic_load(&b.stop)) return b.status;
+    return fail(context, FATHOM_INTERRUPTED, "stopped while building; there is no image yet");
+}
+
+static uint64_t placed_triangles(const world *w, uint32_t group) {
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < w->groups.items[group].count; ++i) {
+        const world_geometry *geometry = &w->geometries.items[w->groups.items[group].first + i];
+        if (geometry->kind == WORLD_MESH) count += geometry->count;
+    }
+    return count;
+}
+
+static fathom_status count_scene(const world *w, const trace_tracer *tracer, const fathom_film *film,
+                                 fathom_stats *stats) {
+    const fathom_scene *scene = w->scene;
+    stats->triangles = scene_triangles(scene);
+    stats->primitives = stats->triangles + scene->spheres.count + scene->quads.count + scene->planes.count;
+    stats->instances = w->instances.count;
+    stats->placed_triangles = placed_triangles(w, 0);
+    for (size_t k = 0; k < w->instances.count; ++k)
+        stats->placed_triangles += placed_triangles(w, w->instances.items[k].group);
+    stats->degenerate_triangles = w->degenerate_triangles;
+    stats->bvh_bytes = trace_bvh_bytes(tracer);
+    stats->bvh_peak_bytes = trace_peak_bytes(tracer);
+    stats->film_bytes = film_bytes(film);
+    stats->threads = fathom_context_threads(scene->context);
+    const char *name = trace_name(tracer);
+    for (size_t i = 0; name[i] && i + 1 < sizeof stats->tracer; ++i) stats->tracer[i] = name[i];
+    return scene_buffer_bytes(scene, SCENE_BUFFERS, &stats->mesh_bytes);
+}
+
+static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
+                                  const fathom_settings *settings, const job_options *options,
+                                  fathom_film *film) {
+    render_plan *plan;
+    double began = clock_seconds();
+    fathom_status status = plan_create(context, w, tracer, settings, &plan);
+    film->stats.build_seconds += clock_seconds() - began;
+    if (status == FATHOM_OK && !left_out_find(w, settings, plan->watertight, &film->left_out))
+        status = fail_memory(context, sizeof(fathom_left_out));
+    if (status != FATHOM_OK) {
+        plan_destroy(plan);
+        return status;
+    }
+    job_result result = {.samples = 0};
+    began = clock_seconds();
+    status = job_run(context, plan, options, film, &result);
+    plan_destroy(plan);
+    film->stats.render_seconds = clock_seconds() - began;
+    film->stats.camera_rays = result.rays.camera;
+    film->stats.shadow_rays = result.rays.shadow;
+    film->stats.reflection_rays = result.rays.reflection;
+    film->stats.refraction_rays = result.rays.refraction;
+    film->stats.repaired_rays = result.rays.repaired;
+    film->stats.unlit_shadow_rays = result.rays.unlit;
+    film->stats.faint_shadow_rays = result.rays.faint;
+    film->stats.samples = result.samples;
+    film->stats.finished = result.finished;
+    film->stats.error_estimate = result.error;
+    return status;
+}
+
+/* What only callers beside this module ask for. */
+typedef struct render_extra {
+    const vec3_f64 *origin;          /* NULL: near the view */
+    const job_reserve *reserve;      /* NULL: nothing */
+    const fathom_checkpoint *saving; /* NULL: not at all */
+    bool keep_doubtful;              /* the film of a scene whose files changed */
+} render_extra;
+
+/* Seconds that calls before this one spent come off the time. */
+static fathom_status render_traced(fathom_context *context, const world *w, const trace_tracer *tracer,
+                                   const fathom_settings *settings, job_options *options, fathom_film *film) {
+    checkpoint *saving = options->saving;
+    if (saving) {
+        char name[128];
+        trace_identity(tracer, name);
+        fathom_status status = checkpoint_begin(saving, name);
+        if (status != FATHOM_OK) return status;
+        options->deadline -= checkpoint_before(saving).seconds;
+    }
+    return render_world(context, w, tracer, settings, options, film);
+}
+
+static fathom_status render_film(fathom_context *context, const fathom_scene *scene,
+                                 const fathom_settings *settings, const vec3_f64 *origin,
+                                 job_options *options, fathom_film *film) {
+    double began = clock_seconds();
+    world *w;
+    fathom_status status = world_create_from(scene, origin, &w);
+    if (status != FATHOM_OK) return status;
+    status = world_check(w);
+    if (status == FATHOM_OK && w->degenerate_triangles) {
+        warn(context, "triangles without area that are left out: %llu",
+             (unsigned long long)w->degenerate_triangles);
+    }
+    if (status == FATHOM_OK && w->beyond_reach) {
+        warn(context, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
+             WORLD_REACH, (unsigned long long)w->beyond_reach);
+    }
+    if (status == FATHOM_OK && parts_all_transparent(scene)) {
+        warn(context,
+             "all surfaces are fully transparent: nothing but the background can be seen (in an .mtl, "
+             "opaque is d 1 or Tr 0)");
+    }
+    trace_tracer *tracer = NULL;
+    if (status == FATHOM_OK)
+        status = run_build(context, w, film, settings, options->progress, options->user, &tracer);
+    film->stats.build_seconds = clock_seconds() - began;
+    if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
+    if (status == FATHOM_OK) status = count_scene(w, tracer, film, &film->stats);
+    options->deadline = began + settings->max_time;
+    if (status == FATHOM_OK) status = render_traced(context, w, tracer, settings, options, film);
+    trace_destroy(tracer);
+    world_destroy(w);
+    return status;
+}
+
+static fathom_status render(fathom_context *context, const fathom_scene *scene,
+                            const fathom_settings *settings, const render_extra *extra,
+                            fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out) {
+    if (!out) return fail_null(context, "out");
+    *out = NULL;
+    if (stats) *stats = (fathom_stats){0};
+    if (!context || !scene) return fail_null(context, "scene");
+    if (!settings) return fail_null(context, "settings");
+    trace_spec spec; /* told before the world is built, which can take a while */
+    fathom_status status = scene_check_settings(context, settings);
+    if (status == FATHOM_OK && settings->tracer_spec)
+        status = trace_spec_parse(context, settings->tracer_spec, &spec);
+    const fathom_scene view = scene_through(scene, context);
+    if (status == FATHOM_OK) status = fathom_scene_check(&view);
+    if (status != FATHOM_OK) return status;
+    fathom_film *film;
+    status = film_create(context, &view, settings, &film);
+    if (status != FATHOM_OK) return status;
+    job_options options = {.reserve = extra->reserve, .progress = progress, .user = user};
+    status = scene_fingerprint(&view, &film->stats.scene_fingerprint);
+    if (status == FATHOM_OK && extra->saving)
+        status = checkpoint_open(context, extra->saving, &view, settings, film, &options.saving);
+    if (status == FATHOM_OK) status = render_film(context, &view, settings, extra->origin, &options, film);
+    fathom_status changed = FATHOM_OK;
+    if (status != FATHOM_OUT_OF_RESOURCES) {
+        /* An image of a scene that changed meanwhile is of none, and any failure may come of it. */
+        changed = fathom_scene_check_files(&view);
+        if (changed != FATHOM_OK) status = changed;
+    }
+    checkpoint_close(options.saving);
+    if (stats) *stats = film->stats;
+    film->interrupted = status == FATHOM_INTERRUPTED;
+    bool doubtful = changed != FATHOM_OK && extra->keep_doubtful && film->stats.samples;
+    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED && !doubtful) {
+        fathom_film_destroy(film);
+        return status;
+    }
+    *out = film;
+    return status;
+}
+
+fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
+                            const fathom_settings *settings, fathom_progress_fn progress, void *user,
+                            fathom_stats *stats, fathom_film **out) {
+    const render_extra none = {.origin = NULL};
+    return render(context, scene, settings, &none, progress, user, stats, out);
+}
+
+fathom_status fathom_render_checkpointed(fathom_context *context, const fathom_scene *scene,
+                                         const fathom_settings *settings, const fathom_checkpoint *saving,
+                                         fathom_progress_fn progress, void *user, fathom_stats *stats,
+                                         fathom_film **out) {
+    const render_extra extra = {.saving = saving};
+    if (out) *out = NULL;
+    if (stats) *stats = (fathom_stats){0};
+    if (!saving) return fail_null(context, "checkpoint");
+    if (!saving->path) return fail_null(context, "checkpoint: path");
+    return render(context, scene, settings, &extra, progress, user, stats, out);
+}
+
+fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          const vec3_f64 *origin, fathom_progress_fn progress, void *user,
+                          fathom_film **out) {
+    const render_extra extra = {.origin = origin};
+    return render(context, scene, settings, &extra, progress, user, NULL, out);
+}
+
+fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
+                             const fathom_settings *settings, const job_reserve *reserve,
+                             const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,
+                             fathom_stats *stats, fathom_film **out) {
+    const render_extra extra = {.reserve = reserve, .saving = saving, .keep_doubtful = true};
+    return render(context, scene, settings, &extra, progress, user, stats, out);
+}

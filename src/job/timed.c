@@ -1,0 +1,212 @@
+/* Rendering to a time. All waves are kept, and rounds go over them: first one sample for each pixel, then
+ * twice as many until errors are known, then a pass for the squares where a ray is worth most, wherever they
+ * are (adaptive.h): that leaves the least squared error for the time. The clock is looked at before each
+ * batch of rays: nothing that was sampled is thrown away. Which samples are taken depends on the clock, what
+ * each of them is does not. */
+#include "job/job_inner.h"
+
+#include "base/clock.h"
+#include "base/threads.h"
+
+#include <stdlib.h>
+
+/* Of the best worth, what a round takes: squares within this of it would else be the best ones of the next
+ * round or the one after it. */
+#define NEAR_BEST 0.5
+
+/* Waves of a round for each thread, at least: the end of a round, where threads wait for the last one, stays
+ * a small part of it. */
+#define WAVES_FOR_THREAD 16u
+
+typedef struct ranked {
+    double worth;
+    uint32_t shuffle, wave;
+} ranked;
+
+typedef struct timed {
+    job *job;
+    adaptive_wave **waves; /* NULL until the first pass */
+    bool *finished;
+    ranked *order;
+    size_t count, round; /* waves; of them in this round */
+    double limit;        /* worth of the squares of this round, at least, in waves that have such */
+    uint32_t first_x, first_y, across;
+    atomic_bool cut;
+} timed;
+
+static uint32_t waves_across(uint32_t begin, uint32_t length) {
+    return (begin + length + WAVE_SIDE - 1) / WAVE_SIDE - begin / WAVE_SIDE;
+}
+
+size_t timed_bytes(const job *j) {
+    const fathom_film *film = j->film;
+    bool hits = j->plan->first_hits;
+    size_t count = (size_t)waves_across(film->x, film->width) * waves_across(film->y, film->height);
+    size_t kept = j->options->saving ? checkpoint_wave_bytes(j->options->saving) : 0;
+    return count * (sizeof(adaptive_wave) + (hits ? sizeof(hit_sums) : 0) + kept);
+}
+
+/* Best first; in an order without a pattern where nothing is known. */
+static int by_worth(const void *a, const void *b) {
+    const ranked *x = a, *y = b;
+    if (x->worth != y->worth) return x->worth > y->worth ? -1 : 1;
+    return x->shuffle < y->shuffle ? -1 : x->shuffle > y->shuffle;
+}
+
+/* The waves of the next round, at the front of `order`. While some have no estimate, those alone. */
+static void choose_round(timed *t) {
+    size_t count = 0;
+    for (uint32_t i = 0; i < t->count; ++i) {
+        if (t->finished[i]) continue;
+        double worth = t->waves[i] ? t->waves[i]->worth : (double)INFINITY;
+        if (!(worth > 0)) continue; /* it has all its samples */
+        t->order[count++] = (ranked){worth, i * 0x9e3779b1u, i};
+    }
+    qsort(t->order, count, sizeof *t->order, by_worth);
+    size_t least = WAVES_FOR_THREAD * t->job->threads;
+    t->limit = count ? NEAR_BEST * t->order[0].worth : 0;
+    bool unknown = isinf(t->limit);
+    for (t->round = 0; t->round < count; ++t->round) {
+        if (t->order[t->round].worth < t->limit && (unknown || t->round >= least)) break;
+    }
+}
+
+static bool make_wave(timed *t, uint32_t i) {
+    adaptive_wave *a = malloc(sizeof *a);
+    if (!a || !adaptive_create(t->job->plan, a)) {
+        free(a);
+        return false;
+    }
+    adaptive_begin(t->job->plan, t->first_x + i % t->across * WAVE_SIDE,
+                   t->first_y + i / t->across * WAVE_SIDE, a);
+    if (t->job->options->saving) checkpoint_resume(t->job->options->saving, i, a);
+    t->waves[i] = a;
+    return true;
+}
+
+static void run_pass(timed *t, worker *self, uint32_t i) {
+    job *j = t->job;
+    if (!t->waves[i] && !make_wave(t, i)) {
+        atomic_store(&j->failed, true);
+        atomic_store(&j->stop, true);
+        return;
+    }
+    adaptive_wave *a = t->waves[i];
+    self->limit.deadline = atomic_load(&j->deadline);
+    adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
+    goal.worth = fmax(goal.worth, a->worth < t->limit ? NEAR_BEST * a->worth : t->limit);
+    const ray_counts before = self->integration->rays;
+    switch (adaptive_pass(self->integration, &goal, &self->limit, a)) {
+    case ADAPTIVE_PASSED:
+        if (j->options->saving) checkpoint_keep(j->options->saving, i, a);
+        break;
+    case ADAPTIVE_FINISHED: t->finished[i] = true; break;
+    case ADAPTIVE_CUT: atomic_store(&t->cut, true); break;
+    case ADAPTIVE_STOPPED: job_stop(j, self->integration); break;
+    }
+    job_count_rays(j, self->integration, &before);
+}
+
+static void run_round(void *user, size_t begin, size_t end, unsigned index) {
+    timed *t = user;
+    unsigned state = trace_thread_begin();
+    for (size_t i = begin; i < end && !atomic_load(&t->cut); ++i) {
+        worker *self = job_worker(t->job, index);
+        if (!self) break;
+        run_pass(t, self, t->order[i].wave);
+    }
+    trace_thread_end(state);
+}
+
+/* Returns the samples that the film's pixels are the means of. */
+static uint64_t store_waves(const timed *t) {
+    uint64_t samples = 0;
+    for (size_t i = 0; i < t->count; ++i) {
+        if (t->waves[i]) samples += adaptive_store(t->waves[i], t->job->film);
+    }
+    return samples;
+}
+
+/* Storing the waves is among what comes after the deadline. */
+static void reserve_time(timed *t) {
+    job *j = t->job;
+    const job_reserve *reserve = j->options->reserve;
+    double began = clock_seconds();
+    store_waves(t);
+    double stored = clock_seconds(), deadline = atomic_load(&j->deadline);
+    double after = reserve->seconds(reserve->user, j->film, deadline - stored);
+    /* A time that is up stays a time. */
+    atomic_store(&j->deadline, fmax(deadline - (stored - began) - after, j->began));
+}
+
+/* What calls before this one sampled. */
+static bool take_up_waves(timed *t) {
+    checkpoint *saving = t->job->options->saving;
+    for (uint32_t i = 0; saving && i < t->count; ++i) {
+        if (checkpoint_is_begun(saving, i) && !make_wave(t, i)) return false;
+    }
+    return true;
+}
+
+static bool all_begun(const timed *t) {
+    for (size_t i = 0; i < t->count; ++i) {
+        if (!t->waves[i]) return false;
+    }
+    return true;
+}
+
+static void run_rounds(timed *t) {
+    for (bool reserved = !t->job->options->reserve;;) {
+        choose_round(t);
+        if (!t->round) return;
+        if (!reserved && all_begun(t)) {
+            reserve_time(t);
+            reserved = true;
+        }
+        loop_parallel(t->job->threads, t->round, 1, run_round, t);
+        if (atomic_load(&t->cut) || atomic_load(&t->job->stop)) return;
+    }
+}
+
+static void tell_error(const timed *t) {
+    job *j = t->job;
+    size_t sampled = 0;
+    for (size_t i = 0; i < t->count; ++i) {
+        const adaptive_wave *a = t->waves[i];
+        bool has_samples = a && a->taken[0];
+        sampled += has_samples;
+        j->result.error = fmax(j->result.error, has_samples ? a->error : (double)INFINITY);
+    }
+    j->sampled = (double)sampled / (double)t->count;
+}
+
+static void destroy_waves(timed *t) {
+    for (size_t i = 0; i < t->count && t->waves; ++i) {
+        if (t->waves[i]) adaptive_destroy(t->waves[i]);
+        free(t->waves[i]);
+    }
+    free(t->waves);
+    free(t->finished);
+    free(t->order);
+}
+
+void timed_run(job *j) {
+    const fathom_film *film = j->film;
+    timed t = {.job = j,
+               .first_x = film->x / WAVE_SIDE * WAVE_SIDE,
+               .first_y = film->y / WAVE_SIDE * WAVE_SIDE,
+               .across = waves_across(film->x, film->width)};
+    t.count = (size_t)t.across * waves_across(film->y, film->height);
+    t.waves = calloc(t.count, sizeof(adaptive_wave *));
+    t.finished = calloc(t.count, sizeof *t.finished);
+    t.order = malloc(t.count * sizeof *t.order);
+    if (t.waves && t.finished && t.order && take_up_waves(&t)) {
+        run_rounds(&t);
+        atomic_store(&j->complete, !atomic_load(&j->stop));
+        j->result.samples = store_waves(&t);
+        tell_error(&t);
+    } else {
+        atomic_store(&j->failed, true);
+    }
+    destroy_waves(&t);
+}

@@ -1,9 +1,0 @@
-/* Where radiance and the weights of paths end: whatever a scene asks for, each pixel is a finite number. */
-#ifndef SHADE_LIMIT_H
-#define SHADE_LIMIT_H
-
-/* At most 2^100. A product of two such numbers may be infinite, but never infinity times zero if each is
- * limited before the next; and 2^27 of them, more than a sample has paths times lights, add up to a float. */
-static inline float limited(float x) { return x < 0x1p100f ? x : 0x1p100f; }
-
-#endif

@@ -1,0 +1,299 @@
+/* Where a ray that leaves may start: as far off as its own rounding takes it (surface/kernels/surfaces.c),
+ * and `beside`, how wrong the intersector may be about a start that it knows exactly.
+ *
+ * With u = 2^-24, in an instance the start is carried to object space, o_i = Σ A_ij s_j + T_i, and rounded
+ * there. Our own tracers do that with A and T = to_object as given and one rounding, u |o_i|. Embree inverts
+ * to_world in float: its A is off by E_ij (to_object_error), and its T = -A t, with t the translation of
+ * to_world, by that and by three roundings of its products; three more enter when the start is carried. As A
+ * s + T = A (s
+ * - t), E counts by |s - t|: in all Σ_j E_ij |s_j - t_j| + 6 u Σ_j |A_ij| (|s_j| + |t_j|) on axis i. A
+ * distance e along the object's normal n is e / |Aᵀn| in the world, whose normal is Aᵀn / |Aᵀn|. */
+#include "surface/gather.h"
+
+#include "surface/half.h"
+#include "surface/local_hit.h"
+
+#include <string.h>
+
+static const double unit_round = 0x1p-24;
+
+/* ---- maps in double ---- */
+
+static vec3_f64 map_vector(const float m[3][4], vec3_f64 v) {
+    return (vec3_f64){(double)m[0][0] * v.x + (double)m[0][1] * v.y + (double)m[0][2] * v.z,
+                      (double)m[1][0] * v.x + (double)m[1][1] * v.y + (double)m[1][2] * v.z,
+                      (double)m[2][0] * v.x + (double)m[2][1] * v.y + (double)m[2][2] * v.z};
+}
+
+static vec3_f64 translation(const float m[3][4]) {
+    return (vec3_f64){(double)m[0][3], (double)m[1][3], (double)m[2][3]};
+}
+
+static vec3_f64 map_point(const float m[3][4], vec3_f64 p) {
+    return add_f64(map_vector(m, p), translation(m));
+}
+
+/* Mᵀ v */
+static vec3_f64 map_normal(const float m[3][4], vec3_f64 v) {
+    return (vec3_f64){(double)m[0][0] * v.x + (double)m[1][0] * v.y + (double)m[2][0] * v.z,
+                      (double)m[0][1] * v.x + (double)m[1][1] * v.y + (double)m[2][1] * v.z,
+                      (double)m[0][2] * v.x + (double)m[1][2] * v.y + (double)m[2][2] * v.z};
+}
+
+static vec3_f64 absolute(vec3_f64 v) { return (vec3_f64){fabs(v.x), fabs(v.y), fabs(v.z)}; }
+
+vec3_f64 surface_to_object(const world_instance *instance, vec3_f64 p) {
+    return map_point(instance->to_object, p);
+}
+
+vec3_f64 surface_normal_to_world(const world_instance *instance, vec3_f64 n) {
+    return map_normal(instance->to_object, n);
+}
+
+double surface_stretch_along(const world_instance *instance, vec3_f64 n) {
+    const double along[3] = {fabs(n.x), fabs(n.y), fabs(n.z)};
+    double sum = 0;
+    for (int i = 0; i < 9; ++i) sum += along[i / 3] * fabs((double)instance->to_object[i / 3][i % 3]);
+    return sum;
+}
+
+double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p) {
+    vec3_f64 shift = translation(instance->to_world);
+    vec3_f64 from = absolute(sub_f64(p, shift)), sum = add_f64(absolute(p), absolute(shift));
+    const double along[3] = {fabs(n.x), fabs(n.y), fabs(n.z)};
+    double error = 0;
+    for (int i = 0; i < 3; ++i) {
+        const float *a = instance->to_object[i], *e = instance->to_object_error[i];
+        double products =
+            fabs((double)a[0]) * sum.x + fabs((double)a[1]) * sum.y + fabs((double)a[2]) * sum.z;
+        double map = (double)e[0] * from.x + (double)e[1] * from.y + (double)e[2] * from.z;
+        error += along[i] * (map + 6 * unit_round * products);
+    }
+    return error;
+}
+
+static vec3_f64 unit_of(vec3_f64 v) { return scale_f64(1 / sqrt(dot_f64(v, v)), v); }
+
+/* ---- lanes ---- */
+
+static vec3_f64 lane_f64(const lanes3_f64 from, unsigned i) {
+    return vec_f64(from[0][i], from[1][i], from[2][i]);
+}
+static vec3_f64 lane_f32(const lanes3 from, unsigned i) {
+    return vec_f64((double)from[0][i], (double)from[1][i], (double)from[2][i]);
+}
+static void put_f64(lanes3_f64 to, unsigned i, vec3_f64 v) { to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z; }
+static void put_f32(float to[3][LANES], unsigned i, vec3_f32 v) {
+    to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z;
+}
+
+/* Object to world: to the point that to_object, as it was rounded, carries to the object's: to_world is its
+ * inverse but for some u, so what is left after one step of Newton's is of the order u². */
+static void to_world(const world_instance *instance, local_block *b, unsigned i) {
+    const float(*m)[4] = instance->to_world, (*inverse)[4] = instance->to_object;
+    vec3_f64 object_p = lane_f64(b->p, i), object_n = lane_f64(b->n, i);
+    vec3_f64 p = map_point(m, object_p), n = map_normal(inverse, object_n);
+    p = add_f64(p, map_vector(m, sub_f64(object_p, map_point(inverse, p))));
+    double length = sqrt(dot_f64(n, n));
+    b->beside[i] = (b->beside[i] + surface_carried_along(instance, object_n, p)) / length;
+    put_f64(b->p, i, p);
+    put_f64(b->n, i, scale_f64(1 / length, n));
+    put_f32(b->ns, i, narrow(unit_of(map_normal(inverse, lane_f32(b->ns, i)))));
+    put_f32(b->lift, i, narrow(map_vector(m, lane_f32(b->lift, i))));
+}
+
+/* ---- hits ---- */
+
+void surface_gather_begin(surface_gather *g) {
+    g->count = 0, g->instances = 0, g->faceted = false;
+    g->facets.smooth = false;
+}
+
+/* For hits that come one by one: unused lanes are computed too, as a triangle seen from a distance of 1. */
+static void clear_lanes(surface_gather *g) {
+    memset(g->facets.corner, 0, sizeof g->facets.corner);
+    memset(g->facets.normal, 0, sizeof g->facets.normal);
+    memset(g->facets.facet, 0, sizeof g->facets.facet);
+    memset(g->facets.bent, 0, sizeof g->facets.bent);
+    memset(g->local.lift, 0, sizeof g->local.lift);
+    memset(g->local.smooth, 0, sizeof g->local.smooth);
+}
+
+static const float *vector_at(const float *base, size_t stride, uint32_t i) {
+    return (const float *)(const void *)((const char *)base + stride * i);
+}
+
+/* A triangle's corners and normals are only fetched here; facets() computes. */
+static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, uint32_t triangle) {
+    const uint32_t *index = mesh->indices + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; ++k)
+        put_f32(g->facets.corner[k], i,
+                load_f32(vector_at(mesh->positions, mesh->position_stride, index[k])));
+    g->facets.facet[i] = ~0u;
+    g->faceted = true;
+    if (!mesh->normals) return;
+    index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; ++k)
+        put_f32(g->facets.normal[k], i, load_f32(vector_at(mesh->normals, mesh->normal_stride, index[k])));
+    g->facets.bent[i] = ~0u;
+    g->facets.smooth = true;
+}
+
+/* A quad is the half of it that the ray meets. */
+static void add_half(surface_gather *g, unsigned i, const world_quad *quad, const local_ray *local) {
+    static const int halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
+    const vec3_f32 *v = quad->corner;
+    bool second = half_is_second(widen(v[0]), widen(v[1]), widen(v[2]), widen(v[3]), local->org, local->dir);
+    for (int k = 0; k < 3; ++k) put_f32(g->facets.corner[k], i, v[halves[second][k]]);
+    g->facets.facet[i] = ~0u;
+    g->faceted = true;
+}
+
+static void add_hit(surface_gather *g, unsigned i, const local_hit *hit) {
+    put_f64(g->local.p, i, hit->p);
+    put_f64(g->local.n, i, hit->n);
+    put_f32(g->local.ns, i, hit->ns);
+    g->local.beside[i] = hit->beside;
+}
+
+static void add_primitive(surface_gather *g, unsigned i, const world *w, const local_ray *local) {
+    uint32_t primitive = g->primitive[i];
+    local_hit hit;
+    if (g->geometry[i] == TRACE_PLANE) {
+        local_plane(&w->planes.items[primitive], local, &hit);
+        add_hit(g, i, &hit);
+        return;
+    }
+    const world_geometry *geometry = &w->geometries.items[g->geometry[i]];
+    switch (geometry->kind) {
+    case WORLD_SPHERES: local_sphere(&w->spheres.items[geometry->first + primitive], local, &hit); break;
+    case WORLD_QUADS: add_half(g, i, &w->quads.items[geometry->first + primitive], local); return;
+    case WORLD_MESH: add_facet(g, i, &w->meshes.items[geometry->first], primitive); return;
+    }
+    add_hit(g, i, &hit);
+}
+
+void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane) {
+    const trace_rays *r = &block->rays;
+    if (!g->count) clear_lanes(g);
+    unsigned i = g->count++;
+    vec3_f32 dir = {r->dir_x[lane], r->dir_y[lane], r->dir_z[lane]};
+    local_ray local = {vec_f64((double)r->org_x[lane], (double)r->org_y[lane], (double)r->org_z[lane]),
+                       widen(dir), r->t_near[lane]};
+    g->geometry[i] = block->hits.geometry[lane];
+    g->primitive[i] = block->hits.primitive[lane];
+    g->instance[i] = block->hits.instance[lane];
+    put_f32(g->local.ray, i, dir);
+    if (g->geometry[i] != TRACE_PLANE && g->instance[i] != FATHOM_NONE) {
+        const world_instance *instance = &w->instances.items[g->instance[i]];
+        local.org = map_point(instance->to_object, local.org);
+        local.dir = map_vector(instance->to_object, local.dir);
+        g->instances |= 1u << i;
+    }
+    put_f64(g->local.org, i, local.org);
+    put_f64(g->local.dir, i, local.dir);
+    add_primitive(g, i, w, &local);
+}
+
+/* The mesh, or the quads none of which is flat, that all lanes met as part of the root; NULL: they did not.
+ */
+static const world_geometry *common_facets(const world *w, const trace_hits *hits) {
+    uint32_t differ = 0, id = hits->geometry[0];
+    for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | ~hits->instance[i];
+    if (differ || id == TRACE_PLANE) return NULL;
+    const world_geometry *met = &w->geometries.items[id];
+    return met->kind == WORLD_MESH || (met->kind == WORLD_QUADS && !met->flat) ? met : NULL;
+}
+
+static bool same_primitive(const uint32_t primitive[LANES]) {
+    uint32_t differ = 0;
+    for (int i = 0; i < LANES; ++i) differ |= primitive[i] ^ primitive[0];
+    return !differ;
+}
+
+/* Triangles of a mesh that caches do not hold from one wave to the next: some 20 bytes each. */
+#define LARGE_MESH (1u << 20)
+
+/* The large mesh that the first lane met, as part of the root; NULL: it did not. The others are likely to
+ * have met it, too. */
+static const fathom_mesh *large_mesh(const world *w, const trace_hits *hits) {
+    uint32_t id = hits->geometry[0];
+    if (id >= w->geometries.count || hits->instance[0] != FATHOM_NONE) return NULL;
+    const world_geometry *geometry = &w->geometries.items[id];
+    return geometry->kind == WORLD_MESH && geometry->count >= LARGE_MESH ? world_mesh(w, id) : NULL;
+}
+
+void surface_ask_indices(const world *w, const trace_hits *hits) {
+    const fathom_mesh *mesh = large_mesh(w, hits);
+    for (int i = 0; mesh && i < LANES; ++i) {
+        if (hits->geometry[i] == hits->geometry[0])
+            __builtin_prefetch(mesh->indices + 3 * (size_t)hits->primitive[i]);
+    }
+}
+
+static void ask_rows(const float *rows, size_t stride, const uint32_t vertex[3]) {
+    for (int k = 0; k < 3; ++k) __builtin_prefetch((const char *)rows + stride * vertex[k]);
+}
+
+void surface_ask_corners(const world *w, const trace_hits *hits) {
+    const fathom_mesh *mesh = large_mesh(w, hits);
+    if (!mesh) return;
+    const bool bent = mesh->normals && !mesh->normal_indices;
+    for (int i = 0; i < LANES; ++i) {
+        if (hits->geometry[i] != hits->geometry[0]) continue;
+        const uint32_t *vertex = mesh->indices + 3 * (size_t)hits->primitive[i];
+        ask_rows(mesh->positions, mesh->position_stride, vertex);
+        if (bent) ask_rows(mesh->normals, mesh->normal_stride, vertex);
+    }
+}
+
+bool surface_gather_block(surface_gather *g, const world *w, const surface_kernels *kernels,
+                          const trace_block *block) {
+    const trace_rays *rays = &block->rays;
+    const trace_hits *hits = &block->hits;
+    const world_geometry *met = common_facets(w, hits);
+    if (!met) {
+        for (unsigned i = 0; i < LANES; ++i) surface_gather_add(g, w, block, i);
+        return false;
+    }
+    memcpy(g->geometry, hits->geometry, sizeof g->geometry);
+    memcpy(g->primitive, hits->primitive, sizeof g->primitive);
+    memcpy(g->instance, hits->instance, sizeof g->instance);
+    memcpy(g->local.ray[0], rays->dir_x, sizeof rays->dir_x);
+    memcpy(g->local.ray[1], rays->dir_y, sizeof rays->dir_y);
+    memcpy(g->local.ray[2], rays->dir_z, sizeof rays->dir_z);
+    const bool quads = met->kind == WORLD_QUADS;
+    if (quads)
+        kernels->quad_gather(&w->quads.items[met->first], hits->primitive, trace_origins(rays),
+                             trace_directions(rays), &g->facets, &g->local);
+    else
+        kernels->facet_gather(&w->meshes.items[met->first], hits->primitive, trace_origins(rays),
+                              trace_directions(rays), &g->facets, &g->local);
+    g->count = LANES;
+    g->faceted = true;
+    return !quads || same_primitive(hits->primitive);
+}
+
+/* The rest of a block repeats its last hit. */
+static void pad(surface_gather *g) {
+    local_block *b = &g->local;
+    for (unsigned i = g->count, last = g->count - 1; i < LANES; ++i) {
+        put_f64(b->p, i, lane_f64(b->p, last));
+        put_f64(b->n, i, lane_f64(b->n, last));
+        put_f32(b->ns, i, narrow(lane_f32(b->ns, last)));
+        put_f32(b->ray, i, narrow(lane_f32(b->ray, last)));
+        put_f32(b->lift, i, narrow(lane_f32(b->lift, last)));
+        b->beside[i] = b->beside[last], b->smooth[i] = b->smooth[last];
+    }
+}
+
+void surface_gather_end(surface_gather *g, const world *w, const surface_kernels *kernels, bool lift,
+                        bool automatic, surface_block *s) {
+    if (g->faceted) kernels->facets(&g->facets, lift, &g->local);
+    for (uint32_t left = g->instances; left; left &= left - 1) {
+        unsigned i = (unsigned)__builtin_ctz(left);
+        to_world(&w->instances.items[g->instance[i]], &g->local, i);
+    }
+    pad(g);
+    kernels->surfaces(&g->local, automatic, s);
+}

@@ -1,0 +1,46 @@
+/* From what a tracer found to the surface points that shading sees, and from which rays leave. Sixteen hits
+ * are gathered, then computed together. */
+#ifndef SURFACE_GATHER_H
+#define SURFACE_GATHER_H
+
+#include "scene/world/world.h"
+#include "surface/kernels.h"
+#include "trace/trace.h"
+
+typedef struct surface_gather {
+    local_block local;
+    facet_block facets;
+    uint32_t geometry[LANES], primitive[LANES], instance[LANES]; /* as in trace_hits */
+    unsigned count;
+    uint32_t instances; /* bit i: lane i is in an instance */
+    bool faceted;       /* some lane met a triangle or a quad */
+} surface_gather;
+
+/* Makes it empty. */
+void surface_gather_begin(surface_gather *g);
+/* Adds what a lane met; there must be room. */
+void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane);
+/* All sixteen lanes, which all met something, to an empty one. Whether it is known that they met one object.
+ */
+bool surface_gather_block(surface_gather *g, const world *w, const surface_kernels *kernels,
+                          const trace_block *block);
+/* Ask the caches for what gathering a block of hits reads, where it is likely not to be there: indices first
+ * and, once these have come, corners. */
+void surface_ask_indices(const world *w, const trace_hits *hits);
+void surface_ask_corners(const world *w, const trace_hits *hits);
+/* Fills the first g->count lanes of s, without material and count, and turns those of g->local to the world's
+ * coordinates; all other lanes get something finite. lift: whether the points for shadow rays are wanted.
+ * automatic: rays begin off the surface by the point's error; else on it. */
+void surface_gather_end(surface_gather *g, const world *w, const surface_kernels *kernels, bool lift,
+                        bool automatic, surface_block *s);
+
+/* What light_surfaces.c needs as well. A point of the world in object space. */
+vec3_f64 surface_to_object(const world_instance *instance, vec3_f64 p);
+/* An object's normal in the world, not unit: a distance e along the unit n is e over its length there. */
+vec3_f64 surface_normal_to_world(const world_instance *instance, vec3_f64 n);
+/* How far a tracer may carry a point of the world wrong along the object's unit normal n, in object space. */
+double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p);
+/* Σ |n_i| |A_ij|, A the map to object space: by how much each part of a vector may count along n. */
+double surface_stretch_along(const world_instance *instance, vec3_f64 n);
+
+#endif

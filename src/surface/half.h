@@ -1,0 +1,27 @@
+/* Which half of a quad a ray meets: the triangle (0,1,3) of its corners, or (2,3,1). */
+#ifndef SURFACE_HALF_H
+#define SURFACE_HALF_H
+
+#include "math/vec.h"
+
+static inline bool half_has_area(vec3_f64 a, vec3_f64 b, vec3_f64 c) {
+    vec3_f64 n = cross_f64(sub_f64(b, a), sub_f64(c, a));
+    return (n.x != 0) | (n.y != 0) | (n.z != 0);
+}
+
+/* Negative in the second half: the sign of corner 0's weight in the first, d·((v1-o)×(v3-o)) / d·n, in
+ * double. Both halves lie in one plane but for the rounding of the corners, so next to the diagonal either
+ * will do. */
+static inline double half_side(vec3_f64 v0, vec3_f64 v1, vec3_f64 v3, vec3_f64 org, vec3_f64 dir) {
+    vec3_f64 normal = cross_f64(sub_f64(v1, v0), sub_f64(v3, v0));
+    return dot_f64(dir, cross_f64(sub_f64(v1, org), sub_f64(v3, org))) * dot_f64(dir, normal);
+}
+
+/* Whether the ray meets the second half: one without area is not met. */
+static inline bool half_is_second(vec3_f64 v0, vec3_f64 v1, vec3_f64 v2, vec3_f64 v3, vec3_f64 org,
+                                  vec3_f64 dir) {
+    bool second = half_side(v0, v1, v3, org, dir) < 0;
+    return (second && half_has_area(v2, v3, v1)) || !half_has_area(v0, v1, v3);
+}
+
+#endif

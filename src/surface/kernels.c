@@ -1,0 +1,5 @@
+#include "surface/kernels.h"
+
+#include "base/kernel.h"
+
+KERNEL_CHOICE(surface_kernels)

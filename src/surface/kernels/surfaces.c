@@ -1,0 +1,56 @@
+/* From hits to the surface points that shading sees. */
+#include "surface/kernels/kernel.h"
+
+/* How far rounding takes the start of a ray along the normal. With u = 2^-24 and the point known to the last
+ * digits of double, the start p + h n of a ray has each coordinate rounded twice, by u |p_i| when p becomes
+ * float and by u |p_i + h n_i| when the ray is made; the product h n_i and the float normal add 3 u h, and h
+ * is no more than some 30 u |p|. So the start strays by at most Σ |n_i| 2 u |p_i| along the normal, and an
+ * eighth more covers what is of second order. */
+static const double rounding = 2.25 * 0x1p-24;
+
+/* n turns to the viewer: the geometric normal decides, and takes the shading normal with it. */
+static void surfaces(const local_block *b, bool automatic, surface_block *restrict s) {
+    const double scale = automatic ? 1 : 0;
+    for (int i = 0; i < LANES; ++i) {
+        double x = b->n[0][i], y = b->n[1][i], z = b->n[2][i], px = b->p[0][i], py = b->p[1][i],
+               pz = b->p[2][i];
+        float facing =
+            (float)(x * (double)b->ray[0][i] + y * (double)b->ray[1][i] + z * (double)b->ray[2][i]);
+        double strays = rounding * (fabs(x) * fabs(px) + fabs(y) * fabs(py) + fabs(z) * fabs(pz));
+        uint32_t entering = facing < 0 ? ~0u : 0;
+        float front = facing < 0 ? 1 : -1;
+        float ng[3] = {front * (float)x, front * (float)y, front * (float)z};
+        float along = b->ns[0][i] * ng[0] + b->ns[1][i] * ng[1] + b->ns[2][i] * ng[2];
+        float turn = along < 0 ? -1 : 1;
+        s->p[0][i] = (float)px, s->p[1][i] = (float)py, s->p[2][i] = (float)pz;
+        for (int c = 0; c < 3; ++c) {
+            s->ng[c][i] = ng[c];
+            s->ns[c][i] = turn * b->ns[c][i];
+            s->v[c][i] = -b->ray[c][i];
+            s->lift[c][i] = b->lift[c][i];
+        }
+        s->offset[i] = (float)(scale * (strays + b->beside[i]));
+        s->entering[i] = entering;
+        s->smooth[i] = b->smooth[i];
+    }
+}
+
+/* A point lifted off its facet is clear of it wherever a light lies, but of no use to a light behind. */
+static void starts(const surface_block *s, const uint32_t behind[LANES], float (*restrict origin)[LANES]) {
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) {
+            float front = surface_start(s->p[c][i] + s->lift[c][i], s->offset[i], s->ng[c][i]);
+            float back = surface_start(s->p[c][i], -s->offset[i], s->ng[c][i]);
+            origin[c][i] = chosen(behind[i], back, front);
+        }
+    }
+}
+
+const surface_kernels KERNEL(surface_kernels) = {
+    .name = KERNEL_ISA_TEXT(KERNEL_ISA),
+    .facet_gather = KERNEL(facet_gather),
+    .quad_gather = KERNEL(quad_gather),
+    .facets = KERNEL(facets),
+    .surfaces = surfaces,
+    .starts = starts,
+};
