@@ -51,7 +51,7 @@ resumed() {
         eval "program=\$$which"
         part="$work/$which/$name.part"
         code=5
-        while [ "$code" = 5 ]; do
+        while [ "$code" = 5 ] || [ "$code" = 130 ]; do # 130: stopped before it listened
             code=0
             timeout --preserve-status -s INT 0.4 "$program" render "$@" --exr-float --quiet -o "$work/$which/$name.exr" \
                 --checkpoint "$part" --resume 2>"$work/$which/$name.log" || code=$?

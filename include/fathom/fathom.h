@@ -6,6 +6,7 @@
 #include <fathom/read.h>
 #include <fathom/render.h>
 #include <fathom/scene.h>
+#include <fathom/session.h>
 #include <fathom/trace.h>
 
 #endif

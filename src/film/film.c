@@ -60,6 +60,24 @@ static fathom_status check_memory(fathom_context *context, const fathom_film *fi
                 film->width, film->height, (double)bytes * 0x1p-30, (double)room * 0x1p-30);
 }
 
+/* Pixels and channels of a film whose size and settings are known; releases it when there is no memory. */
+static fathom_status take_pixels(fathom_context *context, fathom_film *film, const char *scene_name,
+                                 fathom_film **out) {
+    pthread_mutex_init(&film->lock, NULL);
+    film->scene_name = strdup(scene_name);
+    fathom_status status = check_memory(context, film);
+    if (status == FATHOM_OK) film->pixels = memory_take(film_bytes(film));
+    if (status == FATHOM_OK && (!film->scene_name || !film->pixels))
+        status = fail_memory(context, film_bytes(film));
+    if (status != FATHOM_OK) {
+        fathom_film_destroy(film);
+        return status;
+    }
+    add_channels(film, film->settings.aovs);
+    *out = film;
+    return FATHOM_OK;
+}
+
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out) {
     *out = NULL;
@@ -73,17 +91,25 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->settings.tracer_spec = NULL; /* not the film's; the tracer's name is in the statistics */
     film->camera = scene->camera;
     memcpy(film->background, scene->background, sizeof film->background);
-    film->scene_name = strdup(scene->name);
-    fathom_status status = check_memory(context, film);
-    if (status == FATHOM_OK) film->pixels = memory_take(film_bytes(film));
-    if (status == FATHOM_OK && (!film->scene_name || !film->pixels))
-        status = fail_memory(context, film_bytes(film));
-    if (status != FATHOM_OK) {
-        fathom_film_destroy(film);
-        return status;
-    }
-    add_channels(film, settings->aovs);
-    *out = film;
+    return take_pixels(context, film, scene->name, out);
+}
+
+fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom_film **out) {
+    *out = NULL;
+    fathom_film *copy = calloc(1, sizeof *copy);
+    if (!copy) return fail_memory(context, sizeof *copy);
+    copy->width = film->width, copy->height = film->height;
+    copy->x = film->x, copy->y = film->y;
+    copy->full_width = film->full_width, copy->full_height = film->full_height;
+    copy->settings = film->settings;
+    copy->camera = film->camera;
+    memcpy(copy->background, film->background, sizeof copy->background);
+    fathom_status status = take_pixels(context, copy, film->scene_name, out);
+    if (status != FATHOM_OK) return status;
+    pthread_mutex_t *lock = (pthread_mutex_t *)(uintptr_t)&film->lock;
+    pthread_mutex_lock(lock);
+    memcpy(copy->pixels, film->pixels, film_bytes(film));
+    pthread_mutex_unlock(lock);
     return FATHOM_OK;
 }
 
@@ -91,6 +117,7 @@ void fathom_film_destroy(fathom_film *film) {
     if (!film) return;
     memory_return(film->pixels, film_bytes(film));
     free(film->scene_name);
+    pthread_mutex_destroy(&film->lock);
     array_free(&film->left_out);
     free(film);
 }

@@ -7,6 +7,8 @@
 
 #include <fathom/render.h>
 
+#include <pthread.h>
+
 /* What a render did without. */
 typedef ARRAY(fathom_left_out) left_out_list;
 
@@ -34,10 +36,15 @@ struct fathom_film {
     float background[3];
     char *scene_name;
     left_out_list left_out; /* of the render that filled it */
+    pthread_mutex_t lock;   /* of the pixels, while it is rendered */
 };
 
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out);
+
+/* Its pixels as they are now, without statistics: from any thread. The pixels of a film are written under its
+ * lock, as long as others may copy it. */
+fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom_film **out);
 
 /* As fathom_film_write() would write PNG with the default options, to memory: no folder is needed. On
  * FATHOM_OK release it with free(). */

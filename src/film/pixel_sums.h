@@ -52,4 +52,8 @@ void pixel_sums_store_square(const pixel_sums *sums, const wave_region *region, 
 void pixel_sums_store(const pixel_sums *sums, uint32_t slot, uint32_t samples, uint32_t x, uint32_t y,
                       fathom_film *film);
 
+static inline wave_grid film_waves(const fathom_film *film) {
+    return wave_grid_of(film->x, film->y, film->x + film->width, film->y + film->height);
+}
+
 #endif

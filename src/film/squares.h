@@ -18,6 +18,37 @@ typedef struct wave_region {
     uint32_t left, top; /* the square's corner */
 } wave_region;
 
+static inline uint32_t min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
+static inline uint32_t max_u32(uint32_t a, uint32_t b) { return a > b ? a : b; }
+
+/* The waves that a rectangle of the image needs, row by row. */
+typedef struct wave_grid {
+    uint32_t x0, y0, x1, y1; /* the rectangle, half open */
+    uint32_t across, count;
+} wave_grid;
+
+static inline wave_grid wave_grid_of(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+    const uint32_t across = (x1 + WAVE_SIDE - 1) / WAVE_SIDE - x0 / WAVE_SIDE,
+                   down = (y1 + WAVE_SIDE - 1) / WAVE_SIDE - y0 / WAVE_SIDE;
+    return (wave_grid){x0, y0, x1, y1, across, across * down};
+}
+
+/* The wave of the pixel (x, y). */
+static inline uint32_t wave_grid_at(const wave_grid *g, uint32_t x, uint32_t y) {
+    return (y / WAVE_SIDE - g->y0 / WAVE_SIDE) * g->across + x / WAVE_SIDE - g->x0 / WAVE_SIDE;
+}
+
+static inline wave_region wave_grid_region(const wave_grid *g, uint32_t wave) {
+    const uint32_t left = (g->x0 / WAVE_SIDE + wave % g->across) * WAVE_SIDE,
+                   top = (g->y0 / WAVE_SIDE + wave / g->across) * WAVE_SIDE;
+    return (wave_region){max_u32(left, g->x0),
+                         max_u32(top, g->y0),
+                         min_u32(left + WAVE_SIDE, g->x1),
+                         min_u32(top + WAVE_SIDE, g->y1),
+                         left,
+                         top};
+}
+
 /* The slot of a pixel at (x, y) from the square's corner: by squares of 4 × 4, then by rows. */
 static inline uint32_t wave_slot(uint32_t x, uint32_t y) {
     return (y / 4 * (WAVE_SIDE / 4) + x / 4) * LANES + y % 4 * 4 + x % 4;
@@ -53,13 +84,21 @@ static inline uint32_t wave_square_pixels(const wave_region *r, const wave_squar
     return bits;
 }
 
-/* Those squares that hold pixels of the region, row by row, for their first samples; returns how many. */
-static inline uint32_t wave_region_squares(const wave_region *r, wave_square out[WAVE_SQUARES]) {
-    uint32_t count = 0;
+/* The squares that hold pixels of the region, as bits. */
+static inline uint64_t wave_region_bits(const wave_region *r) {
+    uint64_t bits = 0;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
         const wave_square q = wave_square_at(r, s, 0);
-        if (q.left < r->x1 && q.left + 4 > r->x0 && q.top < r->y1 && q.top + 4 > r->y0) out[count++] = q;
+        bits |= (uint64_t)(q.left < r->x1 && q.left + 4 > r->x0 && q.top < r->y1 && q.top + 4 > r->y0) << s;
     }
+    return bits;
+}
+
+/* The same row by row, for their first samples; returns how many. */
+static inline uint32_t wave_region_squares(const wave_region *r, wave_square out[WAVE_SQUARES]) {
+    uint32_t count = 0;
+    for (uint64_t left = wave_region_bits(r); left; left &= left - 1)
+        out[count++] = wave_square_at(r, (uint32_t)__builtin_ctzll(left), 0);
     return count;
 }
 

@@ -13,14 +13,11 @@ bool adaptive_create(const render_plan *plan, adaptive_wave *out) {
 
 void adaptive_destroy(adaptive_wave *a) { pixel_sums_destroy(&a->sums); }
 
-static uint32_t minimum(uint32_t a, uint32_t b) { return a < b ? a : b; }
-static uint32_t maximum(uint32_t a, uint32_t b) { return a > b ? a : b; }
-
 void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adaptive_wave *a) {
     a->region = (wave_region){left,
                               top,
-                              minimum(left + WAVE_SIDE, plan->settings.width),
-                              minimum(top + WAVE_SIDE, plan->settings.height),
+                              min_u32(left + WAVE_SIDE, plan->settings.width),
+                              min_u32(top + WAVE_SIDE, plan->settings.height),
                               left,
                               top};
     pixel_sums_clear(&a->sums);
@@ -116,7 +113,7 @@ static uint32_t choose_above(const adaptive_wave *a, const fathom_settings *sett
     uint32_t most = 0;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
         chosen[s] = may_grow(a, settings, s) && !(square_worth(a, s) < worth);
-        if (chosen[s]) most = maximum(most, 2 * a->done[s]);
+        if (chosen[s]) most = max_u32(most, 2 * a->done[s]);
     }
     return most;
 }
@@ -207,11 +204,11 @@ static adaptive_result add_to_batch(pass *p, uint32_t s, uint32_t index) {
 static adaptive_result take_samples(pass *p, const uint8_t *squares, uint32_t count) {
     adaptive_result result = ADAPTIVE_PASSED;
     uint32_t most = 0;
-    for (uint32_t i = 0; i < count; ++i) most = maximum(most, maximum(p->a->done[squares[i]], 1));
+    for (uint32_t i = 0; i < count; ++i) most = max_u32(most, max_u32(p->a->done[squares[i]], 1));
     for (uint32_t k = 0; k < most; ++k) {
         for (uint32_t i = 0; i < count && result == ADAPTIVE_PASSED; ++i) {
             uint32_t done = p->a->done[squares[i]];
-            if (k < maximum(done, 1)) result = add_to_batch(p, squares[i], done + k);
+            if (k < max_u32(done, 1)) result = add_to_batch(p, squares[i], done + k);
         }
     }
     return result == ADAPTIVE_PASSED && p->batch.count ? run_batch(p) : result;
@@ -245,17 +242,13 @@ adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adap
     return ADAPTIVE_PASSED;
 }
 
-uint64_t adaptive_store(const adaptive_wave *a, fathom_film *film) {
-    uint64_t samples = 0;
+unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film) {
     const wave_region *r = &a->region;
-    uint32_t x1 = minimum(r->x1, film->x + film->width), y1 = minimum(r->y1, film->y + film->height);
-    for (uint32_t y = maximum(r->y0, film->y); y < y1; ++y) {
-        for (uint32_t x = maximum(r->x0, film->x); x < x1; ++x) {
-            uint32_t slot = wave_slot(x - r->left, y - r->top), taken = a->taken[slot / LANES];
-            if (!taken) continue; /* stopped before its first sample */
-            pixel_sums_store(&a->sums, slot, taken, x, y, film);
-            samples += taken;
-        }
-    }
-    return samples;
+    return (unit_result){.region = {max_u32(r->x0, film->x), max_u32(r->y0, film->y),
+                                    min_u32(r->x1, film->x + film->width),
+                                    min_u32(r->y1, film->y + film->height), r->left, r->top},
+                         .squares = ~0ull,
+                         .sums = &a->sums,
+                         .samples = a->taken,
+                         .error = a->error};
 }

@@ -45,8 +45,8 @@
 #ifndef JOB_ADAPTIVE_H
 #define JOB_ADAPTIVE_H
 
-#include "film/pixel_sums.h"
 #include "integrate/integrator.h"
+#include "job/unit.h"
 
 #define ADAPTIVE_MIN_SPP 4
 
@@ -104,7 +104,7 @@ adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adap
                               adaptive_wave *a);
 /* Error and worth of the wave, from those of its squares. */
 void adaptive_rate(const fathom_settings *settings, adaptive_wave *a);
-/* To the film, as far as it shows the wave. Returns the samples that these pixels took. */
-uint64_t adaptive_store(const adaptive_wave *a, fathom_film *film);
+/* What the wave came to, as far as the film shows it. */
+unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film);
 
 #endif

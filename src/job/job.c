@@ -8,15 +8,6 @@
 
 #include <stdlib.h>
 
-typedef struct tiles {
-    job *job;
-    uint32_t first_x, first_y; /* of the grid of tiles, in pixels */
-    uint32_t across, down;
-} tiles;
-
-static uint32_t minimum(uint32_t a, uint32_t b) { return a < b ? a : b; }
-static uint32_t maximum(uint32_t a, uint32_t b) { return a > b ? a : b; }
-
 static uint64_t total(const ray_counts *rays) {
     return rays->camera + rays->shadow + rays->reflection + rays->refraction;
 }
@@ -30,160 +21,41 @@ void job_stop(job *j, const integration *work) {
     atomic_store(&j->stop, true);
 }
 
-/* ---- the same samples for every pixel ---- */
+void job_deliver(job *j, worker *self, const unit_result *result) {
+    for (unsigned i = 0; i < j->sink_count; ++i) j->sinks[i].take(j->sinks[i].user, result);
+    self->samples += unit_samples(result);
+    self->error = fmax(self->error, result->error);
+    atomic_fetch_add_explicit(&j->pixels_done, unit_pixels(result), memory_order_relaxed);
+}
 
-typedef struct even {
+void job_show(const job *j, const adaptive_wave *a) {
+    const unit_sink film = unit_film_sink(j->film);
+    const unit_result now = adaptive_unit(a, j->film);
+    film.take(film.user, &now);
+}
+
+/* ---- tiles ---- */
+
+typedef struct tiles {
     job *job;
-    worker *self;
-    const wave_region *region;
-    uint32_t place; /* for the checkpoint */
-    wave_batch batch;
-} even;
-
-/* Returns the samples that its pixels are the means of. */
-static uint64_t store_square(const even *e, const wave_square *s) {
-    const uint32_t spp = e->job->plan->settings.spp;
-    pixel_sums_store_square(e->self->sums, e->region, s, spp, e->job->film);
-    return (uint64_t)__builtin_popcount(wave_square_pixels(e->region, s)) * spp;
-}
-
-/* Squares whose last sample was in the batch are done. */
-static void store_finished(const even *e) {
-    uint64_t squares = 0, samples = 0;
-    for (uint32_t place = 0; place < e->batch.count; ++place) {
-        const wave_square *s = &e->batch.squares[place];
-        if (s->index + 1 < e->job->plan->settings.spp) continue;
-        samples += store_square(e, s);
-        squares |= 1ull << wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
-    }
-    e->self->samples += samples;
-    checkpoint *saving = e->job->options->saving;
-    if (saving && squares) checkpoint_finish(saving, e->place, squares, samples, 0);
-}
-
-static bool run_batch(even *e) {
-    integration *work = e->self->integration;
-    const ray_counts before = work->rays;
-    if (!e->job->plan->integrator->run(work, e->region, &e->batch)) return false;
-    for (uint32_t place = 0; place < e->batch.count; ++place)
-        pixel_sums_add(e->self->sums, &work->samples, e->region, &e->batch, place);
-    store_finished(e);
-    job_count_rays(e->job, work, &before);
-    e->batch.count = 0;
-    return true;
-}
-
-/* All samples of as many squares as a batch holds follow each other: in heavy meshes they meet the same boxes
- * and triangles, while the processor's caches hold those. */
-static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
-    uint32_t spp = e->job->plan->settings.spp, together = spp < WAVE_SQUARES ? WAVE_SQUARES / spp : 1;
-    for (uint32_t first = 0; first < count; first += together) {
-        uint32_t end = minimum(first + together, count);
-        for (uint32_t index = 0; index < spp; ++index) {
-            for (uint32_t i = first; i < end; ++i) {
-                e->batch.squares[e->batch.count++] = (wave_square){squares[i].left, squares[i].top, index};
-                if (e->batch.count == WAVE_SQUARES && !run_batch(e)) return false;
-            }
-        }
-    }
-    return !e->batch.count || run_batch(e);
-}
-
-static uint32_t leave_out_finished(const wave_region *r, uint64_t finished, wave_square *squares,
-                                   uint32_t count) {
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const wave_square s = squares[i];
-        if (!(finished >> wave_slot(s.left - r->left, s.top - r->top) / LANES & 1)) squares[kept++] = s;
-    }
-    return kept;
-}
-
-static bool render_evenly(job *j, worker *self, const wave_region *r, uint32_t place) {
-    even e = {.job = j, .self = self, .region = r, .place = place};
-    wave_square squares[WAVE_SQUARES];
-    uint32_t count = wave_region_squares(r, squares);
-    if (j->options->saving)
-        count = leave_out_finished(r, checkpoint_finished(j->options->saving, place), squares, count);
-    pixel_sums_clear(self->sums);
-    return take_samples(&e, squares, count);
-}
-
-/* ---- to an error ---- */
-
-/* Between two passes of a wave that takes long: what is lost with it is the pass that is under way. */
-static void keep_wave(checkpoint *saving, worker *self, uint32_t place) {
-    double now = saving ? clock_seconds() : 0;
-    if (!saving || now - self->kept < checkpoint_keep_seconds(saving)) return;
-    checkpoint_keep(saving, place, self->adaptive);
-    self->kept = now;
-}
-
-static void begin_wave(const job *j, worker *self, const wave_region *region, uint32_t place) {
-    checkpoint *saving = j->options->saving;
-    adaptive_begin(j->plan, region->left, region->top, self->adaptive);
-    if (!saving) return;
-    checkpoint_resume(saving, place, self->adaptive);
-    self->kept = clock_seconds();
-}
-
-static bool render_to_error(job *j, worker *self, const wave_region *region, uint32_t place) {
-    const adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
-    checkpoint *saving = j->options->saving;
-    adaptive_result result;
-    begin_wave(j, self, region, place);
-    do {
-        const ray_counts before = self->integration->rays;
-        result = adaptive_pass(self->integration, &goal, NULL, self->adaptive);
-        job_count_rays(j, self->integration, &before);
-        if (result == ADAPTIVE_PASSED) keep_wave(saving, self, place);
-    } while (result == ADAPTIVE_PASSED);
-    if (result != ADAPTIVE_FINISHED) return false;
-    uint64_t samples = adaptive_store(self->adaptive, j->film);
-    self->samples += samples;
-    self->error = fmax(self->error, self->adaptive->error);
-    if (saving) checkpoint_finish_wave(saving, place, samples, self->adaptive->error);
-    return true;
-}
-
-/* ---- waves and tiles ---- */
-
-static uint64_t region_pixels(const wave_region *r) { return (uint64_t)(r->x1 - r->x0) * (r->y1 - r->y0); }
-
-/* All samples of one wave's pixels. */
-static bool render_wave(job *j, worker *self, const wave_region *region) {
-    checkpoint *saving = j->options->saving;
-    uint32_t place = saving ? checkpoint_wave(saving, region->left, region->top) : 0;
-    uint64_t pixels = region_pixels(region), before = saving ? checkpoint_finished_pixels(saving, place) : 0;
-    if (before == pixels) return true;
-    bool done =
-        self->adaptive ? render_to_error(j, self, region, place) : render_evenly(j, self, region, place);
-    if (!done) return false;
-    atomic_fetch_add_explicit(&j->pixels_done, pixels - before, memory_order_relaxed);
-    return true;
-}
+    render_wave_fn render;
+    uint32_t first_x, first_y; /* of the grid of tiles, in pixels */
+    uint32_t across, down;
+} tiles;
 
 static void render_tile(const tiles *t, worker *self, size_t tile) {
-    job *j = t->job;
-    const fathom_film *film = j->film;
-    uint32_t size = j->plan->settings.tile_size;
-    uint32_t left = t->first_x + (uint32_t)(tile % t->across) * size;
-    uint32_t top = t->first_y + (uint32_t)(tile / t->across) * size;
-    uint32_t right = film->x + film->width, bottom = film->y + film->height;
-    for (uint32_t y = top; y < minimum(top + size, bottom); y += WAVE_SIDE) {
-        for (uint32_t x = left; x < minimum(left + size, right); x += WAVE_SIDE) {
-            wave_region region = {maximum(x, film->x),
-                                  maximum(y, film->y),
-                                  minimum(x + WAVE_SIDE, right),
-                                  minimum(y + WAVE_SIDE, bottom),
-                                  x,
-                                  y};
-            if (region.x0 >= region.x1 || region.y0 >= region.y1) continue;
-            if (!render_wave(j, self, &region)) {
-                job_stop(j, self->integration);
-                return;
-            }
-        }
+    const fathom_film *film = t->job->film;
+    const uint32_t size = t->job->plan->settings.tile_size;
+    const uint32_t left = t->first_x + (uint32_t)(tile % t->across) * size,
+                   top = t->first_y + (uint32_t)(tile / t->across) * size;
+    const wave_grid waves = wave_grid_of(max_u32(left, film->x), max_u32(top, film->y),
+                                         min_u32(left + size, film->x + film->width),
+                                         min_u32(top + size, film->y + film->height));
+    for (uint32_t i = 0; i < waves.count; ++i) {
+        const wave_region region = wave_grid_region(&waves, i);
+        if (t->render(t->job, self, &region)) continue;
+        job_stop(t->job, self->integration);
+        return;
     }
 }
 
@@ -198,10 +70,11 @@ static void run_tiles(void *user, size_t begin, size_t end, unsigned index) {
     trace_thread_end(state);
 }
 
-static void render_tiles(job *j) {
+void job_run_tiles(job *j, render_wave_fn render) {
     const fathom_film *film = j->film;
-    uint32_t size = j->plan->settings.tile_size;
-    tiles t = {.job = j, .first_x = film->x / size * size, .first_y = film->y / size * size};
+    const uint32_t size = j->plan->settings.tile_size;
+    tiles t = {
+        .job = j, .render = render, .first_x = film->x / size * size, .first_y = film->y / size * size};
     t.across = (film->x + film->width - t.first_x + size - 1) / size;
     t.down = (film->y + film->height - t.first_y + size - 1) / size;
     loop_parallel(j->threads, (size_t)t.across * t.down, 1, run_tiles, &t);
@@ -209,22 +82,12 @@ static void render_tiles(job *j) {
 
 /* ---- workers ---- */
 
-static bool make_sums(const job *j, worker *self) {
-    if (j->deadline > 0) return true;
-    if (j->plan->settings.target_error > 0) {
-        self->adaptive = malloc(sizeof *self->adaptive);
-        return self->adaptive && adaptive_create(j->plan, self->adaptive);
-    }
-    self->sums = malloc(sizeof *self->sums);
-    return self->sums && pixel_sums_create(&j->plan->sampler, j->plan->first_hits, self->sums);
-}
-
 worker *job_worker(job *j, unsigned index) {
     worker *self = &j->workers[index];
     if (atomic_load(&j->stop)) return NULL;
     if (self->integration) return self;
     self->integration = j->plan->integrator->create(j->plan, &j->stop);
-    if (self->integration && make_sums(j, self)) return self;
+    if (self->integration && j->schedule->prepare(j, self)) return self;
     atomic_store(&j->failed, true);
     atomic_store(&j->stop, true);
     return NULL;
@@ -256,8 +119,7 @@ static void collect(job *j) {
 }
 
 static void show_preview(job *j) {
-    const fathom_settings *s = &j->plan->settings;
-    if (j->deadline > 0 || s->target_error > 0 || s->spp == 1) return;
+    if (j->schedule != &schedule_even || j->plan->settings.spp == 1) return;
     preview_run(j->plan, j->threads, &j->stop, j->options->saving, j->film);
 }
 
@@ -266,10 +128,7 @@ static void run(void *user) {
     show_preview(j);
     j->workers = calloc(j->threads, sizeof *j->workers);
     if (j->workers) {
-        if (j->deadline > 0)
-            timed_run(j);
-        else
-            render_tiles(j);
+        j->schedule->run(j);
         collect(j);
     } else {
         atomic_store(&j->failed, true);
@@ -354,8 +213,13 @@ fathom_status job_run(fathom_context *context, const render_plan *plan, const jo
              .began = clock_seconds(),
              .sampled = 1};
     j.deadline = plan->settings.max_time > 0 ? j.options->deadline : 0;
+    j.schedule = j.deadline > 0                    ? &schedule_to_time
+                 : plan->settings.target_error > 0 ? &schedule_to_error
+                                                   : &schedule_even;
     fathom_status status = check_memory(context, &j);
     if (status != FATHOM_OK) return status;
+    j.sinks[j.sink_count++] = unit_film_sink(film);
+    if (j.options->saving) j.sinks[j.sink_count++] = checkpoint_sink(j.options->saving);
     continue_before(&j);
     static const watch_calls calls = {run, report};
     watch_run(&calls, &j);

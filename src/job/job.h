@@ -23,6 +23,7 @@ typedef struct job_options {
     double deadline;            /* of clock_seconds(), for settings with a time */
     const job_reserve *reserve; /* comes off it */
     checkpoint *saving;         /* begun; the film holds what it has finished */
+    bool live;                  /* others look at the film: it gets what passes have sampled, too */
     fathom_progress_fn progress;
     void *user;
 } job_options;

@@ -16,7 +16,19 @@ typedef struct worker {
     double error;     /* the largest of its waves */
 } worker;
 
-typedef struct job {
+typedef struct job job;
+
+/* How the work is cut into units, and in which order these are done. */
+typedef struct job_schedule {
+    bool (*prepare)(const job *j, worker *self); /* a worker's memory; false: there is none */
+    void (*run)(job *j);
+} job_schedule;
+
+extern const job_schedule schedule_even, schedule_to_error, schedule_to_time;
+
+#define JOB_SINKS 2
+
+struct job {
     const render_plan *plan;
     fathom_film *film;
     worker *workers;
@@ -33,7 +45,10 @@ typedef struct job {
     double next_look;    /* at them */
     double sampled;      /* part of the waves that have samples, when time ended before all had */
     unsigned threads;
-} job;
+    const job_schedule *schedule;
+    unit_sink sinks[JOB_SINKS];
+    unsigned sink_count;
+};
 
 /* The worker of this index, ready for work; NULL when the job stops. */
 worker *job_worker(job *j, unsigned index);
@@ -42,9 +57,16 @@ void job_count_rays(job *j, const integration *work, const ray_counts *before);
 /* Ends the job after the integrator's run() returned false. */
 void job_stop(job *j, const integration *work);
 
-/* Rounds over all waves until the deadline. */
-void timed_run(job *j);
-/* Bytes that timed_run() takes. */
+/* Squares that are done go to all sinks. */
+void job_deliver(job *j, worker *self, const unit_result *result);
+/* Shows in the film what a wave has sampled so far. */
+void job_show(const job *j, const adaptive_wave *a);
+/* Renders a wave, as far as the film shows it; false: stopped, or out of memory. */
+typedef bool (*render_wave_fn)(job *j, worker *self, const wave_region *region);
+/* Tile by tile, and in each wave by wave. */
+void job_run_tiles(job *j, render_wave_fn render);
+
+/* Bytes that the schedule to a time takes. */
 size_t timed_bytes(const job *j);
 
 #endif

@@ -24,9 +24,6 @@ typedef struct preview {
     preview_worker *workers;
 } preview;
 
-static uint32_t minimum(uint32_t a, uint32_t b) { return a < b ? a : b; }
-static uint32_t maximum(uint32_t a, uint32_t b) { return a > b ? a : b; }
-
 /* Not 1: the coarse image would take as much memory as the film. */
 static uint32_t block_for(uint32_t spp) {
     uint32_t block = 2;
@@ -65,32 +62,13 @@ static void render_region(const preview *p, preview_worker *self, const wave_reg
     }
 }
 
-/* The part of a film that lies in a wave's square; false when none does. */
-static bool region_of(const fathom_film *film, size_t place, wave_region *out) {
-    const uint32_t first_x = film->x / WAVE_SIDE, first_y = film->y / WAVE_SIDE,
-                   across = blocks(film->x + film->width, WAVE_SIDE) - first_x;
-    const uint32_t left = (first_x + (uint32_t)(place % across)) * WAVE_SIDE,
-                   top = (first_y + (uint32_t)(place / across)) * WAVE_SIDE;
-    *out = (wave_region){maximum(left, film->x),
-                         maximum(top, film->y),
-                         minimum(left + WAVE_SIDE, film->x + film->width),
-                         minimum(top + WAVE_SIDE, film->y + film->height),
-                         left,
-                         top};
-    return out->x0 < out->x1 && out->y0 < out->y1;
-}
-
-static size_t region_count(const fathom_film *film) {
-    return (size_t)(blocks(film->x + film->width, WAVE_SIDE) - film->x / WAVE_SIDE) *
-           (blocks(film->y + film->height, WAVE_SIDE) - film->y / WAVE_SIDE);
-}
-
 static void render_regions(void *user, size_t begin, size_t end, unsigned index) {
     preview *p = user;
     unsigned state = trace_thread_begin();
+    const wave_grid grid = film_waves(p->coarse);
     for (size_t i = begin; i < end && !atomic_load(p->stop); ++i) {
-        wave_region r;
-        if (region_of(p->coarse, i, &r)) render_region(p, &p->workers[index], &r);
+        const wave_region r = wave_grid_region(&grid, (uint32_t)i);
+        render_region(p, &p->workers[index], &r);
     }
     trace_thread_end(state);
 }
@@ -124,9 +102,12 @@ static void show_region(const preview *p, const wave_region *r) {
 static void show_regions(void *user, size_t begin, size_t end, unsigned index) {
     const preview *p = user;
     (void)index;
+    const wave_grid grid = film_waves(p->film);
     for (size_t i = begin; i < end; ++i) {
-        wave_region r;
-        if (region_of(p->film, i, &r)) show_region(p, &r);
+        const wave_region r = wave_grid_region(&grid, (uint32_t)i);
+        pthread_mutex_lock(&p->film->lock);
+        show_region(p, &r);
+        pthread_mutex_unlock(&p->film->lock);
     }
 }
 
@@ -149,8 +130,8 @@ void preview_run(const render_plan *plan, unsigned threads, const atomic_bool *s
     if (film_create(NULL, plan->scene, &p.plan.settings, &p.coarse) != FATHOM_OK) return;
     p.workers = calloc(threads, sizeof *p.workers);
     if (p.workers) {
-        loop_parallel(threads, region_count(p.coarse), 1, render_regions, &p);
-        if (!atomic_load(stop)) loop_parallel(threads, region_count(film), 16, show_regions, &p);
+        loop_parallel(threads, film_waves(p.coarse).count, 1, render_regions, &p);
+        if (!atomic_load(stop)) loop_parallel(threads, film_waves(film).count, 16, show_regions, &p);
         destroy_workers(&p, threads);
     }
     fathom_film_destroy(p.coarse);

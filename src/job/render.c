@@ -161,10 +161,11 @@ static fathom_status render_world(fathom_context *context, const world *w, const
 
 /* What only callers beside this module ask for. */
 typedef struct render_extra {
-    const vec3_f64 *origin;          /* NULL: near the view */
-    const job_reserve *reserve;      /* NULL: nothing */
-    const fathom_checkpoint *saving; /* NULL: not at all */
-    bool keep_doubtful;              /* the film of a scene whose files changed */
+    const vec3_f64 *origin;                               /* NULL: near the view */
+    const job_reserve *reserve;                           /* NULL: nothing */
+    const fathom_checkpoint *saving;                      /* NULL: not at all */
+    bool keep_doubtful;                                   /* the film of a scene whose files changed */
+    void (*on_film)(void *user, const fathom_film *film); /* NULL: nobody looks at it meanwhile */
 } render_extra;
 
 /* Seconds that calls before this one spent come off the time. */
@@ -233,11 +234,14 @@ static fathom_status render(fathom_context *context, const fathom_scene *scene,
     fathom_film *film;
     status = film_create(context, &view, settings, &film);
     if (status != FATHOM_OK) return status;
-    job_options options = {.reserve = extra->reserve, .progress = progress, .user = user};
+    job_options options = {
+        .reserve = extra->reserve, .live = extra->on_film, .progress = progress, .user = user};
     status = scene_fingerprint(&view, &film->stats.scene_fingerprint);
     if (status == FATHOM_OK && extra->saving)
         status = checkpoint_open(context, extra->saving, &view, settings, film, &options.saving);
+    if (status == FATHOM_OK && extra->on_film) extra->on_film(user, film);
     if (status == FATHOM_OK) status = render_film(context, &view, settings, extra->origin, &options, film);
+    if (extra->on_film) extra->on_film(user, NULL);
     fathom_status changed = FATHOM_OK;
     if (status != FATHOM_OUT_OF_RESOURCES) {
         /* An image of a scene that changed meanwhile is of none, and any failure may come of it. */
@@ -287,5 +291,14 @@ fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
                              const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,
                              fathom_stats *stats, fathom_film **out) {
     const render_extra extra = {.reserve = reserve, .saving = saving, .keep_doubtful = true};
+    return render(context, scene, settings, &extra, progress, user, stats, out);
+}
+
+fathom_status render_watched(fathom_context *context, const fathom_scene *scene,
+                             const fathom_settings *settings,
+                             void (*on_film)(void *user, const fathom_film *film),
+                             fathom_progress_fn progress, void *user, fathom_stats *stats,
+                             fathom_film **out) {
+    const render_extra extra = {.on_film = on_film};
     return render(context, scene, settings, &extra, progress, user, stats, out);
 }

@@ -1,4 +1,4 @@
-/* Rendering, as modules beside this one may ask for it. */
+/* Internal rendering interface. */
 #ifndef JOB_RENDER_H
 #define JOB_RENDER_H
 
@@ -19,5 +19,12 @@ fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const job_reserve *reserve,
                              const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,
                              fathom_stats *stats, fathom_film **out);
+
+/* fathom_render(), whose film others copy meanwhile (film_copy()). on_film: gets the film once it is there,
+ * and NULL before it is released; called with progress's user. */
+fathom_status render_watched(fathom_context *context, const fathom_scene *scene,
+                             const fathom_settings *settings,
+                             void (*on_film)(void *user, const fathom_film *film),
+                             fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out);
 
 #endif

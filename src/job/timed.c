@@ -30,18 +30,13 @@ typedef struct timed {
     ranked *order;
     size_t count, round; /* waves; of them in this round */
     double limit;        /* worth of the squares of this round, at least, in waves that have such */
-    uint32_t first_x, first_y, across;
+    wave_grid grid;
     atomic_bool cut;
 } timed;
 
-static uint32_t waves_across(uint32_t begin, uint32_t length) {
-    return (begin + length + WAVE_SIDE - 1) / WAVE_SIDE - begin / WAVE_SIDE;
-}
-
 size_t timed_bytes(const job *j) {
-    const fathom_film *film = j->film;
     bool hits = j->plan->first_hits;
-    size_t count = (size_t)waves_across(film->x, film->width) * waves_across(film->y, film->height);
+    const size_t count = film_waves(j->film).count;
     size_t kept = j->options->saving ? checkpoint_wave_bytes(j->options->saving) : 0;
     return count * (sizeof(adaptive_wave) + (hits ? sizeof(hit_sums) : 0) + kept);
 }
@@ -77,8 +72,8 @@ static bool make_wave(timed *t, uint32_t i) {
         free(a);
         return false;
     }
-    adaptive_begin(t->job->plan, t->first_x + i % t->across * WAVE_SIDE,
-                   t->first_y + i / t->across * WAVE_SIDE, a);
+    const wave_region r = wave_grid_region(&t->grid, i);
+    adaptive_begin(t->job->plan, r.left, r.top, a);
     if (t->job->options->saving) checkpoint_resume(t->job->options->saving, i, a);
     t->waves[i] = a;
     return true;
@@ -99,6 +94,7 @@ static void run_pass(timed *t, worker *self, uint32_t i) {
     switch (adaptive_pass(self->integration, &goal, &self->limit, a)) {
     case ADAPTIVE_PASSED:
         if (j->options->saving) checkpoint_keep(j->options->saving, i, a);
+        if (j->options->live) job_show(j, a);
         break;
     case ADAPTIVE_FINISHED: t->finished[i] = true; break;
     case ADAPTIVE_CUT: atomic_store(&t->cut, true); break;
@@ -120,9 +116,13 @@ static void run_round(void *user, size_t begin, size_t end, unsigned index) {
 
 /* Returns the samples that the film's pixels are the means of. */
 static uint64_t store_waves(const timed *t) {
+    const unit_sink film = unit_film_sink(t->job->film);
     uint64_t samples = 0;
     for (size_t i = 0; i < t->count; ++i) {
-        if (t->waves[i]) samples += adaptive_store(t->waves[i], t->job->film);
+        if (!t->waves[i]) continue;
+        const unit_result unit = adaptive_unit(t->waves[i], t->job->film);
+        film.take(film.user, &unit);
+        samples += unit_samples(&unit);
     }
     return samples;
 }
@@ -190,13 +190,9 @@ static void destroy_waves(timed *t) {
     free(t->order);
 }
 
-void timed_run(job *j) {
-    const fathom_film *film = j->film;
-    timed t = {.job = j,
-               .first_x = film->x / WAVE_SIDE * WAVE_SIDE,
-               .first_y = film->y / WAVE_SIDE * WAVE_SIDE,
-               .across = waves_across(film->x, film->width)};
-    t.count = (size_t)t.across * waves_across(film->y, film->height);
+static void run(job *j) {
+    timed t = {.job = j, .grid = film_waves(j->film)};
+    t.count = t.grid.count;
     t.waves = calloc(t.count, sizeof(adaptive_wave *));
     t.finished = calloc(t.count, sizeof *t.finished);
     t.order = malloc(t.count * sizeof *t.order);
@@ -210,3 +206,11 @@ void timed_run(job *j) {
     }
     destroy_waves(&t);
 }
+
+/* Waves have memory of their own, for as long as there is time. */
+static bool prepare(const job *j, worker *self) {
+    (void)j, (void)self;
+    return true;
+}
+
+const job_schedule schedule_to_time = {prepare, run};

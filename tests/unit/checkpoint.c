@@ -431,7 +431,8 @@ static void make_file(place *p, file *f) {
     assert_true(checkpoint_state_create(&s->settings, f->film, f->hits, &state));
     assert_true(checkpoint_write_create(&state, f->film, &room));
     assert_int_equal(state.grid.count, 2);
-    state.squares[1] = checkpoint_shown(&state.grid, f->film, 1);
+    const wave_region shown = wave_grid_region(&state.grid, 1);
+    state.squares[1] = wave_region_bits(&shown);
     state.records[0] = calloc(1, adaptive_record_bytes(f->hits));
     for (size_t k = 0; k < WAVE_SQUARES; ++k) ((double *)(void *)state.records[0])[k] = INFINITY;
     state.samples = 99, state.error = 0.25;

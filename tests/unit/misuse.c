@@ -228,6 +228,29 @@ static void null_for_renders(void **state) {
     stage_close(&s);
 }
 
+static void null_for_sessions(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_session *session = NULL;
+    fathom_progress progress;
+    fathom_film *film;
+    refuses(fathom_session_start(NULL, s.scene, &s.settings, &session));
+    names("scene", fathom_session_start(s.context, NULL, &s.settings, &session));
+    names("settings", fathom_session_start(s.context, s.scene, NULL, &session));
+    names("out", fathom_session_start(s.context, s.scene, &s.settings, NULL));
+    assert_null(session);
+    fathom_session_progress(NULL, &progress);
+    fathom_session_stop(NULL);
+    assert_true(fathom_session_wait(NULL, -1));
+    names("session", fathom_session_snapshot(s.context, NULL, &film));
+    refuses(fathom_session_finish(NULL, NULL, &film));
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    fathom_session_progress(session, NULL);
+    names("out", fathom_session_snapshot(s.context, session, NULL));
+    assert_ok(s.context, fathom_session_finish(session, NULL, NULL));
+    stage_close(&s);
+}
+
 static void null_for_films(void **state) {
     (void)state;
     stage s = one_sphere();
@@ -293,7 +316,7 @@ static void null_for_tracers(void **state) {
 /* No call is forgotten here: each that the headers declare is in this file's text. */
 static void every_call_is_here(void **state) {
     (void)state;
-    static const char *const headers[] = {"base.h", "read.h", "render.h", "scene.h", "trace.h"};
+    static const char *const headers[] = {"base.h", "read.h", "render.h", "scene.h", "session.h", "trace.h"};
     FILE *f = fopen(SOURCE_DIR "/tests/unit/misuse.c", "r");
     assert_non_null(f);
     static char text[1 << 16], header[1 << 16], path[512];
@@ -446,14 +469,23 @@ static void work_goes_on_after_failures(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(null_for_contexts),       cmocka_unit_test(null_for_defaults),
-        cmocka_unit_test(null_for_helpers),        cmocka_unit_test(null_for_scenes),
-        cmocka_unit_test(null_for_what_is_added),  cmocka_unit_test(null_in_meshes),
-        cmocka_unit_test(null_for_reading),        cmocka_unit_test(null_for_renders),
-        cmocka_unit_test(null_for_films),          cmocka_unit_test(null_for_tracers),
-        cmocka_unit_test(every_call_is_here),      cmocka_unit_test(unfinished_scenes),
-        cmocka_unit_test(destroying_in_any_order), cmocka_unit_test(films_outlive),
-        cmocka_unit_test(values_of_no_enumerator), cmocka_unit_test(work_goes_on_after_failures),
+        cmocka_unit_test(null_for_contexts),
+        cmocka_unit_test(null_for_defaults),
+        cmocka_unit_test(null_for_helpers),
+        cmocka_unit_test(null_for_scenes),
+        cmocka_unit_test(null_for_what_is_added),
+        cmocka_unit_test(null_in_meshes),
+        cmocka_unit_test(null_for_reading),
+        cmocka_unit_test(null_for_renders),
+        cmocka_unit_test(null_for_sessions),
+        cmocka_unit_test(null_for_films),
+        cmocka_unit_test(null_for_tracers),
+        cmocka_unit_test(every_call_is_here),
+        cmocka_unit_test(unfinished_scenes),
+        cmocka_unit_test(destroying_in_any_order),
+        cmocka_unit_test(films_outlive),
+        cmocka_unit_test(values_of_no_enumerator),
+        cmocka_unit_test(work_goes_on_after_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

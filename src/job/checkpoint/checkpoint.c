@@ -67,7 +67,7 @@ static void count_before(checkpoint *c) {
     const checkpoint_state *s = &c->state;
     c->before = (checkpoint_past){s->seconds, s->error, s->rays, 0, s->samples};
     for (uint32_t i = 0; i < s->grid.count; ++i)
-        c->before.pixels += checkpoint_pixels(&s->grid, c->film, i, s->squares[i]);
+        c->before.pixels += checkpoint_pixels(&s->grid, i, s->squares[i]);
     c->film->stats.resumed_seconds = s->seconds;
     c->film->stats.resumed_samples = s->samples;
 }
@@ -196,29 +196,30 @@ void checkpoint_end(checkpoint *c, bool interrupted, double fraction, uint64_t r
 /* ---- waves ---- */
 
 uint32_t checkpoint_wave(const checkpoint *c, uint32_t x, uint32_t y) {
-    return checkpoint_wave_at(&c->state.grid, x, y);
+    return wave_grid_at(&c->state.grid, x, y);
 }
 
 uint64_t checkpoint_finished(const checkpoint *c, uint32_t place) { return c->state.squares[place]; }
 
-uint64_t checkpoint_finished_pixels(const checkpoint *c, uint32_t place) {
-    return checkpoint_pixels(&c->state.grid, c->film, place, c->state.squares[place]);
+bool checkpoint_is_finished(const checkpoint *c, uint32_t place) {
+    const wave_region r = wave_grid_region(&c->state.grid, place);
+    return !(wave_region_bits(&r) & ~c->state.squares[place]);
 }
 
-void checkpoint_finish(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error) {
+static void finish(void *user, const unit_result *result) {
+    checkpoint *c = user;
+    const uint32_t place = checkpoint_wave(c, result->region.left, result->region.top);
     pthread_mutex_lock(&c->lock);
     unsigned char *record = c->state.records[place];
     c->state.records[place] = NULL;
-    c->state.squares[place] |= squares;
-    c->state.samples += samples;
-    c->state.error = fmax(c->state.error, error);
+    c->state.squares[place] |= result->squares & wave_region_bits(&result->region);
+    c->state.samples += unit_samples(result);
+    c->state.error = fmax(c->state.error, result->error);
     pthread_mutex_unlock(&c->lock);
     free(record);
 }
 
-void checkpoint_finish_wave(checkpoint *c, uint32_t place, uint64_t samples, double error) {
-    checkpoint_finish(c, place, checkpoint_shown(&c->state.grid, c->film, place), samples, error);
-}
+unit_sink checkpoint_sink(checkpoint *c) { return (unit_sink){finish, c}; }
 
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place) { return c->state.records[place]; }
 

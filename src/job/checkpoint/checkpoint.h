@@ -45,12 +45,10 @@ void checkpoint_end(checkpoint *c, bool interrupted, double fraction, uint64_t r
 uint32_t checkpoint_wave(const checkpoint *c, uint32_t x, uint32_t y);
 /* Squares of a wave that are finished: see checkpoint_state.h. */
 uint64_t checkpoint_finished(const checkpoint *c, uint32_t place);
-/* Pixels of the film in these. */
-uint64_t checkpoint_finished_pixels(const checkpoint *c, uint32_t place);
-/* These squares are in the film now, of so many samples, with at most this error. */
-void checkpoint_finish(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error);
-/* All of the wave that the film shows. */
-void checkpoint_finish_wave(checkpoint *c, uint32_t place, uint64_t samples, double error);
+/* Everything of the wave that the film shows is finished. */
+bool checkpoint_is_finished(const checkpoint *c, uint32_t place);
+/* Notes the squares that are in the film: after the film's own sink. */
+unit_sink checkpoint_sink(checkpoint *c);
 /* Calls before this one have begun the wave, and not finished it. */
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place);
 /* How far a wave got; false when it has to begin. a: after adaptive_begin(). */

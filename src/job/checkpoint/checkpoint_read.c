@@ -108,8 +108,8 @@ static fathom_status read_progress(reading *r) {
         return damaged(r, "its error or time makes no sense");
     if (!copy(r, s->squares, s->grid.count * sizeof *s->squares)) return damaged(r, "it ends too early");
     for (uint32_t i = 0; i < s->grid.count; ++i) {
-        if (s->squares[i] & ~checkpoint_shown(&s->grid, r->film, i))
-            return damaged(r, "a square beyond the film");
+        const wave_region shown = wave_grid_region(&s->grid, i);
+        if (s->squares[i] & ~wave_region_bits(&shown)) return damaged(r, "a square beyond the film");
     }
     return FATHOM_OK;
 }

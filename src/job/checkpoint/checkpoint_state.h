@@ -60,14 +60,8 @@ typedef struct checkpoint_key {
     uint64_t numbers[CHECKPOINT_NUMBERS];
 } checkpoint_key;
 
-/* The waves that a film is made of. */
-typedef struct checkpoint_grid {
-    uint32_t first_x, first_y; /* corner of the first one, in the image */
-    uint32_t across, count;
-} checkpoint_grid;
-
 typedef struct checkpoint_state {
-    checkpoint_grid grid;
+    wave_grid grid;          /* that the film is made of */
     uint64_t *squares;       /* of each wave: those that are finished, bit y / 4 * 8 + x / 4 */
     unsigned char **records; /* of each wave; NULL: it is not begun, or finished */
     bool hits;               /* in the records */
@@ -91,18 +85,14 @@ bool checkpoint_state_create(const fathom_settings *settings, const fathom_film 
                              checkpoint_state *out);
 void checkpoint_state_destroy(checkpoint_state *state);
 
-uint32_t checkpoint_wave_at(const checkpoint_grid *grid, uint32_t x, uint32_t y);
-/* The squares of a wave that the film shows at least a part of. */
-uint64_t checkpoint_shown(const checkpoint_grid *grid, const fathom_film *film, uint32_t place);
-/* Pixels of these squares that the film shows. */
-uint64_t checkpoint_pixels(const checkpoint_grid *grid, const fathom_film *film, uint32_t place,
-                           uint64_t squares);
+/* Pixels of these squares of a wave that the film shows. */
+uint64_t checkpoint_pixels(const wave_grid *grid, uint32_t wave, uint64_t squares);
 
 /* One channel of a square, between the film and 16 values; what the film does not show is 0. */
-void checkpoint_square_save(const checkpoint_grid *grid, const fathom_film *film, uint32_t place,
-                            unsigned square, uint32_t channel, uint32_t out[LANES]);
-void checkpoint_square_load(const checkpoint_grid *grid, const fathom_film *film, uint32_t place,
-                            unsigned square, uint32_t channel, const uint32_t in[LANES]);
+void checkpoint_square_save(const wave_grid *grid, const fathom_film *film, uint32_t place, unsigned square,
+                            uint32_t channel, uint32_t out[LANES]);
+void checkpoint_square_load(const wave_grid *grid, const fathom_film *film, uint32_t place, unsigned square,
+                            uint32_t channel, const uint32_t in[LANES]);
 
 /* What a file's bytes say, into a film and a state that are made for this render. `name` is the file's, for
  * messages; `tracer` gets what the file says of it. FATHOM_BAD_INPUT: no checkpoint, a damaged one, or one of

@@ -1,0 +1,45 @@
+/* Each wave by itself, until its estimated error is small enough: adaptive.h. */
+#include "job/job_inner.h"
+
+#include "base/clock.h"
+
+#include <stdlib.h>
+
+/* Between two passes of a wave that takes long, so that only the pass under way can be lost. */
+static void keep_wave(checkpoint *saving, worker *self, uint32_t wave) {
+    double now = saving ? clock_seconds() : 0;
+    if (!saving || now - self->kept < checkpoint_keep_seconds(saving)) return;
+    checkpoint_keep(saving, wave, self->adaptive);
+    self->kept = now;
+}
+
+static bool render(job *j, worker *self, const wave_region *region) {
+    const adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
+    checkpoint *saving = j->options->saving;
+    const uint32_t wave = saving ? checkpoint_wave(saving, region->left, region->top) : 0;
+    adaptive_result result;
+    if (saving && checkpoint_is_finished(saving, wave)) return true;
+    adaptive_begin(j->plan, region->left, region->top, self->adaptive);
+    if (saving) checkpoint_resume(saving, wave, self->adaptive);
+    self->kept = saving ? clock_seconds() : 0;
+    do {
+        const ray_counts before = self->integration->rays;
+        result = adaptive_pass(self->integration, &goal, NULL, self->adaptive);
+        job_count_rays(j, self->integration, &before);
+        if (result == ADAPTIVE_PASSED) keep_wave(saving, self, wave);
+        if (result == ADAPTIVE_PASSED && j->options->live) job_show(j, self->adaptive);
+    } while (result == ADAPTIVE_PASSED);
+    if (result != ADAPTIVE_FINISHED) return false;
+    const unit_result done = adaptive_unit(self->adaptive, j->film);
+    job_deliver(j, self, &done);
+    return true;
+}
+
+static bool prepare(const job *j, worker *self) {
+    self->adaptive = malloc(sizeof *self->adaptive);
+    return self->adaptive && adaptive_create(j->plan, self->adaptive);
+}
+
+static void run(job *j) { job_run_tiles(j, render); }
+
+const job_schedule schedule_to_error = {prepare, run};

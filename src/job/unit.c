@@ -1,0 +1,29 @@
+#include "job/unit.h"
+
+static uint64_t count(const unit_result *r, bool samples) {
+    uint64_t sum = 0;
+    for (uint64_t left = r->squares; left; left &= left - 1) {
+        const uint32_t s = (uint32_t)__builtin_ctzll(left);
+        const wave_square square = wave_square_at(&r->region, s, 0);
+        sum += (uint64_t)__builtin_popcount(wave_square_pixels(&r->region, &square)) *
+               (samples ? r->samples[s] : 1);
+    }
+    return sum;
+}
+
+uint64_t unit_pixels(const unit_result *r) { return count(r, false); }
+uint64_t unit_samples(const unit_result *r) { return count(r, true); }
+
+/* Squares that time ended before keep what the film shows of them. */
+static void to_film(void *user, const unit_result *r) {
+    fathom_film *film = user;
+    pthread_mutex_lock(&film->lock);
+    for (uint64_t left = r->squares; left; left &= left - 1) {
+        const uint32_t s = (uint32_t)__builtin_ctzll(left);
+        const wave_square square = wave_square_at(&r->region, s, 0);
+        if (r->samples[s]) pixel_sums_store_square(r->sums, &r->region, &square, r->samples[s], film);
+    }
+    pthread_mutex_unlock(&film->lock);
+}
+
+unit_sink unit_film_sink(fathom_film *film) { return (unit_sink){to_film, film}; }

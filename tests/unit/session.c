@@ -1,0 +1,161 @@
+/* Rendering in the background. */
+#include "render.h"
+
+#include <fathom/session.h>
+
+#define SIDE 192
+
+static void fill(stage *s) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.position[0] = 2, light.position[1] = 5;
+    for (int c = 0; c < 3; ++c) light.intensity[c] = 30;
+    stage_sphere(s, 0, 0, -6, 1.5, stage_lambert(s, 0.8f));
+    stage_plane(s, (double[3]){0, -1.5, 0}, (double[3]){0, 1, 0}, stage_lambert(s, 0.7f));
+    assert_ok(s->context, fathom_scene_add_light(s->scene, &light, NULL));
+    s->settings.spp = 16, s->settings.aovs = FATHOM_AOV_SAMPLES;
+}
+
+static void assert_same_pixels(const fathom_film *a, const fathom_film *b) {
+    static const char *const channels[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c)
+        assert_memory_equal(fathom_film_channel(a, channels[c]), fathom_film_channel(b, channels[c]),
+                            sizeof(float) * SIDE * SIDE);
+}
+
+static void a_session_renders_what_a_call_renders(void **state) {
+    (void)state;
+    stage s = stage_open(SIDE, SIDE);
+    fill(&s);
+    fathom_film *expected = stage_render(&s), *found;
+    fathom_session *session;
+    fathom_stats stats;
+    fathom_progress progress;
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    assert_true(fathom_session_wait(session, -1));
+    fathom_session_progress(session, &progress);
+    assert_int_equal(progress.phase, FATHOM_PHASE_RENDER);
+    assert_true(progress.fraction == 1);
+    assert_ok(s.context, fathom_session_finish(session, &stats, &found));
+    assert_true(stats.samples == 16 * SIDE * SIDE);
+    assert_same_pixels(found, expected);
+    fathom_film_destroy(found);
+    fathom_film_destroy(expected);
+    stage_close(&s);
+}
+
+/* Of the snapshot's pixels those that have all their samples are the film's; the others have none. */
+static size_t check_snapshot(const fathom_film *snapshot, const fathom_film *film) {
+    const uint32_t *samples = fathom_film_channel_id(snapshot, "samples");
+    const float *now = fathom_film_channel(snapshot, "G"), *then = fathom_film_channel(film, "G");
+    size_t finished = 0;
+    for (size_t i = 0; i < SIDE * SIDE; ++i) {
+        assert_true(samples[i] == 0 || samples[i] == 16);
+        if (samples[i]) assert_true(now[i] == then[i]);
+        finished += samples[i] > 0;
+    }
+    return finished;
+}
+
+static void finished_pixels_of_a_snapshot_are_those_of_the_film(void **state) {
+    (void)state;
+    fathom_context *mine;
+    stage s = stage_open(SIDE, SIDE);
+    fill(&s);
+    s.settings.tracer_spec = "linear:f64";
+    fathom_film *expected = stage_render(&s), *snapshot, *film;
+    fathom_session *session;
+    size_t before = 0;
+    assert_int_equal(fathom_context_create(&mine), FATHOM_OK);
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    for (bool ended = false; !ended;) {
+        ended = fathom_session_wait(session, 0.005);
+        assert_ok(mine, fathom_session_snapshot(mine, session, &snapshot));
+        if (!snapshot) continue;
+        size_t finished = check_snapshot(snapshot, expected);
+        assert_true(finished >= before);
+        before = finished;
+        fathom_film_destroy(snapshot);
+    }
+    assert_int_equal(before, SIDE * SIDE);
+    assert_ok(s.context, fathom_session_finish(session, NULL, &film));
+    fathom_film_destroy(film);
+    fathom_film_destroy(expected);
+    fathom_context_destroy(mine);
+    stage_close(&s);
+}
+
+static void snapshots_of_adaptive_renders_gain_samples(void **state) {
+    (void)state;
+    fathom_context *mine;
+    stage s = stage_open(SIDE, SIDE);
+    fill(&s);
+    s.settings.pattern = FATHOM_PATTERN_SOBOL;
+    s.settings.spp = 1024, s.settings.target_error = 0.001;
+    fathom_film *snapshot, *film;
+    fathom_session *session;
+    assert_int_equal(fathom_context_create(&mine), FATHOM_OK);
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    uint64_t before = 0;
+    for (bool ended = false; !ended;) {
+        ended = fathom_session_wait(session, 0.01);
+        assert_ok(mine, fathom_session_snapshot(mine, session, &snapshot));
+        if (!snapshot) continue;
+        const uint32_t *samples = fathom_film_channel_id(snapshot, "samples");
+        uint64_t now = 0;
+        for (size_t i = 0; i < SIDE * SIDE; ++i) now += samples[i];
+        assert_true(now >= before);
+        before = now;
+        fathom_film_destroy(snapshot);
+    }
+    assert_true(before > 0);
+    assert_ok(s.context, fathom_session_finish(session, NULL, &film));
+    fathom_film_destroy(film);
+    fathom_context_destroy(mine);
+    stage_close(&s);
+}
+
+static void a_stopped_session_is_interrupted(void **state) {
+    (void)state;
+    stage s = stage_open(SIDE, SIDE);
+    fill(&s);
+    s.settings.pattern = FATHOM_PATTERN_SOBOL;
+    s.settings.spp = 65536;
+    fathom_film *film;
+    fathom_session *session;
+    fathom_stats stats;
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    assert_false(fathom_session_wait(session, 0));
+    fathom_session_stop(session);
+    assert_int_equal(fathom_session_finish(session, &stats, &film), FATHOM_INTERRUPTED);
+    assert_true(stats.finished < 1);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+static void what_is_wrong_is_said_at_the_end(void **state) {
+    (void)state;
+    stage s = stage_open(SIDE, SIDE);
+    fill(&s);
+    fathom_session *session;
+    fathom_film *film;
+    s.settings.width = 0;
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    assert_fails(s.context, fathom_session_finish(session, NULL, &film), FATHOM_BAD_INPUT, "image size");
+    assert_null(film);
+    assert_fails(s.context, fathom_session_start(s.context, NULL, &s.settings, &session), FATHOM_BAD_USAGE,
+                 "scene");
+    assert_fails(s.context, fathom_session_snapshot(s.context, NULL, &film), FATHOM_BAD_USAGE, "session");
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_session_renders_what_a_call_renders),
+        cmocka_unit_test(finished_pixels_of_a_snapshot_are_those_of_the_film),
+        cmocka_unit_test(snapshots_of_adaptive_renders_gain_samples),
+        cmocka_unit_test(a_stopped_session_is_interrupted),
+        cmocka_unit_test(what_is_wrong_is_said_at_the_end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
