@@ -25,7 +25,7 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
     memset(a->taken, 0, sizeof a->taken);
     memset(a->rays, 0, sizeof a->rays);
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->square_error[s] = INFINITY;
-    a->error = a->worth = INFINITY;
+    a->error = a->priority = INFINITY;
 }
 
 /* ---- squares ---- */
@@ -75,15 +75,11 @@ static double wave_error(const adaptive_wave *a) {
     return sqrt(sum / ((a->region.x1 - a->region.x0) * (a->region.y1 - a->region.y0)));
 }
 
-static double square_worth(const adaptive_wave *a, uint32_t s) {
+static double square_priority(const adaptive_wave *a, uint32_t s) {
     return a->square_error[s] / (double)a->rays[s];
 }
 
 /* ---- which squares ---- */
-
-/* Of the best worth, what goes on beside it: doubling takes off half of the squared error and doubles the
- * rays, so that these would else be the best ones of the next pass or the one after it. */
-#define NEAR_BEST 0.5
 
 adaptive_goal adaptive_goal_of(double target) {
     return (adaptive_goal){target, target * target / ADAPTIVE_USUAL_RAYS};
@@ -97,22 +93,22 @@ static bool may_grow(const adaptive_wave *a, const fathom_settings *settings, ui
     return square_pixels(a, s) && a->done[s] < settings->spp;
 }
 
-static double best_worth(const adaptive_wave *a, const fathom_settings *settings) {
+static double best_priority(const adaptive_wave *a, const fathom_settings *settings) {
     double best = 0;
     if (a->done[0] < least_samples(settings)) return INFINITY;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        if (may_grow(a, settings, s)) best = fmax(best, square_worth(a, s));
+        if (may_grow(a, settings, s)) best = fmax(best, square_priority(a, s));
     }
     return best;
 }
 
-/* What most samples of a square lead to after doubling those above this worth; 0 when there are none. A worth
- * that is no number is not small. */
-static uint32_t choose_above(const adaptive_wave *a, const fathom_settings *settings, double worth,
+/* Chooses the squares above this priority. Returns the most samples that a square has once theirs are
+ * doubled; 0: there are none. A priority that is no number is not small. */
+static uint32_t choose_above(const adaptive_wave *a, const fathom_settings *settings, double priority,
                              bool chosen[WAVE_SQUARES]) {
     uint32_t most = 0;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        chosen[s] = may_grow(a, settings, s) && !(square_worth(a, s) < worth);
+        chosen[s] = may_grow(a, settings, s) && !(square_priority(a, s) < priority);
         if (chosen[s]) most = max_u32(most, 2 * a->done[s]);
     }
     return most;
@@ -131,8 +127,9 @@ static void choose(const adaptive_wave *a, const fathom_settings *settings, cons
         for (uint32_t s = 0; s < WAVE_SQUARES; ++s) chosen[s] = square_pixels(a, s);
         return;
     }
-    uint32_t most = choose_above(a, settings, goal->worth, chosen);
-    if (!most && !(a->error <= goal->error)) most = choose_above(a, settings, NEAR_BEST * a->worth, chosen);
+    uint32_t most = choose_above(a, settings, goal->priority, chosen);
+    if (!most && !(a->error <= goal->error))
+        most = choose_above(a, settings, ADAPTIVE_NEAR_BEST * a->priority, chosen);
     if (most) choose_laggards(a, settings, most, chosen);
 }
 
@@ -216,7 +213,7 @@ static adaptive_result take_samples(pass *p, const uint8_t *squares, uint32_t co
 
 void adaptive_rate(const fathom_settings *settings, adaptive_wave *a) {
     a->error = wave_error(a);
-    a->worth = best_worth(a, settings);
+    a->priority = best_priority(a, settings);
 }
 
 adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adaptive_limit *limit,

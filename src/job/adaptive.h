@@ -1,46 +1,47 @@
-/* Sampling to an error: the pixels of a wave get samples until its estimated error is small enough.
+/* Sampling to an error: the pixels of a wave get samples until the wave's estimated error is small enough.
  *
  * The way of the data:
  *
- *     pass: squares of most worth ──── batches of 64 squares, a sample of each ──▶ wave ──▶ sums
- *       ▲                                                                                     │
- *       └──── error of each square, and of the wave: from the four quarters of each pixel's ──┘
+ *     pass: squares of high priority ── batches of 64 squares, a sample of each ──▶ integrator ──▶ sums
+ *       ▲                                                                                          │
+ *       └──────── error of each square, and of the wave: from the four quarters of each pixel ─────┘
  *
- * What is decided for a wave depends on the samples of its own pixels alone, and these are all pixels of its
- * square that lie in the image, whatever the crop: threads, tiles and crops change no pixel. Inside of a
- * wave, samples go to squares of 4 × 4 pixels, the packets that waves are made of: each pass doubles the
- * samples of some squares, so that the Sobol sequence of each pixel is always at a power of two, where it is
- * stratified. All samples of a pixel weigh the same.
+ * Decisions for a wave depend on the samples of its own pixels alone. These are all pixels of its square that
+ * lie in the image, whatever the crop. So threads, tiles and crops change no pixel. Each pass doubles the
+ * samples of some squares of 4 × 4 pixels. The Sobol sequence of each pixel is therefore always at a power of
+ * two, where it is stratified. All samples of a pixel have the same weight.
  *
- * Which squares. Doubling the samples of a square costs the rays r it took so far, and takes off a part of
- * its squared error e² that is about the same for all: e² / r is what a ray is worth there. The least squared
- * error of an image for its rays has the same worth everywhere (Lagrange). So a square goes on while its
- * worth is above that of a whole wave which reaches the target after ADAPTIVE_USUAL_RAYS rays a pixel; where
- * the wave's error is above the target then, the squares of most worth go on until it is not. Rays are
- * counted, not timed: glass and mirrors, where errors are, take several times those of a plain surface.
+ * Priority. Doubling the samples of a square costs as many rays r as it took so far. It removes a part of the
+ * squared error e² that is about the same for all squares. So a ray gains e² / r: the square's priority. An
+ * image has the least squared error for its rays when all priorities are equal (Lagrange). A square goes on
+ * while its priority is above that of a whole wave that reaches the target after ADAPTIVE_USUAL_RAYS rays a
+ * pixel. If the wave's error is still above the target, the squares of highest priority go on until it is
+ * not. Rays are counted, not timed. Glass and mirrors, where errors are, take several times the rays of a
+ * plain surface.
  *
  * Small bright things. Where every sample has missed a thing smaller than a pixel, nothing is estimated.
  * Among pixels of as many samples, those that hit such things make up for it: their estimates are too large
- * by as much. Samples that only follow the estimates would take that away: they go where a thing was hit, and
- * leave the others unseen. So no square of a wave has more than ADAPTIVE_SPREAD times the samples of another:
- * what was found in one square is looked for in all of them.
+ * by as much. Samples that follow the estimates alone would lose that, because they go where a thing was hit
+ * and leave the others unseen. So no square of a wave has more than ADAPTIVE_SPREAD times the samples of
+ * another.
  *
  * Error. e² of a wave is the mean over its pixels, and over R, G and B, of
  *
  *     variance of the pixel's mean / n(I)²,   n(I) = √max(I, 0.01) for I < 1, else I
  *
- * with I the mean of R, G and B: linear radiance, weighed as Cycles weighs it for its noise threshold
+ * where I is the mean of R, G and B: linear radiance, weighted as Cycles weights it for its noise threshold
  * (kernel/film/adaptive_sampling.h), after Dammertz, Hanika, Keller and Lensch, "A Hierarchical Automatic
- * Stopping Condition for Monte Carlo Global Illumination" (2010). √I is nearly what a display shows, and d√I
- * = dI / 2√I: a target of 0.01 is 0.005 of full scale, or 1.3 of 255 levels. Below one hundredth of white
- * Cycles' floor of 1e-8 would let black pixels decide; ours stops where the curve of sRGB gets straight.
+ * Stopping Condition for Monte Carlo Global Illumination" (2010). √I is nearly what a display shows, and
+ * d√I = dI / 2√I: a target of 0.01 is 0.005 of full scale, or 1.3 of 255 levels. Cycles' floor is 1e-8; below
+ * one hundredth of white it would let black pixels decide. Our floor is where the sRGB curve becomes
+ * straight.
  *
- * Variance. Samples of a low-discrepancy sequence are not independent, so that the variance among them tells
- * too much. Dammertz et al. take the difference of the means of two halves instead; one such difference is
- * often zero by luck where an edge crosses a pixel. Here each run of a quarter of the samples, stratified by
- * itself, gives a mean q, and the variance of the mean m of all is taken as Σ (q - m)² / (4 · 3). Its
- * expectation is (Var q - Var m) / 3, which is Var m where quarters are independent (Var q = 4 Var m) and
- * more where stratifying pays: 7/3 Var m along edges (Var ~ n^-3/2). So it covers the true error unless
+ * Variance. Samples of a low-discrepancy sequence are not independent, so the variance among them is too
+ * large. Dammertz et al. take the difference of the means of two halves instead. One such difference is often
+ * zero by chance where an edge crosses a pixel. Here each run of a quarter of the samples, stratified by
+ * itself, gives a mean q. The variance of the mean m of all is taken as Σ (q - m)² / (4 · 3). Its expectation
+ * is (Var q - Var m) / 3. That is Var m where quarters are independent (Var q = 4 Var m), and more where
+ * stratification helps: 7/3 Var m along edges (Var ~ n^-3/2). So the estimate covers the true error unless
  * doubling the samples fails to halve the variance. */
 #ifndef JOB_ADAPTIVE_H
 #define JOB_ADAPTIVE_H
@@ -50,8 +51,8 @@
 
 #define ADAPTIVE_MIN_SPP 4
 
-/* More would lower the error of easy waves further beyond the target than that of hard ones, less would leave
- * all of them near it; bench/README.md, Rendering to an error. */
+/* With more, easy waves end further below the target than hard ones; with fewer, all end near it
+ * (bench/README.md, Rendering to an error). */
 #define ADAPTIVE_USUAL_RAYS 32.0
 
 /* Measured on a field of stars from 0.1 to 2 pixels wide, and on the scene of the README (bench/README.md,
@@ -59,10 +60,14 @@
  * are below them on the mean; the scene takes as long for its error. */
 #define ADAPTIVE_SPREAD 4u
 
+/* Squares within this factor of the highest priority go on with it. Doubling halves the squared error and
+ * doubles the rays, so otherwise these would have the highest priority one or two passes later. */
+#define ADAPTIVE_NEAR_BEST 0.5
+
 /* What a wave is sampled for. */
 typedef struct adaptive_goal {
-    double error; /* of the wave, at most */
-    double worth; /* squared error of a square, summed over its pixels, over its rays: at most, but for
+    double error;    /* of the wave, at most */
+    double priority; /* squared error of a square, summed over its pixels, over its rays: at most, but for
                      squares that have all the samples a pixel may have */
 } adaptive_goal;
 
@@ -75,7 +80,7 @@ typedef struct adaptive_wave {
     uint64_t rays[WAVE_SQUARES];       /* for these: the camera's, mirrored and refracted */
     double square_error[WAVE_SQUARES]; /* sum of squared errors of its pixels; infinite while unknown */
     double error;                      /* of the wave; infinite below 4 samples a pixel */
-    double worth; /* the most of any square that may have more samples; infinite below the least samples */
+    double priority; /* the most of any square that may have more samples; infinite below the least samples */
 } adaptive_wave;
 
 /* When to stop by the clock. */
@@ -102,7 +107,7 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
  * without a deadline. */
 adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adaptive_limit *limit,
                               adaptive_wave *a);
-/* Error and worth of the wave, from those of its squares. */
+/* Error and priority of the wave, from those of its squares. */
 void adaptive_rate(const fathom_settings *settings, adaptive_wave *a);
 /* What the wave came to, as far as the film shows it. */
 unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film);

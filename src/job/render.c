@@ -44,11 +44,11 @@ static uint64_t program_bytes(const fathom_context *context) {
     return MEMORY_PROGRAM + (uint64_t)fathom_context_threads(context) * MEMORY_THREAD;
 }
 
-/* What the process will hold beside the tracer's structures. Of a large film nothing is there yet, unless a
+/* What the process will hold besides the tracer's structures. Of a large film nothing is there yet, unless a
  * checkpoint has filled it, and of a mapped mesh only what was looked at
  * is in memory. */
-static fathom_status memory_beside(fathom_context *context, const fathom_scene *scene,
-                                   const fathom_film *film, uint64_t *out) {
+static fathom_status memory_besides(fathom_context *context, const fathom_scene *scene,
+                                    const fathom_film *film, uint64_t *out) {
     uint64_t meshes;
     fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &meshes);
     if (status != FATHOM_OK) return status;
@@ -61,10 +61,10 @@ static fathom_status memory_beside(fathom_context *context, const fathom_scene *
 }
 
 /* What is left for building. At least a byte, since none would mean no limit. */
-static uint64_t building_memory(uint64_t beside, uint64_t limit) {
+static uint64_t building_memory(uint64_t other, uint64_t limit) {
     uint64_t free_now = memory_free(), room = free_now > INT64_MAX ? 0 : free_now + memory_private();
     if (limit && (!room || limit < room)) room = limit;
-    return !room ? 0 : (room > beside + 1 ? room - beside : 1);
+    return !room ? 0 : (room > other + 1 ? room - other : 1);
 }
 
 static fathom_status run_build(fathom_context *context, const world *w, fathom_film *film,
@@ -75,9 +75,9 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
     const char *words = settings->tracer_spec;
     fathom_status status = words ? trace_spec_parse(context, words, &spec) : FATHOM_OK;
     if (status != FATHOM_OK) return status;
-    uint64_t beside;
+    uint64_t other;
     status = scene_rest_files(w->scene);
-    if (status == FATHOM_OK) status = memory_beside(context, w->scene, film, &beside);
+    if (status == FATHOM_OK) status = memory_besides(context, w->scene, film, &other);
     if (status != FATHOM_OK) return status;
     build b = {.context = context,
                .world = w,
@@ -89,13 +89,13 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
                                 .width = settings->block_width,
                                 .threads = fathom_context_threads(context),
                                 .expected_rays = plan_expected_rays(w->scene, settings),
-                                .memory = building_memory(beside, settings->memory_limit),
+                                .memory = building_memory(other, settings->memory_limit),
                                 .progress = progress ? on_build : NULL,
                                 .user = &b};
     watch_run(&calls, &b);
     *out = b.tracer;
     if (b.tracer && trace_foreseen_bytes(b.tracer))
-        film->stats.foreseen_bytes = beside + trace_foreseen_bytes(b.tracer);
+        film->stats.foreseen_bytes = other + trace_foreseen_bytes(b.tracer);
     if (b.status != FATHOM_OK || !atomic_load(&b.stop)) return b.status;
     return fail(context, FATHOM_INTERRUPTED, "stopped while building; there is no image yet");
 }
@@ -159,7 +159,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     return status;
 }
 
-/* What only callers beside this module ask for. */
+/* What only internal callers ask for. */
 typedef struct render_extra {
     const vec3_f64 *origin;                               /* NULL: near the view */
     const job_reserve *reserve;                           /* NULL: nothing */

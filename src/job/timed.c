@@ -1,8 +1,8 @@
-/* Rendering to a time. All waves are kept, and rounds go over them: first one sample for each pixel, then
- * twice as many until errors are known, then a pass for the squares where a ray is worth most, wherever they
- * are (adaptive.h): that leaves the least squared error for the time. The clock is looked at before each
- * batch of rays: nothing that was sampled is thrown away. Which samples are taken depends on the clock, what
- * each of them is does not. */
+/* Rendering to a time. All waves stay in memory, and rounds go over them. The first round takes one sample of
+ * each pixel. The next ones double the samples until errors are known. Later rounds take a pass over the
+ * squares with the highest priority in the whole image (adaptive.h), which leaves the least squared error for
+ * the time. The clock is read before each batch of rays, so nothing that was sampled is lost. The clock
+ * decides which samples are taken, but not what each of them is. */
 #include "job/job_inner.h"
 
 #include "base/clock.h"
@@ -10,16 +10,12 @@
 
 #include <stdlib.h>
 
-/* Of the best worth, what a round takes: squares within this of it would else be the best ones of the next
- * round or the one after it. */
-#define NEAR_BEST 0.5
-
-/* Waves of a round for each thread, at least: the end of a round, where threads wait for the last one, stays
- * a small part of it. */
+/* The fewest waves of a round for each thread. At the end of a round threads wait for the last one; this
+ * keeps the wait a small part of the round. */
 #define WAVES_FOR_THREAD 16u
 
 typedef struct ranked {
-    double worth;
+    double priority;
     uint32_t shuffle, wave;
 } ranked;
 
@@ -29,7 +25,7 @@ typedef struct timed {
     bool *finished;
     ranked *order;
     size_t count, round; /* waves; of them in this round */
-    double limit;        /* worth of the squares of this round, at least, in waves that have such */
+    double limit; /* the least priority of the squares of this round, in waves that have such squares */
     wave_grid grid;
     atomic_bool cut;
 } timed;
@@ -42,9 +38,9 @@ size_t timed_bytes(const job *j) {
 }
 
 /* Best first; in an order without a pattern where nothing is known. */
-static int by_worth(const void *a, const void *b) {
+static int by_priority(const void *a, const void *b) {
     const ranked *x = a, *y = b;
-    if (x->worth != y->worth) return x->worth > y->worth ? -1 : 1;
+    if (x->priority != y->priority) return x->priority > y->priority ? -1 : 1;
     return x->shuffle < y->shuffle ? -1 : x->shuffle > y->shuffle;
 }
 
@@ -53,16 +49,16 @@ static void choose_round(timed *t) {
     size_t count = 0;
     for (uint32_t i = 0; i < t->count; ++i) {
         if (t->finished[i]) continue;
-        double worth = t->waves[i] ? t->waves[i]->worth : (double)INFINITY;
-        if (!(worth > 0)) continue; /* it has all its samples */
-        t->order[count++] = (ranked){worth, i * 0x9e3779b1u, i};
+        double priority = t->waves[i] ? t->waves[i]->priority : (double)INFINITY;
+        if (!(priority > 0)) continue; /* it has all its samples */
+        t->order[count++] = (ranked){priority, i * 0x9e3779b1u, i};
     }
-    qsort(t->order, count, sizeof *t->order, by_worth);
+    qsort(t->order, count, sizeof *t->order, by_priority);
     size_t least = WAVES_FOR_THREAD * t->job->threads;
-    t->limit = count ? NEAR_BEST * t->order[0].worth : 0;
+    t->limit = count ? ADAPTIVE_NEAR_BEST * t->order[0].priority : 0;
     bool unknown = isinf(t->limit);
     for (t->round = 0; t->round < count; ++t->round) {
-        if (t->order[t->round].worth < t->limit && (unknown || t->round >= least)) break;
+        if (t->order[t->round].priority < t->limit && (unknown || t->round >= least)) break;
     }
 }
 
@@ -89,7 +85,7 @@ static void run_pass(timed *t, worker *self, uint32_t i) {
     adaptive_wave *a = t->waves[i];
     self->limit.deadline = atomic_load(&j->deadline);
     adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
-    goal.worth = fmax(goal.worth, a->worth < t->limit ? NEAR_BEST * a->worth : t->limit);
+    goal.priority = fmax(goal.priority, a->priority < t->limit ? ADAPTIVE_NEAR_BEST * a->priority : t->limit);
     const ray_counts before = self->integration->rays;
     switch (adaptive_pass(self->integration, &goal, &self->limit, a)) {
     case ADAPTIVE_PASSED:

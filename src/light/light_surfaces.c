@@ -2,11 +2,11 @@
  * take the ray's end to the other side of the surface, as distances along n:
  * - S became float: Σ |n_i| u |S_i|. So did what the surface is made of: Σ |n_i| u |c_i| for the farthest
  * corner c, the same and u R for a sphere, 4 u Σ |n_i| |S_i| for a plane, whose normal was rounded. In an
- * instance tracers carry rays to object space (surface_point.c); the entries of the map were rounded, too,
+ * instance tracers carry rays to object space (surface/gather.c); the entries of the map were rounded, too,
  * which takes two of the six roundings there once more. A light within the sum of these is held by the
  * surface.
- * - The tracer's own error near the surface: LOCAL_FACE_BESIDE times the extent for faces, 8 u R for spheres,
- *   8 u Σ |n_i| (|S_i| + |c_i|) for planes, which are subtracted whole.
+ * - The tracer's own error near the surface: LOCAL_FACE_SELF_HIT times the extent for faces, 8 u R for
+ * spheres, 8 u Σ |n_i| (|S_i| + |c_i|) for planes, which are subtracted whole.
  * - The ray: direction, length and product leave 6 u D; t = n·v / n·d, v from the start to a corner, leaves 4
  * u |v| in the numerator and 4 u D in the denominator, and edges made of two such v turn n by up to 4 u |v|
  * over the extent, which moves the plane by as much as 4 u |v| within the face. |v| <= D + extent, and the
@@ -120,23 +120,23 @@ typedef struct contact {
     vec3_f64 n;      /* unit */
     double above;    /* of the light */
     double rounding; /* of what the surface is made of, along n */
-    double beside;   /* of the tracer near it */
+    double self_hit; /* of the tracer near it */
 } contact;
 
 static void add_contact(const view *v, const probe *p, const contact *c) {
     finder *f = v->f;
     vec3_f64 n = c->n, at = widen(f->lights[p->light].position);
-    double held = c->rounding, beside = c->beside, slope = 32 * unit_round, length = 1;
+    double held = c->rounding, near = c->self_hit, slope = 32 * unit_round, length = 1;
     if (v->instance) {
         const double map = surface_carried_along(v->instance, n, at);
         n = surface_normal_to_world(v->instance, n);
         length = length_f64(n);
         n = scale_f64(1 / length, n);
-        held += map / 3, beside += map,
+        held += map / 3, near += map,
             slope += 8 * unit_round * surface_stretch_along(v->instance, c->n) / length;
     }
     held = held / length + unit_round * dot_f64(absolute(n), absolute(at));
-    double clear = held + beside / length, above = c->above / length;
+    double clear = held + near / length, above = c->above / length;
     if (!(fabs(above) <= clear + slope * f->farthest[p->light])) return;
     const bool holds = fabs(above) <= held;
     light_surface surface = {narrow(n), holds ? 0 : (float)above, (float)clear, (float)slope};
@@ -151,7 +151,7 @@ static void look_at_sphere(const view *v, const probe *p, const world_sphere *s)
     contact c = {.n = scale_f64(1 / distance, from), .above = distance - radius};
     c.rounding =
         world_sphere_is_split(s) ? 0 : dot_f64(absolute(c.n), absolute(world_sphere_center(s))) + radius;
-    c.rounding *= unit_round, c.beside = 8 * unit_round * radius;
+    c.rounding *= unit_round, c.self_hit = 8 * unit_round * radius;
     add_contact(v, p, &c);
 }
 
@@ -173,7 +173,7 @@ static void look_at_face(const view *v, const probe *p, const vec3_f64 corner[3]
     if (fabs(c.above) > v->loose || !lies_in(corner, c.n, p->at, v->loose)) return;
     for (int k = 0; k < 3; ++k) reach = larger(reach, dot_f64(absolute(c.n), absolute(corner[k])));
     c.rounding = unit_round * reach;
-    c.beside = LOCAL_FACE_BESIDE * larger(largest(ab), larger(largest(ac), largest(sub_f64(ac, ab))));
+    c.self_hit = LOCAL_FACE_SELF_HIT * larger(largest(ab), larger(largest(ac), largest(sub_f64(ac, ab))));
     add_contact(v, p, &c);
 }
 
@@ -181,7 +181,7 @@ static void look_at_plane(const view *v, const probe *p, const world_plane *plan
     vec3_f64 n = normalize_f64(widen(plane->normal)), point = widen(plane->point);
     contact c = {.n = n, .above = dot_f64(n, sub_f64(p->at, point))};
     c.rounding = 4 * unit_round * dot_f64(absolute(n), absolute(p->at));
-    c.beside = 8 * unit_round * dot_f64(absolute(n), add_f64(absolute(p->at), absolute(point)));
+    c.self_hit = 8 * unit_round * dot_f64(absolute(n), add_f64(absolute(p->at), absolute(point)));
     add_contact(v, p, &c);
 }
 

@@ -1,5 +1,5 @@
 /* Where a ray that leaves may start: as far off as its own rounding takes it (surface/kernels/surfaces.c),
- * and `beside`, how wrong the intersector may be about a start that it knows exactly.
+ * and `self_hit`, how wrong the intersector may be about a start that it knows exactly.
  *
  * With u = 2^-24, in an instance the start is carried to object space, o_i = Σ A_ij s_j + T_i, and rounded
  * there. Our own tracers do that with A and T = to_object as given and one rounding, u |o_i|. Embree inverts
@@ -95,7 +95,7 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
     vec3_f64 p = map_point(m, object_p), n = map_normal(inverse, object_n);
     p = add_f64(p, map_vector(m, sub_f64(object_p, map_point(inverse, p))));
     double length = sqrt(dot_f64(n, n));
-    b->beside[i] = (b->beside[i] + surface_carried_along(instance, object_n, p)) / length;
+    b->self_hit[i] = (b->self_hit[i] + surface_carried_along(instance, object_n, p)) / length;
     put_f64(b->p, i, p);
     put_f64(b->n, i, scale_f64(1 / length, n));
     put_f32(b->ns, i, narrow(unit_of(map_normal(inverse, lane_f32(b->ns, i)))));
@@ -114,7 +114,7 @@ static void clear_lanes(surface_gather *g) {
     memset(g->facets.corner, 0, sizeof g->facets.corner);
     memset(g->facets.normal, 0, sizeof g->facets.normal);
     memset(g->facets.facet, 0, sizeof g->facets.facet);
-    memset(g->facets.bent, 0, sizeof g->facets.bent);
+    memset(g->facets.has_normals, 0, sizeof g->facets.has_normals);
     memset(g->local.lift, 0, sizeof g->local.lift);
     memset(g->local.smooth, 0, sizeof g->local.smooth);
 }
@@ -135,7 +135,7 @@ static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, ui
     index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k)
         put_f32(g->facets.normal[k], i, load_f32(vector_at(mesh->normals, mesh->normal_stride, index[k])));
-    g->facets.bent[i] = ~0u;
+    g->facets.has_normals[i] = ~0u;
     g->facets.smooth = true;
 }
 
@@ -153,7 +153,7 @@ static void add_hit(surface_gather *g, unsigned i, const local_hit *hit) {
     put_f64(g->local.p, i, hit->p);
     put_f64(g->local.n, i, hit->n);
     put_f32(g->local.ns, i, hit->ns);
-    g->local.beside[i] = hit->beside;
+    g->local.self_hit[i] = hit->self_hit;
 }
 
 static void add_primitive(surface_gather *g, unsigned i, const world *w, const local_ray *local) {
@@ -238,12 +238,12 @@ static void ask_rows(const float *rows, size_t stride, const uint32_t vertex[3])
 void surface_ask_corners(const world *w, const trace_hits *hits) {
     const fathom_mesh *mesh = large_mesh(w, hits);
     if (!mesh) return;
-    const bool bent = mesh->normals && !mesh->normal_indices;
+    const bool has_normals = mesh->normals && !mesh->normal_indices;
     for (int i = 0; i < LANES; ++i) {
         if (hits->geometry[i] != hits->geometry[0]) continue;
         const uint32_t *vertex = mesh->indices + 3 * (size_t)hits->primitive[i];
         ask_rows(mesh->positions, mesh->position_stride, vertex);
-        if (bent) ask_rows(mesh->normals, mesh->normal_stride, vertex);
+        if (has_normals) ask_rows(mesh->normals, mesh->normal_stride, vertex);
     }
 }
 
@@ -283,7 +283,7 @@ static void pad(surface_gather *g) {
         put_f32(b->ns, i, narrow(lane_f32(b->ns, last)));
         put_f32(b->ray, i, narrow(lane_f32(b->ray, last)));
         put_f32(b->lift, i, narrow(lane_f32(b->lift, last)));
-        b->beside[i] = b->beside[last], b->smooth[i] = b->smooth[last];
+        b->self_hit[i] = b->self_hit[last], b->smooth[i] = b->smooth[last];
     }
 }
 

@@ -19,15 +19,15 @@
  * (bench/offset.sh). Six times that is taken; and all of it, with the point's own rounding, stays below 32
  * units. Slivers would need more, as the inverse of their width: bench/README.md says how many of their rays
  * meet them again. */
-#define LOCAL_FACE_BESIDE (12 * 0x1p-24)
+#define LOCAL_FACE_SELF_HIT (12 * 0x1p-24)
 
 typedef struct local_block {
     _Alignas(64) lanes3_f64 org, dir; /* the ray; dir need not be unit */
     lanes3_f64 p;                     /* on the surface, but for a few roundings of double */
     lanes3_f64 n;                     /* geometric normal, unit, as the shape defines its outside */
-    double beside[LANES]; /* a ray that starts farther than this from the surface, its rounded origin taken as
-                             it is, and leaves, is not found to meet it again */
-    lanes3 ns;            /* shading normal, unit */
+    double self_hit[LANES]; /* a ray that starts farther than this from the surface, its rounded origin taken
+                             as it is, and leaves, is not found to meet it again */
+    lanes3 ns;              /* shading normal, unit */
     lanes3 lift; /* on the viewer's side, off the facet to the round surface that its normals stand for
                     (Hanika 2021); else 0 */
     uint32_t smooth[LANES]; /* all ones: lift is set */
@@ -38,9 +38,9 @@ typedef struct local_block {
 typedef struct facet_block {
     _Alignas(64) float corner[3][3][LANES]; /* corner, axis, lane */
     float normal[3][3][LANES];
-    uint32_t facet[LANES]; /* all ones: the lane is a triangle's or a quad's */
-    uint32_t bent[LANES];  /* all ones: it has normals; they need not be unit */
-    bool smooth;           /* some lane has */
+    uint32_t facet[LANES];       /* all ones: the lane is a triangle's or a quad's */
+    uint32_t has_normals[LANES]; /* all ones: it has normals; they need not be unit */
+    bool smooth;                 /* some lane has */
 } facet_block;
 
 #endif

@@ -1,5 +1,5 @@
 /* Points are computed in double, so that what is left of their error is a matter of how they are used: see
- * surface_point.c. `beside` is what an intersector itself may be wrong about. */
+ * gather.c. `self_hit` is what an intersector itself may be wrong about. */
 #include "surface/local_hit.h"
 
 #include "reference/reference.h"
@@ -28,8 +28,10 @@ void local_sphere(const world_sphere *sphere, const local_ray *ray, local_hit *o
         t = roots[0] > (double)ray->t_near ? roots[0] : roots[1];
     }
     vec3_f64 n = unit_of(madd_f64(from, t, ray->dir));
-    *out = (local_hit){
-        .p = madd_f64(c, radius, n), .n = n, .ns = narrow(n), .beside = 16 * 0x1p-53 * (largest(c) + radius)};
+    *out = (local_hit){.p = madd_f64(c, radius, n),
+                       .n = n,
+                       .ns = narrow(n),
+                       .self_hit = 16 * 0x1p-53 * (largest(c) + radius)};
 }
 
 /* On which side of a plane a ray starts is decided in double wherever float is in doubt (quad_text.h). */
@@ -38,6 +40,8 @@ void local_plane(const world_plane *plane, const local_ray *ray, local_hit *out)
     double along = dot_f64(n, ray->dir), t = dot_f64(n, sub_f64(point, ray->org)) / along;
     vec3_f64 p = madd_f64(ray->org, along != 0 ? t : 0, ray->dir);
     p = madd_f64(p, dot_f64(n, sub_f64(point, p)) / dot_f64(n, n), n);
-    *out = (local_hit){
-        .p = p, .n = unit_of(n), .ns = plane->normal, .beside = 16 * 0x1p-53 * (largest(point) + largest(p))};
+    *out = (local_hit){.p = p,
+                       .n = unit_of(n),
+                       .ns = plane->normal,
+                       .self_hit = 16 * 0x1p-53 * (largest(point) + largest(p))};
 }

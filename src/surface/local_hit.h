@@ -8,7 +8,7 @@
 typedef struct local_hit {
     vec3_f64 p, n;
     vec3_f32 ns;
-    double beside;
+    double self_hit;
 } local_hit;
 
 typedef struct local_ray {

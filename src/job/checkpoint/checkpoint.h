@@ -53,7 +53,7 @@ unit_sink checkpoint_sink(checkpoint *c);
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place);
 /* How far a wave got; false when it has to begin. a: after adaptive_begin(). */
 bool checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a);
-/* How often that is worth its while, in seconds. */
+/* Seconds between two such saves that cost little. */
 double checkpoint_keep_seconds(const checkpoint *c);
 /* How far it is now, between two passes. Where there is no memory for that the last one stays. */
 void checkpoint_keep(checkpoint *c, uint32_t place, const adaptive_wave *a);

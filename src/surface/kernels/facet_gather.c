@@ -58,12 +58,12 @@ static inline void widen_lanes(const float from[3][LANES], double (*restrict to)
 
 void KERNEL(facet_gather)(const fathom_mesh *mesh, const uint32_t triangle[LANES], const float org[3][LANES],
                           const float dir[3][LANES], facet_block *restrict f, local_block *restrict b) {
-    const uint32_t bent = mesh->normals ? ~0u : 0;
+    const uint32_t has_normals = mesh->normals ? ~0u : 0;
     fetch(mesh->positions, mesh->position_stride, mesh->indices, triangle, f->corner);
     widen_lanes(org, b->org);
     widen_lanes(dir, b->dir);
-    for (int i = 0; i < LANES; ++i) f->facet[i] = ~0u, f->bent[i] = bent;
-    if (!bent) return;
+    for (int i = 0; i < LANES; ++i) f->facet[i] = ~0u, f->has_normals[i] = has_normals;
+    if (!has_normals) return;
     f->smooth = true;
     fetch(mesh->normals, mesh->normal_stride, mesh->normal_indices ? mesh->normal_indices : mesh->indices,
           triangle, f->normal);
@@ -133,5 +133,5 @@ void KERNEL(quad_gather)(const world_quad *quads, const uint32_t primitive[LANES
             f->corner[2][c][i] = chosen(second[i], corner[1][c][i], corner[3][c][i]);
         }
     }
-    for (int i = 0; i < LANES; ++i) f->facet[i] = ~0u, f->bent[i] = 0;
+    for (int i = 0; i < LANES; ++i) f->facet[i] = ~0u, f->has_normals[i] = 0;
 }

@@ -93,12 +93,12 @@ static void set_weights(const facet_points *from, float (*restrict weight)[LANES
     }
 }
 
-static void set_beside(const facet_block *f, bool all, double *restrict out) {
+static void set_self_hit(const facet_block *f, bool all, double *restrict out) {
     for (int i = 0; i < LANES; ++i) {
-        double beside =
-            LOCAL_FACE_BESIDE * (double)extent_of(lane_f32(f->corner[0], i), lane_f32(f->corner[1], i),
-                                                  lane_f32(f->corner[2], i));
-        out[i] = all || f->facet[i] ? beside : out[i];
+        double self_hit =
+            LOCAL_FACE_SELF_HIT * (double)extent_of(lane_f32(f->corner[0], i), lane_f32(f->corner[1], i),
+                                                    lane_f32(f->corner[2], i));
+        out[i] = all || f->facet[i] ? self_hit : out[i];
     }
 }
 
@@ -112,10 +112,10 @@ static void find_points(const facet_block *f, local_block *restrict b, float (*r
     set_weights(&points, weight);
     if (others) {
         set_points(&points, false, f->facet, b);
-        set_beside(f, false, b->beside);
+        set_self_hit(f, false, b->self_hit);
     } else {
         set_points(&points, true, f->facet, b);
-        set_beside(f, true, b->beside);
+        set_self_hit(f, true, b->self_hit);
     }
 }
 
@@ -134,18 +134,18 @@ static vec3_f32 unit_of_stiff(vec3_f32 v) {
  * turn it by that part of the angle between the normals. */
 #define UNIT_SQUARE 0x1p-20f
 
-static bool are_unit(const float normal[3][LANES], const uint32_t bent[LANES]) {
+static bool are_unit(const float normal[3][LANES], const uint32_t has_normals[LANES]) {
     uint32_t off = 0;
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 v = lane_f32(normal, i);
-        off |= bent[i] & (fabsf(dot_f32(v, v) - 1) <= UNIT_SQUARE ? 0 : ~0u);
+        off |= has_normals[i] & (fabsf(dot_f32(v, v) - 1) <= UNIT_SQUARE ? 0 : ~0u);
     }
     return !off;
 }
 
 static bool all_unit(const facet_block *f) {
-    return are_unit(f->normal[0], f->bent) && are_unit(f->normal[1], f->bent) &&
-           are_unit(f->normal[2], f->bent);
+    return are_unit(f->normal[0], f->has_normals) && are_unit(f->normal[1], f->has_normals) &&
+           are_unit(f->normal[2], f->has_normals);
 }
 
 static void make_unit(const float from[3][LANES], float (*restrict to)[LANES]) {
@@ -171,7 +171,7 @@ static void mix_normals(const facet_block *f, const corner_weights weight, const
         vec3_f32 sum = {0, 0, 0};
         for (int k = 0; k < 3; ++k) sum = madd_f32(sum, weight[k][i], lane_f32(normal[k], i));
         float square = dot_f32(sum, sum);
-        uint32_t mine = f->bent[i] & (square > 0x1p-40f ? ~0u : 0);
+        uint32_t mine = f->has_normals[i] & (square > 0x1p-40f ? ~0u : 0);
         put_f32(b->ns, i, mine, scale_f32(1 / sqrtf(square), sum));
         b->smooth[i] = mine;
     }

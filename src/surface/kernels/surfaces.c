@@ -29,7 +29,7 @@ static void surfaces(const local_block *b, bool automatic, surface_block *restri
             s->v[c][i] = -b->ray[c][i];
             s->lift[c][i] = b->lift[c][i];
         }
-        s->offset[i] = (float)(scale * (strays + b->beside[i]));
+        s->offset[i] = (float)(scale * (strays + b->self_hit[i]));
         s->entering[i] = entering;
         s->smooth[i] = b->smooth[i];
     }
