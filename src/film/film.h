@@ -9,7 +9,7 @@
 
 #include <pthread.h>
 
-/* What a render did without. */
+/* The stages that a render left out. */
 typedef ARRAY(fathom_left_out) left_out_list;
 
 #define FILM_CHANNELS 20
@@ -65,7 +65,7 @@ double film_write_seconds(fathom_context *context, const fathom_film *film, cons
 
 /* Channels of a film with these AOVs, a float or uint32_t a pixel each. */
 uint32_t film_channels(unsigned aovs);
-/* Of its pixels. */
+/* Bytes of the film's pixels. */
 uint64_t film_bytes(const fathom_film *film);
 
 #endif

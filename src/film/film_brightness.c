@@ -37,7 +37,7 @@ static float brightness_at(const fathom_film *film, size_t pixel) {
     return alpha > 0 && alpha < 1 ? largest / alpha : largest;
 }
 
-/* In steps of a tenth, downwards: at most as many pixels as allowed are brighter than white. */
+/* Steps of a tenth, downwards, until no more pixels than allowed are brighter than white. */
 static float exposure_for(const uint64_t counts[BINS], uint64_t lit) {
     const double most = BRIGHTEST * (double)lit;
     uint64_t above = 0;

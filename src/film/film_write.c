@@ -130,7 +130,7 @@ fathom_status film_encode_png(fathom_context *context, const fathom_film *film, 
 /* Rows that EXR compresses together. */
 #define GROUP 16u
 
-/* Of all groups, one in so many is rehearsed at least. */
+/* At least one group in so many is rehearsed. */
 #define SHARE 8u
 
 static void strip_destroy(fathom_film *strip) {

@@ -19,14 +19,14 @@ const film_kernels *film_kernels_best(void);
 /* Those that this processor can run, from the plainest to the best; NULL past the last. */
 const film_kernels *film_kernels_at(unsigned index);
 
-/* What only AOVs need. */
+/* Sums that only AOVs need. */
 typedef struct hit_sums {
     double n[3][WAVE_SLOTS], albedo[3][WAVE_SLOTS], alpha[WAVE_SLOTS];
     double nearest[WAVE_SLOTS]; /* squared distance to the pixel's centre of the sample kept in `centre` */
     first_hits centre;
 } hit_sums;
 
-/* Of a wave's pixels, by slot. */
+/* The sums of a wave's pixels, by slot. */
 typedef struct pixel_sums {
     double rgb[3][WAVE_SLOTS];
     hit_sums *hits;  /* NULL: no AOV wants them */

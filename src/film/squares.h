@@ -109,7 +109,7 @@ typedef struct wave_batch {
     uint32_t count;
 } wave_batch;
 
-/* What the first hit of each slot's sample leaves for the AOVs. */
+/* The first hit of each slot's sample, for the AOVs. */
 typedef struct first_hits {
     float z[WAVE_SLOTS], n[3][WAVE_SLOTS], p[3][WAVE_SLOTS], albedo[3][WAVE_SLOTS], alpha[WAVE_SLOTS];
     uint32_t object[WAVE_SLOTS], primitive[WAVE_SLOTS], instance[WAVE_SLOTS];

@@ -63,7 +63,7 @@ parts_extent parts_extent_of(const world *w, const fathom_settings *settings) {
     parts_extent out = {.known = false};
     if (w->planes.count || !any_spot(w->scene)) return out;
     scene_bounds bounds;
-    /* Without memory to find it, it is not known: no light is left out then, which changes no pixel. */
+    /* Without memory the extent stays unknown. Then no light is left out, which changes no pixel. */
     if (scene_world_bounds(w->scene, &bounds) != FATHOM_OK || bounds_is_empty(&bounds)) return out;
     out.known = true;
     out.center = bounds_center(&bounds);

@@ -60,7 +60,7 @@ void wave_destroy(wave *w);
 
 /* Room for n more rays or points; false and run.out_of_memory when there is none. */
 bool wave_reserve_paths(wave *w, path_queue *queue, size_t count);
-/* In all; what was in the queue is gone. */
+/* Room for n rays in all; the queue's contents are lost. */
 bool wave_reserve_shadows(wave *w, size_t count);
 bool wave_reserve_vertices(wave *w, size_t count);
 bool wave_reserve_refracted(wave *w, size_t blocks);
@@ -101,7 +101,7 @@ void wave_look_from_facets(wave *w, trace_coherence coherence);
 /* The stages after the camera's: the hits of `now`, their light, and the rays that leave them, which become
  * `now`. Until none is left; depth counts up from 0. */
 bool classic_step(wave *w, uint32_t depth);
-/* What is known of the mirrored and of the other rays of `now` then. */
+/* What is known of the mirrored and of the other rays of `now` at this depth. */
 trace_coherence classic_coherence(uint32_t depth, bool mirrored);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Of lane i of the gathered hits. */
+/* The material that lane i of the gathered hits met. */
 static fathom_id hit_material(const world *scene, const surface_gather *g, unsigned i) {
     if (g->geometry[i] == TRACE_PLANE) return scene->planes.items[g->primitive[i]].material;
     return world_material(scene, g->geometry[i], g->primitive[i], g->instance[i]);
@@ -33,7 +33,7 @@ static fathom_id placed_by(const world *scene, const surface_gather *g, unsigned
                                          : scene->geometries.items[g->geometry[i]].instance;
 }
 
-/* Of lane i of the gathered hits. */
+/* Keeps lane i of the gathered hits for the AOVs. */
 static void keep_first(wave *w, unsigned i, uint32_t slot) {
     const world *scene = w->run.plan->world;
     const surface_gather *g = w->gather;
@@ -144,8 +144,8 @@ static void add_block(wave *w, const trace_block *block, const path_block *path,
     end_block(w, first);
 }
 
-/* With coverage asked for, the image is to be laid over something else: colours are premultiplied, and the
- * background is not among them. Mirrors and glass still show it. */
+/* An image with coverage is to be laid over something else. Its colours are premultiplied and leave the
+ * background out. Mirrors and glass still show it. */
 static bool shows_background(const wave *w, bool first) {
     bool seen = !(first && w->run.plan->settings.aovs & FATHOM_AOV_ALPHA);
     return seen && w->run.plan->background;

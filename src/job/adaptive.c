@@ -30,7 +30,7 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
 
 /* ---- squares ---- */
 
-/* As bits; none of squares outside of the image. */
+/* The square's pixels inside the image, as bits. */
 static uint32_t square_pixels(const adaptive_wave *a, uint32_t s) {
     const wave_square square = wave_square_at(&a->region, s, 0);
     return wave_square_pixels(&a->region, &square);
@@ -43,7 +43,7 @@ static double weight_of(double grey) {
     return 1 / norm;
 }
 
-/* Of the lanes of one channel: the variance of their means, and their part of the grey. */
+/* Adds one channel: the variance of each lane's mean, and its share of the grey. */
 static void add_channel(const adaptive_wave *a, int c, uint32_t first, double scale, double variance[LANES],
                         double grey[LANES]) {
     const double *restrict p0 = a->parts[0][c] + first, *restrict p1 = a->parts[1][c] + first;

@@ -64,7 +64,7 @@
  * doubles the rays, so otherwise these would have the highest priority one or two passes later. */
 #define ADAPTIVE_NEAR_BEST 0.5
 
-/* What a wave is sampled for. */
+/* When a wave has enough samples. */
 typedef struct adaptive_goal {
     double error;    /* of the wave, at most */
     double priority; /* squared error of a square, summed over its pixels, over its rays: at most, but for
@@ -109,7 +109,7 @@ adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adap
                               adaptive_wave *a);
 /* Error and priority of the wave, from those of its squares. */
 void adaptive_rate(const fathom_settings *settings, adaptive_wave *a);
-/* What the wave came to, as far as the film shows it. */
+/* The wave's samples, as far as the film shows its pixels. */
 unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film);
 
 #endif

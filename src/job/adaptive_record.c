@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-/* Of the quarters of a pixel's samples the next pass needs the first two alone, as one sum: the others have
- * done their part in the error. */
+/* The next pass needs only the sum of the first two quarters of a pixel's samples. The other quarters served
+ * the error, which is here. */
 typedef struct sums_record {
     double square_error[WAVE_SQUARES];
     uint64_t rays[WAVE_SQUARES];

@@ -144,7 +144,7 @@ static double fraction_done(const job *j, double now) {
     return (double)atomic_load(&j->pixels_done) / ((double)j->film->width * (double)j->film->height);
 }
 
-/* What is finished was, but for the last second, rendered of what the files held before. */
+/* Everything finished more than a second ago used the files' old contents. */
 static void watch_files(job *j) {
     if (j->files == FATHOM_OK) j->files = scene_watch_files(j->plan->scene, &j->next_look);
     if (j->files != FATHOM_OK) atomic_store(&j->stop, true);

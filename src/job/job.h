@@ -11,7 +11,7 @@ typedef struct job_result {
     double error;     /* the largest estimate of any wave; see adaptive.h. 0 when it was not estimated */
 } job_result;
 
-/* What is to be left of a time for what comes after rendering: asked once, on a thread of the job, when each
+/* The part of a time to keep for the work after rendering: asked once, on a thread of the job, when each
  * pixel has a sample and the film holds it. */
 typedef struct job_reserve {
     double (*seconds)(void *user, const fathom_film *film, double left); /* left: of the time */
@@ -28,11 +28,10 @@ typedef struct job_options {
     void *user;
 } job_options;
 
-/* FATHOM_INTERRUPTED when progress said stop: squares of 4 × 4 pixels that were finished are in the film, and
- * where samples follow an error waves of 32 × 32. The remaining pixels show the preview (preview.h), or are
- * black where samples follow an error and where there was no time for one. FATHOM_BAD_INPUT when a file of
- * the scene was changed, which also stops it. FATHOM_BAD_USAGE when the deadline comes before each pixel has
- * a sample. */
+/* FATHOM_INTERRUPTED: progress said stop. The film holds the squares of 4 × 4 pixels that were finished; with
+ * a target error, the waves of 32 × 32. The other pixels show the preview (preview.h); with a target error,
+ * and where there was no time for a preview, they are black. FATHOM_BAD_INPUT: a file of the scene was
+ * changed, which stops the job. FATHOM_BAD_USAGE: the deadline came before each pixel had a sample. */
 fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
                       fathom_film *film, job_result *out);
 

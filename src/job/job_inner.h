@@ -1,4 +1,4 @@
-/* What the ways to run a job share. */
+/* What the schedules of a job share. */
 #ifndef JOB_JOB_INNER_H
 #define JOB_JOB_INNER_H
 

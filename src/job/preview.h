@@ -1,4 +1,4 @@
-/* What a render shows before it has got everywhere. */
+/* A coarse image that stands in for pixels without samples. */
 #ifndef JOB_PREVIEW_H
 #define JOB_PREVIEW_H
 

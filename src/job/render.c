@@ -44,9 +44,8 @@ static uint64_t program_bytes(const fathom_context *context) {
     return MEMORY_PROGRAM + (uint64_t)fathom_context_threads(context) * MEMORY_THREAD;
 }
 
-/* What the process will hold besides the tracer's structures. Of a large film nothing is there yet, unless a
- * checkpoint has filled it, and of a mapped mesh only what was looked at
- * is in memory. */
+/* The memory that the process will hold besides the tracer's structures. A large film takes none yet, unless
+ * a checkpoint has filled it; a mapped mesh takes what was read of it. */
 static fathom_status memory_besides(fathom_context *context, const fathom_scene *scene,
                                     const fathom_film *film, uint64_t *out) {
     uint64_t meshes;
@@ -60,7 +59,7 @@ static fathom_status memory_besides(fathom_context *context, const fathom_scene 
     return FATHOM_OK;
 }
 
-/* What is left for building. At least a byte, since none would mean no limit. */
+/* The memory left for building: at least a byte, because 0 would mean no limit. */
 static uint64_t building_memory(uint64_t other, uint64_t limit) {
     uint64_t free_now = memory_free(), room = free_now > INT64_MAX ? 0 : free_now + memory_private();
     if (limit && (!room || limit < room)) room = limit;

@@ -20,7 +20,7 @@ struct fathom_session {
     const fathom_film *film; /* while it is being rendered, and from the end on */
     bool stop;
 
-    /* What came of it. */
+    /* The result. */
     fathom_status status;
     fathom_stats stats;
     fathom_film *result;

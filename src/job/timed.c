@@ -135,7 +135,7 @@ static void reserve_time(timed *t) {
     atomic_store(&j->deadline, fmax(deadline - (stored - began) - after, j->began));
 }
 
-/* What calls before this one sampled. */
+/* Takes up the waves that earlier calls sampled. */
 static bool take_up_waves(timed *t) {
     checkpoint *saving = t->job->options->saving;
     for (uint32_t i = 0; saving && i < t->count; ++i) {

@@ -1,4 +1,4 @@
-/* What comes of a unit of work, squares of one wave with all their samples, and the sinks that take it. */
+/* The result of a unit of work, squares of one wave with all their samples, and the sinks that take it. */
 #ifndef JOB_UNIT_H
 #define JOB_UNIT_H
 

@@ -115,7 +115,7 @@ static scene_bounds placed_bounds(const scene_bounds *b, const world_instance *i
 
 /* ---- one surface and one light ---- */
 
-/* What is known of a surface at the light, in its own space. */
+/* A surface near the light, in its own space. */
 typedef struct contact {
     vec3_f64 n;      /* unit */
     double above;    /* of the light */

@@ -109,7 +109,8 @@ void surface_gather_begin(surface_gather *g) {
     g->facets.smooth = false;
 }
 
-/* For hits that come one by one: unused lanes are computed too, as a triangle seen from a distance of 1. */
+/* For hits that come one by one. Unused lanes are computed as well: they hold a triangle seen from a distance
+ * of 1. */
 static void clear_lanes(surface_gather *g) {
     memset(g->facets.corner, 0, sizeof g->facets.corner);
     memset(g->facets.normal, 0, sizeof g->facets.normal);

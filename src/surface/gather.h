@@ -34,11 +34,14 @@ void surface_ask_corners(const world *w, const trace_hits *hits);
 void surface_gather_end(surface_gather *g, const world *w, const surface_kernels *kernels, bool lift,
                         bool automatic, surface_block *s);
 
-/* What light_surfaces.c needs as well. A point of the world in object space. */
+/* ---- for light_surfaces.c as well ---- */
+
+/* A point of the world in object space. */
 vec3_f64 surface_to_object(const world_instance *instance, vec3_f64 p);
 /* An object's normal in the world, not unit: a distance e along the unit n is e over its length there. */
 vec3_f64 surface_normal_to_world(const world_instance *instance, vec3_f64 n);
-/* How far a tracer may carry a point of the world wrong along the object's unit normal n, in object space. */
+/* The most that a tracer errs along the object's unit normal n when it carries a point of the world to object
+ * space. */
 double surface_carried_along(const world_instance *instance, vec3_f64 n, vec3_f64 p);
 /* Σ |n_i| |A_ij|, A the map to object space: by how much each part of a vector may count along n. */
 double surface_stretch_along(const world_instance *instance, vec3_f64 n);

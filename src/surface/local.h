@@ -34,7 +34,7 @@ typedef struct local_block {
     lanes3 ray;             /* direction in the world */
 } local_block;
 
-/* Of the lanes that met a triangle, or half a quad, its corners, and its normals there. */
+/* Corners of the triangle or half quad that a lane met, and the normals there. */
 typedef struct facet_block {
     _Alignas(64) float corner[3][3][LANES]; /* corner, axis, lane */
     float normal[3][3][LANES];

@@ -29,7 +29,7 @@ struct checkpoint {
     checkpoint_past before;
     double began, next; /* clock_seconds(): of rendering; when to save again */
 
-    /* Of the save that is under way. */
+    /* The save that is under way. */
     pool_task task;
     bool is_saving;
     atomic_bool give_up;
@@ -156,7 +156,7 @@ static void finish_save(checkpoint *c) {
     c->is_saving = false;
     c->next = clock_seconds() + c->options.every;
     c->film->stats.checkpoint_seconds += c->seconds;
-    /* Of a scene whose files changed nothing is saved; the render ends with that. */
+    /* Nothing is saved of a scene whose files changed: that ends the render. */
     if (c->status == FATHOM_INTERRUPTED || c->status == FATHOM_BAD_INPUT) return;
     if (c->status == FATHOM_OK) ++c->film->stats.checkpoints;
     if (c->options.saved) {

@@ -1,8 +1,7 @@
-/* Saving a render on the way; the file is described in checkpoint_state.h, the calls of programs in
- * fathom/render.h.
+/* Saves a render on the way. checkpoint_state.h describes the file, fathom/render.h the public calls.
  *
- * Rendering never waits for it: what is finished stays as it is, and is written by a thread of its own, which
- * is told of it under a lock. */
+ * Rendering never waits for a save. Finished pixels do not change; a thread of its own writes them, and a
+ * lock guards the list of what is finished. */
 #ifndef JOB_CHECKPOINT_H
 #define JOB_CHECKPOINT_H
 
@@ -25,7 +24,7 @@ void checkpoint_close(checkpoint *c);
 /* Once the tracer is known, before anything is rendered. FATHOM_BAD_INPUT: the file was of another. */
 fathom_status checkpoint_begin(checkpoint *c, const char *tracer);
 
-/* What was done by the renders that this one continues: seconds of rendering, rays, pixels that are finished,
+/* The work of the renders that this one continues: seconds of rendering, rays, pixels that are finished,
  * samples in them and their largest error. */
 typedef struct checkpoint_past {
     double seconds, error;
@@ -51,11 +50,11 @@ bool checkpoint_is_finished(const checkpoint *c, uint32_t place);
 unit_sink checkpoint_sink(checkpoint *c);
 /* Calls before this one have begun the wave, and not finished it. */
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place);
-/* How far a wave got; false when it has to begin. a: after adaptive_begin(). */
+/* Loads what earlier calls sampled of a wave; false when they had not begun it. a: after adaptive_begin(). */
 bool checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a);
 /* Seconds between two such saves that cost little. */
 double checkpoint_keep_seconds(const checkpoint *c);
-/* How far it is now, between two passes. Where there is no memory for that the last one stays. */
+/* Keeps what a wave has sampled, between two passes. Without memory for it the last record stays. */
 void checkpoint_keep(checkpoint *c, uint32_t place, const adaptive_wave *a);
 
 /* Bytes that it takes for each wave that is begun, and not finished. */

@@ -1,4 +1,4 @@
-/* What has to be the same for a render to be continued. */
+/* The settings that must be the same for a render to be continued. */
 #include "job/checkpoint/checkpoint_state.h"
 
 #include <inttypes.h>

@@ -1,9 +1,9 @@
-/* What a checkpoint holds, in memory and as bytes.
+/* The contents of a checkpoint, in memory and as bytes.
  *
- * A render is the work of waves (wave.h). Of a wave whose pixels all get the same samples, squares of 4 × 4
- * pixels are finished one after the other, and then they are in the film and never change again: the film
- * under the bits of `squares` is all that there is to save. A wave that is sampled to an error or a time is
- * known between two passes by its record (adaptive_record.c); once it is finished it is in the film too.
+ * A render consists of waves (film/squares.h). If all pixels get the same samples, a wave finishes square
+ * after square of 4 × 4 pixels. A finished square is in the film and never changes again, so the film under
+ * the bits of `squares` is all that must be saved. A wave that is sampled to an error or a time has a record
+ * between two passes (adaptive_record.c). Once it is finished it is in the film as well.
  *
  * The file, little endian, floats as IEEE 754 has them:
  *
@@ -30,7 +30,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "checkpoints are writt
 #define CHECKPOINT_FORMAT 1u
 #define CHECKPOINT_MAGIC "FTHMCKPT"
 
-/* What pixels depend on. Reals are here by their bits. */
+/* The settings that pixels depend on. Reals are stored by their bits. */
 typedef enum checkpoint_number {
     CHECKPOINT_SCENE,
     CHECKPOINT_WIDTH,

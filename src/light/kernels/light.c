@@ -1,4 +1,4 @@
-/* Where lights lie from sixteen points, what arrives from them, and the shadow rays towards them. */
+/* Lights as sixteen points see them, and the shadow rays towards them. */
 #include "light/light.h"
 #include "base/kernel.h"
 #include "math/limit.h"
@@ -15,7 +15,7 @@ static void reach_from(const shade_light *light, const lanes3 origin, float (*re
     }
 }
 
-/* Where the squared distance leaves the range of float. A light in the very point, or beyond float's reach,
+/* For squared distances beyond the range of float. A light in the very point, or beyond float's reach,
  * has no direction: distance 0. */
 static void reach_stiff(const lanes3 to, int i, lanes3 direction, float *distance, float *inverse) {
     double x = (double)to[0][i], y = (double)to[1][i], z = (double)to[2][i],
@@ -69,7 +69,7 @@ static inline float along_of(const light_surface *s, const lanes3 v, int i) {
     return s->normal.x * v[0][i] + s->normal.y * v[1][i] + s->normal.z * v[2][i];
 }
 
-/* How much nearer to the surface than it must be a lane's ray ends. The sum of its coordinates is at least
+/* By how much a lane's ray ends too near the surface. The sum of its coordinates is at least
  * its length. */
 static inline float lack_of(const light_surface *s, const lanes3 to, const ray_ends *ends, float side,
                             int i) {
@@ -87,8 +87,8 @@ static void move_off(const light_surface *s, const lanes3 to, ray_ends *restrict
     }
 }
 
-/* In the edge between surfaces, moving off one can lead back to another. There the ray ends where it is still
- * clear of it: by the lack over the cosine. */
+/* In the edge between surfaces, moving off one can lead back to another. There the ray is cut short where it
+ * is still clear of both: by the lack over the cosine. */
 static void cut_short(const light_surface *s, const lanes3 to, ray_ends *restrict ends) {
     for (int i = 0; i < LANES; ++i) {
         float along = along_of(s, to, i), lack = lack_of(s, to, ends, side_of(s, along), i);
