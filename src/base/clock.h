@@ -1,12 +1,19 @@
-/* What time it took. */
+/* Clocks, in seconds. */
 #ifndef BASE_CLOCK_H
 #define BASE_CLOCK_H
 
-/* Seconds since an arbitrary start, never going back. */
-double clock_seconds(void);
+#include <time.h>
 
-/* Seconds of processor time: of the calling thread, and of all threads of the process together. */
-double clock_thread_seconds(void);
-double clock_process_seconds(void);
+static inline double clock_read(clockid_t clock) {
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Since an arbitrary start, never going back. */
+static inline double clock_seconds(void) { return clock_read(CLOCK_MONOTONIC); }
+/* Processor time of the calling thread, and of all threads of the process. */
+static inline double clock_thread_seconds(void) { return clock_read(CLOCK_THREAD_CPUTIME_ID); }
+static inline double clock_process_seconds(void) { return clock_read(CLOCK_PROCESS_CPUTIME_ID); }
 
 #endif

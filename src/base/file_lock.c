@@ -1,5 +1,5 @@
-/* A lock lies beside its file, since that is replaced again and again. It is gone with the process that held
- * it, however that ended; the empty file stays then, and whoever locks it next removes it. */
+/* The lock is a file of its own, because the locked file is replaced again and again. The lock ends with its
+ * process; if that is killed, the empty lock file stays until the next process locks and removes it. */
 #include "base/file.h"
 
 #include <errno.h>
@@ -31,43 +31,39 @@ static file_lock *lock_make(const char *path) {
     return lock;
 }
 
-typedef enum attempt { ATTEMPT_LOCKED, ATTEMPT_TAKEN, ATTEMPT_FAILED, ATTEMPT_AGAIN } attempt;
-
-/* Where the file system knows no locks, nobody is kept out. */
-static attempt try_to_lock(file_lock *lock) {
-    struct stat info;
-    lock->descriptor = open(lock->path, O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
-    if (lock->descriptor < 0) return ATTEMPT_FAILED;
-    if (flock(lock->descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return ATTEMPT_TAKEN;
-    /* Between our opening and locking it who held it before may have removed it. */
-    return fstat(lock->descriptor, &info) == 0 && info.st_nlink > 0 ? ATTEMPT_LOCKED : ATTEMPT_AGAIN;
-}
-
 static void lock_free(file_lock *lock) {
     if (lock->descriptor >= 0) close(lock->descriptor);
     free(lock);
+}
+
+/* A file system without locks keeps nobody out. */
+static fathom_status lock_open(fathom_context *context, const char *path, file_lock *lock) {
+    struct stat info;
+    do {
+        if (lock->descriptor >= 0) close(lock->descriptor);
+        lock->descriptor = open(lock->path, O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+        if (lock->descriptor < 0)
+            return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be locked: %s", strerror(errno));
+        if (flock(lock->descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+            return fail_file(context, FATHOM_BAD_USAGE, path,
+                             "another render saves its work there; expected another file");
+        /* Its last holder may have removed it between open() and flock(). */
+    } while (fstat(lock->descriptor, &info) != 0 || info.st_nlink == 0);
+    return FATHOM_OK;
 }
 
 fathom_status file_lock_take(fathom_context *context, const char *path, file_lock **out) {
     *out = NULL;
     file_lock *lock = lock_make(path);
     if (!lock) return fail_memory(context, strlen(path) + sizeof *lock);
-    attempt result = try_to_lock(lock);
-    while (result == ATTEMPT_AGAIN) {
-        close(lock->descriptor);
-        result = try_to_lock(lock);
+    fathom_status status = lock_open(context, path, lock);
+    if (status != FATHOM_OK) {
+        lock_free(lock);
+        return status;
     }
-    if (result == ATTEMPT_LOCKED) {
-        file_abort_also(lock->path);
-        *out = lock;
-        return FATHOM_OK;
-    }
-    const int error = errno;
-    lock_free(lock);
-    if (result == ATTEMPT_TAKEN)
-        return fail_file(context, FATHOM_BAD_USAGE, path,
-                         "another render saves its work there; expected another file");
-    return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be locked: %s", strerror(error));
+    file_abort_also(lock->path);
+    *out = lock;
+    return FATHOM_OK;
 }
 
 void file_lock_release(file_lock *lock) {

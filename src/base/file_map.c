@@ -1,14 +1,11 @@
-/* Files mapped for reading, and what becomes of one that shrinks under its mapping.
+/* Files mapped for reading, and the guard for a file that shrinks while it is mapped.
  *
- * A page of a mapping behind the end of its file cannot be read: the system sends SIGBUS, to whichever thread
- * reads it, Embree's included. The guard maps zeros there and notes that the file is lost, so that the work
- * goes on and whoever asks file_check() in the end is told. Its handler finds the mapping in a table that it
- * can read without a lock: slots are used again but never freed, and a slot whose version is odd, or changes
- * while it is read, is another thread's that is being changed; the one of the page that is read is not. */
+ * A thread that reads a mapped page past the end of its file gets SIGBUS; it may be one of Embree's. The
+ * guard maps zeros there and marks the file as lost: the work goes on, and file_check() reports it later. The
+ * handler finds the mapping in a table without a lock: slots are reused but never freed, and a slot whose
+ * version is odd or changes during the read is in another thread's hands. The slot of the faulting page is
+ * not. */
 #include "base/file.h"
-
-#include "base/clock.h"
-#include "base/file_witness.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -139,32 +136,32 @@ void fathom_guard_files(void) {
 
 /* ---- mapping ---- */
 
-/* What an operation on a file that failed comes to: there is no such file to be had, or no more memory or
- * descriptors to have it with. */
+/* Whether a call failed for lack of memory or descriptors, or because of the file. */
 static fathom_status status_of(int error) {
     bool exhausted = error == ENOMEM || error == EMFILE || error == ENFILE;
     return exhausted ? FATHOM_OUT_OF_RESOURCES : FATHOM_BAD_INPUT;
 }
 
-/* Which file it was, and what becomes of it. */
 struct file_record {
     slot *slot;
-    file_witness *witness;
+    struct stat stamp; /* of the file when it was mapped */
+    char path[];
 };
 
 static void record_free(struct file_record *record) {
     if (record && record->slot) slot_return(record->slot);
-    if (record) witness_destroy(record->witness);
     free(record);
 }
 
 static struct file_record *record_make(const char *path, const struct stat *info, const file_map *map) {
-    struct file_record *record = calloc(1, sizeof *record);
+    size_t length = strlen(path) + 1;
+    struct file_record *record = calloc(1, sizeof *record + length);
     if (!record) return NULL;
-    record->witness = witness_create(path, info, clock_seconds());
+    memcpy(record->path, path, length);
+    record->stamp = *info;
     record->slot = slot_take(map->bytes, map->reserved);
-    if (record->witness && record->slot) return record;
-    record_free(record);
+    if (record->slot) return record;
+    free(record);
     return NULL;
 }
 
@@ -198,13 +195,6 @@ static fathom_status copy_bytes(fathom_context *context, const char *path, int d
     return FATHOM_OK;
 }
 
-/* Where zeros begin that the disk does not store. */
-static size_t find_hole(int descriptor, size_t size) {
-    off_t hole = lseek(descriptor, 0, SEEK_HOLE);
-    lseek(descriptor, 0, SEEK_SET);
-    return hole >= 0 && (size_t)hole < size ? (size_t)hole : size;
-}
-
 static fathom_status open_descriptor(fathom_context *context, const char *path, int descriptor,
                                      file_map *out) {
     struct stat info;
@@ -225,7 +215,6 @@ static fathom_status open_descriptor(fathom_context *context, const char *path, 
         mmap(NULL, reserved, copies ? PROT_READ | PROT_WRITE : PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (base == MAP_FAILED) return fail_memory(context, reserved);
     *out = (file_map){.bytes = base, .size = size, .reserved = reserved};
-    out->hole = find_hole(descriptor, size);
     return copies ? copy_bytes(context, path, descriptor, out)
                   : map_bytes(context, path, descriptor, &info, out);
 }
@@ -250,28 +239,25 @@ void file_close(file_map *map) {
 fathom_status file_check(fathom_context *context, const file_map *map) {
     const struct file_record *record = map->record;
     if (!record) return FATHOM_OK;
-    size_t left;
-    const char *path = witness_path(record->witness);
-    file_state state = witness_look(record->witness, clock_seconds(), &left);
-    if (state == FILE_TRUNCATED) return fail_truncated(context, path, left, map->size);
+    struct stat now, then = record->stamp;
+    const char *path = record->path;
+    /* A mapping keeps its file even if another file takes the name. */
+    const bool same = stat(path, &now) == 0 && now.st_dev == then.st_dev && now.st_ino == then.st_ino;
+    if (same && now.st_size < then.st_size)
+        return fail_truncated(context, path, (size_t)now.st_size, map->size);
     if (atomic_load(&record->slot->lost))
         return fail_file(
             context, FATHOM_BAD_INPUT, path,
             "was truncated while it was read, or cannot be read to its end; try again when it is whole");
-    if (state == FILE_CHANGED)
+    if (same && (now.st_size != then.st_size || now.st_mtim.tv_sec != then.st_mtim.tv_sec ||
+                 now.st_mtim.tv_nsec != then.st_mtim.tv_nsec))
         return fail_file(context, FATHOM_BAD_INPUT, path,
                          "was changed while it was read; try again when nothing writes to it");
     return FATHOM_OK;
 }
 
-void file_tell_touched(fathom_context *context, const file_map *map) {
-    if (!map->record || !witness_take_touched(map->record->witness)) return;
-    warn(context, "%s: was touched while it was read, and holds the same bytes as before",
-         witness_path(map->record->witness));
-}
-
 fathom_status file_finish(fathom_context *context, file_map *map, fathom_status status) {
-    /* What a file holds that changed is no one's fault but the change's. */
+    /* A change explains whatever was found wrong in the file. */
     fathom_status changed =
         status == FATHOM_OK || status == FATHOM_BAD_INPUT ? file_check(context, map) : FATHOM_OK;
     file_close(map);

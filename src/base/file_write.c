@@ -1,16 +1,15 @@
-/* Writing whole files or none.
+/* Writing a whole file or none.
  *
- * Bytes go to a temporary file beside the target, and are on the disk before it gets the target's name: a
- * process that is killed or a machine that loses power leaves the old file or the new one. Who writes a
- * temporary file holds a lock on it (flock), which ends with the process however that ends: what is not
- * locked is left over from one that was killed, and may be removed. */
+ * Bytes go to a temporary file next to the target. It takes the target's name once they are on the disk, so a
+ * killed process or a power cut leaves either the old file or the new one. The writer holds a lock (flock) on
+ * its temporary file, and the lock ends with the process: an unlocked temporary file is left over from a
+ * killed process and may be removed. */
 #include "base/file.h"
-
-#include "base/file_temporary.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,7 +29,7 @@ struct file_writer {
 
 /* ---- for a signal handler ---- */
 
-/* Names of the temporary files there are now, for file_writer_abort_all(); further ones are not known to it.
+/* The temporary files that exist now, for file_writer_abort_all(), which does not know of any beyond these.
  */
 #define TEMPORARIES_MAX 16
 static _Atomic(char *) temporaries[TEMPORARIES_MAX];
@@ -53,10 +52,53 @@ void file_writer_abort_all(void) {
     }
 }
 
+/* ---- names of temporary files ---- */
+
+#define MARK ".fathom-tmp"
+#define NUMBERS 16 /* room for those of the process and the attempt */
+#define EXTENSION_MOST 16
+
+/* Where the extension begins, and how much of what comes before it is kept. */
+static size_t split(const char *name, const char **extension) {
+    const char *dot = name + file_stem_length(name);
+    *extension = strlen(dot) <= EXTENSION_MOST ? dot : name + strlen(name);
+    const size_t stem = (size_t)(*extension - name),
+                 most = NAME_MAX - strlen(MARK) - NUMBERS - strlen(*extension);
+    return stem <= most ? stem : file_name_cut(name, most);
+}
+
+/* A name next to `path` with its extension, by which libraries choose the format: "out.exr" becomes
+ * "out.fathom-tmp4711.exr", or "out.fathom-tmp4711-1.exr" at the next attempt; 4711 is this process. Names
+ * that are too long lose their end. NULL: no memory. */
+static char *temporary_name(const char *path, unsigned attempt) {
+    const char *name = file_name(path), *extension;
+    const size_t kept = (size_t)(name - path) + split(name, &extension),
+                 room = strlen(path) + strlen(MARK) + 32;
+    char *out = malloc(room), again[16] = "";
+    if (attempt) snprintf(again, sizeof again, "-%u", attempt);
+    if (out) snprintf(out, room, "%.*s" MARK "%ld%s%s", (int)kept, path, (long)getpid(), again, extension);
+    return out;
+}
+
+/* Whether `name` is that of a temporary file for `target`; both without folders. */
+static bool temporary_is_of(const char *name, const char *target) {
+    const char *extension;
+    const size_t kept = split(target, &extension);
+    if (strncmp(name, target, kept) != 0) return false;
+    const char *rest = name + kept;
+    if (strncmp(rest, MARK, strlen(MARK)) != 0) return false;
+    rest += strlen(MARK);
+    size_t digits = strspn(rest, "0123456789");
+    if (!digits) return false;
+    rest += digits;
+    if (*rest == '-') rest += 1 + strspn(rest + 1, "0123456789");
+    return strcmp(rest, extension) == 0;
+}
+
 /* ---- temporary files ---- */
 
-/* The lock is held, and the file still has a name: nobody has removed it between our opening and locking it.
- * Where the file system knows no locks, nothing is ever taken for left over. */
+/* Locks the file, and checks that nobody removed it before it was locked. A file system without locks counts
+ * as locked: there, no file is ever taken for left over. */
 static bool lock_named(int descriptor) {
     struct stat info;
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
@@ -93,11 +135,10 @@ static void writer_free(file_writer *writer) {
     free(writer);
 }
 
-/* Processes of the same number, in two containers, may write to one folder: the second takes another name. */
+/* Two processes in two containers may have the same number and write to the same folder. */
 #define ATTEMPTS 100u
 
-/* Never what is there already: whoever may write to the folder could have put another's file under that name.
- */
+/* Never opens a file that exists: somebody else may have put another file there under that name. */
 static int open_new(const char *name, mode_t mode) {
     int descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
@@ -106,8 +147,8 @@ static int open_new(const char *name, mode_t mode) {
     return -1;
 }
 
-/* -1 and errno where it cannot be had. Who may read a file that is there may read its successor, and nobody
- * else, nor opens it before its rights are set. */
+/* -1 and errno on failure. A file that replaces another gets its rights, and is private until they are set.
+ */
 static int open_temporary(file_writer *writer) {
     struct stat old;
     const bool replaces = lstat(writer->path, &old) == 0 && S_ISREG(old.st_mode);
@@ -180,14 +221,14 @@ void file_writer_put(file_writer *writer, const void *bytes, size_t size) {
     if (fwrite(bytes, 1, size, writer->stream) != size) writer->error = errno ? errno : EIO;
 }
 
-/* Some file systems have nothing to wait for, and say so. */
+/* Some file systems have nothing to sync, and say so. */
 static int sync_descriptor(int descriptor) {
     if (fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS) return 0;
     return errno;
 }
 
-/* The new name is in the folder, which is a file of its own. One that may be written to but not read cannot
- * be opened: its system writes it when it does. */
+/* Puts the new name on the disk. A folder that may be written to but not read cannot be opened, and is left
+ * to the system. */
 static int sync_folder(const char *path) {
     char *beside = file_beside(path, ".");
     int descriptor = beside ? open(beside, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
@@ -204,8 +245,7 @@ void file_writer_sync(file_writer *writer) {
     if (error) writer->error = error;
 }
 
-/* The rename comes before the stream is closed: until then the lock keeps the file from being taken for left
- * over. */
+/* Renames before it closes the stream: the lock protects the file until then. */
 fathom_status file_writer_commit(file_writer *writer) {
     fathom_context *context = writer->context;
     file_writer_sync(writer);
@@ -241,9 +281,9 @@ void file_writer_abort(file_writer *writer) {
     writer_free(writer);
 }
 
-/* ---- what can be known beforehand ---- */
+/* ---- checks before writing ---- */
 
-/* Quotas, full disks and folders without room for a name show only when something is written. */
+/* Quotas and full disks show only when something is written. */
 #define PROBE_BYTES 4096u
 
 static fathom_status probe(fathom_context *context, const char *path) {
@@ -258,8 +298,8 @@ static fathom_status probe(fathom_context *context, const char *path) {
     return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(error));
 }
 
-/* What would keep a file that is there from being replaced in the end: 0, or an errno. Its own rights would
- * not, but who takes them away means that it should stay. */
+/* The errno that would stop a file from being replaced later, or 0. A file without write permission could be
+ * replaced, but its owner clearly wants to keep it. */
 static int refusal(const char *path, const char *folder) {
     struct stat info, above;
     struct statx more;

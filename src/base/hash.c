@@ -2,25 +2,23 @@
 
 #include <string.h>
 
-/* An odd multiplier and a shift by half the word are each undone by another: one step loses nothing of the
- * lane nor of the word, which is why a change of one word can never be lost again. The multiplier is 2^64
- * over the golden ratio, which spreads low bits well (Knuth, The Art of Computer Programming, 6.4). */
+/* Multiplication by an odd number and the xor-shift are both invertible, so a step loses nothing of the lane
+ * or the word. The multiplier is 2^64 over the golden ratio, which spreads low bits well (Knuth, The Art of
+ * Computer Programming, 6.4). */
 static uint64_t step(uint64_t lane, uint64_t word) {
     uint64_t x = (lane ^ word) * 0x9e3779b97f4a7c15u;
     return x ^ x >> 32;
 }
 
-/* Little endian, wherever it runs. */
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "hashes are the same on every machine");
+
 static uint64_t read_word(const unsigned char *bytes) {
     uint64_t word;
     memcpy(&word, bytes, sizeof word);
-#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-    word = __builtin_bswap64(word);
-#endif
     return word;
 }
 
-/* Four lanes, whose multiplications overlap. */
+/* Four lanes, so that multiplications overlap. */
 static void put_rows(hash *h, const unsigned char *bytes, size_t rows) {
     uint64_t a = h->lane[0], b = h->lane[1], c = h->lane[2], d = h->lane[3];
     for (; rows; --rows, bytes += sizeof h->rest) {
@@ -32,7 +30,7 @@ static void put_rows(hash *h, const unsigned char *bytes, size_t rows) {
 
 void hash_begin(hash *h) { *h = (hash){.lane = {1, 2, 3, 4}}; }
 
-/* Fills up what waits. Returns the bytes it took. */
+/* Fills the waiting row. Returns the bytes taken. */
 static size_t fill_row(hash *h, const unsigned char *bytes, size_t size) {
     size_t room = sizeof h->rest - h->waiting, take = size < room ? size : room;
     memcpy(h->rest + h->waiting, bytes, take);

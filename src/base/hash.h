@@ -1,7 +1,6 @@
-/* A number that tells bytes from other bytes, at the speed of memory: against accidents, not against forgers.
- *
- * Any change within eight bytes that lie at a multiple of eight changes it for certain, any other but for one
- * in 2^64. The same on every machine, for the same bytes. */
+/* A 64-bit hash of bytes at the speed of memory, the same on every machine: against accidents, not against
+ * forgers. A change within eight bytes at a multiple of eight always changes it; any other change with odds
+ * of 1 in 2^64 does not. */
 #ifndef BASE_HASH_H
 #define BASE_HASH_H
 
@@ -13,12 +12,12 @@
 typedef struct hash {
     uint64_t lane[HASH_LANES];
     uint64_t length;
-    unsigned char rest[8 * HASH_LANES]; /* bytes that wait for a whole row of lanes */
+    unsigned char rest[8 * HASH_LANES]; /* bytes of an incomplete row of lanes */
     size_t waiting;
 } hash;
 
 void hash_begin(hash *h);
-/* In any pieces: only their bytes and order count. */
+/* The sizes of the pieces do not matter. */
 void hash_put(hash *h, const void *bytes, size_t size);
 uint64_t hash_end(const hash *h);
 

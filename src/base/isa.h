@@ -1,5 +1,5 @@
-/* The instruction sets that kernels and Embree may use: the processor's, up to $FATHOM_ISA where that is set.
- * It has a machine run what a plainer one would, to the last bit of what follows from instructions. */
+/* The instruction sets that kernels and Embree may use: the processor's, up to $FATHOM_ISA if that is set. A
+ * machine can so run what an older one would. */
 #ifndef BASE_ISA_H
 #define BASE_ISA_H
 
@@ -8,13 +8,13 @@
 /* Each holds those before it. */
 typedef enum isa_set { ISA_BEST, ISA_SSE2, ISA_SSE42, ISA_AVX, ISA_AVX2, ISA_AVX512 } isa_set;
 
-/* "sse4.2"; "" for ISA_BEST, and for what is none. */
+/* "sse4.2"; "" for ISA_BEST and invalid values. */
 const char *isa_word(isa_set set);
-/* The plainer of `most` and $FATHOM_ISA; ISA_BEST leaves it to the processor. */
+/* The older of `most` and $FATHOM_ISA; ISA_BEST leaves it to the processor. */
 isa_set isa_limit(isa_set most);
 /* Whether the processor has the set and $FATHOM_ISA allows it. Never ISA_BEST. */
 bool isa_usable(isa_set set);
-/* The value of $FATHOM_ISA where it names no set; else NULL. */
+/* The value of $FATHOM_ISA if it names no set, else NULL. */
 const char *isa_unknown(void);
 
 #endif

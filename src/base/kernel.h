@@ -1,9 +1,9 @@
-/* Kernels: loops over blocks of sixteen lanes, in folders named `kernels`, one source each, compiled once for
- * every instruction set, of which the processor's best is taken at run time. All give the same bits: nothing
- * is contracted or reordered, and each operation rounds as IEEE 754 has it.
+/* Kernels: loops over blocks of sixteen lanes, in folders named `kernels`. Each source is compiled for every
+ * instruction set, and the processor's best is chosen at run time. All give the same bits: nothing is
+ * contracted or reordered, and each operation rounds as in IEEE 754.
  *
- * Loops over lanes keep to forms that gcc vectorises: no branch, no load that depends on a condition, outputs
- * that alias nothing, no choice of floats by a comparison of doubles. */
+ * Loops over lanes use forms that gcc vectorises: no branch, no conditional load, no aliasing outputs, no
+ * choice of floats by a comparison of doubles. */
 #ifndef BASE_KERNEL_H
 #define BASE_KERNEL_H
 
@@ -20,7 +20,7 @@
 #define KERNEL_NAME(name, isa) KERNEL_JOIN(name, isa)
 #define KERNEL(name) KERNEL_NAME(name, KERNEL_ISA)
 
-/* The tables of a module's kernels, from the plainest. */
+/* The tables of a module's kernels, from the oldest set. */
 #if defined(__x86_64__)
 #define KERNEL_SETS(table)                                                                                   \
     { &table##_plain, &table##_avx2, &table##_avx512 }
@@ -56,7 +56,7 @@ static inline unsigned kernel_levels(void) {
     return isa_usable(ISA_AVX512) ? 3 : (isa_usable(ISA_AVX2) ? 2 : 1);
 }
 
-/* mask is all ones or 0: a or b, both of them read. */
+/* a if mask is all ones, b if it is 0; reads both. */
 static inline float chosen(uint32_t mask, float a, float b) {
     uint32_t x, y;
     memcpy(&x, &a, sizeof x), memcpy(&y, &b, sizeof y);

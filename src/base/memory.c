@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-/* The number behind `key` in a file of the system, SIZE_MAX when there is none. */
+/* The number after `key` in a system file; SIZE_MAX if there is none. */
 static size_t system_number(const char *path, const char *key, size_t unit) {
     FILE *file = fopen(path, "re");
     char line[256];

@@ -1,34 +1,33 @@
-/* How much memory there is. */
+/* The machine's memory. */
 #ifndef BASE_MEMORY_H
 #define BASE_MEMORY_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Bytes that can be used before the machine swaps or a container's limit ends the process; SIZE_MAX when the
- * system does not tell. Linux hands out more memory than there is and kills who uses it, so that malloc()
- * alone does not tell. */
+/* Bytes that can be used before the machine swaps or a container's limit ends the process; SIZE_MAX if
+ * unknown. malloc() does not tell: Linux grants more memory than it has, and kills the process that uses it.
+ */
 size_t memory_free(void);
-/* Whether so many bytes can be had without others being pushed out, or this process killed: the system grants
- * more than there is. Little is not asked about. */
+/* Whether so many bytes are free; small amounts are granted without a check. */
 bool memory_has(size_t bytes);
 
-/* The program with its libraries, before it holds a scene, and what a thread has under way; 0.55 MB of that
- * were measured. The image helper is another process, of some 120 MB. */
+/* The program with its libraries before it holds a scene, and the working memory of a thread (0.55 MB were
+ * measured). The image helper is another process of about 120 MB. */
 #define MEMORY_PROGRAM 20000000u
 #define MEMORY_THREAD 1000000u
 
-/* Zeroes, whose pages are there before they are used, up to 64 MB: touched one by one, a million pixels take
- * 5 ms longer, and the threads that touch them wait for each other. NULL where there is no room. Release with
- * memory_return(), of the same size. */
+/* Zeroed memory; up to 64 MB its pages are populated at once. Touching them one by one costs 5 ms for a
+ * million pixels, and threads wait for each other. NULL without memory. Release with memory_return() and the
+ * same size. */
 void *memory_take(size_t bytes);
 void memory_return(void *data, size_t bytes);
-/* Of so many bytes, what memory_take() makes part of memory_resident() at once. */
+/* The part of so many bytes that memory_take() makes resident at once. */
 size_t memory_taken(size_t bytes);
 
-/* Bytes of this process that are in memory now; 0 when the system does not tell. */
+/* Bytes of this process that are in memory now; 0 if unknown. */
 size_t memory_resident(void);
-/* Of these, what is no part of a file: the pages of files count as free in memory_free(). */
+/* The part of them that belongs to no file: memory_free() counts pages of files as free. */
 size_t memory_private(void);
 
 #endif

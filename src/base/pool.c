@@ -25,8 +25,7 @@ static void make_conditions(void) {
     pthread_condattr_destroy(&attributes);
 }
 
-/* A forked child has none of its parent's threads; conditions that some of them waited on would wake those.
- */
+/* A forked child has none of its parent's threads, so it needs new conditions. */
 static void forget_threads(void) {
     first = NULL, last = &first;
     waiting = idle = 0;
@@ -58,7 +57,7 @@ static void *serve(void *unused) {
     return NULL;
 }
 
-/* Under the lock: a thread for every task that waits, and one more. */
+/* Under the lock: ensures a thread for every waiting task, and one more. */
 static bool enough_threads(void) {
     while (idle < waiting + 1) {
         pthread_t thread;

@@ -1,14 +1,18 @@
 #include "base/text.h"
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <string.h>
 
-/* Bytes of the character that begins here, 0 when it is none; its code. */
-static size_t decode(const unsigned char *text, unsigned *code) {
+size_t text_character(const char *at, unsigned *code) {
+    const unsigned char *text = (const unsigned char *)at;
     static const unsigned least[] = {0, 0, 0x80, 0x800, 0x10000};
     const unsigned char lead = *text;
-    const size_t length = lead < 0x80 ? 1 : lead < 0xc0 ? 0 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+    const size_t length = lead < 0x80   ? 1
+                          : lead < 0xc0 ? 0
+                          : lead < 0xe0 ? 2
+                          : lead < 0xf0 ? 3
+                          : lead < 0xf8 ? 4
+                                        : 0;
     *code = length < 2 ? lead : lead & (0x7fu >> length);
     for (size_t i = 1; i < length; ++i) {
         if ((text[i] & 0xc0) != 0x80) return 0; /* the end of the text, too */
@@ -18,6 +22,7 @@ static size_t decode(const unsigned char *text, unsigned *code) {
     return *code < least[length] || *code > 0x10ffff || surrogate ? 0 : length;
 }
 
+/* Whether the character could steer a terminal or reorder text. */
 static bool steers(unsigned code) {
     return code < ' ' || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e || code == 0x200f ||
            (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
@@ -26,7 +31,7 @@ static bool steers(unsigned code) {
 void text_disarm(char *text) {
     while (*text) {
         unsigned code;
-        size_t length = decode((const unsigned char *)text, &code);
+        size_t length = text_character(text, &code);
         const bool harmless = length && !steers(code);
         if (!length) length = 1;
         if (!harmless) memset(text, '?', length);

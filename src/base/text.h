@@ -1,9 +1,14 @@
-/* Text from strangers, made fit for a terminal. */
+/* Text from files and users. */
 #ifndef BASE_TEXT_H
 #define BASE_TEXT_H
 
+#include <stddef.h>
+
+/* The length in bytes of the UTF-8 character at `text`, and its code; 0 when there is none. */
+size_t text_character(const char *text, unsigned *code);
+
 /* Puts '?' for each byte that could steer a terminal or pass for other text: control characters, those of C1
- * (U+0080 to U+009F) among them, line ends and marks of direction of Unicode, and what is no UTF-8. */
+ * (U+0080 to U+009F) among them, line ends and direction marks of Unicode, and bytes that are not UTF-8. */
 void text_disarm(char *text);
 
 #endif

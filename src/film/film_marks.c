@@ -1,7 +1,7 @@
 #include "film/film_marks.h"
 
 #include "camera/camera.h"
-#include "image/date.h"
+#include "image/image.h"
 
 #include <stdio.h>
 
@@ -64,7 +64,7 @@ void film_marks_of(const fathom_film *film, const fathom_write_options *options,
     set_to_ndc(film, out->to_ndc);
     add_matrix(out, "worldToCamera", out->to_camera);
     add_matrix(out, "worldToNDC", out->to_ndc);
-    if (!date_is_given()) {
+    if (!image_date_is_given()) {
         out->items[out->count++] =
             (image_attribute){.name = "fathom:renderTime", .numbers = &out->seconds, .count = 1};
     }

@@ -1,7 +1,6 @@
 /* The film to an image file, with what it was made from in the header. */
 #include "base/clock.h"
 #include "film/film_marks.h"
-#include "image/exr.h"
 #include "image/image.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* Heavy meshes from nothing: which kind, how many, and whether they fit. */
+/* Generated meshes: the kinds, their limits, and whether they fit into memory. */
 #include "generate/generate.h"
 
 #include "base/memory.h"
@@ -62,8 +62,7 @@ uint32_t generate_nearest_square(uint64_t triangles, uint32_t factor) {
     return (uint32_t)n;
 }
 
-/* Stored kinds end where 32-bit indices end; instanced ones where a million instances of the heaviest part
- * do. */
+/* Stored kinds are limited by 32-bit indices, instanced ones by a million instances of the heaviest part. */
 static const struct {
     const char *name;
     uint64_t most;

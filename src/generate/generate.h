@@ -5,7 +5,7 @@
 #include "generate/generate_noise.h"
 #include "scene/scene.h"
 
-/* A mesh whose arrays the scene owns, to be filled and then added with generate_finish(). */
+/* A mesh with arrays that the scene owns; fill them, then call generate_finish(). */
 typedef struct generate_mesh {
     float *positions;  /* x y z */
     float *normals;    /* x y z; NULL for a flat mesh */
@@ -16,13 +16,13 @@ typedef struct generate_mesh {
 
 enum { GENERATE_NORMALS = 1, GENERATE_UVS = 2 };
 
-/* FATHOM_OUT_OF_RESOURCES, before anything is touched, when the arrays cannot fit the memory that is free. */
+/* FATHOM_OUT_OF_RESOURCES when the arrays do not fit into free memory. */
 fathom_status generate_allocate(fathom_scene *scene, uint32_t vertices, uint32_t triangles, unsigned arrays,
                                 generate_mesh *out);
 fathom_status generate_finish(fathom_scene *scene, fathom_id group, const generate_mesh *mesh,
                               fathom_id material);
 
-/* Rows of a grid, in pieces of about the same work. */
+/* Runs body over the rows of a grid, in pieces of about the same work. */
 void generate_rows(const fathom_scene *scene, size_t rows, size_t row_size,
                    void (*body)(void *job, size_t begin, size_t end, unsigned worker), void *job);
 
@@ -37,6 +37,20 @@ typedef struct terrain {
 fathom_status generate_height_field(fathom_scene *scene, const terrain *t, generate_mesh *out);
 /* Height of the field's triangles (not of the noise) at (x,z) inside the square. */
 double height_field_at(const generate_mesh *field, uint32_t cells, double x, double z);
+
+#define TREE_LEAST_TRIANGLES 24u
+
+typedef struct tree {
+    bool conifer;
+    uint32_t triangles; /* of wood and leaves together, exactly; >= TREE_LEAST_TRIANGLES */
+    uint64_t seed;
+    fathom_id bark, leaves; /* materials */
+} tree;
+
+/* Adds the tree to the group, standing on the origin, about 1 high. */
+fathom_status generate_tree(fathom_scene *scene, fathom_id group, const tree *t);
+/* (cos, 0, sin) of `turns` full turns, any number >= 0. */
+vec3_f64 tree_turn(double turns);
 
 /* The nearest n >= 1 for which `factor` n² triangles come closest to `triangles`. */
 uint32_t generate_nearest_square(uint64_t triangles, uint32_t factor);

@@ -1,9 +1,8 @@
-/* A forest: rolling ground and a few trees, placed many times.
+/* A forest: rolling ground and a few kinds of trees, placed many times.
  *
- * About as many trees as a tree has triangles, so that both grow with what is asked for. Half of the
- * kinds of tree have one triangle more than the others; with the right number of those, the forest
- * comes out exact. */
-#include "generate/generate_tree.h"
+ * There are about as many trees as a tree has triangles, so both grow with the requested number. Half of the
+ * kinds have one triangle more than the others; the right number of those makes the total exact. */
+#include "generate/generate.h"
 
 #include <stdlib.h>
 
@@ -83,7 +82,7 @@ static fathom_status need_kind(forest *f, uint32_t kind) {
 /* A cell of the scatter grid, where at most one tree stands. */
 typedef struct site {
     double x, z;
-    double rank; /* trees stand where it is highest: in clumps, and off the steep slopes */
+    double rank; /* trees stand where it is highest: in clumps, and not on steep slopes */
     uint32_t cell;
 } site;
 
@@ -138,7 +137,7 @@ static fathom_status plant(forest *f, const site *s, double spacing, bool one_mo
     instance.group = f->kinds[kind], instance.parent = f->group;
     double *m = instance.transform;
     m[0] = width * turn.x, m[2] = width * turn.z, m[3] = s->x;
-    /* The root reaches a little into the ground, which may slope away from the middle of the trunk. */
+    /* The root reaches a little into the ground, which may slope. */
     m[5] = size, m[7] = ground_at(f, s->x, s->z) - 0.025 * size;
     m[8] = -width * turn.z, m[10] = width * turn.x, m[11] = s->z;
     return fathom_scene_add_instance(f->scene, &instance, NULL);

@@ -12,7 +12,7 @@ static int32_t floor_int(double x) {
     return i - (x < (double)i);
 }
 
-/* The twelve edges of a cube; four are repeated to make the count a power of two. */
+/* The twelve edges of a cube; four are repeated to make sixteen. */
 static const double edges_3d[16][3] = {
     {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
     {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, -1, -1},
@@ -25,8 +25,8 @@ static const double edges_2d[16][3] = {
     {1, 1}, {-1, 1}, {1, -1}, {-1, -1}, {ROOT_2, 0}, {-ROOT_2, 0}, {0, ROOT_2}, {0, -ROOT_2},
 };
 
-/* What a corner of the lattice cell says of the point; then, merged along one axis after the other, what an
- * edge, a face and the whole cell say. */
+/* The value of a corner of the lattice cell at the point; then, merged along one axis after the other, the
+ * value of an edge, a face and the cell. */
 typedef struct noise_part {
     double value;
     double ramp[3];  /* the corners' gradients, blended */
@@ -40,8 +40,8 @@ typedef struct noise_place {
     int axes;
 } noise_place;
 
-/* Inlined by force: the number of axes is a constant of each caller, every loop over axes unrolls, and what
- * the caller does not use of the result is not computed. Twice as fast as loops over the corners. */
+/* Inlined by force: the number of axes is constant in each caller, so loops over axes unroll and unused
+ * results are not computed. Twice as fast as loops over the corners. */
 #define INLINE static inline __attribute__((always_inline))
 
 INLINE noise_place noise_locate(uint32_t seed, const double *point, int axes) {
@@ -97,8 +97,8 @@ noise_value noise_2d(uint32_t seed, double x, double y) {
     return (noise_value){n.value, {n.ramp[0] + n.slope[0], n.ramp[1] + n.slope[1], 0}};
 }
 
-/* To the next octave: twice a rotation with rational entries, and a step off the lattice points that the
- * origin would map onto itself. */
+/* Maps to the next octave: twice a rotation with rational entries, and a step that moves the origin off the
+ * lattice. */
 static vec3_f64 octave_point(vec3_f64 p) {
     const double s = 2.0 / 3;
     return (vec3_f64){s * (2 * p.x - p.y + 2 * p.z) + 0.37, s * (2 * p.x + 2 * p.y - p.z) + 0.71,
@@ -125,7 +125,7 @@ noise_value noise_fbm(uint32_t seed, vec3_f64 p, unsigned octaves, double gain) 
     return sum;
 }
 
-/* The rotation by the angle of the 3-4-5 triangle turns each octave's lattice against the one before. */
+/* Each octave's lattice is rotated against the one before by the angle of the 3-4-5 triangle. */
 double noise_eroded(uint32_t seed, double x, double y, unsigned octaves, double gain) {
     double sum = 0, amplitude = 1, steep_x = 0, steep_y = 0;
     for (unsigned k = 0; k < octaves; ++k, amplitude *= gain) {
@@ -168,13 +168,18 @@ double random_between(noise_random *random, double low, double high) {
     return low + (high - low) * random_unit(random);
 }
 
-/* By rejection from the cube around the ball: no sine or cosine. */
+vec3_f64 random_in_cube(noise_random *random) {
+    vec3_f64 p;
+    p.x = random_between(random, -1, 1);
+    p.y = random_between(random, -1, 1);
+    p.z = random_between(random, -1, 1);
+    return p;
+}
+
+/* By rejection from the cube around the ball, without sine or cosine. */
 vec3_f64 random_direction(noise_random *random) {
     for (;;) {
-        vec3_f64 p;
-        p.x = random_between(random, -1, 1);
-        p.y = random_between(random, -1, 1);
-        p.z = random_between(random, -1, 1);
+        vec3_f64 p = random_in_cube(random);
         double square = dot_f64(p, p);
         if (square <= 1 && square > 1e-4) return scale_f64(1 / sqrt(square), p);
     }

@@ -1,5 +1,5 @@
-/* Gradient noise and random numbers from integer hashes. Only + - * / and square roots, in double: the same
- * bits on every processor. */
+/* Gradient noise and random numbers from integer hashes. Uses only + - * / and square roots in double, so
+ * every processor gives the same bits. */
 #ifndef READ_GENERATE_NOISE_H
 #define READ_GENERATE_NOISE_H
 
@@ -17,19 +17,19 @@ typedef struct noise_value {
 /* 32 well-mixed bits of a lattice point. */
 uint32_t noise_hash(uint32_t seed, uint32_t x, uint32_t y, uint32_t z);
 
-/* Perlin's gradient noise with the quintic fade (Improving Noise, 2002), about [-1,1], zero on the integer
- * lattice, with its exact gradient. Coordinates below 2^31. The plane's gradient is in x and y. */
+/* Perlin's gradient noise with the quintic fade (Improving Noise, 2002) and its exact gradient: about [-1,1],
+ * zero on the integer lattice, for coordinates below 2^31. The gradient in the plane is in x and y. */
 noise_value noise_3d(uint32_t seed, vec3_f64 p);
 noise_value noise_2d(uint32_t seed, double x, double y);
 
 /* Sum of gain^k noise_3d(2^k p), k < octaves. */
 noise_value noise_fbm(uint32_t seed, vec3_f64 p, unsigned octaves, double gain);
 
-/* The same in the plane, where octaves count the less the steeper the slope is already: crests are rough and
- * valleys are smooth, as if eroded. */
+/* The same in the plane, but octaves count less where the slope is already steep: crests are rough and
+ * valleys smooth, as if eroded. */
 double noise_eroded(uint32_t seed, double x, double y, unsigned octaves, double gain);
 
-/* The number of octaves, at least one, from `frequency` on whose waves are longer than `shortest`. */
+/* The number of octaves from `frequency` on, at least one, with waves longer than `shortest`. */
 unsigned noise_octaves(double frequency, double shortest);
 
 /* A sequence of random numbers; any state begins one (splitmix64). */
@@ -40,6 +40,7 @@ typedef struct noise_random {
 noise_random noise_random_from(uint64_t seed, uint64_t stream);
 double random_unit(noise_random *random);                             /* [0,1) */
 double random_between(noise_random *random, double low, double high); /* [low,high) */
+vec3_f64 random_in_cube(noise_random *random);                        /* evenly over [-1,1)³ */
 vec3_f64 random_direction(noise_random *random);                      /* evenly over the unit sphere */
 /* Evenly over the unit circle in the plane y = 0. */
 vec3_f64 random_turn(noise_random *random);

@@ -53,8 +53,8 @@ static void make_corners(sphere_job *job) {
     }
 }
 
-/* Spreads barycentric weights so that triangles keep their size after projection to the sphere: the largest
- * has 1.2 times the area of the smallest, instead of 2.0 without it. */
+/* Spreads barycentric weights to even out triangles on the sphere: the largest has 1.2 times the area of the
+ * smallest, instead of 2.0. */
 static double spread(double t) { return t * (1 + 0.275 * (1 - t * t)); }
 
 static vec3_f64 sphere_point(const sphere_job *job, uint32_t diamond, uint32_t i, uint32_t j) {
@@ -71,8 +71,8 @@ static vec3_f64 sphere_point(const sphere_job *job, uint32_t diamond, uint32_t i
     return normalize_f64(madd_f64(madd_f64(apex, spread(b), c[1]), spread(d), c[2]));
 }
 
-/* Lambert's azimuthal equal-area projection from the top: one to one without a seam, but for the lowest
- * point, which the rim of the disc stands for. */
+/* Lambert's azimuthal equal-area projection from the top: one to one without a seam, except for the lowest
+ * point, which becomes the rim of the disc. */
 static void store_uv(float *uv, vec3_f64 u) {
     double s = u.y > -1 ? 0.25 * sqrt(2 / (1 + u.y)) : 0;
     uv[0] = (float)(0.5 + s * u.x);

@@ -1,7 +1,7 @@
 /* A Menger sponge: a mesh of the boundary of a small sponge, and groups of twenty instances around it.
  *
- * The boundary of the sponge of depth b has 2·20^b + 4·8^b unit squares. With b from 0 (a cube) to 4 and the
- * nesting around it free, the number of triangles comes close to any that is asked for. */
+ * The boundary of a sponge of depth b has 2·20^b + 4·8^b unit squares. With b from 0 (a cube) to 4 and any
+ * nesting around it, the number of triangles comes close to any request. */
 #include "generate/generate.h"
 
 #include <stdlib.h>
@@ -23,7 +23,7 @@ static uint64_t power(uint64_t base, unsigned exponent) {
 
 static uint64_t boundary_triangles(unsigned depth) { return 4 * power(20, depth) + 8 * power(8, depth); }
 
-/* Of two that are as near the one with fewer instances. */
+/* The nearest sponge; of two, the one with fewer instances. */
 static sponge nearest_sponge(uint64_t triangles) {
     sponge best = {0, 0};
     uint64_t least = UINT64_MAX;
@@ -117,7 +117,7 @@ static fathom_status add_boundary(fathom_scene *scene, fathom_id group, unsigned
     return status == FATHOM_OK ? generate_finish(scene, group, &m.mesh, material) : status;
 }
 
-/* The twenty thirds of `group` that make the next level, in `parent`. */
+/* Adds twenty instances of `group`, scaled to a third, to `parent`: the next level. */
 static fathom_status add_twenty(fathom_scene *scene, fathom_id group, fathom_id parent) {
     fathom_status status = FATHOM_OK;
     for (uint32_t cell = 0; cell < 27 && status == FATHOM_OK; ++cell) {
@@ -138,7 +138,7 @@ static fathom_status add_twenty(fathom_scene *scene, fathom_id group, fathom_id 
 fathom_status generate_sponge(fathom_scene *scene, fathom_id group, const fathom_generate_options *options) {
     sponge s = nearest_sponge(options->triangles);
     fathom_status status = FATHOM_OK;
-    /* From the outermost level inwards, each in a group of its own but for the first. */
+    /* From the outermost level inwards, each but the first in its own group. */
     for (unsigned level = s.nest_depth; level > 0 && status == FATHOM_OK; --level) {
         fathom_id inner;
         status = fathom_scene_add_group(scene, "sponge", &inner);

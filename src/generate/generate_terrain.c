@@ -1,4 +1,4 @@
-/* A fractal height field: noise as if eroded, higher where a slow noise is high, bent by a third one. */
+/* A fractal height field: eroded noise, higher where a slow noise is high, warped by a third one. */
 #include "generate/generate.h"
 
 typedef struct terrain_job {
@@ -15,7 +15,7 @@ static double height(const terrain_job *job, double x, double z) {
     x += 0.15 * bend.gradient.y, z -= 0.15 * bend.gradient.x;
     double eroded = noise_eroded(t->seed, x, z, job->octaves, t->roughness);
     double h = 0.35 * slow.value + (0.75 + 0.5 * slow.value) * eroded;
-    /* Valleys are wide and flat: nothing below -1/2.5, and the slope stays steady at 0. */
+    /* Valleys are wide and flat: nothing lies below -1/2.5, and the slope is continuous at 0. */
     return t->relief * (h < 0 ? h / (1 - 2.5 * h) : h);
 }
 

@@ -1,4 +1,4 @@
-/* Where C++ exceptions end: as a status and a message. */
+/* Turns C++ exceptions into a status and a message. */
 #ifndef IMAGE_MODULE_GUARD_H
 #define IMAGE_MODULE_GUARD_H
 
@@ -14,7 +14,7 @@ struct failure : std::runtime_error {
     fathom_status status;
 };
 
-/* Runs body(); what the libraries throw themselves becomes `status`. */
+/* Runs body(); exceptions of the libraries become `status`. */
 template <class Body>
 fathom_status guarded(image_message *message, fathom_status status, Body body) noexcept {
     try {

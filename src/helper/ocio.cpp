@@ -15,8 +15,8 @@
 
 namespace OCIO = OCIO_NAMESPACE;
 
-/* What is used when nobody names a config. OpenColorIO 2.1 has none of its own. The sRGB curve is the one of
- * IEC 61966-2-1 with the slope of its linear part not rounded to 12.92: the largest difference is 1e-5. */
+/* The default config; OpenColorIO 2.1 has none of its own. The sRGB curve is that of IEC 61966-2-1 without
+ * rounding the slope of its linear part to 12.92: the largest difference is 1e-5. */
 static const char built_in_config[] = R"(ocio_profile_version: 2
 name: fathom
 description: Linear Rec.709 for sRGB screens.
@@ -63,7 +63,7 @@ struct image_view {
 };
 
 static OCIO::ConstConfigRcPtr load_config(const char *path) {
-    /* The library reports through exceptions; what it would print besides is not ours to print. */
+    /* The library reports by exceptions and must not print. */
     OCIO::SetLoggingLevel(OCIO::LOGGING_LEVEL_NONE);
     if (!path) {
         std::istringstream text(built_in_config);
@@ -76,14 +76,14 @@ static OCIO::ConstConfigRcPtr load_config(const char *path) {
     }
     if (file && S_ISDIR(info.st_mode)) throw failure(FATHOM_BAD_USAGE, "cannot be read: is a folder");
     if (file && !S_ISREG(info.st_mode)) {
-        /* A pipe would be waited for, some devices never end. */
+        /* Reading a pipe may wait, and some devices never end. */
         throw failure(FATHOM_BAD_USAGE, "cannot be read: is not a regular file");
     }
     return OCIO::Config::CreateFromFile(path);
 }
 
-/* The entry of a list that `wanted` names, whatever its case; a failure that lists them when there is none.
- */
+/* The entry of a list that `wanted` names, in any case; throws a failure that lists the entries if there is
+ * none. */
 template <class Name>
 static std::string choose(const char *wanted, const std::string &what, int count, Name name) {
     std::string list;
@@ -117,7 +117,7 @@ static std::string choose_view(const OCIO::ConstConfigRcPtr &config, const std::
     return view;
 }
 
-/* The config's own name of linear Rec.709: the names of the published configs, Blender's among them. */
+/* The config's name of linear Rec.709, one of those in published configs, Blender's among them. */
 static std::string linear_rec709(const OCIO::ConstConfigRcPtr &config) {
     static const char *const names[] = {"lin_rec709_scene",
                                         "lin_rec709",
@@ -140,7 +140,7 @@ static void append_builtin(const OCIO::GroupTransformRcPtr &group, const char *s
     group->appendTransform(transform);
 }
 
-/* The name of the space that a view ends in, and whether it holds data: then nothing is transformed. */
+/* The name of the space that a view ends in, and whether it holds data, which is not transformed. */
 static std::string last_space(const OCIO::ConstConfigRcPtr &config, const std::string &display,
                               const std::string &view, bool *data) {
     std::string name = config->getDisplayViewColorSpaceName(display.c_str(), view.c_str());
@@ -150,8 +150,7 @@ static std::string last_space(const OCIO::ConstConfigRcPtr &config, const std::s
     return name;
 }
 
-/* From linear Rec.709 to the view. Where the config has no such space but says where ACES2065-1 is, the way
- * leads through that. */
+/* The transform from linear Rec.709 to the view; through ACES2065-1 if the config has only that. */
 static OCIO::ConstTransformRcPtr whole_way(const OCIO::ConstConfigRcPtr &config, const std::string &display,
                                            const std::string &view) {
     OCIO::DisplayViewTransformRcPtr last = OCIO::DisplayViewTransform::Create();
@@ -209,7 +208,7 @@ static void apply(const image_view *view, pixels_of part) {
     view->processor->apply(pixels);
 }
 
-/* Pixels do not depend on each other: how they are shared out changes none. */
+/* Pixels are independent, so the number of threads changes none. */
 fathom_status image_view_apply(const image_view *view, unsigned threads, float *rgba, size_t count,
                                image_message *message) noexcept {
     return guarded(message, FATHOM_INTERNAL, [&] {

@@ -1,4 +1,4 @@
-/* Image files through OpenImageIO, and the table that the loader looks up. */
+/* Image files through OpenImageIO, and the table of the module's calls. */
 #include "helper/guard.h"
 
 #include <OpenColorIO/OpenColorABI.h>
@@ -8,12 +8,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <memory>
 #include <unistd.h>
 #include <vector>
 
-/* Bytes go to the descriptor by offset, and the first error is kept. The libraries' own files would not do:
- * libjpeg ends the process when a write fails, and some of the others forget that one did. */
+/* Writes to the descriptor by offset and keeps the first error. With their own files, libjpeg ends the
+ * process when a write fails, and other libraries forget the failure. */
 class descriptor_output final : public OIIO::Filesystem::IOProxy {
   public:
     descriptor_output(const std::string &name, int descriptor)
@@ -116,7 +117,7 @@ static OIIO::ImageSpec describe(const image_target &target) {
         if (spec.channelnames[i] == "A") spec.alpha_channel = static_cast<int>(i);
         if (spec.channelnames[i] == "Z") spec.z_channel = static_cast<int>(i);
     }
-    /* OpenImageIO writes the present where there is no date. */
+    /* Without a date OpenImageIO writes the present. */
     if (target.date) spec.attribute("DateTime", target.date);
     for (size_t i = 0; i < img.attribute_count; ++i) {
         const image_attribute &a = img.attributes[i];
@@ -128,7 +129,36 @@ static OIIO::ImageSpec describe(const image_target &target) {
     return spec;
 }
 
-/* What each format says about itself besides the image. */
+/* An ICC profile of sRGB (ICC.1:2004-10, version 4.2) as big-endian words: a header, ten tags, their data. It
+ * has the primaries of BT.709 and D65, adapted to D50 by Bradford's matrix, and the curve of IEC 61966-2-1.
+ */
+static const uint32_t srgb_profile[] = {
+    0x000001f0, 0,          0x04200000, 0x6d6e7472, 0x52474220, 0x58595a20, 0x07e80001, 0x00010000,
+    0,          0x61637370, 0,          0,          0,          0,          0,          0,
+    0,          0x0000f6d6, 0x00010000, 0x0000d32d, 0,          0,          0,          0,
+    0,          0,          0,          0,          0,          0,          0,          0,
+    0x0000000a, 0x64657363, 0x000000fc, 0x00000024, 0x63707274, 0x00000120, 0x00000034, 0x77747074,
+    0x00000154, 0x00000014, 0x63686164, 0x00000168, 0x0000002c, 0x7258595a, 0x00000194, 0x00000014,
+    0x6758595a, 0x000001a8, 0x00000014, 0x6258595a, 0x000001bc, 0x00000014, 0x72545243, 0x000001d0,
+    0x00000020, 0x67545243, 0x000001d0, 0x00000020, 0x62545243, 0x000001d0, 0x00000020, 0x6d6c7563,
+    0,          1,          0x0000000c, 0x656e5553, 8,          0x0000001c, 0x00730052, 0x00470042,
+    0x6d6c7563, 0,          1,          0x0000000c, 0x656e5553, 0x00000018, 0x0000001c, 0x004e006f,
+    0x00200063, 0x006f0070, 0x00790072, 0x00690067, 0x00680074, 0x58595a20, 0,          0x0000f6d6,
+    0x00010000, 0x0000d32d, 0x73663332, 0,          0x00010c42, 0x000005de, 0xfffff325, 0x00000793,
+    0x0000fd90, 0xfffffba1, 0xfffffda2, 0x000003dc, 0x0000c06e, 0x58595a20, 0,          0x00006fa0,
+    0x000038f5, 0x00000390, 0x58595a20, 0,          0x00006297, 0x0000b787, 0x000018d9, 0x58595a20,
+    0,          0x0000249f, 0x00000f84, 0x0000b6c3, 0x70617261, 0,          0x00030000, 0x00026666,
+    0x0000f2a7, 0x00000d59, 0x000013d0, 0x00000a5b};
+
+static void add_profile(OIIO::ImageSpec &spec) {
+    uint32_t bytes[std::size(srgb_profile)];
+    std::transform(std::begin(srgb_profile), std::end(srgb_profile), bytes,
+                   [](uint32_t word) { return __builtin_bswap32(word); });
+    spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(sizeof bytes)),
+                   bytes);
+}
+
+/* Adds each format's own attributes. */
 static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
     /* Red, green, blue and white of ITU-R BT.709 as CIE x, y. */
     static const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
@@ -146,13 +176,10 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
     case IMAGE_TIFF:
         spec.attribute("compression", "zip");
         spec.attribute("tiff:zipquality", 4);
-        /* An EXIF directory, which could say sRGB too, ruins files that are not written by name
-         * before 2.5.13. */
+        /* Before 2.5.13 an EXIF directory, which could say sRGB too, ruins files that are not written by
+         * name. */
         spec.attribute("tiff:write_exif", 0);
-        if (target.srgb) {
-            auto size = static_cast<int>(target.profile_size);
-            spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, size), target.profile);
-        }
+        if (target.srgb) add_profile(spec);
         break;
     case IMAGE_PNG: break; /* write_png.c */
     }
@@ -170,14 +197,14 @@ static const char *format_name(image_format format) {
     return "";
 }
 
-/* What an image writer that could not be had lacked: without a reason, threads or memory. */
+/* Why an image writer could not be made: without a reason, for lack of threads or memory. */
 static failure no_writer() {
     std::string reason = OIIO::geterror();
     if (reason.empty()) return failure(FATHOM_OUT_OF_RESOURCES, "out of memory or threads");
     return failure(FATHOM_INTERNAL, reason);
 }
 
-/* OpenEXR starts its threads then; where there are none to be had it does without. */
+/* OpenEXR starts its threads here; if that fails it goes on without. */
 static void make_output(image_writer &writer, const image_target &target) {
     static const int none = -1;
     OIIO::attribute("exr_threads", static_cast<int>(target.threads));
@@ -209,20 +236,20 @@ static fathom_status writer_rows(image_writer *writer, uint32_t count, const voi
     return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
         const OIIO::ImageSpec &spec = writer->output->spec();
         int begin = spec.y + static_cast<int>(writer->next_row), end = begin + static_cast<int>(count);
-        /* "As the file has it" is for mixtures. */
+        /* UNKNOWN means the file's types, for mixtures. */
         OIIO::TypeDesc type = spec.channelformats.empty() ? spec.format : OIIO::TypeDesc::UNKNOWN;
         check(*writer, writer->output->write_scanlines(begin, end, 0, type, pixels));
         writer->next_row += count;
     });
 }
 
-/* ---- that an EXR is whole ----
- * OpenEXR forgets it when one of its threads lacked the memory to compress a block with: the block is left
- * out, and its offset, in the table that follows the header, is 0. */
+/* ---- complete EXR files ----
+ * If one of its threads lacks the memory to compress a block, OpenEXR leaves the block out without an error.
+ * Its offset, in the table after the header, is then 0. */
 
 #define ZIP_ROWS 16
 
-/* Reads behind the next 0; false where there is nothing before it. */
+/* Skips past the next 0; false if nothing comes before it. */
 static bool skip_word(FILE *file) {
     size_t length = 0;
     while (std::getc(file) > 0) ++length;
@@ -235,7 +262,7 @@ static uint64_t read_number(FILE *file, unsigned bytes) {
     return number;
 }
 
-/* A header is attributes, each a name, a type, a size and so many bytes, until there is no name. */
+/* A header is a list of attributes, each a name, a type, a size and its bytes, ended by an empty name. */
 static bool has_all_blocks(FILE *file, uint32_t rows) {
     if (std::fseek(file, 8, SEEK_SET) != 0) return false;
     while (skip_word(file) && skip_word(file)) {
@@ -271,7 +298,7 @@ static fathom_status writer_close(image_writer *writer, bool finish, image_messa
     });
 }
 
-/* An image as it was read, with the memory that it points to. */
+/* An image that was read, with the memory that it points to. */
 struct file_image : image {
     OIIO::ImageSpec spec;
     std::vector<image_channel> channel_list;
@@ -280,7 +307,7 @@ struct file_image : image {
     std::vector<std::vector<double>> numbers;
 };
 
-/* The numbers of an attribute; none when it is neither of the usual types. */
+/* The numbers of an attribute; none for unusual types. */
 static std::vector<double> numbers_of(const OIIO::ParamValue &a) {
     size_t count = a.type().numelements() * a.type().aggregate;
     std::vector<double> values;
@@ -311,7 +338,7 @@ static void collect_attributes(file_image &file) {
     }
 }
 
-/* Spreads pixels as the file has them into a plane for each channel. */
+/* Spreads the file's pixels into a plane for each channel. */
 static void collect_channels(file_image &file, const std::vector<unsigned char> &pixels) {
     const OIIO::ImageSpec &spec = file.spec;
     const unsigned char *from = pixels.data();
@@ -334,7 +361,7 @@ static void collect_channels(file_image &file, const std::vector<unsigned char> 
     }
 }
 
-/* Where pixels lie outside the full image (overscan), the full image is what holds both. */
+/* If pixels lie outside the full image (overscan), the full image is enlarged to hold them. */
 static void fill(file_image &file) {
     const OIIO::ImageSpec &spec = file.spec;
     int x0 = std::min(spec.x, spec.full_x), y0 = std::min(spec.y, spec.full_y);
@@ -361,7 +388,7 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         const OIIO::ImageSpec &spec = file->spec;
         if (spec.depth != 1 || spec.deep) throw failure(FATHOM_BAD_INPUT, "is not a flat image");
         std::vector<unsigned char> pixels(spec.image_bytes(true));
-        /* Some of its readers succeed on a file cut short, with an error set aside. */
+        /* Some readers succeed on a truncated file and keep the error aside. */
         bool ok = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data());
         if (!ok || input->has_error()) {
             throw failure(FATHOM_BAD_INPUT, input->geterror());

@@ -1,9 +1,8 @@
-/* The image helper: the process in which OpenImageIO and OpenColorIO live.
+/* The image helper: the process that runs OpenImageIO and OpenColorIO.
  *
- * The library starts it when the first image needs it, and it ends when the library's end of the socket
- * closes. Whatever its libraries do (exit, abort, fault, hang), the renderer's process lives on and says so.
- */
-#include "image/helper/wire_image.h"
+ * The library starts it when the first image needs it, and it ends when the library closes the socket. If its
+ * libraries exit, abort, fault or hang, the renderer's process goes on and reports it. */
+#include "image/helper/wire.h"
 
 #include <dlfcn.h>
 #include <limits.h>
@@ -35,9 +34,8 @@ static void say(wire_reply *reply, fathom_status status, const char *text) {
 
 /* ---- loading ---- */
 
-/* The libraries that the module needs, one by one, beginning with those that need no others. A dlopen() looks
- * for each symbol of each library that it brings in all of them, and the module has 260: loaded one by one,
- * each library looks only where it needs to, and all of them take half of the time. */
+/* Loads the libraries that the module needs one by one, those without dependencies first. One dlopen() of the
+ * module would search each symbol in all 260 libraries; loaded one by one they take half the time. */
 static void load_parts(const char *folder) {
     char path[PATH_MAX + sizeof PARTS_FILE], name[256];
     snprintf(path, sizeof path, "%s/" PARTS_FILE, folder);
@@ -57,7 +55,7 @@ static bool own_folder(char folder[PATH_MAX]) {
     return true;
 }
 
-/* $FATHOM_IMAGE_MODULE stands for the module that lies next to this program. */
+/* $FATHOM_IMAGE_MODULE replaces the module next to this program. */
 static void load(wire_reply *reply) {
     char folder[PATH_MAX], path[PATH_MAX + sizeof MODULE_FILE];
     const char *named = getenv("FATHOM_IMAGE_MODULE");
@@ -105,8 +103,6 @@ static void open_file(const wire_request *request, int descriptor, wire_reply *r
     image_target target = {.path = wire_take_text(&c), .descriptor = descriptor, .threads = request->threads};
     target.format = (image_format)wire_take_u32(&c);
     target.srgb = wire_take_u32(&c);
-    target.profile_size = wire_take_u32(&c);
-    target.profile = wire_take(&c, target.profile_size);
     target.date = wire_take_text(&c);
     wire_image w;
     struct object *object = free_object(&reply->object);
@@ -219,8 +215,8 @@ static void serve(const wire_request *request, int descriptor, wire_reply *reply
     if (message.text[0]) snprintf(reply->text, sizeof reply->text, "%s", message.text);
 }
 
-/* Signals that end a terminal's or a job's processes are for the renderer, which may want images written
- * before it ends; a core of this process is of no use to its users. */
+/* Ignores signals that end a terminal's or a job's processes: the renderer may still want images written.
+ * Users need no core of this process. */
 static void settle(void) {
     static const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU, SIGPIPE, SIGXFSZ};
     for (size_t i = 0; i < sizeof ignored / sizeof *ignored; ++i) signal(ignored[i], SIG_IGN);
@@ -238,6 +234,6 @@ int main(void) {
         reply = (wire_reply){.version = WIRE_VERSION};
         serve(&request, descriptor, &reply);
     }
-    /* The destructors of 260 libraries have nothing to do that matters. */
+    /* Skips the destructors of 260 libraries. */
     _exit(0);
 }

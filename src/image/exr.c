@@ -1,19 +1,20 @@
-/* The layout of OpenEXR files, version 2: single part, scan lines, no compression (openexr.com, "OpenEXR File
- * Layout"). Little-endian throughout. */
-#include "image/exr.h"
-
+/* OpenEXR without OpenEXR, version 2: single part, scan lines, no compression (openexr.com, "OpenEXR File
+ * Layout"). The format is little-endian, as is every machine that Embree runs on. */
 #include "base/file.h"
+#include "image/image.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are written as they lie in memory");
 
 enum { MAGIC = 20000630, VERSION = 2, PIXEL_UINT = 0, PIXEL_FLOAT = 2, LINE_HEADER = 8 };
 
 typedef struct exr {
     file_writer *file;
     const image *img;
-    const image_channel **channels; /* by name, as the format asks */
+    const image_channel **channels; /* sorted by name, as the format asks */
     unsigned char *row;             /* of one channel */
     uint64_t written;
 } exr;
@@ -23,34 +24,18 @@ static void put(exr *out, const void *bytes, size_t size) {
     out->written += size;
 }
 
-static void to_little(unsigned char *at, uint64_t value, size_t size) {
-    for (size_t i = 0; i < size; ++i) at[i] = (unsigned char)(value >> 8 * i);
-}
+static void put_u32(exr *out, uint32_t value) { put(out, &value, sizeof value); }
 
-static void put_number(exr *out, uint64_t value, size_t size) {
-    unsigned char bytes[8];
-    to_little(bytes, value, size);
-    put(out, bytes, size);
-}
+static void put_byte(exr *out, unsigned char value) { put(out, &value, 1); }
 
-static void put_float(exr *out, float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put_number(out, bits, sizeof bits);
-}
-
-static void put_double(exr *out, double value) {
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put_number(out, bits, sizeof bits);
-}
+static void put_float(exr *out, float value) { put(out, &value, sizeof value); }
 
 static void put_name(exr *out, const char *name) { put(out, name, strlen(name) + 1); }
 
 static void begin_attribute(exr *out, const char *name, const char *type, size_t size) {
     put_name(out, name);
     put_name(out, type);
-    put_number(out, size, 4);
+    put_u32(out, (uint32_t)size);
 }
 
 static void put_channels(exr *out) {
@@ -59,28 +44,28 @@ static void put_channels(exr *out) {
     begin_attribute(out, "channels", "chlist", size);
     for (size_t i = 0; i < out->img->channel_count; ++i) {
         put_name(out, out->channels[i]->name);
-        put_number(out, out->channels[i]->type == IMAGE_UINT ? PIXEL_UINT : PIXEL_FLOAT, 4);
-        put_number(out, 0, 4);                        /* not perceptually linear */
-        put_number(out, 1, 4), put_number(out, 1, 4); /* a sample in every pixel */
+        put_u32(out, out->channels[i]->type == IMAGE_UINT ? PIXEL_UINT : PIXEL_FLOAT);
+        put_u32(out, 0);                  /* not perceptually linear */
+        put_u32(out, 1), put_u32(out, 1); /* a sample in every pixel */
     }
-    put_number(out, 0, 1);
+    put_byte(out, 0);
 }
 
 static void put_box(exr *out, const char *name, uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
     begin_attribute(out, name, "box2i", 16);
-    put_number(out, x, 4), put_number(out, y, 4);
-    put_number(out, x + width - 1, 4), put_number(out, y + height - 1, 4);
+    put_u32(out, x), put_u32(out, y);
+    put_u32(out, x + width - 1), put_u32(out, y + height - 1);
 }
 
-/* What an image of any program needs to have. */
+/* The attributes that every file must have. */
 static void put_frame(exr *out) {
     const image *img = out->img;
     begin_attribute(out, "compression", "compression", 1);
-    put_number(out, 0, 1);
+    put_byte(out, 0);
     put_box(out, "dataWindow", img->x, img->y, img->width, img->height);
     put_box(out, "displayWindow", 0, 0, img->full_width, img->full_height);
     begin_attribute(out, "lineOrder", "lineOrder", 1);
-    put_number(out, 0, 1);
+    put_byte(out, 0);
     begin_attribute(out, "pixelAspectRatio", "float", 4);
     put_float(out, 1);
     begin_attribute(out, "screenWindowCenter", "v2f", 8);
@@ -89,7 +74,7 @@ static void put_frame(exr *out) {
     put_float(out, 1);
 }
 
-/* The format's word for so many doubles, NULL when it has none. */
+/* The format's type for `count` doubles; NULL: none. */
 static const char *type_of(size_t count) {
     switch (count) {
     case 1: return "double";
@@ -113,11 +98,6 @@ static void put_numbers_as_text(exr *out, const image_attribute *attribute) {
     for (size_t i = 0; i < attribute->count; ++i) put(out, text, number_text(text, attribute, i));
 }
 
-static void put_m44f(exr *out, const image_attribute *attribute) {
-    begin_attribute(out, attribute->name, "m44f", sizeof(float) * 16);
-    for (size_t i = 0; i < 16; ++i) put_float(out, (float)attribute->numbers[i]);
-}
-
 static void put_attribute(exr *out, const image_attribute *attribute) {
     if (attribute->text) {
         begin_attribute(out, attribute->name, "string", strlen(attribute->text));
@@ -126,43 +106,41 @@ static void put_attribute(exr *out, const image_attribute *attribute) {
     }
     const char *type = type_of(attribute->count);
     if (image_attribute_is_m44f(attribute)) {
-        put_m44f(out, attribute);
-        return;
-    }
-    if (!type) {
+        begin_attribute(out, attribute->name, "m44f", sizeof(float) * 16);
+        for (size_t i = 0; i < 16; ++i) put_float(out, (float)attribute->numbers[i]);
+    } else if (type) {
+        begin_attribute(out, attribute->name, type, sizeof(double) * attribute->count);
+        put(out, attribute->numbers, sizeof(double) * attribute->count);
+    } else {
         put_numbers_as_text(out, attribute);
-        return;
     }
-    begin_attribute(out, attribute->name, type, sizeof(double) * attribute->count);
-    for (size_t i = 0; i < attribute->count; ++i) put_double(out, attribute->numbers[i]);
 }
 
 static void put_header(exr *out) {
-    put_number(out, MAGIC, 4), put_number(out, VERSION, 4);
+    put_u32(out, MAGIC), put_u32(out, VERSION);
     put_channels(out);
     put_frame(out);
     for (size_t i = 0; i < out->img->attribute_count; ++i) put_attribute(out, &out->img->attributes[i]);
-    put_number(out, 0, 1);
+    put_byte(out, 0);
 }
 
 static size_t line_bytes(const exr *out) { return sizeof(float) * out->img->width * out->img->channel_count; }
 
 static void put_offsets(exr *out) {
     const uint64_t first = out->written + sizeof(uint64_t) * out->img->height;
-    for (uint32_t y = 0; y < out->img->height; ++y)
-        put_number(out, first + y * (LINE_HEADER + line_bytes(out)), 8);
+    for (uint32_t y = 0; y < out->img->height; ++y) {
+        const uint64_t offset = first + y * (LINE_HEADER + line_bytes(out));
+        put(out, &offset, sizeof offset);
+    }
 }
 
 static void put_line(exr *out, uint32_t y) {
-    put_number(out, out->img->y + y, 4), put_number(out, line_bytes(out), 4);
+    put_u32(out, out->img->y + y), put_u32(out, (uint32_t)line_bytes(out));
     for (size_t i = 0; i < out->img->channel_count; ++i) {
         const image_channel *channel = out->channels[i];
         const char *from = (const char *)channel->data + (size_t)y * out->img->width * channel->stride;
-        for (uint32_t x = 0; x < out->img->width; ++x) {
-            uint32_t bits;
-            memcpy(&bits, from + x * channel->stride, sizeof bits);
-            to_little(out->row + (size_t)4 * x, bits, 4);
-        }
+        for (uint32_t x = 0; x < out->img->width; ++x)
+            memcpy(out->row + (size_t)4 * x, from + x * channel->stride, 4);
         put(out, out->row, (size_t)4 * out->img->width);
     }
 }

@@ -1,8 +1,8 @@
-/* Images in files. PNG in sRGB is written here. OpenImageIO, for all other formats and for reading, and
- * OpenColorIO, for all other views, live in a process of their own, the image helper: it starts when the
- * first image needs it, next to other work, since its 260 libraries take a quarter of a second to load.
- * Whatever they do, this process lives on. The helper's program is looked for in the folder `fathom` next to
- * the file that holds this code, else in the library folders that belong to that file's place. */
+/* Images in files. PNG in sRGB is written here. Other formats, reading, and other views need OpenImageIO and
+ * OpenColorIO, which run in their own process, the image helper. It starts when the first image needs it, in
+ * parallel to other work, because its 260 libraries take a quarter of a second to load; its failures do not
+ * end this process. The helper's program is searched in the folder `fathom` next to the file that holds this
+ * code, then in the library folders near that file. */
 #ifndef IMAGE_IMAGE_H
 #define IMAGE_IMAGE_H
 
@@ -22,10 +22,9 @@ typedef struct image_channel {
     size_t stride;
 } image_channel;
 
-/* A header entry: text when it is not NULL, else `count` numbers. EXR stores 1, 2, 3, 9 and 16 numbers as a
- * double, vector or matrix of doubles, and any other count as a text of numbers; the matrices that OpenEXR
- * itself defines are of floats. The other formats keep texts where they have a place for them (Software,
- * ImageDescription; PNG: any). */
+/* A header entry: text, or `count` numbers if text is NULL. EXR stores 1, 2, 3, 9 and 16 numbers as a double,
+ * vector or matrix of doubles, and other counts as text; the matrices that OpenEXR itself defines have
+ * floats. The other formats keep texts that have a place in them (Software, ImageDescription; PNG: any). */
 typedef struct image_attribute {
     const char *name;
     const char *text;
@@ -41,29 +40,32 @@ static inline bool image_attribute_is_m44f(const image_attribute *a) {
 
 typedef struct image {
     uint32_t width, height;
-    uint32_t x, y, full_width, full_height; /* where the pixels lie in the full (uncropped) image */
+    uint32_t x, y, full_width, full_height; /* the place of the pixels in the full (uncropped) image */
     const image_channel *channels;          /* R, G, B first */
     size_t channel_count;
     const image_attribute *attributes;
     size_t attribute_count;
 } image;
 
-/* Writes the image whole or not at all; see fathom_film_write() for formats and options.
+/* Writes the whole image or nothing; see fathom_film_write() for formats and options.
  *
- * EXR: scene-linear, every value as it is, infinities and NaN too; a finite value beyond half's range becomes
- * the largest half, so that a bright pixel stays a number. The other formats hold R, G and B (A too in PNG
- * and TIFF, not premultiplied): value · 2^exposure, then the display and view, then round(255 v) of v in
- * [0,1]; NaN becomes 0. A pixel of a view that ends in sRGB is marked as such in the file. A config of the
- * user's has to know linear Rec.709 by one of its usual names or through the role aces_interchange; else its
- * role scene_linear is taken to be linear Rec.709.
+ * EXR: scene-linear values, with infinities and NaN; a finite value beyond half's range becomes the largest
+ * half, so that a bright pixel stays a number. The other formats hold R, G and B (PNG and TIFF also A, not
+ * premultiplied): value · 2^exposure, then the display and view, then round(255 v) of v in [0,1]; NaN becomes
+ * 0. The file is marked as sRGB if the view ends in sRGB. A user's config must name linear Rec.709 by one of
+ * its usual names or have the role aces_interchange; else its role scene_linear is taken for linear Rec.709.
  *
- * FATHOM_BAD_USAGE: unknown extension, display or view (the message lists those there are), no such config;
- * FATHOM_BAD_INPUT: the config is broken; FATHOM_OUT_OF_RESOURCES: cannot be
- * written, or the image helper is missing or ended. */
+ * FATHOM_BAD_USAGE: unknown extension, display or view (the message lists the known ones), or no such config;
+ * FATHOM_BAD_INPUT: the config is broken; FATHOM_OUT_OF_RESOURCES: cannot be written, or the image helper is
+ * missing or ended. */
 fathom_status image_write(fathom_context *context, const image *img, const char *path,
                           const fathom_write_options *options);
 
-/* As image_write(), into a file that is removed again: to see how long that takes. */
+/* As image_write() to .exr, without the helper and with no memory beyond a row: no compression, all colours
+ * as 32-bit floats. For pixels that have to be saved when nothing else works. FATHOM_OUT_OF_RESOURCES. */
+fathom_status exr_write_plain(fathom_context *context, const image *img, const char *path);
+
+/* As image_write(), into a file that is removed again: to measure the time. */
 fathom_status image_rehearse(fathom_context *context, const image *img, const char *path,
                              const fathom_write_options *options);
 
@@ -71,36 +73,38 @@ fathom_status image_rehearse(fathom_context *context, const image *img, const ch
 fathom_status image_encode_png(fathom_context *context, const image *img, const fathom_write_options *options,
                                unsigned char **bytes, size_t *size);
 
-/* Checks path and options as image_write() would, before anything is rendered for them: the extension, that
- * the folder exists and can be written to, that the helper is there if it is needed. Asks it only for
- * a view, where the format needs one other than the built-in sRGB. */
+/* Checks path and options before anything is rendered: the extension, that the folder can be written to, that
+ * the helper exists if it is needed. Asks the helper only about a view other than the built-in sRGB. */
 fathom_status image_check(fathom_context *context, const char *path, const fathom_write_options *options);
-/* FATHOM_BAD_USAGE when the format does not hold as many pixels: known before rendering, as the rest is
- * before reading. */
+/* FATHOM_BAD_USAGE when the format does not hold so many pixels. */
 fathom_status image_check_size(fathom_context *context, const char *path, uint32_t width, uint32_t height);
 
-/* Whether the view is the built-in one for sRGB: no config is named ($OCIO counts), nor another display or
- * view. */
+/* Whether the view is the built-in sRGB: neither a config ($OCIO counts) nor another display or view is
+ * named. */
 bool image_view_is_srgb(const fathom_write_options *options);
 
-/* Whether writing there takes the helper; false of extensions that are not known. */
+/* Whether $SOURCE_DATE_EPOCH is set: equal renders then give equal files, so nothing in them may tell when or
+ * how fast they were made (reproducible-builds.org/specs/source-date-epoch). */
+bool image_date_is_given(void);
+
+/* Whether writing there needs the helper; false for unknown extensions. */
 bool image_needs_module(const char *path, const fathom_write_options *options);
 
-/* Reads every channel, in the file's order: unsigned 32-bit channels as IMAGE_UINT, all others as float (8-
- * and 16-bit integers as fractions of their maximum). Values are as stored: no colour transform, no change of
- * alpha. Release with image_release(). FATHOM_BAD_INPUT when the file is missing or is no image. */
+/* Reads every channel in the file's order: unsigned 32-bit channels as IMAGE_UINT, the others as float (8-
+ * and 16-bit integers as fractions of their maximum), without any change of colour or alpha. Release with
+ * image_release(). FATHOM_BAD_INPUT when the file is missing or is no image. */
 fathom_status image_read(fathom_context *context, const char *path, const image **out);
 void image_release(const image *img);
 
-/* Starts the helper, and does not wait for it. */
+/* Starts the helper without waiting for it. */
 void image_prefetch(void);
 
-/* The libraries that the helper works with, "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2", in `out`; waits for its
- * start. FATHOM_OUT_OF_RESOURCES as of image_write(). */
+/* The helper's libraries, "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2"; waits for its start.
+ * FATHOM_OUT_OF_RESOURCES as image_write(). */
 fathom_status image_libraries(fathom_context *context, char out[256]);
 
-/* FATHOM_OUT_OF_RESOURCES with the reason once its start has failed, so that nobody renders for hours towards
- * a file that cannot be written. FATHOM_OK while it is under way, too. Any thread. */
+/* FATHOM_OUT_OF_RESOURCES with the reason once the helper's start has failed, so that nobody renders for
+ * hours to a file that cannot be written; else FATHOM_OK. Any thread. */
 fathom_status image_prefetch_status(fathom_context *context);
 
 #endif

@@ -1,12 +1,13 @@
 #include "image/output.h"
 
 #include "base/file.h"
-#include "image/date.h"
-#include "image/helper/loader.h"
+#include "image/helper/helper.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static bool known_format(const char *extension, image_format *out) {
     static const struct {
@@ -37,7 +38,7 @@ fathom_status output_check_exposure(fathom_context *context, const fathom_write_
                       (double)options->exposure);
 }
 
-/* libjpeg ends the process when it is asked for more. */
+/* libjpeg ends the process beyond this. */
 #define JPEG_LARGEST_SIDE 65500u
 
 fathom_status output_check_size(fathom_context *context, const char *path, image_format format,
@@ -52,6 +53,41 @@ fathom_status image_check_size(fathom_context *context, const char *path, uint32
     fathom_status status = output_format(context, path, &format);
     return status == FATHOM_OK ? output_check_size(context, path, format, width, height) : status;
 }
+
+/* ---- the date ---- */
+
+static const char *given(void) {
+    const char *text = getenv("SOURCE_DATE_EPOCH");
+    return text && text[0] ? text : NULL;
+}
+
+bool image_date_is_given(void) { return given(); }
+
+/* Digits only, up to the year 9999, the last that fits into a file's date. */
+static bool read_seconds(const char *text, time_t *out) {
+    const long long last = 253402300799;
+    char *end;
+    errno = 0;
+    long long seconds = strtoll(text, &end, 10);
+    *out = (time_t)seconds;
+    return text[0] >= '0' && text[0] <= '9' && !*end && !errno && seconds <= last;
+}
+
+fathom_status date_read(fathom_context *context, image_date *out) {
+    const char *text = given();
+    struct tm utc;
+    time_t seconds;
+    *out = (image_date){""};
+    if (!text) return FATHOM_OK;
+    if (!read_seconds(text, &seconds) || !gmtime_r(&seconds, &utc) ||
+        !strftime(out->text, sizeof out->text, "%Y:%m:%d %H:%M:%S", &utc)) {
+        return fail_field(context, FATHOM_BAD_USAGE, "SOURCE_DATE_EPOCH",
+                          "expected seconds since 1970, such as 1700000000, found \"%.40s\"", text);
+    }
+    return FATHOM_OK;
+}
+
+/* ---- the view ---- */
 
 static const char *config_of(const fathom_write_options *options) {
     if (options->ocio) return options->ocio;
@@ -102,7 +138,7 @@ fathom_status image_check(fathom_context *context, const char *path, const fatho
     if (status == FATHOM_OK) status = date_read(context, &date);
     if (status == FATHOM_OK) status = file_check_writable(context, path);
     if (status != FATHOM_OK || !output_needs_module(format, options)) return status;
-    status = loader_find(context);
+    status = helper_find(context);
     if (status != FATHOM_OK || format == IMAGE_EXR || image_view_is_srgb(options)) return status;
     return check_view(context, options);
 }

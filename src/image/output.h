@@ -1,4 +1,4 @@
-/* What a file is to be: its format by its extension, its colours by a view. */
+/* A file's format, by its extension; its date; its colours, by a view; and the writer of PNG. */
 #ifndef IMAGE_OUTPUT_H
 #define IMAGE_OUTPUT_H
 
@@ -14,9 +14,19 @@ fathom_status output_check_exposure(fathom_context *context, const fathom_write_
 
 bool output_needs_module(image_format format, const fathom_write_options *options);
 
-/* The view that the options name, by OpenColorIO; to be closed by image_calls.view_close(). *srgb: see
- * module.h. */
+/* Opens the view that the options name; close it with image_calls.view_close(). *srgb: see module.h. */
 fathom_status output_open_view(fathom_context *context, const fathom_write_options *options, image_view **out,
                                bool *srgb);
+
+typedef struct image_date {
+    char text[24]; /* "2026:11:22 16:45:33" */
+} image_date;
+
+/* The date of $SOURCE_DATE_EPOCH, seconds since 1970 in UTC; empty when it is not set. FATHOM_BAD_USAGE when
+ * it is no such number. */
+fathom_status date_read(fathom_context *context, image_date *out);
+
+/* PNG by libpng, called like the module's writers. Channels are R, G, B and perhaps A, stored as bytes. */
+extern const image_writer_calls write_png_calls;
 
 #endif

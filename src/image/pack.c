@@ -1,9 +1,55 @@
 #include "image/pack.h"
 
-#include "image/byte.h"
-#include "image/half.h"
-
 #include <string.h>
+
+/* ---- sRGB ---- */
+
+#define GAMMA 2.4
+#define OFFSET 0.055
+
+typedef struct curve {
+    float end, slope; /* of the linear part, which meets the power smoothly */
+} curve;
+
+/* IEC 61966-2-1 without rounded constants: a slope of 12.9232 instead of 12.92. */
+static curve curve_of_srgb(void) {
+    double end = pow(OFFSET * GAMMA / ((GAMMA - 1) * (1 + OFFSET)), GAMMA);
+    return (curve){(float)end, (float)(OFFSET / (GAMMA - 1) / end)};
+}
+
+/* Constants and steps in float, as in OpenColorIO. Its power is in float too; rounding it from double is as
+ * good and gives the same result on every machine. */
+static unsigned char code_of(curve c, float value) {
+    const double exponent = (double)(float)(1 / GAMMA);
+    float power = (float)pow((double)value, exponent) * (float)(1 + OFFSET) - (float)OFFSET;
+    return byte_from_float(value > c.end ? power : value * c.slope);
+}
+
+/* The least value whose code is above `code`, searched from where the curve passes the middle of both codes.
+ */
+static float next_of(curve c, unsigned char code) {
+    double shown = (code + 0.5) / 255, bend = (double)c.end * (double)c.slope;
+    float at = (float)(shown > bend ? pow((shown + OFFSET) / (1 + OFFSET), GAMMA) : shown / (double)c.slope);
+    while (code_of(c, at) <= code) at = nextafterf(at, 1);
+    for (float below; code_of(c, below = nextafterf(at, 0)) > code;) at = below;
+    return at;
+}
+
+void srgb_codes_fill(srgb_codes *out) {
+    curve c = curve_of_srgb();
+    for (unsigned code = 0; code < 255; ++code) out->next[code] = next_of(c, (unsigned char)code);
+    out->next[255] = INFINITY;
+    unsigned char code = 0;
+    for (uint32_t bucket = 0; bucket < SRGB_BUCKETS; ++bucket) {
+        uint32_t bits = (bucket + SRGB_FIRST_BUCKET) << 16;
+        float least;
+        memcpy(&least, &bits, sizeof least);
+        while (least >= out->next[code]) ++code;
+        out->first[bucket] = code;
+    }
+}
+
+/* ---- rows ---- */
 
 size_t pack_storage_size(image_storage storage) {
     switch (storage) {
@@ -43,8 +89,8 @@ void pack_row(const image_packing *packing, uint32_t y, unsigned char *out) {
     }
 }
 
-/* What a view is given: views are made for numbers, and some turn infinity into NaN and 1e30 into black. The
- * largest half is white in all of them. */
+/* Limits values for views, some of which turn infinity into NaN and 1e30 into black. The largest half is
+ * white in all of them. */
 static float viewable(float value) {
     const float largest = 65504.0f;
     if (!(value > -largest)) return value <= -largest ? -largest : 0.0f; /* NaN is 0 */
@@ -59,8 +105,8 @@ static float load_at(const image *img, const image_channel *channel, uint32_t y,
     return load(row_of(img, channel, y) + x * channel->stride);
 }
 
-/* Colours as they are without their alpha: it is taken out of light, not out of what the view makes of it.
- * Where alpha is 0 there is nothing to divide by, and the colour is kept. */
+/* The factor that removes premultiplied alpha from linear light, before the view. With alpha 0 the colour is
+ * kept. */
 static float scale_by(const image_packing *packing, float alpha) {
     return alpha > 0.0f && alpha < 1.0f ? packing->gain / alpha : packing->gain;
 }

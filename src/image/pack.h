@@ -1,9 +1,68 @@
-/* From channels as the film holds them to rows of interleaved pixels as files do. */
+/* From the film's channels to rows of interleaved pixels in a file's types. */
 #ifndef IMAGE_PACK_H
 #define IMAGE_PACK_H
 
 #include "image/helper/module.h"
-#include "image/srgb.h"
+
+#include <math.h>
+
+/* round(255 v), clamped to [0,255]; NaN is 0. */
+static inline unsigned char byte_from_float(float value) {
+    if (!(value > 0.0f)) return 0;
+    return value < 1.0f ? (unsigned char)(value * 255.0f + 0.5f) : 255;
+}
+
+/* The nearest 16-bit float, ties to even, denormals kept. Finite values beyond the range become the largest
+ * finite half, ±65504; infinities and NaN stay what they are. */
+static inline uint16_t half_from_float(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    uint32_t sign = bits >> 16 & 0x8000u, magnitude = bits & 0x7fffffffu, half;
+    if (magnitude > 0x7f800000u) {
+        half = 0x7e00u | (magnitude >> 13 & 0x1ffu);
+    } else if (magnitude == 0x7f800000u) {
+        half = 0x7c00u;
+    } else if (magnitude > 0x477fe000u) { /* 65504 */
+        half = 0x7bffu;
+    } else if (magnitude < 0x38800000u) { /* 2^-14 */
+        /* The last bit of 0.5f is 2^-24, as is that of a denormal half: the addition rounds. */
+        float aligned;
+        memcpy(&aligned, &magnitude, sizeof aligned);
+        aligned += 0.5f;
+        memcpy(&half, &aligned, sizeof half);
+        half -= 0x3f000000u;
+    } else {
+        uint32_t odd = magnitude >> 13 & 1u;
+        half = (magnitude - (112u << 23) + 0xfffu + odd) >> 13;
+    }
+    return (uint16_t)(sign | half);
+}
+
+/* The built-in view: linear light straight to 8-bit sRGB, to the last bit what the view "sRGB" of
+ * helper/ocio.cpp makes of it. A code is found by comparisons: floats fall into buckets so narrow that none
+ * holds more than one step from a code to the next. A bucket shares the exponent and 7 bits of the mantissa,
+ * from 2^-13, below which everything is 0, to 1. */
+#define SRGB_LEAST 0x1p-13f
+#define SRGB_FIRST_BUCKET ((127u - 13u) << 7)
+#define SRGB_BUCKETS ((13u << 7) + 1u)
+
+typedef struct srgb_codes {
+    float next[256];                   /* the least value with a higher code; infinity for 255 */
+    unsigned char first[SRGB_BUCKETS]; /* the code of each bucket's least value */
+} srgb_codes;
+
+/* Takes about 0.1 ms. */
+void srgb_codes_fill(srgb_codes *out);
+
+/* Below 0, and NaN, is 0; above 1 is 255. */
+static inline unsigned char srgb_code(const srgb_codes *codes, float value) {
+    float inside = value > SRGB_LEAST ? value : SRGB_LEAST;
+    inside = inside < 1.0f ? inside : 1.0f;
+    uint32_t bits;
+    memcpy(&bits, &inside, sizeof bits);
+    unsigned code = codes->first[(bits >> 16) - SRGB_FIRST_BUCKET];
+    return (unsigned char)(code + (inside >= codes->next[code]));
+}
 
 typedef struct image_packing {
     const image *img;
@@ -22,9 +81,9 @@ void pack_row(const image_packing *packing, uint32_t y, unsigned char *out);
 /* Row y of R, G, B and perhaps A, in sRGB, as bytes. */
 void pack_row_srgb(const image_packing *packing, uint32_t y, unsigned char *out);
 
-/* Row y as a view takes it: 4 · width finite floats. */
+/* Row y for a view: 4 · width finite floats. */
 void pack_row_for_view(const image_packing *packing, uint32_t y, float *rgba);
-/* And what the view made of it, as bytes. */
+/* Row y from the view's result, as bytes. */
 void pack_row_from_view(const image_packing *packing, uint32_t y, const float *rgba, unsigned char *out);
 
 #endif

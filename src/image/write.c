@@ -1,20 +1,16 @@
 #include "base/file.h"
 #include "base/pool.h"
 #include "base/threads.h"
-#include "image/date.h"
-#include "image/helper/loader.h"
-#include "image/icc.h"
+#include "image/helper/helper.h"
 #include "image/output.h"
 #include "image/pack.h"
-#include "image/srgb.h"
-#include "image/write_png.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows are handed over in chunks of about so many bytes: enough blocks of rows for all threads of the
- * compression, without a second copy of a large image. */
+/* Rows are written in chunks of about this size: enough for all threads of the compression, without a second
+ * copy of a large image. */
 #define CHUNK_BYTES ((size_t)16 << 20)
 #define CHUNK_ROWS 64u
 
@@ -33,7 +29,7 @@ typedef struct writing {
     const image_writer_calls *calls;
     image_format format;
     image_date date;
-    image shown; /* what the file will hold of the image */
+    image shown; /* the part of the image that the file will hold */
     image_channel *channels;
     image_storage *storage;
     image_packing packing;
@@ -45,12 +41,12 @@ typedef struct writing {
     unsigned threads;
 
     size_t chunk;           /* rows handed over at once */
-    unsigned char *rows[2]; /* chunks of packed rows; the second only where one is packed ahead */
+    unsigned char *rows[2]; /* chunks of packed rows; the second only if one is packed ahead */
     size_t first;           /* row from which rows are packed… */
     unsigned into;          /* …into which chunk */
-    float *shown_rows;      /* of a chunk, 4 · width floats each, where there is a view */
-    fathom_status viewed;   /* what the view said of the last chunk */
-    image_message message;  /* and why */
+    float *shown_rows;      /* of a chunk, 4 · width floats each, if there is a view */
+    fathom_status viewed;   /* the view's status for the last chunk */
+    image_message message;  /* its reason */
 } writing;
 
 static fathom_status choose_channels(writing *w, const image *img, const fathom_write_options *options) {
@@ -78,13 +74,13 @@ static fathom_status choose_channels(writing *w, const image *img, const fathom_
         w->storage[*count] = IMAGE_STORE_U8;
         w->channels[(*count)++] = *channel;
     }
-    /* These formats have no word for a crop that all readers understand: the file is the crop. */
+    /* These formats cannot describe a crop for all readers, so the file is the crop. */
     w->shown.x = w->shown.y = 0;
     w->shown.full_width = img->width, w->shown.full_height = img->height;
     return FATHOM_OK;
 }
 
-/* Compressed on one thread, so that others can pack the rows that come next. */
+/* These formats compress on one thread, so other threads can pack the next rows. */
 static bool packs_ahead(const writing *w) {
     return w->threads > 1 && (w->format == IMAGE_PNG || w->format == IMAGE_JPEG);
 }
@@ -137,7 +133,7 @@ static void pack_chunk(void *user) {
     loop_parallel(w->threads, rows, 4, pack_rows, w);
 }
 
-/* The rows from `first` on, while the chunk after them is packed where that pays. */
+/* Writes the rows from `first` on, and packs the next chunk meanwhile if that pays. */
 static fathom_status write_chunk(writing *w, image_writer *writer, size_t first, image_message *message) {
     const unsigned char *rows = w->rows[w->into];
     pool_task ahead = {.run = pack_chunk, .user = w};
@@ -168,16 +164,12 @@ static fathom_status write_rows(writing *w, image_writer *writer, image_message 
 
 static fathom_status write_to(writing *w, file_writer *file) {
     image_message message = {""};
-    unsigned char profile[ICC_SRGB_SIZE];
-    icc_srgb(profile);
     image_target target = {.path = w->path,
                            .file = file,
                            .descriptor = file_writer_descriptor(file),
                            .format = w->format,
                            .threads = w->threads,
                            .srgb = w->srgb,
-                           .profile = profile,
-                           .profile_size = sizeof profile,
                            .date = w->date.text[0] ? w->date.text : NULL,
                            .img = &w->shown,
                            .storage = w->storage};
@@ -193,7 +185,7 @@ static fathom_status write_to(writing *w, file_writer *file) {
     return status;
 }
 
-/* A chunk of rows takes more as the floats that a view is given than as bytes. */
+/* A view's floats take more memory than the packed rows. */
 static size_t chunk_rows(const writing *w, size_t row_bytes) {
     if (w->view) row_bytes = 4 * sizeof(float) * w->shown.width;
     size_t rows = packs_ahead(w) ? CHUNK_ROWS : CHUNK_BYTES / row_bytes / CHUNK_ROWS * CHUNK_ROWS;
@@ -219,14 +211,13 @@ static fathom_status open_file(const writing *w, file_writer **out) {
 
 /* After what was written with `status`. */
 static fathom_status close_file(const writing *w, file_writer *file, fathom_status status) {
-    if (w->rehearsal) file_writer_sync(file); /* a part of what writing takes */
+    if (w->rehearsal) file_writer_sync(file); /* a part of the time of writing */
     if (status == FATHOM_OK && w->bytes) return file_writer_take(file, w->bytes, w->size);
     if (status == FATHOM_OK && !w->rehearsal) return file_writer_commit(file);
     file_writer_abort(file);
     return status;
 }
 
-/* Memory for the rows under way, then the file. */
 static fathom_status write_file(writing *w) {
     w->packing.img = &w->shown, w->packing.storage = w->storage;
     w->packing.srgb = &w->srgb_codes;
@@ -256,7 +247,7 @@ static fathom_status choose_view(writing *w, const fathom_write_options *options
     return FATHOM_OK;
 }
 
-/* The caller has set the context, and where the image goes: `path`, `bytes` and `size`. */
+/* The caller has set the context, `path`, `bytes` and `size`. */
 static fathom_status write_image(writing *w, const image *img, const fathom_write_options *options) {
     fathom_context *context = w->context;
     w->threads = fathom_context_threads(context);

@@ -1,4 +1,4 @@
-#include "image/write_png.h"
+#include "image/output.h"
 
 #include "base/file.h"
 
@@ -12,7 +12,7 @@ struct image_writer {
     png_structp png;
     png_infop info;
     image_message message;
-    /* What the calls below are given. */
+    /* Arguments of the calls below. */
     const image_target *target;
     const unsigned char *rows;
     uint32_t row_count;
@@ -45,14 +45,14 @@ static fathom_status guarded(image_writer *writer, void (*body)(image_writer *),
     return FATHOM_OUT_OF_RESOURCES;
 }
 
-/* ---- what is said beside the pixels ---- */
+/* ---- the header ---- */
 
 static bool is_ascii(const char *text) {
     while (*text && !(*text & 0x80)) ++text;
     return !*text;
 }
 
-/* Plain texts are Latin-1 by the standard, international ones UTF-8. libpng copies both. */
+/* The standard has Latin-1 in plain texts and UTF-8 in international ones. libpng copies both. */
 static void add_text(image_writer *writer, const char *name, const char *text) {
     png_text entry = {.compression = is_ascii(text) ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
                       .key = (char *)(uintptr_t)name,
@@ -71,8 +71,8 @@ static void write_header(image_writer *writer) {
     for (size_t i = 0; i < img->attribute_count; ++i) {
         if (img->attributes[i].text) add_text(writer, img->attributes[i].name, img->attributes[i].text);
     }
-    /* Each value less its left neighbour, and of matches only runs: on rendered images half the time of
-     * zlib's level 4, for 3 to 8 % more bytes. */
+    /* Differences to the left neighbour, and only runs as matches: on rendered images half the time of zlib's
+     * level 4 for 3 to 8 % more bytes. */
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_strategy(png, Z_RLE);
     png_set_compression_buffer_size(png, 1u << 16);

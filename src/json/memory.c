@@ -25,7 +25,7 @@ struct json_chunk {
     _Alignas(ALIGNMENT) unsigned char bytes[];
 };
 
-/* Chunks double, so that there are few, and little of the last is for nothing. */
+/* Chunks double in size, so that there are few and little is wasted. */
 static struct json_chunk *add_chunk(json_arena *arena, size_t bytes) {
     size_t room = arena->last ? 2 * arena->last->room : CHUNK_LEAST;
     if (room > CHUNK_MOST) room = CHUNK_MOST;
@@ -36,8 +36,7 @@ static struct json_chunk *add_chunk(json_arena *arena, size_t bytes) {
     return arena->last = chunk;
 }
 
-/* jansson's calls, which would not know what to do without, are left as they are: all that they hold is the
- * arena's. */
+/* Leaves jansson's calls by longjmp() when there is no memory: all that they hold is the arena's. */
 static void *take(size_t bytes) {
     bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     struct json_chunk *chunk = reading->last;

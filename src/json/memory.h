@@ -1,7 +1,7 @@
-/* What jansson does where memory runs out, made safe. Reading, jansson 2.14 drops bytes of strings and of
- * numbers then, and goes on with what is no JSON any more: it gives wrong values, or writes where it must
- * not. Writing, it leaves keys out. Its requests therefore pass through here, once and for the whole process:
- * to whom they went before, but for those of a reading that is under way on the same thread. */
+/* Makes jansson safe when memory runs out. Without memory, jansson 2.14 drops bytes of strings and numbers
+ * while it parses, then gives wrong values or writes where it must not; while it writes, it leaves keys out.
+ * So its requests pass through here, for the whole process. Only those of a parse on the same thread are
+ * served here; the others go on to the previous functions. */
 #ifndef JSON_MEMORY_H
 #define JSON_MEMORY_H
 
@@ -10,22 +10,22 @@
 
 /* ---- reading ---- */
 
-/* All that a text's values take, released at once. Begins as zeroes. */
+/* The memory of all values of a text, released at once. Zero it to start with. */
 typedef struct json_arena {
     struct json_chunk *last;
     bool lacked; /* memory ran out: there are no values */
 } json_arena;
 
-/* json_loadb(), but for memory: the values are the arena's, whole or NULL, and must not be given to
- * json_decref(). `error` says nothing where arena->lacked. */
+/* json_loadb() with memory from the arena: the values are complete or NULL, and must not be given to
+ * json_decref(). `error` is not set if arena->lacked. */
 json_t *json_arena_read(json_arena *arena, const char *text, size_t size, size_t flags, json_error_t *error);
 void json_arena_release(json_arena *arena);
 
 /* ---- writing ---- */
 
-/* From here on… */
+/* json_memory_lacked(): whether a request of this thread outside of json_arena_read() was refused since
+ * json_memory_watch(). */
 void json_memory_watch(void);
-/* …whether a request that this thread made outside of json_arena_read() was refused. */
 bool json_memory_lacked(void);
 
 #endif

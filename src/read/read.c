@@ -17,7 +17,23 @@ fathom_status read_beside(fathom_scene *scene, const char *base, const char *nam
     return status;
 }
 
-/* Samples a pixel of models that bring no settings: with 1 every edge is a staircase. */
+static double rounded_to(double x, double step) { return round(x / step) * step; }
+
+vec3_f64 origin_for(const scene_bounds *bounds) {
+    const vec3_f64 zero = {0, 0, 0};
+    if (bounds_is_empty(bounds)) return zero;
+    vec3_f64 center = bounds_center(bounds), half = scale_f64(0.5, sub_f64(bounds->upper, bounds->lower));
+    double extent = fmax(half.x, fmax(half.y, half.z));
+    double size = fmax(fabs(center.x), fmax(fabs(center.y), fabs(center.z))) + extent;
+    if (!(extent > 0) || !(size > 16 * extent)) return zero;
+    /* step = 2^k with e/2 < 2^k <= e; below the range of double's exact integers rounding changes nothing. */
+    int exponent;
+    frexp(extent, &exponent);
+    double step = ldexp(1, exponent - 1);
+    return (vec3_f64){rounded_to(center.x, step), rounded_to(center.y, step), rounded_to(center.z, step)};
+}
+
+/* Samples per pixel of models, which bring no settings; with 1 every edge would be a staircase. */
 #define MODEL_SPP 16
 
 static const struct format {
@@ -71,7 +87,7 @@ static fathom_status name_after(fathom_scene *scene, const char *path) {
     return status;
 }
 
-/* What was asked for must not go unheard. */
+/* Options that the file cannot satisfy are reported. */
 static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
     if (asked->camera && !scene->cameras.count) {
@@ -130,7 +146,7 @@ fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
     if (status != FATHOM_OK) return status;
     scene->without_uvs = options->without_uvs;
     status = read_whole(scene, path, options);
-    /* Whatever else was found, a file that changed is the reason. */
+    /* A changed file explains every other fault. */
     if (status == FATHOM_OK || status == FATHOM_BAD_INPUT) {
         fathom_status changed = fathom_scene_check_files(scene);
         if (changed != FATHOM_OK) status = changed;

@@ -1,25 +1,34 @@
-/* The readers: one file a format. Each adds what a file holds to a scene. */
+/* The readers, a folder for each format. Each adds the contents of a file to a scene. */
 #ifndef READ_READ_H
 #define READ_READ_H
 
 #include "scene/scene.h"
 
-/* What the one who asks for a mesh file wants of it. */
+/* How a mesh file is to be read. */
 typedef struct read_mesh_options {
     fathom_id material; /* for everything in the file; FATHOM_NONE: the file's own */
     unsigned flags;     /* of every mesh: FATHOM_CASTS_NO_SHADOW… */
-    bool flat;          /* normals and smoothing groups of the file are ignored */
-    bool smooth;        /* smooth vertex normals are made where the file has none */
-    bool surroundings;  /* the file's camera and lights are taken too; into the root alone */
+    bool flat;          /* ignore the file's normals and smoothing groups */
+    bool smooth;        /* make smooth vertex normals where the file has none */
+    bool surroundings;  /* take the file's camera and lights too; only into the root */
 } read_mesh_options;
 
-/* The path of a file that the file `base` names, to be released with free(). FATHOM_BAD_INPUT when it is not
- * in the folder it has to be in; the message has no place yet. */
+/* The path of a file that the file `base` names; release it with free(). FATHOM_BAD_INPUT when it lies
+ * outside the allowed folder; the caller adds the place to the message. */
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
+/* The origin of a mesh's float positions: zero, unless the vertices lie so far out for their extent that
+ * float would lose digits that the file has.
+ *
+ * A float coordinate of size M is rounded by up to 2^-24 M. The widest image, 65536 pixels, of a mesh with
+ * half-extent e has pixels of e 2^-15, so up to M = 16 e the error stays below 2^-20 e, a thirty-second of
+ * its pixels. Beyond that the origin moves to the centre, and M becomes at most 1.5 e again.
+ * It moves by a multiple of a power of two not above e: coordinates that were floats in the file then keep
+ * every bit, since their differences from it are multiples of their own last bit and no larger than they. */
+vec3_f64 origin_for(const scene_bounds *bounds);
+
 /* Each adds its meshes to `group`. FATHOM_BAD_INPUT names the file with its line (text) or byte offset
- * (binary) and the field. After a failure the scene may hold a part of the file and is good for nothing but
- * to be destroyed. */
+ * (binary) and the field. After a failure the scene may hold a part of the file and can only be destroyed. */
 fathom_status read_obj(fathom_scene *scene, fathom_id group, const char *path,
                        const read_mesh_options *options);
 fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
@@ -27,10 +36,10 @@ fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
 fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
                         const read_mesh_options *options);
 
-/* Scene JSON; adds to the root and sets camera, background, settings and name as the file says. */
+/* Scene JSON: adds to the root, and sets camera, background, settings and name. */
 fathom_status read_json(fathom_scene *scene, const char *path);
 
-/* Any mesh file, told apart by the extension: .obj, .ply, .gltf, .glb. */
+/* Any mesh file, by its extension: .obj, .ply, .gltf, .glb. */
 fathom_status read_mesh(fathom_scene *scene, fathom_id group, const char *path,
                         const read_mesh_options *options);
 

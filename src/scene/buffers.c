@@ -111,8 +111,6 @@ fathom_status fathom_scene_check_files(const fathom_scene *scene) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < scene->blobs.count && status == FATHOM_OK; ++i)
         status = file_check(scene->context, &scene->blobs.items[i].map);
-    for (size_t i = 0; i < scene->blobs.count && status == FATHOM_OK; ++i)
-        file_tell_touched(scene->context, &scene->blobs.items[i].map);
     return status;
 }
 

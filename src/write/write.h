@@ -15,9 +15,9 @@ fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, con
 
 /* ---- meshes with one number for each vertex ---- */
 
-/* A fathom_mesh as formats want it that know one index for position, normal and uv together. Vertex i has
- * position positions[i] of the mesh, and so on; NULL means position i. `facets`: every corner is a vertex of
- * its own and has the facet's normal. */
+/* A fathom_mesh for formats with one index for position, normal and uv. Vertex i has position positions[i] of
+ * the mesh, and so on; NULL means position i. `facets`: every corner is a vertex of its own with the facet's
+ * normal. */
 typedef struct write_mesh {
     const fathom_mesh *mesh; /* NULL: not prepared */
     uint32_t vertex_count;
@@ -25,7 +25,7 @@ typedef struct write_mesh {
     bool facets;
 } write_mesh;
 
-/* FATHOM_OUT_OF_RESOURCES; also when there would be more than 2^32 - 1 vertices. */
+/* FATHOM_OUT_OF_RESOURCES, also for more than 2^32 - 1 vertices. */
 fathom_status write_mesh_prepare(fathom_context *context, const fathom_mesh *mesh, bool facets,
                                  write_mesh *out);
 void write_mesh_free(write_mesh *m);
@@ -37,14 +37,14 @@ uint32_t write_mesh_index(const write_mesh *m, size_t corner);
 
 /* ---- placing ---- */
 
-/* A mesh as it stands in the world. */
+/* A mesh placed in the world. */
 typedef struct write_placement {
     fathom_id object;
     const fathom_mesh *mesh;
     uint32_t mesh_index; /* in the scene's array */
     fathom_id material;
-    bool plain;     /* positions and normals stay as they are, to the bit */
-    bool mirrored;  /* the winding turns around: normals keep their side */
+    bool plain;     /* the map is the identity */
+    bool mirrored;  /* the winding is reversed, so that normals keep their side */
     affine_f64 map; /* mesh to world, the mesh's origin included */
     affine_f64 inverse;
 } write_placement;
@@ -52,19 +52,19 @@ typedef struct write_placement {
 vec3_f32 write_placed_position(const write_placement *p, vec3_f32 position);
 vec3_f32 write_placed_normal(const write_placement *p, vec3_f32 normal);
 
-/* Calls visit for each placed mesh, always in the same order, until it fails. */
+/* Calls visit for each placed mesh, in a fixed order, until it fails. */
 typedef fathom_status (*write_visit)(void *user, const write_placement *p);
 fathom_status write_each_placement(const fathom_scene *scene, const scene_graph *graph, write_visit visit,
                                    void *user);
 
-/* How often each group is placed, by group; SIZE_MAX for more than that. Release with free(). */
+/* How often each group is placed; SIZE_MAX when too often to count. Release with free(). */
 fathom_status write_count_ways(const fathom_scene *scene, const scene_graph *graph, size_t **out);
 size_t write_add(size_t a, size_t b); /* SIZE_MAX when they overflow */
 size_t write_multiply(size_t a, size_t b);
 
 /* ---- streams ---- */
 
-/* A file that is filled by all threads: pieces are made in parallel and written in order. */
+/* A file written by all threads: pieces are made in parallel and written in order. */
 typedef struct write_stream {
     fathom_context *context;
     file_writer *file;
@@ -85,9 +85,9 @@ fathom_status write_stream_close(write_stream *s, fathom_status status);
 
 /* ---- text ---- */
 
-/* Room that each number can take, its end not marked. */
+/* The most bytes that a number takes, without a terminator. */
 #define WRITE_NUMBER_BYTES 32
-/* Decimal text that reads back as the same value; the dot is a dot in any locale. Each returns the length. */
+/* Decimal text that reads back as the same value, with a dot in any locale. Each returns the length. */
 size_t write_float(char *out, float value);
 size_t write_double(char *out, double value);
 size_t write_integer(char *out, uint64_t value);
@@ -101,15 +101,20 @@ typedef struct write_text {
 void write_put(write_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void write_put_text(write_text *t, const char *text);
 void write_put_double(write_text *t, double value);
-/* "key": of a JSON object, after a comma unless it is the object's first. */
+/* "[a,b,c]" */
+void write_put_numbers(write_text *t, const double *numbers, int count);
+/* "key": with a comma before it, unless it is the object's first. */
 void write_put_key(write_text *t, const char *key);
 /* In quotes, escaped for JSON; bytes that are not UTF-8 become '?'. */
 void write_put_json(write_text *t, const char *text);
 
-/* ---- materials of an .obj ---- */
+/* ---- materials ---- */
 
-/* A name for each material: one word, unlike the others. *out is to be released with write_names_free() even
- * after a failure. */
+/* The exponent of Blinn's lobe; a Phong lobe around the mirrored ray is as wide as a Blinn lobe with four
+ * times its exponent. 0: no highlight. */
+double write_blinn_exponent(const fathom_material *m);
+
+/* A unique name of one word for each material. Release *out with write_names_free() even after a failure. */
 fathom_status write_names(const fathom_scene *scene, char ***out);
 void write_names_free(const fathom_scene *scene, char **names);
 fathom_status write_mtl(const fathom_scene *scene, const char *path, char **names);

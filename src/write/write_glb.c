@@ -1,6 +1,5 @@
-/* Binary glTF: a JSON chunk, then a binary chunk with the arrays as they lie in memory, each on a multiple of
- * 16 bytes of the file, so that a reader can use them from the mapped file. They are streamed out of the
- * scene. */
+/* Binary glTF: a JSON chunk, then a binary chunk with the arrays as they lie in memory. Each array starts at
+ * a multiple of 16 bytes of the file, so that a reader can use it in the mapped file. */
 #include "write/write_glb.h"
 
 #include <inttypes.h>
@@ -41,11 +40,15 @@ static fathom_status lay_out_mesh(glb *g, uint32_t index, const fathom_mesh *mes
 static fathom_status lay_out(glb *g) {
     fathom_status status = FATHOM_OK;
     uint32_t accessors = 0, index;
+    g->placed = malloc((g->scene->meshes.count + 1) * sizeof *g->placed);
+    if (!g->placed) return fail_memory(g->scene->context, g->scene->meshes.count * sizeof *g->placed);
     for (uint32_t k = 0; k < g->graph->order_count; ++k) {
         uint32_t group = g->graph->order[k];
         for (uint32_t i = g->graph->objects.first[group]; i < g->graph->objects.first[group + 1]; ++i) {
             const fathom_mesh *mesh = glb_object_mesh(g, i, &index);
-            if (mesh && status == FATHOM_OK) status = lay_out_mesh(g, index, mesh, &accessors);
+            if (!mesh || status != FATHOM_OK) continue;
+            g->placed[g->placed_count++] = index;
+            status = lay_out_mesh(g, index, mesh, &accessors);
         }
     }
     return status;
@@ -74,7 +77,7 @@ static size_t format_array(const void *user, size_t begin, size_t end, char *out
     return (size_t)(out - start);
 }
 
-/* The array itself where it already is as glTF wants it, NULL where it must be gathered. */
+/* The array itself if it already has glTF's layout, else NULL. */
 static const void *array_in_place(const write_mesh *m, int kind) {
     const fathom_mesh *mesh = m->mesh;
     if (kind == 3) return m->indices ? m->indices : mesh->indices;
@@ -97,24 +100,19 @@ static void put_array(write_stream *s, const write_mesh *m, int kind, size_t siz
 }
 
 static void put_binary(const glb *g, write_stream *s) {
-    uint32_t index;
-    for (uint32_t k = 0; k < g->graph->order_count; ++k) {
-        uint32_t group = g->graph->order[k];
-        for (uint32_t i = g->graph->objects.first[group]; i < g->graph->objects.first[group + 1]; ++i) {
-            if (!glb_object_mesh(g, i, &index)) continue;
-            const glb_mesh *m = &g->meshes[index];
-            size_t sizes[4];
-            glb_sizes(m, sizes);
-            for (int kind = 0; kind < 4; ++kind) {
-                if (sizes[kind]) put_array(s, &m->vertices, kind, sizes[kind]);
-            }
+    for (size_t i = 0; i < g->placed_count; ++i) {
+        const glb_mesh *m = &g->meshes[g->placed[i]];
+        size_t sizes[4];
+        glb_sizes(m, sizes);
+        for (int kind = 0; kind < 4; ++kind) {
+            if (sizes[kind]) put_array(s, &m->vertices, kind, sizes[kind]);
         }
     }
 }
 
 /* ---- file ---- */
 
-/* Headers of the file and of both chunks; the JSON is padded with spaces until the arrays are aligned. */
+/* Writes headers and chunks; pads the JSON with spaces to align the arrays. */
 static fathom_status put_file(glb *g) {
     const size_t header = 12, chunk = 8;
     while (!g->json.failed && (header + 2 * chunk + g->json.bytes.count) % GLB_ALIGNMENT)
@@ -154,8 +152,7 @@ fathom_status write_glb(const fathom_scene *scene, const scene_graph *graph, con
     }
     for (size_t i = 0; g.meshes && i < scene->meshes.count; ++i) write_mesh_free(&g.meshes[i].vertices);
     for (size_t i = 0; g.groups && i < scene->groups.count; ++i) array_free(&g.groups[i].overrides);
-    free(g.meshes);
-    free(g.groups);
+    free(g.meshes), free(g.groups), free(g.placed);
     array_free(&g.json.bytes);
     return status;
 }

@@ -1,10 +1,10 @@
-/* What a group becomes in glTF: nodes form a tree, so a group that is placed many times has nodes for each
- * time, all of which name the same glTF meshes. */
+/* Groups in glTF: nodes form a tree, so each placement of a group gets its own nodes, which share the same
+ * glTF meshes. */
 #include "write/write_glb.h"
 
 #include <stdlib.h>
 
-/* A node is some hundred bytes of JSON, and a file has 2^32. */
+/* A node takes about a hundred bytes of JSON, and a file has at most 2^32. */
 #define MOST_NODES ((size_t)1 << 26)
 
 bool glb_is_near(const fathom_mesh *mesh) {

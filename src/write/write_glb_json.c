@@ -7,18 +7,9 @@ static void put_name(write_text *t, const char *name) {
     write_put_json(t, name);
 }
 
-/* "[a,b,c]" */
-static void put_numbers(write_text *t, const double *numbers, int count) {
-    for (int k = 0; k < count; ++k) {
-        write_put_text(t, k ? "," : "[");
-        write_put_double(t, numbers[k]);
-    }
-    write_put_text(t, "]");
-}
-
 /* ---- arrays ---- */
 
-/* glTF asks for the box of every array of positions. */
+/* glTF requires the bounds of each array of positions. */
 static void put_box(write_text *t, const write_mesh *m) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t i = 0; i < m->vertex_count; ++i) {
@@ -28,35 +19,28 @@ static void put_box(write_text *t, const write_mesh *m) {
         low[2] = p.z < low[2] ? p.z : low[2], high[2] = p.z > high[2] ? p.z : high[2];
     }
     write_put_text(t, ",\"min\":");
-    put_numbers(t, low, 3);
+    write_put_numbers(t, low, 3);
     write_put_text(t, ",\"max\":");
-    put_numbers(t, high, 3);
+    write_put_numbers(t, high, 3);
 }
 
 static void put_accessors(glb *g) {
+    static const char *const types[] = {"VEC3", "VEC3", "VEC2", "SCALAR"};
     write_text *t = &g->json;
-    const char *comma = "";
-    write_put_text(t, ",\n\"accessors\":[");
     uint32_t view = 0;
-    for (uint32_t k = 0, index; k < g->graph->order_count; ++k) {
-        uint32_t group = g->graph->order[k];
-        for (uint32_t i = g->graph->objects.first[group]; i < g->graph->objects.first[group + 1]; ++i) {
-            if (!glb_object_mesh(g, i, &index)) continue;
-            const glb_mesh *m = &g->meshes[index];
-            size_t sizes[4];
-            glb_sizes(m, sizes);
-            for (int kind = 0; kind < 4; ++kind) {
-                if (!sizes[kind]) continue;
-                size_t count = kind == 3 ? sizes[3] / sizeof(uint32_t) : m->vertices.vertex_count;
-                write_put(t, "%s\n{\"bufferView\":%u,\"componentType\":%d,\"count\":%zu,\"type\":\"%s\"",
-                          comma, view++, kind == 3 ? 5125 : 5126, count,
-                          kind == 3   ? "SCALAR"
-                          : kind == 2 ? "VEC2"
-                                      : "VEC3");
-                if (kind == 0) put_box(t, &m->vertices);
-                write_put_text(t, "}");
-                comma = ",";
-            }
+    write_put_text(t, ",\n\"accessors\":[");
+    for (size_t i = 0; i < g->placed_count; ++i) {
+        const glb_mesh *m = &g->meshes[g->placed[i]];
+        size_t sizes[4];
+        glb_sizes(m, sizes);
+        for (int kind = 0; kind < 4; ++kind) {
+            if (!sizes[kind]) continue;
+            size_t count = kind == 3 ? sizes[3] / sizeof(uint32_t) : m->vertices.vertex_count;
+            write_put(t, "%s\n{\"bufferView\":%u,\"componentType\":%d,\"count\":%zu,\"type\":\"%s\"",
+                      view ? "," : "", view, kind == 3 ? 5125 : 5126, count, types[kind]);
+            if (kind == 0) put_box(t, &m->vertices);
+            write_put_text(t, "}");
+            ++view;
         }
     }
     write_put_text(t, "]");
@@ -66,19 +50,15 @@ static void put_views(glb *g) {
     write_text *t = &g->json;
     const char *comma = "";
     write_put(t, ",\n\"buffers\":[{\"byteLength\":%zu}],\n\"bufferViews\":[", g->binary_size);
-    for (uint32_t k = 0, index; k < g->graph->order_count; ++k) {
-        uint32_t group = g->graph->order[k];
-        for (uint32_t i = g->graph->objects.first[group]; i < g->graph->objects.first[group + 1]; ++i) {
-            if (!glb_object_mesh(g, i, &index)) continue;
-            const glb_mesh *m = &g->meshes[index];
-            size_t sizes[4], offset = m->offset;
-            glb_sizes(m, sizes);
-            for (int kind = 0; kind < 4; offset += glb_align(sizes[kind]), ++kind) {
-                if (!sizes[kind]) continue;
-                write_put(t, "%s\n{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":%d}", comma,
-                          offset, sizes[kind], kind == 3 ? 34963 : 34962);
-                comma = ",";
-            }
+    for (size_t i = 0; i < g->placed_count; ++i) {
+        const glb_mesh *m = &g->meshes[g->placed[i]];
+        size_t sizes[4], offset = m->offset;
+        glb_sizes(m, sizes);
+        for (int kind = 0; kind < 4; offset += glb_align(sizes[kind]), ++kind) {
+            if (!sizes[kind]) continue;
+            write_put(t, "%s\n{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":%d}", comma,
+                      offset, sizes[kind], kind == 3 ? 34963 : 34962);
+            comma = ",";
         }
     }
     write_put_text(t, "]");
@@ -98,8 +78,8 @@ static void put_primitive(glb *g, uint32_t index, fathom_id override) {
               override != FATHOM_NONE ? override : mesh->material);
 }
 
-/* The meshes of a group that share its origin as one, then the others, one each: the order that
- * glb_mesh_number() counts in. */
+/* One glTF mesh for the meshes that share the group's origin, then one for each other mesh, in the order of
+ * glb_mesh_number(). */
 static void put_group_meshes(glb *g, uint32_t group, fathom_id override, const char **comma) {
     write_text *t = &g->json;
     const char *inner = "";
@@ -137,7 +117,7 @@ static void put_meshes(glb *g) {
 
 /* ---- nodes ---- */
 
-/* glTF's matrices are stored by columns, with the row 0 0 0 1. */
+/* glTF stores matrices by columns, with the row 0 0 0 1. */
 static void put_transform(write_text *t, const double rows[12]) {
     affine_f64 map;
     affine_load(&map, rows);
@@ -147,10 +127,10 @@ static void put_transform(write_text *t, const double rows[12]) {
         for (int r = 0; r < 4; ++r) columns[4 * c + r] = r < 3 ? map.m[r][c] : c == 3;
     }
     write_put_key(t, "matrix");
-    put_numbers(t, columns, 16);
+    write_put_numbers(t, columns, 16);
 }
 
-/* Children are numbered after their parent, each followed by all that is inside it. */
+/* Children are numbered after their parent, each followed by everything inside it. */
 static void put_children(glb *g, uint32_t group, size_t number) {
     write_text *t = &g->json;
     size_t child = number + 1;
@@ -172,7 +152,7 @@ static void put_far_nodes(glb *g, uint32_t group, uint32_t mesh) {
         const fathom_mesh *far = glb_object_mesh(g, i, &index);
         if (!far || glb_is_near(far)) continue;
         write_put(&g->json, ",\n{\"mesh\":%u,\"translation\":", mesh++);
-        put_numbers(&g->json, far->origin, 3);
+        write_put_numbers(&g->json, far->origin, 3);
         write_put_text(&g->json, "}");
     }
 }

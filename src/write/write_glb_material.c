@@ -1,15 +1,15 @@
-/* The model's materials as glTF's metallic-roughness ones: the inverse of what reading does, as far as they
- * agree.
+/* The model's materials as glTF's metallic-roughness materials: the inverse of reading, as far as they agree.
  *
- * glTF has no Phong lobe, no light from behind and no ambient reflectance; a highlight and a mirror are one
- * reflectance F0 there, blurred by one roughness. With n the exponent of Blinn's lobe and
- * N(n) = (n + 2)(n + 4) / (8 (2^(-n/2) + n)) the inverse of its integral:
- * - roughness r: r^4 = 2 / (n + 2), lobes of equal width; 0 where there is a mirror;
- * - F0 = k_r where there is a mirror, else k_s / N(n);
- * - F0 without k_d and k_t is a metal of that base colour, unless Fresnel's law rules it; else it is the
- *   dielectric's ((ior - 1) / (ior + 1))^2, tinted by KHR_materials_specular to come out as F0;
- * - k_t goes to KHR_materials_transmission; the base colour is shared by k_d and k_t;
- * - k_t that is not bent (ior 1, no Fresnel) is what alpha leaves over. */
+ * glTF has no Phong lobe, no light from behind and no ambient reflectance; highlight and mirror are one
+ * reflectance F0, blurred by one roughness. n is the exponent of Blinn's lobe and N(n) = (n + 2)(n + 4) / (8
+ * (2^(-n/2) + n)) the inverse of its integral:
+ * - roughness r: r^4 = 2 / (n + 2), lobes of equal width; 0 with a mirror;
+ * - F0 = k_r with a mirror, else k_s / N(n);
+ * - F0 without k_d and k_t is a metal of that base colour, unless Fresnel's law applies; else it is the
+ * dielectric's
+ *   ((ior - 1) / (ior + 1))^2, tinted by KHR_materials_specular to give F0;
+ * - k_t goes to KHR_materials_transmission; k_d and k_t share the base colour;
+ * - k_t without refraction (ior 1, no Fresnel) becomes 1 - alpha. */
 #include "write/write_glb.h"
 
 #include <string.h>
@@ -26,20 +26,9 @@ static void widen3(const float from[3], double to[3]) {
     for (int k = 0; k < 3; ++k) to[k] = (double)from[k];
 }
 
-/* The exponent of Blinn's lobe; a Phong lobe around the mirrored ray is as wide as Blinn's with four times
- * its own. */
-static double blinn_exponent(const fathom_material *m) {
-    switch (m->specular) {
-    case FATHOM_SPECULAR_NONE: return 0;
-    case FATHOM_SPECULAR_PHONG: return 4 * (double)m->shininess;
-    case FATHOM_SPECULAR_BLINN: return (double)m->shininess;
-    }
-    return 0;
-}
-
-/* What the surface reflects head on; returns the roughness. */
+/* Sets the reflectance at normal incidence; returns the roughness. */
 static double reflectance(const fathom_material *m, double f0[3]) {
-    double n = blinn_exponent(m), mirror[3], scale = (n + 2) * (n + 4) / (8 * (exp2(-n / 2) + n));
+    double n = write_blinn_exponent(m), mirror[3], scale = (n + 2) * (n + 4) / (8 * (exp2(-n / 2) + n));
     widen3(m->k_r, mirror);
     bool has_mirror = largest(mirror) > 0, has_lobe = m->specular != FATHOM_SPECULAR_NONE;
     for (int k = 0; k < 3; ++k)
@@ -47,8 +36,8 @@ static double reflectance(const fathom_material *m, double f0[3]) {
     return has_mirror ? 0 : has_lobe ? sqrt(sqrt(2 / (n + 2))) : 1;
 }
 
-/* The layer over the base: ior and tint that make its reflectance f0. Under Fresnel's law k_r scales the
- * dielectric's own reflectance. */
+/* Chooses ior and tint so that the layer's reflectance is f0. Under Fresnel's law k_r scales the dielectric's
+ * own reflectance. */
 static void set_layer(const fathom_material *m, double f0[3], pbr *out) {
     out->ior = m->ior >= 1 ? (double)m->ior : 1 / (double)m->ior;
     if (m->fresnel && m->k_r[0] + m->k_r[1] + m->k_r[2] > 0) {
@@ -103,11 +92,7 @@ static pbr convert(const fathom_material *m) {
 
 static void put_list(write_text *t, const char *key, const double *numbers, int count) {
     write_put_key(t, key);
-    for (int k = 0; k < count; ++k) {
-        write_put_text(t, k ? "," : "[");
-        write_put_double(t, numbers[k]);
-    }
-    write_put_text(t, "]");
+    write_put_numbers(t, numbers, count);
 }
 
 static void put_number(write_text *t, const char *key, double value) {
@@ -127,6 +112,12 @@ static bool is_tinted(const pbr *p) {
            p->specular_color[2] != 1;
 }
 
+/* A bit for each extension: ior, transmission, emissive strength, specular. */
+static unsigned extensions_of(const pbr *p) {
+    return (p->ior != 1.5 ? 1u : 0u) | (p->transmission > 0 ? 2u : 0u) | (p->strength > 1 ? 4u : 0u) |
+           (is_tinted(p) ? 8u : 0u);
+}
+
 static void put_extensions(write_text *t, const pbr *p) {
     write_put_key(t, "extensions");
     write_put_text(t, "{");
@@ -144,11 +135,6 @@ static void put_extensions(write_text *t, const pbr *p) {
     write_put_text(t, "}");
 }
 
-static bool is_extended(const pbr *p) {
-    return p->ior != 1.5 || p->transmission > 0 || p->strength > 1 || is_tinted(p);
-}
-
-/* Both sides of a surface are seen. */
 static void put_material(write_text *t, const char *name, const pbr *p) {
     write_put_text(t, "{");
     if (name) {
@@ -168,7 +154,7 @@ static void put_material(write_text *t, const char *name, const pbr *p) {
         write_put_key(t, "alphaMode");
         write_put_text(t, "\"BLEND\"");
     }
-    if (is_extended(p)) put_extensions(t, p);
+    if (extensions_of(p)) put_extensions(t, p);
     write_put_text(t, "}");
 }
 
@@ -176,8 +162,7 @@ static void put_extensions_used(glb *g) {
     unsigned used = 0;
     for (size_t i = 0; i < g->scene->materials.count; ++i) {
         pbr p = convert(&g->scene->materials.items[i].value);
-        used |= (p.ior != 1.5 ? 1u : 0u) | (p.transmission > 0 ? 2u : 0u) | (p.strength > 1 ? 4u : 0u) |
-                (is_tinted(&p) ? 8u : 0u);
+        used |= extensions_of(&p);
     }
     const char *const names[] = {"ior", "transmission", "emissive_strength", "specular"};
     const char *comma = "";

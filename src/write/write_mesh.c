@@ -1,14 +1,100 @@
-/* fathom_scene_write_mesh(): which format, and what of the scene it can hold. */
+/* fathom_scene_write_mesh(): which format, what the scene holds for it, and where meshes stand in the world.
+ */
 #include "write/write.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+size_t write_add(size_t a, size_t b) { return a > SIZE_MAX - b ? SIZE_MAX : a + b; }
+size_t write_multiply(size_t a, size_t b) { return b && a > SIZE_MAX / b ? SIZE_MAX : a * b; }
+
+fathom_status write_count_ways(const fathom_scene *scene, const scene_graph *graph, size_t **out) {
+    size_t *ways = calloc(scene->groups.count, sizeof *ways);
+    *out = ways;
+    if (!ways) return fail_memory(scene->context, scene->groups.count * sizeof *ways);
+    ways[FATHOM_ROOT] = 1;
+    for (uint32_t k = 0; k < graph->order_count; ++k) {
+        uint32_t g = graph->order[k];
+        for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {
+            size_t *child = &ways[scene->instances.items[graph->instances.items[i]].group];
+            *child = write_add(*child, ways[g]);
+        }
+    }
+    return FATHOM_OK;
+}
+
+vec3_f32 write_placed_position(const write_placement *p, vec3_f32 position) {
+    return p->plain ? position : narrow(affine_point(&p->map, widen(position)));
+}
+
+vec3_f32 write_placed_normal(const write_placement *p, vec3_f32 normal) {
+    return p->plain ? normal : narrow(normalize_f64(affine_transposed_vector(&p->inverse, widen(normal))));
+}
+
+typedef struct placer {
+    const fathom_scene *scene;
+    const scene_graph *graph;
+    write_visit visit;
+    void *user;
+} placer;
+
+/* Of unit rows: only the sign is wanted, and nothing overflows. */
+static double determinant(const affine_f64 *a) {
+    vec3_f64 x = {a->m[0][0], a->m[0][1], a->m[0][2]}, y = {a->m[1][0], a->m[1][1], a->m[1][2]};
+    vec3_f64 z = {a->m[2][0], a->m[2][1], a->m[2][2]};
+    return dot_f64(cross_f64(normalize_f64(x), normalize_f64(y)), normalize_f64(z));
+}
+
+static fathom_status place_object(const placer *p, fathom_id id, const affine_f64 *to_world,
+                                  fathom_id material) {
+    scene_object object = p->scene->objects.items[id];
+    if (object.kind != SCENE_MESH) return FATHOM_OK;
+    const fathom_mesh *mesh = &p->scene->meshes.items[object.index];
+    affine_f64 origin = affine_translation(load_f64(mesh->origin));
+    write_placement placed = {.object = id, .mesh = mesh, .mesh_index = object.index};
+    placed.map = affine_compose(to_world, &origin);
+    placed.material = material != FATHOM_NONE ? material : mesh->material;
+    placed.plain = affine_is_identity(&placed.map);
+    placed.mirrored = determinant(&placed.map) < 0;
+    if (!affine_invert(&placed.map, &placed.inverse)) {
+        return fail(p->scene->context, FATHOM_BAD_INPUT,
+                    "object %u: the frames around it flatten space or leave the range of numbers", id);
+    }
+    return p->visit(p->user, &placed);
+}
+
+static fathom_status place_group(const placer *p, uint32_t group, const affine_f64 *to_world,
+                                 fathom_id material) {
+    fathom_status status = FATHOM_OK;
+    const graph_lists *objects = &p->graph->objects, *instances = &p->graph->instances;
+    for (uint32_t i = objects->first[group]; i < objects->first[group + 1] && status == FATHOM_OK; ++i)
+        status = place_object(p, objects->items[i], to_world, material);
+    for (uint32_t i = instances->first[group]; i < instances->first[group + 1] && status == FATHOM_OK; ++i) {
+        const fathom_instance *instance = &p->scene->instances.items[instances->items[i]];
+        affine_f64 map;
+        affine_load(&map, instance->transform);
+        map = affine_compose(to_world, &map);
+        status =
+            place_group(p, instance->group, &map, material != FATHOM_NONE ? material : instance->material);
+    }
+    return status;
+}
+
+fathom_status write_each_placement(const fathom_scene *scene, const scene_graph *graph, write_visit visit,
+                                   void *user) {
+    placer p = {scene, graph, visit, user};
+    affine_f64 identity = affine_identity();
+    return place_group(&p, FATHOM_ROOT, &identity, FATHOM_NONE);
+}
+
+/* ---- the format ---- */
 
 static const struct {
     const char *extension;
     fathom_status (*write)(const fathom_scene *scene, const scene_graph *graph, const char *path);
 } formats[] = {{"glb", write_glb}, {"ply", write_ply}, {"obj", write_obj}};
 
-/* Mesh files know triangles; other shapes are left out, and said to be. */
+/* Mesh files hold triangles only; warns of other shapes, which are left out. */
 static fathom_status check_shapes(const fathom_scene *scene, const scene_graph *graph, const char *path) {
     size_t placed[4] = {0};
     for (uint32_t k = 0; k < graph->order_count; ++k) {

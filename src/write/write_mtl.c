@@ -1,6 +1,5 @@
-/* The model's materials as an OBJ material library: the inverse of what reading one does, as far as the
- * format goes. It has one colour for highlight and mirror, one highlight (Blinn's), and no light from behind.
- */
+/* The model's materials as an OBJ material library: the inverse of reading, as far as the format allows. It
+ * has one colour for highlight and mirror, one kind of highlight (Blinn's), and no light from behind. */
 #include "write/write.h"
 
 #include <stdio.h>
@@ -9,7 +8,7 @@
 
 /* ---- names ---- */
 
-/* One word, so that any reader takes all of it, and none that a nameless material gets. */
+/* Whether the name is one word, which any reader takes whole, and not one that a nameless material gets. */
 static bool is_word(const char *name) {
     if (!name || !*name || strncmp(name, "material_", 9) == 0) return false;
     for (; *name; ++name) {
@@ -18,7 +17,7 @@ static bool is_word(const char *name) {
     return true;
 }
 
-/* Two materials of one name would be one in the file. */
+/* Two materials with the same name would be one in the file. */
 static bool is_first(const fathom_scene *scene, size_t material) {
     return scene_find_material(scene, scene->materials.items[material].name) == material;
 }
@@ -63,27 +62,17 @@ static void put_number(write_text *t, const char *key, float value) {
 }
 
 /* 1 Lambert, 2 with highlight, 3 and a mirror, 5 the same by Fresnel's law, 6 glass, 7 glass by Fresnel's
- * law, 9 glass that does not bend light. */
+ * law, 9 glass that does not refract. */
 static int illumination(const fathom_material *m) {
     if (largest(m->k_t) > 0) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
     if (largest(m->k_r) > 0) return m->fresnel ? 5 : 3;
     return m->specular == FATHOM_SPECULAR_NONE ? 1 : 2;
 }
 
-/* Phong's lobe around the mirrored ray is as wide as Blinn's with four times the exponent. */
-static float exponent(const fathom_material *m) {
-    switch (m->specular) {
-    case FATHOM_SPECULAR_NONE: return 0;
-    case FATHOM_SPECULAR_PHONG: return 4 * m->shininess;
-    case FATHOM_SPECULAR_BLINN: return m->shininess;
-    }
-    return 0;
-}
-
 static void put_material(write_text *t, const char *name, const fathom_material *m) {
     int illum = illumination(m);
     bool glass = illum == 6 || illum == 7 || illum == 9, mirror = illum >= 3 && largest(m->k_r) > 0;
-    /* Reading dims the diffuse part of glass by what goes through. */
+    /* Reading scales the diffuse part of glass by 1 - k_t. */
     float left = glass && largest(m->k_t) < 1 ? 1 - largest(m->k_t) : 1;
     write_put_text(t, "newmtl ");
     write_put_text(t, name);
@@ -96,7 +85,7 @@ static void put_material(write_text *t, const char *name, const fathom_material 
                                                     : m->k_s,
               1);
     if (largest(m->k_e) > 0) put_color(t, "Ke", m->k_e, 1);
-    put_number(t, "Ns", exponent(m));
+    put_number(t, "Ns", (float)write_blinn_exponent(m));
     if (illum >= 5) put_number(t, "Ni", m->ior);
     if (glass) put_color(t, "Tf", m->k_t, 1);
     write_put(t, "illum %d\n", illum);

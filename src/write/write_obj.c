@@ -1,4 +1,5 @@
-/* OBJ: instances placed, normals and uvs with indices of their own, materials in a library beside it. */
+/* OBJ: instances are placed, normals and uvs have their own indices, materials are in a library next to the
+ * file. */
 #include "base/file.h"
 #include "write/write.h"
 
@@ -102,7 +103,7 @@ static void put_head(obj *o, const write_placement *at) {
     char text[64];
     int length = snprintf(text, sizeof text, "o object_%zu", o->objects++);
     write_bytes(&o->stream, text, (size_t)length);
-    /* The group's name goes behind ours, as far as it is one word in one line. */
+    /* Appends the group's name as one word. */
     for (const char *c = group ? group : ""; *c; ++c) {
         char letter = (unsigned char)*c <= ' ' ? '_' : *c;
         if (c == group) write_bytes(&o->stream, "_", 1);
@@ -133,7 +134,7 @@ static fathom_status put_placement(void *user, const write_placement *at) {
     return FATHOM_OK;
 }
 
-/* Readers, ours among them, index with 32 bits. */
+/* Readers index with 32 bits. */
 static fathom_status check_count(const obj *o, const char *path) {
     size_t *ways, vertices = 0;
     fathom_status status = write_count_ways(o->scene, o->graph, &ways);
@@ -173,7 +174,7 @@ static fathom_status put_all(obj *o, const char *path, const char *library) {
     write_bytes(&o->stream, beside, strlen(beside));
     write_bytes(&o->stream, "\n", 1);
     status = write_each_placement(o->scene, o->graph, put_placement, o);
-    /* The library is there before the file that names it is. */
+    /* The library exists before the file that names it. */
     if (status == FATHOM_OK) status = write_mtl(o->scene, library, o->names);
     return write_stream_close(&o->stream, status);
 }

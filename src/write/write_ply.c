@@ -1,6 +1,5 @@
-/* PLY: little-endian binary, instances placed. Normals and uvs are written when any mesh has them; a vertex
- * has one normal, so that flat meshes among smooth ones get a vertex for each corner, with the facet's
- * normal. */
+/* PLY: little-endian binary, instances are placed. Normals and uvs are written if any mesh has them. A vertex
+ * has one normal, so flat meshes among smooth ones get a vertex for each corner, with the facet's normal. */
 #include "write/write.h"
 
 #include <stdio.h>
@@ -12,7 +11,7 @@ typedef struct ply {
     const scene_graph *graph;
     const char *path;
     write_stream stream;
-    write_mesh *meshes; /* beside the scene's */
+    write_mesh *meshes; /* one for each of the scene's meshes */
     bool normals, uvs;
     size_t vertices, triangles; /* in all */
     size_t first_vertex;        /* of the placement being written */
@@ -20,48 +19,34 @@ typedef struct ply {
 
 /* ---- counting ---- */
 
-static const fathom_mesh *mesh_of(const ply *p, uint32_t item, uint32_t *index) {
-    scene_object object = p->scene->objects.items[p->graph->objects.items[item]];
-    *index = object.index;
-    return object.kind == SCENE_MESH ? &p->scene->meshes.items[object.index] : NULL;
-}
-
-/* Calls for each mesh of each group that is placed. */
-typedef fathom_status (*ply_mesh_fn)(ply *p, uint32_t index, const fathom_mesh *mesh, size_t ways);
-
-static fathom_status each_mesh(ply *p, const size_t *ways, ply_mesh_fn fn) {
-    fathom_status status = FATHOM_OK;
-    for (uint32_t k = 0; k < p->graph->order_count; ++k) {
-        uint32_t g = p->graph->order[k], index;
-        for (uint32_t i = p->graph->objects.first[g]; i < p->graph->objects.first[g + 1]; ++i) {
-            const fathom_mesh *mesh = mesh_of(p, i, &index);
-            if (mesh && status == FATHOM_OK) status = fn(p, index, mesh, ways[g]);
-        }
-    }
-    return status;
-}
-
-static fathom_status note_arrays(ply *p, uint32_t index, const fathom_mesh *mesh, size_t ways) {
-    (void)index;
-    (void)ways;
+/* Notes the arrays of a mesh, and prepares it once the arrays of all meshes are known. */
+static fathom_status count_mesh(ply *p, uint32_t index, size_t ways, bool prepare) {
+    const fathom_mesh *mesh = &p->scene->meshes.items[index];
+    write_mesh *m = &p->meshes[index];
     p->normals |= mesh->normals != NULL;
     p->uvs |= mesh->uvs != NULL;
-    return FATHOM_OK;
-}
-
-static fathom_status prepare_mesh(ply *p, uint32_t index, const fathom_mesh *mesh, size_t ways) {
-    write_mesh *m = &p->meshes[index];
+    if (!prepare) return FATHOM_OK;
     fathom_status status = write_mesh_prepare(p->scene->context, mesh, p->normals && !mesh->normals, m);
     p->vertices = write_add(p->vertices, write_multiply(ways, m->vertex_count));
     p->triangles = write_add(p->triangles, write_multiply(ways, mesh->triangle_count));
     return status;
 }
 
+static fathom_status count_meshes(ply *p, const size_t *ways, bool prepare) {
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < p->scene->objects.count && status == FATHOM_OK; ++i) {
+        scene_object object = p->scene->objects.items[i];
+        if (object.kind == SCENE_MESH && ways[object.group])
+            status = count_mesh(p, object.index, ways[object.group], prepare);
+    }
+    return status;
+}
+
 static fathom_status count_all(ply *p) {
     size_t *ways;
     fathom_status status = write_count_ways(p->scene, p->graph, &ways);
-    if (status == FATHOM_OK) status = each_mesh(p, ways, note_arrays);
-    if (status == FATHOM_OK) status = each_mesh(p, ways, prepare_mesh);
+    if (status == FATHOM_OK) status = count_meshes(p, ways, false);
+    if (status == FATHOM_OK) status = count_meshes(p, ways, true);
     free(ways);
     if (status == FATHOM_OK && (p->vertices > UINT32_MAX || p->triangles > UINT32_MAX)) {
         return fail_file(
@@ -75,7 +60,7 @@ static fathom_status count_all(ply *p) {
 
 /* ---- writing ---- */
 
-/* Returns the length. `blanks` behind the comment. */
+/* Returns the length. `blanks` follow the comment. */
 static int format_header(const ply *p, int blanks, char text[512]) {
     return snprintf(text, 512,
                     "ply\nformat binary_little_endian 1.0\ncomment Fathom %s%*s\nelement vertex %zu\n"
@@ -86,7 +71,7 @@ static int format_header(const ply *p, int blanks, char text[512]) {
                     p->uvs ? "property float s\nproperty float t\n" : "", p->triangles);
 }
 
-/* Padded to a multiple of 4 bytes: the vertices behind it can then be used straight from the mapped file. */
+/* Padded to a multiple of 4 bytes, so that the vertices can be used in the mapped file. */
 static void put_header(ply *p) {
     char text[512];
     int length = format_header(p, 0, text);

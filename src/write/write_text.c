@@ -1,3 +1,4 @@
+#include "base/text.h"
 #include "write/write.h"
 
 #include <stdio.h>
@@ -12,7 +13,7 @@ size_t write_integer(char *out, uint64_t value) {
     return count;
 }
 
-/* Whatever the locale puts between whole and part becomes a dot. */
+/* Replaces the locale's decimal separator by a dot. */
 static size_t print_number(char *out, const char *format, double value) {
     char text[64];
     snprintf(text, sizeof text, format, value);
@@ -35,7 +36,7 @@ size_t write_double(char *out, double value) {
     return print_number(out, "%.17g", value);
 }
 
-/* digits · 10^(last), 10^8 <= digits < 10^9, as plain decimals without trailing zeros; -13 <= last <= 0. */
+/* digits · 10^last as plain decimals without trailing zeros; 10^8 <= digits < 10^9, -13 <= last <= 0. */
 static size_t put_decimals(char *out, uint32_t digits, int last) {
     char text[24];
     int count = 0, written = 0;
@@ -50,9 +51,9 @@ static size_t put_decimals(char *out, uint32_t digits, int last) {
     return (size_t)written;
 }
 
-/* Nine significant digits tell any two floats apart. The product with a power of ten that is exact in double
- * is off by 2^-53 of itself, so the nine digits are off by at most 1/2 + 2^-23 of the last one; half the
- * distance of neighbouring floats is at least 2.9 of it, so none is rounded up to a tenth digit. */
+/* Nine significant digits distinguish any two floats. The product with an exact power of ten is off by 2^-53
+ * of itself, so the nine digits are off by at most 1/2 + 2^-23 of the last one. Half the distance of
+ * neighbouring floats is at least 2.9 of it, so the text reads back as the same float. */
 size_t write_float(char *out, float value) {
     static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13};
     double size = fabs((double)value);
@@ -91,31 +92,24 @@ void write_put_double(write_text *t, double value) {
     if (!t->failed) t->bytes.count += write_double(t->bytes.items + t->bytes.count, value);
 }
 
+void write_put_numbers(write_text *t, const double *numbers, int count) {
+    for (int k = 0; k < count; ++k) {
+        write_put_text(t, k ? "," : "[");
+        write_put_double(t, numbers[k]);
+    }
+    write_put_text(t, "]");
+}
+
 void write_put_key(write_text *t, const char *key) {
     if (t->failed || !t->bytes.count) return;
     write_put(t, "%s\"%s\":", t->bytes.items[t->bytes.count - 1] == '{' ? "" : ",", key);
 }
 
-/* Bytes of the UTF-8 sequence at `text`; 0 when there is none. */
-static size_t sequence_length(const char *text) {
-    const unsigned char *s = (const unsigned char *)text;
-    if (*s < 0x80) return 1;
-    size_t length = *s >= 0xf0 && *s < 0xf5   ? 4
-                    : *s >= 0xe0 && *s < 0xf0 ? 3
-                    : *s >= 0xc2 && *s < 0xe0 ? 2
-                                              : 0;
-    for (size_t i = 1; i < length; ++i) {
-        if ((s[i] & 0xc0) != 0x80) return 0;
-    }
-    bool overlong = (*s == 0xe0 && s[1] < 0xa0) || (*s == 0xf0 && s[1] < 0x90);
-    bool surrogate = *s == 0xed && s[1] >= 0xa0, beyond = *s == 0xf4 && s[1] >= 0x90;
-    return overlong || surrogate || beyond ? 0 : length;
-}
-
 void write_put_json(write_text *t, const char *text) {
     write_put(t, "\"");
     while (*text) {
-        size_t length = sequence_length(text);
+        unsigned code;
+        size_t length = text_character(text, &code);
         if (length == 0)
             write_put(t, "?");
         else if ((unsigned char)*text < 0x20)
@@ -125,4 +119,13 @@ void write_put_json(write_text *t, const char *text) {
         text += length ? length : 1;
     }
     write_put(t, "\"");
+}
+
+double write_blinn_exponent(const fathom_material *m) {
+    switch (m->specular) {
+    case FATHOM_SPECULAR_NONE: return 0;
+    case FATHOM_SPECULAR_PHONG: return 4 * (double)m->shininess;
+    case FATHOM_SPECULAR_BLINN: return (double)m->shininess;
+    }
+    return 0;
 }

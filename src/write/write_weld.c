@@ -1,4 +1,4 @@
-/* One number for each vertex: corners that agree in position, normal and uv become one. */
+/* One index for each vertex: corners with the same position, normal and uv become one vertex. */
 #include "write/write.h"
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static bool push_vertex(welder *w, uint32_t p, uint32_t n, uint32_t t) {
            array_push(&w->positions, p) && array_push(&w->normals, n) && array_push(&w->uvs, t);
 }
 
-/* Chains are as long as one position has different normals and uvs: a few. */
+/* A chain is as long as a position has different normals and uvs: a few. */
 static bool weld_corner(welder *w, size_t corner) {
     const fathom_mesh *m = w->mesh;
     uint32_t p = m->indices[corner], n = m->normal_indices ? m->normal_indices[corner] : p;

@@ -1,6 +1,6 @@
 /* A library that strikes a file, the one that $TRUNCATE names: when it is built, or when it is asked for the
  * first ray, as $TRUNCATE_WHEN says ("build", "trace"). $TRUNCATE_HOW says what it does: cuts it to nothing
- * (default), gives it another time stamp ("touch"), or another last byte ("write"). */
+ * (default), or changes the last byte ("write"). */
 #include "linear.h"
 
 #include <fcntl.h>
@@ -13,11 +13,6 @@
 static bool inside(const double weight[3], bool front) {
     (void)front;
     return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
-}
-
-static int touch(const char *path) {
-    static const struct timespec long_ago[2] = {{.tv_sec = 1000000000}, {.tv_sec = 1000000000}};
-    return utimensat(AT_FDCWD, path, long_ago, 0);
 }
 
 /* The system's clock of files ticks a hundred times a second or more. */
@@ -33,7 +28,6 @@ static int write_last(const char *path) {
 }
 
 static int strike_so(const char *path, const char *how) {
-    if (how && strcmp(how, "touch") == 0) return touch(path);
     if (how && strcmp(how, "write") == 0) return write_last(path);
     return truncate(path, 0);
 }

@@ -1,7 +1,6 @@
 /* What the system may refuse about a file, or change under it, at each call: what comes of it, in which
  * words. The calls reach us by the linker: see tests/CMakeLists.txt. */
 #include "base/file.h"
-#include "base/file_witness.h"
 
 #include "unit_folder.h"
 
@@ -60,17 +59,13 @@ static bool fails(const char *call) {
 
 WRAP(void *, calloc, (size_t count, size_t size), (count, size), NULL)
 WRAP(int, fstat, (int descriptor, struct stat *out), (descriptor, out), -1)
-WRAP(int, stat, (const char *path, struct stat *out), (path, out), -1)
 WRAP(int, faccessat, (int at, const char *path, int mode, int flags), (at, path, mode, flags), -1)
 WRAP(int, flock, (int descriptor, int operation), (descriptor, operation), -1)
 WRAP(int, fsync, (int descriptor), (descriptor), -1)
-WRAP(off_t, lseek, (int descriptor, off_t to, int whence), (descriptor, to, whence), -1)
 WRAP(void *, mmap, (void *at, size_t size, int may, int flags, int descriptor, off_t from),
      (at, size, may, flags, descriptor, from), MAP_FAILED)
 /* 0 is no error: the file ends there. */
 WRAP(ssize_t, read, (int descriptor, void *to, size_t size), (descriptor, to, size), errno ? -1 : 0)
-WRAP(ssize_t, pread, (int descriptor, void *to, size_t size, off_t from), (descriptor, to, size, from),
-     errno ? -1 : 0)
 WRAP(size_t, fwrite, (const void *bytes, size_t size, size_t count, FILE *to), (bytes, size, count, to), 0)
 WRAP(int, fflush, (FILE * stream), (stream), EOF)
 WRAP(FILE *, open_memstream, (char **bytes, size_t *size), (bytes, size), NULL)
@@ -109,7 +104,7 @@ static void fails_to_open(const char *path, fathom_status status, const char *te
     no_fault();
 }
 
-static void opening(void **state) {
+static void failures_to_open_are_reported(void **state) {
     (void)state;
     const char *path = in_folder("a.bin");
     make(path, "0123456789");
@@ -135,7 +130,7 @@ static void opening(void **state) {
     unlink(path);
 }
 
-static void copying(void **state) {
+static void failures_to_copy_are_reported(void **state) {
     (void)state;
     const char *path = in_folder("a.bin");
     make(path, "0123456789");
@@ -152,26 +147,6 @@ static void copying(void **state) {
     no_fault();
     file_close(&map);
     fathom_context_copy_files(context, false);
-    unlink(path);
-}
-
-/* Whoever cannot tell holes takes none for there. */
-static void holes(void **state) {
-    (void)state;
-    const char *path = in_folder("a.bin");
-    make(path, "x");
-    assert_int_equal(truncate(path, 1 << 20), 0);
-    file_map map;
-    assert_ok(context, file_open(context, path, &map));
-    assert_in_range(map.hole, 1, 1 << 20); /* not before what is stored */
-    file_rest(&map, 1, 2);                 /* not a whole page */
-    assert_int_equal(map.bytes[0], 'x');
-    file_close(&map);
-    fail_call("lseek", EINVAL);
-    assert_ok(context, file_open(context, path, &map));
-    assert_int_equal(map.hole, 1 << 20);
-    no_fault();
-    file_close(&map);
     unlink(path);
 }
 
@@ -231,7 +206,7 @@ static void ends_with_0(pid_t child) {
     assert_int_equal(WEXITSTATUS(status), 0);
 }
 
-static void bus_errors_of_others(void **state) {
+static void other_bus_errors_reach_their_handler(void **state) {
     (void)state;
     for (int k = 0; k < 8; ++k) {
         const bool with_info = k & 1, sent = k & 2, lacking = k & 4;
@@ -246,97 +221,6 @@ static void bus_errors_of_others(void **state) {
     if (child == 0) exit(ignore_sent());
     ends_with_0(child);
     unlink(in_folder("a.bin"));
-}
-
-/* ---- what was known of a file ---- */
-
-static const char *watched;
-
-/* Each writing has a stamp of its own. */
-static void touch(void) {
-    static time_t written = 1000000000;
-    written += 1000;
-    const struct timespec times[2] = {{.tv_sec = written}, {.tv_sec = written}};
-    assert_int_equal(utimensat(AT_FDCWD, watched, times, 0), 0);
-}
-static void lengthen(void) { assert_int_equal(truncate(watched, 20), 0); }
-static void drop(void) { assert_int_equal(unlink(watched), 0); }
-/* The folder is that of the file, so that the new one has another number as long as the old one is there. */
-static void replace(void) {
-    make(in_folder("new.bin"), "0123456789");
-    assert_int_equal(rename(in_folder("new.bin"), watched), 0);
-}
-
-static file_witness *watch(void) {
-    struct stat info;
-    watched = in_folder("a.bin");
-    make(watched, "0123456789");
-    touch();
-    assert_int_equal(stat(watched, &info), 0);
-    file_witness *w = witness_create(watched, &info, 0);
-    assert_non_null(w);
-    return w;
-}
-
-/* A look at the file, as it was or touched, comes to this. */
-static void looks(file_witness *w, file_state expected) {
-    size_t left;
-    assert_int_equal(witness_look(w, 0, &left), expected);
-}
-
-/* What cannot be read is not known, and is read again at the next look; what is not known and touched may
- * have changed. */
-static void learning(void **state) {
-    (void)state;
-    static const struct {
-        const char *call;
-        unsigned at;
-        int error;
-        void (*then)(void);
-        bool learnt;
-    } cases[] = {{"open", 1, EACCES, NULL, false}, {"fstat", 1, EIO, NULL, false},
-                 {"fstat", 2, EIO, NULL, false},   {"pread", 1, EIO, NULL, false},
-                 {"pread", 1, 0, NULL, false},     {"pread", 1, EINTR, NULL, true},
-                 {"fstat", 1, 0, touch, false},    {"fstat", 2, 0, touch, false}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        for (int again = 0; again < 2; ++again) {
-            file_witness *w = watch();
-            if (cases[i].then)
-                before_calls(cases[i].call, cases[i].at, cases[i].at, cases[i].then);
-            else
-                fail_calls(cases[i].call, cases[i].at, cases[i].at, cases[i].error);
-            looks(w, FILE_SAME);
-            no_fault();
-            if (again && !cases[i].then) looks(w, FILE_SAME);
-            touch();
-            looks(w, cases[i].learnt || (again && !cases[i].then) ? FILE_SAME : FILE_CHANGED);
-            witness_destroy(w);
-            unlink(watched);
-        }
-    }
-}
-
-/* Touched, and then this while its bytes are compared. */
-static void comparing(void **state) {
-    (void)state;
-    static const struct {
-        const char *call;
-        unsigned from, to;
-        void (*then)(void);
-        file_state expected;
-    } cases[] = {{"fstat", 1, 1, touch, FILE_SAME},     {"fstat", 2, 2, touch, FILE_SAME},
-                 {"fstat", 1, 99, touch, FILE_CHANGED}, {"fstat", 1, 1, lengthen, FILE_CHANGED},
-                 {"open", 1, 1, drop, FILE_CHANGED},    {"open", 1, 1, replace, FILE_CHANGED}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        file_witness *w = watch();
-        looks(w, FILE_SAME);
-        touch();
-        before_calls(cases[i].call, cases[i].from, cases[i].to, cases[i].then);
-        looks(w, cases[i].expected);
-        no_fault();
-        witness_destroy(w);
-        unlink(watched);
-    }
 }
 
 /* ---- writing ---- */
@@ -370,7 +254,7 @@ static fathom_status open_to_write(fathom_context *c, const char *path) {
     return status;
 }
 
-static void beginning_to_write(void **state) {
+static void failures_to_begin_a_file_are_reported(void **state) {
     (void)state;
     const char *path = in_folder("a.bin");
     fail_call("open", EDQUOT);
@@ -392,7 +276,7 @@ static void lose_temporary(void) {
 
 /* A name that another has is left to him, and so is one that was removed while it was locked, or may have
  * been; when all are taken, that is said. */
-static void names_of_others(void **state) {
+static void temporary_names_in_use_are_skipped(void **state) {
     (void)state;
     const char *path = in_folder("a.bin");
     file_writer *writer;
@@ -425,7 +309,7 @@ static fathom_status write_all(fathom_context *c, const char *path) {
     return file_writer_commit(writer);
 }
 
-static void writing(void **state) {
+static void failures_to_write_leave_nothing(void **state) {
     (void)state;
     const char *path = in_folder("a.bin");
     fail_call("fwrite", ENOSPC);
@@ -446,7 +330,7 @@ static void writing(void **state) {
 }
 
 /* The file has its name by then, and keeps it: whether it is on the disk is not known. */
-static void after_the_renaming(void **state) {
+static void failures_after_the_rename_keep_the_file(void **state) {
     (void)state;
     const char *path = in_folder("a.bin");
     for (int closing = 0; closing < 2; ++closing) {
@@ -463,7 +347,7 @@ static void after_the_renaming(void **state) {
     }
 }
 
-static void in_memory(void **state) {
+static void failures_to_write_to_memory_are_reported(void **state) {
     (void)state;
     file_writer *writer;
     unsigned char *bytes;
@@ -486,7 +370,7 @@ static void in_memory(void **state) {
     }
 }
 
-static void known_beforehand(void **state) {
+static void unwritable_paths_are_found_before_writing(void **state) {
     (void)state;
     const char *path = in_folder("a.bin");
     fail_call("faccessat", EACCES);
@@ -506,7 +390,7 @@ static void known_beforehand(void **state) {
 }
 
 /* Names like those of temporary files, of what is none. */
-static void left_over(void **state) {
+static void only_temporary_files_are_removed(void **state) {
     (void)state;
     const char *link = in_folder("a.fathom-tmp1.bin"), *inside = in_folder("a.fathom-tmp2.bin"),
                *file = in_folder("a.fathom-tmp3.bin");
@@ -526,19 +410,16 @@ static void left_over(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bus_errors_of_others), /* the first: no guard is there yet */
-        cmocka_unit_test(opening),
-        cmocka_unit_test(copying),
-        cmocka_unit_test(holes),
-        cmocka_unit_test(learning),
-        cmocka_unit_test(comparing),
-        cmocka_unit_test(beginning_to_write),
-        cmocka_unit_test(names_of_others),
-        cmocka_unit_test(writing),
-        cmocka_unit_test(after_the_renaming),
-        cmocka_unit_test(in_memory),
-        cmocka_unit_test(known_beforehand),
-        cmocka_unit_test(left_over),
+        cmocka_unit_test(other_bus_errors_reach_their_handler), /* the first: no guard is there yet */
+        cmocka_unit_test(failures_to_open_are_reported),
+        cmocka_unit_test(failures_to_copy_are_reported),
+        cmocka_unit_test(failures_to_begin_a_file_are_reported),
+        cmocka_unit_test(temporary_names_in_use_are_skipped),
+        cmocka_unit_test(failures_to_write_leave_nothing),
+        cmocka_unit_test(failures_after_the_rename_keep_the_file),
+        cmocka_unit_test(failures_to_write_to_memory_are_reported),
+        cmocka_unit_test(unwritable_paths_are_found_before_writing),
+        cmocka_unit_test(only_temporary_files_are_removed),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

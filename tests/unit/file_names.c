@@ -54,7 +54,7 @@ static fathom_status confine(const char *scene, const char *name) {
     return status;
 }
 
-static void stays_in_the_folder(void **state) {
+static void paths_inside_the_folder_are_allowed(void **state) {
     (void)state;
     static const char *const within[] = {"a",          "./a",       "inner/a",  "inner/../a", "within/a",
                                          "inner//./a", "../box/a",  "...",      "..a",        "inner/none",
@@ -65,7 +65,7 @@ static void stays_in_the_folder(void **state) {
 }
 
 /* Folders that begin with the same letters are others; of files that are not there the words are judged. */
-static void leads_outside(void **state) {
+static void paths_outside_the_folder_are_refused(void **state) {
     (void)state;
     static const char *const outside[] = {"../box-two/a", "../box.d/a",  "../scene",      "link/a",
                                           "..",           "../none",     "inner/../../x", "../box-two/none",
@@ -81,7 +81,7 @@ static void leads_outside(void **state) {
 }
 
 /* All lies within the root; a scene without a folder lies in the working folder. */
-static void roots_and_working_folders(void **state) {
+static void root_and_working_folders_confine_too(void **state) {
     (void)state;
     assert_ok(context, confine("/fathom-no-such-scene", "etc/passwd"));
     assert_ok(context, confine("/fathom-no-such-scene", "tmp/../etc/passwd"));
@@ -94,7 +94,7 @@ static void roots_and_working_folders(void **state) {
     assert_int_equal(chdir(before), 0);
 }
 
-static void parts_of_paths(void **state) {
+static void paths_split_into_stem_name_and_extension(void **state) {
     (void)state;
     const struct {
         const char *path, *name, *extension;
@@ -116,7 +116,7 @@ static void parts_of_paths(void **state) {
 }
 
 /* What no memory holds is refused, and what there is stays as it was. */
-static void arrays_that_cannot_be(void **state) {
+static void impossible_array_sizes_change_nothing(void **state) {
     (void)state;
     ARRAY(double) list = {.items = NULL};
     for (int i = 0; i < 100; ++i) assert_true(array_push(&list, i));
@@ -136,9 +136,11 @@ static void arrays_that_cannot_be(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(stays_in_the_folder),       cmocka_unit_test(leads_outside),
-        cmocka_unit_test(roots_and_working_folders), cmocka_unit_test(parts_of_paths),
-        cmocka_unit_test(arrays_that_cannot_be),
+        cmocka_unit_test(paths_inside_the_folder_are_allowed),
+        cmocka_unit_test(paths_outside_the_folder_are_refused),
+        cmocka_unit_test(root_and_working_folders_confine_too),
+        cmocka_unit_test(paths_split_into_stem_name_and_extension),
+        cmocka_unit_test(impossible_array_sizes_change_nothing),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

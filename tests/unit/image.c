@@ -1,6 +1,6 @@
 /* What is written is what is read back: EXR to the last bit, 8-bit formats to the nearest code. */
 #include "image/image.h"
-#include "image/half.h"
+#include "image/pack.h"
 #include "unit_folder.h"
 
 #include <unistd.h>
@@ -102,7 +102,7 @@ static void check_exr_channels(const image *back, bool half) {
     }
 }
 
-static void exr_keeps_everything(void **state) {
+static void exr_keeps_every_value(void **state) {
     (void)state;
     for (int half = 0; half < 2; ++half) {
         fathom_write_options options = defaults();
@@ -168,7 +168,7 @@ static void codes_of(const float *rgb, uint32_t count, const char *name, const f
 static double srgb(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055; }
 static double srgb_inverse(double v) { return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); }
 
-static void srgb_is_exact(void **state) {
+static void srgb_codes_are_exact(void **state) {
     (void)state;
     enum { COUNT = 30000 };
     static float rgb[3 * COUNT];
@@ -191,7 +191,7 @@ static void srgb_is_exact(void **state) {
     }
 }
 
-static void odd_values(void **state) {
+static void odd_values_have_defined_codes(void **state) {
     (void)state;
     const float rgb[] = {NAN, INFINITY, -INFINITY, -1, 1e30f, 1, 0, 1.0001f, -0.0f};
     const int expected[] = {0, 255, 0, 0, 255, 255, 0, 255, 0};
@@ -221,7 +221,7 @@ static void exposure_is_a_factor(void **state) {
                  "exposure: nan");
 }
 
-static void raw_view_is_plain(void **state) {
+static void the_raw_view_changes_nothing(void **state) {
     (void)state;
     float rgb[3 * 256];
     int codes[3 * 256];
@@ -234,7 +234,7 @@ static void raw_view_is_plain(void **state) {
 
 /* ACES 1.0: grey stays grey, brighter stays brighter, and 18 % grey is shown as 4.8 of 48 nits, above a black
  * of 0.02, with the curve of a dim surround, 0.9811. */
-static void aces_view(void **state) {
+static void the_aces_view_matches_its_reference(void **state) {
     (void)state;
     enum { COUNT = 400 };
     float rgb[3 * COUNT];
@@ -293,7 +293,7 @@ static void jpeg_is_close(void **state) {
     for (size_t i = 0; i < 3 * 64; ++i) assert_near(codes[i], 255 * srgb(0.3), 1);
 }
 
-static void small_images(void **state) {
+static void small_images_are_written_whole(void **state) {
     (void)state;
     static float rgb[3 * 200];
     const char *const files[] = {"s.exr", "s.png", "s.jpg", "s.tif"};
@@ -312,7 +312,7 @@ static void small_images(void **state) {
     }
 }
 
-static void same_on_any_thread_count(void **state) {
+static void files_do_not_depend_on_thread_count(void **state) {
     (void)state;
     enum { W = 97, H = 301 };
     static float rgb[3 * W * H];
@@ -346,17 +346,17 @@ static int remove_images(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(halves_round_to_nearest_even),
-        cmocka_unit_test(exr_keeps_everything),
+        cmocka_unit_test(exr_keeps_every_value),
         cmocka_unit_test(exr_keeps_attributes),
-        cmocka_unit_test(srgb_is_exact),
-        cmocka_unit_test(odd_values),
+        cmocka_unit_test(srgb_codes_are_exact),
+        cmocka_unit_test(odd_values_have_defined_codes),
         cmocka_unit_test(exposure_is_a_factor),
-        cmocka_unit_test(raw_view_is_plain),
-        cmocka_unit_test(aces_view),
+        cmocka_unit_test(the_raw_view_changes_nothing),
+        cmocka_unit_test(the_aces_view_matches_its_reference),
         cmocka_unit_test(alpha_is_divided_out),
         cmocka_unit_test(jpeg_is_close),
-        cmocka_unit_test(small_images),
-        cmocka_unit_test(same_on_any_thread_count),
+        cmocka_unit_test(small_images_are_written_whole),
+        cmocka_unit_test(files_do_not_depend_on_thread_count),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_images);
 }

@@ -11,7 +11,7 @@
 /* A half holds it as it is. */
 static float value_at(uint32_t x, uint32_t y) { return (float)((x + 131 * y) % 1024) / 1024; }
 
-static void rows_in_their_place(void **state) {
+static void rows_keep_their_place_across_chunks(void **state) {
     (void)state;
     fathom_write_options options;
     fathom_write_options_default(&options);
@@ -43,6 +43,6 @@ static void rows_in_their_place(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rows_in_their_place)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rows_keep_their_place_across_chunks)};
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

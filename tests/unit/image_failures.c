@@ -96,14 +96,14 @@ static bool with_failing_module(void *user) {
                            "a.txt: cannot be read as an image: is broken");
 }
 
-static void failing_module(void **state) {
+static void module_failures_are_reported(void **state) {
     (void)state;
     write_text(in_folder("a.txt"), "not an image\n");
     in_child(with_failing_module, NULL);
     assert_int_equal(unlink(in_folder("a.txt")), 0);
 }
 
-static void missing_module(void **state) {
+static void a_missing_helper_is_reported(void **state) {
     (void)state;
     write_text(in_folder("a.txt"), "not a library\n");
     in_child(without_module, NULL);
@@ -162,7 +162,7 @@ static bool prefetch_and_leave(void *user) {
 }
 
 /* Leaving the process at any moment of the load, with all exit handlers. */
-static void leaving_while_loading(void **state) {
+static void a_helper_that_ends_while_loading_is_reported(void **state) {
     (void)state;
     for (long i = 0; i < 6; ++i) {
         struct timespec wait = {0, i * 40000000};
@@ -199,12 +199,12 @@ static bool write_after_prefetch(void *user) {
            unlink(in_folder("a.exr")) == 0;
 }
 
-static void writing_waits_for_the_load(void **state) {
+static void writing_waits_for_the_helper(void **state) {
     (void)state;
     in_child(write_after_prefetch, NULL);
 }
 
-static void bad_paths(void **state) {
+static void bad_paths_are_refused(void **state) {
     (void)state;
     image img = noisy();
     fathom_write_options options = defaults();
@@ -242,7 +242,7 @@ static bool as_nobody(void *user) {
                       "Permission denied");
 }
 
-static void closed_folder(void **state) {
+static void closed_folders_are_refused(void **state) {
     (void)state;
     fathom_write_options options = defaults();
     assert_ok(context, image_check(context, in_folder("a.png"), &options));
@@ -261,7 +261,7 @@ static bool with_small_disk(void *user) {
 }
 
 /* The file that was there stays, and nothing else is left. */
-static void full_disk(void **state) {
+static void a_full_disk_is_reported(void **state) {
     (void)state;
     for (size_t i = 0; i < 4; ++i) {
         const char *path = in_folder(files[i]);
@@ -278,7 +278,7 @@ static void full_disk(void **state) {
     }
 }
 
-static void jpeg_has_a_largest_size(void **state) {
+static void jpeg_size_is_limited(void **state) {
     (void)state;
     static const float black[3];
     const char *const names[] = {"R", "G", "B"};
@@ -294,7 +294,7 @@ static void jpeg_has_a_largest_size(void **state) {
     assert_int_equal(files_in_folder(), 0);
 }
 
-static void bad_reads(void **state) {
+static void broken_images_are_refused(void **state) {
     (void)state;
     const image *img;
     assert_fails(context, image_read(context, in_folder("none.png"), &img), FATHOM_BAD_INPUT, "none.png");
@@ -323,18 +323,18 @@ static void bad_reads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(missing_module),
+        cmocka_unit_test(a_missing_helper_is_reported),
         cmocka_unit_test(png_needs_no_helper),
-        cmocka_unit_test(leaving_while_loading),
+        cmocka_unit_test(a_helper_that_ends_while_loading_is_reported),
         cmocka_unit_test(a_forked_child_writes_too),
         cmocka_unit_test(libraries_that_end_their_process_end_only_a_call),
-        cmocka_unit_test(failing_module),
-        cmocka_unit_test(writing_waits_for_the_load),
-        cmocka_unit_test(closed_folder),
-        cmocka_unit_test(full_disk),
-        cmocka_unit_test(bad_paths),
-        cmocka_unit_test(jpeg_has_a_largest_size),
-        cmocka_unit_test(bad_reads),
+        cmocka_unit_test(module_failures_are_reported),
+        cmocka_unit_test(writing_waits_for_the_helper),
+        cmocka_unit_test(closed_folders_are_refused),
+        cmocka_unit_test(a_full_disk_is_reported),
+        cmocka_unit_test(bad_paths_are_refused),
+        cmocka_unit_test(jpeg_size_is_limited),
+        cmocka_unit_test(broken_images_are_refused),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

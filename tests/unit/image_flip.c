@@ -41,7 +41,7 @@ static double spread(double hyab) {
     return d < knee ? 0.95 * d / knee : 0.95 + 0.05 * (d - knee) / (most - knee);
 }
 
-static void colours(void **state) {
+static void colour_spaces_match_the_paper(void **state) {
     (void)state;
     double green[3], blue[3], back[3], opponent[3];
     flip_hunt((const double[3]){0, 1, 0}, green);
@@ -64,7 +64,7 @@ static void colours(void **state) {
     for (int c = 0; c < 3; ++c) assert_near(back[c], rgb[c], 1e-13);
 }
 
-static void equal_images(void **state) {
+static void equal_images_have_no_difference(void **state) {
     (void)state;
     picture a;
     fill(&a, 0.1f, 0.7f, 0.3f);
@@ -75,7 +75,7 @@ static void equal_images(void **state) {
 
 /* Greys 1/8 and 27/125: L* = 116 · 0.5 - 16 = 42 and 116 · 0.6 - 16 = 53.6; nothing else differs, and there
  * are no features. The tolerances are those of 203.302's six digits, and of 0.216 in float. */
-static void uniform_grey(void **state) {
+static void uniform_greys_match_the_equations(void **state) {
     (void)state;
     picture a, b;
     fill(&a, 0.125f, 0.125f, 0.125f);
@@ -91,7 +91,7 @@ static void uniform_grey(void **state) {
     assert_true(flip_of(&b, &c, NULL) == 0);
 }
 
-static void uniform_colour(void **state) {
+static void uniform_colours_match_the_equations(void **state) {
     (void)state;
     picture a, b;
     fill(&a, 0, 1, 0);
@@ -109,7 +109,7 @@ static double blur_weight(int x) {
 /* A step from grey 0.1 to 0.4 between columns 23 and 24, against grey 0.1. In column 23 all positive weights
  * of the edge filter lie on the bright side, so that the edge is 0.3, and no filter finds more; the blur
  * brings 0.3 (1 - w0) / 2 there. */
-static void step(void **state) {
+static void a_step_matches_the_equations(void **state) {
     (void)state;
     picture a, b;
     fill(&a, 0.1f, 0.1f, 0.1f);
@@ -130,7 +130,7 @@ static void step(void **state) {
 
 /* A line of grey 0.4 in column 24 on 0.1: there the edge filter finds nothing, and the point filter 0.3 of
  * its middle weight, with deviation 0.041 · 67 pixels and negative weights that sum to one. */
-static void line(void **state) {
+static void a_line_matches_the_equations(void **state) {
     (void)state;
     picture a, b;
     fill(&a, 0.1f, 0.1f, 0.1f);
@@ -155,7 +155,7 @@ static double line_left(double b, double *share) {
 }
 
 /* A line as light as what is about it: no feature, and each opponent colour is blurred in its own way. */
-static void coloured_line(void **state) {
+static void a_coloured_line_matches_the_equations(void **state) {
     (void)state;
     /* 2613072 R + 8788810 G + 887015 B is the same for both, to float's rounding. */
     const double about[3] = {0.3, 0.3, 0.1};
@@ -185,7 +185,7 @@ static void coloured_line(void **state) {
 }
 
 /* A picture turned on its side has the same difference, turned: rows and columns are filtered alike. */
-static void turned(void **state) {
+static void turning_both_images_changes_nothing(void **state) {
     (void)state;
     picture a, b, sides[2];
     fill(&a, 0.2f, 0.3f, 0.4f);
@@ -209,7 +209,7 @@ static void turned(void **state) {
         assert_near((double)map[0][i], (double)map[1][i % WIDTH * HEIGHT + i / WIDTH], 1e-6);
 }
 
-static void more_noise(void **state) {
+static void more_noise_is_a_larger_difference(void **state) {
     (void)state;
     picture a, b;
     double last = 0;
@@ -228,7 +228,7 @@ static void more_noise(void **state) {
 
 /* A broken pixel is the largest error, and reaches no other through the filters but as what is shown of it:
  * NaN as black. */
-static void broken_pixel(void **state) {
+static void a_pixel_that_is_not_finite_is_the_largest_error(void **state) {
     (void)state;
     picture a, b;
     fill(&a, 0, 0, 0);
@@ -241,10 +241,16 @@ static void broken_pixel(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(colours),        cmocka_unit_test(equal_images),  cmocka_unit_test(uniform_grey),
-        cmocka_unit_test(uniform_colour), cmocka_unit_test(step),          cmocka_unit_test(turned),
-        cmocka_unit_test(line),           cmocka_unit_test(coloured_line), cmocka_unit_test(more_noise),
-        cmocka_unit_test(broken_pixel),
+        cmocka_unit_test(colour_spaces_match_the_paper),
+        cmocka_unit_test(equal_images_have_no_difference),
+        cmocka_unit_test(uniform_greys_match_the_equations),
+        cmocka_unit_test(uniform_colours_match_the_equations),
+        cmocka_unit_test(a_step_matches_the_equations),
+        cmocka_unit_test(turning_both_images_changes_nothing),
+        cmocka_unit_test(a_line_matches_the_equations),
+        cmocka_unit_test(a_coloured_line_matches_the_equations),
+        cmocka_unit_test(more_noise_is_a_larger_difference),
+        cmocka_unit_test(a_pixel_that_is_not_finite_is_the_largest_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

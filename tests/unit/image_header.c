@@ -1,6 +1,6 @@
 /* Headers of EXR files: the same entries by both writers, the module's and the plain one; and images that no
  * format holds. */
-#include "image/exr.h"
+#include "image/image.h"
 #include "unit_folder.h"
 
 #include <unistd.h>
@@ -40,7 +40,7 @@ static void check_numbers(const image *back, size_t count) {
     }
 }
 
-static void numbers_of_any_count(void **state) {
+static void attributes_hold_any_count_of_numbers(void **state) {
     (void)state;
     image_attribute attributes[MOST + 1] = {{"Software", "Fathom test", NULL, 0}};
     for (size_t i = 0; i < MOST; ++i) numbers[i] = i % 2 ? -1.0 / (double)(i + 2) : ldexp(1 + (double)i, 300);
@@ -64,7 +64,7 @@ static void numbers_of_any_count(void **state) {
     }
 }
 
-static void images_that_cannot_be(void **state) {
+static void impossible_images_are_refused(void **state) {
     (void)state;
     const fathom_write_options options = {.exposure = 0};
     image img = {2, 1, 0, 0, 2, 1, channels, 3, NULL, 0};
@@ -84,8 +84,8 @@ static void images_that_cannot_be(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_of_any_count),
-        cmocka_unit_test(images_that_cannot_be),
+        cmocka_unit_test(attributes_hold_any_count_of_numbers),
+        cmocka_unit_test(impossible_images_are_refused),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

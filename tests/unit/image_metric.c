@@ -17,7 +17,7 @@ static void fill(picture *p, float value) {
     }
 }
 
-static void equal_images(void **state) {
+static void equal_images_have_no_error(void **state) {
     (void)state;
     picture a;
     fill(&a, 0.3f);
@@ -28,7 +28,7 @@ static void equal_images(void **state) {
 
 /* An offset d everywhere: RMSE is |d|, relative MSE d² / (r² + 0.01). The values are exact in float; sums of
  * 12 terms and a root round by less than 16 units. */
-static void offset(void **state) {
+static void an_offset_is_the_rmse(void **state) {
     (void)state;
     picture a, b;
     fill(&a, 0.5f);
@@ -40,7 +40,7 @@ static void offset(void **state) {
 }
 
 /* One of the 12 values is off by 3, the others by nothing: √(9 / 12), and 9 / 0.01 / 12. */
-static void one_value(void **state) {
+static void one_value_matches_the_definition(void **state) {
     (void)state;
     picture a, b;
     fill(&a, 0);
@@ -51,7 +51,7 @@ static void one_value(void **state) {
 }
 
 /* Wherever it stands, and though both images have it. */
-static void not_finite(void **state) {
+static void values_that_are_not_finite_make_errors_infinite(void **state) {
     (void)state;
     const float bad[] = {NAN, INFINITY, -INFINITY};
     for (size_t k = 0; k < 3; ++k) {
@@ -74,10 +74,10 @@ static void not_finite(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equal_images),
-        cmocka_unit_test(offset),
-        cmocka_unit_test(one_value),
-        cmocka_unit_test(not_finite),
+        cmocka_unit_test(equal_images_have_no_error),
+        cmocka_unit_test(an_offset_is_the_rmse),
+        cmocka_unit_test(one_value_matches_the_definition),
+        cmocka_unit_test(values_that_are_not_finite_make_errors_infinite),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 /* What PNG files hold beside their pixels, chunk by chunk, and what goes wrong in writing them. */
 #include "base/file.h"
-#include "image/write_png.h"
+#include "image/output.h"
 #include "unit_folder.h"
 
 #include <unistd.h>
@@ -59,7 +59,7 @@ static image small(image_channel channels[4], size_t channel_count) {
 
 /* Sizes and kind, sRGB with its intent, and for those who do not know sRGB the gamma 1/2.2 and BT.709; texts
  * as Latin-1, or as UTF-8 where they need it. */
-static void chunks_of_srgb(void **state) {
+static void srgb_files_have_srgb_chunks(void **state) {
     (void)state;
     image_channel channels[4];
     image img = small(channels, 3);
@@ -86,7 +86,7 @@ static void chunks_of_srgb(void **state) {
 }
 
 /* Colours of another kind are not called sRGB. */
-static void chunks_of_raw(void **state) {
+static void raw_files_have_no_srgb_chunk(void **state) {
     (void)state;
     image_channel channels[4];
     image img = small(channels, 3);
@@ -102,7 +102,7 @@ static void chunks_of_raw(void **state) {
     ASSERT_CHUNK("tEXt", 0, "Software\0Fathom test");
 }
 
-static void texts_come_back(void **state) {
+static void texts_are_read_back(void **state) {
     (void)state;
     image_channel channels[4];
     image img = small(channels, 4);
@@ -127,7 +127,7 @@ static void texts_come_back(void **state) {
 }
 
 /* libpng has a limit of its own, a million a side, which is lifted. */
-static void long_rows(void **state) {
+static void long_rows_are_written(void **state) {
     (void)state;
     image_channel channels[4];
     image img = small(channels, 3);
@@ -139,7 +139,7 @@ static void long_rows(void **state) {
 }
 
 /* PNG's own limit: libpng's error arrives as a status, and the file that was there stays. */
-static void too_high(void **state) {
+static void too_many_rows_are_refused(void **state) {
     (void)state;
     image_channel channels[4];
     image img = small(channels, 3);
@@ -153,7 +153,7 @@ static void too_high(void **state) {
 }
 
 /* Given up after its rows: nothing is said, and nothing is kept. */
-static void given_up(void **state) {
+static void an_abandoned_file_leaves_nothing(void **state) {
     (void)state;
     image_channel channels[4];
     const image img = small(channels, 3);
@@ -177,8 +177,9 @@ static int remove_image(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(chunks_of_srgb), cmocka_unit_test(chunks_of_raw), cmocka_unit_test(texts_come_back),
-        cmocka_unit_test(long_rows),      cmocka_unit_test(too_high),      cmocka_unit_test(given_up),
+        cmocka_unit_test(srgb_files_have_srgb_chunks), cmocka_unit_test(raw_files_have_no_srgb_chunk),
+        cmocka_unit_test(texts_are_read_back),         cmocka_unit_test(long_rows_are_written),
+        cmocka_unit_test(too_many_rows_are_refused),   cmocka_unit_test(an_abandoned_file_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_image);
 }

@@ -1,9 +1,7 @@
 /* The built-in sRGB view is that of OpenColorIO's config, to the last bit; files in it need no image module.
  */
-#include "image/byte.h"
-#include "image/helper/loader.h"
+#include "image/helper/helper.h"
 #include "image/pack.h"
-#include "image/srgb.h"
 #include "unit.h"
 
 static fathom_context *context;
@@ -50,7 +48,7 @@ static uint32_t step_of_module(unsigned code) {
 }
 
 /* Between two steps the code does not change: with the steps the same, all is. */
-static void every_step_is_the_modules(void **state) {
+static void every_step_agrees_with_opencolorio(void **state) {
     (void)state;
     for (unsigned code = 0; code < 255; ++code) {
         uint32_t step = step_of_module(code);
@@ -66,7 +64,7 @@ static void every_step_is_the_modules(void **state) {
 }
 
 /* Values from all over the floats, and of each bucket the ends. */
-static void all_over(void **state) {
+static void all_floats_agree_with_opencolorio(void **state) {
     (void)state;
     static float values[COUNT];
     static unsigned char expected[COUNT];
@@ -90,7 +88,7 @@ static void all_over(void **state) {
 
 /* Rows through both, with what no view is given as it is: infinities, NaN, 1e38; gains, and alphas to divide
  * by. */
-static void rows_are_the_modules(void **state) {
+static void rows_agree_with_opencolorio(void **state) {
     (void)state;
     enum { WIDTH = 512 };
     static float rgba[WIDTH][4], scratch[4 * WIDTH];
@@ -126,7 +124,7 @@ static void rows_are_the_modules(void **state) {
 }
 
 /* Decided by the names alone. */
-static void who_needs_the_module(void **state) {
+static void only_srgb_png_needs_no_helper(void **state) {
     (void)state;
     fathom_write_options options = {0, NULL, NULL, NULL, false, NULL};
     assert_false(image_needs_module("a.png", &options));
@@ -169,10 +167,10 @@ static int close_view(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_step_is_the_modules),
-        cmocka_unit_test(all_over),
-        cmocka_unit_test(rows_are_the_modules),
-        cmocka_unit_test(who_needs_the_module),
+        cmocka_unit_test(every_step_agrees_with_opencolorio),
+        cmocka_unit_test(all_floats_agree_with_opencolorio),
+        cmocka_unit_test(rows_agree_with_opencolorio),
+        cmocka_unit_test(only_srgb_png_needs_no_helper),
     };
     return cmocka_run_group_tests(tests, open_view, close_view);
 }

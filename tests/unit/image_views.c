@@ -61,7 +61,7 @@ static void unknown_names_are_listed(void **state) {
     assert_ok(context, image_check(context, in_folder("a.tif"), &options));
 }
 
-static void missing_and_broken_configs(void **state) {
+static void missing_and_broken_configs_are_reported(void **state) {
     (void)state;
     fathom_write_options options = defaults();
     options.ocio = "/nowhere/config.ocio";
@@ -99,7 +99,7 @@ static void assert_codes(const int codes[15], float factor) {
     }
 }
 
-static void config_of_the_user(void **state) {
+static void the_users_config_is_used(void **state) {
     (void)state;
     int codes[15];
     fathom_write_options options = defaults();
@@ -118,7 +118,7 @@ static void config_of_the_user(void **state) {
 }
 
 /* A space with one of linear Rec.709's names goes before the role: in many configs scene_linear is ACEScg. */
-static void named_space_goes_first(void **state) {
+static void a_named_space_comes_before_roles(void **state) {
     (void)state;
     int codes[15];
     fathom_write_options options = defaults();
@@ -167,7 +167,7 @@ static bool file_holds(const char *path, const char *bytes, size_t count) {
 }
 
 /* Marked as sRGB when it is: PNG's own chunk, TIFF's ICC profile, JPEG's EXIF tag 0xa001 (short, count 1). */
-static void srgb_is_marked(void **state) {
+static void srgb_files_are_marked(void **state) {
     (void)state;
     static const struct {
         const char *file, *mark;
@@ -201,9 +201,12 @@ static int remove_image(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(unknown_names_are_listed),    cmocka_unit_test(missing_and_broken_configs),
-        cmocka_unit_test(config_of_the_user),          cmocka_unit_test(named_space_goes_first),
-        cmocka_unit_test(interchange_leads_to_rec709), cmocka_unit_test(srgb_is_marked),
+        cmocka_unit_test(unknown_names_are_listed),
+        cmocka_unit_test(missing_and_broken_configs_are_reported),
+        cmocka_unit_test(the_users_config_is_used),
+        cmocka_unit_test(a_named_space_comes_before_roles),
+        cmocka_unit_test(interchange_leads_to_rec709),
+        cmocka_unit_test(srgb_files_are_marked),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_image);
 }

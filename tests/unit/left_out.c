@@ -1,5 +1,5 @@
 /* A render says what it does without, and no pixel shows that it was left out. */
-#include "image/half.h"
+#include "image/pack.h"
 #include "scene/scene.h"
 
 #include "random.h"

@@ -5,7 +5,7 @@
 #define MEGABYTE ((size_t)1 << 20)
 
 /* Little is not asked about, and what no machine has is refused wherever the system tells. */
-static void has(void **state) {
+static void free_memory_is_granted(void **state) {
     (void)state;
     assert_true(memory_has(0));
     assert_true(memory_has(256 * MEGABYTE));
@@ -14,7 +14,7 @@ static void has(void **state) {
 }
 
 /* All is zero; up to 64 MB is in memory at once. */
-static void taken(void **state) {
+static void taken_memory_is_resident(void **state) {
     (void)state;
     static const size_t sizes[] = {1, 8 * MEGABYTE, 64 * MEGABYTE, 64 * MEGABYTE + 1, 1024 * MEGABYTE};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
@@ -34,6 +34,7 @@ static void taken(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(has), cmocka_unit_test(taken)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(free_memory_is_granted),
+                                       cmocka_unit_test(taken_memory_is_resident)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
 /* Noise and random numbers under the generators. */
-#include "generate/generate_tree.h"
+#include "generate/generate.h"
 #include "unit.h"
 
 /* A central difference with step h is off by h² f''' / 6 and by the rounding of f over h. The third

@@ -12,7 +12,7 @@ static void assert_rejected(fixture *f, const char *text) {
     fathom_scene_destroy(scene);
 }
 
-static void containers(void **state) {
+static void broken_containers_are_refused(void **state) {
     fixture *f = *state;
     unsigned char glb[4096];
     size_t size = make_glb("{" ASSET "}", &triangle, sizeof triangle, glb);
@@ -58,7 +58,7 @@ static void assert_all_rejected(fixture *f, const bad_file *files, size_t count)
     }
 }
 
-static void documents(void **state) {
+static void broken_documents_are_refused(void **state) {
     const bad_file files[] = {
         {"{}", "asset.version: is missing"},
         {"{'asset':{'version':'1.0'}}", "asset.version: is \"1.0\""},
@@ -82,7 +82,7 @@ static void documents(void **state) {
     "}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}"
 #define VEC3(count) "'componentType':5126,'type':'VEC3','count':" #count
 
-static void meshes(void **state) {
+static void broken_meshes_are_refused(void **state) {
     const bad_file files[] = {
         {MESH("'attributes':{'POSITION':17}"),
          "meshes[0].primitives[0].attributes.POSITION: is 17; expected an index into accessors, which has 6"},
@@ -101,7 +101,7 @@ static void meshes(void **state) {
     assert_all_rejected(*state, files, sizeof files / sizeof *files);
 }
 
-static void accessors(void **state) {
+static void broken_accessors_are_refused(void **state) {
     const bad_file files[] = {
         {ONE_VIEW("'buffer':0,'byteLength':121", "'bufferView':0," VEC3(3)), "bufferViews[0]: spans bytes"},
         {ONE_VIEW("'buffer':0,'byteOffset':9007199254740993,'byteLength':36", "'bufferView':0," VEC3(3)),
@@ -149,7 +149,7 @@ static void accessors(void **state) {
 
 /* A few bytes may not ask for any amount of memory: elements that are zero, and nothing else, by the million;
  * one array unrolled again and again. The same in proportion to the file is fine. */
-static void out_of_proportion(void **state) {
+static void memory_out_of_proportion_is_refused(void **state) {
     fixture *f = *state;
     const bad_file files[] = {
         {"{" ASSET ",'accessors':[{" VEC3(1000000) "}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}"
@@ -170,7 +170,7 @@ static void out_of_proportion(void **state) {
 }
 
 /* What making normals takes meanwhile counts, and is given back: the second file makes them three times. */
-static void normals_out_of_proportion(void **state) {
+static void normals_out_of_proportion_are_refused(void **state) {
     fixture *f = *state;
     const read_mesh_options smooth = {.material = FATHOM_NONE, .smooth = true};
     fathom_scene *scene;
@@ -190,13 +190,13 @@ static void normals_out_of_proportion(void **state) {
 }
 
 /* What a message quotes cannot steer the terminal that shows it. */
-static void quoted_controls(void **state) {
+static void control_characters_are_not_printed(void **state) {
     fixture *f = *state;
     write_triangle(f, "{'asset':{'version':'\\u001b[2J\\n'}}");
     assert_rejected(f, "asset.version: is \"?[2J?\"");
 }
 
-static void values(void **state) {
+static void wrong_values_name_their_place(void **state) {
     fixture *f = *state;
     triangle_data data = triangle;
     data.positions[2][1] = NAN;
@@ -211,7 +211,7 @@ static void values(void **state) {
 
 #define NODES(nodes) WITH_DATA(TRIANGLE_MESH ",'nodes':[" nodes "]")
 
-static void nodes(void **state) {
+static void broken_nodes_are_refused(void **state) {
     const bad_file files[] = {
         {NODES("{'children':[1]},{'children':[2]},{'children':[1]}"),
          "names nodes[1], which is a child of nodes[0]"},
@@ -248,7 +248,7 @@ static void nodes(void **state) {
     SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{" material   \
           "}]")
 
-static void lights_and_materials(void **state) {
+static void broken_lights_and_materials_are_refused(void **state) {
     const bad_file files[] = {
         {LIGHT("'type':'area'"), "extensions.KHR_lights_punctual.lights[0].type: is \"area\""},
         {LIGHT("'type':'point','intensity':-1"), "lights[0].intensity: is -1; expected a number >= 0"},
@@ -302,7 +302,7 @@ static bool read_damaged(fixture *f) {
     return status == FATHOM_OK;
 }
 
-static void truncated_anywhere(void **state) {
+static void truncation_anywhere_is_an_error(void **state) {
     fixture *f = *state;
     unsigned char glb[8192];
     size_t size = make_glb(RICH_GLB, &triangle, sizeof triangle, glb);
@@ -351,13 +351,13 @@ static void damage(fixture *f, const char *name, const unsigned char *bytes, siz
     assert_in_range(good, 100, 9900);
 }
 
-static void random_bytes_changed(void **state) {
+static void random_bytes_do_no_harm(void **state) {
     unsigned char glb[8192];
     damage(*state, "test.glb", glb, make_glb(RICH_GLB, &triangle, sizeof triangle, glb));
 }
 
 /* The same with the buffer in base64, which is decoded into memory of its own. */
-static void random_characters_changed(void **state) {
+static void random_characters_do_no_harm(void **state) {
     char text[256], json[8192];
     encode_base64((const unsigned char *)&triangle, sizeof triangle, text);
     snprintf(json, sizeof json, RICH_GLTF, text);
@@ -370,19 +370,19 @@ static void random_characters_changed(void **state) {
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(containers),
-        TEST(documents),
-        TEST(meshes),
-        TEST(accessors),
-        TEST(out_of_proportion),
-        TEST(normals_out_of_proportion),
-        TEST(quoted_controls),
-        TEST(values),
-        TEST(nodes),
-        TEST(lights_and_materials),
-        TEST(truncated_anywhere),
-        TEST(random_bytes_changed),
-        TEST(random_characters_changed),
+        TEST(broken_containers_are_refused),
+        TEST(broken_documents_are_refused),
+        TEST(broken_meshes_are_refused),
+        TEST(broken_accessors_are_refused),
+        TEST(memory_out_of_proportion_is_refused),
+        TEST(normals_out_of_proportion_are_refused),
+        TEST(control_characters_are_not_printed),
+        TEST(wrong_values_name_their_place),
+        TEST(broken_nodes_are_refused),
+        TEST(broken_lights_and_materials_are_refused),
+        TEST(truncation_anywhere_is_an_error),
+        TEST(random_bytes_do_no_harm),
+        TEST(random_characters_do_no_harm),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -87,7 +87,7 @@ static void no_material_makes_light(void **state) {
     }
 }
 
-static void plastic_and_metal(void **state) {
+static void plastic_and_metal_follow_their_formulas(void **state) {
     fixture *f = *state;
     fathom_material plastic = read_factors(f, 0.8, 0, 0.5, "");
     assert_near(plastic.k_d[0], 0.8 * 0.96, 0x1p-24);
@@ -108,7 +108,7 @@ static void plastic_and_metal(void **state) {
     assert_near(polished.k_r[0], 1, 0);
 }
 
-static void glass(void **state) {
+static void glass_transmits_its_colour(void **state) {
     fixture *f = *state;
     fathom_material m = read_factors(f, 1, 0, 0,
                                      ",'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},"
@@ -124,7 +124,7 @@ static void glass(void **state) {
     assert_near(m.k_t[0], 0, 0);
 }
 
-static void specular_and_ior_zero(void **state) {
+static void ior_zero_takes_the_specular_colour(void **state) {
     fixture *f = *state;
     fathom_material none =
         read_factors(f, 0.8, 0, 0, ",'extensions':{'KHR_materials_specular':{'specularFactor':0}}");
@@ -158,7 +158,7 @@ static void specular_glossiness_keeps_its_colour(void **state) {
 }
 
 /* A texture that is not read is taken as one even value: no silhouette, no mirror, no glass all over. */
-static void textures_are_taken_as_even_values(void **state) {
+static void textures_become_even_values(void **state) {
     fixture *f = *state;
     const char *all =
         "'pbrMetallicRoughness':{'baseColorTexture':{'index':0},'metallicRoughnessTexture':{'index':0}},"
@@ -184,7 +184,7 @@ static void textures_are_taken_as_even_values(void **state) {
     assert_near(m.k_d[0], 0.96 * 0.5, 0x1p-24);
 }
 
-static void emission(void **state) {
+static void emission_is_scaled_by_its_strength(void **state) {
     fixture *f = *state;
     fathom_material m = read_factors(f, 0, 0, 1,
                                      ",'emissiveFactor':[1,0.5,0],'extensions':{"
@@ -198,7 +198,7 @@ static void emission(void **state) {
     for (int c = 0; c < 3; ++c) assert_near(m.k_d[c] + m.k_s[c] + m.k_r[c] + m.k_t[c] + m.k_a[c], 0, 0);
 }
 
-static void alpha(void **state) {
+static void alpha_modes_cover_their_part(void **state) {
     fixture *f = *state;
     fathom_material opaque = read_factors(f, 0.8, 0, 1, "");
     fathom_material half =
@@ -220,7 +220,7 @@ static void alpha(void **state) {
 }
 
 /* More than half of the light passes: no shadow. */
-static void shadows_of_clear_things(void **state) {
+static void clear_materials_cast_no_shadow(void **state) {
     fixture *f = *state;
     const double alphas[] = {0.25, 0.75};
     for (int i = 0; i < 2; ++i) {
@@ -236,7 +236,7 @@ static void shadows_of_clear_things(void **state) {
 }
 
 /* Whatever else the material has: the shape is not there. */
-static void what_mask_cuts_away_is_not_there(void **state) {
+static void masked_surfaces_are_absent(void **state) {
     fixture *f = *state;
     static const char *const more[] = {
         "", "'emissiveFactor':[1,1,1]", "'extensions':{'KHR_materials_unlit':{}}",
@@ -256,7 +256,7 @@ static void what_mask_cuts_away_is_not_there(void **state) {
 
 /* Names stay, a material is made once, and one that is not named is the format's default: white rough metal.
  */
-static void names_and_default(void **state) {
+static void materials_keep_names_and_have_a_default(void **state) {
     fixture *f = *state;
     fathom_scene *scene =
         read_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':1},{'"
@@ -279,16 +279,16 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         TEST(highlight_reflects_f0),
         TEST(no_material_makes_light),
-        TEST(plastic_and_metal),
-        TEST(glass),
-        TEST(specular_and_ior_zero),
+        TEST(plastic_and_metal_follow_their_formulas),
+        TEST(glass_transmits_its_colour),
+        TEST(ior_zero_takes_the_specular_colour),
         TEST(specular_glossiness_keeps_its_colour),
-        TEST(textures_are_taken_as_even_values),
-        TEST(emission),
-        TEST(alpha),
-        TEST(shadows_of_clear_things),
-        TEST(what_mask_cuts_away_is_not_there),
-        TEST(names_and_default),
+        TEST(textures_become_even_values),
+        TEST(emission_is_scaled_by_its_strength),
+        TEST(alpha_modes_cover_their_part),
+        TEST(clear_materials_cast_no_shadow),
+        TEST(masked_surfaces_are_absent),
+        TEST(materials_keep_names_and_have_a_default),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

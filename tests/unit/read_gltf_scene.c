@@ -54,7 +54,7 @@ static void a_mesh_is_stored_once(void **state) {
 }
 
 /* EXT_mesh_gpu_instancing: the positions serve as translations, the normals as scales. */
-static void instancing_extension(void **state) {
+static void gpu_instancing_places_every_entry(void **state) {
     fixture *f = *state;
     triangle_data data = triangle;
     for (int i = 0; i < 9; ++i) data.normals[i / 3][i % 3] = (float)(i / 3 + 1);
@@ -74,7 +74,7 @@ static void instancing_extension(void **state) {
 }
 
 /* The default scene, else the first, else all roots, else every mesh. */
-static void which_nodes_are_shown(void **state) {
+static void the_default_scene_chooses_the_nodes(void **state) {
     fixture *f = *state;
     const struct {
         const char *tail;
@@ -98,7 +98,7 @@ static void which_nodes_are_shown(void **state) {
     }
 }
 
-static void what_is_left_out_is_said_once(void **state) {
+static void each_omission_is_reported_once(void **state) {
     fixture *f = *state;
     const struct {
         const char *tail, *warning;
@@ -143,7 +143,7 @@ static void what_is_left_out_is_said_once(void **state) {
 }
 
 /* KHR_node_visibility hides what is below as well, and lights, but not cameras. */
-static void hidden_nodes_show_nothing_but_their_camera(void **state) {
+static void hidden_nodes_only_keep_their_camera(void **state) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f, WITH_DATA(
@@ -168,7 +168,7 @@ static void hidden_nodes_show_nothing_but_their_camera(void **state) {
     "{'type':'perspective','perspective':{'yfov':0.5,'znear':0.1}}]"
 
 /* The first perspective camera of the hierarchy, in the order of the file; its frame is its node's. */
-static void camera(void **state) {
+static void the_camera_follows_its_node(void **state) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f,
@@ -202,7 +202,7 @@ static void camera(void **state) {
 
 /* A surface of base colour b lit head on by I candela from d metres has the luminance b / pi · I / d^2: the
  * model's k_d k_l / d^2 must be that. */
-static void lights(void **state) {
+static void lights_follow_their_node(void **state) {
     fixture *f = *state;
     fathom_scene *scene = read_triangle(
         f,
@@ -247,7 +247,7 @@ static void surroundings_only_when_asked_for(void **state) {
 }
 
 /* Into a group other than the root: the instances lie in it. */
-static void into_a_group(void **state) {
+static void models_can_be_read_into_a_group(void **state) {
     fixture *f = *state;
     write_triangle(f, SHOWN(TRIANGLE_MESH));
     fathom_scene *scene;
@@ -266,14 +266,14 @@ int main(void) {
         TEST(transforms_nest),
         TEST(transforms_are_double),
         TEST(a_mesh_is_stored_once),
-        TEST(instancing_extension),
-        TEST(which_nodes_are_shown),
-        TEST(what_is_left_out_is_said_once),
-        TEST(camera),
-        TEST(hidden_nodes_show_nothing_but_their_camera),
-        TEST(lights),
+        TEST(gpu_instancing_places_every_entry),
+        TEST(the_default_scene_chooses_the_nodes),
+        TEST(each_omission_is_reported_once),
+        TEST(the_camera_follows_its_node),
+        TEST(hidden_nodes_only_keep_their_camera),
+        TEST(lights_follow_their_node),
         TEST(surroundings_only_when_asked_for),
-        TEST(into_a_group),
+        TEST(models_can_be_read_into_a_group),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -78,8 +78,8 @@ static void lines_and_places(void **state) {
     assert_refused("[0, -1, 0]", "[0, 0, 0]", 12, "lights[1].direction: expected numbers that are not all 0");
     assert_refused("\"a\", \"rotation\"", "\"x\", \"rotation\"", 14,
                    "groups.b[0].of: there is no group \"x\"");
-    assert_refused("\"a\", \"rotation\"", "\"b\", \"rotation\"", 14,
-                   "groups.b[0].of: group \"b\" contains itself");
+    assert_refused("\"a\", \"rotation\"", "\"b\", \"rotation\"", 13,
+                   "groups: groups contain each other in a cycle: \"b\"");
     assert_refused("\"radius\": 1", "\"radius\": -1", 16,
                    "objects[0].radius: expected a number > 0, found -1");
     assert_refused(", \"radius\": 1", "", 16, "objects[0]: \"radius\" is missing; every sphere needs it");

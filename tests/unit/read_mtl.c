@@ -1,7 +1,7 @@
 /* MTL materials: what each model of the format means here. */
 #include "mesh_file.h"
 
-#include "read/obj/mtl.h"
+#include "read/obj/obj.h"
 
 static fathom_material material_of(const char *body) {
     char text[512];
@@ -26,7 +26,7 @@ static void expect_color(const char *body, const char *field, const float found[
     }
 }
 
-static void defaults(void **state) {
+static void absent_values_get_defaults(void **state) {
     (void)state;
     fathom_material plain, found = material_of("");
     fathom_material_default(&plain);
@@ -37,7 +37,7 @@ static void defaults(void **state) {
     expect_color("", "k_r", found.k_r, 0, 0, 0);
 }
 
-static void diffuse_and_highlights(void **state) {
+static void diffuse_and_highlights_are_read(void **state) {
     (void)state;
     const char *body = "Kd 0.1 0.2 0.3\nKs 0.4 0.5 0.6\nNs 50\nKe 1 2 3\nKa 0.7 0.8 0.9\nillum 2\n";
     fathom_material m = material_of(body);
@@ -58,7 +58,7 @@ static void diffuse_and_highlights(void **state) {
     expect_color("Kd 0.25", "k_d", m.k_d, 0.25, 0.25, 0.25);
 }
 
-static void ambient(void **state) {
+static void ambient_follows_ka_and_illum(void **state) {
     (void)state;
     assert_true(material_of("Kd 0.1 0.2 0.3\nKa 1 1 1\nillum 2\n").k_a[0] < 0);
     fathom_material m = material_of("Ka 0 0 0\nillum 1\n");
@@ -68,7 +68,7 @@ static void ambient(void **state) {
 }
 
 /* What Blender and others write for a surface that is simply opaque. */
-static void as_exported(void **state) {
+static void materials_as_exported_look_right(void **state) {
     (void)state;
     const char *body =
         "Ns 250.000000\nKa 1.000000 1.000000 1.000000\nKd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\n"
@@ -83,7 +83,7 @@ static void as_exported(void **state) {
     assert_ptr_equal(strchr(mesh_warnings, '\n'), mesh_warnings + strlen(mesh_warnings) - 1);
 }
 
-static void mirrors(void **state) {
+static void mirrors_follow_illum(void **state) {
     (void)state;
     const char *models[] = {"illum 3", "illum 5\nNi 1.5", "illum 8"};
     for (int i = 0; i < 3; ++i) {
@@ -103,7 +103,7 @@ static void mirrors(void **state) {
 }
 
 /* Dissolving fades all that the surface sends out and bends nothing, however it is written. */
-static void dissolve(void **state) {
+static void dissolved_materials_pass_light_straight(void **state) {
     (void)state;
     const char *bodies[] = {
         "Kd 0.8 0.8 0.8\nKs 1 1 1\nNs 10\nKe 1 1 1\nKa 0.4 0.4 0.4\nillum 2\nNi 1.45\nd 0.25\n",
@@ -121,7 +121,7 @@ static void dissolve(void **state) {
     }
 }
 
-static void glass(void **state) {
+static void glass_follows_its_formulas(void **state) {
     (void)state;
     /* By Fresnel's law: all goes through or is mirrored, highlights stay. */
     const char *body = "Kd 0.01 0.01 0.01\nKs 1 1 1\nNs 200\nNi 1.5\nTf 0.9 1 0.8\nillum 7\n";
@@ -159,7 +159,7 @@ static void expect_warning(const char *text) {
     if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
 }
 
-static void left_out(void **state) {
+static void omissions_are_reported(void **state) {
     (void)state;
     material_of("Kd 1 1 1\nPr 0.5\nKs spectral x.rfl\nPm 1\nTf 0.5 1 1\nd -halo 1\nillum 10\n");
     expect_warning("m.mtl:3: statements that are not read are left out (2 such, the first here: \"Pr\")");
@@ -172,7 +172,7 @@ static void left_out(void **state) {
 }
 
 /* The factor of a texture that is not read is mostly 1: it would make a mirror, a lamp or a white wall. */
-static void factors_of_textures_lie(void **state) {
+static void textures_replace_their_factors(void **state) {
     (void)state;
     const char *body = "Kd 1 0.5 0\nmap_Kd a b.png\nKs 1 1 1\nmap_Ks c\nKe 1 1 1\nmap_Ke d\nKa 0.1 0.1 0.1\n"
                        "map_Ka e\nNs 9\nmap_Ns f\nd 1\nmap_d g\nbump h\nillum 3\n";
@@ -222,7 +222,7 @@ static void materials_without_a_name_have_the_empty_one(void **state) {
 }
 
 /* Names are whole lines; a later material of a name takes the place of the earlier. */
-static void names(void **state) {
+static void names_may_hold_blanks(void **state) {
     (void)state;
     const char *text =
         "newmtl Material #25 \r\nKd 1 0 0\r\nnewmtl b\nKd 0 1 0\nnewmtl Material #25\nKd 0 0 1\n";
@@ -237,16 +237,16 @@ static void names(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(defaults),
-        cmocka_unit_test(diffuse_and_highlights),
-        cmocka_unit_test(ambient),
-        cmocka_unit_test(as_exported),
-        cmocka_unit_test(mirrors),
-        cmocka_unit_test(dissolve),
-        cmocka_unit_test(glass),
-        cmocka_unit_test(left_out),
-        cmocka_unit_test(names),
-        cmocka_unit_test(factors_of_textures_lie),
+        cmocka_unit_test(absent_values_get_defaults),
+        cmocka_unit_test(diffuse_and_highlights_are_read),
+        cmocka_unit_test(ambient_follows_ka_and_illum),
+        cmocka_unit_test(materials_as_exported_look_right),
+        cmocka_unit_test(mirrors_follow_illum),
+        cmocka_unit_test(dissolved_materials_pass_light_straight),
+        cmocka_unit_test(glass_follows_its_formulas),
+        cmocka_unit_test(omissions_are_reported),
+        cmocka_unit_test(names_may_hold_blanks),
+        cmocka_unit_test(textures_replace_their_factors),
         cmocka_unit_test(numbers_out_of_range_become_the_nearest),
         cmocka_unit_test(materials_without_a_name_have_the_empty_one),
     };

@@ -17,7 +17,7 @@ static void expect_same(const char *text) {
     }
 }
 
-static void edges(void **state) {
+static void numbers_at_the_ends_of_the_range_are_exact(void **state) {
     (void)state;
     const char *texts[] = {"0",
                            "-0",
@@ -54,7 +54,7 @@ static void edges(void **state) {
 }
 
 /* Every count of digits, every place of the point, exponents around all limits of the fast ways. */
-static void random_numbers(void **state) {
+static void random_numbers_round_like_the_library(void **state) {
     (void)state;
     random_state seed = {1};
     char text[96];
@@ -74,7 +74,7 @@ static void random_numbers(void **state) {
 }
 
 /* Halfway between two doubles: the even one, and to either side of it. */
-static void ties(void **state) {
+static void ties_round_to_even(void **state) {
     (void)state;
     random_state seed = {2};
     for (int round = 0; round < 2000; ++round) {
@@ -89,7 +89,7 @@ static void ties(void **state) {
     }
 }
 
-static void what_is_no_number(void **state) {
+static void words_are_no_numbers(void **state) {
     (void)state;
     const char *texts[] = {"", "-", "+", ".", "e5", "-.", "x1", ",5", "i", "na"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
@@ -104,7 +104,7 @@ static void what_is_no_number(void **state) {
     assert_string_equal(comma, ",5");
 }
 
-static void special_numbers(void **state) {
+static void nan_and_infinity_are_read(void **state) {
     (void)state;
     const char *p = "-inf x";
     double value;
@@ -114,7 +114,7 @@ static void special_numbers(void **state) {
 }
 
 /* A point stays a point where the locale has a comma. */
-static void locale_with_comma(void **state) {
+static void the_locale_changes_nothing(void **state) {
     (void)state;
     const char *names[] = {"de_DE.UTF-8", "de_DE.utf8",  "fr_FR.UTF-8", "fr_FR.utf8",
                            "de_DE",       "nl_NL.UTF-8", "es_ES.UTF-8"};
@@ -129,7 +129,7 @@ static void locale_with_comma(void **state) {
     assert_true(*p == '\0');
 }
 
-static void integers(void **state) {
+static void integers_saturate(void **state) {
     (void)state;
     const char *p = "-12/3";
     int64_t value;
@@ -145,13 +145,13 @@ static void integers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(edges),
-        cmocka_unit_test(random_numbers),
-        cmocka_unit_test(ties),
-        cmocka_unit_test(what_is_no_number),
-        cmocka_unit_test(special_numbers),
-        cmocka_unit_test(locale_with_comma),
-        cmocka_unit_test(integers),
+        cmocka_unit_test(numbers_at_the_ends_of_the_range_are_exact),
+        cmocka_unit_test(random_numbers_round_like_the_library),
+        cmocka_unit_test(ties_round_to_even),
+        cmocka_unit_test(words_are_no_numbers),
+        cmocka_unit_test(nan_and_infinity_are_read),
+        cmocka_unit_test(the_locale_changes_nothing),
+        cmocka_unit_test(integers_saturate),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,7 +32,7 @@ static void expect_square(const char *text, uint32_t triangles) {
 }
 
 /* One square, written in all the ways the format allows. */
-static void ways_to_write(void **state) {
+static void every_way_to_write_a_face_is_read(void **state) {
     (void)state;
     expect_square(SQUARE "f 1 2 3\nf 1 3 4\n", 2);
     expect_square(SQUARE "f 1 2 3 4\n", 2);
@@ -51,7 +51,7 @@ static void ways_to_write(void **state) {
 }
 
 /* What dissolves to nothing is not there, and casts no shadow. */
-static void what_is_fully_dissolved_is_not_there(void **state) {
+static void fully_dissolved_materials_are_absent(void **state) {
     (void)state;
     for (int i = 0; i < 2; ++i) {
         const char *library =
@@ -101,7 +101,7 @@ static void byte_order_mark_and_line_ends_change_nothing(void **state) {
 }
 
 /* A fault in such a file stands in the line that an editor shows. */
-static void lines_are_counted_however_they_end(void **state) {
+static void any_line_end_counts_a_line(void **state) {
     (void)state;
     char text[128];
     for (int i = 0; i < 6; ++i) {
@@ -117,7 +117,7 @@ static void expect_warning(const char *text) {
 }
 
 /* Exporters name texture coordinates and normals that they do not write. */
-static void faces_lose_the_parts_that_the_file_has_no_data_for(void **state) {
+static void faces_lose_parts_without_data(void **state) {
     (void)state;
     const char *wrong[] = {"f 1/1/1 2/2/2 3/3/3\n", "f 1//1 2//2 3//3\n", "f 1/-1 2/-1 3/-1\n",
                            "vt 0 0\nvn 0 0 1\nf 1/1/1 2/2/2 3/1/1\n", "vt 0 0\nf 1/1/-1 2/1/-1 3/1/-9\n"};
@@ -136,7 +136,7 @@ static void faces_lose_the_parts_that_the_file_has_no_data_for(void **state) {
     }
 }
 
-static void what_follows_a_vertex_is_told(void **state) {
+static void words_after_a_vertex_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = read_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0 1\nv 1 1 0 1.0\nv 0 1 0 0.5\nf 1 2 3\n");
     expect_warning(":1: vertex colours are not used (2 such");
@@ -144,7 +144,7 @@ static void what_follows_a_vertex_is_told(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void a_library_without_a_name_is_told(void **state) {
+static void a_library_without_a_name_is_reported(void **state) {
     (void)state;
     fathom_scene *scene = read_text("mtllib\nmtllib \n" SQUARE "usemtl\nf 1 2 3\n");
     expect_warning(":1: mtllib: expected the name of a file");
@@ -152,7 +152,7 @@ static void a_library_without_a_name_is_told(void **state) {
 }
 
 /* Negative indices count back from where they stand. */
-static void negative_indices(void **state) {
+static void negative_indices_count_back(void **state) {
     (void)state;
     fathom_scene *scene = read_text("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf -4 -3 -1\n");
     const uint32_t expected[6] = {1, 2, 3, 1, 2, 4};
@@ -160,7 +160,7 @@ static void negative_indices(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void uvs_and_normals(void **state) {
+static void uvs_and_normals_keep_their_indices(void **state) {
     (void)state;
     fathom_scene *scene = read_text(SQUARE "vt 0.25 0.5\nvt 0.75\nvt 1 2 3\nvn 0 0 1\nvn 0 0 2\n"
                                            "f 1/1/1 2/2/2 3/3/1\nf 1/-1/-1 3/-2/-2 4/-3/-1\n");
@@ -176,7 +176,7 @@ static void uvs_and_normals(void **state) {
 }
 
 /* Indices that equal the vertices' take no memory of their own; too few values for that, and they do. */
-static void same_indices(void **state) {
+static void equal_indices_are_not_stored(void **state) {
     (void)state;
     const char *four = SQUARE "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf 1//1 2//2 3//3 4//4\n";
     fathom_scene *scene = read_text(four);
@@ -189,7 +189,7 @@ static void same_indices(void **state) {
 }
 
 /* One mesh a material and kind of data, over the same vertices, each face in one of them. */
-static void meshes_by_material(void **state) {
+static void each_material_is_one_mesh(void **state) {
     (void)state;
     const char *mtl = "newmtl red\nKd 1 0 0\nnewmtl a b\nKd 0 1 0\n";
     mesh_write("m.mtl", mtl, strlen(mtl));
@@ -213,7 +213,7 @@ static void meshes_by_material(void **state) {
 }
 
 /* A material that is asked for goes on everything, and the file's own are not looked for. */
-static void material_given(void **state) {
+static void a_given_material_replaces_the_files(void **state) {
     (void)state;
     const read_mesh_options options = {.material = 0, .flags = FATHOM_CASTS_NO_SHADOW};
     fathom_scene *scene =
@@ -245,7 +245,7 @@ static void expect_roof(const char *faces, read_mesh_options options, int smooth
     fathom_scene_destroy(scene);
 }
 
-static void smoothing_groups(void **state) {
+static void smoothing_groups_share_normals(void **state) {
     (void)state;
     const read_mesh_options smooth = {.material = FATHOM_NONE, .smooth = true};
     const read_mesh_options flat = {.material = FATHOM_NONE, .flat = true};
@@ -263,7 +263,7 @@ static void smoothing_groups(void **state) {
 }
 
 /* Polygons of any size; concave ones, whose fan would turn over. */
-static void polygons(void **state) {
+static void polygons_are_triangulated(void **state) {
     (void)state;
     fathom_scene *scene =
         read_text("v 0 0 0\nv 2 -1 0\nv 0.5 0 0\nv 2 1 0\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 2 0\nvt 3 0\n"
@@ -287,7 +287,7 @@ static void polygons(void **state) {
 
 /* Earth-sized coordinates with details of a millimetre come back to the last digit that a float of the extent
  * has: 1.5 × 2^-24 of half of it, plus double's own. */
-static void far_from_origin(void **state) {
+static void far_meshes_keep_their_digits(void **state) {
     (void)state;
     const double x = 6378137.123456, y = -6378000.654321, z = 12.3456789;
     char text[512];
@@ -317,7 +317,7 @@ static void far_from_origin(void **state) {
     fathom_scene_destroy(scene);
 }
 
-static void warnings(void **state) {
+static void omissions_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = read_text(
         SQUARE "f 1 2 3\nl 1 2\nl 2 3\np 1\nf 1 2\ncurv 0 1 1 2\nmtllib none.mtl\nusemtl x\nusemtl y\n");
@@ -335,7 +335,7 @@ static void warnings(void **state) {
 }
 
 /* However often and under however many names: one warning. */
-static void missing_libraries(void **state) {
+static void missing_libraries_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = read_text("mtllib a b\nmtllib c\nmtllib b\nmtllib c\n" SQUARE "f 1 2 3\n");
     const char *text =
@@ -346,7 +346,7 @@ static void missing_libraries(void **state) {
 }
 
 /* One vertex in each of many smoothing groups has a normal of each; faces that share a group share it. */
-static void many_smoothing_groups(void **state) {
+static void many_smoothing_groups_are_read(void **state) {
     (void)state;
     enum { groups = 100 };
     char text[64 + groups * 40] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n", *p = text + strlen(text);
@@ -388,7 +388,7 @@ static char *big_file(size_t *size) {
     return text;
 }
 
-static void any_threads(void **state) {
+static void meshes_do_not_depend_on_thread_count(void **state) {
     (void)state;
     const unsigned threads[] = {1, 2, 7};
     fathom_scene *scenes[3];
@@ -425,25 +425,25 @@ static void any_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ways_to_write),
-        cmocka_unit_test(what_is_fully_dissolved_is_not_there),
-        cmocka_unit_test(negative_indices),
-        cmocka_unit_test(uvs_and_normals),
-        cmocka_unit_test(same_indices),
-        cmocka_unit_test(meshes_by_material),
-        cmocka_unit_test(material_given),
-        cmocka_unit_test(smoothing_groups),
-        cmocka_unit_test(polygons),
-        cmocka_unit_test(far_from_origin),
-        cmocka_unit_test(warnings),
-        cmocka_unit_test(missing_libraries),
+        cmocka_unit_test(every_way_to_write_a_face_is_read),
+        cmocka_unit_test(fully_dissolved_materials_are_absent),
+        cmocka_unit_test(negative_indices_count_back),
+        cmocka_unit_test(uvs_and_normals_keep_their_indices),
+        cmocka_unit_test(equal_indices_are_not_stored),
+        cmocka_unit_test(each_material_is_one_mesh),
+        cmocka_unit_test(a_given_material_replaces_the_files),
+        cmocka_unit_test(smoothing_groups_share_normals),
+        cmocka_unit_test(polygons_are_triangulated),
+        cmocka_unit_test(far_meshes_keep_their_digits),
+        cmocka_unit_test(omissions_are_reported),
+        cmocka_unit_test(missing_libraries_are_reported),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
-        cmocka_unit_test(lines_are_counted_however_they_end),
-        cmocka_unit_test(faces_lose_the_parts_that_the_file_has_no_data_for),
-        cmocka_unit_test(what_follows_a_vertex_is_told),
-        cmocka_unit_test(a_library_without_a_name_is_told),
-        cmocka_unit_test(many_smoothing_groups),
-        cmocka_unit_test(any_threads),
+        cmocka_unit_test(any_line_end_counts_a_line),
+        cmocka_unit_test(faces_lose_parts_without_data),
+        cmocka_unit_test(words_after_a_vertex_are_reported),
+        cmocka_unit_test(a_library_without_a_name_is_reported),
+        cmocka_unit_test(many_smoothing_groups_are_read),
+        cmocka_unit_test(meshes_do_not_depend_on_thread_count),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
 }

@@ -18,7 +18,7 @@ static void expect_error(const char *text, const char *message) {
 
 #define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
-static void vertices(void **state) {
+static void wrong_vertices_name_their_line(void **state) {
     (void)state;
     expect_error("v 0 0\n", "a.obj:1: v: number 3 of 3: expected a number, found the end of the line");
     expect_error(TRIANGLE "v 0 zero 0\n", "a.obj:4: v: number 2 of 3: expected a number, found \"zero\"");
@@ -34,7 +34,7 @@ static void vertices(void **state) {
     expect_error("v 1 \\\n2 \\\nx\n", "a.obj:3: v: number 3 of 3");
 }
 
-static void faces(void **state) {
+static void wrong_faces_name_their_line(void **state) {
     (void)state;
     expect_error(TRIANGLE "f 1 2 4\n", "a.obj:4: f: corner 3: v: index 4 is out of range; the file has 3");
     expect_error(TRIANGLE "f 1 2 -4\n",
@@ -51,7 +51,7 @@ static void faces(void **state) {
 }
 
 /* Of several faults the one that comes first in the file is told, whichever thread met it. */
-static void first_fault(void **state) {
+static void the_first_fault_is_reported(void **state) {
     (void)state;
     const size_t lines = 200000;
     char *text = malloc(lines * 16 + 64), *p = text;
@@ -64,7 +64,7 @@ static void first_fault(void **state) {
     free(text);
 }
 
-static void nothing_to_render(void **state) {
+static void files_without_faces_are_refused(void **state) {
     (void)state;
     fathom_status status;
     expect_error(TRIANGLE, "a.obj: it has no faces (3 vertices)");
@@ -86,7 +86,7 @@ static void expect_mtl_error(const char *mtl, const char *message) {
     expect_error("mtllib m.mtl\n" TRIANGLE "f 1 2 3\n", message);
 }
 
-static void materials(void **state) {
+static void wrong_materials_name_their_line(void **state) {
     (void)state;
     expect_mtl_error("newmtl a\nKd 1 x 0\n", "m.mtl:2: Kd: expected three numbers, found \"x\"");
     expect_mtl_error("newmtl a\nKd 1 0\n", "m.mtl:2: Kd: expected three numbers, found the end of the line");
@@ -95,7 +95,7 @@ static void materials(void **state) {
 
 /* A file that holds a bit of everything, cut after each byte: read or refused, and never more (the sanitizers
  * watch). */
-static void cut_anywhere(void **state) {
+static void truncation_anywhere_does_no_harm(void **state) {
     (void)state;
     const char mtl[] = "newmtl a\nKd 0.5 0.5 \\\n0.5\nillum 7\nNi 1.5\nmap_Kd x.png\nd -halo 0.5\n";
     const char text[] =
@@ -115,8 +115,9 @@ static void cut_anywhere(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(vertices),          cmocka_unit_test(faces),     cmocka_unit_test(first_fault),
-        cmocka_unit_test(nothing_to_render), cmocka_unit_test(materials), cmocka_unit_test(cut_anywhere),
+        cmocka_unit_test(wrong_vertices_name_their_line),  cmocka_unit_test(wrong_faces_name_their_line),
+        cmocka_unit_test(the_first_fault_is_reported),     cmocka_unit_test(files_without_faces_are_refused),
+        cmocka_unit_test(wrong_materials_name_their_line), cmocka_unit_test(truncation_anywhere_does_no_harm),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
 }

@@ -5,7 +5,7 @@
 #include "random.h"
 
 /* All formats, at all alignments. */
-static void triangles_and_quads(void **state) {
+static void triangles_and_quads_are_read(void **state) {
     (void)state;
     for (int i = 0; i < 4 * FLAVOURS; ++i) {
         ply_maker m;
@@ -26,7 +26,7 @@ static void triangles_and_quads(void **state) {
 
 /* The scene keeps a file whose vertices it can use as they are: aligned, little endian, floats side by side.
  */
-static void in_place(void **state) {
+static void aligned_floats_are_used_in_place(void **state) {
     (void)state;
     for (size_t shift = 0; shift < 2; ++shift) {
         ply_maker m;
@@ -52,7 +52,7 @@ static void in_place(void **state) {
 }
 
 /* Every type and both of its names, for coordinates and for indices. */
-static void all_types(void **state) {
+static void all_number_types_are_read(void **state) {
     (void)state;
     static const struct {
         const char *names[2];
@@ -81,7 +81,7 @@ static void all_types(void **state) {
 }
 
 /* Signs are kept: characters and shorts below zero, indices above 127 and 32767. */
-static void signs(void **state) {
+static void signed_and_unsigned_numbers_differ(void **state) {
     (void)state;
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
@@ -100,7 +100,7 @@ static void signs(void **state) {
 }
 
 /* Properties in any order, lists among the vertex's, faces before vertices, elements between and behind. */
-static void any_order(void **state) {
+static void elements_may_come_in_any_order(void **state) {
     (void)state;
     const char *lines =
         "comment made by hand\nobj_info x\nelement camera 1\nproperty list uchar float view\nproperty int "
@@ -138,7 +138,7 @@ static void any_order(void **state) {
     }
 }
 
-static void names_of_uvs(void **state) {
+static void all_names_of_uvs_are_known(void **state) {
     (void)state;
     const char *names[3][2] = {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}};
     for (int i = 0; i < 3; ++i) {
@@ -157,7 +157,7 @@ static void names_of_uvs(void **state) {
 }
 
 /* Concave polygons of different sizes in one file, faces too small to be any. */
-static void polygons(void **state) {
+static void polygons_are_triangulated(void **state) {
     (void)state;
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
@@ -183,7 +183,7 @@ static void polygons(void **state) {
 }
 
 /* A strip zigzags: every other triangle is turned round. -1 starts again. */
-static void strips(void **state) {
+static void strips_keep_their_winding(void **state) {
     (void)state;
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
@@ -202,7 +202,7 @@ static void strips(void **state) {
 }
 
 /* Doubles far out keep what a float of their extent can hold; floats are moved without losing a bit. */
-static void far_from_origin(void **state) {
+static void far_meshes_keep_their_digits(void **state) {
     (void)state;
     for (int i = 0; i < 2 * FLAVOURS; ++i) {
         bool wide = i % 2;
@@ -228,7 +228,7 @@ static void far_from_origin(void **state) {
     }
 }
 
-static void options(void **state) {
+static void options_are_applied(void **state) {
     (void)state;
     ply_maker m;
     fathom_status status;
@@ -258,7 +258,7 @@ static void options(void **state) {
 }
 
 /* Blank lines, tabs and \r\n are no rows; rows beyond those promised are warned about. */
-static void loose_text(void **state) {
+static void blanks_in_text_change_nothing(void **state) {
     (void)state;
     const char *text = "ply\r\nformat ascii 1.0\r\n" XYZ FACES(
         2) "end_header\r\n"
@@ -301,7 +301,7 @@ static void expect_warning(const char *text) {
     if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
 }
 
-static void what_is_not_used_is_told(void **state) {
+static void unused_properties_are_reported(void **state) {
     (void)state;
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
@@ -326,7 +326,7 @@ static void what_is_not_used_is_told(void **state) {
 }
 
 /* Behind the last row, and behind the last number of a row of text. */
-static void what_the_header_does_not_promise_is_told(void **state) {
+static void extra_rows_are_reported(void **state) {
     (void)state;
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
         ply_maker m;
@@ -406,7 +406,7 @@ static void expect_one_mesh(bool alike) {
     fathom_context_set_threads(context, 0);
 }
 
-static void any_threads(void **state) {
+static void meshes_do_not_depend_on_thread_count(void **state) {
     (void)state;
     expect_one_mesh(true);
     expect_one_mesh(false);
@@ -414,21 +414,21 @@ static void any_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(triangles_and_quads),
-        cmocka_unit_test(in_place),
-        cmocka_unit_test(all_types),
-        cmocka_unit_test(signs),
-        cmocka_unit_test(any_order),
-        cmocka_unit_test(names_of_uvs),
-        cmocka_unit_test(polygons),
-        cmocka_unit_test(strips),
-        cmocka_unit_test(far_from_origin),
-        cmocka_unit_test(options),
-        cmocka_unit_test(loose_text),
+        cmocka_unit_test(triangles_and_quads_are_read),
+        cmocka_unit_test(aligned_floats_are_used_in_place),
+        cmocka_unit_test(all_number_types_are_read),
+        cmocka_unit_test(signed_and_unsigned_numbers_differ),
+        cmocka_unit_test(elements_may_come_in_any_order),
+        cmocka_unit_test(all_names_of_uvs_are_known),
+        cmocka_unit_test(polygons_are_triangulated),
+        cmocka_unit_test(strips_keep_their_winding),
+        cmocka_unit_test(far_meshes_keep_their_digits),
+        cmocka_unit_test(options_are_applied),
+        cmocka_unit_test(blanks_in_text_change_nothing),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
-        cmocka_unit_test(what_is_not_used_is_told),
-        cmocka_unit_test(what_the_header_does_not_promise_is_told),
-        cmocka_unit_test(any_threads),
+        cmocka_unit_test(unused_properties_are_reported),
+        cmocka_unit_test(extra_rows_are_reported),
+        cmocka_unit_test(meshes_do_not_depend_on_thread_count),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
 }

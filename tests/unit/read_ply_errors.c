@@ -20,7 +20,7 @@ static void expect_text_error(const char *text, const char *message) {
 
 #define START "ply\nformat ascii 1.0\n"
 
-static void headers(void **state) {
+static void wrong_headers_name_their_line(void **state) {
     (void)state;
     expect_text_error("plx\n", "a.ply:1: expected \"ply\" as the first line of a PLY file, found \"plx\"");
     expect_text_error("ply", "a.ply:1: the file ends inside the header");
@@ -51,7 +51,7 @@ static void headers(void **state) {
                       "a.ply:9: element x: it has no properties");
 }
 
-static void no_surface(void **state) {
+static void files_without_faces_are_refused(void **state) {
     (void)state;
     expect_text_error(START XYZ "end_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n",
                       "no faces: a cloud of 4 points has no surface");
@@ -66,7 +66,7 @@ static void no_surface(void **state) {
 }
 
 /* Counts that the file has no room for are refused before anything is allocated for them. */
-static void lying_counts(void **state) {
+static void false_counts_are_refused(void **state) {
     (void)state;
     expect_text_error(
         START "element vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\n" FACES(
@@ -102,7 +102,7 @@ static void lying_counts(void **state) {
     }
 }
 
-static void wrong_text(void **state) {
+static void wrong_text_names_its_line(void **state) {
     (void)state;
 #define TEXT(rows) START XYZ FACES(1) "end_header\n" rows
     expect_text_error(TEXT("0 0 0\n0 x 0\n0 0 0\n0 0 0\n3 0 1 2\n"),
@@ -129,7 +129,7 @@ static void wrong_text(void **state) {
                       "a.ply:16: the file ends after 4 rows; its header promises 5");
 }
 
-static void wrong_bytes(void **state) {
+static void wrong_bytes_name_their_offset(void **state) {
     (void)state;
     for (int flavour = LITTLE; flavour <= BIG; ++flavour) {
         for (size_t shift = 0; shift < 2; ++shift) {
@@ -163,7 +163,7 @@ static void wrong_bytes(void **state) {
 }
 
 /* Of several faults the one that comes first in the file is told, whichever thread met it. */
-static void first_fault(void **state) {
+static void the_first_fault_is_reported(void **state) {
     (void)state;
     enum { vertices = 300000 };
     ply_maker m;
@@ -214,7 +214,7 @@ static void read_or_refuse(const unsigned char *bytes, size_t size) {
 
 /* Cut after each byte, and with random bytes changed: read or refused, and never more (the sanitizers watch).
  */
-static void damaged_anywhere(void **state) {
+static void damage_anywhere_does_no_harm(void **state) {
     (void)state;
     random_state random = {11};
     for (int i = 0; i < 2 * FLAVOURS; ++i) {
@@ -233,9 +233,10 @@ static void damaged_anywhere(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(headers),          cmocka_unit_test(no_surface),  cmocka_unit_test(lying_counts),
-        cmocka_unit_test(wrong_text),       cmocka_unit_test(wrong_bytes), cmocka_unit_test(first_fault),
-        cmocka_unit_test(damaged_anywhere),
+        cmocka_unit_test(wrong_headers_name_their_line), cmocka_unit_test(files_without_faces_are_refused),
+        cmocka_unit_test(false_counts_are_refused),      cmocka_unit_test(wrong_text_names_its_line),
+        cmocka_unit_test(wrong_bytes_name_their_offset), cmocka_unit_test(the_first_fault_is_reported),
+        cmocka_unit_test(damage_anywhere_does_no_harm),
     };
     return cmocka_run_group_tests(tests, mesh_setup, mesh_teardown);
 }

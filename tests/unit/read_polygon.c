@@ -59,7 +59,7 @@ static void expect_closed(uint32_t n, const uint32_t *fan) {
 static float grid(double x) { return (float)(round(x * 4096) / 4096); }
 
 /* Star-shaped around the origin with random radii, in all planes and both ways round. */
-static void random_stars(void **state) {
+static void stars_are_covered_exactly(void **state) {
     (void)state;
     random_state random = {1};
     for (int round = 0; round < 3000; ++round) {
@@ -82,7 +82,7 @@ static void random_stars(void **state) {
 }
 
 /* The same outline run the other way comes out turned the other way. */
-static void clockwise(void **state) {
+static void clockwise_polygons_keep_their_winding(void **state) {
     (void)state;
     const float p[6][3] = {{0, 0, 0}, {0, 2, 0}, {1, 2, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}};
     const float mirrored[6][3] = {{0, 0, 0}, {0, -2, 0}, {1, -2, 0}, {1, -1, 0}, {2, -1, 0}, {2, 0, 0}};
@@ -93,7 +93,7 @@ static void clockwise(void **state) {
 }
 
 /* Where every corner is a place that a fan, or a careless ear, goes wrong. */
-static void hard_outlines(void **state) {
+static void hard_outlines_are_covered_exactly(void **state) {
     (void)state;
     const struct {
         uint32_t n;
@@ -157,7 +157,7 @@ static void hard_outlines(void **state) {
 }
 
 /* An outline that crosses itself has no triangulation; what comes back has the right size and corners. */
-static void crossed_outlines(void **state) {
+static void crossed_outlines_give_all_triangles(void **state) {
     (void)state;
     random_state random = {5};
     for (int round = 0; round < 500; ++round) {
@@ -173,7 +173,7 @@ static void crossed_outlines(void **state) {
 
 /* A concave quad is cut at its reflex corner, wherever that is; a convex one along the diagonal that leaves
  * the larger smallest angle; a rectangle along 0-2, however its corners are rounded. */
-static void quads(void **state) {
+static void quads_split_along_the_better_diagonal(void **state) {
     (void)state;
     const float dart[4][3] = {{0, 0, 0}, {2, -1, 0}, {0.5f, 0, 0}, {2, 1, 0}};
     const float kite[4][3] = {{-4, 0, 0}, {0, -1, 0}, {4, 0, 0}, {0, 1, 0}};
@@ -206,7 +206,7 @@ static void quads(void **state) {
 }
 
 /* Other streams go along corner by corner. */
-static void streams(void **state) {
+static void other_streams_move_along(void **state) {
     (void)state;
     const float p[6][3] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
     const float quad[4][3] = {{0, 0, 0}, {2, -1, 0}, {0.5f, 0, 0}, {2, 1, 0}};
@@ -227,7 +227,7 @@ static void streams(void **state) {
 
 /* A saw of 100,000 teeth, the handle far away: work that grew with the square of the corners would take
  * minutes. */
-static void many_corners(void **state) {
+static void many_corners_are_triangulated(void **state) {
     (void)state;
     const uint32_t teeth = 100000, n = 2 * teeth + 1;
     float(*p)[3] = calloc(n, sizeof *p);
@@ -246,7 +246,7 @@ static void many_corners(void **state) {
 
 /* Long ears that many corners could lie in, and outlines that cross themselves everywhere: the time does not
  * grow with the square of the corners, or this test would not end. */
-static void many_corners_that_are_in_the_way(void **state) {
+static void many_reflex_corners_are_triangulated(void **state) {
     (void)state;
     const uint32_t n = 200000;
     float(*p)[3] = calloc(n, sizeof *p);
@@ -270,10 +270,14 @@ static void many_corners_that_are_in_the_way(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_stars),  cmocka_unit_test(clockwise),
-        cmocka_unit_test(hard_outlines), cmocka_unit_test(crossed_outlines),
-        cmocka_unit_test(quads),         cmocka_unit_test(streams),
-        cmocka_unit_test(many_corners),  cmocka_unit_test(many_corners_that_are_in_the_way),
+        cmocka_unit_test(stars_are_covered_exactly),
+        cmocka_unit_test(clockwise_polygons_keep_their_winding),
+        cmocka_unit_test(hard_outlines_are_covered_exactly),
+        cmocka_unit_test(crossed_outlines_give_all_triangles),
+        cmocka_unit_test(quads_split_along_the_better_diagonal),
+        cmocka_unit_test(other_streams_move_along),
+        cmocka_unit_test(many_corners_are_triangulated),
+        cmocka_unit_test(many_reflex_corners_are_triangulated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

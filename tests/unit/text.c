@@ -12,14 +12,14 @@ static void becomes(const char *text, const char *expected) {
     assert_string_equal(room, expected);
 }
 
-static void keeps_text(void **state) {
+static void valid_text_is_kept(void **state) {
     (void)state;
     becomes("", "");
     becomes("a b~", "a b~");
     becomes("\u00e4\u00a0\u20ac\u202f\U0001f41f", "\u00e4\u00a0\u20ac\u202f\U0001f41f");
 }
 
-static void takes_controls(void **state) {
+static void control_characters_are_replaced(void **state) {
     (void)state;
     becomes("a\nb\t\x1b[31m\x7f", "a?b??[31m?");
     becomes("\xc2\x80\xc2\x9b"
@@ -29,7 +29,7 @@ static void takes_controls(void **state) {
                                                                       "????????????????????????");
 }
 
-static void takes_what_is_no_utf8(void **state) {
+static void invalid_utf8_is_replaced(void **state) {
     (void)state;
     becomes("\x9b"
             "31m",
@@ -43,7 +43,8 @@ static void takes_what_is_no_utf8(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(keeps_text), cmocka_unit_test(takes_controls),
-                                       cmocka_unit_test(takes_what_is_no_utf8)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(valid_text_is_kept),
+                                       cmocka_unit_test(control_characters_are_replaced),
+                                       cmocka_unit_test(invalid_utf8_is_replaced)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -69,7 +69,7 @@ static void check_loop(bool nested) {
 }
 
 /* The first of all: no thread waits in the pool yet. */
-static void with_fewer_threads(void **state) {
+static void refused_threads_only_cost_time(void **state) {
     (void)state;
     for (int granted = 0; granted < 3; ++granted) {
         atomic_store(&threads_left, granted);
@@ -88,7 +88,7 @@ static void with_fewer_threads(void **state) {
 }
 
 /* Those that this process may use; one, where the system does not say. */
-static void processors(void **state) {
+static void the_affinity_counts_processors(void **state) {
     (void)state;
     cpu_set_t all, one;
     assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
@@ -112,7 +112,7 @@ static void count_any(void *user, size_t begin, size_t end, unsigned worker) {
 }
 
 /* Nothing to do, pieces of nothing, more threads than there are. */
-static void odd_loops(void **state) {
+static void loops_of_odd_sizes_run(void **state) {
     (void)state;
     const struct {
         unsigned threads;
@@ -128,12 +128,12 @@ static void odd_loops(void **state) {
     }
 }
 
-static void every_item_once(void **state) {
+static void every_item_runs_once(void **state) {
     (void)state;
     for (int i = 0; i < 100; ++i) check_loop(false);
 }
 
-static void loops_in_loops(void **state) {
+static void loops_can_nest(void **state) {
     (void)state;
     for (int i = 0; i < 20; ++i) check_loop(true);
 }
@@ -144,7 +144,7 @@ static void *loop_of_its_own(void *unused) {
     return NULL;
 }
 
-static void loops_side_by_side(void **state) {
+static void loops_can_run_in_parallel(void **state) {
     (void)state;
     pthread_t threads[4];
     for (int i = 0; i < 4; ++i) assert_int_equal(pthread_create(&threads[i], NULL, loop_of_its_own, NULL), 0);
@@ -156,7 +156,7 @@ static void wait_for_flag(void *user) {
 }
 
 /* Waiting with a limit says that the work goes on, and when it has ended. */
-static void waiting(void **state) {
+static void waiting_ends_in_time(void **state) {
     (void)state;
     atomic_bool flag = false;
     pool_task task = {.run = wait_for_flag, .user = &flag};
@@ -167,7 +167,7 @@ static void waiting(void **state) {
 }
 
 /* A forked child has none of the threads, and makes its own. */
-static void forked_child(void **state) {
+static void a_forked_child_runs_loops(void **state) {
     (void)state;
 #ifdef __SANITIZE_THREAD__
     skip(); /* it does not support threads in a forked child */
@@ -187,14 +187,14 @@ static void forked_child(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(with_fewer_threads),
-        cmocka_unit_test(processors),
-        cmocka_unit_test(odd_loops),
-        cmocka_unit_test(every_item_once),
-        cmocka_unit_test(loops_in_loops),
-        cmocka_unit_test(loops_side_by_side),
-        cmocka_unit_test(waiting),
-        cmocka_unit_test(forked_child),
+        cmocka_unit_test(refused_threads_only_cost_time),
+        cmocka_unit_test(the_affinity_counts_processors),
+        cmocka_unit_test(loops_of_odd_sizes_run),
+        cmocka_unit_test(every_item_runs_once),
+        cmocka_unit_test(loops_can_nest),
+        cmocka_unit_test(loops_can_run_in_parallel),
+        cmocka_unit_test(waiting_ends_in_time),
+        cmocka_unit_test(a_forked_child_runs_loops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

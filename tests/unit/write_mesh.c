@@ -286,7 +286,7 @@ static fathom_scene *make_hard_scene(void) {
     return scene;
 }
 
-static void hard_scenes_come_back(void **state) {
+static void hard_scenes_are_read_back(void **state) {
     (void)state;
     fathom_scene *scene = make_hard_scene();
     check_all_formats(scene);
@@ -532,7 +532,7 @@ static void numbers_are_short(void **state) {
 
 /* ---- failures ---- */
 
-static void what_cannot_be_written_is_said(void **state) {
+static void shapes_without_triangles_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = new_scene();
     assert_fails(context, fathom_scene_write_mesh(scene, in_folder("a.stl")), FATHOM_BAD_USAGE,
@@ -584,13 +584,13 @@ int main(void) {
         cmocka_unit_test(numbers_are_short),
         cmocka_unit_test(one_mesh_keeps_its_arrays),
         cmocka_unit_test(instances_are_placed),
-        cmocka_unit_test(hard_scenes_come_back),
+        cmocka_unit_test(hard_scenes_are_read_back),
         cmocka_unit_test(far_meshes_keep_their_digits_in_glb),
         cmocka_unit_test(mtl_keeps_materials),
         cmocka_unit_test(glb_keeps_materials),
         cmocka_unit_test(threads_change_no_byte),
         cmocka_unit_test(glb_is_laid_out_for_mapping),
-        cmocka_unit_test(what_cannot_be_written_is_said),
+        cmocka_unit_test(shapes_without_triangles_are_reported),
         cmocka_unit_test(too_many_triangles_are_refused),
     };
     return cmocka_run_group_tests(tests, set_up, remove_folder);

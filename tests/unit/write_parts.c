@@ -62,7 +62,7 @@ static void any_text_becomes_json(void **state) {
 }
 
 /* One wrong byte becomes one mark; what is around it stays. */
-static void wrong_bytes_are_marked(void **state) {
+static void invalid_utf8_becomes_question_marks(void **state) {
     (void)state;
     const char *const cases[][2] = {{"a\xff"
                                      "b",
@@ -151,7 +151,7 @@ static void check_corners(const fathom_mesh *mesh, const write_mesh *out) {
 }
 
 /* Corners that agree in all are one vertex: the two triangles share two positions. */
-static void corners_that_agree_are_one_vertex(void **state) {
+static void equal_corners_share_a_vertex(void **state) {
     (void)state;
     static const uint32_t same[6] = {0, 0, 0, 0, 0, 0}, one_each[6] = {0, 0, 0, 1, 1, 1},
                           seam[6] = {0, 1, 2, 4, 1, 3};
@@ -233,7 +233,7 @@ static void phong_becomes_blinn(void **state) {
 
 /* What MTL alone has: reflected ambient light; glass that lets light straight on; a mirror by Fresnel's law.
  */
-static void what_mtl_has(void **state) {
+static void mtl_has_every_material_value(void **state) {
     (void)state;
     fathom_material given;
     fathom_material_default(&given);
@@ -254,14 +254,10 @@ static void what_mtl_has(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_text_becomes_json),
-        cmocka_unit_test(wrong_bytes_are_marked),
-        cmocka_unit_test(lines_too_long_fail),
-        cmocka_unit_test(names_are_words_and_differ),
-        cmocka_unit_test(corners_that_agree_are_one_vertex),
-        cmocka_unit_test(facets_keep_texture_coordinates),
-        cmocka_unit_test(phong_becomes_blinn),
-        cmocka_unit_test(what_mtl_has),
+        cmocka_unit_test(any_text_becomes_json),        cmocka_unit_test(invalid_utf8_becomes_question_marks),
+        cmocka_unit_test(lines_too_long_fail),          cmocka_unit_test(names_are_words_and_differ),
+        cmocka_unit_test(equal_corners_share_a_vertex), cmocka_unit_test(facets_keep_texture_coordinates),
+        cmocka_unit_test(phong_becomes_blinn),          cmocka_unit_test(mtl_has_every_material_value),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

@@ -1,30 +1,112 @@
 #include "image/compare/flip.h"
 
 #include "image/compare/flip_colour.h"
-#include "image/compare/flip_filter.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* The paper's constants (colour metric, final difference): exponents of the colour and the feature
- * difference, and how the first is spread over [0,1]: up to the fraction 0.4 of the largest it takes the
- * first 0.95. */
+/* The paper's constants: exponents of the colour and the feature difference. Colour differences up to 0.4 of
+ * the largest are spread over the first 0.95 of [0,1]. */
 #define COLOUR_POWER 0.7
 #define FEATURE_POWER 0.5
 #define KNEE_AT 0.4
 #define KNEE_VALUE 0.95
-/* Width in degrees of the edges that the eye is best at. */
+/* Width in degrees of the edges that the eye sees best. */
 #define FEATURE_WIDTH 0.082
 
+/* ---- filters: each a product of one along rows and one along columns; the border goes on outside ---- */
+
+#define RADIUS_MOST 80 /* at FLIP_PPD_MOST a filter reaches 68 pixels */
+
+typedef struct kernel {
+    int radius;
+    double weights[2 * RADIUS_MOST + 1]; /* the middle one at [radius] */
+} kernel;
+
+typedef struct image_size {
+    size_t width, height;
+} image_size;
+
+static double gauss(double x, double sigma) { return exp(-x * x / (2 * sigma * sigma)); }
+
+/* exp(-x² / (2 sigma²)), x in pixels up to the radius; sums to one. */
+static kernel kernel_gauss(double sigma, int radius) {
+    kernel k = {.radius = radius};
+    double sum = 0;
+    for (int x = -radius; x <= radius; ++x) sum += k.weights[x + radius] = gauss(x, sigma);
+    for (int i = 0; i <= 2 * radius; ++i) k.weights[i] /= sum;
+    return k;
+}
+
+/* Positive weights sum to one, negative ones to minus one. */
+static void balance(kernel *k) {
+    double above = 0, below = 0;
+    for (int i = 0; i <= 2 * k->radius; ++i) {
+        above += fmax(k->weights[i], 0);
+        below -= fmin(k->weights[i], 0);
+    }
+    for (int i = 0; i <= 2 * k->radius; ++i) k->weights[i] /= k->weights[i] > 0 ? above : below;
+}
+
+/* Its first derivative, which finds edges. */
+static kernel kernel_edge(double sigma, int radius) {
+    kernel k = {.radius = radius};
+    for (int x = -radius; x <= radius; ++x) k.weights[x + radius] = -x * gauss(x, sigma);
+    balance(&k);
+    return k;
+}
+
+/* Its second derivative, which finds points and lines. */
+static kernel kernel_point(double sigma, int radius) {
+    kernel k = {.radius = radius};
+    for (int x = -radius; x <= radius; ++x)
+        k.weights[x + radius] = (x * x / (sigma * sigma) - 1) * gauss(x, sigma);
+    balance(&k);
+    return k;
+}
+
+/* Extends the row beyond the border by its end values. */
+static void extend_row(const double *row, size_t width, size_t radius, double *line) {
+    for (size_t i = 0; i < radius; ++i) line[i] = row[0], line[radius + width + i] = row[width - 1];
+    memcpy(line + radius, row, width * sizeof *row);
+}
+
+static void add_row(const double *restrict from, double weight, size_t width, double *restrict to) {
+    for (size_t x = 0; x < width; ++x) to[x] += weight * from[x];
+}
+
+/* `line` has room for a row and two radii; `out` is neither of the other arrays. */
+static void filter_rows(const double *in, image_size size, const kernel *k, double *line, double *out) {
+    memset(out, 0, size.width * size.height * sizeof *out);
+    for (size_t y = 0; y < size.height; ++y) {
+        extend_row(in + y * size.width, size.width, (size_t)k->radius, line);
+        for (int i = 0; i <= 2 * k->radius; ++i)
+            add_row(line + i, k->weights[i], size.width, out + y * size.width);
+    }
+}
+
+static void filter_columns(const double *in, image_size size, const kernel *k, double *out) {
+    memset(out, 0, size.width * size.height * sizeof *out);
+    for (size_t y = 0; y < size.height; ++y) {
+        for (int i = -k->radius; i <= k->radius; ++i) {
+            ptrdiff_t row = (ptrdiff_t)y + i, last = (ptrdiff_t)size.height - 1;
+            row = row < 0 ? 0 : row > last ? last : row;
+            add_row(in + (size_t)row * size.width, k->weights[i + k->radius], size.width,
+                    out + y * size.width);
+        }
+    }
+}
+
+/* ---- the eye ---- */
+
 struct flip_view {
-    flip_size size;
+    image_size size;
     double *hunt[3];      /* colours after the eye's blur */
     double *edge, *point; /* how much of either there is */
     unsigned char *broken;
     double *memory;
 };
-
-/* ---- the eye's blur ---- */
 
 /* Contrast sensitivity as a sum of two Gaussians of the angle x, Σ a √(π/b) exp(-π² x² / b), for lightness,
  * red against green, blue against yellow. */
@@ -35,7 +117,7 @@ static const struct {
 
 static double deviation_of(double b, double ppd) { return sqrt(b / (2 * M_PI * M_PI)) * ppd; }
 
-/* The part of a Gaussian in the sum over the pixels, before both are made to sum to one. */
+/* A Gaussian's part of the sum over the pixels, before normalisation. */
 static double share_of(double a, double b, double ppd, int radius) {
     double sum = 0, sigma = deviation_of(b, ppd);
     for (int x = -radius; x <= radius; ++x) sum += exp(-x * x / (2 * sigma * sigma));
@@ -57,31 +139,31 @@ static void blur(const flip_view *v, int channel, double ppd, const workroom *ro
     for (size_t p = 0; p < count; ++p) out[p] = 0;
     for (int i = 0; i < 2; ++i) {
         if (!(shares[i] > 0)) continue;
-        flip_kernel k = flip_gauss(deviation_of(sensitivity[channel][i].b, ppd), radius);
-        flip_along_rows(room->in, v->size, &k, room->line, room->across);
-        flip_along_columns(room->across, v->size, &k, room->one);
+        kernel k = kernel_gauss(deviation_of(sensitivity[channel][i].b, ppd), radius);
+        filter_rows(room->in, v->size, &k, room->line, room->across);
+        filter_columns(room->across, v->size, &k, room->one);
         for (size_t p = 0; p < count; ++p) out[p] += shares[i] / total * room->one[p];
     }
 }
 
 /* ---- edges and points ---- */
 
-/* √(gx² + gy²) of a filter along x, and the same along y; each is smoothed the other way. */
-static void detect(const flip_view *v, const flip_kernel *k, const flip_kernel *smooth, const workroom *room,
+/* √(gx² + gy²) of a filter along x and along y; each is smoothed in the other direction. */
+static void detect(const flip_view *v, const kernel *k, const kernel *smooth, const workroom *room,
                    double *out) {
     size_t count = v->size.width * v->size.height;
-    flip_along_rows(room->in, v->size, k, room->line, room->across);
-    flip_along_columns(room->across, v->size, smooth, out);
-    flip_along_rows(room->in, v->size, smooth, room->line, room->across);
-    flip_along_columns(room->across, v->size, k, room->one);
+    filter_rows(room->in, v->size, k, room->line, room->across);
+    filter_columns(room->across, v->size, smooth, out);
+    filter_rows(room->in, v->size, smooth, room->line, room->across);
+    filter_columns(room->across, v->size, k, room->one);
     for (size_t p = 0; p < count; ++p) out[p] = hypot(out[p], room->one[p]);
 }
 
 static void find_features(flip_view *v, double ppd, const workroom *room) {
     double sigma = 0.5 * FEATURE_WIDTH * ppd;
     int radius = (int)ceil(3 * sigma);
-    flip_kernel smooth = flip_gauss(sigma, radius), edge = flip_edge(sigma, radius),
-                point = flip_point(sigma, radius);
+    kernel smooth = kernel_gauss(sigma, radius), edge = kernel_edge(sigma, radius),
+           point = kernel_point(sigma, radius);
     detect(v, &edge, &smooth, room, v->edge);
     detect(v, &point, &smooth, room, v->point);
 }
@@ -99,7 +181,7 @@ static void take_channel(const metric_image *img, int channel, double *out) {
     }
 }
 
-/* Blurred colours are clamped to what a screen can show, as the eye sees no other. */
+/* Clamps blurred colours to those that a screen can show. */
 static void see_colours(flip_view *v) {
     for (size_t p = 0; p < v->size.width * v->size.height; ++p) {
         double opponent[3] = {v->hunt[0][p], v->hunt[1][p], v->hunt[2][p]}, rgb[3], hunt[3];
@@ -133,9 +215,9 @@ static void fill(flip_view *v, const metric_image *img, double ppd, const workro
 flip_view *flip_view_create(const metric_image *img, double ppd) {
     size_t count = (size_t)img->width * img->height;
     flip_view *v = calloc(1, sizeof *v);
-    double *room = malloc((3 * count + img->width + 2 * FLIP_RADIUS_MOST) * sizeof *room);
+    double *room = malloc((3 * count + img->width + 2 * RADIUS_MOST) * sizeof *room);
     if (v) {
-        v->size = (flip_size){img->width, img->height};
+        v->size = (image_size){img->width, img->height};
         v->memory = malloc(5 * count * sizeof *v->memory);
         v->broken = malloc(count);
     }
@@ -182,7 +264,7 @@ static double feature_difference(const flip_view *a, const flip_view *b, size_t 
     return pow(fmax(edge, point) / M_SQRT2, FEATURE_POWER);
 }
 
-/* Where a feature comes or goes, a difference of colours counts for more. */
+/* A colour difference counts more where a feature differs too. */
 static double difference(const flip_view *a, const flip_view *b, size_t p, double largest) {
     if (a->broken[p] | b->broken[p]) return 1;
     return pow(colour_difference(a, b, p, largest), 1 - feature_difference(a, b, p));

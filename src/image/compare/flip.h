@@ -15,15 +15,15 @@
 #define FLIP_PPD_LEAST 1.0
 #define FLIP_PPD_MOST 500.0
 
-/* An image as the eye sees it, to be compared with any number of others. */
+/* An image as the eye sees it, for any number of comparisons. */
 typedef struct flip_view flip_view;
 
 /* NULL when out of memory. Release with flip_view_destroy(). ppd: in [FLIP_PPD_LEAST, FLIP_PPD_MOST]. */
 flip_view *flip_view_create(const metric_image *img, double ppd);
 void flip_view_destroy(flip_view *view);
 
-/* The mean of all pixels' differences. map: gets them, width × height; may be NULL. Both views are of one
- * size and made with the same ppd. */
+/* The mean of all pixels' differences. map: receives them, width × height, unless NULL. Both views have the
+ * same size and ppd. */
 double flip_mean(const flip_view *a, const flip_view *b, float *map);
 
 #endif

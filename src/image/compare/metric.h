@@ -1,8 +1,7 @@
-/* How far an image is from another: figures over linear RGB, in double.
+/* Differences of two images over linear RGB, in double.
  *
- * An image of the metrics is three planes of values, top row first. A pixel that is not finite in either
- * image is never passed over: it makes RMSE and relative MSE infinite, is the largest error 1 in FLIP, and is
- * counted by metric_nonfinite(). */
+ * An image is three planes of values, top row first. A pixel that is not finite in either image makes RMSE
+ * and relative MSE infinite, has the largest error 1 in FLIP, and is counted by metric_nonfinite(). */
 #ifndef IMAGE_METRIC_H
 #define IMAGE_METRIC_H
 
@@ -21,9 +20,9 @@ uint64_t metric_nonfinite(const metric_image *a, const metric_image *b);
 /* √(Σ (a - b)² / n) over the n values of all channels. */
 double metric_rmse(const metric_image *a, const metric_image *b);
 
-/* Σ (test - reference)² / (reference² + 0.01) / n, over values: differences count as against what is there,
- * and those in the dark do not drown the rest (Rousselle, Knaus and Zwicker, Adaptive sampling and
- * reconstruction using greedy error minimization, 2011). */
+/* Σ (test - reference)² / (reference² + 0.01) / n over values, so that differences count relative to the
+ * reference (Rousselle, Knaus and Zwicker, Adaptive sampling and reconstruction using greedy error
+ * minimization, 2011). */
 double metric_relmse(const metric_image *reference, const metric_image *test);
 
 #endif

@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/auxv.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -25,14 +24,14 @@ extern char **environ;
 typedef enum helper_state { HELPER_NONE, HELPER_STARTING, HELPER_READY, HELPER_FAILED } helper_state;
 
 static struct {
-    pthread_mutex_t lock; /* guards the rest; held while a request is under way */
+    pthread_mutex_t lock; /* guards the other members; held during a request */
     helper_state state;
-    pid_t owner; /* the process that started it: a forked child has no part in it */
+    pid_t owner; /* the process that started it, to tell a forked child */
     pid_t child;
     int socket;
     wire_memory memory;
     uint64_t process;     /* counts the helpers, from 1 */
-    char libraries[1024]; /* as it said when it was ready */
+    char libraries[1024]; /* from its first reply */
     char why[1024];       /* the last start failed */
 } helper = {.lock = PTHREAD_MUTEX_INITIALIZER, .socket = -1, .memory = {.descriptor = -1}};
 
@@ -44,22 +43,19 @@ static void say(char text[1024], const char *format, ...) {
     va_end(list);
 }
 
-/* ---- where it is ---- */
+/* ---- its program ---- */
 
-/* Seen from the folder of the file that holds this code: libfathom.so in a library folder, or a program in
- * bin/. IMAGE_LIBRARY_FOLDER is where the installation puts libraries, seen from where it puts programs;
- * IMAGE_MULTIARCH is the system's name for the architecture, perhaps "". */
+/* Relative to the folder of the file that holds this code: libfathom.so in a library folder, or a program in
+ * bin/. IMAGE_LIBRARY_FOLDER: the installation's library folder, relative to its programs; IMAGE_MULTIARCH:
+ * the system's name for the architecture, perhaps "". */
 static const char *const places[] = {"", IMAGE_LIBRARY_FOLDER "/", "../lib/", "../lib/" IMAGE_MULTIARCH "/"};
 
-/* The main program is known by its empty name in the link map: the name it was called by may be anything. */
+/* The main program has an empty name in the link map. */
 static bool own_file(char path[PATH_MAX]) {
     Dl_info info;
     struct link_map *map = NULL;
     if (!dladdr1((void *)(uintptr_t)&helper, &info, (void **)&map, RTLD_DL_LINKMAP) || !map) return false;
-    if (realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", path)) return true;
-    /* Without /proc: as it was called, which is good for as long as the working folder stays. */
-    const char *called = (const char *)(uintptr_t)getauxval(AT_EXECFN);
-    return !map->l_name[0] && called && realpath(called, path);
+    return realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", path) != NULL;
 }
 
 static bool find_program(char path[PATH_MAX], char text[1024]) {
@@ -77,9 +73,13 @@ static bool find_program(char path[PATH_MAX], char text[1024]) {
     return false;
 }
 
-bool helper_find(char text[1024]) {
-    char path[PATH_MAX];
-    return find_program(path, text);
+static fathom_status fail_helper(fathom_context *context, const char *text) {
+    return fail(context, FATHOM_OUT_OF_RESOURCES, "image helper: %s", text);
+}
+
+fathom_status helper_find(fathom_context *context) {
+    char path[PATH_MAX], text[1024];
+    return find_program(path, text) ? FATHOM_OK : fail_helper(context, text);
 }
 
 /* ---- its life ---- */
@@ -90,8 +90,7 @@ static double limit_seconds(void) {
     return seconds > 0 && seconds <= 1e6 ? seconds : HELPER_SECONDS;
 }
 
-/* Under the lock. What it left behind is taken away; of a helper that the parent process owns nothing is
- * touched but what this process holds of it. */
+/* Under the lock. Ends the helper and releases its resources. A forked child only releases its copies. */
 static void end(void) {
     if (helper.socket >= 0) close(helper.socket);
     helper.socket = -1;
@@ -103,11 +102,11 @@ static void end(void) {
     helper.child = 0;
 }
 
-/* Under the lock. The words for a helper that answers no more, by how it ended. */
+/* Under the lock. Says how the helper ended. */
 static void say_end(char text[1024], const char *doing) {
     int status;
     pid_t found = 0;
-    for (int i = 0; i < 50 && found == 0; ++i) { /* its socket closes just before it has ended */
+    for (int i = 0; i < 50 && found == 0; ++i) { /* its socket closes just before it ends */
         found = waitpid(helper.child, &status, WNOHANG);
         if (found == 0) usleep(2000);
     }
@@ -127,16 +126,15 @@ static void say_end(char text[1024], const char *doing) {
             doing);
 }
 
-/* Descriptors as far up as those that the helper gets are not, and closed in every program that is started.
- */
+/* Moves a descriptor above those of the helper; it is closed in programs that are started. */
 static int move_up(int descriptor) {
     int moved = descriptor < 0 ? -1 : fcntl(descriptor, F_DUPFD_CLOEXEC, 10);
     if (descriptor >= 0) close(descriptor);
     return moved;
 }
 
-/* Nothing that it prints is for anybody, and no other descriptor of this process is its business: a pipe that
- * it held open would have its reader wait. */
+/* The helper's output is discarded, and it gets no other descriptor of this process: a pipe that it held open
+ * would keep its reader waiting. */
 static bool spawn(const char *path, int socket, int memory) {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -173,7 +171,7 @@ static void start(void) {
     helper.socket = move_up(sockets[0]);
     int theirs = move_up(sockets[1]);
     helper.memory.descriptor = move_up(memfd_create("fathom-image", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-    /* Memory that shrank under a mapping would end this process. */
+    /* A mapping of memory that shrinks would end this process. */
     made = made && helper.socket >= 0 && theirs >= 0 && helper.memory.descriptor >= 0 &&
            fcntl(helper.memory.descriptor, F_ADD_SEALS, F_SEAL_SHRINK) == 0 &&
            spawn(path, theirs, helper.memory.descriptor);
@@ -188,7 +186,7 @@ static void start(void) {
     end();
 }
 
-/* Under the lock. Takes the word that it is ready, waiting for it if `wait`. */
+/* Under the lock. Receives the helper's first reply; waits for it if `wait`. */
 static void come_up(bool wait) {
     wire_reply hello;
     int milliseconds = wait ? (int)(1000 * limit_seconds()) : 0;
@@ -218,21 +216,22 @@ static void disown(void) {
     helper.state = HELPER_NONE;
 }
 
-void helper_prefetch(void) {
+void image_prefetch(void) {
     pthread_mutex_lock(&helper.lock);
     disown();
     if (helper.state == HELPER_NONE || helper.state == HELPER_FAILED) start();
     pthread_mutex_unlock(&helper.lock);
 }
 
-fathom_status helper_look(char text[1024]) {
+fathom_status image_prefetch_status(fathom_context *context) {
+    char why[1024];
     if (pthread_mutex_trylock(&helper.lock) != 0) return FATHOM_OK; /* somebody waits for it */
     disown();
     if (helper.state == HELPER_STARTING) come_up(false);
     bool failed = helper.state == HELPER_FAILED;
-    if (failed) say(text, "%s", helper.why);
+    if (failed) say(why, "%s", helper.why);
     pthread_mutex_unlock(&helper.lock);
-    return failed ? FATHOM_OUT_OF_RESOURCES : FATHOM_OK;
+    return failed ? fail_helper(context, why) : FATHOM_OK;
 }
 
 /* ---- asking ---- */
@@ -286,11 +285,11 @@ fathom_status helper_ask(helper_exchange *e) {
     return status;
 }
 
-fathom_status helper_libraries(char text[1024]) {
+fathom_status image_libraries(fathom_context *context, char out[256]) {
     helper_exchange none = {.descriptor = -1};
     pthread_mutex_lock(&helper.lock);
     fathom_status status = be_ready(&none);
-    say(text, "%s", status == FATHOM_OK ? helper.libraries : none.reply.text);
+    if (status == FATHOM_OK) snprintf(out, 256, "%.255s", helper.libraries);
     pthread_mutex_unlock(&helper.lock);
-    return status;
+    return status == FATHOM_OK ? status : fail_helper(context, none.reply.text);
 }

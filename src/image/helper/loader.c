@@ -1,8 +1,6 @@
-#include "image/helper/loader.h"
-
+/* The calls of module.h, each made in the helper. */
 #include "base/file.h"
 #include "image/helper/helper.h"
-#include "image/helper/wire_image.h"
 #include "image/pack.h"
 
 #include <limits.h>
@@ -57,8 +55,6 @@ static fathom_status open_writer(const image_target *target, image_writer **out,
     wire_put_text(&b, target->path);
     wire_put_u32(&b, target->format);
     wire_put_u32(&b, target->srgb);
-    wire_put_u32(&b, (uint32_t)target->profile_size);
-    wire_put(&b, target->profile, target->profile_size);
     wire_put_text(&b, target->date);
     wire_put_image(&b, target->img, target->storage);
     fathom_status status = ask_with(&e, &b, message);
@@ -94,14 +90,14 @@ static fathom_status close_writer(image_writer *writer, bool finish, image_messa
 
 /* ---- reading ---- */
 
-/* An image as it was read: everything that it points to lies in `bytes`, behind it. */
+/* An image that was read; everything that it points to lies in `bytes`. */
 typedef struct read_image_memory {
     image img;
     wire_image parts;
     unsigned char *bytes;
 } read_image_memory;
 
-/* Nothing of what the helper says is taken for granted. */
+/* Checks the sizes that the helper gave. */
 static bool place_planes(read_image_memory *m, uint64_t described, uint64_t size) {
     const image *img = &m->parts.img;
     uint64_t at = (described + WIRE_ALIGNED - 1) / WIRE_ALIGNED * WIRE_ALIGNED;
@@ -140,7 +136,7 @@ static fathom_status take_image(void *user, const unsigned char *bytes, const wi
     return status;
 }
 
-/* The helper's working folder may be another one. */
+/* The helper's working folder may differ, so it gets a whole path. */
 static fathom_status read_image(const char *path, unsigned threads, const image **out,
                                 image_message *message) {
     char whole[PATH_MAX];
@@ -213,25 +209,19 @@ const image_module image_calls = {IMAGE_MODULE_VERSION,
                                   close_view,
                                   NULL};
 
-/* ---- its life ---- */
+/* ---- reading ---- */
 
-void image_prefetch(void) { helper_prefetch(); }
-
-fathom_status image_prefetch_status(fathom_context *context) {
-    char text[1024];
-    fathom_status status = helper_look(text);
-    return status == FATHOM_OK ? status : fail(context, status, "image helper: %s", text);
+fathom_status image_read(fathom_context *context, const char *path, const image **out) {
+    *out = NULL;
+    /* Reports missing files, folders and empty files like all other readers. */
+    file_map map;
+    fathom_status status = file_open(context, path, &map);
+    if (status != FATHOM_OK) return status;
+    file_close(&map);
+    image_message message = {""};
+    status = image_calls.read(path, fathom_context_threads(context), out, &message);
+    if (status == FATHOM_OK) return status;
+    return fail_file(context, status, path, "cannot be read as an image: %s", message.text);
 }
 
-fathom_status image_libraries(fathom_context *context, char out[256]) {
-    char text[1024];
-    fathom_status status = helper_libraries(text);
-    if (status != FATHOM_OK) return fail(context, status, "image helper: %s", text);
-    snprintf(out, 256, "%.255s", text);
-    return status;
-}
-
-fathom_status loader_find(fathom_context *context) {
-    char text[1024];
-    return helper_find(text) ? FATHOM_OK : fail(context, FATHOM_OUT_OF_RESOURCES, "image helper: %s", text);
-}
+void image_release(const image *img) { image_calls.release(img); }

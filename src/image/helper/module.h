@@ -1,13 +1,13 @@
-/* What fathom_image.so offers to the image helper, and image/helper/loader.h to the library: the only calls
- * that cross between C and the C++ of OpenImageIO and OpenColorIO. No exception passes: each call returns a
- * status, and on failure leaves its reason in `message`. */
+/* The calls between C and the C++ of OpenImageIO and OpenColorIO: fathom_image.so offers them to the image
+ * helper, and image_calls to the library. No exception passes: each call returns a status, and its reason in
+ * `message`. */
 #ifndef IMAGE_MODULE_MODULE_H
 #define IMAGE_MODULE_MODULE_H
 
 #include "image/image.h"
 
 /* Grows with every change of this file: a module of another build is refused, not called. */
-#define IMAGE_MODULE_VERSION 4
+#define IMAGE_MODULE_VERSION 5
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -23,7 +23,7 @@ typedef enum image_storage {
 } image_storage;
 
 /* A file to be written: its bytes go to `file` in order, or to `descriptor` by offset; `path` is for
- * messages. Beyond the call only these two are kept. */
+ * messages. Only these two are used after the call. */
 struct file_writer; /* base/file.h */
 
 typedef struct image_target {
@@ -32,11 +32,9 @@ typedef struct image_target {
     int descriptor;
     image_format format;
     unsigned threads;
-    bool srgb;                    /* mark the pixels as sRGB… */
-    const unsigned char *profile; /* …with this profile, where the format has no word of its own for it */
-    size_t profile_size;
-    const char *date;             /* "2026:11:22 16:45:33", of formats that hold one; NULL: now */
-    const image *img;             /* sizes, attributes, names of the channels to write; not their pixels */
+    bool srgb;                    /* mark the pixels as sRGB */
+    const char *date;             /* "2026:11:22 16:45:33", for formats that hold one; NULL: now */
+    const image *img;             /* sizes, attributes, names of channels; not their pixels */
     const image_storage *storage; /* of each channel; EXR takes a mixture, the other formats bytes */
 } image_target;
 
@@ -51,20 +49,20 @@ typedef struct image_view image_view;
 
 typedef struct image_writer_calls {
     fathom_status (*open)(const image_target *target, image_writer **out, image_message *message);
-    /* The next `count` rows from the top: pixels of interleaved channels, each in its storage. */
+    /* Writes the next `count` rows: pixels of interleaved channels, each in its storage. */
     fathom_status (*rows)(image_writer *writer, uint32_t count, const void *pixels, image_message *message);
-    /* Ends the writer's life, whether it fails or not; `finish` is false to abandon the file. */
+    /* Ends the writer, even if it fails; `finish` false abandons the file. */
     fathom_status (*close)(image_writer *writer, bool finish, image_message *message);
 } image_writer_calls;
 
 typedef struct image_module {
     unsigned version;
-    image_writer_calls writer; /* of all formats but PNG */
+    image_writer_calls writer; /* for all formats but PNG */
 
     fathom_status (*read)(const char *path, unsigned threads, const image **out, image_message *message);
     void (*release)(const image *img);
 
-    /* *srgb: whether what the view gives is meant for an sRGB screen. */
+    /* *srgb: whether the view is for an sRGB screen. */
     fathom_status (*view_open)(const image_view_request *request, image_view **out, bool *srgb,
                                image_message *message);
     /* In place, on `count` pixels of four floats; finite values only. The number of threads changes no pixel.

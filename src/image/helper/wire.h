@@ -1,28 +1,25 @@
-/* What the library and its image helper say to each other.
+/* The protocol between the library and its image helper.
  *
- * Requests and replies are structs of a fixed size over a socket; everything of variable size lies in memory
- * that both have mapped. One request is under way at a time. The helper sends one reply unasked: once it has
- * loaded its libraries. The library trusts no reply: it checks every size and text that it reads from the
- * shared memory. */
+ * Requests and replies are structs of fixed size over a socket; data of variable size lies in shared memory.
+ * One request is under way at a time. The helper sends one reply unasked, when it has loaded its libraries.
+ * The library checks every size and text that it reads from the shared memory. */
 #ifndef IMAGE_HELPER_WIRE_H
 #define IMAGE_HELPER_WIRE_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "image/helper/module.h"
 
 /* Descriptors of the helper. */
 #define WIRE_SOCKET 3
 #define WIRE_MEMORY 4
 
-/* Grows with every change of what is said. */
-#define WIRE_VERSION 1u
+/* Grows with every change of the protocol. */
+#define WIRE_VERSION 2u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* begins a file; the request carries its descriptor; the memory holds a wire image */
     WIRE_ROWS,  /* `count` rows of `object`; the memory holds their `size` bytes */
     WIRE_CLOSE, /* ends `object`; count 0: the file is abandoned */
-    WIRE_READ,  /* the memory holds a path; in the end it holds a wire image and its planes */
+    WIRE_READ,  /* the memory holds a path, and afterwards a wire image and its planes */
     WIRE_VIEW,  /* the memory holds config, display and view */
     WIRE_APPLY, /* the view `object`, on `count` pixels of four floats in the memory */
     WIRE_END_VIEW
@@ -48,12 +45,11 @@ typedef struct wire_memory {
     size_t size; /* of the mapping */
 } wire_memory;
 
-/* Maps at least `size` bytes. grow: makes the file larger where it is smaller; else that fails. False when
- * there is no memory. */
+/* Maps at least `size` bytes; `grow` enlarges the file if needed. False on failure. */
 bool wire_memory_reach(wire_memory *m, size_t size, bool grow);
 void wire_memory_release(wire_memory *m);
 
-/* ---- what is put into it ---- */
+/* ---- its contents ---- */
 
 typedef struct wire_buffer {
     unsigned char *items; /* release with free() */
@@ -68,21 +64,43 @@ void wire_put_text(wire_buffer *b, const char *text);
 
 typedef struct wire_cursor {
     const unsigned char *at, *end;
-    bool bad; /* something that was asked for is not there: everything read since is 0, NULL or "" */
+    bool bad; /* the bytes ended too early: everything read since is 0 or NULL */
 } wire_cursor;
 
-/* NULL when there are not so many bytes. */
+/* NULL when there are fewer bytes. */
 const void *wire_take(wire_cursor *c, size_t size);
 uint32_t wire_take_u32(wire_cursor *c);
 /* Lies in the memory; NULL where NULL was put. */
 const char *wire_take_text(wire_cursor *c);
 
+/* ---- an image's description: all but its pixels ---- */
+
+/* storage: of each channel, or NULL. */
+void wire_put_image(wire_buffer *b, const image *img, const image_storage *storage);
+
+/* Release the image's arrays with wire_image_free(); texts stay in the shared memory, pixels are NULL. */
+typedef struct wire_image {
+    image img;
+    image_channel *channels;
+    image_storage *storage;
+    image_attribute *attributes;
+    double *numbers;
+} wire_image;
+
+/* False when the description is incomplete or memory runs out. */
+bool wire_take_image(wire_cursor *c, wire_image *out);
+void wire_image_free(wire_image *w);
+
+/* The planes of a read image follow its description from a multiple of this: width × height values of four
+ * bytes each. */
+#define WIRE_ALIGNED 64
+
 /* ---- a message ---- */
 
-/* Whole messages; descriptor: sent along, -1 for none. False when the other side is gone. */
+/* Sends a message, with a descriptor unless it is -1. False when the other side is gone. */
 bool wire_send(int socket, const void *message, size_t size, int descriptor);
-/* Waits for up to `milliseconds`, -1: without end. *descriptor, where it is not NULL, becomes what was sent
- * along, or -1. */
+/* Waits for up to `milliseconds`, or without end if -1. *descriptor, unless NULL, receives the descriptor or
+ * -1. */
 typedef enum wire_result { WIRE_CAME, WIRE_GONE, WIRE_LATE } wire_result;
 wire_result wire_receive(int socket, void *message, size_t size, int milliseconds, int *descriptor);
 

@@ -1,9 +1,9 @@
-/* glTF 2.0 and GLB: the whole of it.
+/* glTF 2.0 and GLB.
  *
- * What is read: the nodes of the default scene (else the first scene, else all root nodes; else every mesh
- * once), triangles of any mode, materials, one perspective camera, and the extensions of gltf_extension.c.
- * Skins, morph targets and animations are left in the rest pose, textures and vertex colours are not used,
- * both sides of a triangle are seen: each is noted. */
+ * Reads the nodes of the default scene (else the first scene, else all root nodes, else every mesh once),
+ * triangles of any mode, materials, one perspective camera, and the extensions below. Skins, morph targets
+ * and animations stay in the rest pose, textures and vertex colours are not used, and triangles are seen from
+ * both sides: each is noted. */
 #include "read/gltf/gltf.h"
 
 #include <stdlib.h>
@@ -23,6 +23,64 @@ static fathom_status check_version(gltf *g) {
     if (least && strcmp(least, "2.0") != 0)
         return gltf_fail(g, &asset, "minVersion", "is \"%.40s\"; 2.0 is what is understood", least);
     return FATHOM_OK;
+}
+
+/* Extensions that are followed, or that only change how textures, which are not read, are stored. */
+static const char *const known_extensions[] = {
+    "KHR_lights_punctual",    "KHR_materials_ior",       "KHR_materials_transmission",
+    "KHR_materials_specular", "KHR_materials_unlit",     "KHR_materials_emissive_strength",
+    "KHR_mesh_quantization",  "EXT_mesh_gpu_instancing", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_node_visibility",    "KHR_texture_transform",   "KHR_texture_basisu",
+    "EXT_texture_webp",       "EXT_texture_avif",
+};
+
+static bool is_known(const char *name) {
+    for (size_t i = 0; i < sizeof known_extensions / sizeof *known_extensions; ++i) {
+        if (strcmp(known_extensions[i], name) == 0) return true;
+    }
+    return false;
+}
+
+/* FATHOM_BAD_INPUT when the file requires an extension that is not followed. */
+static fathom_status check_extensions(gltf *g) {
+    gltf_value required;
+    fathom_status status = gltf_array(g, &g->root, "extensionsRequired", &required);
+    for (size_t i = 0; i < gltf_count(&required) && status == FATHOM_OK; ++i) {
+        const char *name = json_string_value(json_array_get(required.json, i));
+        if (name && is_known(name)) continue;
+        gltf_value at = {.parent = &required, .index = i};
+        if (!name) return gltf_fail(g, &at, NULL, "is not a string; expected the name of an extension");
+        status = gltf_fail(g, &at, NULL,
+                           "the file cannot be read without the extension \"%.80s\", which is not supported; "
+                           "export it without",
+                           name);
+    }
+    return status;
+}
+
+static void note_of(gltf *g, const gltf_value *holder) {
+    const char *name;
+    json_t *value;
+    json_object_foreach(holder->json, name, value) {
+        if (!is_known(name)) gltf_note(g, holder->parent, NULL, "the extension %.80s is not followed", name);
+    }
+}
+
+/* Notes the extensions that are used and not followed. The parser limits the depth. */
+static void note_extensions(gltf *g, const gltf_value *v) {
+    if (json_is_object(v->json)) {
+        const char *key;
+        json_t *value;
+        json_object_foreach(v->json, key, value) {
+            const gltf_value member = {.json = value, .parent = v, .key = key};
+            if (strcmp(key, "extensions") == 0) note_of(g, &member);
+            if (strcmp(key, "extras") != 0) note_extensions(g, &member);
+        }
+    }
+    for (size_t i = 0; i < gltf_count(v); ++i) {
+        const gltf_value item = {.json = json_array_get(v->json, i), .parent = v, .index = i};
+        note_extensions(g, &item);
+    }
 }
 
 static fathom_status open_arrays(gltf *g) {
@@ -72,7 +130,7 @@ static fathom_status close_source(gltf *g, gltf_source *source, fathom_status st
     return status;
 }
 
-/* Sources that the scene took over stay open. */
+/* Closes the sources that the scene did not take over. */
 static fathom_status finish(gltf *g, fathom_status status) {
     for (size_t i = 0; g->buffer_table && i < gltf_count(&g->buffers); ++i) {
         const gltf_buffer *buffer = &g->buffer_table[i];
@@ -93,14 +151,14 @@ fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
     gltf g = {.scene = scene, .context = scene->context, .group = group, .path = path, .options = options};
     fathom_status status = gltf_open(&g);
     if (status == FATHOM_OK) status = check_version(&g);
-    if (status == FATHOM_OK) status = gltf_check_extensions(&g);
+    if (status == FATHOM_OK) status = check_extensions(&g);
     if (status == FATHOM_OK) status = open_arrays(&g);
     if (status == FATHOM_OK) status = make_tables(&g);
     if (status == FATHOM_OK) status = gltf_nodes_place(&g);
     if (status == FATHOM_OK && options->surroundings) status = gltf_camera_take(&g);
     if (status == FATHOM_OK) {
         note_animations(&g);
-        gltf_note_extensions(&g);
+        note_extensions(&g, &g.root);
         gltf_note_images(&g);
         notes_tell(&g.notes, g.context, path);
     }

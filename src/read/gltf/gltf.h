@@ -1,19 +1,15 @@
 /* glTF 2.0: what the gltf*.c files share.
  *
- * gltf.c            the whole: versions, extensions, the order of things, the end of it
- * gltf_json.c       typed values that know their place in the document
- * gltf_container.c  GLB chunks and the JSON text
- * gltf_buffer.c     buffers: the GLB's own chunk, files beside it, base64
- * gltf_memory.c     memory, as much as a file is worth
+ * gltf.c            versions, extensions, the order of the steps
+ * gltf_json.c       typed values with their place in the document
+ * gltf_buffer.c     GLB chunks, the JSON text, buffers
  * gltf_accessor.c   typed arrays in buffers, checked
- * gltf_convert.c    the same as plain arrays: in place or converted
- * gltf_array.c      arrays for meshes, each made once
+ * gltf_array.c      the same as plain arrays, each made once; limits on memory
  * gltf_mesh.c       meshes to groups
  * gltf_material.c   materials to the model's
  * gltf_node.c       the hierarchy, its instances
  * gltf_light.c      lights
- * gltf_camera.c     cameras, and which one is taken
- * gltf_extension.c  extensions: which are followed, and what is said of the others */
+ * gltf_camera.c     cameras, and which one is taken */
 #ifndef READ_GLTF_H
 #define READ_GLTF_H
 
@@ -24,8 +20,8 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "glTF buffers are little-endian and used in place");
 
-/* A value and its place in the document, for messages. json is NULL where the file has none. The parent must
- * outlive it: places live on the stack of the functions that walk down. */
+/* A value and its place in the document, for messages. json is NULL if the file has no such value. The parent
+ * must outlive it: places live on the stack of the functions that walk down. */
 typedef struct gltf_value {
     json_t *json;
     const struct gltf_value *parent; /* NULL: the document */
@@ -33,7 +29,7 @@ typedef struct gltf_value {
     size_t index;
 } gltf_value;
 
-/* Bytes that came from one file; given to the scene as soon as it points into them. */
+/* The bytes of one file; given to the scene once it points into them. */
 typedef struct gltf_source {
     file_map map;
     bool shared;
@@ -64,7 +60,7 @@ typedef struct gltf_material {
     unsigned flags; /* of the meshes that wear it */
 } gltf_material;
 
-/* A camera that a node holds, beside the scene's cameras. */
+/* A camera of a node; one for each of the scene's cameras. */
 typedef struct gltf_camera {
     uint32_t node, index; /* of nodes and of cameras */
     affine_f64 to_world;
@@ -84,10 +80,10 @@ typedef struct gltf {
     json_arena arena; /* of all values */
     gltf_value root, accessors, views, buffers, materials, meshes, nodes, scenes, cameras;
     gltf_value extensions, punctual, lights; /* of the document */
-    gltf_buffer *buffer_table;               /* beside buffers */
-    gltf_material *material_table;           /* beside materials, and the default one after them */
-    gltf_array_entry *array_table;           /* beside accessors */
-    fathom_id *mesh_table; /* beside meshes: the group, FATHOM_NONE (not made), GLTF_EMPTY */
+    gltf_buffer *buffer_table;               /* for each buffer */
+    gltf_material *material_table;           /* for each material, then the default one */
+    gltf_array_entry *array_table;           /* for each accessor */
+    fathom_id *mesh_table; /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
     uint64_t file_bytes;   /* of the files opened */
     uint64_t charged;      /* bytes: gltf_charge() */
     ARRAY(gltf_camera) seen_cameras;
@@ -98,15 +94,15 @@ typedef struct gltf {
 #define GLTF_ABSENT UINT32_MAX       /* no index given */
 
 /* ---- gltf_json.c ----
- * Getters leave *out as it was where the member is absent: it holds the default. All fail with
- * FATHOM_BAD_INPUT and the place: "file:3: meshes[2].name: is a number; expected a string". */
+ * Getters leave *out, which holds the default, if the member is absent. They fail with FATHOM_BAD_INPUT and
+ * the place: "file:3: meshes[2].name: is a number; expected a string". */
 
 /* `key` may be NULL: the value `at` itself. */
 fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 /* Adds the place to the error that a call of the scene left. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
-/* What is left out, or read otherwise than the file says; see notes.h. */
+/* Notes something that is left out or read differently; see notes.h. */
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
@@ -115,7 +111,7 @@ fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gl
 fathom_status gltf_array(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
 /* Item `index` of an array, which must be an object. */
 fathom_status gltf_item(gltf *g, const gltf_value *array, size_t index, gltf_value *out);
-/* The object extensions.NAME of `parent`; absent where either is. `holder` receives the object between. */
+/* The object extensions.NAME of `parent`, if there is one. `holder` receives the object between. */
 fathom_status gltf_extension(gltf *g, const gltf_value *parent, const char *name, gltf_value *holder,
                              gltf_value *out);
 size_t gltf_count(const gltf_value *array);
@@ -137,24 +133,15 @@ fathom_status gltf_index_item(gltf *g, const gltf_value *array, size_t i, const 
 fathom_status gltf_text(gltf *g, const gltf_value *parent, const char *key, const char **out);
 fathom_status gltf_flag(gltf *g, const gltf_value *parent, const char *key, bool *out);
 
-/* ---- gltf_container.c, gltf_buffer.c ---- */
+/* ---- gltf_buffer.c ---- */
 
 /* Opens the file, finds its chunks and parses its JSON into g->root. */
 fathom_status gltf_open(gltf *g);
 fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
-/* From now on the scene keeps the buffer's bytes. Call before anything of the scene points into them. */
+/* Gives the buffer's bytes to the scene. Call before anything of the scene points into them. */
 fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer);
-void gltf_source_release(void *source);
-/* Images are not used, but a model without its files is not whole: notes those that are missing. */
+/* Notes missing image files. Images are not used, but the model is incomplete without them. */
 void gltf_note_images(gltf *g);
-
-/* ---- gltf_memory.c ---- */
-
-/* Notes that the value takes so many bytes, below 2^40, beyond the document and the files themselves.
- * FATHOM_BAD_INPUT when all together are out of proportion to the files. */
-fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes);
-/* scene_allocate() for what is charged to the value. */
-fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
 
 /* ---- gltf_accessor.c ---- */
 
@@ -167,7 +154,7 @@ typedef enum gltf_type {
     GLTF_FLOAT = 5126
 } gltf_type;
 
-/* A bit for each component type, to say what is accepted. */
+/* Component types that are accepted, as bits. */
 enum {
     GLTF_TAKES_FLOAT = 1u << 0,
     GLTF_TAKES_SIGNED = 1u << 1,   /* byte and short */
@@ -175,7 +162,7 @@ enum {
     GLTF_TAKES_UINT = 1u << 3
 };
 
-/* Where the first element of an array lies; NULL bytes stand for zeros. */
+/* The first element of an array; NULL bytes: all zeros. */
 typedef struct gltf_span {
     const unsigned char *bytes;
     uint32_t stride;
@@ -193,38 +180,28 @@ typedef struct gltf_accessor {
     gltf_span sparse_indices, sparse_values;
 } gltf_accessor;
 
-/* The accessor that member `key` of `user` names by its index; components and `takes` say what is expected
- * there. *index stays GLTF_ABSENT where there is no such member. */
+/* The accessor that member `key` of `user` names; components and `takes` say what is expected. *index is
+ * GLTF_ABSENT if there is no such member. */
 fathom_status gltf_accessor_open(gltf *g, const gltf_value *user, const char *key, unsigned components,
                                  unsigned takes, uint32_t *index, gltf_accessor *out);
 /* Which element the i-th replaced one of a sparse accessor is. */
 uint32_t gltf_accessor_sparse_index(const gltf_accessor *accessor, uint32_t i);
 
-/* ---- gltf_convert.c ---- */
+/* ---- gltf_array.c ---- */
 
-/* The elements as floats: straight from the file where it holds aligned floats, otherwise converted into
- * memory of the scene, which is charged to member `key` of `user`. stride in bytes. */
-fathom_status gltf_accessor_floats(gltf *g, const gltf_value *user, const char *key,
-                                   const gltf_accessor *accessor, const float **out, size_t *stride);
-/* The same for indices, tightly packed. */
-fathom_status gltf_accessor_indices(gltf *g, const gltf_value *user, const char *key,
-                                    const gltf_accessor *accessor, const uint32_t **out);
+/* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files. FATHOM_BAD_INPUT
+ * when the sum is out of proportion to the files. */
+fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes);
+/* scene_allocate() for what is charged to the value. */
+fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
 
-/* ---- gltf_array.c ----
- * Arguments as of gltf_accessor_open(). *present is false where there is no such member. */
-
+/* Accessors as arrays. Arguments as of gltf_accessor_open(); *present is false where there is no such member.
+ */
 fathom_status gltf_array_floats(gltf *g, const gltf_value *user, const char *key, unsigned components,
                                 unsigned takes, bool *present, gltf_floats *out);
-/* Not looked at yet: what they must be below is known to the user alone. */
+/* Not checked: only the user knows the limit. */
 fathom_status gltf_array_indices(gltf *g, const gltf_value *user, const char *key, bool *present,
                                  const uint32_t **out, uint32_t *count);
-
-/* ---- gltf_extension.c ---- */
-
-/* FATHOM_BAD_INPUT when the file cannot be read without an extension that is not followed. */
-fathom_status gltf_check_extensions(gltf *g);
-/* Notes those that are used and not followed. */
-void gltf_note_extensions(gltf *g);
 
 /* ---- what the document holds ---- */
 
@@ -232,11 +209,11 @@ void gltf_note_extensions(gltf *g);
 fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out);
 /* Material `index`; GLTF_ABSENT is the file format's default one. */
 fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
-/* Walks the nodes of the scene that is shown. */
+/* Walks the nodes of the scene. */
 fathom_status gltf_nodes_place(gltf *g);
 fathom_status gltf_light_place(gltf *g, const gltf_value *node, const affine_f64 *to_world);
 fathom_status gltf_camera_note(gltf *g, const gltf_value *node, const affine_f64 *to_world);
-/* Gives the scene the camera that was asked for, else the first perspective one, of those noted. */
+/* Gives the scene the requested camera, else the first perspective one, of those noted. */
 fathom_status gltf_camera_take(gltf *g);
 
 #endif

@@ -1,52 +1,32 @@
-/* Typed arrays in buffers: found, and checked in 64 bits against what holds them. */
+/* Typed arrays in buffers, checked in 64 bits against their views and buffers. */
 #include "read/gltf/gltf.h"
 
 #include <string.h>
 
-/* Elements without a byte in the file take memory all the same: a few lines must not ask for gigabytes. */
+/* Elements without bytes in the file still take memory: a few lines must not ask for gigabytes. */
 #define ZEROS_MAX (1 << 20)
 
-static unsigned component_size(gltf_type type) {
-    switch (type) {
-    case GLTF_BYTE:
-    case GLTF_UBYTE: return 1;
-    case GLTF_SHORT:
-    case GLTF_USHORT: return 2;
-    case GLTF_UINT:
-    case GLTF_FLOAT: return 4;
-    }
-    return 0;
-}
+/* By type - GLTF_BYTE. */
+static const struct {
+    const char *name;
+    unsigned size, takes;
+} types[] = {{"byte", 1, GLTF_TAKES_SIGNED},
+             {"unsigned byte", 1, GLTF_TAKES_UNSIGNED},
+             {"short", 2, GLTF_TAKES_SIGNED},
+             {"unsigned short", 2, GLTF_TAKES_UNSIGNED},
+             {"", 0, 0},
+             {"unsigned int", 4, GLTF_TAKES_UINT},
+             {"float", 4, GLTF_TAKES_FLOAT}};
 
-static unsigned takes_bit(gltf_type type) {
-    switch (type) {
-    case GLTF_BYTE:
-    case GLTF_SHORT: return GLTF_TAKES_SIGNED;
-    case GLTF_UBYTE:
-    case GLTF_USHORT: return GLTF_TAKES_UNSIGNED;
-    case GLTF_UINT: return GLTF_TAKES_UINT;
-    case GLTF_FLOAT: return GLTF_TAKES_FLOAT;
-    }
-    return 0;
-}
-
-static const char *type_name(gltf_type type) {
-    switch (type) {
-    case GLTF_BYTE: return "byte";
-    case GLTF_UBYTE: return "unsigned byte";
-    case GLTF_SHORT: return "short";
-    case GLTF_USHORT: return "unsigned short";
-    case GLTF_UINT: return "unsigned int";
-    case GLTF_FLOAT: return "float";
-    }
-    return "?";
-}
+static unsigned component_size(gltf_type type) { return types[type - GLTF_BYTE].size; }
+static unsigned takes_bit(gltf_type type) { return types[type - GLTF_BYTE].takes; }
+static const char *type_name(gltf_type type) { return types[type - GLTF_BYTE].name; }
 
 static fathom_status read_component_type(gltf *g, const gltf_value *at, gltf_type *out) {
     uint64_t type = 0;
     fathom_status status = gltf_integer(g, at, "componentType", 0, UINT32_MAX, &type);
     if (status != FATHOM_OK) return status;
-    if (type < GLTF_BYTE || type > GLTF_FLOAT || type == 5124) {
+    if (type < GLTF_BYTE || type > GLTF_FLOAT || !types[type - GLTF_BYTE].size) {
         return gltf_fail(g, at, "componentType",
                          "is %llu; expected 5120 (byte), 5121 (unsigned byte), 5122 (short), 5123 (unsigned "
                          "short), 5125 (unsigned int) or 5126 (float)",
@@ -56,8 +36,8 @@ static fathom_status read_component_type(gltf *g, const gltf_value *at, gltf_typ
     return FATHOM_OK;
 }
 
-/* The part of a buffer that `user` (an accessor or a part of a sparse one) sees: `count` elements of
- * `element` bytes at its byteOffset. `strided`: the view's byteStride counts. */
+/* The part of a buffer that `user` (an accessor or a part of a sparse one) uses: `count` elements of
+ * `element` bytes at its byteOffset. `strided`: the view's byteStride applies. */
 static fathom_status open_span(gltf *g, const gltf_value *user, uint64_t count, unsigned element,
                                bool strided, gltf_span *out) {
     uint32_t index = GLTF_ABSENT, buffer = GLTF_ABSENT;
@@ -148,7 +128,7 @@ static fathom_status open_sparse(gltf *g, const gltf_value *at, gltf_accessor *o
     return check_sparse_indices(g, &sparse, out);
 }
 
-/* "SCALAR" 1, "VEC2" 2…; 0 for matrices and anything else, which no array that is read here holds. */
+/* "SCALAR" 1, "VEC2" 2…; 0 for matrices and anything else. */
 static unsigned components_of(const char *type) {
     if (strcmp(type, "SCALAR") == 0) return 1;
     return strncmp(type, "VEC", 3) == 0 && type[3] >= '2' && type[3] <= '4' && !type[4]
@@ -161,7 +141,7 @@ static fathom_status open_at(gltf *g, const gltf_value *at, gltf_accessor *out) 
     uint64_t count = 0;
     fathom_status status = read_component_type(g, at, &out->type);
     if (status == FATHOM_OK) status = gltf_text(g, at, "type", &type);
-    /* Ids of vertices are 32 bits, and the last one stands for none. */
+    /* Vertex ids have 32 bits, and the last one means none. */
     if (status == FATHOM_OK) status = gltf_integer(g, at, "count", 1, UINT32_MAX - 1, &count);
     if (status == FATHOM_OK) status = gltf_flag(g, at, "normalized", &out->normalized);
     if (status != FATHOM_OK) return status;

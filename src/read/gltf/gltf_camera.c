@@ -1,10 +1,10 @@
-/* Cameras. Nodes that hold one are noted while the hierarchy is walked; the one that is taken is read when
- * all are known. It looks along its node's -z; scale does not touch it otherwise.
+/* Cameras. The walk over the hierarchy notes the nodes with a camera; the chosen one is read when all are
+ * known. It looks along its node's -z; scale does not change it otherwise.
  *
- * yfov holds whatever the image's shape, as in Blender's importer: pixels are square. aspectRatio gives the
- * image its shape where no size is asked for. The format's specification (2.0, Projection Matrices) says that
- * a view should be neither cropped nor stretched when the shapes differ. Nothing is stretched here; images
- * that are narrower than the camera's view lose its sides, and a warning says so. */
+ * yfov applies to any image shape, as in Blender's importer: pixels are square. aspectRatio gives the image
+ * its shape if no size is asked for. The specification (2.0, Projection Matrices) says that a view should be
+ * neither cropped nor stretched when the shapes differ. Nothing is stretched here; images narrower than the
+ * camera's view lose its sides, with a warning. */
 #include "math/frame.h"
 #include "read/gltf/gltf.h"
 #include "scene/camera/cameras.h"
@@ -27,7 +27,7 @@ static fathom_status read_type(gltf *g, const gltf_value *camera, bool *orthogra
     return gltf_fail(g, camera, "type", "is \"%.40s\"; expected perspective or orthographic", type);
 }
 
-/* A name is as long as the document at most, but many nodes may hold one camera. */
+/* Names are no longer than the document, but many nodes may hold the same camera. */
 static fathom_status charge(gltf *g, const gltf_value *node, const char *own_name) {
     const size_t kept = sizeof(gltf_camera) + sizeof(scene_camera);
     return gltf_charge(g, node, "camera", 3 * kept + (own_name ? strlen(own_name) : 0));

@@ -1,4 +1,4 @@
-/* Typed values that know their place in the document. */
+/* Typed values with their place in the document. */
 #include "read/gltf/gltf.h"
 #include "read/json/json_where.h"
 
@@ -137,7 +137,7 @@ fathom_status gltf_numbers(gltf *g, const gltf_value *parent, const char *key, s
     return status;
 }
 
-/* Numbers such as 3.0 count as integers: JSON writers of some languages know only one kind of number. */
+/* 3.0 counts as an integer: some languages write only one kind of number. */
 static fathom_status integer_of(gltf *g, const gltf_value *v, uint64_t lowest, uint64_t highest,
                                 uint64_t *out) {
     if (!json_is_number(v->json)) return fail_kind(g, v, "an integer");

@@ -1,21 +1,17 @@
 /* Lights: KHR_lights_punctual.
  *
- * The format gives a point's or spot's intensity I in candela (lm/sr) and a directional light's illuminance
- * in lux (lm/m^2). A surface of base colour b at distance d of a point then sends out the luminance
- *
- * - L = (b / pi) (I / d^2) |n·l|, whereas the model computes
- * - C = k_d (k_l / d^2) |n·l| with k_d = b.
- *
- * Both agree when k_l = colour I / pi, and in the same way for directional lights. So a pixel holds the
- * luminance in cd/m^2, for lengths in metres as the format has them. Highlights follow: they are normalised
- * like b / pi (see gltf_material.c).
+ * The format gives the intensity I of points and spots in candela (lm/sr) and the illuminance of directional
+ * lights in lux (lm/m^2). A surface of base colour b at distance d then has the luminance
+ * L = (b / pi) (I / d^2) |n·l|; the model computes C = k_d (k_l / d^2) |n·l| with k_d = b. Both agree with
+ * k_l = colour I / pi, and likewise for directional lights. So a pixel holds the luminance in cd/m^2 for
+ * lengths in metres. Highlights are normalised like b / pi (see gltf_material.c).
  *
  * Nothing is rescaled. A file with the intensities of real lamps (some exporters write 683 lm for each watt,
- * so a lamp of 1000 W becomes 54,351 cd) gives an image that bright, to be shown at an exposure of its own.
- * Files made for viewers that ignore units have values around 1 to 10.
+ * so a lamp of 1000 W becomes 54,351 cd) gives an image that bright and needs an exposure. Files made for
+ * viewers that ignore units have values around 1 to 10.
  *
- * `range` is ignored: light falls off by 1 / d^2 for ever. The spot's falloff between its cones is the
- * model's. Lights look along their node's -z; scale does not touch them otherwise. */
+ * `range` is ignored: light falls off by 1 / d^2 without end. The spot's falloff between its cones is the
+ * model's. Lights look along their node's -z; scale does not change them otherwise. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
@@ -41,7 +37,7 @@ static fathom_status read_type(gltf *g, const gltf_value *at, fathom_light_type 
 static fathom_status read_cone(gltf *g, const gltf_value *at, fathom_light *out) {
     gltf_value spot;
     double inner = 0, outer = pi / 4;
-    /* One float step over pi/2: that is what exporters write for a right angle. */
+    /* One float step above pi/2, which exporters write for a right angle. */
     const double right_angle = 1.57079637050628662;
     fathom_status status = gltf_object(g, at, "spot", &spot);
     if (status == FATHOM_OK) status = gltf_number(g, &spot, "innerConeAngle", 0, right_angle, &inner);

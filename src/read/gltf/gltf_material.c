@@ -25,28 +25,28 @@
  * Lights are never met by mirrored rays, so k_s (lights) and k_r (everything else) share F0 without
  * counting it twice: what a surface reflects is k_d + max(k_s / N, k_r F) + k_t (1 - F) <= 1.
  *
- * - alphaMode MASK: with a base alpha below the cutoff nothing is there (k_t = 1, ior 1:
+ * - alphaMode MASK: a base alpha below the cutoff makes the surface absent (k_t = 1, ior 1:
  * scene/mesh/absent.h).
- * - alphaMode BLEND: the base alpha a covers. All of the above times a, and k_t gets 1 - a with ior 1,
- *   which passes straight on. With T > 0 the refraction's ior stays.
+ * - alphaMode BLEND: base alpha a is coverage. All of the above is scaled by a, and k_t gets 1 - a with ior
+ * 1, which passes straight on. With T > 0 the refraction's ior stays.
  * - KHR_materials_unlit: k_e = b, nothing else.
  * - emissiveFactor: k_e = factor times KHR_materials_emissive_strength; it lights nothing else.
- * - ior 0: F0 is the specular colour, no refraction. So older workflows are carried over.
- * - KHR_materials_pbrSpecularGlossiness: as an ior of 0 with the specular colour, a dielectric with the
- *   diffuse colour as b, and r = 1 - glossiness.
+ * - ior 0: F0 is the specular colour, no refraction. Older workflows are carried over so.
+ * - KHR_materials_pbrSpecularGlossiness: an ior of 0 with the specular colour, a dielectric with the diffuse
+ *   colour as b, and r = 1 - glossiness.
  *
- * Textures are not read. Their factors are mostly 1 and mean little alone, so each texture is taken as one
- * even value, the least wrong one:
+ * Textures are not read. Their factors are mostly 1 and mean little alone, so each texture is replaced by the
+ * least wrong even value:
  *
- * - base colour and diffuse: grey 0.5, alpha 1. White would be brighter than any texture makes the surface.
- * - an unlit material with a base colour texture is lit: the even colour would show an outline alone.
+ * - base colour and diffuse: grey 0.5, alpha 1. White would be brighter than any texture.
+ * - an unlit material with a base colour texture is lit: an even colour would show only an outline.
  * - metallic and roughness: 0 and 1. Most surfaces are no metals, and a metal without its colour is white.
  * - specular and glossiness: 0.04 and 0, for the same reason.
- * - emission and transmission: 0. They are spots on most models; all over they hide the model.
+ * - emission and transmission: 0. They are spots on most models; everywhere they would hide the model.
  * - specular factors, normals, occlusion: 1, flat, none.
  *
- * A mesh whose material lets more than half of the light through casts no shadow: shadow rays know only
- * all or nothing. */
+ * A mesh whose material lets more than half of the light through casts no shadow, because shadow rays are all
+ * or nothing. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
@@ -86,7 +86,7 @@ static double exponent_of(double alpha) {
 
 static double lobe_norm(double n) { return (n + 2) * (n + 4) / (8 * (exp2(-n / 2) + n)); }
 
-/* Where base alpha says there is nothing, that part of the light passes straight on. */
+/* The part of the surface that is there; light passes straight through the remaining part. */
 static double coverage_of(const factors *f) {
     switch (f->alpha) {
     case ALPHA_OPAQUE: return 1;
@@ -146,7 +146,7 @@ static unsigned flags_of(const fathom_material *m) {
 
 /* ---- reading ---- */
 
-/* Whether the texture is there; then it is noted that it is not read, and what is taken for it. */
+/* Whether there is such a texture; then notes that it is not read, and its replacement. */
 static bool lacks_texture(gltf *g, const gltf_value *at, const char *key, const char *taken) {
     if (!json_object_get(at->json, key)) return false;
     gltf_note(g, at, NULL, "%s is not read, and taken as %s", key, taken);
@@ -251,7 +251,6 @@ static fathom_status read_unlit(gltf *g, const gltf_value *at, factors *f) {
     return status;
 }
 
-/* Both sides of a surface are seen. */
 static fathom_status read_sides(gltf *g, const gltf_value *at) {
     bool both = true;
     fathom_status status = gltf_flag(g, at, "doubleSided", &both);

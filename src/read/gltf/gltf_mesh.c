@@ -24,8 +24,8 @@ static fathom_status count_up(gltf *g, const gltf_value *at, uint32_t count, con
     return FATHOM_OK;
 }
 
-/* Triangle i of a strip is i, then its two followers in the order that keeps its front where triangle 0 has
- * it; of a fan, the vertices i + 1, i + 2 and 0. */
+/* Triangle i of a strip is i, then the next two in the order that keeps the winding of triangle 0; of a fan,
+ * the vertices i + 1, i + 2 and 0. */
 static fathom_status unroll(gltf *g, const gltf_value *at, uint32_t mode, const uint32_t *from,
                             uint32_t triangles, const uint32_t **out) {
     void *memory;
@@ -46,8 +46,8 @@ static uint32_t triangles_of(uint32_t mode, uint32_t corners) {
     return mode == MODE_TRIANGLES ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
-/* Triangles are looked through once they are whole, and with them their indices: those of a strip or a fan
- * must name vertices before, and those that make up no triangle as well. */
+/* The indices of whole triangles are checked later. Those of strips and fans, and any left over, are checked
+ * here. */
 static fathom_status read_corners(gltf *g, const primitive *p, const uint32_t **out, uint32_t *count) {
     bool present;
     *count = p->mesh.vertex_count;
@@ -90,10 +90,13 @@ static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
     return FATHOM_OK;
 }
 
-static fathom_status check_count(gltf *g, const primitive *p, const char *key, uint32_t count) {
-    if (count == p->mesh.vertex_count) return FATHOM_OK;
-    return gltf_fail(g, p->attributes, key, "has %u entries; expected as many as POSITION has, %u", count,
-                     p->mesh.vertex_count);
+/* Reads an attribute that has as many entries as POSITION. */
+static fathom_status read_attribute(gltf *g, const primitive *p, const char *key, unsigned components,
+                                    unsigned takes, bool *present, gltf_floats *out) {
+    fathom_status status = gltf_array_floats(g, p->attributes, key, components, takes, present, out);
+    if (status != FATHOM_OK || !*present || out->count == p->mesh.vertex_count) return status;
+    return gltf_fail(g, p->attributes, key, "has %u entries; expected as many as POSITION has, %u",
+                     out->count, p->mesh.vertex_count);
 }
 
 static fathom_status make_normals(gltf *g, primitive *p) {
@@ -111,7 +114,7 @@ static fathom_status make_normals(gltf *g, primitive *p) {
     p->mesh.normals = normals;
     p->mesh.normal_count = p->mesh.vertex_count;
     status = normals_smooth(g->context, &input, normals);
-    g->charged -= beside; /* given back, as it is by then */
+    g->charged -= beside; /* it is freed by now */
     return status;
 }
 
@@ -119,27 +122,26 @@ static fathom_status make_normals(gltf *g, primitive *p) {
 static fathom_status read_normals(gltf *g, primitive *p) {
     gltf_floats floats;
     bool present;
-    fathom_status status = gltf_array_floats(g, p->attributes, "NORMAL", 3,
-                                             GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
+    fathom_status status =
+        read_attribute(g, p, "NORMAL", 3, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
     if (status != FATHOM_OK) return status;
     if (!present) return g->options->smooth ? make_normals(g, p) : FATHOM_OK;
     p->mesh.normals = floats.values;
     p->mesh.normal_stride = floats.stride;
     p->mesh.normal_count = floats.count;
-    return check_count(g, p, "NORMAL", floats.count);
+    return FATHOM_OK;
 }
 
 static fathom_status read_uvs(gltf *g, primitive *p) {
     gltf_floats floats;
     bool present;
-    fathom_status status =
-        gltf_array_floats(g, p->attributes, "TEXCOORD_0", 2,
-                          GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, &present, &floats);
+    fathom_status status = read_attribute(
+        g, p, "TEXCOORD_0", 2, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, &present, &floats);
     if (status != FATHOM_OK || !present) return status;
     p->mesh.uvs = floats.values;
     p->mesh.uv_stride = floats.stride;
     p->mesh.uv_count = floats.count;
-    return check_count(g, p, "TEXCOORD_0", floats.count);
+    return FATHOM_OK;
 }
 
 static fathom_status read_material(gltf *g, primitive *p) {
@@ -156,7 +158,7 @@ static fathom_status read_material(gltf *g, primitive *p) {
     return FATHOM_OK;
 }
 
-/* Points and lines have no surface; *mode is then 0. */
+/* *mode is 0 for points and lines, which have no surface. */
 static fathom_status read_mode(gltf *g, const gltf_value *at, uint32_t *mode) {
     uint64_t value = MODE_TRIANGLES;
     fathom_status status = gltf_integer(g, at, "mode", 0, MODE_FAN, &value);

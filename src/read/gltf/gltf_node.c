@@ -1,5 +1,5 @@
-/* The hierarchy: every mesh a node shows becomes an instance of the mesh's group, placed by the product of
- * the transforms above it, formed in double. */
+/* The hierarchy: each node with a mesh becomes an instance of the mesh's group, placed by the product of the
+ * transforms above it, in double. */
 #include "read/gltf/gltf.h"
 
 #include <math.h>
@@ -43,8 +43,8 @@ static fathom_status find_parents(gltf *g, uint32_t *parents) {
     return FATHOM_OK;
 }
 
-/* With one parent each, a node lies on a cycle or below one exactly if no root is above it. Every node is
- * stepped over once: `seen` holds which walk upwards came by. */
+/* Each node has one parent, so a node without a root above it lies on a cycle or below one. Every node is
+ * visited once: `seen` holds the walk upwards that passed it. */
 static fathom_status find_cycle(gltf *g, const uint32_t *parents) {
     uint32_t count = (uint32_t)gltf_count(&g->nodes);
     uint32_t *seen = calloc((size_t)count + 1, sizeof *seen), at = GLTF_ABSENT;
@@ -120,12 +120,12 @@ static fathom_status add_instance(gltf *g, const gltf_value *node, fathom_id gro
         finite = finite && isfinite(instance.transform[i]);
     }
     if (!finite) return gltf_fail(g, node, NULL, "is placed out of the range of numbers by its transforms");
-    /* A scale of zero is how files hide things. */
+    /* Files hide things by a scale of zero. */
     if (!affine_invert(to_world, &inverse)) {
         gltf_note(g, node, NULL, "is scaled to nothing, and left out");
         return FATHOM_OK;
     }
-    /* Twice in memory, and half as much again, while their array grows. */
+    /* Held twice, plus half as much again while the array grows. */
     fathom_status status = gltf_charge(g, node, NULL, 3 * sizeof instance);
     if (status != FATHOM_OK) return status;
     return gltf_within(g, node, NULL, fathom_scene_add_instance(g->scene, &instance, NULL));
@@ -197,8 +197,7 @@ static fathom_status place_mesh(gltf *g, const gltf_value *node, const affine_f6
     return add_instance(g, node, group, to_world);
 }
 
-/* Children are stacked last to first, so that nodes come in the order in which a reader of the file meets
- * them. */
+/* Pushes children last to first, so that nodes come in the order of the file. */
 static fathom_status stack_children(gltf *g, walk *w, const gltf_value *list, bool hidden,
                                     const affine_f64 *to_world) {
     for (size_t i = gltf_count(list); i-- > 0;) {
@@ -288,7 +287,7 @@ static fathom_status walk_roots(gltf *g, walk *w) {
     return status;
 }
 
-/* A file that is a library of meshes: each is shown once, where it is. */
+/* A library of meshes without nodes: places each once. */
 static fathom_status place_all_meshes(gltf *g) {
     affine_f64 identity = affine_identity();
     fathom_status status = FATHOM_OK;

@@ -2,7 +2,6 @@
 #include "base/file.h"
 #include "read/json/json_object.h"
 #include "read/json/json_place.h"
-#include "read/json/json_syntax.h"
 #include "read/read.h"
 #include "scene/camera/image_size.h"
 #include "scene/graph.h"
@@ -38,7 +37,7 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
 }
 
-/* What the file does not say about the image's size follows from its camera. */
+/* The camera decides the image's size where the file does not give it. */
 static fathom_status set_image(const object_reader *r, json_t *root, form_scene_values *v) {
     const where at = {NULL, "image", 0};
     json_t *image = json_object_get(root, "image");
@@ -114,7 +113,7 @@ static fathom_status add_lights(const object_reader *r, json_t *lights) {
 
 /* ---- groups and objects ---- */
 
-/* All names first: groups may use each other in any order. */
+/* Adds all names first, because groups may use each other in any order. */
 static fathom_status name_groups(const object_reader *r, json_t *groups) {
     const char *name;
     json_t *list;
@@ -141,16 +140,14 @@ static fathom_status fill_groups(const object_reader *r, json_t *groups) {
     return status;
 }
 
-static fathom_status check_cycles(const object_reader *r, json_t *groups) {
-    fathom_status status = scene_check_cycles(r->scene);
-    if (status != FATHOM_BAD_INPUT) return status;
+static fathom_status check_cycles(const object_reader *r) {
     const where at = {NULL, "groups", 0};
-    fathom_status found = object_find_cycle(r->doc, groups);
-    return found == FATHOM_OK ? doc_within(r->doc, &at, status) : found;
+    fathom_status status = scene_check_cycles(r->scene);
+    return status == FATHOM_BAD_INPUT ? doc_within(r->doc, &at, status) : status;
 }
 
-/* A few bytes can ask for any amount: each level of groups within groups multiplies what is placed. Each
- * placement takes about 0.5 kB when it is rendered. */
+/* Limits nested instances: each level multiplies the placements, so a few bytes can ask for any number. Each
+ * takes about 0.5 kB in a render. */
 static fathom_status check_placements(const object_reader *r) {
     const double most = 0x1p20 + (double)strlen(r->doc->text) / 4;
     const size_t groups = r->scene->groups.count;
@@ -177,7 +174,7 @@ static fathom_status add_objects(const object_reader *r, const form_scene_values
     const where at = {NULL, "objects", 0};
     fathom_status status = fill_groups(r, v->groups);
     if (status == FATHOM_OK) status = object_list(r, &at, v->objects, FATHOM_ROOT);
-    if (status == FATHOM_OK) status = check_cycles(r, v->groups);
+    if (status == FATHOM_OK) status = check_cycles(r);
     return status == FATHOM_OK ? check_placements(r) : status;
 }
 
@@ -220,11 +217,11 @@ fathom_status read_json(fathom_scene *scene, const char *path) {
     if (status != FATHOM_OK) return status;
     const char *text = (const char *)map.bytes;
     size_t size = map.size;
-    /* Some editors begin a file with a byte order mark, which is not JSON. */
+    /* Skip the byte order mark that some editors write. */
     if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) text += 3, size -= 3;
     const doc d = {scene->context, path, text};
     json_error_t error;
-    /* Every number is read as double: 1, 1.0 and 1e0 mean the same, and 1e20 needs no point. */
+    /* Numbers are read as double: 1, 1.0 and 1e0 are the same, and 1e20 needs no point. */
     json_arena arena = {NULL, false};
     json_t *root =
         json_arena_read(&arena, text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);

@@ -1,19 +1,19 @@
 #include "read/json/json_mesh.h"
 
 #include "read/mesh/normals.h"
-#include "read/mesh/origin.h"
+#include "read/read.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct mesh_arrays {
-    const double *positions, *normals, *uvs; /* one a vertex; normals and uvs may be NULL */
-    const uint32_t *indices;
+    double *positions, *normals, *uvs; /* for each vertex; normals and uvs may be NULL */
+    uint32_t *indices;
     size_t vertices, triangles;
-    bool smooth; /* normals are made where there are none */
+    bool smooth; /* make normals if there are none */
 } mesh_arrays;
 
-/* `width` numbers a vertex, each counted from `origin`. NULL stays NULL. */
+/* `width` numbers for each vertex, relative to `origin`. NULL stays NULL. */
 static fathom_status narrow_all(const object_reader *r, const double *from, size_t vertices, unsigned width,
                                 const double origin[3], float **out) {
     *out = NULL;
@@ -67,9 +67,7 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
         mesh.flags = flags;
         status = fathom_scene_add_mesh(r->scene, group, &mesh, NULL);
     }
-    free(positions);
-    free(normals);
-    free(uvs);
+    free(positions), free(normals), free(uvs);
     return status;
 }
 
@@ -155,43 +153,31 @@ static fathom_status check_same_count(const object_reader *r, const where *at, c
                     json_array_size(rows));
 }
 
-typedef struct inline_arrays {
-    double *positions, *normals, *uvs;
-    uint32_t *indices;
-} inline_arrays;
-
+/* The arrays of *out are the caller's, even after a failure. */
 static fathom_status load_inline(const object_reader *r, const where *at, const form_object_values *o,
-                                 inline_arrays *own, mesh_arrays *out) {
+                                 mesh_arrays *out) {
     size_t vertices = json_array_size(o->as.mesh.positions);
     json_t *normals = o->as.mesh.shading == FORM_FLAT ? NULL : o->as.mesh.normals;
-    fathom_status status = check_same_count(r, at, "normals", o->as.mesh.normals, vertices);
-    if (status == FATHOM_OK) status = check_same_count(r, at, "uvs", o->as.mesh.uvs, vertices);
-    if (status == FATHOM_OK) status = load_rows(r, o->as.mesh.positions, 3, &own->positions);
-    if (status == FATHOM_OK && normals) status = load_rows(r, normals, 3, &own->normals);
-    if (status == FATHOM_OK && o->as.mesh.uvs) status = load_rows(r, o->as.mesh.uvs, 2, &own->uvs);
-    if (status == FATHOM_OK) status = load_indices(r, at, o->as.mesh.indices, vertices, &own->indices);
-    *out = (mesh_arrays){.positions = own->positions,
-                         .normals = own->normals,
-                         .uvs = own->uvs,
-                         .indices = own->indices,
-                         .vertices = vertices,
+    *out = (mesh_arrays){.vertices = vertices,
                          .triangles = json_array_size(o->as.mesh.indices),
                          .smooth = o->as.mesh.shading == FORM_SMOOTH};
+    fathom_status status = check_same_count(r, at, "normals", o->as.mesh.normals, vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "uvs", o->as.mesh.uvs, vertices);
+    if (status == FATHOM_OK) status = load_rows(r, o->as.mesh.positions, 3, &out->positions);
+    if (status == FATHOM_OK && normals) status = load_rows(r, normals, 3, &out->normals);
+    if (status == FATHOM_OK && o->as.mesh.uvs) status = load_rows(r, o->as.mesh.uvs, 2, &out->uvs);
+    if (status == FATHOM_OK) status = load_indices(r, at, o->as.mesh.indices, vertices, &out->indices);
     return status;
 }
 
 fathom_status mesh_inline(const object_reader *r, const where *at, const form_object_values *o,
                           fathom_id group, fathom_id material, unsigned flags) {
-    inline_arrays own = {0};
     mesh_arrays arrays;
-    fathom_status status = load_inline(r, at, o, &own, &arrays);
+    fathom_status status = load_inline(r, at, o, &arrays);
     if (status == FATHOM_OK) {
         status = add_arrays(r, group, &arrays, material, flags);
         if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
     }
-    free(own.positions);
-    free(own.normals);
-    free(own.uvs);
-    free(own.indices);
+    free(arrays.positions), free(arrays.normals), free(arrays.uvs), free(arrays.indices);
     return status;
 }

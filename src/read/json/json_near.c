@@ -11,8 +11,8 @@ static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 static bool alike(char a, char b) { return tolower((unsigned char)a) == tolower((unsigned char)b); }
 
-/* How many letters must be changed, added, left out or swapped with their neighbour (the optimal string
- * alignment distance); letters of either case are alike. Three rows of its table suffice. */
+/* The number of letters to change, add, remove or swap with their neighbour (optimal string alignment
+ * distance), ignoring case. Three rows of its table suffice. */
 static size_t edit_distance(const char *a, const char *b) {
     size_t rows[3][NEAR_LENGTH + 1], length = strlen(b);
     size_t *before = rows[0], *last = rows[1], *row = rows[2];
@@ -32,7 +32,7 @@ static size_t edit_distance(const char *a, const char *b) {
 }
 
 near_search near_begin(const char *wanted) {
-    /* Up to a third of the letters may be wrong, and one always. */
+    /* Allows a third of the letters to be wrong, but at least one. */
     size_t length = strlen(wanted);
     return (near_search){.wanted = wanted, .distance = (length < 6 ? 1 : length / 3) + 1};
 }

@@ -1,4 +1,4 @@
-/* The name that was meant by a misspelt one. */
+/* Finds the known name nearest to a misspelt one. */
 #ifndef READ_JSON_NEAR_H
 #define READ_JSON_NEAR_H
 
@@ -10,7 +10,7 @@ typedef struct near_search {
 } near_search;
 
 near_search near_begin(const char *wanted);
-/* Candidates with equal distance: the first one stays. */
+/* Of candidates at equal distance the first one wins. */
 void near_offer(near_search *search, const char *candidate);
 
 #endif

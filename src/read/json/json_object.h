@@ -14,8 +14,4 @@ typedef struct object_reader {
 /* Adds the objects of `list` to `group`, in their order. */
 fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group);
 
-/* Where the groups of the document contain each other: FATHOM_BAD_INPUT at the instance that closes the
- * circle. FATHOM_OK when none is found. */
-fathom_status object_find_cycle(const doc *d, json_t *groups);
-
 #endif

@@ -2,8 +2,8 @@
 
 double place_radians(double degrees) { return degrees * 0.017453292519943295; }
 
-/* Axes typed with three decimals are off by up to 5e-4 in each component: by sqrt(3) 5e-4 each, and the
- * cosine of two of them by twice that. */
+/* Axes typed with three decimals are off by up to 5e-4 in each component, so by sqrt(3) 5e-4 each; the cosine
+ * of two axes is off by twice that. */
 static bool right_angle(vec3_f64 a, vec3_f64 b) {
     return fabs(dot_f64(normalize_f64(a), normalize_f64(b))) <= 1.8e-3;
 }

@@ -10,7 +10,7 @@
 fathom_status place_frame(const doc *d, const where *at, json_t *value, const form_frame_values *values,
                           frame_f64 *out);
 
-/* The map that an object's placement keys stand for; *placed is false when it has none. */
+/* The map of an object's placement keys; *placed is false when it has none. */
 fathom_status place_object(const doc *d, const where *at, json_t *object, const form_place_values *values,
                            affine_f64 *out, bool *placed);
 

@@ -1,4 +1,4 @@
-/* jansson keeps no positions, and needs none: only the one value that is wrong is looked for, when it is. */
+/* jansson keeps no positions, so the one value that is wrong is searched for in the text. */
 #include "read/json/json_where.h"
 
 #include "json/memory.h"
@@ -37,13 +37,13 @@ static const char *skip_value(const char *c) {
     return c;
 }
 
-/* c: behind an item; returns the next one, or the closing bracket. */
+/* c: after an item; returns the next one, or the closing bracket. */
 static const char *next_item(const char *c) {
     c = skip_space(c);
     return *c == ',' ? skip_space(c + 1) : c;
 }
 
-/* Whether the string with its quotes from begin to end says `key`. Escapes are left to jansson. */
+/* Whether the quoted string from begin to end is `key`. jansson decodes escapes. */
 static bool says(const char *begin, const char *end, const char *key) {
     size_t length = (size_t)(end - begin);
     if (!memchr(begin, '\\', length)) {
@@ -57,7 +57,7 @@ static bool says(const char *begin, const char *end, const char *key) {
     return same;
 }
 
-/* One step down from the value at c. *shown is where the line is counted. */
+/* One step down from the value at c. *shown: the place whose line is reported. */
 static const char *step(const char *c, const where *at, const char **shown) {
     if (*c != (at->key ? '{' : '[')) return NULL;
     c = skip_space(c + 1);
@@ -79,7 +79,7 @@ static const char *step(const char *c, const where *at, const char **shown) {
     return NULL;
 }
 
-/* False when a step is missing; *value and *shown then stay where the walk ended. */
+/* False when a step is missing; *value and *shown then tell where the walk ended. */
 static bool descend(const char *text, const where *at, const char **value, const char **shown) {
     if (!at) {
         *value = *shown = skip_space(text);

@@ -1,12 +1,14 @@
-/* Where a value of a JSON document stands in its text. */
+/* The place of a value in the text of a JSON document. */
 #ifndef READ_JSON_WHERE_H
 #define READ_JSON_WHERE_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "base/status.h"
 
-/* One step of a path from the document's root to a value: a key, or with key NULL an index. The steps are
- * local variables of the functions that walk the document, so that following it costs nothing. */
+#include <jansson.h>
+#include <stdbool.h>
+
+/* One step of a path from the document's root to a value: a key, or an index if key is NULL. The steps are
+ * local variables of the functions that walk the document. */
 typedef struct where {
     const struct where *parent; /* NULL: the document itself is the parent */
     const char *key;
@@ -20,11 +22,28 @@ typedef struct where_place {
     bool whole; /* the path was followed to its end */
 } where_place;
 
-/* Walks the text, which must be JSON and end with a zero byte, along the path. A step that is not there ends
- * the walk: the place is then that of the last value that is. */
+/* Follows the path through the text, which must be JSON and end with a zero byte. If a step is missing, the
+ * place is that of the last value found. */
 where_place where_find(const char *text, const where *at);
 
 /* Writes the path as objects[3].radius or materials["dark red"]; "" for the document. */
 void where_path(const where *at, char *out, size_t room);
+
+/* jansson's error text, replaced where it speaks of its parser and flags rather than of the file. */
+static inline const char *json_syntax_text(const json_error_t *error) {
+    enum json_error_code code = json_error_code(error);
+    if (code == json_error_stack_overflow)
+        return "brackets stand within brackets too deep; expected at most 2048 levels";
+    if (code == json_error_null_character || code == json_error_null_byte_in_key)
+        return "\\u0000 in a string; expected text without zero bytes";
+    return error->text;
+}
+
+/* FATHOM_BAD_INPUT, at the line and column. */
+static inline fathom_status json_syntax_fail(fathom_context *context, const char *path,
+                                             const json_error_t *error) {
+    const fathom_place place = {.file = path, .line = (size_t)error->line, .column = (size_t)error->column};
+    return fail_at(context, FATHOM_BAD_INPUT, &place, "%s", json_syntax_text(error));
+}
 
 #endif

@@ -1,54 +1,37 @@
 #include "read/mesh/names.h"
 
-#include "base/keyed_hash.h"
-
+#include <search.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The slot that holds the name, or the free one where it belongs. */
-static size_t find_slot(const name_table *table, const char *text, size_t length) {
-    size_t slot = (size_t)sip_hash(process_hash_key(), text, length) & (table->slot_count - 1);
-    for (; table->slots[slot]; slot = (slot + 1) & (table->slot_count - 1)) {
-        const name_entry *entry = &table->entries.items[table->slots[slot] - 1];
-        if (entry->length == length && memcmp(entry->text, text, length) == 0) break;
-    }
-    return slot;
-}
-
-/* At most half full. */
-static bool grow(name_table *table) {
-    if (2 * (table->entries.count + 1) <= table->slot_count) return true;
-    size_t slot_count = table->slot_count ? 2 * table->slot_count : 16;
-    uint32_t *slots = calloc(slot_count, sizeof *slots);
-    if (!slots) return false;
-    free(table->slots);
-    table->slots = slots;
-    table->slot_count = slot_count;
-    for (size_t i = 0; i < table->entries.count; ++i) {
-        const name_entry *entry = &table->entries.items[i];
-        slots[find_slot(table, entry->text, entry->length)] = (uint32_t)i + 1;
-    }
-    return true;
-}
-
-uint32_t names_add(name_table *table, const char *text, size_t length) {
-    if (!grow(table)) return UINT32_MAX;
-    size_t slot = find_slot(table, text, length);
-    if (!table->slots[slot]) {
-        name_entry entry = {text, length};
-        if (!array_push(&table->entries, entry)) return UINT32_MAX;
-        table->slots[slot] = (uint32_t)table->entries.count;
-    }
-    return table->slots[slot] - 1;
+static int compare(const void *a, const void *b) {
+    const name_entry *x = a, *y = b;
+    if (x->length != y->length) return x->length < y->length ? -1 : 1;
+    return memcmp(x->text, y->text, x->length);
 }
 
 uint32_t names_find(const name_table *table, const char *text, size_t length) {
-    if (!table->slot_count) return UINT32_MAX;
-    return table->slots[find_slot(table, text, length)] - 1;
+    const name_entry wanted = {text, length, 0}, **found = tfind(&wanted, &table->tree, compare);
+    return found ? (*found)->number : UINT32_MAX;
 }
 
+uint32_t names_add(name_table *table, const char *text, size_t length) {
+    uint32_t known = names_find(table, text, length);
+    if (known != UINT32_MAX) return known;
+    name_entry *entry = malloc(sizeof *entry);
+    if (!entry || !array_push(&table->entries, entry)) {
+        free(entry);
+        return UINT32_MAX;
+    }
+    *entry = (name_entry){text, length, (uint32_t)table->entries.count - 1};
+    return tsearch(entry, &table->tree, compare) ? entry->number : UINT32_MAX;
+}
+
+static void keep(void *entry) { (void)entry; }
+
 void names_free(name_table *table) {
+    tdestroy(table->tree, keep);
+    for (size_t i = 0; i < table->entries.count; ++i) free(table->entries.items[i]);
     array_free(&table->entries);
-    free(table->slots);
     *table = (name_table){0};
 }

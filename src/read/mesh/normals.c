@@ -6,9 +6,9 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* Sums are kept in whole numbers, whose addition does not depend on the order: threads add as they come.
- * 2^29 to one: a corner weighs at most pi, so 2^63 / 2^29 / pi = 5.4e9 corners, more than a mesh can have,
- * fit into a sum; and a corner's share is rounded by 2^-30, far below a float normal's own 2^-24. */
+/* Sums are integers, so that the order in which threads add does not matter. The unit is 2^-29: a corner
+ * weighs at most pi, so a sum holds 2^63 / 2^29 / pi = 5.4e9 corners, more than a mesh can have. A corner's
+ * share is rounded by 2^-30, far below a float normal's own 2^-24. */
 #define UNIT 0x1p29
 
 typedef struct smoothing {
@@ -18,8 +18,8 @@ typedef struct smoothing {
     atomic_bool empty; /* some sum is zero */
 } smoothing;
 
-/* atan over [0, 1], error below 2e-8 (Abramowitz and Stegun 4.4.49). The C library's differs in the last bit
- * from processor to processor. */
+/* atan over [0, 1], error below 2e-8 (Abramowitz and Stegun 4.4.49). The C library's last bit differs between
+ * processors. */
 static double arc_tangent(double t) {
     double s = t * t;
     return t * (1 + s * (-.3333314528 +
@@ -43,8 +43,7 @@ static vec3_f64 vertex(const normals_input *in, uint32_t i) {
     return (vec3_f64){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-/* Unit normal of triangle t, and its angles when asked for; false when it has no area. Scaled so that neither
- * tiny nor huge triangles leave the range of double. */
+/* The unit normal of triangle t, and its angles unless `angles` is NULL; false when it has no area. */
 static bool triangle_normal(const normals_input *in, size_t t, vec3_f64 *normal, double angles[3]) {
     const uint32_t *corner = in->indices + 3 * t;
     vec3_f64 p[3] = {vertex(in, corner[0]), vertex(in, corner[1]), vertex(in, corner[2])};
@@ -92,8 +91,8 @@ static void finish_slots(void *user, size_t begin, size_t end, unsigned worker) 
     }
 }
 
-/* Serial, as "the last" depends on the order; reached only by meshes that have such corners, or vertices
- * that no triangle uses. */
+/* Serial, because "the last triangle" depends on the order. Only meshes with cancelling corners or unused
+ * vertices get here. */
 static void fill_empty(const smoothing *s) {
     const normals_input *in = s->input;
     for (size_t t = 0; t < in->triangle_count; ++t) {

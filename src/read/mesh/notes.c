@@ -10,7 +10,7 @@ static note *find(note_list *notes, const char *text) {
     return NULL;
 }
 
-/* The note of this kind; NULL when it is new and there is no room for it. */
+/* The note of this kind; NULL when there is no room for a new kind. */
 static note *obtain(note_list *notes, const char *format, va_list args) {
     note fresh = {.count = 0};
     vsnprintf(fresh.text, sizeof fresh.text, format, args);
@@ -20,7 +20,7 @@ static note *obtain(note_list *notes, const char *format, va_list args) {
     return &notes->items[notes->count++];
 }
 
-/* The note, when this is the first of its kind and it gets its place; else NULL. */
+/* The note if this is the first of its kind and needs a place; else NULL. */
 static note *count_in(note_list *notes, size_t times, const char *format, va_list args) {
     if (!times) return NULL;
     note *n = obtain(notes, format, args);

@@ -32,8 +32,8 @@ bool number_read_special(const char **cursor, double *out) {
 }
 
 static double by_library(const char *text) {
-    /* glibc has the C locale built in: this neither allocates nor fails. Elsewhere a failure must not become
-     * a number: a NaN is refused by every reader. */
+    /* glibc has the C locale built in, so this cannot fail. Elsewhere a failure gives NaN, which every reader
+     * refuses. */
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!c) return (double)NAN;
     double value = strtod_l(text, NULL, c);
@@ -42,8 +42,8 @@ static double by_library(const char *text) {
 }
 
 /* 10^n = 5^n 2^n, and 5^27 < 2^63: the product of 64-bit digits with 5^n is exact in 128 bits, and a quotient
- * by 5^n with its remainder says all that rounding needs. Conversion of a 128-bit integer to double rounds to
- * nearest even; the power of two that is left is exact, as 10^±46 is far from either end of double. */
+ * by 5^n with its remainder decides the rounding. Converting a 128-bit integer to double rounds to nearest
+ * even, and the remaining power of two is exact because 10^±46 is far from the ends of double's range. */
 double number_rounded(uint64_t digits, unsigned significant, int64_t exponent, const char *text) {
     if (significant > 19 || exponent < -27 || exponent > 27) return by_library(text);
     if (!digits) return 0;
@@ -52,8 +52,8 @@ double number_rounded(uint64_t digits, unsigned significant, int64_t exponent, c
     if (exponent >= 0) return ldexp((double)((unsigned __int128)digits * five), (int)exponent);
     int zeros = __builtin_clzll(digits);
     unsigned __int128 dividend = (unsigned __int128)(digits << zeros) << 64;
-    /* The dividend has its top bit set, so the quotient has at least 64 bits: a remainder is a bit below all
-     * that count. */
+    /* The dividend's top bit is set, so the quotient has at least 64 bits; the remainder becomes a sticky
+     * bit. */
     unsigned __int128 quotient = dividend / five | (dividend % five != 0);
     return ldexp((double)quotient, (int)exponent - 64 - zeros);
 }

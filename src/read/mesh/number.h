@@ -1,22 +1,21 @@
-/* Decimal numbers from text, the same in every locale, rounded to the nearest double.
- *
- * The text must end in something that is no part of a number (file_map's padding will do). */
+/* Decimal numbers from text, the same in every locale, rounded to the nearest double. The text must end in
+ * something that is no part of a number, such as file_map's padding. */
 #ifndef READ_NUMBER_H
 #define READ_NUMBER_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* digits × 10^exponent where neither is small enough for number_read() itself. `text` is where the number
- * (without its sign) starts, in case only the C library can tell. */
+/* digits × 10^exponent beyond the fast path of number_read(). `text`: where the number starts after its sign,
+ * for the C library. */
 double number_rounded(uint64_t digits, unsigned significant, int64_t exponent, const char *text);
 
-/* "nan" and "inf" in any case, optionally "infinity"; false when neither. */
+/* "nan", "inf" or "infinity" in any case; false when none. */
 bool number_read_special(const char **cursor, double *out);
 
 static inline unsigned number_digit(char c) { return (unsigned)(unsigned char)c - '0'; }
 
-/* Digits at *p appended to `value`, which wraps around beyond 19 of them; returns the first other character.
+/* Appends the digits at p to `value`, which wraps around beyond 19 digits. Returns the first other character.
  */
 static inline const char *number_digits(const char *p, uint64_t *value) {
     uint64_t v = *value;
@@ -25,7 +24,7 @@ static inline const char *number_digits(const char *p, uint64_t *value) {
     return p;
 }
 
-/* e+12 at *p, if it is one; a lone e stays where it is. Large exponents saturate. */
+/* Reads an exponent such as e+12; a lone e is left. Large exponents saturate. */
 static inline const char *number_exponent(const char *p, int64_t *exponent) {
     const char *digit = p + 1 + (p[1] == '-' || p[1] == '+');
     if (number_digit(*digit) >= 10) return p;
@@ -37,13 +36,13 @@ static inline const char *number_exponent(const char *p, int64_t *exponent) {
     return digit;
 }
 
-/* Digits that are left when the zeros in front are taken away. */
+/* The number of digits after leading zeros. */
 unsigned number_significant(const char *text, const char *end);
 
-/* A number at *cursor: sign, digits with an optional point, optional exponent; nan and inf too. Moves the
- * cursor past it; false, cursor unmoved, when there is none.
- * Exact powers of ten up to 10^22 and digits up to 2^53 are doubles, so that one multiplication or division
- * rounds once (Clinger 1990); all else is left to number_rounded(). */
+/* Reads a number at *cursor and moves past it: sign, digits with an optional point, optional exponent; nan
+ * and inf too. False, cursor unmoved, when there is none. Powers of ten up to 10^22 and digits up to 2^53 are
+ * exact doubles, so one multiplication or division rounds once (Clinger 1990). number_rounded() does the
+ * others. */
 static inline bool number_read(const char **cursor, double *out) {
     static const double tens[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                   1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -77,7 +76,7 @@ static inline bool number_read(const char **cursor, double *out) {
     return true;
 }
 
-/* A whole number at *cursor; saturates far beyond any index. False, cursor unmoved, when there is none. */
+/* Reads an integer at *cursor; saturates far beyond any index. False, cursor unmoved, when there is none. */
 static inline bool number_read_integer(const char **cursor, int64_t *out) {
     const char *p = *cursor;
     bool negative = *p == '-';

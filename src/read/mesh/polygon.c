@@ -18,11 +18,11 @@ static vec3_f64 vertex(const polygon_vertices *v, uint32_t i) {
 /* The corner of a fan: 0, 1, then the last of each triangle. */
 static size_t fan_place(size_t corner) { return corner < 2 ? corner : 3 * (corner - 2) + 2; }
 
-/* Of the two diagonals the one that both triangles keep their winding with; when both do, the one opposite to
- * the smaller angles (Delaunay's choice, which makes the smallest angle largest): 0-2 while the angles at 1
- * and 3 sum to at most pi, sin(B + D) >= 0. Rectangles and the cells of grids and spheres are ties, decided
- * by rounding alone unless 0-2 is kept up to a slack: 2^-8, a quarter of a degree, changes no angle by more
- * than that, and is above the rounding of corners whose edges keep 8 bits of the coordinates' 24. */
+/* Whether to split along 1-3 instead of 0-2. The better diagonal keeps the winding of both triangles. If both
+ * do, it is the one opposite to the smaller angles (Delaunay's choice): 0-2 while the angles at 1 and 3 sum
+ * to at most pi, sin(B + D) >= 0. Rectangles and cells of grids and spheres are ties that rounding would
+ * decide, so 0-2 is kept up to a slack of 2^-8, a quarter of a degree. That is above the rounding of corners
+ * whose edges keep 8 of the coordinates' 24 bits. */
 static bool other_diagonal(const vec3_f64 p[4]) {
     vec3_f64 edge[4];
     for (int i = 0; i < 4; ++i) edge[i] = normalize_f64(sub_f64(p[(i + 1) % 4], p[i]));
@@ -54,21 +54,21 @@ static void split_quad(const polygon_vertices *v, uint32_t *fan, uint32_t *secon
     turn_quad(third);
 }
 
-/* A corner of the polygon that is left: how the outline turns there. Convex corners stay convex when ears are
- * cut, as angles only shrink. */
+/* How the remaining outline turns at a corner. Convex corners stay convex when ears are cut, because angles
+ * only shrink. */
 typedef enum turn { TURN_CONVEX, TURN_FLAT, TURN_REFLEX, TURN_GONE } turn;
 
 enum { TURNS = TURN_GONE + 1 };
 
-#define LEAF_CORNERS 16 /* at most; large enough that the tree takes less memory than the ring */
+#define LEAF_CORNERS 16 /* at most; the tree then takes less memory than the ring */
 
-/* The corners that may lie in an ear, those that are not convex, in a k-d tree: node k has the children 2k
- * and 2k + 1, node 1 is the root, and those from `leaves` on are the leaves. */
+/* A k-d tree of the corners that may lie in an ear, those that are not convex. Node 1 is the root, node k has
+ * the children 2k and 2k + 1, and nodes from `leaves` on are leaves. */
 typedef struct tree {
     uint32_t leaves;  /* a power of two; 0: the tree is empty */
     uint32_t *order;  /* the corners, leaf after leaf */
     uint32_t *first;  /* of each leaf, in order[]; one more for the end */
-    uint32_t *live;   /* of each node: how many of its corners are not convex, and still there */
+    uint32_t *live;   /* of each node: how many of its corners remain and are not convex */
     double (*box)[4]; /* of each node: lowest x, y, highest x, y */
 } tree;
 
@@ -77,7 +77,7 @@ typedef struct ring {
     uint32_t n;
     double (*point)[2];
     uint32_t *next, *last;
-    uint32_t *leaf;      /* of the tree, in which a corner is; 0: none */
+    uint32_t *leaf;      /* the tree's leaf that holds a corner; 0: none */
     uint32_t *triangles; /* corner numbers, 3 each */
     uint32_t *moved;     /* n, for carrying streams along */
     uint32_t *queue;     /* corners that may be ears: a circle of n */
@@ -141,8 +141,7 @@ static bool ring_allocate(polygon_work *work, uint32_t n, ring *r) {
     return true;
 }
 
-/* Newell's normal, which sums the areas seen along each axis: the polygon is looked at along the axis of the
- * largest, which loses no bit of the coordinates. */
+/* Projects along the largest axis of Newell's normal, which loses no bit of the coordinates. */
 static void project(const polygon_vertices *v, const uint32_t *fan, ring *r) {
     vec3_f64 first = vertex(v, fan[0]), normal = {0, 0, 0};
     for (size_t i = 1; i + 1 < r->n; ++i) {
@@ -169,7 +168,7 @@ static void project(const polygon_vertices *v, const uint32_t *fan, ring *r) {
     }
 }
 
-/* All corners turn left, and the outline goes round once: then x turns back just twice. */
+/* Whether all corners turn left and the outline goes round once, so that x reverses just twice. */
 static bool is_convex(const ring *r) {
     unsigned reversals = 0;
     bool right = r->point[0][0] > r->point[r->n - 1][0];
@@ -185,8 +184,8 @@ static bool is_convex(const ring *r) {
 
 /* ---- the tree ---- */
 
-/* Puts into place `nth` of order[begin…end) the corner that sorting by the axis would, with no larger ones
- * before it and no smaller ones behind (Hoare's selection). */
+/* Partially sorts order[begin…end) by the axis, so that place `nth` is as if fully sorted (Hoare's
+ * selection). */
 static void select_nth(const ring *r, int axis, uint32_t begin, uint32_t end, uint32_t nth) {
     uint32_t *order = r->tree.order;
     while (end - begin > 1) {
@@ -262,7 +261,7 @@ static void set_turn(ring *r, uint32_t i, turn to) {
 
 static bool same_point(const double a[2], const double b[2]) { return a[0] == b[0] && a[1] == b[1]; }
 
-/* Whether corner k is in the way of the ear a, b, c. Corners at the same place as one of its own are not: an
+/* Whether corner k lies in the ear a, b, c. Corners at the same place as one of the ear's do not count: an
  * outline may touch itself where a hole is joined to it. */
 static bool blocks(const ring *r, uint32_t k, const double *a, const double *b, const double *c) {
     if (!may_block(r->turns[k])) return false;
@@ -271,15 +270,15 @@ static bool blocks(const ring *r, uint32_t k, const double *a, const double *b, 
            !same_point(p, a) && !same_point(p, b) && !same_point(p, c);
 }
 
-/* Whether all points of the box are to the right of the line from a to b, as orientation() sees them.
- * Rounding keeps order, so its result grows or falls with each coordinate of the point: one corner tells. */
+/* Whether all points of the box are to the right of the line from a to b, by orientation(). It is monotonic
+ * in each coordinate even after rounding, so one corner of the box decides. */
 static bool right_of(const double *a, const double *b, const double box[4]) {
     const double extreme[2] = {b[1] - a[1] < 0 ? box[2] : box[0], b[0] - a[0] < 0 ? box[1] : box[3]};
     return orientation(a, b, extreme) < 0;
 }
 
-/* Whether a corner of the node is in the way. Boxes of one point, where the outline touches itself, need not
- * be looked into at a corner of the ear. */
+/* Whether a corner of the node lies in the ear. A box of one point at a corner of the ear, where the outline
+ * touches itself, is skipped. */
 static bool is_blocked(const ring *r, uint32_t node, const double *a, const double *b, const double *c) {
     const tree *t = &r->tree;
     const double *box = t->box[node];
@@ -309,8 +308,8 @@ static void cut(ring *r, uint32_t i) {
     set_turn(r, next, turn_at(r, next));
 }
 
-/* No corner is an ear: the outline crosses itself, or what is left has no area. Flat corners go first, they
- * cover nothing; then convex ones. */
+/* When no corner is an ear, the outline crosses itself or the remaining polygon has no area. Flat corners go
+ * first because they cover nothing, then convex ones. */
 static uint32_t least_bad(const ring *r, uint32_t i) {
     const turn own = r->turns[i];
     const turn wanted = r->count[TURN_FLAT] > (own == TURN_FLAT) ? TURN_FLAT : TURN_CONVEX;
@@ -335,10 +334,10 @@ static uint32_t dequeue(ring *r) {
     return i;
 }
 
-/* Cutting an ear makes at most its two neighbours into ears: a corner in the way of another ear is reflex,
- * and is neither cut nor turned convex while it is in there (Eberly, "Triangulation by ear clipping"). So
- * each cut looks at two corners again, not at all. The one after an ear waits: cutting on and on would make a
- * fan of slivers. */
+/* Cutting an ear can make only its two neighbours into ears: a corner inside another ear is reflex, and is
+ * neither cut nor turned convex while it is inside (Eberly, "Triangulation by ear clipping"). So each cut
+ * tests two corners again. The corner after an ear waits, because cutting on and on would make a fan of
+ * slivers. */
 static void cut_ears(ring *r) {
     for (uint32_t i = 0; i < r->n; ++i) {
         r->queued[i] = 0;

@@ -27,17 +27,9 @@ fathom_status text_fail(const text_file *file, const text_fault *fault) {
     return fail_at(file->context, FATHOM_BAD_INPUT, &place, "%s", fault->what);
 }
 
-#define ZERO_BYTE "a zero byte; expected text"
-
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end) {
     const char *zero = memchr(begin, '\0', (size_t)(end - begin));
-    return !zero || text_wrong(fault, zero, NULL, ZERO_BYTE);
-}
-
-fathom_status text_check_hole(const text_file *file, const file_map *map) {
-    if (map->hole >= map->size) return FATHOM_OK;
-    const text_fault fault = {(const char *)map->bytes + map->hole, "", ZERO_BYTE};
-    return text_fail(file, &fault);
+    return !zero || text_wrong(fault, zero, NULL, "a zero byte; expected text");
 }
 
 const char *text_after_mark(const char *begin, const char *end) {
@@ -70,11 +62,9 @@ void text_mend_line_ends(char *begin, const char *end) {
 fathom_status text_open(fathom_context *context, const char *path, const file_map *map, text_file *out) {
     const char *text = (const char *)map->bytes, *end = text + map->size;
     *out = (text_file){.context = context, .path = path, .begin = text, .end = end};
-    fathom_status status = text_check_hole(out, map);
-    if (status != FATHOM_OK) return status;
     out->begin = text_after_mark(text, end);
     if (!text_ends_lines_in_cr(out->begin, end)) return FATHOM_OK;
-    status = text_copy(out);
+    fathom_status status = text_copy(out);
     if (status == FATHOM_OK) text_mend_line_ends(out->copy, out->end);
     return status;
 }
@@ -98,7 +88,7 @@ const char *text_quote(const char *at, char out[48]) {
     return out;
 }
 
-/* Whether the line end at `newline`, not before `begin`, is taken back by a backslash. */
+/* Whether a backslash joins the line that ends at `newline` to the next one. */
 static bool is_joined(const char *newline, const char *begin) {
     const char *p = newline;
     if (p > begin && p[-1] == '\r') --p;
@@ -132,8 +122,7 @@ size_t *text_pieces(const text_file *file, size_t grain, size_t *count) {
     starts[0] = 0;
     while (starts[n] < size) {
         size_t target = starts[n] + grain;
-        /* From one byte before the target, so that a line end there is seen; backslashes need no more than
-         * that, as a line end that is joined is never the end of a piece. */
+        /* Search from one byte before the target, so that a line end there is found. */
         const char *next = file->end;
         if (target < size) {
             next = memchr(file->begin + target - 1, '\n', size - target + 1);

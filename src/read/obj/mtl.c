@@ -1,14 +1,13 @@
 /* Wavefront MTL to Fathom's materials.
  *
  *   Kd      k_d
- *   Ka      k_a; none, or white, means as k_d: exporters without an ambient colour write white, which would
- *           make every material reflect the ambient light alike
- *   Ks, Ns  k_s and shininess with Blinn's highlight, as the format defines it ((N·H)^Ns); no highlight where
- *           Ns < 1, which exporters write for rough surfaces and which would add Ks to all that faces a light
- *   Ke      k_e
- *   Ni      ior where light is bent or reflected by Fresnel's law; none or 0: 1.5
- *   d, Tr   opacity and 1 - opacity; the last of the two that the file has counts
- *   Tf      filter of the glass models; others do not look at it, since exporters write white everywhere
+ *   Ka      k_a; none, or white, means k_d: exporters without an ambient colour write white, which would make
+ *           every material reflect the ambient light alike
+ *   Ks, Ns  k_s and shininess of Blinn's highlight, as the format defines it ((N·H)^Ns); no highlight if Ns <
+ * 1, which exporters write for rough surfaces and which would add Ks to everything that faces a light Ke k_e
+ *   Ni      ior for refraction and Fresnel's law; none or 0: 1.5
+ *   d, Tr   opacity and 1 - opacity; the last one in the file counts
+ *   Tf      filter of the glass models; the others ignore it, because exporters write white everywhere
  *
  *   illum   none: 2 if there is a Ks that is not black, else 1
  *   0       Lambert without ambient light
@@ -16,33 +15,30 @@
  *   2, 10   with highlights
  *   3, 8    and a mirror: k_r = Ks
  *   5       and a mirror by Fresnel's law
- *   4, 9    glass that does not bend light (ior 1): k_t, k_r
+ *   4, 9    glass that does not refract (ior 1): k_t, k_r
  *   6       glass: k_t, k_r, ior
  *   7       glass by Fresnel's law
  *
- * Models other than glass dissolve where d < 1: all they send out is scaled by d, and k_t = 1 - d goes
- * straight on (ior 1). This is what "illum 2, d 0.3, Ni 1.45" means to those who write it. Glass: k_t = 1 - d
- * if d < 1, times Tf if there is one; else Tf; else, as in the format's own formula, 1 - Ks. Its diffuse part
- * fades as it clears: times d if d < 1, else by 1 - the largest of k_t; highlights stay. Without Fresnel's
- * law k_r is cut to 1 - k_t where the file has both: a surface gives back no more than it gets. Fresnel's law
- * needs ior != 1: where Ni is 1 it would reflect nothing, and the mirror is a plain one.
+ * Models other than glass dissolve if d < 1: their light is scaled by d, and k_t = 1 - d passes straight on
+ * (ior 1). Authors mean this by "illum 2, d 0.3, Ni 1.45". Glass has k_t = 1 - d if d < 1, times Tf if given;
+ * else Tf; else 1 - Ks, the format's own formula. Its diffuse part fades as it clears: times d if d < 1, else
+ * times 1 - the largest of k_t; highlights stay. Without Fresnel's law k_r is limited to 1 - k_t, which
+ * conserves energy. Fresnel's law needs ior != 1; with Ni 1 the mirror is a plain one.
  *
- * Textures are not read. Each is taken as one even colour, the least wrong one: map_Kd as grey 0.5, since its
- * factor is mostly white; map_Ks and map_Ke as black, since a highlight, a mirror or a glow all over hides
- * the model; map_d as opaque. */
-#include "read/obj/mtl.h"
-
-#include "read/mesh/notes.h"
+ * Textures are not read. Each is replaced by the least wrong even colour: map_Kd by grey 0.5, because its
+ * factor is mostly white; map_Ks and map_Ke by black, because a highlight, mirror or emission everywhere
+ * hides the model; map_d by opaque. */
 #include "read/mesh/number.h"
+#include "read/obj/obj.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* What a file says of a material, as it says it. */
+/* A material's values as the file gives them. */
 typedef struct mtl_entry {
     double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum;
     unsigned given;  /* bits of the kinds below */
-    unsigned mapped; /* the same: a texture goes with it */
+    unsigned mapped; /* the same bits: kinds with a texture */
     const char *at[10];
 } mtl_entry;
 
@@ -59,7 +55,7 @@ static double largest(const float rgb[3]) {
     return fmax((double)rgb[0], fmax((double)rgb[1], (double)rgb[2]));
 }
 
-/* k_t and k_r of the glass models; returns what is left of the diffuse part. */
+/* Sets k_t and k_r of the glass models; returns the factor of the diffuse part. */
 static double make_glass(const mtl_entry *m, bool fresnel, fathom_material *out) {
     const double white[3] = {1, 1, 1}, clear[3] = {1 - m->ks[0], 1 - m->ks[1], 1 - m->ks[2]};
     bool dissolves = m->d < 1, filters = given(m, MTL_TF);
@@ -75,7 +71,6 @@ static double make_glass(const mtl_entry *m, bool fresnel, fathom_material *out)
 static bool is_white(const double rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
 static bool is_black(const double rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
 
-/* none: as the file format's documents have it. */
 static int illum_of(const mtl_entry *m) {
     return given(m, MTL_ILLUM) ? (int)m->illum : is_black(m->ks) ? 1 : 2;
 }
@@ -134,12 +129,12 @@ typedef struct mtl_reader {
 static void note_at(mtl_reader *r, const char *at, const char *text) {
     notes_add_line(&r->notes, 1, &r->file, at, "%s", text);
 }
-/* With the word there, where the text does not name it. */
+/* With the word at that place, if the text does not name it. */
 static void note_word(mtl_reader *r, const char *at, const char *text) {
     notes_add_at(&r->notes, 1, &r->file, at, "%s", text);
 }
 
-/* What the file says of a material that its meaning here passes over. */
+/* Notes values of a material that have no effect here. */
 static void note_unused(mtl_reader *r) {
     const mtl_entry *m = &r->entry;
     const int illum = illum_of(m);
@@ -208,7 +203,7 @@ static const struct mtl_field {
     [MTL_ILLUM] = {"illum", offsetof(mtl_entry, illum), 1, 0, 10},
 };
 
-/* Textures by what they go with, the kind that is not kept as it is, and what is done instead. */
+/* Textures: the kind whose value they change, and what is said. */
 static const struct mtl_map {
     const char *keyword;
     int kind; /* -1: nothing changes */
@@ -228,7 +223,7 @@ static const struct mtl_map {
     {"refl", -1, "refl is not read; mirrors show the scene alone"},
 };
 
-/* The value itself, or the nearest that the field may have; `before` for what is no number at all. */
+/* The value, or the nearest one in the field's range; `before` for NaN. */
 static double limited(mtl_reader *r, const struct mtl_field *field, const char *at, double value,
                       double before) {
     if (value >= field->lowest && value <= field->highest) return value;
@@ -273,7 +268,7 @@ static bool read_field(mtl_reader *r, int kind, const char *at) {
         note_word(r, at, "colours as spectra or in xyz are not read");
         return true;
     }
-    /* The halo would fade towards the outline; the number means the same. */
+    /* A halo would fade towards the outline; the number means the same. */
     if (kind == MTL_D && is_word(p, "-halo")) {
         note_at(r, p, "d -halo is read as d");
         p += 5;

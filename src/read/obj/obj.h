@@ -1,16 +1,37 @@
-/* How a Wavefront OBJ file becomes meshes, in five steps over pieces of the text, each in parallel:
- * scan (obj_scan.c) counts vertices and notes which material and smoothing group each piece starts with, so
- * that every index, negative ones too, is known without its neighbours; parse (obj_parse.c) writes vertices
- * to their places and each piece's triangles to the piece; then polygons are split, smooth normals made
- * (obj_smooth.c), and the triangles sorted into one mesh a material (obj_build.c). No step depends on how
- * many threads there are: the pieces are cut by size alone. */
+/* A Wavefront OBJ file becomes meshes in five steps over pieces of the text, each in parallel. Scan
+ * (obj_scan.c) counts vertices and finds the material and smoothing group that each piece starts with, so
+ * that every piece knows its indices, negative ones too. Parse (obj_parse.c) writes vertices to their places
+ * and triangles to their piece. Then polygons are split, smooth normals made (obj_smooth.c), and triangles
+ * sorted into one mesh for each material (obj_build.c). Pieces are cut by size, so no result depends on the
+ * thread count. */
 #ifndef READ_OBJ_H
 #define READ_OBJ_H
 
 #include "read/mesh/names.h"
 #include "read/mesh/notes.h"
+#include "read/mesh/polygon.h"
 #include "read/mesh/text.h"
 #include "read/read.h"
+
+/* ---- materials (mtl.c) ---- */
+
+typedef struct mtl_material {
+    char *name;
+    fathom_material value;
+} mtl_material;
+
+/* Zero it to start with; release with mtl_free(). */
+typedef struct mtl_library {
+    ARRAY(mtl_material) materials;
+    name_table names; /* of materials[], in the same order */
+} mtl_library;
+
+/* Adds the materials of the file; a later material replaces an earlier one of its name. Warns of values that
+ * are not used, and of a file that cannot be opened. FATHOM_BAD_INPUT names the line. */
+fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *library);
+void mtl_free(mtl_library *library);
+
+/* ---- meshes ---- */
 
 /* What a corner of a face points at, in the order of "f v/vt/vn". */
 enum { OBJ_POSITION, OBJ_UV, OBJ_NORMAL, OBJ_KINDS };
@@ -24,7 +45,7 @@ typedef struct obj_mention {
     uint32_t slot; /* usemtl: index into obj_reader.slots */
 } obj_mention;
 
-/* Successive triangles of a piece that are alike. */
+/* Successive triangles of a piece with the same material, group and kinds of data. */
 typedef struct obj_run {
     size_t first, count;  /* triangles of the piece */
     uint32_t slot;        /* material */
@@ -34,25 +55,19 @@ typedef struct obj_run {
     size_t target;        /* where it starts in its mesh */
 } obj_run;
 
-/* Corners of one polygon, written as a fan. */
-typedef struct obj_polygon {
-    size_t first; /* triangle */
-    uint32_t corners;
-} obj_polygon;
-
-/* The kinds of things that a piece passes over. */
+/* The kinds of things that are left out. */
 enum {
     OBJ_T_LINES,  /* l and p */
     OBJ_T_SMALL,  /* faces of less than 3 corners */
     OBJ_T_COLORS, /* of vertices */
-    OBJ_T_BEHIND, /* what else follows the numbers of a vertex */
-    OBJ_T_NO_UV,  /* faces with indices of texture coordinates that the file does not have */
+    OBJ_T_BEHIND, /* other words after the numbers of a vertex */
+    OBJ_T_NO_UV,  /* faces that name texture coordinates the file does not have */
     OBJ_T_NO_NORMAL,
     OBJ_T_UNKNOWN, /* statements that are not read */
     OBJ_TALLIES
 };
 
-/* How often, and where first. */
+/* A count, and the first place. */
 typedef struct obj_tally {
     size_t count;
     const char *first;
@@ -66,11 +81,11 @@ typedef struct obj_piece {
     bool sets_group;
     uint32_t last_group;              /* if sets_group */
     uint32_t first_slot, first_group; /* in force where the piece begins */
-    /* From the parse. Indices of uvs and normals are kept only once one differs from the position's: an empty
-     * array means that all are the same. */
+    /* From the parse. Indices of uvs and normals are stored from the first that differs from the position's;
+     * an empty array means that all are the same. */
     ARRAY(uint32_t) corners[OBJ_KINDS];
     ARRAY(obj_run) runs;
-    ARRAY(obj_polygon) polygons;
+    ARRAY(polygon_fan) polygons;
     double lower[3], upper[3]; /* of the positions */
     obj_tally tallies[OBJ_TALLIES];
     text_fault fault;
@@ -95,12 +110,12 @@ typedef struct obj_reader {
     uint64_t total[OBJ_KINDS];
     name_table names;
     ARRAY(obj_slot) slots;    /* 1 + index into names */
-    float *values[OBJ_KINDS]; /* as many as total[] says, 16 bytes of padding behind */
+    float *values[OBJ_KINDS]; /* total[] of them, then 16 bytes of padding */
     bool adopted[OBJ_KINDS];  /* values[] belong to the scene */
     vec3_f64 origin;
 } obj_reader;
 
-/* The statements that are told apart. */
+/* The kinds of statements. */
 typedef enum obj_statement {
     OBJ_S_EMPTY, /* comments too */
     OBJ_S_POSITION,
@@ -118,10 +133,10 @@ typedef enum obj_statement {
 /* The statement at *p, which moves past its keyword. */
 obj_statement obj_classify(const char **p);
 
-/* The group of an s statement, *p past its keyword; false when it is none. */
+/* Reads the group of an s statement from `p`, after the keyword; false when it is invalid. */
 bool obj_smoothing_group(const char *p, uint32_t *group);
 
-/* From `p` in the line of `statement` to the next line. A backslash joins lines, but not comments. */
+/* The start of the next line. A backslash joins lines, but not comments. */
 const char *obj_next(obj_statement statement, const char *p, const char *end);
 
 fathom_status obj_scan(obj_reader *r);

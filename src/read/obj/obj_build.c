@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The triangles of one material that have the same kinds of data. */
+/* The triangles of one material with the same kinds of data. */
 typedef struct obj_mesh {
     uint32_t slot;
     bool has[OBJ_KINDS], same[OBJ_KINDS];
@@ -16,7 +16,7 @@ typedef struct obj_mesh {
 
 typedef struct obj_builder {
     obj_reader *r;
-    ARRAY(obj_mesh) meshes; /* in the order in which they first appear */
+    ARRAY(obj_mesh) meshes; /* in order of appearance */
     uint32_t *mesh_of;      /* slot × has uvs × has normals -> mesh + 1 */
 } obj_builder;
 
@@ -53,7 +53,7 @@ static fathom_status place_runs(obj_builder *b) {
     return FATHOM_OK;
 }
 
-/* Arrays that do not differ from the positions' indices are not made. */
+/* Index arrays that equal the positions' are not made. */
 static fathom_status allocate_meshes(obj_builder *b) {
     for (size_t i = 0; i < b->meshes.count; ++i) {
         obj_mesh *mesh = &b->meshes.items[i];
@@ -106,14 +106,13 @@ static fathom_status adopt_values(obj_builder *b) {
     return FATHOM_OK;
 }
 
-/* The indices of uvs or normals. Where they equal the positions' none are needed, unless a vertex has no
- * value: without indices a mesh has to have one for each. */
+/* The indices of uvs or normals; NULL if they equal the positions' and every vertex has a value. */
 static const uint32_t *shared_indices(const obj_builder *b, const obj_mesh *mesh, int kind) {
     if (mesh->indices[kind]) return mesh->indices[kind];
     return b->r->total[kind] < b->r->total[OBJ_POSITION] ? mesh->indices[OBJ_POSITION] : NULL;
 }
 
-/* facts: what is known of the vertices, which all meshes share. */
+/* facts: of the vertices, which all meshes share. */
 static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from, mesh_facts facts) {
     const obj_reader *r = b->r;
     fathom_mesh mesh;

@@ -1,4 +1,3 @@
-#include "read/obj/mtl.h"
 #include "read/obj/obj.h"
 
 #include <stdio.h>
@@ -19,7 +18,7 @@ static void tally(obj_tally *t, const char *at) {
     if (!t->count++) t->first = at;
 }
 
-/* *out: the path of the file of this name, beside the OBJ file, or NULL when there is none. */
+/* *out: the path of the file next to the OBJ file, or NULL when there is none. */
 static fathom_status find_named(const obj_reader *r, const char *name, char **out) {
     fathom_status status = read_beside(r->scene, r->file.path, name, out);
     if (status != FATHOM_OK || access(*out, F_OK) == 0) return status;
@@ -28,8 +27,8 @@ static fathom_status find_named(const obj_reader *r, const char *name, char **ou
     return FATHOM_OK;
 }
 
-/* The same for a mention of `length` bytes; BAD_INPUT: it may not be read, and the message says why. Names
- * written on Windows may have backslashes for slashes. */
+/* The same for a mention of `length` bytes. FATHOM_BAD_INPUT: the file may not be read, and the message says
+ * why. Names written on Windows may have backslashes for slashes. */
 static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
     *out = NULL;
     char *copy = strndup(name, length);
@@ -49,7 +48,7 @@ static fathom_status read_library(obj_reader *r, mtl_library *library, char *pat
     return status;
 }
 
-/* Reads it if there is such a file and it was not read yet; BAD_INPUT when it may not be read. *found tells
+/* Reads the file if there is one and it was not read yet; FATHOM_BAD_INPUT when it may not be read. *found:
  * whether there is one. */
 static fathom_status read_name(obj_reader *r, mtl_library *library, library_names *names, const char *name,
                                size_t length, bool *found) {
@@ -64,7 +63,7 @@ static fathom_status read_name(obj_reader *r, mtl_library *library, library_name
     return fail_memory(r->scene->context, length);
 }
 
-/* A model without its materials is still a model: what cannot be read is noted. */
+/* A model without its materials is still a model: a missing library is only noted. */
 static fathom_status read_word(obj_reader *r, mtl_library *library, library_names *names, const char *word,
                                size_t length) {
     bool found;
@@ -82,7 +81,7 @@ static fathom_status read_word(obj_reader *r, mtl_library *library, library_name
     return status;
 }
 
-/* One name, which may hold blanks; or several, set apart by blanks. */
+/* Either one name, which may hold blanks, or several names between blanks. */
 static fathom_status read_mention(obj_reader *r, mtl_library *library, library_names *names,
                                   const obj_mention *mention) {
     bool found;
@@ -147,7 +146,7 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
     size_t missing = 0;
     const name_entry *first = NULL;
     for (size_t i = 0; i < r->names.entries.count; ++i) {
-        const name_entry *name = &r->names.entries.items[i];
+        const name_entry *name = r->names.entries.items[i];
         uint32_t found = names_find(&library->names, name->text, name->length);
         fathom_id material = r->slots.items[0].material;
         if (found != UINT32_MAX) {

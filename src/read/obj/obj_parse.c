@@ -2,8 +2,6 @@
 
 #include "base/threads.h"
 #include "read/mesh/number.h"
-#include "read/mesh/origin.h"
-#include "read/mesh/polygon.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -12,7 +10,7 @@ typedef struct obj_corner {
     uint32_t index[OBJ_KINDS];
 } obj_corner;
 
-/* Where the parse of a piece stands. */
+/* The state of the parse of a piece. */
 typedef struct obj_parser {
     const obj_reader *r;
     obj_piece *piece;
@@ -23,7 +21,8 @@ typedef struct obj_parser {
     ARRAY(obj_corner) face;
 } obj_parser;
 
-/* Numbers of a vertex: `required` of `count`, the others 0 when they are left out. NULL after a fault. */
+/* Reads `count` numbers of a vertex; those after `required` may be missing and are then 0. NULL after a
+ * fault. */
 static const char *read_values(obj_parser *s, const char *what, const char *p, int required, int count,
                                double *out) {
     char quote[48];
@@ -48,7 +47,7 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
     return p;
 }
 
-/* Whether there is room for one more: statements were counted before, in a file that others may write to. */
+/* Whether there is room for one more: another process may have changed the file since it was counted. */
 static bool has_room(obj_parser *s, int kind, const char *at) {
     return s->seen[kind] < s->r->total[kind] ||
            text_wrong(&s->piece->fault, at, NULL, "the file has changed since it was counted through");
@@ -74,7 +73,7 @@ static void tally(obj_parser *s, int kind, const char *at) {
     if (!t->count++) t->first = text_skip(at);
 }
 
-/* Behind x, y and z: nothing, a weight, which means something for curves alone, or a colour. */
+/* After x, y and z there may be a weight, which only curves use, or a colour. */
 static void tally_behind(obj_parser *s, const char *at) {
     const char *p = text_skip(at);
     double v[3], weight = 0;
@@ -114,7 +113,7 @@ static const char *read_normal(obj_parser *s, const char *p) {
     return p;
 }
 
-/* One index of a corner: from 1, or negative, counted back from the last vertex above. */
+/* An index of a corner: from 1, or negative, counted back from the last vertex above. */
 static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
     static const char *const kinds[] = {"v", "vt", "vn"};
     char quote[48];
@@ -148,7 +147,7 @@ static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
     return true;
 }
 
-/* v, v/vt, v//vn or v/vt/vn; `parts` gets a bit for each kind that is there. */
+/* v, v/vt, v//vn or v/vt/vn; `parts` gets a bit for each kind. */
 static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned *parts) {
     char quote[48];
     const char *at = *p;
@@ -165,7 +164,7 @@ static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned
                       s->face.count + 1, text_quote(at, quote));
 }
 
-/* The last run, if the face goes on with it, or a new one. */
+/* The last run if the face belongs to it, else a new one. */
 static obj_run *run_for(obj_parser *s, unsigned parts) {
     obj_piece *piece = s->piece;
     const read_mesh_options *options = &s->r->options;
@@ -219,7 +218,7 @@ static bool push_face(obj_parser *s, const char *at, unsigned parts) {
     obj_run *run = run_for(s, parts);
     if (!run || !push_kind(s, run, OBJ_UV) || !push_kind(s, run, OBJ_NORMAL)) return false;
     if (!array_room(&piece->corners[OBJ_POSITION], 3 * (n - 2))) return false;
-    obj_polygon polygon = {piece->corners[OBJ_POSITION].count / 3, (uint32_t)n};
+    polygon_fan polygon = {piece->corners[OBJ_POSITION].count / 3, (uint32_t)n};
     if (n > 3 && !array_push(&piece->polygons, polygon)) return false;
     uint32_t *out = piece->corners[OBJ_POSITION].items + piece->corners[OBJ_POSITION].count;
     for (size_t i = 2; i < n; ++i) {
@@ -317,7 +316,7 @@ static void parse_pieces(void *user, size_t begin, size_t end, unsigned worker) 
     for (size_t i = begin; i < end; ++i) parse_piece(r, &r->pieces[i]);
 }
 
-/* The vertices once more, now that the origin is known; they have passed all checks. */
+/* Stores the vertices again, from the origin; they have passed all checks. */
 static void move_pieces(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     obj_reader *r = user;
@@ -341,7 +340,7 @@ static void split_polygons(void *user, size_t begin, size_t end, unsigned worker
     for (size_t i = begin; i < end; ++i) {
         obj_piece *piece = &r->pieces[i];
         for (size_t k = 0; k < piece->polygons.count && !piece->out_of_memory; ++k) {
-            obj_polygon polygon = piece->polygons.items[k];
+            polygon_fan polygon = piece->polygons.items[k];
             uint32_t *fan[OBJ_KINDS];
             for (int kind = 0; kind < OBJ_KINDS; ++kind) {
                 fan[kind] =
@@ -355,7 +354,7 @@ static void split_polygons(void *user, size_t begin, size_t end, unsigned worker
     polygon_work_free(&work);
 }
 
-/* The first fault in the order of the file, whichever thread met one first. */
+/* The first fault in the order of the file. */
 static fathom_status first_fault(const obj_reader *r) {
     for (size_t i = 0; i < r->piece_count; ++i) {
         const obj_piece *piece = &r->pieces[i];

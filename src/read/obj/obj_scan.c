@@ -91,7 +91,7 @@ static void scan_pieces(void *user, size_t begin, size_t end, unsigned worker) {
     for (size_t i = begin; i < end; ++i) scan_piece(&r->pieces[i]);
 }
 
-/* What precedes each piece: vertices, material, smoothing group. */
+/* Finds what precedes each piece: vertices, material, smoothing group. */
 static fathom_status carry_over(obj_reader *r) {
     uint32_t slot = 0, group = 0;
     for (size_t i = 0; i < r->piece_count; ++i) {

@@ -1,13 +1,11 @@
 #include "read/obj/obj.h"
 
-#include "base/keyed_hash.h"
 #include "read/mesh/normals.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A vertex has one made normal for each smoothing group that its faces are in. The number of a key is the
- * normal's. */
+/* A vertex gets a normal for each smoothing group of its faces. The number of a key is the normal's. */
 typedef struct smooth_key {
     uint32_t vertex, group;
 } smooth_key;
@@ -16,8 +14,8 @@ typedef struct smooth_faces {
     size_t triangle_count;
     uint32_t group;    /* of the first */
     bool one_group;    /* all are in it: then a normal's number is its vertex's */
-    uint32_t *indices; /* of the triangles that are to be smoothed, in the order of the file */
-    uint32_t *slots;   /* beside them; NULL with one group */
+    uint32_t *indices; /* of the triangles to be smoothed, in the order of the file */
+    uint32_t *slots;   /* for each index; NULL with one group */
     uint32_t slot_count;
 } smooth_faces;
 
@@ -25,7 +23,7 @@ typedef struct run_cursor {
     size_t piece, run;
 } run_cursor;
 
-/* The next run that is to be smoothed, NULL after the last. Start from {0, 0}. */
+/* The next run to be smoothed, NULL after the last. Start from {0, 0}. */
 static obj_run *next_run(const obj_reader *r, run_cursor *c, obj_piece **piece) {
     for (; c->piece < r->piece_count; ++c->piece, c->run = 0) {
         *piece = &r->pieces[c->piece];
@@ -62,8 +60,7 @@ static fathom_status gather_indices(const obj_reader *r, smooth_faces *faces) {
     return FATHOM_OK;
 }
 
-/* Keys by hashing: chains from vertex to vertex would be searched for ever where one vertex is in very many
- * groups. The file chooses the keys, so they are turned by what it cannot know. */
+/* The file chooses the keys, so their places depend on a number that it cannot know. */
 typedef struct smooth_table {
     uint32_t *places; /* a key's number + 1; 0: free */
     size_t mask;      /* one less than there are places, a power of two */
@@ -106,13 +103,13 @@ static bool fill_slots(const obj_reader *r, smooth_faces *faces, smooth_table *t
     return true;
 }
 
-/* As many places as corners, twice at least: each may be another normal's. */
+/* At least twice as many places as corners: each corner may have a normal of its own. */
 static bool make_table(size_t corners, smooth_table *t) {
     size_t places = 8;
     while (places < 2 * corners) places *= 2;
     t->mask = places - 1;
-    t->secret = process_hash_key().half[0];
     t->places = calloc(places, sizeof *t->places);
+    t->secret = (uintptr_t)t->places * UINT64_C(0x9e3779b97f4a7c15); /* addresses are randomised */
     return t->places != NULL;
 }
 
@@ -127,7 +124,7 @@ static fathom_status make_slots(const obj_reader *r, smooth_faces *faces) {
     return done ? FATHOM_OK : fail_memory(r->scene->context, bytes);
 }
 
-/* Behind the file's own normals. */
+/* Appends the normals to the file's own. */
 static fathom_status make_normals(obj_reader *r, const smooth_faces *faces) {
     fathom_context *context = r->scene->context;
     size_t before = (size_t)r->total[OBJ_NORMAL], count = before + faces->slot_count;
@@ -148,7 +145,7 @@ static fathom_status make_normals(obj_reader *r, const smooth_faces *faces) {
     return normals_smooth(context, &input, normals + 3 * before);
 }
 
-/* Room for every corner's normal, as far as there was none. */
+/* Gives the piece an array of normal indices if it has none. */
 static bool keep_normal_indices(obj_piece *piece) {
     size_t count = piece->corners[OBJ_POSITION].count;
     if (piece->corners[OBJ_NORMAL].count == count) return true;

@@ -1,7 +1,6 @@
 #include "read/ply/ply.h"
 
 #include "read/mesh/normals.h"
-#include "read/mesh/origin.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -108,7 +107,7 @@ static void choose_arrays(ply_reader *r) {
         for (int k = 0; k < kinds[a].components; ++k) {
             if (r->role[kinds[a].first_role + k] < 0) r->arrays[a].present = false;
         }
-        /* What makes no array is not read. */
+        /* Properties of an absent array are not read. */
         for (int k = 0; k < kinds[a].components && !r->arrays[a].present; ++k) {
             r->role[kinds[a].first_role + k] = -1;
         }

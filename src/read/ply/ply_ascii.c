@@ -1,4 +1,4 @@
-/* Rows of text: one line each, as the format says. Lines without a word are no rows. */
+/* Rows of text, one line each; blank lines are skipped. */
 #include "read/mesh/number.h"
 #include "read/ply/ply.h"
 
@@ -78,7 +78,7 @@ static bool read_whole(ply_reader *r, const ply_property *property, const char *
     return ply_wrong(r, at, property->name, "expected a whole number, found %s", text_quote(at, quote));
 }
 
-/* `keep`: the numbers' array, or NULL to pass over them. */
+/* `keep`: receives the numbers; NULL skips them. */
 static bool read_list(ply_reader *r, const ply_property *property, const char **p, ply_faces *keep) {
     int64_t count;
     const char *at = *p;
@@ -102,7 +102,7 @@ static bool read_list(ply_reader *r, const ply_property *property, const char **
     return true;
 }
 
-/* Numbers that no property stands for are passed over. */
+/* Skips numbers beyond the properties. */
 static bool end_row(ply_reader *r, const ply_element *element, ascii_piece *piece, const char *p) {
     char quote[48];
     double number;
@@ -187,7 +187,7 @@ static fathom_status cut_pieces(ascii_reader *a) {
     return a->pieces ? FATHOM_OK : fail_memory(r->scene->context, (a->piece_count + 1) * sizeof *a->pieces);
 }
 
-/* Which rows are whose, and whether there are as many as the header promises. */
+/* Finds each element's rows, and checks that there are as many as the header promises. */
 static fathom_status place_rows(ascii_reader *a) {
     ply_reader *r = a->r;
     for (size_t i = 0; i < a->piece_count; ++i) {
@@ -248,8 +248,7 @@ fathom_status ply_read_ascii(ply_reader *r) {
         if (r->role[role] >= 0) role_of[r->role[role]] = role;
     }
     ascii_reader a = {.r = r, .role_of = role_of};
-    fathom_status status = text_check_hole(&r->file, &r->map);
-    if (status == FATHOM_OK) status = cut_pieces(&a);
+    fathom_status status = cut_pieces(&a);
     if (status == FATHOM_OK) status = read_rows(&a);
     if (status == FATHOM_OK) status = join_faces(&a);
     for (size_t i = 0; a.pieces && i < a.piece_count; ++i) ply_free_faces(&a.pieces[i].faces);

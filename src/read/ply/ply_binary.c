@@ -1,7 +1,6 @@
-#include "read/ply/ply_bytes.h"
+#include "read/ply/ply.h"
 
 #include "base/threads.h"
-#include "read/mesh/polygon.h"
 
 #include <stdlib.h>
 
@@ -14,11 +13,10 @@ typedef struct binary_reader {
     uint32_t corners;  /* of every face, where they are */
 } binary_reader;
 
-/* Straight from the mapped file: floats of this machine's byte order one after the other in rows of one size,
- * as aligned as Embree wants them. */
+/* Uses the mapped file in place where it holds aligned little-endian floats in rows of one size. */
 static void use_in_place(binary_reader *b, ply_array *array) {
     const ply_rows *rows = &b->vertices;
-    if (!array->present || rows->blocks || rows->row % sizeof(float) || b->big != PLY_HOST_BIG) return;
+    if (!array->present || rows->blocks || rows->row % sizeof(float) || b->big) return;
     if (b->r->file.copy) return; /* it does not outlive the reader */
     size_t first = rows->offsets[b->r->role[array->first_role]];
     const unsigned char *values = rows->begin + first;
@@ -39,7 +37,7 @@ static bool all_in_place(const ply_reader *r) {
     return true;
 }
 
-/* Rows that need no conversion. v - v is 0 for a finite v and NaN else: true if all are finite. */
+/* Checks rows that need no conversion: true if all are finite. v - v is 0 for a finite v, else NaN. */
 static bool check_in_place(const ply_reader *r, uint64_t begin, uint64_t end, scene_bounds *bounds) {
     float sum = 0, lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int a = 0; a < PLY_ARRAYS; ++a) {
@@ -116,7 +114,7 @@ static const ply_property *index_list(const binary_reader *b) {
     return &b->faces.element->properties.items[b->r->index_list];
 }
 
-/* An index as a number that can be out of range on either side. */
+/* The index may be out of range on either side. */
 static bool load_index(const binary_reader *b, ply_type type, const unsigned char *p, int64_t *out) {
     double index = ply_load(p, type, b->big);
     if (!(fabs(index) < 0x1p53) || index != floor(index)) {
@@ -126,7 +124,7 @@ static bool load_index(const binary_reader *b, ply_type type, const unsigned cha
     return true;
 }
 
-/* Every face has the same number of corners: each row knows where its triangles go. */
+/* When all faces have the same number of corners, the row number gives the place of its triangles. */
 static bool read_alike_row(const binary_reader *b, uint64_t number, polygon_work *work) {
     ply_reader *r = b->r;
     const ply_property *list = index_list(b);
@@ -149,8 +147,8 @@ static bool read_alike_row(const binary_reader *b, uint64_t number, polygon_work
     return true;
 }
 
-/* Triangles of 32-bit numbers, by far the most common: copied, and looked at one by one only if one of them
- * is out of range (negative ones are beyond 2^31 here). */
+/* Copies triangles of 32-bit numbers, by far the most common. False if an index is out of range (negative
+ * ones are above 2^31 here): the slow path then finds it. */
 static bool copy_triangles(const binary_reader *b, uint64_t begin, uint64_t end) {
     const ply_property *list = index_list(b);
     if (b->corners != 3 || (list->type != PLY_INT32 && list->type != PLY_UINT32)) return false;
@@ -185,7 +183,7 @@ static fathom_status read_alike_faces(binary_reader *b, uint64_t corners) {
         r->small = (size_t)count;
         return FATHOM_OK;
     }
-    /* Each corner has its bytes in the file: no product overflows. */
+    /* Each corner has bytes in the file, so no product overflows. */
     if (count * (corners - 2) >= UINT32_MAX) {
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
                          "%llu triangles; at most 2^32 - 2 fit into a mesh",
@@ -249,7 +247,7 @@ static fathom_status read_all_faces(binary_reader *b) {
     return read_alike_faces(b, corners);
 }
 
-/* Elements before the last one that is needed have to be walked through; those behind it do not matter. */
+/* Walks through all elements up to the last one that is needed. */
 static fathom_status find_rows(binary_reader *b) {
     ply_reader *r = b->r;
     const unsigned char *p = (const unsigned char *)r->header.body;

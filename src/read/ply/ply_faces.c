@@ -1,7 +1,6 @@
 #include "read/ply/ply.h"
 
 #include "base/threads.h"
-#include "read/mesh/polygon.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +33,7 @@ static bool push_polygon(ply_reader *r, ply_faces *faces, const void *at) {
         ++faces->small;
         return true;
     }
-    ply_polygon polygon = {faces->indices.count / 3, (uint32_t)n};
+    polygon_fan polygon = {faces->indices.count / 3, (uint32_t)n};
     if (n > 3 && !array_push(&faces->polygons, polygon)) {
         faces->out_of_memory = true;
         return false;
@@ -45,7 +44,7 @@ static bool push_polygon(ply_reader *r, ply_faces *faces, const void *at) {
     return true;
 }
 
-/* Each index makes a triangle with the two before it, every other one turned round to keep the winding. -1
+/* Each index makes a triangle with the two before it; every other triangle is turned to keep the winding. -1
  * ends a strip. */
 static bool push_strips(ply_reader *r, ply_faces *faces, const void *at) {
     const int64_t *row = faces->row.items;
@@ -84,7 +83,7 @@ static void join_pieces(void *user, size_t begin, size_t end, unsigned worker) {
         uint32_t *out = join->r->indices + 3 * faces->target;
         memcpy(out, faces->indices.items, faces->indices.count * sizeof *out);
         for (size_t k = 0; k < faces->polygons.count; ++k) {
-            ply_polygon polygon = faces->polygons.items[k];
+            polygon_fan polygon = faces->polygons.items[k];
             if (!polygon_split(&work, &vertices, polygon.corners, out + 3 * polygon.first, NULL, NULL)) {
                 ply_no_memory(join->r);
                 break;

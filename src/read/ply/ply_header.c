@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a header: what has none, and no line ends for terabytes, is told at once. */
+/* The longest header line. A file without a header may have no line end at all. */
 #define LINE_MAX_BYTES ((size_t)1 << 16)
 
 size_t ply_size(ply_type type) {
@@ -22,8 +22,7 @@ size_t ply_size(ply_type type) {
     return 0;
 }
 
-/* A word of the header, "" at the end of the line. A word that is too long comes back cut short by its end,
- * which no known word is. */
+/* A word of the header, "" at the end of the line. Long words are cut; no known word is that long. */
 static const char *read_word(const char **p, char out[PLY_NAME]) {
     const char *at = *p;
     while (text_is_blank(*at)) ++at;
@@ -124,7 +123,7 @@ static void read_comment(ply_reader *r, const char *p) {
         notes_add_at(&r->notes, 1, &r->file, at, "textures are not read; the surface has the default grey");
 }
 
-/* The line after the header, NULL after a fault. */
+/* Returns the line after the header, NULL after a fault. */
 static const char *read_lines(ply_reader *r) {
     bool has_format = false;
     char word[PLY_NAME], quote[48];
@@ -164,7 +163,7 @@ static const char *read_lines(ply_reader *r) {
     }
 }
 
-/* No row is shorter than this: numbers of one digit, lists that are empty. */
+/* The bytes of the shortest row: numbers of one digit, empty lists. */
 static uint64_t smallest_row(const ply_reader *r, const ply_element *element) {
     uint64_t bytes = 0;
     for (size_t i = 0; i < element->properties.count; ++i) {
@@ -177,7 +176,7 @@ static uint64_t smallest_row(const ply_reader *r, const ply_element *element) {
     return bytes;
 }
 
-/* Counts are promises: nothing is allocated that the file has no bytes for. */
+/* Refuses counts that the file has no bytes for, before anything is allocated. */
 static bool check_counts(ply_reader *r) {
     char field[52];
     uint64_t left = (uint64_t)(r->file.end - r->header.body);
@@ -272,7 +271,7 @@ static bool find_faces(ply_reader *r) {
     return true;
 }
 
-/* Header lines that end in a carriage return alone; the rows behind them too if they are text. */
+/* Mends header lines that end in a carriage return alone, and the rows after them if they are text. */
 static void mend_lines(char *text, const char *end) {
     bool is_text = false;
     for (char *line = text, *cr; (cr = memchr(line, '\r', (size_t)(end - line))) != NULL; line = cr + 1) {
@@ -297,8 +296,7 @@ fathom_status ply_open_text(ply_reader *r, const char *path) {
     r->file = (text_file){.context = r->scene->context, .path = path, .begin = begin, .end = end};
     if (!text_ends_lines_in_cr(begin, begin + (size < LINE_MAX_BYTES ? size : LINE_MAX_BYTES)))
         return FATHOM_OK;
-    fathom_status status = text_check_hole(&r->file, &r->map);
-    if (status == FATHOM_OK) status = text_copy(&r->file);
+    fathom_status status = text_copy(&r->file);
     if (status == FATHOM_OK) mend_lines(r->file.copy, r->file.end);
     return status;
 }
@@ -318,7 +316,7 @@ void ply_free_header(ply_header *header) {
     array_free(&header->elements);
 }
 
-/* ---- what is not read ---- */
+/* ---- parts that are not read ---- */
 
 static bool is_color(const char *name) {
     static const char *const names[] = {"red", "green", "blue",        "alpha",         "r",           "g",

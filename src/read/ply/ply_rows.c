@@ -1,4 +1,4 @@
-#include "read/ply/ply_bytes.h"
+#include "read/ply/ply.h"
 
 #include "base/threads.h"
 
@@ -47,12 +47,10 @@ static const unsigned char *walk_row(ply_reader *r, const ply_element *element, 
     return p;
 }
 
-/* Whether all rows have lists as long as the first row's: then each row is where a fixed size puts it. By
- * induction: a row that starts where it is taken to start, and has those lengths, ends where the next is
- * taken to start. */
+/* Whether all rows have lists as long as the first row's, so that all rows have one size. By induction: a row
+ * that starts at its assumed place and has those lengths ends where the next one is assumed to start. */
 typedef struct likeness {
     const ply_rows *rows;
-    bool big;
     atomic_bool differs;
 } likeness;
 
@@ -76,7 +74,7 @@ static void compare_rows(void *user, size_t begin, size_t end, unsigned worker) 
 }
 
 static bool rows_are_alike(ply_reader *r, const ply_rows *rows) {
-    likeness all = {.rows = rows, .big = is_big(r)};
+    likeness all = {.rows = rows};
     if (rows->element->count > bytes_left(r, rows->begin) / rows->row) return false;
     loop_parallel(r->threads, (size_t)rows->element->count, 1u << 16, compare_rows, &all);
     return !all.differs;

@@ -1,19 +1,58 @@
-/* Which files a file may name. */
+/* Names of files, and which files a file may name. */
 #include "base/file.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Both without links, dots and double slashes. */
+const char *file_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+size_t file_stem_length(const char *path) {
+    const char *dot = strrchr(file_name(path), '.');
+    return dot ? (size_t)(dot - path) : strlen(path);
+}
+
+void file_extension(const char *path, char out[16]) {
+    const char *dot = strrchr(file_name(path), '.');
+    size_t length = 0;
+    if (dot && strlen(dot + 1) < 16) {
+        for (const char *c = dot + 1; *c; ++c) out[length++] = (char)tolower((unsigned char)*c);
+    }
+    out[length] = '\0';
+}
+
+size_t file_name_cut(const char *name, size_t most) {
+    if (strlen(name) <= most) return strlen(name);
+    while (most > 0 && ((unsigned char)name[most] & 0xc0) == 0x80) --most;
+    return most;
+}
+
+char *file_beside(const char *base, const char *name) {
+    const char *slash = strrchr(base, '/');
+    size_t folder = name[0] == '/' || !slash ? 0 : (size_t)(slash - base) + 1;
+    size_t room = folder + strlen(name) + 1;
+    char *path = malloc(room);
+    if (path) {
+        memcpy(path, base, folder);
+        memcpy(path + folder, name, room - folder);
+    }
+    return path;
+}
+
+/* ---- files that a file may name ---- */
+
+/* Both paths are free of links, dots and double slashes. */
 static bool holds(const char *folder, const char *path) {
     size_t length = strlen(folder);
     if (length == 1) return true; /* "/" */
     return strncmp(folder, path, length) == 0 && path[length] == '/';
 }
 
-/* Whether the dots of a path climb above where it begins: for files that are not there, whose links cannot be
- * followed. */
+/* Whether the ".." of a path climb above its start: for missing files, whose links cannot be followed. */
 static bool climbs_out(const char *path) {
     long depth = 0;
     for (const char *part = path; *part && depth >= 0; part += strspn(part, "/")) {
@@ -32,7 +71,7 @@ static size_t folder_length(const char *path) {
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
-/* *out: whether the path, beside or below `top` by its words, leads out of top's folder. */
+/* *out: whether the path leads out of the folder of `top`. */
 static fathom_status leads_out(fathom_context *context, const char *top, const char *path, bool *out) {
     char *beside = file_beside(top, "."), *folder = beside ? realpath(beside, NULL) : NULL;
     int error = errno;
