@@ -1,6 +1,6 @@
 /* In balls: what is computed here is known to far more digits than any tracer has. */
 #include "verify/error.h"
-#include "verify/exact/solution.h"
+#include "verify/exact/exact.h"
 #include "verify/mode.h"
 
 double error_ulp(double x) {

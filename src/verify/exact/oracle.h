@@ -90,7 +90,4 @@ typedef struct oracle_pair {
  * set. */
 int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b, oracle_way way);
 
-/* Exactly the sign of t - bound, for a finite bound; line must be set. */
-int oracle_compare_value(const oracle_ray *ray, const oracle_pair *a, float bound, oracle_way way);
-
 #endif

@@ -1,7 +1,7 @@
 /* Stiff and extreme cases of shading: small scenes through the real renderer, each held against a formula
- * evaluated in double, within a bound that follows from roundings counted beside the case. */
-#ifndef EXTREMES_SHADING_H
-#define EXTREMES_SHADING_H
+ * evaluated in double, within a bound that follows from roundings counted at the case. */
+#ifndef VERIFY_SHADING_H
+#define VERIFY_SHADING_H
 
 #include "base/array.h"
 

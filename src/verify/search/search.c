@@ -102,7 +102,6 @@ typedef struct search_walk {
     double closest;   /* t of no closest hit is above: from hits that are certain */
     uint32_t geometry, instance;
     bool shadows;     /* what casts none is passed by */
-    bool any, found;  /* any hit will do; one that is certain was found */
     bool exhaustive;  /* every primitive is tested */
     double aside;     /* not 0: search_near() */
     bool failed;      /* no memory */
@@ -154,10 +153,7 @@ static void consider(search_walk *walk, uint32_t primitive, double run_low) {
     }
     if (verdict == FILTER_MISS) return;
     add(walk, primitive, low > run_low ? low : run_low);
-    walk->found |= verdict == FILTER_HIT;
 }
-
-static bool is_done(const search_walk *walk) { return walk->failed || (walk->any && walk->found); }
 
 static void consider_run(search_walk *walk, const search_part *part, size_t run, double low) {
     uint32_t count = walk->search->world->geometries.items[walk->geometry].count;
@@ -170,10 +166,10 @@ static void walk_level(search_walk *walk, const search_part *part, unsigned leve
                        size_t count) {
     uint8_t meets[BATCH];
     double low[BATCH];
-    for (size_t i = first; i < first + count && !is_done(walk); i += BATCH) {
+    for (size_t i = first; i < first + count && !walk->failed; i += BATCH) {
         size_t n = first + count - i < BATCH ? first + count - i : BATCH;
         filter_run(&walk->local, &walk->search->tree.bounds, part->slot[level] + i, n, meets, low);
-        for (size_t k = 0; k < n && !is_done(walk); ++k) {
+        for (size_t k = 0; k < n && !walk->failed; ++k) {
             if (!meets[k]) continue;
             if (level == 0) {
                 consider_run(walk, part, i + k, low[k]);
@@ -195,7 +191,7 @@ static void walk_geometry(search_walk *walk) {
     uint32_t count = walk->search->world->geometries.items[walk->geometry].count;
     size_t begin = walk->result->candidates.count;
     if (walk->exhaustive) {
-        for (uint32_t p = 0; p < count && !is_done(walk); ++p) consider(walk, p, -(double)INFINITY);
+        for (uint32_t p = 0; p < count && !walk->failed; ++p) consider(walk, p, -(double)INFINITY);
     } else if (part->levels) {
         walk_level(walk, part, part->levels - 1, 0, part->count[part->levels - 1]);
     }
@@ -224,7 +220,6 @@ static void walk_group(search_walk *walk, uint32_t group, uint32_t instance) {
         walk->geometry = w->groups.items[group].first + g;
         if (walk->shadows && w->geometries.items[walk->geometry].flags & FATHOM_CASTS_NO_SHADOW) continue;
         walk_geometry(walk);
-        if (walk->any && walk->found) return;
     }
 }
 
@@ -241,7 +236,6 @@ static void walk_world(search_walk *walk) {
     const world *w = walk->search->world;
     if (w->groups.count) walk_group(walk, 0, FATHOM_NONE);
     for (uint32_t k = 0; k < w->instances.count && !walk->failed; ++k) {
-        if (walk->any && walk->found) break;
         walk_group(walk, w->instances.items[k].group, k);
     }
     walk_planes(walk);
@@ -288,7 +282,6 @@ static void decide(search_walk *walk) {
         if (order > 0) continue;
         if (order < 0) result->ties.count = 0;
         if (!array_push(&result->ties, *hit)) walk->failed = true;
-        if (walk->any) return;
         /* To the next double above, since the sum may be rounded down. */
         real_f128 most = hit->answer.t.value + (real_f128)hit->answer.t.error;
         double above = nextafter((double)most, (double)INFINITY);
@@ -296,20 +289,19 @@ static void decide(search_walk *walk) {
     }
 }
 
-static MODE_APART bool run(search_walk *walk) {
+static MODE_APART void walk_and_decide(search_walk *walk) {
     walk->asked.geometry = FATHOM_NONE;
     walk->closest = (double)INFINITY;
     walk->result->ties.count = walk->result->candidates.count = 0;
     walk_world(walk);
     if (walk->aside == 0) decide(walk);
-    return !walk->failed;
 }
 
 static bool search_run(search_walk walk) {
     unsigned mode = mode_enter();
-    bool done = run(&walk);
+    walk_and_decide(&walk);
     mode_leave(mode);
-    return done;
+    return !walk.failed;
 }
 
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result) {
@@ -317,9 +309,6 @@ bool search_closest(const search *s, const oracle_ray *ray, search_result *resul
 }
 bool search_exhaustive(const search *s, const oracle_ray *ray, search_result *result) {
     return search_run((search_walk){.search = s, .ray = ray, .result = result, .exhaustive = true});
-}
-bool search_any(const search *s, const oracle_ray *ray, search_result *result) {
-    return search_run((search_walk){.search = s, .ray = ray, .result = result, .shadows = true, .any = true});
 }
 bool search_shadow(const search *s, const oracle_ray *ray, search_result *result) {
     return search_run((search_walk){.search = s, .ray = ray, .result = result, .shadows = true});

@@ -1,8 +1,8 @@
 /* The exact answer over a whole world: closest hit with all its ties, and any hit.
  *
- * A test in double precision with a proved error bound (filter.h) goes before the oracle and rejects only
- * what is certainly missed; runs of primitives are rejected together by spheres around them, and runs of
- * those (search_tree.h). What is left is decided by the oracle. */
+ * A test in double precision with a proved error bound (filter.h) rejects only what is certainly missed; runs
+ * of primitives are rejected together by spheres around them, and by spheres around those (search_tree.h).
+ * The oracle decides the candidates that remain. */
 #ifndef PARITY_SEARCH_H
 #define PARITY_SEARCH_H
 
@@ -37,8 +37,6 @@ void search_destroy(search *s);
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result);
 /* The same without any sphere: every primitive is tested. */
 bool search_exhaustive(const search *s, const oracle_ray *ray, search_result *result);
-/* Whether anything that casts a shadow is hit: then it is the one tie. */
-bool search_any(const search *s, const oracle_ray *ray, search_result *result);
 /* The closest hit among what casts shadows. */
 bool search_shadow(const search *s, const oracle_ray *ray, search_result *result);
 /* Fills `candidates` with all that casts shadows and that some ray may meet whose origin is moved by up to

@@ -1,4 +1,4 @@
-/* What an answer of a tracer is worth, held against the exact one. */
+/* Judges a tracer's answer by the exact one. */
 #ifndef PARITY_VERDICT_H
 #define PARITY_VERDICT_H
 
@@ -50,9 +50,6 @@ typedef struct verdict_report {
     oracle_primitive primitive;
     oracle_answer exact;
 } verdict_report;
-
-/* Whether there is such a primitive. */
-bool verdict_names_primitive(const world *w, const verdict_answer *answer);
 
 /* What is known of a tracer by its words. */
 verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit);

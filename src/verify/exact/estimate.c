@@ -1,5 +1,5 @@
 /* The first way: quadruple precision with its error carried along. */
-#include "verify/exact/solution.h"
+#include "verify/exact/exact.h"
 
 static ball row_times(const float row[4], ball3 p, double w) {
     ball3 linear = {ball_exact((double)row[0]), ball_exact((double)row[1]), ball_exact((double)row[2])};

@@ -17,7 +17,7 @@
  * In an instance E is M E + T, and d is M d: their sizes are |M| |E| + |T| and |M| |d|. A tracer that has the
  * inverse A of M instead is off by |M| |A| |M| where M itself is off by |M|, for each of its few roundings.
  * Sizes here are plain binary128: a condition number needs no more digits than one. */
-#include "verify/condition.h"
+#include "verify/exact/exact.h"
 
 typedef real_f128 real;
 
