@@ -15,10 +15,6 @@
 /* Runs that a thread takes at a time, some 0.1 ms of work where all are looked at. */
 #define PIECE 256
 
-static const float *vertex(const fathom_mesh *mesh, size_t i) {
-    return (const float *)(const void *)((const char *)mesh->positions + i * mesh->position_stride);
-}
-
 static size_t run_end(const fathom_mesh *mesh, size_t run) {
     const size_t begin = run * RUN;
     return mesh->vertex_count - begin > RUN ? begin + RUN : mesh->vertex_count;
@@ -41,8 +37,8 @@ static void make_boxes(void *user, size_t begin, size_t end, unsigned worker) {
     for (size_t run = begin; run < end; ++run) {
         const size_t count = run_end(loop->mesh, run) - run * RUN;
         reach_box box = empty;
-        const bool finite = loop->kernels->vectors(vertex(loop->mesh, run * RUN), loop->mesh->position_stride,
-                                                   count, box.lower, box.upper);
+        const bool finite = loop->kernels->vectors(mesh_vertex(loop->mesh, run * RUN),
+                                                   loop->mesh->position_stride, count, box.lower, box.upper);
         loop->boxes[run] = finite ? box : endless;
     }
 }
@@ -80,7 +76,7 @@ static void look_at_run(const reach_sides *s, const fathom_mesh *mesh, size_t ru
     double most[REACH_SIDES];
     for (int i = 0; i < REACH_SIDES; ++i) most[i] = out[i];
     for (size_t k = run * RUN, end = run_end(mesh, run); k < end; ++k) {
-        const float *p = vertex(mesh, k);
+        const float *p = mesh_vertex(mesh, k);
         const double px = (double)p[0], py = (double)p[1], pz = (double)p[2];
         for (int i = 0; i < REACH_SIDES; ++i) {
             const double reach = s->x[i] * px + s->y[i] * py + s->z[i] * pz + s->origin[i] + s->offset[i];

@@ -7,9 +7,7 @@
  * that are narrower than the camera's view lose its sides, and a warning says so. */
 #include "math/frame.h"
 #include "read/gltf/gltf.h"
-#include "scene/camera/cameras.h"
-#include "scene/camera/image_size.h"
-
+#include "scene/camera/camera.h"
 #include <string.h>
 
 static const double pi = 3.14159265358979324;

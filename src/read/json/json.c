@@ -4,7 +4,7 @@
 #include "read/json/json_place.h"
 #include "read/json/json_syntax.h"
 #include "read/read.h"
-#include "scene/camera/image_size.h"
+#include "scene/camera/camera.h"
 #include "scene/graph.h"
 #include "json/memory.h"
 

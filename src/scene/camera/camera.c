@@ -1,6 +1,4 @@
-#include "math/frame.h"
-#include "scene/camera/framing.h"
-#include "scene/camera/image_size.h"
+#include "scene/camera/camera.h"
 
 static const double default_fovy = 0.78539816339744831; /* 45 degrees */
 

@@ -8,7 +8,7 @@
  * e.x = (A - B) / 2. The direction that asks for the larger e.z is the tighter one. In the other one the
  * scene takes a smaller slope s, the one with (A + B) / 2s = e.z, and e.x = (A - B) / 2 for that slope
  * centres it. */
-#include "scene/camera/framing.h"
+#include "scene/camera/camera.h"
 
 #include "scene/graph.h"
 #include "scene/reach.h"

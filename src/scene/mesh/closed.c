@@ -42,10 +42,7 @@ typedef struct sum {
 static void set_pairs(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     const sum *s = user;
-    const char *positions = (const char *)s->mesh->positions;
-    for (size_t i = begin; i < end; ++i) {
-        s->pairs[i] = of_position((const float *)(const void *)(positions + i * s->mesh->position_stride));
-    }
+    for (size_t i = begin; i < end; ++i) s->pairs[i] = of_position(mesh_vertex(s->mesh, i));
 }
 
 static void add_by_position(void *user, size_t begin, size_t end, unsigned worker) {

@@ -113,36 +113,6 @@ bool world_add_lone_mesh(world *w, fathom_id object) {
     return add_mesh(w, w->scene->objects.items[object].index, object);
 }
 
-/* ---- checks ---- */
-
-/* Some triangles without area are rendered around; a scene of nothing else shows nothing. */
-static fathom_status check_area(const world *w) {
-    uint64_t triangles = 0;
-    for (size_t i = 0; i < w->meshes.count; ++i) triangles += w->meshes.items[i].triangle_count;
-    if (w->spheres.count || w->quads.count || w->planes.count || w->degenerate_triangles < triangles ||
-        !triangles)
-        return FATHOM_OK;
-    return fail(w->scene->context, FATHOM_BAD_INPUT,
-                "the scene holds no geometry with an area: its triangles (%llu) are all degenerate",
-                (unsigned long long)triangles);
-}
-
-/* Farther out no ray of the camera could be traced, nor float tell one pixel's ray from the next. */
-static fathom_status check_camera(const world *w) {
-    vec3_f64 eye = sub_f64(load_f64(w->scene->camera.origin), w->origin);
-    if (fabs(eye.x) < WORLD_REACH && fabs(eye.y) < WORLD_REACH && fabs(eye.z) < WORLD_REACH) return FATHOM_OK;
-    return fail(w->scene->context, FATHOM_BAD_INPUT,
-                "camera: it stands %g from the scene; expected less than %g",
-                hypot(hypot(eye.x, eye.y), eye.z), WORLD_REACH);
-}
-
-fathom_status world_check(const world *w) {
-    fathom_status status = check_area(w);
-    if (status == FATHOM_OK) status = check_camera(w);
-    if (status == FATHOM_OK) world_warn_of_lights(w);
-    return status;
-}
-
 /* ---- the whole ---- */
 
 fathom_status world_create(const fathom_scene *scene, world **out) {

@@ -129,8 +129,6 @@ bool world_instance_fits_float(const world_instance *instance);
 /* FATHOM_BAD_INPUT when the scene's camera could not see anything of it: nothing has an area, or the camera
  * is out of reach. Warns of lights inside spheres. */
 fathom_status world_check(const world *w);
-/* The warning alone. */
-void world_warn_of_lights(const world *w);
 
 /* Object and material of a primitive. geometry: index into geometries. */
 fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);
