@@ -99,8 +99,8 @@ void converge_summarise(converge_result *result);
 bool converge_point_counts(const converge_point *point, converge_metric metric);
 
 #define CONVERGE_ROWS 5
-/* What patterns reach in the same time, or need for the same error: between the counted points, along
- * straight lines in log-log; NAN where there are none. */
+/* The error that patterns reach in the same time, or the time they need for the same error: between the
+ * counted points, along straight lines in log-log; NAN where there are none. */
 typedef struct converge_row {
     double at; /* seconds of processor time, or the error */
     double values[CONVERGE_PATTERNS];

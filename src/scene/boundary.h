@@ -1,4 +1,4 @@
-/* A sum over the edges of triangles that is zero where they have no boundary; see closed.c. */
+/* A sum over the edges of triangles that is zero for closed meshes; see closed.c. */
 #ifndef SCENE_BOUNDARY_H
 #define SCENE_BOUNDARY_H
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- plain values, field by field: what lies between the fields of a struct is anything ---- */
+/* ---- plain values, field by field: padding between the fields of a struct is undefined ---- */
 
 #define PUT(hash, field) hash_put(hash, &(field), sizeof(field))
 
@@ -113,7 +113,7 @@ static bool add_mesh(pieces *p, const fathom_mesh *m) {
            add_array(p, m->normals ? m->normal_indices : NULL, corners, each, each);
 }
 
-/* Rows that lie apart are brought together first: what is between them is another array's, or nobody's. */
+/* Rows with gaps are packed first: the bytes between them belong to another array, or to none. */
 static uint64_t hash_piece(const piece *p) {
     hash h;
     hash_begin(&h);

@@ -1,4 +1,4 @@
-/* Looking through the arrays of meshes; see base/kernel.h. */
+/* Loops over the arrays of meshes; see base/kernel.h. */
 #ifndef SCENE_KERNELS_H
 #define SCENE_KERNELS_H
 
@@ -9,8 +9,8 @@
 typedef struct scene_kernels {
     const char *name; /* "plain", "avx2", "avx512" */
 
-    /* Takes `count` vectors that lie `stride` bytes apart into the extremes; NaNs may be passed over. False
-     * where a number is not finite. */
+    /* Adds `count` vectors that lie `stride` bytes apart to the extremes; NaNs may be skipped. False where a
+     * number is not finite. */
     bool (*vectors)(const float *values, size_t stride, size_t count, float lower[3], float upper[3]);
 
     /* Whether all of `count` indices are below the limit. */

@@ -70,10 +70,9 @@ static local_hit plane_hit(const world_plane *plane, vec3_f64 org, vec3_f64 dir,
                        .v = dot_f64(q, widen(plane->v))};
 }
 
-/* Item i of an array of `size` floats each, `stride` bytes apart. */
-static const float *item(const float *first, size_t stride, size_t size, uint32_t i) {
-    size_t step = stride ? stride : size * sizeof *first;
-    return (const float *)(const void *)((const char *)first + step * i);
+/* Item i of an array whose items lie `stride` bytes apart. */
+static const float *item(const float *first, size_t stride, uint32_t i) {
+    return (const float *)(const void *)((const char *)first + stride * i);
 }
 
 static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hit *hit) {
@@ -83,7 +82,7 @@ static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hi
         const uint32_t *index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + first;
         vec3_f64 n[3];
         for (int c = 0; c < 3; ++c) {
-            n[c] = widen(load_f32(item(mesh->normals, mesh->normal_stride, 3, index[c])));
+            n[c] = widen(load_f32(item(mesh->normals, mesh->normal_stride, index[c])));
         }
         vec3_f64 shading = weighted(n, u, v);
         if (finite_f64(shading) && dot_f64(shading, shading) > 0) hit->shading = shading;
@@ -91,7 +90,7 @@ static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hi
     if (mesh->uvs) {
         const uint32_t *index = (mesh->uv_indices ? mesh->uv_indices : mesh->indices) + first;
         const float *uv[3];
-        for (int c = 0; c < 3; ++c) uv[c] = item(mesh->uvs, mesh->uv_stride, 2, index[c]);
+        for (int c = 0; c < 3; ++c) uv[c] = item(mesh->uvs, mesh->uv_stride, index[c]);
         hit->u = (1 - u - v) * (double)uv[0][0] + u * (double)uv[1][0] + v * (double)uv[2][0];
         hit->v = (1 - u - v) * (double)uv[0][1] + u * (double)uv[1][1] + v * (double)uv[2][1];
     }
@@ -99,10 +98,8 @@ static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hi
 
 static local_hit mesh_hit(const fathom_mesh *mesh, uint32_t triangle, vec3_f64 org, vec3_f64 dir, double t) {
     vec3_f64 c[3];
-    for (int i = 0; i < 3; ++i) {
-        uint32_t vertex = mesh->indices[3 * (size_t)triangle + (size_t)i];
-        c[i] = widen(load_f32(item(mesh->positions, mesh->position_stride, 3, vertex)));
-    }
+    for (int i = 0; i < 3; ++i)
+        c[i] = widen(load_f32(mesh_vertex(mesh, mesh->indices[3 * (size_t)triangle + (size_t)i])));
     vec3_f64 n = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[2], c[0]));
     reference_hit_f64 hit = {.t = t};
     if (!triangle_robust_f64(c[0], c[1], c[2], org, dir, -INFINITY, INFINITY, &hit)) {

@@ -1,4 +1,4 @@
-/* What a hit means to the library's user: point, normals, uv and ids, in double. */
+/* Hits as the library's user gets them: point, normals, uv and ids, in double. */
 #ifndef TRACE_USER_HIT_H
 #define TRACE_USER_HIT_H
 

@@ -31,7 +31,7 @@ fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *
     tracer->context = context;
     tracer->scene = scene_through(scene, context);
     pthread_mutex_init(&tracer->message, NULL);
-    trace_options options = {.kind = kind, .width = TRACE_WIDTH, .threads = fathom_context_threads(context)};
+    trace_options options = {.kind = kind, .width = LANES, .threads = fathom_context_threads(context)};
     fathom_status status = fathom_scene_check(&tracer->scene);
     if (status == FATHOM_OK) status = world_create(&tracer->scene, &tracer->world);
     if (status == FATHOM_OK) status = trace_create(context, tracer->world, &options, &tracer->tracer);
@@ -80,8 +80,8 @@ static bool in_range(vec3_f64 p) {
     return fabs(p.x) < WORLD_REACH && fabs(p.y) < WORLD_REACH && fabs(p.z) < WORLD_REACH;
 }
 
-/* The direction is scaled by a power of two, exactly, so that any length is good. What lies before t = 0
- * becomes part of the ray by moving its origin there. */
+/* Scales the direction by a power of two, exactly, so that any length is good. Moves the origin to a negative
+ * t_min, so that the traced interval begins at 0. */
 static const char *ray_prepare(const world *w, const fathom_ray *ray, user_ray *out) {
     vec3_f64 org = load_f64(ray->origin), dir = load_f64(ray->direction);
     if (!finite_f64(org)) return "origin: is not finite";
@@ -141,7 +141,7 @@ static bool take_hits(const fathom_tracer *tracer, const user_ray *rays, trace_b
 static void closest_block(const fathom_tracer *tracer, const user_ray *rays, unsigned lanes,
                           fathom_hit *hits) {
     trace_block block = {0};
-    float t_far[TRACE_WIDTH];
+    float t_far[LANES];
     for (unsigned i = 0; i < lanes; ++i) {
         ray_narrow(&rays[i], &block.rays, i);
         hits[i].t = HUGE_VAL;
@@ -156,10 +156,10 @@ static void closest_block(const fathom_tracer *tracer, const user_ray *rays, uns
 
 static fathom_status trace_user(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                 fathom_hit *hits, bool *met) {
-    for (size_t first = 0; first < count; first += TRACE_WIDTH) {
-        unsigned lanes = count - first < TRACE_WIDTH ? (unsigned)(count - first) : TRACE_WIDTH;
-        user_ray own[TRACE_WIDTH];
-        fathom_hit found[TRACE_WIDTH];
+    for (size_t first = 0; first < count; first += LANES) {
+        unsigned lanes = count - first < LANES ? (unsigned)(count - first) : LANES;
+        user_ray own[LANES];
+        fathom_hit found[LANES];
         for (unsigned i = 0; i < lanes; ++i) {
             const char *wrong = ray_prepare(tracer->world, &rays[first + i], &own[i]);
             if (wrong) return refuse(tracer, first + i, wrong);

@@ -15,7 +15,7 @@ static double position_error(const oracle_ray *ray, const oracle_answer *answer,
     return moved * length_f64(widen(ray->dir)) / error_ulp(far);
 }
 
-/* Of the sphere at the point; of a quad, of the part. */
+/* The sphere's normal at the point; for a quad, that of the part. */
 static ball3 exact_normal(const oracle_ray *ray, const oracle_primitive *p, const oracle_answer *answer) {
     if (p->shape == ORACLE_PLANE) return ball3_exact(p->v[1]);
     if (p->shape == ORACLE_SPHERE) {

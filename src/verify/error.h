@@ -4,7 +4,7 @@
 
 #include "verify/exact/oracle.h"
 
-/* What a tracer says of a hit, as in trace_hits and trace_fine. */
+/* A hit as the tracer reports it, as in trace_hits and trace_fine. */
 typedef struct error_said {
     double t;
     vec3_f32 normal; /* in the space of the primitive, of any length */

@@ -1,4 +1,4 @@
-/* Counts of positive numbers of any size, for quantiles. Which thread counted what makes no difference. */
+/* Counts positive numbers of any size, for quantiles. The order of counting makes no difference. */
 #ifndef PARITY_HISTOGRAM_H
 #define PARITY_HISTOGRAM_H
 

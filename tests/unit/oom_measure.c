@@ -3,7 +3,7 @@
 #include "measure/build_time.h"
 #include "measure/converge.h"
 #include "measure/growth.h"
-#include "measure/secondary_time.h"
+#include "measure/secondary.h"
 #include "measure/trace_time.h"
 #include "verify/extremes/extremes.h"
 #include "verify/light/shading_studio.h"

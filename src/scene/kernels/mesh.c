@@ -162,8 +162,8 @@ ALWAYS_INLINE wide_marks larger(wide_marks bits, wide v) {
 
 /* The sign is set where p - q, products of differences of floats, is not zero for sure. With u = 2^-24 the
  * differences are off by up to u of themselves, their products by 3u and p - q by 4u (|p| + |q|) in all; 16u
- * leave room for the sum's own roundings, and 2^-120 for all that denormals lose. Nor are they zero in double
- * then. Nothing within reach overflows. */
+ * leave room for the sum's own roundings, and 2^-120 for the loss of denormals. They are not zero in double
+ * either then. Nothing within reach overflows. */
 ALWAYS_INLINE wide_marks surely_not_zero(wide p, wide q) {
     return (wide_marks)((magnitude(p) + magnitude(q)) * 0x1p-20f + 0x1p-120f - magnitude(p - q));
 }

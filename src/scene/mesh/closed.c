@@ -1,7 +1,7 @@
 /* A mesh has no boundary when its directed edges cancel: each edge from a to b has one from b to a. Give
  * every vertex v two numbers x(v), y(v); then x(a) y(b) - x(b) y(a) of an edge and of its reverse cancel, and
- * the sum over all edges of all triangles, modulo 2^64, is zero where the mesh is closed. Of an open mesh the
- * edges of the boundary are left, and each of its vertices b counts y(b) times the difference of x at its two
+ * the sum over all edges of all triangles, modulo 2^64, is zero where the mesh is closed. In an open mesh the
+ * edges of the boundary remain, and each of its vertices b counts y(b) times the difference of x at its two
  * neighbours there: with x different for all vertices and y pseudo-random, the sum is zero with a probability
  * of about 2^-32. (A linear map of the chain's boundary: no edge is ever looked up.)
  *

@@ -10,7 +10,8 @@ typedef enum closed_how {
     CLOSED_TOGETHER /* with the other open meshes of its group: a body cut up by material */
 } closed_how;
 
-/* Of each of the world's geometries. Vertices are told apart by position. False when out of memory. */
+/* Finds this for each of the world's geometries. Vertices are told apart by position. False when out of
+ * memory. */
 bool closed_find(const world *w, closed_how *closed);
 
 #endif

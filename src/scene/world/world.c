@@ -22,7 +22,7 @@ static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_gro
     return array_push(&w->geometries, fresh) ? &w->geometries.items[w->geometries.count - 1] : NULL;
 }
 
-/* What x loses as a float, as one that tracers do not flush to zero. */
+/* The rounding error of x as a float, or 0 where tracers would flush it. */
 static float rest_of(double x) {
     float rest = (float)(x - (double)(float)x);
     return fabsf(rest) < FLT_MIN ? 0 : rest;
@@ -30,9 +30,9 @@ static float rest_of(double x) {
 
 /* Where a sphere passes by the origin at a distance g, float tells things of 2^-24 g apart, and the view may
  * show what is 2^-12 g large, a pixel. A planet's centre and radius, rounded to half a metre, would bury or
- * lift all that stands on it. So what rounding takes from them is kept where it is more than 2^-16 g, a
- * sixteenth of such a pixel: for spheres at least some 2^7 times larger than g. Others are the floats that
- * all tracers share, Embree's own spheres too: more digits would not show. */
+ * lift everything on it. So their rounding errors are kept where they exceed 2^-16 g, a sixteenth of such a
+ * pixel: for spheres at least some 2^7 times larger than g. Others are the floats that all tracers share,
+ * Embree's own spheres too: more digits would not show. */
 static world_sphere sphere_of(vec3_f64 center, double radius) {
     world_sphere sphere = {.center = narrow(center), .radius = (float)radius};
     vec3_f32 rest = {rest_of(center.x), rest_of(center.y), rest_of(center.z)};

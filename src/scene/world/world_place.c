@@ -33,7 +33,7 @@ static void consider(origin_search *search, const scene_bounds *bounds, vec3_f64
     search->origin = origin;
 }
 
-/* A mesh that has an origin of its own offers that one: taking it spares the mesh a frame. */
+/* A mesh that has an origin of its own offers that one: then the mesh needs no frame. */
 static vec3_f64 offered_origin(const fathom_scene *scene, fathom_id id, const scene_bounds *bounds) {
     scene_object object = scene->objects.items[id];
     if (object.kind == SCENE_MESH) {

@@ -1,6 +1,6 @@
-/* Embree 3.13 and 4 behind one face: the only file that knows which it is.
+/* Embree 3.13 and 4 behind one interface: no other file knows which it is.
  *
- * Version 3 passes flags and filter in a context, version 4 in arguments beside it; the callbacks get a
+ * Version 3 passes flags and filter in a context, version 4 in separate arguments; the callbacks get a
  * pointer to the context in both, so what a call carries lies behind the context in a larger struct. */
 #ifndef TRACE_EMBREE_API_H
 #define TRACE_EMBREE_API_H
@@ -154,7 +154,7 @@ static inline void embree_intersect_blocks(RTCScene scene, embree_context *conte
                                            trace_block *blocks, unsigned count) {
     context->flags = EMBREE_QUERY_FLAGS(coherent);
     context->filter = NULL;
-    rtcIntersectNM(scene, context, (struct RTCRayHitN *)blocks, TRACE_WIDTH, count, sizeof *blocks);
+    rtcIntersectNM(scene, context, (struct RTCRayHitN *)blocks, LANES, count, sizeof *blocks);
 }
 static inline void embree_intersect_rays(RTCScene scene, embree_context *context, bool coherent,
                                          struct RTCRayHit *rays, unsigned count) {
@@ -167,7 +167,7 @@ static inline void embree_occluded_blocks(RTCScene scene, embree_context *contex
                                           trace_block *blocks, unsigned count) {
     context->flags = EMBREE_QUERY_FLAGS(coherent);
     context->filter = NULL;
-    rtcOccludedNM(scene, context, (struct RTCRayN *)blocks, TRACE_WIDTH, count, sizeof *blocks);
+    rtcOccludedNM(scene, context, (struct RTCRayN *)blocks, LANES, count, sizeof *blocks);
 }
 static inline void embree_occluded_rays(RTCScene scene, embree_context *context, bool coherent,
                                         struct RTCRayHit *rays, unsigned count) {

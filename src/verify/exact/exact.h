@@ -1,4 +1,4 @@
-/* What the oracle's two ways of computing share: quadruple precision with an error bound (estimate.c), and
+/* Shared by the oracle's two ways of computing: quadruple precision with an error bound (estimate.c), and
  * whole numbers (exact.c, exact_root.c), in which nothing is rounded. Coordinates are scaled by a power of
  * two that makes all of them whole, directions by another; t is then scaled by their ratio. */
 #ifndef VERIFY_EXACT_H

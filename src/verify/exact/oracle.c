@@ -93,7 +93,7 @@ static void ask_one(const oracle_ray *ray, const oracle_primitive *primitive, or
     condition_set(ray, primitive, answer);
 }
 
-/* What the answer's t belongs to: of a quad, the part's triangle. */
+/* The primitive that the answer's t belongs to: for a quad, the part's triangle. */
 static oracle_primitive part_of(const oracle_primitive *primitive, unsigned part) {
     oracle_primitive one = *primitive;
     if (primitive->shape != ORACLE_QUAD) return one;

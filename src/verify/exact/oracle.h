@@ -36,7 +36,7 @@ typedef struct oracle_primitive {
     const world_instance *instance; /* NULL: none. Borrowed */
 } oracle_primitive;
 
-/* Of a sphere, to the last digit of double. */
+/* A sphere's centre and radius in double, exact to the last digit. */
 static inline vec3_f64 oracle_center(const oracle_primitive *p) {
     return add_f64(widen(p->v[0]), widen(p->rest));
 }

@@ -1,5 +1,5 @@
 /* Primitives that are none, among good ones: without area, not finite, or twice there. They are never hit and
- * hide nothing. What a scene does not take is put into the world behind its back. */
+ * hide nothing. Primitives that a scene refuses are put into the world directly. */
 #include "verify/extremes/case.h"
 
 #include <float.h>

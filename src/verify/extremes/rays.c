@@ -167,7 +167,7 @@ static rays_draft surface_ray(const void *user, rays_random *r, uint64_t index) 
     return (rays_draft){org, dir, 0, (double)INFINITY};
 }
 
-/* The world is not moved to the sphere unless it is small beside its distance: then this one is. */
+/* The world moves to a sphere only if that is small compared to its distance; this one does not move. */
 static void push_away(extremes_case *c) {
     c->world->spheres.items[0].center = narrow(normalize_f64(unit_center));
 }
@@ -204,7 +204,7 @@ static void put_part(extremes_case *c, double size) {
 }
 
 void planet_make(extremes_case *c, double size) {
-    case_say(c, "a part of radius %g m over a planet of 6371 km, seen from beside it", size);
+    case_say(c, "a part of radius %g m over a planet of 6371 km, seen from close by", size);
     put_part(c, size);
     c->maker = part_ray;
 }

@@ -30,7 +30,7 @@ static void put_mixture(extremes_case *c, vec3_f64 at) {
 static vec3_f64 place_at(double offset) { return scale_f64(offset, vec_f64(0.48, -0.6, 0.64)); }
 
 void offset_near(extremes_case *c, double offset) {
-    case_say(c, "all shapes, 1 in size, %g from the origin, the camera beside them", offset);
+    case_say(c, "all shapes, 1 in size, %g from the origin, the camera next to them", offset);
     vec3_f64 at = place_at(offset);
     put_mixture(c, at);
     case_camera(c, add_f64(at, vec_f64(2, 1, 4)), at);

@@ -32,8 +32,8 @@ typedef struct rays_source rays_source;
 fathom_status rays_create(fathom_context *context, const world *w, rays_source **out);
 void rays_destroy(rays_source *source);
 
-/* Sums and differences of such coordinates are floats. What a tracer itself cannot take of it is
- * VERDICT_BEYOND. */
+/* Sums and differences of such coordinates fit in float. VERDICT_BEYOND covers what a tracer itself cannot
+ * take. */
 #define RAYS_LARGEST 1e30
 #define RAYS_LONGEST 1e37
 /* Whether a ray may be handed to a tracer: it is within these limits, in the space of any instance too. */
@@ -56,7 +56,8 @@ typedef rays_draft (*rays_maker)(const void *user, struct rays_random *random, u
 /* From now on every family is these rays. */
 void rays_set_maker(rays_source *source, rays_maker make, const void *user);
 
-/* Of a sphere around all that has bounds; at least 1e-30. Errors of position are told relative to it. */
+/* The radius of a sphere around everything that has bounds; at least 1e-30. Errors of position are relative
+ * to it. */
 double rays_world_radius(const rays_source *source);
 
 #endif

@@ -16,11 +16,6 @@ struct search {
 
 /* ---- primitives ---- */
 
-static vec3_f32 vertex(const fathom_mesh *mesh, uint32_t index) {
-    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
-    return load_f32((const float *)(const void *)((const char *)mesh->positions + index * stride));
-}
-
 static void set_plane(const world *w, uint32_t index, oracle_primitive *out) {
     out->shape = ORACLE_PLANE;
     out->v[0] = w->planes.items[index].point, out->v[1] = w->planes.items[index].normal;
@@ -50,7 +45,8 @@ oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t pr
     case WORLD_MESH: {
         const fathom_mesh *mesh = &w->meshes.items[g->first];
         p.shape = ORACLE_TRIANGLE;
-        for (unsigned c = 0; c < 3; ++c) p.v[c] = vertex(mesh, mesh->indices[3 * (size_t)primitive + c]);
+        for (unsigned c = 0; c < 3; ++c)
+            p.v[c] = load_f32(mesh_vertex(mesh, mesh->indices[3 * (size_t)primitive + c]));
         break;
     }
     }
@@ -101,7 +97,7 @@ typedef struct search_walk {
     filter_ray local; /* the ray in the space of the instance at hand; its t_far shrinks with `closest` */
     double closest;   /* t of no closest hit is above: from hits that are certain */
     uint32_t geometry, instance;
-    bool shadows;     /* what casts none is passed by */
+    bool shadows;     /* skip what casts none */
     bool exhaustive;  /* every primitive is tested */
     double aside;     /* not 0: search_near() */
     bool failed;      /* no memory */
@@ -249,7 +245,7 @@ static bool same_shape(const oracle_primitive *a, const oracle_primitive *b) {
            memcmp(a->v, b->v, sizeof a->v) == 0;
 }
 
-/* Of 10,000 copies at one place the first is asked, and answers for all. */
+/* Copies of one shape at one place, up to 10,000 in the extreme cases, are asked once. */
 static const search_hit *ask(search_walk *walk, const search_candidate *c) {
     oracle_primitive primitive =
         search_primitive(walk->search->world, c->geometry, c->primitive, c->instance);

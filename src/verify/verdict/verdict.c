@@ -106,8 +106,8 @@ static bool trim(const judge *j, const search_hit *hit, const verdict_bound *bou
 }
 
 /* Embree's rcp_safe(): no component of a direction is taken for less than 1e-18 where boxes are tested. That
- * bends the ray for them, by more than rounding does if the whole direction is that small; in the world it
- * never is (trace/stretch.h). */
+ * turns the ray aside for them, by more than rounding does if the whole direction is that small; in the world
+ * it never is (trace/stretch.h). */
 static bool is_clamped(const judge *j, const oracle_primitive *p) {
     if (!p->instance) return false;
     oracle_ray ray = *j->ray;

@@ -35,7 +35,7 @@ typedef struct verdict_tracer {
     double largest; /* takes no ray and no primitive with a coordinate above; 0: any float */
 } verdict_tracer;
 
-/* What the tracer said: ids as in trace_hits, geometry FATHOM_NONE for a miss. */
+/* The tracer's answer: ids as in trace_hits, geometry FATHOM_NONE for a miss. */
 typedef struct verdict_answer {
     uint32_t geometry, primitive, instance;
     double t, t_low; /* their sum: as the tracer computed it */
@@ -51,16 +51,16 @@ typedef struct verdict_report {
     oracle_answer exact;
 } verdict_report;
 
-/* What is known of a tracer by its words. */
+/* The properties of a tracer by its specification. */
 verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit);
 
 /* Judges one closest hit. `room` is for searches and is written over. False when out of memory. */
 bool verdict_closest(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
                      const verdict_answer *answer, search_result *room, verdict_report *out);
 
-/* Judges whether anything that casts a shadow is met: AGREE, EDGE, RANGE, BEYOND, LEAK or WRONG, which mean
- * the same for the surfaces that were skipped or met. `hint`: what the tracer says is the closest hit, since
- * that is likely what it met; or NULL. False when out of memory. */
+/* Judges whether anything that casts a shadow is met: AGREE, EDGE, RANGE, BEYOND, LEAK or WRONG, with the
+ * same meanings. `hint`: the tracer's closest hit, which is likely what it met; or NULL. False when out of
+ * memory. */
 bool verdict_any(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
                  bool met, const verdict_answer *hint, search_result *room, verdict *out);
 

@@ -11,11 +11,11 @@ typedef struct verdict_bound {
     double aside; /* in world coordinates, of where the ray passes */
 } verdict_bound;
 
-/* Of an answer that is not parallel. */
+/* The bound for an answer that is not parallel. */
 verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
                                const oracle_primitive *primitive, const oracle_answer *answer);
 
-/* Of a t that was reported: verdict_bound.t, but anything where the tracer has lost the normal. */
+/* The bound of a reported t: verdict_bound.t, or infinite where the tracer has lost the normal. */
 double verdict_reported(const verdict_tracer *tracer, const oracle_primitive *primitive,
                         const verdict_bound *bound);
 
@@ -30,8 +30,8 @@ bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const
 bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_ray *ray,
                     const oracle_primitive *primitive, double t);
 
-/* What t may be off by whatever its condition: VERDICT_ULPS, of answers in double at most; and what is
- * flushed to zero. */
+/* The error of t allowed whatever its condition: VERDICT_ULPS, of a double at least, and flushed
+ * denormals. */
 double verdict_rounding(const verdict_tracer *tracer, double t);
 
 /* The ray's direction in the primitive's space. */

@@ -1,7 +1,7 @@
 /* Spheres against a block of rays. */
 #include "base/kernel.h"
 #include "reference/reference.h"
-#include "trace/embree/beside.h"
+#include "trace/embree/embree_spheres.h"
 
 #include <math.h>
 
@@ -38,7 +38,7 @@ static ALWAYS_INLINE beam beam_of(const trace_rays *rays) {
     beam b = {.org = {rays->org_x[0], rays->org_y[0], rays->org_z[0]},
               .dir = {rays->dir_x[0], rays->dir_y[0], rays->dir_z[0]}};
     int32_t wide = 0, turn = 0, end = bits_of(rays->t_far[0]);
-    for (int i = 0; i < TRACE_WIDTH; ++i) {
+    for (int i = 0; i < LANES; ++i) {
         vec3_f32 o = {rays->org_x[i], rays->org_y[i], rays->org_z[i]};
         vec3_f32 d = {rays->dir_x[i], rays->dir_y[i], rays->dir_z[i]};
         int32_t w = bits_of(sum_of(sub_f32(o, b.org))), t = bits_of(sum_of(sub_f32(d, b.dir)));
@@ -52,11 +52,11 @@ static ALWAYS_INLINE beam beam_of(const trace_rays *rays) {
 /* A point of a ray at t lies within wide + t turn of o + t d. A ray that meets a sphere at t has come t |d_i|
  * <= |f| + R + wide, f from o to the centre, so t <= T = (|f| + R + wide) / (|d| - turn), and the line of o
  * and d passes the centre within R + wide + T turn, or o lies as close. It also begins to meet it no sooner
- * than after |f| - R - wide. For |f| stands the sum of its coordinates, or the largest, whichever is safe.
+ * than after |f| - R - wide. The sum of its coordinates, or the largest, stands for |f|, whichever is safe.
  *
  * Float: f is off by 2 u of the coordinates on each axis, f²d² - (f·d)² by less than 16 u f²d², all others by
  * less than 16 u of themselves, u = 2^-24. 2^-18 holds each of these. A NaN anywhere counts as close. */
-static uint32_t close_to(const beside_spheres *s, const trace_rays *rays) {
+static uint32_t close_to(const few_spheres *s, const trace_rays *rays) {
     const beam b = beam_of(rays);
     const float slack = 0x1p-18f, a = dot_f32(b.dir, b.dir), length = sqrtf(a);
     const float least = length * (1 - slack) - b.turn, most = (length + b.turn) * (1 + slack);
@@ -64,7 +64,7 @@ static uint32_t close_to(const beside_spheres *s, const trace_rays *rays) {
     const float end = b.end * most * (1 + 0x1p-14f); /* and what is equally near: embree_settle.c */
     if (!(least > 0.5f * length) || !(b.wide < INFINITY)) return (1u << s->count) - 1;
     uint32_t close = 0;
-    for (int k = 0; k < BESIDE_MOST; ++k) {
+    for (int k = 0; k < FEW_SPHERES_MOST; ++k) {
         vec3_f32 c = {s->x[k], s->y[k], s->z[k]}, f = sub_f32(c, b.org);
         float f2 = dot_f32(f, f), along = dot_f32(f, b.dir);
         float reach = s->radius[k] + b.wide + slack * (around + sum_of(c));
@@ -80,11 +80,11 @@ static uint32_t close_to(const beside_spheres *s, const trace_rays *rays) {
 
 /* ---- one sphere, sixteen rays ---- */
 
-static void find_roots(const world_sphere *sphere, const trace_rays *rays, beside_roots *restrict out) {
+static void find_roots(const world_sphere *sphere, const trace_rays *rays, few_roots *restrict out) {
     const vec3_f32 center = sphere->center;
     const float radius = sphere->radius;
     uint32_t real = 0, doubt = 0;
-    for (int i = 0; i < TRACE_WIDTH; ++i) {
+    for (int i = 0; i < LANES; ++i) {
         float roots[2];
         bool sure;
         bool met = sphere_plain_f32(center, radius, vec_f32(rays->org_x[i], rays->org_y[i], rays->org_z[i]),
@@ -93,7 +93,7 @@ static void find_roots(const world_sphere *sphere, const trace_rays *rays, besid
         out->near[i] = roots[0], out->far[i] = roots[1];
     }
     out->met = real, out->doubt = doubt;
-    if (world_sphere_is_split(sphere)) out->doubt = (1u << TRACE_WIDTH) - 1;
+    if (world_sphere_is_split(sphere)) out->doubt = (1u << LANES) - 1;
 }
 
-const beside_kernels KERNEL(beside_kernels) = {.close = close_to, .roots = find_roots};
+const few_kernels KERNEL(few_kernels) = {.close = close_to, .roots = find_roots};

@@ -1,15 +1,83 @@
-/* How far rays may start.
- *
- * Embree may abort on a ray with a coordinate beyond its largest, in the space of an instance too: there an
- * origin has coordinates of up to s |o| + |m|, and a direction s |d|, s the largest sum of a row of the map,
- * m its translation. Rays from beyond the reach are not given to Embree, so all there is must lie within. */
-#include "trace/reach.h"
+#include "trace/embree/embree_limits.h"
 
 #include "reference/reference.h"
+#include "trace/embree/embree.h"
 #include "trace/search.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+/* ---- memory ---- */
+
+/* Embree 3.13.5 on a displaced sphere, bytes a triangle beyond the mesh's own: of 2 and 8 million triangles
+ * the usual structures keep 68 and 63 and pass 35 and 32 while they are built; at low quality they keep 92
+ * and pass 12, which is the same at the most. Compact ones keep 36 and pass 2; at low quality, 50 and 22. Of
+ * less than a million, compact ones pass as much as the usual, and some megabytes. Spheres are boxes with a
+ * callback, and cost about as much; quads are two triangles. */
+static const trace_need usual_need = {68, 36}, compact_need = {37, 4};
+
+/* Measured on one and two million instances of one triangle; includes what Embree allocates without reporting
+ * it. */
+static const trace_need instance_need = {440, 120};
+
+/* A mesh with flat triangles has its indices copied, quads have indices and corners; see embree_native.c. */
+static double copied_bytes(const world_geometry *geometry) {
+    double indices = 3 * sizeof(uint32_t) * (double)geometry->count;
+    if (geometry->kind == WORLD_QUADS) return 2 * indices + sizeof(world_quad) * (double)geometry->count;
+    return geometry->kind == WORLD_MESH && geometry->flat ? indices : 0;
+}
+
+trace_need trace_need_of(const world *w, bool is_compact) {
+    trace_need each = is_compact ? compact_need : usual_need;
+    double n = 0, more = 0, copied = 0, instances = (double)w->instances.count;
+    for (size_t i = 0; i < w->geometries.count; ++i) {
+        const world_geometry *geometry = &w->geometries.items[i];
+        n += (geometry->kind == WORLD_QUADS ? 2.0 : 1.0) * geometry->count;
+        copied += copied_bytes(geometry);
+    }
+    if (is_compact && n < 1e6) each.passed = usual_need.passed, more = 16e6;
+    return (trace_need){each.kept * n + instance_need.kept * instances + copied,
+                        each.passed * n + instance_need.passed * instances + more};
+}
+
+#define RESERVE 64000000u
+
+static double total(trace_need need) { return need.kept + need.passed; }
+
+static fathom_status refuse(const embree_tracer *tracer, double need) {
+    return fail(tracer->context, FATHOM_OUT_OF_RESOURCES,
+                "out of memory: building takes about %.2f GB, and %.2f GB are left after program, meshes "
+                "and image; raise the limit, render on a machine with more memory, or place repeated parts "
+                "as instances",
+                need * 1e-9, (double)tracer->options->memory * 1e-9);
+}
+
+fathom_status embree_fit_memory(embree_tracer *tracer) {
+    const world *w = tracer->base.world;
+    double room = (double)tracer->options->memory;
+    bool chosen = tracer->spec.flags == TRACE_SCENE_COMPACT, free_to_choose = !tracer->options->spec;
+    double need = total(trace_need_of(w, chosen)), less = total(trace_need_of(w, true));
+    tracer->base.foreseen_bytes = (uint64_t)need;
+    if (!tracer->options->memory) return FATHOM_OK;
+    /* Embree reserves up to twice what it comes to touch. This is for estimates that are far off. */
+    tracer->most_bytes = 2 * tracer->options->memory + RESERVE;
+    if (need <= room) return FATHOM_OK;
+    if (!free_to_choose || less > room) return refuse(tracer, free_to_choose ? less : need);
+    tracer->base.foreseen_bytes = (uint64_t)less;
+    tracer->spec.flags = TRACE_SCENE_COMPACT;
+    tracer->spec.quality = TRACE_QUALITY_MEDIUM; /* low passes as much as the usual structures */
+    warn(tracer->context,
+         "the usual acceleration structure would take about %.2f GB, and %.2f GB are left after program, "
+         "meshes and image: a compact one of %.2f GB is built, which is slower to trace",
+         need * 1e-9, room * 1e-9, less * 1e-9);
+    return FATHOM_OK;
+}
+
+/* ---- how far rays may start ----
+ *
+ * Embree may abort on a ray with a coordinate beyond its largest, in the space of an instance too: there an
+ * origin has coordinates of up to s |o| + |m|, and a direction s |d|, s the largest sum of a row of the map,
+ * m its translation. Rays from beyond the reach are not given to Embree, so all there is must lie within. */
 
 static const float limit = REACH_LARGEST / 2; /* and no NaN is below it */
 

@@ -1,6 +1,6 @@
 /* A few spheres next to Embree's scene: the answers are the reference's, whatever the block. */
-#include "trace/embree/beside.h"
 #include "stage.h"
+#include "trace/embree/embree_spheres.h"
 
 static const char *const ways[] = {"embree:1", "embree:4:low", "embree:8", "embree:16:high", "embree:quad"};
 #define WAYS (sizeof ways / sizeof *ways)
@@ -61,7 +61,7 @@ static void check(const stage *s, const ray_set *set, const trace_tracer *linear
 
 static void few_spheres_are_met_as_by_linear_search(void **state) {
     (void)state;
-    for (unsigned count = 1; count <= BESIDE_MOST + 1; count += 5) {
+    for (unsigned count = 1; count <= FEW_SPHERES_MOST + 1; count += 5) {
         stage s;
         stage_open(&s);
         add_spheres(&s, count);
@@ -81,7 +81,7 @@ static void silhouettes_are_those_of_linear_search(void **state) {
     (void)state;
     stage s;
     stage_open(&s);
-    ray_set set = silhouette_rays(&s, BESIDE_MOST, -4, 30000, 0.2, 4);
+    ray_set set = silhouette_rays(&s, FEW_SPHERES_MOST, -4, 30000, 0.2, 4);
     trace_tracer *linear = stage_spec(&s, "linear"), *embree = stage_spec(&s, "embree");
     ray_set a = traced(linear, &set, TRACE_INCOHERENT), b = traced(embree, &set, TRACE_INCOHERENT);
     for (size_t i = 0; i < set.count; ++i) assert_true(same_hit(&a, &b, i) && hit_t(&a, i) == hit_t(&b, i));
@@ -93,19 +93,19 @@ static void silhouettes_are_those_of_linear_search(void **state) {
 /* What is left out as too far from a block's beam is met by none of its rays. */
 static void nothing_close_is_left_out(void **state) {
     (void)state;
-    const beside_kernels *kernels = beside_kernels_best();
+    const few_kernels *kernels = few_kernels_best();
     stage s;
     stage_open(&s);
-    add_spheres(&s, BESIDE_MOST);
+    add_spheres(&s, FEW_SPHERES_MOST);
     trace_tracer *linear = stage_spec(&s, "linear");
-    beside_spheres spheres;
-    assert_true(beside_gather(s.world, &spheres));
-    assert_int_equal(spheres.count, BESIDE_MOST);
+    few_spheres spheres;
+    assert_true(few_gather(s.world, &spheres));
+    assert_int_equal(spheres.count, FEW_SPHERES_MOST);
     ray_set set = beams(160000), got = traced(linear, &set, TRACE_INCOHERENT);
     unsigned left_out = 0;
     for (size_t b = 0; b < set.count / 16; ++b) {
         uint32_t close = kernels->close(&spheres, &set.blocks[b].rays);
-        left_out += BESIDE_MOST - (unsigned)__builtin_popcount(close);
+        left_out += FEW_SPHERES_MOST - (unsigned)__builtin_popcount(close);
         for (unsigned i = 0; i < 16; ++i) {
             const trace_hits *h = &got.blocks[b].hits;
             for (unsigned k = 0; k < spheres.count; ++k) {
