@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "camera/camera.h"
 #include "trace/search.h"
-#include "verify/search/rays_aim.h"
+#include "verify/search/rays.h"
 
 #include <fathom/fathom.h>
 #include <stdio.h>
@@ -83,7 +83,7 @@ static void aim(const fathom_mesh *m, rays_random *r, vec3_f64 center, double ra
 }
 
 static void count_block(const subject *s, const trace_rays *rays, const uint8_t *depth, counts *c) {
-    static const uint8_t outside[TRACE_WIDTH];
+    static const uint8_t outside[LANES];
     trace_block block = {.rays = *rays};
     trace_rays shadow = *rays;
     trace_closest(s->tracer, &block, LANES, TRACE_INCOHERENT);

@@ -91,8 +91,6 @@ fathom_status converge_measure(fathom_context *context, const bench_stage *stage
                                const converge_options *options, converge_result *out);
 void converge_free(converge_result *result);
 
-/* ---- converge_curve.c ---- */
-
 /* Points, marks and slopes from runs and reference. */
 void converge_summarise(converge_result *result);
 /* Whether fits and tables count the point. */

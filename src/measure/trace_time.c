@@ -4,7 +4,7 @@
 #include "base/threads.h"
 #include "camera/camera.h"
 #include "light/light.h"
-#include "verify/search/rays_aim.h"
+#include "verify/search/rays.h"
 
 #include <math.h>
 #include <stdlib.h>

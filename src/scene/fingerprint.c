@@ -1,4 +1,4 @@
-#include "scene/fingerprint.h"
+#include "scene/scene.h"
 
 #include "base/hash.h"
 #include "base/threads.h"

@@ -132,6 +132,11 @@ fathom_status scene_rest_files(const fathom_scene *scene);
 /* fathom_scene_check_files(), about once a second of calls: *next is 0 at first. */
 fathom_status scene_watch_files(const fathom_scene *scene, double *next);
 
+/* A number that differs between scenes that may render differently. It covers everything that pixels may
+ * depend on: shapes, materials, lights, places, camera and surroundings; not names, texture coordinates or
+ * settings. Reads all arrays of all meshes, on the context's threads. */
+fathom_status scene_fingerprint(const fathom_scene *scene, uint64_t *out);
+
 /* FATHOM_BAD_INPUT when groups contain each other; the message names the groups on the cycle. */
 fathom_status scene_check_cycles(const fathom_scene *scene);
 

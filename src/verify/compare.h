@@ -3,7 +3,7 @@
 #define PARITY_COMPARE_H
 
 #include "trace/trace.h"
-#include "verify/histogram.h"
+#include "verify/error.h"
 #include "verify/search/rays.h"
 #include "verify/verdict/verdict.h"
 

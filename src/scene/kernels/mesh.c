@@ -3,7 +3,6 @@
 #include "scene/kernels.h"
 
 #include "base/kernel.h"
-#include "scene/boundary.h"
 #include "scene/world/world.h"
 
 #if defined(__AVX2__)

@@ -10,7 +10,7 @@
 #include "scene/mesh/closed.h"
 
 #include "base/threads.h"
-#include "scene/boundary.h"
+#include "scene/kernels.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

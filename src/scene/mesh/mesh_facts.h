@@ -11,7 +11,7 @@ typedef struct mesh_facts {
     float largest;            /* coordinate of its triangles within WORLD_REACH, as a magnitude */
     uint32_t flat;            /* triangles without area: stored, never hit */
     uint32_t beyond;          /* triangles with a coordinate that is not below WORLD_REACH */
-    uint64_t boundary;        /* the sum of boundary.h by the indices of vertices */
+    uint64_t boundary;        /* the sum of boundary_sum() by the indices of vertices */
 } mesh_facts;
 
 /* Each of these reads an array in parallel and returns FATHOM_BAD_INPUT, with "what[17]", for the first bad

@@ -1,9 +1,9 @@
 /* Union-find over vertices, by all threads at once. A vertex's parent is never a later vertex, so one pass in
  * order leaves every vertex next to its root. */
-#include "scene/mesh/pieces.h"
+#include "scene/mesh/closed.h"
 
 #include "base/threads.h"
-#include "scene/boundary.h"
+#include "scene/kernels.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

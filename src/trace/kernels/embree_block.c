@@ -121,11 +121,9 @@ static ALWAYS_INLINE void split_by(unsigned width, const trace_rays *rays, const
 }
 
 static void split(const trace_rays *rays, const trace_hits *hits, unsigned width, embree_packets *out) {
-    switch (width) {
-    case 8: split_by(8, rays, hits, out); break;
-    case 4: split_by(4, rays, hits, out); break;
-    default: split_by(1, rays, hits, out); break;
-    }
+    if (width == 8) split_by(8, rays, hits, out);
+    if (width == 4) split_by(4, rays, hits, out);
+    if (width == 1) split_by(1, rays, hits, out);
 }
 
 static ALWAYS_INLINE void join_by(unsigned width, const embree_packets *packets, trace_rays *rays,
@@ -139,11 +137,9 @@ static ALWAYS_INLINE void join_by(unsigned width, const embree_packets *packets,
 }
 
 static void join(const embree_packets *from, unsigned width, trace_rays *rays, trace_hits *hits) {
-    switch (width) {
-    case 8: join_by(8, from, rays, hits); break;
-    case 4: join_by(4, from, rays, hits); break;
-    default: join_by(1, from, rays, hits); break;
-    }
+    if (width == 8) join_by(8, from, rays, hits);
+    if (width == 4) join_by(4, from, rays, hits);
+    if (width == 1) join_by(1, from, rays, hits);
 }
 
 /* ---- after ---- */

@@ -87,8 +87,8 @@ static void find_roots(const world_sphere *sphere, const trace_rays *rays, few_r
     for (int i = 0; i < LANES; ++i) {
         float roots[2];
         bool sure;
-        bool met = sphere_plain_f32(center, radius, vec_f32(rays->org_x[i], rays->org_y[i], rays->org_z[i]),
-                                    vec_f32(rays->dir_x[i], rays->dir_y[i], rays->dir_z[i]), roots, &sure);
+        bool met = sphere_plain_f32(center, radius, trace_org(rays, (size_t)i), trace_dir(rays, (size_t)i),
+                                    roots, &sure);
         real |= met ? 1u << i : 0, doubt |= sure ? 0 : 1u << i;
         out->near[i] = roots[0], out->far[i] = roots[1];
     }

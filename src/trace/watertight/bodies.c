@@ -1,5 +1,5 @@
 #include "trace/watertight/bodies.h"
-#include "scene/mesh/pieces.h"
+#include "scene/mesh/closed.h"
 #include "trace/search.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include "math/affine.h"
 #include "verify/extremes/extremes.h"
-#include "verify/search/rays_aim.h"
+#include "verify/search/rays.h"
 
 typedef struct extremes_case extremes_case;
 struct extremes_case {

@@ -1,4 +1,4 @@
-#include "verify/search/rays_aim.h"
+#include "verify/search/rays.h"
 
 #include <float.h>
 

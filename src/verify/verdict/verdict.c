@@ -1,6 +1,6 @@
 /* Judges answers: what was skipped, what was reported, closest hits and any hits. */
+#include "verify/verdict/verdict.h"
 #include "trace/trace.h"
-#include "verify/verdict/verdict_bound.h"
 
 #include <float.h>
 

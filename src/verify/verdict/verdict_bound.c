@@ -45,8 +45,8 @@
  *
  * Plane: f·n is off by 4 u |n| S, d·n by 3 u |n| |d|: together 7 u |n| S / |d·n|, and 16 with the origin's
  * and the quotient's rounding. */
-#include "verify/verdict/verdict_bound.h"
 #include "reference/reference.h"
+#include "verify/verdict/verdict.h"
 
 #include <float.h>
 
