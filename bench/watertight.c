@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "camera/camera.h"
 #include "trace/search.h"
-#include "verify/search/rays_aim.h"
+#include "verify/search/rays.h"
 
 #include <fathom/fathom.h>
 #include <stdio.h>
@@ -45,7 +45,7 @@ static void read_scene(subject *s, const char *file) {
 static double make_tracer(subject *s, const char *words) {
     trace_spec spec;
     need(trace_spec_parse(s->context, words, &spec) == FATHOM_OK, s->context);
-    trace_options options = {.spec = &spec, .width = TRACE_WIDTH};
+    trace_options options = {.spec = &spec, .width = LANES};
     need(trace_create(s->context, s->world, &options, &s->tracer) == FATHOM_OK, s->context);
     double began = clock_seconds();
     need(watertight_create(s->context, s->tracer, &s->water) == FATHOM_OK, s->context);
@@ -71,7 +71,7 @@ typedef struct counts {
 
 /* From the middle half of the first mesh's box at its vertices: all of these rays must hit. */
 static void aim(const fathom_mesh *m, rays_random *r, vec3_f64 center, double radius, trace_rays *rays) {
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         uint32_t vertex = (uint32_t)(rays_unit(r) * m->vertex_count);
         const char *at = (const char *)m->positions + (size_t)vertex * m->position_stride;
         vec3_f32 org = narrow(rays_in_ball(r, center, radius));
@@ -83,22 +83,22 @@ static void aim(const fathom_mesh *m, rays_random *r, vec3_f64 center, double ra
 }
 
 static void count_block(const subject *s, const trace_rays *rays, const uint8_t *depth, counts *c) {
-    static const uint8_t outside[TRACE_WIDTH];
+    static const uint8_t outside[LANES];
     trace_block block = {.rays = *rays};
     trace_rays shadow = *rays;
-    trace_closest(s->tracer, &block, TRACE_WIDTH, TRACE_INCOHERENT);
-    trace_any(s->tracer, &shadow, TRACE_WIDTH, TRACE_INCOHERENT);
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    trace_closest(s->tracer, &block, LANES, TRACE_INCOHERENT);
+    trace_any(s->tracer, &shadow, LANES, TRACE_INCOHERENT);
+    for (unsigned i = 0; i < LANES; ++i) {
         c->missed += block.hits.geometry[i] == FATHOM_NONE;
         c->lit += shadow.t_far[i] > 0;
     }
-    watertight_closest(s->water, &block, depth, TRACE_WIDTH);
-    watertight_any(s->water, &shadow, depth, outside, TRACE_WIDTH);
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    watertight_closest(s->water, &block, depth, LANES);
+    watertight_any(s->water, &shadow, depth, outside, LANES);
+    for (unsigned i = 0; i < LANES; ++i) {
         c->left += block.hits.geometry[i] == FATHOM_NONE;
         c->lit_left += shadow.t_far[i] > 0;
     }
-    c->rays += TRACE_WIDTH;
+    c->rays += LANES;
 }
 
 static void count(subject *s, uint64_t rays, const char *words) {
@@ -111,7 +111,7 @@ static void count(subject *s, uint64_t rays, const char *words) {
     scene_bounds box;
     if (scene_world_bounds(s->scene, &box) != FATHOM_OK) exit(4);
     vec3_f64 center = sub_f64(bounds_center(&box), s->world->origin);
-    uint8_t depth[TRACE_WIDTH];
+    uint8_t depth[LANES];
     memset(depth, watertight_depth(s->water, narrow(center)), sizeof depth);
     rays_random random = rays_random_of(1, 0, 0);
     counts c = {0};
@@ -136,7 +136,7 @@ static void count(subject *s, uint64_t rays, const char *words) {
 
 static void camera_block(const shade_camera *camera, unsigned b, trace_rays *rays) {
     unsigned left = b % (FRAME_WIDTH / 4) * 4, top = b / (FRAME_WIDTH / 4) * 4;
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         vec3_f32 d = camera_direction(camera, left + i % 4 + 0.5, top + i / 4 + 0.5);
         rays->org_x[i] = camera->eye.x, rays->org_y[i] = camera->eye.y, rays->org_z[i] = camera->eye.z;
         rays->dir_x[i] = d.x, rays->dir_y[i] = d.y, rays->dir_z[i] = d.z;
@@ -148,16 +148,16 @@ static void camera_block(const shade_camera *camera, unsigned b, trace_rays *ray
  */
 static double frame(const subject *s, const shade_camera *camera, uint8_t eye, bool repair, uint64_t *again) {
     static trace_block blocks[64];
-    uint8_t depth[TRACE_WIDTH];
+    uint8_t depth[LANES];
     double seconds = 0;
     memset(depth, eye, sizeof depth);
     for (unsigned first = 0; first < BLOCKS; first += 64) {
         unsigned n = BLOCKS - first < 64 ? BLOCKS - first : 64;
         for (unsigned b = 0; b < n; ++b) camera_block(camera, first + b, &blocks[b].rays);
         double began = thread_seconds();
-        trace_closest(s->tracer, blocks, n * TRACE_WIDTH, TRACE_COHERENT);
+        trace_closest(s->tracer, blocks, n * LANES, TRACE_COHERENT);
         for (unsigned b = 0; b < n && repair; ++b)
-            *again += watertight_closest(s->water, &blocks[b], depth, TRACE_WIDTH);
+            *again += watertight_closest(s->water, &blocks[b], depth, LANES);
         seconds += thread_seconds() - began;
     }
     return seconds;

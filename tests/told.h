@@ -2,7 +2,7 @@
 #ifndef TESTS_TOLD_H
 #define TESTS_TOLD_H
 
-#include "measure/watch.h"
+#include "measure/statistics.h"
 #include "unit.h"
 
 typedef struct told {

@@ -5,7 +5,7 @@
 #include "job/checkpoint/checkpoint.h"
 #include "job/job.h"
 #include "job/watch.h"
-#include "scene/fingerprint.h"
+#include "scene/scene.h"
 
 typedef struct build {
     fathom_context *context;

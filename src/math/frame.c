@@ -18,19 +18,3 @@ frame_f64 frame_from(vec3_f64 origin, vec3_f64 z_hint, vec3_f64 y_hint) {
     f.y = cross_f64(f.z, f.x);
     return f;
 }
-
-vec3_f64 frame_vector_to_local(const frame_f64 *f, vec3_f64 v) {
-    return (vec3_f64){dot_f64(v, f->x), dot_f64(v, f->y), dot_f64(v, f->z)};
-}
-
-vec3_f64 frame_point_to_local(const frame_f64 *f, vec3_f64 p) {
-    return frame_vector_to_local(f, sub_f64(p, f->origin));
-}
-
-vec3_f64 frame_vector_to_world(const frame_f64 *f, vec3_f64 v) {
-    return madd_f64(madd_f64(scale_f64(v.x, f->x), v.y, f->y), v.z, f->z);
-}
-
-vec3_f64 frame_point_to_world(const frame_f64 *f, vec3_f64 p) {
-    return add_f64(f->origin, frame_vector_to_world(f, p));
-}

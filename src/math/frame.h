@@ -13,9 +13,4 @@ typedef struct frame_f64 {
  * (0,0,1). */
 frame_f64 frame_from(vec3_f64 origin, vec3_f64 z_hint, vec3_f64 y_hint);
 
-vec3_f64 frame_point_to_local(const frame_f64 *f, vec3_f64 p);
-vec3_f64 frame_vector_to_local(const frame_f64 *f, vec3_f64 v);
-vec3_f64 frame_point_to_world(const frame_f64 *f, vec3_f64 p);
-vec3_f64 frame_vector_to_world(const frame_f64 *f, vec3_f64 v);
-
 #endif

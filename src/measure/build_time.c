@@ -12,7 +12,7 @@ typedef struct samples {
 static const char *const names[BUILD_QUALITIES] = {"low", "medium", "high"};
 
 static fathom_status measure_one(fathom_context *context, bench_stage *stage, const char *tracer,
-                                 uint32_t spp, unsigned repeat, build_quality *quality, samples *out) {
+                                 uint32_t spp, unsigned repeat, quality_time *quality, samples *out) {
     char words[TRACE_SPEC_LENGTH];
     snprintf(words, sizeof words, "%s:%s", tracer, quality->name);
     const stage_shot shot = {FATHOM_PATTERN_SOBOL, spp, 0};
@@ -34,7 +34,7 @@ fathom_status build_time_measure(fathom_context *context, bench_stage *stage, co
                                  unsigned repeats, uint32_t spp, const bench_watch *watch, build_time *out) {
     samples taken[BUILD_QUALITIES];
     fathom_status status = FATHOM_OK;
-    for (unsigned q = 0; q < BUILD_QUALITIES; ++q) out->qualities[q] = (build_quality){.name = names[q]};
+    for (unsigned q = 0; q < BUILD_QUALITIES; ++q) out->qualities[q] = (quality_time){.name = names[q]};
     bench_watch_tell(watch, 0, repeats);
     for (unsigned repeat = 0; repeat < repeats; ++repeat) {
         for (unsigned q = 0; q < BUILD_QUALITIES && status == FATHOM_OK; ++q)
@@ -55,10 +55,10 @@ fathom_status build_time_measure(fathom_context *context, bench_stage *stage, co
 /* Two lines b + n t cross at n = (b' - b) / (t - t'): from there on the one of the smaller t is lower. Of
  * equal slopes the one that begins lower is so everywhere, and of equal lines both are. */
 static void find_range(build_time *result, unsigned q, int clock) {
-    build_quality *self = &result->qualities[q];
+    quality_time *self = &result->qualities[q];
     self->from[clock] = 0, self->to[clock] = INFINITY;
     for (unsigned k = 0; k < BUILD_QUALITIES; ++k) {
-        const build_quality *other = &result->qualities[k];
+        const quality_time *other = &result->qualities[k];
         double begins = self->build[clock].median - other->build[clock].median;
         double gains = other->sample[clock].median - self->sample[clock].median;
         if (gains > 0)
@@ -86,7 +86,7 @@ static build_total total_of(const bench_stage *stage, const build_time *result, 
     trace_quality automatic = trace_quality_auto(plan_expected_rays(stage->scene, &settings), stage->world);
     build_total total = {.spp = spp, .automatic = (unsigned)automatic - TRACE_QUALITY_LOW};
     for (unsigned q = 0; q < BUILD_QUALITIES; ++q) {
-        const build_quality *quality = &result->qualities[q];
+        const quality_time *quality = &result->qualities[q];
         for (int c = 0; c < BENCH_CLOCKS; ++c)
             total.seconds[q][c] = quality->build[c].median + spp * quality->sample[c].median;
     }

@@ -4,13 +4,12 @@
 
 #include "measure/stage.h"
 #include "measure/statistics.h"
-#include "measure/watch.h"
 
 #define BUILD_QUALITIES 3
 #define BUILD_REPEATS_MAX 100
 #define BUILD_TOTALS 6 /* 1, 4, 16, 64, 256, 1024 samples a pixel */
 
-typedef struct build_quality {
+typedef struct quality_time {
     const char *name; /* "low" */
     quartiles build[BENCH_CLOCKS];
     quartiles sample[BENCH_CLOCKS]; /* rendering by one sample a pixel */
@@ -19,7 +18,7 @@ typedef struct build_quality {
     /* Samples a pixel from where to where no other is as fast, by build + samples · sample of the medians;
      * from >= to: always another one is. */
     double from[BENCH_CLOCKS], to[BENCH_CLOCKS];
-} build_quality;
+} quality_time;
 
 typedef struct build_total {
     uint32_t spp;
@@ -29,7 +28,7 @@ typedef struct build_total {
 } build_total;
 
 typedef struct build_time {
-    build_quality qualities[BUILD_QUALITIES];
+    quality_time qualities[BUILD_QUALITIES];
     build_total totals[BUILD_TOTALS];
 } build_time;
 

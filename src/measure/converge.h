@@ -91,16 +91,14 @@ fathom_status converge_measure(fathom_context *context, const bench_stage *stage
                                const converge_options *options, converge_result *out);
 void converge_free(converge_result *result);
 
-/* ---- converge_curve.c ---- */
-
 /* Points, marks and slopes from runs and reference. */
 void converge_summarise(converge_result *result);
 /* Whether fits and tables count the point. */
 bool converge_point_counts(const converge_point *point, converge_metric metric);
 
 #define CONVERGE_ROWS 5
-/* What patterns reach in the same time, or need for the same error: between the counted points, along
- * straight lines in log-log; NAN where there are none. */
+/* The error that patterns reach in the same time, or the time they need for the same error: between the
+ * counted points, along straight lines in log-log; NAN where there are none. */
 typedef struct converge_row {
     double at; /* seconds of processor time, or the error */
     double values[CONVERGE_PATTERNS];

@@ -24,7 +24,7 @@ typedef struct growth_point {
     char tracer[64];
 } growth_point;
 
-/* Of the model in the file, or FATHOM_BAD_INPUT. Leaves the context with one thread. */
+/* Measures the model in the file, or returns FATHOM_BAD_INPUT. Leaves the context with one thread. */
 fathom_status growth_measure(fathom_context *context, const char *path, const growth_options *options,
                              growth_point *out);
 
@@ -34,7 +34,7 @@ typedef struct growth_fit {
     size_t count;
 } growth_fit;
 
-/* Of pairs that are positive; NAN where there are less than two different ones. */
+/* Fits the pairs that are positive; NAN where there are fewer than two different ones. */
 growth_fit growth_fit_of(const double *triangles, const double *seconds, size_t count);
 
 #endif

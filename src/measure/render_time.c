@@ -129,7 +129,7 @@ static fathom_status record_band(const bench *b, const fathom_settings *settings
 /* Rows of the image whose rays take no more than record_bytes: whole tiles, at least one. */
 static uint32_t band_rows(const bench *b, uint32_t rows) {
     double rays = (double)plan_expected_rays(b->world->scene, b->settings);
-    double bytes = rays / TRACE_WIDTH * sizeof(trace_rays) / rows;
+    double bytes = rays / LANES * sizeof(trace_rays) / rows;
     double fit = (double)b->options->record_bytes / bytes;
     uint32_t tile = b->settings->tile_size;
     if (fit >= rows) return rows;

@@ -1,10 +1,9 @@
-/* What rendering takes beyond tracing: the render phase against Embree's bare calls over the same rays. */
+/* The cost of rendering beyond tracing: the render phase against Embree's bare calls over the same rays. */
 #ifndef BENCH_RENDER_TIME_H
 #define BENCH_RENDER_TIME_H
 
 #include "integrate/wave.h"
 #include "measure/statistics.h"
-#include "measure/watch.h"
 
 #define RENDER_TIME_REPEATS_MAX 1000
 #define RENDER_TIME_THREADS_MAX 8
@@ -22,7 +21,7 @@ typedef struct render_speed {
     unsigned threads;
     quartiles seconds, cpu_seconds; /* by the clock; of all threads together */
     quartiles speedup;              /* the first row's seconds over this one's, repetition by repetition */
-    /* What the machine allows: as many threads that ask Embree's calls alone at once. 0 without has_ratio. */
+    /* The machine's limit: as many threads that make Embree's calls alone at once. 0 without has_ratio. */
     quartiles bare_speedup;
 } render_speed;
 

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* Sorts the values. Of an even number the mean of the middle two; NAN of none. */
+/* Sorts the values. For an even count, the mean of the middle two; NAN for none. */
 double median_of(double *values, size_t count);
 
 /* Sorts the values. Between two of them in proportion (type 7 of Hyndman and Fan 1996); NAN of none. */
@@ -34,5 +34,19 @@ line_fit line_through(const double *x, const double *y, size_t count);
 /* Half of the 95 % interval of the slope, student_95(n - 2) √(Σ r² / (n - 2) / Σ (x - x̄)²) with what the line
  * leaves, r; infinite for less than three points. */
 double line_slope_half(const double *x, const double *y, size_t count);
+
+/* ---- how far a measurement is, for whoever waits ----
+ * Told between the things that are timed, never during them. */
+
+typedef struct bench_watch {
+    void (*tell)(void *user, double fraction); /* NULL: no progress is wanted */
+    void *user;
+    double from, to; /* the measurement's share of the whole, within [0,1] */
+} bench_watch;
+
+/* `done` of `total`, in any unit that is in proportion to time; watch may be NULL. */
+void bench_watch_tell(const bench_watch *watch, double done, double total);
+/* The part between two shares of the measurement; for NULL, a watch that tells nobody. */
+bench_watch bench_watch_part(const bench_watch *watch, double from, double to);
 
 #endif

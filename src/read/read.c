@@ -1,7 +1,7 @@
 #include "read/read.h"
 
 #include "base/file.h"
-#include "scene/camera/image_size.h"
+#include "scene/camera/camera.h"
 
 #include <stdlib.h>
 #include <string.h>

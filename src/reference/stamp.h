@@ -12,12 +12,12 @@ static inline REAL FN(largest)(VEC3 a) {
     return m > z ? m : z;
 }
 
-/* What the next wider precision decides; reference.c. Rarely called. */
+/* Decisions in the next wider precision; reference.c. Rarely called. */
 bool FN(sphere_roots_wide)(VEC3 center, REAL radius, VEC3 org, VEC3 dir, REAL roots[2]);
-/* Of a sphere whose centre and radius are sums of two numbers each, the second below the last place of the
- * first: always in the next wider precision. */
+/* The same for a sphere whose centre and radius are sums of two numbers each, the second below the last place
+ * of the first. */
 bool FN(sphere_roots_split)(const VEC3 center[2], const REAL radius[2], VEC3 org, VEC3 dir, REAL roots[2]);
-/* Of three sheared vertices: the weights of B and C; false: miss. */
+/* The weights of B and C of three sheared vertices; false: miss. */
 bool FN(triangle_weights_wide)(VEC3 a, VEC3 b, VEC3 c, REAL weights[2]);
 bool FN(triangle_has_area_wide)(VEC3 a, VEC3 b, VEC3 c);
 REAL FN(plane_wide)(VEC3 point, VEC3 normal, VEC3 org, VEC3 dir);

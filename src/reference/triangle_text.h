@@ -1,7 +1,7 @@
 /* Triangles A, B, C: the one text that reference.h stamps for each precision.
  * Hits carry P = (1-u-v) A + u B + v C. */
 
-/* What the watertight test needs of a ray, to be computed once for many triangles. */
+/* The ray as the watertight test needs it, computed once for many triangles. */
 typedef struct FN(triangle_ray) {
     VEC3 org;
     REAL dz, sx, sy; /* the largest component of the direction; the other two over it */

@@ -1,5 +1,5 @@
-/* What the inline forms leave to the next wider precision. Included with REAL, VEC3, FN(name), and the wider
- * WIDE, WIDE_VEC3, WIDE_FN(name), WIDER(v) (a VEC3 in the wider precision) and WIDE_ABS defined. */
+/* Decisions that the inline forms leave to the next wider precision. Included with REAL, VEC3, FN(name), and
+ * the wider WIDE, WIDE_VEC3, WIDE_FN(name), WIDER(v) (a VEC3 in the wider precision) and WIDE_ABS defined. */
 
 static bool FN(plain_wide)(WIDE_VEC3 center, WIDE radius, VEC3 org, VEC3 dir, REAL roots[2]) {
     WIDE wide[2];

@@ -77,8 +77,8 @@ fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint
     return status;
 }
 
-/* A page that is read brings its neighbours, so many bytes by default on Linux: smaller gaps are not worth a
- * call. */
+/* Reading a page brings its neighbours, so many bytes by default on Linux: a smaller gap would save
+ * nothing. */
 #define LEAST_GAP 65536u
 
 static void rest_gap(const file_map *map, uintptr_t begin, uintptr_t end) {

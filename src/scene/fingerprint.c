@@ -1,4 +1,4 @@
-#include "scene/fingerprint.h"
+#include "scene/scene.h"
 
 #include "base/hash.h"
 #include "base/threads.h"
@@ -6,49 +6,49 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- plain values, field by field: what lies between the fields of a struct is anything ---- */
+/* ---- plain values, field by field: padding between the fields of a struct is undefined ---- */
 
 #define PUT(hash, field) hash_put(hash, &(field), sizeof(field))
 
-static void put_camera(hash *h, const fathom_camera *c) {
+static void hash_camera(hash *h, const fathom_camera *c) {
     PUT(h, c->origin), PUT(h, c->x), PUT(h, c->y), PUT(h, c->z);
     PUT(h, c->d), PUT(h, c->h), PUT(h, c->w);
 }
 
-static void put_material(hash *h, const fathom_material *m) {
+static void hash_material(hash *h, const fathom_material *m) {
     const unsigned kind = (unsigned)m->specular * 4 + (m->fresnel ? 2u : 0u) + (m->lit_from_behind ? 1u : 0u);
     PUT(h, m->k_a), PUT(h, m->k_d), PUT(h, m->k_s), PUT(h, m->k_r), PUT(h, m->k_t), PUT(h, m->k_e);
     PUT(h, m->shininess), PUT(h, m->ior), PUT(h, kind);
 }
 
-static void put_light(hash *h, const fathom_light *l) {
+static void hash_light(hash *h, const fathom_light *l) {
     const unsigned type = (unsigned)l->type;
     PUT(h, type), PUT(h, l->position), PUT(h, l->direction), PUT(h, l->intensity);
     PUT(h, l->inner_angle), PUT(h, l->outer_angle);
 }
 
-static void put_instance(hash *h, const fathom_instance *i) {
+static void hash_instance(hash *h, const fathom_instance *i) {
     PUT(h, i->group), PUT(h, i->parent), PUT(h, i->transform), PUT(h, i->material);
 }
 
-static void put_object(hash *h, const scene_object *o) {
+static void hash_object(hash *h, const scene_object *o) {
     const unsigned kind = (unsigned)o->kind;
     PUT(h, kind), PUT(h, o->index), PUT(h, o->group);
 }
 
-static void put_sphere(hash *h, const fathom_sphere *s) {
+static void hash_sphere(hash *h, const fathom_sphere *s) {
     PUT(h, s->center), PUT(h, s->radius), PUT(h, s->material), PUT(h, s->flags);
 }
 
-static void put_quad(hash *h, const fathom_quad *q) {
+static void hash_quad(hash *h, const fathom_quad *q) {
     PUT(h, q->corners), PUT(h, q->material), PUT(h, q->flags);
 }
 
-static void put_plane(hash *h, const fathom_plane *p) {
+static void hash_plane(hash *h, const fathom_plane *p) {
     PUT(h, p->point), PUT(h, p->normal), PUT(h, p->material), PUT(h, p->flags);
 }
 
-static void put_mesh(hash *h, const fathom_mesh *m) {
+static void hash_mesh(hash *h, const fathom_mesh *m) {
     const unsigned has = (m->normals ? 1u : 0u) + (m->normal_indices ? 2u : 0u);
     PUT(h, m->vertex_count), PUT(h, m->triangle_count), PUT(h, m->normal_count), PUT(h, has);
     PUT(h, m->origin), PUT(h, m->material), PUT(h, m->flags);
@@ -61,19 +61,19 @@ static void put_mesh(hash *h, const fathom_mesh *m) {
         for (size_t i = 0; i < (array)->count; ++i) put(hash, &(array)->items[i]);                           \
     } while (0)
 
-static void put_values(hash *h, const fathom_scene *scene) {
+static void hash_values(hash *h, const fathom_scene *scene) {
     const uint64_t materials = scene->materials.count, groups = scene->groups.count;
-    put_camera(h, &scene->camera);
+    hash_camera(h, &scene->camera);
     PUT(h, scene->background), PUT(h, scene->ambient);
     PUT(h, materials), PUT(h, groups);
-    for (size_t i = 0; i < materials; ++i) put_material(h, &scene->materials.items[i].value);
-    PUT_ALL(h, &scene->lights, put_light);
-    PUT_ALL(h, &scene->objects, put_object);
-    PUT_ALL(h, &scene->instances, put_instance);
-    PUT_ALL(h, &scene->spheres, put_sphere);
-    PUT_ALL(h, &scene->quads, put_quad);
-    PUT_ALL(h, &scene->planes, put_plane);
-    PUT_ALL(h, &scene->meshes, put_mesh);
+    for (size_t i = 0; i < materials; ++i) hash_material(h, &scene->materials.items[i].value);
+    PUT_ALL(h, &scene->lights, hash_light);
+    PUT_ALL(h, &scene->objects, hash_object);
+    PUT_ALL(h, &scene->instances, hash_instance);
+    PUT_ALL(h, &scene->spheres, hash_sphere);
+    PUT_ALL(h, &scene->quads, hash_quad);
+    PUT_ALL(h, &scene->planes, hash_plane);
+    PUT_ALL(h, &scene->meshes, hash_mesh);
 }
 
 /* ---- arrays, in pieces that threads share ---- */
@@ -113,7 +113,7 @@ static bool add_mesh(pieces *p, const fathom_mesh *m) {
            add_array(p, m->normals ? m->normal_indices : NULL, corners, each, each);
 }
 
-/* Rows that lie apart are brought together first: what is between them is another array's, or nobody's. */
+/* Rows with gaps are packed first: the bytes between them belong to another array, or to none. */
 static uint64_t hash_piece(const piece *p) {
     hash h;
     hash_begin(&h);
@@ -155,7 +155,7 @@ fathom_status scene_fingerprint(const fathom_scene *scene, uint64_t *out) {
     bool fine = hash_arrays(scene, &p);
     if (fine) {
         hash_begin(&h);
-        put_values(&h, scene);
+        hash_values(&h, scene);
         hash_put(&h, p.hashes, p.list.count * sizeof *p.hashes);
         *out = hash_end(&h);
     }

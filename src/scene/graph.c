@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef uint32_t (*key_fn)(const fathom_scene *scene, size_t item);
 
@@ -71,7 +72,7 @@ static fathom_status walk(const fathom_scene *scene, scene_graph *graph, uint32_
     return FATHOM_OK;
 }
 
-/* Groups out of the root's reach are walked as well, after it: a cycle among them is wrong too. */
+/* Groups that the root does not reach are walked as well, after it: a cycle among them is wrong too. */
 static fathom_status sort_groups(const fathom_scene *scene, scene_graph *graph) {
     uint32_t groups = (uint32_t)scene->groups.count, place = groups;
     unsigned char *state = calloc(groups, 1);
@@ -79,19 +80,13 @@ static fathom_status sort_groups(const fathom_scene *scene, scene_graph *graph) 
     graph->order = malloc(groups * sizeof *graph->order);
     fathom_status status = state && stack && graph->order ? FATHOM_OK : fail_memory(scene->context, groups);
     if (status == FATHOM_OK) status = walk(scene, graph, FATHOM_ROOT, state, stack, &place);
-    uint32_t reached = groups - place;
+    const uint32_t first = place;
+    for (uint32_t g = 0; g < groups && status == FATHOM_OK; ++g) {
+        if (state[g] == UNSEEN) status = walk(scene, graph, g, state, stack, &place);
+    }
     if (status == FATHOM_OK) {
-        for (uint32_t i = 0; i < reached; ++i) graph->order[i] = graph->order[place + i];
-        graph->order_count = reached;
-        uint32_t *order = graph->order, *spare = malloc(groups * sizeof *spare);
-        if (!spare) status = fail_memory(scene->context, groups);
-        graph->order = spare;
-        uint32_t end = groups;
-        for (uint32_t g = 0; g < groups && status == FATHOM_OK; ++g) {
-            if (state[g] == UNSEEN) status = walk(scene, graph, g, state, stack, &end);
-        }
-        free(spare);
-        graph->order = order;
+        graph->order_count = groups - first;
+        memmove(graph->order, graph->order + first, graph->order_count * sizeof *graph->order);
     }
     free(state);
     free(stack);
@@ -130,4 +125,35 @@ double graph_count_placements(const fathom_scene *scene, const scene_graph *grap
         }
     }
     return total;
+}
+
+/* ---- checks that need the whole scene ---- */
+
+fathom_status scene_check_cycles(const fathom_scene *scene) {
+    scene_graph graph;
+    fathom_status status = graph_create(scene, &graph);
+    if (status == FATHOM_OK) graph_destroy(&graph);
+    return status;
+}
+
+/* Whether anything can be seen: an object in a group that the root reaches. */
+static fathom_status check_presence(const fathom_scene *scene, const scene_graph *graph) {
+    for (uint32_t k = 0; k < graph->order_count; ++k) {
+        uint32_t g = graph->order[k];
+        if (graph->objects.first[g] < graph->objects.first[g + 1]) return FATHOM_OK;
+    }
+    return fail(scene->context, FATHOM_BAD_INPUT,
+                "the scene holds no geometry: expected at least one object that is placed in "
+                "the world");
+}
+
+fathom_status fathom_scene_check(const fathom_scene *scene) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    scene_graph graph;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    status = check_presence(scene, &graph);
+    graph_destroy(&graph);
+    if (status == FATHOM_OK) status = scene_check_settings(scene->context, &scene->settings);
+    return status;
 }

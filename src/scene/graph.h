@@ -1,4 +1,4 @@
-/* The scene's groups as a graph: what lies in each. */
+/* The scene's groups as a graph. */
 #ifndef SCENE_GRAPH_H
 #define SCENE_GRAPH_H
 

@@ -1,4 +1,4 @@
-/* Looking through the arrays of meshes; see base/kernel.h. */
+/* Loops over the arrays of meshes; see base/kernel.h. */
 #ifndef SCENE_KERNELS_H
 #define SCENE_KERNELS_H
 
@@ -9,14 +9,14 @@
 typedef struct scene_kernels {
     const char *name; /* "plain", "avx2", "avx512" */
 
-    /* Takes `count` vectors that lie `stride` bytes apart into the extremes; NaNs may be passed over. False
-     * where a number is not finite. */
+    /* Adds `count` vectors that lie `stride` bytes apart to the extremes; NaNs may be skipped. False where a
+     * number is not finite. */
     bool (*vectors)(const float *values, size_t stride, size_t count, float lower[3], float upper[3]);
 
     /* Whether all of `count` indices are below the limit. */
     bool (*indices)(const uint32_t *indices, size_t count, uint32_t limit);
 
-    /* The sum of boundary.h over `count` triangles, by the indices of their vertices. */
+    /* The sum of boundary_sum() over `count` triangles, by the indices of their vertices. */
     uint64_t (*boundary)(const uint32_t *triangles, size_t count);
 
     /* False where not each of `count` triangles has an area for sure and lies within WORLD_REACH; else raises
@@ -28,5 +28,31 @@ typedef struct scene_kernels {
 const scene_kernels *scene_kernels_best(void);
 /* Those that this processor can run, from the plainest to the best; NULL past the last. */
 const scene_kernels *scene_kernels_at(unsigned index);
+
+/* ---- a sum over the edges of triangles that is zero for closed meshes; see closed.c ---- */
+
+/* Two rounds of multiplication and shift (the finalizer of MurmurHash3, A. Appleby): every bit of the result
+ * depends on every bit of x. */
+static inline uint32_t boundary_mixed(uint32_t x) {
+    x = (x ^ x >> 16) * 0x85ebca6bu;
+    x = (x ^ x >> 13) * 0xc2b2ae35u;
+    return x ^ x >> 16;
+}
+
+/* The two numbers of a vertex. */
+typedef struct boundary_pair {
+    uint32_t x, y;
+} boundary_pair;
+
+static inline boundary_pair boundary_of_index(uint32_t i) {
+    return (boundary_pair){i, boundary_mixed(i + 0x9e3779b9u)};
+}
+
+/* x(a) y(b) - x(b) y(a) of the edge from a to b, and so of the other two edges of a triangle, in all; modulo
+ * 2^64, so that sums may be taken in any order. */
+static inline uint64_t boundary_sum(boundary_pair a, boundary_pair b, boundary_pair c) {
+    const uint64_t x = a.x, y = a.y;
+    return (b.x - x) * (c.y - y) - (c.x - x) * (b.y - y);
+}
 
 #endif

@@ -274,24 +274,24 @@ fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instan
     return FATHOM_OK;
 }
 
+static fathom_status set_color(fathom_scene *scene, const char *what, const float rgb[3], float out[3],
+                               bool *given) {
+    if (!rgb) return fail_null(scene->context, what);
+    fathom_status status = check_color(scene->context, what, rgb, 0);
+    if (status != FATHOM_OK) return status;
+    memcpy(out, rgb, 3 * sizeof *out);
+    *given = true;
+    return FATHOM_OK;
+}
+
 fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3]) {
     if (!scene) return FATHOM_BAD_USAGE;
-    if (!rgb) return fail_null(scene->context, "background");
-    fathom_status status = check_color(scene->context, "background", rgb, 0);
-    if (status != FATHOM_OK) return status;
-    memcpy(scene->background, rgb, sizeof scene->background);
-    scene->has_background = true;
-    return FATHOM_OK;
+    return set_color(scene, "background", rgb, scene->background, &scene->has_background);
 }
 
 fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]) {
     if (!scene) return FATHOM_BAD_USAGE;
-    if (!rgb) return fail_null(scene->context, "ambient");
-    fathom_status status = check_color(scene->context, "ambient", rgb, 0);
-    if (status != FATHOM_OK) return status;
-    memcpy(scene->ambient, rgb, sizeof scene->ambient);
-    scene->has_ambient = true;
-    return FATHOM_OK;
+    return set_color(scene, "ambient", rgb, scene->ambient, &scene->has_ambient);
 }
 
 fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name) {

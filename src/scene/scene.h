@@ -12,7 +12,7 @@
 
 typedef enum scene_kind { SCENE_SPHERE, SCENE_QUAD, SCENE_PLANE, SCENE_MESH } scene_kind;
 
-/* What the id of a shape stands for: item `index` of the array of its kind, in `group`. */
+/* The meaning of a shape's id: item `index` of the array of its kind, in `group`. */
 typedef struct scene_object {
     scene_kind kind;
     uint32_t index;
@@ -51,7 +51,7 @@ struct fathom_scene {
     ARRAY(fathom_quad) quads;
     ARRAY(fathom_plane) planes;
     ARRAY(fathom_mesh) meshes;
-    ARRAY(mesh_facts) mesh_facts; /* beside meshes */
+    ARRAY(mesh_facts) mesh_facts; /* parallel to meshes */
     ARRAY(fathom_instance) instances;
     ARRAY(scene_blob) blobs;
     fathom_camera camera;
@@ -115,22 +115,27 @@ double bounds_radius(const scene_bounds *b);
 /* In the group's own coordinates; planes have no bounds and are left out. Vertices that are not finite do not
  * count. */
 scene_bounds scene_object_bounds(const fathom_scene *scene, fathom_id object);
-/* Of all that is placed in the world, instances included. The scene must have no cycle. */
+/* The bounds of everything that is placed in the world, instances included. The scene must have no cycle. */
 fathom_status scene_world_bounds(const fathom_scene *scene, scene_bounds *out);
 
-/* Of all meshes, each once. */
+/* Triangles of all meshes, each counted once. */
 uint64_t scene_triangles(const fathom_scene *scene);
 
-/* Arrays of meshes: what tracers read, what shading reads besides, what nothing reads. */
+/* Arrays of meshes: read by tracers, by shading, by nothing. */
 enum { SCENE_TRACED = 1, SCENE_SHADED = 2, SCENE_UNREAD = 4, SCENE_BUFFERS = 7 };
 
-/* Of these arrays of all meshes; bytes that several share count once. */
+/* The bytes of these arrays of all meshes; shared bytes count once. */
 fathom_status scene_buffer_bytes(const fathom_scene *scene, unsigned which, uint64_t *out);
-/* Lets go of the memory under all of the scene's mapped files but what tracers read. Nothing is lost: what is
- * read again comes back. */
+/* Releases the memory under the scene's mapped files, except what tracers read. Pages that are read again
+ * come back. */
 fathom_status scene_rest_files(const fathom_scene *scene);
 /* fathom_scene_check_files(), about once a second of calls: *next is 0 at first. */
 fathom_status scene_watch_files(const fathom_scene *scene, double *next);
+
+/* A number that differs between scenes that may render differently. It covers everything that pixels may
+ * depend on: shapes, materials, lights, places, camera and surroundings; not names, texture coordinates or
+ * settings. Reads all arrays of all meshes, on the context's threads. */
+fathom_status scene_fingerprint(const fathom_scene *scene, uint64_t *out);
 
 /* FATHOM_BAD_INPUT when groups contain each other; the message names the groups on the cycle. */
 fathom_status scene_check_cycles(const fathom_scene *scene);

@@ -1,5 +1,4 @@
 /* Adding shapes: what is wrong with one alone is found here. */
-#include "scene/array_check.h"
 #include "scene/scene.h"
 
 #include <string.h>
@@ -153,16 +152,16 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, m
         mesh_look_at_vertices(context, "positions", m->positions, m->position_stride, m->vertex_count, facts);
     if (status == FATHOM_OK) status = mesh_look_at_triangles(context, "indices", m, facts);
     if (status == FATHOM_OK && m->normals) {
-        status = array_check_finite(context, "normals", m->normals, m->normal_stride, 3, m->normal_count);
+        status = mesh_check_finite(context, "normals", m->normals, m->normal_stride, 3, m->normal_count);
         if (status == FATHOM_OK && m->normal_indices) {
             status =
-                array_check_indices(context, "normal_indices", m->normal_indices, corners, m->normal_count);
+                mesh_check_indices(context, "normal_indices", m->normal_indices, corners, m->normal_count);
         }
     }
     if (status == FATHOM_OK && m->uvs) {
-        status = array_check_finite(context, "uvs", m->uvs, m->uv_stride, 2, m->uv_count);
+        status = mesh_check_finite(context, "uvs", m->uvs, m->uv_stride, 2, m->uv_count);
         if (status == FATHOM_OK && m->uv_indices) {
-            status = array_check_indices(context, "uv_indices", m->uv_indices, corners, m->uv_count);
+            status = mesh_check_indices(context, "uv_indices", m->uv_indices, corners, m->uv_count);
         }
     }
     return status;

@@ -20,7 +20,7 @@ typedef struct plugin_part {
     uint32_t *indices;
     uint32_t vertex_count, triangle_count;
     uint32_t *first;    /* by geometry: its first triangle here */
-    uint32_t *geometry; /* beside first, which may leave geometries out */
+    uint32_t *geometry; /* parallel to first, which may leave geometries out */
     uint32_t geometry_count;
     bool built;
     void *data;
@@ -97,11 +97,9 @@ static bool chosen(const world *w, uint32_t geometry, bool shadows) {
 }
 
 static void copy_mesh(plugin_part *part, const fathom_mesh *mesh) {
-    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
     float *to = part->positions + 3 * (size_t)part->vertex_count;
-    for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
-        memcpy(to + 3 * (size_t)i, (const char *)mesh->positions + i * stride, 3 * sizeof *to);
-    }
+    for (uint32_t i = 0; i < mesh->vertex_count; ++i)
+        memcpy(to + 3 * (size_t)i, mesh_vertex(mesh, i), 3 * sizeof *to);
     uint32_t *index = part->indices + 3 * (size_t)part->triangle_count;
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i) {
         index[i] = mesh->indices[i] + part->vertex_count;
@@ -171,12 +169,7 @@ static void block_load(const trace_rays *r, unsigned lanes, fathom_plugin_block 
     memcpy(to->t_near, r->t_near, sizeof r->t_near), memcpy(to->t_far, r->t_far, sizeof r->t_far);
     to->active = 0;
     for (unsigned i = 0; i < lanes; ++i) to->active |= (uint32_t)usable(r, i) << i;
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) to->primitive[i] = FATHOM_PLUGIN_MISS;
-}
-
-static unsigned lanes_of(size_t count, size_t block) {
-    size_t left = count - block * TRACE_WIDTH;
-    return left < TRACE_WIDTH ? (unsigned)left : TRACE_WIDTH;
+    for (unsigned i = 0; i < LANES; ++i) to->primitive[i] = FATHOM_PLUGIN_MISS;
 }
 
 /* The place in `first` of the part that holds the triangle. */
@@ -192,7 +185,7 @@ static uint32_t part_of(const plugin_part *part, uint32_t triangle) {
     return low;
 }
 
-/* A number that names no triangle is a miss: it cannot be told what it stands for. */
+/* A number that names no triangle counts as a miss. */
 static void lane_store(const plugin_tracer *tracer, const fathom_plugin_block *from, unsigned i,
                        trace_block *to, trace_fine *fine) {
     const world *w = tracer->base.world;
@@ -217,16 +210,16 @@ static void plugin_closest(const trace_tracer *base, trace_block *blocks, trace_
                            trace_coherence coherence) {
     (void)coherence;
     const plugin_tracer *tracer = (const plugin_tracer *)base;
-    size_t total = (count + TRACE_WIDTH - 1) / TRACE_WIDTH;
+    size_t total = (count + LANES - 1) / LANES;
     fathom_plugin_block batch[BATCH];
     for (size_t first = 0; first < total; first += BATCH) {
         size_t n = total - first < BATCH ? total - first : BATCH;
         for (size_t b = 0; b < n; ++b) {
-            block_load(&blocks[first + b].rays, lanes_of(count, first + b), &batch[b]);
+            block_load(&blocks[first + b].rays, trace_lanes(count, first + b), &batch[b]);
         }
         tracer->plugin->closest(tracer->all.data, batch, n);
         for (size_t b = 0; b < n; ++b) {
-            for (unsigned i = 0; i < lanes_of(count, first + b); ++i) {
+            for (unsigned i = 0; i < trace_lanes(count, first + b); ++i) {
                 lane_store(tracer, &batch[b], i, &blocks[first + b], fine ? &fine[first + b] : NULL);
             }
         }
@@ -238,16 +231,16 @@ static void plugin_any(const trace_tracer *base, trace_rays *blocks, size_t coun
     (void)coherence;
     const plugin_tracer *tracer = (const plugin_tracer *)base;
     const plugin_part *part = tracer->own_shadows ? &tracer->shadows : &tracer->all;
-    size_t total = (count + TRACE_WIDTH - 1) / TRACE_WIDTH;
+    size_t total = (count + LANES - 1) / LANES;
     fathom_plugin_block batch[BATCH];
     for (size_t first = 0; first < total; first += BATCH) {
         size_t n = total - first < BATCH ? total - first : BATCH;
         for (size_t b = 0; b < n; ++b) {
-            block_load(&blocks[first + b], lanes_of(count, first + b), &batch[b]);
+            block_load(&blocks[first + b], trace_lanes(count, first + b), &batch[b]);
         }
         tracer->plugin->any(part->data, batch, n);
         for (size_t b = 0; b < n; ++b) {
-            for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+            for (unsigned i = 0; i < LANES; ++i) {
                 bool met = batch[b].active >> i & 1 && batch[b].primitive[i] < part->triangle_count;
                 if (met) blocks[first + b].t_far[i] = -INFINITY;
             }

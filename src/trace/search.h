@@ -10,12 +10,8 @@
 static inline vec3_f32 same_f32(vec3_f32 v) { return v; }
 /* The corners of a triangle. */
 static inline void search_corners(const fathom_mesh *mesh, uint32_t triangle, vec3_f32 out[3]) {
-    const char *positions = (const char *)mesh->positions;
-    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
-    for (unsigned c = 0; c < 3; ++c) {
-        const char *p = positions + mesh->indices[3 * (size_t)triangle + c] * stride;
-        out[c] = load_f32((const float *)(const void *)p);
-    }
+    const uint32_t *index = mesh->indices + 3 * (size_t)triangle;
+    for (unsigned c = 0; c < 3; ++c) out[c] = load_f32(mesh_vertex(mesh, index[c]));
 }
 
 #define REAL float

@@ -93,6 +93,21 @@ static inline void FN(search_triangle)(FN(search) * s, const vec3_f32 corner[3],
     if (met) FN(search_offer)(s, k, &hit);
 }
 
+/* Primitive k of the geometry at hand. */
+static inline void FN(search_primitive)(FN(search) * s, const world_geometry *geometry, uint32_t k) {
+    const world *w = s->world;
+    switch (geometry->kind) {
+    case WORLD_SPHERES: FN(search_sphere)(s, &w->spheres.items[geometry->first + k], k); break;
+    case WORLD_QUADS: FN(search_quad)(s, &w->quads.items[geometry->first + k], k); break;
+    case WORLD_MESH: {
+        vec3_f32 v[3];
+        search_corners(&w->meshes.items[geometry->first], k, v);
+        FN(search_triangle)(s, v, k);
+        break;
+    }
+    }
+}
+
 /* Planes come last: on equal t geometry wins. */
 static inline void FN(search_planes)(FN(search) * s) {
     FN(search_enter)(s, FATHOM_NONE);
@@ -120,8 +135,8 @@ static inline bool FN(search_begin)(FN(search) * s, const world *w, trace_form f
                                     unsigned lane, bool any) {
     *s = (FN(search)){.world = w,
                       .form = form,
-                      .world_org = {rays->org_x[lane], rays->org_y[lane], rays->org_z[lane]},
-                      .world_dir = {rays->dir_x[lane], rays->dir_y[lane], rays->dir_z[lane]},
+                      .world_org = trace_org(rays, lane),
+                      .world_dir = trace_dir(rays, lane),
                       .t_min = (REAL)rays->t_near[lane],
                       .t_max = (REAL)rays->t_far[lane],
                       .any = any};
@@ -171,6 +186,33 @@ static inline void FN(search_end)(FN(search) * s, trace_block *block, trace_fine
     fine->t[lane] = (double)s->best.t;
     fine->t_low[lane] = (double)(s->best.t - (REAL)fine->t[lane]);
     fine->u[lane] = (double)s->best.u, fine->v[lane] = (double)s->best.v;
+}
+
+/* Traces lane by lane. `walk` looks for hits in everything but the planes. */
+static inline void FN(search_closest)(const trace_tracer *tracer, trace_form form, trace_block *blocks,
+                                      trace_fine *fine, size_t count,
+                                      void (*walk)(FN(search) * s, const trace_tracer *tracer)) {
+    for (size_t i = 0; i < count; ++i) {
+        trace_block *block = &blocks[i / LANES];
+        FN(search) s;
+        if (FN(search_begin)(&s, tracer->world, form, &block->rays, i % LANES, false)) {
+            walk(&s, tracer);
+            FN(search_planes)(&s);
+        }
+        FN(search_end)(&s, block, fine ? &fine[i / LANES] : NULL, i % LANES);
+    }
+}
+
+static inline void FN(search_any)(const trace_tracer *tracer, trace_form form, trace_rays *blocks,
+                                  size_t count, void (*walk)(FN(search) * s, const trace_tracer *tracer)) {
+    for (size_t i = 0; i < count; ++i) {
+        trace_rays *rays = &blocks[i / LANES];
+        FN(search) s;
+        if (!FN(search_begin)(&s, tracer->world, form, rays, i % LANES, true)) continue;
+        walk(&s, tracer);
+        FN(search_planes)(&s);
+        if (s.met) rays->t_far[i % LANES] = -INFINITY;
+    }
 }
 
 #undef REAL

@@ -206,7 +206,7 @@ void trace_spec_print(const trace_spec *spec, char out[TRACE_SPEC_LENGTH]) {
 
 /* ---- all there are ---- */
 
-/* What is left to the build is no tracer of its own, and streams settle nothing. */
+/* A choice left to the build is no tracer of its own, and streams settle nothing. */
 static bool listed(const trace_spec *spec) {
     if (spec->kind != TRACE_EMBREE) return true;
     return spec->quality != TRACE_QUALITY_AUTO && spec->calls != TRACE_CALLS_AUTO &&

@@ -1,4 +1,5 @@
-/* What a tracer is, in words: "linear:robust:f64", "bvh:f32", "embree:user:robust:high:16", "./mine.so".
+/* A tracer's specification in words: "linear:robust:f64", "bvh:f32", "embree:user:robust:high:16",
+ * "./mine.so".
  *
  * A kind, then options in any order, at most one of each sort; what is not given has its default. */
 #ifndef TRACE_SPEC_H
@@ -59,7 +60,7 @@ typedef struct trace_spec {
     trace_kind kind;
     trace_form form;           /* linear */
     trace_precision precision; /* linear, bvh */
-    trace_shapes shapes;       /* embree, as all that follow */
+    trace_shapes shapes;       /* embree, like all fields that follow */
     trace_scene_flags flags;
     trace_quality quality;
     trace_calls calls;

@@ -1,8 +1,8 @@
 /* Directions of any length for tracers that take lengths around 1: scaled by a power of two, which changes
  * nothing but the unit of t.
  *
- * Embree takes no component of a direction for less than 1e-18 where it tests boxes, which bends short ones,
- * and no coordinate above 1.84e18; the square of a direction leaves float's range beyond 1e±19. */
+ * Embree takes no component of a direction for less than 1e-18 where it tests boxes, which turns short ones
+ * aside, and no coordinate above 1.84e18; the square of a direction leaves float's range beyond 1e±19. */
 #ifndef TRACE_STRETCH_H
 #define TRACE_STRETCH_H
 
@@ -24,17 +24,17 @@ static inline bool stretch_needed(const trace_rays *rays, unsigned lanes) {
     return odd;
 }
 
-/* What was done to each lane: its direction is 2^-exponent of what it was, its t 2^exponent. */
+/* The scale of each lane: its direction was multiplied by 2^-exponent, its t by 2^exponent. */
 typedef struct stretch {
-    int exponent[TRACE_WIDTH];
+    int exponent[LANES];
 } stretch;
 
 /* Scales the directions outside of the limits, so that their largest component is in [1, 2), and the
  * intervals with them. Directions of zero and what is not finite stay. */
 void stretch_rays(trace_rays *rays, unsigned lanes, stretch *out);
 
-/* A lane's t in the units that the ray was asked in. What leaves float's range becomes the nearest float
- * inside (t_near, t_far), the interval as asked. */
+/* Returns a lane's t in the units of the original ray. A t outside float's range becomes the nearest float
+ * inside (t_near, t_far), the original interval. */
 float stretch_back(const stretch *s, unsigned lane, float t, float t_near, float t_far);
 
 #endif

@@ -1,14 +1,102 @@
 #include "trace/trace.h"
-#include "trace/planes.h"
+
+#include "reference/reference.h"
 #include "trace/tracer.h"
 
 #include <stdio.h>
+
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#define FLUSH_TO_ZERO 0x8000u
+#define DENORMALS_ARE_ZERO 0x0040u
+
+unsigned trace_thread_begin(void) {
+    unsigned state = _mm_getcsr();
+    _mm_setcsr(state | FLUSH_TO_ZERO | DENORMALS_ARE_ZERO);
+    return state;
+}
+void trace_thread_end(unsigned state) { _mm_setcsr(state); }
+#else
+unsigned trace_thread_begin(void) { return 0; }
+void trace_thread_end(unsigned state) { (void)state; }
+#endif
+
+/* ---- infinite planes: they have no bounds, so they are tested next to the tracer's own structure ---- */
+
+/* Where the plane meets each line: first in a loop without branches, then the few lanes whose sign is in
+ * doubt. */
+static void planes_distances(const world_plane *plane, const trace_rays *rays, unsigned lanes,
+                             float t[LANES]) {
+    int doubt[LANES], any = 0;
+    for (unsigned i = 0; i < LANES; ++i) {
+        bool sure;
+        t[i] = plane_ratio_f32(plane->point, plane->normal,
+                               vec_f32(rays->org_x[i], rays->org_y[i], rays->org_z[i]),
+                               vec_f32(rays->dir_x[i], rays->dir_y[i], rays->dir_z[i]), &sure);
+        doubt[i] = !sure & (i < lanes);
+    }
+    for (unsigned i = 0; i < LANES; ++i) any |= doubt[i];
+    if (!any) return;
+    for (unsigned i = 0; i < LANES; ++i) {
+        if (!doubt[i]) continue;
+        t[i] = plane_wide_f32(plane->point, plane->normal, trace_org(rays, i), trace_dir(rays, i));
+    }
+}
+
+static void set_hit(trace_block *block, unsigned lane, const world_plane *plane, uint32_t index, float t) {
+    block->rays.t_far[lane] = t;
+    trace_hits *hits = &block->hits;
+    hits->ng_x[lane] = plane->normal.x, hits->ng_y[lane] = plane->normal.y,
+    hits->ng_z[lane] = plane->normal.z;
+    hits->u[lane] = hits->v[lane] = 0;
+    hits->primitive[lane] = index;
+    hits->geometry[lane] = TRACE_PLANE;
+    hits->instance[lane] = FATHOM_NONE;
+}
+
+/* Planes nearer than t_far replace the hit; on equal t the earlier hit stays, so geometry wins over planes
+ * and a plane over those after it. */
+static void planes_closest(const world *w, trace_block *blocks, size_t count) {
+    if (!w->planes.count) return;
+    for (size_t b = 0; b * LANES < count; ++b) {
+        unsigned lanes = trace_lanes(count, b);
+        for (size_t p = 0; p < w->planes.count; ++p) {
+            const world_plane *plane = &w->planes.items[p];
+            const trace_rays *rays = &blocks[b].rays;
+            float t[LANES];
+            planes_distances(plane, rays, lanes, t);
+            for (unsigned i = 0; i < lanes; ++i) {
+                if (t[i] > rays->t_near[i] && t[i] < rays->t_far[i])
+                    set_hit(&blocks[b], i, plane, (uint32_t)p, t[i]);
+            }
+        }
+    }
+}
+
+/* Sets t_far = -infinity where a plane that casts shadows is met. */
+static void planes_any(const world *w, trace_rays *blocks, size_t count) {
+    for (size_t p = 0; p < w->planes.count; ++p) {
+        const world_plane *plane = &w->planes.items[p];
+        if (plane->flags & FATHOM_CASTS_NO_SHADOW) continue;
+        for (size_t b = 0; b * LANES < count; ++b) {
+            trace_rays *rays = &blocks[b];
+            unsigned lanes = trace_lanes(count, b);
+            float t[LANES];
+            planes_distances(plane, rays, lanes, t);
+            for (unsigned i = 0; i < lanes; ++i) {
+                if (t[i] > rays->t_near[i] && t[i] < rays->t_far[i]) rays->t_far[i] = -INFINITY;
+            }
+        }
+    }
+}
+
+/* ---- tracers ---- */
 
 static fathom_status create(fathom_context *context, const world *w, const trace_spec *spec,
                             const trace_options *options, trace_tracer **out) {
     switch (spec->kind) {
     case TRACE_LINEAR:
-        /* What renders goes by blocks. */
+        /* The form that renders traces blocks. */
         if (spec->form == TRACE_ROBUST && spec->precision == TRACE_F32) return linear_create(context, w, out);
         return linear_single_create(context, w, spec, out);
     case TRACE_EMBREE: return embree_create(context, w, spec, options, out);
@@ -49,9 +137,9 @@ void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_f
     tracer->ops->closest(tracer, blocks, fine, count, coherence);
     if (!tracer->ops->planes) planes_closest(tracer->world, blocks, count);
     for (size_t i = 0; i < count; ++i) {
-        const trace_block *block = &blocks[i / TRACE_WIDTH];
-        trace_fine *to = &fine[i / TRACE_WIDTH];
-        size_t lane = i % TRACE_WIDTH;
+        const trace_block *block = &blocks[i / LANES];
+        trace_fine *to = &fine[i / LANES];
+        size_t lane = i % LANES;
         bool plane = block->hits.geometry[lane] == TRACE_PLANE;
         if (plane ? tracer->ops->planes : tracer->ops->fine) continue;
         to->t[lane] = (double)block->rays.t_far[lane], to->t_low[lane] = 0;

@@ -1,4 +1,4 @@
-/* Closest and any hit over blocks of 16 rays: the one interface behind which every tracer stands.
+/* Closest and any hit over blocks of 16 rays: the interface of every tracer.
  *
  * Coordinates are the world's (see world.h), not the scene's. No ray may hold a NaN or an infinity (but t_far
  * may be infinite), and no direction may be zero: Debian's Embree can abort on those. 0 <= t_near. A hit has
@@ -8,12 +8,11 @@
 #ifndef TRACE_TRACE_H
 #define TRACE_TRACE_H
 
+#include "math/lanes.h"
 #include "scene/world/world.h"
 #include "trace/spec.h"
 
 #include <stddef.h>
-
-#define TRACE_WIDTH 16
 
 /* Rays as a structure of arrays, laid out as Embree's RTCRay16. */
 typedef struct trace_rays {
@@ -25,7 +24,7 @@ typedef struct trace_rays {
 } trace_rays;
 
 /* Their coordinates as rows: x, y, z. */
-typedef const float (*trace_rows)[TRACE_WIDTH];
+typedef const float (*trace_rows)[LANES];
 static inline trace_rows trace_origins(const trace_rays *rays) {
     return (trace_rows)(const void *)((const char *)rays + offsetof(trace_rays, org_x));
 }
@@ -33,15 +32,14 @@ static inline trace_rows trace_directions(const trace_rays *rays) {
     return (trace_rows)(const void *)((const char *)rays + offsetof(trace_rays, dir_x));
 }
 
-/* Copies what a caller sets of a ray. */
+/* Copies the fields of a ray that callers set. */
 static inline void trace_rays_move(const trace_rays *from, size_t i, trace_rays *to, size_t k) {
     to->org_x[k] = from->org_x[i], to->org_y[k] = from->org_y[i], to->org_z[k] = from->org_z[i];
     to->dir_x[k] = from->dir_x[i], to->dir_y[k] = from->dir_y[i], to->dir_z[k] = from->dir_z[i];
     to->t_near[k] = from->t_near[i], to->t_far[k] = from->t_far[i];
 }
 
-/* What was hit, laid out as Embree's RTCHit16 in either version. After trace_closest() the ids are the
- * world's. */
+/* Hits, laid out as Embree's RTCHit16 in either version. After trace_closest() the ids are the world's. */
 typedef struct trace_hits {
     _Alignas(64) float ng_x[16];
     float ng_y[16], ng_z[16], u[16], v[16]; /* as the tracer computed them; the renderer makes its own */
@@ -57,6 +55,18 @@ typedef struct trace_block {
     trace_rays rays;
     trace_hits hits;
 } trace_block;
+
+/* The lanes in use of a block when `count` rays lie in blocks. */
+static inline unsigned trace_lanes(size_t count, size_t block) {
+    size_t left = count - block * LANES;
+    return left < LANES ? (unsigned)left : LANES;
+}
+static inline vec3_f32 trace_org(const trace_rays *r, size_t i) {
+    return (vec3_f32){r->org_x[i], r->org_y[i], r->org_z[i]};
+}
+static inline vec3_f32 trace_dir(const trace_rays *r, size_t i) {
+    return (vec3_f32){r->dir_x[i], r->dir_y[i], r->dir_z[i]};
+}
 
 /* The hits of a block as the tracer computed them, before they became float. */
 typedef struct trace_fine {
@@ -79,8 +89,7 @@ typedef struct trace_options {
 
 typedef struct trace_tracer trace_tracer;
 
-/* What Embree's quality is when it is left to the numbers of rays and of what they meet; 0 rays: unknown,
- * taken as many. */
+/* Embree's build quality by the numbers of rays and primitives; 0 rays: unknown, taken as many. */
 trace_quality trace_quality_auto(uint64_t expected_rays, const world *w);
 
 /* FATHOM_INTERRUPTED when progress said stop. The world must outlive the tracer. */
@@ -93,15 +102,15 @@ void trace_destroy(trace_tracer *tracer);
 unsigned trace_thread_begin(void);
 void trace_thread_end(unsigned state);
 
-/* What is known of the rays in a block, for speed alone. */
+/* What the caller knows about the rays in a block. It affects speed alone. */
 typedef enum trace_coherence {
     TRACE_INCOHERENT, /* nothing */
     TRACE_NEIGHBOURS, /* they begin close to one another; directions may differ */
     TRACE_COHERENT    /* and run alike */
 } trace_coherence;
 
-/* The first `count` lanes of the blocks, 16 to a block; the rest is left alone. The caller sets rays; hits
- * may be uninitialised. */
+/* Traces the first `count` lanes of the blocks, 16 to a block; other lanes are left alone. The caller sets
+ * rays; hits may be uninitialised. */
 void trace_closest(const trace_tracer *tracer, trace_block *blocks, size_t count, trace_coherence coherence);
 /* The same, and `fine`, one for each block, gets the lanes that hit. */
 void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,

@@ -1,5 +1,5 @@
-/* What stands behind trace.h: a table of calls for each kind of tracer. A tracer's own struct begins with a
- * trace_tracer. */
+/* The implementation side of trace.h: a table of calls for each kind of tracer. A tracer's own struct begins
+ * with a trace_tracer. */
 #ifndef TRACE_TRACER_H
 #define TRACE_TRACER_H
 
@@ -49,7 +49,7 @@ struct trace_tracer {
     uint64_t bvh_bytes, peak_bytes, foreseen_bytes; /* see trace.h; 0: not known */
     double unit;                                    /* roundoff */
     char name[64];
-    char way[32]; /* what else answers depend on; "" where that is the name alone */
+    char way[32]; /* what else answers depend on; "": only the name */
 };
 
 /* The kinds. Each sets all of the above on FATHOM_OK. */

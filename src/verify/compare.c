@@ -7,14 +7,14 @@
 #include <string.h>
 #include <time.h>
 
-#define BLOCKS 16                    /* traced in one go, which is timed */
-#define PIECE (BLOCKS * TRACE_WIDTH) /* rays that a thread takes at once */
+#define BLOCKS 16              /* traced in one go, which is timed */
+#define PIECE (BLOCKS * LANES) /* rays that a thread takes at once */
 /* Rays between two reports of progress: as many as take about a tenth of a second. */
 #define BATCH_LEAST 1024
 #define BATCH_MOST 65536
 #define BATCH_SECONDS 0.1
 
-/* What one thread has counted. */
+/* One thread's counts. */
 typedef struct worker {
     search_result room;
     compare_family family;
@@ -51,17 +51,15 @@ static void put_ray(trace_block *block, unsigned lane, const oracle_ray *ray) {
 }
 
 static verdict_answer answer_of(const inquiry *q, unsigned i) {
-    const trace_hits *hits = &q->blocks[i / TRACE_WIDTH].hits;
-    unsigned lane = i % TRACE_WIDTH;
+    const trace_hits *hits = &q->blocks[i / LANES].hits;
+    unsigned lane = i % LANES;
     return (verdict_answer){hits->geometry[lane], hits->primitive[lane], hits->instance[lane],
-                            q->fine[i / TRACE_WIDTH].t[lane], q->fine[i / TRACE_WIDTH].t_low[lane]};
+                            q->fine[i / LANES].t[lane], q->fine[i / LANES].t_low[lane]};
 }
 
-static bool any_of(const inquiry *q, unsigned i) {
-    return q->any[i / TRACE_WIDTH].t_far[i % TRACE_WIDTH] == -INFINITY;
-}
+static bool any_of(const inquiry *q, unsigned i) { return q->any[i / LANES].t_far[i % LANES] == -INFINITY; }
 
-/* Of this thread alone: others on the machine take no part in it. */
+/* Processor time of this thread alone. */
 static uint64_t thread_nanoseconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -72,8 +70,7 @@ static uint64_t thread_nanoseconds(void) {
 static uint64_t ask_tracer(const trace_tracer *tracer, inquiry *q) {
     memset(q->blocks, 0, sizeof q->blocks);
     memset(q->fine, 0, sizeof q->fine);
-    for (unsigned i = 0; i < q->count; ++i)
-        put_ray(&q->blocks[i / TRACE_WIDTH], i % TRACE_WIDTH, &q->rays[i]);
+    for (unsigned i = 0; i < q->count; ++i) put_ray(&q->blocks[i / LANES], i % LANES, &q->rays[i]);
     for (unsigned b = 0; b < BLOCKS; ++b) q->any[b] = q->blocks[b].rays;
     unsigned state = trace_thread_begin();
     uint64_t start = thread_nanoseconds();
@@ -99,9 +96,9 @@ static void add_error(compare_error *e, double value, uint64_t index, const orac
 static void measure(compare_family *f, const compare_subject *s, const inquiry *q, unsigned i,
                     const verdict_report *report, uint64_t index) {
     const oracle_ray *ray = &q->rays[i];
-    const trace_hits *hits = &q->blocks[i / TRACE_WIDTH].hits;
-    const trace_fine *fine = &q->fine[i / TRACE_WIDTH];
-    unsigned lane = i % TRACE_WIDTH;
+    const trace_hits *hits = &q->blocks[i / LANES].hits;
+    const trace_fine *fine = &q->fine[i / LANES];
+    unsigned lane = i % LANES;
     error_said said = {.t = fine->t[lane],
                        .normal = {hits->ng_x[lane], hits->ng_y[lane], hits->ng_z[lane]},
                        .u = fine->u[lane],

@@ -3,7 +3,7 @@
 #define PARITY_COMPARE_H
 
 #include "trace/trace.h"
-#include "verify/histogram.h"
+#include "verify/error.h"
 #include "verify/search/rays.h"
 #include "verify/verdict/verdict.h"
 
@@ -14,7 +14,8 @@ typedef struct compare_most {
     oracle_ray ray;
 } compare_most;
 
-/* What is measured where the line meets what the tracer named and the verdict is neither leak nor wrong. */
+/* Errors that are measured where the line meets the reported primitive and the verdict is neither leak nor
+ * wrong. */
 typedef enum compare_measure {
     COMPARE_T_ULPS,     /* of t, in units of its last place as a float */
     COMPARE_T_RELATIVE, /* of t times |d|, which is that of the position, over the world's radius */
@@ -29,7 +30,7 @@ typedef struct compare_error {
     compare_most most;
 } compare_error;
 
-/* What came of one family. */
+/* Results of one family. */
 typedef struct compare_family {
     uint64_t rays, counts[VERDICT_COUNT];
     uint64_t any_rays, any_counts[VERDICT_COUNT]; /* of the same rays, asked for any hit */
@@ -47,7 +48,7 @@ typedef struct compare_failure {
     verdict_answer answer; /* of the closest */
 } compare_failure;
 
-/* What is judged. All of it is borrowed. */
+/* The tracer to judge and what that needs; borrowed. */
 typedef struct compare_subject {
     const world *world;
     const search *search;

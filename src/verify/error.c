@@ -1,6 +1,6 @@
 /* In balls: what is computed here is known to far more digits than any tracer has. */
 #include "verify/error.h"
-#include "verify/exact/solution.h"
+#include "verify/exact/exact.h"
 #include "verify/mode.h"
 
 double error_ulp(double x) {
@@ -15,7 +15,7 @@ static double position_error(const oracle_ray *ray, const oracle_answer *answer,
     return moved * length_f64(widen(ray->dir)) / error_ulp(far);
 }
 
-/* Of the sphere at the point; of a quad, of the part. */
+/* The sphere's normal at the point; for a quad, that of the part. */
 static ball3 exact_normal(const oracle_ray *ray, const oracle_primitive *p, const oracle_answer *answer) {
     if (p->shape == ORACLE_PLANE) return ball3_exact(p->v[1]);
     if (p->shape == ORACLE_SPHERE) {
@@ -70,4 +70,32 @@ void error_measure(const oracle_ray *ray, const oracle_primitive *primitive, con
     unsigned mode = mode_enter();
     measure(ray, primitive, answer, said, out);
     mode_leave(mode);
+}
+
+/* ---- counts ---- */
+
+void histogram_add(histogram *h, double value) {
+    ++h->total;
+    if (!(value > 0)) {
+        ++h->zeros;
+        return;
+    }
+    double place = floor(HISTOGRAM_PER_OCTAVE * (log2(value) - HISTOGRAM_FIRST));
+    unsigned bin = place < 0 ? 0 : place >= HISTOGRAM_BINS ? HISTOGRAM_BINS - 1 : (unsigned)place;
+    ++h->bins[bin];
+}
+
+void histogram_join(histogram *h, const histogram *other) {
+    h->zeros += other->zeros, h->total += other->total;
+    for (unsigned i = 0; i < HISTOGRAM_BINS; ++i) h->bins[i] += other->bins[i];
+}
+
+double histogram_quantile(const histogram *h, double q) {
+    double wanted = q * (double)h->total, below = (double)h->zeros;
+    if (below >= wanted) return 0;
+    for (unsigned i = 0; i < HISTOGRAM_BINS; ++i) {
+        below += (double)h->bins[i];
+        if (below >= wanted) return exp2((double)(i + 1) / HISTOGRAM_PER_OCTAVE + HISTOGRAM_FIRST);
+    }
+    return (double)INFINITY;
 }

@@ -1,10 +1,10 @@
 /* How far a tracer's position, normal and u, v are from the exact ones. */
-#ifndef PARITY_ERROR_H
-#define PARITY_ERROR_H
+#ifndef VERIFY_ERROR_H
+#define VERIFY_ERROR_H
 
 #include "verify/exact/oracle.h"
 
-/* What a tracer says of a hit, as in trace_hits and trace_fine. */
+/* A hit as the tracer reports it, as in trace_hits and trace_fine. */
 typedef struct error_said {
     double t;
     vec3_f32 normal; /* in the space of the primitive, of any length */
@@ -30,5 +30,23 @@ double error_ulp(double x);
 /* `answer`: the oracle's of this ray and primitive, with line set. */
 void error_measure(const oracle_ray *ray, const oracle_primitive *primitive, const oracle_answer *answer,
                    const error_said *said, error_report *out);
+
+/* ---- counts of errors ---- */
+
+/* Counts positive numbers of any size, for quantiles. The order of counting makes no difference. */
+#define HISTOGRAM_BINS 640
+#define HISTOGRAM_PER_OCTAVE 4
+#define HISTOGRAM_FIRST (-80) /* the first bin begins at 2^-80 */
+
+typedef struct histogram {
+    uint64_t zeros, total;
+    uint64_t bins[HISTOGRAM_BINS];
+} histogram;
+
+/* value: at least 0; an infinite one counts as the largest. */
+void histogram_add(histogram *h, double value);
+void histogram_join(histogram *h, const histogram *other);
+/* A number that at least the fraction q of all do not exceed, at most 2^(1/4) too large; 0: of none. */
+double histogram_quantile(const histogram *h, double q);
 
 #endif

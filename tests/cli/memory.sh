@@ -31,7 +31,7 @@ said out.txt 'times meshes 28.8, BVH '
 
 # 20 MB of program, 2 of threads, 29 of mesh; the usual structures take 125 MB, compact ones 49.
 run 0 render ball.glb -o compact.exr --size 64x48 --threads 2 --memory-limit 110M --stats s.json
-said err.txt 'warning: the usual acceleration structure would take about 0.12 GB, and 0.06 GB are left beside program, meshes and image: a compact'
+said err.txt 'warning: the usual acceleration structure would take about 0.12 GB, and 0.06 GB are left after program, meshes and image: a compact'
 [ "$(number s.json peakMemoryBytes)" -le 110000000 ] || die "beyond the limit: $(number s.json peakMemoryBytes)"
 run 0 compare usual.exr compact.exr --tolerance 1e-3
 

@@ -5,7 +5,7 @@
 #include "measure/render_time.h"
 #include "measure/replay.h"
 #include "told.h"
-#include "trace/embree/beside.h"
+#include "trace/embree/embree_spheres.h"
 
 /* Balls over a floor of triangles, near and lit: no planes, which Embree does not see, and one sphere more
  * than are tested next to it. */
@@ -13,7 +13,7 @@ static void fill(stage *s) {
     add_ball(s, FATHOM_ROOT, 12, 0.05, 0.7, 0, 0);
     add_ball(s, FATHOM_ROOT, 9, 0.1, 0.5, 1.1, 0);
     add_grid(s, 8, -0.9);
-    for (int i = 0; i <= BESIDE_MOST; ++i) add_sphere(s, FATHOM_ROOT, -1, 0.2 + 0.05 * i, 0.3, 0.4, 0);
+    for (int i = 0; i <= FEW_SPHERES_MOST; ++i) add_sphere(s, FATHOM_ROOT, -1, 0.2 + 0.05 * i, 0.3, 0.4, 0);
 }
 
 static uint64_t met_closest(const ray_set *set) {

@@ -1,10 +1,10 @@
 /* The rays that `fathom bench secondary` asks about are those of the render, each of its kind and depth. */
 #include "measure/replay.h"
-#include "measure/secondary_time.h"
+#include "measure/secondary.h"
 
 #include "render.h"
 #include "told.h"
-#include "trace/embree/beside.h"
+#include "trace/embree/embree_spheres.h"
 
 typedef struct studio {
     stage s;
@@ -25,7 +25,7 @@ static void studio_open(studio *t) {
     stage_mesh_sphere(&t->s, FATHOM_ROOT, 24, 48, glass);
     stage_sphere(&t->s, 0.6, 0.3, -2.4, 1, mirror);
     /* More spheres than are tested next to Embree: bare calls meet them too. */
-    for (int i = 0; i < BESIDE_MOST; ++i) stage_sphere(&t->s, 0, -9 - 3 * i, 0, 1, mirror);
+    for (int i = 0; i < FEW_SPHERES_MOST; ++i) stage_sphere(&t->s, 0, -9 - 3 * i, 0, 1, mirror);
     stage_quad(&t->s, (double[3]){0, -1.1, 0}, (double[3]){5, 0, 0}, (double[3]){0, 0, -5},
                stage_lambert(&t->s, 0.5f));
     stage_point_light(&t->s, 2, 5, 4, 40);

@@ -24,7 +24,7 @@ static void sets(void **state) {
     trace_tracer *tracer = stage_spec(&s, "bvh");
     trace_set sets[TRACE_SETS];
     assert_ok(s.context, trace_sets_create(s.context, s.world, tracer, 5000, sets));
-    size_t rays = sets[TRACE_SET_CAMERA].count * TRACE_WIDTH;
+    size_t rays = sets[TRACE_SET_CAMERA].count * LANES;
     /* Rows and columns of whole squares: each side is off by half a square at most. */
     assert_near(rays, 5000, 5000 * 0.06);
     /* The aspect is the image's, and neighbours in a block are neighbours in the image: all directions of a
@@ -40,7 +40,7 @@ static void sets(void **state) {
      * on the grid, whose corners are 1.42 from its own. */
     for (int k = TRACE_SET_CAMERA + 1; k < TRACE_SETS; ++k) {
         assert_int_equal(sets[k].count, sets[TRACE_SET_SHADOW].count);
-        for (size_t i = 0; i < sets[k].count * TRACE_WIDTH; ++i) {
+        for (size_t i = 0; i < sets[k].count * LANES; ++i) {
             const trace_rays *r = &sets[k].blocks[i / 16];
             size_t l = i % 16;
             double d[3] = {(double)r->dir_x[l], (double)r->dir_y[l], (double)r->dir_z[l]};
@@ -95,7 +95,7 @@ static void whole(void **state) {
         told_all(&far, 3 * 4 * TRACE_SETS);
         for (int k = 0; k < TRACE_SETS; ++k) {
             for (int i = 0; i < 4; ++i) {
-                assert_int_equal(rates[i][k].rays, sets[k].count * TRACE_WIDTH);
+                assert_int_equal(rates[i][k].rays, sets[k].count * LANES);
                 assert_int_equal(rates[i][k].met, rates[0][k].met);
                 assert_true(rates[i][k].per_cpu_second.low <= rates[i][k].per_cpu_second.high);
             }
@@ -106,7 +106,7 @@ static void whole(void **state) {
     trace_time_options options = {.repeats = 1, .threads = 1, .seconds = 1e-12};
     trace_rate rates[4][TRACE_SETS];
     assert_ok(s.context, trace_time_measure(s.context, tracers, 4, sets, &options, rates));
-    assert_int_equal(rates[3][0].rays, TRACE_WIDTH);
+    assert_int_equal(rates[3][0].rays, LANES);
     trace_sets_free(sets);
     for (int i = 0; i < 4; ++i) trace_destroy(made[i]);
     stage_close(&s);

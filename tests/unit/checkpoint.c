@@ -5,7 +5,7 @@
 #include "job/adaptive_record.h"
 #include "job/checkpoint/checkpoint_state.h"
 #include "job/checkpoint/checkpoint_write.h"
-#include "scene/fingerprint.h"
+#include "scene/scene.h"
 
 #include "random.h"
 #include "render.h"

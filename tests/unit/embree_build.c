@@ -1,7 +1,7 @@
 /* What Embree builds and how calls behave at their edges: masks, empty and damaged geometry, interruption,
  * intervals, lanes, and that no call hangs. */
 #include "stage.h"
-#include "trace/reach.h"
+#include "trace/embree/embree_limits.h"
 
 #include <signal.h>
 #include <sys/wait.h>

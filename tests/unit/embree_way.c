@@ -6,8 +6,8 @@
 /* Directions that are off from the first one's, (0, 0, 1), by up to `off` along x. */
 static void lean(trace_rays *rays, float off) {
     memset(rays, 0, sizeof *rays);
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
-        rays->dir_x[i] = off * (float)i / (TRACE_WIDTH - 1), rays->dir_z[i] = 1;
+    for (unsigned i = 0; i < LANES; ++i) {
+        rays->dir_x[i] = off * (float)i / (LANES - 1), rays->dir_z[i] = 1;
         rays->t_far[i] = INFINITY;
     }
 }
@@ -15,7 +15,7 @@ static void lean(trace_rays *rays, float off) {
 static unsigned width_of(const trace_tracer *tracer) { return ((const embree_tracer *)tracer)->width; }
 
 static bool together(const trace_tracer *tracer, const trace_rays *rays, trace_coherence coherence) {
-    embree_way way = embree_way_closest((const embree_tracer *)tracer, rays, TRACE_WIDTH, coherence);
+    embree_way way = embree_way_closest((const embree_tracer *)tracer, rays, LANES, coherence);
     assert_int_equal(way.width, width_of(tracer));
     return way.coherent;
 }
@@ -39,7 +39,7 @@ static void by_spread(void **state) {
     assert_false(together(tracer, &rays, TRACE_NEIGHBOURS));
     /* Lanes that are not asked do not count; nor how long directions are. */
     assert_true(embree_way_closest((const embree_tracer *)tracer, &rays, 15, TRACE_NEIGHBOURS).coherent);
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) rays.dir_x[i] *= 1e-3f, rays.dir_z[i] *= 1e-3f;
+    for (unsigned i = 0; i < LANES; ++i) rays.dir_x[i] *= 1e-3f, rays.dir_z[i] *= 1e-3f;
     assert_false(together(tracer, &rays, TRACE_NEIGHBOURS));
     /* Who knows that rays run alike is believed. */
     assert_true(together(tracer, &rays, TRACE_COHERENT));
@@ -58,7 +58,7 @@ static void any_direction(void **state) {
     add_ball(&s, FATHOM_ROOT, 8, 0.1, 1, 0, 0);
     trace_tracer *tracer = stage_embree(&s, 16);
     for (unsigned c = 0; c < 3; ++c) {
-        for (unsigned i = 1; i < TRACE_WIDTH; ++i) {
+        for (unsigned i = 1; i < LANES; ++i) {
             trace_rays rays;
             lean(&rays, 0);
             float *to[3] = {&rays.dir_x[i], &rays.dir_y[i], &rays.dir_z[i]};
@@ -113,11 +113,11 @@ static void never_together(void **state) {
 /* Blocks of rays from one point, of every spread in turn. */
 static ray_set cones(size_t blocks) {
     static const double spread[] = {0, 0.02, 0.1, 0.3, 1, 6};
-    ray_set set = rays_new(blocks * TRACE_WIDTH - 5);
+    ray_set set = rays_new(blocks * LANES - 5);
     for (size_t b = 0; b < blocks; ++b) {
         double org[3] = {between(-2, 2), between(-2, 2), between(-2, 2)}, at[3];
         for (int c = 0; c < 3; ++c) at[c] = between(-0.7, 0.7);
-        for (size_t i = b * TRACE_WIDTH; i < (b + 1) * TRACE_WIDTH && i < set.count; ++i) {
+        for (size_t i = b * LANES; i < (b + 1) * LANES && i < set.count; ++i) {
             double off = spread[b % 6], target[3];
             for (int c = 0; c < 3; ++c) target[c] = at[c] + off * between(-0.5, 0.5);
             ray_towards(&set, i, org, target);
@@ -175,11 +175,11 @@ static void others_untouched(void **state) {
         trace_block block, before;
         memset(&block, 0x2b, sizeof block);
         lean(&block.rays, 3);
-        for (unsigned i = 0; i < TRACE_WIDTH; ++i) block.rays.org_z[i] = -3;
+        for (unsigned i = 0; i < LANES; ++i) block.rays.org_z[i] = -3;
         before = block;
         trace_closest(tracer, &block, 11, TRACE_INCOHERENT);
         assert_true(block.hits.geometry[0] == 0);
-        for (unsigned i = 11; i < TRACE_WIDTH; ++i) {
+        for (unsigned i = 11; i < LANES; ++i) {
             assert_true(block.rays.t_far[i] == before.rays.t_far[i]);
             assert_int_equal(block.hits.geometry[i], before.hits.geometry[i]);
             assert_int_equal(block.hits.primitive[i], before.hits.primitive[i]);

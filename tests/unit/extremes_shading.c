@@ -93,16 +93,14 @@ static void what_is_wrong(void **state) {
     shading_rows rows = {.items = NULL};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         studio s = {.context = context, .options = &options, .rows = &rows, .broken = cases[i].broken};
-        studio_worst worst = {0};
-        studio_judge(&worst, 2, 2, 0.5);
-        studio_judge(&worst, cases[i].measured, cases[i].expected, cases[i].bound);
-        studio_judge(&worst, 2, 2, 0.5);
-        studio_row(&s, "group", 1, &worst, "case %zu", i);
+        studio_judge(&s, 0, 2, 2, 0.5);
+        studio_judge(&s, 0, cases[i].measured, cases[i].expected, cases[i].bound);
+        studio_judge(&s, 0, 2, 2, 0.5);
+        studio_row(&s, 0, "group", 1, "case %zu", i);
         assert_int_equal(rows.items[i].ok, cases[i].ok);
     }
     studio s = {.context = context, .options = &options, .rows = &rows};
-    studio_worst nothing = {0};
-    studio_row(&s, "group", 1, &nothing, "nothing judged");
+    studio_row(&s, 0, "group", 1, "nothing judged");
     assert_false(rows.items[rows.count - 1].ok);
     array_free(&rows);
 }

@@ -1,5 +1,5 @@
 /* A scene's fingerprint: another one for every value that pixels depend on, the same for all others. */
-#include "scene/fingerprint.h"
+#include "scene/scene.h"
 #include "unit.h"
 
 static fathom_context *context;

@@ -1,6 +1,5 @@
 /* Memory that runs out, requests.h says how: over all that the formats know, the shapes that scenes are made
  * of, and the ways to sample, save and write. */
-#include "scene/fingerprint.h"
 #include "scene/scene.h"
 
 #include "requests.h" /* last: cmocka defines words such as fail */

@@ -3,7 +3,7 @@
 #include "random.h"
 #include "trace/trace.h"
 #include "unit.h"
-#include "verify/exact/exact_root.h"
+#include "verify/exact/exact.h"
 
 static oracle_ray ray_of(vec3_f32 org, vec3_f32 dir, float t_near, float t_far) {
     return (oracle_ray){org, dir, t_near, t_far};

@@ -20,6 +20,14 @@ enum { SIDE = 256 };
 
 static const vec3_f64 to_light = {0.6, 0, 0.8}; /* in the ground's frame, z up */
 
+static vec3_f64 frame_vector_to_world(const frame_f64 *f, vec3_f64 v) {
+    return madd_f64(madd_f64(scale_f64(v.x, f->x), v.y, f->y), v.z, f->z);
+}
+
+static vec3_f64 frame_point_to_world(const frame_f64 *f, vec3_f64 p) {
+    return add_f64(f->origin, frame_vector_to_world(f, p));
+}
+
 static void place(const frame_f64 *ground, double x, double y, double z, double out[3]) {
     store_f64(out, frame_point_to_world(ground, vec_f64(x, y, z)));
 }

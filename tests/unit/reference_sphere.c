@@ -2,7 +2,6 @@
 #include "random.h"
 #include "reference/reference.h"
 #include "reference/reference_f128.h"
-#include "reference/surface.h"
 #include "trace/trace.h"
 #include "unit.h"
 
@@ -245,32 +244,6 @@ static void odd_input_is_a_miss(void **state) {
     }
 }
 
-static void frame_is_orthonormal_everywhere(void **state) {
-    (void)state;
-    random_state r = {7};
-    const vec3_f64 poles[] = {{0, 0, 2},           {0, 0, -2}, {1e-200, 0, 2},
-                              {-1e-17, 1e-17, -2}, {0, 0, 0},  {2, 0, 0}};
-    for (int i = 0; i < 1000; ++i) {
-        vec3_f64 p = i < 6 ? poles[i] : random_direction(&r, 2);
-        frame_f64 f = sphere_frame_f64(vec_f64(0, 0, 0), p);
-        /* Each axis: a normalised vector or a product of two, a few roundings of 2^-53. */
-        const double tolerance = 8 * 0x1p-53;
-        assert_near(dot_f64(f.x, f.y), 0, tolerance);
-        assert_near(dot_f64(f.y, f.z), 0, tolerance);
-        assert_near(dot_f64(f.z, f.x), 0, tolerance);
-        assert_near(dot_f64(f.x, f.x), 1, tolerance);
-        assert_near(dot_f64(cross_f64(f.x, f.y), f.z), 1, tolerance);
-        if (i < 6) continue;
-        assert_near(length_f64(sub_f64(scale_f64(2, f.z), p)), 0, 2 * tolerance);
-        double phi = atan2(p.y, p.x), theta = acos(p.z / 2);
-        vec3_f64 x = {-sin(phi), cos(phi), 0};
-        vec3_f64 y = {-cos(theta) * cos(phi), -cos(theta) * sin(phi), sin(theta)};
-        /* acos loses 2^-53 / sin θ. */
-        assert_near(length_f64(sub_f64(f.x, x)), 0, tolerance);
-        assert_near(length_f64(sub_f64(f.y, y)), 0, tolerance / sin(theta));
-    }
-}
-
 static void square_root_to_one_unit(void **state) {
     (void)state;
     random_state r = {8};
@@ -297,7 +270,6 @@ int main(void) {
         cmocka_unit_test(starts_at_the_surface),
         cmocka_unit_test(from_inside_there_is_a_way_out),
         cmocka_unit_test(odd_input_is_a_miss),
-        cmocka_unit_test(frame_is_orthonormal_everywhere),
         cmocka_unit_test(square_root_to_one_unit),
     };
     int failed = cmocka_run_group_tests_name("denormals as they are", tests, NULL, NULL);

@@ -1,7 +1,7 @@
 /* The automatic camera: what it has in view, how large, and where its up is. */
 #include "math/affine.h"
 #include "random.h"
-#include "scene/reach.h"
+#include "scene/camera/extent.h"
 #include "scene/scene.h"
 #include "unit.h"
 
@@ -273,14 +273,14 @@ static void scenes_without_end_are_refused(void **state) {
 static float coordinates[FLOATS_MOST];
 
 /* By the definition. */
-static void assert_reach(const reach_sides *s, const fathom_mesh *mesh, const double floor[REACH_SIDES]) {
-    double most[REACH_SIDES];
+static void assert_reach(const extent_sides *s, const fathom_mesh *mesh, const double floor[EXTENT_SIDES]) {
+    double most[EXTENT_SIDES];
     memcpy(most, floor, sizeof most);
-    reach_boxes boxes;
-    assert_true(reach_make_boxes(2, mesh, &boxes));
-    reach_of_mesh(2, s, mesh, &boxes, most);
+    extent_boxes boxes;
+    assert_true(extent_make_boxes(2, mesh, &boxes));
+    extent_of_mesh(2, s, mesh, &boxes, most);
     free(boxes.items);
-    for (int i = 0; i < REACH_SIDES; ++i) {
+    for (int i = 0; i < EXTENT_SIDES; ++i) {
         double expected = floor[i];
         for (uint32_t k = 0; k < mesh->vertex_count; ++k) {
             const float *p = mesh->positions + k * (mesh->position_stride / sizeof(float));
@@ -307,12 +307,12 @@ static void fill_mesh(random_state *r, fathom_mesh *mesh, double odd) {
 }
 
 /* Sides of any size, such that products and sums overflow, and along axes. */
-static reach_sides random_sides(random_state *r) {
+static extent_sides random_sides(random_state *r) {
     static const double sizes_of[] = {0, 1, 1e-300, 1e300, 1.7e308, INFINITY};
-    reach_sides s;
+    extent_sides s;
     double *const terms[5] = {s.x, s.y, s.z, s.origin, s.offset};
     const bool odd = random_unit(r) < 0.5;
-    for (int i = 0; i < REACH_SIDES; ++i) {
+    for (int i = 0; i < EXTENT_SIDES; ++i) {
         for (int k = 0; k < 5; ++k)
             terms[k][i] = random_in(r, -1, 1) * (odd ? sizes_of[random_bits(r) % 6] : 1);
     }
@@ -323,8 +323,8 @@ static void skipped_runs_never_change_the_reach(void **state) {
     (void)state;
     static const uint32_t counts[] = {1, 2, 7, 127, 128, 129, 255, 1000, 70000};
     static const size_t strides[] = {12, 16, 20, 32};
-    const double nowhere[REACH_SIDES] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY},
-                 some[REACH_SIDES] = {0, 0.5, 1, -1};
+    const double nowhere[EXTENT_SIDES] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY},
+                 some[EXTENT_SIDES] = {0, 0.5, 1, -1};
     random_state r = {1};
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
@@ -332,7 +332,7 @@ static void skipped_runs_never_change_the_reach(void **state) {
         for (size_t i = 0; i < sizeof strides / sizeof *strides; ++i) {
             mesh.vertex_count = counts[c], mesh.position_stride = strides[i];
             for (int k = 0; k < 8; ++k) {
-                const reach_sides sides = random_sides(&r);
+                const extent_sides sides = random_sides(&r);
                 fill_mesh(&r, &mesh, k % 2 ? 0.002 : 0);
                 assert_reach(&sides, &mesh, nowhere);
                 assert_reach(&sides, &mesh, some);

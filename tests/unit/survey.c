@@ -1,6 +1,5 @@
 /* What is told of a mesh's triangles and of its extent, against looking at each by the definition. */
 #include "random.h"
-#include "scene/boundary.h"
 #include "scene/graph.h"
 #include "scene/kernels.h"
 #include "stage.h"

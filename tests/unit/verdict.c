@@ -1,9 +1,9 @@
 /* Each verdict by a constructed case, and faults that a comparison must find. */
+#include "verify/verdict/verdict.h"
 #include "stage.h"
 #include "trace/tracer.h"
 #include "verify/compare.h"
 #include "verify/error.h"
-#include "verify/verdict/verdict_bound.h"
 
 #include <float.h>
 

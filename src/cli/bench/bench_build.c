@@ -23,7 +23,7 @@ static const char *const clock_names[BENCH_CLOCKS] = {"cpu", "wall"};
 
 /* ---- the object ---- */
 
-static json_t *pack_quality(const build_quality *q) {
+static json_t *pack_quality(const quality_time *q) {
     json_t *ranges = json_object();
     for (int c = 0; c < BENCH_CLOCKS; ++c) {
         bool never = !(q->from[c] < q->to[c]);
@@ -94,7 +94,7 @@ static void put_csv(FILE *out, const json_t *root) {
 
 /* ---- the table ---- */
 
-static void print_range(const build_quality *q, int clock) {
+static void print_range(const quality_time *q, int clock) {
     char text[48] = "never";
     if (q->from[clock] < q->to[clock] && isinf(q->to[clock]))
         snprintf(text, sizeof text, "from %.3g", q->from[clock]);
@@ -108,7 +108,7 @@ static void print(const bench_stage *stage, const build_time *result) {
            stage->settings.width, stage->settings.height, "quality", "build cpu", "clock s", "a sample,",
            "clock s", "Mrays/s", "BVH MB", "at most", "best spp, by cpu", "by the clock");
     for (unsigned i = 0; i < BUILD_QUALITIES; ++i) {
-        const build_quality *q = &result->qualities[i];
+        const quality_time *q = &result->qualities[i];
         printf("%-8s %9.4g %9.4g %9.4g %9.4g %9.3g %9.4g %9.4g", q->name, q->build[BENCH_CPU].median,
                q->build[BENCH_WALL].median, q->sample[BENCH_CPU].median, q->sample[BENCH_WALL].median,
                1e-6 * (double)q->rays / q->sample[BENCH_WALL].median, 1e-6 * (double)q->bvh_bytes,

@@ -4,7 +4,7 @@
 
 #include "cli/command.h"
 #include "measure/stage.h"
-#include "measure/watch.h"
+#include "measure/statistics.h"
 
 /* `asked` is what the command line filled. */
 typedef fathom_status (*bench_measure)(fathom_context *context, const void *asked);

@@ -5,7 +5,7 @@
 #include "cli/json_text.h"
 #include "cli/render/progress.h"
 
-#include "measure/secondary_time.h"
+#include "measure/secondary.h"
 
 #include <stdlib.h>
 

@@ -100,7 +100,7 @@ static fathom_status open_sphere(fathom_context *context, uint64_t triangles, be
 }
 
 static fathom_status build(fathom_context *context, const world *w, contestant *c, unsigned threads) {
-    trace_options options = {.spec = &c->spec, .width = TRACE_WIDTH, .threads = threads};
+    trace_options options = {.spec = &c->spec, .width = LANES, .threads = threads};
     double began = clock_seconds(), cpu = clock_process_seconds();
     fathom_status status = trace_create(context, w, &options, &c->tracer);
     c->build = clock_seconds() - began, c->build_cpu = clock_process_seconds() - cpu;

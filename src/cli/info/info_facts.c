@@ -8,8 +8,7 @@
 #include "scene/graph.h"
 #include "scene/mesh/closed.h"
 #include "scene/world/world.h"
-#include "trace/need.h"
-#include "trace/reach.h"
+#include "trace/embree/embree_limits.h"
 
 #include <stdlib.h>
 

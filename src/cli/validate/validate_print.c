@@ -7,7 +7,7 @@
 #include "cli/json_text.h"
 #include "cli/machine.h"
 #include "cli/report.h"
-#include "verify/verdict/verdict_bound.h"
+#include "verify/verdict/verdict.h"
 
 #include <stdlib.h>
 #include <string.h>

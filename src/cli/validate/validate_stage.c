@@ -56,7 +56,7 @@ fathom_status validate_subject(fathom_context *context, const validate_stage *st
     *tracer = NULL;
     fathom_status status = trace_spec_parse(context, text, &spec);
     if (status != FATHOM_OK) return status;
-    trace_options options = {.spec = &spec, .width = TRACE_WIDTH};
+    trace_options options = {.spec = &spec, .width = LANES};
     status = trace_create(context, stage->world, &options, tracer);
     if (status != FATHOM_OK) return status;
     *out = (compare_subject){stage->world, stage->search, stage->source, *tracer,

@@ -2,7 +2,6 @@
  */
 #include "base/threads.h"
 #include "read/gltf/gltf.h"
-#include "scene/array_check.h"
 
 #include <math.h>
 #include <string.h>
@@ -161,7 +160,7 @@ static fathom_status look_at_floats(gltf *g, unsigned components, gltf_floats *f
     if (components == 3)
         return mesh_look_at_vertices(g->context, "entry", floats->values, floats->stride, floats->count,
                                      &floats->facts);
-    return array_check_finite(g->context, "entry", floats->values, floats->stride, components, floats->count);
+    return mesh_check_finite(g->context, "entry", floats->values, floats->stride, components, floats->count);
 }
 
 fathom_status gltf_array_floats(gltf *g, const gltf_value *user, const char *key, unsigned components,

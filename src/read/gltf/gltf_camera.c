@@ -7,9 +7,7 @@
  * camera's view lose its sides, with a warning. */
 #include "math/frame.h"
 #include "read/gltf/gltf.h"
-#include "scene/camera/cameras.h"
-#include "scene/camera/image_size.h"
-
+#include "scene/camera/camera.h"
 #include <string.h>
 
 static const double pi = 3.14159265358979324;

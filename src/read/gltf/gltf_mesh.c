@@ -1,7 +1,6 @@
 /* Meshes to groups, a mesh of the scene for each primitive. */
 #include "read/gltf/gltf.h"
 #include "read/mesh/normals.h"
-#include "scene/array_check.h"
 
 enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 
@@ -55,7 +54,7 @@ static fathom_status read_corners(gltf *g, const primitive *p, const uint32_t **
     if (status != FATHOM_OK) return status;
     if (!present) return count_up(g, p->at, *count, out);
     if (p->mode == MODE_TRIANGLES && *count % 3 == 0) return FATHOM_OK;
-    status = array_check_indices(g->context, "entry", *out, *count, p->mesh.vertex_count);
+    status = mesh_check_indices(g->context, "entry", *out, *count, p->mesh.vertex_count);
     return gltf_within(g, p->at, "indices", status);
 }
 

@@ -3,7 +3,7 @@
 #include "read/json/json_object.h"
 #include "read/json/json_place.h"
 #include "read/read.h"
-#include "scene/camera/image_size.h"
+#include "scene/camera/camera.h"
 #include "scene/graph.h"
 #include "json/memory.h"
 

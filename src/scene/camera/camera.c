@@ -1,6 +1,4 @@
-#include "math/frame.h"
-#include "scene/camera/framing.h"
-#include "scene/camera/image_size.h"
+#include "scene/camera/camera.h"
 
 static const double default_fovy = 0.78539816339744831; /* 45 degrees */
 
@@ -59,7 +57,7 @@ fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *
 
 /* ---- completing ---- */
 
-/* Of the tighter direction of the image, in which the scene touches both sides of this share. */
+/* The scene fills this share of the image in the tighter direction. */
 static const double filled = 0.9;
 
 /* Looks from ahead, a little to the right and above. */

@@ -8,17 +8,17 @@
  * e.x = (A - B) / 2. The direction that asks for the larger e.z is the tighter one. In the other one the
  * scene takes a smaller slope s, the one with (A + B) / 2s = e.z, and e.x = (A - B) / 2 for that slope
  * centres it. */
-#include "scene/camera/framing.h"
+#include "scene/camera/camera.h"
 
+#include "scene/camera/extent.h"
 #include "scene/graph.h"
-#include "scene/reach.h"
 
 #include <stdlib.h>
 
-enum { SIDES = REACH_SIDES };
+enum { SIDES = EXTENT_SIDES };
 
-/* Vertices that may be looked at in one pass, at most some 4 ns each, and groups that are stepped into. What
- * is beyond counts by its box. */
+/* The most vertices read in one pass, at some 4 ns each, and the most groups entered. The others count by
+ * their boxes. */
 #define VERTICES_MOST ((uint64_t)1 << 24)
 #define PLACES_MOST 65536u
 
@@ -42,7 +42,7 @@ typedef struct walk {
     uint32_t places;   /* that may still be stepped into */
     double reach[SIDES];
     unsigned threads;
-    reach_boxes *boxes; /* for each mesh */
+    extent_boxes *boxes; /* for each mesh */
 } walk;
 
 static directions through(const directions *d, const affine_f64 *map) {
@@ -74,17 +74,17 @@ static void add_box(walk *w, const directions *d, const scene_bounds *box) {
 static bool add_mesh(walk *w, const directions *d, uint32_t index) {
     const fathom_mesh *mesh = &w->scene->meshes.items[index];
     const mesh_facts *facts = &w->scene->mesh_facts.items[index];
-    reach_boxes *boxes = &w->boxes[index];
-    reach_sides sides;
-    reach_box all;
+    extent_boxes *boxes = &w->boxes[index];
+    extent_sides sides;
+    extent_box all;
     for (int i = 0; i < SIDES; ++i) {
         sides.x[i] = d->normal[i].x, sides.y[i] = d->normal[i].y, sides.z[i] = d->normal[i].z;
         sides.origin[i] = dot_f64(d->normal[i], load_f64(mesh->origin)), sides.offset[i] = d->offset[i];
     }
     for (int k = 0; k < 3; ++k) all.lower[k] = facts->lower[k], all.upper[k] = facts->upper[k];
-    if (!reach_box_beyond(&sides, &all, w->reach)) return true;
-    if (!boxes->items && !reach_make_boxes(w->threads, mesh, boxes)) return false;
-    reach_of_mesh(w->threads, &sides, mesh, boxes, w->reach);
+    if (!extent_box_beyond(&sides, &all, w->reach)) return true;
+    if (!boxes->items && !extent_make_boxes(w->threads, mesh, boxes)) return false;
+    extent_of_mesh(w->threads, &sides, mesh, boxes, w->reach);
     return true;
 }
 
@@ -200,11 +200,12 @@ static double foremost(const frame_f64 *axes, const scene_bounds *box) {
     return most;
 }
 
-/* Of the view's slope, as the foremost point shows it: what centring may miss. */
+/* The error allowed in centring, as a share of the view's slope at the foremost point. */
 static const double off_centre = 1.0 / 512;
 
-/* Of the scene's radius. Where one point is outermost on all sides, the nearest eye would be that point: a
- * deep scene fills the cone before its tip. No view of a scene as wide as its image needs to be this near. */
+/* The least distance of the eye, as a share of the scene's radius. Where one point is outermost on all sides,
+ * the nearest eye would be that point: a deep scene fills the cone before its tip. No view of a scene as wide
+ * as its image needs to be this near. */
 #define CLEAR (1.0 / 32)
 
 /* Most scenes take four or five; each looks at the box of every run of vertices. */

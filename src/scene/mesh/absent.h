@@ -1,6 +1,6 @@
-/* Shapes that are not there: their material passes all light straight on, and they cast no shadow. glTF's
- * alphaMode MASK and an MTL's `d 0` cut surfaces away like that. No ray meets them, so they take no bounce,
- * and no AOV shows them. */
+/* Invisible shapes: their material passes all light straight on, and they cast no shadow. glTF's alphaMode
+ * MASK and an MTL's `d 0` cut surfaces away like that. No ray meets them, so they take no bounce, and no AOV
+ * shows them. */
 #ifndef SCENE_ABSENT_H
 #define SCENE_ABSENT_H
 
@@ -13,9 +13,9 @@ bool absent_material(const fathom_material *m);
  * its group is then traced as a whole wherever it is placed. */
 fathom_status absent_find(const fathom_scene *scene, const scene_graph *graph, bool *out);
 
-/* Whether the shape, with the material of its own, is not there. */
+/* Whether the shape is invisible with its own material. */
 bool absent_object(const fathom_scene *scene, fathom_id object);
-/* Whether every instance keeps the materials inside, so that absent_object() is the whole answer. */
+/* Whether every instance keeps the materials inside, so that absent_object() decides alone. */
 bool absent_by_own_material(const fathom_scene *scene);
 
 #endif

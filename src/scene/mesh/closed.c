@@ -1,7 +1,7 @@
 /* A mesh has no boundary when its directed edges cancel: each edge from a to b has one from b to a. Give
  * every vertex v two numbers x(v), y(v); then x(a) y(b) - x(b) y(a) of an edge and of its reverse cancel, and
- * the sum over all edges of all triangles, modulo 2^64, is zero where the mesh is closed. Of an open mesh the
- * edges of the boundary are left, and each of its vertices b counts y(b) times the difference of x at its two
+ * the sum over all edges of all triangles, modulo 2^64, is zero where the mesh is closed. In an open mesh the
+ * edges of the boundary remain, and each of its vertices b counts y(b) times the difference of x at its two
  * neighbours there: with x different for all vertices and y pseudo-random, the sum is zero with a probability
  * of about 2^-32. (A linear map of the chain's boundary: no edge is ever looked up.)
  *
@@ -10,7 +10,7 @@
 #include "scene/mesh/closed.h"
 
 #include "base/threads.h"
-#include "scene/boundary.h"
+#include "scene/kernels.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -42,10 +42,7 @@ typedef struct sum {
 static void set_pairs(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     const sum *s = user;
-    const char *positions = (const char *)s->mesh->positions;
-    for (size_t i = begin; i < end; ++i) {
-        s->pairs[i] = of_position((const float *)(const void *)(positions + i * s->mesh->position_stride));
-    }
+    for (size_t i = begin; i < end; ++i) s->pairs[i] = of_position(mesh_vertex(s->mesh, i));
 }
 
 static void add_by_position(void *user, size_t begin, size_t end, unsigned worker) {

@@ -1,24 +1,42 @@
 #include "scene/mesh/mesh_facts.h"
 
+#include "base/kernel.h"
 #include "base/threads.h"
-#include "scene/array_check.h"
 #include "scene/kernels.h"
+#include "scene/scene.h"
 #include "scene/world/world.h"
 
 #include <math.h>
 #include <pthread.h>
+#include <string.h>
 
-/* An array under a parallel look. Sums, extremes and the first bad item do not depend on who adds to them
- * when. */
+KERNEL_DECLARE(scene_kernels, scene_kernels);
+
+const scene_kernels *scene_kernels_at(unsigned index) {
+    static const scene_kernels *const all[] = KERNEL_SETS(scene_kernels);
+    return index < kernel_levels() ? all[index] : NULL;
+}
+
+const scene_kernels *scene_kernels_best(void) { return scene_kernels_at(kernel_levels() - 1); }
+
+/* One array in a parallel loop. Sums, extremes and the first bad item do not depend on the order in which
+ * threads add to them. */
 typedef struct look {
     const scene_kernels *kernels;
     const float *values;
-    size_t stride;
+    size_t stride, components;
+    const uint32_t *indices;
+    uint32_t limit;
     const fathom_mesh *mesh;
-    pthread_mutex_t lock;
-    size_t bad; /* the first */
     mesh_facts *facts;
+    pthread_mutex_t lock;
+    size_t bad; /* the first bad item */
 } look;
+
+#define LOOK(...)                                                                                            \
+    (look) {                                                                                                 \
+        .kernels = scene_kernels_best(), .lock = PTHREAD_MUTEX_INITIALIZER, .bad = SIZE_MAX, __VA_ARGS__     \
+    }
 
 static void note_bad(look *l, size_t i) {
     pthread_mutex_lock(&l->lock);
@@ -29,15 +47,44 @@ static void note_bad(look *l, size_t i) {
 static float smaller(float a, float b) { return a < b ? a : b; }
 static float larger(float a, float b) { return a > b ? a : b; }
 
-/* ---- vertices ---- */
+/* ---- numbers ---- */
+
+static const float *item(const look *l, size_t i) {
+    return (const float *)(const void *)((const char *)l->values + l->stride * i);
+}
+
+/* The top bit of the result is set if the exponent of any of n floats has all its bits set: without the sign,
+ * one more in the last place of the exponent then carries into the top bit. Integer arithmetic, so the loop
+ * vectorises. */
+static bool is_finite(const float *values, size_t n) {
+    uint32_t full = 0;
+    for (size_t i = 0; i < n; ++i) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        full |= (bits & 0x7fffffffu) + 0x00800000u;
+    }
+    return !(full >> 31);
+}
+
+static void note_first_odd(look *l, size_t begin, size_t end) {
+    while (begin < end && is_finite(item(l, begin), l->components)) ++begin;
+    if (begin < end) note_bad(l, begin);
+}
+
+static void check_finite_run(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    look *l = user;
+    bool packed = l->stride == l->components * sizeof(float);
+    if (packed && is_finite(item(l, begin), (end - begin) * l->components)) return;
+    note_first_odd(l, begin, end);
+}
 
 static void look_at_vectors(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     look *l = user;
-    const char *first = (const char *)l->values + begin * l->stride;
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    if (!l->kernels->vectors((const float *)(const void *)first, l->stride, end - begin, low, high)) {
-        note_bad(l, begin + array_first_odd((const float *)(const void *)first, l->stride, 3, end - begin));
+    if (!l->kernels->vectors(item(l, begin), l->stride, end - begin, low, high)) {
+        note_first_odd(l, begin, end);
         return;
     }
     pthread_mutex_lock(&l->lock);
@@ -48,33 +95,65 @@ static void look_at_vectors(void *user, size_t begin, size_t end, unsigned worke
     pthread_mutex_unlock(&l->lock);
 }
 
-fathom_status mesh_look_at_vertices(fathom_context *context, const char *what, const float *values,
-                                    size_t stride, uint32_t count, mesh_facts *facts) {
-    fathom_status status = array_check_stride(context, what, stride, 3);
-    if (status != FATHOM_OK) return status;
-    look l = {.kernels = scene_kernels_best(),
-              .values = values,
-              .stride = stride,
-              .lock = PTHREAD_MUTEX_INITIALIZER,
-              .bad = SIZE_MAX,
-              .facts = facts};
-    for (int k = 0; k < 3; ++k) facts->lower[k] = INFINITY, facts->upper[k] = -INFINITY;
-    loop_parallel(fathom_context_threads(context), count, 1u << 16, look_at_vectors, &l);
-    return l.bad == SIZE_MAX ? FATHOM_OK : array_fail_odd(context, what, l.bad);
+static fathom_status check_values(fathom_context *context, const char *what, look *l, uint32_t count,
+                                  void (*run)(void *, size_t, size_t, unsigned)) {
+    if (l->stride % 4 || l->stride < l->components * sizeof(float))
+        return fail_field(context, FATHOM_BAD_INPUT, what,
+                          "the stride is %zu; expected a multiple of 4 of at least %zu", l->stride,
+                          l->components * sizeof(float));
+    loop_parallel(fathom_context_threads(context), count, 1u << 16, run, l);
+    if (l->bad == SIZE_MAX) return FATHOM_OK;
+    return fail_item(context, FATHOM_BAD_INPUT, what, l->bad,
+                     "expected finite numbers, found a NaN or an infinity");
 }
 
-/* ---- triangles ---- */
+fathom_status mesh_check_finite(fathom_context *context, const char *what, const float *values, size_t stride,
+                                size_t components, uint32_t count) {
+    look l = LOOK(.values = values, .stride = stride, .components = components);
+    return check_values(context, what, &l, count, check_finite_run);
+}
 
-static vec3_f32 vertex(const fathom_mesh *m, uint32_t i) {
-    return load_f32(
-        (const float *)(const void *)((const char *)m->positions + (size_t)i * m->position_stride));
+fathom_status mesh_look_at_vertices(fathom_context *context, const char *what, const float *values,
+                                    size_t stride, uint32_t count, mesh_facts *facts) {
+    look l = LOOK(.values = values, .stride = stride, .components = 3, .facts = facts);
+    for (int k = 0; k < 3; ++k) facts->lower[k] = INFINITY, facts->upper[k] = -INFINITY;
+    return check_values(context, what, &l, count, look_at_vectors);
+}
+
+/* ---- indices and triangles ---- */
+
+static void note_first_beyond(look *l, size_t begin, size_t end) {
+    while (begin < end && l->indices[begin] < l->limit) ++begin;
+    if (begin < end) note_bad(l, begin);
+}
+
+static void check_index_run(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    look *l = user;
+    if (!l->kernels->indices(l->indices + begin, end - begin, l->limit)) note_first_beyond(l, begin, end);
+}
+
+static fathom_status check_indices(fathom_context *context, const char *what, look *l, size_t count,
+                                   size_t grain, void (*run)(void *, size_t, size_t, unsigned)) {
+    loop_parallel(fathom_context_threads(context), count, grain, run, l);
+    if (l->bad == SIZE_MAX) return FATHOM_OK;
+    return fail_item(context, FATHOM_BAD_INPUT, what, l->bad,
+                     "%u, of triangle %zu, is out of range; there are %u", l->indices[l->bad], l->bad / 3,
+                     l->limit);
+}
+
+fathom_status mesh_check_indices(fathom_context *context, const char *what, const uint32_t *indices,
+                                 size_t count, uint32_t limit) {
+    look l = LOOK(.indices = indices, .limit = limit);
+    return check_indices(context, what, &l, count, 1u << 18, check_index_run);
 }
 
 /* By the definition; a NaN is beyond reach. */
 static void look_closely(const fathom_mesh *m, size_t begin, size_t end, mesh_facts *to) {
     for (size_t i = begin; i < end; ++i) {
         const uint32_t *t = &m->indices[3 * i];
-        vec3_f32 a = vertex(m, t[0]), b = vertex(m, t[1]), c = vertex(m, t[2]);
+        vec3_f32 a = load_f32(mesh_vertex(m, t[0])), b = load_f32(mesh_vertex(m, t[1])),
+                 c = load_f32(mesh_vertex(m, t[2]));
         vec3_f64 ab = sub_f64(widen(b), widen(a)), ac = sub_f64(widen(c), widen(a)), n = cross_f64(ab, ac);
         to->flat += n.x == 0 && n.y == 0 && n.z == 0;
         float x = world_reach_of(a), y = world_reach_of(b), z = world_reach_of(c);
@@ -107,8 +186,7 @@ static void look_at_run(void *user, size_t begin, size_t end, unsigned worker) {
     for (size_t i = begin; i < end; i += TOGETHER) {
         size_t stop = end - i < TOGETHER ? end : i + TOGETHER;
         if (look_at_some(l, i, stop, &found)) continue;
-        note_bad(l,
-                 3 * i + array_first_beyond(l->mesh->indices + 3 * i, 3 * (stop - i), l->mesh->vertex_count));
+        note_first_beyond(l, 3 * i, 3 * stop);
         return;
     }
     pthread_mutex_lock(&l->lock);
@@ -121,13 +199,7 @@ static void look_at_run(void *user, size_t begin, size_t end, unsigned worker) {
 
 fathom_status mesh_look_at_triangles(fathom_context *context, const char *what, const fathom_mesh *mesh,
                                      mesh_facts *facts) {
-    look l = {.kernels = scene_kernels_best(),
-              .mesh = mesh,
-              .lock = PTHREAD_MUTEX_INITIALIZER,
-              .bad = SIZE_MAX,
-              .facts = facts};
+    look l = LOOK(.indices = mesh->indices, .limit = mesh->vertex_count, .mesh = mesh, .facts = facts);
     facts->boundary = 0, facts->flat = facts->beyond = 0, facts->largest = 0;
-    loop_parallel(fathom_context_threads(context), mesh->triangle_count, 1u << 15, look_at_run, &l);
-    return l.bad == SIZE_MAX ? FATHOM_OK
-                             : array_fail_index(context, what, mesh->indices, l.bad, mesh->vertex_count);
+    return check_indices(context, what, &l, mesh->triangle_count, 1u << 15, look_at_run);
 }

@@ -1,4 +1,4 @@
-/* What is found out about a mesh by looking through its arrays, once, when it comes into a scene. */
+/* Facts about a mesh, found by reading its arrays once, when it comes into a scene. */
 #ifndef SCENE_MESH_FACTS_H
 #define SCENE_MESH_FACTS_H
 
@@ -11,17 +11,30 @@ typedef struct mesh_facts {
     float largest;            /* coordinate of its triangles within WORLD_REACH, as a magnitude */
     uint32_t flat;            /* triangles without area: stored, never hit */
     uint32_t beyond;          /* triangles with a coordinate that is not below WORLD_REACH */
-    uint64_t boundary;        /* the sum of boundary.h by the indices of vertices */
+    uint64_t boundary;        /* the sum of boundary_sum() by the indices of vertices */
 } mesh_facts;
 
-/* FATHOM_BAD_INPUT, with "what[17]", for the first vector that holds a NaN or an infinity, and for a stride
- * that is no multiple of 4 of at least 12. Sets the extremes. */
+/* Each of these reads an array in parallel and returns FATHOM_BAD_INPUT, with "what[17]", for the first bad
+ * item. Strides are in bytes and must be a multiple of 4 that holds an item. */
+
+/* A NaN or an infinity; items have `components` floats. */
+fathom_status mesh_check_finite(fathom_context *context, const char *what, const float *values, size_t stride,
+                                size_t components, uint32_t count);
+/* The same for three-vectors; sets the extremes. */
 fathom_status mesh_look_at_vertices(fathom_context *context, const char *what, const float *values,
                                     size_t stride, uint32_t count, mesh_facts *facts);
 
-/* FATHOM_BAD_INPUT, with "what[17]", for the first index, three to a triangle, that names no vertex. Sets all
- * but the extremes; positions may be anything. The mesh's strides are set. */
+/* An index, three to a triangle, that is not below `limit`. */
+fathom_status mesh_check_indices(fathom_context *context, const char *what, const uint32_t *indices,
+                                 size_t count, uint32_t limit);
+/* An index that names no vertex. Sets all facts but the extremes; positions may be anything. The mesh's
+ * strides are set. */
 fathom_status mesh_look_at_triangles(fathom_context *context, const char *what, const fathom_mesh *mesh,
                                      mesh_facts *facts);
+
+/* The position of a vertex; the mesh's strides are set, as they are in scenes and worlds. */
+static inline const float *mesh_vertex(const fathom_mesh *mesh, size_t i) {
+    return (const float *)(const void *)((const char *)mesh->positions + i * mesh->position_stride);
+}
 
 #endif

@@ -1,9 +1,9 @@
 /* Union-find over vertices, by all threads at once. A vertex's parent is never a later vertex, so one pass in
  * order leaves every vertex next to its root. */
-#include "scene/mesh/pieces.h"
+#include "scene/mesh/closed.h"
 
 #include "base/threads.h"
-#include "scene/boundary.h"
+#include "scene/kernels.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -54,9 +54,8 @@ static void join_triangles(void *user, size_t begin, size_t end, unsigned worker
 
 /* Bits that are equal where the positions are: +0 makes one zero of two. */
 static void position_bits(const fathom_mesh *mesh, uint32_t v, uint32_t out[3]) {
-    const char *at = (const char *)mesh->positions + v * mesh->position_stride;
     float p[3];
-    memcpy(p, at, sizeof p);
+    memcpy(p, mesh_vertex(mesh, v), sizeof p);
     for (int c = 0; c < 3; ++c) p[c] += 0.0f;
     memcpy(out, p, sizeof p);
 }

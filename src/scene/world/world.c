@@ -22,7 +22,7 @@ static world_geometry *open_run(world *w, world_kind kind, uint32_t first_of_gro
     return array_push(&w->geometries, fresh) ? &w->geometries.items[w->geometries.count - 1] : NULL;
 }
 
-/* What x loses as a float, as one that tracers do not flush to zero. */
+/* The rounding error of x as a float, or 0 where tracers would flush it. */
 static float rest_of(double x) {
     float rest = (float)(x - (double)(float)x);
     return fabsf(rest) < FLT_MIN ? 0 : rest;
@@ -30,9 +30,9 @@ static float rest_of(double x) {
 
 /* Where a sphere passes by the origin at a distance g, float tells things of 2^-24 g apart, and the view may
  * show what is 2^-12 g large, a pixel. A planet's centre and radius, rounded to half a metre, would bury or
- * lift all that stands on it. So what rounding takes from them is kept where it is more than 2^-16 g, a
- * sixteenth of such a pixel: for spheres at least some 2^7 times larger than g. Others are the floats that
- * all tracers share, Embree's own spheres too: more digits would not show. */
+ * lift everything on it. So their rounding errors are kept where they exceed 2^-16 g, a sixteenth of such a
+ * pixel: for spheres at least some 2^7 times larger than g. Others are the floats that all tracers share,
+ * Embree's own spheres too: more digits would not show. */
 static world_sphere sphere_of(vec3_f64 center, double radius) {
     world_sphere sphere = {.center = narrow(center), .radius = (float)radius};
     vec3_f32 rest = {rest_of(center.x), rest_of(center.y), rest_of(center.z)};
@@ -111,36 +111,6 @@ bool world_add_geometries(world *w, const scene_graph *graph, uint32_t group, ve
 
 bool world_add_lone_mesh(world *w, fathom_id object) {
     return add_mesh(w, w->scene->objects.items[object].index, object);
-}
-
-/* ---- checks ---- */
-
-/* Some triangles without area are rendered around; a scene of nothing else shows nothing. */
-static fathom_status check_area(const world *w) {
-    uint64_t triangles = 0;
-    for (size_t i = 0; i < w->meshes.count; ++i) triangles += w->meshes.items[i].triangle_count;
-    if (w->spheres.count || w->quads.count || w->planes.count || w->degenerate_triangles < triangles ||
-        !triangles)
-        return FATHOM_OK;
-    return fail(w->scene->context, FATHOM_BAD_INPUT,
-                "the scene holds no geometry with an area: its triangles (%llu) are all degenerate",
-                (unsigned long long)triangles);
-}
-
-/* Farther out no ray of the camera could be traced, nor float tell one pixel's ray from the next. */
-static fathom_status check_camera(const world *w) {
-    vec3_f64 eye = sub_f64(load_f64(w->scene->camera.origin), w->origin);
-    if (fabs(eye.x) < WORLD_REACH && fabs(eye.y) < WORLD_REACH && fabs(eye.z) < WORLD_REACH) return FATHOM_OK;
-    return fail(w->scene->context, FATHOM_BAD_INPUT,
-                "camera: it stands %g from the scene; expected less than %g",
-                hypot(hypot(eye.x, eye.y), eye.z), WORLD_REACH);
-}
-
-fathom_status world_check(const world *w) {
-    fathom_status status = check_area(w);
-    if (status == FATHOM_OK) status = check_camera(w);
-    if (status == FATHOM_OK) world_warn_of_lights(w);
-    return status;
 }
 
 /* ---- the whole ---- */

@@ -88,13 +88,13 @@ typedef struct world {
     const fathom_scene *scene;
     vec3_f64 origin; /* world coordinates minus this are the tracer's */
     ARRAY(world_sphere) spheres;
-    ARRAY(fathom_id) sphere_objects; /* beside spheres */
+    ARRAY(fathom_id) sphere_objects; /* parallel to spheres */
     ARRAY(world_quad) quads;
-    ARRAY(fathom_id) quad_objects; /* beside quads */
+    ARRAY(fathom_id) quad_objects; /* parallel to quads */
     ARRAY(world_plane) planes;
     ARRAY(fathom_mesh) meshes;     /* as in the scene; origins are already in the instances */
-    ARRAY(mesh_facts) mesh_facts;  /* beside meshes */
-    ARRAY(fathom_id) mesh_objects; /* beside meshes */
+    ARRAY(mesh_facts) mesh_facts;  /* parallel to meshes */
+    ARRAY(fathom_id) mesh_objects; /* parallel to meshes */
     ARRAY(world_geometry) geometries;
     ARRAY(world_group) groups; /* 0: what is placed in the root itself */
     ARRAY(world_instance) instances;
@@ -104,7 +104,7 @@ typedef struct world {
                               stored; Embree leaves them out */
 } world;
 
-/* What a geometry of the kind WORLD_MESH is. */
+/* The mesh of a geometry of the kind WORLD_MESH. */
 static inline const fathom_mesh *world_mesh(const world *w, uint32_t geometry) {
     return &w->meshes.items[w->geometries.items[geometry].first];
 }
@@ -116,8 +116,8 @@ fathom_status world_create(const fathom_scene *scene, world **out);
 fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origin, world **out);
 void world_destroy(world *w);
 
-/* For those who change a world's numbers: looks through its meshes again, and counts again what
- * world_create() counted. Indices must stay in range. */
+/* Call after changing a world's numbers: reads its meshes again and repeats the counts of world_create().
+ * Indices must stay in range. */
 fathom_status world_survey(world *w);
 
 /* Sets the three maps of an instance from its place in the world. False when there is no inverse. */
@@ -129,8 +129,6 @@ bool world_instance_fits_float(const world_instance *instance);
 /* FATHOM_BAD_INPUT when the scene's camera could not see anything of it: nothing has an area, or the camera
  * is out of reach. Warns of lights inside spheres. */
 fathom_status world_check(const world *w);
-/* The warning alone. */
-void world_warn_of_lights(const world *w);
 
 /* Object and material of a primitive. geometry: index into geometries. */
 fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);

@@ -17,8 +17,4 @@ bool world_add_lone_mesh(world *w, fathom_id object);
 /* Chooses origins, makes the groups and places them. origin: the root's, or NULL to choose it, too. */
 fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *origin);
 
-/* The world's origin: (0,0,0) unless something lies so far from it that float would blur it (see
- * world_origin.c). */
-fathom_status world_choose_origins(const fathom_scene *scene, const scene_graph *graph, vec3_f64 *of_group);
-
 #endif

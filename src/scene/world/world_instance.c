@@ -1,4 +1,4 @@
-/* The maps of an instance, and what a tracer makes of them that has but to_world and inverts it in float.
+/* The maps of an instance, and their error in a tracer that inverts to_world itself in float.
  *
  * u = 2^-24. The inverse is the adjugate over the determinant. An entry of the adjugate is the difference of
  * two products, off by 2 u P, P the sum of their sizes. The determinant D is the sum of three products of an
@@ -32,17 +32,17 @@ static void set_error(world_instance *instance, const affine_f64 *to_world, cons
     }
 }
 
-/* What is smaller may be flushed to zero. */
+/* Smaller numbers may be flushed to zero. */
 static const double least = 0x1p-126;
 /* Embree takes no component of a direction for less than 1e-18 where it tests boxes. A direction carried to
- * the object and back is bent by no more than 2^-24 of its length where nothing grows by more than this. Then
+ * the object and back turns by no more than 2^-24 of its length where nothing grows by more than this. Then
  * no product of three entries leaves the range above. */
 static const double growth_most = 0x1p35;
 
 static double row_sum(const double row[4]) { return fabs(row[0]) + fabs(row[1]) + fabs(row[2]); }
 
-/* What is flushed from a determinant's products, six times `least`, has to vanish beside 2^-24 of it; and
- * twice `least`, from an entry of the adjugate, beside 2^-24 of the largest in its row. */
+/* Flushing takes up to six times `least` from a determinant's products, which must be negligible next to
+ * 2^-24 of it; and twice `least` from an entry of the adjugate, next to 2^-24 of the largest in its row. */
 bool world_instance_fits_float(const world_instance *instance) {
     affine_f64 map;
     for (int i = 0; i < 12; ++i) map.m[i / 4][i % 4] = (double)instance->to_world[i / 4][i % 4];

@@ -1,5 +1,5 @@
-/* The hand-written bounding volume hierarchy: for scenes where linear search would take days, with its very
- * answers. Boxes and leaves are float, which the world's numbers are too, so one structure serves every
+/* The hand-written bounding volume hierarchy gives exactly the answers of linear search, for scenes where
+ * that would take days. Boxes and leaves are float, as the world's numbers are, so one structure serves every
  * precision.
  *
  * One tree for each geometry, and one for each group over its geometries; the root's also holds the
@@ -23,7 +23,7 @@ typedef struct bvh_block {
     uint32_t primitive[BVH_LEAF];
 } bvh_block;
 
-/* What a tree holds: the primitives of a geometry, or the parts of a group. */
+/* The contents of a tree: the primitives of a geometry, or the parts of a group. */
 typedef enum bvh_kind { BVH_SPHERES, BVH_QUADS, BVH_TRIANGLES, BVH_PARTS } bvh_kind;
 
 typedef struct bvh_tree {
@@ -41,7 +41,7 @@ typedef struct bvh_tree {
 
 typedef struct bvh_tracer {
     trace_tracer base;
-    bvh_tree *geometries; /* beside the world's */
+    bvh_tree *geometries; /* in the order of the world's */
     bvh_tree *groups;
 } bvh_tracer;
 
@@ -62,13 +62,10 @@ typedef struct bvh_build {
 } bvh_build;
 fathom_status bvh_tree_build(const bvh_build *build, bvh_item *items, uint32_t count, bvh_tree *tree);
 
-/* bvh_world.c: all trees of the world. */
-fathom_status bvh_world_build(const bvh_build *build, bvh_tracer *tracer);
-
 /* bvh_trace.c: the calls of each precision. */
 extern const trace_ops bvh_ops_f32, bvh_ops_f64, bvh_ops_f128;
 
-/* bvh.c */
+/* bvh_world.c */
 void bvh_destroy(trace_tracer *tracer);
 
 #endif

@@ -1,8 +1,8 @@
 /* Going through the trees with one ray: the one text that bvh_trace.c stamps for each precision. Included
  * with REAL, FN(name), ABS and UNIT defined.
  *
- * No box may be passed by that holds a primitive which the linear search meets (the aim of Ize 2013, Robust
- * BVH Ray Traversal, JCGT 2(2)). For triangles and quads that holds to the last bit, without any slack: the
+ * No box may be culled that holds a primitive which the linear search meets (the aim of Ize 2013, Robust BVH
+ * Ray Traversal, JCGT 2(2)). For triangles and quads that holds to the last bit, without any slack: the
  * watertight test shears each vertex, X = fl(fl(x - ox) - fl(sx fl(z - oz))), and meets the triangle only if
  * the origin lies in the hull of its sheared vertices. Rounding is monotonic, so the same operations on the
  * box's faces bound the X of every vertex in it; the triangle is met only if these bounds hold 0. The same
@@ -18,14 +18,14 @@
  * centre, u a unit: where the form is sure, the point at the reported t satisfies |P - C|² = R² + δD with
  * |δD| <= 51 u |f| R (sphere_text.h), so it lies within 26 u |f| of the sphere; c / q is off by 54 u for c,
  * by δD / q <= 102 u |f|, since q >= √c >= R / 2, and a few u for the rest: together 256 u |f|. Where it is
- * not sure, the wider precision decides, whose own error vanishes beside that, even √u R where both roots
- * vanish; quadruple has no wider one, so there double's units are taken. Shearing adds 5 u F: 512 u F holds
- * all of it.
+ * not sure, the wider precision decides, whose own error is negligible, even √u R where both roots vanish;
+ * quadruple has no wider one, so there double's units are taken. Shearing adds 5 u F: 512 u F holds all of
+ * it.
  *
  * Instances: a ray is carried into the object's space with 4 units of each product for origin and direction,
  * with M the map, B and T the largest coordinate in the world and of M's translation: 4 u (|M| (F + B) + T)
  * and 4 u |M| 3 F. Shearing there adds 5 u |M| F. Carried back, all grow by |M⁻¹|: 21 u κ F + 4 u (κ B +
- * |M⁻¹| T), κ = |M| |M⁻¹|; 32 and 8 units hold it with shearing here. What an object's tree itself allows
+ * |M⁻¹| T), κ = |M| |M⁻¹|; 32 and 8 units hold it with shearing here. The slack of the object's own tree
  * grows by κ. A sliver's t may lie outside its box by the box's extent, `reach` in the world. */
 
 /* The ray as the boxes of one tree see it. */
@@ -192,35 +192,22 @@ static void FN(bvh_walk)(FN(search) * s, const bvh_tracer *tracer, const bvh_tre
 
 /* ---- blocks ---- */
 
-static void FN(bvh_closest)(const trace_tracer *base, trace_block *blocks, trace_fine *fine, size_t count,
-                            trace_coherence coherence) {
-    (void)coherence;
+static void FN(bvh_root)(FN(search) * s, const trace_tracer *base) {
     const bvh_tracer *tracer = (const bvh_tracer *)base;
-    for (size_t i = 0; i < count; ++i) {
-        trace_block *block = &blocks[i / TRACE_WIDTH];
-        FN(search) s;
-        if (FN(search_begin)(&s, base->world, TRACE_ROBUST, &block->rays, i % TRACE_WIDTH, false)) {
-            FN(search_enter)(&s, FATHOM_NONE);
-            FN(bvh_walk)(&s, tracer, &tracer->groups[0]);
-            FN(search_planes)(&s);
-        }
-        FN(search_end)(&s, block, fine ? &fine[i / TRACE_WIDTH] : NULL, i % TRACE_WIDTH);
-    }
+    FN(search_enter)(s, FATHOM_NONE);
+    FN(bvh_walk)(s, tracer, &tracer->groups[0]);
 }
 
-static void FN(bvh_any)(const trace_tracer *base, trace_rays *blocks, size_t count,
+static void FN(bvh_closest)(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                            trace_coherence coherence) {
+    (void)coherence;
+    FN(search_closest)(tracer, TRACE_ROBUST, blocks, fine, count, FN(bvh_root));
+}
+
+static void FN(bvh_any)(const trace_tracer *tracer, trace_rays *blocks, size_t count,
                         trace_coherence coherence) {
     (void)coherence;
-    const bvh_tracer *tracer = (const bvh_tracer *)base;
-    for (size_t i = 0; i < count; ++i) {
-        trace_rays *rays = &blocks[i / TRACE_WIDTH];
-        FN(search) s;
-        if (!FN(search_begin)(&s, base->world, TRACE_ROBUST, rays, i % TRACE_WIDTH, true)) continue;
-        FN(search_enter)(&s, FATHOM_NONE);
-        FN(bvh_walk)(&s, tracer, &tracer->groups[0]);
-        FN(search_planes)(&s);
-        if (s.met) rays->t_far[i % TRACE_WIDTH] = -INFINITY;
-    }
+    FN(search_any)(tracer, TRACE_ROBUST, blocks, count, FN(bvh_root));
 }
 
 #undef REAL

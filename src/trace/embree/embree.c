@@ -30,12 +30,11 @@ static bool on_memory(void *user, ssize_t bytes, bool post) {
 
 /* ---- choices ---- */
 
-/* Low quality saves building time and costs tracing time. Of displaced spheres at 1280x720 with two lights,
- * 2.8 million expected rays a sample, it is the faster, of both together, up to 25 samples a pixel by the
- * processor's time and 6 by the clock at 70 thousand triangles (where all are even to 2 %), 23 and 22 at 150
- * thousand, 44 and 29 at 360 thousand, 48 and 29 at 1 million, 113 and 72 at 2.5 million, 223 and 123 at 8
- * million: what it saves grows with the triangles, what it costs a ray by about their square root. Both
- * shrink alike with more threads. */
+/* Low quality saves building time and costs tracing time. Measured on displaced spheres at 1280x720 with two
+ * lights (2.8 million expected rays a sample), it is faster for build and render together up to 25 samples a
+ * pixel at 70 thousand triangles, 23 at 150 thousand, 44 at 360 thousand, 48 at 1 million, 113 at 2.5 million
+ * and 223 at 8 million, in processor time; 6, 22, 29, 29, 72 and 123 by the clock. The saving grows with the
+ * triangles, the cost of a ray with about their square root. More threads shrink both alike. */
 #define LOW_QUALITY_RAYS 150e6 /* of a million primitives */
 
 trace_quality trace_quality_auto(uint64_t expected_rays, const world *w) {
@@ -112,7 +111,7 @@ static void destroy(trace_tracer *base) {
     }
     free(tracer->scenes);
     free(tracer->halved);
-    free(tracer->beside);
+    free(tracer->few);
     release_device(tracer->device);
     free(tracer);
 }

@@ -1,10 +1,10 @@
-/* What the files of the Embree tracer share. */
+/* Shared by the files of the Embree tracer. */
 #ifndef TRACE_EMBREE_H
 #define TRACE_EMBREE_H
 
-#include "trace/embree/beside.h"
 #include "trace/embree/embree_api.h"
-#include "trace/reach.h"
+#include "trace/embree/embree_limits.h"
+#include "trace/embree/embree_spheres.h"
 #include "trace/tracer.h"
 
 #include <float.h>
@@ -26,8 +26,8 @@ typedef struct embree_tracer {
     RTCDevice device;
     RTCScene *scenes; /* one for each group of the world; [0] is the root; NULL where never placed or empty */
     bool *halved;     /* by the world's geometries: its quads are Embree's triangles; NULL: none are */
-    beside_spheres *beside; /* the root's spheres, which are not in the scene; NULL: they are */
-    const beside_kernels *beside_kernels;
+    few_spheres *few; /* the root's spheres, which are not in the scene; NULL: they are */
+    const few_kernels *few_kernels;
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call, no more than the kernels take */
     trace_reach reach;         /* of the rays that are given to Embree */
@@ -36,7 +36,7 @@ typedef struct embree_tracer {
     _Atomic int64_t peak;      /* the most of it */
     uint64_t most_bytes;       /* that it may hold; 0: no limit */
     _Atomic int error;         /* the first RTCError that the device reported */
-    char error_text[256];      /* its message; written once, by whoever set error */
+    char error_text[256];      /* its message; written once, by the thread that set error */
     fathom_context *context;   /* while building */
     const trace_options *options;
     trace_spec spec;
@@ -44,7 +44,7 @@ typedef struct embree_tracer {
     _Atomic double work_now;        /* of the scene being built */
 } embree_tracer;
 
-/* ---- embree_memory.c ---- */
+/* ---- embree_limits.c ---- */
 
 /* Takes compact structures where the usual ones do not fit into options->memory and the caller did not name
  * any; FATHOM_OUT_OF_RESOURCES where nothing fits. Also sets what the device may allocate at all. */
@@ -78,14 +78,14 @@ RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const 
 #define EMBREE_WINDOW (1 + 0x1p-14f)
 #define EMBREE_HALF_WINDOW (1 + 0x1p-15f)
 
-/* What a closest-hit call carries besides Embree's own context, by lane of the block (the ray's id). */
+/* What a closest-hit call carries after Embree's own context, by lane of the block (the ray's id). */
 typedef struct embree_call {
-    embree_context context;               /* first, so that a callback's context is the call */
-    _Alignas(64) float best[TRACE_WIDTH]; /* nearest t offered so far */
-    float far[TRACE_WIDTH];               /* t_far as it was asked */
-    int tied[TRACE_WIDTH];                /* not 0: the answer may not be the only one */
-    struct embree_vote *vote;             /* not NULL: the call settles one tied ray */
-    bool raw;                             /* nothing is noted: the nearest stays, or the last of those */
+    embree_context context;         /* first, so that a callback's context is the call */
+    _Alignas(64) float best[LANES]; /* nearest t offered so far */
+    float far[LANES];               /* t_far as it was asked */
+    int tied[LANES];                /* not 0: the answer may not be the only one */
+    struct embree_vote *vote;       /* not NULL: the call settles one tied ray */
+    bool raw;                       /* nothing is noted: the nearest stays, or the last of those */
 } embree_call;
 
 /* Arms a call, or several in a row, for the lanes whose t_far these are. */
@@ -124,15 +124,15 @@ unsigned embree_call_width(const embree_tracer *tracer, unsigned asked);
 
 /* How a block was asked. */
 typedef struct embree_asked {
-    _Alignas(64) int valid[TRACE_WIDTH]; /* -1: the lane is traced; else 0 */
-    float t_near[TRACE_WIDTH], t_far[TRACE_WIDTH];
+    _Alignas(64) int valid[LANES]; /* -1: the lane is traced; else 0 */
+    float t_near[LANES], t_far[LANES];
 } embree_asked;
 
 /* Our intervals are open, Embree's may be closed. At the far end it gets the last float inside (infinity and
  * what is not positive stays). At the near end a triangle may be met at t_near itself, so the t that comes
  * back is moved inside. Embree's t is off by more than that, but for a ray that starts in a triangle: t is
- * exactly 0. That is no hit, so t_near is at least the first number that threads which trace, where denormals
- * are zero, take for positive. */
+ * exactly 0. That is no hit, so t_near is at least the smallest number that tracing threads, which flush
+ * denormals to zero, take for positive. */
 static inline float embree_last_inside(float t_far) {
     uint32_t bits;
     memcpy(&bits, &t_far, sizeof bits);
@@ -156,7 +156,7 @@ static inline float embree_move_inside(float t, float t_near, float last) {
  * wants it. */
 #define EMBREE_PACKET_ROWS 24
 typedef struct embree_packets {
-    _Alignas(64) uint32_t rows[EMBREE_PACKET_ROWS * TRACE_WIDTH];
+    _Alignas(64) uint32_t rows[EMBREE_PACKET_ROWS * LANES];
 } embree_packets;
 _Static_assert(EMBREE_RAY_ROWS + EMBREE_HIT_ROWS <= EMBREE_PACKET_ROWS, "a packet's rows");
 /* The one whose first ray is the block's lane `first`. */
@@ -164,8 +164,8 @@ static inline uint32_t *embree_packet(embree_packets *packets, unsigned first) {
     return &packets->rows[EMBREE_PACKET_ROWS * first];
 }
 
-/* How far the directions of a block are from its first, |Δx| + |Δy| + |Δz| over the first's
- * |x| + |y| + |z|; embree_way.c says what for. */
+/* How far the directions of a block are from its first, |Δx| + |Δy| + |Δz| over the first's |x| + |y| + |z|;
+ * see embree_way.c. */
 #define EMBREE_ALIKE 0.05f
 #define EMBREE_SIMILAR 0.5f
 typedef enum embree_spread {
@@ -174,12 +174,12 @@ typedef enum embree_spread {
     EMBREE_SPREAD_WIDE
 } embree_spread;
 
-/* What is done to a block around Embree's call; kernels/embree_block.c. */
+/* The work on a block before and after Embree's call; kernels/embree_block.c. */
 struct embree_kernels {
     /* Marks the lanes to trace, those in Embree's range and whose interval is not empty, and makes their
      * intervals Embree's. */
     void (*prepare)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
-                    int valid[TRACE_WIDTH]);
+                    int valid[LANES]);
     /* The same, and arms the call but for its context, vote and raw. False, and nothing is done, where
      * stretch.h has to scale directions first; scaled: it has. */
     bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
@@ -205,7 +205,6 @@ static inline bool embree_in_halves(const embree_tracer *tracer, uint32_t geomet
 }
 /* Embree's ids, and a quad's u and v, to the world's. */
 void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane);
-unsigned embree_lanes(size_t count, size_t block);
 /* Whether coherent shadow rays must not go by sixteen. */
 bool embree_may_hang(const embree_tracer *tracer);
 
@@ -213,16 +212,16 @@ void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine 
                     trace_coherence coherence);
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
 
-/* ---- embree_beside.c ---- */
+/* ---- embree_spheres.c ---- */
 
-/* Sets tracer->beside where few spheres are to be tested there. */
-fathom_status embree_beside_choose(embree_tracer *tracer);
+/* Sets tracer->few where few spheres are to be tested there. */
+fathom_status embree_spheres_choose(embree_tracer *tracer);
 /* The spheres after Embree's answer for a block: hits with the world's ids, the interval and t_far as the
- * tracer's callers have them. Needs tracer->beside. */
-void embree_beside_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
-                           const embree_asked *asked);
-void embree_beside_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes,
-                       const embree_asked *asked);
+ * tracer's callers have them. Needs tracer->few. */
+void embree_spheres_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
+                            const embree_asked *asked);
+void embree_spheres_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes,
+                        const embree_asked *asked);
 
 /* ---- embree_repair.c ---- */
 

@@ -1,6 +1,6 @@
-/* Embree 3.13 and 4 behind one face: the only file that knows which it is.
+/* Embree 3.13 and 4 behind one interface: no other file knows which it is.
  *
- * Version 3 passes flags and filter in a context, version 4 in arguments beside it; the callbacks get a
+ * Version 3 passes flags and filter in a context, version 4 in separate arguments; the callbacks get a
  * pointer to the context in both, so what a call carries lies behind the context in a larger struct. */
 #ifndef TRACE_EMBREE_API_H
 #define TRACE_EMBREE_API_H
@@ -74,6 +74,17 @@ _Static_assert(offsetof(struct RTCRayHit8, hit) == sizeof(struct RTCRay8), "hits
 _Static_assert(offsetof(struct RTCRayHit4, hit) == sizeof(struct RTCRay4), "hits of 4 follow the rays");
 _Static_assert(offsetof(struct RTCRayHit, hit) == sizeof(struct RTCRay), "the hit follows the ray");
 
+#define EMBREE_BY_WIDTH(call, ...)                                                                           \
+    switch (width) {                                                                                         \
+    case 16: call##16(valid, __VA_ARGS__); break;                                                            \
+    case 8: call##8(valid, __VA_ARGS__); break;                                                              \
+    case 4: call##4(valid, __VA_ARGS__); break;                                                              \
+    default: call##1(__VA_ARGS__); break;                                                                    \
+    }
+
+/* embree_intersect(): closest hits of `width` rays, 1, 4, 8 or 16; `filter`, unless NULL, is called for each
+ * candidate on Embree's own shapes.
+ * embree_occluded(): sets t_far of rays that meet anything to -infinity. */
 #if FATHOM_EMBREE_MAJOR == 4
 
 static inline void embree_context_init(embree_context *context) { rtcInitRayQueryContext(context); }
@@ -81,8 +92,6 @@ static inline void embree_context_init(embree_context *context) { rtcInitRayQuer
 #define EMBREE_QUERY_FLAGS(coherent)                                                                         \
     ((coherent) ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT)
 
-/* Closest hits of `width` rays, 1, 4, 8 or 16; `filter`, unless NULL, is called for each
- * candidate on Embree's own shapes. */
 static inline void embree_intersect(unsigned width, const int *valid, RTCScene scene, embree_context *context,
                                     bool coherent, RTCFilterFunctionN filter, void *rayhit) {
     struct RTCIntersectArguments args;
@@ -91,89 +100,60 @@ static inline void embree_intersect(unsigned width, const int *valid, RTCScene s
                                          (filter ? RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER : 0));
     args.context = context;
     args.filter = filter;
-    switch (width) {
-    case 16: rtcIntersect16(valid, scene, rayhit, &args); break;
-    case 8: rtcIntersect8(valid, scene, rayhit, &args); break;
-    case 4: rtcIntersect4(valid, scene, rayhit, &args); break;
-    default: rtcIntersect1(scene, rayhit, &args); break;
-    }
+    EMBREE_BY_WIDTH(rtcIntersect, scene, rayhit, &args)
 }
 
-/* Sets t_far of rays that meet anything to -infinity. */
 static inline void embree_occluded(unsigned width, const int *valid, RTCScene scene, embree_context *context,
                                    bool coherent, void *ray) {
     struct RTCOccludedArguments args;
     rtcInitOccludedArguments(&args);
     args.flags = EMBREE_QUERY_FLAGS(coherent);
     args.context = context;
-    switch (width) {
-    case 16: rtcOccluded16(valid, scene, ray, &args); break;
-    case 8: rtcOccluded8(valid, scene, ray, &args); break;
-    case 4: rtcOccluded4(valid, scene, ray, &args); break;
-    default: rtcOccluded1(scene, ray, &args); break;
-    }
+    EMBREE_BY_WIDTH(rtcOccluded, scene, ray, &args)
 }
 
 #else
 
 static inline void embree_context_init(embree_context *context) { rtcInitIntersectContext(context); }
 
-#define EMBREE_QUERY_FLAGS(coherent)                                                                         \
-    ((coherent) ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
+static inline embree_context *embree_context_set(embree_context *context, bool coherent,
+                                                 RTCFilterFunctionN filter) {
+    context->flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context->filter = filter;
+    return context;
+}
 
-/* Closest hits of `width` rays, 1, 4, 8 or 16; `filter`, unless NULL, is called for each
- * candidate on Embree's own shapes. */
 static inline void embree_intersect(unsigned width, const int *valid, RTCScene scene, embree_context *context,
                                     bool coherent, RTCFilterFunctionN filter, void *rayhit) {
-    context->flags = EMBREE_QUERY_FLAGS(coherent);
-    context->filter = filter;
-    switch (width) {
-    case 16: rtcIntersect16(valid, scene, context, rayhit); break;
-    case 8: rtcIntersect8(valid, scene, context, rayhit); break;
-    case 4: rtcIntersect4(valid, scene, context, rayhit); break;
-    default: rtcIntersect1(scene, context, rayhit); break;
-    }
+    embree_context_set(context, coherent, filter);
+    EMBREE_BY_WIDTH(rtcIntersect, scene, context, rayhit)
 }
 
-/* Sets t_far of rays that meet anything to -infinity. */
 static inline void embree_occluded(unsigned width, const int *valid, RTCScene scene, embree_context *context,
                                    bool coherent, void *ray) {
-    context->flags = EMBREE_QUERY_FLAGS(coherent);
-    context->filter = NULL;
-    switch (width) {
-    case 16: rtcOccluded16(valid, scene, context, ray); break;
-    case 8: rtcOccluded8(valid, scene, context, ray); break;
-    case 4: rtcOccluded4(valid, scene, context, ray); break;
-    default: rtcOccluded1(scene, context, ray); break;
-    }
+    embree_context_set(context, coherent, NULL);
+    EMBREE_BY_WIDTH(rtcOccluded, scene, context, ray)
 }
 
-/* Closest hits of a stream: `count` blocks of 16 rays, or `count` rays one by one. Rays whose interval is
- * empty are left out. */
+/* Streams: `count` blocks of 16 rays, or `count` rays one by one. Rays whose interval is empty are left out.
+ */
 static inline void embree_intersect_blocks(RTCScene scene, embree_context *context, bool coherent,
                                            trace_block *blocks, unsigned count) {
-    context->flags = EMBREE_QUERY_FLAGS(coherent);
-    context->filter = NULL;
-    rtcIntersectNM(scene, context, (struct RTCRayHitN *)blocks, TRACE_WIDTH, count, sizeof *blocks);
+    rtcIntersectNM(scene, embree_context_set(context, coherent, NULL), (struct RTCRayHitN *)blocks, LANES,
+                   count, sizeof *blocks);
 }
 static inline void embree_intersect_rays(RTCScene scene, embree_context *context, bool coherent,
                                          struct RTCRayHit *rays, unsigned count) {
-    context->flags = EMBREE_QUERY_FLAGS(coherent);
-    context->filter = NULL;
-    rtcIntersect1M(scene, context, rays, count, sizeof *rays);
+    rtcIntersect1M(scene, embree_context_set(context, coherent, NULL), rays, count, sizeof *rays);
 }
-/* The same for any hit. */
 static inline void embree_occluded_blocks(RTCScene scene, embree_context *context, bool coherent,
                                           trace_block *blocks, unsigned count) {
-    context->flags = EMBREE_QUERY_FLAGS(coherent);
-    context->filter = NULL;
-    rtcOccludedNM(scene, context, (struct RTCRayN *)blocks, TRACE_WIDTH, count, sizeof *blocks);
+    rtcOccludedNM(scene, embree_context_set(context, coherent, NULL), (struct RTCRayN *)blocks, LANES, count,
+                  sizeof *blocks);
 }
 static inline void embree_occluded_rays(RTCScene scene, embree_context *context, bool coherent,
                                         struct RTCRayHit *rays, unsigned count) {
-    context->flags = EMBREE_QUERY_FLAGS(coherent);
-    context->filter = NULL;
-    rtcOccluded1M(scene, context, &rays->ray, count, sizeof *rays);
+    rtcOccluded1M(scene, embree_context_set(context, coherent, NULL), &rays->ray, count, sizeof *rays);
 }
 
 #endif

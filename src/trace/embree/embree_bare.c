@@ -9,46 +9,26 @@ bool embree_bare_possible(const trace_tracer *tracer) {
     return tracer->ops->closest == embree_closest && tracer->ops->any == embree_any;
 }
 
-static uint32_t *packet_at(bare_block *block, unsigned first) {
-    return &block->rows[EMBREE_BARE_ROWS * first];
-}
-
-static void split(const trace_rays *rays, bare_block *out) {
-    _Static_assert(EMBREE_RAY_ROWS + EMBREE_HIT_ROWS <= EMBREE_BARE_ROWS, "a packet's rows");
-    const char *from = (const char *)rays;
-    unsigned width = out->width;
-    for (unsigned first = 0; first < TRACE_WIDTH; first += width) {
-        uint32_t *rows = packet_at(out, first), *hit = rows + EMBREE_RAY_ROWS * width;
-        for (unsigned r = 0; r < EMBREE_RAY_ROWS; ++r) {
-            memcpy(&rows[r * width], from + (r * TRACE_WIDTH + first) * sizeof(float), width * sizeof(float));
-        }
-        for (unsigned i = 0; i < width; ++i) {
-            hit[EMBREE_ROW_GEOMETRY * width + i] = hit[EMBREE_ROW_INSTANCE * width + i] =
-                RTC_INVALID_GEOMETRY_ID;
-        }
-    }
-}
+_Static_assert(EMBREE_BARE_ROWS == EMBREE_PACKET_ROWS, "packets as the tracer has them");
 
 void embree_bare_load_as(const trace_tracer *base, bare_query query, unsigned width, bool coherent,
                          const trace_rays *rays, unsigned lanes, bare_block *out) {
     const embree_tracer *tracer = (const embree_tracer *)base;
-    trace_rays ready = *rays;
+    trace_block ready = {.rays = *rays};
     stretch scale;
-    if (stretch_needed(&ready, lanes)) stretch_rays(&ready, lanes, &scale);
-    tracer->kernels->prepare(tracer, &ready, lanes, query == BARE_ANY ? EMBREE_SHADOWS : EMBREE_SEEN,
+    if (stretch_needed(&ready.rays, lanes)) stretch_rays(&ready.rays, lanes, &scale);
+    tracer->kernels->prepare(tracer, &ready.rays, lanes, query == BARE_ANY ? EMBREE_SHADOWS : EMBREE_SEEN,
                              out->valid);
+    for (unsigned i = 0; i < LANES; ++i)
+        ready.hits.geometry[i] = ready.hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
     bool hangs = query == BARE_ANY && coherent && embree_may_hang(tracer);
     out->lanes = lanes;
     out->width = embree_call_width(tracer, hangs && width > 8 ? 8 : width);
     out->coherent = coherent;
-    if (out->width < TRACE_WIDTH) {
-        split(&ready, out);
-        return;
-    }
-    out->whole.rays = ready;
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
-        out->whole.hits.geometry[i] = out->whole.hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
-    }
+    if (out->width < LANES)
+        tracer->kernels->split(&ready.rays, &ready.hits, out->width, (embree_packets *)(void *)out->rows);
+    else
+        out->whole = ready;
 }
 
 void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherence coherence,
@@ -64,7 +44,7 @@ static void trace_block_bare(const embree_tracer *tracer, bare_query query, embr
     RTCScene scene = tracer->scenes[0];
     for (unsigned first = 0; first < block->lanes; first += block->width) {
         if (block->width == 1 && !block->valid[first]) continue;
-        uint32_t *packet = packet_at(block, first);
+        uint32_t *packet = &block->rows[EMBREE_BARE_ROWS * first];
         if (query == BARE_ANY)
             embree_occluded(block->width, &block->valid[first], scene, context, block->coherent, packet);
         else
@@ -89,7 +69,7 @@ unsigned embree_bare_met(bare_query query, const bare_block *block) {
     unsigned met = 0, width = block->width;
     for (unsigned i = 0; i < block->lanes; ++i) {
         const uint32_t *rows = &block->rows[EMBREE_BARE_ROWS * (i - i % width)];
-        if (width == TRACE_WIDTH) rows = block->rows;
+        if (width == LANES) rows = block->rows;
         float t_far;
         memcpy(&t_far, &rows[EMBREE_ROW_T_FAR * width + i % width], sizeof t_far);
         uint32_t geometry = rows[(EMBREE_RAY_ROWS + EMBREE_ROW_GEOMETRY) * width + i % width];

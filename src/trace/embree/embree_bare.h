@@ -1,5 +1,5 @@
-/* Embree's calls and nothing besides: rays are brought into Embree's form beforehand, and answers stay in it.
- * What any renderer on Embree must spend on the same rays; the tracer is measured against it. */
+/* Embree's calls alone: rays are brought into Embree's form beforehand, and answers stay in it. Any renderer
+ * on Embree must spend this time on the same rays; the tracer is measured against it. */
 #ifndef TRACE_EMBREE_BARE_H
 #define TRACE_EMBREE_BARE_H
 
@@ -13,9 +13,9 @@
 typedef struct bare_block {
     union {
         trace_block whole;
-        _Alignas(64) uint32_t rows[EMBREE_BARE_ROWS * TRACE_WIDTH];
+        _Alignas(64) uint32_t rows[EMBREE_BARE_ROWS * LANES];
     };
-    _Alignas(64) int valid[TRACE_WIDTH];
+    _Alignas(64) int valid[LANES];
     unsigned lanes, width; /* rays in use; rays in a packet */
     bool coherent;
 } bare_block;

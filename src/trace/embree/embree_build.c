@@ -1,7 +1,6 @@
 /* From the world to Embree's scenes: one for each group, instances in the root. */
 #include "reference/reference.h"
 #include "trace/embree/embree.h"
-#include "trace/reach.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,15 +56,15 @@ static unsigned geometry_mask(const embree_tracer *tracer, const world_geometry 
 }
 
 /* Whether a geometry of the group is tested next to the scene. */
-static bool is_beside(const embree_tracer *tracer, const world_group *group, const world_geometry *geometry) {
-    return tracer->beside && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
+static bool is_few(const embree_tracer *tracer, const world_group *group, const world_geometry *geometry) {
+    return tracer->few && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
 }
 
 static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world_group *group) {
     const world *w = tracer->base.world;
     for (uint32_t i = 0; i < group->count; ++i) {
         const world_geometry *geometry = &w->geometries.items[group->first + i];
-        if (!geometry->count || is_beside(tracer, group, geometry)) continue;
+        if (!geometry->count || is_few(tracer, group, geometry)) continue;
         RTCGeometry made = embree_is_native(&tracer->spec, tracer->base.world, geometry)
                                ? embree_native_geometry(tracer->device, tracer->spec.shapes, w, geometry)
                                : embree_user_geometry(tracer->device, w, geometry);
@@ -146,7 +145,7 @@ static fathom_status check_bounds(embree_tracer *tracer, uint32_t index) {
     vec3_f32 p;
     float slack;
     for (uint32_t g = group->first; g < group->first + group->count; ++g) {
-        if (is_beside(tracer, group, &w->geometries.items[g])) continue;
+        if (is_few(tracer, group, &w->geometries.items[g])) continue;
         if (reach_point(w, &w->geometries.items[g], &p) && !holds(&bounds, p, 0))
             return missing(tracer, "geometry", g, p, &bounds);
     }
@@ -245,7 +244,7 @@ fathom_status embree_build(embree_tracer *tracer) {
         status = reach_find(tracer->context, w, placed, &tracer->reach);
     else
         status = fail_memory(tracer->context, w->groups.count * sizeof *tracer->scenes);
-    if (status == FATHOM_OK) status = embree_beside_choose(tracer);
+    if (status == FATHOM_OK) status = embree_spheres_choose(tracer);
     if (status == FATHOM_OK) status = build_all(tracer, placed);
     free(placed);
     return status;

@@ -71,8 +71,7 @@ static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh, bool
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!geometry) return NULL;
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
-                               mesh->position_stride ? mesh->position_stride : 3 * sizeof(float),
-                               mesh->vertex_count);
+                               mesh->position_stride, mesh->vertex_count);
     if (flat) {
         if (copy_indices(geometry, mesh)) return geometry;
         rtcReleaseGeometry(geometry);
@@ -97,21 +96,34 @@ static bool usable(const world_quad *quad) {
     return reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3]);
 }
 
+/* A geometry with buffers of its own for vertices, and for indices unless `corners` is 0. NULL when Embree is
+ * out of memory. */
+static RTCGeometry new_geometry(RTCDevice device, enum RTCGeometryType type, unsigned floats, size_t vertices,
+                                float **vertex, unsigned corners, size_t items, uint32_t **index) {
+    RTCGeometry geometry = rtcNewGeometry(device, type);
+    if (!geometry) return NULL;
+    *vertex = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                      floats == 4 ? RTC_FORMAT_FLOAT4 : RTC_FORMAT_FLOAT3,
+                                      floats * sizeof **vertex, vertices);
+    if (corners)
+        *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+                                         corners == 4 ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
+                                         corners * sizeof **index, items);
+    if (*vertex && (!corners || *index)) return geometry;
+    rtcReleaseGeometry(geometry);
+    return NULL;
+}
+
 /* Quads as the triangles (0,1,3) and (2,3,1), among those of the meshes. Embree keeps a tree for each kind of
  * geometry, and every ray goes through all of them: one QUAD, or one box with a callback, next to a mesh
  * costs each ray a second tree. */
 static RTCGeometry half_geometry(RTCDevice device, const world_quad *quads, uint32_t count) {
     static const uint32_t halves[2][3] = {{0, 1, 3}, {2, 3, 1}};
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float *vertices;
+    uint32_t *indices;
+    RTCGeometry geometry = new_geometry(device, RTC_GEOMETRY_TYPE_TRIANGLE, 3, 4 * (size_t)count, &vertices,
+                                        3, 2 * (size_t)count, &indices);
     if (!geometry) return NULL;
-    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              3 * sizeof(float), 4 * (size_t)count);
-    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                3 * sizeof(uint32_t), 2 * (size_t)count);
-    if (!vertices || !indices) {
-        rtcReleaseGeometry(geometry);
-        return NULL;
-    }
     memcpy(vertices, quads, count * sizeof *quads);
     for (uint32_t k = 0; k < count; ++k) {
         bool met = usable(&quads[k]);
@@ -124,32 +136,23 @@ static RTCGeometry half_geometry(RTCDevice device, const world_quad *quads, uint
 /* Embree splits a QUAD into v0 v1 v3 and v2 v3 v1, as the world's are. Vertices are copied: Embree reads past
  * the end of shared ones. */
 static RTCGeometry quad_geometry(RTCDevice device, const world_quad *quads, uint32_t count) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
+    float *vertices;
+    uint32_t *indices;
+    RTCGeometry geometry =
+        new_geometry(device, RTC_GEOMETRY_TYPE_QUAD, 3, 4 * (size_t)count, &vertices, 4, count, &indices);
     if (!geometry) return NULL;
-    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              3 * sizeof(float), 4 * (size_t)count);
-    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
-                                                4 * sizeof(uint32_t), count);
-    if (!vertices || !indices) {
-        rtcReleaseGeometry(geometry);
-        return NULL;
-    }
     memcpy(vertices, quads, count * sizeof *quads);
     for (uint32_t i = 0; i < 4 * count; ++i) indices[i] = i;
     return geometry;
 }
 _Static_assert(sizeof(world_quad) == 12 * sizeof(float), "four corners, tightly packed");
 
-/* Embree has no more than float for them: what a split sphere has besides is left out. */
+/* Embree has no more than float for them: the second part of a split sphere is left out. */
 static RTCGeometry sphere_geometry(RTCDevice device, const world_sphere *spheres, uint32_t count) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    float *vertices;
+    RTCGeometry geometry =
+        new_geometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, 4, count, &vertices, 0, 0, NULL);
     if (!geometry) return NULL;
-    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                              4 * sizeof(float), count);
-    if (!vertices) {
-        rtcReleaseGeometry(geometry);
-        return NULL;
-    }
     for (uint32_t i = 0; i < count; ++i) {
         store_f32(vertices + 4 * (size_t)i, spheres[i].center);
         vertices[4 * (size_t)i + 3] = spheres[i].radius;

@@ -17,8 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A call whose candidates are all taken down and none accepted. Its rays' masks leave user geometry out, so
- * no callback but the filter ever sees it. */
+/* A call that records all candidates and accepts none. Its rays' masks leave user geometry out, so no
+ * callback but the filter ever sees it. */
 typedef struct gather {
     embree_context context; /* first, so that a callback's context is the gather */
     embree_vote *vote;      /* either this */
@@ -59,13 +59,13 @@ static void gather_filter(const struct RTCFilterFunctionNArguments *args) {
 
 /* Sixteen rays on a cone around the lane's. In double: directions need not be unit, and may be huge. */
 static void surround(const trace_rays *from, unsigned lane, unsigned round, trace_rays *out) {
-    const double apart = ldexp(1, -20 + 2 * (int)round), step = 6.283185307179586 / TRACE_WIDTH;
+    const double apart = ldexp(1, -20 + 2 * (int)round), step = 6.283185307179586 / LANES;
     vec3_f64 d = {(double)from->dir_x[lane], (double)from->dir_y[lane], (double)from->dir_z[lane]};
     vec3_f64 axis = fabs(d.x) < fabs(d.y) ? vec_f64(1, 0, 0) : vec_f64(0, 1, 0);
     vec3_f64 a = normalize_f64(cross_f64(d, axis)), b = cross_f64(normalize_f64(d), a);
     double radius = apart * length_f64(d);
     float far = from->t_far[lane] * (float)(1 + 4 * apart);
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         double angle = (i + 0.38 * (round + 1)) * step;
         vec3_f64 to = madd_f64(madd_f64(d, radius * cos(angle), a), radius * sin(angle), b);
         out->org_x[i] = from->org_x[lane], out->org_y[i] = from->org_y[lane];
@@ -79,17 +79,17 @@ static void surround(const trace_rays *from, unsigned lane, unsigned round, trac
 static bool look_around(const embree_tracer *tracer, const trace_rays *rays, unsigned lane, unsigned round,
                         uint32_t mask, embree_vote *vote) {
     trace_block around;
-    _Alignas(64) int valid[TRACE_WIDTH];
+    _Alignas(64) int valid[LANES];
     gather to = {.vote = vote};
     embree_vote_begin(vote, tracer, rays, lane, rays->t_far[lane]);
     surround(rays, lane, round, &around.rays);
-    tracer->kernels->prepare(tracer, &around.rays, TRACE_WIDTH, mask, valid);
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    tracer->kernels->prepare(tracer, &around.rays, LANES, mask, valid);
+    for (unsigned i = 0; i < LANES; ++i) {
         around.hits.geometry[i] = around.hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
     }
     embree_context_init(&to.context);
     const embree_way way = {tracer->width, true};
-    embree_closest_packets(tracer, &around, valid, TRACE_WIDTH, &way, &to.context, gather_filter);
+    embree_closest_packets(tracer, &around, valid, LANES, &way, &to.context, gather_filter);
     return vote->met.any;
 }
 

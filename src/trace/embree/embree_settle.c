@@ -19,16 +19,16 @@
  * to which of two triangles at an edge in such a plane depends on the tree. So where such a ray meets an edge
  * it is asked once for each side, by directions that lean to it by less than rounding.
  *
- * What is left: a ray that passes an edge within rounding can be accepted by the triangle but skipped by its
- * box, which depends on kernel and tree. None of 4e7 random and camera rays did; of rays aimed at edges and
- * vertices, 2 in a million.
+ * One case remains: a ray that passes an edge within rounding can be accepted by the triangle but skipped by
+ * its box, which depends on kernel and tree. None of 4e7 random and camera rays did; of rays aimed at edges
+ * and vertices, 2 in a million.
  *
- * Nor can this have Embree agree with the reference intersector about every edge. Both decide the side in
- * float, each off by a few units of the distance, so that Embree may offer nothing but the neighbour of what
- * the reference meets: of 4.9 million camera rays, 24 on a sphere of 100 thousand triangles and 78 on one of
- * a million. Two of those 78 pass the rim of what only the reference meets, and meet something farther. What
- * Embree rejects no filter sees, so no vote finds it. Kernels with and without fused products differ among
- * themselves as much. */
+ * Embree and the reference intersector still disagree about some edges. Both decide the side in float, each
+ * off by a few units of the distance, so Embree may offer only the neighbour of what the reference meets: for
+ * 24 of 4.9 million camera rays on a sphere of 100 thousand triangles, and for 78 on one of a million. Two of
+ * those 78 pass the rim of what only the reference meets, and meet something farther. No filter sees what
+ * Embree rejects, so no vote finds it. Kernels with and without fused products differ among themselves as
+ * much. */
 #include "base/kernel.h"
 #include "trace/embree/embree_vote.h"
 
@@ -68,7 +68,7 @@ static __attribute__((noinline)) void filter_any(const struct RTCFilterFunctionN
 /* Whether the rays of a packet are a run of the block's lanes in order, as they are unless Embree regrouped
  * them. */
 static inline __attribute__((always_inline)) bool in_order(const uint32_t *ids, unsigned n) {
-    uint32_t first = ids[0] & (TRACE_WIDTH - n), moved = 0;
+    uint32_t first = ids[0] & (LANES - n), moved = 0;
     for (unsigned i = 0; i < n; ++i) moved |= ids[i] ^ (first + i);
     return !moved;
 }
@@ -83,7 +83,7 @@ filter_packet(const struct RTCFilterFunctionNArguments *args, unsigned n) {
         filter_any(args);
         return;
     }
-    uint32_t first = n == TRACE_WIDTH ? 0 : ids[0];
+    uint32_t first = n == LANES ? 0 : ids[0];
     const int *restrict valid = args->valid;
     float *restrict bests = call->best + first, *restrict fars = call->far + first;
     int *restrict ties = call->tied + first;

@@ -32,7 +32,7 @@ static void bounds_set(struct RTCBounds *out, vec3_f32 lower, vec3_f32 upper, fl
     out->lower_z = nextafterf(lower.z - m, -INFINITY), out->upper_z = nextafterf(upper.z + m, INFINITY);
 }
 
-/* C - R and C + R round by u (|C| + R), a 32nd of the margin; what a split sphere has besides is less. */
+/* C - R and C + R round by u (|C| + R), a 32nd of the margin; the second part of a split sphere is less. */
 static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
     const world_sphere *s = (const world_sphere *)args->geometryUserPtr + args->primID;
     vec3_f32 r = {s->radius, s->radius, s->radius};
@@ -110,84 +110,77 @@ static float packet_end(packet p, unsigned i) {
     return end;
 }
 
-static bool sphere_met(const world_sphere *s, packet p, unsigned i, reference_hit_f32 *hit) {
-    hit->u = hit->v = 0;
-    return search_sphere_robust_f32(s, packet_vector(p, EMBREE_ROW_ORG, i),
-                                    packet_vector(p, EMBREE_ROW_DIR, i), p.ray[EMBREE_ROW_T_NEAR * p.n + i],
-                                    packet_end(p, i), &hit->t);
+/* One primitive of a user geometry. */
+typedef struct shape {
+    world_kind kind;
+    const world_sphere *sphere;
+    const world_quad *quad;
+    vec3_f32 corner[3];
+} shape;
+
+/* `kind` is a constant in each callback, so that only one shape's code is left in it. */
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+
+ALWAYS_INLINE shape shape_of(world_kind kind, const void *first, uint32_t primitive) {
+    shape s = {.kind = kind};
+    switch (kind) {
+    case WORLD_SPHERES: s.sphere = (const world_sphere *)first + primitive; break;
+    case WORLD_QUADS: s.quad = (const world_quad *)first + primitive; break;
+    case WORLD_MESH: search_corners(first, primitive, s.corner); break;
+    }
+    return s;
 }
 
-static bool quad_met(const world_quad *q, packet p, unsigned i, reference_hit_f32 *hit) {
-    return quad_robust_f32(q->corner[0], q->corner[1], q->corner[2], q->corner[3],
-                           packet_vector(p, EMBREE_ROW_ORG, i), packet_vector(p, EMBREE_ROW_DIR, i),
-                           p.ray[EMBREE_ROW_T_NEAR * p.n + i], packet_end(p, i), hit);
+ALWAYS_INLINE bool shape_met(const shape *s, packet p, unsigned i, reference_hit_f32 *hit) {
+    const vec3_f32 org = packet_vector(p, EMBREE_ROW_ORG, i), dir = packet_vector(p, EMBREE_ROW_DIR, i);
+    const float t_near = p.ray[EMBREE_ROW_T_NEAR * p.n + i], t_far = packet_end(p, i);
+    const vec3_f32 *v = s->kind == WORLD_QUADS ? s->quad->corner : s->corner;
+    switch (s->kind) {
+    case WORLD_SPHERES:
+        hit->u = hit->v = 0;
+        return search_sphere_robust_f32(s->sphere, org, dir, t_near, t_far, &hit->t);
+    case WORLD_QUADS: return quad_robust_f32(v[0], v[1], v[2], v[3], org, dir, t_near, t_far, hit);
+    case WORLD_MESH: break;
+    }
+    return triangle_robust_f32(v[0], v[1], v[2], org, dir, t_near, t_far, hit);
 }
 
-static void sphere_closest(const struct RTCIntersectFunctionNArguments *args) {
-    const world_sphere *s = (const world_sphere *)args->geometryUserPtr + args->primID;
+ALWAYS_INLINE vec3_f32 shape_normal(const shape *s, packet p, unsigned i, float t) {
+    const vec3_f32 *v = s->kind == WORLD_QUADS ? s->quad->corner : s->corner;
+    if (s->kind == WORLD_SPHERES)
+        return madd_f32(sub_f32(packet_vector(p, EMBREE_ROW_ORG, i), s->sphere->center), t,
+                        packet_vector(p, EMBREE_ROW_DIR, i));
+    return cross_f32(sub_f32(v[1], v[0]), sub_f32(v[s->kind == WORLD_QUADS ? 3 : 2], v[0]));
+}
+
+ALWAYS_INLINE void packet_closest(const struct RTCIntersectFunctionNArguments *args, world_kind kind) {
+    const shape s = shape_of(kind, args->geometryUserPtr, args->primID);
     packet p = {(float *)(void *)args->rayhit, args->N};
     reference_hit_f32 hit;
     for (unsigned i = 0; i < p.n; ++i) {
-        if (!args->valid[i] || !sphere_met(s, p, i, &hit)) continue;
-        vec3_f32 from = sub_f32(packet_vector(p, EMBREE_ROW_ORG, i), s->center);
-        packet_record(args, p, i, &hit, madd_f32(from, hit.t, packet_vector(p, EMBREE_ROW_DIR, i)));
+        if (args->valid[i] && shape_met(&s, p, i, &hit))
+            packet_record(args, p, i, &hit, shape_normal(&s, p, i, hit.t));
     }
 }
 
-static void quad_closest(const struct RTCIntersectFunctionNArguments *args) {
-    const world_quad *q = (const world_quad *)args->geometryUserPtr + args->primID;
-    packet p = {(float *)(void *)args->rayhit, args->N};
-    vec3_f32 normal = cross_f32(sub_f32(q->corner[1], q->corner[0]), sub_f32(q->corner[3], q->corner[0]));
-    reference_hit_f32 hit;
-    for (unsigned i = 0; i < p.n; ++i) {
-        if (args->valid[i] && quad_met(q, p, i, &hit)) packet_record(args, p, i, &hit, normal);
-    }
-}
-
-static bool triangle_met(const vec3_f32 v[3], packet p, unsigned i, reference_hit_f32 *hit) {
-    return triangle_robust_f32(v[0], v[1], v[2], packet_vector(p, EMBREE_ROW_ORG, i),
-                               packet_vector(p, EMBREE_ROW_DIR, i), p.ray[EMBREE_ROW_T_NEAR * p.n + i],
-                               packet_end(p, i), hit);
-}
-
-static void triangle_closest(const struct RTCIntersectFunctionNArguments *args) {
-    packet p = {(float *)(void *)args->rayhit, args->N};
-    vec3_f32 v[3];
-    search_corners(args->geometryUserPtr, args->primID, v);
-    vec3_f32 normal = cross_f32(sub_f32(v[1], v[0]), sub_f32(v[2], v[0]));
-    reference_hit_f32 hit;
-    for (unsigned i = 0; i < p.n; ++i) {
-        if (args->valid[i] && triangle_met(v, p, i, &hit)) packet_record(args, p, i, &hit, normal);
-    }
-}
-
-static void triangle_any(const struct RTCOccludedFunctionNArguments *args) {
-    packet p = {(float *)(void *)args->ray, args->N};
-    vec3_f32 v[3];
-    search_corners(args->geometryUserPtr, args->primID, v);
-    reference_hit_f32 hit;
-    for (unsigned i = 0; i < p.n; ++i) {
-        if (args->valid[i] && triangle_met(v, p, i, &hit)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
-    }
-}
-
-static void sphere_any(const struct RTCOccludedFunctionNArguments *args) {
-    const world_sphere *s = (const world_sphere *)args->geometryUserPtr + args->primID;
+ALWAYS_INLINE void packet_any(const struct RTCOccludedFunctionNArguments *args, world_kind kind) {
+    const shape s = shape_of(kind, args->geometryUserPtr, args->primID);
     packet p = {(float *)(void *)args->ray, args->N};
     reference_hit_f32 hit;
     for (unsigned i = 0; i < p.n; ++i) {
-        if (args->valid[i] && sphere_met(s, p, i, &hit)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
+        if (args->valid[i] && shape_met(&s, p, i, &hit)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
     }
 }
 
-static void quad_any(const struct RTCOccludedFunctionNArguments *args) {
-    const world_quad *q = (const world_quad *)args->geometryUserPtr + args->primID;
-    packet p = {(float *)(void *)args->ray, args->N};
-    reference_hit_f32 hit;
-    for (unsigned i = 0; i < p.n; ++i) {
-        if (args->valid[i] && quad_met(q, p, i, &hit)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
-    }
-}
+#define CALLBACKS(name, kind)                                                                                \
+    static void name##_closest(const struct RTCIntersectFunctionNArguments *args) {                          \
+        packet_closest(args, kind);                                                                          \
+    }                                                                                                        \
+    static void name##_any(const struct RTCOccludedFunctionNArguments *args) { packet_any(args, kind); }
+
+CALLBACKS(sphere, WORLD_SPHERES)
+CALLBACKS(quad, WORLD_QUADS)
+CALLBACKS(triangle, WORLD_MESH)
 
 /* ---- geometries ---- */
 

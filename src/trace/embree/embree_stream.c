@@ -11,8 +11,8 @@
 
 typedef struct stream {
     trace_block blocks[STREAM];
-    struct RTCRayHit rays[STREAM * TRACE_WIDTH];
-    int valid[STREAM][TRACE_WIDTH];
+    struct RTCRayHit rays[STREAM * LANES];
+    int valid[STREAM][LANES];
     stretch scale[STREAM];
 } stream;
 
@@ -23,21 +23,21 @@ static void stream_load(const embree_tracer *tracer, stream *s, unsigned b, cons
     *rays = *from;
     stretch_rays(rays, lanes, &s->scale[b]);
     tracer->kernels->prepare(tracer, rays, lanes, mask, s->valid[b]);
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         if (s->valid[b][i]) continue;
         rays->org_x[i] = rays->org_y[i] = rays->org_z[i] = rays->dir_x[i] = rays->dir_y[i] = 0;
         rays->dir_z[i] = 1, rays->time[i] = 0, rays->mask[i] = 0, rays->id[i] = i, rays->flags[i] = 0;
         rays->t_near[i] = INFINITY, rays->t_far[i] = -INFINITY;
     }
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) {
+    for (unsigned i = 0; i < LANES; ++i) {
         s->blocks[b].hits.geometry[i] = s->blocks[b].hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
     }
 }
 
 static void rays_load(stream *s, unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
-        const trace_rays *r = &s->blocks[i / TRACE_WIDTH].rays;
-        unsigned k = i % TRACE_WIDTH;
+        const trace_rays *r = &s->blocks[i / LANES].rays;
+        unsigned k = i % LANES;
         s->rays[i] = (struct RTCRayHit){
             .ray = {.org_x = r->org_x[k],
                     .org_y = r->org_y[k],
@@ -55,9 +55,9 @@ static void rays_load(stream *s, unsigned count) {
 
 static void rays_store(stream *s, unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
-        trace_block *to = &s->blocks[i / TRACE_WIDTH];
+        trace_block *to = &s->blocks[i / LANES];
         const struct RTCHit *hit = &s->rays[i].hit;
-        unsigned k = i % TRACE_WIDTH;
+        unsigned k = i % LANES;
         to->rays.t_far[k] = s->rays[i].ray.tfar;
         to->hits.ng_x[k] = hit->Ng_x, to->hits.ng_y[k] = hit->Ng_y, to->hits.ng_z[k] = hit->Ng_z;
         to->hits.u[k] = hit->u, to->hits.v[k] = hit->v;
@@ -85,7 +85,7 @@ void embree_stream_closest(const trace_tracer *base, trace_block *blocks, trace_
     (void)fine;
     const embree_tracer *tracer = (const embree_tracer *)base;
     bool coherent = coherence == TRACE_COHERENT;
-    size_t total = (count + TRACE_WIDTH - 1) / TRACE_WIDTH;
+    size_t total = (count + LANES - 1) / LANES;
     stream s;
     embree_call call;
     embree_call_begin(&call, 0, NULL);
@@ -93,19 +93,18 @@ void embree_stream_closest(const trace_tracer *base, trace_block *blocks, trace_
     for (size_t first = 0; first < total; first += STREAM) {
         unsigned n = total - first < STREAM ? (unsigned)(total - first) : STREAM;
         for (unsigned b = 0; b < n; ++b) {
-            stream_load(tracer, &s, b, &blocks[first + b].rays, embree_lanes(count, first + b), EMBREE_SEEN);
+            stream_load(tracer, &s, b, &blocks[first + b].rays, trace_lanes(count, first + b), EMBREE_SEEN);
         }
         if (tracer->spec.calls == TRACE_CALLS_STREAM_NM) {
             embree_intersect_blocks(tracer->scenes[0], &call.context, coherent, s.blocks, n);
         } else {
-            rays_load(&s, n * TRACE_WIDTH);
-            embree_intersect_rays(tracer->scenes[0], &call.context, coherent, s.rays, n * TRACE_WIDTH);
-            rays_store(&s, n * TRACE_WIDTH);
+            rays_load(&s, n * LANES);
+            embree_intersect_rays(tracer->scenes[0], &call.context, coherent, s.rays, n * LANES);
+            rays_store(&s, n * LANES);
         }
-        for (size_t i = first * TRACE_WIDTH; i < count && i < (first + n) * TRACE_WIDTH; ++i) {
-            size_t b = i / TRACE_WIDTH;
-            lane_store(tracer, &s.blocks[b - first], &s.scale[b - first], &blocks[b],
-                       (unsigned)(i % TRACE_WIDTH));
+        for (size_t i = first * LANES; i < count && i < (first + n) * LANES; ++i) {
+            size_t b = i / LANES;
+            lane_store(tracer, &s.blocks[b - first], &s.scale[b - first], &blocks[b], (unsigned)(i % LANES));
         }
     }
 }
@@ -117,9 +116,9 @@ static void occluded(const embree_tracer *tracer, stream *s, unsigned n, bool co
         embree_occluded_blocks(tracer->scenes[0], &context, coherent, s->blocks, n);
         return;
     }
-    rays_load(s, n * TRACE_WIDTH);
-    embree_occluded_rays(tracer->scenes[0], &context, coherent, s->rays, n * TRACE_WIDTH);
-    rays_store(s, n * TRACE_WIDTH);
+    rays_load(s, n * LANES);
+    embree_occluded_rays(tracer->scenes[0], &context, coherent, s->rays, n * LANES);
+    rays_store(s, n * LANES);
 }
 
 /* Streams of coherent rays run the packet kernels too: where those may hang, the rays go as incoherent. */
@@ -127,16 +126,16 @@ void embree_stream_any(const trace_tracer *base, trace_rays *blocks, size_t coun
                        trace_coherence coherence) {
     const embree_tracer *tracer = (const embree_tracer *)base;
     bool coherent = coherence == TRACE_COHERENT && !embree_may_hang(tracer);
-    size_t total = (count + TRACE_WIDTH - 1) / TRACE_WIDTH;
+    size_t total = (count + LANES - 1) / LANES;
     stream s;
     for (size_t first = 0; first < total; first += STREAM) {
         unsigned n = total - first < STREAM ? (unsigned)(total - first) : STREAM;
         for (unsigned b = 0; b < n; ++b) {
-            stream_load(tracer, &s, b, &blocks[first + b], embree_lanes(count, first + b), EMBREE_SHADOWS);
+            stream_load(tracer, &s, b, &blocks[first + b], trace_lanes(count, first + b), EMBREE_SHADOWS);
         }
         occluded(tracer, &s, n, coherent);
-        for (size_t i = first * TRACE_WIDTH; i < count && i < (first + n) * TRACE_WIDTH; ++i) {
-            size_t b = i / TRACE_WIDTH, lane = i % TRACE_WIDTH;
+        for (size_t i = first * LANES; i < count && i < (first + n) * LANES; ++i) {
+            size_t b = i / LANES, lane = i % LANES;
             bool met = s.valid[b - first][lane] && s.blocks[b - first].rays.t_far[lane] < 0;
             if (met) blocks[b].t_far[lane] = -INFINITY;
         }

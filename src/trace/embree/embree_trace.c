@@ -18,7 +18,7 @@ const embree_kernels *embree_kernels_best(void) {
 void embree_closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
                             const embree_way *way, embree_context *context, RTCFilterFunctionN filter) {
     const unsigned width = way->width;
-    if (width == TRACE_WIDTH) {
+    if (width == LANES) {
         embree_intersect(width, valid, tracer->scenes[0], context, way->coherent, filter, block);
         return;
     }
@@ -52,8 +52,8 @@ void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned la
     join_halves(tracer, hits, lane);
 }
 
-/* The ids of all that was met, Embree's until now, become the world's. Without instances there is one group,
- * whose geometries come first. */
+/* Turns Embree's ids of hits into the world's. Without instances there is one group, whose geometries come
+ * first. */
 static void translate(const embree_tracer *tracer, trace_hits *hits, unsigned lanes) {
     const bool instances = tracer->base.world->instances.count > 0;
     for (unsigned i = 0; (instances || tracer->halved) && i < lanes; ++i) {
@@ -86,16 +86,11 @@ static bool closest_block(const embree_tracer *tracer, trace_block *block, unsig
     bool tied = tracer->kernels->end_closest(block, lanes, &asked, &call);
     translate(tracer, &block->hits, lanes);
     if (tied) settle(tracer, block, lanes, &call);
-    if (tracer->beside) embree_beside_closest(tracer, block, lanes, &asked);
+    if (tracer->few) embree_spheres_closest(tracer, block, lanes, &asked);
     return true;
 }
 
-unsigned embree_lanes(size_t count, size_t block) {
-    size_t left = count - block * TRACE_WIDTH;
-    return left < TRACE_WIDTH ? (unsigned)left : TRACE_WIDTH;
-}
-
-/* By a copy, since the caller's rays stay as they are but for t_far. */
+/* Traces a copy, because only t_far of the caller's rays may change. */
 static __attribute__((noinline)) void closest_stretched(const embree_tracer *tracer, trace_block *block,
                                                         unsigned lanes, trace_coherence coherence) {
     trace_block scaled = *block;
@@ -113,8 +108,8 @@ static __attribute__((noinline)) void closest_stretched(const embree_tracer *tra
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence) {
     (void)fine;
-    for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
-        unsigned lanes = embree_lanes(count, b);
+    for (size_t b = 0; b * LANES < count; ++b) {
+        unsigned lanes = trace_lanes(count, b);
         if (!closest_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherence))
             closest_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherence);
     }
@@ -135,7 +130,7 @@ static void any_packets(const embree_tracer *tracer, trace_rays *rays, const int
     tracer->kernels->join(&packets, width, rays, NULL);
 }
 
-/* Four kernels may; which two they are besides those of embree_api.h is not known, so Embree's own quads and
+/* Four kernels may hang. Two are known (embree_api.h); because the others are not, Embree's own quads and
  * spheres are not trusted either. */
 bool embree_may_hang(const embree_tracer *tracer) {
     trace_shapes shapes = tracer->spec.shapes;
@@ -150,13 +145,13 @@ static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     embree_context context;
     embree_context_init(&context);
     const embree_way way = embree_way_any(tracer, coherence);
-    if (way.width == TRACE_WIDTH) {
-        embree_occluded(TRACE_WIDTH, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
+    if (way.width == LANES) {
+        embree_occluded(LANES, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
     } else {
         any_packets(tracer, rays, asked.valid, lanes, &way, &context);
     }
     tracer->kernels->end_any(rays, lanes, &asked);
-    if (tracer->beside) embree_beside_any(tracer, rays, lanes, &asked);
+    if (tracer->few) embree_spheres_any(tracer, rays, lanes, &asked);
     return true;
 }
 
@@ -172,8 +167,8 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
 }
 
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
-    for (size_t b = 0; b * TRACE_WIDTH < count; ++b) {
-        unsigned lanes = embree_lanes(count, b);
+    for (size_t b = 0; b * LANES < count; ++b) {
+        unsigned lanes = trace_lanes(count, b);
         if (!any_block((const embree_tracer *)tracer, &blocks[b], lanes, false, coherence))
             any_stretched((const embree_tracer *)tracer, &blocks[b], lanes, coherence);
     }

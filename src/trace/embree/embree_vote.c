@@ -27,20 +27,10 @@ static void take_ids(const embree_tracer *tracer, const uint32_t ids[3], embree_
 
 /* Whether it is the best so far. */
 static bool try_primitive(search_f32 *s, const uint32_t ids[3]) {
-    const world *w = s->world;
-    const world_geometry *geometry = &w->geometries.items[ids[1]];
+    const world_geometry *geometry = &s->world->geometries.items[ids[1]];
     search_enter_f32(s, ids[0]);
     s->at[1] = ids[1];
-    switch (geometry->kind) {
-    case WORLD_SPHERES: search_sphere_f32(s, &w->spheres.items[geometry->first + ids[2]], ids[2]); break;
-    case WORLD_QUADS: search_quad_f32(s, &w->quads.items[geometry->first + ids[2]], ids[2]); break;
-    case WORLD_MESH: {
-        vec3_f32 corner[3];
-        search_corners(&w->meshes.items[geometry->first], ids[2], corner);
-        search_triangle_f32(s, corner, ids[2]);
-        break;
-    }
-    }
+    search_primitive_f32(s, geometry, ids[2]);
     return s->met && memcmp(s->best_ids, ids, sizeof s->best_ids) == 0;
 }
 

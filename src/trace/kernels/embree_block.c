@@ -1,4 +1,4 @@
-/* What is done to a block of rays around Embree's call. */
+/* The work on a block of rays before and after Embree's call. */
 #include "base/kernel.h"
 #include "trace/embree/embree.h"
 #include "trace/stretch.h"
@@ -9,13 +9,12 @@
 
 /* ---- before ---- */
 
-/* Embree can abort on numbers that are not finite or too large for it, so such lanes never reach it, and meet
- * nothing. */
+/* Embree can abort on numbers that are not finite or too large. Such lanes never reach it and miss. */
 static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restrict rays, unsigned lanes,
                                   uint32_t mask, int *restrict valid) {
     const float reach = tracer->reach.origin,
                 longest = tracer->reach.direction; /* and no NaN is within them */
-    for (unsigned i = lanes; i < TRACE_WIDTH; ++i) valid[i] = 0;
+    for (unsigned i = lanes; i < LANES; ++i) valid[i] = 0;
     for (unsigned i = 0; i < lanes; ++i) {
         bool from = (fabsf(rays->org_x[i]) <= reach) & (fabsf(rays->org_y[i]) <= reach) &
                     (fabsf(rays->org_z[i]) <= reach);
@@ -33,7 +32,7 @@ static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restr
 }
 
 static void prepare_lanes(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
-                          int valid[TRACE_WIDTH]) {
+                          int valid[LANES]) {
     prepare(tracer, rays, lanes, mask, valid);
 }
 
@@ -55,21 +54,21 @@ static ALWAYS_INLINE bool begin_closest_lanes(const embree_tracer *tracer, trace
         block->hits.geometry[i] = block->hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
         call->far[i] = block->rays.t_far[i];
     }
-    for (unsigned i = 0; i < TRACE_WIDTH; ++i) call->best[i] = INFINITY, call->tied[i] = 0;
+    for (unsigned i = 0; i < LANES; ++i) call->best[i] = INFINITY, call->tied[i] = 0;
     return true;
 }
 
-/* Nearly all blocks are full, and loops of known length have no ends to look after. */
+/* Nearly all blocks are full, and loops of known length need no code for their ends. */
 static bool begin_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           embree_asked *asked, embree_call *call) {
-    return lanes == TRACE_WIDTH ? begin_closest_lanes(tracer, block, TRACE_WIDTH, scaled, asked, call)
-                                : begin_closest_lanes(tracer, block, lanes, scaled, asked, call);
+    return lanes == LANES ? begin_closest_lanes(tracer, block, LANES, scaled, asked, call)
+                          : begin_closest_lanes(tracer, block, lanes, scaled, asked, call);
 }
 
 static bool begin_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
                       embree_asked *asked) {
-    return lanes == TRACE_WIDTH ? begin(tracer, rays, TRACE_WIDTH, EMBREE_SHADOWS, scaled, asked)
-                                : begin(tracer, rays, lanes, EMBREE_SHADOWS, scaled, asked);
+    return lanes == LANES ? begin(tracer, rays, LANES, EMBREE_SHADOWS, scaled, asked)
+                          : begin(tracer, rays, lanes, EMBREE_SHADOWS, scaled, asked);
 }
 
 /* Whether all directions are within a limit of the first. */
@@ -87,13 +86,13 @@ static ALWAYS_INLINE embree_spread spread_lanes(const trace_rays *restrict rays,
 }
 
 static embree_spread spread(const trace_rays *rays, unsigned lanes) {
-    return lanes == TRACE_WIDTH ? spread_lanes(rays, TRACE_WIDTH) : spread_lanes(rays, lanes);
+    return lanes == LANES ? spread_lanes(rays, LANES) : spread_lanes(rays, lanes);
 }
 
 /* ---- packets ---- */
 
-/* What a packet's kernel loads whole it has to find stored whole, or it waits for the store. Where no tuning
- * says otherwise, gcc copies 32 bytes by two moves of 16. */
+/* A packet's kernel waits where it loads a row whole that was stored in parts. Without tuning flags gcc
+ * copies 32 bytes by two moves of 16. */
 typedef uint32_t row_of_8 __attribute__((vector_size(32), aligned(4), may_alias));
 
 static ALWAYS_INLINE void copy_row(uint32_t *to, const uint32_t *from, unsigned width) {
@@ -114,43 +113,39 @@ static ALWAYS_INLINE void copy_rows(uint32_t *to, unsigned to_row, const uint32_
 static ALWAYS_INLINE void split_by(unsigned width, const trace_rays *rays, const trace_hits *hits,
                                    embree_packets *out) {
     const uint32_t *ray = (const uint32_t *)(const void *)rays, *hit = (const uint32_t *)(const void *)hits;
-    for (unsigned first = 0; first < TRACE_WIDTH; first += width) {
+    for (unsigned first = 0; first < LANES; first += width) {
         uint32_t *to = embree_packet(out, first);
-        copy_rows(to, width, ray + first, TRACE_WIDTH, EMBREE_RAY_ROWS, width);
-        if (hit) copy_rows(to + EMBREE_RAY_ROWS * width, width, hit + first, TRACE_WIDTH, HIT_ROWS, width);
+        copy_rows(to, width, ray + first, LANES, EMBREE_RAY_ROWS, width);
+        if (hit) copy_rows(to + EMBREE_RAY_ROWS * width, width, hit + first, LANES, HIT_ROWS, width);
     }
 }
 
 static void split(const trace_rays *rays, const trace_hits *hits, unsigned width, embree_packets *out) {
-    switch (width) {
-    case 8: split_by(8, rays, hits, out); break;
-    case 4: split_by(4, rays, hits, out); break;
-    default: split_by(1, rays, hits, out); break;
-    }
+    if (width == 8) split_by(8, rays, hits, out);
+    if (width == 4) split_by(4, rays, hits, out);
+    if (width == 1) split_by(1, rays, hits, out);
 }
 
 static ALWAYS_INLINE void join_by(unsigned width, const embree_packets *packets, trace_rays *rays,
                                   trace_hits *hits) {
     uint32_t *hit = (uint32_t *)(void *)hits;
-    for (unsigned first = 0; first < TRACE_WIDTH; first += width) {
+    for (unsigned first = 0; first < LANES; first += width) {
         const uint32_t *from = &packets->rows[EMBREE_PACKET_ROWS * first];
         memcpy(&rays->t_far[first], from + EMBREE_ROW_T_FAR * width, width * sizeof *rays->t_far);
-        if (hit) copy_rows(hit + first, TRACE_WIDTH, from + EMBREE_RAY_ROWS * width, width, HIT_ROWS, width);
+        if (hit) copy_rows(hit + first, LANES, from + EMBREE_RAY_ROWS * width, width, HIT_ROWS, width);
     }
 }
 
 static void join(const embree_packets *from, unsigned width, trace_rays *rays, trace_hits *hits) {
-    switch (width) {
-    case 8: join_by(8, from, rays, hits); break;
-    case 4: join_by(4, from, rays, hits); break;
-    default: join_by(1, from, rays, hits); break;
-    }
+    if (width == 8) join_by(8, from, rays, hits);
+    if (width == 4) join_by(4, from, rays, hits);
+    if (width == 1) join_by(1, from, rays, hits);
 }
 
 /* ---- after ---- */
 
-/* Of barycentric coordinates, whose rounding it exceeds on triangles that are seen from up to 2^10 times
- * their size. */
+/* In barycentric coordinates: more than their rounding on triangles that are seen from up to 2^10 times their
+ * size. */
 #define EDGE 0x1p-12f
 
 /* Where embree_settle.c has to ask for both sides of a box: hits at an edge by a ray along an axis. */
@@ -180,8 +175,8 @@ static ALWAYS_INLINE uint32_t end_closest_lanes(trace_block *restrict block, uns
 }
 
 static bool end_closest(trace_block *block, unsigned lanes, const embree_asked *asked, embree_call *call) {
-    return lanes == TRACE_WIDTH ? end_closest_lanes(block, TRACE_WIDTH, asked, call)
-                                : end_closest_lanes(block, lanes, asked, call);
+    return lanes == LANES ? end_closest_lanes(block, LANES, asked, call)
+                          : end_closest_lanes(block, lanes, asked, call);
 }
 
 static ALWAYS_INLINE void end_any_lanes(trace_rays *restrict rays, unsigned lanes,
@@ -194,8 +189,8 @@ static ALWAYS_INLINE void end_any_lanes(trace_rays *restrict rays, unsigned lane
 }
 
 static void end_any(trace_rays *rays, unsigned lanes, const embree_asked *asked) {
-    if (lanes == TRACE_WIDTH)
-        end_any_lanes(rays, TRACE_WIDTH, asked);
+    if (lanes == LANES)
+        end_any_lanes(rays, LANES, asked);
     else
         end_any_lanes(rays, lanes, asked);
 }

@@ -1,6 +1,5 @@
 /* Linear search ray by ray, in any precision and form: every ray against every primitive, in world order. The
  * form that renders, robust and in float, has blocks of its own in linear.c. */
-#include "trace/linear/linear.h"
 #include "trace/search.h"
 
 #include <stdio.h>

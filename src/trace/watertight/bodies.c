@@ -1,6 +1,6 @@
-#include "scene/mesh/pieces.h"
+#include "trace/watertight/bodies.h"
+#include "scene/mesh/closed.h"
 #include "trace/search.h"
-#include "trace/watertight/bodies_finder.h"
 
 #include <stdlib.h>
 

@@ -1,10 +1,10 @@
-#include "trace/watertight/bodies_finder.h"
+#include "trace/watertight/bodies.h"
 
 static const depth_span anything = {0, BODIES_ANY};
 
 /* ---- from a point ---- */
 
-/* A surface whose surroundings are asked for: a body, or all that an instance places. */
+/* A surface whose surroundings are wanted: a body, or everything that an instance places. */
 typedef struct surface {
     uint32_t group, instance, body;
     vec3_f32 points[SAMPLES];
@@ -125,7 +125,7 @@ static bool push_box(finder *f, body_box box, uint32_t owner, uint8_t count) {
     return !count || array_push(&f->boxes, ((owned_box){box, owner}));
 }
 
-/* Of the closed bodies in a group's own space. */
+/* Finds the boxes of the closed bodies in a group's own space. */
 static bool find_boxes(finder *f, uint32_t group) {
     const world_group *g = &f->world->groups.items[group];
     const uint32_t geometries = (uint32_t)f->world->geometries.count;
@@ -141,7 +141,7 @@ static bool find_boxes(finder *f, uint32_t group) {
     return true;
 }
 
-/* Those that the root's are, for watertight.c. */
+/* Keeps the root's boxes for watertight.c. */
 static void keep_boxes(finder *f) {
     bodies *b = f->out;
     body_box all = box_none();

@@ -2,7 +2,6 @@
 
 #include "base/kernel.h"
 #include "trace/watertight/bodies.h"
-#include "trace/watertight/watertight_kernels.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +67,7 @@ static const trace_body *body_met(const watertight *w, const trace_block *block,
  * of the instance. */
 static bool leaves(const watertight *w, const trace_block *block, unsigned lane, facing face) {
     const trace_hits *h = &block->hits;
-    vec3_f32 d = {block->rays.dir_x[lane], block->rays.dir_y[lane], block->rays.dir_z[lane]};
+    vec3_f32 d = trace_dir(&block->rays, lane);
     vec3_f32 n = {h->ng_x[lane], h->ng_y[lane], h->ng_z[lane]};
     if (h->instance[lane] != FATHOM_NONE) {
         const float(*m)[4] = w->tracer->world->instances.items[h->instance[lane]].to_object;
@@ -140,7 +139,7 @@ static bool are_possible_from_outside(const watertight *w, const trace_block *bl
 /* The lanes, as bits, whose answer cannot be right. */
 static unsigned wrong_lanes(const watertight *w, const trace_block *block, const uint8_t *depth,
                             unsigned lanes) {
-    static const uint8_t outside[TRACE_WIDTH];
+    static const uint8_t outside[LANES];
     unsigned found = 0;
     if (memcmp(depth, outside, lanes) == 0 && are_possible_from_outside(w, block, lanes)) return 0;
     for (unsigned i = 0; i < lanes; ++i)
@@ -168,14 +167,13 @@ watertight_sides watertight_sides_of(const watertight *w, const trace_block *blo
 
 /* ---- asking again ---- */
 
-/* Whether all that the lane's line crosses agrees with its depth: then the answer may be right after all,
- * where bodies cross or touch and what lies around a surface is not the same everywhere. */
+/* Whether everything that the lane's line crosses agrees with its depth. Then the answer may be right after
+ * all: where bodies cross or touch, a surface's surroundings vary. */
 static bool is_explained(const watertight *w, const trace_block *block, unsigned lane, uint8_t depth) {
     const trace_rays *r = &block->rays;
-    vec3_f32 org = {r->org_x[lane], r->org_y[lane], r->org_z[lane]};
-    vec3_f32 dir = {r->dir_x[lane], r->dir_y[lane], r->dir_z[lane]};
     uint8_t found;
-    if (block->hits.geometry[lane] == FATHOM_NONE || !depth_along(w, org, dir, &found)) return false;
+    if (block->hits.geometry[lane] == FATHOM_NONE) return false;
+    if (!depth_along(w, trace_org(r, lane), trace_dir(r, lane), &found)) return false;
     return total_of(found) == total_of(depth);
 }
 
@@ -194,7 +192,7 @@ static unsigned explained_lanes(const watertight *w, const trace_block *block, c
     return found;
 }
 
-unsigned watertight_closest(const watertight *w, trace_block *block, const uint8_t depth[TRACE_WIDTH],
+unsigned watertight_closest(const watertight *w, trace_block *block, const uint8_t depth[LANES],
                             unsigned lanes) {
     unsigned changed = 0, wrong = wrong_lanes(w, block, depth, lanes);
     for (unsigned k = 0; wrong && k < ROUNDS; ++k) {
@@ -207,8 +205,8 @@ unsigned watertight_closest(const watertight *w, trace_block *block, const uint8
     return (unsigned)__builtin_popcount(changed);
 }
 
-unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t depth[TRACE_WIDTH],
-                        const uint8_t end_depth[TRACE_WIDTH], unsigned lanes) {
+unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t depth[LANES],
+                        const uint8_t end_depth[LANES], unsigned lanes) {
     unsigned changed = 0;
     for (unsigned i = 0; i < lanes; ++i) {
         if (end_depth[i] == WATERTIGHT_UNSURE) continue;

@@ -39,8 +39,8 @@ static inline ball ball_neg(ball a) { return (ball){-a.value, a.error}; }
 static inline ball ball_add(ball a, ball b) {
     real_f128 r = a.value + b.value;
     if (a.error == 0 && b.error == 0) {
-        /* Differences of floats are exact as a rule. Of the larger part and the sum, the difference is exact
-         * (Dekker's fast two-sum), and so is what it tells about the lost part. */
+        /* Differences of floats are mostly exact. The difference of the sum and the larger part is exact
+         * (Dekker's fast two-sum), so it shows the lost part. */
         bool first = abs_f128(a.value) >= abs_f128(b.value);
         real_f128 large = first ? a.value : b.value, small = first ? b.value : a.value;
         if (r - large == small) return (ball){r, 0};

@@ -1,5 +1,4 @@
 #include "verify/exact/exact.h"
-#include "verify/exact/solution.h"
 
 /* A ray in the primitive's space, and the primitive's points seen from its origin. */
 typedef struct exact_view {
@@ -38,9 +37,11 @@ static void lower_exponent(int *exponent, const dyadic_sum *sum) {
 /* *r += sign 2^-exponent sum */
 static void accumulate(integer *r, const dyadic_sum *sum, int exponent, int sign) {
     integer term;
+    integer_init(&term);
     for (int i = 0; i < sum->count; ++i) {
-        integer_set(&term, sign * sum->term[i].m, (unsigned)(sum->term[i].e - exponent));
-        integer_add(r, r, &term);
+        mpz_set_si(term.z, sign * sum->term[i].m);
+        mpz_mul_2exp(term.z, term.z, (mp_bitcnt_t)(sum->term[i].e - exponent));
+        mpz_add(r->z, r->z, term.z);
     }
 }
 
@@ -80,10 +81,10 @@ static void view(const oracle_ray *ray, const oracle_primitive *primitive, int p
     if (pe == 1000) pe = 0; /* nothing but zeros */
     if (de == 1000) de = 0;
     for (int i = 0; i < 3; ++i) {
-        out->dir[i].size = 0;
+        integer_init(&out->dir[i]);
         accumulate(&out->dir[i], &dir[i], de, 1);
         for (int k = 0; k < points; ++k) {
-            out->from_org[k][i].size = 0;
+            integer_init(&out->from_org[k][i]);
             accumulate(&out->from_org[k][i], &point[k][i], pe, 1);
             accumulate(&out->from_org[k][i], &org[i], pe, -1);
         }
@@ -94,8 +95,8 @@ static void view(const oracle_ray *ray, const oracle_primitive *primitive, int p
 /* ---- spheres ---- */
 
 typedef struct exact_sphere {
-    integer a, b, D, r2; /* |d|², f·d, b² - a (|f|² - R²) with f = E - C; R² */
-    int scale;           /* t = 2^scale (-b ± √D) / a */
+    integer a, b, D, r2; /* |d|², -f·d, b² - a (|f|² - R²) with f = E - C; R² */
+    int scale;           /* t = 2^scale (b ± √D) / a */
 } exact_sphere;
 
 static void sphere_of(const oracle_ray *ray, const oracle_primitive *sphere, exact_sphere *out) {
@@ -103,28 +104,22 @@ static void sphere_of(const oracle_ray *ray, const oracle_primitive *sphere, exa
     view(ray, sphere, 1, &v);
     integer radius, c, product;
     dyadic_sum r = radius_of(sphere);
-    radius.size = 0;
+    integer_init(&radius), integer_init(&product), integer_init(&out->r2), integer_init(&out->D);
     accumulate(&radius, &r, v.point_exponent, 1);
-    integer_mul(&out->r2, &radius, &radius);
+    mpz_mul(out->r2.z, radius.z, radius.z);
     integer_dot(&out->a, v.dir, v.dir);
-    integer_dot(&out->b, v.from_org[0], v.dir);
-    integer_negate(&out->b); /* from_org is C - E */
+    integer_dot(&out->b, v.from_org[0], v.dir); /* from_org is C - E */
     integer_dot(&c, v.from_org[0], v.from_org[0]);
-    integer_sub(&c, &c, &out->r2);
-    integer_mul(&product, &out->a, &c);
-    integer_mul(&out->D, &out->b, &out->b);
-    integer_sub(&out->D, &out->D, &product);
+    mpz_sub(c.z, c.z, out->r2.z);
+    mpz_mul(product.z, out->a.z, c.z);
+    mpz_mul(out->D.z, out->b.z, out->b.z);
+    mpz_sub(out->D.z, out->D.z, product.z);
     out->scale = v.point_exponent - v.dir_exponent;
 }
 
 /* s = 0: the closest approach. */
 static void root_of_sphere(const exact_sphere *sphere, int s, exact_root *out) {
-    integer_copy(&out->p, &sphere->b);
-    integer_negate(&out->p);
-    integer_copy(&out->q, &sphere->a);
-    integer_copy(&out->d, &sphere->D);
-    out->s = s;
-    exact_root_scale(out, sphere->scale);
+    exact_root_set(out, &sphere->b, s, &sphere->D, &sphere->a, sphere->scale);
 }
 
 /* ---- triangles and planes ---- */
@@ -139,12 +134,12 @@ typedef struct exact_plane {
 static void triangle_of(const oracle_ray *ray, const oracle_primitive *triangle, exact_plane *out) {
     exact_view v;
     view(ray, triangle, 3, &v);
-    out->along.size = 0;
+    integer_init(&out->along);
     for (int k = 0; k < 3; ++k) {
         integer cross[3];
         integer_cross(cross, v.from_org[(k + 1) % 3], v.from_org[(k + 2) % 3]);
         integer_dot(&out->edge[k], v.dir, cross);
-        integer_add(&out->along, &out->along, &out->edge[k]);
+        mpz_add(out->along.z, out->along.z, out->edge[k].z);
         if (k == 0) integer_dot(&out->n, v.from_org[0], cross);
     }
     out->scale = v.point_exponent - v.dir_exponent;
@@ -157,7 +152,9 @@ static void plane_of(const oracle_ray *ray, const oracle_primitive *plane, exact
     integer normal[3];
     for (int i = 0; i < 3; ++i) {
         dyadic d = dyadic_of(n[i]);
-        integer_set(&normal[i], d.m, (unsigned)(d.e + 149)); /* its length does not count */
+        integer_init(&normal[i]);
+        mpz_set_si(normal[i].z, d.m);
+        mpz_mul_2exp(normal[i].z, normal[i].z, (mp_bitcnt_t)(d.e + 149)); /* its length does not count */
     }
     integer_dot(&out->n, v.from_org[0], normal);
     integer_dot(&out->along, v.dir, normal);
@@ -165,14 +162,10 @@ static void plane_of(const oracle_ray *ray, const oracle_primitive *plane, exact
 }
 
 static void root_of_plane(const exact_plane *plane, exact_root *out) {
-    integer_copy(&out->p, &plane->n);
-    integer_copy(&out->q, &plane->along);
-    if (out->q.size < 0) {
-        integer_negate(&out->p);
-        integer_negate(&out->q);
-    }
-    out->s = 0;
-    exact_root_scale(out, plane->scale);
+    exact_root_set(out, &plane->n, 0, NULL, &plane->along, plane->scale);
+    if (mpz_sgn(out->q.z) > 0) return;
+    mpz_neg(out->p.z, out->p.z);
+    mpz_neg(out->q.z, out->q.z);
 }
 
 /* ---- both ---- */
@@ -193,10 +186,7 @@ void exact_root_of(const oracle_ray *ray, const oracle_primitive *primitive, uns
 static ball from_end(const exact_root *root, float end, int sign) {
     if (isinf(end)) return (ball){sign * (end < 0 ? HUGE_VAL : -HUGE_VAL), 0};
     exact_root difference;
-    integer_copy(&difference.p, &root->p);
-    integer_copy(&difference.q, &root->q);
-    if (root->s) integer_copy(&difference.d, &root->d);
-    difference.s = root->s;
+    exact_root_set(&difference, &root->p, root->s, &root->d, &root->q, 0);
     exact_root_subtract(&difference, dyadic_of(end));
     ball distance = exact_root_ball(&difference);
     return sign < 0 ? ball_neg(distance) : distance;
@@ -212,12 +202,13 @@ static void solve_sphere(const oracle_ray *ray, const oracle_primitive *primitiv
     exact_sphere sphere;
     exact_root root;
     sphere_of(ray, primitive, &sphere);
-    out->parallel = sphere.a.size == 0;
+    out->parallel = mpz_sgn(sphere.a.z) == 0;
     if (out->parallel) return;
     integer whole;
-    integer_mul(&whole, &sphere.a, &sphere.r2);
+    integer_init(&whole);
+    mpz_mul(whole.z, sphere.a.z, sphere.r2.z);
     out->edge = ball_div(integer_ball(&sphere.D), integer_ball(&whole));
-    out->roots = integer_sign(&sphere.D) < 0 ? 0 : 2;
+    out->roots = mpz_sgn(sphere.D.z) < 0 ? 0 : 2;
     if (!out->roots) {
         root_of_sphere(&sphere, 0, &root);
         out->t[0] = exact_root_ball(&root);
@@ -237,7 +228,7 @@ void exact_solve(const oracle_ray *ray, const oracle_primitive *primitive, solut
     exact_plane plane;
     exact_root root;
     (primitive->shape == ORACLE_PLANE ? plane_of : triangle_of)(ray, primitive, &plane);
-    out->parallel = plane.along.size == 0;
+    out->parallel = mpz_sgn(plane.along.z) == 0;
     if (out->parallel) return;
     out->roots = 1;
     root_of_plane(&plane, &root);

@@ -1,8 +1,45 @@
-#include "verify/exact/exact_root.h"
+#include "verify/exact/exact.h"
 
 #include <string.h>
 
-/* By its bits, whatever the thread's mode does with denormals. */
+/* ---- whole numbers ---- */
+
+_Static_assert(GMP_NUMB_BITS == 64, "limbs of 64 bits");
+
+void integer_dot(integer *r, const integer a[3], const integer b[3]) {
+    integer_init(r);
+    integer product;
+    integer_init(&product);
+    for (int i = 0; i < 3; ++i) {
+        mpz_mul(product.z, a[i].z, b[i].z);
+        mpz_add(r->z, r->z, product.z);
+    }
+}
+
+void integer_cross(integer r[3], const integer a[3], const integer b[3]) {
+    integer product;
+    integer_init(&product);
+    for (int i = 0; i < 3; ++i) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        integer_init(&r[i]);
+        mpz_mul(r[i].z, a[j].z, b[k].z);
+        mpz_mul(product.z, a[k].z, b[j].z);
+        mpz_sub(r[i].z, r[i].z, product.z);
+    }
+}
+
+/* The upper three limbs hold at least 129 bits: dropping the others changes less than 2^-128, and the two
+ * sums round by 2^-113 each. Scaling by powers of two is exact. */
+ball integer_ball(const integer *a) {
+    int n = (int)mpz_size(a->z), low = n > 3 ? n - 3 : 0;
+    real_f128 value = 0;
+    for (int i = n - 1; i >= low; --i) value = value * (real_f128)0x1p64 + (real_f128)mpz_getlimbn(a->z, i);
+    for (int i = 0; i < low; ++i) value *= (real_f128)0x1p64;
+    long double error = n > 1 ? (long double)value * 0x1p-111L : 0;
+    return (ball){mpz_sgn(a->z) < 0 ? -value : value, error};
+}
+
+/* Reads the bits, whatever the thread's mode does with denormals. */
 dyadic dyadic_of(float x) {
     uint32_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -15,70 +52,82 @@ dyadic dyadic_of(float x) {
     return d;
 }
 
-void exact_root_scale(exact_root *r, int bits) {
+/* ---- roots ---- */
+
+/* *r = *r 2^bits */
+static void scale(exact_root *r, int bits) {
     if (bits < 0) {
-        integer_shift(&r->q, (unsigned)-bits);
+        mpz_mul_2exp(r->q.z, r->q.z, (mp_bitcnt_t)-bits);
         return;
     }
-    integer_shift(&r->p, (unsigned)bits);
-    if (r->s) integer_shift(&r->d, 2 * (unsigned)bits);
+    mpz_mul_2exp(r->p.z, r->p.z, (mp_bitcnt_t)bits);
+    if (r->s) mpz_mul_2exp(r->d.z, r->d.z, 2 * (mp_bitcnt_t)bits);
+}
+
+void exact_root_set(exact_root *r, const integer *p, int s, const integer *d, const integer *q, int bits) {
+    integer_init(&r->p), integer_init(&r->d), integer_init(&r->q);
+    mpz_set(r->p.z, p->z), mpz_set(r->q.z, q->z);
+    if (s) mpz_set(r->d.z, d->z);
+    r->s = s;
+    scale(r, bits);
 }
 
 /* (p + s √d) / q - m 2^e. For e < 0 numerator and denominator are scaled first. */
 void exact_root_subtract(exact_root *r, dyadic x) {
     integer m, product;
     if (x.m == 0) return;
-    if (x.e < 0) exact_root_scale(r, -x.e);
-    integer_set(&m, x.m, x.e > 0 ? (unsigned)x.e : 0);
-    integer_mul(&product, &m, &r->q);
-    integer_sub(&r->p, &r->p, &product);
-    if (x.e < 0) exact_root_scale(r, x.e);
+    if (x.e < 0) scale(r, -x.e);
+    integer_init(&m), integer_init(&product);
+    mpz_set_si(m.z, x.m);
+    if (x.e > 0) mpz_mul_2exp(m.z, m.z, (mp_bitcnt_t)x.e);
+    mpz_mul(product.z, m.z, r->q.z);
+    mpz_sub(r->p.z, r->p.z, product.z);
+    if (x.e < 0) scale(r, x.e);
 }
 
 /* The sign of a + s √d. */
 static int sign_of_sum(const integer *a, int s, const integer *d) {
-    int sa = integer_sign(a), sd = s * integer_sign(d);
+    int sa = mpz_sgn(a->z), sd = s * mpz_sgn(d->z);
     if (sa * sd >= 0) return sa ? sa : sd;
     integer square;
-    integer_mul(&square, a, a);
-    return sa * integer_compare(&square, d);
-}
-
-int exact_root_sign(const exact_root *r) {
-    return r->s ? sign_of_sum(&r->p, r->s, &r->d) : integer_sign(&r->p);
+    integer_init(&square);
+    mpz_mul(square.z, a->z, a->z);
+    int order = mpz_cmp(square.z, d->z);
+    return sa * ((order > 0) - (order < 0));
 }
 
 /* The sign of a + s √e + r √f. With X = a + s √e the first two: if √f pulls the same way, that of X; else X²
  * against f, which is a² + e - f + 2 a s √e against 0. */
 static int sign_of_sums(const integer *a, int s, const integer *e, int r, const integer *f) {
-    int sx = s ? sign_of_sum(a, s, e) : integer_sign(a), sf = r * integer_sign(f);
+    int sx = s ? sign_of_sum(a, s, e) : mpz_sgn(a->z), sf = r * mpz_sgn(f->z);
     if (sx * sf >= 0) return sx ? sx : sf;
-    integer g, square;
-    integer_mul(&square, a, a);
-    integer_sub(&g, &square, f);
-    if (!s) return sx * integer_sign(&g);
-    integer_add(&g, &g, e);
-    integer h;
-    integer_mul(&h, &square, e);
-    integer_shift(&h, 2);
-    return sx * sign_of_sum(&g, s * integer_sign(a), &h);
+    integer g, h, square;
+    integer_init(&g), integer_init(&h), integer_init(&square);
+    mpz_mul(square.z, a->z, a->z);
+    mpz_sub(g.z, square.z, f->z);
+    if (!s) return sx * mpz_sgn(g.z);
+    mpz_add(g.z, g.z, e->z);
+    mpz_mul(h.z, square.z, e->z);
+    mpz_mul_2exp(h.z, h.z, 2);
+    return sx * sign_of_sum(&g, s * mpz_sgn(a->z), &h);
 }
 
 static void square_times(integer *out, const integer *q, const integer *d) {
     integer square;
-    integer_mul(&square, q, q);
-    integer_mul(out, &square, d);
+    integer_init(&square);
+    mpz_mul(square.z, q->z, q->z);
+    mpz_mul(out->z, square.z, d->z);
 }
 
 /* x - y over the product of both q: p1 q2 - p2 q1 + s1 √(q2² d1) - s2 √(q1² d2). After an instance's map, and
- * scaled by exact_root_scale(), p and q have at most 1720 bits and d 3440; the square of the first term then
- * has 6,900, and its square in turn 13,800. */
+ * scaled, p and q have at most 1720 bits and d 3440; the square of the first term then has 6,900, and its
+ * square in turn 13,800. */
 int exact_root_compare(const exact_root *x, const exact_root *y) {
     integer a, b, e, f;
-    integer_mul(&a, &x->p, &y->q);
-    integer_mul(&b, &y->p, &x->q);
-    integer_sub(&a, &a, &b);
-    e.size = f.size = 0;
+    integer_init(&a), integer_init(&b), integer_init(&e), integer_init(&f);
+    mpz_mul(a.z, x->p.z, y->q.z);
+    mpz_mul(b.z, y->p.z, x->q.z);
+    mpz_sub(a.z, a.z, b.z);
     if (x->s) square_times(&e, &y->q, &x->d);
     if (y->s) square_times(&f, &x->q, &y->d);
     return sign_of_sums(&a, x->s, &e, -y->s, &f);
@@ -90,9 +139,10 @@ ball exact_root_ball(const exact_root *r) {
     if (!r->s) return ball_div(p, q);
     ball root = ball_sqrt(integer_ball(&r->d));
     if (r->s < 0) root = ball_neg(root);
-    if (integer_sign(&r->p) * r->s >= 0) return ball_div(ball_add(p, root), q);
+    if (mpz_sgn(r->p.z) * r->s >= 0) return ball_div(ball_add(p, root), q);
     integer n;
-    integer_mul(&n, &r->p, &r->p);
-    integer_sub(&n, &n, &r->d);
+    integer_init(&n);
+    mpz_mul(n.z, r->p.z, r->p.z);
+    mpz_sub(n.z, n.z, r->d.z);
     return ball_div(integer_ball(&n), ball_mul(q, ball_sub(p, root)));
 }

@@ -1,4 +1,4 @@
-/* What can be rejected for certain in double precision.
+/* Rejects in double precision what is certainly missed.
  *
  * u = 2^-53. A ray in object space is known to within org_error and dir_error, bounds on the Euclidean length
  * of what rounding did to it (0 outside instances); its primitives' floats are exact. Everything here is far

@@ -1,7 +1,5 @@
 #include "verify/exact/oracle.h"
-#include "verify/condition.h"
 #include "verify/exact/exact.h"
-#include "verify/exact/solution.h"
 #include "verify/mode.h"
 
 #include <string.h>
@@ -95,7 +93,7 @@ static void ask_one(const oracle_ray *ray, const oracle_primitive *primitive, or
     condition_set(ray, primitive, answer);
 }
 
-/* What the answer's t belongs to: of a quad, the part's triangle. */
+/* The primitive that the answer's t belongs to: for a quad, the part's triangle. */
 static oracle_primitive part_of(const oracle_primitive *primitive, unsigned part) {
     oracle_primitive one = *primitive;
     if (primitive->shape != ORACLE_QUAD) return one;
@@ -174,23 +172,6 @@ static MODE_APART int compare(const oracle_ray *ray, const oracle_pair *a, const
 int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b, oracle_way way) {
     unsigned mode = mode_enter();
     int order = compare(ray, a, b, way);
-    mode_leave(mode);
-    return order;
-}
-
-static MODE_APART int compare_value(const oracle_ray *ray, const oracle_pair *a, float bound,
-                                    oracle_way way) {
-    ball difference = ball_sub(a->answer.t, ball_exact((double)bound));
-    if (way == ORACLE_FAST && ball_known(difference)) return (difference.value > 0) - (difference.value < 0);
-    exact_root x;
-    root_of(ray, a, &x);
-    exact_root_subtract(&x, dyadic_of(bound));
-    return exact_root_sign(&x);
-}
-
-int oracle_compare_value(const oracle_ray *ray, const oracle_pair *a, float bound, oracle_way way) {
-    unsigned mode = mode_enter();
-    int order = compare_value(ray, a, bound, way);
     mode_leave(mode);
     return order;
 }

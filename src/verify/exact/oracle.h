@@ -36,7 +36,7 @@ typedef struct oracle_primitive {
     const world_instance *instance; /* NULL: none. Borrowed */
 } oracle_primitive;
 
-/* Of a sphere, to the last digit of double. */
+/* A sphere's centre and radius in double, exact to the last digit. */
 static inline vec3_f64 oracle_center(const oracle_primitive *p) {
     return add_f64(widen(p->v[0]), widen(p->rest));
 }
@@ -89,8 +89,5 @@ typedef struct oracle_pair {
 /* -1, 0 or 1 as the t of a is less than, equal to or greater than that of b, exactly. Both must have line
  * set. */
 int oracle_compare(const oracle_ray *ray, const oracle_pair *a, const oracle_pair *b, oracle_way way);
-
-/* Exactly the sign of t - bound, for a finite bound; line must be set. */
-int oracle_compare_value(const oracle_ray *ray, const oracle_pair *a, float bound, oracle_way way);
 
 #endif

@@ -1,5 +1,5 @@
 /* Primitives that are none, among good ones: without area, not finite, or twice there. They are never hit and
- * hide nothing. What a scene does not take is put into the world behind its back. */
+ * hide nothing. Primitives that a scene refuses are put into the world directly. */
 #include "verify/extremes/case.h"
 
 #include <float.h>
@@ -8,8 +8,8 @@
 
 static vec3_f64 corner_at(unsigned i, unsigned k) {
     /* Multiples of 1/64 add without rounding. */
-    return vec_f64(floor(scattered(i, k, -64, 64)) / 64, floor(scattered(i, k + 3, -64, 64)) / 64,
-                   floor(scattered(i, k + 6, -64, 64)) / 64);
+    return vec_f64(floor(case_scattered(i, k, -64, 64)) / 64, floor(case_scattered(i, k + 3, -64, 64)) / 64,
+                   floor(case_scattered(i, k + 6, -64, 64)) / 64);
 }
 
 /* ---- what a scene takes ---- */
@@ -21,20 +21,20 @@ static void put_lines(extremes_case *c, double p, double q) {
         vec3_f64 a = corner_at(i, 0), s = scale_f64(0.25, corner_at(i, 9));
         corners[3 * i] = a, corners[3 * i + 1] = madd_f64(a, p, s), corners[3 * i + 2] = madd_f64(a, q, s);
     }
-    put_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
+    case_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
 }
 
 static void put_collinear(extremes_case *c) { put_lines(c, 1, 3); }
 static void put_points(extremes_case *c) { put_lines(c, 0, 0); }
 static void put_doubled_corners(extremes_case *c) { put_lines(c, 2, 2); }
-static void put_twice(extremes_case *c) { put_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6); }
+static void put_twice(extremes_case *c) { case_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6); }
 
 static void put_whole(extremes_case *c) {
     vec3_f64 corners[3 * BROKEN];
     for (unsigned i = 0; i < BROKEN; ++i) {
         for (unsigned k = 0; k < 3; ++k) corners[3 * i + k] = corner_at(i, 3 * k);
     }
-    put_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
+    case_triangles(c, FATHOM_ROOT, vec_f64(0, 0, 0), corners, BROKEN);
 }
 
 /* ---- what it does not ---- */
@@ -117,12 +117,12 @@ static const struct {
 void broken_make(extremes_case *c, double kind) {
     size_t k = (size_t)kind - 1;
     case_say(c, "%s", kinds[k].words);
-    put_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6);
+    case_ball(c, FATHOM_ROOT, vec_f64(0, 0, 0), 0.6);
     if (kinds[k].put) {
         kinds[k].put(c);
     } else {
-        put_spheres(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
-        put_quads(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
+        case_spheres(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
+        case_quads(c, FATHOM_ROOT, vec_f64(0, 0, 0), 1);
     }
     c->patch = kinds[k].patch;
 }

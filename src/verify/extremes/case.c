@@ -55,3 +55,142 @@ void case_close(extremes_case *c) {
     array_free(&c->owned);
     memset(c, 0, sizeof *c);
 }
+
+/* ---- shapes ---- */
+
+double case_scattered(unsigned i, unsigned k, double low, double high) {
+    double x = (double)(i + 1) * 0.6180339887498949 + (double)(k + 1) * 0.7548776662466927;
+    x += (double)(i * i % 97) * 0.1327;
+    return low + (high - low) * (x - floor(x));
+}
+
+static vec3_f64 scattered_point(unsigned i, vec3_f64 at, double radius) {
+    return add_f64(at, vec_f64(case_scattered(i, 0, -radius, radius), case_scattered(i, 1, -radius, radius),
+                               case_scattered(i, 2, -radius, radius)));
+}
+
+void case_sphere(extremes_case *c, fathom_id group, vec3_f64 center, double radius) {
+    if (c->status != FATHOM_OK) return;
+    fathom_sphere sphere;
+    fathom_sphere_default(&sphere);
+    store_f64(sphere.center, center);
+    sphere.radius = radius;
+    c->status = fathom_scene_add_sphere(c->scene, group, &sphere, NULL);
+}
+
+void case_quad(extremes_case *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v) {
+    if (c->status != FATHOM_OK) return;
+    const double at[3] = {center.x, center.y, center.z}, a[3] = {u.x, u.y, u.z}, b[3] = {v.x, v.y, v.z};
+    fathom_quad quad;
+    fathom_quad_default(&quad);
+    fathom_quad_from_axes(at, a, b, &quad);
+    c->status = fathom_scene_add_quad(c->scene, group, &quad, NULL);
+}
+
+void case_plane(extremes_case *c, vec3_f64 point, vec3_f64 normal) {
+    if (c->status != FATHOM_OK) return;
+    fathom_plane plane;
+    fathom_plane_default(&plane);
+    store_f64(plane.point, point);
+    store_f64(plane.normal, normal);
+    c->status = fathom_scene_add_plane(c->scene, FATHOM_ROOT, &plane, NULL);
+}
+
+void case_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
+               uint32_t vertices, const uint32_t *indices, uint32_t triangles) {
+    float *floats = case_memory(c, vertices * 3 * sizeof *floats);
+    if (!floats) return;
+    for (uint32_t i = 0; i < vertices; ++i) store_f32(floats + 3 * (size_t)i, narrow(positions[i]));
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = floats, mesh.vertex_count = vertices;
+    mesh.indices = indices, mesh.triangle_count = triangles;
+    store_f64(mesh.origin, origin);
+    c->status = fathom_scene_add_mesh(c->scene, group, &mesh, NULL);
+}
+
+void case_triangles(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
+                    uint32_t triangles) {
+    uint32_t *indices = case_memory(c, triangles * 3 * sizeof *indices);
+    if (!indices) return;
+    for (uint32_t i = 0; i < 3 * triangles; ++i) indices[i] = i;
+    case_mesh(c, group, origin, corners, 3 * triangles, indices, triangles);
+}
+
+void case_spheres(extremes_case *c, fathom_id group, vec3_f64 at, double radius) {
+    for (unsigned i = 0; i < 12; ++i)
+        case_sphere(c, group, scattered_point(i, at, radius),
+                    radius * pow(10, case_scattered(i, 3, -2, -0.5)));
+}
+
+void case_quads(extremes_case *c, fathom_id group, vec3_f64 at, double radius) {
+    for (unsigned i = 0; i < 12; ++i) {
+        double angle = case_scattered(i, 3, 0, 6.28), size = radius * pow(10, case_scattered(i, 4, -2, -0.3));
+        vec3_f64 u = scale_f64(size, vec_f64(cos(angle), sin(angle), 0));
+        case_quad(c, group, scattered_point(i + 40, at, radius), u,
+                  scale_f64(size, vec_f64(-0.3 * sin(angle), 0.3 * cos(angle), 0.8)));
+    }
+}
+
+/* ---- a ball of rings between two poles ---- */
+
+static vec3_f64 ball_vertex(double theta, double phi, double radius) {
+    double r = radius * (1 + 0.05 * sin(9 * theta) * cos(7 * phi));
+    return scale_f64(r, vec_f64(sin(theta) * cos(phi), cos(theta), sin(theta) * sin(phi)));
+}
+
+static uint32_t *add_triangle(uint32_t *at, uint32_t x, uint32_t y, uint32_t z) {
+    at[0] = x, at[1] = y, at[2] = z;
+    return at + 3;
+}
+
+void case_ball_of(extremes_case *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
+                  unsigned around) {
+    const uint32_t top = rings * around, bottom = top + 1, last = top - around;
+    vec3_f64 *positions = case_memory(c, (bottom + 1) * sizeof *positions);
+    uint32_t *indices = case_memory(c, 6 * (size_t)top * sizeof *indices), *next = indices;
+    if (!positions || !indices) return;
+    for (unsigned k = 0; k < top; ++k)
+        positions[k] = ball_vertex(3.141592653589793 * (k / around + 1) / (rings + 1),
+                                   6.283185307179586 * (k % around) / around, radius);
+    positions[top] = vec_f64(0, radius, 0), positions[bottom] = vec_f64(0, -radius, 0);
+    for (unsigned i = 0; i < around; ++i) {
+        uint32_t j = (i + 1) % around;
+        next = add_triangle(next, top, j, i);
+        next = add_triangle(next, bottom, last + i, last + j);
+        for (unsigned k = 0; k < last; k += around) {
+            next = add_triangle(next, k + i, k + j, k + around + i);
+            next = add_triangle(next, k + j, k + around + j, k + around + i);
+        }
+    }
+    case_mesh(c, group, at, positions, bottom + 1, indices, (uint32_t)(next - indices) / 3);
+}
+
+void case_ball(extremes_case *c, fathom_id group, vec3_f64 at, double radius) {
+    case_ball_of(c, group, at, radius, 7, 12);
+}
+
+/* ---- placing ---- */
+
+fathom_id case_group(extremes_case *c) {
+    fathom_id group = FATHOM_ROOT;
+    if (c->status == FATHOM_OK) c->status = fathom_scene_add_group(c->scene, NULL, &group);
+    return group;
+}
+
+void case_instance(extremes_case *c, fathom_id group, fathom_id parent, const affine_f64 *map) {
+    if (c->status != FATHOM_OK) return;
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.group = group, instance.parent = parent;
+    memcpy(instance.transform, map->m, sizeof instance.transform);
+    c->status = fathom_scene_add_instance(c->scene, &instance, NULL);
+}
+
+void case_camera(extremes_case *c, vec3_f64 eye, vec3_f64 target) {
+    if (c->status != FATHOM_OK) return;
+    const double from[3] = {eye.x, eye.y, eye.z}, to[3] = {target.x, target.y, target.z}, up[3] = {0, 1, 0};
+    fathom_camera camera;
+    fathom_camera_look_at(from, to, up, 0.7, &camera);
+    c->status = fathom_scene_set_camera(c->scene, &camera);
+}

@@ -1,10 +1,10 @@
 /* A case while it is made and asked: what the files of the grid share. */
-#ifndef EXTREMES_CASE_H
-#define EXTREMES_CASE_H
+#ifndef VERIFY_EXTREMES_CASE_H
+#define VERIFY_EXTREMES_CASE_H
 
 #include "math/affine.h"
 #include "verify/extremes/extremes.h"
-#include "verify/search/rays_aim.h"
+#include "verify/search/rays.h"
 
 typedef struct extremes_case extremes_case;
 struct extremes_case {
@@ -28,8 +28,6 @@ struct extremes_case {
     (1u << RAYS_UNIFORM | 1u << RAYS_EDGE | 1u << RAYS_VERTEX | 1u << RAYS_GRAZING | 1u << RAYS_TANGENT |    \
      1u << RAYS_SURFACE | 1u << RAYS_FAR | 1u << RAYS_AXIS | 1u << RAYS_INTERVAL)
 
-/* ---- case.c ---- */
-
 /* Zeroed first. `make` adds shapes and says what rays there are. Release with case_close() whatever comes
  * back. */
 fathom_status case_open(fathom_context *context, void (*make)(extremes_case *c, double parameter),
@@ -39,29 +37,31 @@ void case_close(extremes_case *c);
 void *case_memory(extremes_case *c, size_t bytes);
 void case_say(extremes_case *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* ---- shapes.c: each does nothing after a failure ---- */
+/* ---- shapes: each call does nothing after a failure ---- */
 
-void put_sphere(extremes_case *c, fathom_id group, vec3_f64 center, double radius);
-void put_quad(extremes_case *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v);
-void put_plane(extremes_case *c, vec3_f64 point, vec3_f64 normal);
+void case_sphere(extremes_case *c, fathom_id group, vec3_f64 center, double radius);
+void case_quad(extremes_case *c, fathom_id group, vec3_f64 center, vec3_f64 u, vec3_f64 v);
+void case_plane(extremes_case *c, vec3_f64 point, vec3_f64 normal);
 /* positions are copied. */
-void put_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
-              uint32_t vertices, const uint32_t *indices, uint32_t triangles);
+void case_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *positions,
+               uint32_t vertices, const uint32_t *indices, uint32_t triangles);
 /* Triangle k has the corners 3 k, 3 k + 1, 3 k + 2. */
-void put_triangles(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
-                   uint32_t triangles);
+void case_triangles(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f64 *corners,
+                    uint32_t triangles);
 /* Scattered over a ball: sizes from a hundredth of the radius on. */
-void put_spheres(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
-void put_quads(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
+void case_spheres(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
+void case_quads(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
 /* A closed bumpy mesh whose coordinates are counted from `at`. */
-void put_ball(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
-fathom_id put_group(extremes_case *c);
-void put_instance(extremes_case *c, fathom_id group, fathom_id parent, const affine_f64 *map);
-void put_camera(extremes_case *c, vec3_f64 eye, vec3_f64 target);
+void case_ball(extremes_case *c, fathom_id group, vec3_f64 at, double radius);
+void case_ball_of(extremes_case *c, fathom_id group, vec3_f64 at, double radius, unsigned rings,
+                  unsigned around);
+fathom_id case_group(extremes_case *c);
+void case_instance(extremes_case *c, fathom_id group, fathom_id parent, const affine_f64 *map);
+void case_camera(extremes_case *c, vec3_f64 eye, vec3_f64 target);
 /* Irregular numbers in [low, high), the same everywhere. */
-double scattered(unsigned i, unsigned k, double low, double high);
+double case_scattered(unsigned i, unsigned k, double low, double high);
 
-/* ---- the groups' own files ---- */
+/* ---- scenes.c, rays.c, broken.c: the groups ---- */
 
 void scale_spheres(extremes_case *c, double scale);
 void scale_quads(extremes_case *c, double scale);

@@ -140,7 +140,7 @@ static fathom_status ask_tracer(const extremes_case *c, const extremes_options *
     fathom_status status = trace_spec_parse(c->context, text, &spec);
     if (status != FATHOM_OK || !suits(c, &spec)) return status;
     trace_tracer *tracer;
-    trace_options options = {.spec = &spec, .width = TRACE_WIDTH, .threads = o->threads};
+    trace_options options = {.spec = &spec, .width = LANES, .threads = o->threads};
     status = trace_create(c->context, c->world, &options, &tracer);
     if (status == FATHOM_OK) status = compare_case(c, text, &spec, tracer, o, row);
     trace_destroy(tracer);

@@ -1,4 +1,4 @@
-/* What the public calls refuse, each with a message: shapes and rays that are none. */
+/* Shapes and rays that the public calls must refuse, each with a message. */
 #include "verify/extremes/case.h"
 
 #include <fathom/trace.h>

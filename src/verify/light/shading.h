@@ -1,7 +1,7 @@
-/* Stiff and extreme cases of shading: small scenes through the real renderer, each held against a formula
- * evaluated in double, within a bound that follows from roundings counted beside the case. */
-#ifndef EXTREMES_SHADING_H
-#define EXTREMES_SHADING_H
+/* Stiff and extreme cases of shading: small scenes through the real renderer, each compared with a formula
+ * evaluated in double. The bound follows from roundings counted at the case. */
+#ifndef VERIFY_SHADING_H
+#define VERIFY_SHADING_H
 
 #include "base/array.h"
 
@@ -35,15 +35,15 @@ typedef struct shading_options {
     void *user;
 } shading_options;
 
-/* Appends a row for each case. What comes back is FATHOM_OK whether the rows are or not. */
+/* Appends a row for each case. Returns FATHOM_OK even when rows are not ok. */
 fathom_status shading_run(fathom_context *context, const shading_options *options, shading_rows *out);
 
 /* A demonstration scene at the origin of coordinates, moved by the Earth's radius and by other distances: a
  * row for each that compares the images. By linear search in quadruple precision it would take minutes: none
  * then. */
 fathom_status shading_earth(fathom_context *context, const shading_options *options, shading_rows *rows);
-/* By Embree, whatever the options name: the scene at the origin and moved, beside what plain float makes of
- * it. Takes some seconds for textbook intersectors. */
+/* The scene at the origin and moved, and what plain float makes of it; by Embree, whatever the options name.
+ * Textbook intersectors take some seconds. */
 fathom_status shading_earth_images(fathom_context *context, const shading_options *options,
                                    shading_images *images);
 

@@ -1,14 +1,11 @@
-#include "verify/light/shading_beam.h"
-
 #include "verify/light/shading_studio.h"
 
 beam beam_start(vec3_f64 eye, vec3_f64 direction) {
     return (beam){.at = eye, .along = direction, .turned = SHADING_U};
 }
 
-/* The point, seen along the line, is off by what t's rounding and the primitive's coordinates leave: below 16
- * u of both. The next ray begins up to 32 u of the size off the surface (bench/offset.sh), half of what is
- * taken. */
+/* Rounding of t and of the primitive's coordinates moves the point by less than 16 u of both. The next ray
+ * starts up to 32 u of the size off the surface (bench/offset.sh); this takes twice that. */
 void beam_go(beam *b, double t, double size) {
     b->at = madd_f64(b->at, t, b->along);
     b->aside += t * b->turned + 16 * SHADING_U * (size + t) + 64 * SHADING_U * size;
@@ -50,7 +47,7 @@ double beam_doubt(const beam *b, vec3_f64 normal, double normal_error, double et
 /* The direction is -eta aside - cos_out n: its parts are off by eta times the sine's error and its roundings,
  * and by half the squared cosine's error over the cosine. The line's distance from its fellow is as the
  * cosines. */
-bool beam_bend(beam *b, vec3_f64 normal, double normal_error, double eta) {
+bool beam_refract(beam *b, vec3_f64 normal, double normal_error, double eta) {
     snell s = snell_at(b, normal, normal_error, eta);
     if (!(s.cos2 > 0)) return false;
     double cos_in = -dot_f64(b->along, normal), cos_out = sqrt(s.cos2);

@@ -1,7 +1,6 @@
-/* A demonstration scene at the origin of coordinates and moved by the Earth's radius, all its coordinates
- * double. The renderer counts from near the view before anything becomes float, so that the images are the
- * same; beside them stands what float makes of the moved scene where nobody does: positions half a metre
- * apart. */
+/* A demonstration scene at the origin of coordinates and moved by the Earth's radius, in double coordinates.
+ * The renderer moves coordinates near the view before they become float, so the images are the same. Other
+ * images show what float makes of the moved scene without that: positions half a metre apart. */
 #include "job/render.h"
 #include "trace/spec.h"
 #include "verify/light/shading_studio.h"
@@ -19,21 +18,10 @@ typedef struct demo {
     studio s;
     vec3_f64 shift;
     double field; /* of view */
-    fathom_material matte, shiny, mirror, glass;
 } demo;
 
 static vec3_f64 at(const demo *d, double x, double y, double z) {
     return add_f64(d->shift, (vec3_f64){x, y, z});
-}
-
-static void set_materials(demo *d) {
-    d->matte = studio_lambert(0.6f, 0.55f, 0.45f);
-    d->shiny = studio_lambert(0.1f, 0.3f, 0.5f);
-    d->mirror = studio_lambert(0.03f, 0.03f, 0.03f);
-    d->glass = studio_glass(1.5f);
-    for (int c = 0; c < 3; ++c) d->shiny.k_s[c] = 0.4f, d->mirror.k_r[c] = 0.85f, d->glass.k_r[c] = 1;
-    d->shiny.specular = FATHOM_SPECULAR_BLINN, d->shiny.shininess = 80;
-    d->glass.fresnel = true;
 }
 
 /* A ball of triangles with its own normals, in a group of its own. */
@@ -74,10 +62,10 @@ static fathom_status add_instance(demo *d, fathom_id group, vec3_f64 center, dou
     return fathom_scene_add_instance(d->s.scene, &instance, NULL);
 }
 
-static void add_meshes(demo *d) {
+static void add_meshes(demo *d, const fathom_material *shiny) {
     fathom_id group = 0, material = 0;
     studio *s = &d->s;
-    if (s->status == FATHOM_OK) s->status = fathom_scene_add_material(s->scene, NULL, &d->shiny, &material);
+    if (s->status == FATHOM_OK) s->status = fathom_scene_add_material(s->scene, NULL, shiny, &material);
     if (s->status == FATHOM_OK) s->status = fathom_scene_add_group(s->scene, "ball", &group);
     if (s->status == FATHOM_OK) s->status = add_ball(d, group, material);
     if (s->status == FATHOM_OK) s->status = add_instance(d, group, at(d, 2.1, 0.5, 1.6), 0.5, 0.5, 0.5);
@@ -86,12 +74,18 @@ static void add_meshes(demo *d) {
 
 static void add_shapes(demo *d) {
     studio *s = &d->s;
-    studio_plane(s, at(d, 0, 0, 0), (vec3_f64){0, 1, 0}, &d->matte);
-    studio_sphere(s, at(d, -1.6, 0.9, 0), 0.9, &d->mirror);
-    studio_sphere(s, at(d, 0.6, 0.7, 0.8), 0.7, &d->glass);
-    studio_sphere(s, at(d, 1.4, 0.5, -1.2), 0.5, &d->matte);
-    studio_quad(s, at(d, 0.3, 1.3, -3), (vec3_f64){2.6, 0, 0.4}, (vec3_f64){0, 1.3, 0}, &d->mirror);
-    studio_quad(s, at(d, 0.7, 0.25, 2.6), (vec3_f64){0.25, 0, -0.1}, (vec3_f64){0, 0.25, 0.05}, &d->shiny);
+    fathom_material matte = studio_lambert(0.6f, 0.55f, 0.45f), shiny = studio_lambert(0.1f, 0.3f, 0.5f),
+                    mirror = studio_lambert(0.03f, 0.03f, 0.03f), glass = studio_glass(1.5f);
+    for (int c = 0; c < 3; ++c) shiny.k_s[c] = 0.4f, mirror.k_r[c] = 0.85f, glass.k_r[c] = 1;
+    shiny.specular = FATHOM_SPECULAR_BLINN, shiny.shininess = 80;
+    glass.fresnel = true;
+    studio_plane(s, at(d, 0, 0, 0), (vec3_f64){0, 1, 0}, matte);
+    studio_sphere(s, at(d, -1.6, 0.9, 0), 0.9, mirror);
+    studio_sphere(s, at(d, 0.6, 0.7, 0.8), 0.7, glass);
+    studio_sphere(s, at(d, 1.4, 0.5, -1.2), 0.5, matte);
+    studio_quad(s, at(d, 0.3, 1.3, -3), (vec3_f64){2.6, 0, 0.4}, (vec3_f64){0, 1.3, 0}, mirror);
+    studio_quad(s, at(d, 0.7, 0.25, 2.6), (vec3_f64){0.25, 0, -0.1}, (vec3_f64){0, 0.25, 0.05}, shiny);
+    add_meshes(d, &shiny);
 }
 
 static void add_lights(demo *d) {
@@ -100,14 +94,14 @@ static void add_lights(demo *d) {
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_SPOT;
     store_f64(light.position, at(d, 4, 5, 2));
-    light.direction[0] = -3.5, light.direction[1] = -5, light.direction[2] = -1.5;
+    store_f64(light.direction, (vec3_f64){-3.5, -5, -1.5});
     light.inner_angle = 0.3f, light.outer_angle = 0.5f;
-    for (int c = 0; c < 3; ++c) light.intensity[c] = 20;
+    light.intensity[0] = light.intensity[1] = light.intensity[2] = 20;
     studio_light(&d->s, &light);
     fathom_light_default(&light);
     light.type = FATHOM_LIGHT_DIRECTIONAL;
     light.direction[0] = 0.3, light.direction[2] = -0.6;
-    for (int c = 0; c < 3; ++c) light.intensity[c] = 0.25f;
+    light.intensity[0] = light.intensity[1] = light.intensity[2] = 0.25f;
     studio_light(&d->s, &light);
 }
 
@@ -128,13 +122,13 @@ static void set_view(demo *d) {
 
 /* Moved along (0.48, 0.6, 0.64), which is unit and along no axis. */
 static void open_demo(fathom_context *context, const shading_options *options, double distance, demo *d) {
-    *d = (demo){.shift = scale_f64(distance, (vec3_f64){0.48, 0.6, 0.64}), .field = 0.68};
-    studio_open(context, options, NULL, WIDTH, &d->s);
+    *d = (demo){.s = {.context = context, .options = options},
+                .shift = scale_f64(distance, (vec3_f64){0.48, 0.6, 0.64}),
+                .field = 0.68};
+    studio_begin(&d->s, WIDTH);
     /* For tests of this test: another view at the origin. */
     if (distance == 0) d->field = studio_twisted(&d->s, d->field);
-    set_materials(d);
     add_shapes(d);
-    add_meshes(d);
     add_lights(d);
     set_view(d);
 }
@@ -166,7 +160,7 @@ static fathom_status render_way(fathom_context *context, const shading_options *
         fathom_film_destroy(*out); /* where it was stopped: a part of an image */
         *out = NULL;
     }
-    return studio_close(&d.s);
+    return studio_end(&d.s);
 }
 
 typedef struct difference {
@@ -198,34 +192,23 @@ static void describe(unsigned k, const way *w, const difference *d, shading_imag
     static const char *const titles[] = {"At the origin", "At the Earth's radius",
                                          "At the Earth's radius, textbook float",
                                          "At the Earth's radius, robust float"};
+    /* The tracer; the distance or the epsilon. */
+    static const char *const captions[] = {
+        "A scene of 10 m at the origin of coordinates, by %1$s.",
+        "The same scene, lights and camera moved by %2$g m along no axis, by %1$s: positions are "
+        "double, and counted from near the view before they become float.",
+        "Moved as far, as textbooks have it: float coordinates, half a metre apart there, "
+        "textbook intersectors (%1$s), an epsilon of %2$g.",
+        "Moved as far, robust intersectors and offsets (%1$s), but float coordinates."};
     snprintf(out->title, sizeof out->title, "%s", titles[k]);
-    size_t room = sizeof out->caption;
-    char *c = out->caption;
-    int used = 0;
-    switch (k) {
-    case 0: used = snprintf(c, room, "A scene of 10 m at the origin of coordinates, by %s.", w->spec); break;
-    case 1:
-        used = snprintf(c, room,
-                        "The same scene, lights and camera moved by %g m along no axis, by %s: positions are "
-                        "double, and counted from near the view before they become float.",
-                        w->distance, w->spec);
-        break;
-    case 2:
-        used = snprintf(c, room,
-                        "Moved as far, as textbooks have it: float coordinates, half a metre apart there, "
-                        "textbook intersectors (%s), an epsilon of %g.",
-                        w->spec, w->epsilon);
-        break;
-    default:
-        used = snprintf(c, room, "Moved as far, robust intersectors and offsets (%s), but float coordinates.",
-                        w->spec);
-    }
-    if (!k || used < 0 || (size_t)used >= room) return;
-    snprintf(
-        c + used, room - (size_t)used,
-        " From the first image any pixel differs by at most %.2g, by %.2g in the mean, and %u of %d by more "
-        "than 1e-3.",
-        d->most, d->mean, d->beyond, WIDTH * HEIGHT);
+    snprintf(out->caption, sizeof out->caption, captions[k], w->spec,
+             w->epsilon > 0 ? w->epsilon : w->distance);
+    size_t used = strlen(out->caption);
+    if (!k) return;
+    snprintf(out->caption + used, sizeof out->caption - used,
+             " From the first image any pixel differs by at most %.2g, by %.2g in the mean, and %u of %d by "
+             "more than 1e-3.",
+             d->most, d->mean, d->beyond, WIDTH * HEIGHT);
 }
 
 static fathom_status keep(fathom_context *context, unsigned k, const way *w, const fathom_film *film,
@@ -240,22 +223,19 @@ static fathom_status keep(fathom_context *context, unsigned k, const way *w, con
 
 /* ---- the whole ---- */
 
-/* Pixels at edges may show one side or the other when coordinates round differently; but the samples that
- * close to an edge, 6e-7 m at a pixel's 2 cm, are one in 10^4 of those of pixels with edges: none is allowed
- * for. */
+/* Pixels at edges may show one side or the other when coordinates round differently. Samples that close to an
+ * edge, 6e-7 m at a pixel's 2 cm, are one in 10^4 of those of pixels with edges: none is allowed for. */
 static fathom_status add_row(fathom_context *context, const shading_options *options, shading_rows *rows,
                              double distance, const difference *d) {
     studio s = {.context = context, .options = options, .rows = rows, .broken = d->broken};
-    studio_worst worst = {0};
-    studio_judge(&worst, d->most, 0, 1e-3);
-    studio_row(&s, "earth", distance, &worst, "largest change of a pixel when a scene is moved by %g m",
-               distance);
+    studio_judge(&s, 0, d->most, 0, 1e-3);
+    studio_row(&s, 0, "earth", distance, "largest change of a pixel when a scene is moved by %g m", distance);
     return s.status;
 }
 
-/* Beside the image at the origin: w's; and what it is compared to. */
-static fathom_status render_beside(fathom_context *context, const shading_options *options, const way *w,
-                                   fathom_film **first, fathom_film **film, difference *out) {
+/* Renders w's image and compares it with the first one. */
+static fathom_status render_compared(fathom_context *context, const shading_options *options, const way *w,
+                                     fathom_film **first, fathom_film **film, difference *out) {
     fathom_status status = render_way(context, options, w, film);
     if (status != FATHOM_OK) return status;
     if (!*first) *first = *film;
@@ -267,7 +247,7 @@ static void release(fathom_film *film, const fathom_film *first) {
     if (film != first) fathom_film_destroy(film);
 }
 
-/* What a ray costs decides how many there may be. */
+/* Slow tracers get fewer rays. */
 static bool is_slow(const trace_spec *spec) { return spec->kind != TRACE_EMBREE; }
 static bool is_hopeless(const trace_spec *spec) {
     return spec->kind == TRACE_LINEAR && spec->precision == TRACE_F128;
@@ -284,7 +264,7 @@ fathom_status shading_earth(fathom_context *context, const shading_options *opti
         const way w = {.spec = options->spec, .distance = distances[k], .spp = is_slow(&spec) ? 1 : 4};
         fathom_film *film;
         difference d;
-        status = render_beside(context, options, &w, &first, &film, &d);
+        status = render_compared(context, options, &w, &first, &film, &d);
         if (status == FATHOM_OK && k) status = add_row(context, options, rows, w.distance, &d);
         release(film, first);
     }
@@ -307,7 +287,7 @@ fathom_status shading_earth_images(fathom_context *context, const shading_option
     for (unsigned k = 0; k < sizeof ways / sizeof *ways && status == FATHOM_OK; ++k) {
         fathom_film *film;
         difference d;
-        status = render_beside(context, options, &ways[k], &first, &film, &d);
+        status = render_compared(context, options, &ways[k], &first, &film, &d);
         if (status == FATHOM_OK) status = keep(context, k, &ways[k], film, &d, images);
         release(film, first);
     }

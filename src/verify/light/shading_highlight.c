@@ -11,8 +11,8 @@ typedef struct gloss {
     double n; /* as the formula has it */
 } gloss;
 
-/* The angle whose cosine is raised. Phong: of the viewer to the mirrored light; Blinn: of the normal to the
- * half vector. By the sine: near the peak the cosine holds nothing. */
+/* The angle whose cosine is raised. Phong: between the viewer and the mirrored light; Blinn: between the
+ * normal and the half vector. By the sine: near the peak the cosine holds nothing. */
 static double angle_of(const gloss *g, vec3_f64 v) {
     vec3_f64 light = {-mirrored.x, 0, mirrored.z};
     vec3_f64 a = g->kind == FATHOM_SPECULAR_PHONG ? mirrored : normal;
@@ -20,9 +20,9 @@ static double angle_of(const gloss *g, vec3_f64 v) {
     return atan2(length_f64(cross_f64(a, b)), dot_f64(a, b));
 }
 
-/* cos^n for the angle and for angles `off` nearer: v, l, n and what is made of them take some 10 roundings,
+/* cos^n for the angle and for angles `off` nearer: v, l, n and what follows from them take some 10 roundings,
  * and the half square of a small difference 3 more. Float ends at 2^-126. */
-static void judge(const studio *s, const gloss *g, double field, uint32_t i, studio_worst *worst) {
+static void judge(studio *s, const gloss *g, double field, uint32_t i) {
     const double off = 10 * SHADING_U;
     vec3_f64 v = neg_f64(studio_direction(s, neg_f64(mirrored), across, field, i));
     double angle = angle_of(g, v), value = pow(cos(angle), g->n);
@@ -30,44 +30,32 @@ static void judge(const studio *s, const gloss *g, double field, uint32_t i, stu
     double nearer = pow(cos(fmax(angle - off, 0)), g->n), further = pow(cos(angle + off), g->n);
     double rounding = 24 * SHADING_U + g->n * 3 * SHADING_U * (1 - cos(angle));
     double bound = mirrored.z * (fmax(nearer - value, value - further) + nearer * rounding + 0x1p-126);
-    studio_judge(worst, studio_at(s, 1, i), mirrored.z * value, bound);
+    studio_judge(s, 0, studio_at(s, 1, i), mirrored.z * value, bound);
 }
 
-static fathom_status one(fathom_context *context, const shading_options *options, shading_rows *rows,
-                         fathom_specular kind, double n, double field) {
+static void one(studio *s, fathom_specular kind, double n, double field) {
     bool phong = kind == FATHOM_SPECULAR_PHONG;
-    studio s;
-    studio_open(context, options, rows, PIXELS, &s);
+    studio_begin(s, PIXELS);
     fathom_material m = studio_black();
-    for (int c = 0; c < 3; ++c) m.k_s[c] = 1;
+    m.k_s[0] = m.k_s[1] = m.k_s[2] = 1;
     m.specular = kind, m.shininess = (float)n;
-    studio_plane(&s, (vec3_f64){0, 0, 0}, normal, &m);
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_DIRECTIONAL;
-    light.direction[0] = mirrored.x, light.direction[1] = 0, light.direction[2] = -mirrored.z;
-    studio_light(&s, &light);
-    studio_camera(&s, scale_f64(4, mirrored), neg_f64(mirrored), across, field);
-    gloss g = {kind, studio_twisted(&s, n)};
-    studio_worst worst = {0};
-    bool rendered = studio_render(&s);
-    for (uint32_t i = 0; rendered && i < PIXELS; ++i) judge(&s, &g, field, i, &worst);
-    studio_row(&s, phong ? "phong" : "blinn", n, &worst, "%s's highlight of exponent %g over %.2g rad",
+    studio_plane(s, (vec3_f64){0, 0, 0}, normal, m);
+    studio_directional_light(s, (vec3_f64){mirrored.x, 0, -mirrored.z});
+    studio_camera(s, scale_f64(4, mirrored), neg_f64(mirrored), across, field);
+    gloss g = {kind, studio_twisted(s, n)};
+    for (uint32_t i = 0, pixels = studio_render(s); i < pixels; ++i) judge(s, &g, field, i);
+    studio_row(s, 0, phong ? "phong" : "blinn", n, "%s's highlight of exponent %g over %.2g rad",
                phong ? "Phong" : "Blinn", n, field);
-    return studio_close(&s);
 }
 
-fathom_status shading_highlights(fathom_context *context, const shading_options *options,
-                                 shading_rows *rows) {
+void shading_highlights(studio *s) {
     static const fathom_specular kinds[2] = {FATHOM_SPECULAR_PHONG, FATHOM_SPECULAR_BLINN};
-    fathom_status status = FATHOM_OK;
     for (int k = 0; k < 2; ++k) {
-        for (int e = 0; e <= 9 && status == FATHOM_OK; ++e) {
+        for (int e = 0; e <= 9; ++e) {
             double n = pow(10, e);
             /* cos^n has fallen to e^-18 at 6/sqrt(n); Blinn's angle is half the viewer's. */
-            status = one(context, options, rows, kinds[k], n, fmin(1, (k ? 24 : 12) / sqrt(n)));
-            if (status == FATHOM_OK && e >= 4) status = one(context, options, rows, kinds[k], n, 1);
+            one(s, kinds[k], n, fmin(1, (k ? 24 : 12) / sqrt(n)));
+            if (e >= 4) one(s, kinds[k], n, 1);
         }
     }
-    return status;
 }

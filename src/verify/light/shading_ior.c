@@ -1,36 +1,35 @@
 /* Refraction from an index that is nearly that of nothing to indices beyond all glass: through a slab,
  * through a ball, into a half-space, and Fresnel's shares. A ruler behind tells where each ray lands. */
-#include "verify/light/shading_beam.h"
 #include "verify/light/shading_studio.h"
 
 #define PIXELS 33
 
 static const vec3_f64 eye = {0, 0, 0}, view = {0, 0, -1}, across = {1, 0, 0}, up = {0, 0, 1};
 
-typedef struct bent {
+typedef struct optic {
     const char *name;
     double ior;   /* as the formula has it */
     double field; /* width of the view */
     double floor; /* z of the ruler */
-    void (*build)(studio *s, const fathom_material *glass);
+    void (*build)(studio *s, fathom_material glass);
     /* Leaves the beam on the ruler. False: total reflection, nothing arrives; *sure: float knows that, too.
      */
     bool (*follow)(beam *b, double ior, bool *sure);
-} bent;
+} optic;
 
 /* Through one surface at height z, its normal towards the eye. */
 static bool cross(beam *b, double z, double eta, bool *sure) {
     beam_go(b, (z - b->at.z) / b->along.z, 3);
     *sure = *sure && fabs(beam_doubt(b, up, 4 * SHADING_U, eta)) > 1;
-    return beam_bend(b, up, 4 * SHADING_U, eta);
+    return beam_refract(b, up, 4 * SHADING_U, eta);
 }
 
 static void land(beam *b, double z) { beam_go(b, (z - b->at.z) / b->along.z, fabs(z) + fabs(b->at.x)); }
 
-/* ---- a slab: z = -1 to z = -2; the ray leaves as steep as it came, moved aside by tan(in) - tan(out) ----
+/* ---- a slab, z = -1 to z = -2: the ray leaves as steep as it came, moved aside by tan(in) - tan(out) ----
  */
 
-static void build_slab(studio *s, const fathom_material *glass) {
+static void build_slab(studio *s, fathom_material glass) {
     studio_plane(s, (vec3_f64){0, 0, -1}, up, glass);
     studio_plane(s, (vec3_f64){0, 0, -2}, neg_f64(up), glass);
 }
@@ -46,9 +45,7 @@ static bool follow_slab(beam *b, double ior, bool *sure) {
 
 /* ---- a half-space below z = -1 ---- */
 
-static void build_half(studio *s, const fathom_material *glass) {
-    studio_plane(s, (vec3_f64){0, 0, -1}, up, glass);
-}
+static void build_half(studio *s, fathom_material glass) { studio_plane(s, (vec3_f64){0, 0, -1}, up, glass); }
 
 static bool follow_half(beam *b, double ior, bool *sure) {
     double sine = b->along.x / ior, slope = -b->along.x / b->along.z;
@@ -62,9 +59,9 @@ static bool follow_half(beam *b, double ior, bool *sure) {
 
 static const vec3_f64 ball = {0, 0, -3};
 
-static void build_ball(studio *s, const fathom_material *glass) { studio_sphere(s, ball, 1, glass); }
+static void build_ball(studio *s, fathom_material glass) { studio_sphere(s, ball, 1, glass); }
 
-/* The normal follows the point: off by as much as that over the radius. */
+/* The normal follows the point: it is off by as much as the point, over the radius. */
 static bool cross_ball(beam *b, bool leaving, double eta, bool *sure) {
     vec3_f64 f = sub_f64(b->at, ball);
     double half = dot_f64(f, b->along), root = half * half - dot_f64(f, f) + 1;
@@ -77,13 +74,13 @@ static bool cross_ball(beam *b, bool leaving, double eta, bool *sure) {
     if (leaving) n = neg_f64(n);
     double slant = -dot_f64(b->along, n), normal_error = b->aside / slant + 8 * SHADING_U;
     *sure = *sure && fabs(beam_doubt(b, n, normal_error, eta)) > 1;
-    return beam_bend(b, n, normal_error, eta);
+    return beam_refract(b, n, normal_error, eta);
 }
 
 static bool follow_ball(beam *b, double ior, bool *sure) {
     if (!cross_ball(b, false, 1 / ior, sure) || !cross_ball(b, true, ior, sure)) return false;
     if (!(b->along.z < -0.1)) {
-        *sure = false; /* bent past the ruler */
+        *sure = false; /* refracted past the ruler */
         return false;
     }
     land(b, -5);
@@ -92,43 +89,38 @@ static bool follow_ball(beam *b, double ior, bool *sure) {
 
 /* ---- one image ---- */
 
-static void judge(const studio *s, const bent *c, uint32_t i, studio_worst *worst) {
+static void judge(studio *s, const optic *c, vec3_f64 light, uint32_t i) {
     beam b = beam_start(eye, studio_direction(s, view, across, c->field, i));
     bool sure = true, lands = c->follow(&b, c->ior, &sure);
     double bound = 0, value = 0;
     if (!sure) return;
-    if (lands)
-        value = beam_radiance(&b, (vec3_f64){0.5, 0.25, c->floor + 0.5}, up, fabs(c->floor) + fabs(b.at.x),
-                              &bound);
-    studio_judge(worst, studio_at(s, 0, i), value, bound);
+    if (lands) value = beam_radiance(&b, light, up, fabs(c->floor) + fabs(b.at.x), &bound);
+    studio_judge(s, 0, studio_at(s, 0, i), value, bound);
 }
 
-static fathom_status one(fathom_context *context, const shading_options *options, shading_rows *rows, bent c,
-                         float ior, const char *group, double parameter, const char *sign) {
-    studio s;
-    studio_open(context, options, rows, PIXELS, &s);
-    fathom_material glass = studio_glass(ior), ruler = studio_lambert(1, 1, 1);
-    c.build(&s, &glass);
-    studio_plane(&s, (vec3_f64){0, 0, c.floor}, up, &ruler);
-    studio_point_light(&s, (vec3_f64){0.5, 0.25, c.floor + 0.5}, 1, 1, 1);
-    studio_camera(&s, eye, view, across, c.field);
-    c.ior = studio_twisted(&s, (double)ior);
-    studio_worst worst = {0};
-    bool rendered = studio_render(&s);
-    for (uint32_t i = 0; rendered && i < PIXELS; ++i) judge(&s, &c, i, &worst);
-    studio_row(&s, group, parameter, &worst, "%s of ior %s%g", c.name, sign, parameter);
-    return studio_close(&s);
+static void one(studio *s, optic c, float ior, const char *group, double parameter, const char *sign) {
+    const vec3_f64 light = {0.5, 0.25, c.floor + 0.5};
+    studio_begin(s, PIXELS);
+    c.build(s, studio_glass(ior));
+    studio_plane(s, (vec3_f64){0, 0, c.floor}, up, studio_lambert(1, 1, 1));
+    studio_point_light(s, light, 1, 1, 1);
+    studio_camera(s, eye, view, across, c.field);
+    c.ior = studio_twisted(s, (double)ior);
+    for (uint32_t i = 0, n = studio_render(s); i < n; ++i) judge(s, &c, light, i);
+    studio_row(s, 0, group, parameter, "%s of ior %s%g", c.name, sign, parameter);
 }
 
-static const bent slab = {
-    .name = "through a slab", .field = 2.2, .floor = -3, .build = build_slab, .follow = follow_slab};
-static const bent ball_of = {
-    .name = "through a ball", .field = 0.5, .floor = -5, .build = build_ball, .follow = follow_ball};
-static const bent half_space = {
-    .name = "into a half-space", .field = 2.2, .floor = -2, .build = build_half, .follow = follow_half};
+static const optic
+    slab = {.name = "through a slab", .field = 2.2, .floor = -3, .build = build_slab, .follow = follow_slab},
+    ball_of = {.name = "through a ball",
+               .field = 0.5,
+               .floor = -5,
+               .build = build_ball,
+               .follow = follow_ball},
+    half_space = {
+        .name = "into a half-space", .field = 2.2, .floor = -2, .build = build_half, .follow = follow_half};
 
-/* ---- Fresnel's shares: red is mirrored, to a surface behind the eye that sends out 1; green goes through
- * ---- */
+/* ---- Fresnel's shares: red is mirrored, to a surface behind the eye that emits 1; green passes ---- */
 
 /* Its terms are off by the cosines' roundings, some 8 u, each over a sum that is at least as large as the
  * larger of them; the shares lie within [0, 1]. Where Snell's cosine is small it is off by its square's error
@@ -144,64 +136,50 @@ static double reflectance(double cos_in, double eta, double *bound) {
     return 0.5 * (parallel * parallel + perpendicular * perpendicular);
 }
 
-static fathom_status fresnel(fathom_context *context, const shading_options *options, shading_rows *rows,
-                             float ior, double parameter) {
-    studio s;
-    studio_open(context, options, rows, PIXELS, &s);
-    fathom_material glass = studio_glass(ior), red = studio_emitter(1, 0, 0), green = studio_emitter(0, 1, 0);
-    for (int c = 0; c < 3; ++c) glass.k_r[c] = 1;
+static void fresnel(studio *s, float ior, double parameter) {
+    studio_begin(s, PIXELS);
+    fathom_material glass = studio_glass(ior);
+    glass.k_r[0] = glass.k_r[1] = glass.k_r[2] = 1;
     glass.fresnel = true;
-    studio_plane(&s, (vec3_f64){0, 0, -1}, up, &glass);
-    studio_plane(&s, (vec3_f64){0, 0, 1}, neg_f64(up), &red);
-    studio_plane(&s, (vec3_f64){0, 0, -2}, up, &green);
-    studio_camera(&s, eye, view, across, 20);
-    double eta = 1 / studio_twisted(&s, (double)ior);
-    studio_worst worst = {0};
-    bool rendered = studio_render(&s);
-    for (uint32_t i = 0; rendered && i < PIXELS; ++i) {
-        double bound = 0, share = reflectance(-studio_direction(&s, view, across, 20, i).z, eta, &bound);
-        if (bound > 0.5) continue; /* float cannot tell whether all is mirrored */
-        studio_judge(&worst, studio_at(&s, 0, i), share, bound);
-        studio_judge(&worst, studio_at(&s, 1, i), 1 - share, bound);
+    studio_plane(s, (vec3_f64){0, 0, -1}, up, glass);
+    studio_plane(s, (vec3_f64){0, 0, 1}, neg_f64(up), studio_emitter(1, 0, 0));
+    studio_plane(s, (vec3_f64){0, 0, -2}, up, studio_emitter(0, 1, 0));
+    studio_camera(s, eye, view, across, 20);
+    double eta = 1 / studio_twisted(s, (double)ior);
+    for (uint32_t i = 0, n = studio_render(s); i < n; ++i) {
+        double bound = 0, share = reflectance(-studio_direction(s, view, across, 20, i).z, eta, &bound);
+        if (bound > 0.5) continue; /* float cannot tell whether everything is mirrored */
+        studio_judge(s, 0, studio_at(s, 0, i), share, bound);
+        studio_judge(s, 0, studio_at(s, 1, i), 1 - share, bound);
     }
-    studio_row(&s, "fresnel", parameter, &worst, "mirrored and let through by ior %.9g", (double)ior);
-    return studio_close(&s);
+    studio_row(s, 0, "fresnel", parameter, "mirrored and let through by ior %.9g", (double)ior);
 }
 
 /* ---- all ---- */
 
-static fathom_status near_one(fathom_context *context, const shading_options *options, shading_rows *rows,
-                              double step) {
+static void near_one(studio *s, double step) {
     float above = (float)(1 + step), below = (float)(1 - step);
-    fathom_status status = one(context, options, rows, slab, above, "ior", step, "1 + ");
-    if (status == FATHOM_OK) status = one(context, options, rows, slab, below, "ior", step, "1 - ");
-    if (status == FATHOM_OK) status = one(context, options, rows, ball_of, above, "ior", step, "1 + ");
-    if (status == FATHOM_OK) status = one(context, options, rows, ball_of, below, "ior", step, "1 - ");
-    return status == FATHOM_OK ? fresnel(context, options, rows, above, (double)above) : status;
+    one(s, slab, above, "ior", step, "1 + ");
+    one(s, slab, below, "ior", step, "1 - ");
+    one(s, ball_of, above, "ior", step, "1 + ");
+    one(s, ball_of, below, "ior", step, "1 - ");
+    fresnel(s, above, (double)above);
 }
 
 /* Below 1 only rays nearly along the normal get in: the view is as narrow as that, and a little wider. Where
- * they are nearer to it than float can tell, a view of all directions sees them mirrored. */
-static fathom_status extreme(fathom_context *context, const shading_options *options, shading_rows *rows,
-                             double ior, bool and_out) {
-    bent into = half_space, through = slab;
+ * they are nearer to it than float can tell, a view of all directions sees them mirrored. From 1e7 on the
+ * direction inside holds nothing of the one outside: then only the way in has a formula. */
+static void extreme(studio *s, double ior) {
+    optic into = half_space, through = slab;
     into.field = through.field = ior < 1 && ior > 1e-5 ? 2.2 * ior : 2.2;
-    fathom_status status = one(context, options, rows, into, (float)ior, "ior extreme", ior, "");
-    if (status == FATHOM_OK && and_out)
-        status = one(context, options, rows, through, (float)ior, "ior extreme", ior, "");
-    return status == FATHOM_OK ? fresnel(context, options, rows, (float)ior, ior) : status;
+    one(s, into, (float)ior, "ior extreme", ior, "");
+    if (ior > 1e-5 && ior < 1e5) one(s, through, (float)ior, "ior extreme", ior, "");
+    fresnel(s, (float)ior, ior);
 }
 
-fathom_status shading_ior(fathom_context *context, const shading_options *options, shading_rows *rows) {
-    /* From 1e7 on the direction inside holds nothing of the one outside: then only the way in has a formula.
-     */
+void shading_ior(studio *s) {
     static const double extremes[] = {1e-30, 1e-7, 1e-3, 0.1, 1.5, 10, 100, 1e4, 1e7, 1e30};
-    fathom_status status = one(context, options, rows, slab, 1, "ior", 0, "1 + ");
-    for (int e = 1; e <= 7 && status == FATHOM_OK; ++e)
-        status = near_one(context, options, rows, pow(10, -e));
-    for (size_t i = 0; i < sizeof extremes / sizeof *extremes && status == FATHOM_OK; ++i) {
-        bool and_out = extremes[i] > 1e-5 && extremes[i] < 1e5;
-        status = extreme(context, options, rows, extremes[i], and_out);
-    }
-    return status;
+    one(s, slab, 1, "ior", 0, "1 + ");
+    for (int e = 1; e <= 7; ++e) near_one(s, pow(10, -e));
+    for (size_t i = 0; i < sizeof extremes / sizeof *extremes; ++i) extreme(s, extremes[i]);
 }

@@ -2,13 +2,12 @@
  * by a small angle a. Unfolded, the path is one straight line: after 2m reflections it is the line of the
  * camera's ray turned by -2 m a about the apex, where the mirrors' planes meet, and after one more that line
  * with z turned over. So each hit, and where the path leaves, has a closed form however many there are. */
-#include "verify/light/shading_beam.h"
 #include "verify/light/shading_studio.h"
 
 #define PIXELS 32
 
-static const double left = -1, right = 8,
-                    beyond = 2; /* ends of the mirrors, and how far off the rulers are */
+/* Ends of the mirrors, and how far off the rulers are. */
+static const double left = -1, right = 8, beyond = 2;
 static const vec3_f64 eye = {0, 0, 0.5};
 
 typedef struct corridor {
@@ -23,19 +22,19 @@ static vec3_f64 up_of(void) { return normalize_f64((vec3_f64){1.7, 0, 1}); }
 
 static fathom_material mirror(void) {
     fathom_material m = studio_black();
-    for (int c = 0; c < 3; ++c) m.k_r[c] = 1;
+    m.k_r[0] = m.k_r[1] = m.k_r[2] = 1;
     m.k_e[2] = 1; /* blue counts the hits */
     return m;
 }
 
 static void build(studio *s, double angle, uint32_t max_depth) {
-    fathom_material m = mirror(), red = studio_lambert(1, 0, 0), green = studio_lambert(0, 1, 0);
     double middle = (left + right) / 2, half = (right - left) / 2;
-    studio_quad(s, (vec3_f64){middle, 0, 0}, (vec3_f64){half, 0, 0}, (vec3_f64){0, 1, 0}, &m);
+    studio_begin(s, PIXELS);
+    studio_quad(s, (vec3_f64){middle, 0, 0}, (vec3_f64){half, 0, 0}, (vec3_f64){0, 1, 0}, mirror());
     studio_quad(s, (vec3_f64){middle, 0, 1 - middle * tan(angle)}, (vec3_f64){half, 0, -half * tan(angle)},
-                (vec3_f64){0, -1, 0}, &m);
-    studio_plane(s, (vec3_f64){left - beyond, 0, 0}, (vec3_f64){1, 0, 0}, &red);
-    studio_plane(s, (vec3_f64){right + beyond, 0, 0}, (vec3_f64){-1, 0, 0}, &green);
+                (vec3_f64){0, -1, 0}, mirror());
+    studio_plane(s, (vec3_f64){left - beyond, 0, 0}, (vec3_f64){1, 0, 0}, studio_lambert(1, 0, 0));
+    studio_plane(s, (vec3_f64){right + beyond, 0, 0}, (vec3_f64){-1, 0, 0}, studio_lambert(0, 1, 0));
     studio_point_light(s, (vec3_f64){left - beyond + 1, 2, 0.5}, 1, 0, 0);
     studio_point_light(s, (vec3_f64){right + beyond - 1, 2, 0.5}, 0, 1, 0);
     studio_camera(s, eye, view_of(), up_of(), field);
@@ -99,11 +98,10 @@ static leaving follow(const corridor *c, vec3_f64 direction) {
 }
 
 /* Blue is the number of hits; red and green tell where on the rulers the path ends. */
-static void judge(const studio *s, const corridor *c, uint32_t i, studio_worst *count,
-                  studio_worst *landing) {
+static void judge(studio *s, const corridor *c, uint32_t i) {
     leaving path = follow(c, studio_direction(s, view_of(), up_of(), field, i));
     if (!path.sure) return;
-    studio_judge(count, studio_at(s, 2, i), path.hits, 0);
+    studio_judge(s, 0, studio_at(s, 2, i), path.hits, 0);
     if (path.ended) return;
     bool back = path.along.x < 0;
     double wall = back ? left - beyond : right + beyond, bound = 0;
@@ -113,37 +111,27 @@ static void judge(const studio *s, const corridor *c, uint32_t i, studio_worst *
     b.at = at, b.along = path.along;
     double value = beam_radiance(&b, (vec3_f64){back ? wall + 1 : wall - 1, 2, 0.5},
                                  (vec3_f64){back ? 1 : -1, 0, 0}, fmax(right, fabs(b.at.z)) + beyond, &bound);
-    studio_judge(landing, studio_at(s, back ? 0 : 1, i), value, bound);
+    studio_judge(s, 1, studio_at(s, back ? 0 : 1, i), value, bound);
 }
 
-static fathom_status one(fathom_context *context, const shading_options *options, shading_rows *rows,
-                         double angle, uint32_t max_depth, bool of_depth) {
-    studio s;
-    studio_open(context, options, rows, PIXELS, &s);
-    build(&s, angle, max_depth);
-    corridor c = {angle, studio_twisted(&s, 1), max_depth};
-    studio_worst count = {0}, landing = {0};
-    if (studio_render(&s)) {
-        for (uint32_t i = 0; i < PIXELS; ++i) judge(&s, &c, i, &count, &landing);
-    }
-    if (of_depth) {
-        studio_row(&s, "mirror depth", max_depth, &count,
-                   "hits of mirrors 1e-3 rad apart, %u bounces allowed", max_depth);
-    } else {
-        studio_row(&s, "mirrors", angle, &count, "hits between mirrors %g rad from parallel", angle);
-        studio_row(&s, "mirrors", angle, &landing, "light where paths leave mirrors %g rad from parallel",
-                   angle);
-    }
-    return studio_close(&s);
+static void corridor_of(studio *s, double angle, uint32_t max_depth) {
+    build(s, angle, max_depth);
+    corridor c = {angle, studio_twisted(s, 1), max_depth};
+    for (uint32_t i = 0, n = studio_render(s); i < n; ++i) judge(s, &c, i);
 }
 
-fathom_status shading_mirrors(fathom_context *context, const shading_options *options, shading_rows *rows) {
+void shading_mirrors(studio *s) {
     static const double angles[] = {0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
     static const uint32_t depths[] = {0, 1, 5, 11, 64};
-    fathom_status status = FATHOM_OK;
-    for (size_t i = 0; i < sizeof angles / sizeof *angles && status == FATHOM_OK; ++i)
-        status = one(context, options, rows, angles[i], 64, false);
-    for (size_t i = 0; i < sizeof depths / sizeof *depths && status == FATHOM_OK; ++i)
-        status = one(context, options, rows, 1e-3, depths[i], true);
-    return status;
+    for (size_t i = 0; i < sizeof angles / sizeof *angles; ++i) {
+        double angle = angles[i];
+        corridor_of(s, angle, 64);
+        studio_row(s, 0, "mirrors", angle, "hits between mirrors %g rad from parallel", angle);
+        studio_row(s, 1, "mirrors", angle, "light where paths leave mirrors %g rad from parallel", angle);
+    }
+    for (size_t i = 0; i < sizeof depths / sizeof *depths; ++i) {
+        corridor_of(s, 1e-3, depths[i]);
+        studio_row(s, 0, "mirror depth", depths[i], "hits of mirrors 1e-3 rad apart, %u bounces allowed",
+                   depths[i]);
+    }
 }

@@ -1,13 +1,20 @@
-/* A small scene in the making, its image, and the rows that come of it. The first failure is kept, and all
- * calls after it do nothing: a case reads as a list of what is in it. */
-#ifndef EXTREMES_SHADING_STUDIO_H
-#define EXTREMES_SHADING_STUDIO_H
+/* Builds the small scenes of the shading cases, renders them and collects rows. The first failure stays in
+ * `status` and every later call does nothing, so a case reads as a list of what is in it. */
+#ifndef VERIFY_SHADING_STUDIO_H
+#define VERIFY_SHADING_STUDIO_H
 
 #include "math/vec.h"
 #include "verify/light/shading.h"
 
 /* Unit roundoff of float. */
 #define SHADING_U 0x1p-24
+
+/* Measured and expected value at the worst pixel. */
+typedef struct studio_worst {
+    uint32_t count; /* pixels judged */
+    double share;   /* error over bound; infinite for an error where none is allowed */
+    double measured, expected, error, bound;
+} studio_worst;
 
 typedef struct studio {
     fathom_context *context;
@@ -16,64 +23,86 @@ typedef struct studio {
     fathom_status status;
     fathom_scene *scene;
     fathom_settings settings;
-    fathom_film *film; /* the last one rendered */
+    fathom_film *film;
     const float *channel[3];
-    uint64_t broken; /* channels of it that are not finite */
+    uint64_t broken;       /* channels of the image that are not finite */
+    studio_worst worst[2]; /* a case has one row or two */
 } studio;
 
-/* An image of `width` pixels in one row; paths of up to 64 bounces, none given up for its weight. */
-void studio_open(fathom_context *context, const shading_options *options, shading_rows *rows, uint32_t width,
-                 studio *out);
-/* The status of all that was done. */
-fathom_status studio_close(studio *s);
+/* Starts a case: an empty scene, an image of one row of `width` pixels, paths of up to 64 bounces without a
+ * weight limit. Releases what the case before it made. */
+void studio_begin(studio *s, uint32_t width);
+/* Releases everything and returns the status. */
+fathom_status studio_end(studio *s);
 
-/* All black. */
 fathom_material studio_black(void);
-/* Sends out (r, g, b). */
 fathom_material studio_emitter(float r, float g, float b);
-/* Lambert's, reflecting (r, g, b). */
 fathom_material studio_lambert(float r, float g, float b);
-/* k_t 1 in every channel. */
+/* k_t is 1 in every channel. */
 fathom_material studio_glass(float ior);
 
-/* Each surface brings its own material. */
-void studio_quad(studio *s, vec3_f64 center, vec3_f64 u, vec3_f64 v, const fathom_material *m);
-void studio_plane(studio *s, vec3_f64 point, vec3_f64 normal, const fathom_material *m);
-void studio_sphere(studio *s, vec3_f64 center, double radius, const fathom_material *m);
+void studio_quad(studio *s, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m);
+void studio_plane(studio *s, vec3_f64 point, vec3_f64 normal, fathom_material m);
+void studio_sphere(studio *s, vec3_f64 center, double radius, fathom_material m);
 void studio_light(studio *s, const fathom_light *light);
 void studio_point_light(studio *s, vec3_f64 at, float r, float g, float b);
+void studio_directional_light(studio *s, vec3_f64 direction);
 
 /* Looks from `eye` along `view`, +x of the image along `across` (both unit, at right angles); the image plane
  * at distance 1 is `width` wide. */
 void studio_camera(studio *s, vec3_f64 eye, vec3_f64 view, vec3_f64 across, double width);
-/* The direction through pixel i, as the camera above defines it: unit, in double. */
+/* The unit direction through pixel i of that camera, in double. */
 vec3_f64 studio_direction(const studio *s, vec3_f64 view, vec3_f64 across, double width, uint32_t i);
 
-/* False when it failed. */
-bool studio_render(studio *s);
+/* Returns the number of pixels, 0 after a failure. */
+uint32_t studio_render(studio *s);
 double studio_at(const studio *s, unsigned channel, uint32_t i);
 
-/* What was measured and what it should be, at the worst of some pixels. */
-typedef struct studio_worst {
-    uint32_t count; /* pixels judged */
-    double share;   /* of its bound that the error takes; infinite for an error where none may be */
-    double measured, expected, error, bound;
-} studio_worst;
+/* Judges a pixel for row 0 or 1 of the case. */
+void studio_judge(studio *s, unsigned row, double measured, double expected, double bound);
+/* Appends the row. It is ok when something was judged, the error is within its bound and the image finite. */
+void studio_row(studio *s, unsigned row, const char *group, double parameter, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
 
-void studio_judge(studio_worst *worst, double measured, double expected, double bound);
-/* A row, right when something was judged, the error is within its bound and the image finite. */
-void studio_row(studio *s, const char *group, double parameter, const studio_worst *worst, const char *format,
-                ...) __attribute__((format(printf, 5, 6)));
-
-/* value * (1 + twist): where a formula takes its parameter from. */
+/* value * (1 + twist): the parameter that a formula uses. */
 double studio_twisted(const studio *s, double value);
 
-/* ---- the groups: each appends its rows ---- */
-fathom_status shading_mirrors(fathom_context *context, const shading_options *options, shading_rows *rows);
-fathom_status shading_guide(fathom_context *context, const shading_options *options, shading_rows *rows);
-fathom_status shading_ior(fathom_context *context, const shading_options *options, shading_rows *rows);
-fathom_status shading_highlights(fathom_context *context, const shading_options *options, shading_rows *rows);
-fathom_status shading_lights(fathom_context *context, const shading_options *options, shading_rows *rows);
-fathom_status shading_slants(fathom_context *context, const shading_options *options, shading_rows *rows);
+/* ---- shading_beam.c: one path in double, and how far the renderer's path in float may be from it ----
+ *
+ * `aside` bounds the distance between the two lines at right angles to them; a surface at a slant does not
+ * grow it, because the line that leaves is as near again. `turned` bounds the difference of the unit
+ * directions. Both count to first order in u = 2^-24. */
+typedef struct beam {
+    vec3_f64 at, along; /* along: unit */
+    double aside, turned;
+} beam;
+
+/* A camera ray: each component of its direction is rounded once. */
+beam beam_start(vec3_f64 eye, vec3_f64 direction);
+/* Moves to distance t, onto a surface whose coordinates are below `size`. */
+void beam_go(beam *b, double t, double size);
+/* Mirrors about the unit normal, itself known to `normal_error`. */
+void beam_mirror(beam *b, vec3_f64 normal, double normal_error);
+/* Refracts by Snell's law with eta = n1/n2 about the unit normal against the beam. False on total internal
+ * reflection, which changes nothing. */
+bool beam_refract(beam *b, vec3_f64 normal, double normal_error, double eta);
+/* The square of Snell's cosine over its float error: below 1 in size either answer is right. */
+double beam_doubt(const beam *b, vec3_f64 normal, double normal_error, double eta);
+/* A Lambert surface of albedo 1 as a ruler: a point light of intensity 1 at height h over the plane and
+ * distance r from the point gives h / r^3. */
+double beam_radiance(const beam *b, vec3_f64 light, vec3_f64 normal, double size, double *bound);
+
+/* ---- the groups ---- */
+void shading_mirrors(studio *s);
+void shading_guide(studio *s);
+void shading_ior(studio *s);
+void shading_highlights(studio *s);
+void shading_lights(studio *s);
+void shading_slants(studio *s);
+
+#define SHADING_GROUPS 6
+/* Runs one of the six. */
+fathom_status shading_group(fathom_context *context, const shading_options *options, unsigned group,
+                            shading_rows *out);
 
 #endif

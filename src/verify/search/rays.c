@@ -1,4 +1,4 @@
-#include "verify/search/rays_aim.h"
+#include "verify/search/rays.h"
 
 #include <float.h>
 
@@ -62,7 +62,7 @@ static draft make_grazing(const rays_source *s, rays_random *r, uint64_t index) 
     return (draft){madd_f64(target.point, -away, dir), dir, 0, (double)INFINITY};
 }
 
-/* Of a sphere: at right angles to the normal, past its surface by a fraction down to 1e-8 of the radius. */
+/* For a sphere: at right angles to the normal, past the surface by a fraction of the radius, down to 1e-8. */
 static draft make_tangent(const rays_source *s, rays_random *r, uint64_t index) {
     (void)index;
     rays_target target = rays_pick(s, r);

@@ -32,8 +32,8 @@ typedef struct rays_source rays_source;
 fathom_status rays_create(fathom_context *context, const world *w, rays_source **out);
 void rays_destroy(rays_source *source);
 
-/* Sums and differences of such coordinates are floats. What a tracer itself cannot take of it is
- * VERDICT_BEYOND. */
+/* Sums and differences of such coordinates fit in float. VERDICT_BEYOND covers what a tracer itself cannot
+ * take. */
 #define RAYS_LARGEST 1e30
 #define RAYS_LONGEST 1e37
 /* Whether a ray may be handed to a tracer: it is within these limits, in the space of any instance too. */
@@ -49,14 +49,56 @@ typedef struct rays_draft {
     double t_near, t_far;
 } rays_draft;
 
-/* `random`: see rays_aim.h. */
-struct rays_random;
-typedef rays_draft (*rays_maker)(const void *user, struct rays_random *random, uint64_t index);
+/* Random numbers of one ray. */
+typedef struct rays_random {
+    uint64_t counter;
+} rays_random;
+typedef rays_draft (*rays_maker)(const void *user, rays_random *random, uint64_t index);
 
 /* From now on every family is these rays. */
 void rays_set_maker(rays_source *source, rays_maker make, const void *user);
 
-/* Of a sphere around all that has bounds; at least 1e-30. Errors of position are told relative to it. */
+/* The radius of a sphere around everything that has bounds; at least 1e-30. Errors of position are relative
+ * to it. */
 double rays_world_radius(const rays_source *source);
+
+/* ---- rays_aim.c: random numbers, and the places on a world's primitives that rays are aimed at ---- */
+
+rays_random rays_random_of(uint64_t seed, uint64_t family, uint64_t index);
+double rays_unit(rays_random *r); /* [0,1) */
+double rays_between(rays_random *r, double low, double high);
+double rays_power(rays_random *r, double low, double high); /* 10^x, x in [low, high) */
+vec3_f64 rays_direction(rays_random *r);                    /* unit, evenly over the sphere */
+vec3_f64 rays_in_ball(rays_random *r, vec3_f64 center, double radius);
+vec3_f64 rays_perpendicular(rays_random *r, vec3_f64 to); /* unit; `to` need not be */
+
+/* A run of primitives as placed in the world. */
+typedef struct rays_run {
+    uint32_t geometry, instance, count;
+    vec3_f64 center; /* of its box, in world coordinates */
+    double radius;   /* half the box's diagonal */
+} rays_run;
+
+struct rays_source {
+    const world *world;
+    ARRAY(rays_run) runs; /* planes are the last */
+    vec3_f64 center;
+    double radius;
+    double stretch, shift; /* at most, of what instances do to lengths and to the origin; stretch >= 1 */
+    rays_maker own;        /* makes the rays of every family; may be NULL */
+    const void *own_user;
+};
+
+/* A place to aim at. */
+typedef struct rays_target {
+    const rays_run *run;
+    oracle_shape shape;
+    vec3_f64 point;     /* on the surface, in world coordinates */
+    vec3_f64 normal;    /* unit, of either side */
+    vec3_f64 corner[4]; /* triangles and quads */
+    unsigned corners;   /* 0 for others */
+} rays_target;
+
+rays_target rays_pick(const rays_source *source, rays_random *r);
 
 #endif

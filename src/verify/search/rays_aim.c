@@ -1,5 +1,5 @@
-#include "verify/search/rays_aim.h"
 #include "trace/trace.h"
+#include "verify/search/rays.h"
 #include "verify/search/search.h"
 
 #include <stdlib.h>

@@ -16,11 +16,6 @@ struct search {
 
 /* ---- primitives ---- */
 
-static vec3_f32 vertex(const fathom_mesh *mesh, uint32_t index) {
-    size_t stride = mesh->position_stride ? mesh->position_stride : 3 * sizeof(float);
-    return load_f32((const float *)(const void *)((const char *)mesh->positions + index * stride));
-}
-
 static void set_plane(const world *w, uint32_t index, oracle_primitive *out) {
     out->shape = ORACLE_PLANE;
     out->v[0] = w->planes.items[index].point, out->v[1] = w->planes.items[index].normal;
@@ -50,7 +45,8 @@ oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t pr
     case WORLD_MESH: {
         const fathom_mesh *mesh = &w->meshes.items[g->first];
         p.shape = ORACLE_TRIANGLE;
-        for (unsigned c = 0; c < 3; ++c) p.v[c] = vertex(mesh, mesh->indices[3 * (size_t)primitive + c]);
+        for (unsigned c = 0; c < 3; ++c)
+            p.v[c] = load_f32(mesh_vertex(mesh, mesh->indices[3 * (size_t)primitive + c]));
         break;
     }
     }
@@ -101,8 +97,7 @@ typedef struct search_walk {
     filter_ray local; /* the ray in the space of the instance at hand; its t_far shrinks with `closest` */
     double closest;   /* t of no closest hit is above: from hits that are certain */
     uint32_t geometry, instance;
-    bool shadows;     /* what casts none is passed by */
-    bool any, found;  /* any hit will do; one that is certain was found */
+    bool shadows;     /* skip what casts none */
     bool exhaustive;  /* every primitive is tested */
     double aside;     /* not 0: search_near() */
     bool failed;      /* no memory */
@@ -154,10 +149,7 @@ static void consider(search_walk *walk, uint32_t primitive, double run_low) {
     }
     if (verdict == FILTER_MISS) return;
     add(walk, primitive, low > run_low ? low : run_low);
-    walk->found |= verdict == FILTER_HIT;
 }
-
-static bool is_done(const search_walk *walk) { return walk->failed || (walk->any && walk->found); }
 
 static void consider_run(search_walk *walk, const search_part *part, size_t run, double low) {
     uint32_t count = walk->search->world->geometries.items[walk->geometry].count;
@@ -170,10 +162,10 @@ static void walk_level(search_walk *walk, const search_part *part, unsigned leve
                        size_t count) {
     uint8_t meets[BATCH];
     double low[BATCH];
-    for (size_t i = first; i < first + count && !is_done(walk); i += BATCH) {
+    for (size_t i = first; i < first + count && !walk->failed; i += BATCH) {
         size_t n = first + count - i < BATCH ? first + count - i : BATCH;
         filter_run(&walk->local, &walk->search->tree.bounds, part->slot[level] + i, n, meets, low);
-        for (size_t k = 0; k < n && !is_done(walk); ++k) {
+        for (size_t k = 0; k < n && !walk->failed; ++k) {
             if (!meets[k]) continue;
             if (level == 0) {
                 consider_run(walk, part, i + k, low[k]);
@@ -195,7 +187,7 @@ static void walk_geometry(search_walk *walk) {
     uint32_t count = walk->search->world->geometries.items[walk->geometry].count;
     size_t begin = walk->result->candidates.count;
     if (walk->exhaustive) {
-        for (uint32_t p = 0; p < count && !is_done(walk); ++p) consider(walk, p, -(double)INFINITY);
+        for (uint32_t p = 0; p < count && !walk->failed; ++p) consider(walk, p, -(double)INFINITY);
     } else if (part->levels) {
         walk_level(walk, part, part->levels - 1, 0, part->count[part->levels - 1]);
     }
@@ -224,7 +216,6 @@ static void walk_group(search_walk *walk, uint32_t group, uint32_t instance) {
         walk->geometry = w->groups.items[group].first + g;
         if (walk->shadows && w->geometries.items[walk->geometry].flags & FATHOM_CASTS_NO_SHADOW) continue;
         walk_geometry(walk);
-        if (walk->any && walk->found) return;
     }
 }
 
@@ -241,7 +232,6 @@ static void walk_world(search_walk *walk) {
     const world *w = walk->search->world;
     if (w->groups.count) walk_group(walk, 0, FATHOM_NONE);
     for (uint32_t k = 0; k < w->instances.count && !walk->failed; ++k) {
-        if (walk->any && walk->found) break;
         walk_group(walk, w->instances.items[k].group, k);
     }
     walk_planes(walk);
@@ -255,7 +245,7 @@ static bool same_shape(const oracle_primitive *a, const oracle_primitive *b) {
            memcmp(a->v, b->v, sizeof a->v) == 0;
 }
 
-/* Of 10,000 copies at one place the first is asked, and answers for all. */
+/* Copies of one shape at one place, up to 10,000 in the extreme cases, are asked once. */
 static const search_hit *ask(search_walk *walk, const search_candidate *c) {
     oracle_primitive primitive =
         search_primitive(walk->search->world, c->geometry, c->primitive, c->instance);
@@ -288,7 +278,6 @@ static void decide(search_walk *walk) {
         if (order > 0) continue;
         if (order < 0) result->ties.count = 0;
         if (!array_push(&result->ties, *hit)) walk->failed = true;
-        if (walk->any) return;
         /* To the next double above, since the sum may be rounded down. */
         real_f128 most = hit->answer.t.value + (real_f128)hit->answer.t.error;
         double above = nextafter((double)most, (double)INFINITY);
@@ -296,20 +285,19 @@ static void decide(search_walk *walk) {
     }
 }
 
-static MODE_APART bool run(search_walk *walk) {
+static MODE_APART void walk_and_decide(search_walk *walk) {
     walk->asked.geometry = FATHOM_NONE;
     walk->closest = (double)INFINITY;
     walk->result->ties.count = walk->result->candidates.count = 0;
     walk_world(walk);
     if (walk->aside == 0) decide(walk);
-    return !walk->failed;
 }
 
 static bool search_run(search_walk walk) {
     unsigned mode = mode_enter();
-    bool done = run(&walk);
+    walk_and_decide(&walk);
     mode_leave(mode);
-    return done;
+    return !walk.failed;
 }
 
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result) {
@@ -317,9 +305,6 @@ bool search_closest(const search *s, const oracle_ray *ray, search_result *resul
 }
 bool search_exhaustive(const search *s, const oracle_ray *ray, search_result *result) {
     return search_run((search_walk){.search = s, .ray = ray, .result = result, .exhaustive = true});
-}
-bool search_any(const search *s, const oracle_ray *ray, search_result *result) {
-    return search_run((search_walk){.search = s, .ray = ray, .result = result, .shadows = true, .any = true});
 }
 bool search_shadow(const search *s, const oracle_ray *ray, search_result *result) {
     return search_run((search_walk){.search = s, .ray = ray, .result = result, .shadows = true});

@@ -1,8 +1,8 @@
 /* The exact answer over a whole world: closest hit with all its ties, and any hit.
  *
- * A test in double precision with a proved error bound (filter.h) goes before the oracle and rejects only
- * what is certainly missed; runs of primitives are rejected together by spheres around them, and runs of
- * those (search_tree.h). What is left is decided by the oracle. */
+ * A test in double precision with a proved error bound (filter.h) rejects only what is certainly missed; runs
+ * of primitives are rejected together by spheres around them, and by spheres around those (search_tree.h).
+ * The oracle decides the candidates that remain. */
 #ifndef PARITY_SEARCH_H
 #define PARITY_SEARCH_H
 
@@ -28,8 +28,7 @@ typedef struct search_result {
     uint64_t asked, exact; /* added to: how often the oracle was asked, and how often it took whole numbers */
 } search_result;
 
-/* Of a world, or of one whose meshes' vertices are not finite: those are never met. The world must outlive
- * it. */
+/* Vertices of meshes need not be finite: such triangles are never met. The world must outlive it. */
 fathom_status search_create(fathom_context *context, const world *w, search **out);
 void search_destroy(search *s);
 
@@ -37,12 +36,10 @@ void search_destroy(search *s);
 bool search_closest(const search *s, const oracle_ray *ray, search_result *result);
 /* The same without any sphere: every primitive is tested. */
 bool search_exhaustive(const search *s, const oracle_ray *ray, search_result *result);
-/* Whether anything that casts a shadow is hit: then it is the one tie. */
-bool search_any(const search *s, const oracle_ray *ray, search_result *result);
 /* The closest hit among what casts shadows. */
 bool search_shadow(const search *s, const oracle_ray *ray, search_result *result);
-/* Fills `candidates` with all that casts shadows and that some ray may meet whose origin is moved by up to
- * `aside` and whose interval may be wider by what that takes; `ties` stays empty. */
+/* Fills `candidates` with everything that casts shadows and may be met when the origin moves by up to `aside`
+ * and the interval widens accordingly; `ties` stays empty. */
 bool search_near(const search *s, const oracle_ray *ray, double aside, search_result *result);
 void search_result_free(search_result *result);
 /* All but planes lies so far from the world's origin at most. */

@@ -36,7 +36,7 @@ static void grow(box *b, vec3_f64 p) {
 static vec3_f64 middle(const box *b) { return scale_f64(0.5, add_f64(b->low, b->high)); }
 
 /* The radius is rounded up by far more than a difference, a square root and a sum round. */
-static void put_sphere(search_tree *tree, size_t slot, vec3_f64 center, double radius) {
+static void set_bound(search_tree *tree, size_t slot, vec3_f64 center, double radius) {
     tree->bounds.x[slot] = center.x, tree->bounds.y[slot] = center.y, tree->bounds.z[slot] = center.z;
     tree->bounds.radius[slot] = radius * (1 + 0x1p-45) + FILTER_LEAST;
 }
@@ -70,7 +70,7 @@ static void enclose_primitives(search_tree *tree, const world *w, uint32_t geome
             radius = fmax(radius, distance(v, center) + fabs(oracle_radius(&p)));
         }
     }
-    put_sphere(tree, part->slot[0] + run, center, radius);
+    set_bound(tree, part->slot[0] + run, center, radius);
 }
 
 static vec3_f64 center_of(const search_tree *tree, size_t slot) {
@@ -89,7 +89,7 @@ static void enclose_spheres(search_tree *tree, size_t slot, size_t first, size_t
         if (!isnan(tree->bounds.x[i]))
             radius = fmax(radius, distance(center_of(tree, i), center) + tree->bounds.radius[i]);
     }
-    put_sphere(tree, slot, center, radius);
+    set_bound(tree, slot, center, radius);
 }
 
 static void enclose(search_tree *tree, const world *w, uint32_t geometry) {

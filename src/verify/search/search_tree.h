@@ -7,7 +7,7 @@
 #define SEARCH_RUN 16 /* primitives or spheres in one sphere */
 #define SEARCH_LEVELS 9
 
-/* Of one geometry; the last level has SEARCH_RUN spheres at most. */
+/* The levels of one geometry; the last has at most SEARCH_RUN spheres. */
 typedef struct search_part {
     unsigned levels;                                  /* 0: it is empty */
     size_t slot[SEARCH_LEVELS], count[SEARCH_LEVELS]; /* of each level's spheres; level 0 holds primitives */

@@ -1,6 +1,8 @@
+/* Judges answers: what was skipped, what was reported, closest hits and any hits. */
 #include "verify/verdict/verdict.h"
 #include "trace/trace.h"
-#include "verify/verdict/verdict_judge.h"
+
+#include <float.h>
 
 const char *verdict_name(verdict v) {
     static const char *const names[VERDICT_COUNT] = {"agree",       "tie",    "edge", "range",
@@ -24,19 +26,183 @@ verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
                             .largest = embree ? 1.844e18 / 2 : 0};
 }
 
+/* One answer on its way to a verdict. */
+typedef struct judge {
+    const search *search;
+    const world *world;
+    const verdict_tracer *tracer;
+    const oracle_ray *ray;
+    search_result *room;
+    bool shadows;               /* only what casts shadows counts */
+    bool failed;                /* out of memory */
+    const verdict_answer *said; /* what was reported instead of the nearest; NULL: nothing */
+} judge;
+
 static double value(ball b) { return (double)b.value; }
 
-bool verdict_names_primitive(const world *w, const verdict_answer *a) {
+/* The exact t of the nearest hit, infinite for a miss; `room` then holds it. */
+static double judge_nearest(judge *j, const oracle_ray *ray) {
+    bool done = j->shadows ? search_shadow(j->search, ray, j->room) : search_closest(j->search, ray, j->room);
+    if (!done) {
+        j->failed = true;
+        return (double)INFINITY;
+    }
+    return j->room->ties.count ? value(j->room->ties.items[0].answer.t) : (double)INFINITY;
+}
+
+static oracle_primitive primitive_of(const judge *j, const search_hit *hit) {
+    return search_primitive(j->world, hit->geometry, hit->primitive, hit->instance);
+}
+
+/* ---- what was skipped ---- */
+
+static bool same_primitive(const search_hit *hit, const verdict_answer *a) {
+    return hit->geometry == a->geometry && hit->primitive == a->primitive && hit->instance == a->instance;
+}
+
+/* The ray moved aside, at right angles to itself, to side `k` of eight. */
+static oracle_ray moved_aside(const oracle_ray *ray, double by, int k) {
+    vec3_f64 d = normalize_f64(widen(ray->dir));
+    vec3_f64 other = fabs(d.x) < 0.6 ? vec_f64(1, 0, 0) : vec_f64(0, 1, 0);
+    vec3_f64 x = normalize_f64(cross_f64(d, other)), y = cross_f64(d, x);
+    double angle = k * 0.7853981633974483 + 0.2;
+    vec3_f64 aside = add_f64(scale_f64(by * cos(angle), x), scale_f64(by * sin(angle), y));
+    oracle_ray out = *ray;
+    out.org = narrow(add_f64(widen(ray->org), aside));
+    return out;
+}
+
+/* Whether the nearest hit is what was reported, or nothing that the tracer could report. */
+static bool is_fair(const judge *j, const oracle_ray *ray) {
+    const search_hit *hit = &j->room->ties.items[0];
+    oracle_primitive p = primitive_of(j, hit);
+    if (verdict_beyond(j->tracer, j->world, ray, &p, value(hit->answer.t))) return true;
+    return j->said && same_primitive(hit, j->said);
+}
+
+/* Whether a ray that the precision cannot tell from this one meets nothing before t, or at whatever t what
+ * was reported, or what the tracer cannot hold. A surface that goes on beyond the edge is met on all sides.
+ */
+static bool passes_aside(judge *j, const oracle_ray *from, double by, double before) {
+    for (int k = 0; k < 8; ++k) {
+        oracle_ray ray = moved_aside(from, by, k);
+        if (!finite_f32(ray.org)) return true;
+        double t = judge_nearest(j, &ray);
+        if (t >= before || (t < (double)INFINITY && is_fair(j, &ray))) return true;
+    }
+    return false;
+}
+
+/* Takes a hit away that lies within its bound of an end of the interval asked for. */
+static bool trim(const judge *j, const search_hit *hit, const verdict_bound *bound, oracle_ray *ray) {
+    double t = value(hit->answer.t);
+    if (t - (double)j->ray->t_near <= bound->t)
+        ray->t_near = nextafterf((float)(t + bound->t), INFINITY);
+    else if ((double)j->ray->t_far - t <= bound->t)
+        ray->t_far = nextafterf((float)(t - bound->t), -INFINITY);
+    else
+        return false;
+    return true;
+}
+
+/* Embree's rcp_safe(): no component of a direction is taken for less than 1e-18 where boxes are tested. That
+ * turns the ray aside for them, by more than rounding does if the whole direction is that small; in the world
+ * it never is (trace/stretch.h). */
+static bool is_clamped(const judge *j, const oracle_primitive *p) {
+    if (!p->instance) return false;
+    oracle_ray ray = *j->ray;
+    ray.dir = narrow(normalize_f64(widen(ray.dir)));
+    vec3_f32 d = verdict_object_direction(&ray, p);
+    double clamped = j->tracer->clamped, least = clamped / j->tracer->unit;
+    double part[3] = {fabs((double)d.x), fabs((double)d.y), fabs((double)d.z)};
+    double most = fmax(part[0], fmax(part[1], part[2])), small = fmin(part[0], fmin(part[1], part[2]));
+    return most < least && small < clamped;
+}
+
+/* Why the hit, which lies well inside the ray's interval, was not reported. */
+static verdict judge_inside(judge *j, const oracle_ray *ray, const search_hit *hit, const oracle_primitive *p,
+                            const verdict_bound *bound, double before) {
+    if (is_clamped(j, p)) return VERDICT_LEAK;
+    if (value(hit->answer.edge) > bound->edge) return VERDICT_WRONG;
+    /* Twice as far, and by some units of a float at least, which the origin is rounded to. A slanted surface
+     * is met earlier by its bound, times as much as the ray is moved aside. */
+    double aside = fmax(2 * bound->aside, 0x1p-21 * length_f64(widen(ray->org)));
+    double limit = isfinite(before) ? before - 2 * bound->t * aside / bound->aside : before;
+    if (passes_aside(j, ray, aside, limit)) return VERDICT_EDGE;
+    return j->tracer->leaks ? VERDICT_LEAK : VERDICT_WRONG;
+}
+
+/* Why `nearest`, exactly the nearest hit, was not reported; the tracer saw nothing before t (infinite: at
+ * all).
+ */
+static verdict judge_skip(judge *j, const search_hit *nearest, double before) {
+    oracle_ray ray = *j->ray;
+    search_hit hit = *nearest;
+    for (int trimmed = 0;; ++trimmed) {
+        oracle_primitive p = primitive_of(j, &hit);
+        if (verdict_beyond(j->tracer, j->world, j->ray, &p, value(hit.answer.t))) return VERDICT_BEYOND;
+        verdict_bound bound = verdict_bound_of(j->tracer, j->ray, &p, &hit.answer);
+        if (trimmed == 16 || !trim(j, &hit, &bound, &ray))
+            return judge_inside(j, &ray, &hit, &p, &bound, before);
+        if (!(ray.t_near < ray.t_far)) return VERDICT_RANGE;
+        double limit = isfinite(before) ? before - bound.t : before;
+        if (judge_nearest(j, &ray) >= limit) return VERDICT_RANGE;
+        if (j->failed) return VERDICT_WRONG;
+        hit = j->room->ties.items[0];
+    }
+}
+
+/* ---- what was reported ---- */
+
+/* The exact intersection nearest to t; for a sphere, of the root that was taken. */
+static void judge_ask(const judge *j, const oracle_primitive *p, double t, oracle_answer *out) {
+    oracle_ask(j->ray, p, ORACLE_FAST, out);
+    if (out->parallel || p->shape != ORACLE_SPHERE || !out->line) return;
+    double here = value(out->t), other = value(out->other);
+    if (fabs(t - here) <= fabs(t - other)) return;
+    /* The oracle answers with the smaller root of the whole line: of the line run backwards that is the
+     * larger one. (A bound between both roots need not exist in float.) */
+    bool larger = other > here;
+    oracle_ray ray = *j->ray;
+    ray.t_near = -INFINITY, ray.t_far = INFINITY;
+    if (larger) ray.dir = neg_f32(ray.dir);
+    oracle_answer whole;
+    oracle_ask(&ray, p, ORACLE_FAST, &whole);
+    *out = whole;
+    if (larger) {
+        out->t = ball_neg(whole.t), out->other = ball_neg(whole.other);
+        out->part = 1 - whole.part;
+    }
+    /* In the interval that was asked for. */
+    out->above_near.value = out->t.value - (real_f128)j->ray->t_near;
+    out->below_far.value = (real_f128)j->ray->t_far - out->t.value;
+    out->hit = out->above_near.value > 0 && out->below_far.value > 0;
+}
+
+/* Whether the primitive may be met at that t at all; AGREE: it is, exactly. `a`: what judge_ask() said. */
+static verdict judge_meeting(const judge *j, const oracle_primitive *p, const oracle_answer *a, double t,
+                             verdict_bound *bound) {
+    /* In its plane a ray exactly misses, but it is as good as on a ray through it. */
+    if (a->parallel) return verdict_in_plane(j->tracer, j->ray, p) ? VERDICT_EDGE : VERDICT_WRONG;
+    *bound = verdict_bound_of(j->tracer, j->ray, p, a);
+    if (!a->line && value(a->edge) < -bound->edge) return VERDICT_WRONG;
+    if (fabs(t - value(a->t)) > verdict_reported(j->tracer, p, bound)) return VERDICT_WRONG;
+    if (!a->line) return VERDICT_EDGE;
+    if (a->hit) return VERDICT_AGREE;
+    return value(a->above_near) >= -bound->t && value(a->below_far) >= -bound->t ? VERDICT_RANGE
+                                                                                 : VERDICT_WRONG;
+}
+
+/* ---- closest hit ---- */
+
+/* Whether there is such a primitive. */
+static bool names_primitive(const world *w, const verdict_answer *a) {
     if (a->geometry == TRACE_PLANE) return a->primitive < w->planes.count;
     if (a->geometry >= w->geometries.count) return false;
     if (a->instance != FATHOM_NONE && a->instance >= w->instances.count) return false;
     uint32_t group = a->instance == FATHOM_NONE ? 0 : w->instances.items[a->instance].group;
     const world_group *g = &w->groups.items[group];
     return a->geometry - g->first < g->count && a->primitive < w->geometries.items[a->geometry].count;
-}
-
-static bool same_primitive(const search_hit *hit, const verdict_answer *a) {
-    return hit->geometry == a->geometry && hit->primitive == a->primitive && hit->instance == a->instance;
 }
 
 /* A sphere's other root is another hit, unless they coincide. */
@@ -55,7 +221,7 @@ static verdict judge_tie(const judge *j, const verdict_answer *a, double exact) 
 
 static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *out) {
     const oracle_ray *ray = j->ray;
-    if (!verdict_names_primitive(j->world, said)) return VERDICT_WRONG;
+    if (!names_primitive(j->world, said)) return VERDICT_WRONG;
     if (!(said->t >= (double)ray->t_near && said->t <= (double)ray->t_far)) return VERDICT_WRONG;
     oracle_primitive p = search_primitive(j->world, said->geometry, said->primitive, said->instance);
     oracle_answer a;
@@ -80,7 +246,7 @@ static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *o
     for (size_t i = 0; i < ties->ties.count && met == VERDICT_AGREE; ++i) {
         if (is_tie(&ties->ties.items[i], said, p.shape, &a)) return judge_tie(j, said, value(a.t));
     }
-    oracle_primitive q = search_primitive(j->world, first.geometry, first.primitive, first.instance);
+    oracle_primitive q = primitive_of(j, &first);
     verdict_bound nearer = verdict_bound_of(j->tracer, ray, &q, &first.answer);
     double reported = a.parallel ? said->t : value(a.t);
     if (value(first.answer.t) >= reported - bound.t - nearer.t) {
@@ -103,5 +269,68 @@ bool verdict_closest(const search *s, const world *w, const verdict_tracer *trac
     judge j = {s, w, tracer, ray, room, false, false, NULL};
     *out = (verdict_report){.measured = false};
     out->verdict = answer->geometry == FATHOM_NONE ? judge_miss(&j) : judge_hit(&j, answer, out);
+    return !j.failed;
+}
+
+/* ---- any hit: against everything that casts a shadow ---- */
+
+/* Whether the primitive may be met anywhere in the interval, though exactly it is not: a sphere's roots lie
+ * at either end. */
+static verdict judge_candidate(const judge *j, const search_candidate *c) {
+    oracle_primitive p = search_primitive(j->world, c->geometry, c->primitive, c->instance);
+    const double ends[2] = {(double)j->ray->t_near, fmin((double)j->ray->t_far, (double)FLT_MAX)};
+    verdict best = VERDICT_WRONG;
+    for (int i = 0; i < 2; ++i) {
+        oracle_answer a;
+        verdict_bound bound;
+        judge_ask(j, &p, ends[i], &a);
+        verdict met = judge_meeting(j, &p, &a, (double)a.t.value, &bound);
+        double t = (double)a.t.value, far = (double)j->ray->t_far;
+        bool within = a.parallel || (t - ends[0] >= -bound.t && far - t >= -bound.t);
+        if (met != VERDICT_WRONG && within) return met == VERDICT_AGREE ? VERDICT_RANGE : met;
+        if (!a.parallel && a.line && verdict_beyond(j->tracer, j->world, j->ray, &p, t))
+            best = VERDICT_BEYOND;
+    }
+    return best;
+}
+
+static bool casts(const world *w, const verdict_answer *a) {
+    if (!names_primitive(w, a)) return false;
+    unsigned flags = a->geometry == TRACE_PLANE ? w->planes.items[a->primitive].flags
+                                                : w->geometries.items[a->geometry].flags;
+    return !(flags & FATHOM_CASTS_NO_SHADOW);
+}
+
+/* The tracer reports a hit where there is none. */
+static verdict judge_phantom(judge *j, const verdict_answer *hint) {
+    if (hint && casts(j->world, hint)) {
+        search_candidate c = {hint->geometry, hint->primitive, hint->instance, 0};
+        verdict one = judge_candidate(j, &c);
+        if (one != VERDICT_WRONG) return one;
+    }
+    double aside = verdict_aside(j->tracer, j->world, j->ray, search_extent(j->search));
+    if (!search_near(j->search, j->ray, aside, j->room)) {
+        j->failed = true;
+        return VERDICT_WRONG;
+    }
+    verdict best = VERDICT_WRONG;
+    for (size_t i = 0; i < j->room->candidates.count; ++i) {
+        verdict one = judge_candidate(j, &j->room->candidates.items[i]);
+        if (one < best) best = one;
+    }
+    return best;
+}
+
+bool verdict_any(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
+                 bool met, const verdict_answer *hint, search_result *room, verdict *out) {
+    judge j = {s, w, tracer, ray, room, true, false, NULL};
+    bool exact = isfinite(judge_nearest(&j, ray));
+    *out = VERDICT_AGREE;
+    if (exact && !met) {
+        search_hit first = room->ties.items[0];
+        *out = judge_skip(&j, &first, (double)INFINITY);
+    } else if (met && !exact) {
+        *out = judge_phantom(&j, hint);
+    }
     return !j.failed;
 }

@@ -1,4 +1,4 @@
-/* What an answer of a tracer is worth, held against the exact one. */
+/* Judges a tracer's answer by the exact one. */
 #ifndef PARITY_VERDICT_H
 #define PARITY_VERDICT_H
 
@@ -35,7 +35,7 @@ typedef struct verdict_tracer {
     double largest; /* takes no ray and no primitive with a coordinate above; 0: any float */
 } verdict_tracer;
 
-/* What the tracer said: ids as in trace_hits, geometry FATHOM_NONE for a miss. */
+/* The tracer's answer: ids as in trace_hits, geometry FATHOM_NONE for a miss. */
 typedef struct verdict_answer {
     uint32_t geometry, primitive, instance;
     double t, t_low; /* their sum: as the tracer computed it */
@@ -51,20 +51,56 @@ typedef struct verdict_report {
     oracle_answer exact;
 } verdict_report;
 
-/* Whether there is such a primitive. */
-bool verdict_names_primitive(const world *w, const verdict_answer *answer);
-
-/* What is known of a tracer by its words. */
+/* The properties of a tracer by its specification. */
 verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit);
 
 /* Judges one closest hit. `room` is for searches and is written over. False when out of memory. */
 bool verdict_closest(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
                      const verdict_answer *answer, search_result *room, verdict_report *out);
 
-/* Judges whether anything that casts a shadow is met: AGREE, EDGE, RANGE, BEYOND, LEAK or WRONG, which mean
- * the same for the surfaces that were skipped or met. `hint`: what the tracer says is the closest hit, since
- * that is likely what it met; or NULL. False when out of memory. */
+/* Judges whether anything that casts a shadow is met: AGREE, EDGE, RANGE, BEYOND, LEAK or WRONG, with the
+ * same meanings. `hint`: the tracer's closest hit, which is likely what it met; or NULL. False when out of
+ * memory. */
 bool verdict_any(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
                  bool met, const verdict_answer *hint, search_result *room, verdict *out);
+
+/* ---- verdict_bound.c: forward error bounds, each a constant times a condition number times the unit
+ * roundoff ----
+ */
+
+typedef struct verdict_bound {
+    double t;     /* of t, in its units */
+    double edge;  /* of oracle_answer.edge */
+    double aside; /* in world coordinates, of where the ray passes */
+} verdict_bound;
+
+/* The bound for an answer that is not parallel. */
+verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *ray,
+                               const oracle_primitive *primitive, const oracle_answer *answer);
+
+/* The bound of a reported t: verdict_bound.t, or infinite where the tracer has lost the normal. */
+double verdict_reported(const verdict_tracer *tracer, const oracle_primitive *primitive,
+                        const verdict_bound *bound);
+
+/* The largest verdict_bound.aside of anything within `extent` of the world's origin. */
+double verdict_aside(const verdict_tracer *tracer, const world *w, const oracle_ray *ray, double extent);
+
+/* Whether rounding may bring a ray that is exactly parallel to the primitive's plane into it. */
+bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive);
+
+/* Whether the tracer's floats cannot hold what this intersection takes: t above the largest of them, or a
+ * coordinate above what it takes, of the ray in any space of the world or of the primitive. */
+bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_ray *ray,
+                    const oracle_primitive *primitive, double t);
+
+/* The error of t allowed whatever its condition: VERDICT_ULPS, of a double at least, and flushed
+ * denormals. */
+double verdict_rounding(const verdict_tracer *tracer, double t);
+
+/* The ray's direction in the primitive's space. */
+vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *primitive);
+
+/* The constants, for reports. */
+double verdict_constant(oracle_shape shape);
 
 #endif

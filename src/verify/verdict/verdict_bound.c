@@ -16,7 +16,7 @@
  *
  * Where sides are differences of corners seen from E, as in Embree, they are off by 2 u S, and n by 4 u L S.
  * It stands in both n·v and n·d, so t is off by 4 u L S |V - P| / |d·n| with P on the plane: within L S L for
- * hits; for a point beside the triangle, which the exact ray only passes, |V - P| <= L Σ|w_k|, with its
+ * hits; for a point outside the triangle, which the exact ray only passes, |V - P| <= L Σ|w_k|, with its
  * weights. They also make d·n off by 4 u L S |d|: from so far that this is as large as d·n, nothing is left
  * of the normal, and t is anything. That many u |d| L S / |d·n| are an eighth of the bound of the weights.
  *
@@ -45,8 +45,8 @@
  *
  * Plane: f·n is off by 4 u |n| S, d·n by 3 u |n| |d|: together 7 u |n| S / |d·n|, and 16 with the origin's
  * and the quotient's rounding. */
-#include "verify/verdict/verdict_bound.h"
 #include "reference/reference.h"
+#include "verify/verdict/verdict.h"
 
 #include <float.h>
 
@@ -175,7 +175,7 @@ static double size_of(const verdict_tracer *tracer, const oracle_ray *ray, const
     return size + largest_corner(p);
 }
 
-/* How far a quad's fourth corner is from the plane of its first triangle. */
+/* The distance of a quad's fourth corner from the plane of its first triangle. */
 static double bend_of(const oracle_primitive *quad) {
     vec3_f64 a = widen(quad->v[0]);
     vec3_f64 n = cross_f64(sub_f64(widen(quad->v[1]), a), sub_f64(widen(quad->v[3]), a));
@@ -226,8 +226,8 @@ static bool origin_beyond(const world *w, vec3_f32 org, double limit) {
     return false;
 }
 
-/* Whether products that the textbook forms leave their range: the larger overflows, or what is lost of the
- * smaller counts beside rounding. The robust forms go on in wider precision then. */
+/* Whether the textbook's products leave their range: the larger overflows, or the smaller loses more than
+ * rounding. The robust forms then use a wider precision. */
 static bool textbook_beyond(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
                             double t) {
     frame f = frame_of(tracer, ray, p->instance);

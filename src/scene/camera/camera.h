@@ -1,0 +1,46 @@
+/* Cameras: which of a file's is taken, where one must stand to see everything, and the image's shape. */
+#ifndef SCENE_CAMERA_H
+#define SCENE_CAMERA_H
+
+#include "math/frame.h"
+#include "scene/scene.h"
+
+/* ---- the cameras of files that have several ---- */
+
+/* Adds to scene->cameras. The names are copied; NULL: none. */
+fathom_status scene_note_camera(fathom_scene *scene, const char *name, const char *own_name,
+                                bool orthographic);
+
+/* Sets scene->camera_taken to the camera that was asked for, else to the first perspective one; FATHOM_NONE
+ * when there is none. Warns of the others where none was asked for. FATHOM_BAD_USAGE, with a list, when there
+ * is no such camera, when several have the name, and when it is orthographic. */
+fathom_status scene_choose_camera(fathom_scene *scene, const char *path);
+
+/* ---- where a camera must stand to see everything ---- */
+
+/* Finds the nearest place from which all of the scene lies in view, for an eye that looks along -axes->z and
+ * sees slopes of at most across and up from the middle of its image; axes->origin is not read. The scene
+ * touches both sides of the view in the tighter direction, unless the eye would come too near to its foremost
+ * point, and is centred in the other. The scene must have no cycle. *empty: nothing in it has bounds, and
+ * *eye is not set. FATHOM_BAD_INPUT when the place is not finite. */
+fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, double across, double up,
+                              bool *empty, vec3_f64 *eye);
+
+/* ---- the shape of images ---- */
+
+typedef struct image_size {
+    uint32_t width, height;
+} image_size;
+
+/* The size of the image that the scene is read for: the one asked for, else the settings'. */
+image_size scene_image_size(const fathom_scene *scene);
+
+/* Gives the image the shape of a camera of this width over height, > 0: the length that is given stays, and
+ * nothing changes where both are. Where none is, the longer side stays what the longer one was. */
+void image_size_follow(fathom_settings *settings, double aspect, bool has_width, bool has_height);
+
+/* Warns where the image that the scene is read for has another shape than its camera: it is stretched, or
+ * shows less than the camera does. */
+void scene_warn_shape(const fathom_scene *scene, const char *path);
+
+#endif

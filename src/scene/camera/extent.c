@@ -1,0 +1,130 @@
+/* A run of vertices is read only where its box reaches beyond the best so far. This never changes the result:
+ * rounding is monotonic, so the same operations in the same order on the box's outermost corner give no less
+ * than on any vertex inside. The bound needs no slack. */
+#include "scene/camera/extent.h"
+
+#include "base/threads.h"
+#include "scene/kernels.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+
+/* Vertices in a run. Shorter runs have tighter boxes, but more of them have to be compared in each pass. */
+#define RUN 128
+/* Runs that a thread takes at a time, some 0.1 ms of work where all are looked at. */
+#define PIECE 256
+
+static size_t run_end(const fathom_mesh *mesh, size_t run) {
+    const size_t begin = run * RUN;
+    return mesh->vertex_count - begin > RUN ? begin + RUN : mesh->vertex_count;
+}
+
+/* ---- boxes ---- */
+
+typedef struct box_loop {
+    const scene_kernels *kernels;
+    const fathom_mesh *mesh;
+    extent_box *boxes;
+} box_loop;
+
+/* A run with a number that is not finite gets an endless box: it is always looked at. */
+static void make_boxes(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const box_loop *loop = user;
+    const extent_box empty = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}},
+                     endless = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+    for (size_t run = begin; run < end; ++run) {
+        const size_t count = run_end(loop->mesh, run) - run * RUN;
+        extent_box box = empty;
+        const bool finite = loop->kernels->vectors(mesh_vertex(loop->mesh, run * RUN),
+                                                   loop->mesh->position_stride, count, box.lower, box.upper);
+        loop->boxes[run] = finite ? box : endless;
+    }
+}
+
+bool extent_make_boxes(unsigned threads, const fathom_mesh *mesh, extent_boxes *out) {
+    const size_t count = ((size_t)mesh->vertex_count + RUN - 1) / RUN;
+    extent_box *boxes = malloc(count * sizeof *boxes);
+    if (!boxes) return false;
+    box_loop loop = {scene_kernels_best(), mesh, boxes};
+    loop_parallel(threads, count, PIECE, make_boxes, &loop);
+    *out = (extent_boxes){boxes, count};
+    return true;
+}
+
+/* ---- reach ---- */
+
+static double larger(double a, double b) { return a > b ? a : b; }
+
+/* How far the outermost corner reaches along side i. Not a number where a product or a sum is not. */
+static double reach_of_box(const extent_sides *s, int i, const extent_box *box) {
+    const double x = larger(s->x[i] * (double)box->lower[0], s->x[i] * (double)box->upper[0]);
+    const double y = larger(s->y[i] * (double)box->lower[1], s->y[i] * (double)box->upper[1]);
+    const double z = larger(s->z[i] * (double)box->lower[2], s->z[i] * (double)box->upper[2]);
+    return x + y + z + s->origin[i] + s->offset[i];
+}
+
+bool extent_box_beyond(const extent_sides *sides, const extent_box *box, const double most[EXTENT_SIDES]) {
+    bool beyond = false;
+    for (int i = 0; i < EXTENT_SIDES; ++i) beyond |= !(reach_of_box(sides, i, box) <= most[i]);
+    return beyond;
+}
+
+/* The loop over the sides is the inner one: it becomes vector code. */
+static void look_at_run(const extent_sides *s, const fathom_mesh *mesh, size_t run,
+                        double out[EXTENT_SIDES]) {
+    double most[EXTENT_SIDES];
+    for (int i = 0; i < EXTENT_SIDES; ++i) most[i] = out[i];
+    for (size_t k = run * RUN, end = run_end(mesh, run); k < end; ++k) {
+        const float *p = mesh_vertex(mesh, k);
+        const double px = (double)p[0], py = (double)p[1], pz = (double)p[2];
+        for (int i = 0; i < EXTENT_SIDES; ++i) {
+            const double reach = s->x[i] * px + s->y[i] * py + s->z[i] * pz + s->origin[i] + s->offset[i];
+            most[i] = larger(reach, most[i]);
+        }
+    }
+    for (int i = 0; i < EXTENT_SIDES; ++i) out[i] = most[i];
+}
+
+typedef struct extent_loop {
+    const extent_sides *sides;
+    const fathom_mesh *mesh;
+    const extent_box *boxes;
+    pthread_mutex_t lock;
+    double *most;
+} extent_loop;
+
+/* The largest reach does not depend on which thread finds it when. */
+static void look_at_runs(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    extent_loop *loop = user;
+    double most[EXTENT_SIDES];
+    pthread_mutex_lock(&loop->lock);
+    for (int i = 0; i < EXTENT_SIDES; ++i) most[i] = loop->most[i];
+    pthread_mutex_unlock(&loop->lock);
+    for (size_t run = begin; run < end; ++run) {
+        if (extent_box_beyond(loop->sides, &loop->boxes[run], most))
+            look_at_run(loop->sides, loop->mesh, run, most);
+    }
+    pthread_mutex_lock(&loop->lock);
+    for (int i = 0; i < EXTENT_SIDES; ++i) loop->most[i] = larger(most[i], loop->most[i]);
+    pthread_mutex_unlock(&loop->lock);
+}
+
+/* The run whose box reaches farthest along each side comes first: few others reach beyond its vertices. */
+void extent_of_mesh(unsigned threads, const extent_sides *sides, const fathom_mesh *mesh,
+                    const extent_boxes *boxes, double most[EXTENT_SIDES]) {
+    double farthest[EXTENT_SIDES];
+    size_t first[EXTENT_SIDES] = {0};
+    for (int i = 0; i < EXTENT_SIDES; ++i) farthest[i] = -INFINITY;
+    for (size_t run = 0; run < boxes->count; ++run) {
+        for (int i = 0; i < EXTENT_SIDES; ++i) {
+            const double reach = reach_of_box(sides, i, &boxes->items[run]);
+            if (reach > farthest[i]) farthest[i] = reach, first[i] = run;
+        }
+    }
+    for (int i = 0; i < EXTENT_SIDES; ++i) look_at_run(sides, mesh, first[i], most);
+    extent_loop loop = {sides, mesh, boxes->items, PTHREAD_MUTEX_INITIALIZER, most};
+    loop_parallel(threads, boxes->count, PIECE, look_at_runs, &loop);
+}

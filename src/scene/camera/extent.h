@@ -1,0 +1,39 @@
+/* How far the vertices of a mesh reach along a few directions, without reading most of them. */
+#ifndef SCENE_EXTENT_H
+#define SCENE_EXTENT_H
+
+#include "scene/mesh/mesh_facts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { EXTENT_SIDES = 4 };
+
+/* Along side i a vertex p reaches to x[i] p.x + y[i] p.y + z[i] p.z + origin[i] + offset[i], added in this
+ * order. */
+typedef struct extent_sides {
+    double x[EXTENT_SIDES], y[EXTENT_SIDES], z[EXTENT_SIDES];
+    double origin[EXTENT_SIDES], offset[EXTENT_SIDES];
+} extent_sides;
+
+typedef struct extent_box {
+    float lower[3], upper[3];
+} extent_box;
+
+/* A box for each run of vertices that follow each other. */
+typedef struct extent_boxes {
+    extent_box *items; /* NULL: not made yet; the owner frees it */
+    size_t count;
+} extent_boxes;
+
+/* False when there is no memory. The mesh's strides are set. */
+bool extent_make_boxes(unsigned threads, const fathom_mesh *mesh, extent_boxes *out);
+
+/* Whether a vertex in the box may reach beyond `most` along some side; true where that is not a number. */
+bool extent_box_beyond(const extent_sides *sides, const extent_box *box, const double most[EXTENT_SIDES]);
+
+/* Raises `most` to how far the vertices reach. Vertices whose reach is not a number do not count. */
+void extent_of_mesh(unsigned threads, const extent_sides *sides, const fathom_mesh *mesh,
+                    const extent_boxes *boxes, double most[EXTENT_SIDES]);
+
+#endif

@@ -1,0 +1,241 @@
+#include "trace/embree/embree_limits.h"
+
+#include "reference/reference.h"
+#include "trace/embree/embree.h"
+#include "trace/search.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- memory ---- */
+
+/* Embree 3.13.5 on a displaced sphere, bytes a triangle beyond the mesh's own: of 2 and 8 million triangles
+ * the usual structures keep 68 and 63 and pass 35 and 32 while they are built; at low quality they keep 92
+ * and pass 12, which is the same at the most. Compact ones keep 36 and pass 2; at low quality, 50 and 22. Of
+ * less than a million, compact ones pass as much as the usual, and some megabytes. Spheres are boxes with a
+ * callback, and cost about as much; quads are two triangles. */
+static const trace_need usual_need = {68, 36}, compact_need = {37, 4};
+
+/* Measured on one and two million instances of one triangle; includes what Embree allocates without reporting
+ * it. */
+static const trace_need instance_need = {440, 120};
+
+/* A mesh with flat triangles has its indices copied, quads have indices and corners; see embree_native.c. */
+static double copied_bytes(const world_geometry *geometry) {
+    double indices = 3 * sizeof(uint32_t) * (double)geometry->count;
+    if (geometry->kind == WORLD_QUADS) return 2 * indices + sizeof(world_quad) * (double)geometry->count;
+    return geometry->kind == WORLD_MESH && geometry->flat ? indices : 0;
+}
+
+trace_need trace_need_of(const world *w, bool is_compact) {
+    trace_need each = is_compact ? compact_need : usual_need;
+    double n = 0, more = 0, copied = 0, instances = (double)w->instances.count;
+    for (size_t i = 0; i < w->geometries.count; ++i) {
+        const world_geometry *geometry = &w->geometries.items[i];
+        n += (geometry->kind == WORLD_QUADS ? 2.0 : 1.0) * geometry->count;
+        copied += copied_bytes(geometry);
+    }
+    if (is_compact && n < 1e6) each.passed = usual_need.passed, more = 16e6;
+    return (trace_need){each.kept * n + instance_need.kept * instances + copied,
+                        each.passed * n + instance_need.passed * instances + more};
+}
+
+#define RESERVE 64000000u
+
+static double total(trace_need need) { return need.kept + need.passed; }
+
+static fathom_status refuse(const embree_tracer *tracer, double need) {
+    return fail(tracer->context, FATHOM_OUT_OF_RESOURCES,
+                "out of memory: building takes about %.2f GB, and %.2f GB are left after program, meshes "
+                "and image; raise the limit, render on a machine with more memory, or place repeated parts "
+                "as instances",
+                need * 1e-9, (double)tracer->options->memory * 1e-9);
+}
+
+fathom_status embree_fit_memory(embree_tracer *tracer) {
+    const world *w = tracer->base.world;
+    double room = (double)tracer->options->memory;
+    bool chosen = tracer->spec.flags == TRACE_SCENE_COMPACT, free_to_choose = !tracer->options->spec;
+    double need = total(trace_need_of(w, chosen)), less = total(trace_need_of(w, true));
+    tracer->base.foreseen_bytes = (uint64_t)need;
+    if (!tracer->options->memory) return FATHOM_OK;
+    /* Embree reserves up to twice what it comes to touch. This is for estimates that are far off. */
+    tracer->most_bytes = 2 * tracer->options->memory + RESERVE;
+    if (need <= room) return FATHOM_OK;
+    if (!free_to_choose || less > room) return refuse(tracer, free_to_choose ? less : need);
+    tracer->base.foreseen_bytes = (uint64_t)less;
+    tracer->spec.flags = TRACE_SCENE_COMPACT;
+    tracer->spec.quality = TRACE_QUALITY_MEDIUM; /* low passes as much as the usual structures */
+    warn(tracer->context,
+         "the usual acceleration structure would take about %.2f GB, and %.2f GB are left after program, "
+         "meshes and image: a compact one of %.2f GB is built, which is slower to trace",
+         need * 1e-9, room * 1e-9, less * 1e-9);
+    return FATHOM_OK;
+}
+
+/* ---- how far rays may start ----
+ *
+ * Embree may abort on a ray with a coordinate beyond its largest, in the space of an instance too: there an
+ * origin has coordinates of up to s |o| + |m|, and a direction s |d|, s the largest sum of a row of the map,
+ * m its translation. Rays from beyond the reach are not given to Embree, so all there is must lie within. */
+
+static const float limit = REACH_LARGEST / 2; /* and no NaN is below it */
+
+/* ---- what can be hit ---- */
+
+bool reach_usable(vec3_f32 p) { return fabsf(p.x) < limit && fabsf(p.y) < limit && fabsf(p.z) < limit; }
+
+static bool mesh_point(const fathom_mesh *mesh, vec3_f32 *out) {
+    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
+        vec3_f32 v[3];
+        search_corners(mesh, i, v);
+        *out = v[0];
+        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) &&
+            triangle_has_area_f32(v[0], v[1], v[2]))
+            return true;
+    }
+    return false;
+}
+
+static bool sphere_point(const world_sphere *spheres, uint32_t count, vec3_f32 *out) {
+    for (uint32_t i = 0; i < count; ++i) {
+        *out = spheres[i].center;
+        if (reach_usable(*out) && largest_f32(*out) + fabsf(spheres[i].radius) < limit) return true;
+    }
+    return false;
+}
+
+static bool quad_point(const world_quad *quads, uint32_t count, vec3_f32 *out) {
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3_f32 *v = quads[i].corner;
+        *out = v[1]; /* in both halves, of which one may have no area */
+        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3]) &&
+            (triangle_has_area_f32(v[0], v[1], v[3]) || triangle_has_area_f32(v[2], v[3], v[1])))
+            return true;
+    }
+    return false;
+}
+
+bool reach_point(const world *w, const world_geometry *geometry, vec3_f32 *out) {
+    switch (geometry->kind) {
+    case WORLD_SPHERES: return sphere_point(&w->spheres.items[geometry->first], geometry->count, out);
+    case WORLD_QUADS: return quad_point(&w->quads.items[geometry->first], geometry->count, out);
+    case WORLD_MESH: return mesh_point(&w->meshes.items[geometry->first], out);
+    }
+    return false;
+}
+
+bool *reach_placed(const world *w) {
+    bool *placed = calloc(w->groups.count, sizeof *placed);
+    if (!placed) return NULL;
+    for (size_t k = 0; k < w->instances.count; ++k) placed[w->instances.items[k].group] = true;
+    for (size_t g = 1; g < w->groups.count; ++g) {
+        bool something = false;
+        vec3_f32 point;
+        const world_group *group = &w->groups.items[g];
+        for (uint32_t i = 0; i < group->count && placed[g] && !something; ++i) {
+            something = reach_point(w, &w->geometries.items[group->first + i], &point);
+        }
+        placed[g] = something;
+    }
+    placed[0] = true;
+    return placed;
+}
+
+/* ---- how large the world is ---- */
+
+static float group_size(const world *w, uint32_t index) {
+    const world_group *group = &w->groups.items[index];
+    float size = 0;
+    for (uint32_t g = group->first; g < group->first + group->count; ++g) {
+        size = fmaxf(size, w->geometries.items[g].largest);
+    }
+    return size;
+}
+
+static float row_sum(const float m[4]) { return fabsf(m[0]) + fabsf(m[1]) + fabsf(m[2]); }
+
+/* No coordinate is larger of what Embree takes; `sizes`: of the groups. Instances that it leaves out are
+ * counted. */
+static float world_size(const world *w, const bool *placed, const float *sizes, uint64_t *left_out) {
+    float size = fminf(sizes[0], limit);
+    *left_out = 0;
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        const world_instance *instance = &w->instances.items[k];
+        if (!placed[instance->group]) continue;
+        float most = 0;
+        for (int i = 0; i < 3; ++i) {
+            const float *m = instance->to_world[i];
+            most = fmaxf(most, row_sum(m) * sizes[instance->group] + fabsf(m[3]));
+        }
+        bool within = most < (float)WORLD_REACH;
+        *left_out += !within;
+        if (within) size = fmaxf(size, fminf(most, limit));
+    }
+    return size;
+}
+
+/* ---- the reach ---- */
+
+/* Lowers the reach to what is good for the instance. */
+static void limit_rays(trace_reach *reach, const world_instance *instance) {
+    for (int i = 0; i < 3; ++i) {
+        const float *m = instance->to_object[i];
+        float s = row_sum(m);
+        reach->origin = fminf(reach->origin, (limit - fabsf(m[3])) / s);
+        reach->direction = fminf(reach->direction, limit / s);
+    }
+}
+
+static fathom_status refuse_range(fathom_context *context, const world_instance *instance, float size) {
+    float s = 0;
+    for (int i = 0; i < 3; ++i) s = fmaxf(s, row_sum(instance->to_object[i]));
+    bool shrinks = !(limit / s >= size && limit / s >= 2);
+    return fail(
+        context, FATHOM_BAD_INPUT,
+        "instance %u: it %s that coordinates of the scene, of up to %g, leave Embree's range of 1.8e18 "
+        "in the group; %s instead",
+        instance->id, shrinks ? "shrinks its group so far" : "moves its group so far away", (double)size,
+        shrinks ? "scale its contents" : "place it nearer");
+}
+
+/* Directions of up to 2, which unit vectors and those of user rays are not, must be good anywhere. */
+static fathom_status find(fathom_context *context, const world *w, const bool *placed, float size,
+                          trace_reach *out) {
+    *out = (trace_reach){limit, limit};
+    for (size_t k = 0; k < w->instances.count; ++k) {
+        const world_instance *instance = &w->instances.items[k];
+        if (!placed[instance->group]) continue;
+        limit_rays(out, instance);
+        if (!(out->origin >= size && out->direction >= 2)) return refuse_range(context, instance, size);
+        if (!world_instance_fits_float(instance))
+            return fail(context, FATHOM_BAD_INPUT,
+                        "instance %u: it scales its group so far that Embree, which inverts its frame in "
+                        "float, would miss what is there; scale its contents instead",
+                        instance->id);
+    }
+    return FATHOM_OK;
+}
+
+fathom_status reach_find(fathom_context *context, const world *w, const bool *placed, trace_reach *out) {
+    float *sizes = malloc(w->groups.count * sizeof *sizes);
+    if (!sizes) return fail_memory(context, w->groups.count * sizeof *sizes);
+    for (uint32_t g = 0; g < w->groups.count; ++g) sizes[g] = group_size(w, g);
+    uint64_t left_out;
+    fathom_status status = find(context, w, placed, world_size(w, placed, sizes, &left_out), out);
+    if (status == FATHOM_OK && left_out) {
+        warn(context, "instances beyond %g from the origin, which Embree leaves out: %llu", WORLD_REACH,
+             (unsigned long long)left_out);
+    }
+    free(sizes);
+    return status;
+}
+
+fathom_status reach_check(fathom_context *context, const world *w) {
+    trace_reach reach;
+    bool *placed = reach_placed(w);
+    fathom_status status = placed ? reach_find(context, w, placed, &reach)
+                                  : fail_memory(context, w->groups.count * sizeof *placed);
+    free(placed);
+    return status;
+}

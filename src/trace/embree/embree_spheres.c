@@ -1,0 +1,151 @@
+/* A few spheres tested next to Embree's answers; see embree_spheres.h. */
+#include "base/kernel.h"
+#include "trace/embree/embree_vote.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+KERNEL_DECLARE(few_kernels, few_kernels);
+
+const few_kernels *few_kernels_best(void) {
+    static const few_kernels *const all[] = KERNEL_SETS(few_kernels);
+    return all[kernel_levels() - 1];
+}
+
+static void add_sphere(const world *w, uint32_t geometry, uint32_t primitive, few_spheres *out) {
+    const world_geometry *run = &w->geometries.items[geometry];
+    const world_sphere *sphere = &w->spheres.items[run->first + primitive];
+    unsigned k = out->count++;
+    out->x[k] = sphere->center.x, out->y[k] = sphere->center.y, out->z[k] = sphere->center.z;
+    out->radius[k] = sphere->radius;
+    out->sphere[k] = sphere;
+    out->geometry[k] = geometry, out->primitive[k] = primitive;
+    if (!(run->flags & FATHOM_CASTS_NO_SHADOW)) out->shadows |= 1u << k;
+}
+
+bool few_gather(const world *w, few_spheres *out) {
+    const world_group *root = &w->groups.items[0];
+    *out = (few_spheres){.count = 0};
+    uint64_t count = 0;
+    for (uint32_t g = root->first; g < root->first + root->count; ++g)
+        count += w->geometries.items[g].kind == WORLD_SPHERES ? w->geometries.items[g].count : 0;
+    if (!count || count > FEW_SPHERES_MOST) return false;
+    for (uint32_t g = root->first; g < root->first + root->count; ++g) {
+        if (w->geometries.items[g].kind != WORLD_SPHERES) continue;
+        for (uint32_t i = 0; i < w->geometries.items[g].count; ++i) add_sphere(w, g, i, out);
+    }
+    return true;
+}
+
+fathom_status embree_spheres_choose(embree_tracer *tracer) {
+    bool ours = tracer->spec.shapes == TRACE_SHAPES_TRIANGLES || tracer->spec.shapes == TRACE_SHAPES_QUAD;
+    if (!ours || tracer->spec.calls >= TRACE_CALLS_STREAM_1M) return FATHOM_OK;
+    few_spheres spheres;
+    if (!few_gather(tracer->base.world, &spheres)) return FATHOM_OK;
+    tracer->few = aligned_alloc(_Alignof(few_spheres), sizeof spheres);
+    if (!tracer->few) return fail_memory(tracer->context, sizeof spheres);
+    *tracer->few = spheres;
+    tracer->few_kernels = few_kernels_best();
+    return FATHOM_OK;
+}
+
+/* ---- one ray ---- */
+
+/* The sphere's nearest t in the interval, by the reference intersector. */
+static bool sphere_t(const world_sphere *sphere, const trace_rays *r, unsigned i, float t_far, float *t) {
+    return search_sphere_robust_f32(sphere, trace_org(r, i), trace_dir(r, i), r->t_near[i], t_far, t);
+}
+
+/* Lanes, as bits, to ask: of a block that is not whole, nothing is known of the others. */
+static unsigned lanes_of(const int valid[LANES]) {
+    unsigned lanes = 0;
+    for (unsigned i = 0; i < LANES; ++i) lanes |= (unsigned)(valid[i] & 1) << i;
+    return lanes;
+}
+
+/* For the lanes that may meet the sphere, in a whole block. */
+static unsigned candidates(const embree_tracer *tracer, unsigned k, const trace_rays *rays, unsigned lanes,
+                           bool whole, few_roots *roots) {
+    if (whole)
+        tracer->few_kernels->roots(tracer->few->sphere[k], rays, roots);
+    else
+        roots->met = 0, roots->doubt = lanes;
+    return (roots->met | roots->doubt) & lanes;
+}
+
+static bool lane_t(const world_sphere *sphere, const trace_rays *rays, const few_roots *roots, unsigned i,
+                   float t_far, float *t) {
+    if (roots->doubt >> i & 1) return sphere_t(sphere, rays, i, t_far, t);
+    const float both[2] = {roots->near[i], roots->far[i]};
+    return sphere_choose_f32(both, rays->t_near[i], t_far, t);
+}
+
+/* ---- closest ---- */
+
+/* Whether the sphere, met at t, comes before what the lane met until now: where both are about equally near,
+ * by the reference's t of both, as embree_settle.c has it. */
+static bool comes_first(const embree_tracer *tracer, const trace_block *block, unsigned lane, float t_far,
+                        const uint32_t ids[3], float t) {
+    const trace_hits *hits = &block->hits;
+    float met = block->rays.t_far[lane];
+    if (hits->geometry[lane] == FATHOM_NONE) return true;
+    const uint32_t other[3] = {hits->instance[lane], hits->geometry[lane], hits->primitive[lane]};
+    bool settled = tracer->filter && t <= met * EMBREE_HALF_WINDOW && met <= t * EMBREE_HALF_WINDOW;
+    /* Where the reference has no t of its own, Embree's stands. */
+    if (settled) (void)embree_vote_reference(tracer, &block->rays, lane, t_far, other, &met);
+    return t < met || (t == met && search_comes_before_f32(ids, other));
+}
+
+static void set_hit(trace_block *block, unsigned lane, const few_spheres *s, unsigned k, float t) {
+    trace_rays *r = &block->rays;
+    trace_hits *hits = &block->hits;
+    vec3_f32 normal = madd_f32(sub_f32(trace_org(r, lane), s->sphere[k]->center), t, trace_dir(r, lane));
+    hits->ng_x[lane] = normal.x, hits->ng_y[lane] = normal.y, hits->ng_z[lane] = normal.z;
+    hits->u[lane] = hits->v[lane] = 0;
+    hits->primitive[lane] = s->primitive[k], hits->geometry[lane] = s->geometry[k];
+    hits->instance[lane] = FATHOM_NONE;
+    r->t_far[lane] = t;
+}
+
+void embree_spheres_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
+                            const embree_asked *asked) {
+    const few_spheres *s = tracer->few;
+    const bool whole = lanes == LANES;
+    uint32_t close = (1u << s->count) - 1;
+    if (whole) close = tracer->few_kernels->close(s, &block->rays);
+    const unsigned valid = close ? lanes_of(asked->valid) : 0;
+    for (; close; close &= close - 1) {
+        unsigned k = (unsigned)__builtin_ctz(close);
+        const uint32_t ids[3] = {FATHOM_NONE, s->geometry[k], s->primitive[k]};
+        few_roots roots;
+        unsigned left = candidates(tracer, k, &block->rays, valid, whole, &roots);
+        for (; left; left &= left - 1) {
+            unsigned i = (unsigned)__builtin_ctz(left);
+            float t;
+            if (lane_t(s->sphere[k], &block->rays, &roots, i, asked->t_far[i], &t) &&
+                comes_first(tracer, block, i, asked->t_far[i], ids, t))
+                set_hit(block, i, s, k, t);
+        }
+    }
+}
+
+/* ---- any ---- */
+
+void embree_spheres_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes,
+                        const embree_asked *asked) {
+    const few_spheres *s = tracer->few;
+    const bool whole = lanes == LANES;
+    uint32_t close = s->shadows;
+    if (whole && close) close &= tracer->few_kernels->close(s, rays);
+    const unsigned valid = close ? lanes_of(asked->valid) : 0;
+    for (; close; close &= close - 1) {
+        unsigned k = (unsigned)__builtin_ctz(close);
+        few_roots roots;
+        unsigned left = candidates(tracer, k, rays, valid, whole, &roots);
+        for (; left; left &= left - 1) {
+            unsigned i = (unsigned)__builtin_ctz(left);
+            float t;
+            if (lane_t(s->sphere[k], rays, &roots, i, rays->t_far[i], &t)) rays->t_far[i] = -INFINITY;
+        }
+    }
+}

@@ -1,0 +1,158 @@
+/* With s_i = |E_i| + |t| |d_i| + (the size of the shape's own coordinate i), the vector of what inputs off by
+ * a relative u can move the point of the ray and the surface apart, in units of u:
+ *
+ * Triangle, n its normal: t moves by n·δ / (d·n) for a displacement δ of the origin, by t n·δ / (d·n) for one
+ * of the direction, by -w_k n·δ / (d·n) for one of corner k with weight w_k. So the condition of t is Σ|n_i|
+ * s_i / |d·n| with the shape's size Σ_k |w_k| |V_k,i|. The weight of corner k is d·(p×q) / (d·n), p and q the
+ * other two seen from E; its gradient by the origin is h = (d × (q-p)) / (d·n) up to sign, by the rest the
+ * same factors: its condition is Σ|h_i| s_i. That of `edge` is the largest of the weights that may be the
+ * smallest: of all three.
+ *
+ * Sphere, m = P - C: t moves by m·δ / (d·m) and by R δR / (d·m): (Σ|m_i| s_i + R²) / |d·m|. The edge 1 -
+ * l²/R², with l from the centre to the closest approach at t': 2 (Σ|l_i| s'_i + l²) / R², where s' has t' for
+ * t.
+ *
+ * Plane: as a triangle, plus |P - point|_i |n_i| for its normal.
+ *
+ * In an instance E is M E + T, and d is M d: their sizes are |M| |E| + |T| and |M| |d|. A tracer that has the
+ * inverse A of M instead is off by |M| |A| |M| where M itself is off by |M|, for each of its few roundings.
+ * Sizes here are plain binary128: a condition number needs no more digits than one. */
+#include "verify/exact/exact.h"
+
+typedef real_f128 real;
+
+typedef struct sizes {
+    real org[3], dir[3];
+    vec3_f128 o, d; /* the ray in object space */
+} sizes;
+
+static void components(vec3_f128 v, real out[3]) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
+
+static real weighted(vec3_f128 v, const real size[3]) {
+    return abs_f128(v.x) * size[0] + abs_f128(v.y) * size[1] + abs_f128(v.z) * size[2];
+}
+
+/* |M| |A| |M| and its share of the translation, or |M| itself. */
+static void map_sizes(const world_instance *instance, bool inverted, real out[3][4]) {
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 4; ++j) out[i][j] = abs_f128((real)instance->to_object[i][j]);
+    }
+    if (!inverted) return;
+    real left[3][3] = {{0}};
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            for (int k = 0; k < 3; ++k) left[i][j] += out[i][k] * abs_f128((real)instance->to_world[k][j]);
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        real row[3] = {0};
+        for (int j = 0; j < 3; ++j) {
+            for (int k = 0; k < 3; ++k) row[j] += left[i][k] * abs_f128((real)instance->to_object[k][j]);
+        }
+        for (int j = 0; j < 3; ++j) out[i][3] += row[j] * abs_f128((real)instance->to_world[j][3]);
+        for (int j = 0; j < 3; ++j) out[i][j] = row[j];
+    }
+}
+
+static vec3_f128 carried(const float m[3][4], vec3_f128 p, real w) {
+    real r[3];
+    for (int i = 0; i < 3; ++i) {
+        r[i] = (real)m[i][0] * p.x + (real)m[i][1] * p.y + (real)m[i][2] * p.z + (real)m[i][3] * w;
+    }
+    return (vec3_f128){r[0], r[1], r[2]};
+}
+
+static void sizes_of(const oracle_ray *ray, const world_instance *instance, bool inverted, sizes *out) {
+    out->o = quadruple_f32(ray->org), out->d = quadruple_f32(ray->dir);
+    real org[3], dir[3];
+    components(out->o, org);
+    components(out->d, dir);
+    for (int i = 0; i < 3; ++i) out->org[i] = abs_f128(org[i]), out->dir[i] = abs_f128(dir[i]);
+    if (!instance) return;
+    real m[3][4];
+    map_sizes(instance, inverted, m);
+    for (int i = 0; i < 3; ++i) {
+        out->org[i] = m[i][3], out->dir[i] = 0;
+        for (int j = 0; j < 3; ++j) {
+            out->org[i] += m[i][j] * abs_f128(org[j]);
+            out->dir[i] += m[i][j] * abs_f128(dir[j]);
+        }
+    }
+    out->o = carried(instance->to_object, out->o, 1);
+    out->d = carried(instance->to_object, out->d, 0);
+}
+
+static void moved(const sizes *size, real t, real out[3]) {
+    for (int i = 0; i < 3; ++i) out[i] = size->org[i] + abs_f128(t) * size->dir[i];
+}
+
+static void add_point(real out[3], real weight, vec3_f128 p) {
+    out[0] += abs_f128(weight * p.x), out[1] += abs_f128(weight * p.y), out[2] += abs_f128(weight * p.z);
+}
+
+static double ratio(real a, real b) { return b == 0 ? (double)INFINITY : (double)(a / abs_f128(b)); }
+
+static oracle_condition of_triangle(const oracle_primitive *triangle, const sizes *size,
+                                    const oracle_answer *answer) {
+    vec3_f128 v[3];
+    real s[3];
+    moved(size, answer->t.value, s);
+    for (int k = 0; k < 3; ++k) {
+        v[k] = quadruple_f32(triangle->v[k]);
+        add_point(s, answer->weight[k].value, v[k]);
+    }
+    vec3_f128 n = cross_f128(sub_f128(v[1], v[0]), sub_f128(v[2], v[0]));
+    real along = dot_f128(size->d, n), edge = 0;
+    for (int k = 0; k < 3; ++k) {
+        real h = weighted(cross_f128(size->d, sub_f128(v[(k + 2) % 3], v[(k + 1) % 3])), s);
+        edge = h > edge ? h : edge;
+    }
+    return (oracle_condition){ratio(weighted(n, s), along), ratio(edge, along)};
+}
+
+static oracle_condition of_sphere(const oracle_primitive *sphere, const sizes *size,
+                                  const oracle_answer *answer) {
+    vec3_f128 center = quadruple_f64(oracle_center(sphere)), f = sub_f128(size->o, center);
+    real radius = (real)sphere->radius + (real)sphere->radius_rest, r2 = radius * radius, s[3];
+    real approach = -dot_f128(f, size->d) / dot_f128(size->d, size->d);
+    vec3_f128 l = madd_f128(f, approach, size->d), m = madd_f128(f, answer->t.value, size->d);
+    moved(size, approach, s);
+    add_point(s, 1, center);
+    oracle_condition condition = {(double)INFINITY, ratio(2 * (weighted(l, s) + dot_f128(l, l)), r2)};
+    if (!answer->line) return condition;
+    moved(size, answer->t.value, s);
+    add_point(s, 1, center);
+    /* At a tangent d·m is zero but for rounding. */
+    if (answer->edge.value > 0) condition.t = ratio(weighted(m, s) + r2, dot_f128(size->d, m));
+    return condition;
+}
+
+static oracle_condition of_plane(const oracle_primitive *plane, const sizes *size,
+                                 const oracle_answer *answer) {
+    vec3_f128 point = quadruple_f32(plane->v[0]), n = quadruple_f32(plane->v[1]);
+    real s[3];
+    moved(size, answer->t.value, s);
+    add_point(s, 1, point);
+    add_point(s, 1, sub_f128(madd_f128(size->o, answer->t.value, size->d), point));
+    return (oracle_condition){ratio(weighted(n, s), dot_f128(size->d, n)), 0};
+}
+
+static oracle_condition of_shape(const oracle_primitive *primitive, const sizes *size,
+                                 const oracle_answer *answer) {
+    switch (primitive->shape) {
+    case ORACLE_SPHERE: return of_sphere(primitive, size, answer);
+    case ORACLE_PLANE: return of_plane(primitive, size, answer);
+    case ORACLE_TRIANGLE:
+    case ORACLE_QUAD: break;
+    }
+    return of_triangle(primitive, size, answer);
+}
+
+void condition_set(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer) {
+    sizes size;
+    sizes_of(ray, primitive->instance, false, &size);
+    answer->condition = answer->inverted = of_shape(primitive, &size, answer);
+    if (!primitive->instance) return;
+    sizes_of(ray, primitive->instance, true, &size);
+    answer->inverted = of_shape(primitive, &size, answer);
+}

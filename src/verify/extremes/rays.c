@@ -1,0 +1,217 @@
+/* Groups of rays: slivers, grazing and tangent rays, one sphere from near and far, a small part of a planet.
+ */
+#include "verify/extremes/case.h"
+
+static const vec3_f64 middle = {0, 0, 0};
+
+/* ---- slivers ---- */
+
+#define STRIP 16u
+
+/* A strip of slivers that share their long sides, curved, and as many case_scattered alone. */
+void sliver_make(extremes_case *c, double aspect) {
+    case_say(c, "triangles %g times as long as wide, in a strip and alone", aspect);
+    vec3_f64 strip[STRIP + 2], alone[3 * STRIP];
+    uint32_t indices[3 * STRIP];
+    for (unsigned i = 0; i < STRIP + 2; ++i) {
+        double along = i % 2 ? 1 : -1, across = ((double)i - STRIP / 2.0) / aspect;
+        strip[i] = vec_f64(along, across, 0.3 * along + 0.2 * across * case_scattered(i, 0, -1, 1));
+    }
+    for (unsigned i = 0; i < STRIP; ++i) {
+        vec3_f64 a =
+            vec_f64(case_scattered(i, 1, -1, 1), case_scattered(i, 2, -1, 1), case_scattered(i, 3, -1, 1));
+        vec3_f64 b =
+            vec_f64(case_scattered(i, 4, -1, 1), case_scattered(i, 5, -1, 1), case_scattered(i, 6, -1, 1));
+        vec3_f64 side = normalize_f64(cross_f64(sub_f64(b, a), vec_f64(0.3, 0.5, -0.8)));
+        alone[3 * i] = a, alone[3 * i + 1] = b;
+        alone[3 * i + 2] = madd_f64(b, length_f64(sub_f64(b, a)) / aspect, side);
+        indices[3 * i] = i, indices[3 * i + 1] = i + 1, indices[3 * i + 2] = i + 2;
+    }
+    case_mesh(c, FATHOM_ROOT, middle, strip, STRIP + 2, indices, STRIP);
+    case_triangles(c, FATHOM_ROOT, middle, alone, STRIP);
+}
+
+/* ---- grazing ---- */
+
+/* At a fixed angle off the surface, towards it from either side. */
+static rays_draft grazing_ray(const void *user, rays_random *r, uint64_t index) {
+    const extremes_case *c = user;
+    (void)index;
+    rays_target target = rays_pick(c->source, r);
+    double tilt = tan(c->number[0]) * (rays_unit(r) < 0.5 ? -1 : 1);
+    vec3_f64 dir = madd_f64(rays_perpendicular(r, target.normal), tilt, target.normal);
+    double away = target.run->radius * rays_power(r, -2, 1);
+    return (rays_draft){madd_f64(target.point, -away, dir), dir, 0, (double)INFINITY};
+}
+
+static void graze(extremes_case *c, double angle, const char *what) {
+    case_say(c, "rays %g radians off %s", angle, what);
+    c->number[0] = angle;
+    c->maker = grazing_ray;
+}
+
+void grazing_triangles(extremes_case *c, double angle) {
+    case_ball(c, FATHOM_ROOT, middle, 1);
+    graze(c, angle, "the triangles of a closed mesh");
+}
+
+void grazing_quads(extremes_case *c, double angle) {
+    case_quads(c, FATHOM_ROOT, middle, 1);
+    graze(c, angle, "quads");
+}
+
+void grazing_spheres(extremes_case *c, double angle) {
+    case_spheres(c, FATHOM_ROOT, middle, 1);
+    graze(c, angle, "spheres");
+}
+
+void grazing_planes(extremes_case *c, double angle) {
+    case_plane(c, vec_f64(0, -0.7, 0), vec_f64(0, 1, 0));
+    case_plane(c, vec_f64(1.3, 0.2, 0.1), vec_f64(0.3, -0.2, 2));
+    graze(c, angle, "planes");
+}
+
+/* ---- tangent ---- */
+
+/* Past the rim by a fraction of the radius, or short of it. */
+static rays_draft tangent_ray(const void *user, rays_random *r, uint64_t index) {
+    const extremes_case *c = user;
+    uint32_t sphere = (uint32_t)(rays_unit(r) * (double)c->world->spheres.count);
+    vec3_f64 center = widen(c->world->spheres.items[sphere].center), n = rays_direction(r);
+    double radius = (double)c->world->spheres.items[sphere].radius, off = c->number[0];
+    vec3_f64 dir = rays_perpendicular(r, n);
+    vec3_f64 point = madd_f64(center, radius * (1 + (index % 2 ? off : -off)), n);
+    return (rays_draft){madd_f64(point, -radius * rays_power(r, 0, 2), dir), dir, 0, (double)INFINITY};
+}
+
+/* Along an axis, all numbers whole multiples of the radius, a power of two: exactly on the rim in float. */
+static rays_draft touching_ray(const void *user, rays_random *r, uint64_t index) {
+    const extremes_case *c = user;
+    uint32_t sphere = (uint32_t)(rays_unit(r) * (double)c->world->spheres.count);
+    vec3_f64 center = widen(c->world->spheres.items[sphere].center);
+    double radius = (double)c->world->spheres.items[sphere].radius, org[3], dir[3] = {0, 0, 0};
+    unsigned axis = (unsigned)(rays_unit(r) * 3), side = (axis + 1 + (unsigned)(index % 2)) % 3;
+    store_f64(org, center);
+    org[side] += rays_unit(r) < 0.5 ? radius : -radius;
+    dir[axis] = rays_unit(r) < 0.5 ? 1 : -1;
+    org[axis] -= dir[axis] * radius * (1 + floor(64 * rays_unit(r)));
+    return (rays_draft){load_f64(org), load_f64(dir), 0, (double)INFINITY};
+}
+
+void tangent_make(extremes_case *c, double off) {
+    c->number[0] = off;
+    c->maker = off > 0 ? tangent_ray : touching_ray;
+    if (off > 0) {
+        case_say(c, "rays past the rims of spheres by %g of the radius, inside and outside", off);
+        case_spheres(c, FATHOM_ROOT, middle, 1);
+        return;
+    }
+    case_say(c, "rays that touch spheres in one point exactly");
+    for (int k = 0; k < 8; ++k)
+        case_sphere(c, FATHOM_ROOT, vec_f64(8 * k, 4 * (k % 3), k), ldexp(1, k % 4 - 2));
+}
+
+/* ---- one sphere seen from near and far: the radius over the distance ---- */
+
+static const vec3_f64 unit_center = {0.37, -0.21, 0.13};
+
+/* A line past the sphere's centre at distance `by` from it, from `org`. */
+static vec3_f64 aimed_past(rays_random *r, vec3_f64 org, vec3_f64 center, double by) {
+    vec3_f64 to = sub_f64(center, org);
+    double far = length_f64(to), sine = by < far ? by / far : 1, cosine = sqrt((1 - sine) * (1 + sine));
+    return add_f64(scale_f64(cosine, normalize_f64(to)), scale_f64(sine, rays_perpendicular(r, to)));
+}
+
+/* Every other ray near the rim, by 1e-7 to 1e-1 of the radius; the others anywhere up to it and a little
+ * beyond. */
+static double distance_past(rays_random *r, uint64_t index, double radius) {
+    if (index % 2) return radius * sqrt(rays_unit(r)) * 1.05;
+    double off = rays_power(r, -7, -1);
+    return radius * (rays_unit(r) < 0.5 ? 1 - off : 1 + off);
+}
+
+static rays_draft outer_ray(const void *user, rays_random *r, uint64_t index) {
+    const extremes_case *c = user;
+    vec3_f64 org = madd_f64(unit_center, 1 + c->number[0], rays_direction(r));
+    return (rays_draft){org, aimed_past(r, org, unit_center, distance_past(r, index, 1)), 0,
+                        (double)INFINITY};
+}
+
+/* A unit sphere; number[0]: the distance to its surface. */
+static void near_unit(extremes_case *c, const char *side, double ratio, rays_maker maker) {
+    case_say(c, "a sphere from %s, its radius %g times the distance to its surface", side, ratio);
+    case_sphere(c, FATHOM_ROOT, unit_center, 1);
+    c->number[0] = 1 / ratio;
+    c->maker = maker;
+}
+
+void ratio_outside(extremes_case *c, double ratio) { near_unit(c, "outside", ratio, outer_ray); }
+
+static rays_draft inner_ray(const void *user, rays_random *r, uint64_t index) {
+    const extremes_case *c = user;
+    vec3_f64 n = rays_direction(r), org = madd_f64(unit_center, 1 - c->number[0], n);
+    vec3_f64 dir =
+        index % 2 ? rays_direction(r) : madd_f64(rays_perpendicular(r, n), rays_power(r, -7, 0), n);
+    return (rays_draft){org, dir, 0, (double)INFINITY};
+}
+
+void ratio_inside(extremes_case *c, double ratio) { near_unit(c, "inside", ratio, inner_ray); }
+
+/* From the surface, as float rounds it, every other ray nearly along it. */
+static rays_draft surface_ray(const void *user, rays_random *r, uint64_t index) {
+    const extremes_case *c = user;
+    const world_sphere *sphere = &c->world->spheres.items[0];
+    vec3_f64 n = rays_direction(r), org = madd_f64(widen(sphere->center), (double)sphere->radius, n);
+    double tilt = rays_power(r, -7, 0) * (rays_unit(r) < 0.5 ? -1 : 1);
+    vec3_f64 dir = index % 2 ? rays_direction(r) : madd_f64(rays_perpendicular(r, n), tilt, n);
+    return (rays_draft){org, dir, 0, (double)INFINITY};
+}
+
+/* The world moves to a sphere only if that is small compared to its distance; this one does not move. */
+static void push_away(extremes_case *c) {
+    c->world->spheres.items[0].center = narrow(normalize_f64(unit_center));
+}
+
+void ratio_surface(extremes_case *c, double ratio) {
+    case_say(c, "rays from the surface of a sphere, its radius %g times its distance from the origin", ratio);
+    case_sphere(c, FATHOM_ROOT, vec_f64(0, 0, 0), ratio);
+    c->patch = push_away;
+    c->maker = surface_ray;
+}
+
+/* ---- a small part next to a planet ---- */
+
+static const double earth = 6.371e6;
+
+/* From around the part, at it, or past it at the ground. */
+static rays_draft part_ray(const void *user, rays_random *r, uint64_t index) {
+    const extremes_case *c = user;
+    vec3_f64 at =
+        sub_f64(load_f64((const double[3]){c->number[1], c->number[2], c->number[3]}), c->world->origin);
+    vec3_f64 org = rays_in_ball(r, at, 10 * c->number[0]);
+    vec3_f64 target = rays_in_ball(r, at, (index % 2 ? 1.05 : 3) * c->number[0]);
+    return (rays_draft){org, sub_f64(target, org), 0, (double)INFINITY};
+}
+
+/* The part floats over the planet at twice its radius. */
+static void put_part(extremes_case *c, double size) {
+    vec3_f64 up = vec_f64(0.48, 0.6, 0.64), at = scale_f64(earth + 2 * size, up);
+    case_sphere(c, FATHOM_ROOT, vec_f64(0, 0, 0), earth);
+    case_ball(c, FATHOM_ROOT, at, size);
+    case_sphere(c, FATHOM_ROOT, madd_f64(at, 2.5 * size, vec_f64(0.8, 0, -0.6)), size);
+    case_camera(c, madd_f64(at, 8 * size, vec_f64(0.64, 0.48, 0.6)), at);
+    c->number[0] = size, c->number[1] = at.x, c->number[2] = at.y, c->number[3] = at.z;
+}
+
+void planet_make(extremes_case *c, double size) {
+    case_say(c, "a part of radius %g m over a planet of 6371 km, seen from close by", size);
+    put_part(c, size);
+    c->maker = part_ray;
+}
+
+/* All that families of rays do where one thing is ten orders larger than the other. */
+void planet_outer(extremes_case *c, double size) {
+    case_say(c, "the same part of %g m and planet by rays from anywhere", size);
+    put_part(c, size);
+    c->families |= 1u << RAYS_CAMERA;
+}

@@ -1,0 +1,236 @@
+/* Groups of scenes: sizes and places, shapes in one place, nested groups, shapes at the end of float's range.
+ */
+#include "verify/extremes/case.h"
+
+#include <string.h>
+
+static const vec3_f64 middle = {0, 0, 0};
+
+void scale_spheres(extremes_case *c, double scale) {
+    case_say(c, "12 spheres in a ball of radius %g", scale);
+    case_spheres(c, FATHOM_ROOT, middle, scale);
+}
+
+void scale_quads(extremes_case *c, double scale) {
+    case_say(c, "12 quads in a ball of radius %g", scale);
+    case_quads(c, FATHOM_ROOT, middle, scale);
+}
+
+void scale_triangles(extremes_case *c, double scale) {
+    case_say(c, "a closed mesh of 168 triangles, radius %g", scale);
+    case_ball(c, FATHOM_ROOT, middle, scale);
+}
+
+static void put_mixture(extremes_case *c, vec3_f64 at) {
+    case_spheres(c, FATHOM_ROOT, at, 1);
+    case_quads(c, FATHOM_ROOT, at, 1);
+    case_ball(c, FATHOM_ROOT, at, 0.6);
+}
+
+static vec3_f64 place_at(double offset) { return scale_f64(offset, vec_f64(0.48, -0.6, 0.64)); }
+
+void offset_near(extremes_case *c, double offset) {
+    case_say(c, "all shapes, 1 in size, %g from the origin, the camera next to them", offset);
+    vec3_f64 at = place_at(offset);
+    put_mixture(c, at);
+    case_camera(c, add_f64(at, vec_f64(2, 1, 4)), at);
+    c->families |= 1u << RAYS_CAMERA;
+}
+
+/* ---- as if nothing were moved near the origin ---- */
+
+static vec3_f32 moved(vec3_f32 p, vec3_f64 by) { return narrow(add_f64(widen(p), by)); }
+
+static void move_mesh(extremes_case *c, fathom_mesh *mesh, vec3_f64 by) {
+    float *positions = case_memory(c, mesh->vertex_count * 3 * sizeof *positions);
+    if (!positions) return;
+    for (uint32_t i = 0; i < mesh->vertex_count; ++i)
+        store_f32(positions + 3 * (size_t)i, moved(load_f32(mesh->positions + 3 * (size_t)i), by));
+    mesh->positions = positions;
+}
+
+static void move_world(extremes_case *c) {
+    world *w = c->world;
+    vec3_f64 by = place_at(c->number[0]);
+    for (size_t i = 0; i < w->spheres.count; ++i)
+        w->spheres.items[i].center = moved(w->spheres.items[i].center, by);
+    for (size_t i = 0; i < 4 * w->quads.count; ++i) {
+        vec3_f32 *corner = &w->quads.items[i / 4].corner[i % 4];
+        *corner = moved(*corner, by);
+    }
+    for (size_t i = 0; i < w->meshes.count && c->status == FATHOM_OK; ++i)
+        move_mesh(c, &w->meshes.items[i], by);
+}
+
+void offset_raw(extremes_case *c, double offset) {
+    case_say(c, "all shapes, 1 in size, %g from the origin in float, not moved", offset);
+    put_mixture(c, middle);
+    c->number[0] = offset;
+    c->patch = move_world;
+}
+
+/* ---- surfaces in one place: which of them answers is a tie ---- */
+
+/* The oracle looks at every copy. */
+static void thin_out(extremes_case *c, double copies) { c->thin = (unsigned)fmax(1, copies / 500); }
+
+void copies_triangles(extremes_case *c, double count) {
+    uint32_t n = (uint32_t)count;
+    thin_out(c, count);
+    case_say(c, "one triangle %u times", n);
+    vec3_f64 *corners = case_memory(c, n * 3 * sizeof *corners);
+    for (uint32_t i = 0; corners && i < n; ++i) {
+        corners[3 * (size_t)i] = vec_f64(-1, -0.7, 0.1);
+        corners[3 * (size_t)i + 1] = vec_f64(1.1, -0.4, -0.3);
+        corners[3 * (size_t)i + 2] = vec_f64(0.2, 1.3, 0.2);
+    }
+    if (corners) case_triangles(c, FATHOM_ROOT, middle, corners, n);
+}
+
+void copies_quads(extremes_case *c, double count) {
+    case_say(c, "one quad %g times", count);
+    thin_out(c, count);
+    for (double i = 0; i < count; ++i)
+        case_quad(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), vec_f64(0.9, 0.1, 0.2), vec_f64(-0.2, 1, 0.3));
+}
+
+void copies_spheres(extremes_case *c, double count) {
+    case_say(c, "one sphere %g times", count);
+    thin_out(c, count);
+    for (double i = 0; i < count; ++i) case_sphere(c, FATHOM_ROOT, vec_f64(0.1, 0.2, -0.1), 0.7);
+}
+
+/* ---- partly over each other ---- */
+
+/* Triangles and quads in one plane, their corners anywhere: no side lies along another's, where surfaces that
+ * share no corners would leave a seam. */
+static void put_layer(extremes_case *c, double count, vec3_f64 x, vec3_f64 y) {
+    uint32_t n = (uint32_t)count;
+    thin_out(c, 10 * count);
+    vec3_f64 *corners = case_memory(c, n * 3 * sizeof *corners);
+    for (uint32_t i = 0; corners && i < 3 * n; ++i)
+        corners[i] =
+            add_f64(scale_f64(case_scattered(i, 0, -1, 1), x), scale_f64(case_scattered(i, 1, -1, 1), y));
+    if (corners) case_triangles(c, FATHOM_ROOT, middle, corners, n);
+    for (uint32_t i = 0; i < n; ++i) {
+        double size = case_scattered(i, 4, 0.02, 0.5);
+        vec3_f64 at =
+            add_f64(scale_f64(case_scattered(i, 2, -1, 1), x), scale_f64(case_scattered(i, 3, -1, 1), y));
+        case_quad(c, FATHOM_ROOT, at, scale_f64(size, x), scale_f64(size / 2, y));
+    }
+}
+
+void overlap_level(extremes_case *c, double count) {
+    case_say(c, "%g triangles and as many quads over each other in the plane z = 0", count);
+    put_layer(c, count, vec_f64(1, 0, 0), vec_f64(0, 1, 0));
+}
+
+void overlap_tilted(extremes_case *c, double count) {
+    case_say(c, "%g triangles and as many quads over each other in a tilted plane, as float has it", count);
+    put_layer(c, count, vec_f64(0.8, 0.13, 0.57), vec_f64(-0.3, 0.9, 0.31));
+}
+
+/* ---- groups in groups, scaled up and down, stretched and mirrored ---- */
+
+static fathom_id put_things(extremes_case *c, double size) {
+    fathom_id group = case_group(c);
+    case_ball(c, group, vec_f64(0, 0, 0), 0.6 * size);
+    case_spheres(c, group, vec_f64(0, 0, 0), size);
+    case_quads(c, group, vec_f64(0, 0, 0), size);
+    return group;
+}
+
+static affine_f64 turned(double angle) { return affine_rotation_axis(vec_f64(0.3, 1, -0.4), angle); }
+
+/* First the scale, then a turn, then a shift. */
+static affine_f64 placing(vec3_f64 scale, double angle, vec3_f64 shift) {
+    affine_f64 s = affine_scaling(scale), r = turned(angle), t = affine_translation(shift);
+    affine_f64 rs = affine_compose(&r, &s);
+    return affine_compose(&t, &rs);
+}
+
+/* Two placements of `inner`, one of `middle` within each of two of `outer`. */
+static void nest(extremes_case *c, fathom_id things, const affine_f64 *inner, const affine_f64 *outer) {
+    fathom_id group = case_group(c);
+    case_instance(c, things, group, inner);
+    affine_f64 aside = affine_translation(vec_f64(2.5, 0.3, 0));
+    affine_f64 second = affine_compose(&aside, outer);
+    case_instance(c, group, FATHOM_ROOT, outer);
+    case_instance(c, group, FATHOM_ROOT, &second);
+}
+
+void nested_back(extremes_case *c, double ratio) {
+    case_say(c, "groups scaled by %g within groups scaled back", ratio);
+    fathom_id things = put_things(c, 1);
+    affine_f64 inner = placing(vec_f64(ratio, ratio, ratio), 0.7, vec_f64(ratio, 0, 0));
+    double back = 0.9 / ratio;
+    affine_f64 outer = placing(vec_f64(back, back, back), -1.1, vec_f64(0.2, 0.1, -0.3));
+    nest(c, things, &inner, &outer);
+}
+
+void nested_grow(extremes_case *c, double ratio) {
+    case_say(c, "groups scaled by %g in two steps, contents as much smaller", ratio);
+    fathom_id things = put_things(c, 1 / ratio);
+    double step = sqrt(ratio), size = 1 / step;
+    affine_f64 inner = placing(vec_f64(step, step, step), 0.7, vec_f64(size, 0, 0));
+    affine_f64 outer = placing(vec_f64(step, step, step), -1.1, vec_f64(0.2, 0.1, -0.3));
+    nest(c, things, &inner, &outer);
+}
+
+void nested_stretch(extremes_case *c, double ratio) {
+    case_say(c, "groups stretched by %g along one axis between two turns", ratio);
+    c->thin = ratio < 1e-5 || ratio > 1e5 ? 4 : 1; /* so flat that few primitives can be told apart */
+    fathom_id things = put_things(c, 1);
+    affine_f64 inner = placing(vec_f64(1, 1, 1), 0.7, vec_f64(0.3, 0, 0.1));
+    affine_f64 outer = placing(vec_f64(1, ratio, 1), -1.1, vec_f64(0.2, 0.1, -0.3));
+    nest(c, things, &inner, &outer);
+}
+
+void nested_mirror(extremes_case *c, double ratio) {
+    case_say(c, "groups mirrored along x and scaled by %g within groups mirrored along z, scaled back",
+             ratio);
+    fathom_id things = put_things(c, 1);
+    affine_f64 inner = placing(vec_f64(-ratio, ratio, ratio), 0.7, vec_f64(ratio, 0, 0));
+    double back = 0.9 / ratio;
+    affine_f64 outer = placing(vec_f64(back, 2 * back, -back), -1.1, vec_f64(0.2, 0.1, -0.3));
+    nest(c, things, &inner, &outer);
+}
+
+/* ---- shapes at the end of float's range and past it, next to good ones ----
+ * Embree leaves out what has a coordinate beyond 1.8e18; the world counts that. */
+
+static void put_far_triangles(extremes_case *c, double at) {
+    vec3_f64 corners[24];
+    for (unsigned i = 0; i < 24; ++i) {
+        corners[i] =
+            vec_f64(case_scattered(i, 0, -1, 1), case_scattered(i, 1, -1, 1), case_scattered(i, 2, -1, 1));
+        if (i % 3 == i / 3 % 3) corners[i] = scale_f64(at, normalize_f64(corners[i]));
+    }
+    case_triangles(c, FATHOM_ROOT, middle, corners, 8);
+}
+
+void beyond_triangles(extremes_case *c, double at) {
+    case_say(c, "among good triangles: some with a corner %g away", at);
+    c->thin = 8; /* such exponents take the oracle's whole numbers long */
+    case_ball(c, FATHOM_ROOT, middle, 0.3);
+    put_far_triangles(c, at);
+}
+
+void beyond_quads(extremes_case *c, double at) {
+    case_say(c, "among good quads: some with sides of %g", at);
+    c->thin = 4;
+    case_quads(c, FATHOM_ROOT, middle, 1);
+    for (unsigned i = 0; i < 6; ++i) {
+        vec3_f64 u =
+            vec_f64(case_scattered(i, 0, -1, 1), case_scattered(i, 1, -1, 1), case_scattered(i, 2, -1, 1));
+        vec3_f64 v = cross_f64(u, vec_f64(0.3, 1, -0.2));
+        case_quad(c, FATHOM_ROOT, scale_f64(3, u), scale_f64(at, u), scale_f64(at, v));
+    }
+}
+
+void beyond_spheres(extremes_case *c, double at) {
+    case_say(c, "among good spheres: one of radius %g around all, and one as far away", at);
+    case_spheres(c, FATHOM_ROOT, middle, 1);
+    case_sphere(c, FATHOM_ROOT, middle, at);
+    case_sphere(c, FATHOM_ROOT, vec_f64(0.6 * at, -1.2 * at, 0), 0.5 * at);
+}
