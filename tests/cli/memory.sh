@@ -50,10 +50,10 @@ run 0 generate sphere -t 300k -o ball.glb
 run 0 render ball.glb -o usual.exr --size 64x48
 run 0 render ball.glb -o usual.png --size 64x48
 run 0 render ball.glb -o compact.exr --size 64x48 --tracer embree:compact
-limits() { # image, what it is without a limit, further arguments…
-    image=$1 whole=$2 fits=no refused=no
-    shift 2
-    for limit in 1M 20M 25M 30M 35M 40M 45M 50M 55M 60M 65M 70M 90M 120M 1G; do
+limits() { # image, what it is without a limit, limits, further arguments…
+    image=$1 whole=$2 tried=$3 fits=no refused=no
+    shift 3
+    for limit in $tried; do
         code=0
         "$FATHOM" render ball.glb -o "$image" --size 64x48 --threads 2 --memory-limit $limit --stats l.json --quiet "$@" \
             >out.txt 2>err.txt || code=$?
@@ -84,6 +84,6 @@ limits() { # image, what it is without a limit, further arguments…
 }
 run 0 render ball.glb -o l.png --size 64x48 --threads 2 --memory-limit 80M
 rm l.png
-limits l.png usual.png
-limits l.exr usual.exr
-limits l.exr compact.exr --tracer embree:compact
+limits l.png usual.png '1M 20M 25M 30M 35M 40M 45M 50M 55M 60M 65M 70M 90M 120M 1G'
+limits l.exr usual.exr '1M 50M 70M 90M 120M 1G'
+limits l.exr compact.exr '1M 50M 70M 120M' --tracer embree:compact
