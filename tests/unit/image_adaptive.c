@@ -147,7 +147,7 @@ static void estimate_covers_error(void **state) {
         fathom_film *truth = render(&s, NULL);
         tally t = {0};
         for (int i = 0; i < 2; ++i) {
-            for (uint64_t seed = 0; seed < 3; ++seed) {
+            for (uint64_t seed = 0; seed < 2; ++seed) {
                 s.settings.seed = seed, s.settings.target_error = targets[i];
                 compare_waves(&s, truth, &t);
             }
@@ -169,10 +169,10 @@ static void same_bits_however_rendered(void **state) {
     s.settings.aovs = FATHOM_AOV_ALPHA | FATHOM_AOV_N | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES;
     fathom_stats first_stats, stats;
     fathom_film *first = render(&s, &first_stats);
-    for (unsigned threads = 1; threads <= 7; ++threads) {
+    for (unsigned threads = 1; threads <= 7; threads += 2) {
         fathom_context_set_threads(s.context, threads);
-        s.settings.tile_size = 32 * (1 + threads % 4);
-        s.settings.block_width = threads % 2 ? 16 : threads % 4 ? 8 : 4;
+        s.settings.tile_size = 32 * (1 + threads / 2);
+        s.settings.block_width = 16 >> threads / 2 % 3;
         fathom_film *other = render(&s, &stats);
         assert_same(first, other);
         const char *more[] = {"A", "N.X", "Z"};
