@@ -58,12 +58,12 @@ for kind; do
         build sanitize all -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=address,undefined
         # Libraries of the distribution that stay loaded at exit keep memory: tests/leaks.supp says which.
         ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1 \
-            LSAN_OPTIONS=suppressions=$source/tests/leaks.supp:print_suppressions=0 FATHOM_SLOW=1 \
+            LSAN_OPTIONS=suppressions=$source/tests/leaks.supp:print_suppressions=0 \
             ctest --test-dir "$builds/test-sanitize" --output-on-failure -j "$jobs" -LE release
         ;;
     thread)
         build thread thread_tests -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
-        FATHOM_SLOW=1 ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
+        ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
         ;;
     fuzz)
         sh "$source/tests/fuzz.sh" 10

@@ -21,7 +21,7 @@ foreseen() { # image, most that may be foreseen in vain, further arguments…
 for spec in embree:low embree:medium embree:compact:medium; do foreseen seen.exr 60000000 --tracer $spec; done
 # Every thread has something under way.
 foreseen seen.png 60000000
-foreseen seen.png 80000000 --threads 32 --size 1280x720
+foreseen seen.png 80000000 --threads 32 --size 1280x720 --spp 1
 foreseen seen.exr 60000000
 needed=$(($(number m.json meshBytes) + $(number m.json bvhBytes) + $(number m.json filmBytes)))
 awk "BEGIN { d = $(number m.json peakToNeeded) * $needed / $(number m.json peakBytes) - 1; exit !(d < 1e-6 && d > -1e-6) }" ||
@@ -46,7 +46,7 @@ not_said err.txt warning
 
 # Every limit, from what nothing fits to what all does, ends with code 4, a line and no file, or with the pixels that there
 # are without one, in so much memory; and what fits one limit fits all that are higher.
-run 0 generate sphere -t 300k -o ball.glb
+run 0 generate sphere -t 150k -o ball.glb
 run 0 render ball.glb -o usual.exr --size 64x48
 run 0 render ball.glb -o usual.png --size 64x48
 run 0 render ball.glb -o compact.exr --size 64x48 --tracer embree:compact

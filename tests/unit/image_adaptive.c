@@ -139,7 +139,9 @@ static void compare_waves(stage *s, const fathom_film *truth, tally *t) {
 static void estimate_covers_error(void **state) {
     (void)state;
     /* Statistics of thousands of samples: minutes under sanitizers, which the other tests are for. */
-    if (getenv("FATHOM_SLOW")) skip();
+#ifdef FATHOM_SANITIZED
+    skip();
+#endif
     const double targets[] = {0.03, 0.01};
     for (int which = 0; which < SUBJECTS; ++which) {
         stage s = open_subject((subject)which);
