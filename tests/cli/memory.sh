@@ -20,7 +20,6 @@ foreseen() { # image, most that may be foreseen in vain, further arguments…
 }
 for spec in embree:low embree:medium embree:compact:medium; do foreseen seen.exr 60000000 --tracer $spec; done
 # Every thread has something under way.
-foreseen seen.png 60000000
 foreseen seen.png 80000000 --threads 32 --size 1280x720 --spp 1
 foreseen seen.exr 60000000
 needed=$(($(number m.json meshBytes) + $(number m.json bvhBytes) + $(number m.json filmBytes)))
