@@ -1,7 +1,7 @@
 #!/bin/sh
 # How far rendering is from Embree's bare calls: BUILD=build/release sh bench/render.sh [REPEATS [REPEATS_AT_16_SPP]]
 # Prints a table for bench/README.md: displaced spheres of 0.36 and 8 million triangles, Lambert and Phong, 1280x720,
-# with 1 and 8 point lights, 1 and 16 spp. MESHES="8M", LIGHTS="1", SPP="1" measure less; TRACER=embree:avx2 another.
+# with 1 and 8 point lights, 1 and 16 spp. MESHES="8M", LIGHTS="1", SPP="1", SIZE=160x90 measure less; TRACER=embree:avx2 another.
 set -eu
 repeats=${1:-9}
 many=${2:-$repeats}
@@ -36,7 +36,7 @@ for mesh in ${MESHES:-360k 8M}; do
             times=$repeats
             [ "$spp" = 1 ] || times=$many
             "$fathom" bench render "$folder/scene.json" --tracer "${TRACER:-embree}" --spp "$spp" --repeats "$times" \
-                --quiet --csv "$folder/result.csv"
+                --size "${SIZE:-1280x720}" --quiet --csv "$folder/result.csv"
             awk -F, -v mesh="$mesh" -v lights="$lights" '
                 /^#/ || $1 == "spp" { next }
                 { row = sprintf("| %s | %s | %s | %.2f M, %.2f M | %.4f s | %.3f | %.3f (%.3f–%.3f) |", mesh, lights, $1,

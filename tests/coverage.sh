@@ -11,7 +11,7 @@ out=$(cd "${1:-build/coverage}" && pwd)
 [ $# -eq 0 ] || shift
 jobs=$(nproc)
 
-sh tests/packages.sh test
+sh tests/packages.sh clang
 {
     cmake -S "$source" -B "$out/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_COVERAGE=ON \
         -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ &&

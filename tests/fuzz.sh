@@ -23,7 +23,7 @@ for target; do
     [ -d "tests/fuzz/corpus/$target" ] || { echo "fathom fuzz: there is no target $target; there are: $all" >&2; exit 2; }
 done
 
-sh tests/packages.sh test
+sh tests/packages.sh clang
 
 flags=""
 [ "$seconds" != coverage ] || flags="-fprofile-instr-generate -fcoverage-mapping"

@@ -1,10 +1,12 @@
 #!/bin/sh
-# Installs what building (with "test" testing too) needs from the distribution, if it is missing.
-# usage: sh tests/packages.sh build|test
+# Installs what is missing of the distribution's packages for building, for testing as well ("test"), or for testing, fuzzing and
+# static analysis ("clang").
+# usage: sh tests/packages.sh build|test|clang
 set -eu
 
 packages="gcc g++ cmake ninja-build pkg-config libembree-dev libopenimageio-dev libopencolorio-dev libjansson-dev libgmp-dev libpng-dev"
-[ "${1:-build}" != build ] && packages="$packages libcmocka-dev git clang-format clang clang-tidy cppcheck libclang-rt-dev llvm python3-matplotlib"
+[ "${1:-build}" != build ] && packages="$packages libcmocka-dev git clang-format python3-matplotlib"
+[ "${1:-build}" != clang ] || packages="$packages clang clang-tidy cppcheck libclang-rt-dev llvm"
 
 stop() {
     echo "fathom set-up: $*" >&2

@@ -1,9 +1,10 @@
 #!/bin/sh
 # Installs what is missing, builds, and runs all tests through CTest. Safe to run again.
-# usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [thread-all]     (default: the first five)
-#   release   optimised, warnings are errors, layout checked; then the tests that trace as plainer processors run them
-#   sanitize  AddressSanitizer and UndefinedBehaviorSanitizer, the same suite
-#   thread    ThreadSanitizer, the tests of threads
+# usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [thread-all]     (default: the first three)
+#   release   optimised, warnings are errors, layout checked; then the tests labelled "isa" with plainer instruction sets
+#   sanitize  AddressSanitizer and UndefinedBehaviorSanitizer, all tests but those labelled "release"
+#   thread    ThreadSanitizer, the tests labelled "threads"
+# These take longer and run by name alone:
 #   fuzz      every reader with libFuzzer for ten seconds, from the corpus on: tests/fuzz.sh
 #   analyze   clang's warnings, clang-tidy, cppcheck and gcc's -fanalyzer: tests/analyze.sh
 #   thread-all   ThreadSanitizer, every test: an hour and more
@@ -16,13 +17,13 @@ jobs=$(nproc)
 
 sh tests/packages.sh test
 
-build() { # name, further options of cmake…
-    name=$1
-    shift
+build() { # name, target, further options of cmake…
+    name=$1 target=$2
+    shift 2
     echo "== $name: building in $builds/test-$name"
     cmake -S "$source" -B "$builds/test-$name" -G Ninja -DFATHOM_WERROR=ON "$@" >"$builds/test-$name.log" 2>&1 ||
         { cat "$builds/test-$name.log" >&2; echo "fathom tests: configuring failed" >&2; exit 1; }
-    cmake --build "$builds/test-$name" -j "$jobs" >"$builds/test-$name.log" 2>&1 ||
+    cmake --build "$builds/test-$name" --target "$target" -j "$jobs" >"$builds/test-$name.log" 2>&1 ||
         { grep -A 12 -E 'error|FAILED' "$builds/test-$name.log" >&2; echo "fathom tests: the build failed" >&2; exit 1; }
 }
 
@@ -40,38 +41,39 @@ plainer_sets() {
 }
 
 mkdir -p "$builds"
-[ $# -gt 0 ] || set -- release sanitize thread fuzz analyze
+[ $# -gt 0 ] || set -- release sanitize thread
 for kind; do
     case $kind in
     release)
         # Another clang-format lays out other things differently: Debian 12's judges.
         if clang-format --version | grep -q 'version 14\.' && [ -e "$source/.git" ]; then check_layout; fi
-        build release -DCMAKE_BUILD_TYPE=Release
+        build release all -DCMAKE_BUILD_TYPE=Release
         ctest --test-dir "$builds/test-release" --output-on-failure -j "$jobs"
         for set in $(plainer_sets); do
-            echo "== release: what traces, with no more than $set"
-            FATHOM_ISA=$set ctest --test-dir "$builds/test-release" --output-on-failure -j "$jobs" -L trace
+            echo "== release: tests that depend on the instruction set, with no more than $set"
+            FATHOM_ISA=$set ctest --test-dir "$builds/test-release" --output-on-failure -j "$jobs" -L isa
         done
         ;;
     sanitize)
-        build sanitize -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=address,undefined
+        build sanitize all -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=address,undefined
         # Libraries of the distribution that stay loaded at exit keep memory: tests/leaks.supp says which.
         ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1 \
-            LSAN_OPTIONS=suppressions=$source/tests/leaks.supp:print_suppressions=0 FATHOM_SLOW=1 \
-            ctest --test-dir "$builds/test-sanitize" --output-on-failure -j "$jobs"
+            LSAN_OPTIONS=suppressions=$source/tests/leaks.supp:print_suppressions=0 \
+            ctest --test-dir "$builds/test-sanitize" --output-on-failure -j "$jobs" -LE release
         ;;
     thread)
-        build thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
-        FATHOM_SLOW=1 ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
+        build thread thread_tests -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
+        ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
         ;;
     fuzz)
         sh "$source/tests/fuzz.sh" 10
         ;;
     analyze)
+        sh "$source/tests/packages.sh" clang
         sh "$source/tests/analyze.sh"
         ;;
     thread-all)
-        build thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
+        build thread all -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
         ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs"
         ;;
     *)

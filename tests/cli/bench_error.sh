@@ -47,11 +47,15 @@ errors two.csv >two.txt
 [ -s one.txt ] || die 'no rows'
 cmp -s one.txt two.txt || die 'errors depend on threads or tracer'
 
-# Ctrl-C keeps what all patterns have, and says so. The first samples are there in no time, the last ones never.
-code=0
-timeout --foreground --preserve-status -s INT 6 "$FATHOM" bench error scene.json --size 16x16 --max-spp 65536 --seeds 100 \
-    --reference-spp 16 --json i.json --csv i.csv >out.txt 2>err.txt || code=$?
-[ $code -eq 5 ] || die "exit code $code, expected 5"
+# A signal keeps what all patterns have, and says so. The first samples are there in no time, the last ones never.
+phase=measure
+start bench error scene.json --size 16x16 --max-spp 65536 --seeds 100 --reference-spp 16 --threads 1 --json i.json --csv i.csv
+until [ "$(grep -c '"phase": "measure"' err.txt)" -ge 3 ]; do
+    kill -0 $child || die 'it ended before it was met'
+    sleep 0.05
+done
+kill -TERM $child
+end 5
 said err.txt 'interrupted; what is told is of '
 said out.txt 'medians and geometric means of '
 said i.json '"interrupted": true'
@@ -62,11 +66,10 @@ done
 [ "$(grep -c '^grid,' i.csv)" -ge 1 ] || die 'no rows'
 
 # Before there is an image there is nothing to tell.
-code=0
-timeout --foreground --preserve-status -s INT 3 "$FATHOM" bench error scene.json --size 5000x5000 --max-spp 65536 --json n.json \
-    >out.txt 2>err.txt || code=$?
-[ $code -eq 5 ] || die "exit code $code, expected 5"
-said err.txt 'fathom: stopped'
+start bench error scene.json --size 5000x5000 --max-spp 65536 --json n.json
+kill -TERM $child
+end 5
+said err.txt '"message": "stopped'
 silent out.txt
 [ ! -e n.json ] || die 'there is a result of nothing'
 

@@ -2,14 +2,14 @@
 . "$SOURCE/tests/cli/check.inc"
 . "$SOURCE/tests/kill/kill.inc"
 write_scene
-# Long enough on one thread to be met on its way by a signal: two seconds of this machine.
-spp=400
+# Long enough on one thread to be met on its way by a signal: a second of this machine.
+spp=100
 while :; do
     long="scene.json --size 240x180 --spp $spp --aov all --exr-float"
     begun=$(now)
     # shellcheck disable=SC2086
     run 0 render $long -o whole.exr --threads 1
-    awk "BEGIN { exit !($(now) - $begun < 2) }" || break
+    awk "BEGIN { exit !($(now) - $begun < 1) }" || break
     spp=$((spp * 2))
 done
 
@@ -23,29 +23,17 @@ refused 2 'scene.json: is the input' render scene.json -o a.exr --checkpoint sce
 refused 4 'none/c: cannot be written: its folder does not exist' render scene.json -o a.exr --checkpoint none/c
 refused 4 'cannot be written: is not a regular file' render scene.json -o a.exr --checkpoint . --resume
 
-# begin FILE ARGUMENT…: a render that waits for what comes; its number is $!, once it has a checkpoint.
-begin() {
-    rm -f err.txt
-    "$FATHOM" render "$@" >out.txt 2>err.txt &
-    child=$!
-    until grep -q '%' err.txt 2>/dev/null; do
-        kill -0 $child 2>/dev/null || die 'it ended before it was met'
-        sleep 0.05
-    done
-}
-end() {
-    code=0
-    wait $child || code=$?
-    [ $code -eq "$1" ] || die "exit code $code, expected $1"
-}
+phase=render
 
 # SIGUSR1 saves and goes on; SIGTERM saves, writes the image as far as it got, and stops.
 # shellcheck disable=SC2086
 {
-    begin $long -o a.exr --checkpoint c --threads 1
+    start render $long -o a.exr --checkpoint c --threads 1
+    kill -STOP $child
     # Nobody writes over what another saves, be it the same render, and before there is anything.
     refused 2 'c: another render saves its work there' render scene.json -o b.exr --checkpoint c --resume -q
     kill -USR1 $child
+    kill -CONT $child
     until grep -q 'c: saved at [0-9]* %' err.txt; do
         kill -0 $child 2>/dev/null || die 'it ended before it saved'
         sleep 0.05
@@ -108,7 +96,7 @@ same a.exr b.exr
 
 # Without --checkpoint SIGUSR1 is harmless.
 # shellcheck disable=SC2086
-begin $long -o b.exr --threads 1
+start render $long -o b.exr --threads 1
 kill -USR1 $child
 until grep -q 'SIGUSR1: nothing is saved without --checkpoint FILE' err.txt; do
     kill -0 $child 2>/dev/null || die 'it ended before it answered'
@@ -118,14 +106,14 @@ kill -TERM $child
 end 5
 
 # To a time: what was spent counts, and nothing that was sampled is lost.
-begin scene.json -o t.exr --size 160x120 --max-time 20 --checkpoint t --aov all
+start render scene.json -o t.exr --size 160x120 --max-time 20 --checkpoint t --aov all
 kill -TERM $child
 end 5
-run 0 render scene.json -o t.exr --size 160x120 --max-time 5 --checkpoint t --resume --aov all --stats t.json
+run 0 render scene.json -o t.exr --size 160x120 --max-time 2 --checkpoint t --resume --aov all --stats t.json
 awk "BEGIN { exit !($(number t.json resumedSeconds) > 0) }" || die 'nothing was resumed'
 [ ! -e t ] || die 'the checkpoint of a time is left'
 
 # Killed at random moments, many of them while it saves. tests/kill.sh does more.
-survive 10 1 700 scene.json --size 160x120 --spp 256 --aov all --exr-float
-survive 10 1000 700 scene.json --size 160x120 --target-error 0.002 --spp 1024 --aov all --exr-float
+survive 5 1 400 scene.json --size 160x120 --spp 64 --aov all --exr-float
+survive 5 1000 400 scene.json --size 160x120 --target-error 0.004 --spp 1024 --aov all --exr-float
 [ "$writing" -gt 0 ] || die 'no kill met a file in the writing'

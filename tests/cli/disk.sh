@@ -26,10 +26,12 @@ if [ -z "$SANITIZE" ]; then
         stem=${name%.*}
         # Input/output error a little after the trial of 4096 bytes that comes before rendering, and later.
         for after in 4200 6000; do
+            [ $after = 6000 ] || [ $name = a.png ] || continue
             fault write "$stem.fathom-tmp" 5 $after render scene.json -o $name --size 384x256
             said err.txt "fathom: $name: cannot be written: Input/output error"
             rescued a.rescue.exr
         done
+        case $name in a.jpg | a.tif) continue ;; esac
         # The disk's own cache could not be written, as is learnt when waiting for it.
         fault fsync "$stem.fathom-tmp" 5 0 render scene.json -o $name --size 384x256
         said err.txt "fathom: $name: cannot be written: Input/output error"
@@ -144,7 +146,7 @@ said d.json '"width": 96'
 # Two at once under one name: one of the two images, whole.
 run 0 render scene.json -o wide.png --size 200x100
 run 0 render scene.json -o high.png --size 100x200
-for round in 1 2 3; do
+for round in 1 2; do
     "$FATHOM" render scene.json -o both.png --size 200x100 >/dev/null 2>&1 &
     first=$!
     "$FATHOM" render scene.json -o both.png --size 100x200 >/dev/null 2>&1 &

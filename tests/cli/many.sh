@@ -1,16 +1,14 @@
-# A hundred thousand lights and a million spheres: rendered, and by both ways of tracing to the same bits.
+# A hundred thousand lights and spheres, more than 16 bits count: rendered, and by both tracers to the same bits.
 . "$SOURCE/tests/cli/check.inc"
-# Ten times as long, and nothing that smaller scenes do not show the sanitizers.
-[ -z "$SANITIZE" ] || exit 0
 
 spheres() {
     awk 'BEGIN {
         srand(1)
         print "{ \"camera\": { \"eye\": [0, 0, 30], \"target\": [0, 0, 0], \"fovy\": 40 },"
         print "\"lights\": [ { \"type\": \"point\", \"position\": [0, 50, 50], \"intensity\": 5000 } ], \"objects\": ["
-        for (i = 1; i <= 1000000; ++i)
+        for (i = 1; i <= 100000; ++i)
             printf "{\"type\":\"sphere\",\"center\":[%.4f,%.4f,%.4f],\"radius\":0.03}%s\n",
-                20 * rand() - 10, 20 * rand() - 10, 20 * rand() - 10, i < 1000000 ? "," : "] }"
+                20 * rand() - 10, 20 * rand() - 10, 20 * rand() - 10, i < 100000 ? "," : "] }"
     }'
 }
 
@@ -28,7 +26,7 @@ lights() {
 
 spheres >spheres.json
 lights >lights.json
-for scene in spheres:64x48 lights:16x12; do
+for scene in spheres:64x48 lights:8x6; do
     name=${scene%:*}
     for tracer in embree bvh; do
         run 0 render $name.json -o $name-$tracer.exr --exr-float --tracer $tracer --size ${scene#*:} --stats $tracer.json

@@ -1,6 +1,8 @@
 # Each option of render does what its help says, and nothing else.
 . "$SOURCE/tests/cli/check.inc"
 write_scene
+# Equal images are equal files.
+export SOURCE_DATE_EPOCH=1700000000
 
 run 0 render scene.json -o base.exr --exr-float --stats base.json
 said out.txt 'base.exr: 96x64, 1 spp, '
@@ -12,8 +14,8 @@ run 0 render --output=a.exr scene.json --exr-float --spp=9 --spp 1
 same base.exr a.exr
 
 # What must not change a pixel.
-for option in '--threads 1' '--threads 3' '--tile-size 64' '--tile-size 96' '--block-width 1' '--block-width 4' \
-    '--block-width 8' '--seed 5' '--epsilon auto' '--size 96x64' '--crop 0,0,96,64' '--exposure 3' '--max-depth 8'; do
+for option in '--threads 1 --seed 5 --size 96x64' '--threads 3 --tile-size 64' '--tile-size 96 --block-width 1' \
+    '--block-width 4 --crop 0,0,96,64 --exposure 3' '--block-width 8 --epsilon auto --max-depth 8'; do
     # shellcheck disable=SC2086
     run 0 render scene.json -o a.exr --exr-float $option
     same base.exr a.exr
@@ -72,11 +74,11 @@ run 0 render scene.json -o a.exr --aov Z,alpha
 run 0 render scene.json -o b.exr --aov alpha,z
 same a.exr b.exr
 run 0 render scene.json -o a.exr --aov all
-for channel in Z:Z N.:N P.:P albedo.:albedo id.:id samples:samples; do
-    names=$(echo Z,N,P,albedo,id,samples | sed "s/${channel#*:}//; s/,,/,/; s/^,//; s/,\$//")
-    run 0 render scene.json -o b.exr --aov "$names"
-    run 1 compare a.exr b.exr
-    grep -q "^channel ${channel%:*}[^ ]* is only in the first" out.txt || die "${channel#*:} is not an AOV of its own"
+# The names of channels stand in the head of the file.
+for channel in Z:Z N:N.X P:P.X albedo:albedo.R id:id.instance.V samples:samples.V; do
+    run 0 render scene.json -o b.exr --aov "${channel%:*}"
+    head -c 2000 b.exr | tr '\0' '\n' | grep -axE 'Z|[NP].X|albedo.R|id.instance.V|samples.V' >names.txt || true
+    [ "$(cat names.txt)" = "${channel#*:}" ] || die "${channel%:*} is not an AOV of its own: $(cat names.txt)"
 done
 run 0 render scene.json -o a.png --aov alpha
 run 0 render scene.json -o b.png
@@ -91,7 +93,6 @@ run 1 compare d.exr c.exr
 said out.txt 'channel A is only in the first'
 
 # Equal renders are equal files where the time is given, and say so where it is no time.
-export SOURCE_DATE_EPOCH=1700000000
 for kind in exr png jpg tif; do
     run 0 render scene.json -o a.$kind
     run 0 render scene.json -o b.$kind --threads 1

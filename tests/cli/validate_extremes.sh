@@ -1,7 +1,8 @@
 # fathom validate --extremes: the grid as table and JSON.
 . "$SOURCE/tests/cli/check.inc"
 
-run 0 validate --extremes --rays 100 --families camera --json all.json
+# The images in its results need no temporary files.
+(TMPDIR=$PWD/nowhere run 0 validate --extremes --rays 20 --families camera --json all.json) || exit 1
 said out.txt 'scale-triangles'
 said out.txt 'extreme cases, all'
 said all.json '"extremes": ['
@@ -21,9 +22,13 @@ said all.json "At the Earth's radius, textbook float"
 test "$(grep -c '"png": "iVBORw0KGgo' all.json)" -eq 4
 not_said all.json '"ok": false'
 
-# A tracer of one's own, each row by itself; the grid changes the exit code.
-run 1 validate triangles --extremes --rays 100 --families camera --tracer linear:textbook \
-    --tracer "$BUILD/tests/plugin/culls.so" --failures bad.txt -v
+# A tracer of one's own, each row by itself; the grid changes the exit code. The page counts the leaks that the terminal counts,
+# those of any-hit queries and of extreme cases included.
+run 1 validate triangles --extremes --rays 100 --families vertex --tracer linear:textbook --tracer embree:default \
+    --tracer "$BUILD/tests/plugin/culls.so" --failures bad.txt -v --report leaks
+leaks=$(sed -n 's/^.* wrong, \([0-9]*\) tracer leaks.*/\1/p' out.txt)
+[ "$leaks" -gt 0 ] || die 'expected leaks of Embree in its default mode'
+tr -d '\342\200\257' <leaks/index.html | grep -q "; $leaks tracer leaks" || die "the page does not count $leaks leaks"
 said out.txt 'a sphere from outside, its radius 1e-06 times'
 grep -q '^wrong: scale-triangles 1, .*culls.so: ' out.txt || die 'the library that culls is not found out'
 not_said out.txt 'embree:user'

@@ -28,12 +28,6 @@ count=$(wc -l <bad.txt)
 run 1 validate --replay bad.txt --tracer "$culls"
 said out.txt "$count rays, $count wrong"
 
-# The page counts what the terminal counts, leaks of any-hit queries and of extreme cases with the rest.
-run 0 validate triangles --rays 300 --families vertex --tracer embree:default --extremes --report leaks
-leaks=$(sed -n 's/^0 wrong, \([0-9]*\) tracer leaks.*/\1/p' out.txt)
-[ "$leaks" -gt 0 ] || die 'expected leaks of Embree in its default mode'
-tr -d '\342\200\257' <leaks/index.html | grep -q "; $leaks tracer leaks" || die "the page does not count $leaks leaks"
-
 # Refused before anything is traced.
 mkdir other
 echo 'a diary' >other/index.html

@@ -68,9 +68,9 @@ static void parity(void **state) {
     trace_destroy(stage_embree(&s, 1));
     /* A random ray comes so near to an edge once in some 10^5 (16 units, 3 edges, at most 10 triangles deep).
      */
-    assert_in_range(agrees_with_linear(&s, random_rays(60000)), 0, 4);
-    agrees_with_linear(&s, edge_rays(s.world, 40000));
-    agrees_with_linear(&s, camera_rays(200));
+    assert_in_range(agrees_with_linear(&s, random_rays(fewer(20000))), 0, 2);
+    agrees_with_linear(&s, edge_rays(s.world, fewer(10000)));
+    agrees_with_linear(&s, camera_rays(90));
     stage_close(&s);
 }
 
@@ -155,9 +155,9 @@ static void one_answer_on_everything(void **state) {
     stage_open(&s);
     add_everything(&s);
     trace_destroy(stage_embree(&s, 1));
-    one_answer(&s, random_rays(40003));
-    one_answer(&s, edge_rays(s.world, 40003));
-    one_answer(&s, camera_rays(200));
+    one_answer(&s, random_rays(fewer(10003)));
+    one_answer(&s, edge_rays(s.world, fewer(10003)));
+    one_answer(&s, camera_rays(100));
     stage_close(&s);
 }
 
@@ -178,9 +178,9 @@ static void one_answer_on_ties(void **state) {
     add_sphere(&s, FATHOM_ROOT, 0.5, 0.5, 0, 0.3, 0);
     add_sphere(&s, FATHOM_ROOT, 0.5, 0.5, 0, 0.3, 0);
     trace_destroy(stage_embree(&s, 1));
-    one_answer(&s, random_rays(20003));
-    one_answer(&s, edge_rays(s.world, 20003));
-    one_answer(&s, camera_rays(150));
+    one_answer(&s, random_rays(fewer(10003)));
+    one_answer(&s, edge_rays(s.world, fewer(10003)));
+    one_answer(&s, camera_rays(100));
     stage_close(&s);
 }
 

@@ -57,7 +57,7 @@ static void all_agree_with_linear(void **state) {
     stage_open(&s);
     add_everything(&s);
     trace_tracer *linear = stage_spec(&s, "linear");
-    ray_set set = random_rays(1203);
+    ray_set set = random_rays(fewer(1203));
     visit v = {.s = &s, .rays = &set, .allowed = 2};
     v.closest = traced(linear, &set, TRACE_COHERENT), v.any = occluded(linear, &set, TRACE_COHERENT);
     trace_spec_list(agrees, &v);
@@ -87,7 +87,7 @@ static void user_geometry_is_linear_search(void **state) {
         add_quad(&s, FATHOM_ROOT, c, u, v, 0);
     }
     trace_tracer *linear = stage_spec(&s, "linear");
-    ray_set sets[] = {random_rays(5000), edge_rays(s.world, 20000), camera_rays(120)};
+    ray_set sets[] = {random_rays(fewer(2000)), edge_rays(s.world, fewer(6000)), camera_rays(60)};
     for (size_t k = 0; k < 3; ++k) {
         trace_tracer *user = stage_spec(&s, specs[k]);
         for (size_t r = 0; r < 3; ++r) {

@@ -66,7 +66,7 @@ static void few_spheres_are_met_as_by_linear_search(void **state) {
         stage_open(&s);
         add_spheres(&s, count);
         trace_tracer *linear = stage_spec(&s, "linear");
-        ray_set sets[] = {random_rays(10003), beams(20005), camera_rays(60)};
+        ray_set sets[] = {random_rays(fewer(10003)), beams(fewer(20005)), camera_rays(60)};
         for (size_t k = 0; k < 3; ++k) {
             check(&s, &sets[k], linear);
             free(sets[k].blocks);
