@@ -101,7 +101,7 @@ static void resume(const fathom_settings *settings, const checkpoint_state *stat
         if (!state->records[i]) continue;
         adaptive_begin(&plan, i % 2 * WAVE_SIDE, i / 2 * WAVE_SIDE, &a);
         adaptive_record_load(settings, state->records[i], state->hits, &a);
-        if (isnan(a.error) || isnan(a.worth)) fuzz_wrong("wave %u without an error", i);
+        if (isnan(a.error) || isnan(a.priority)) fuzz_wrong("wave %u without an error", i);
     }
 }
 

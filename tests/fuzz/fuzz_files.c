@@ -73,7 +73,7 @@ fathom_status __wrap_file_open(fathom_context *context, const char *path, file_m
     if (!bytes) return fail_memory(context, file->size);
     memcpy(bytes, file->bytes, file->size);
     memset(bytes + file->size, 0, FILE_PADDING);
-    *out = (file_map){.bytes = bytes, .size = file->size, .hole = file->size};
+    *out = (file_map){.bytes = bytes, .size = file->size};
     return FATHOM_OK;
 }
 
