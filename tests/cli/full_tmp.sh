@@ -35,66 +35,65 @@ without_tmp() {
 write_scene
 run 0 render scene.json -o good.png
 if [ -z "${IN_EARNEST:-}" ]; then
+    # ---- missing, no folder, not to be written to ----
+    full() { "$@"; }
+    export TMPDIR
+    # Not even root may write to /sys; where it is not mounted, as in some roots of other systems, it is a folder like others.
+    kernel=
+    [ "$(stat -f -c %T /sys 2>/dev/null)" != sysfs ] || kernel=/sys
+    for TMPDIR in "$PWD/nowhere" "$PWD/scene.json" $kernel; do
+        without_tmp 'expected a folder for temporary files in $TMPDIR'
+    done
 
-# ---- missing, no folder, not to be written to ----
-full() { "$@"; }
-export TMPDIR
-# Not even root may write to /sys; where it is not mounted, as in some roots of other systems, it is a folder like others.
-kernel=
-[ "$(stat -f -c %T /sys 2>/dev/null)" != sysfs ] || kernel=/sys
-for TMPDIR in "$PWD/nowhere" "$PWD/scene.json" $kernel; do
-    without_tmp 'expected a folder for temporary files in $TMPDIR'
-done
+    # ---- ended on the way ----
+    mkdir room
+    TMPDIR=$PWD/room
+    "$FATHOM" bench growth --triangles 10k --repeats 100 --seconds 1000 --quiet >out.txt 2>err.txt &
+    bench=$!
+    while [ -z "$(find room -name 'fathom-*.glb' -size +0)" ] && kill -0 $bench 2>/dev/null; do sleep 0.05; done
+    kill $bench
+    code=0
+    wait $bench || code=$?
+    [ $code -eq 5 ] || die "bench growth: ended by a signal: exit code $code, expected 5"
+    rmdir room || die "bench growth left $(ls room)"
 
-# ---- ended on the way ----
-mkdir room
-TMPDIR=$PWD/room
-"$FATHOM" bench growth --triangles 10k --repeats 100 --seconds 1000 --quiet >out.txt 2>err.txt &
-bench=$!
-while [ -z "$(find room -name 'fathom-*.glb' -size +0)" ] && kill -0 $bench 2>/dev/null; do sleep 0.05; done
-kill $bench
-code=0
-wait $bench || code=$?
-[ $code -eq 5 ] || die "bench growth: ended by a signal: exit code $code, expected 5"
-rmdir room || die "bench growth left $(ls room)"
+    # ---- full, as a library has it ----
+    # Sanitizers want their own library to be the first.
+    sanitizer=$(ldd "$FATHOM" | sed -n 's/.*=> \(.*lib[alt]*san\.so[^ ]*\) .*/\1/p' | tr '\n' ' ')
+    full() {
+        export FAULT_CALL=write FAULT_FILE=no-room FAULT_ERROR=28 FAULT_AFTER=0
+        export LD_PRELOAD="$sanitizer$BUILD/tests/faults/disk.so"
+        ended=0
+        "$@" || ended=$?
+        unset LD_PRELOAD
+        return $ended
+    }
+    mkdir no-room
+    TMPDIR=$PWD/no-room
+    without_tmp 'cannot be written: No space left on device'
+    # What is rescued passes it by.
+    mkdir no-room/here
+    cp scene.json no-room/here/
+    cd no-room/here
+    name=fathom-test-$$
+    code=0
+    full "$FATHOM" render scene.json -o $name.png >../../out.txt 2>../../err.txt || code=$?
+    cd ../..
+    [ $code -eq 4 ] || die "no room for the image: exit code $code, expected 4"
+    said err.txt "fathom: $name.png: cannot be written: No space left on device"
+    not_said err.txt rescue # known before anything is rendered
+    rm -r no-room
 
-# ---- full, as a library has it ----
-# Sanitizers want their own library to be the first.
-sanitizer=$(ldd "$FATHOM" | sed -n 's/.*=> \(.*lib[alt]*san\.so[^ ]*\) .*/\1/p' | tr '\n' ' ')
-full() {
-    export FAULT_CALL=write FAULT_FILE=no-room FAULT_ERROR=28 FAULT_AFTER=0
-    export LD_PRELOAD="$sanitizer$BUILD/tests/faults/disk.so"
-    ended=0
-    "$@" || ended=$?
-    unset LD_PRELOAD
-    return $ended
-}
-mkdir no-room
-TMPDIR=$PWD/no-room
-without_tmp 'cannot be written: No space left on device'
-# What is rescued passes it by.
-mkdir no-room/here
-cp scene.json no-room/here/
-cd no-room/here
-name=fathom-test-$$
-code=0
-full "$FATHOM" render scene.json -o $name.png >../../out.txt 2>../../err.txt || code=$?
-cd ../..
-[ $code -eq 4 ] || die "no room for the image: exit code $code, expected 4"
-said err.txt "fathom: $name.png: cannot be written: No space left on device"
-not_said err.txt rescue # known before anything is rendered
-rm -r no-room
-
-# ---- full, in earnest ----
-# The remaining part runs by itself, in a space of mounts of its own.
-if [ "$(id -u)" -eq 0 ] && unshare -m mount -t tmpfs -o size=64k none /mnt 2>/dev/null; then
-    mkdir earnest
-    (cd earnest && IN_EARNEST=yes unshare -m sh -eu "$SOURCE/tests/cli/full_tmp.sh") || exit 1
-    rm -r earnest
-else
-    echo 'no mounts here: the library alone had writing fail'
-fi
-exit 0
+    # ---- full, in earnest ----
+    # The remaining part runs by itself, in a space of mounts of its own.
+    if [ "$(id -u)" -eq 0 ] && unshare -m mount -t tmpfs -o size=64k none /mnt 2>/dev/null; then
+        mkdir earnest
+        (cd earnest && IN_EARNEST=yes unshare -m sh -eu "$SOURCE/tests/cli/full_tmp.sh") || exit 1
+        rm -r earnest
+    else
+        echo 'no mounts here: the library alone had writing fail'
+    fi
+    exit 0
 fi
 
 full() { "$@"; }

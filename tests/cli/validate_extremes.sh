@@ -24,7 +24,7 @@ not_said all.json '"ok": false'
 
 # A tracer of one's own, each row by itself; the grid changes the exit code. The page counts the leaks that the terminal counts,
 # those of any-hit queries and of extreme cases included.
-run 1 validate triangles --extremes --rays 100 --families vertex --tracer linear:textbook --tracer embree:default \
+run 1 validate triangles --extremes --rays 100 --families vertex --tracer embree:default \
     --tracer "$BUILD/tests/plugin/culls.so" --failures bad.txt -v --report leaks
 leaks=$(sed -n 's/^.* wrong, \([0-9]*\) tracer leaks.*/\1/p' out.txt)
 [ "$leaks" -gt 0 ] || die 'expected leaks of Embree in its default mode'
