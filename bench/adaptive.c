@@ -247,7 +247,7 @@ int main(int argc, char **argv) {
     if (fathom_scene_read(b.context, argv[2], &b.scene) != FATHOM_OK) die(fathom_context_message(b.context));
     fathom_scene_settings(b.scene, &b.settings);
     b.settings.width = number(argv[3]), b.settings.height = number(argv[4]);
-    b.settings.pattern = FATHOM_PATTERN_SOBOL, b.settings.tracer_spec = "embree:medium";
+    b.settings.pattern = FATHOM_PATTERN_SOBOL, b.settings.tracer = "embree:medium";
     if (truth) {
         render_truth(&b, number(argv[5]), argv[6], number(argv[7]), number(argv[8]));
     } else {

@@ -611,7 +611,7 @@ static inline fathom_status offset_run(fathom_context *context, const fathom_sce
     t.face_count = offset_faces(&t.o.w, t.faces);
     t.space = offset_space_of(&t.o.w);
     for (int k = 0; k < OFFSET_TRACERS && status == FATHOM_OK; ++k) {
-        trace_options options = {.kind = k ? FATHOM_TRACER_EMBREE : FATHOM_TRACER_REFERENCE,
+        trace_options options = {.words = k ? "embree" : "reference",
                                  .width = LANES,
                                  .threads = 1,
                                  .quality = TRACE_QUALITY_LOW};

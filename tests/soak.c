@@ -87,7 +87,7 @@ static bool render_well(soak *s, unsigned index, unsigned k) {
         memset(settings.crop, 0, sizeof settings.crop);
         settings.pattern = FATHOM_PATTERN_SOBOL;
         settings.target_error = settings.max_time = 0, settings.min_spp = 0;
-        settings.tracer_spec = tracers[k % 5], settings.aovs = k % 3 ? 0 : FATHOM_AOVS;
+        settings.tracer = tracers[k % 5], settings.aovs = k % 3 ? 0 : FATHOM_AOVS;
         fathom_context_set_threads(s->context, 1 + k % 3);
         status = fathom_render(s->context, scene, &settings, NULL, NULL, NULL, &film);
     }
@@ -112,7 +112,7 @@ static bool render_ill(soak *s, unsigned index, unsigned which) {
                       index);
     fathom_status status = read_scene(s, which, &scene), expected = FATHOM_BAD_USAGE;
     if (status == FATHOM_OK && which == 2)
-        settings.tracer_spec = "no such tracer", expected = FATHOM_BAD_USAGE;
+        settings.tracer = "no such tracer", expected = FATHOM_BAD_USAGE;
     if (status == FATHOM_OK && which == 3) settings.spp = 0, expected = FATHOM_BAD_INPUT;
     if (status == FATHOM_OK && which == 4) expected = FATHOM_INTERRUPTED;
     if (status == FATHOM_OK) {

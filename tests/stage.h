@@ -48,10 +48,10 @@ static inline void *stage_memory(stage *s, size_t bytes) {
     return memory;
 }
 
-static inline trace_tracer *stage_trace(stage *s, fathom_tracer_kind kind, unsigned width,
-                                        trace_quality quality, unsigned threads) {
+static inline trace_tracer *stage_trace(stage *s, const char *words, unsigned width, trace_quality quality,
+                                        unsigned threads) {
     if (!s->world) assert_ok(s->context, world_create(s->scene, &s->world));
-    trace_options options = {.kind = kind, .width = width, .threads = threads, .quality = quality};
+    trace_options options = {.words = words, .width = width, .threads = threads, .quality = quality};
     trace_tracer *tracer = NULL;
     assert_ok(s->context, trace_create(s->context, s->world, &options, &tracer));
     return tracer;
@@ -69,7 +69,7 @@ static inline trace_tracer *stage_spec(stage *s, const char *text) {
 }
 
 static inline trace_tracer *stage_embree(stage *s, unsigned width) {
-    return stage_trace(s, FATHOM_TRACER_EMBREE, width, TRACE_QUALITY_AUTO, 2);
+    return stage_trace(s, "embree", width, TRACE_QUALITY_AUTO, 2);
 }
 
 /* A closed, bumpy sphere of 4 n (n - 1) triangles around the origin. */

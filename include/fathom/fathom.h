@@ -3,6 +3,7 @@
 #define FATHOM_FATHOM_H
 
 #include <fathom/base.h>
+#include <fathom/parameter.h>
 #include <fathom/read.h>
 #include <fathom/render.h>
 #include <fathom/scene.h>

@@ -14,11 +14,6 @@ typedef enum fathom_pattern {
     FATHOM_PATTERN_SOBOL       /* Owen-scrambled Sobol (0,2)-sequence; any spp */
 } fathom_pattern;
 
-typedef enum fathom_tracer_kind {
-    FATHOM_TRACER_EMBREE,
-    FATHOM_TRACER_REFERENCE /* linear search over the hand-written intersectors */
-} fathom_tracer_kind;
-
 /* Extra outputs, a bit each. */
 enum {
     FATHOM_AOV_ALPHA = 1u << 0,  /* A: covered part of the pixel; R G B are then premultiplied, without the
@@ -61,18 +56,17 @@ typedef struct fathom_settings {
      * together. [0, 1] each; 0 (default): none is, and the image is exact. fathom_settings_set_loss() has the
      * losses that do not show. */
     float max_loss, max_relative_loss;
-    double epsilon;      /* fixed ray epsilon; 0 (default): automatic, from error bounds */
-    bool terminator_fix; /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
-    unsigned aovs;       /* FATHOM_AOV_ bits; default 0 */
-    fathom_tracer_kind tracer;
-    const char *tracer_spec; /* a tracer in words, "bvh:f64" or "embree:user:high", or a library FILE.so (see
-                                plugin.h), instead of `tracer`; default NULL: by that. The text stays the
-                                caller's; fathom_scene_set_settings() copies it. */
-    unsigned block_width;    /* rays handed to the tracer at once: 1, 4, 8 or 16 (default) */
-    unsigned tile_size;      /* pixels, a multiple of 32; default 32. No pixel depends on it */
-    uint64_t memory_limit;   /* bytes that the process may have in memory; 0 (default): what is free. Embree's
-                                compact structures are taken where only they fit; FATHOM_OUT_OF_RESOURCES
-                                before anything is built where not even they do */
+    double epsilon;        /* fixed ray epsilon; 0 (default): automatic, from error bounds */
+    bool terminator_fix;   /* lift shadow rays off the facets of smooth meshes (Hanika 2021); default true */
+    unsigned aovs;         /* FATHOM_AOV_ bits; default 0 */
+    const char *tracer;    /* what answers the rays, in words: "embree" (as NULL, the default), "reference",
+                              "bvh:f64", "embree:user:high", or a library FILE.so (see plugin.h). The text stays
+                              the caller's; fathom_scene_set_settings() copies it */
+    unsigned block_width;  /* rays handed to the tracer at once: 1, 4, 8 or 16 (default) */
+    unsigned tile_size;    /* pixels, a multiple of 32; default 32. No pixel depends on it */
+    uint64_t memory_limit; /* bytes that the process may have in memory; 0 (default): what is free. Embree's
+                              compact structures are taken where only they fit; FATHOM_OUT_OF_RESOURCES
+                              before anything is built where not even they do */
 } fathom_settings;
 
 typedef enum fathom_loss {

@@ -29,15 +29,16 @@ typedef struct fathom_hit {
     fathom_id material;
 } fathom_hit;
 
-/* Builds the acceleration structure. The scene must outlive the tracer and must not change. */
+/* Builds the acceleration structure. words: as in fathom_settings, NULL for Embree; FATHOM_BAD_USAGE when no
+ * tracer is called that. The scene must outlive the tracer and must not change. */
 FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
-                                              fathom_tracer_kind kind, fathom_tracer **out);
+                                              const char *words, fathom_tracer **out);
 FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
 /* Closest hits. rays and hits may be NULL when count is 0. FATHOM_BAD_USAGE when a ray is not finite or its
  * direction is zero: the message names it, and hits of the rays before it are set. Any number of threads may
  * call at the same time; when several fail, the message is one of theirs, and is read when all have returned.
  * With Embree, a ray within a few roundings of a mesh's vertex can slip through, as two in a hundred of those
- * aimed at vertices do: renders put that right, single rays have FATHOM_TRACER_REFERENCE. */
+ * aimed at vertices do: renders put that right, single rays have the tracer "reference". */
 FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
                                                size_t count, fathom_hit *hits);
 /* Whether anything is hit, shadow-casting or not. */

@@ -63,6 +63,8 @@ const char *args_nearest(const char *wanted, const char *const *names, size_t co
     return nearest;
 }
 
+const args_option *args_options(const args_spec *spec) { return spec->table ? spec->table() : spec->options; }
+
 typedef struct parser {
     const args_spec *spec;
     int argc, at;
@@ -77,7 +79,8 @@ static bool unknown_option(parser *p, const char *name, size_t length) {
     const char *names[64];
     size_t count = 0;
     snprintf(wanted, sizeof wanted, "%.*s", (int)length, name);
-    for (const args_option *o = p->spec->options; o && o->help && count < 64; ++o) names[count++] = o->name;
+    for (const args_option *o = args_options(p->spec); o && o->help && count < 64; ++o)
+        names[count++] = o->name;
     const char *nearest = args_nearest(wanted, names, count);
     if (nearest) return args_wrong(p->problem, "unknown option --%s; did you mean --%s?", wanted, nearest);
     return args_wrong(p->problem, "unknown option --%s", wanted);
@@ -102,7 +105,7 @@ static bool next_value(parser *p, const args_option *option, const char *typed, 
 static bool parse_long(parser *p, const char *typed) {
     const char *name = typed + 2, *equals = strchr(name, '=');
     size_t length = equals ? (size_t)(equals - name) : strlen(name);
-    for (const args_option *option = p->spec->options; option && option->help; ++option) {
+    for (const args_option *option = args_options(p->spec); option && option->help; ++option) {
         if (!option->name || strlen(option->name) != length || strncmp(option->name, name, length) != 0)
             continue;
         const char *value = equals ? equals + 1 : NULL;
@@ -114,7 +117,7 @@ static bool parse_long(parser *p, const char *typed) {
 }
 
 static bool parse_short(parser *p, const char *typed) {
-    for (const args_option *option = p->spec->options; option && option->help; ++option) {
+    for (const args_option *option = args_options(p->spec); option && option->help; ++option) {
         if (!option->letter || option->letter != typed[1]) continue;
         const char *value = typed[2] ? typed + 2 : NULL;
         if (!option->value && value)

@@ -1,11 +1,11 @@
 /* Options of a command line, described by a table.
  *
  * A command has a plain struct of settings and a table that says which option fills which field and what its
- * help is. Parsing twice is fine: once with the defaults to find wrong usage before anything is read, once
- * more over the settings that the scene brought, so that only what was given replaces them. */
+ * help is. Single values are read as base/parameter.h says. */
 #ifndef CLI_ARGS_H
 #define CLI_ARGS_H
 
+#include <fathom/parameter.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -58,7 +58,8 @@ typedef struct args_spec {
     const char *const *operands;   /* "SCENE"; all required but the optional */
     const size_t *operand_offsets; /* of their const char * fields */
     size_t operand_count;
-    size_t operands_optional; /* of the last ones */
+    size_t operands_optional;          /* of the last ones */
+    const args_option *(*table)(void); /* makes the options, where they follow from another table; or NULL */
 } args_spec;
 
 typedef enum args_result { ARGS_READY, ARGS_HELP, ARGS_WRONG } args_result;
@@ -67,6 +68,8 @@ typedef enum args_result { ARGS_READY, ARGS_HELP, ARGS_WRONG } args_result;
  * and "--" before operands that begin with a dash. --help or -h anywhere before "--" is ARGS_HELP, whatever
  * else is wrong. The strings stay argv's. */
 args_result args_parse(const args_spec *spec, int argc, char **argv, void *settings, args_problem *problem);
+
+const args_option *args_options(const args_spec *spec);
 
 /* --help or -h is among the arguments, before "--". */
 bool args_ask_help(int argc, char **argv);
@@ -80,7 +83,6 @@ bool args_wrong(args_problem *problem, const char *format, ...) __attribute__((f
 /* ---- readers of values; the field's type is in the name ---- */
 
 bool take_true(const args_option *option, const char *value, void *field, args_problem *problem);
-bool take_false(const args_option *option, const char *value, void *field, args_problem *problem);
 bool take_text(const args_option *option, const char *value, void *field, args_problem *problem);
 bool take_list(const args_option *option, const char *value, void *field, args_problem *problem);
 /* uint32_t and unsigned, within [least, most]. */
@@ -97,12 +99,8 @@ bool take_f32(const args_option *option, const char *value, void *field, args_pr
 bool take_f64(const args_option *option, const char *value, void *field, args_problem *problem);
 /* The option's `value` lists the words, "grid|sobol"; an unsigned or an enum gets the word's place. */
 bool take_choice(const args_option *option, const char *value, void *field, args_problem *problem);
-
-/* Whole strings only, digits only; false when `text` is not a number, is too large, or is not followed by
- * `end`. On success *text is moved past `end`. */
-bool args_read_u64(const char **text, char end, uint64_t *out);
-/* A finite decimal number, whatever the locale. */
-bool args_read_f64(const char **text, char end, double *out);
+/* A value by a row of a table of parameters. field: the struct that has the member. */
+bool take_parameter(const fathom_parameter *p, const char *value, void *field, args_problem *problem);
 
 #ifdef __cplusplus
 }

@@ -66,7 +66,7 @@ static const args_option common[] = {
 void help_command(const command *c, FILE *out) {
     fprintf(out, "%s\n\nUsage: fathom %s%s%s\n", c->summary, c->name, *c->usage ? " " : "", c->usage);
     if (c->text) fprintf(out, "\n%s", c->text);
-    for (const args_option *o = c->args.options; o && o->help; ++o) put_option(out, o);
+    for (const args_option *o = args_options(&c->args); o && o->help; ++o) put_option(out, o);
     for (const args_option *o = common; o->help; ++o) put_option(out, o);
     if (c->examples) fprintf(out, "\nExamples:\n%s", c->examples);
 }

@@ -88,7 +88,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->width = region.width, film->height = region.height;
     film->full_width = settings->width, film->full_height = settings->height;
     film->settings = *settings;
-    film->settings.tracer_spec = NULL; /* not the film's; the tracer's name is in the statistics */
+    film->settings.tracer = NULL; /* not the film's; the tracer's name is in the statistics */
     film->camera = scene->camera;
     memcpy(film->background, scene->background, sizeof film->background);
     return take_pixels(context, film, scene->name, out);

@@ -2,6 +2,7 @@
 #include "base/clock.h"
 #include "film/film_marks.h"
 #include "image/image.h"
+#include "scene/settings.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,9 +41,9 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
                  fovy = 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
     const double mean_spp = (double)film->stats.samples / ((double)film->width * film->height);
     const bool estimated = film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate);
-    const char *pattern = film->settings.pattern == FATHOM_PATTERN_GRID         ? "grid"
-                          : film->settings.pattern == FATHOM_PATTERN_STRATIFIED ? "stratified"
-                                                                                : "sobol";
+    char settings[SETTINGS_TEXT], pattern[PARAMETER_NAME];
+    settings_print(&film->settings, settings);
+    parameter_print(parameter_find(settings_table, "pattern"), &film->settings, pattern, sizeof pattern);
     char software[64] = "Fathom ";
     for (size_t i = 0; fathom_version()[i] && i < 32; ++i) software[7 + i] = fathom_version()[i];
     char fingerprint[24];
@@ -59,6 +60,7 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
         {"fathom:pattern", pattern, NULL, 0},
         {"fathom:spp", NULL, &spp, 1},
         {"fathom:seed", NULL, &seed, 1},
+        {"fathom:settings", settings, NULL, 0},
         {"fathom:camera:origin", NULL, film->camera.origin, 3},
         {"fathom:camera:x", NULL, film->camera.x, 3},
         {"fathom:camera:y", NULL, film->camera.y, 3},

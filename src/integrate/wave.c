@@ -129,9 +129,9 @@ static void repair(wave *w, size_t first, size_t count) {
 }
 
 bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence) {
-    for (size_t done = begin; done < end; done += wave_trace_piece(w)) {
+    for (size_t done = begin; done < end; done += trace_piece(w->run.plan->tracer)) {
         if (atomic_load_explicit(w->run.stop, memory_order_relaxed)) return false;
-        size_t left = end - done, piece = wave_trace_piece(w);
+        size_t left = end - done, piece = trace_piece(w->run.plan->tracer);
         if (left < piece) piece = left;
         trace_closest(w->run.plan->tracer, w->now.rays + done / LANES, piece, coherence);
         repair(w, done, piece);

@@ -71,12 +71,6 @@ static inline unsigned wave_lanes(size_t count, size_t done) {
     return count - done < LANES ? (unsigned)(count - done) : LANES;
 }
 
-/* Rays between two looks at the stop flag, a multiple of 16. Linear search may take milliseconds for each
- * ray. */
-static inline size_t wave_trace_piece(const wave *w) {
-    return w->run.plan->settings.tracer == FATHOM_TRACER_EMBREE ? 4096 : LANES;
-}
-
 /* ---- the stages, in order ---- */
 
 /* Fills `now` with the camera's rays of a batch. */

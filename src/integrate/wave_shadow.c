@@ -104,7 +104,7 @@ static void add_seen(wave *w) {
 
 bool wave_cast_shadows(wave *w, trace_coherence coherence) {
     shadow_queue *queue = &w->shadows;
-    const size_t piece = wave_trace_piece(w);
+    const size_t piece = trace_piece(w->run.plan->tracer);
     close_queue(queue);
     for (size_t done = 0; done < queue->count; done += piece) {
         if (atomic_load_explicit(w->run.stop, memory_order_relaxed)) return false;

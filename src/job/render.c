@@ -70,12 +70,8 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
                                const fathom_settings *settings, fathom_progress_fn progress, void *user,
                                trace_tracer **out) {
     static const watch_calls calls = {build_tracer, report_build};
-    trace_spec spec;
-    const char *words = settings->tracer_spec;
-    fathom_status status = words ? trace_spec_parse(context, words, &spec) : FATHOM_OK;
-    if (status != FATHOM_OK) return status;
     uint64_t other;
-    status = scene_rest_files(w->scene);
+    fathom_status status = scene_rest_files(w->scene);
     if (status == FATHOM_OK) status = memory_besides(context, w->scene, film, &other);
     if (status != FATHOM_OK) return status;
     build b = {.context = context,
@@ -83,8 +79,7 @@ static fathom_status run_build(fathom_context *context, const world *w, fathom_f
                .progress = progress,
                .progress_user = user,
                .began = clock_seconds()};
-    b.options = (trace_options){.spec = words ? &spec : NULL,
-                                .kind = settings->tracer,
+    b.options = (trace_options){.words = settings->tracer,
                                 .width = settings->block_width,
                                 .threads = fathom_context_threads(context),
                                 .expected_rays = plan_expected_rays(w->scene, settings),
@@ -225,8 +220,7 @@ static fathom_status render(fathom_context *context, const fathom_scene *scene,
     if (!settings) return fail_null(context, "settings");
     trace_spec spec; /* told before the world is built, which can take a while */
     fathom_status status = scene_check_settings(context, settings);
-    if (status == FATHOM_OK && settings->tracer_spec)
-        status = trace_spec_parse(context, settings->tracer_spec, &spec);
+    if (status == FATHOM_OK) status = trace_spec_parse(context, settings->tracer, &spec);
     const fathom_scene view = scene_through(scene, context);
     if (status == FATHOM_OK) status = fathom_scene_check(&view);
     if (status != FATHOM_OK) return status;

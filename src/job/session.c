@@ -12,7 +12,7 @@ struct fathom_session {
     fathom_context *context;
     const fathom_scene *scene;
     fathom_settings settings;
-    char *tracer_spec; /* the settings' */
+    char *tracer; /* the settings' */
     pool_task task;
     bool on_thread;       /* the task is the pool's */
     pthread_mutex_t lock; /* of the following */
@@ -51,7 +51,7 @@ static void run(void *user) {
 
 static void destroy(fathom_session *s) {
     pthread_mutex_destroy(&s->lock);
-    free(s->tracer_spec);
+    free(s->tracer);
     free(s);
 }
 
@@ -62,15 +62,15 @@ fathom_status fathom_session_start(fathom_context *context, const fathom_scene *
     if (!context || !scene) return fail_null(context, "scene");
     if (!settings) return fail_null(context, "settings");
     fathom_session *s = calloc(1, sizeof *s);
-    const char *spec = settings->tracer_spec;
-    if (s && spec) s->tracer_spec = strdup(spec);
-    if (!s || (spec && !s->tracer_spec)) {
+    const char *spec = settings->tracer;
+    if (s && spec) s->tracer = strdup(spec);
+    if (!s || (spec && !s->tracer)) {
         free(s);
         return fail_memory(context, sizeof *s);
     }
     s->context = context, s->scene = scene;
     s->settings = *settings;
-    s->settings.tracer_spec = s->tracer_spec;
+    s->settings.tracer = s->tracer;
     s->progress.phase = FATHOM_PHASE_BUILD;
     pthread_mutex_init(&s->lock, NULL);
     s->task = (pool_task){.run = run, .user = s};

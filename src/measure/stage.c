@@ -26,19 +26,14 @@ fathom_status stage_open(fathom_context *context, fathom_scene *scene, const fat
 }
 
 fathom_status stage_build(fathom_context *context, bench_stage *stage, const char *words, uint64_t rays) {
-    trace_spec spec;
-    if (!words) words = stage->settings.tracer_spec;
-    fathom_status status = words ? trace_spec_parse(context, words, &spec) : FATHOM_OK;
-    if (status != FATHOM_OK) return status;
     trace_destroy(stage->tracer);
     stage->tracer = NULL;
-    const trace_options options = {.spec = words ? &spec : NULL,
-                                   .kind = stage->settings.tracer,
+    const trace_options options = {.words = words ? words : stage->settings.tracer,
                                    .width = stage->settings.block_width,
                                    .threads = fathom_context_threads(context),
                                    .expected_rays = rays};
     bench_seconds start = bench_now();
-    status = trace_create(context, stage->world, &options, &stage->tracer);
+    fathom_status status = trace_create(context, stage->world, &options, &stage->tracer);
     stage->build = bench_since(&start);
     return status;
 }

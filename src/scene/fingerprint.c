@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 #include "base/threads.h"
+#include "scene/settings.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,9 +17,12 @@ static void hash_camera(hash *h, const fathom_camera *c) {
 }
 
 static void hash_material(hash *h, const fathom_material *m) {
-    const unsigned kind = (unsigned)m->specular * 4 + (m->fresnel ? 2u : 0u) + (m->lit_from_behind ? 1u : 0u);
-    PUT(h, m->k_a), PUT(h, m->k_d), PUT(h, m->k_s), PUT(h, m->k_r), PUT(h, m->k_t), PUT(h, m->k_e);
-    PUT(h, m->shininess), PUT(h, m->ior), PUT(h, kind);
+    for (size_t i = 0; i < material_table.count; ++i) {
+        for (unsigned k = 0; k < parameter_count(&material_table.rows[i]); ++k) {
+            const double number = parameter_number(&material_table.rows[i], m, k);
+            PUT(h, number);
+        }
+    }
 }
 
 static void hash_light(hash *h, const fathom_light *l) {

@@ -54,7 +54,7 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->instances);
     array_free(&scene->cameras);
     free(scene->name);
-    free(scene->tracer_spec);
+    free(scene->tracer);
     free(scene);
 }
 
@@ -114,44 +114,11 @@ static fathom_status check_color(fathom_context *context, const char *what, cons
     return FATHOM_OK;
 }
 
-void fathom_material_default(fathom_material *material) {
-    if (!material) return;
-    *material = (fathom_material){.k_a = {-1, -1, -1},
-                                  .k_d = {0.5f, 0.5f, 0.5f},
-                                  .shininess = 32,
-                                  .ior = 1.5f,
-                                  .specular = FATHOM_SPECULAR_NONE};
-}
-
-static fathom_status check_material(fathom_context *context, const fathom_material *m) {
-    fathom_status status = m->k_a[0] < 0 ? FATHOM_OK : check_color(context, "k_a", m->k_a, 0);
-    const struct {
-        const char *name;
-        const float *rgb;
-    } colors[] = {{"k_d", m->k_d}, {"k_s", m->k_s}, {"k_r", m->k_r}, {"k_t", m->k_t}, {"k_e", m->k_e}};
-    for (size_t i = 0; i < sizeof colors / sizeof *colors && status == FATHOM_OK; ++i) {
-        status = check_color(context, colors[i].name, colors[i].rgb, 0);
-    }
-    if (status != FATHOM_OK) return status;
-    if (!(m->shininess >= 0 && m->shininess <= 1e9f)) {
-        return fail_field(context, FATHOM_BAD_INPUT, "shininess", "expected a number in [0, 1e9], found %g",
-                          (double)m->shininess);
-    }
-    if ((unsigned)m->specular > FATHOM_SPECULAR_BLINN)
-        return fail_field(context, FATHOM_BAD_USAGE, "specular", "there is no kind %u",
-                          (unsigned)m->specular);
-    if (!(m->ior > 0) || !isfinite(m->ior)) {
-        return fail_field(context, FATHOM_BAD_INPUT, "ior", "expected a number > 0, found %g",
-                          (double)m->ior);
-    }
-    return FATHOM_OK;
-}
-
 fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
                                         const fathom_material *material, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
     if (!material) return fail_null(scene->context, "material");
-    fathom_status status = check_material(scene->context, material);
+    fathom_status status = scene_check_material(scene->context, material);
     if (status != FATHOM_OK) return status;
     scene_named_material entry = {.value = *material};
     status = copy_text(scene->context, name, &entry.name);

@@ -66,7 +66,7 @@ struct fathom_scene {
     bool has_ambient, has_background, has_lights;
     bool without_uvs; /* texture coordinates are not taken: rendering has no use for them */
     fathom_settings settings;
-    char *tracer_spec; /* of the settings; NULL: none */
+    char *tracer; /* of the settings; NULL: none */
 };
 
 /* The same scene for calls on another context: messages and warnings go there, and its number of threads
@@ -156,7 +156,8 @@ static inline uint64_t settings_pixels(const fathom_settings *s) {
     return (uint64_t)r.width * r.height;
 }
 
-/* FATHOM_BAD_INPUT names the setting that is out of range. */
+/* FATHOM_BAD_INPUT names what is out of range. */
 fathom_status scene_check_settings(fathom_context *context, const fathom_settings *settings);
+fathom_status scene_check_material(fathom_context *context, const fathom_material *material);
 
 #endif

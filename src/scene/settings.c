@@ -1,21 +1,9 @@
+#include "scene/settings.h"
+
 #include "scene/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-void fathom_settings_default(fathom_settings *settings) {
-    if (!settings) return;
-    *settings = (fathom_settings){.width = 1280,
-                                  .height = 720,
-                                  .spp = 1,
-                                  .pattern = FATHOM_PATTERN_GRID,
-                                  .max_depth = 8,
-                                  .min_weight = 1.0f / 65536,
-                                  .terminator_fix = true,
-                                  .tracer = FATHOM_TRACER_EMBREE,
-                                  .block_width = 16,
-                                  .tile_size = 32};
-}
 
 /* Half a level or unit, less a fiftieth for the roundings of the sums. The sRGB curve is concave: nowhere is
  * it steeper than in its linear part, of slope 12.9233, and rounding to levels moves by one where the curve
@@ -59,16 +47,9 @@ static fathom_status check_crop(fathom_context *context, const fathom_settings *
 
 static bool is_power(uint32_t n) { return n && !(n & (n - 1)); }
 
-static fathom_status check_target(fathom_context *context, const char *name, double value) {
-    if (value >= 0 && isfinite(value)) return FATHOM_OK;
-    return fail_field(context, FATHOM_BAD_INPUT, name, "expected a number >= 0 (0: off), found %g", value);
-}
-
 /* Every pass doubles the samples of a Sobol sequence. */
 static fathom_status check_adaptive(fathom_context *context, const fathom_settings *s) {
-    fathom_status status = check_target(context, "target error", s->target_error);
-    if (status == FATHOM_OK) status = check_target(context, "max time", s->max_time);
-    if (status != FATHOM_OK || !(s->target_error > 0 || s->max_time > 0)) return status;
+    if (!(s->target_error > 0 || s->max_time > 0)) return FATHOM_OK;
     if (s->pattern != FATHOM_PATTERN_SOBOL) {
         return fail_field(context, FATHOM_BAD_INPUT, "pattern",
                           "sampling to an error or a time needs the pattern sobol");
@@ -80,37 +61,16 @@ static fathom_status check_adaptive(fathom_context *context, const fathom_settin
             "two from 4, such as 1024, found %u",
             s->spp);
     }
-    if (s->min_spp && (s->min_spp < 4 || s->min_spp > s->spp || !is_power(s->min_spp))) {
+    if (s->min_spp && (s->min_spp > s->spp || !is_power(s->min_spp))) {
         return fail_field(context, FATHOM_BAD_INPUT, "min spp",
                           "expected a power of two from 4 to spp, which is %u, found %u", s->spp, s->min_spp);
     }
     return FATHOM_OK;
 }
 
-/* Values that no enumerator or bit stands for: the program's fault, no file's. */
-static fathom_status check_choices(fathom_context *context, const fathom_settings *s) {
-    if ((unsigned)s->pattern > FATHOM_PATTERN_SOBOL)
-        return fail_field(context, FATHOM_BAD_USAGE, "pattern", "there is no pattern %u",
-                          (unsigned)s->pattern);
-    if ((unsigned)s->tracer > FATHOM_TRACER_REFERENCE)
-        return fail_field(context, FATHOM_BAD_USAGE, "tracer", "there is no kind %u", (unsigned)s->tracer);
-    if (s->aovs & ~(unsigned)FATHOM_AOVS)
-        return fail_field(context, FATHOM_BAD_USAGE, "aovs", "expected FATHOM_AOV_ bits, found %#x", s->aovs);
-    return FATHOM_OK;
-}
-
 fathom_status scene_check_settings(fathom_context *context, const fathom_settings *s) {
-    fathom_status status = check_choices(context, s);
-    if (status != FATHOM_OK) return status;
-    if (s->width < 1 || s->width > 65536 || s->height < 1 || s->height > 65536) {
-        return fail_field(context, FATHOM_BAD_INPUT, "image size",
-                          "expected 1 to 65536 pixels each way, found %ux%u", s->width, s->height);
-    }
-    if (s->spp < 1 || s->spp > 65536) {
-        return fail_field(context, FATHOM_BAD_INPUT, "spp", "expected 1 to 65536 samples a pixel, found %u",
-                          s->spp);
-    }
-    status = check_adaptive(context, s);
+    fathom_status status = parameters_check(context, settings_table, s);
+    if (status == FATHOM_OK) status = check_adaptive(context, s);
     if (status != FATHOM_OK) return status;
     if (s->pattern != FATHOM_PATTERN_SOBOL && !is_square(s->spp)) {
         uint32_t root = (uint32_t)sqrt((double)s->spp);
@@ -118,29 +78,6 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
                           "the pattern is n x n, so expected a square number such as %u or %u, found %u; or "
                           "use the pattern sobol",
                           root * root, (root + 1) * (root + 1), s->spp);
-    }
-    if (s->max_depth > 64)
-        return fail_field(context, FATHOM_BAD_INPUT, "max depth", "expected 0 to 64, found %u", s->max_depth);
-    if (!(s->min_weight >= 0 && s->min_weight < 1)) {
-        return fail_field(context, FATHOM_BAD_INPUT, "min weight", "expected a number in [0, 1), found %g",
-                          (double)s->min_weight);
-    }
-    if (!(s->max_loss >= 0 && s->max_loss <= 1 && s->max_relative_loss >= 0 && s->max_relative_loss <= 1)) {
-        return fail(context, FATHOM_BAD_INPUT,
-                    "max loss, max relative loss: expected numbers in [0, 1], found %g and %g",
-                    (double)s->max_loss, (double)s->max_relative_loss);
-    }
-    if (!(s->epsilon >= 0) || !isfinite(s->epsilon)) {
-        return fail_field(context, FATHOM_BAD_INPUT, "epsilon",
-                          "expected a number >= 0 (0: automatic), found %g", s->epsilon);
-    }
-    if (s->block_width != 1 && s->block_width != 4 && s->block_width != 8 && s->block_width != 16) {
-        return fail_field(context, FATHOM_BAD_INPUT, "block width", "expected 1, 4, 8 or 16, found %u",
-                          s->block_width);
-    }
-    if (s->tile_size < 32 || s->tile_size > 65536 || s->tile_size % 32) {
-        return fail_field(context, FATHOM_BAD_INPUT, "tile size",
-                          "expected a multiple of 32 up to 65536, found %u", s->tile_size);
     }
     return check_crop(context, s);
 }
@@ -150,10 +87,75 @@ fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settin
     if (!settings) return fail_null(scene->context, "settings");
     fathom_status status = scene_check_settings(scene->context, settings);
     if (status != FATHOM_OK) return status;
-    char *spec = settings->tracer_spec ? strdup(settings->tracer_spec) : NULL; /* may be the scene's own */
-    if (settings->tracer_spec && !spec) return fail_memory(scene->context, strlen(settings->tracer_spec) + 1);
-    free(scene->tracer_spec);
+    char *tracer = settings->tracer ? strdup(settings->tracer) : NULL; /* may be the scene's own */
+    if (settings->tracer && !tracer) return fail_memory(scene->context, strlen(settings->tracer) + 1);
+    free(scene->tracer);
     scene->settings = *settings;
-    scene->settings.tracer_spec = scene->tracer_spec = spec;
+    scene->settings.tracer = scene->tracer = tracer;
     return FATHOM_OK;
+}
+
+/* ---- by name ---- */
+
+static fathom_status find(fathom_context *context, const void *settings, const char *name, const void *value,
+                          const fathom_parameter **out) {
+    if (!context || !settings) return fail_null(context, "settings");
+    if (!name) return fail_null(context, "name");
+    if (!value) return fail_null(context, "value");
+    *out = parameter_find(settings_table, name);
+    if (*out) return FATHOM_OK;
+    return fail_field(context, FATHOM_BAD_USAGE, "settings",
+                      "there is no \"%.60s\"; expected a name in fathom_settings_parameters()", name);
+}
+
+static fathom_status set(fathom_context *context, fathom_settings *settings, const fathom_parameter *p,
+                         const char *value) {
+    char wrong[PARAMETER_WRONG], name[PARAMETER_NAME];
+    if (parameter_read(p, value, settings, wrong)) return FATHOM_OK;
+    parameter_name(p, ' ', name);
+    return fail_field(context, FATHOM_BAD_INPUT, name, "%s", wrong);
+}
+
+fathom_status fathom_settings_set_text(fathom_context *context, fathom_settings *settings, const char *name,
+                                       const char *value) {
+    const fathom_parameter *p;
+    fathom_status status = find(context, settings, name, value, &p);
+    return status == FATHOM_OK ? set(context, settings, p, value) : status;
+}
+
+fathom_status fathom_settings_get_text(fathom_context *context, const fathom_settings *settings,
+                                       const char *name, char *out, size_t size) {
+    const fathom_parameter *p;
+    fathom_status status = find(context, settings, name, out, &p);
+    if (status != FATHOM_OK) return status;
+    const size_t length = parameter_print(p, settings, out, size);
+    if (length < size) return FATHOM_OK;
+    return fail_field(context, FATHOM_BAD_USAGE, name, "its text takes %zu bytes, found room for %zu",
+                      length + 1, size);
+}
+
+static fathom_status find_numbers(fathom_context *context, const fathom_settings *settings, const char *name,
+                                  const double *values, size_t count, const fathom_parameter **out) {
+    fathom_status status = find(context, settings, name, values, out);
+    if (status != FATHOM_OK || (parameter_is_number(*out) && count == parameter_count(*out))) return status;
+    return fail_field(context, FATHOM_BAD_USAGE, name, "expected %u numbers, found %zu",
+                      parameter_is_number(*out) ? parameter_count(*out) : 0, count);
+}
+
+fathom_status fathom_settings_set_numbers(fathom_context *context, fathom_settings *settings,
+                                          const char *name, const double *values, size_t count) {
+    const fathom_parameter *p;
+    char text[PARAMETER_TEXT];
+    fathom_status status = find_numbers(context, settings, name, values, count, &p);
+    if (status != FATHOM_OK) return status;
+    parameter_print_numbers(p, values, text, sizeof text);
+    return set(context, settings, p, text);
+}
+
+fathom_status fathom_settings_get_numbers(fathom_context *context, const fathom_settings *settings,
+                                          const char *name, double *values, size_t count) {
+    const fathom_parameter *p;
+    fathom_status status = find_numbers(context, settings, name, values, count, &p);
+    for (unsigned i = 0; status == FATHOM_OK && i < count; ++i) values[i] = parameter_number(p, settings, i);
+    return status;
 }

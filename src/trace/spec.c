@@ -157,6 +157,7 @@ static fathom_status read_option(reader *r, const char *text, size_t length) {
 }
 
 fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_spec *out) {
+    if (!text) text = "embree";
     *out = (trace_spec){.kind = TRACE_PLUGIN, .path = text};
     size_t length = strlen(text);
     if (length > 3 && strcmp(text + length - 3, ".so") == 0) return FATHOM_OK;

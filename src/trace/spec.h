@@ -70,7 +70,7 @@ typedef struct trace_spec {
 } trace_spec;
 
 /* FATHOM_BAD_USAGE says which word is wrong and which there are. A text that ends in ".so" is a file; `text`
- * must then outlive `out`. "reference" is "linear". */
+ * must then outlive `out`. "reference" is "linear", NULL "embree". */
 fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_spec *out);
 
 /* The same in full, every option named: "embree:triangles:robust:auto:16:settled". */

@@ -114,13 +114,11 @@ fathom_status trace_create(fathom_context *context, const world *w, const trace_
         return fail(context, FATHOM_BAD_USAGE,
                     "$FATHOM_ISA: expected sse2, sse4.2, avx, avx2 or avx512, found \"%.40s\"", unknown);
     if (options->spec) return create(context, w, options->spec, options, out);
-    const trace_spec embree = {.kind = TRACE_EMBREE, .quality = options->quality};
-    switch (options->kind) {
-    case FATHOM_TRACER_EMBREE: return create(context, w, &embree, options, out);
-    case FATHOM_TRACER_REFERENCE: return linear_create(context, w, out);
-    }
-    return fail(context, FATHOM_BAD_USAGE, "trace_options: kind: %d; expected a fathom_tracer_kind",
-                (int)options->kind);
+    trace_spec spec;
+    fathom_status status = trace_spec_parse(context, options->words, &spec);
+    if (status != FATHOM_OK) return status;
+    if (spec.kind == TRACE_EMBREE && spec.quality == TRACE_QUALITY_AUTO) spec.quality = options->quality;
+    return create(context, w, &spec, options, out);
 }
 
 void trace_destroy(trace_tracer *tracer) {
@@ -153,6 +151,7 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 }
 
 const char *trace_name(const trace_tracer *tracer) { return tracer->name; }
+size_t trace_piece(const trace_tracer *tracer) { return tracer->slow ? LANES : 4096; }
 void trace_identity(const trace_tracer *tracer, char out[128]) {
     snprintf(out, 128, "%s%s%s", tracer->name, tracer->way[0] ? ", " : "", tracer->way);
 }

@@ -75,10 +75,10 @@ typedef struct trace_fine {
 } trace_fine;
 
 typedef struct trace_options {
-    const trace_spec *spec; /* NULL: by kind */
-    fathom_tracer_kind kind;
-    unsigned width;   /* rays in one call of Embree: 1, 4, 8 or 16; 0 counts as 1. No hit depends on it */
-    unsigned threads; /* for building; 0: the context's */
+    const trace_spec *spec; /* NULL: by words */
+    const char *words; /* as trace_spec_parse() takes them; NULL: "embree", compact where memory is short */
+    unsigned width;    /* rays in one call of Embree: 1, 4, 8 or 16; 0 counts as 1. No hit depends on it */
+    unsigned threads;  /* for building; 0: the context's */
     uint64_t expected_rays; /* of all kinds; 0: unknown, taken as many */
     trace_quality quality;
     uint64_t memory; /* bytes that building and what is built may take; 0: no limit */
@@ -120,6 +120,8 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 
 /* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
 const char *trace_name(const trace_tracer *tracer);
+/* Rays between two looks at a stop flag, a multiple of 16: linear search may take milliseconds for each. */
+size_t trace_piece(const trace_tracer *tracer);
 /* The name that Embree's tracer has on this machine, by default. */
 void trace_embree_name(char *out, size_t size);
 /* The name, and what else answers may depend on: "Embree 3.13.5, AVX-512, triangles, robust, settled". */

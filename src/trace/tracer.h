@@ -48,6 +48,7 @@ struct trace_tracer {
     const world *world;
     uint64_t bvh_bytes, peak_bytes, foreseen_bytes; /* see trace.h; 0: not known */
     double unit;                                    /* roundoff */
+    bool slow;                                      /* a ray may take milliseconds */
     char name[64];
     char way[32]; /* what else answers depend on; "": only the name */
 };

@@ -195,8 +195,6 @@ static void resolve_hit(const world *w, const trace_block *block, unsigned lane,
     out->primitive = world_primitive(w, geometry, primitive);
 }
 
-/* ---- life ---- */
-
 struct fathom_tracer {
     fathom_context *context;
     pthread_mutex_t message; /* guards the context's message: calls may run at the same time */
@@ -205,20 +203,21 @@ struct fathom_tracer {
     trace_tracer *tracer;
 };
 
-fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,
-                                   fathom_tracer_kind kind, fathom_tracer **out) {
+fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene, const char *words,
+                                   fathom_tracer **out) {
     if (!out) return fail_null(context, "out");
     *out = NULL;
     if (!context || !scene) return fail_null(context, "scene");
-    if ((unsigned)kind > FATHOM_TRACER_REFERENCE)
-        return fail_field(context, FATHOM_BAD_USAGE, "tracer", "there is no kind %u", (unsigned)kind);
+    trace_spec spec; /* a wrong word is told before the world is built */
+    fathom_status status = trace_spec_parse(context, words, &spec);
+    if (status != FATHOM_OK) return status;
     fathom_tracer *tracer = calloc(1, sizeof *tracer);
     if (!tracer) return fail_memory(context, sizeof *tracer);
     tracer->context = context;
     tracer->scene = scene_through(scene, context);
     pthread_mutex_init(&tracer->message, NULL);
-    trace_options options = {.kind = kind, .width = LANES, .threads = fathom_context_threads(context)};
-    fathom_status status = fathom_scene_check(&tracer->scene);
+    trace_options options = {.spec = &spec, .width = LANES, .threads = fathom_context_threads(context)};
+    status = fathom_scene_check(&tracer->scene);
     if (status == FATHOM_OK) status = world_create(&tracer->scene, &tracer->world);
     if (status == FATHOM_OK) status = trace_create(context, tracer->world, &options, &tracer->tracer);
     if (status != FATHOM_OK) {

@@ -43,9 +43,9 @@ holds "$(number b.json meanSpp) < 256 && $(number b.json errorEstimate) <= 0.01"
 run 0 render asks.json -o b.exr --min-spp 256 --stats b.json
 [ "$(number b.json meanSpp)" = 256.0 ] || die '--min-spp'
 
-refused 2 '--target-error: expected a number above 0' render scene.json -o d.exr --target-error -1
-refused 2 '--target-error: expected a number above 0' render scene.json -o d.exr --target-error nan
-refused 2 '--max-time: expected a number above 0' render scene.json -o d.exr --max-time 0
+refused 2 '--target-error: expected off or a number above 0' render scene.json -o d.exr --target-error -1
+refused 2 '--target-error: expected off or a number above 0' render scene.json -o d.exr --target-error nan
+refused 2 '--max-time: expected off or a number above 0' render scene.json -o d.exr --max-time 0
 refused 2 'need --pattern sobol' render scene.json -o d.exr --target-error 0.1 --pattern grid
 refused 2 'expected a power of two from 4, such as 1024, found 100' \
     render scene.json -o d.exr --target-error 0.1 --spp 100

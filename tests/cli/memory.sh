@@ -1,6 +1,6 @@
 # --memory-limit: compact structures where only they fit, refusal before anything is built where not even they do.
 . "$SOURCE/tests/cli/check.inc"
-refused 2 'memory-limit: expected a whole number from 1000000' render ball.glb -o none.exr --memory-limit 10
+refused 2 'memory-limit: expected auto or a whole number from 1000000' render ball.glb -o none.exr --memory-limit 10
 # Sanitizers hold memory of their own.
 [ -z "$SANITIZE" ] || exit 0
 

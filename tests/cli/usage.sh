@@ -51,7 +51,7 @@ for what in trace render error build growth secondary; do
 done
 # Every option is in the help.
 run 0 help render
-for option in --output --size --spp --pattern --crop --threads --seed --max-depth --epsilon --no-terminator-fix \
+for option in --output --size --spp --pattern --crop --threads --seed --max-depth --min-weight --epsilon --no-terminator-fix \
     --leave-out-below --tracer --aov --exposure --view --display --ocio --exr-float --background --block-width --tile-size --quiet \
     --verbose --stats; do
     said out.txt " $option"
@@ -106,7 +106,7 @@ done <<'TABLE'
 --epsilon|-1e-5|expected auto or a number above 0
 --epsilon|nan|expected auto or a number above 0
 --block-width|2|expected 1|4|8|16
---tile-size|48|expected a multiple of 32
+--tile-size|48|expected a whole number from 32 to 65536, a multiple of 32
 --tile-size|0|expected a whole number from 32 to 65536
 --pattern|random|expected grid|stratified|sobol
 --tracer|cuda|no tracer is called "cuda"; expected reference, a shared library FILE.so, linear (
@@ -116,8 +116,11 @@ done <<'TABLE'
 --exposure|bright|expected a number from -64 to 64
 --background|1,2|expected R,G,B
 --background|1,2,1e300|expected R,G,B
---max-time|0|expected a number above 0
---max-time|1e300|expected a number above 0
+--max-time|0|expected off or a number above 0
+--max-time|1e400|expected off or a number above 0
+--min-weight|1|expected a number from 0 to less than 1
+--memory-limit|9|expected auto or a whole number from 1000000 to
+--seed|18446744073709551616|expected a whole number from 0 to 2^64 - 1
 --background|1,2,-3|expected R,G,B
 --aov|normals|expected names from alpha,Z,N,P,albedo,id
 TABLE

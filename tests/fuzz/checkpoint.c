@@ -20,7 +20,7 @@
 #define CHANNELS 4
 #define WAVES 4
 #define KEY_AT 12 /* past the magic number and the format */
-#define HEAD_BYTES (KEY_AT + sizeof(uint32_t) + sizeof(checkpoint_key))
+#define HEAD_BYTES (KEY_AT + sizeof(checkpoint_key))
 #define SQUARE_BYTES ((size_t)20) /* of a record, besides the sums of its pixels */
 #define SUM_BYTES sizeof(uint64_t)
 /* The wave's number, what its record says of squares, and eight bytes for the sums. */
@@ -46,10 +46,11 @@ static void make_film(fathom_film *film) {
 }
 
 static void adopt_key(const uint8_t *bytes, size_t size, checkpoint_key *key) {
-    const uint8_t *at = bytes + KEY_AT + sizeof(uint32_t);
+    char tracer[sizeof key->tracer];
     if (size < HEAD_BYTES) return;
-    memcpy(key->version, at, sizeof key->version);
-    memcpy(key->numbers, at + sizeof key->version + sizeof key->tracer, sizeof key->numbers);
+    memcpy(tracer, key->tracer, sizeof tracer);
+    memcpy(key, bytes + KEY_AT, sizeof *key);
+    memcpy(key->tracer, tracer, sizeof tracer);
 }
 
 static void correct_sum(uint8_t *bytes, size_t size) {
@@ -114,7 +115,7 @@ static void read(const uint8_t *bytes, size_t size, unsigned how) {
     fathom_settings_default(&settings);
     settings.width = settings.height = 2 * WAVE_SIDE;
     make_film(&film);
-    checkpoint_key_of(&settings, &film, 7, &key);
+    checkpoint_key_of(&settings, 7, &key);
     if (!(how & OF_ANOTHER)) adopt_key(bytes, size, &key);
     if (!checkpoint_state_create(&settings, &film, how & WITH_HITS, &state)) abort();
     if (state.grid.count != WAVES) abort();

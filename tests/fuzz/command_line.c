@@ -52,20 +52,20 @@ static void check_spec(const char *text) {
 static void check_render(int argc, char **argv) {
     static const char *const operands[] = {"SCENE"};
     static const size_t offsets[] = {offsetof(render_options, scene)};
-    const args_spec spec = {render_option_table, operands, offsets, 1, 0};
+    const args_spec spec = {NULL, operands, offsets, 1, 0, render_option_table};
     render_options options;
     fathom_settings settings;
     args_problem problem;
     fathom_settings_default(&settings);
-    render_options_default(&options, &settings);
+    render_options_default(&options);
     if (args_parse(&spec, argc, argv, &options, &problem) != ARGS_READY) return;
     if (!options.scene) fuzz_wrong("ready without a scene");
-    if (render_options_finish(&options, &problem) && !options.outputs.count)
+    if (render_options_finish(&options, &settings, &problem) && !options.outputs.count)
         fuzz_wrong("finished without an output");
 }
 
 static void check_values(int argc, char **argv) {
-    const args_spec spec = {value_table, NULL, NULL, 0, 0};
+    const args_spec spec = {.options = value_table};
     values v = {.small = 1, .count = 1};
     args_problem problem;
     if (args_parse(&spec, argc, argv, &v, &problem) != ARGS_READY) return;

@@ -89,7 +89,7 @@ static void shapes_that_are_not_there_change_nothing(void **state) {
         const fathom_id id = stage_material(&with, &clear);
         add_clear_shapes(&with, k & 1 ? add_group(&with, FATHOM_NONE) : FATHOM_ROOT, id,
                          FATHOM_CASTS_NO_SHADOW);
-        plain.settings.tracer = with.settings.tracer = k & 2 ? FATHOM_TRACER_REFERENCE : FATHOM_TRACER_EMBREE;
+        plain.settings.tracer = with.settings.tracer = k & 2 ? "reference" : "embree";
         fathom_film *a = stage_render(&plain), *b = stage_render(&with);
         assert_same_films(a, b);
         fathom_film_destroy(a);

@@ -6,7 +6,7 @@
 typedef struct settings {
     const char *scene, *text;
     args_list outputs;
-    bool quiet, fix;
+    bool quiet;
     uint32_t spp;
     uint64_t seed, triangles;
     args_counts counts;
@@ -29,12 +29,11 @@ static const args_option table[] = {
     {"exposure", 0, "STOPS", take_f32, offsetof(settings, exposure), -64, 64, "exposure"},
     {"pattern", 0, "grid|stratified|sobol", take_choice, offsetof(settings, pattern), 0, 0, "pattern"},
     {"quiet", 'q', NULL, take_true, offsetof(settings, quiet), 0, 0, "quiet"},
-    {"no-fix", 0, NULL, take_false, offsetof(settings, fix), 0, 0, "no fix"},
     {.help = NULL},
 };
 static const char *const operands[] = {"SCENE"};
 static const size_t operand_offsets[] = {offsetof(settings, scene)};
-static const args_spec spec = {table, operands, operand_offsets, 1, 0};
+static const args_spec spec = {table, operands, operand_offsets, .operand_count = 1};
 
 static settings got;
 static args_problem problem;
@@ -45,7 +44,7 @@ static args_result parse(const char *a, const char *b, const char *c, const char
                     (char *)(uintptr_t)c, (char *)(uintptr_t)d};
     int argc = 1;
     while (argc < 5 && argv[argc]) ++argc;
-    got = (settings){.fix = true, .spp = 7};
+    got = (settings){.spp = 7};
     problem.text[0] = '\0';
     return args_parse(&spec, argc, argv, &got, &problem);
 }
@@ -69,16 +68,14 @@ static void spellings_mean_the_same(void **state) {
     assert_int_equal(parse("scene", "--output=a=b", "--output", "c"), ARGS_READY);
     assert_string_equal(got.outputs.items[0], "a=b");
     assert_string_equal(got.outputs.items[1], "c");
-    assert_int_equal(parse("scene", "-q", "--no-fix", NULL), ARGS_READY);
+    assert_int_equal(parse("scene", "-q", NULL, NULL), ARGS_READY);
     assert_true(got.quiet);
-    assert_false(got.fix);
 }
 
 static void what_is_not_given_stays(void **state) {
     (void)state;
     assert_int_equal(parse("scene", NULL, NULL, NULL), ARGS_READY);
     assert_int_equal(got.spp, 7);
-    assert_true(got.fix);
     assert_false(got.quiet);
 }
 

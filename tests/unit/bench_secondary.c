@@ -31,7 +31,7 @@ static void studio_open(studio *t) {
     stage_point_light(&t->s, 2, 5, 4, 40);
     stage_point_light(&t->s, -3, 4, 1, 20);
     stage_camera(&t->s, (double[3]){0, 1, 5}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7);
-    trace_options options = {.kind = FATHOM_TRACER_EMBREE, .width = 16, .threads = 2};
+    trace_options options = {.words = "embree", .width = 16, .threads = 2};
     assert_ok(t->s.context, world_create(t->s.scene, &t->world));
     assert_ok(t->s.context, trace_create(t->s.context, t->world, &options, &t->tracer));
     assert_ok(t->s.context, plan_create(t->s.context, t->world, t->tracer, &t->s.settings, &t->plan));

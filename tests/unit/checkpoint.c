@@ -6,6 +6,7 @@
 #include "job/checkpoint/checkpoint_state.h"
 #include "job/checkpoint/checkpoint_write.h"
 #include "scene/scene.h"
+#include "scene/settings.h"
 
 #include "random.h"
 #include "render.h"
@@ -290,24 +291,41 @@ static void other_settings_are_refused(void **state) {
     make_checkpoint(p);
     REFUSED(width, 107, "width 106", "107");
     REFUSED(height, 71, "height 70", "71");
-    REFUSED(crop[0], 4, "crop x0 3", "4");
-    REFUSED(crop[1], 4, "crop y0 5", "4");
-    REFUSED(crop[2], 70, "crop x1 102", "70");
-    REFUSED(crop[3], 48, "crop y1 69", "48");
+    REFUSED(crop[0], 4, "crop 3,5,102,69", "4,5,102,69");
+    REFUSED(crop[1], 4, "crop 3,5,102,69", "3,4,102,69");
+    REFUSED(crop[2], 70, "crop 3,5,102,69", "3,5,70,69");
+    REFUSED(crop[3], 48, "crop 3,5,102,69", "3,5,102,48");
     REFUSED(spp, 64, "spp 65536", "64");
     REFUSED(pattern, FATHOM_PATTERN_STRATIFIED, "pattern sobol", "stratified");
     REFUSED(seed, 7, "seed 0", "7");
-    REFUSED(target_error, 0.01, "target error 0", "0.01");
-    REFUSED(max_time, 5, "max time: no", "yes");
+    REFUSED(target_error, 0.01, "target error off", "0.01");
+    REFUSED(max_time, 5, "max time off", "on");
     REFUSED(max_depth, 3, "max depth 8", "3");
-    REFUSED(min_weight, 0.25f, "min weight 1.52587891e-05", "0.25");
+    REFUSED(min_weight, 0.25f, "min weight 1.5258789e-05", "0.25");
     REFUSED(max_loss, 0.25f, "max loss 0", "0.25");
     REFUSED(max_relative_loss, 0.25f, "max relative loss 0", "0.25");
-    REFUSED(epsilon, 0.5, "epsilon 0", "0.5");
-    REFUSED(terminator_fix, false, "terminator fix: yes", "no");
-    REFUSED(aovs, 0x1f, "AOVs 0x7f", "0x1f");
-    p->s.settings.tracer_spec = "bvh";
+    REFUSED(epsilon, 0.5, "epsilon auto", "0.5");
+    REFUSED(terminator_fix, false, "terminator fix true", "false");
+    REFUSED(aovs, 0x1f, "aovs alpha,Z,N,P,albedo,id,samples", "alpha,Z,N,P,albedo");
+    p->s.settings.tracer = "bvh";
     assert_refused(p, "the tracer Embree", "reference BVH");
+}
+
+static void the_key_has_every_setting_that_pixels_depend_on(void **state) {
+    (void)state;
+    fathom_settings plain, changed;
+    checkpoint_key before, after;
+    fathom_settings_default(&plain);
+    checkpoint_key_of(&plain, 1, &before);
+    for (size_t i = 0; i < settings_table.count; ++i) {
+        const fathom_parameter *p = &settings_table.rows[i];
+        if (p->type == FATHOM_PARAMETER_TEXT) continue; /* the tracer has a place of its own */
+        fathom_settings_default(&changed);
+        parameter_set_number(p, &changed, parameter_count(p) / 2, p->fallback == 1 ? 0 : 1);
+        checkpoint_key_of(&changed, 1, &after);
+        const bool same = memcmp(&before, &after, sizeof before) == 0;
+        if (same == ((p->flags & FATHOM_PARAMETER_PIXELS) != 0)) fail_msg("%s", p->name);
+    }
 }
 
 static void what_no_pixel_depends_on_is_free(void **state) {
@@ -424,7 +442,7 @@ static void make_file(place *p, file *f) {
     s->settings.target_error = 0.1, s->settings.spp = 64;
     s->settings.aovs = FATHOM_AOV_Z;
     *f = (file){.film = stage_render(s), .context = s->context, .hits = true};
-    checkpoint_key_of(&s->settings, f->film, 1234, &f->key);
+    checkpoint_key_of(&s->settings, 1234, &f->key);
     strcpy(f->key.tracer, "a tracer");
     checkpoint_state state;
     checkpoint_write room;
@@ -543,15 +561,14 @@ static void forged_bytes_do_no_harm(void **state) {
     file f;
     random_state random = {2};
     make_file(*state, &f);
-    const size_t head = 16 + 32 + 128 + 8 * CHECKPOINT_NUMBERS,
-                 after = head + 8 + adaptive_record_bytes(f.hits);
+    const size_t head = 12 + sizeof(checkpoint_key), after = head + 8 + adaptive_record_bytes(f.hits);
     const struct {
         size_t at;
         uint64_t value;
         size_t bytes;
         const char *message;
     } cases[] = {
-        {12, 19, 4, "its head is not whole"},
+        {12 + 31, 'x', 1, "a text in its head has no end"},
         {head, 2, 4, "a record of a wave that there is not"},
         {head, 0xfffffffe, 4, "a record of a wave that there is not"},
         {head + 4, 1, 4, "it ends among the waves' records"},
@@ -601,6 +618,7 @@ int main(void) {
         TEST(nothing_to_resume_begins),
         TEST(bad_requests_are_refused),
         TEST(other_settings_are_refused),
+        TEST(the_key_has_every_setting_that_pixels_depend_on),
         TEST(what_no_pixel_depends_on_is_free),
         TEST(other_scene_is_refused),
         TEST(fingerprint_is_of_contents),

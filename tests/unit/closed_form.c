@@ -1,7 +1,7 @@
 /* Images whose pixels a formula knows. Each test runs with every tracer. */
 #include "render.h"
 
-static const fathom_tracer_kind tracers[] = {FATHOM_TRACER_EMBREE, FATHOM_TRACER_REFERENCE};
+static const char *const tracers[] = {"embree", "reference"};
 #define EACH_TRACER(s) for (size_t k = 0; k < 2 && ((s).settings.tracer = tracers[k], true); ++k)
 
 static const double pi = 3.14159265358979324;

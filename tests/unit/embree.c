@@ -45,7 +45,7 @@ static bool near_edge(const world *w, const ray_set *set, size_t i) {
  * float cannot tell the side: then Embree may take the neighbour, or the edge's own rounding. Returns how
  * many differ. */
 static size_t agrees_with_linear(stage *s, ray_set set) {
-    trace_tracer *embree = stage_embree(s, 16), *linear = stage_trace(s, FATHOM_TRACER_REFERENCE, 16, 0, 2);
+    trace_tracer *embree = stage_embree(s, 16), *linear = stage_trace(s, "reference", 16, 0, 2);
     ray_set e = traced(embree, &set, TRACE_COHERENT), l = traced(linear, &set, TRACE_COHERENT);
     unsigned char *eo = occluded(embree, &set, TRACE_COHERENT), *lo = occluded(linear, &set, TRACE_COHERENT);
     size_t differ = 0, unexplained = 0;
@@ -133,12 +133,12 @@ static void same_answers_mixed(const trace_tracer *tracer, const ray_set *set, c
 }
 
 static void one_answer(stage *s, ray_set set) {
-    trace_tracer *single = stage_trace(s, FATHOM_TRACER_EMBREE, 1, TRACE_QUALITY_MEDIUM, 1);
+    trace_tracer *single = stage_trace(s, "embree", 1, TRACE_QUALITY_MEDIUM, 1);
     ray_set expected = traced(single, &set, TRACE_COHERENT);
     unsigned char *any = occluded(single, &set, TRACE_COHERENT);
     for (unsigned width = 1; width <= 16; width = width == 1 ? 4 : 2 * width) {
         for (trace_quality quality = TRACE_QUALITY_LOW; quality <= TRACE_QUALITY_MEDIUM; ++quality) {
-            trace_tracer *tracer = stage_trace(s, FATHOM_TRACER_EMBREE, width, quality, 2);
+            trace_tracer *tracer = stage_trace(s, "embree", width, quality, 2);
             same_answers(tracer, &set, &expected, any, TRACE_COHERENT);
             same_answers(tracer, &set, &expected, any, TRACE_INCOHERENT);
             same_answers_mixed(tracer, &set, &expected, any, TRACE_COHERENT);

@@ -188,7 +188,7 @@ static void frames_beyond_float_are_refused(void **state) {
         assert_fails(s.context, reach_check(s.context, s.world), FATHOM_BAD_INPUT, cases[i].message);
         char message[512];
         snprintf(message, sizeof message, "%s", fathom_context_message(s.context));
-        trace_options options = {.kind = FATHOM_TRACER_EMBREE, .width = 16, .threads = 1};
+        trace_options options = {.words = "embree", .width = 16, .threads = 1};
         trace_tracer *tracer;
         assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_BAD_INPUT,
                      cases[i].message);
@@ -466,7 +466,7 @@ static void boxes_hide_no_sphere(void **state) {
     stage s;
     stage_open(&s);
     ray_set set = silhouette_rays(&s, 40, -2, 40000, 0.1, 2);
-    trace_tracer *embree = stage_embree(&s, 16), *linear = stage_trace(&s, FATHOM_TRACER_REFERENCE, 16, 0, 1);
+    trace_tracer *embree = stage_embree(&s, 16), *linear = stage_trace(&s, "reference", 16, 0, 1);
     ray_set e = traced(embree, &set, TRACE_COHERENT), l = traced(linear, &set, TRACE_COHERENT);
     unsigned char *eo = occluded(embree, &set, TRACE_COHERENT), *lo = occluded(linear, &set, TRACE_COHERENT);
     for (size_t i = 0; i < set.count; ++i) {
@@ -486,7 +486,7 @@ static void trace_all(void (*fill)(stage *)) {
     fill(&s);
     for (size_t i = 0; i < 4; ++i) {
         for (trace_quality quality = TRACE_QUALITY_LOW; quality <= TRACE_QUALITY_HIGH; ++quality) {
-            trace_tracer *tracer = stage_trace(&s, FATHOM_TRACER_EMBREE, widths[i], quality, 2);
+            trace_tracer *tracer = stage_trace(&s, "embree", widths[i], quality, 2);
             ray_set set = random_rays(4000);
             free(occluded(tracer, &set, TRACE_COHERENT));
             free(traced(tracer, &set, TRACE_COHERENT).blocks);

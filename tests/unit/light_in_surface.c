@@ -183,7 +183,7 @@ static const char *const tracers[] = {"embree",      "embree:user",   "bvh:f32",
  * it from below; near the tangent plane it is a matter of the sphere's roundness. */
 static void count_seen(const trial *t, stage *s, counts *c) {
     for (size_t k = 0; k < sizeof tracers / sizeof *tracers; ++k) {
-        s->settings.tracer_spec = tracers[k];
+        s->settings.tracer = tracers[k];
         fathom_film *film = stage_render(s);
         for (size_t i = 0; i < SIDE * SIDE; ++i) {
             const bool lit = fathom_film_channel(film, "R")[i] > 0;
@@ -229,7 +229,7 @@ static void what_is_just_in_front_of_the_light_casts(void **state) {
             store_f64(u, scale_f64(1e4 * gap, x)), store_f64(v, scale_f64(1e4 * gap, y));
             stage_quad(&s, at, u, v, t.black);
             for (size_t j = 0; j < sizeof tracers / sizeof *tracers; ++j) {
-                s.settings.tracer_spec = tracers[j];
+                s.settings.tracer = tracers[j];
                 fathom_film *film = stage_render(&s);
                 for (size_t i = 0; i < SIDE * SIDE; ++i) {
                     const bool lit = fathom_film_channel(film, "R")[i] > 0;

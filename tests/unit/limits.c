@@ -44,7 +44,7 @@ static void *nested_renders(void *unused) {
         place(&s, nest(&s, DEPTH));
         stage_camera(&s, (double[3]){DEPTH - 1, 0, 5}, (double[3]){DEPTH - 1, 0, 0}, (double[3]){0, 1, 0},
                      0.7);
-        s.settings.tracer_spec = tracers[i];
+        s.settings.tracer = tracers[i];
         fathom_film *film = stage_render(&s);
         /* The sphere, of radius 0.5, fills the middle pixel, which is 1.2 wide, but for its corners. */
         assert_true(fathom_film_channel(film, "G")[4] > 0.3f);

@@ -21,7 +21,7 @@ static fixture begin(void) {
 }
 
 static void build(fixture *f) {
-    trace_options options = {.kind = FATHOM_TRACER_REFERENCE, .width = 16, .threads = 1};
+    trace_options options = {.words = "reference", .width = 16, .threads = 1};
     assert_ok(f->context, world_create(f->scene, &f->world));
     assert_ok(f->context, trace_create(f->context, f->world, &options, &f->tracer));
     assert_string_equal(trace_name(f->tracer), "reference");

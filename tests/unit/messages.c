@@ -56,7 +56,7 @@ static void a_render_that_succeeds_leaves_no_message(void **state) {
     stage s = full_stage();
     s.settings.aovs = FATHOM_AOVS;
     for (size_t i = 0; i < sizeof tracers / sizeof *tracers; ++i) {
-        s.settings.tracer_spec = tracers[i];
+        s.settings.tracer = tracers[i];
         render_quietly(&s, NULL);
     }
     stage_close(&s);
@@ -131,7 +131,7 @@ static void reading_leaves_no_message(void **state) {
 static void tracing_leaves_no_message(void **state) {
     (void)state;
     stage s = full_stage();
-    const fathom_tracer_kind kinds[] = {FATHOM_TRACER_EMBREE, FATHOM_TRACER_REFERENCE};
+    const char *const kinds[] = {"embree", "reference"};
     for (size_t i = 0; i < 2; ++i) {
         fathom_tracer *tracer;
         const fathom_ray ray = {.direction = {0, 0, -1}, .t_max = INFINITY};

@@ -293,14 +293,14 @@ static void null_for_tracers(void **state) {
     const fathom_ray ray = {.direction = {0, 0, -1}, .t_max = 100};
     fathom_hit hit;
     bool any;
-    refuses(fathom_tracer_create(NULL, s.scene, FATHOM_TRACER_EMBREE, &tracer));
-    names("scene", fathom_tracer_create(s.context, NULL, FATHOM_TRACER_EMBREE, &tracer));
-    names("out", fathom_tracer_create(s.context, s.scene, FATHOM_TRACER_EMBREE, NULL));
+    refuses(fathom_tracer_create(NULL, s.scene, "embree", &tracer));
+    names("scene", fathom_tracer_create(s.context, NULL, "embree", &tracer));
+    names("out", fathom_tracer_create(s.context, s.scene, "embree", NULL));
     assert_null(tracer);
     fathom_tracer_destroy(NULL);
     refuses(fathom_tracer_closest(NULL, &ray, 1, &hit));
     refuses(fathom_tracer_any(NULL, &ray, 1, &any));
-    assert_ok(s.context, fathom_tracer_create(s.context, s.scene, FATHOM_TRACER_REFERENCE, &tracer));
+    assert_ok(s.context, fathom_tracer_create(s.context, s.scene, "reference", &tracer));
     names("rays", fathom_tracer_closest(tracer, NULL, 1, &hit));
     names("hits", fathom_tracer_closest(tracer, &ray, 1, NULL));
     names("rays", fathom_tracer_any(tracer, NULL, 1, &any));
@@ -351,8 +351,8 @@ static void unfinished_scenes(void **state) {
     assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
                  FATHOM_BAD_INPUT, nothing);
     assert_null(film);
-    assert_fails(s.context, fathom_tracer_create(s.context, s.scene, FATHOM_TRACER_EMBREE, &tracer),
-                 FATHOM_BAD_INPUT, nothing);
+    assert_fails(s.context, fathom_tracer_create(s.context, s.scene, "embree", &tracer), FATHOM_BAD_INPUT,
+                 nothing);
     assert_null(tracer);
     assert_fails(s.context, fathom_scene_write_mesh(s.scene, "a.ply"), FATHOM_BAD_USAGE, "no triangles");
     /* What is named before it is there. */
@@ -385,7 +385,7 @@ static void destroying_in_any_order(void **state) {
         stage s = one_sphere();
         fathom_film *film = stage_render(&s);
         fathom_tracer *tracer;
-        assert_ok(s.context, fathom_tracer_create(s.context, s.scene, FATHOM_TRACER_EMBREE, &tracer));
+        assert_ok(s.context, fathom_tracer_create(s.context, s.scene, "embree", &tracer));
         for (int i = 0; i < 3; ++i) {
             int which = order < 3 ? (order + i) % 3 : (order + 3 - i) % 3;
             if (which == 0) fathom_context_destroy(s.context);
@@ -423,13 +423,11 @@ static void values_of_no_enumerator(void **state) {
     settings.pattern = (fathom_pattern)3;
     assert_fails(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film),
                  FATHOM_BAD_USAGE, "pattern");
-    settings = s.settings, settings.tracer = (fathom_tracer_kind)2;
-    assert_fails(s.context, fathom_scene_set_settings(s.scene, &settings), FATHOM_BAD_USAGE, "tracer");
     settings = s.settings, settings.aovs = FATHOM_AOVS + 1u;
     assert_fails(s.context, fathom_scene_set_settings(s.scene, &settings), FATHOM_BAD_USAGE, "aovs");
     fathom_tracer *tracer;
-    assert_fails(s.context, fathom_tracer_create(s.context, s.scene, (fathom_tracer_kind)2, &tracer),
-                 FATHOM_BAD_USAGE, "tracer");
+    assert_fails(s.context, fathom_tracer_create(s.context, s.scene, "cuda", &tracer), FATHOM_BAD_USAGE,
+                 "tracer");
     fathom_material material;
     fathom_material_default(&material);
     material.specular = (fathom_specular)3;

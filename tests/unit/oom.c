@@ -53,7 +53,7 @@ static fathom_status render(fathom_context *context, const char *file, const cha
     fathom_scene_settings(scene, &settings);
     settings.width = 8, settings.height = 6, settings.spp = 4;
     settings.aovs = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N;
-    settings.tracer_spec = tracer;
+    settings.tracer = tracer;
     status = fathom_render(context, scene, &settings, NULL, NULL, NULL, &film);
     if (status == FATHOM_OK) {
         static const char *const channels[] = {"R", "G", "B", "A", "Z", "N.X"};
@@ -118,7 +118,7 @@ static fathom_status trace(fathom_context *context, const char *file, outcome *o
     fathom_tracer *tracer;
     fathom_status status = fathom_scene_read(context, in_folder(file), &scene);
     if (status != FATHOM_OK) return status;
-    status = fathom_tracer_create(context, scene, FATHOM_TRACER_REFERENCE, &tracer);
+    status = fathom_tracer_create(context, scene, "reference", &tracer);
     if (status == FATHOM_OK) {
         fathom_ray rays[20];
         fathom_hit hits[20];

@@ -125,7 +125,7 @@ static fathom_status render(fathom_context *context, const char *file, outcome *
     fathom_status status = fathom_scene_read_to_render(context, in_folder(file), &scene);
     if (status != FATHOM_OK) return status;
     fathom_settings settings = settings_of(scene);
-    settings.tracer_spec = tracer;
+    settings.tracer = tracer;
     if (adaptive || timed) settings.pattern = FATHOM_PATTERN_SOBOL, settings.spp = 8;
     if (adaptive) settings.target_error = 1e-6;
     if (timed) settings.max_time = 1e6;
@@ -185,7 +185,7 @@ static fathom_status write_film(fathom_context *context, const char *file, outco
     fathom_settings settings = settings_of(scene);
     fathom_write_options options;
     fathom_write_options_default(&options);
-    settings.tracer_spec = "linear";
+    settings.tracer = "linear";
     status = fathom_render(context, scene, &settings, NULL, NULL, NULL, &film);
     const bool plain = strcmp(file, "plain.exr") == 0;
     if (status == FATHOM_OK)

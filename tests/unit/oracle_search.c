@@ -194,7 +194,7 @@ static void it_finds_what_asking_everything_finds(void **state) {
 /* The reference tracer answers in float: it must be one of the ties, or off by no more than float is. */
 static void the_reference_tracer_finds_it_too(void **state) {
     fixture *f = *state;
-    trace_options options = {.kind = FATHOM_TRACER_REFERENCE};
+    trace_options options = {.words = "reference"};
     trace_tracer *tracer;
     assert_ok(f->context, trace_create(f->context, f->world, &options, &tracer));
     random_state r = {3};

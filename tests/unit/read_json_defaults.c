@@ -1,5 +1,6 @@
 /* The defaults that the schema publishes are the reader's: writing one down changes nothing. */
 #include "json_scene.h"
+#include "scene/settings.h"
 
 #include <jansson.h>
 
@@ -19,24 +20,12 @@ static json_t *default_of(json_t *schema, json_t *form, const char *key) {
 
 #define SAME(member) assert_memory_equal(&a->member, &b->member, sizeof a->member)
 
-static void same_settings(const fathom_settings *a, const fathom_settings *b) {
-    SAME(width);
-    SAME(height);
-    SAME(spp);
-    SAME(pattern);
-    SAME(seed);
-    SAME(crop);
-    SAME(max_depth);
-    SAME(min_weight);
-    SAME(epsilon);
-    SAME(terminator_fix);
-    SAME(aovs);
-}
-
-static void same_material(const fathom_material *a, const fathom_material *b) {
-    assert_memory_equal(a, b, offsetof(fathom_material, fresnel));
-    SAME(fresnel);
-    SAME(lit_from_behind);
+static void same_parameters(parameter_table table, const void *a, const void *b) {
+    for (size_t i = 0; i < table.count; ++i) {
+        const fathom_parameter *p = &table.rows[i];
+        for (unsigned k = 0; k < parameter_count(p); ++k)
+            assert_true(parameter_number(p, a, k) == parameter_number(p, b, k));
+    }
 }
 
 static void same_light(const fathom_light *a, const fathom_light *b) {
@@ -69,14 +58,14 @@ static void same_object(const fathom_scene *a, const fathom_scene *b) {
 }
 
 static void same_scene(const fathom_scene *a, const fathom_scene *b) {
-    same_settings(&a->settings, &b->settings);
+    same_parameters(settings_table, &a->settings, &b->settings);
     SAME(camera);
     SAME(background);
     assert_int_equal(a->lights.count, b->lights.count);
     assert_int_equal(a->materials.count, b->materials.count);
     for (size_t i = 0; i < a->lights.count; ++i) same_light(&a->lights.items[i], &b->lights.items[i]);
     for (size_t i = 0; i < a->materials.count; ++i)
-        same_material(&a->materials.items[i].value, &b->materials.items[i].value);
+        same_parameters(material_table, &a->materials.items[i].value, &b->materials.items[i].value);
     same_object(a, b);
 }
 

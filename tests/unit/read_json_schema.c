@@ -1,6 +1,7 @@
 /* scenes/fathom.schema.json and scenes/README.md against the tables that the reader follows: neither may know
  * a key, type, range or rule that the other does not. */
 #include "read/json/json_form.h"
+#include "scene/settings.h"
 #include "unit.h"
 
 /* ---- the schema that the tables stand for ---- */
@@ -41,9 +42,12 @@ static json_t *numbers_schema(const form_key *key) {
     return row;
 }
 
-static json_t *words_schema(const char *const *words) {
+static json_t *words_schema(const char *words) {
     json_t *list = json_array();
-    for (; *words; ++words) json_array_append_new(list, text(*words));
+    size_t length;
+    const char *word;
+    for (unsigned i = 0; (word = words_at(words, i, &length)); ++i)
+        json_array_append_new(list, json_stringn(word, length));
     return json_pack("{s:o}", "enum", list);
 }
 
@@ -143,6 +147,7 @@ static void define(json_t *definitions, const form *f) {
 }
 
 static json_t *schema_of_tables(void) {
+    form_prepare();
     json_t *definitions = json_object(), *schema = plain_schema(&form_scene);
     define_parts(definitions, &form_scene);
     json_object_set_new(schema, "definitions", definitions);
@@ -269,6 +274,31 @@ static void schema_and_reader_agree(void **state) {
     json_decref(tables);
 }
 
+/* ---- the words about settings and material parameters ---- */
+
+static void assert_described(json_t *schema, const char *form_name, parameter_table table) {
+    json_t *definition = json_object_get(json_object_get(schema, "definitions"), form_name);
+    json_t *properties = json_object_get(definition, "properties");
+    for (size_t i = 0; i < table.count; ++i) {
+        char name[PARAMETER_NAME];
+        parameter_name(&table.rows[i], 0, name);
+        if (!(table.rows[i].flags & FATHOM_PARAMETER_FILE)) continue;
+        const char *words =
+            json_string_value(json_object_get(json_object_get(properties, name), "description"));
+        if (!words || strcmp(words, table.rows[i].help) != 0)
+            fail_msg("%s.%s: the schema says \"%s\", the table \"%s\"", form_name, name, words,
+                     table.rows[i].help);
+    }
+}
+
+static void schema_describes_as_the_tables_do(void **state) {
+    (void)state;
+    json_t *schema = load(SOURCE_DIR "/scenes/fathom.schema.json");
+    assert_described(schema, "image", settings_table);
+    assert_described(schema, "material", material_table);
+    json_decref(schema);
+}
+
 /* ---- the reference ---- */
 
 static char *load_text(const char *path) {
@@ -314,6 +344,7 @@ static void reference_has_every_key(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(schema_and_reader_agree),
+        cmocka_unit_test(schema_describes_as_the_tables_do),
         cmocka_unit_test(reference_has_every_key),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,7 +11,7 @@ static void fill(stage *s) {
 static fathom_film *rendered(stage *s, const char *spec, fathom_stats *stats) {
     fathom_settings settings;
     fathom_settings_default(&settings);
-    settings.width = 48, settings.height = 32, settings.tracer_spec = spec;
+    settings.width = 48, settings.height = 32, settings.tracer = spec;
     fathom_film *film;
     assert_ok(s->context, fathom_render(s->context, s->scene, &settings, NULL, NULL, stats, &film));
     return film;
@@ -45,7 +45,7 @@ static void wrong_words_are_refused(void **state) {
     fill(&s);
     fathom_settings settings;
     fathom_settings_default(&settings);
-    settings.tracer_spec = "cuda";
+    settings.tracer = "cuda";
     fathom_film *film;
     assert_fails(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film),
                  FATHOM_BAD_USAGE, "found \"cuda\"");
@@ -61,19 +61,19 @@ static void the_scene_copies_the_words(void **state) {
     char words[] = "bvh:f64";
     fathom_settings settings;
     fathom_settings_default(&settings);
-    assert_null(settings.tracer_spec);
-    settings.tracer_spec = words;
+    assert_null(settings.tracer);
+    settings.tracer = words;
     assert_ok(s.context, fathom_scene_set_settings(s.scene, &settings));
     memset(words, 'x', sizeof words - 1);
     fathom_scene_settings(s.scene, &settings);
-    assert_string_equal(settings.tracer_spec, "bvh:f64");
+    assert_string_equal(settings.tracer, "bvh:f64");
     assert_ok(s.context, fathom_scene_set_settings(s.scene, &settings));
     fathom_scene_settings(s.scene, &settings);
-    assert_string_equal(settings.tracer_spec, "bvh:f64");
-    settings.tracer_spec = NULL;
+    assert_string_equal(settings.tracer, "bvh:f64");
+    settings.tracer = NULL;
     assert_ok(s.context, fathom_scene_set_settings(s.scene, &settings));
     fathom_scene_settings(s.scene, &settings);
-    assert_null(settings.tracer_spec);
+    assert_null(settings.tracer);
     stage_close(&s);
 }
 

@@ -41,10 +41,10 @@ static size_t content(void) {
 
 static void sizes_and_samples(void **state) {
     (void)state;
-    WRONG("image size", s.width = 0);
-    WRONG("image size", s.width = 65537);
-    WRONG("image size", s.height = 0);
-    WRONG("image size", s.height = 65537);
+    WRONG("width", s.width = 0);
+    WRONG("width", s.width = 65537);
+    WRONG("height", s.height = 0);
+    WRONG("height", s.height = 65537);
     RIGHT(s.width = 1, s.height = 65536);
     WRONG("found 0", s.spp = 0);
     WRONG("found 65537", s.spp = 65537);
@@ -110,19 +110,19 @@ static void goals(void **state) {
 /* A setting can be given back as it was got: its text is the scene's own. */
 static void settings_of_the_scene_itself(void **state) {
     (void)state;
-    RIGHT(s.tracer_spec = "bvh");
+    RIGHT(s.tracer = "bvh");
     fathom_settings own;
     fathom_scene_settings(scene, &own);
     assert_ok(context, fathom_scene_set_settings(scene, &own));
     fathom_scene_settings(scene, &own);
-    assert_string_equal(own.tracer_spec, "bvh");
-    RIGHT(s.tracer_spec = NULL);
+    assert_string_equal(own.tracer, "bvh");
+    RIGHT(s.tracer = NULL);
     fathom_scene_settings(scene, &own);
-    assert_null(own.tracer_spec);
+    assert_null(own.tracer);
     fathom_settings fallback;
     fathom_settings_default(&own);
     fathom_scene_settings(NULL, &fallback);
-    assert_true(fallback.width == own.width && fallback.spp == own.spp && !fallback.tracer_spec);
+    assert_true(fallback.width == own.width && fallback.spp == own.spp && !fallback.tracer);
 }
 
 /* ---- materials, lights, the camera ---- */
@@ -137,12 +137,12 @@ static void materials(void **state) {
         REFUSED(fathom_scene_add_material(scene, "m", &m, NULL), words);                                     \
         assert_int_equal(scene_find_material(scene, "m"), FATHOM_NONE);                                      \
     } while (0)
-    MATERIAL("k_a", m.k_a[0] = 1, m.k_a[1] = -1);
-    MATERIAL("k_d", m.k_d[2] = -0.1f);
-    MATERIAL("k_s", m.k_s[1] = NAN);
-    MATERIAL("k_r", m.k_r[0] = INFINITY);
-    MATERIAL("k_t", m.k_t[2] = -1);
-    MATERIAL("k_e", m.k_e[0] = -1);
+    MATERIAL("ka", m.k_a[0] = 1, m.k_a[1] = -1);
+    MATERIAL("kd", m.k_d[2] = -0.1f);
+    MATERIAL("ks", m.k_s[1] = NAN);
+    MATERIAL("kr", m.k_r[0] = INFINITY);
+    MATERIAL("kt", m.k_t[2] = -1);
+    MATERIAL("ke", m.k_e[0] = -1);
     MATERIAL("shininess", m.shininess = -1);
     MATERIAL("shininess", m.shininess = 2e9f);
     MATERIAL("shininess", m.shininess = NAN);

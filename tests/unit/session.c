@@ -62,7 +62,7 @@ static void finished_pixels_of_a_snapshot_are_those_of_the_film(void **state) {
     fathom_context *mine;
     stage s = stage_open(SIDE, SIDE);
     fill(&s);
-    s.settings.tracer_spec = "linear:f64";
+    s.settings.tracer = "linear:f64";
     fathom_film *expected = stage_render(&s), *snapshot, *film;
     fathom_session *session;
     size_t before = 0;
@@ -141,7 +141,7 @@ static void what_is_wrong_is_said_at_the_end(void **state) {
     fathom_film *film;
     s.settings.width = 0;
     assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
-    assert_fails(s.context, fathom_session_finish(session, NULL, &film), FATHOM_BAD_INPUT, "image size");
+    assert_fails(s.context, fathom_session_finish(session, NULL, &film), FATHOM_BAD_INPUT, "width");
     assert_null(film);
     assert_fails(s.context, fathom_session_start(s.context, NULL, &s.settings, &session), FATHOM_BAD_USAGE,
                  "scene");

@@ -126,7 +126,7 @@ static void rays_of_ones_own(void **state) {
     for (int kind = 0; kind < 2; ++kind) {
         assert_ok(s.context,
                   fathom_tracer_create(s.context, s.scene,
-                                       kind ? FATHOM_TRACER_EMBREE : FATHOM_TRACER_REFERENCE, &tracer));
+                                       kind ? "embree" : "reference", &tracer));
         fathom_ray ray = {.origin = {0, 0, 1e-3}, .direction = {0.6, 0, -0.8}, .t_min = 0, .t_max = 1};
         fathom_hit hit;
         assert_ok(s.context, fathom_tracer_closest(tracer, &ray, 1, &hit));

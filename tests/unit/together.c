@@ -44,7 +44,7 @@ static fathom_settings settings_of(unsigned index) {
     fathom_settings_default(&settings);
     settings.width = settings.height = SIDE;
     settings.spp = 4, settings.aovs = FATHOM_AOV_Z | FATHOM_AOV_N;
-    settings.tracer_spec = tracers[index % 3];
+    settings.tracer = tracers[index % 3];
     return settings;
 }
 
@@ -222,7 +222,7 @@ static void messages_go_to_the_renders_context(void **state) {
     fathom_tracer *tracer;
     assert_fails(other, fathom_render(other, s.scene, &s.settings, NULL, NULL, NULL, &film), FATHOM_BAD_INPUT,
                  "in a cycle");
-    assert_fails(other, fathom_tracer_create(other, s.scene, FATHOM_TRACER_EMBREE, &tracer), FATHOM_BAD_INPUT,
+    assert_fails(other, fathom_tracer_create(other, s.scene, "embree", &tracer), FATHOM_BAD_INPUT,
                  "in a cycle");
     assert_string_equal(fathom_context_message(s.context), "");
     fathom_context_destroy(other);
@@ -264,7 +264,8 @@ static void one_tracer_under_several_threads(void **state) {
     fill(&s, 2);
     for (int kind = 0; kind < 2; ++kind) {
         fathom_tracer *tracer;
-        assert_ok(s.context, fathom_tracer_create(s.context, s.scene, (fathom_tracer_kind)kind, &tracer));
+        assert_ok(s.context,
+                  fathom_tracer_create(s.context, s.scene, kind ? "reference" : "embree", &tracer));
         static aim alone[AT_ONCE], together[AT_ONCE];
         pthread_t threads[AT_ONCE];
         memset(alone, 0, sizeof alone), memset(together, 0, sizeof together);

@@ -26,7 +26,7 @@ static fathom_film *render(const char *path, const char *tracer, fathom_stats *s
     assert_int_equal(fathom_context_create(&s.context), FATHOM_OK);
     assert_ok(s.context, fathom_scene_read(s.context, path, &s.scene));
     fathom_scene_settings(s.scene, &s.settings);
-    s.settings.width = WIDTH, s.settings.height = HEIGHT, s.settings.tracer_spec = tracer;
+    s.settings.width = WIDTH, s.settings.height = HEIGHT, s.settings.tracer = tracer;
     s.settings.aovs = FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ALPHA;
     fathom_film *film;
     assert_ok(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, stats, &film));

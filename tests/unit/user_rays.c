@@ -5,9 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static const fathom_tracer_kind kinds[] = {FATHOM_TRACER_EMBREE, FATHOM_TRACER_REFERENCE};
+static const char *const kinds[] = {"embree", "reference"};
 
-static fathom_tracer *stage_tracer(stage *s, fathom_tracer_kind kind) {
+static fathom_tracer *stage_tracer(stage *s, const char *kind) {
     fathom_tracer *tracer = NULL;
     assert_ok(s->context, fathom_tracer_create(s->context, s->scene, kind, &tracer));
     return tracer;
@@ -146,7 +146,7 @@ static void continuing_from_a_hit(void **state) {
     stage s;
     stage_open(&s);
     add_everything(&s);
-    fathom_tracer *tracer = stage_tracer(&s, FATHOM_TRACER_EMBREE);
+    fathom_tracer *tracer = stage_tracer(&s, "embree");
     for (int i = 0; i < 2000; ++i) {
         fathom_ray ray = {{between(-4, 4), between(-4, 4), between(-4, 4)},
                           {between(-1, 1), between(-1, 1), between(-1, 1)},
@@ -209,7 +209,7 @@ static void shoot_from(stage *s, const fathom_tracer *tracer, const fathom_hit *
     }
 }
 
-static void shoot_from_all(fathom_tracer_kind kind) {
+static void shoot_from_all(const char *kind) {
     stage s;
     stage_open(&s);
     add_surfaces(&s);
@@ -256,7 +256,7 @@ static void ids_in_images_are_those_of_hits(void **state) {
     fathom_camera camera;
     fathom_camera_look_at(eye, target, up, 0.9, &camera);
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
-    fathom_tracer *tracer = stage_tracer(&s, FATHOM_TRACER_REFERENCE);
+    fathom_tracer *tracer = stage_tracer(&s, "reference");
     for (int k = 0; k < 2; ++k) {
         fathom_film *film;
         settings.tracer = kinds[k];
@@ -291,7 +291,7 @@ static void wrong_rays_are_refused(void **state) {
     stage s;
     stage_open(&s);
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
-    fathom_tracer *tracer = stage_tracer(&s, FATHOM_TRACER_EMBREE);
+    fathom_tracer *tracer = stage_tracer(&s, "embree");
     fathom_ray rays[2] = {{{3, 0, 0}, {-1, 0, 0}, 0, HUGE_VAL}, {{3, 0, 0}, {-1, 0, 0}, 0, HUGE_VAL}};
     fathom_hit hits[2];
     const struct {
@@ -332,7 +332,7 @@ static void threads_share_a_tracer(void **state) {
     stage s;
     stage_open(&s);
     add_everything(&s);
-    fathom_tracer *tracer = stage_tracer(&s, FATHOM_TRACER_EMBREE);
+    fathom_tracer *tracer = stage_tracer(&s, "embree");
     static fathom_ray rays[1000];
     for (int i = 0; i < 1000; ++i) {
         rays[i] = (fathom_ray){{between(-4, 4), between(-4, 4), between(-4, 4)},

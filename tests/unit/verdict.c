@@ -404,7 +404,7 @@ static uint64_t wrong_of(fault mutation, unsigned families, unsigned threads, co
     world *wider = NULL;
     assert_ok(c.stage.context, world_create(c.stage.scene, &wider));
     for (size_t i = 0; i < wider->spheres.count; ++i) wider->spheres.items[i].radius *= 1.001f;
-    trace_options kind = {.kind = FATHOM_TRACER_REFERENCE};
+    trace_options kind = {.words = "reference"};
     const world *seen = mutation == MUTANT_BOUND ? wider : c.stage.world;
     mutant m = {.base = {.ops = &mutant_ops, .world = c.stage.world, .unit = 0x1p-24}, .mutation = mutation};
     assert_ok(c.stage.context, trace_create(c.stage.context, seen, &kind, &m.inner));

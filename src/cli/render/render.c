@@ -58,24 +58,19 @@ static fathom_status check_sizes(fathom_context *context, const render_options *
     return status;
 }
 
-/* The command line once more, over what the scene's file asked for. What the two make of each other (a crop
- * outside the scene's image, …) is wrong usage: the scene by itself has been checked. */
-static fathom_status merge_settings(fathom_context *context, const fathom_scene *scene, int argc, char **argv,
+/* The command line over what the scene's file asked for. What the two make of each other (a crop outside the
+ * scene's image, …) is wrong usage: the scene by itself has been checked. */
+static fathom_status merge_settings(fathom_context *context, const fathom_scene *scene,
                                     render_options *options) {
     fathom_settings settings;
     args_problem problem;
     fathom_scene_settings(scene, &settings);
-    render_options_default(options, &settings);
-    options->write.command = provenance_command();
-    if (args_parse(&command_render.args, argc, argv, options, &problem) != ARGS_READY ||
-        !render_options_finish(options, &problem)) {
-        return fail(context, FATHOM_INTERNAL, "the command line changed while it was read");
-    }
-    fathom_status status = standard_output_begin(context, &options->outputs, &options->stats, 1);
-    if (status != FATHOM_OK) return status;
-    if (settings.aovs & ~options->settings.aovs && !options->aovs_given)
+    if (!render_options_finish(options, &settings, &problem))
+        return fail(context, FATHOM_BAD_USAGE, "%s", problem.text);
+    if (settings.aovs & ~options->settings.aovs && !render_options_give(options, "aovs"))
         warn(context, "%s: asks for AOVs that only .exr holds; they are left out", options->scene);
-    if (options->min_spp_given && !(options->settings.target_error > 0 || options->settings.max_time > 0))
+    if (render_options_give(options, "min_spp") &&
+        !(options->settings.target_error > 0 || options->settings.max_time > 0))
         return fail(context, FATHOM_BAD_USAGE, "--min-spp: only with --target-error E or --max-time SECONDS");
     if (scene_check_settings(context, &options->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
     return check_sizes(context, options);
@@ -253,8 +248,7 @@ static fathom_status read_scene(fathom_context *context, const render_options *o
     return fathom_scene_read_with(context, options->scene, &read, out);
 }
 
-static fathom_status read_and_render(fathom_context *context, int argc, char **argv, render_options *options,
-                                     double start) {
+static fathom_status read_and_render(fathom_context *context, render_options *options, double start) {
     interrupt_install();
     interrupt_install_save();
     fathom_status status = say_status(&command_render, context, check_outputs(context, options));
@@ -273,7 +267,7 @@ static fathom_status read_and_render(fathom_context *context, int argc, char **a
     }
     outputs_may_be_read(context); /* the checkpoint, that is */
     report.read_seconds = clock_seconds() - begin;
-    status = merge_settings(context, scene, argc, argv, options);
+    status = merge_settings(context, scene, options);
     say_status(&command_render, context, status);
     if (status == FATHOM_OK) status = render_scene(context, scene, options, &report, start);
     array_free(&report.left_out);
@@ -288,16 +282,17 @@ static fathom_status run(int argc, char **argv) {
     render_options options;
     fathom_status status;
     fathom_settings_default(&settings);
-    render_options_default(&options, &settings);
+    render_options_default(&options);
     if (!command_parse(&command_render, argc, argv, &options, &status)) return status;
     args_problem problem;
-    if (!render_options_finish(&options, &problem)) return say_usage(&command_render, problem.text);
+    if (!render_options_finish(&options, &settings, &problem))
+        return say_usage(&command_render, problem.text);
     fathom_context *context;
     status = command_context(options.threads, &context);
     if (status != FATHOM_OK) return status;
     fathom_context_allow_outside(context, options.allow_outside);
     options.write.command = provenance_command();
-    status = read_and_render(context, argc, argv, &options, start);
+    status = read_and_render(context, &options, start);
     standard_output_end();
     fathom_context_destroy(context);
     return status;
@@ -327,6 +322,6 @@ const command command_render = {
                 "  fathom render scene.json -o out.png --target-error 0.01\n"
                 "  fathom render scene.json -o out.png --max-time 60\n"
                 "  fathom render scene.json -o out.exr --checkpoint out.part --resume\n",
-    .args = {render_option_table, operands, operand_offsets, 1},
+    .args = {NULL, operands, operand_offsets, 1, 0, render_option_table},
     .run = run,
 };

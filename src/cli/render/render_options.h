@@ -14,14 +14,15 @@ typedef struct render_background {
 typedef struct render_options {
     const char *scene;
     args_list outputs;
-    fathom_settings settings;
-    const char *camera; /* NULL: the scene's first */
+    fathom_settings
+        asked; /* by the command line; of these, those in `given`: bits by their place in the table */
+    uint64_t given;
+    fathom_settings settings; /* the scene's, with those put over them: see render_options_finish() */
+    const char *camera;       /* NULL: the scene's first */
     fathom_up up;
-    bool aovs_given, spp_given, pattern_given, min_spp_given;
-    bool scene_adaptive; /* the scene's own spp is the most of any pixel */
-    double max_time;     /* seconds of the whole command; 0: none */
-    args_size size;      /* 0 × 0: the settings' own */
-    unsigned threads;    /* 0: all processors */
+    double max_time;  /* seconds of the whole command; 0: none */
+    args_size size;   /* 0 × 0: the settings' own */
+    unsigned threads; /* 0: all processors */
     render_background background;
     fathom_write_options write;
     bool exposure_auto; /* found once the film is there */
@@ -33,11 +34,13 @@ typedef struct render_options {
     bool quiet, verbose, allow_outside;
 } render_options;
 
-/* Everything not given stays as `settings` says. */
-void render_options_default(render_options *options, const fathom_settings *settings);
-/* What the options' fields make of each other, after parsing. False: wrong usage. */
-bool render_options_finish(render_options *options, args_problem *problem);
+void render_options_default(render_options *options);
+/* The settings, once parsed: the scene's, with those that the command line gives. Called with the defaults to
+ * find wrong usage before anything is read, and with the scene's. False: wrong usage. */
+bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem);
+/* Whether the command line has the setting of this name. */
+bool render_options_give(const render_options *options, const char *name);
 
-extern const args_option render_option_table[];
+const args_option *render_option_table(void);
 
 #endif

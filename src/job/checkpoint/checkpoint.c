@@ -79,7 +79,7 @@ static fathom_status prepare(checkpoint *c) {
     if (status == FATHOM_OK) status = file_lock_take(c->context, c->options.path, &c->file);
     if (status != FATHOM_OK) return status;
     file_remove_left_over(c->options.path);
-    checkpoint_key_of(&c->settings, c->film, c->film->stats.scene_fingerprint, &c->key);
+    checkpoint_key_of(&c->settings, c->film->stats.scene_fingerprint, &c->key);
     if (!checkpoint_state_create(&c->settings, c->film, hits, &c->state) ||
         !checkpoint_write_create(&c->state, c->film, &c->write) ||
         fathom_context_create(&c->saving) != FATHOM_OK)

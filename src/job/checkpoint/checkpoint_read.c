@@ -63,12 +63,11 @@ static fathom_status check_sum(reading *r, const unsigned char *bytes, size_t si
 }
 
 static fathom_status read_key(reading *r, checkpoint_key *out) {
-    uint32_t count;
-    if (!copy(r, &count, sizeof count) || count != CHECKPOINT_NUMBERS ||
-        !copy(r, out->version, sizeof out->version) || !copy(r, out->tracer, sizeof out->tracer) ||
-        !copy(r, out->numbers, sizeof out->numbers))
+    if (!copy(r, out->version, sizeof out->version) || !copy(r, out->tracer, sizeof out->tracer) ||
+        !copy(r, &out->scene, sizeof out->scene) || !copy(r, out->settings, sizeof out->settings))
         return damaged(r, "its head is not whole");
-    if (out->version[sizeof out->version - 1] || out->tracer[sizeof out->tracer - 1])
+    if (out->version[sizeof out->version - 1] || out->tracer[sizeof out->tracer - 1] ||
+        out->settings[sizeof out->settings - 1])
         return damaged(r, "a text in its head has no end");
     return FATHOM_OK;
 }

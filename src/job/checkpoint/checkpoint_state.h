@@ -9,10 +9,10 @@
  *
  *     8 bytes     "FTHMCKPT"
  *     u32         CHECKPOINT_FORMAT
- *     u32         how many numbers the key has
  *     32 bytes    the program's version, a text with zeros after it
  *     128 bytes   the tracer, likewise
- *     u64 each    the key's numbers
+ *     u64         the scene's fingerprint
+ *     1024 bytes  the settings that pixels depend on, a text likewise
  *     records     u32 wave, u32 0, then its bytes: of waves that are begun, in rising order
  *     u32 ~0, u32 0
  *     u64, u64    samples in the film; rays traced
@@ -24,40 +24,17 @@
 #define JOB_CHECKPOINT_STATE_H
 
 #include "job/adaptive.h"
+#include "scene/settings.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "checkpoints are written as memory has them");
 
-#define CHECKPOINT_FORMAT 1u
+#define CHECKPOINT_FORMAT 2u
 #define CHECKPOINT_MAGIC "FTHMCKPT"
-
-/* The settings that pixels depend on. Reals are stored by their bits. */
-typedef enum checkpoint_number {
-    CHECKPOINT_SCENE,
-    CHECKPOINT_WIDTH,
-    CHECKPOINT_HEIGHT,
-    CHECKPOINT_CROP_X0,
-    CHECKPOINT_CROP_Y0,
-    CHECKPOINT_CROP_X1,
-    CHECKPOINT_CROP_Y1,
-    CHECKPOINT_SPP,
-    CHECKPOINT_PATTERN,
-    CHECKPOINT_SEED,
-    CHECKPOINT_TARGET_ERROR,
-    CHECKPOINT_TIMED,
-    CHECKPOINT_MIN_SPP,
-    CHECKPOINT_MAX_DEPTH,
-    CHECKPOINT_MIN_WEIGHT,
-    CHECKPOINT_MAX_LOSS,
-    CHECKPOINT_MAX_RELATIVE_LOSS,
-    CHECKPOINT_EPSILON,
-    CHECKPOINT_TERMINATOR_FIX,
-    CHECKPOINT_AOVS,
-    CHECKPOINT_NUMBERS
-} checkpoint_number;
 
 typedef struct checkpoint_key {
     char version[32], tracer[128]; /* zeros after the text */
-    uint64_t numbers[CHECKPOINT_NUMBERS];
+    uint64_t scene;                /* its fingerprint */
+    char settings[SETTINGS_TEXT];  /* settings_print() */
 } checkpoint_key;
 
 typedef struct checkpoint_state {
@@ -71,8 +48,7 @@ typedef struct checkpoint_state {
 } checkpoint_state;
 
 /* scene: its fingerprint. The tracer is not in it yet. */
-void checkpoint_key_of(const fathom_settings *settings, const fathom_film *film, uint64_t scene,
-                       checkpoint_key *out);
+void checkpoint_key_of(const fathom_settings *settings, uint64_t scene, checkpoint_key *out);
 /* FATHOM_BAD_INPUT names the first thing that differs, and both values. path: of the file that `saved` is
  * from. */
 fathom_status checkpoint_key_compare(fathom_context *context, const char *path, const checkpoint_key *saved,

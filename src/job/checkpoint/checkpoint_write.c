@@ -40,12 +40,13 @@ static void put(output *o, const void *bytes, size_t size) {
 }
 
 static void put_head(output *o, const checkpoint_key *key) {
-    static const uint32_t head[] = {CHECKPOINT_FORMAT, CHECKPOINT_NUMBERS};
+    static const uint32_t format = CHECKPOINT_FORMAT;
     put(o, CHECKPOINT_MAGIC, strlen(CHECKPOINT_MAGIC));
-    put(o, head, sizeof head);
+    put(o, &format, sizeof format);
     put(o, key->version, sizeof key->version);
     put(o, key->tracer, sizeof key->tracer);
-    put(o, key->numbers, sizeof key->numbers);
+    put(o, &key->scene, sizeof key->scene);
+    put(o, key->settings, sizeof key->settings);
 }
 
 /* Copied under the lock, which is not held while the disk may be waited for. */

@@ -197,6 +197,7 @@ static fathom_status build(const object_reader *r, json_t *root, form_scene_valu
 }
 
 static fathom_status read_root(const doc *d, json_t *root, fathom_scene *scene) {
+    form_prepare();
     form_scene_values values = {.camera = {.up = {0, 1, 0}, .fovy = 45}};
     fathom_settings_default(&values.image);
     fathom_status status = doc_read(d, NULL, root, &form_scene, &values);

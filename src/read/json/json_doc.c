@@ -1,5 +1,6 @@
 #include "read/json/json_doc.h"
 
+#include "base/parameter.h"
 #include "read/json/json_near.h"
 
 #include <math.h>
@@ -196,14 +197,6 @@ void doc_rows(json_t *rows, unsigned count, double *out) {
 
 /* ---- words ---- */
 
-/* The place of the word, or -1. */
-static int find_word(const char *const *words, json_t *value) {
-    for (int i = 0; json_is_string(value) && words[i]; ++i) {
-        if (strcmp(words[i], json_string_value(value)) == 0) return i;
-    }
-    return -1;
-}
-
 static fathom_status fail_word(const doc *d, const where *at, json_t *value, const char *all) {
     char text[TEXT_ROOM + 8];
     snprintf(text, sizeof text, "one of %s", all);
@@ -211,12 +204,17 @@ static fathom_status fail_word(const doc *d, const where *at, json_t *value, con
 }
 
 /* *word: the place of the word in the list. */
-static fathom_status choose_word(const doc *d, const where *at, json_t *value, const char *const *words,
-                                 int *word) {
-    *word = find_word(words, value);
+static fathom_status choose_word(const doc *d, const where *at, json_t *value, const char *words, int *word) {
+    *word =
+        json_is_string(value) ? words_find(words, json_string_value(value), json_string_length(value)) : -1;
     if (*word >= 0) return FATHOM_OK;
-    char all[TEXT_ROOM] = "";
-    for (; *words; ++words) list_word(all, sizeof all, *words, "\"");
+    char all[TEXT_ROOM] = "", one[PARAMETER_NAME];
+    size_t length;
+    const char *each;
+    for (unsigned i = 0; (each = words_at(words, i, &length)); ++i) {
+        snprintf(one, sizeof one, "%.*s", (int)length, each);
+        list_word(all, sizeof all, one, "\"");
+    }
     return fail_word(d, at, value, all);
 }
 
@@ -229,7 +227,8 @@ static fathom_status read_words(const doc *d, const where *at, json_t *value, co
         int word;
         fathom_status status = choose_word(d, &item, json_array_get(value, i), key->words, &word);
         if (status != FATHOM_OK) return status;
-        if (*to & 1u << word) return doc_fail(d, &item, "\"%s\" is there twice", key->words[word]);
+        if (*to & 1u << word)
+            return doc_fail(d, &item, "\"%s\" is there twice", json_string_value(json_array_get(value, i)));
         *to |= 1u << word;
     }
     return FATHOM_OK;

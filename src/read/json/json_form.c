@@ -1,6 +1,9 @@
 #include "read/json/json_form.h"
 
+#include "scene/settings.h"
+
 #include <math.h>
+#include <pthread.h>
 #include <string.h>
 
 #define AT(values, member) .offset = offsetof(values, member)
@@ -78,48 +81,13 @@ static const form_rule camera_rules[] = {
 };
 const form form_camera = {.name = "camera", .parts = {camera_keys}, .rules = {camera_rules}};
 
-/* In the order of fathom_pattern, and of the FATHOM_AOV_ bits. */
-static const char *const pattern_words[] = {"grid", "stratified", "sobol", NULL};
-static const char *const aov_words[] = {"alpha", "Z", "N", "P", "albedo", "id", "samples", NULL};
-
-static const form_key image_keys[] = {
-    {"width", FORM_U32, AT(fathom_settings, width), .range = {1, 65536, 0}},
-    {"height", FORM_U32, AT(fathom_settings, height), .range = {1, 65536, 0}},
-    {"spp", FORM_U32, AT(fathom_settings, spp), .range = {1, 65536, 0}},
-    {"pattern", FORM_WORD, AT(fathom_settings, pattern), .words = pattern_words},
-    /* Integers up to 2^53 - 1 mean the same in every JSON tool. */
-    {"seed", FORM_U64, AT(fathom_settings, seed), .range = {0, 9007199254740991, 0}},
-    {"crop", FORM_U32, AT(fathom_settings, crop), .count = 4, .range = {0, 65536, 0}},
-    {"targetError", FORM_F64, AT(fathom_settings, target_error), NOT_NEGATIVE},
-    {"minSpp", FORM_U32, AT(fathom_settings, min_spp), .range = {0, 65536, 0}},
-    {"maxDepth", FORM_U32, AT(fathom_settings, max_depth), .range = {0, 64, 0}},
-    {"minWeight", FORM_F32, AT(fathom_settings, min_weight), .range = {0, 1, FORM_OPEN_HIGH}},
-    {"epsilon", FORM_F64, AT(fathom_settings, epsilon), NOT_NEGATIVE},
-    {"terminatorFix", FORM_BOOL, AT(fathom_settings, terminator_fix)},
-    {"aovs", FORM_WORDS, AT(fathom_settings, aovs), .words = aov_words},
-    END_KEYS,
-};
+/* Filled in by form_prepare(). */
+enum { FILLED_KEYS = 32 };
+static form_key image_keys[FILLED_KEYS], material_keys[FILLED_KEYS];
 const form form_image = {.name = "image", .parts = {image_keys}};
 
 /* ---- materials ---- */
 
-/* In the order of fathom_specular. */
-static const char *const specular_words[] = {"none", "phong", "blinn", NULL};
-
-static const form_key material_keys[] = {
-    {"kd", FORM_F32, AT(fathom_material, k_d), .count = 3, UNIT},
-    {"ks", FORM_F32, AT(fathom_material, k_s), .count = 3, RADIANCE},
-    {"specular", FORM_WORD, AT(fathom_material, specular), .words = specular_words},
-    {"shininess", FORM_F32, AT(fathom_material, shininess), .range = {0, 1e9, 0}},
-    {"kr", FORM_F32, AT(fathom_material, k_r), .count = 3, UNIT},
-    {"kt", FORM_F32, AT(fathom_material, k_t), .count = 3, UNIT},
-    {"ior", FORM_F32, AT(fathom_material, ior), .range = {1e-3, 1e3, 0}},
-    {"fresnel", FORM_BOOL, AT(fathom_material, fresnel)},
-    {"ka", FORM_F32, AT(fathom_material, k_a), .count = 3, UNIT},
-    {"ke", FORM_F32, AT(fathom_material, k_e), .count = 3, RADIANCE},
-    {"litFromBehind", FORM_BOOL, AT(fathom_material, lit_from_behind)},
-    END_KEYS,
-};
 /* Without a lobe, k_s and its exponent would be dropped in silence. */
 static const form_rule material_rules[] = {
     {FORM_NEEDS, "ks", {"specular"}},
@@ -205,7 +173,7 @@ static const form_key triangle_keys[] = {
 };
 
 /* In the order of form_shading. */
-static const char *const shading_words[] = {"given", "flat", "smooth", NULL};
+static const char shading_words[] = "given|flat|smooth";
 
 static const form_key mesh_keys[] = {
     {"file", FORM_TEXT, OBJECT(as.mesh.file)},
@@ -223,7 +191,7 @@ static const form_rule mesh_rules[] = {
 };
 
 /* In the order of fathom_generator. */
-static const char *const generator_words[] = {"sphere", "terrain", "sponge", "forest", NULL};
+static const char generator_words[] = "sphere|terrain|sponge|forest";
 
 static const form_key generate_keys[] = {
     {"kind", FORM_WORD, OBJECT(as.generate.kind), .words = generator_words, .required = true},
@@ -285,6 +253,46 @@ static const form_key scene_keys[] = {
     END_KEYS,
 };
 const form form_scene = {.name = "scene", .parts = {scene_keys}};
+
+/* ---- settings and material parameters ---- */
+
+_Static_assert((int)FORM_TEXT == FATHOM_PARAMETER_TEXT, "kinds begin with the types of parameters");
+
+/* Integers up to 2^53 - 1 mean the same in every JSON tool. */
+#define MOST_INTEGER 9007199254740991.0
+
+static form_range range_of(const fathom_parameter *p) {
+    const bool above = p->flags & FATHOM_PARAMETER_OPEN_LOW && !p->zero;
+    return (form_range){
+        p->zero ? 0 : p->low, p->type == FATHOM_PARAMETER_U64 ? fmin(p->high, MOST_INTEGER) : p->high,
+        (above ? FORM_OPEN_LOW : 0u) | (p->flags & FATHOM_PARAMETER_OPEN_HIGH ? FORM_OPEN_HIGH : 0u)};
+}
+
+/* names: room for those of the keys, which last as long as the keys. */
+static void fill_keys(parameter_table table, form_key *keys, char names[][PARAMETER_NAME]) {
+    for (size_t i = 0; i < table.count; ++i) {
+        const fathom_parameter *p = &table.rows[i];
+        if (!(p->flags & FATHOM_PARAMETER_FILE)) continue;
+        parameter_name(p, 0, *names);
+        *keys++ = (form_key){.name = *names++,
+                             .kind = (form_kind)p->type,
+                             .offset = p->offset,
+                             .range = range_of(p),
+                             .count = p->count,
+                             .words = p->words};
+    }
+}
+
+static void fill(void) {
+    static char names[2][FILLED_KEYS][PARAMETER_NAME];
+    fill_keys(settings_table, image_keys, names[0]);
+    fill_keys(material_table, material_keys, names[1]);
+}
+
+void form_prepare(void) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, fill);
+}
 
 const form_key *form_find(const form *f, const char *name) {
     for (const form_key *const *part = f->parts; *part; ++part) {

@@ -8,15 +8,16 @@
 #include <jansson.h>
 
 typedef enum form_kind {
-    FORM_BOOL,   /* bool */
+    /* Those of fathom_parameter_type. */
+    FORM_BOOL,
+    FORM_U32, /* uint32_t, or count of them */
+    FORM_U64,
     FORM_F32,    /* float, or count of them */
     FORM_F64,    /* double, or count of them, or rows × count */
-    FORM_U32,    /* uint32_t, or count of them */
-    FORM_U64,    /* uint64_t */
+    FORM_WORD,   /* int: the place of the word in `words`, "grid|sobol" */
+    FORM_WORDS,  /* unsigned: a bit for each word of `words` */
     FORM_TEXT,   /* const char *, borrowed from the document */
     FORM_TAG,    /* the form's own name, which told it from its siblings; stored nowhere */
-    FORM_WORD,   /* int: the place of the word in `words` */
-    FORM_WORDS,  /* unsigned: a bit for each word of `words` */
     FORM_OBJECT, /* another form, read into the member itself */
     FORM_ROWS,   /* json_t *: one or more rows of `count` numbers, each checked */
     FORM_LIST,   /* json_t *: an array, whose items the reader reads by `form` */
@@ -43,7 +44,7 @@ typedef struct form_key {
     bool required;
     bool nonzero; /* the numbers are not all 0 */
     bool whole;   /* FORM_ROWS: integers */
-    const char *const *words;
+    const char *words;
     const form *form;
 } form_key;
 
@@ -69,7 +70,9 @@ struct form {
     const form *const *variants; /* ended by NULL */
 };
 
-/* The whole document, and what it is made of. */
+/* The whole document, and what it is made of. form_prepare() before the first use fills in the image and the
+ * material, whose keys are the settings and the material parameters that files may have. */
+void form_prepare(void);
 extern const form form_scene, form_camera, form_image, form_material, form_light, form_object, form_frame,
     form_turn;
 

@@ -282,7 +282,7 @@ fathom_status linear_create(fathom_context *context, const world *w, trace_trace
     static const trace_ops ops = {linear_destroy, linear_closest, linear_any, false, false};
     trace_tracer *tracer = calloc(1, sizeof *tracer);
     if (!tracer) return fail_memory(context, sizeof *tracer);
-    *tracer = (trace_tracer){.ops = &ops, .world = w, .unit = 0x1p-24, .name = "reference"};
+    *tracer = (trace_tracer){.ops = &ops, .world = w, .unit = 0x1p-24, .slow = true, .name = "reference"};
     *out = tracer;
     return FATHOM_OK;
 }

@@ -40,6 +40,7 @@ fathom_status linear_single_create(fathom_context *context, const world *w, cons
     tracer->base.ops = &precisions[spec->precision].ops;
     tracer->base.world = w;
     tracer->base.unit = precisions[spec->precision].unit;
+    tracer->base.slow = true;
     tracer->form = spec->form;
     snprintf(tracer->base.name, sizeof tracer->base.name, "linear search, %s, %s",
              spec->form == TRACE_ROBUST ? "robust" : "textbook", precisions[spec->precision].name);

@@ -95,9 +95,7 @@ void broken_make(extremes_case *c, double kind);
 
 /* Cases of the public calls: what was asked and what came back as it should, into the row's counts of AGREE
  * and WRONG. */
-fathom_status refused_check(fathom_context *context, fathom_tracer_kind kind, double which,
-                            extremes_row *row);
-fathom_status user_rays_check(fathom_context *context, fathom_tracer_kind kind, double which,
-                              extremes_row *row);
+fathom_status refused_check(fathom_context *context, const char *tracer, double which, extremes_row *row);
+fathom_status user_rays_check(fathom_context *context, const char *words, double which, extremes_row *row);
 
 #endif

@@ -7,7 +7,7 @@
 typedef struct group {
     const char *name, *meaning;
     void (*make)(extremes_case *c, double parameter);
-    fathom_status (*check)(fathom_context *context, fathom_tracer_kind kind, double which, extremes_row *row);
+    fathom_status (*check)(fathom_context *context, const char *tracer, double which, extremes_row *row);
     const double *values;
     unsigned count;
 } group;
@@ -199,14 +199,11 @@ rays_source *extremes_source(const extremes_scene *scene) { return scene->c.sour
 
 static fathom_status run_check(fathom_context *context, const group *g, double parameter,
                                extremes_rows *rows) {
-    static const struct {
-        const char *name;
-        fathom_tracer_kind kind;
-    } kinds[] = {{"embree", FATHOM_TRACER_EMBREE}, {"reference", FATHOM_TRACER_REFERENCE}};
+    static const char *const tracers[] = {"embree", "reference"};
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < 2 && status == FATHOM_OK; ++i) {
-        extremes_row row = {.group = g->name, .parameter = parameter, .spec = kinds[i].name};
-        status = g->check(context, kinds[i].kind, parameter, &row);
+        extremes_row row = {.group = g->name, .parameter = parameter, .spec = tracers[i]};
+        status = g->check(context, tracers[i], parameter, &row);
         if (status == FATHOM_OK) status = push(context, rows, &row);
     }
     return status;

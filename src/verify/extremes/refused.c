@@ -100,9 +100,8 @@ static const struct {
     {"refused: frames that are none", refuse_instances},
 };
 
-fathom_status refused_check(fathom_context *context, fathom_tracer_kind kind, double which,
-                            extremes_row *row) {
-    (void)kind;
+fathom_status refused_check(fathom_context *context, const char *tracer, double which, extremes_row *row) {
+    (void)tracer;
     size_t k = (size_t)which - 1;
     fathom_scene *scene;
     fathom_status status = fathom_scene_create(context, &scene);
@@ -237,8 +236,7 @@ static const struct {
     {"refused: origins beyond 1e18", miss_or_refuse_far_origins},
 };
 
-fathom_status user_rays_check(fathom_context *context, fathom_tracer_kind kind, double which,
-                              extremes_row *row) {
+fathom_status user_rays_check(fathom_context *context, const char *words, double which, extremes_row *row) {
     size_t k = (size_t)which - 1;
     snprintf(row->words, sizeof row->words, "%s", rays[k].words);
     fathom_scene *scene;
@@ -249,7 +247,7 @@ fathom_status user_rays_check(fathom_context *context, fathom_tracer_kind kind, 
     fathom_tracer *tracer = NULL;
     status = fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL);
     if (status == FATHOM_OK) status = fathom_scene_complete(scene);
-    if (status == FATHOM_OK) status = fathom_tracer_create(context, scene, kind, &tracer);
+    if (status == FATHOM_OK) status = fathom_tracer_create(context, scene, words, &tracer);
     if (status == FATHOM_OK) {
         ray_check c = {tracer, context, row};
         rays[k].check(&c);

@@ -151,7 +151,7 @@ static fathom_status render_way(fathom_context *context, const shading_options *
     *out = NULL;
     open_demo(context, options, w->distance, &d);
     d.s.settings.spp = w->spp;
-    d.s.settings.tracer_spec = w->spec;
+    d.s.settings.tracer = w->spec;
     d.s.settings.epsilon = w->epsilon;
     if (d.s.status == FATHOM_OK)
         d.s.status = render_from(context, d.s.scene, &d.s.settings, w->counted_from_zero ? &zero : NULL,

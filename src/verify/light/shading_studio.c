@@ -45,7 +45,7 @@ void studio_begin(studio *s, uint32_t width) {
     s->settings.width = width, s->settings.height = 1;
     s->settings.max_depth = 64;
     s->settings.min_weight = 0;
-    s->settings.tracer_spec = s->options->spec;
+    s->settings.tracer = s->options->spec;
     if (s->status == FATHOM_OK) s->status = fathom_scene_create(s->context, &s->scene);
 }
 

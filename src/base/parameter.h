@@ -1,0 +1,64 @@
+/* Members of plain structs, by their rows in a table: defaults, checks, text and numbers. `base` is the
+ * struct.
+ */
+#ifndef BASE_PARAMETER_H
+#define BASE_PARAMETER_H
+
+#include <fathom/parameter.h>
+
+typedef struct parameter_table {
+    const fathom_parameter *rows;
+    size_t count;
+} parameter_table;
+
+enum {
+    PARAMETER_COUNT = 4,
+    /* numbers in a member, at most */ PARAMETER_NAME = 32,
+    PARAMETER_TEXT = 160,
+    PARAMETER_WRONG = 480
+};
+
+/* NULL when there is none. */
+const fathom_parameter *parameter_find(parameter_table table, const char *name);
+
+/* The name's parts joined: '-' "max-depth", ' ' "max depth", 0 "maxDepth". A single letter stays with the
+ * part before it: "k_d" is "kd" everywhere. */
+void parameter_name(const fathom_parameter *p, char between, char out[PARAMETER_NAME]);
+
+/* Numbers in the member, at least 1. */
+unsigned parameter_count(const fathom_parameter *p);
+double parameter_number(const fathom_parameter *p, const void *base, unsigned i);
+void parameter_set_number(const fathom_parameter *p, void *base, unsigned i, double number);
+/* Whether it is made of numbers, of which there are parameter_count(). */
+bool parameter_is_number(const fathom_parameter *p);
+/* Copies the member from one struct to another. */
+void parameter_copy(const fathom_parameter *p, const void *from, void *to);
+
+/* Every member gets its default; texts get NULL. */
+void parameters_default(parameter_table table, void *base);
+
+/* FATHOM_BAD_INPUT names the member, what is allowed and what was found; FATHOM_BAD_USAGE when no word stands
+ * for the value. */
+fathom_status parameters_check(fathom_context *context, parameter_table table, const void *base);
+
+/* From text. False when that is wrong: `wrong` is then "expected …, found …", and the member is as it was. A
+ * text is kept as the pointer. */
+bool parameter_read(const fathom_parameter *p, const char *text, void *base, char wrong[PARAMETER_WRONG]);
+/* As text that parameter_read() takes. Returns the length without the limit of `room`. */
+size_t parameter_print(const fathom_parameter *p, const void *base, char *out, size_t room);
+
+/* The same of numbers that are in no struct. */
+size_t parameter_print_numbers(const fathom_parameter *p, const double *values, char *out, size_t room);
+
+/* The part of "a|b|c" that is `word`, or -1. */
+int words_find(const char *words, const char *word, size_t length);
+/* Part i of "a|b|c" and its length; NULL behind the last. */
+const char *words_at(const char *words, unsigned i, size_t *length);
+
+/* Whole strings only, digits only; false when `text` is not a number, is too large, or is not followed by
+ * `end`. On success *text is moved past `end`. */
+bool text_read_u64(const char **text, char end, uint64_t *out);
+/* A finite decimal number, whatever the locale. */
+bool text_read_f64(const char **text, char end, double *out);
+
+#endif

@@ -1,0 +1,155 @@
+/* The tables of settings and of material parameters. Adding one is a line here and a member in the struct. */
+#include "scene/scene.h"
+#include "scene/settings.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define SETTING(member) offsetof(fathom_settings, member)
+#define MATERIAL(member) offsetof(fathom_material, member)
+
+#define BOOL FATHOM_PARAMETER_BOOL
+#define U32 FATHOM_PARAMETER_U32
+#define U64 FATHOM_PARAMETER_U64
+#define F32 FATHOM_PARAMETER_F32
+#define F64 FATHOM_PARAMETER_F64
+#define WORD FATHOM_PARAMETER_WORD
+#define WORDS FATHOM_PARAMETER_WORDS
+#define TEXT FATHOM_PARAMETER_TEXT
+
+#define PIXELS FATHOM_PARAMETER_PIXELS
+#define SWITCH FATHOM_PARAMETER_SWITCH
+#define IN_FILE FATHOM_PARAMETER_FILE
+#define COMMAND FATHOM_PARAMETER_COMMAND
+#define ABOVE FATHOM_PARAMETER_OPEN_LOW
+#define BELOW FATHOM_PARAMETER_OPEN_HIGH
+#define HARD (PIXELS | IN_FILE)
+#define SOFT (HARD | FATHOM_PARAMETER_SOFT)
+
+#define SAMPLING "Sampling to an error or a time (with the pattern sobol)"
+/* Products of a few numbers up to this stay finite as float. */
+#define RADIANCE 1e30
+
+/* clang-format off */
+static const fathom_parameter setting_rows[] = {
+    /* name, type, member, flags, low, high, default, unit, group, help */
+    {"width", U32, SETTING(width), PIXELS | IN_FILE, 1, 65536, 1280, "PIXELS", "Image",
+     .help = "Pixels across. Left out, it follows from `height` and the camera's `w` and `h`."},
+    {"height", U32, SETTING(height), PIXELS | IN_FILE, 1, 65536, 720, "PIXELS", "Image",
+     .help = "Pixels down. Left out, it follows from `width` and the camera's `w` and `h`."},
+    {"spp", U32, SETTING(spp), PIXELS | IN_FILE | COMMAND, 1, 65536, 1, "N", "Image",
+     .help = "Samples a pixel. A square number unless `pattern` is `sobol`. A model given on the command line takes 16."},
+    {"pattern", WORD, SETTING(pattern), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_PATTERN_GRID, NULL, "Image",
+     .help = "Where in the pixel the samples lie: `grid` n x n, regular; `stratified` n x n, jittered; `sobol` an "
+     "Owen-scrambled Sobol sequence.", .words = "grid|stratified|sobol"},
+    {"seed", U64, SETTING(seed), PIXELS | IN_FILE | COMMAND, 0, INFINITY, 0, "N", "Image",
+     .help = "Of the patterns `stratified` and `sobol`."},
+    {"crop", U32, SETTING(crop), PIXELS | IN_FILE | COMMAND, 0, 65536, 0, "X0,Y0,X1,Y1", "Image",
+     .help = "Part to render: x0, y0, x1, y1 in pixels, from the upper left corner, x1 and y1 left out. All 0: the "
+     "whole image.", .count = 4},
+    {"target_error", F64, SETTING(target_error), PIXELS | IN_FILE | COMMAND | ABOVE, 0, INFINITY, 0, "E", SAMPLING,
+     .help = "Samples until the estimated error of each tile of 32 x 32 pixels is at most this, and beyond it where few "
+     "more lower the error; 0: as many everywhere. The unit is that of Cycles' noise threshold: 0.01 is about 1 of "
+     "255 display levels. Needs `pattern` `sobol`; `spp` is then the most samples of a pixel, a power of two from "
+     "4.", .zero = "off"},
+    {"max_time", F64, SETTING(max_time), PIXELS | SWITCH | COMMAND | ABOVE, 0, INFINITY, 0, "SECONDS", SAMPLING,
+     .help = "Time that the whole command takes, from reading to writing; samples go where they lower the error most.",
+     .zero = "off"},
+    {"min_spp", U32, SETTING(min_spp), PIXELS | IN_FILE | COMMAND, 4, 65536, 0, "N", SAMPLING,
+     .help = "Samples of each pixel before an error is trusted, a power of two from 4; 0: 4.", .zero = "auto"},
+    {"max_depth", U32, SETTING(max_depth), PIXELS | IN_FILE | COMMAND, 0, 64, 8, "N", "Light transport",
+     .help = "Mirrored and refracted bounces that are followed."},
+    {"min_weight", F32, SETTING(min_weight), PIXELS | IN_FILE | COMMAND | BELOW, 0, 1, 1.0 / 65536, "W", "Light transport",
+     .help = "A path ends when it can change no channel of its pixel by more than this."},
+    {"max_loss", F32, SETTING(max_loss), PIXELS, 0, 1, 0, NULL, NULL, .help = "Light that a pixel may lose."},
+    {"max_relative_loss", F32, SETTING(max_relative_loss), PIXELS, 0, 1, 0, NULL, NULL,
+     .help = "Share of its light that a pixel may lose."},
+    {"epsilon", F64, SETTING(epsilon), PIXELS | IN_FILE | COMMAND | ABOVE, 0, INFINITY, 0, "E", "Light transport",
+     .help = "Rays start this far along themselves. 0: offsets come from error bounds, which suits every scale.",
+     .zero = "auto"},
+    {"terminator_fix", BOOL, SETTING(terminator_fix), PIXELS | IN_FILE | COMMAND, 0, 1, true, NULL, "Light transport",
+     .help = "Lifts shadow rays off the facets of smooth meshes, which else show black triangles where light grazes."},
+    {"aovs", WORDS, SETTING(aovs), PIXELS | IN_FILE, 0, FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ALPHA, 0, "LIST", "Output",
+     .help = "Further outputs in an EXR file: coverage, depth, shading normal, world position, `kd` + `ks`, the ids of "
+     "object, primitive and instance, and how many samples a pixel took.",
+     .words = "alpha|Z|N|P|albedo|id|samples"},
+    {"tracer", TEXT, SETTING(tracer), COMMAND, 0, 0, 0, "SPEC|FILE.so", "Light transport",
+     .help = "What answers the rays: embree, bvh, linear or reference, which is linear:robust:f32, each with options such as "
+     "bvh:f64, linear:textbook:f32 or embree:user:high:16; or a library as in fathom/plugin.h."},
+    {"block_width", U32, SETTING(block_width), COMMAND, 1, 16, 16, "N", "Running",
+     .help = "Rays handed to Embree at once; no pixel depends on it.", .words = "1|4|8|16"},
+    {"tile_size", U32, SETTING(tile_size), COMMAND, 32, 65536, 32, "N", "Running",
+     .help = "Pixels along a tile's side; no pixel depends on it.", .step = 32},
+    {"memory_limit", U64, SETTING(memory_limit), COMMAND, 1e6, 1e15, 0, "BYTES", "Running",
+     .help = "Most that may be in memory, such as 8G; auto: what is free. Where only Embree's compact structures fit they "
+     "are taken, and nothing is begun where not even they do.", .zero = "auto"},
+};
+
+static const fathom_parameter material_rows[] = {
+    /* name, type, member, flags, low, high, default, unit, group, help */
+    {"k_d", F32, MATERIAL(k_d), SOFT, 0, 1, 0.5, "R,G,B", "Surface", .help = "Diffuse reflectance (Lambert).", .count = 3},
+    {"k_s", F32, MATERIAL(k_s), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
+     .help = "Specular reflectance; needs `specular`. White for plastic, coloured for metal.", .count = 3},
+    {"specular", WORD, MATERIAL(specular), HARD, 0, 0, FATHOM_SPECULAR_NONE, NULL, "Surface",
+     .help = "Shape of the highlight: `phong` max(0, v·r)ⁿ, `blinn` max(0, n·h)ⁿ.", .words = "none|phong|blinn"},
+    {"shininess", F32, MATERIAL(shininess), HARD, 0, 1e9, 32, "N", "Surface",
+     .help = "The exponent n of the highlight; higher is smaller and sharper. Needs `specular`."},
+    {"k_r", F32, MATERIAL(k_r), SOFT, 0, 1, 0, "R,G,B", "Surface", .help = "Mirror reflectance.", .count = 3},
+    {"k_t", F32, MATERIAL(k_t), SOFT, 0, 1, 0, "R,G,B", "Surface",
+     .help = "Transmittance: how much passes through, refracted by `ior`.", .count = 3},
+    {"ior", F32, MATERIAL(ior), SOFT, 1e-3, 1e3, 1.5, NULL, "Surface",
+     .help = "Index of refraction of the inside over the outside: 1.33 water, 1.5 glass, 2.42 diamond."},
+    {"fresnel", BOOL, MATERIAL(fresnel), HARD, 0, 1, false, NULL, "Surface",
+     .help = "Shares light between mirror and refraction by angle: `kr` is multiplied by Fresnel's F and `kt` by 1 − F. On "
+     "total internal reflection F is 1, so `kr` alone is left; without `fresnel` the mirrored ray then carries `kr` "
+     "+ `kt`."},
+    {"k_a", F32, MATERIAL(k_a), SOFT, 0, 1, -1, "R,G,B", "Surface", .help = "Reflectance for `ambient` light. Default: `kd`.",
+     .count = 3},
+    {"k_e", F32, MATERIAL(k_e), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
+     .help = "Radiance the surface sends out by itself; it is seen but lights nothing.", .count = 3},
+    {"lit_from_behind", BOOL, MATERIAL(lit_from_behind), HARD, 0, 1, false, NULL, "Surface",
+     .help = "Whether lights on the far side of the surface count, as on thin cloth or paper."},
+};
+/* clang-format on */
+
+#define TABLE(rows)                                                                                          \
+    { rows, sizeof(rows) / sizeof *(rows) }
+const parameter_table settings_table = TABLE(setting_rows), material_table = TABLE(material_rows);
+
+const fathom_parameter *fathom_settings_parameters(size_t *count) {
+    if (count) *count = settings_table.count;
+    return settings_table.rows;
+}
+
+const fathom_parameter *fathom_material_parameters(size_t *count) {
+    if (count) *count = material_table.count;
+    return material_table.rows;
+}
+
+void fathom_settings_default(fathom_settings *settings) {
+    if (settings) parameters_default(settings_table, settings);
+}
+
+void fathom_material_default(fathom_material *material) {
+    if (material) parameters_default(material_table, material);
+}
+
+/* A negative first entry of k_a means k_d. */
+fathom_status scene_check_material(fathom_context *context, const fathom_material *material) {
+    fathom_material m = *material;
+    if (m.k_a[0] < 0) memcpy(m.k_a, m.k_d, sizeof m.k_a);
+    return parameters_check(context, material_table, &m);
+}
+
+void settings_print(const fathom_settings *settings, char out[SETTINGS_TEXT]) {
+    memset(out, 0, SETTINGS_TEXT);
+    for (size_t i = 0, used = 0; i < settings_table.count; ++i) {
+        const fathom_parameter *p = &settings_table.rows[i];
+        char name[PARAMETER_NAME], value[PARAMETER_TEXT];
+        if (!(p->flags & PIXELS)) continue;
+        parameter_name(p, ' ', name);
+        parameter_print(p, settings, value, sizeof value);
+        const bool on = p->flags & SWITCH && parameter_number(p, settings, 0) != 0;
+        used += (size_t)snprintf(out + used, SETTINGS_TEXT - used, "%s=%s; ", name, on ? "on" : value);
+    }
+}
