@@ -2,7 +2,7 @@
 
 #include "base/text.h"
 #include "cli/log.h"
-#include "cli/render/warnings.h"
+#include "cli/notes.h"
 #include "json/memory.h"
 
 #include <string.h>

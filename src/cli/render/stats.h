@@ -2,8 +2,8 @@
 #ifndef CLI_STATS_H
 #define CLI_STATS_H
 
+#include "cli/notes.h"
 #include "cli/render/render_options.h"
-#include "cli/render/warnings.h"
 #include "integrate/parts.h"
 
 typedef struct render_report {

@@ -1,14 +1,11 @@
-#include "cli/validate/validate_extremes.h"
-#include "cli/validate/validate_shading.h"
+#include "cli/validate/validate.h"
 
 #include "base/clock.h"
-#include "base/file.h"
 #include "base/threads.h"
-#include "cli/command.h"
 #include "cli/interrupt.h"
-#include "cli/render/outputs.h"
+#include "cli/outputs.h"
 #include "cli/render/progress.h"
-#include "cli/standard_output.h"
+#include "cli/report.h"
 #include "verify/builtin.h"
 
 #include <stdlib.h>
@@ -134,8 +131,8 @@ static fathom_status write_results(fathom_context *context, work *k, uint64_t *w
         *wrong += sum.counts[VERDICT_WRONG] + sum.any_counts[VERDICT_WRONG];
         leaks += sum.counts[VERDICT_LEAK] + sum.any_counts[VERDICT_LEAK];
     }
-    *wrong += validate_extremes_wrong(&k->results.extremes),
-        leaks += validate_extremes_leaks(&k->results.extremes);
+    *wrong += validate_extremes_total(&k->results.extremes, VERDICT_WRONG);
+    leaks += validate_extremes_total(&k->results.extremes, VERDICT_LEAK);
     *wrong += validate_shading_wrong(&k->results.shading);
     if (!k->settings->quiet) {
         validate_print(&k->results.runs, k->settings);
@@ -154,21 +151,29 @@ static fathom_status write_results(fathom_context *context, work *k, uint64_t *w
 }
 
 static fathom_status check(fathom_context *context, const validate_settings *settings) {
-    const char *outputs[2];
-    size_t count = 0;
-    fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, &settings->json, 1);
-    if (status != FATHOM_OK) return status;
-    if (settings->json && !standard_output_is_named(settings->json)) outputs[count++] = settings->json;
-    if (settings->failures) outputs[count++] = settings->failures;
-    status = outputs_check_distinct(context, outputs, count, settings->scene);
-    for (size_t i = 0; i < count && status == FATHOM_OK; ++i)
-        status = file_check_writable(context, outputs[i]);
-    if (status == FATHOM_OK && settings->report) status = validate_check_report(context, settings);
+    const char *const files[] = {settings->json, settings->failures};
+    fathom_status status = FATHOM_OK;
+    if (outputs_is_standard(settings->failures))
+        return fail(context, FATHOM_BAD_USAGE, "--failures: expected a file, found standard output");
+    status = report_check_files(context, files, 2, settings->report, settings->scene);
     for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
         trace_spec spec;
         status = trace_spec_parse(context, settings->tracers.items[i], &spec);
     }
     return status;
+}
+
+static void free_results(validate_results *results) {
+    for (size_t i = 0; i < results->runs.count; ++i) {
+        compare_result_free(&results->runs.items[i].result);
+        free(results->runs.items[i].scene);
+        free(results->runs.items[i].spec);
+    }
+    array_free(&results->runs);
+    array_free(&results->extremes);
+    array_free(&results->extremes_failures);
+    array_free(&results->shading);
+    shading_images_free(&results->images);
 }
 
 static fathom_status validate(fathom_context *context, const validate_settings *settings) {
@@ -186,24 +191,15 @@ static fathom_status validate(fathom_context *context, const validate_settings *
     uint64_t wrong = 0;
     status = run_all(context, &k);
     if (status == FATHOM_OK && settings->extremes)
-        status = validate_extremes_run(context, settings, &k.results.extremes, &k.results.extremes_failures);
+        status = validate_extremes_run(context, settings, &k.results);
     if (status == FATHOM_OK && settings->extremes)
-        status = validate_shading_run(context, settings, &k.results.shading, &k.results.images);
+        status = validate_shading_run(context, settings, &k.results);
     say_status(&command_validate, context, status);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
         fathom_status written = write_results(context, &k, &wrong);
         if (written != FATHOM_OK) status = say_status(&command_validate, context, written);
     }
-    for (size_t i = 0; i < k.results.runs.count; ++i) {
-        compare_result_free(&k.results.runs.items[i].result);
-        free(k.results.runs.items[i].scene);
-        free(k.results.runs.items[i].spec);
-    }
-    array_free(&k.results.runs);
-    array_free(&k.results.extremes);
-    array_free(&k.results.extremes_failures);
-    array_free(&k.results.shading);
-    shading_images_free(&k.results.images);
+    free_results(&k.results);
     return status == FATHOM_OK && wrong ? FATHOM_CHECK_FAILED : status;
 }
 
@@ -272,7 +268,7 @@ static const args_option options[] = {
     {"isa", 0, "all", take_all, offsetof(validate_settings, isa), 0, 0,
      "Embree once with each of its instruction sets that the processor has; leaks are then counted by set"},
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
-     "besides, the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
+     "also the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
      "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},
     {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
      "1 to 1024 (one a processor)"},
@@ -318,7 +314,7 @@ const command command_validate = {
             "--extremes adds cases at the limits, by group and number: scales and places,\n"
             "slivers, grazing and tangent rays, copies, nested frames, shapes and rays that\n"
             "are none. A line sums up all tracers; -v has one for each, and what the case is.\n"
-            "Besides, small scenes are rendered by each tracer and held against closed forms:\n"
+            "Small scenes are rendered by each tracer, too, and compared with closed forms:\n"
             "facing mirrors, light guides, indices of refraction, highlights, lights and\n"
             "spots at their limits, and a scene moved by the Earth's radius.\n"
             "The exit code is 1 when anything is wrong.\n",

@@ -3,8 +3,6 @@
 #include "cli/validate/validate.h"
 
 #include "base/file.h"
-#include "cli/command.h"
-#include "cli/json_text.h"
 #include "cli/render/ray_line.h"
 
 #include <limits.h>
