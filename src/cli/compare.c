@@ -10,9 +10,10 @@
 #include <string.h>
 
 typedef struct compare_settings {
+    command_common common;
     const char *a, *b;
     double tolerance, ppd;
-    bool quiet, flip;
+    bool flip;
 } compare_settings;
 
 typedef struct difference {
@@ -91,14 +92,14 @@ static void compare_pixel(const image *a, const image *b, uint32_t x, uint32_t y
 static fathom_status compare_images(const image *a, const image *b, const compare_settings *settings) {
     args_problem problem;
     if (!check_alike(a, b, &problem)) {
-        if (!settings->quiet) printf("%s\n", problem.text);
+        if (!settings->common.quiet) printf("%s\n", problem.text);
         return FATHOM_CHECK_FAILED;
     }
     difference d = {.largest = 0};
     for (uint32_t y = 0; y < a->height; ++y) {
         for (uint32_t x = 0; x < a->width; ++x) compare_pixel(a, b, x, y, settings->tolerance, &d);
     }
-    if (!settings->quiet) {
+    if (!settings->common.quiet) {
         printf("max %.9g", d.largest);
         if (d.largest > 0) {
             fputs(" in ", stdout);
@@ -196,7 +197,8 @@ static fathom_status print_flip(fathom_context *context, const image *a, const i
 
 /* ---- the command ---- */
 
-static fathom_status read_and_compare(fathom_context *context, const compare_settings *settings) {
+static fathom_status read_and_compare(fathom_context *context, void *user) {
+    const compare_settings *settings = user;
     const image *a = NULL, *b = NULL;
     fathom_status status = image_read(context, settings->a, &a);
     if (status == FATHOM_OK) status = image_read(context, settings->b, &b);
@@ -204,7 +206,7 @@ static fathom_status read_and_compare(fathom_context *context, const compare_set
     args_problem unlike;
     fathom_status flipped = FATHOM_OK;
     if (status == FATHOM_OK) status = compare_images(a, b, settings);
-    if (settings->flip && !settings->quiet && (status == FATHOM_OK || status == FATHOM_CHECK_FAILED) &&
+    if (settings->flip && !settings->common.quiet && (status == FATHOM_OK || status == FATHOM_CHECK_FAILED) &&
         check_alike(a, b, &unlike))
         flipped = print_flip(context, a, b, settings);
     if (flipped != FATHOM_OK) status = flipped;
@@ -214,15 +216,8 @@ static fathom_status read_and_compare(fathom_context *context, const compare_set
 }
 
 static fathom_status run(int argc, char **argv) {
-    compare_settings settings = {.tolerance = 0, .ppd = FLIP_PPD};
-    fathom_status status;
-    if (!command_parse(&command_compare, argc, argv, &settings, &status)) return status;
-    fathom_context *context;
-    status = command_context(0, &context);
-    if (status != FATHOM_OK) return status;
-    status = read_and_compare(context, &settings);
-    fathom_context_destroy(context);
-    return status;
+    compare_settings settings = {.ppd = FLIP_PPD};
+    return command_run(&command_compare, argc, argv, &settings, read_and_compare);
 }
 
 static const args_option options[] = {
@@ -235,7 +230,7 @@ static const args_option options[] = {
      ".exr are taken as linear, of others as sRGB's"},
     {"ppd", 0, "N", take_f64, offsetof(compare_settings, ppd), FLIP_PPD_LEAST, FLIP_PPD_MOST,
      "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
-    {"quiet", 'q', NULL, take_true, offsetof(compare_settings, quiet), 0, 0, "only the exit code"},
+    COMMAND_QUIET("only the exit code"),
     {.help = NULL},
 };
 static const char *const operands[] = {"A", "B"};

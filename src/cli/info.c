@@ -1,6 +1,5 @@
 /* `fathom info`: what a scene holds, what rendering it will take, and what is wrong with it. */
 #include "cli/command.h"
-#include "cli/interrupt.h"
 #include "cli/json_text.h"
 #include "cli/notes.h"
 
@@ -19,10 +18,10 @@
 #include <stdlib.h>
 
 typedef struct info_settings {
+    command_common common;
     const char *scene, *camera;
     fathom_up up;
-    unsigned threads;
-    bool json, allow_outside;
+    bool json;
 } info_settings;
 
 /* ---- counting ---- */
@@ -115,17 +114,15 @@ static json_t *pack_lights(const fathom_scene *scene) {
                    JSON("spot", counts[FATHOM_LIGHT_SPOT]));
 }
 
-static json_t *vector(double x, double y, double z) { return json_pack("[f, f, f]", x, y, z); }
-
 static json_t *pack_bounds(const scene_bounds *b) {
     if (bounds_is_empty(b)) return json_null();
-    return json_of(JSON("lower", vector(b->lower.x, b->lower.y, b->lower.z)),
-                   JSON("upper", vector(b->upper.x, b->upper.y, b->upper.z)));
+    return json_of(JSON("lower", json_vector(b->lower.x, b->lower.y, b->lower.z)),
+                   JSON("upper", json_vector(b->upper.x, b->upper.y, b->upper.z)));
 }
 
 static json_t *pack_camera(const fathom_camera *c) {
-    return json_of(JSON("origin", vector(c->origin[0], c->origin[1], c->origin[2])),
-                   JSON("direction", vector(-c->z[0], -c->z[1], -c->z[2])));
+    return json_of(JSON("origin", json_vector(c->origin[0], c->origin[1], c->origin[2])),
+                   JSON("direction", json_vector(-c->z[0], -c->z[1], -c->z[2])));
 }
 
 static json_t *pack_cameras(const fathom_scene *scene) {
@@ -378,21 +375,17 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
     return status;
 }
 
-static fathom_status run(int argc, char **argv) {
-    info_settings settings = {.scene = NULL};
-    fathom_status status;
-    if (!command_parse(&command_info, argc, argv, &settings, &status)) return status;
-    fathom_context *context;
-    status = command_context(settings.threads, &context);
-    if (status != FATHOM_OK) return status;
-    fathom_context_allow_outside(context, settings.allow_outside);
-    interrupt_install();
+static fathom_status describe_with_problems(fathom_context *context, void *settings) {
     warning_list problems = {.count = 0};
     fathom_context_on_warning(context, warnings_keep, &problems);
-    status = describe(context, &settings, &problems);
+    fathom_status status = describe(context, settings, &problems);
     warnings_free(&problems);
-    fathom_context_destroy(context);
     return status;
+}
+
+static fathom_status run(int argc, char **argv) {
+    info_settings settings = {.scene = NULL};
+    return command_run(&command_info, argc, argv, &settings, describe_with_problems);
 }
 
 static const args_option options[] = {
@@ -400,8 +393,8 @@ static const args_option options[] = {
     COMMAND_CAMERA(info_settings),
     COMMAND_UP(info_settings),
     {"json", 0, NULL, take_true, offsetof(info_settings, json), 0, 0, "as JSON"},
-    COMMAND_ALLOW_OUTSIDE(info_settings),
-    {"threads", 0, "N", take_u32, offsetof(info_settings, threads), 1, 1024, "1 to 1024 (one a processor)"},
+    COMMAND_ALLOW_OUTSIDE(command_common),
+    COMMAND_THREADS,
     {.help = NULL},
 };
 static const char *const operands[] = {"SCENE"};

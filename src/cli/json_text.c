@@ -30,6 +30,7 @@ json_t *json_number(double number) { return isfinite(number) ? json_real(number)
 json_t *json_int(int number) { return json_integer(number); }
 json_t *json_float(float number) { return json_number((double)number); }
 json_t *json_flag(bool flag) { return json_boolean(flag); }
+json_t *json_vector(double x, double y, double z) { return json_pack("[f, f, f]", x, y, z); }
 json_t *json_value(json_t *value) { return value; }
 
 json_t *json_add_members(json_t *object, const json_member *members, size_t count) {

@@ -18,6 +18,7 @@ json_t *json_number(double number);
 json_t *json_int(int number);
 json_t *json_float(float number);
 json_t *json_flag(bool flag);
+json_t *json_vector(double x, double y, double z);
 json_t *json_value(json_t *value);
 
 typedef struct json_member {

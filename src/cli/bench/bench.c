@@ -192,39 +192,33 @@ bench_watch bench_progress_part(double from, double to) {
 
 /* ---- running ---- */
 
-static fathom_status measure_and_write(fathom_context *context, const bench_settings *asked, json_t *root,
-                                       bench_measure measure, const bench_csv *csv) {
-    const fathom_status measured = measure(context, asked, root);
+static fathom_status measure_and_write(fathom_context *context, const bench_settings *asked, json_t *root) {
+    const fathom_status measured = asked->run.measure(context, asked, root);
     progress_clear_line();
     fflush(stdout);
     const bool partial = measured == FATHOM_INTERRUPTED && json_is_true(json_object_get(root, "interrupted"));
     if (measured != FATHOM_OK && !partial) return measured;
     if (json_memory_lacked()) return fail_memory(context, 4096); /* results are missing */
-    const fathom_status written = write_outputs(context, asked, root, csv);
+    const fathom_status written = write_outputs(context, asked, root, asked->run.csv);
     return written == FATHOM_OK ? measured : written;
 }
 
-fathom_status bench_run(const command *c, int argc, char **argv, void *settings, bench_measure measure,
-                        const bench_csv *csv) {
+static fathom_status check_and_measure(fathom_context *context, void *settings) {
     const bench_settings *asked = settings;
-    fathom_context *context;
-    fathom_status status;
-    if (!command_parse(c, argc, argv, settings, &status)) return status;
-    status = command_context(asked->threads, &context);
-    if (status != FATHOM_OK) return status;
-    fathom_context_allow_outside(context, asked->allow_outside);
-    interrupt_install();
     const char *const files[] = {asked->json, asked->csv};
-    status = report_check_files(context, files, 2, asked->report, asked->scene);
+    fathom_status status = report_check_files(context, files, 2, asked->report, asked->scene);
     if (status == FATHOM_OK) {
-        progress_start(asked->quiet);
-        json_t *root = head(c->name + strlen("bench "));
-        status = measure_and_write(context, asked, root, measure, csv);
+        progress_start(asked->common.quiet);
+        json_t *root = head(asked->run.command->name + strlen("bench "));
+        status = measure_and_write(context, asked, root);
         json_decref(root);
     }
-    say_status(c, context, status);
-    fathom_context_destroy(context);
-    return status;
+    return say_status(asked->run.command, context, status);
+}
+
+fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings) {
+    ((bench_settings *)settings)->run = *b;
+    return command_run(b->command, argc, argv, settings, check_and_measure);
 }
 
 /* ---- scenes ---- */

@@ -17,53 +17,6 @@ extern const command command_bench_trace, command_bench_render, command_bench_er
 /* "error" for `fathom bench error`; NULL: none. */
 const command *bench_find(const char *name);
 
-/* ---- settings: the first member of each bench's own ---- */
-
-typedef struct bench_settings {
-    const char *scene, *tracer;
-    args_size size; /* 0 × 0: the scene's */
-    uint32_t repeats;
-    unsigned threads; /* of the context; 0: one a processor */
-    bool quiet, allow_outside;
-    const char *json, *csv, *report; /* NULL: not asked for */
-} bench_settings;
-
-/* Rows for the tables of options. */
-#define BENCH_FIELD(name) offsetof(bench_settings, name)
-#define BENCH_SIZE                                                                                           \
-    { "size", 0, "WxH", take_size, BENCH_FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)" }
-#define BENCH_THREADS                                                                                        \
-    { "threads", 0, "N", take_u32, BENCH_FIELD(threads), 1, 1024, "1 to 1024 (one a processor)" }
-#define BENCH_REPEATS(most, help)                                                                            \
-    { "repeats", 0, "N", take_u32, BENCH_FIELD(repeats), 1, most, help }
-#define BENCH_RESULTS                                                                                        \
-    {.help = "Results"}, {"quiet", 'q', NULL, take_true, BENCH_FIELD(quiet), 0, 0, "no table"},              \
-        {"json", 0, "FILE", take_text, BENCH_FIELD(json), 0, 0, "all figures"},                              \
-        {"csv",                                                                                              \
-         0,                                                                                                  \
-         "FILE",                                                                                             \
-         take_text,                                                                                          \
-         BENCH_FIELD(csv),                                                                                   \
-         0,                                                                                                  \
-         0,                                                                                                  \
-         "the same as comma-separated values, with the machine in lines that begin with #"},                 \
-        {"report",                                                                                           \
-         0,                                                                                                  \
-         "DIR",                                                                                              \
-         take_text,                                                                                          \
-         BENCH_FIELD(report),                                                                                \
-         0,                                                                                                  \
-         0,                                                                                                  \
-         "the same as one page with tables and plots, DIR/index.html"},                                      \
-    {                                                                                                        \
-        .help = NULL                                                                                         \
-    }
-/* The operand SCENE. */
-extern const char *const bench_operands[1];
-extern const size_t bench_operand_offsets[1];
-
-/* ---- running ---- */
-
 /* A row of CSV for each item of the array root[rows], and of the array `inner` in each of them if it is not
  * NULL. columns: "spp, seconds_low=seconds.low", paths in the inner item or else the outer. */
 typedef struct bench_csv {
@@ -74,10 +27,48 @@ typedef struct bench_csv {
  * what there is gets written. */
 typedef fathom_status (*bench_measure)(fathom_context *context, const void *settings, json_t *root);
 
-/* A command: reads the command line over `settings`, which begin with bench_settings, checks the files that
- * will be written, measures, writes them, and says what went wrong. */
-fathom_status bench_run(const command *c, int argc, char **argv, void *settings, bench_measure measure,
-                        const bench_csv *csv);
+typedef struct bench_kind {
+    const command *command;
+    bench_measure measure;
+    const bench_csv *csv;
+} bench_kind;
+
+/* ---- settings: the first member of each bench's own ---- */
+
+typedef struct bench_settings {
+    command_common common;
+    bench_kind run; /* set by bench_run() */
+    const char *scene, *tracer;
+    args_size size; /* 0 × 0: the scene's */
+    uint32_t repeats;
+    const char *json, *csv, *report; /* NULL: not asked for */
+} bench_settings;
+
+/* Rows for the tables of options. */
+#define BENCH_FIELD(name) offsetof(bench_settings, name)
+#define BENCH_SIZE                                                                                           \
+    { "size", 0, "WxH", take_size, BENCH_FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)" }
+#define BENCH_REPEATS(most, help)                                                                            \
+    { "repeats", 0, "N", take_u32, BENCH_FIELD(repeats), 1, most, help }
+#define BENCH_RESULTS                                                                                        \
+    {.help = "Results"}, COMMAND_QUIET("no table"),                                                          \
+        {"json", 0, "FILE", take_text, BENCH_FIELD(json), 0, 0, "all figures"},                              \
+        {"csv", 0, "FILE", take_text, BENCH_FIELD(csv), 0, 0, BENCH_CSV_HELP},                               \
+        {"report", 0, "DIR", take_text, BENCH_FIELD(report), 0, 0, BENCH_REPORT_HELP}, {                     \
+        .help = NULL                                                                                         \
+    }
+#define BENCH_CSV_HELP "the same as comma-separated values, with the machine in lines that begin with #"
+#define BENCH_REPORT_HELP "the same as one page with tables and plots, DIR/index.html"
+
+/* The operand SCENE. */
+extern const char *const bench_operands[1];
+extern const size_t bench_operand_offsets[1];
+
+/* ---- running ---- */
+
+/* Reads the command line over `settings`, which begin with bench_settings, checks the files that will be
+ * written, measures, writes them, and says what went wrong. */
+fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings);
 
 /* Shows the progress of a measurement that is this part of all of them and, once it is known, how long they
  * take.

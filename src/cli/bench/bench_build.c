@@ -122,7 +122,7 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     if (status == FATHOM_OK) {
         pack(asked, &stage, &result, root);
         progress_clear_line();
-        if (!asked->all.quiet) print(root);
+        if (!asked->all.common.quiet) print(root);
     }
     stage_close(&stage);
     return status;
@@ -130,7 +130,7 @@ static fathom_status measure(fathom_context *context, const void *settings, json
 
 static fathom_status run(int argc, char **argv) {
     bench_build_settings asked = {.all = {.tracer = "embree", .repeats = 5}, .spp = 4};
-    return bench_run(&command_bench_build, argc, argv, &asked, measure, &csv);
+    return bench_run(&(bench_kind){&command_bench_build, measure, &csv}, argc, argv, &asked);
 }
 
 static const args_option options[] = {
@@ -141,8 +141,8 @@ static const args_option options[] = {
     {"spp", 0, "N", take_u32, offsetof(bench_build_settings, spp), 1, 65536,
      "samples a pixel of each render (4)"},
     BENCH_REPEATS(BUILD_REPEATS_MAX, "repetitions; the results are their medians (5)"),
-    BENCH_THREADS,
-    COMMAND_ALLOW_OUTSIDE(bench_settings),
+    COMMAND_THREADS,
+    COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
 };
 

@@ -274,7 +274,7 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     const bool interrupted = status == FATHOM_INTERRUPTED && result.runs.count;
     if (status == FATHOM_OK || interrupted) {
         pack(asked, &stage, &result, interrupted, root);
-        if (!asked->all.quiet) print(root);
+        if (!asked->all.common.quiet) print(root);
     }
     if (interrupted)
         status = fail(context, FATHOM_INTERRUPTED,
@@ -287,7 +287,7 @@ static fathom_status measure(fathom_context *context, const void *settings, json
 
 static fathom_status run(int argc, char **argv) {
     bench_error_settings asked = {.seeds = 3, .max_spp = 1024, .ppd = FLIP_PPD};
-    return bench_run(&command_bench_error, argc, argv, &asked, measure, &csv);
+    return bench_run(&(bench_kind){&command_bench_error, measure, &csv}, argc, argv, &asked);
 }
 
 #define FIELD(name) offsetof(bench_error_settings, name)
@@ -305,8 +305,8 @@ static const args_option options[] = {
      "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
     {"tracer", 0, "SPEC", take_text, BENCH_FIELD(tracer), 0, 0,
      "what answers the rays (the scene's, else embree)"},
-    BENCH_THREADS,
-    COMMAND_ALLOW_OUTSIDE(bench_settings),
+    COMMAND_THREADS,
+    COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
 };
 

@@ -122,7 +122,7 @@ static fathom_status run_sizes(fathom_context *context, const bench_growth_setti
     json_t *runs = json_object_get(root, "runs");
     growth_point *point = malloc(sizeof *point);
     fathom_status status = point ? FATHOM_OK : fail_memory(context, sizeof *point);
-    if (!asked->all.quiet && status == FATHOM_OK) {
+    if (!asked->all.common.quiet && status == FATHOM_OK) {
         printf("%11s  %9s %9s  %9s %9s  %9s  %7s %7s  %s\n", "triangles", "read cpu", "clock s", "build cpu",
                "clock s", "BVH MB", "Mrays/s", "bare", "render phase over bare calls");
         for (size_t i = 0; i < json_array_size(runs); ++i) print_run(json_array_get(runs, i));
@@ -133,7 +133,7 @@ static fathom_status run_sizes(fathom_context *context, const bench_growth_setti
         if (status != FATHOM_OK) break;
         json_t *run = pack_run(point);
         bench_add_tracer(root, point->tracer);
-        if (!asked->all.quiet) print_run(run);
+        if (!asked->all.common.quiet) print_run(run);
         insert(runs, run);
     }
     free(point);
@@ -214,13 +214,13 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     if (status == FATHOM_OK) status = run_sizes(context, asked, root);
     if (status != FATHOM_OK) return status;
     json_add(root, JSON("fits", pack_fits(runs)));
-    if (!asked->all.quiet) print_fits(json_object_get(root, "fits"));
+    if (!asked->all.common.quiet) print_fits(json_object_get(root, "fits"));
     return FATHOM_OK;
 }
 
 static fathom_status run(int argc, char **argv) {
     bench_growth_settings asked = {.all = {.size = {1280, 720}, .repeats = 5}, .seconds = 8};
-    return bench_run(&command_bench_growth, argc, argv, &asked, measure, &csv);
+    return bench_run(&(bench_kind){&command_bench_growth, measure, &csv}, argc, argv, &asked);
 }
 
 #define FIELD(name) offsetof(bench_growth_settings, name)

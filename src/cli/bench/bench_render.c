@@ -217,7 +217,7 @@ static fathom_status measure_run(fathom_context *context, const fathom_scene *sc
         json_t *run = pack_run(&settings, m, read);
         bench_add_tracer(root, m->tracer);
         progress_clear_line();
-        if (!asked->all.quiet) print_run(run);
+        if (!asked->all.common.quiet) print_run(run);
         json_array_append_new(json_object_get(root, "runs"), run);
     }
     free(m);
@@ -251,7 +251,7 @@ static fathom_status measure(fathom_context *context, const void *user, json_t *
 static fathom_status run(int argc, char **argv) {
     bench_render_settings asked = {
         .all = {.tracer = "embree", .repeats = 9}, .spp = {{1, 16}, 2}, .threads = {{1, 2}, 2}};
-    return bench_run(&command_bench_render, argc, argv, &asked, measure, &csv);
+    return bench_run(&(bench_kind){&command_bench_render, measure, &csv}, argc, argv, &asked);
 }
 
 #define FIELD(name) offsetof(bench_render_settings, name)
@@ -264,7 +264,7 @@ static const args_option options[] = {
     {"threads", 0, "N,N", take_counts, FIELD(threads), 1, 1024,
      "how many render; the speedup is over the first (1,2)"},
     BENCH_REPEATS(RENDER_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
-    COMMAND_ALLOW_OUTSIDE(bench_settings),
+    COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
 };
 

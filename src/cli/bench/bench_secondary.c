@@ -95,13 +95,13 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
     stage_close(&stage);
     progress_clear_line();
-    if (status == FATHOM_OK && !asked->all.quiet) print_rows(json_object_get(root, "rows"));
+    if (status == FATHOM_OK && !asked->all.common.quiet) print_rows(json_object_get(root, "rows"));
     return status;
 }
 
 static fathom_status run(int argc, char **argv) {
     bench_secondary_settings asked = {.all = {.tracer = "embree", .repeats = 9}, .rays = 100000};
-    return bench_run(&command_bench_secondary, argc, argv, &asked, measure, &csv);
+    return bench_run(&(bench_kind){&command_bench_secondary, measure, &csv}, argc, argv, &asked);
 }
 
 static const args_option options[] = {
@@ -111,7 +111,7 @@ static const args_option options[] = {
     {"rays", 0, "N", take_count, offsetof(bench_secondary_settings, rays), 16, 1e8,
      "of each depth and kind, about, if there are (100000)"},
     BENCH_REPEATS(SECONDARY_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
-    COMMAND_ALLOW_OUTSIDE(bench_settings),
+    COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
 };
 

@@ -228,7 +228,7 @@ static fathom_status run_arena(fathom_context *context, const arena *s, const be
         json_array_append_new(runs, pack_run(s, &f->items[i]));
     }
     progress_clear_line();
-    if (status == FATHOM_OK && !asked->all.quiet) print_scene(s, f, runs, first);
+    if (status == FATHOM_OK && !asked->all.common.quiet) print_scene(s, f, runs, first);
     for (size_t i = 0; i < f->count; ++i) trace_destroy(f->items[i].tracer);
     free(f);
     return status;
@@ -277,7 +277,7 @@ static fathom_status measure(fathom_context *context, const void *settings, json
 
 static fathom_status run(int argc, char **argv) {
     bench_trace_settings asked = {.all = {.repeats = 9}, .rays = 262144, .tracing = 1, .seconds = 0.1};
-    return bench_run(&command_bench_trace, argc, argv, &asked, measure, &csv);
+    return bench_run(&(bench_kind){&command_bench_trace, measure, &csv}, argc, argv, &asked);
 }
 
 #define FIELD(name) offsetof(bench_trace_settings, name)
@@ -294,7 +294,7 @@ static const args_option options[] = {
      "the most for one repetition of one tracer and kind of rays; slower ones get fewer rays (0.1)"},
     BENCH_REPEATS(TRACE_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
     {"threads", 0, "N", take_u32, FIELD(tracing), 1, 1024, "that build and trace (1)"},
-    COMMAND_ALLOW_OUTSIDE(bench_settings),
+    COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
 };
 

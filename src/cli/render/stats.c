@@ -11,35 +11,35 @@
 #include <string.h>
 #include <sys/resource.h>
 
-uint64_t report_rays(const render_report *report) {
+static uint64_t rays(const render_report *report) {
     const fathom_stats *s = &report->stats;
     return s->camera_rays + s->shadow_rays + s->reflection_rays + s->refraction_rays;
 }
 
-double report_rays_per_second(const render_report *report) {
+static double rays_per_second(const render_report *report) {
     double seconds = report->stats.render_seconds;
-    return seconds > 0 ? (double)report_rays(report) / seconds : 0;
+    return seconds > 0 ? (double)rays(report) / seconds : 0;
 }
 
-double report_mean_spp(const render_report *r) {
+static double mean_spp(const render_report *r) {
     return (double)r->stats.samples / ((double)r->width * r->height);
 }
 
-uint64_t report_peak_bytes(void) {
+static uint64_t peak_bytes(void) {
     struct rusage usage;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024 : 0;
 }
 
-uint64_t report_needed_bytes(const render_report *r) {
+static uint64_t needed_bytes(const render_report *r) {
     return r->stats.mesh_bytes + r->stats.bvh_bytes + r->stats.film_bytes;
 }
 
 static json_t *pack_memory(const render_report *r) {
     const fathom_stats *s = &r->stats;
-    const uint64_t peak = report_peak_bytes();
+    const uint64_t peak = peak_bytes();
     return json_of(JSON("peakBytes", peak), JSON("meshBytes", s->mesh_bytes), JSON("bvhBytes", s->bvh_bytes),
                    JSON("filmBytes", s->film_bytes), JSON("bvhPeakBytes", s->bvh_peak_bytes),
-                   JSON("peakToNeeded", (double)peak / (double)report_needed_bytes(r)),
+                   JSON("peakToNeeded", (double)peak / (double)needed_bytes(r)),
                    JSON("foreseenBytes", s->foreseen_bytes ? json_count(s->foreseen_bytes) : json_null()));
 }
 
@@ -61,7 +61,7 @@ static json_t *pack_rays(const render_report *r) {
     const fathom_stats *s = &r->stats;
     return json_of(JSON("camera", s->camera_rays), JSON("shadow", s->shadow_rays),
                    JSON("reflection", s->reflection_rays), JSON("refraction", s->refraction_rays),
-                   JSON("total", report_rays(r)), JSON("repaired", s->repaired_rays),
+                   JSON("total", rays(r)), JSON("repaired", s->repaired_rays),
                    JSON("unlitShadow", s->unlit_shadow_rays), JSON("faintShadow", s->faint_shadow_rays));
 }
 
@@ -69,7 +69,7 @@ static json_t *pack_rays(const render_report *r) {
 static json_t *pack_image(const render_report *r, const render_options *options) {
     const double error = r->stats.error_estimate;
     return json_of(JSON("width", r->width), JSON("height", r->height), JSON("spp", options->settings.spp),
-                   JSON("meanSpp", report_mean_spp(r)),
+                   JSON("meanSpp", mean_spp(r)),
                    JSON("errorEstimate", error > 0 ? json_number(error) : json_null()));
 }
 
@@ -100,10 +100,9 @@ static json_t *pack(const render_report *r, const render_options *options) {
         JSON("triangles", s->triangles), JSON("placedTriangles", s->placed_triangles),
         JSON("primitives", s->primitives), JSON("instances", s->instances),
         JSON("degenerateTriangles", s->degenerate_triangles), JSON("seconds", pack_seconds(r)),
-        JSON("rays", pack_rays(r)), JSON("raysPerSecond", report_rays_per_second(r)),
-        JSON("peakMemoryBytes", report_peak_bytes()), JSON("bvhBytes", s->bvh_bytes),
-        JSON("memory", pack_memory(r)), JSON("leftOut", left_out_json(&r->left_out)),
-        JSON("warnings", warnings_json(&r->warnings)));
+        JSON("rays", pack_rays(r)), JSON("raysPerSecond", rays_per_second(r)),
+        JSON("peakMemoryBytes", peak_bytes()), JSON("bvhBytes", s->bvh_bytes), JSON("memory", pack_memory(r)),
+        JSON("leftOut", left_out_json(&r->left_out)), JSON("warnings", warnings_json(&r->warnings)));
     add_tracer(root, s->tracer);
     return json_add(root, JSON("threads", s->threads));
 }
@@ -120,9 +119,9 @@ static double megabytes(uint64_t bytes) { return 1e-6 * (double)bytes; }
 
 static void print_memory(const render_report *r) {
     const fathom_stats *s = &r->stats;
-    uint64_t peak = report_peak_bytes();
+    uint64_t peak = peak_bytes();
     printf("memory   %.1f MB at most, %.3g times meshes %.1f, BVH %.1f (at most %.1f) and film %.1f",
-           megabytes(peak), (double)peak / (double)report_needed_bytes(r), megabytes(s->mesh_bytes),
+           megabytes(peak), (double)peak / (double)needed_bytes(r), megabytes(s->mesh_bytes),
            megabytes(s->bvh_bytes), megabytes(s->bvh_peak_bytes), megabytes(s->film_bytes));
     if (s->foreseen_bytes) printf("; %.0f were foreseen", megabytes(s->foreseen_bytes));
     putchar('\n');
@@ -165,11 +164,11 @@ static void print_sampling(const render_report *r, const render_options *options
     if (!(error > 0)) {
         printf("%u spp", options->settings.spp);
     } else if (isfinite(error)) {
-        printf("%.1f spp, error %.2g", report_mean_spp(r), error);
+        printf("%.1f spp, error %.2g", mean_spp(r), error);
         if (options->settings.target_error > 0 && error > options->settings.target_error)
             printf(" (above the target)");
     } else {
-        printf("%.1f spp, error unknown", report_mean_spp(r));
+        printf("%.1f spp, error unknown", mean_spp(r));
     }
 }
 
@@ -183,7 +182,7 @@ void stats_print(const render_report *report, const render_options *options) {
     printf(": %ux%u, ", report->width, report->height);
     print_sampling(report, options);
     if (options->exposure_auto) printf(", exposure %g", (double)options->write.exposure);
-    printf(", %.2f s, %.1f Mrays/s", report->total_seconds, 1e-6 * report_rays_per_second(report));
+    printf(", %.2f s, %.1f Mrays/s", report->total_seconds, 1e-6 * rays_per_second(report));
     if (report->interrupted) printf(", interrupted at %u %%", (unsigned)(100 * report->finished));
     putchar('\n');
 }

@@ -112,37 +112,40 @@ static fathom_status run_all(fathom_context *context, work *k) {
 
 /* ---- results ---- */
 
-static int by_tracer(const void *a, const void *b) {
-    return strcmp(((const validate_run *)a)->spec, ((const validate_run *)b)->spec);
+/* Few runs: an insertion keeps the scenes' order within each tracer. */
+static void sort_by_tracer(validate_runs *runs) {
+    for (size_t i = 1; i < runs->count; ++i) {
+        const validate_run run = runs->items[i];
+        size_t at = i;
+        for (; at > 0 && strcmp(runs->items[at - 1].spec, run.spec) > 0; --at)
+            runs->items[at] = runs->items[at - 1];
+        runs->items[at] = run;
+    }
+}
+
+static uint64_t count_all(const validate_results *results, verdict v) {
+    uint64_t sum = validate_extremes_total(&results->extremes, v);
+    for (size_t i = 0; i < results->runs.count; ++i) {
+        const compare_family all = validate_sum(&results->runs.items[i]);
+        sum += all.counts[v] + all.any_counts[v];
+    }
+    return sum;
+}
+
+static void print(const work *k, uint64_t wrong) {
+    validate_print(&k->results.runs, k->settings);
+    if (k->settings->isa) validate_print_isas(&k->results.runs);
+    if (k->settings->extremes) validate_extremes_print(&k->results.extremes, k->settings);
+    validate_shading_print(&k->results.shading, k->settings);
+    printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)wrong,
+           (unsigned long long)count_all(&k->results, VERDICT_LEAK), clock_seconds() - k->start);
 }
 
 static fathom_status write_results(fathom_context *context, work *k, uint64_t *wrong) {
-    /* Few runs: an insertion keeps the scenes' order within each tracer. */
-    for (size_t i = 1; i < k->results.runs.count; ++i) {
-        validate_run run = k->results.runs.items[i];
-        size_t at = i;
-        for (; at > 0 && by_tracer(&k->results.runs.items[at - 1], &run) > 0; --at)
-            k->results.runs.items[at] = k->results.runs.items[at - 1];
-        k->results.runs.items[at] = run;
-    }
-    uint64_t leaks = 0;
-    for (size_t i = 0; i < k->results.runs.count; ++i) {
-        compare_family sum = validate_sum(&k->results.runs.items[i]);
-        *wrong += sum.counts[VERDICT_WRONG] + sum.any_counts[VERDICT_WRONG];
-        leaks += sum.counts[VERDICT_LEAK] + sum.any_counts[VERDICT_LEAK];
-    }
-    *wrong += validate_extremes_total(&k->results.extremes, VERDICT_WRONG);
-    leaks += validate_extremes_total(&k->results.extremes, VERDICT_LEAK);
-    *wrong += validate_shading_wrong(&k->results.shading);
-    if (!k->settings->quiet) {
-        validate_print(&k->results.runs, k->settings);
-        if (k->settings->isa) validate_print_isas(&k->results.runs);
-        if (k->settings->extremes) validate_extremes_print(&k->results.extremes, k->settings);
-        validate_shading_print(&k->results.shading, k->settings);
-        printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)*wrong,
-               (unsigned long long)leaks, clock_seconds() - k->start);
-    }
     fathom_status status = FATHOM_OK;
+    sort_by_tracer(&k->results.runs);
+    *wrong = count_all(&k->results, VERDICT_WRONG) + validate_shading_wrong(&k->results.shading);
+    if (!k->settings->common.quiet) print(k, *wrong);
     if (k->settings->json || k->settings->report)
         status = validate_write_json(context, &k->results, k->settings);
     if (status == FATHOM_OK && k->settings->failures)
@@ -179,12 +182,11 @@ static void free_results(validate_results *results) {
 static fathom_status validate(fathom_context *context, const validate_settings *settings) {
     fathom_status status = check(context, settings);
     if (status != FATHOM_OK) return say_status(&command_validate, context, status);
-    interrupt_install();
     if (settings->replay) {
         status = validate_replay(context, settings);
         return status == FATHOM_CHECK_FAILED ? status : say_status(&command_validate, context, status);
     }
-    progress_begin(settings->quiet);
+    progress_begin(settings->common.quiet);
     progress_call("validate");
     interrupt_keep_work(true);
     work k = {.settings = settings};
@@ -203,24 +205,20 @@ static fathom_status validate(fathom_context *context, const validate_settings *
     return status == FATHOM_OK && wrong ? FATHOM_CHECK_FAILED : status;
 }
 
+static fathom_status prepare_and_validate(fathom_context *context, void *user) {
+    validate_settings *settings = user;
+    validate_isas isas;
+    fathom_status status = FATHOM_OK;
+    settings->tracers_given = settings->tracers.count > 0;
+    if (!settings->tracers_given && !settings->replay) settings->tracers = default_tracers;
+    settings->threads = settings->common.threads ? settings->common.threads : processor_count();
+    if (settings->isa) status = validate_each_isa(context, settings, &isas);
+    return status == FATHOM_OK ? validate(context, settings) : say_status(&command_validate, context, status);
+}
+
 static fathom_status run(int argc, char **argv) {
     validate_settings settings = {.rays = 3000, .sample = 2, .families = (1u << RAYS_FAMILIES) - 1};
-    fathom_status status;
-    if (!command_parse(&command_validate, argc, argv, &settings, &status)) return status;
-    settings.tracers_given = settings.tracers.count > 0;
-    if (!settings.tracers_given && !settings.replay) settings.tracers = default_tracers;
-    fathom_context *context;
-    status = command_context(settings.threads, &context);
-    if (status != FATHOM_OK) return status;
-    fathom_context_allow_outside(context, settings.allow_outside);
-    settings.threads = fathom_context_threads(context);
-    if (!settings.threads) settings.threads = processor_count();
-    validate_isas isas;
-    if (settings.isa) status = validate_each_isa(context, &settings, &isas);
-    status =
-        status == FATHOM_OK ? validate(context, &settings) : say_status(&command_validate, context, status);
-    fathom_context_destroy(context);
-    return status;
+    return command_run(&command_validate, argc, argv, &settings, prepare_and_validate);
 }
 
 static bool take_families(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -270,12 +268,11 @@ static const args_option options[] = {
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
      "also the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
      "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},
-    {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
-     "1 to 1024 (one a processor)"},
-    COMMAND_ALLOW_OUTSIDE(validate_settings),
+    COMMAND_THREADS,
+    COMMAND_ALLOW_OUTSIDE(command_common),
     {.help = "Results"},
     {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0, "a row for each family"},
-    {"quiet", 'q', NULL, take_true, offsetof(validate_settings, quiet), 0, 0, "only the exit code"},
+    COMMAND_QUIET("only the exit code"),
     {"json", 0, "FILE", take_text, offsetof(validate_settings, json), 0, 0, "all figures"},
     {"report", 0, "DIR", take_text, offsetof(validate_settings, report), 0, 0,
      "all figures as one page with tables and plots, DIR/index.html"},

@@ -9,15 +9,16 @@
 #include "verify/light/shading.h"
 
 typedef struct validate_settings {
+    command_common common;
     const char *scene; /* NULL: the built-in ones */
     args_list tracers;
     uint64_t rays, seed;
     uint64_t sample;
     bool isa;          /* Embree once with each instruction set */
     unsigned families; /* bit i: rays_family i */
-    unsigned threads;
+    unsigned threads;  /* that judge */
     const char *json, *failures, *replay, *report;
-    bool quiet, verbose, allow_outside;
+    bool verbose;
     bool extremes;      /* also the grid of extreme cases */
     bool tracers_given; /* else `tracers` are the default ones */
 } validate_settings;

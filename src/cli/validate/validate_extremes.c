@@ -1,7 +1,6 @@
 #include "cli/validate/validate.h"
 
 #include "base/clock.h"
-#include "base/threads.h"
 #include "cli/interrupt.h"
 #include "cli/render/progress.h"
 
@@ -30,15 +29,14 @@ static bool on_progress(void *user, uint64_t rays) {
     return !interrupt_asked();
 }
 
-static extremes_options options_of(fathom_context *context, const validate_settings *settings, grid *g) {
+static extremes_options options_of(const validate_settings *settings, grid *g) {
     extremes_options o = {.specs = default_tracers,
                           .spec_count = sizeof default_tracers / sizeof *default_tracers,
                           .rays = (settings->rays + SHARE - 1) / SHARE,
                           .seed = settings->seed,
-                          .threads = fathom_context_threads(context),
+                          .threads = settings->threads,
                           .progress = on_progress,
                           .user = g};
-    if (!o.threads) o.threads = processor_count();
     if (settings->tracers_given) o.specs = settings->tracers.items, o.spec_count = settings->tracers.count;
     return o;
 }
@@ -47,10 +45,10 @@ fathom_status validate_extremes_run(fathom_context *context, const validate_sett
                                     validate_results *results) {
     extremes_rows *rows = &results->extremes;
     grid g = {.start = clock_seconds()};
-    extremes_options options = options_of(context, settings, &g);
+    extremes_options options = options_of(settings, &g);
     if (settings->failures) options.failures = &results->extremes_failures, options.kept = FAILURES_KEPT;
     for (unsigned k = 0; k < extremes_groups(); ++k) g.cases += extremes_cases(k);
-    progress_begin(settings->quiet);
+    progress_begin(settings->common.quiet);
     progress_call("extremes");
     fathom_status status = FATHOM_OK;
     for (unsigned k = 0; k < extremes_groups(); ++k) {

@@ -94,9 +94,7 @@ void validate_print(const validate_runs *runs, const validate_settings *settings
 
 /* ---- JSON ---- */
 
-static json_t *pack_vector(vec3_f32 v) {
-    return json_pack("[f, f, f]", (double)v.x, (double)v.y, (double)v.z);
-}
+static json_t *pack_vector(vec3_f32 v) { return json_vector((double)v.x, (double)v.y, (double)v.z); }
 
 static json_t *pack_most(const compare_most *most) {
     return json_of(JSON("value", most->value), JSON("index", most->index),
