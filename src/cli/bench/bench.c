@@ -9,7 +9,6 @@
 #include "cli/report.h"
 #include "json/memory.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -122,7 +121,7 @@ static fathom_status write_outputs(fathom_context *context, const bench_settings
 
 static json_t *head(const char *what) {
     char date[16];
-    double load[3] = {NAN, NAN, NAN};
+    double load[3];
     machine_date(date);
     json_t *machine = machine_json();
     if (getloadavg(load, 3) > 0) json_add(machine, JSON("load", load[0]));
