@@ -1,8 +1,9 @@
 #include "cli/command.h"
 
 #include "base/text.h"
+#include "cli/interrupt.h"
 #include "cli/log.h"
-#include "cli/render/warnings.h"
+#include "cli/notes.h"
 #include "json/memory.h"
 
 #include <string.h>
@@ -68,4 +69,18 @@ fathom_status command_context(unsigned threads, fathom_context **out) {
     fathom_context_set_threads(*out, threads);
     fathom_context_on_warning(*out, warnings_say, NULL);
     return FATHOM_OK;
+}
+
+fathom_status command_run(const command *c, int argc, char **argv, void *settings, command_body body) {
+    const command_common *common = settings;
+    fathom_context *context;
+    fathom_status status;
+    if (!command_parse(c, argc, argv, settings, &status)) return status;
+    status = command_context(common->threads, &context);
+    if (status != FATHOM_OK) return status;
+    fathom_context_allow_outside(context, common->allow_outside);
+    interrupt_install();
+    status = body(context, settings);
+    fathom_context_destroy(context);
+    return status;
 }

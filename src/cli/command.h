@@ -66,6 +66,22 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
             "mostly write"                                                                                   \
     }
 
+/* What most commands can be told: the first member of their settings, but for render's. */
+typedef struct command_common {
+    unsigned threads; /* 0: one a processor */
+    bool quiet, allow_outside;
+} command_common;
+
+#define COMMAND_THREADS                                                                                      \
+    { "threads", 0, "N", take_u32, offsetof(command_common, threads), 1, 1024, "1 to 1024 (one a processor)" }
+#define COMMAND_QUIET(help)                                                                                  \
+    { "quiet", 'q', NULL, take_true, offsetof(command_common, quiet), 0, 0, help }
+
+/* Reads the command line over `settings`, which begin with a command_common, and calls `body` with a context
+ * for it, from which a signal ends the process. The body says what goes wrong. */
+typedef fathom_status (*command_body)(fathom_context *context, void *settings);
+fathom_status command_run(const command *c, int argc, char **argv, void *settings, command_body body);
+
 /* A context whose warnings go to stderr; the error is said when there is no memory for one. */
 fathom_status command_context(unsigned threads, fathom_context **out);
 

@@ -1,5 +1,4 @@
 #include "cli/command.h"
-#include "cli/interrupt.h"
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -9,10 +8,9 @@
 #include <sys/stat.h>
 
 typedef struct generate_settings {
+    command_common common;
     const char *kind, *output;
     uint64_t triangles, seed;
-    unsigned threads;
-    bool quiet;
 } generate_settings;
 
 static const char *const kinds[] = {"sphere", "terrain", "sponge", "forest"};
@@ -41,8 +39,7 @@ static bool check(const generate_settings *settings, fathom_generator *kind, arg
                       settings->output);
 }
 
-static fathom_status generate(fathom_context *context, const generate_settings *settings,
-                              fathom_generator kind, fathom_scene *scene) {
+static fathom_status generate(const generate_settings *settings, fathom_generator kind, fathom_scene *scene) {
     fathom_generate_options options;
     fathom_generate_options_default(&options);
     options.kind = kind;
@@ -52,35 +49,32 @@ static fathom_status generate(fathom_context *context, const generate_settings *
     fathom_status status = fathom_scene_generate(scene, FATHOM_ROOT, &options);
     double made = clock_seconds();
     if (status == FATHOM_OK) status = fathom_scene_write_mesh(scene, settings->output);
-    if (status != FATHOM_OK) return say_status(&command_generate, context, status);
+    if (status != FATHOM_OK) return status;
     struct stat info;
     double bytes = stat(settings->output, &info) == 0 ? (double)info.st_size : 0;
-    if (settings->quiet) return FATHOM_OK;
+    if (settings->common.quiet) return FATHOM_OK;
     print_name(stdout, settings->output);
     printf(": %.1f MB, made in %.2f s, written in %.2f s\n", 1e-6 * bytes, made - start,
            clock_seconds() - made);
     return FATHOM_OK;
 }
 
+static fathom_status check_and_generate(fathom_context *context, void *user) {
+    const generate_settings *settings = user;
+    fathom_generator kind = FATHOM_GENERATE_SPHERE;
+    fathom_scene *scene = NULL;
+    args_problem problem;
+    if (!check(settings, &kind, &problem)) return say_usage(&command_generate, problem.text);
+    fathom_status status = file_check_writable(context, settings->output);
+    if (status == FATHOM_OK) status = fathom_scene_create(context, &scene);
+    if (status == FATHOM_OK) status = generate(settings, kind, scene);
+    fathom_scene_destroy(scene);
+    return say_status(&command_generate, context, status);
+}
+
 static fathom_status run(int argc, char **argv) {
     generate_settings settings = {.kind = NULL};
-    fathom_status status;
-    if (!command_parse(&command_generate, argc, argv, &settings, &status)) return status;
-    fathom_generator kind = FATHOM_GENERATE_SPHERE;
-    args_problem problem;
-    if (!check(&settings, &kind, &problem)) return say_usage(&command_generate, problem.text);
-    fathom_context *context;
-    status = command_context(settings.threads, &context);
-    if (status != FATHOM_OK) return status;
-    interrupt_install();
-    fathom_scene *scene = NULL;
-    status = file_check_writable(context, settings.output);
-    if (status == FATHOM_OK) status = fathom_scene_create(context, &scene);
-    say_status(&command_generate, context, status);
-    if (status == FATHOM_OK) status = generate(context, &settings, kind, scene);
-    fathom_scene_destroy(scene);
-    fathom_context_destroy(context);
-    return status;
+    return command_run(&command_generate, argc, argv, &settings, check_and_generate);
 }
 
 static const args_option options[] = {
@@ -91,9 +85,8 @@ static const args_option options[] = {
     {"seed", 0, "N", take_u64, offsetof(generate_settings, seed), 0, 0, "of what is random in it (0)"},
     {"output", 'o', "FILE", take_text, offsetof(generate_settings, output), 0, 0,
      ".glb (keeps instances, read without parsing), .ply (binary) or .obj"},
-    {"threads", 0, "N", take_u32, offsetof(generate_settings, threads), 1, 1024,
-     "1 to 1024 (one a processor)"},
-    {"quiet", 'q', NULL, take_true, offsetof(generate_settings, quiet), 0, 0, "only errors and warnings"},
+    COMMAND_THREADS,
+    COMMAND_QUIET("only errors and warnings"),
     {.help = NULL},
 };
 static const char *const operands[] = {"KIND"};

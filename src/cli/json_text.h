@@ -1,18 +1,74 @@
-/* Values for JSON that jansson has no call for. */
+/* JSON as the program writes it, and looks things up in it. */
 #ifndef CLI_JSON_TEXT_H
 #define CLI_JSON_TEXT_H
 
 #include <fathom/base.h>
 #include <jansson.h>
+#include <stdbool.h>
 #include <stdint.h>
 
+/* ---- values ---- */
+
 /* File names and messages need not be UTF-8, JSON must be: in what is not, each byte beyond ASCII becomes
- * '?'. */
+ * '?'. NULL is null. */
 json_t *json_text(const char *string);
 json_t *json_count(uint64_t number);
+/* null unless it is finite. */
+json_t *json_number(double number);
+json_t *json_int(int number);
+json_t *json_float(float number);
+json_t *json_flag(bool flag);
+json_t *json_vector(double x, double y, double z);
+json_t *json_value(json_t *value);
 
-/* All of it, indented; real numbers with `digits` digits, 0: with all they need. To be released with free().
- * NULL where memory ran out, also while it was put together: then something is left out in it. */
+typedef struct json_member {
+    const char *key;
+    json_t *value;
+} json_member;
+
+/* A member of an object: a number, text, a bool or a json_t, which it takes over. Comparisons are ints in C:
+ * write (bool)(a < b). */
+#define JSON(name, x)                                                                                        \
+    ((json_member){name, _Generic((x),                                                                       \
+         bool: json_flag,                                                                                    \
+         int: json_int,                                                                                    \
+         unsigned: json_count,                                                                               \
+         unsigned long: json_count,                                                                          \
+         unsigned long long: json_count,                                                                     \
+         float: json_float,                                                                                 \
+         double: json_number,                                                                                \
+         char *: json_text,                                                                                  \
+         const char *: json_text,                                                                            \
+         json_t *: json_value)(x)})
+
+json_t *json_add_members(json_t *object, const json_member *members, size_t count);
+/* sizeof makes no values. */
+#define JSON_MEMBERS(...)                                                                                    \
+    (const json_member[]){__VA_ARGS__}, sizeof((const json_member[]){__VA_ARGS__}) / sizeof(json_member)
+/* json_add(object, JSON("a", 1), JSON("b", "text")) adds to an object and returns it; json_of() makes one. */
+#define json_add(object, ...) json_add_members(object, JSON_MEMBERS(__VA_ARGS__))
+#define json_of(...) json_add(json_object(), __VA_ARGS__)
+
+/* ---- looking up ---- */
+
+/* "renderToBare.median" is the member median of the member renderToBare. NULL: there is none. */
+const json_t *json_at(const json_t *object, const char *path);
+/* NAN where there is no number. */
+double json_number_at(const json_t *object, const char *path);
+/* "" where there is no text. */
+const char *json_text_at(const json_t *object, const char *path);
+
+/* ---- printing ---- */
+
+/* Prints `form`, in which "{path:9.4g}" stands for a number of the object, "{path:-8s}" for a text, and "-"
+ * for one that is missing. A number ending in M is divided by a million, one ending in % multiplied by 100.
+ */
+void json_print(const json_t *object, const char *form);
+
+/* ---- writing ---- */
+
+/* All of it, indented; real numbers with `digits` digits, 0: with all they need. Release with free(). NULL
+ * where memory ran out, also while the values were made: some are missing then. */
 char *json_dump_text(const json_t *root, unsigned digits);
 
 /* Writes the text of json_dump_text() with 9 digits, and a line end. The file is whole or not there at all.

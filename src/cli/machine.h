@@ -1,18 +1,18 @@
-/* What figures were measured on, for results that are kept. */
+/* The program and the machine it runs on: `fathom --version`, and for results that are kept. */
 #ifndef CLI_MACHINE_H
 #define CLI_MACHINE_H
 
+#include <jansson.h>
 #include <stdbool.h>
-#include <stddef.h>
 
-/* The processor's name as the system has it; "unknown". */
-void machine_cpu(char *out, size_t size);
-/* The instruction set of our own loops: "AVX2". Embree's is in its tracer's name. */
-const char *machine_kernels(void);
-/* "gcc 12.2.0" */
-const char *machine_compiler(void);
-/* How the program was compiled: "Release -O3 -DNDEBUG". */
-const char *machine_flags(void);
+/* One line to stdout; verbose: also the commit, the compiler, the libraries with their versions, and what of
+ * the processor is used. */
+void version_print(bool verbose);
+
+/* {"cpu", "processors", "kernels", "compiler", "flags"} */
+json_t *machine_json(void);
+/* Of the source; NULL: unknown. */
+const char *machine_commit(void);
 /* Today, as 2026-11-21 in universal time. */
 void machine_date(char out[16]);
 

@@ -1,8 +1,8 @@
 #include "cli/command.h"
 #include "cli/log.h"
+#include "cli/machine.h"
 #include "cli/provenance.h"
 #include "cli/render/exhausted.h"
-#include "cli/version.h"
 
 #include <errno.h>
 #include <fcntl.h>

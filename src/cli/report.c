@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "cli/json_text.h"
+#include "cli/outputs.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,13 +18,18 @@
 
 extern char **environ;
 
+/* A page and its results. */
+#define REPORT_FILES 2
+/* Of one command, next to them. */
+#define REPORT_OTHERS 4
+
 /* A page begins with it: html_page.py. */
 #define GENERATOR "<meta name=\"generator\" content=\"fathom"
 
 /* Where the script lies, seen from the folder of the program: in the build tree and in installations. */
 #define SCRIPT "../share/fathom/report/report.py"
 
-void report_paths(const char *folder, char *page, char *results) {
+static void report_paths(const char *folder, char *page, char *results) {
     snprintf(page, PATH_MAX, "%s/index.html", folder);
     snprintf(results, PATH_MAX, "%s/results.json", folder);
 }
@@ -57,7 +63,7 @@ static int run_script(char *const arguments[], bool silent) {
 }
 
 /* -E -s: neither the environment nor the user's own packages change what is drawn; -B: nothing is written
- * beside the script. */
+ * next to the script. */
 static fathom_status check_drawable(fathom_context *context) {
     char script[PATH_MAX];
     if (!script_path(script))
@@ -110,11 +116,28 @@ static fathom_status check_folder(fathom_context *context, const char *folder) {
     return status == FATHOM_OK ? check_ours(context, page) : status;
 }
 
-fathom_status report_check(fathom_context *context, const char *folder) {
+static fathom_status check_report(fathom_context *context, const char *folder) {
     if (strlen(folder) > PATH_MAX - 32)
         return fail(context, FATHOM_BAD_USAGE, "%.60s…: the name is too long", folder);
     fathom_status status = check_folder(context, folder);
     return status == FATHOM_OK ? check_drawable(context) : status;
+}
+
+fathom_status report_check_files(fathom_context *context, const char *const *files, size_t count,
+                                 const char *report, const char *input) {
+    char pages[REPORT_FILES][PATH_MAX];
+    const char *paths[REPORT_OTHERS + REPORT_FILES];
+    size_t found = 0;
+    fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, files, count);
+    for (size_t i = 0; i < count; ++i) {
+        if (files[i] && !outputs_is_standard(files[i])) paths[found++] = files[i];
+    }
+    for (size_t i = 0; i < found && status == FATHOM_OK; ++i) status = file_check_writable(context, paths[i]);
+    if (status == FATHOM_OK && report) status = check_report(context, report);
+    if (status != FATHOM_OK) return status;
+    if (report) report_paths(report, pages[0], pages[1]);
+    for (int i = 0; report && i < REPORT_FILES; ++i) paths[found++] = pages[i];
+    return outputs_check_distinct(context, paths, found, input);
 }
 
 /* ---- writing ---- */

@@ -5,14 +5,13 @@
 #include <fathom/base.h>
 #include <jansson.h>
 
-/* Before any work is done: FATHOM_OUT_OF_RESOURCES when `folder` is no folder and cannot become one, holds an
- * index.html that no report has written, or when a page cannot be drawn because a package is missing. The
- * message says which. */
-fathom_status report_check(fathom_context *context, const char *folder);
-
-/* The files that a report writes, for outputs_check_distinct(); `out` has room for PATH_MAX bytes each. */
-#define REPORT_FILES 2
-void report_paths(const char *folder, char *page, char *results);
+/* Before any work is done, for the files of a command that writes results: each of `files` (at most 4) may be
+ * NULL, or "-" for standard output; `report`, a folder, and `input` may be NULL. FATHOM_BAD_USAGE when two of
+ * them are the same file; FATHOM_OUT_OF_RESOURCES when one cannot be written, `report` is no folder and
+ * cannot become one, holds an index.html that no report has written, or when a package that draws pages is
+ * missing: the message says which. */
+fathom_status report_check_files(fathom_context *context, const char *const *files, size_t count,
+                                 const char *report, const char *input);
 
 /* Makes the folder if need be. Both files are whole or not there at all. */
 fathom_status report_write(fathom_context *context, const char *folder, const json_t *results);

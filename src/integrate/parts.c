@@ -170,8 +170,7 @@ static bool tell_lights(const world *w, const fathom_settings *settings, left_ou
     for (size_t i = 0; i < scene->lights.count; ++i) {
         if (!tell_light(list, i, parts_light(&extent, w, &scene->lights.items[i]))) return false;
     }
-    return left_out_tell(list, "shadow rays for nothing",
-                         "where the surface faces away or lies outside the cone");
+    return left_out_tell(list, "unlit shadow rays", "where the surface faces away or lies outside the cone");
 }
 
 static bool tell_absent(const world *w, left_out_list *list) {

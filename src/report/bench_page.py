@@ -1,7 +1,7 @@
 """The pages of `fathom bench`: one function for each kind of results."""
 
 from figure import Plot, side_by_side
-from html_page import Section, absent, code, count, exact, facts, group, num, number, page, paragraph, table, text, whole, words
+from html_page import Section, absent, code, count, facts, group, num, number, page, paragraph, table, text, whole, words
 from results import at, spread_of_quartiles, tracers_of
 
 SETS = {
@@ -30,6 +30,22 @@ def head(results):
         value = machine.get(key)
         pairs.append((name, number(value) if isinstance(value, (int, float)) else text(value or "")))
     return facts(pairs)
+
+
+def listing(caption, columns, items):
+    """A table with a row for each item. columns: a path such as "seconds.median", or a function that makes the cell, by its heading."""
+
+    def cell(item, heading, column):
+        if callable(column):
+            return column(item)
+        value = at(item, *column.split("."))
+        if isinstance(value, str):
+            return words(value)
+        if not heading.startswith("#"):
+            return words(number(value) if isinstance(value, float) else count(value))
+        return whole(value) if isinstance(value, int) else num(value)
+
+    return table(caption, list(columns), [[cell(item, heading, column) for heading, column in columns.items()] for item in items])
 
 
 # ---- trace ----
@@ -105,34 +121,24 @@ def trace(results):
 
 
 def render_ceiling(runs):
-    columns = ["samples a pixel", "#bare calls, s", "#render over bare", "#lower quartile", "#upper quartile", "#tracer over bare", "#rays"]
-    rows = []
-    for run in runs:
-        c = run.get("ceiling")
-        if c:
-            ratio = [num(at(c, "renderToBare", q)) for q in ("median", "low", "high")]
-            rows.append([words(run.get("spp", "")), num(at(c, "bareCpuSeconds", "median")), *ratio, num(at(c, "tracedToBare", "median")),
-                         whole(c.get("closestRays", 0) + c.get("anyRays", 0))])
-    return table("Processor time of the render phase over that of the bare calls", columns, rows)
+    columns = {"samples a pixel": "spp", "#bare calls, s": "ceiling.bareCpuSeconds.median", "#render over bare": "ceiling.renderToBare.median",
+               "#lower quartile": "ceiling.renderToBare.low", "#upper quartile": "ceiling.renderToBare.high",
+               "#tracer over bare": "ceiling.tracedToBare.median", "#closest-hit rays": "ceiling.closestRays", "#any-hit rays": "ceiling.anyRays"}
+    return listing("Processor time of the render phase over that of the bare calls", columns, [r for r in runs if r.get("ceiling")])
 
 
 def render_speeds(runs):
-    columns = ["samples a pixel", "#threads", "#seconds", "#lower quartile", "#upper quartile", "#processor seconds",
-               "#million rays a second", "#speedup", "#speedup of bare calls"]
-    rows = [
-        [words(run.get("spp", "")), whole(s.get("threads", 0)), *(num(at(s, "seconds", q)) for q in ("median", "low", "high")),
-         num(at(s, "cpuSeconds", "median")), num(at(s, "millionRaysPerSecond")), num(at(s, "speedup", "median")), num(at(s, "bareSpeedup", "median"))]
-        for run in runs for s in run.get("speeds", [])
-    ]
-    return table("Seconds by the clock, medians and quartiles", columns, rows)
+    columns = {"samples a pixel": "spp", "#threads": "threads", "#seconds": "seconds.median", "#lower quartile": "seconds.low",
+               "#upper quartile": "seconds.high", "#processor seconds": "cpuSeconds.median", "#million rays a second": "millionRaysPerSecond",
+               "#speedup": "speedup.median", "#speedup of bare calls": "bareSpeedup.median"}
+    speeds = [{"spp": run.get("spp"), **speed} for run in runs for speed in run.get("speeds", [])]
+    return listing("Seconds by the clock, medians and quartiles", columns, speeds)
 
 
 def render_phases(runs):
-    phases, kinds = ("read", "build", "plan", "render", "write"), ("camera", "shadow", "reflection", "refraction")
-    columns = ["samples a pixel", *("#" + p for p in phases), "#camera rays", "#shadow rays", "#reflected", "#refracted"]
-    rows = [[words(run.get("spp", "")), *(num(at(run, "seconds", p)) for p in phases), *(whole(int(at(run, "rays", k, missing=0))) for k in kinds)]
-            for run in runs]
-    return table("Seconds of each phase, and rays by kind", columns, rows)
+    columns = {"samples a pixel": "spp", **{"#" + phase: f"seconds.{phase}" for phase in ("read", "build", "plan", "render", "write")},
+               "#camera rays": "rays.camera", "#shadow rays": "rays.shadow", "#reflected": "rays.reflection", "#refracted": "rays.refraction"}
+    return listing("Seconds of each phase, and rays by kind", columns, runs)
 
 
 def render(results):
@@ -295,28 +301,18 @@ def growth_fits(results):
     names = {"read": "reading", "build": "building", "render": "render phase", "bare": "bare calls", "renderToBare": "render over bare"}
     about = paragraph("b of processor seconds ∝ triangles<sup>b</sup> with half its 95\u202f% interval: 1 is linear. Of render over bare, 0 means "
                       "that both grow alike.")
-    rows = []
-    for key, name in names.items():
-        row = [words(name)]
-        for part in ("all", "heavy"):
-            row += [num(at(results, "fits", key, part, "exponent")), num(at(results, "fits", key, part, "half"))]
-        rows.append(row)
-    return about + table("Fitted exponents", ["", "#all sizes", "#±", "#from a million on", "#±"], rows)
+    columns = {"": "name", "#all sizes": "all.exponent", "#±": "all.half", "#from a million on": "heavy.exponent", "#± of these": "heavy.half"}
+    return about + listing("Fitted exponents", columns, [{"name": name, **at(results, "fits", key, missing={})} for key, name in names.items()])
 
 
 def growth_sizes(results):
-    columns = ["triangles", "#file, bytes", "#BVH, bytes", "#at most, bytes", "#read, s", "#clock, s", "#build, s", "#clock, s", "#rays", "#render, s",
-               "#bare calls, s", "#Mrays/s", "#bare, Mrays/s", "#render over bare"]
-    seconds = [(phase, clock) for phase in ("readSeconds", "buildSeconds") for clock in CLOCKS]
-    rows = [
-        [words(count(at(r, "triangles"))), *(whole(r.get(k, 0)) for k in ("fileBytes", "bvhBytes", "bvhPeakBytes")),
-         *(num(at(r, phase, clock, "median")) for phase, clock in seconds), whole(r.get("rays", 0)), num(at(r, "renderCpuSeconds", "median")),
-         num(at(r, "bareCpuSeconds", "median")), num(at(r, "millionRaysPerCpuSecond", "render")), num(at(r, "millionRaysPerCpuSecond", "bare")),
-         num(at(r, "renderToBare", "median"))]
-        for r in results.get("runs", [])
-    ]
+    columns = {"triangles": "triangles", "#file, bytes": "fileBytes", "#BVH, bytes": "bvhBytes", "#at most, bytes": "bvhPeakBytes",
+               "#read, s": "readSeconds.cpu.median", "#read, clock s": "readSeconds.wall.median", "#build, s": "buildSeconds.cpu.median",
+               "#build, clock s": "buildSeconds.wall.median", "#rays": "rays", "#render, s": "renderCpuSeconds.median",
+               "#bare calls, s": "bareCpuSeconds.median", "#Mrays/s": "millionRaysPerCpuSecond.render",
+               "#bare, Mrays/s": "millionRaysPerCpuSecond.bare", "#render over bare": "renderToBare.median"}
     about = paragraph("Seconds of processor time of all threads together; rendering uses one thread. At most: what Embree holds while it builds.")
-    return about + table("Reading, building and rendering by the number of triangles", columns, rows)
+    return about + listing("Reading, building and rendering by the number of triangles", columns, results.get("runs", []))
 
 
 def growth(results):
@@ -340,24 +336,17 @@ def best_range(quality, clock):
 def build_qualities(results):
     about = paragraph(f"Medians over repetitions that took turns. A sample is one a pixel, over {count(results.get('width', 0))} × "
                       f"{count(results.get('height', 0))} pixels. The fastest is by build and render together.")
-    columns = ["quality", "#build, processor s", "#build, clock s", "#a sample, processor s", "#a sample, clock s", "#Mrays/s", "#BVH, bytes",
-               "#while built, bytes", "fastest at spp, processor", "fastest at spp, clock"]
-    rows = [
-        [words(q["quality"]), *(num(at(q, key, clock, "median")) for key in ("buildSeconds", "sampleSeconds") for clock in CLOCKS),
-         num(at(q, "millionRaysPerSecond")), whole(q.get("bvhBytes", 0)), whole(q.get("bvhPeakBytes", 0)), *(best_range(q, c) for c in CLOCKS)]
-        for q in results.get("qualities", [])
-    ]
-    return about + table("Build quality against time", columns, rows)
+    columns = {"quality": "quality", "#build, processor s": "buildSeconds.cpu.median", "#build, clock s": "buildSeconds.wall.median",
+               "#a sample, processor s": "sampleSeconds.cpu.median", "#a sample, clock s": "sampleSeconds.wall.median",
+               "#Mrays/s": "millionRaysPerSecond", "#BVH, bytes": "bvhBytes", "#while built, bytes": "bvhPeakBytes",
+               "fastest at spp, processor": lambda q: best_range(q, "cpu"), "fastest at spp, clock": lambda q: best_range(q, "wall")}
+    return about + listing("Build quality against time", columns, results.get("qualities", []))
 
 
 def build_totals(results, clock):
-    columns = ["samples a pixel", "#low", "#medium", "#high", "best", "automatic", "#behind the best, %"]
-    rows = []
-    for total in results.get("totals", []):
-        by = total.get(clock, {})
-        rows.append([words(number(at(total, "spp"))), *(num(at(by, "seconds", q)) for q in ("low", "medium", "high")), words(by.get("best", "")),
-                     words(total.get("automatic", "")), num(100 * at(by, "automaticBehind"))])
-    return table(f"Build and render, {CLOCKS[clock]} seconds", columns, rows)
+    columns = {"samples a pixel": "spp", **{"#" + q: f"{clock}.seconds.{q}" for q in ("low", "medium", "high")}, "best": f"{clock}.best",
+               "automatic": "automatic", "#behind the best, %": lambda total: num(100 * at(total, clock, "automaticBehind"))}
+    return listing(f"Build and render, {CLOCKS[clock]} seconds", columns, results.get("totals", []))
 
 
 def build(results):
@@ -393,13 +382,10 @@ def secondary(results):
         "ray a call, or in packets. Processor time of one thread; each ratio is a median over repetitions that took turns."
     )
     ways = list(rows[0].get("nsPerRay", {})) if rows else []
-    columns = ["depth, kind", "#rays", "#render over single", "#lower quartile", "#upper quartile", *("#" + w for w in ways)]
-    cells = [
-        [words(f"{r.get('depth')}, {r.get('kind')}"), whole(r.get("rays", 0)), *(num(at(r, "renderToSingle", q)) for q in ("median", "low", "high")),
-         *(num(at(r, "nsPerRay", w, "median")) for w in ways)]
-        for r in rows
-    ]
-    return [Section("depths", "By depth and kind", about + secondary_plot(rows) + table("Nanoseconds a ray, and the render over single rays", columns, cells))]
+    columns = {"depth, kind": lambda r: words(f"{r.get('depth')}, {r.get('kind')}"), "#rays": "rays", "#render over single": "renderToSingle.median",
+               "#lower quartile": "renderToSingle.low", "#upper quartile": "renderToSingle.high", **{"#" + w: f"nsPerRay.{w}.median" for w in ways}}
+    listed = listing("Nanoseconds a ray, and the render over single rays", columns, rows)
+    return [Section("depths", "By depth and kind", about + secondary_plot(rows) + listed)]
 
 
 # ---- all ----

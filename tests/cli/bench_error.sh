@@ -56,7 +56,7 @@ until [ "$(grep -c '"phase": "measure"' err.txt)" -ge 3 ]; do
 done
 kill -TERM $child
 end 5
-said err.txt 'interrupted; what is told is of '
+said err.txt 'interrupted; the results are of '
 said out.txt 'medians and geometric means of '
 said i.json '"interrupted": true'
 said e.json '"interrupted": false'

@@ -81,7 +81,7 @@ if [ -z "$SANITIZE" ]; then
     done
     # No place at all: it is said.
     fault write .fathom-tmp 28 4096 render scene.json -o a.png --size 256x256
-    said err.txt 'fathom: the pixels are lost: neither beside that file nor in the working folder, $TMPDIR or /tmp'
+    said err.txt 'fathom: the pixels are lost: they could be written neither next to that file nor in the working folder, $TMPDIR or /tmp'
     # The other results that are kept in files.
     fault write stats.fathom-tmp 5 4096 bench render scene.json --spp 1 --threads 1 --repeats 1 --quiet --json stats.json
     said err.txt 'stats.json: cannot be written: Input/output error'

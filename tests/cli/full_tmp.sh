@@ -137,7 +137,7 @@ case $PWD$FATHOM$SOURCE in
     code=0
     (cd no-room && exec "$FATHOM" render ../scene.json -o a.png --size 192x128 >../out.txt 2>../err.txt) || code=$?
     [ $code -eq 4 ] || die "no room anywhere: exit code $code, expected 4"
-    said err.txt 'fathom: the pixels are lost: neither beside that file nor in the working folder, $TMPDIR or /tmp'
+    said err.txt 'fathom: the pixels are lost: they could be written neither next to that file nor in the working folder, $TMPDIR or /tmp'
     [ "$(ls -A no-room)$(ls -A /tmp)" = fillerfiller ] || die 'something is left on a full disk'
     umount /tmp
     ;;

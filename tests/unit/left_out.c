@@ -67,7 +67,7 @@ static void a_plain_scene_does_without_all(void **state) {
     for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) assert_true(says(film, stages[i]));
     assert_true(says(film, "sphere geometry") && says(film, "quad geometry") && says(film, "planes"));
     assert_true(says(film, "instances") && says(film, "error estimates"));
-    assert_true(says(film, "shadow rays for nothing"));
+    assert_true(says(film, "unlit shadow rays"));
     assert_false(says(film, "triangle geometry") || says(film, "lights[0]"));
     fathom_film_destroy(film);
     stage_close(&s);

@@ -1,8 +1,254 @@
 #include "cli/bench/bench.h"
 
+#include "base/clock.h"
+#include "base/status.h"
+#include "base/threads.h"
+#include "cli/interrupt.h"
+#include "cli/machine.h"
+#include "cli/outputs.h"
+#include "cli/report.h"
+#include "json/memory.h"
+
+#include <stdlib.h>
 #include <string.h>
 
-/* What can be measured, a command of two words each. */
+const char *const bench_operands[1] = {"SCENE"};
+const size_t bench_operand_offsets[1] = {BENCH_FIELD(scene)};
+const char *const bench_clock_names[BENCH_CLOCKS] = {"cpu", "wall"};
+
+/* ---- files ---- */
+
+static void put_text(FILE *out, const char *text) {
+    if (!text[strcspn(text, ",\"\r\n")]) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text; ++text) {
+        if (*text == '"') fputc('"', out);
+        fputc(*text, out);
+    }
+    fputc('"', out);
+}
+
+/* A number that is not finite is null in JSON and inf here: it must not look like one that is missing. */
+static void put_value(FILE *out, const json_t *value) {
+    if (json_is_string(value))
+        put_text(out, json_string_value(value));
+    else if (json_is_number(value))
+        fprintf(out, "%.9g", json_number_value(value));
+    else if (json_is_boolean(value))
+        fputc(json_is_true(value) ? '1' : '0', out);
+    else
+        fputs(value ? "inf" : "nan", out);
+}
+
+/* The next of "name=path, name"; false at the end. */
+static bool next_column(const char **columns, char name[64], char path[64]) {
+    int used = 0;
+    path[0] = '\0';
+    if (sscanf(*columns, " %63[^=,]%n", name, &used) != 1) return false;
+    *columns += used;
+    if (**columns == '=' && sscanf(*columns, "=%63[^,]%n", path, &used) == 1) *columns += used;
+    if (!path[0]) snprintf(path, 64, "%s", name);
+    *columns += **columns == ',';
+    return true;
+}
+
+static void put_row(FILE *out, const char *columns, const json_t *outer, const json_t *inner) {
+    char name[64], path[64];
+    for (bool first = true; next_column(&columns, name, path); first = false) {
+        const json_t *value = json_at(inner, path);
+        if (!first) fputc(',', out);
+        put_value(out, value ? value : json_at(outer, path));
+    }
+    fputc('\n', out);
+}
+
+static void put_rows(FILE *out, const json_t *root, const bench_csv *csv) {
+    const char *columns = csv->columns;
+    char name[64], path[64];
+    for (bool first = true; next_column(&columns, name, path); first = false)
+        fprintf(out, "%s%s", first ? "" : ",", name);
+    fputc('\n', out);
+    size_t i, k;
+    json_t *row, *inner;
+    json_array_foreach(json_object_get(root, csv->rows), i, row) {
+        if (!csv->inner) put_row(out, csv->columns, NULL, row);
+        json_array_foreach(csv->inner ? json_object_get(row, csv->inner) : NULL, k, inner)
+            put_row(out, csv->columns, row, inner);
+    }
+}
+
+static void put_facts(FILE *out, const json_t *root) {
+    const char *key, *commit = json_text_at(root, "commit");
+    json_t *value;
+    fprintf(out, "# fathom bench %s, fathom %s%s%s, %s\n", json_text_at(root, "bench"),
+            json_text_at(root, "fathom"), *commit ? ", commit " : "", commit, json_text_at(root, "date"));
+    json_object_foreach(json_object_get(root, "machine"), key, value) {
+        if (json_is_string(value))
+            fprintf(out, "# %s: %s\n", key, json_string_value(value));
+        else
+            fprintf(out, "# %s: %g\n", key, json_number_value(value));
+    }
+}
+
+static fathom_status write_csv(fathom_context *context, const char *path, const json_t *root,
+                               const bench_csv *csv) {
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return fail_memory(context, 4096);
+    put_facts(out, root);
+    put_rows(out, root, csv);
+    fathom_status status = FATHOM_OK;
+    if (fclose(out) != 0) status = fail_memory(context, size);
+    if (status == FATHOM_OK) status = outputs_write(context, path, text, size);
+    free(text);
+    return status;
+}
+
+static fathom_status write_outputs(fathom_context *context, const bench_settings *asked, const json_t *root,
+                                   const bench_csv *csv) {
+    fathom_status status = FATHOM_OK;
+    if (asked->json) status = json_write_file(context, asked->json, root);
+    if (status == FATHOM_OK && asked->csv) status = write_csv(context, asked->csv, root, csv);
+    if (status == FATHOM_OK && asked->report) status = report_write(context, asked->report, root);
+    return status;
+}
+
+/* ---- results ---- */
+
+static json_t *head(const char *what) {
+    char date[16];
+    double load[3];
+    machine_date(date);
+    json_t *machine = machine_json();
+    if (getloadavg(load, 3) > 0) json_add(machine, JSON("load", load[0]));
+    return json_of(JSON("bench", what), JSON("fathom", fathom_version()), JSON("commit", machine_commit()),
+                   JSON("date", date), JSON("machine", machine));
+}
+
+void bench_add_asked(json_t *root, const bench_settings *asked) {
+    json_add(root, JSON("scene", asked->scene), JSON("spec", asked->tracer), JSON("repeats", asked->repeats));
+}
+
+void bench_add_tracer(json_t *root, const char *tracer_name) {
+    if (strncmp(tracer_name, "Embree ", 7) != 0) return;
+    json_add(json_object_get(root, "machine"), JSON("embree", tracer_name + 7));
+}
+
+json_t *bench_quartiles(quartiles q) {
+    return json_of(JSON("low", q.low), JSON("median", q.median), JSON("high", q.high));
+}
+
+json_t *bench_clocks(const quartiles q[BENCH_CLOCKS]) {
+    return json_of(JSON("cpu", bench_quartiles(q[BENCH_CPU])), JSON("wall", bench_quartiles(q[BENCH_WALL])));
+}
+
+void bench_print_slope(const json_t *slope, const json_t *half, int width) {
+    char text[48] = "-";
+    if (json_is_number(slope) && json_is_number(half))
+        snprintf(text, sizeof text, "%.3f +- %.3f", json_number_value(slope), json_number_value(half));
+    else if (json_is_number(slope))
+        snprintf(text, sizeof text, "%.3f", json_number_value(slope));
+    printf("  %*s", width, text);
+}
+
+/* ---- progress ---- */
+
+/* An estimate from less than this, of the work or in seconds, would say little. */
+#define SURE_FRACTION 0.01
+#define SURE_SECONDS 5.0
+
+static struct {
+    double began; /* when measuring did; 0: not yet */
+    bool estimated;
+} state;
+
+static void progress_start(bool quiet) {
+    state.began = 0;
+    state.estimated = false;
+    progress_begin(quiet);
+    progress_call("measure");
+    progress_phase(FATHOM_PHASE_READ);
+}
+
+void bench_progress_tell(void *unused, double fraction) {
+    (void)unused;
+    if (state.began <= 0) state.began = clock_seconds();
+    const double seconds = clock_seconds() - state.began;
+    if (!state.estimated && fraction > 0 && (fraction >= SURE_FRACTION || seconds >= SURE_SECONDS)) {
+        state.estimated = true;
+        progress_estimate(seconds / fraction);
+    }
+    progress_update(&(fathom_progress){FATHOM_PHASE_RENDER, fraction, 0, seconds});
+}
+
+bench_watch bench_progress_part(double from, double to) {
+    return (bench_watch){bench_progress_tell, NULL, from, to};
+}
+
+/* ---- running ---- */
+
+static fathom_status measure_and_write(fathom_context *context, const bench_settings *asked, json_t *root) {
+    const fathom_status measured = asked->run.measure(context, asked, root);
+    progress_clear_line();
+    fflush(stdout);
+    const bool partial = measured == FATHOM_INTERRUPTED && json_is_true(json_object_get(root, "interrupted"));
+    if (measured != FATHOM_OK && !partial) return measured;
+    if (json_memory_lacked()) return fail_memory(context, 4096); /* results are missing */
+    const fathom_status written = write_outputs(context, asked, root, asked->run.csv);
+    return written == FATHOM_OK ? measured : written;
+}
+
+static fathom_status check_and_measure(fathom_context *context, void *settings) {
+    const bench_settings *asked = settings;
+    const char *const files[] = {asked->json, asked->csv};
+    fathom_status status = report_check_files(context, files, 2, asked->report, asked->scene);
+    if (status == FATHOM_OK) {
+        progress_start(asked->common.quiet);
+        json_t *root = head(asked->run.command->name + strlen("bench "));
+        status = measure_and_write(context, asked, root);
+        json_decref(root);
+    }
+    return say_status(asked->run.command, context, status);
+}
+
+fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings) {
+    ((bench_settings *)settings)->run = *b;
+    return command_run(b->command, argc, argv, settings, check_and_measure);
+}
+
+/* ---- scenes ---- */
+
+fathom_status bench_open(fathom_context *context, const bench_settings *asked, bench_stage *out) {
+    fathom_scene *scene;
+    fathom_settings settings;
+    const args_size size = asked->size;
+    *out = (bench_stage){.scene = NULL};
+    const fathom_read_options read = {.width = size.width, .height = size.height};
+    fathom_status status = fathom_scene_read_with(context, asked->scene, &read, &scene);
+    if (status != FATHOM_OK) return status;
+    fathom_scene_settings(scene, &settings);
+    settings.spp = 1;
+    settings.target_error = settings.max_time = 0;
+    if (size.width) settings.width = size.width, settings.height = size.height;
+    return stage_open(context, scene, &settings, out);
+}
+
+fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_scene **out) {
+    fathom_generate_options options;
+    fathom_generate_options_default(&options);
+    options.triangles = triangles;
+    *out = NULL;
+    fathom_status status = fathom_scene_create(context, out);
+    return status == FATHOM_OK ? fathom_scene_generate(*out, FATHOM_ROOT, &options) : status;
+}
+
+/* ---- the command ---- */
+
+/* Each is a command of two words. */
 static const command *const benches[] = {&command_bench_trace,
                                          &command_bench_render,
                                          &command_bench_error,

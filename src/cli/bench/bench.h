@@ -1,13 +1,101 @@
-/* `fathom bench WHAT`: what measures. */
+/* `fathom bench WHAT`: what measures. Results are one JSON object, from which table, CSV and page are made.
+ */
 #ifndef CLI_BENCH_H
 #define CLI_BENCH_H
 
 #include "cli/command.h"
+#include "cli/json_text.h"
+#include "cli/render/progress.h"
+#include "measure/stage.h"
+#include "measure/statistics.h"
+
+#include <stdio.h>
 
 extern const command command_bench_trace, command_bench_render, command_bench_error, command_bench_build,
     command_bench_growth, command_bench_secondary;
 
 /* "error" for `fathom bench error`; NULL: none. */
 const command *bench_find(const char *name);
+
+/* A row of CSV for each item of the array root[rows], and of the array `inner` in each of them if it is not
+ * NULL. columns: "spp, seconds_low=seconds.low", paths in the inner item or else the outer. */
+typedef struct bench_csv {
+    const char *rows, *inner, *columns;
+} bench_csv;
+
+/* Adds results to `root` and prints them, unless it is quiet. FATHOM_INTERRUPTED with root.interrupted true:
+ * what there is gets written. */
+typedef fathom_status (*bench_measure)(fathom_context *context, const void *settings, json_t *root);
+
+typedef struct bench_kind {
+    const command *command;
+    bench_measure measure;
+    const bench_csv *csv;
+} bench_kind;
+
+/* ---- settings: the first member of each bench's own ---- */
+
+typedef struct bench_settings {
+    command_common common;
+    bench_kind run; /* set by bench_run() */
+    const char *scene, *tracer;
+    args_size size; /* 0 × 0: the scene's */
+    uint32_t repeats;
+    const char *json, *csv, *report; /* NULL: not asked for */
+} bench_settings;
+
+/* Rows for the tables of options. */
+#define BENCH_FIELD(name) offsetof(bench_settings, name)
+#define BENCH_SIZE                                                                                           \
+    { "size", 0, "WxH", take_size, BENCH_FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)" }
+#define BENCH_REPEATS(most, help)                                                                            \
+    { "repeats", 0, "N", take_u32, BENCH_FIELD(repeats), 1, most, help }
+#define BENCH_RESULTS                                                                                        \
+    {.help = "Results"}, COMMAND_QUIET("no table"),                                                          \
+        {"json", 0, "FILE", take_text, BENCH_FIELD(json), 0, 0, "all figures"},                              \
+        {"csv", 0, "FILE", take_text, BENCH_FIELD(csv), 0, 0, BENCH_CSV_HELP},                               \
+        {"report", 0, "DIR", take_text, BENCH_FIELD(report), 0, 0, BENCH_REPORT_HELP}, {                     \
+        .help = NULL                                                                                         \
+    }
+#define BENCH_CSV_HELP "the same as comma-separated values, with the machine in lines that begin with #"
+#define BENCH_REPORT_HELP "the same as one page with tables and plots, DIR/index.html"
+
+/* The operand SCENE. */
+extern const char *const bench_operands[1];
+extern const size_t bench_operand_offsets[1];
+
+/* ---- running ---- */
+
+/* Reads the command line over `settings`, which begin with bench_settings, checks the files that will be
+ * written, measures, writes them, and says what went wrong. */
+fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings);
+
+/* Shows the progress of a measurement that is this part of all of them and, once it is known, how long they
+ * take.
+ */
+bench_watch bench_progress_part(double from, double to);
+void bench_progress_tell(void *unused, double fraction);
+
+/* The scene of the file with its settings, but for one sample a pixel and neither a target error nor a time.
+ * Release with stage_close(), whatever comes back. */
+fathom_status bench_open(fathom_context *context, const bench_settings *asked, bench_stage *out);
+
+/* A sphere as `fathom generate sphere` makes it. Release with fathom_scene_destroy(), whatever comes back. */
+fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_scene **out);
+
+/* ---- results ---- */
+
+/* Adds the scene, the words of the tracer, the size of the image and the repeats. */
+void bench_add_asked(json_t *root, const bench_settings *asked);
+/* Adds "embree" to the machine, if the tracer is Embree's. */
+void bench_add_tracer(json_t *root, const char *tracer_name);
+
+/* {"low", "median", "high"} */
+json_t *bench_quartiles(quartiles q);
+/* {"cpu": …, "wall": …}, quartiles or numbers. */
+json_t *bench_clocks(const quartiles q[BENCH_CLOCKS]);
+extern const char *const bench_clock_names[BENCH_CLOCKS];
+/* "  0.123 +- 0.004", the half only where it is known, "-" without a slope. */
+void bench_print_slope(const json_t *slope, const json_t *half, int width);
 
 #endif

@@ -1,32 +1,259 @@
 /* `fathom bench error`: image error against run time, by antialiasing pattern. */
-#include "cli/bench/bench_error.h"
+#include "cli/bench/bench.h"
 
 #include "base/status.h"
-#include "cli/bench/bench.h"
-#include "cli/bench/bench_run.h"
 #include "cli/interrupt.h"
-#include "cli/render/progress.h"
 #include "image/compare/flip.h"
+#include "measure/converge.h"
 
 #include <math.h>
+#include <string.h>
+
+typedef struct bench_error_settings {
+    bench_settings all;
+    uint32_t seeds, max_spp, half_spp; /* half_spp 0: four times max_spp */
+    uint64_t seed;
+    double ppd;
+} bench_error_settings;
+
+/* ---- the object ---- */
+
+static void add_seconds(json_t *object, const bench_seconds *s) {
+    json_add(object, JSON("cpuSeconds", s->by[BENCH_CPU]), JSON("seconds", s->by[BENCH_WALL]));
+}
+
+static json_t *add_errors(json_t *object, const double errors[CONVERGE_METRICS]) {
+    for (int m = 0; m < CONVERGE_METRICS; ++m)
+        json_add(object, JSON(converge_metric_name((converge_metric)m), errors[m]));
+    return object;
+}
+
+static json_t *pack_reference(const converge_reference *r) {
+    json_t *object =
+        json_of(JSON("pattern", "sobol"), JSON("halves", 2), JSON("sppOfEach", r->spp),
+                JSON("ownError", add_errors(json_object(), r->own)),
+                JSON("betweenHalves", add_errors(json_object(), r->halves)), JSON("notFinite", r->nonfinite));
+    add_seconds(object, &r->seconds);
+    return object;
+}
+
+static json_t *pack_run(const converge_run *run, uint64_t seed) {
+    json_t *object =
+        json_of(JSON("pattern", converge_pattern_name(run->pattern)), JSON("spp", 1u << (2 * run->step)),
+                JSON("seed", seed + run->round), JSON("rays", run->rays), JSON("notFinite", run->nonfinite));
+    add_seconds(object, &run->seconds);
+    return add_errors(object, run->errors);
+}
+
+static json_t *pack_point(const converge_point *point) {
+    json_t *below = json_array();
+    for (int m = 0; m < CONVERGE_METRICS; ++m) {
+        if (point->below[m])
+            json_array_append_new(below, json_string(converge_metric_name((converge_metric)m)));
+    }
+    json_t *object = json_of(JSON("spp", point->spp), JSON("belowReference", below));
+    add_seconds(object, &point->seconds);
+    return add_errors(object, point->errors);
+}
+
+static json_t *pack_slopes(const converge_slope slopes[BENCH_CLOCKS]) {
+    json_t *object = json_object();
+    for (int c = 0; c < BENCH_CLOCKS; ++c) {
+        const converge_slope *s = &slopes[c];
+        json_t *slope = json_of(JSON("slope", s->slope.mean), JSON("half", s->slope.half),
+                                JSON("scale", s->scale), JSON("points", s->points));
+        json_add(object, JSON(bench_clock_names[c], slope));
+    }
+    return object;
+}
+
+static json_t *pack_curve(const converge_result *result, const converge_curve *curve) {
+    json_t *points = json_array(), *slopes = json_object();
+    for (unsigned step = 0; step < result->steps; ++step)
+        json_array_append_new(points, pack_point(&curve->points[step]));
+    for (int m = 0; m < CONVERGE_METRICS; ++m)
+        json_add(slopes, JSON(converge_metric_name((converge_metric)m), pack_slopes(curve->slopes[m])));
+    return json_of(JSON("pattern", converge_pattern_name(curve->pattern)), JSON("points", points),
+                   JSON("slopes", slopes));
+}
+
+static json_t *pack_rows(const converge_row *rows, size_t count, const char *at) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; ++i) {
+        json_t *row = json_of(JSON(at, rows[i].at));
+        for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
+            json_add(row, JSON(converge_pattern_name((fathom_pattern)p), rows[i].values[p]));
+        json_array_append_new(list, row);
+    }
+    return list;
+}
+
+static void add_tables(json_t *root, const converge_result *result) {
+    json_t *time = json_object(), *error = json_object();
+    converge_row rows[CONVERGE_ROWS];
+    for (int m = 0; m < CONVERGE_METRICS; ++m) {
+        const char *name = converge_metric_name((converge_metric)m);
+        size_t count = converge_equal_time(result, (converge_metric)m, rows);
+        json_add(time, JSON(name, pack_rows(rows, count, "cpuSeconds")));
+        count = converge_equal_error(result, (converge_metric)m, rows);
+        json_add(error, JSON(name, pack_rows(rows, count, "error")));
+    }
+    json_add(root, JSON("equalTime", time), JSON("equalError", error));
+}
+
+static void pack(const bench_error_settings *asked, const bench_stage *stage, const converge_result *result,
+                 bool interrupted, json_t *root) {
+    json_t *runs = json_array(), *curves = json_array(), *built = json_object();
+    bench_add_tracer(root, trace_name(stage->tracer));
+    add_seconds(built, &stage->build);
+    for (size_t i = 0; i < result->runs.count; ++i)
+        json_array_append_new(runs, pack_run(&result->runs.items[i], asked->seed));
+    for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
+        json_array_append_new(curves, pack_curve(result, &result->curves[p]));
+    json_add(root, JSON("scene", asked->all.scene), JSON("tracer", trace_name(stage->tracer)),
+             JSON("width", stage->settings.width), JSON("height", stage->settings.height),
+             JSON("seeds", result->rounds), JSON("ppd", asked->ppd), JSON("build", built),
+             JSON("reference", pack_reference(&result->reference)), JSON("runs", runs),
+             JSON("curves", curves), JSON("interrupted", interrupted));
+    add_tables(root, result);
+}
+
+static const bench_csv csv = {.rows = "runs",
+                              .columns = "pattern, spp, seed, cpu_seconds=cpuSeconds, seconds, rays, rmse, "
+                                         "relmse, flip, not_finite=notFinite"};
+
+/* ---- the tables ---- */
+
+static const char *const titles[CONVERGE_METRICS] = {"RMSE", "relMSE", "FLIP"};
+
+static void print_head(const json_t *root) {
+    size_t i;
+    json_t *run;
+    double broken = json_number_at(root, "reference.notFinite");
+    json_array_foreach(json_object_get(root, "runs"), i, run) broken += json_number_at(run, "notFinite");
+    print_name(stdout, json_text_at(root, "scene"));
+    json_print(root,
+               ", {width:.0f}x{height:.0f}, {tracer:s}\n"
+               "rendering alone is timed; the build took {build.cpuSeconds:.3f} s of CPU time, "
+               "{build.seconds:.3f} s by the clock\n"
+               "reference: two halves of {reference.sppOfEach:.0f} samples a pixel, sobol; its own RMSE "
+               "{reference.ownError.rmse:.3g}, relMSE {reference.ownError.relmse:.3g}, FLIP at most "
+               "{reference.ownError.flip:.3g}\n");
+    printf("pixels that are not finite: %.0f\n", broken);
+}
+
+static bool is_below(const json_t *point, const char *metric) {
+    size_t i;
+    json_t *name;
+    json_array_foreach(json_object_get(point, "belowReference"), i, name) {
+        if (strcmp(json_string_value(name), metric) == 0) return true;
+    }
+    return false;
+}
+
+static bool print_point(const char *pattern, const json_t *point) {
+    bool marked = false;
+    printf("%-10s ", pattern);
+    json_print(point, "{spp:6.0f} {cpuSeconds:10.4g} {seconds:10.4g}");
+    for (int m = 0; m < CONVERGE_METRICS; ++m) {
+        const char *name = converge_metric_name((converge_metric)m);
+        const bool below = is_below(point, name);
+        printf("  %9.3g%c", json_number_at(point, name), below ? '*' : ' ');
+        marked |= below;
+    }
+    putchar('\n');
+    return marked;
+}
+
+static void print_points(const json_t *root) {
+    size_t i, k;
+    json_t *curve, *point;
+    bool marked = false;
+    printf("\n%-10s %6s %10s %10s  %10s  %10s  %10s   medians and geometric means of %.0f seeds\n", "pattern",
+           "spp", "cpu s", "clock s", titles[0], titles[1], titles[2], json_number_at(root, "seeds"));
+    json_array_foreach(json_object_get(root, "curves"), i, curve) {
+        json_array_foreach(json_object_get(curve, "points"), k, point) marked |=
+            print_point(json_text_at(curve, "pattern"), point);
+    }
+    if (marked)
+        puts("* closer to the reference than its halves are to each other: in no slope or table below");
+}
+
+static void print_slopes(const json_t *root) {
+    static const char *const clocks[BENCH_CLOCKS] = {"cpu", "clock"};
+    size_t i;
+    json_t *curve;
+    printf("\nslope of ln error over ln seconds, and its 95 %% interval over seeds\n%-10s %6s  %18s  %18s  "
+           "%18s\n",
+           "pattern", "time", titles[0], titles[1], titles[2]);
+    json_array_foreach(json_object_get(root, "curves"), i, curve) {
+        for (int c = 0; c < BENCH_CLOCKS; ++c) {
+            printf("%-10s %6s", json_text_at(curve, "pattern"), clocks[c]);
+            for (int m = 0; m < CONVERGE_METRICS; ++m) {
+                const json_t *of =
+                    json_at(json_at(curve, "slopes"), converge_metric_name((converge_metric)m));
+                of = json_at(of, bench_clock_names[c]);
+                bench_print_slope(json_at(of, "slope"), json_at(of, "half"), 18);
+            }
+            putchar('\n');
+        }
+    }
+}
+
+static void print_rows(const char *title, const char *at, const json_t *rows) {
+    size_t i;
+    json_t *row, *value;
+    const char *key;
+    printf("\n%s\n%12s", title, at);
+    for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
+        printf(" %11s", converge_pattern_name((fathom_pattern)p));
+    putchar('\n');
+    if (!json_array_size(rows)) puts("  the patterns have nothing in common here");
+    json_array_foreach(rows, i, row) {
+        const char *space = "";
+        json_object_foreach(row, key, value) {
+            printf("%s%*.3g", space, *space ? 11 : 12, json_number_value(value));
+            space = " ";
+        }
+        putchar('\n');
+    }
+}
+
+static void print(const json_t *root) {
+    print_head(root);
+    print_points(root);
+    print_slopes(root);
+    for (int m = 0; m < CONVERGE_METRICS; ++m) {
+        const char *name = converge_metric_name((converge_metric)m);
+        char title[80];
+        snprintf(title, sizeof title, "%s in equal time", titles[m]);
+        print_rows(title, "cpu s", json_at(json_at(root, "equalTime"), name));
+        snprintf(title, sizeof title, "seconds of CPU time for equal %s", titles[m]);
+        print_rows(title, titles[m], json_at(json_at(root, "equalError"), name));
+    }
+}
+
+/* ---- the command ---- */
 
 static bool on_progress(void *user, double fraction) {
     bench_progress_tell(user, fmin(fraction, 1));
     return !interrupt_asked();
 }
 
-static fathom_status open_stage(fathom_context *context, const bench_error_settings *asked,
-                                bench_stage *stage) {
-    fathom_status status = bench_open(context, asked->scene, asked->size, stage);
-    /* As for a long render, as it is one. */
+static fathom_status open_stage(fathom_context *context, const bench_settings *asked, bench_stage *stage) {
+    trace_spec spec;
+    fathom_status status = asked->tracer ? trace_spec_parse(context, asked->tracer, &spec) : FATHOM_OK;
+    if (status == FATHOM_OK) status = bench_open(context, asked, stage);
+    /* Built as for a long render, as it is one. */
     return status == FATHOM_OK ? stage_build(context, stage, asked->tracer, 0) : status;
 }
 
-static fathom_status measure(fathom_context *context, const bench_error_settings *asked,
-                             const bench_stage *stage, converge_result *result) {
+static fathom_status converge(fathom_context *context, const bench_error_settings *asked,
+                              const bench_stage *stage, converge_result *result) {
+    const uint32_t half = asked->max_spp < 65536 / 4 ? 4 * asked->max_spp : 65536;
     const converge_options options = {.rounds = asked->seeds,
                                       .max_spp = asked->max_spp,
-                                      .half_spp = asked->half_spp,
+                                      .half_spp = asked->half_spp ? asked->half_spp : half,
                                       .seed = asked->seed,
                                       .ppd = asked->ppd,
                                       .progress = on_progress};
@@ -37,37 +264,22 @@ static fathom_status measure(fathom_context *context, const bench_error_settings
     return status;
 }
 
-static fathom_status tell(fathom_context *context, const bench_error_settings *asked,
-                          const bench_stage *stage, const converge_result *result, bool interrupted) {
-    if (!asked->quiet) bench_error_print(asked, stage, result);
-    json_t *root = bench_error_json(asked, stage, result);
-    if (!root) return fail_memory(context, 4096);
-    json_object_set_new(root, "interrupted", json_boolean(interrupted));
-    fathom_status status = bench_output_write(context, &asked->output, root, bench_error_csv);
-    json_decref(root);
-    return status;
-}
-
-static fathom_status bench(fathom_context *context, const void *user) {
-    const bench_error_settings *asked = user;
+static fathom_status measure(fathom_context *context, const void *settings, json_t *root) {
+    const bench_error_settings *asked = settings;
     bench_stage stage = {.scene = NULL};
     converge_result result = {.rounds = 0};
-    trace_spec spec;
-    fathom_status status = asked->tracer ? trace_spec_parse(context, asked->tracer, &spec) : FATHOM_OK;
-    if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
-    bench_progress_begin(asked->quiet);
-    if (status == FATHOM_OK) status = open_stage(context, asked, &stage);
-    if (status == FATHOM_OK) status = measure(context, asked, &stage, &result);
+    fathom_status status = open_stage(context, &asked->all, &stage);
+    if (status == FATHOM_OK) status = converge(context, asked, &stage, &result);
     if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
-    if (status == FATHOM_OK) status = tell(context, asked, &stage, &result, false);
-    if (status == FATHOM_INTERRUPTED && result.runs.count) {
-        status = tell(context, asked, &stage, &result, true);
-        if (status == FATHOM_OK) {
-            status = fail(context, FATHOM_INTERRUPTED,
-                          "interrupted; what is told is of %u of %u seeds, to %u samples a pixel",
-                          result.rounds, asked->seeds, 1u << (2 * (result.steps - 1)));
-        }
+    const bool interrupted = status == FATHOM_INTERRUPTED && result.runs.count;
+    if (status == FATHOM_OK || interrupted) {
+        pack(asked, &stage, &result, interrupted, root);
+        if (!asked->all.common.quiet) print(root);
     }
+    if (interrupted)
+        status = fail(context, FATHOM_INTERRUPTED,
+                      "interrupted; the results are of %u of %u seeds, to %u samples a pixel", result.rounds,
+                      asked->seeds, 1u << (2 * (result.steps - 1)));
     converge_free(&result);
     stage_close(&stage);
     return status;
@@ -75,17 +287,14 @@ static fathom_status bench(fathom_context *context, const void *user) {
 
 static fathom_status run(int argc, char **argv) {
     bench_error_settings asked = {.seeds = 3, .max_spp = 1024, .ppd = FLIP_PPD};
-    fathom_status status;
-    if (!command_parse(&command_bench_error, argc, argv, &asked, &status)) return status;
-    if (!asked.half_spp) asked.half_spp = asked.max_spp < 65536 / 4 ? 4 * asked.max_spp : 65536;
-    return bench_run(&command_bench_error, asked.threads, asked.allow_outside, bench, &asked);
+    return bench_run(&(bench_kind){&command_bench_error, measure, &csv}, argc, argv, &asked);
 }
 
 #define FIELD(name) offsetof(bench_error_settings, name)
 
 static const args_option options[] = {
     {.help = "Options"},
-    {"size", 0, "WxH", take_size, FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)"},
+    BENCH_SIZE,
     {"seeds", 0, "N", take_u32, FIELD(seeds), 1, CONVERGE_SEEDS_MAX, "images of each pattern and spp (3)"},
     {"seed", 0, "N", take_u64, FIELD(seed), 0, 0, "of the first of them; the next have the next (0)"},
     {"max-spp", 0, "N", take_u32, FIELD(max_spp), 1, 65536,
@@ -94,37 +303,35 @@ static const args_option options[] = {
      "of each half of the reference (four times --max-spp)"},
     {"ppd", 0, "N", take_f64, FIELD(ppd), FLIP_PPD_LEAST, FLIP_PPD_MOST,
      "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
-    {"tracer", 0, "SPEC", take_text, FIELD(tracer), 0, 0, "what answers the rays (the scene's, else embree)"},
-    {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "1 to 1024 (one a processor)"},
-    COMMAND_ALLOW_OUTSIDE(bench_error_settings),
-    BENCH_OUTPUT_OPTIONS(bench_error_settings),
-    {.help = NULL},
+    {"tracer", 0, "SPEC", take_text, BENCH_FIELD(tracer), 0, 0,
+     "what answers the rays (the scene's, else embree)"},
+    COMMAND_THREADS,
+    COMMAND_ALLOW_OUTSIDE(command_common),
+    BENCH_RESULTS,
 };
-static const char *const operands[] = {"SCENE"};
-static const size_t operand_offsets[] = {FIELD(scene)};
 
 const command command_bench_error = {
     .name = "bench error",
     .usage = "SCENE [options]",
     .summary = "Measure image error against run time.",
     .text = "Renders the scene by each antialiasing pattern (grid, stratified, sobol) with 1,\n"
-            "4, 16, ... samples a pixel, and tells how far each image is from a reference:\n"
+            "4, 16, ... samples a pixel, and measures how far each image is from a reference:\n"
             "  RMSE    root of the mean squared difference of linear values\n"
             "  relMSE  mean of difference^2 / (reference^2 + 0.01)\n"
             "  FLIP    what is seen when flipping between the two, 0 to 1, after sRGB\n"
             "A pixel that is not finite is counted, makes the first two infinite and is the\n"
             "largest difference of the third. The reference is the mean of two independent\n"
-            "halves; what is between them gives its own error, and images closer to it than\n"
-            "they are to each other are marked and left out of slopes and tables.\n"
+            "halves. Their difference gives its own error, and images closer to it than they\n"
+            "are to each other are marked and left out of slopes and tables.\n"
             "Times are of rendering alone: the scene is read and built once, before. A slope\n"
             "is a least-squares fit of ln error over ln seconds for each seed, and the mean\n"
             "of all, give or take Student's t s / sqrt(n); the grid has no seed, so that its\n"
             "interval is of times alone. Tables go by CPU time, of all threads together: on\n"
             "a shared machine it says more than the clock.\n"
-            "Ctrl-C stops; seeds that are whole, or of the first the samples that all\n"
-            "patterns have, are told and written, and the exit code is 5.\n",
+            "Ctrl-C stops and writes the results of the seeds that are complete, or of the\n"
+            "samples of the first seed that all patterns have; the exit code is 5.\n",
     .examples = "  fathom bench error scenes/example.json --size 480x270 --report results\n"
                 "  fathom bench error forest.glb --seeds 5 --max-spp 256 --csv forest.csv\n",
-    .args = {options, operands, operand_offsets, 1},
+    .args = {options, bench_operands, bench_operand_offsets, 1},
     .run = run,
 };

@@ -1,22 +1,14 @@
 /* `fathom bench secondary`: mirrored, refracted and shadow rays by depth against single-ray calls. */
 #include "cli/bench/bench.h"
-#include "cli/bench/bench_output.h"
-#include "cli/bench/bench_run.h"
-#include "cli/json_text.h"
-#include "cli/render/progress.h"
 
+#include "base/status.h"
 #include "measure/secondary.h"
 
 #include <stdlib.h>
 
 typedef struct bench_secondary_settings {
-    const char *scene, *tracer;
-    args_size size;
+    bench_settings all;
     uint64_t rays;
-    uint32_t repeats;
-    bool quiet;
-    bench_output output;
-    bool allow_outside;
 } bench_secondary_settings;
 
 /* ---- results ---- */
@@ -24,49 +16,34 @@ typedef struct bench_secondary_settings {
 static json_t *pack_row(const secondary_row *row) {
     json_t *ways = json_object();
     for (int way = 0; way < SECONDARY_WAYS; ++way)
-        json_object_set_new(ways, secondary_way_name((secondary_way)way), bench_quartiles(row->ns[way]));
-    return json_pack("{s:i, s:s, s:o, s:o, s:o, s:o}", "depth", (int)row->depth, "kind",
-                     secondary_name(row->kind), "rays", json_count(row->rays), "met", json_count(row->met),
-                     "nsPerRay", ways, "renderToSingle", bench_quartiles(row->to_single));
-}
-
-static double ns_of(const json_t *row, int way) {
-    return bench_number(json_object_get(row, "nsPerRay"), secondary_way_name((secondary_way)way), "median");
+        json_add(ways, JSON(secondary_way_name((secondary_way)way), bench_quartiles(row->ns[way])));
+    return json_of(JSON("depth", row->depth), JSON("kind", secondary_name(row->kind)),
+                   JSON("rays", row->rays), JSON("met", row->met), JSON("nsPerRay", ways),
+                   JSON("renderToSingle", bench_quartiles(row->to_single)));
 }
 
 static void print_rows(const json_t *rows) {
-    printf("ns a ray   %28s %s\n%-16s %9s %8s %-22s", "",
+    size_t i;
+    json_t *row;
+    printf("ns a ray   %28s %s\n%-16s %9s %8s %-22s\n", "",
            "single    4    8   8c   16  16c  sorted: render single", "depth, kind", "rays", "render",
            "over single");
-    putchar('\n');
-    size_t i;
-    json_t *row;
-    json_array_foreach(rows, i, row) {
-        printf("%.0f %-14s %9.0f %8.0f %.3f (%.3f to %.3f)", bench_number(row, "depth", NULL),
-               json_string_value(json_object_get(row, "kind")), bench_number(row, "rays", NULL),
-               ns_of(row, SECONDARY_RENDER), bench_number(row, "renderToSingle", "median"),
-               bench_number(row, "renderToSingle", "low"), bench_number(row, "renderToSingle", "high"));
-        for (int way = SECONDARY_SINGLE; way < SECONDARY_WAYS; ++way) printf(" %4.0f", ns_of(row, way));
-        putchar('\n');
-    }
+    json_array_foreach(rows, i, row) json_print(
+        row, "{depth:.0f} {kind:-14s} {rays:9.0f} {nsPerRay.render.median:8.0f} "
+             "{renderToSingle.median:.3f} ({renderToSingle.low:.3f} to {renderToSingle.high:.3f})"
+             " {nsPerRay.single.median:4.0f} {nsPerRay.4.median:4.0f} {nsPerRay.8.median:4.0f} {nsPerRay.8 "
+             "coherent.median:4.0f} {nsPerRay.16.median:4.0f} {nsPerRay.16 coherent.median:4.0f} "
+             "{nsPerRay.render sorted.median:4.0f} {nsPerRay.single sorted.median:4.0f}\n");
 }
 
-static void put_csv(FILE *out, const json_t *root) {
-    fputs("depth,kind,rays,met,render_to_single_low,render_to_single_median,render_to_single_high", out);
-    for (int way = 0; way < SECONDARY_WAYS; ++way)
-        fprintf(out, ",ns %s", secondary_way_name((secondary_way)way));
-    fputc('\n', out);
-    size_t i;
-    json_t *row;
-    json_array_foreach(json_object_get(root, "rows"), i, row) {
-        fprintf(out, "%.0f,%s,%.0f,%.0f,%.5g,%.5g,%.5g", bench_number(row, "depth", NULL),
-                json_string_value(json_object_get(row, "kind")), bench_number(row, "rays", NULL),
-                bench_number(row, "met", NULL), bench_number(row, "renderToSingle", "low"),
-                bench_number(row, "renderToSingle", "median"), bench_number(row, "renderToSingle", "high"));
-        for (int way = 0; way < SECONDARY_WAYS; ++way) fprintf(out, ",%.5g", ns_of(row, way));
-        fputc('\n', out);
-    }
-}
+static const bench_csv csv = {
+    .rows = "rows",
+    .columns = "depth, kind, rays, met, render_to_single_low=renderToSingle.low, "
+               "render_to_single_median=renderToSingle.median, render_to_single_high=renderToSingle.high, "
+               "ns render=nsPerRay.render.median, ns single=nsPerRay.single.median, ns 4=nsPerRay.4.median, "
+               "ns 8=nsPerRay.8.median, ns 8 coherent=nsPerRay.8 coherent.median, ns 16=nsPerRay.16.median, "
+               "ns 16 coherent=nsPerRay.16 coherent.median, ns render sorted=nsPerRay.render sorted.median, "
+               "ns single sorted=nsPerRay.single sorted.median"};
 
 /* ---- the command ---- */
 
@@ -79,24 +56,23 @@ static fathom_status record_stage(fathom_context *context, const bench_stage *st
     return status;
 }
 
-static fathom_status measure(fathom_context *context, const bench_stage *stage,
-                             const bench_secondary_settings *asked, json_t *root) {
+static fathom_status measure_stage(fathom_context *context, const bench_stage *stage,
+                                   const bench_secondary_settings *asked, json_t *root) {
     if (!embree_bare_possible(stage->tracer))
         return fail(context, FATHOM_BAD_USAGE,
                     "--tracer: \"%s\" has no single-ray calls to compare with; expected embree, but not by "
                     "streams",
-                    asked->tracer);
+                    asked->all.tracer);
     secondary_rays *rays = malloc(sizeof *rays);
     secondary_time *time = malloc(sizeof *time);
     fathom_status status = rays && time ? FATHOM_OK : fail_memory(context, sizeof *rays + sizeof *time);
     if (status == FATHOM_OK) status = record_stage(context, stage, asked->rays, rays);
     if (status == FATHOM_OK) {
         const bench_watch watch = bench_progress_part(0, 1);
-        status = secondary_measure(context, stage->tracer, rays, asked->repeats, &watch, time);
-        progress_clear_line();
+        status = secondary_measure(context, stage->tracer, rays, asked->all.repeats, &watch, time);
         secondary_free(rays);
     }
-    bench_head_tracer(root, trace_name(stage->tracer));
+    bench_add_tracer(root, trace_name(stage->tracer));
     json_t *rows = json_object_get(root, "rows");
     for (size_t i = 0; status == FATHOM_OK && i < time->count; ++i)
         json_array_append_new(rows, pack_row(&time->rows[i]));
@@ -105,78 +81,53 @@ static fathom_status measure(fathom_context *context, const bench_stage *stage,
     return status;
 }
 
-static fathom_status run_scene(fathom_context *context, const bench_secondary_settings *asked, json_t *root) {
+static fathom_status measure(fathom_context *context, const void *settings, json_t *root) {
+    const bench_secondary_settings *asked = settings;
     bench_stage stage;
-    fathom_status status = bench_open(context, asked->scene, asked->size, &stage);
-    if (status == FATHOM_OK) status = stage_build(context, &stage, asked->tracer, 0);
-    if (status == FATHOM_OK) status = measure(context, &stage, asked, root);
+    trace_spec spec;
+    fathom_status status = trace_spec_parse(context, asked->all.tracer, &spec);
+    if (status != FATHOM_OK) return status;
+    bench_add_asked(root, &asked->all);
+    json_add(root, JSON("raysAsked", asked->rays), JSON("rows", json_array()));
+    status = bench_open(context, &asked->all, &stage);
+    if (status == FATHOM_OK) status = stage_build(context, &stage, asked->all.tracer, 0);
+    if (status == FATHOM_OK) status = measure_stage(context, &stage, asked, root);
     if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
     stage_close(&stage);
-    return status;
-}
-
-static json_t *head(const bench_secondary_settings *asked) {
-    json_t *root = bench_head("secondary");
-    json_object_set_new(root, "scene", json_text(asked->scene));
-    json_object_set_new(root, "spec", json_text(asked->tracer));
-    json_object_set_new(root, "repeats", json_count(asked->repeats));
-    json_object_set_new(root, "raysAsked", json_count(asked->rays));
-    json_object_set_new(root, "rows", json_array());
-    return root;
-}
-
-static fathom_status bench(fathom_context *context, const void *user) {
-    const bench_secondary_settings *asked = user;
-    trace_spec spec;
-    fathom_status status = trace_spec_parse(context, asked->tracer, &spec);
-    if (status == FATHOM_OK) status = bench_output_check(context, &asked->output, asked->scene);
-    if (status != FATHOM_OK) return status;
-    bench_progress_begin(asked->quiet);
-    json_t *root = head(asked);
-    status = run_scene(context, asked, root);
-    if (status == FATHOM_OK && !asked->quiet) print_rows(json_object_get(root, "rows"));
-    if (status == FATHOM_OK) status = bench_output_write(context, &asked->output, root, put_csv);
-    json_decref(root);
+    progress_clear_line();
+    if (status == FATHOM_OK && !asked->all.common.quiet) print_rows(json_object_get(root, "rows"));
     return status;
 }
 
 static fathom_status run(int argc, char **argv) {
-    bench_secondary_settings asked = {.tracer = "embree", .rays = 100000, .repeats = 9};
-    fathom_status status;
-    if (!command_parse(&command_bench_secondary, argc, argv, &asked, &status)) return status;
-    return bench_run(&command_bench_secondary, 0, asked.allow_outside, bench, &asked);
+    bench_secondary_settings asked = {.all = {.tracer = "embree", .repeats = 9}, .rays = 100000};
+    return bench_run(&(bench_kind){&command_bench_secondary, measure, &csv}, argc, argv, &asked);
 }
-
-#define FIELD(name) offsetof(bench_secondary_settings, name)
 
 static const args_option options[] = {
     {.help = "Options"},
-    {"tracer", 0, "SPEC", take_text, FIELD(tracer), 0, 0, "what answers the rays (embree)"},
-    {"size", 0, "WxH", take_size, FIELD(size), 1, 65536, "pixels (the scene's, else 1280x720)"},
-    {"rays", 0, "N", take_count, FIELD(rays), 16, 1e8,
+    {"tracer", 0, "SPEC", take_text, BENCH_FIELD(tracer), 0, 0, "what answers the rays (embree)"},
+    BENCH_SIZE,
+    {"rays", 0, "N", take_count, offsetof(bench_secondary_settings, rays), 16, 1e8,
      "of each depth and kind, about, if there are (100000)"},
-    {"repeats", 0, "N", take_u32, FIELD(repeats), 1, SECONDARY_REPEATS_MAX,
-     "of which medians and quartiles are told (9)"},
-    COMMAND_ALLOW_OUTSIDE(bench_secondary_settings),
-    BENCH_OUTPUT_OPTIONS(bench_secondary_settings),
-    {.help = NULL},
+    BENCH_REPEATS(SECONDARY_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
+    COMMAND_ALLOW_OUTSIDE(command_common),
+    BENCH_RESULTS,
 };
-static const char *const operands[] = {"SCENE"};
-static const size_t operand_offsets[] = {FIELD(scene)};
 
 const command command_bench_secondary = {
     .name = "bench secondary",
     .usage = "SCENE [options]",
     .summary = "Measure mirrored, refracted and shadow rays by depth.",
-    .text = "The rays of a render's first samples are recorded by depth and kind, from waves\n"
-            "all over the image, and asked again: as the render asks them, all that its\n"
-            "tracer does included, and by Embree's calls alone, one ray a call, in packets\n"
-            "of 4, 8 and 16, and by the kernels for coherent packets; in the render's order,\n"
-            "and sorted by octant and origin. All take turns; times are of one thread's\n"
-            "processor, and what is told is each way's nanoseconds a ray, and the render's\n"
-            "over single rays'.\n",
+    .text = "Records the rays of a render's first samples by depth and kind, from all over\n"
+            "the image, and traces them again: as the render traces them, with all that its\n"
+            "tracer does, and by Embree's calls alone, one ray a call, in packets of 4, 8 and\n"
+            "16, and by the kernels for coherent packets; in the render's order, and sorted\n"
+            "by octant and origin. All take turns; times are of one thread's\n"
+            "processor. Prints each way's nanoseconds a ray, and the ratio of the render's to\n"
+            "those of single rays.\n",
     .examples = "  fathom bench secondary scenes/first-render.json\n"
                 "  fathom bench secondary scenes/tour/13-refraction.json --rays 20000\n",
-    .args = {options, operands, operand_offsets, 1},
+    .args = {options, bench_operands, bench_operand_offsets, 1},
     .run = run,
 };

@@ -1,28 +1,20 @@
 /* `fathom bench trace`: rays a second of every tracer, what they cost to build, by triangle count. */
 #include "cli/bench/bench.h"
-#include "cli/bench/bench_output.h"
-#include "cli/bench/bench_run.h"
-#include "cli/command.h"
-#include "cli/json_text.h"
-#include "cli/render/progress.h"
 
 #include "base/clock.h"
-#include "base/threads.h"
+#include "base/status.h"
 #include "measure/trace_time.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct bench_trace_settings {
-    const char *scene;
+    bench_settings all;
     args_list tracers;
     args_counts triangles;
     uint64_t rays;
-    uint32_t repeats, threads;
+    uint32_t tracing; /* threads */
     double seconds;
-    bool quiet;
-    bench_output output;
-    bool allow_outside;
 } bench_trace_settings;
 
 /* ---- which tracers ---- */
@@ -113,11 +105,11 @@ static fathom_status race(fathom_context *context, const arena *s, const bench_t
     const trace_tracer *tracers[TRACE_TIME_TRACERS_MAX];
     static trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS];
     const bench_watch watch = bench_progress_part(s->from, s->to);
-    const trace_time_options options = {asked->repeats, asked->threads, asked->seconds, &watch};
+    const trace_time_options options = {asked->all.repeats, asked->tracing, asked->seconds, &watch};
     trace_set sets[TRACE_SETS] = {{NULL, 0}};
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
-        status = build(context, s->stage.world, &f->items[i], asked->threads);
+        status = build(context, s->stage.world, &f->items[i], asked->tracing);
         tracers[i] = f->items[i].tracer;
     }
     if (status == FATHOM_OK) {
@@ -138,29 +130,29 @@ static json_t *millions(quartiles q) {
 }
 
 static json_t *pack_rate(trace_set_kind kind, const trace_rate *r) {
-    bool any = trace_set_query(kind) == BARE_ANY, coherent = trace_set_coherence(kind) == TRACE_COHERENT;
-    return json_pack("{s:s, s:s, s:b, s:o, s:o, s:o, s:o}", "set", trace_set_name(kind), "query",
-                     any ? "any" : "closest", "coherent", coherent, "rays", json_count(r->rays), "met",
-                     json_count(r->met), "millionRaysPerSecond", millions(r->per_second),
-                     "millionRaysPerCpuSecond", millions(r->per_cpu_second));
+    const bool coherent = trace_set_coherence(kind) == TRACE_COHERENT;
+    return json_of(JSON("set", trace_set_name(kind)),
+                   JSON("query", trace_set_query(kind) == BARE_ANY ? "any" : "closest"),
+                   JSON("coherent", coherent), JSON("rays", r->rays), JSON("met", r->met),
+                   JSON("millionRaysPerSecond", millions(r->per_second)),
+                   JSON("millionRaysPerCpuSecond", millions(r->per_cpu_second)));
 }
 
 static json_t *pack_run(const arena *s, const contestant *c) {
     json_t *rates = json_array();
     for (int k = 0; k < TRACE_SETS; ++k)
         json_array_append_new(rates, pack_rate((trace_set_kind)k, &c->rates[k]));
-    return json_pack("{s:o, s:o, s:o, s:o, s:s, s:f, s:f, s:o, s:o}", "scene", json_text(s->name),
-                     "triangles", json_count(s->triangles), "primitives", json_count(s->primitives), "spec",
-                     json_text(c->text), "tracer", trace_name(c->tracer), "buildSeconds", c->build,
-                     "buildCpuSeconds", c->build_cpu, "bvhBytes", json_count(trace_bvh_bytes(c->tracer)),
-                     "rates", rates);
+    return json_of(JSON("scene", s->name), JSON("triangles", s->triangles), JSON("primitives", s->primitives),
+                   JSON("spec", c->text), JSON("tracer", trace_name(c->tracer)),
+                   JSON("buildSeconds", c->build), JSON("buildCpuSeconds", c->build_cpu),
+                   JSON("bvhBytes", trace_bvh_bytes(c->tracer)), JSON("rates", rates));
 }
 
 static void print_rate(const json_t *rate, uint64_t most) {
-    double median = bench_number(rate, "millionRaysPerCpuSecond", "median");
-    double low = bench_number(rate, "millionRaysPerCpuSecond", "low");
-    double high = bench_number(rate, "millionRaysPerCpuSecond", "high");
-    bool fewer = bench_number(rate, "rays", NULL) < (double)most;
+    const double median = json_number_at(rate, "millionRaysPerCpuSecond.median");
+    const double low = json_number_at(rate, "millionRaysPerCpuSecond.low");
+    const double high = json_number_at(rate, "millionRaysPerCpuSecond.high");
+    const bool fewer = json_number_at(rate, "rays") < (double)most;
     char cell[48];
     snprintf(cell, sizeof cell, "%.3g%s +-%.0f%%", median, fewer ? "*" : "", 50 * (high - low) / median);
     printf(" %-15s", cell);
@@ -199,8 +191,7 @@ static void print_scene(const arena *s, const field *f, const json_t *runs, size
            "shadow", "between");
     for (size_t i = 0; i < f->count; ++i) {
         const json_t *run = json_array_get(runs, first + i), *rates = json_object_get(run, "rates");
-        printf("%-17.40s %8.3f %8.1f", f->items[i].text, bench_number(run, "buildSeconds", NULL),
-               1e-6 * bench_number(run, "bvhBytes", NULL));
+        json_print(run, "{spec:-17s} {buildSeconds:8.3f} {bvhBytes:8.1fM}");
         for (int k = 0; k < TRACE_SETS; ++k) print_rate(json_array_get(rates, (size_t)k), most_rays(f, k));
         putchar('\n');
     }
@@ -208,33 +199,15 @@ static void print_scene(const arena *s, const field *f, const json_t *runs, size
     fflush(stdout);
 }
 
-static void put_csv(FILE *out, const json_t *root) {
-    fputs("triangles,primitives,tracer,build_seconds,build_cpu_seconds,bvh_bytes,set,query,coherent,rays,met,"
-          "mrays_per_cpu_second_low,mrays_per_cpu_second_median,mrays_per_cpu_second_high,"
-          "mrays_per_second_median,scene\n",
-          out);
-    size_t i, k;
-    json_t *run, *rate;
-    json_array_foreach(json_object_get(root, "runs"), i, run) {
-        json_array_foreach(json_object_get(run, "rates"), k, rate) {
-            fprintf(out, "%.0f,%.0f,", bench_number(run, "triangles", NULL),
-                    bench_number(run, "primitives", NULL));
-            bench_csv_text(out, json_string_value(json_object_get(run, "spec")));
-            fprintf(out, ",%.6g,%.6g,%.0f,%s,%s,%d,%.0f,%.0f", bench_number(run, "buildSeconds", NULL),
-                    bench_number(run, "buildCpuSeconds", NULL), bench_number(run, "bvhBytes", NULL),
-                    json_string_value(json_object_get(rate, "set")),
-                    json_string_value(json_object_get(rate, "query")),
-                    json_is_true(json_object_get(rate, "coherent")), bench_number(rate, "rays", NULL),
-                    bench_number(rate, "met", NULL));
-            fprintf(out, ",%.6g,%.6g,%.6g,%.6g,", bench_number(rate, "millionRaysPerCpuSecond", "low"),
-                    bench_number(rate, "millionRaysPerCpuSecond", "median"),
-                    bench_number(rate, "millionRaysPerCpuSecond", "high"),
-                    bench_number(rate, "millionRaysPerSecond", "median"));
-            bench_csv_text(out, json_string_value(json_object_get(run, "scene")));
-            fputc('\n', out);
-        }
-    }
-}
+static const bench_csv csv = {
+    .rows = "runs",
+    .inner = "rates",
+    .columns = "triangles, primitives, tracer=spec, build_seconds=buildSeconds, "
+               "build_cpu_seconds=buildCpuSeconds, bvh_bytes=bvhBytes, set, query, coherent, rays, met, "
+               "mrays_per_cpu_second_low=millionRaysPerCpuSecond.low, "
+               "mrays_per_cpu_second_median=millionRaysPerCpuSecond.median, "
+               "mrays_per_cpu_second_high=millionRaysPerCpuSecond.high, "
+               "mrays_per_second_median=millionRaysPerSecond.median, scene"};
 
 /* ---- the command ---- */
 
@@ -251,11 +224,11 @@ static fathom_status run_arena(fathom_context *context, const arena *s, const be
         enter_all(context, f, s->stage.scene, s->primitives);
     if (status == FATHOM_OK) status = race(context, s, asked, f);
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
-        bench_head_tracer(root, trace_name(f->items[i].tracer));
+        bench_add_tracer(root, trace_name(f->items[i].tracer));
         json_array_append_new(runs, pack_run(s, &f->items[i]));
     }
     progress_clear_line();
-    if (status == FATHOM_OK && !asked->quiet) print_scene(s, f, runs, first);
+    if (status == FATHOM_OK && !asked->all.common.quiet) print_scene(s, f, runs, first);
     for (size_t i = 0; i < f->count; ++i) trace_destroy(f->items[i].tracer);
     free(f);
     return status;
@@ -267,7 +240,7 @@ static fathom_status run_stage(fathom_context *context, fathom_status opened, be
                                json_t *root) {
     fathom_status status = opened;
     if (status == FATHOM_OK) {
-        const double all = (double)(asked->triangles.count + (asked->scene != NULL));
+        const double all = (double)(asked->triangles.count + (asked->all.scene != NULL));
         const arena a = arena_of(stage, name, index / all, (index + 1) / all);
         status = run_arena(context, &a, asked, root);
     }
@@ -279,47 +252,32 @@ static fathom_status run_stage(fathom_context *context, fathom_status opened, be
 static fathom_status run_scenes(fathom_context *context, const bench_trace_settings *asked, json_t *root) {
     fathom_status status = FATHOM_OK;
     bench_stage stage;
-    if (asked->scene) {
-        status = bench_open(context, asked->scene, (args_size){0, 0}, &stage);
-        status = run_stage(context, status, &stage, asked->scene, 0, asked, root);
+    if (asked->all.scene) {
+        status = bench_open(context, &asked->all, &stage);
+        status = run_stage(context, status, &stage, asked->all.scene, 0, asked, root);
     }
     for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
         status = open_sphere(context, asked->triangles.items[i], &stage);
-        status = run_stage(context, status, &stage, "generated sphere", (double)i + (asked->scene != NULL),
-                           asked, root);
+        status = run_stage(context, status, &stage, "generated sphere",
+                           (double)i + (asked->all.scene != NULL), asked, root);
     }
     return status;
 }
 
-static fathom_status check(fathom_context *context, const bench_trace_settings *asked) {
-    if (!asked->scene && !asked->triangles.count)
+static fathom_status measure(fathom_context *context, const void *settings, json_t *root) {
+    const bench_trace_settings *asked = settings;
+    if (!asked->all.scene && !asked->triangles.count)
         return fail(context, FATHOM_BAD_USAGE, "bench trace: SCENE is missing; expected it or --triangles");
     field f = {.count = 0};
     fathom_status status = enter_given(context, &f, &asked->tracers);
-    return status == FATHOM_OK ? bench_output_check(context, &asked->output, asked->scene) : status;
-}
-
-static fathom_status bench(fathom_context *context, const void *user) {
-    const bench_trace_settings *asked = user;
-    fathom_status status = check(context, asked);
-    if (status != FATHOM_OK) return status;
-    bench_progress_begin(asked->quiet);
-    json_t *root = bench_head("trace");
-    json_object_set_new(root, "repeats", json_count(asked->repeats));
-    json_object_set_new(root, "threads", json_count(asked->threads));
-    json_object_set_new(root, "raysAsked", json_count(asked->rays));
-    json_object_set_new(root, "runs", json_array());
-    status = run_scenes(context, asked, root);
-    if (status == FATHOM_OK) status = bench_output_write(context, &asked->output, root, put_csv);
-    json_decref(root);
-    return status;
+    json_add(root, JSON("repeats", asked->all.repeats), JSON("threads", asked->tracing),
+             JSON("raysAsked", asked->rays), JSON("runs", json_array()));
+    return status == FATHOM_OK ? run_scenes(context, asked, root) : status;
 }
 
 static fathom_status run(int argc, char **argv) {
-    bench_trace_settings asked = {.rays = 262144, .repeats = 9, .threads = 1, .seconds = 0.1};
-    fathom_status status;
-    if (!command_parse(&command_bench_trace, argc, argv, &asked, &status)) return status;
-    return bench_run(&command_bench_trace, 0, asked.allow_outside, bench, &asked);
+    bench_trace_settings asked = {.all = {.repeats = 9}, .rays = 262144, .tracing = 1, .seconds = 0.1};
+    return bench_run(&(bench_kind){&command_bench_trace, measure, &csv}, argc, argv, &asked);
 }
 
 #define FIELD(name) offsetof(bench_trace_settings, name)
@@ -330,19 +288,15 @@ static const args_option options[] = {
      "what is measured; may be given several times (all there are, with linear search up to a million "
      "primitives)"},
     {"triangles", 0, "N,N", take_counts, FIELD(triangles), 1, 4e9,
-     "besides, or instead of SCENE, generated spheres of so many triangles, such as 10k,100k,1M"},
+     "generated spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it"},
     {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "of the camera (262144); the others have its hits"},
     {"seconds", 0, "S", take_f64, FIELD(seconds), 1e-6, 1e6,
      "the most for one repetition of one tracer and kind of rays; slower ones get fewer rays (0.1)"},
-    {"repeats", 0, "N", take_u32, FIELD(repeats), 1, TRACE_TIME_REPEATS_MAX,
-     "of which medians and quartiles are told (9)"},
-    {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "that build and trace (1)"},
-    COMMAND_ALLOW_OUTSIDE(bench_trace_settings),
-    BENCH_OUTPUT_OPTIONS(bench_trace_settings),
-    {.help = NULL},
+    BENCH_REPEATS(TRACE_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
+    {"threads", 0, "N", take_u32, FIELD(tracing), 1, 1024, "that build and trace (1)"},
+    COMMAND_ALLOW_OUTSIDE(command_common),
+    BENCH_RESULTS,
 };
-static const char *const operands[] = {"SCENE"};
-static const size_t operand_offsets[] = {FIELD(scene)};
 
 const command command_bench_trace = {
     .name = "bench trace",
@@ -354,11 +308,11 @@ const command command_bench_trace = {
             "  shadow   any hit, coherent: from what the camera sees to the first light\n"
             "  between  any hit, incoherent: between any two points that the camera sees\n"
             "Tracers take turns, so that a machine that slows down favours none. All of them\n"
-            "are in memory together. Told are million rays for each second of a thread's\n"
+            "are in memory together. Prints million rays for each second of a thread's\n"
             "processor time: medians, and half the distance of the quartiles. --json and\n"
-            "--csv have rays a second by the clock besides. SPEC is as for render.\n",
+            "--csv also have rays a second by the clock. SPEC is as for render.\n",
     .examples = "  fathom bench trace --triangles 10k,100k,1M --report results\n"
                 "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n",
-    .args = {options, operands, operand_offsets, 1, 1},
+    .args = {options, bench_operands, bench_operand_offsets, 1, 1},
     .run = run,
 };

@@ -122,7 +122,7 @@ void progress_line(const fathom_progress *p, char *out, size_t size) {
  * bar's own length follows from the columns alone, so that it does not jump about. */
 #define BAR_LEAST 10u
 #define BAR_MOST 50u
-#define BAR_OTHERS 46u /* what stands beside it, up to "render 100% [] 12345.6 Mrays/s, 10:00:00 left" */
+#define BAR_OTHERS 46u /* the text next to it, up to "render 100% [] 12345.6 Mrays/s, 10:00:00 left" */
 
 void progress_bar(const fathom_progress *p, unsigned width, char *out, size_t size) {
     char rate[64], cells[BAR_MOST + 1];

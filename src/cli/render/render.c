@@ -1,20 +1,17 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/outputs.h"
 #include "cli/provenance.h"
 #include "cli/render/brightness.h"
-#include "cli/render/left_out.h"
-#include "cli/render/outputs.h"
-#include "cli/render/partial.h"
+#include "cli/render/images.h"
 #include "cli/render/progress.h"
-#include "cli/render/rescue.h"
 #include "cli/render/saving.h"
 #include "cli/render/stats.h"
-#include "cli/render/time_left.h"
-#include "cli/standard_output.h"
 
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/status.h"
+#include "film/film.h"
 #include "image/image.h"
 #include "job/render.h"
 #include "scene/scene.h"
@@ -22,279 +19,260 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool writes_stats_file(const render_options *options) {
-    return options->stats && !standard_output_is_named(options->stats);
-}
-
-static fathom_status check_outputs(fathom_context *context, render_options *options) {
-    const char *all[ARGS_LIST_MAX + 2];
-    size_t count = 0;
-    fathom_status status = standard_output_begin(context, &options->outputs, &options->stats, 1);
-    if (status != FATHOM_OK) return status;
-    for (; count < options->outputs.count; ++count) all[count] = options->outputs.items[count];
-    if (writes_stats_file(options)) all[count++] = options->stats;
-    if (options->checkpoint) all[count++] = options->checkpoint;
-    status = outputs_check_distinct(context, all, count, options->scene);
-    if (status == FATHOM_OK) status = partial_check(context, &options->outputs, all, count);
-    for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
-        status = image_check(context, options->outputs.items[i], &options->write);
-    }
-    if (status == FATHOM_OK && writes_stats_file(options))
-        status = file_check_writable(context, options->stats);
-    if (status == FATHOM_OK) status = saving_check(context, options);
-    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) file_remove_left_over(all[i]);
-    for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i) {
-        char partial[PATH_MAX];
-        if (partial_name(options->outputs.items[i], partial)) file_remove_left_over(partial);
-    }
-    return status;
-}
-
-static fathom_status check_sizes(fathom_context *context, const render_options *options) {
-    const settings_region region = settings_region_of(&options->settings);
-    fathom_status status = FATHOM_OK;
-    for (size_t i = 0; i < options->outputs.count && status == FATHOM_OK; ++i)
-        status = image_check_size(context, options->outputs.items[i], region.width, region.height);
-    return status;
-}
-
-/* The command line over what the scene's file asked for. What the two make of each other (a crop outside the
- * scene's image, …) is wrong usage: the scene by itself has been checked. */
-static fathom_status merge_settings(fathom_context *context, const fathom_scene *scene,
-                                    render_options *options) {
-    fathom_settings settings;
-    args_problem problem;
-    fathom_scene_settings(scene, &settings);
-    if (!render_options_finish(options, &settings, &problem))
-        return fail(context, FATHOM_BAD_USAGE, "%s", problem.text);
-    if (settings.aovs & ~options->settings.aovs && !render_options_give(options, "aovs"))
-        warn(context, "%s: asks for AOVs that only .exr holds; they are left out", options->scene);
-    if (render_options_give(options, "min_spp") &&
-        !(options->settings.target_error > 0 || options->settings.max_time > 0))
-        return fail(context, FATHOM_BAD_USAGE, "--min-spp: only with --target-error E or --max-time SECONDS");
-    if (scene_check_settings(context, &options->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
-    return check_sizes(context, options);
-}
-
-/* A message that names all outputs. */
-#define SAID 8192
-
-typedef struct watched {
+/* One run of the command. */
+typedef struct session {
     fathom_context *context;
-    render_report *report;
+    int argc;
+    char **argv;
+    double start; /* when the command began */
+    render_options options;
+    fathom_scene *scene;
+    fathom_film *film;
+    render_report report;
     saving saving;
     fathom_status outlook; /* of writing the image */
-} watched;
+} session;
 
-static bool on_progress(void *user, const fathom_progress *progress) {
-    watched *w = user;
-    if (progress->phase == FATHOM_PHASE_RENDER) {
-        w->report->finished = progress->fraction;
-        interrupt_keep_work(true);
-    }
-    saving_tick(&w->saving);
-    progress_update(progress);
-    w->outlook = image_prefetch_status(w->context);
-    return !interrupt_asked() && w->outlook == FATHOM_OK;
+static fathom_status say(const session *s, fathom_status status) {
+    return say_status(&command_render, s->context, status);
 }
 
-static bool holds_all(const char *path) {
-    char extension[16];
-    file_extension(path, extension);
-    return strcmp(extension, "exr") == 0;
+/* ---- before rendering ---- */
+
+static fathom_status check_outputs(session *s) {
+    render_options *o = &s->options;
+    const bool stats_file = o->stats && !outputs_is_standard(o->stats);
+    const char *all[ARGS_LIST_MAX + 2];
+    size_t count = 0;
+    fathom_status status = standard_output_begin(s->context, &o->outputs, &o->stats, 1);
+    if (status != FATHOM_OK) return status;
+    for (; count < o->outputs.count; ++count) all[count] = o->outputs.items[count];
+    if (stats_file) all[count++] = o->stats;
+    if (o->checkpoint) all[count++] = o->checkpoint;
+    status = outputs_check_distinct(s->context, all, count, o->scene);
+    if (status == FATHOM_OK) status = images_check_partial(s->context, &o->outputs, all, count);
+    for (size_t i = 0; i < o->outputs.count && status == FATHOM_OK; ++i)
+        status = image_check(s->context, o->outputs.items[i], &o->write);
+    if (status == FATHOM_OK && stats_file) status = file_check_writable(s->context, o->stats);
+    if (status == FATHOM_OK) status = saving_check(s->context, o);
+    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) file_remove_left_over(all[i]);
+    if (status == FATHOM_OK) images_remove_left_over(&o->outputs);
+    return status;
 }
 
-static bool needs_image_module(const render_options *options) {
-    for (size_t i = 0; i < options->outputs.count; ++i) {
-        if (image_needs_module(options->outputs.items[i], &options->write)) return true;
-    }
-    return false;
+static fathom_status read_scene(session *s) {
+    const render_options *o = &s->options;
+    const fathom_read_options read = {.without_uvs = true,
+                                      .camera = o->camera,
+                                      .up = o->up,
+                                      .width = o->size.width,
+                                      .height = o->size.height};
+    const double began = clock_seconds();
+    fathom_status status = fathom_scene_read_with(s->context, o->scene, &read, &s->scene);
+    s->report.read_seconds = clock_seconds() - began;
+    outputs_may_be_read(s->context); /* the checkpoint, that is */
+    return status;
 }
 
-static fathom_status list_left_out(fathom_context *context, const fathom_film *film,
-                                   const render_options *options, left_out_list *out) {
+static fathom_status check_sizes(const session *s) {
+    const settings_region region = settings_region_of(&s->options.settings);
+    const args_list *outputs = &s->options.outputs;
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < outputs->count && status == FATHOM_OK; ++i)
+        status = image_check_size(s->context, outputs->items[i], region.width, region.height);
+    return status;
+}
+
+/* The command line over what the scene's file asked for. What is wrong with both together (a crop outside the
+ * scene's image, …) is wrong usage: the scene by itself has been checked. */
+static fathom_status merge_settings(session *s) {
+    fathom_settings settings;
+    args_problem problem;
+    render_options *o = &s->options;
+    fathom_scene_settings(s->scene, &settings);
+    if (!render_options_finish(o, &settings, &problem))
+        return fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
+    if (settings.aovs & ~o->settings.aovs && !render_options_give(o, "aovs"))
+        warn(s->context, "%s: asks for AOVs that only .exr holds; they are left out", o->scene);
+    if (render_options_give(o, "min_spp") && !(o->settings.target_error > 0 || o->settings.max_time > 0))
+        return fail(s->context, FATHOM_BAD_USAGE,
+                    "--min-spp: only with --target-error E or --max-time SECONDS");
+    if (scene_check_settings(s->context, &o->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
+    return check_sizes(s);
+}
+
+/* Of --max-time, what is left for rendering and writing. */
+static fathom_status set_time_left(session *s) {
+    const double elapsed = clock_seconds() - s->start;
+    render_options *o = &s->options;
+    if (!(o->max_time > 0)) return FATHOM_OK;
+    o->settings.max_time = o->max_time - elapsed;
+    if (o->settings.max_time > 0) return FATHOM_OK;
+    return fail(s->context, FATHOM_BAD_USAGE,
+                "--max-time: %g s are too short: reading alone took %.2f s; give more time", o->max_time,
+                elapsed);
+}
+
+/* ---- writing ---- */
+
+static void rescue(const session *s, const char *which) {
+    images_rescue(s->context, s->film, standard_output_shown(&s->options.outputs, 0), which);
+}
+
+static bool list_left_out(session *s) {
+    left_out_list *list = &s->report.left_out;
     const fathom_left_out *items;
-    const uint32_t count = fathom_film_left_out(film, &items);
-    bool fine = true;
-    for (uint32_t i = 0; i < count && fine; ++i) fine = left_out_tell(out, items[i].what, items[i].why);
-    if (fine && !needs_image_module(options)) fine = left_out_image_module(out);
-    return fine ? FATHOM_OK : fail_memory(context, count * sizeof *items);
-}
-
-/* Every output is tried: a full disk under one leaves the others worth having. */
-static fathom_status write_images(fathom_context *context, const fathom_film *film,
-                                  const render_options *options) {
-    fathom_status result = FATHOM_OK;
-    const char *failed = NULL;
-    bool kept = false;
-    for (size_t i = 0; i < options->outputs.count; ++i) {
-        const char *path = options->outputs.items[i];
-        fathom_status status = fathom_film_write(context, film, path, &options->write);
-        if (status == FATHOM_OK) status = standard_output_deliver(context, i, path);
-        say_status(&command_render, context, status);
-        kept |= status == FATHOM_OK && holds_all(path);
-        if (status != FATHOM_OK && !failed)
-            result = status, failed = standard_output_shown(&options->outputs, i);
+    const uint32_t count = fathom_film_left_out(s->film, &items);
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!left_out_tell(list, items[i].what, items[i].why)) return false;
     }
-    if (failed && !kept) rescue_film(context, film, failed, "the pixels");
-    return result;
+    return images_need_module(&s->options) || left_out_image_module(list);
 }
 
-/* What memory is needed for comes first: an image that is there with an exit code that says it is not helps
+/* Takes all the memory it needs before it writes: an image whose exit code says that it is not there helps
  * nobody. */
-static fathom_status write_all(fathom_context *context, const fathom_film *film,
-                               const render_options *options, render_report *report, double start) {
+static fathom_status write_all(session *s) {
     progress_phase(FATHOM_PHASE_WRITE);
-    if (say_status(&command_render, context, list_left_out(context, film, options, &report->left_out)) !=
-        FATHOM_OK) {
-        rescue_film(context, film, standard_output_shown(&options->outputs, 0), "the pixels");
+    if (!list_left_out(s)) {
+        say(s, fail_memory(s->context, sizeof(fathom_left_out)));
+        rescue(s, "the pixels");
         return FATHOM_OUT_OF_RESOURCES;
     }
-    double begin = clock_seconds();
-    fathom_status status = write_images(context, film, options);
-    double end = clock_seconds();
-    report->write_seconds = end - begin;
-    report->total_seconds = end - start;
-    fathom_film_size(film, &report->width, &report->height);
+    const double began = clock_seconds();
+    fathom_status status = images_write(s->context, s->film, &s->options);
+    const double end = clock_seconds();
+    s->report.write_seconds = end - began;
+    s->report.total_seconds = end - s->start;
+    fathom_film_size(s->film, &s->report.width, &s->report.height);
     progress_clear_line();
-    if (options->stats) {
-        fathom_status stats = say_status(&command_render, context, stats_write(context, report, options));
+    if (s->options.stats) {
+        fathom_status stats = say(s, stats_write(s->context, &s->report, &s->options));
         if (status == FATHOM_OK) status = stats;
     }
-    if (status == FATHOM_OK) stats_print(report, options);
+    if (status == FATHOM_OK) stats_print(&s->report, &s->options);
     return status;
 }
 
 static void tell_interrupted(const render_options *options) {
-    char text[SAID];
+    char text[8192];
+    const int room = sizeof text;
     int used = snprintf(text, sizeof text, "interrupted; the image is written as far as it got, to ");
-    for (size_t i = 0; i < options->outputs.count && used >= 0 && used < SAID; ++i) {
-        used += snprintf(text + used, (size_t)(SAID - used), "%s%s", i ? ", " : "",
+    for (size_t i = 0; i < options->outputs.count && used >= 0 && used < room; ++i) {
+        used += snprintf(text + used, (size_t)(room - used), "%s%s", i ? ", " : "",
                          standard_output_shown(&options->outputs, i));
     }
-    if (options->checkpoint && used >= 0 && used < SAID)
-        snprintf(text + used, (size_t)(SAID - used), "; --resume continues");
+    if (options->checkpoint && used >= 0 && used < room)
+        snprintf(text + used, (size_t)(room - used), "; --resume continues");
     say_error(text);
 }
 
-/* The image of a render that ended with `status`, and what is to be said of it. */
-static fathom_status finish(fathom_context *context, const fathom_scene *scene, const fathom_film *film,
-                            render_options *options, render_report *report, const saving *kept,
-                            double start) {
-    const bool interrupted = report->interrupted;
-    partial_names *room = NULL;
-    fathom_status status = interrupted ? partial_rename(context, &options->outputs, &room) : FATHOM_OK;
-    brightness_expose(film, options);
-    if (!interrupted) brightness_warn(context, scene, film, options);
+/* Writes the film, finished or not, and says what there is to say of it. */
+static fathom_status finish(session *s) {
+    const bool interrupted = s->report.interrupted;
+    image_names *room = NULL;
+    fathom_status status = interrupted ? images_rename(s->context, &s->options.outputs, &room) : FATHOM_OK;
+    brightness_expose(s->film, &s->options);
+    if (!interrupted) brightness_warn(s->context, s->scene, s->film, &s->options);
     if (status == FATHOM_OK)
-        status = write_all(context, film, options, report, start);
+        status = write_all(s);
     else
-        rescue_film(context, film, standard_output_shown(&options->outputs, 0), "the pixels");
-    status = saving_end(kept, interrupted, status);
+        rescue(s, "the pixels");
+    status = saving_end(&s->saving, interrupted, status);
     if (status == FATHOM_OK && interrupted) {
-        tell_interrupted(options);
+        tell_interrupted(&s->options);
         status = FATHOM_INTERRUPTED;
     }
     free(room);
     return status;
 }
 
-#define DOUBTFUL "the pixels rendered until then, of which some may be wrong,"
+/* ---- rendering ---- */
 
-static fathom_status render_scene(fathom_context *context, fathom_scene *scene, render_options *options,
-                                  render_report *report, double start) {
-    if (options->background.given) {
-        fathom_status status = fathom_scene_set_background(scene, options->background.rgb);
-        if (status != FATHOM_OK) return say_status(&command_render, context, status);
+static bool on_progress(void *user, const fathom_progress *progress) {
+    session *s = user;
+    if (progress->phase == FATHOM_PHASE_RENDER) {
+        s->report.finished = progress->fraction;
+        interrupt_keep_work(true);
     }
-    fathom_status status = time_left(context, clock_seconds() - start, options);
-    if (status != FATHOM_OK) return say_status(&command_render, context, status);
-    fathom_film *film;
-    watched w = {.context = context, .report = report, .outlook = FATHOM_OK};
-    const time_outputs outputs = {context, options};
-    const job_reserve writing = time_to_write(&outputs);
-    saving_begin(options, &w.saving);
-    status = render_to_time(context, scene, &options->settings, &writing, saving_request(&w.saving),
-                            on_progress, &w, &report->stats, &film);
-    if (w.outlook != FATHOM_OK) {
-        fathom_film_destroy(film);
-        return say_status(&command_render, context, image_prefetch_status(context));
-    }
-    /* Errors that no reader could find, such as how the scene's parts fit together, name no file yet. */
-    if ((status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES) &&
-        !*fathom_context_error(context)->place->file)
-        fail_within(context, status, &(fathom_place){.file = options->scene});
-    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) {
-        say_status(&command_render, context, status);
-        if (film) rescue_film(context, film, standard_output_shown(&options->outputs, 0), DOUBTFUL);
-        fathom_film_destroy(film);
-        return status;
-    }
+    saving_tick(&s->saving);
+    progress_update(progress);
+    s->outlook = image_prefetch_status(s->context);
+    return !interrupt_asked() && s->outlook == FATHOM_OK;
+}
+
+/* The share of the time that is left that measuring how long writing takes may use. */
+#define REHEARSAL 0.03
+
+static double seconds_to_write(void *user, const fathom_film *film, double left) {
+    const session *s = user;
+    const render_options *o = &s->options;
+    const film_outputs outputs = {o->outputs.items, o->outputs.count, &o->write};
+    return film_write_seconds(s->context, film, &outputs, REHEARSAL * left);
+}
+
+/* Says why there is no image. Errors that no reader could find, such as how the scene's parts fit together,
+ * name no file yet. */
+static fathom_status say_failure(session *s, fathom_status status) {
+    const bool of_scene = status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES;
+    if (of_scene && !*fathom_context_error(s->context)->place->file)
+        fail_within(s->context, status, &(fathom_place){.file = s->options.scene});
+    say(s, status);
+    if (s->film) rescue(s, "the pixels rendered until then, of which some may be wrong,");
+    return status;
+}
+
+static fathom_status render(session *s) {
+    const job_reserve writing = {seconds_to_write, s};
+    saving_begin(&s->options, &s->saving);
+    fathom_status status =
+        render_to_time(s->context, s->scene, &s->options.settings, &writing, saving_request(&s->saving),
+                       on_progress, s, &s->report.stats, &s->film);
+    if (s->outlook != FATHOM_OK) return say(s, image_prefetch_status(s->context));
+    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) return say_failure(s, status);
     interrupt_keep_work(true);
-    report->interrupted = status == FATHOM_INTERRUPTED;
-    report->finished = report->stats.finished;
-    report->scene = scene->name;
-    status = finish(context, scene, film, options, report, &w.saving, start);
-    fathom_film_destroy(film);
-    return status;
+    s->report.interrupted = status == FATHOM_INTERRUPTED;
+    s->report.finished = s->report.stats.finished;
+    s->report.scene = s->scene->name;
+    return finish(s);
 }
 
-static fathom_status read_scene(fathom_context *context, const render_options *options, fathom_scene **out) {
-    const fathom_read_options read = {.without_uvs = true,
-                                      .camera = options->camera,
-                                      .up = options->up,
-                                      .width = options->size.width,
-                                      .height = options->size.height};
-    return fathom_scene_read_with(context, options->scene, &read, out);
-}
-
-static fathom_status read_and_render(fathom_context *context, render_options *options, double start) {
-    interrupt_install();
-    interrupt_install_save();
-    fathom_status status = say_status(&command_render, context, check_outputs(context, options));
+static fathom_status prepare(session *s) {
+    fathom_status status = check_outputs(s);
     if (status != FATHOM_OK) return status;
-    if (needs_image_module(options)) fathom_image_prefetch();
-    progress_begin(options->quiet);
+    if (images_need_module(&s->options)) fathom_image_prefetch();
+    progress_begin(s->options.quiet);
     progress_phase(FATHOM_PHASE_READ);
-    render_report report = {.finished = 0};
-    fathom_context_on_warning(context, warnings_say, &report.warnings);
-    fathom_scene *scene;
-    double begin = clock_seconds();
-    status = say_status(&command_render, context, read_scene(context, options, &scene));
-    if (status != FATHOM_OK) {
-        warnings_free(&report.warnings);
-        return status;
-    }
-    outputs_may_be_read(context); /* the checkpoint, that is */
-    report.read_seconds = clock_seconds() - begin;
-    status = merge_settings(context, scene, options);
-    say_status(&command_render, context, status);
-    if (status == FATHOM_OK) status = render_scene(context, scene, options, &report, start);
-    array_free(&report.left_out);
-    warnings_free(&report.warnings);
-    fathom_scene_destroy(scene);
-    return status;
+    fathom_context_on_warning(s->context, warnings_say, &s->report.warnings);
+    status = read_scene(s);
+    if (status == FATHOM_OK) status = merge_settings(s);
+    if (status == FATHOM_OK && s->options.background.given)
+        status = fathom_scene_set_background(s->scene, s->options.background.rgb);
+    return status == FATHOM_OK ? set_time_left(s) : status;
 }
 
 static fathom_status run(int argc, char **argv) {
-    double start = clock_seconds();
+    session s = {.argc = argc, .argv = argv, .start = clock_seconds()};
     fathom_settings settings;
-    render_options options;
     fathom_status status;
-    fathom_settings_default(&settings);
-    render_options_default(&options);
-    if (!command_parse(&command_render, argc, argv, &options, &status)) return status;
     args_problem problem;
-    if (!render_options_finish(&options, &settings, &problem))
-        return say_usage(&command_render, problem.text);
-    fathom_context *context;
-    status = command_context(options.threads, &context);
+    fathom_settings_default(&settings);
+    render_options_default(&s.options);
+    if (!command_parse(&command_render, argc, argv, &s.options, &status)) return status;
+    if (!render_options_finish(&s.options, &settings, &problem)) return say_usage(&command_render, problem.text);
+    status = command_context(s.options.threads, &s.context);
     if (status != FATHOM_OK) return status;
-    fathom_context_allow_outside(context, options.allow_outside);
-    options.write.command = provenance_command();
-    status = read_and_render(context, &options, start);
+    fathom_context_allow_outside(s.context, s.options.allow_outside);
+    s.options.write.command = provenance_command();
+    interrupt_install();
+    interrupt_install_save();
+    status = say(&s, prepare(&s));
+    if (status == FATHOM_OK) status = render(&s);
+    fathom_film_destroy(s.film);
+    array_free(&s.report.left_out);
+    warnings_free(&s.report.warnings);
+    fathom_scene_destroy(s.scene);
     standard_output_end();
-    fathom_context_destroy(context);
+    fathom_context_destroy(s.context);
     return status;
 }
 
@@ -311,9 +289,9 @@ const command command_render = {
             "Ctrl-C stops, writes the image as far as it got to NAME.partial.EXT, leaves a\n"
             "finished NAME.EXT as it was, and exits with code 5. So do SIGTERM, SIGHUP (a\n"
             "terminal that is closed) and SIGXCPU (ulimit -t).\n"
-            "If an image cannot be written, its pixels go to NAME.rescue.exr beside it, or to\n"
-            "the working folder, $TMPDIR or /tmp, and a message says where. So do those of a\n"
-            "scene whose files were changed while it was rendered: exit code 3.\n"
+            "If an image cannot be written, its pixels go to NAME.rescue.exr next to it, or\n"
+            "to the working folder, $TMPDIR or /tmp, and a message says where. The same holds\n"
+            "for a scene whose files were changed while it was rendered: exit code 3.\n"
             "With --checkpoint FILE it can be continued, and so can what was killed.\n",
     .examples = "  fathom render bunny.obj -o bunny.png\n"
                 "  fathom render scan.ply -o scan.png --up z --size 1080x1920\n"

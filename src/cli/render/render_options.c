@@ -1,7 +1,7 @@
 #include "cli/render/render_options.h"
 
 #include "cli/command.h"
-#include "cli/standard_output.h"
+#include "cli/outputs.h"
 
 #include "base/file.h"
 #include "image/image.h"

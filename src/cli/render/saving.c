@@ -19,7 +19,7 @@ static bool wanted(void *user) {
     return s->asked;
 }
 
-/* Only the first of failures in a row is told: the disk may stay full for hours. */
+/* Says only the first of several failures in a row: the disk may stay full for hours. */
 static void saved(void *user, fathom_status status, const char *message, double fraction) {
     saving *s = user;
     char text[SAID];
@@ -83,7 +83,8 @@ fathom_status saving_end(const saving *s, bool interrupted, fathom_status status
         return FATHOM_OUT_OF_RESOURCES;
     }
     if (!interrupted && unlink(path) != 0 && errno != ENOENT) {
-        snprintf(text, sizeof text, "%s: is of no more use and cannot be removed: %s", path, strerror(errno));
+        snprintf(text, sizeof text, "%s: is no longer needed, but cannot be removed: %s", path,
+                 strerror(errno));
         log_line(LOG_WARNING, text);
     }
     return status;

@@ -1,5 +1,5 @@
-/* --checkpoint FILE, as far as the command goes: what SIGUSR1 asks for, what the user is told, and that the
- * file goes once the images are safe. */
+/* --checkpoint FILE: saves when SIGUSR1 asks for it, says how that went, and removes the file once the images
+ * are safe. */
 #ifndef CLI_SAVING_H
 #define CLI_SAVING_H
 

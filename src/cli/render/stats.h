@@ -2,8 +2,8 @@
 #ifndef CLI_STATS_H
 #define CLI_STATS_H
 
+#include "cli/notes.h"
 #include "cli/render/render_options.h"
-#include "cli/render/warnings.h"
 #include "integrate/parts.h"
 
 typedef struct render_report {
@@ -16,15 +16,6 @@ typedef struct render_report {
     left_out_list left_out;
     warning_list warnings;
 } render_report;
-
-uint64_t report_rays(const render_report *report);
-double report_rays_per_second(const render_report *report);
-/* Samples a pixel, on average. */
-double report_mean_spp(const render_report *report);
-/* The most memory the process ever held. */
-uint64_t report_peak_bytes(void);
-/* Meshes, BVH and film. */
-uint64_t report_needed_bytes(const render_report *report);
 
 /* --stats: one JSON object, whole or not at all. */
 fathom_status stats_write(fathom_context *context, const render_report *report,

@@ -1,14 +1,11 @@
-#include "cli/validate/validate_extremes.h"
-#include "cli/validate/validate_shading.h"
+#include "cli/validate/validate.h"
 
 #include "base/clock.h"
-#include "base/file.h"
 #include "base/threads.h"
-#include "cli/command.h"
 #include "cli/interrupt.h"
-#include "cli/render/outputs.h"
+#include "cli/outputs.h"
 #include "cli/render/progress.h"
-#include "cli/standard_output.h"
+#include "cli/report.h"
 #include "verify/builtin.h"
 
 #include <stdlib.h>
@@ -115,37 +112,40 @@ static fathom_status run_all(fathom_context *context, work *k) {
 
 /* ---- results ---- */
 
-static int by_tracer(const void *a, const void *b) {
-    return strcmp(((const validate_run *)a)->spec, ((const validate_run *)b)->spec);
+/* Few runs: an insertion keeps the scenes' order within each tracer. */
+static void sort_by_tracer(validate_runs *runs) {
+    for (size_t i = 1; i < runs->count; ++i) {
+        const validate_run run = runs->items[i];
+        size_t at = i;
+        for (; at > 0 && strcmp(runs->items[at - 1].spec, run.spec) > 0; --at)
+            runs->items[at] = runs->items[at - 1];
+        runs->items[at] = run;
+    }
+}
+
+static uint64_t count_all(const validate_results *results, verdict v) {
+    uint64_t sum = validate_extremes_total(&results->extremes, v);
+    for (size_t i = 0; i < results->runs.count; ++i) {
+        const compare_family all = validate_sum(&results->runs.items[i]);
+        sum += all.counts[v] + all.any_counts[v];
+    }
+    return sum;
+}
+
+static void print(const work *k, uint64_t wrong) {
+    validate_print(&k->results.runs, k->settings);
+    if (k->settings->isa) validate_print_isas(&k->results.runs);
+    if (k->settings->extremes) validate_extremes_print(&k->results.extremes, k->settings);
+    validate_shading_print(&k->results.shading, k->settings);
+    printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)wrong,
+           (unsigned long long)count_all(&k->results, VERDICT_LEAK), clock_seconds() - k->start);
 }
 
 static fathom_status write_results(fathom_context *context, work *k, uint64_t *wrong) {
-    /* Few runs: an insertion keeps the scenes' order within each tracer. */
-    for (size_t i = 1; i < k->results.runs.count; ++i) {
-        validate_run run = k->results.runs.items[i];
-        size_t at = i;
-        for (; at > 0 && by_tracer(&k->results.runs.items[at - 1], &run) > 0; --at)
-            k->results.runs.items[at] = k->results.runs.items[at - 1];
-        k->results.runs.items[at] = run;
-    }
-    uint64_t leaks = 0;
-    for (size_t i = 0; i < k->results.runs.count; ++i) {
-        compare_family sum = validate_sum(&k->results.runs.items[i]);
-        *wrong += sum.counts[VERDICT_WRONG] + sum.any_counts[VERDICT_WRONG];
-        leaks += sum.counts[VERDICT_LEAK] + sum.any_counts[VERDICT_LEAK];
-    }
-    *wrong += validate_extremes_wrong(&k->results.extremes),
-        leaks += validate_extremes_leaks(&k->results.extremes);
-    *wrong += validate_shading_wrong(&k->results.shading);
-    if (!k->settings->quiet) {
-        validate_print(&k->results.runs, k->settings);
-        if (k->settings->isa) validate_print_isas(&k->results.runs);
-        if (k->settings->extremes) validate_extremes_print(&k->results.extremes, k->settings);
-        validate_shading_print(&k->results.shading, k->settings);
-        printf("\n%llu wrong, %llu tracer leaks, %.1f s\n", (unsigned long long)*wrong,
-               (unsigned long long)leaks, clock_seconds() - k->start);
-    }
     fathom_status status = FATHOM_OK;
+    sort_by_tracer(&k->results.runs);
+    *wrong = count_all(&k->results, VERDICT_WRONG) + validate_shading_wrong(&k->results.shading);
+    if (!k->settings->common.quiet) print(k, *wrong);
     if (k->settings->json || k->settings->report)
         status = validate_write_json(context, &k->results, k->settings);
     if (status == FATHOM_OK && k->settings->failures)
@@ -154,16 +154,11 @@ static fathom_status write_results(fathom_context *context, work *k, uint64_t *w
 }
 
 static fathom_status check(fathom_context *context, const validate_settings *settings) {
-    const char *outputs[2];
-    size_t count = 0;
-    fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, &settings->json, 1);
-    if (status != FATHOM_OK) return status;
-    if (settings->json && !standard_output_is_named(settings->json)) outputs[count++] = settings->json;
-    if (settings->failures) outputs[count++] = settings->failures;
-    status = outputs_check_distinct(context, outputs, count, settings->scene);
-    for (size_t i = 0; i < count && status == FATHOM_OK; ++i)
-        status = file_check_writable(context, outputs[i]);
-    if (status == FATHOM_OK && settings->report) status = validate_check_report(context, settings);
+    const char *const files[] = {settings->json, settings->failures};
+    fathom_status status = FATHOM_OK;
+    if (outputs_is_standard(settings->failures))
+        return fail(context, FATHOM_BAD_USAGE, "--failures: expected a file, found standard output");
+    status = report_check_files(context, files, 2, settings->report, settings->scene);
     for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
         trace_spec spec;
         status = trace_spec_parse(context, settings->tracers.items[i], &spec);
@@ -171,60 +166,59 @@ static fathom_status check(fathom_context *context, const validate_settings *set
     return status;
 }
 
+static void free_results(validate_results *results) {
+    for (size_t i = 0; i < results->runs.count; ++i) {
+        compare_result_free(&results->runs.items[i].result);
+        free(results->runs.items[i].scene);
+        free(results->runs.items[i].spec);
+    }
+    array_free(&results->runs);
+    array_free(&results->extremes);
+    array_free(&results->extremes_failures);
+    array_free(&results->shading);
+    shading_images_free(&results->images);
+}
+
 static fathom_status validate(fathom_context *context, const validate_settings *settings) {
     fathom_status status = check(context, settings);
     if (status != FATHOM_OK) return say_status(&command_validate, context, status);
-    interrupt_install();
     if (settings->replay) {
         status = validate_replay(context, settings);
         return status == FATHOM_CHECK_FAILED ? status : say_status(&command_validate, context, status);
     }
-    progress_begin(settings->quiet);
+    progress_begin(settings->common.quiet);
     progress_call("validate");
     interrupt_keep_work(true);
     work k = {.settings = settings};
     uint64_t wrong = 0;
     status = run_all(context, &k);
     if (status == FATHOM_OK && settings->extremes)
-        status = validate_extremes_run(context, settings, &k.results.extremes, &k.results.extremes_failures);
+        status = validate_extremes_run(context, settings, &k.results);
     if (status == FATHOM_OK && settings->extremes)
-        status = validate_shading_run(context, settings, &k.results.shading, &k.results.images);
+        status = validate_shading_run(context, settings, &k.results);
     say_status(&command_validate, context, status);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
         fathom_status written = write_results(context, &k, &wrong);
         if (written != FATHOM_OK) status = say_status(&command_validate, context, written);
     }
-    for (size_t i = 0; i < k.results.runs.count; ++i) {
-        compare_result_free(&k.results.runs.items[i].result);
-        free(k.results.runs.items[i].scene);
-        free(k.results.runs.items[i].spec);
-    }
-    array_free(&k.results.runs);
-    array_free(&k.results.extremes);
-    array_free(&k.results.extremes_failures);
-    array_free(&k.results.shading);
-    shading_images_free(&k.results.images);
+    free_results(&k.results);
     return status == FATHOM_OK && wrong ? FATHOM_CHECK_FAILED : status;
+}
+
+static fathom_status prepare_and_validate(fathom_context *context, void *user) {
+    validate_settings *settings = user;
+    validate_isas isas;
+    fathom_status status = FATHOM_OK;
+    settings->tracers_given = settings->tracers.count > 0;
+    if (!settings->tracers_given && !settings->replay) settings->tracers = default_tracers;
+    settings->threads = settings->common.threads ? settings->common.threads : processor_count();
+    if (settings->isa) status = validate_each_isa(context, settings, &isas);
+    return status == FATHOM_OK ? validate(context, settings) : say_status(&command_validate, context, status);
 }
 
 static fathom_status run(int argc, char **argv) {
     validate_settings settings = {.rays = 3000, .sample = 2, .families = (1u << RAYS_FAMILIES) - 1};
-    fathom_status status;
-    if (!command_parse(&command_validate, argc, argv, &settings, &status)) return status;
-    settings.tracers_given = settings.tracers.count > 0;
-    if (!settings.tracers_given && !settings.replay) settings.tracers = default_tracers;
-    fathom_context *context;
-    status = command_context(settings.threads, &context);
-    if (status != FATHOM_OK) return status;
-    fathom_context_allow_outside(context, settings.allow_outside);
-    settings.threads = fathom_context_threads(context);
-    if (!settings.threads) settings.threads = processor_count();
-    validate_isas isas;
-    if (settings.isa) status = validate_each_isa(context, &settings, &isas);
-    status =
-        status == FATHOM_OK ? validate(context, &settings) : say_status(&command_validate, context, status);
-    fathom_context_destroy(context);
-    return status;
+    return command_run(&command_validate, argc, argv, &settings, prepare_and_validate);
 }
 
 static bool take_families(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -272,14 +266,13 @@ static const args_option options[] = {
     {"isa", 0, "all", take_all, offsetof(validate_settings, isa), 0, 0,
      "Embree once with each of its instruction sets that the processor has; leaks are then counted by set"},
     {"extremes", 0, NULL, take_true, offsetof(validate_settings, extremes), 0, 0,
-     "besides, the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
+     "also the grid of extreme cases, each with a twelfth of --rays; without --tracer of linear:f32, "
      "linear:f64, bvh, embree and embree:user; and shading held against closed forms"},
-    {"threads", 0, "N", take_u32, offsetof(validate_settings, threads), 1, 1024,
-     "1 to 1024 (one a processor)"},
-    COMMAND_ALLOW_OUTSIDE(validate_settings),
+    COMMAND_THREADS,
+    COMMAND_ALLOW_OUTSIDE(command_common),
     {.help = "Results"},
     {"verbose", 'v', NULL, take_true, offsetof(validate_settings, verbose), 0, 0, "a row for each family"},
-    {"quiet", 'q', NULL, take_true, offsetof(validate_settings, quiet), 0, 0, "only the exit code"},
+    COMMAND_QUIET("only the exit code"),
     {"json", 0, "FILE", take_text, offsetof(validate_settings, json), 0, 0, "all figures"},
     {"report", 0, "DIR", take_text, offsetof(validate_settings, report), 0, 0,
      "all figures as one page with tables and plots, DIR/index.html"},
@@ -318,7 +311,7 @@ const command command_validate = {
             "--extremes adds cases at the limits, by group and number: scales and places,\n"
             "slivers, grazing and tangent rays, copies, nested frames, shapes and rays that\n"
             "are none. A line sums up all tracers; -v has one for each, and what the case is.\n"
-            "Besides, small scenes are rendered by each tracer and held against closed forms:\n"
+            "Small scenes are rendered by each tracer, too, and compared with closed forms:\n"
             "facing mirrors, light guides, indices of refraction, highlights, lights and\n"
             "spots at their limits, and a scene moved by the Earth's radius.\n"
             "The exit code is 1 when anything is wrong.\n",

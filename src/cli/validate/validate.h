@@ -2,24 +2,24 @@
 #ifndef CLI_VALIDATE_H
 #define CLI_VALIDATE_H
 
-#include "cli/args.h"
+#include "cli/command.h"
+#include "cli/json_text.h"
 #include "verify/compare.h"
 #include "verify/extremes/extremes.h"
 #include "verify/light/shading.h"
 
-#include <jansson.h>
-
 typedef struct validate_settings {
+    command_common common;
     const char *scene; /* NULL: the built-in ones */
     args_list tracers;
     uint64_t rays, seed;
     uint64_t sample;
     bool isa;          /* Embree once with each instruction set */
     unsigned families; /* bit i: rays_family i */
-    unsigned threads;
+    unsigned threads;  /* that judge */
     const char *json, *failures, *replay, *report;
-    bool quiet, verbose, allow_outside;
-    bool extremes;      /* the grid of extreme cases besides */
+    bool verbose;
+    bool extremes;      /* also the grid of extreme cases */
     bool tracers_given; /* else `tracers` are the default ones */
 } validate_settings;
 
@@ -42,7 +42,7 @@ typedef struct validate_results {
     shading_images images;
 } validate_results;
 
-/* A scene and what is made of it. */
+/* A scene and what answers and judges rays in it. */
 typedef struct validate_stage {
     fathom_scene *scene;
     world *world;
@@ -66,8 +66,8 @@ fathom_status validate_subject(fathom_context *context, const validate_stage *st
 
 /* ---- validate_print.c ---- */
 compare_family validate_sum(const validate_run *run);
-/* Spent tracing closest hits, by one thread. */
-double validate_ns_per_ray(const validate_run *run);
+/* {"agree": n, …} */
+json_t *validate_verdicts_json(const uint64_t counts[VERDICT_COUNT]);
 void validate_print(const validate_runs *runs, const validate_settings *settings);
 /* To --json and --report, whichever was asked for. */
 fathom_status validate_write_json(fathom_context *context, const validate_results *results,
@@ -95,9 +95,29 @@ json_t *validate_failures_json(const validate_run *run);
 /* FATHOM_CHECK_FAILED when any ray's answer is still wrong. */
 fathom_status validate_replay(fathom_context *context, const validate_settings *settings);
 
-/* ---- validate_report.c ---- */
+/* ---- validate_extremes.c ---- */
 
-/* Whether the page can be written, before any work is done for it. */
-fathom_status validate_check_report(fathom_context *context, const validate_settings *settings);
+/* Runs the grid of extreme cases with the settings' tracers, or those of its own where none are named, and
+ * appends rows, and failures where --failures asks for them. */
+fathom_status validate_extremes_run(fathom_context *context, const validate_settings *settings,
+                                    validate_results *results);
+/* Over all rows. */
+uint64_t validate_extremes_total(const extremes_rows *rows, verdict v);
+void validate_extremes_print(const extremes_rows *rows, const validate_settings *settings);
+/* The list "extremes" of --json. */
+json_t *validate_extremes_json(const extremes_rows *rows);
+
+/* ---- validate_shading.c ---- */
+
+/* Renders all cases of stiff shading with each of the settings' tracers but those from outside, which take
+ * triangles alone, and appends rows; images only for --json or --report. */
+fathom_status validate_shading_run(fathom_context *context, const validate_settings *settings,
+                                   validate_results *results);
+/* Rows out of their bounds. */
+uint64_t validate_shading_wrong(const shading_rows *rows);
+void validate_shading_print(const shading_rows *rows, const validate_settings *settings);
+/* The lists "shading" and "images" of --json. */
+json_t *validate_shading_json(const shading_rows *rows);
+json_t *validate_images_json(const shading_images *images);
 
 #endif

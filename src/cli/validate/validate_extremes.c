@@ -1,9 +1,7 @@
-#include "cli/validate/validate_extremes.h"
+#include "cli/validate/validate.h"
 
 #include "base/clock.h"
-#include "base/threads.h"
 #include "cli/interrupt.h"
-#include "cli/json_text.h"
 #include "cli/render/progress.h"
 
 #include <math.h>
@@ -31,26 +29,26 @@ static bool on_progress(void *user, uint64_t rays) {
     return !interrupt_asked();
 }
 
-static extremes_options options_of(fathom_context *context, const validate_settings *settings, grid *g) {
+static extremes_options options_of(const validate_settings *settings, grid *g) {
     extremes_options o = {.specs = default_tracers,
                           .spec_count = sizeof default_tracers / sizeof *default_tracers,
                           .rays = (settings->rays + SHARE - 1) / SHARE,
                           .seed = settings->seed,
-                          .threads = fathom_context_threads(context),
+                          .threads = settings->threads,
                           .progress = on_progress,
                           .user = g};
-    if (!o.threads) o.threads = processor_count();
     if (settings->tracers_given) o.specs = settings->tracers.items, o.spec_count = settings->tracers.count;
     return o;
 }
 
 fathom_status validate_extremes_run(fathom_context *context, const validate_settings *settings,
-                                    extremes_rows *rows, extremes_failures *failures) {
+                                    validate_results *results) {
+    extremes_rows *rows = &results->extremes;
     grid g = {.start = clock_seconds()};
-    extremes_options options = options_of(context, settings, &g);
-    if (settings->failures) options.failures = failures, options.kept = FAILURES_KEPT;
+    extremes_options options = options_of(settings, &g);
+    if (settings->failures) options.failures = &results->extremes_failures, options.kept = FAILURES_KEPT;
     for (unsigned k = 0; k < extremes_groups(); ++k) g.cases += extremes_cases(k);
-    progress_begin(settings->quiet);
+    progress_begin(settings->common.quiet);
     progress_call("extremes");
     fathom_status status = FATHOM_OK;
     for (unsigned k = 0; k < extremes_groups(); ++k) {
@@ -67,14 +65,11 @@ fathom_status validate_extremes_run(fathom_context *context, const validate_sett
 
 /* ---- results ---- */
 
-static uint64_t total(const extremes_rows *rows, verdict v) {
+uint64_t validate_extremes_total(const extremes_rows *rows, verdict v) {
     uint64_t sum = 0;
     for (size_t i = 0; i < rows->count; ++i) sum += rows->items[i].counts[v] + rows->items[i].any_counts[v];
     return sum;
 }
-
-uint64_t validate_extremes_wrong(const extremes_rows *rows) { return total(rows, VERDICT_WRONG); }
-uint64_t validate_extremes_leaks(const extremes_rows *rows) { return total(rows, VERDICT_LEAK); }
 
 static void print_counts(const extremes_row *row) {
     printf(" %9llu", (unsigned long long)row->rays);
@@ -121,7 +116,7 @@ static void print_group(const char *name) {
 }
 
 /* Where the number is only one of a list, by words. */
-static void print_name(const extremes_row *row) {
+static void print_parameter(const extremes_row *row) {
     if (*extremes_meaning(group_of(row->group)))
         printf("%-*g", NAME_WIDTH, row->parameter);
     else
@@ -142,7 +137,7 @@ static void print_cases(const extremes_rows *rows, bool verbose) {
             print_counts(row);
         }
         if (!is_last_of_case(rows, i)) continue;
-        print_name(row);
+        print_parameter(row);
         print_counts(&sum);
         if (verbose) printf("  %s\n", row->words);
         sum = (extremes_row){.rays = 0};
@@ -184,22 +179,14 @@ void validate_extremes_print(const extremes_rows *rows, const validate_settings 
     print_wrong(rows);
 }
 
-static json_t *pack_verdicts(const uint64_t counts[VERDICT_COUNT]) {
-    json_t *verdicts = json_object();
-    for (int v = 0; v < VERDICT_COUNT; ++v)
-        json_object_set_new(verdicts, verdict_name((verdict)v), json_count(counts[v]));
-    return verdicts;
-}
-
 static json_t *pack_row(const extremes_row *row) {
-    json_t *constant = isfinite(row->constant) ? json_real(row->constant) : json_null();
-    bool ok = !row->counts[VERDICT_WRONG] && !row->any_counts[VERDICT_WRONG];
-    json_t *any = json_pack("{s:o, s:o}", "rays", json_count(row->any_rays), "verdicts",
-                            pack_verdicts(row->any_counts));
-    return json_pack("{s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:o, s:b}", "group", row->group, "parameter",
-                     row->parameter, "case", row->words, "spec", json_text(row->spec), "rays",
-                     json_count(row->rays), "verdicts", pack_verdicts(row->counts), "any", any, "constant",
-                     constant, "ok", ok);
+    const bool ok = !row->counts[VERDICT_WRONG] && !row->any_counts[VERDICT_WRONG];
+    json_t *any =
+        json_of(JSON("rays", row->any_rays), JSON("verdicts", validate_verdicts_json(row->any_counts)));
+    return json_of(JSON("group", row->group), JSON("parameter", row->parameter), JSON("case", row->words),
+                   JSON("spec", row->spec), JSON("rays", row->rays),
+                   JSON("verdicts", validate_verdicts_json(row->counts)), JSON("any", any),
+                   JSON("constant", row->constant), JSON("ok", ok));
 }
 
 json_t *validate_extremes_json(const extremes_rows *rows) {

@@ -3,8 +3,6 @@
 #include "cli/validate/validate.h"
 
 #include "base/file.h"
-#include "cli/command.h"
-#include "cli/json_text.h"
 #include "cli/render/ray_line.h"
 
 #include <limits.h>
@@ -153,7 +151,7 @@ static fathom_status replay_one(fathom_context *context, replay *r, const ray_li
     if (!judged) return fail_memory(context, 1);
     ++r->rays;
     r->wrong += report.verdict == VERDICT_WRONG;
-    if (r->settings->quiet) return FATHOM_OK;
+    if (r->settings->common.quiet) return FATHOM_OK;
     print_head(r, line, report.verdict);
     if (line->any && met)
         printf("met");

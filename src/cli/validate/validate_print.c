@@ -1,10 +1,7 @@
-#include "cli/validate/validate_extremes.h"
-#include "cli/validate/validate_shading.h"
+#include "cli/validate/validate.h"
 
-#include "base/file.h"
+#include "base/status.h"
 #include "base/text.h"
-#include "cli/command.h"
-#include "cli/json_text.h"
 #include "cli/machine.h"
 #include "cli/report.h"
 #include "verify/verdict/verdict.h"
@@ -19,7 +16,8 @@ compare_family validate_sum(const validate_run *run) {
     return sum;
 }
 
-double validate_ns_per_ray(const validate_run *run) {
+/* Spent tracing closest hits, by one thread. */
+static double ns_per_ray(const validate_run *run) {
     uint64_t rays = run->result.rays;
     return rays ? (double)run->result.nanoseconds / (double)rays : 0;
 }
@@ -51,7 +49,6 @@ static void print_heading(void) {
     printf(" %7s %7s %7s %8s\n", "median", "99.9 %", "max ulp", "constant");
 }
 
-/* Below the families of a run. */
 static void print_errors(const compare_family *f, double nanoseconds) {
     static const char *const names[COMPARE_MEASURES] = {NULL, "t |d| / scene", "position, ulp", "normal, ulp",
                                                         "u and v, ulp"};
@@ -79,7 +76,7 @@ static void print_run(const validate_run *run, bool verbose) {
         print_row(name, family);
         print_any_row(name, family);
     }
-    if (verbose) print_errors(&sum, validate_ns_per_ray(run));
+    if (verbose) print_errors(&sum, ns_per_ray(run));
 }
 
 void validate_print(const validate_runs *runs, const validate_settings *settings) {
@@ -97,15 +94,12 @@ void validate_print(const validate_runs *runs, const validate_settings *settings
 
 /* ---- JSON ---- */
 
-static json_t *pack_vector(vec3_f32 v) {
-    return json_pack("[f, f, f]", (double)v.x, (double)v.y, (double)v.z);
-}
+static json_t *pack_vector(vec3_f32 v) { return json_vector((double)v.x, (double)v.y, (double)v.z); }
 
 static json_t *pack_most(const compare_most *most) {
-    json_t *far = isinf(most->ray.t_far) ? json_null() : json_real((double)most->ray.t_far);
-    return json_pack("{s:f, s:o, s:o, s:o, s:f, s:o}", "value", most->value, "index", json_count(most->index),
-                     "origin", pack_vector(most->ray.org), "direction", pack_vector(most->ray.dir), "tNear",
-                     (double)most->ray.t_near, "tFar", far);
+    return json_of(JSON("value", most->value), JSON("index", most->index),
+                   JSON("origin", pack_vector(most->ray.org)), JSON("direction", pack_vector(most->ray.dir)),
+                   JSON("tNear", most->ray.t_near), JSON("tFar", most->ray.t_far));
 }
 
 static json_t *pack_histogram(const histogram *h) {
@@ -113,35 +107,34 @@ static json_t *pack_histogram(const histogram *h) {
     while (used > 0 && h->bins[used - 1] == 0) --used;
     json_t *bins = json_array();
     for (unsigned i = 0; i < used; ++i) json_array_append_new(bins, json_count(h->bins[i]));
-    return json_pack("{s:o, s:i, s:i, s:o}", "zeros", json_count(h->zeros), "first", HISTOGRAM_FIRST,
-                     "perOctave", HISTOGRAM_PER_OCTAVE, "bins", bins);
+    return json_of(JSON("zeros", h->zeros), JSON("first", HISTOGRAM_FIRST),
+                   JSON("perOctave", HISTOGRAM_PER_OCTAVE), JSON("bins", bins));
 }
 
 static json_t *pack_error(const compare_error *e) {
-    return json_pack("{s:f, s:f, s:o, s:o}", "median", histogram_quantile(&e->counts, 0.5), "p99.9",
-                     histogram_quantile(&e->counts, 0.999), "max", pack_most(&e->most), "histogram",
-                     pack_histogram(&e->counts));
+    return json_of(JSON("median", histogram_quantile(&e->counts, 0.5)),
+                   JSON("p99.9", histogram_quantile(&e->counts, 0.999)), JSON("max", pack_most(&e->most)),
+                   JSON("histogram", pack_histogram(&e->counts)));
 }
 
-static json_t *pack_verdicts(const uint64_t counts[VERDICT_COUNT]) {
+json_t *validate_verdicts_json(const uint64_t counts[VERDICT_COUNT]) {
     json_t *verdicts = json_object();
-    for (int v = 0; v < VERDICT_COUNT; ++v)
-        json_object_set_new(verdicts, verdict_name((verdict)v), json_count(counts[v]));
+    for (int v = 0; v < VERDICT_COUNT; ++v) json_add(verdicts, JSON(verdict_name((verdict)v), counts[v]));
     return verdicts;
 }
 
 static json_t *pack_any(const compare_family *f) {
-    return json_pack("{s:o, s:o}", "rays", json_count(f->any_rays), "verdicts", pack_verdicts(f->any_counts));
+    return json_of(JSON("rays", f->any_rays), JSON("verdicts", validate_verdicts_json(f->any_counts)));
 }
 
 static json_t *pack_family(const char *name, const compare_family *f) {
     static const char *const measures[COMPARE_MEASURES] = {"tUlps", "tRelative", "position", "normal", "uv"};
-    json_t *family = json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "family", name, "rays",
-                               json_count(f->rays), "verdicts", pack_verdicts(f->counts), "any", pack_any(f),
-                               "constant", pack_most(&f->constant), "oracleAsked", json_count(f->asked),
-                               "oracleExact", json_count(f->exact));
+    json_t *family = json_of(JSON("family", name), JSON("rays", f->rays),
+                             JSON("verdicts", validate_verdicts_json(f->counts)), JSON("any", pack_any(f)),
+                             JSON("constant", pack_most(&f->constant)), JSON("oracleAsked", f->asked),
+                             JSON("oracleExact", f->exact));
     for (int m = 0; m < COMPARE_MEASURES; ++m) {
-        if (f->errors[m].counts.total) json_object_set_new(family, measures[m], pack_error(&f->errors[m]));
+        if (f->errors[m].counts.total) json_add(family, JSON(measures[m], pack_error(&f->errors[m])));
     }
     return family;
 }
@@ -149,49 +142,44 @@ static json_t *pack_family(const char *name, const compare_family *f) {
 static json_t *pack_run(const validate_run *run) {
     json_t *families = json_array();
     for (int f = 0; f < RAYS_FAMILIES; ++f) {
-        if (!run->result.families[f].rays) continue;
-        json_array_append_new(families,
-                              pack_family(rays_family_name((rays_family)f), &run->result.families[f]));
+        const compare_family *family = &run->result.families[f];
+        if (!family->rays) continue;
+        json_array_append_new(families, pack_family(rays_family_name((rays_family)f), family));
     }
     compare_family sum = validate_sum(run);
-    const char *isa = validate_isa_of(run);
-    return json_pack("{s:o, s:o, s:s, s:o, s:f, s:f, s:o, s:o, s:o}", "scene", json_text(run->scene), "spec",
-                     json_text(run->spec), "tracer", run->tracer, "isa", isa ? json_string(isa) : json_null(),
-                     "seconds", run->seconds, "nsPerRay", validate_ns_per_ray(run), "any", pack_any(&sum),
-                     "families", families, "failures", validate_failures_json(run));
+    return json_of(JSON("scene", run->scene), JSON("spec", run->spec), JSON("tracer", run->tracer),
+                   JSON("isa", validate_isa_of(run)), JSON("seconds", run->seconds),
+                   JSON("nsPerRay", ns_per_ray(run)), JSON("any", pack_any(&sum)), JSON("families", families),
+                   JSON("failures", validate_failures_json(run)));
 }
 
 static json_t *pack_machine(const validate_runs *runs, unsigned threads) {
-    char cpu[128], embree[32] = "";
-    machine_cpu(cpu, sizeof cpu);
+    char embree[32] = "";
     for (size_t i = 0; i < runs->count && !embree[0]; ++i) {
         const char *name = runs->items[i].tracer;
         if (strncmp(name, "Embree ", 7) == 0)
             snprintf(embree, sizeof embree, "%.*s", (int)strcspn(name + 7, ","), name + 7);
     }
-    return json_pack("{s:o, s:o, s:s, s:o, s:s}", "cpu", json_text(cpu), "threads", json_count(threads),
-                     "kernels", machine_kernels(), "embree", embree[0] ? json_string(embree) : json_null(),
-                     "compiler", machine_compiler());
+    return json_add(machine_json(), JSON("threads", threads), JSON("embree", embree[0] ? embree : NULL));
 }
 
 static json_t *pack(const validate_results *results, const validate_settings *settings) {
     const validate_runs *runs = &results->runs;
-    json_t *list = json_array();
-    for (size_t i = 0; i < runs->count; ++i) json_array_append_new(list, pack_run(&runs->items[i]));
-    json_t *bounds = json_pack("{s:f, s:f, s:f, s:f}", "sphere", verdict_constant(ORACLE_SPHERE), "triangle",
-                               verdict_constant(ORACLE_TRIANGLE), "quad", verdict_constant(ORACLE_QUAD),
-                               "plane", verdict_constant(ORACLE_PLANE));
     char date[16];
     machine_date(date);
+    json_t *list = json_array();
+    for (size_t i = 0; i < runs->count; ++i) json_array_append_new(list, pack_run(&runs->items[i]));
+    json_t *bounds = json_of(
+        JSON("sphere", verdict_constant(ORACLE_SPHERE)), JSON("triangle", verdict_constant(ORACLE_TRIANGLE)),
+        JSON("quad", verdict_constant(ORACLE_QUAD)), JSON("plane", verdict_constant(ORACLE_PLANE)));
     json_t *root =
-        json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "fathom", fathom_version(), "date", date, "machine",
-                  pack_machine(runs, settings->threads), "seed", json_count(settings->seed), "raysPerFamily",
-                  json_count(settings->rays), "boundConstants", bounds, "runs", list);
+        json_of(JSON("fathom", fathom_version()), JSON("date", date),
+                JSON("machine", pack_machine(runs, settings->threads)), JSON("seed", settings->seed),
+                JSON("raysPerFamily", settings->rays), JSON("boundConstants", bounds), JSON("runs", list));
     if (!settings->extremes) return root;
-    json_object_set_new(root, "extremes", validate_extremes_json(&results->extremes));
-    json_object_set_new(root, "shading", validate_shading_json(&results->shading));
-    json_object_set_new(root, "images", validate_images_json(&results->images));
-    return root;
+    return json_add(root, JSON("extremes", validate_extremes_json(&results->extremes)),
+                    JSON("shading", validate_shading_json(&results->shading)),
+                    JSON("images", validate_images_json(&results->images)));
 }
 
 fathom_status validate_write_json(fathom_context *context, const validate_results *results,

@@ -1,7 +1,6 @@
-#include "cli/validate/validate_shading.h"
+#include "cli/validate/validate.h"
 
 #include "cli/interrupt.h"
-#include "cli/json_text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,7 +27,8 @@ static void gather_groups(shading_rows *rows) {
 }
 
 fathom_status validate_shading_run(fathom_context *context, const validate_settings *settings,
-                                   shading_rows *rows, shading_images *images) {
+                                   validate_results *results) {
+    shading_rows *rows = &results->shading;
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
         const shading_options options = {.spec = settings->tracers.items[i], .progress = on_progress};
@@ -41,7 +41,7 @@ fathom_status validate_shading_run(fathom_context *context, const validate_setti
     gather_groups(rows);
     if (status != FATHOM_OK || !(settings->json || settings->report)) return status;
     const shading_options options = {.progress = on_progress};
-    return shading_earth_images(context, &options, images);
+    return shading_earth_images(context, &options, &results->images);
 }
 
 /* ---- results ---- */
@@ -83,15 +83,12 @@ void validate_shading_print(const shading_rows *rows, const validate_settings *s
     for (size_t i = 0; i < rows->count;) i = print_group(rows, i, settings->verbose);
 }
 
-static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
-
 static json_t *pack_row(const shading_row *row) {
     char words[sizeof row->what + 64];
     snprintf(words, sizeof words, "%s, by %s", row->what, row->spec);
-    return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "group", row->group, "parameter",
-                     number(row->parameter), "case", json_text(words), "spec", json_text(row->spec),
-                     "measured", number(row->measured), "expected", number(row->expected), "error",
-                     number(row->error), "bound", number(row->bound), "ok", row->ok);
+    return json_of(JSON("group", row->group), JSON("parameter", row->parameter), JSON("case", words),
+                   JSON("spec", row->spec), JSON("measured", row->measured), JSON("expected", row->expected),
+                   JSON("error", row->error), JSON("bound", row->bound), JSON("ok", row->ok));
 }
 
 json_t *validate_shading_json(const shading_rows *rows) {
@@ -122,8 +119,8 @@ json_t *validate_images_json(const shading_images *images) {
     for (size_t i = 0; i < images->count; ++i) {
         const shading_image *image = &images->items[i];
         char *png = base64(image->png, image->png_bytes);
-        json_array_append_new(list, json_pack("{s:s, s:o, s:s}", "title", image->title, "caption",
-                                              json_text(image->caption), "png", png ? png : ""));
+        json_array_append_new(
+            list, json_of(JSON("title", image->title), JSON("caption", image->caption), JSON("png", png)));
         free(png);
     }
     return list;

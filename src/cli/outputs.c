@@ -1,15 +1,47 @@
-#include "cli/standard_output.h"
+#include "cli/outputs.h"
 
 #include "base/file.h"
 #include "base/status.h"
 #include "cli/log.h"
-#include "cli/temporary.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+/* Images and the other files of a command. */
+#define OUTPUTS_MAX (ARGS_LIST_MAX + 4)
+
+bool outputs_is_standard(const char *path) { return path && strcmp(path, "-") == 0; }
+
+/* ---- temporary files ---- */
+
+fathom_status temporary_create(fathom_context *context, const char *ending, char path[TEMPORARY_PATH]) {
+    const char *folder = getenv("TMPDIR");
+    snprintf(path, TEMPORARY_PATH, "%s/fathom-XXXXXX%s", folder && *folder ? folder : "/tmp", ending);
+    int file = mkstemps(path, (int)strlen(ending));
+    if (file < 0) {
+        fathom_status status =
+            fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
+                      "cannot be written; expected a folder for temporary files in $TMPDIR");
+        path[0] = '\0';
+        return status;
+    }
+    file_abort_also(path);
+    close(file);
+    return FATHOM_OK;
+}
+
+void temporary_remove(char path[TEMPORARY_PATH]) {
+    remove(path);
+    file_abort_no_more(path);
+}
+
+/* ---- standard output ---- */
 
 /* Names of an image until there is a file for it: known by their address, whatever else is called that. */
 static const char *const names[] = {"stdout.png",  "stdout.exr", "stdout.jpg",
@@ -46,8 +78,6 @@ bool take_output(const args_option *option, const char *value, void *field, args
     return take_list(option, name ? name : value, field, problem);
 }
 
-bool standard_output_is_named(const char *path) { return path && strcmp(path, "-") == 0; }
-
 /* What others print there from now on is for people; programs that read lines of JSON get none of it. */
 static fathom_status take_stream(fathom_context *context) {
     out.descriptor = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
@@ -74,7 +104,7 @@ fathom_status standard_output_begin(fathom_context *context, args_list *images, 
     for (size_t i = 0; i < images->count; ++i) {
         if (is_name(images->items[i])) ++named, out.index = i, out.name = images->items[i];
     }
-    for (size_t i = 0; i < count; ++i) named += standard_output_is_named(files[i]);
+    for (size_t i = 0; i < count; ++i) named += outputs_is_standard(files[i]);
     if (!named) return FATHOM_OK;
     if (named > 1)
         return fail(context, FATHOM_BAD_USAGE, "standard output is named twice; expected different outputs");
@@ -89,7 +119,7 @@ const char *standard_output_shown(const args_list *images, size_t index) {
     return out.name && index == out.index ? out.name : images->items[index];
 }
 
-fathom_status standard_output_put(fathom_context *context, const char *bytes, size_t size) {
+static fathom_status put_all(fathom_context *context, const char *bytes, size_t size) {
     while (size) {
         const ssize_t done = write(out.descriptor, bytes, size);
         if (done < 0 && errno == EINTR) continue;
@@ -106,7 +136,7 @@ fathom_status standard_output_deliver(fathom_context *context, size_t index, con
     file_map map;
     fathom_status status = file_open(context, path, &map);
     if (status != FATHOM_OK) return status;
-    status = standard_output_put(context, (const char *)map.bytes, map.size);
+    status = put_all(context, (const char *)map.bytes, map.size);
     file_close(&map);
     unlink(path);
     return status;
@@ -115,4 +145,67 @@ fathom_status standard_output_deliver(fathom_context *context, size_t index, con
 void standard_output_end(void) {
     if (out.path[0]) temporary_remove(out.path);
     out.path[0] = '\0';
+}
+
+/* ---- files ---- */
+
+/* The folder's real path and the name in it: works for files that do not exist yet. */
+static bool resolve(const char *path, char folder[PATH_MAX], const char **name) {
+    const char *slash = strrchr(path, '/');
+    *name = slash ? slash + 1 : path;
+    if (!slash) return realpath(".", folder) != NULL;
+    size_t length = (size_t)(slash - path) + 1;
+    char above[PATH_MAX];
+    if (length >= sizeof above) return false;
+    memcpy(above, path, length);
+    above[length] = '\0';
+    return realpath(above, folder) != NULL;
+}
+
+bool outputs_are_same(const char *a, const char *b) {
+    struct stat info_a, info_b;
+    if (stat(a, &info_a) == 0 && stat(b, &info_b) == 0)
+        return info_a.st_dev == info_b.st_dev && info_a.st_ino == info_b.st_ino;
+    char folder_a[PATH_MAX], folder_b[PATH_MAX];
+    const char *name_a, *name_b;
+    return resolve(a, folder_a, &name_a) && resolve(b, folder_b, &name_b) && strcmp(name_a, name_b) == 0 &&
+           strcmp(folder_a, folder_b) == 0;
+}
+
+/* Those that are there. A command has one set of outputs. */
+static void keep_from_reading(fathom_context *context, const char *const *outputs, size_t count) {
+    static file_identity files[OUTPUTS_MAX];
+    size_t found = 0;
+    struct stat info;
+    for (size_t i = 0; i < count && found < OUTPUTS_MAX; ++i) {
+        if (stat(outputs[i], &info) == 0) files[found++] = (file_identity){info.st_dev, info.st_ino};
+    }
+    context_set_outputs(context, files, found);
+}
+
+void outputs_may_be_read(fathom_context *context) { context_set_outputs(context, NULL, 0); }
+
+fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
+                                     const char *input) {
+    for (size_t i = 0; i < count; ++i) {
+        if (input && outputs_are_same(outputs[i], input))
+            return fail_file(context, FATHOM_BAD_USAGE, outputs[i],
+                             "is the input; expected another name for the output");
+        for (size_t k = 0; k < i; ++k) {
+            if (outputs_are_same(outputs[i], outputs[k]))
+                return fail_file(context, FATHOM_BAD_USAGE, outputs[i],
+                                 "the same file is named twice; expected different outputs");
+        }
+    }
+    keep_from_reading(context, outputs, count);
+    return FATHOM_OK;
+}
+
+fathom_status outputs_write(fathom_context *context, const char *path, const char *bytes, size_t size) {
+    if (outputs_is_standard(path)) return put_all(context, bytes, size);
+    file_writer *writer;
+    fathom_status status = file_writer_open(context, path, &writer);
+    if (status != FATHOM_OK) return status;
+    file_writer_put(writer, bytes, size);
+    return file_writer_commit(writer);
 }

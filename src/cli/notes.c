@@ -1,8 +1,9 @@
-#include "cli/render/warnings.h"
+#include "cli/notes.h"
 
 #include "cli/json_text.h"
 #include "cli/log.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,4 +27,21 @@ json_t *warnings_json(const warning_list *warnings) {
 void warnings_free(warning_list *warnings) {
     for (size_t i = 0; i < warnings->count; ++i) free(warnings->items[i]);
     array_free(warnings);
+}
+
+bool left_out_image_module(left_out_list *list) {
+    return left_out_tell(list, "image helper", "PNG in the built-in sRGB view is written without it");
+}
+
+void left_out_print(const left_out_list *list, const char *title) {
+    for (size_t i = 0; i < list->count; ++i)
+        printf("%-*s%s: %s\n", (int)strlen(title), i ? "" : title, list->items[i].what, list->items[i].why);
+}
+
+json_t *left_out_json(const left_out_list *list) {
+    json_t *array = json_array();
+    for (size_t i = 0; i < list->count; ++i)
+        json_array_append_new(array,
+                              json_of(JSON("what", list->items[i].what), JSON("why", list->items[i].why)));
+    return array;
 }

@@ -1,0 +1,36 @@
+/* Where the pixels of a render go: to the images that were named; next to them if the render was interrupted,
+ * so that no finished image is lost; anywhere else if they cannot be written. */
+#ifndef CLI_IMAGES_H
+#define CLI_IMAGES_H
+
+#include "cli/render/render_options.h"
+
+#include <limits.h>
+
+/* Whether writing them takes the image helper. */
+bool images_need_module(const render_options *options);
+
+/* Before rendering: FATHOM_BAD_USAGE when an interrupted render would put an image where one of the `count`
+ * files of the command goes, or its path would be too long. */
+fathom_status images_check_partial(fathom_context *context, const args_list *outputs,
+                                   const char *const *files, size_t count);
+/* Removes what renders that were killed left next to them. */
+void images_remove_left_over(const args_list *outputs);
+
+typedef struct image_names {
+    char names[ARGS_LIST_MAX][PATH_MAX];
+} image_names;
+
+/* Puts "out.partial.exr" in place of "out.exr". Release *room, which holds the names, with free(). */
+fathom_status images_rename(fathom_context *context, args_list *outputs, image_names **room);
+
+/* Writes all of them, even where one fails, and says what went wrong. */
+fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options);
+
+/* Writes the film as plain EXR next to `path`, which is not to be or could not be written, or else in the
+ * working folder, in $TMPDIR or in /tmp: "out.png" becomes "out.rescue.exr", or the first of
+ * "out.rescue-2.exr"… that is not there yet. Says where, or that there is no place. which: of the pixels, in
+ * the message. */
+void images_rescue(fathom_context *context, const fathom_film *film, const char *path, const char *which);
+
+#endif
