@@ -611,10 +611,8 @@ static inline fathom_status offset_run(fathom_context *context, const fathom_sce
     t.face_count = offset_faces(&t.o.w, t.faces);
     t.space = offset_space_of(&t.o.w);
     for (int k = 0; k < OFFSET_TRACERS && status == FATHOM_OK; ++k) {
-        trace_options options = {.words = k ? "embree" : "reference",
-                                 .width = LANES,
-                                 .threads = 1,
-                                 .quality = TRACE_QUALITY_LOW};
+        trace_options options = {
+            .words = k ? "embree" : "reference", .width = LANES, .threads = 1, .quality = TRACE_QUALITY_LOW};
         status = trace_create(context, &t.o.w, &options, &t.tracers[k]);
     }
     unsigned mode = trace_thread_begin();

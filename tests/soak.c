@@ -111,8 +111,7 @@ static bool render_ill(soak *s, unsigned index, unsigned which) {
         return expect(s, fathom_scene_read(s->context, in_folder(s, "short.ply"), &scene), FATHOM_BAD_INPUT,
                       index);
     fathom_status status = read_scene(s, which, &scene), expected = FATHOM_BAD_USAGE;
-    if (status == FATHOM_OK && which == 2)
-        settings.tracer = "no such tracer", expected = FATHOM_BAD_USAGE;
+    if (status == FATHOM_OK && which == 2) settings.tracer = "no such tracer", expected = FATHOM_BAD_USAGE;
     if (status == FATHOM_OK && which == 3) settings.spp = 0, expected = FATHOM_BAD_INPUT;
     if (status == FATHOM_OK && which == 4) expected = FATHOM_INTERRUPTED;
     if (status == FATHOM_OK) {

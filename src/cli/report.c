@@ -70,7 +70,7 @@ static fathom_status check_drawable(fathom_context *context) {
         return fail(context, FATHOM_OUT_OF_RESOURCES,
                     "report: %s was not found from the folder of the program; --json writes the same results",
                     SCRIPT);
-    char *arguments[] = {(char[]){"python3"}, (char[]){"-EsB"}, script, (char[]){"--check"}, NULL};
+    char *arguments[] = {(char[]){FATHOM_PYTHON}, (char[]){"-EsB"}, script, (char[]){"--check"}, NULL};
     if (run_script(arguments, true) == 0) return FATHOM_OK;
     return fail(context, FATHOM_OUT_OF_RESOURCES,
                 "report: pages are drawn by %s with matplotlib, and one of them is missing: apt-get install "
@@ -151,7 +151,7 @@ fathom_status report_write(fathom_context *context, const char *folder, const js
     report_paths(folder, page, data);
     status = json_write_file(context, data, results);
     if (status != FATHOM_OK) return status;
-    char *arguments[] = {(char[]){"python3"}, (char[]){"-EsB"}, script, data, page, NULL};
+    char *arguments[] = {(char[]){FATHOM_PYTHON}, (char[]){"-EsB"}, script, data, page, NULL};
     if (script_path(script) && run_script(arguments, false) == 0) return FATHOM_OK;
     return fail_file(context, FATHOM_OUT_OF_RESOURCES, page, "could not be drawn; the results are in %s",
                      data);

@@ -2,9 +2,9 @@
 #ifndef BENCH_SECONDARY_H
 #define BENCH_SECONDARY_H
 
+#include "integrate/plan.h"
 #include "measure/replay.h"
 #include "measure/statistics.h"
-#include "integrate/plan.h"
 
 /* Camera rays and eight bounces; deeper rays are left out. */
 #define SECONDARY_DEPTHS 9

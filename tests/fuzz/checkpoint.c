@@ -8,9 +8,9 @@
 #include "fuzz.h"
 
 #include "base/hash.h"
+#include "integrate/plan.h"
 #include "job/adaptive_record.h"
 #include "job/checkpoint/checkpoint_state.h"
-#include "integrate/plan.h"
 
 #include <math.h>
 #include <stdlib.h>

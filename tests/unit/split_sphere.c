@@ -125,8 +125,7 @@ static void rays_of_ones_own(void **state) {
     fathom_tracer *tracer;
     for (int kind = 0; kind < 2; ++kind) {
         assert_ok(s.context,
-                  fathom_tracer_create(s.context, s.scene,
-                                       kind ? "embree" : "reference", &tracer));
+                  fathom_tracer_create(s.context, s.scene, kind ? "embree" : "reference", &tracer));
         fathom_ray ray = {.origin = {0, 0, 1e-3}, .direction = {0.6, 0, -0.8}, .t_min = 0, .t_max = 1};
         fathom_hit hit;
         assert_ok(s.context, fathom_tracer_closest(tracer, &ray, 1, &hit));

@@ -258,7 +258,8 @@ static fathom_status run(int argc, char **argv) {
     fathom_settings_default(&settings);
     render_options_default(&s.options);
     if (!command_parse(&command_render, argc, argv, &s.options, &status)) return status;
-    if (!render_options_finish(&s.options, &settings, &problem)) return say_usage(&command_render, problem.text);
+    if (!render_options_finish(&s.options, &settings, &problem))
+        return say_usage(&command_render, problem.text);
     status = command_context(s.options.threads, &s.context);
     if (status != FATHOM_OK) return status;
     fathom_context_allow_outside(s.context, s.options.allow_outside);

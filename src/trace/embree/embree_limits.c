@@ -55,7 +55,8 @@ static fathom_status refuse(const embree_tracer *tracer, double need) {
 fathom_status embree_fit_memory(embree_tracer *tracer) {
     const world *w = tracer->base.world;
     double room = (double)tracer->options->memory;
-    bool chosen = tracer->spec.flags == TRACE_SCENE_COMPACT, free_to_choose = !tracer->options->spec && !tracer->options->words;
+    bool chosen = tracer->spec.flags == TRACE_SCENE_COMPACT,
+         free_to_choose = !tracer->options->spec && !tracer->options->words;
     double need = total(trace_need_of(w, chosen)), less = total(trace_need_of(w, true));
     tracer->base.foreseen_bytes = (uint64_t)need;
     if (!tracer->options->memory) return FATHOM_OK;
