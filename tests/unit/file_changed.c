@@ -323,7 +323,7 @@ static void other_bus_errors_reach_their_handler(void **state) {
         pid_t child = fork();
         assert_true(child >= 0);
         if (child == 0) {
-            char program[] = "/proc/self/exe", argument[8];
+            char program[] = "/proc/self/exe", argument[12];
             snprintf(argument, sizeof argument, "%d", way);
             execl(program, program, argument, name, (char *)NULL);
             _exit(1);
