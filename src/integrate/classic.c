@@ -9,10 +9,10 @@
 
 /* ---- light ---- */
 
-static bool emits(const bsdf_block *bsdf) {
+static bool emits(const bsdf_block *b) {
     float sum = 0;
     for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) sum += bsdf->emission[c][i];
+        for (int i = 0; i < LANES; ++i) sum += b->emission[c][i];
     }
     return sum > 0;
 }

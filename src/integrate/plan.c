@@ -41,6 +41,16 @@ static fathom_status plan_surroundings(fathom_context *context, render_plan *pla
     return status;
 }
 
+static fathom_status plan_materials(fathom_context *context, render_plan *plan) {
+    const fathom_scene *scene = plan->scene;
+    const size_t count = scene->materials.count;
+    plan->bsdfs = malloc((count + 1) * sizeof *plan->bsdfs);
+    if (!plan->bsdfs) return fail_memory(context, (count + 1) * sizeof *plan->bsdfs);
+    for (size_t i = 0; i < count; ++i)
+        bsdf_prepare(&scene->materials.items[i].value, scene->ambient, &plan->bsdfs[i]);
+    return FATHOM_OK;
+}
+
 /* Only lights that can send something to a surface. */
 static void plan_lights(render_plan *plan) {
     const fathom_scene *scene = plan->scene;
@@ -85,7 +95,8 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
     plan->t_near = (float)settings->epsilon;
     plan->lifts = settings->terminator_fix && parts_smooth(w);
-    fathom_status status = plan_surroundings(context, plan);
+    fathom_status status = plan_materials(context, plan);
+    if (status == FATHOM_OK) status = plan_surroundings(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
     else
@@ -99,5 +110,6 @@ void plan_destroy(render_plan *plan) {
     free(plan->light_depths);
     free(plan->light_surfaces);
     free(plan->lights);
+    free(plan->bsdfs);
     free(plan);
 }

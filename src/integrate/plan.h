@@ -24,6 +24,7 @@ typedef struct render_plan {
     const integrate_kernels *kernels;
     sampler sampler;
     shade_camera camera;
+    bsdf *bsdfs; /* by material */
     shade_light *lights;
     uint32_t light_count;
     watertight *watertight; /* NULL: no answer of the tracer needs another look */

@@ -111,7 +111,7 @@ static void end_block(wave *w, bool first) {
     surface_gather_end(w->gather, plan->world, plan->surface_kernels, plan->settings.terminator_fix,
                        !(plan->settings.epsilon > 0), s);
     pad(v);
-    plan->material_kernels->make(plan->scene->materials.items, plan->scene->ambient, s, &v->bsdf);
+    plan->material_kernels->make(plan->bsdfs, s, &v->bsdf);
     for (unsigned i = 0; first && w->run.samples.first && i < s->count; ++i)
         keep_first(w, i, v->path.slot[i]);
     w->vertex_count += s->count;

@@ -5,8 +5,9 @@ static uint64_t count(const unit_result *r, bool samples) {
     for (uint64_t left = r->squares; left; left &= left - 1) {
         const uint32_t s = (uint32_t)__builtin_ctzll(left);
         const wave_square square = wave_square_at(&r->region, s, 0);
-        sum += (uint64_t)__builtin_popcount(wave_square_pixels(&r->region, &square)) *
-               (samples ? r->samples[s] : 1);
+        const bool whole = wave_square_is_whole(&r->region, &square);
+        const int pixels = whole ? LANES : __builtin_popcount(wave_square_pixels(&r->region, &square));
+        sum += (uint64_t)pixels * (samples ? r->samples[s] : 1);
     }
     return sum;
 }

@@ -1,6 +1,7 @@
 #include "material/material.h"
 
 #include "base/kernel.h"
+#include "math/limit.h"
 
 static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
 
@@ -8,6 +9,25 @@ unsigned material_features(const fathom_material *m) {
     bool specular = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
     return (any(m->k_d) || specular ? MATERIAL_LIT : 0u) | (any(m->k_r) ? MATERIAL_MIRROR : 0u) |
            (any(m->k_t) ? MATERIAL_REFRACT : 0u) | (any(m->k_e) ? MATERIAL_EMIT : 0u);
+}
+
+/* A negative k_a stands for k_d. */
+void bsdf_prepare(const fathom_material *m, const float ambient[3], bsdf *out) {
+    const bool shiny = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
+    const float *k_a = m->k_a[0] < 0 ? m->k_d : m->k_a;
+    *out = (bsdf){.shininess = m->shininess,
+                  .ior = m->ior,
+                  .phong = shiny && m->specular == FATHOM_SPECULAR_PHONG ? ~0u : 0,
+                  .blinn = shiny && m->specular == FATHOM_SPECULAR_BLINN ? ~0u : 0,
+                  .fresnel = m->fresnel ? ~0u : 0,
+                  .from_behind = m->lit_from_behind ? ~0u : 0};
+    for (int c = 0; c < 3; ++c) {
+        out->k_d[c] = m->k_d[c];
+        out->k_s[c] = m->specular == FATHOM_SPECULAR_NONE ? 0 : m->k_s[c];
+        out->k_r[c] = m->k_r[c];
+        out->k_t[c] = m->k_t[c];
+        out->emission[c] = limited(k_a[c] * ambient[c] + m->k_e[c]);
+    }
 }
 
 KERNEL_CHOICE(material_kernels)

@@ -14,13 +14,23 @@ enum {
 };
 unsigned material_features(const fathom_material *m);
 
+/* What a material does with light, as kernels read it. */
+typedef struct bsdf {
+    float k_d[3], k_s[3], k_r[3], k_t[3];
+    float emission[3]; /* k_a L_a + k_e: what a point sends to the viewer without any light */
+    float shininess, ior;
+    uint32_t phong, blinn, fresnel, from_behind; /* all ones or 0 */
+} bsdf;
+
+void bsdf_prepare(const fathom_material *m, const float ambient[3], bsdf *out);
+
 /* The BSDFs of a block, lane by lane. */
 typedef struct bsdf_block {
     _Alignas(64) lanes3 k_d;
     lanes3 k_s, k_r, k_t;
-    lanes3 emission; /* k_a L_a + k_e: what the point sends to the viewer without any light */
+    lanes3 emission;
     float shininess[LANES], ior[LANES];
-    uint32_t phong[LANES], blinn[LANES], fresnel[LANES], from_behind[LANES]; /* all ones or 0 */
+    uint32_t phong[LANES], blinn[LANES], fresnel[LANES], from_behind[LANES];
 } bsdf_block;
 
 /* What a block does with light from one direction a lane. */
@@ -41,8 +51,7 @@ typedef struct material_kernels {
     const char *name; /* "plain", "avx2", "avx512" */
 
     /* The BSDFs of the points. `table` is indexed by material id. */
-    void (*make)(const scene_named_material *table, const float ambient[3], const surface_block *s,
-                 bsdf_block *out);
+    void (*make)(const bsdf *table, const surface_block *s, bsdf_block *out);
 
     /* Light from unit directions l. arriving: of each lane, 0 where none does; false, and f not set, where no
      * lane reflects any. */

@@ -68,11 +68,13 @@ static void run(unsigned k, const scene_named_material *table, const surface_blo
                 const fathom_light lights[3], const light_surface near[3], outputs *out) {
     static const float ambient[3] = {0.25f, 0.5f, 1};
     path_block path;
+    bsdf bsdfs[4];
     memset(out, 0, sizeof *out);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) path.weight[c][i] = 1.0f / (float)(1 + c + i);
     }
-    material_kernels_at(k)->make(table, ambient, s, &out->bsdf);
+    for (int i = 0; i < 4; ++i) bsdf_prepare(&table[i].value, ambient, &bsdfs[i]);
+    material_kernels_at(k)->make(bsdfs, s, &out->bsdf);
     for (int i = 0; i < 3; ++i) {
         shade_light light;
         light_block *lit = &out->lit[i];

@@ -10,34 +10,31 @@
 
 /* ---- the block ---- */
 
-static void set_lane(const fathom_material *m, const float ambient[3], int i, bsdf_block *out) {
-    const bool shiny = m->k_s[0] > 0 || m->k_s[1] > 0 || m->k_s[2] > 0;
-    const float *k_a = m->k_a[0] < 0 ? m->k_d : m->k_a;
+static void set_lane(const bsdf *m, int i, bsdf_block *out) {
     for (int c = 0; c < 3; ++c) {
         out->k_d[c][i] = m->k_d[c];
-        out->k_s[c][i] = m->specular == FATHOM_SPECULAR_NONE ? 0 : m->k_s[c];
+        out->k_s[c][i] = m->k_s[c];
         out->k_r[c][i] = m->k_r[c];
         out->k_t[c][i] = m->k_t[c];
-        out->emission[c][i] = limited(k_a[c] * ambient[c] + m->k_e[c]);
+        out->emission[c][i] = m->emission[c];
     }
     out->shininess[i] = m->shininess;
     out->ior[i] = m->ior;
-    out->phong[i] = shiny && m->specular == FATHOM_SPECULAR_PHONG ? ~0u : 0;
-    out->blinn[i] = shiny && m->specular == FATHOM_SPECULAR_BLINN ? ~0u : 0;
-    out->fresnel[i] = m->fresnel ? ~0u : 0;
-    out->from_behind[i] = m->lit_from_behind ? ~0u : 0;
+    out->phong[i] = m->phong;
+    out->blinn[i] = m->blinn;
+    out->fresnel[i] = m->fresnel;
+    out->from_behind[i] = m->from_behind;
 }
 
 /* Most blocks see one material: a loop over lanes that copies the same numbers vectorises. */
-static void make(const scene_named_material *table, const float ambient[3], const surface_block *s,
-                 bsdf_block *restrict out) {
+static void make(const bsdf *table, const surface_block *s, bsdf_block *restrict out) {
     uint32_t differ = 0;
     for (int i = 1; i < LANES; ++i) differ |= s->material[i] ^ s->material[0];
     if (differ) {
-        for (int i = 0; i < LANES; ++i) set_lane(&table[s->material[i]].value, ambient, i, out);
+        for (int i = 0; i < LANES; ++i) set_lane(&table[s->material[i]], i, out);
     } else {
-        const fathom_material m = table[s->material[0]].value;
-        for (int i = 0; i < LANES; ++i) set_lane(&m, ambient, i, out);
+        const bsdf m = table[s->material[0]];
+        for (int i = 0; i < LANES; ++i) set_lane(&m, i, out);
     }
 }
 
