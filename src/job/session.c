@@ -62,11 +62,10 @@ fathom_status fathom_session_start(fathom_context *context, const fathom_scene *
     if (!context || !scene) return fail_null(context, "scene");
     if (!settings) return fail_null(context, "settings");
     fathom_session *s = calloc(1, sizeof *s);
-    const char *spec = settings->tracer;
-    if (s && spec) s->tracer = strdup(spec);
-    if (!s || (spec && !s->tracer)) {
+    if (!s) return fail_memory(context, sizeof *s);
+    if (settings->tracer && !(s->tracer = strdup(settings->tracer))) {
         free(s);
-        return fail_memory(context, sizeof *s);
+        return fail_memory(context, strlen(settings->tracer) + 1);
     }
     s->context = context, s->scene = scene;
     s->settings = *settings;
