@@ -37,7 +37,7 @@ typedef struct fathom_parameter {
     fathom_parameter_type type;
     size_t offset;     /* of the member in its struct */
     unsigned flags;    /* FATHOM_PARAMETER_ bits */
-    double low, high;  /* of each number; `high` may be infinite. Of words: `high` is what "all" means */
+    double low, high;  /* of each number; `high` may be infinite; for words, `high` is what "all" means */
     double fallback;   /* the default: a number, 0 or 1, a word's place, bits; texts are NULL */
     const char *unit;  /* what a value is, for help: "SECONDS", "X0,Y0,X1,Y1" */
     const char *group; /* heading under which help lists it */

@@ -31,18 +31,21 @@
 #define KERNEL_DECLARE(type, table) extern const type table##_plain
 #endif
 
-/* Defines NAME_at() and NAME_best() for tables of type NAME, which their module's header declares. */
-#define KERNEL_CHOICE(type)                                                                                  \
+/* Defines NAME_best() for tables of type NAME, which their module's header declares. */
+#define KERNEL_BEST(type)                                                                                    \
     KERNEL_DECLARE(type, type);                                                                              \
+    const type *type##_best(void) {                                                                          \
+        static const type *const all[] = KERNEL_SETS(type);                                                  \
+        return all[kernel_levels() - 1];                                                                     \
+    }
+
+/* The same, and NAME_at(), which tests hold against each other. */
+#define KERNEL_CHOICE(type)                                                                                  \
+    KERNEL_BEST(type)                                                                                        \
     const type *type##_at(unsigned index) {                                                                  \
         static const type *const all[] = KERNEL_SETS(type);                                                  \
         return index < kernel_levels() ? all[index] : NULL;                                                  \
-    }                                                                                                        \
-    const type *type##_best(void) { return type##_at(kernel_levels() - 1); }
-
-/* The name of the instruction set that a source is compiled for, as text. */
-#define KERNEL_TEXT(isa) #isa
-#define KERNEL_ISA_TEXT(isa) KERNEL_TEXT(isa)
+    }
 
 /* For __attribute__((target(…))) of one function. clang ignores an attribute that names a preferred width. */
 #if defined(__clang__)

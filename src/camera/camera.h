@@ -41,8 +41,6 @@ typedef struct square_samples {
 } square_samples;
 
 typedef struct camera_kernels {
-    const char *name; /* "plain", "avx2", "avx512" */
-
     /* Rays through a square of 4 × 4 pixels, whose first is (left, top), towards t = infinity. */
     void (*rays)(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
                  const square_samples *at, trace_rays *out);

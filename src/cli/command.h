@@ -66,7 +66,7 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
             "mostly write"                                                                                   \
     }
 
-/* What most commands can be told: the first member of their settings, but for render's. */
+/* Options that most commands share. All commands but render have them first in their settings. */
 typedef struct command_common {
     unsigned threads; /* 0: one a processor */
     bool quiet, allow_outside;

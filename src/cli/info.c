@@ -187,7 +187,7 @@ static json_t *pack_features(const fathom_scene *scene) {
     return list;
 }
 
-/* Of a render with the scene's own settings. */
+/* For a render with the scene's own settings. */
 static fathom_status add_left_out(const world *w, json_t *root) {
     left_out_list list = {.count = 0};
     fathom_write_options usual;

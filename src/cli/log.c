@@ -70,7 +70,7 @@ static void put_time(line *l) {
     put_number(l, (unsigned long long)now.tv_nsec / 1000000, 3);
 }
 
-/* Of UTF-8 without control characters. */
+/* Writes UTF-8 without control characters. */
 static void put_string(line *l, const char *text) {
     put_text(l, "\"");
     for (; *text; ++text) {

@@ -11,7 +11,7 @@ void version_print(bool verbose);
 
 /* {"cpu", "processors", "kernels", "compiler", "flags"} */
 json_t *machine_json(void);
-/* Of the source; NULL: unknown. */
+/* The commit of the source; NULL: unknown. */
 const char *machine_commit(void);
 /* Today, as 2026-11-21 in universal time. */
 void machine_date(char out[16]);

@@ -20,7 +20,7 @@ extern char **environ;
 
 /* A page and its results. */
 #define REPORT_FILES 2
-/* Of one command, next to them. */
+/* At most so many other outputs of one command are next to them. */
 #define REPORT_OTHERS 4
 
 /* A page begins with it: html_page.py. */

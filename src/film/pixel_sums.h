@@ -6,8 +6,6 @@
 #include "film/squares.h"
 
 typedef struct film_kernels {
-    const char *name; /* "plain", "avx2", "avx512" */
-
     /* to[i] += from[i]; count is a multiple of 16. */
     void (*add_samples)(const float *from, size_t count, double *to);
 

@@ -94,11 +94,10 @@ static inline uint64_t wave_region_bits(const wave_region *r) {
     return bits;
 }
 
-/* The same row by row, for their first samples; returns how many. */
-static inline uint32_t wave_region_squares(const wave_region *r, wave_square out[WAVE_SQUARES]) {
+/* The squares of these bits row by row, for their first samples; returns how many. */
+static inline uint32_t wave_list_squares(const wave_region *r, uint64_t bits, wave_square out[WAVE_SQUARES]) {
     uint32_t count = 0;
-    for (uint64_t left = wave_region_bits(r); left; left &= left - 1)
-        out[count++] = wave_square_at(r, (uint32_t)__builtin_ctzll(left), 0);
+    for (; bits; bits &= bits - 1) out[count++] = wave_square_at(r, (uint32_t)__builtin_ctzll(bits), 0);
     return count;
 }
 

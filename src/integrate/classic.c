@@ -210,4 +210,4 @@ static void destroy(integration *state) {
     free(state);
 }
 
-const integrator integrator_classic = {"classic", create, run, destroy};
+const integrator integrator_classic = {create, run, destroy};

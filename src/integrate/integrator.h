@@ -26,7 +26,6 @@ typedef struct integration {
 } integration;
 
 typedef struct integrator {
-    const char *name;
     /* For one thread, until stop becomes true; NULL when out of memory. */
     integration *(*create)(const render_plan *plan, const atomic_bool *stop);
     /* Takes the samples of those pixels of the squares that lie in the region, and leaves their radiance, and

@@ -21,8 +21,6 @@ typedef struct shadow_block {
 } shadow_block;
 
 typedef struct integrate_kernels {
-    const char *name; /* "plain", "avx2", "avx512" */
-
     /* Paths of weight 1 that begin in neighbouring slots. */
     void (*begin_paths)(uint32_t first_slot, uint8_t depth, path_block *out);
 

@@ -50,27 +50,15 @@ static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
     return !e->batch.count || run_batch(e);
 }
 
-static uint32_t leave_out_finished(const wave_region *r, uint64_t finished, wave_square *squares,
-                                   uint32_t count) {
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const wave_square s = squares[i];
-        if (!(finished >> wave_slot(s.left - r->left, s.top - r->top) / LANES & 1)) squares[kept++] = s;
-    }
-    return kept;
-}
-
 static bool render(job *j, worker *self, const wave_region *r) {
     const checkpoint *saving = j->options->saving;
     even e = {.job = j, .self = self, .region = r};
     wave_square squares[WAVE_SQUARES];
-    uint32_t count = wave_region_squares(r, squares);
-    if (saving)
-        count = leave_out_finished(r, checkpoint_finished(saving, checkpoint_wave(saving, r->left, r->top)),
-                                   squares, count);
+    uint64_t left = wave_region_bits(r);
+    if (saving) left &= ~checkpoint_finished(saving, checkpoint_wave(saving, r->left, r->top));
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) e.samples[s] = j->plan->settings.spp;
     pixel_sums_clear(self->sums);
-    return take_samples(&e, squares, count);
+    return take_samples(&e, squares, wave_list_squares(r, left, squares));
 }
 
 static bool prepare(const job *j, worker *self) {

@@ -54,7 +54,7 @@ static bool make_worker(const preview *p, preview_worker *self) {
 
 static void render_region(const preview *p, preview_worker *self, const wave_region *r) {
     wave_batch batch;
-    batch.count = wave_region_squares(r, batch.squares);
+    batch.count = wave_list_squares(r, wave_region_bits(r), batch.squares);
     if (!make_worker(p, self) || !p->plan.integrator->run(self->integration, r, &batch)) return;
     pixel_sums_clear(&self->sums);
     for (uint32_t place = 0; place < batch.count; ++place) {

@@ -40,8 +40,6 @@ typedef struct light_block {
 } light_block;
 
 typedef struct light_kernels {
-    const char *name; /* "plain", "avx2", "avx512" */
-
     /* The light as the points p see it; sets all but `origin`. */
     void (*sample)(const shade_light *light, const lanes3 p, light_block *out);
 

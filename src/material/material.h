@@ -48,8 +48,6 @@ typedef struct scatter_block {
 } scatter_block;
 
 typedef struct material_kernels {
-    const char *name; /* "plain", "avx2", "avx512" */
-
     /* The BSDFs of the points. `table` is indexed by material id. */
     void (*make)(const bsdf *table, const surface_block *s, bsdf_block *out);
 

@@ -61,7 +61,7 @@ static bool keep_waiting(const recording *r, uint32_t depth) {
 static bool record_wave(recording *r, const wave_region *region) {
     memset(r->wave.run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
     wave_batch batch;
-    batch.count = wave_region_squares(region, batch.squares);
+    batch.count = wave_list_squares(region, wave_region_bits(region), batch.squares);
     if (!wave_camera_rays(&r->wave, region, &batch)) return false;
     for (uint32_t depth = 0; r->wave.now.count; ++depth) {
         record *shadows = wanted(r, depth, SECONDARY_SHADOW);
@@ -81,22 +81,13 @@ static bool all_enough(const recording *r) {
     return true;
 }
 
-static wave_region region_at(const fathom_settings *s, uint32_t index) {
-    uint32_t across = (s->width + WAVE_SIDE - 1) / WAVE_SIDE;
-    wave_region r = {.x0 = index % across * WAVE_SIDE, .y0 = index / across * WAVE_SIDE};
-    r.left = r.x0, r.top = r.y0;
-    r.x1 = r.x0 + WAVE_SIDE < s->width ? r.x0 + WAVE_SIDE : s->width;
-    r.y1 = r.y0 + WAVE_SIDE < s->height ? r.y0 + WAVE_SIDE : s->height;
-    return r;
-}
-
 /* Steps of a prime that no image has for a factor of its waves, nearly: wave after wave is far away. */
 static bool record_waves(recording *r) {
     const fathom_settings *s = &r->plan->settings;
-    uint32_t across = (s->width + WAVE_SIDE - 1) / WAVE_SIDE, down = (s->height + WAVE_SIDE - 1) / WAVE_SIDE;
-    uint64_t total = (uint64_t)across * down, prime = total % 7919 ? 7919 : 1;
-    for (uint64_t k = 0; k < total && !all_enough(r); ++k) {
-        wave_region region = region_at(s, (uint32_t)(k * prime % total));
+    const wave_grid grid = wave_grid_of(0, 0, s->width, s->height);
+    const uint64_t prime = grid.count % 7919 ? 7919 : 1;
+    for (uint64_t k = 0; k < grid.count && !all_enough(r); ++k) {
+        const wave_region region = wave_grid_region(&grid, (uint32_t)(k * prime % grid.count));
         if (!record_wave(r, &region)) return false;
     }
     return true;

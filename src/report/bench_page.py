@@ -299,8 +299,8 @@ def growth_plots(results):
 
 def growth_fits(results):
     names = {"read": "reading", "build": "building", "render": "render phase", "bare": "bare calls", "renderToBare": "render over bare"}
-    about = paragraph("b of processor seconds ∝ triangles<sup>b</sup> with half its 95\u202f% interval: 1 is linear. Of render over bare, 0 means "
-                      "that both grow alike.")
+    about = paragraph("b of processor seconds ∝ triangles<sup>b</sup> with half its 95\u202f% interval: 1 is linear. If that of render over bare is 0, "
+                      "both grow alike.")
     columns = {"": "name", "#all sizes": "all.exponent", "#±": "all.half", "#from a million on": "heavy.exponent", "#± of these": "heavy.half"}
     return about + listing("Fitted exponents", columns, [{"name": name, **at(results, "fits", key, missing={})} for key, name in names.items()])
 

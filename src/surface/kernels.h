@@ -7,8 +7,6 @@
 #include "surface/surface.h"
 
 typedef struct surface_kernels {
-    const char *name; /* "plain", "avx2", "avx512" */
-
     /* Sixteen rays, given in the mesh's space, and the triangles of the mesh that they met, with normals
      * where it has any. Indices and vertices must lie within 2^31 numbers. */
     void (*facet_gather)(const fathom_mesh *mesh, const uint32_t triangle[LANES], const float org[3][LANES],

@@ -38,7 +38,7 @@ typedef struct placer {
     void *user;
 } placer;
 
-/* Of unit rows: only the sign is wanted, and nothing overflows. */
+/* The determinant of the rows made unit. Only its sign is used; nothing overflows. */
 static double determinant(const affine_f64 *a) {
     vec3_f64 x = {a->m[0][0], a->m[0][1], a->m[0][2]}, y = {a->m[1][0], a->m[1][1], a->m[1][2]};
     vec3_f64 z = {a->m[2][0], a->m[2][1], a->m[2][2]};

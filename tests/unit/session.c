@@ -44,7 +44,7 @@ static void a_session_renders_what_a_call_renders(void **state) {
     stage_close(&s);
 }
 
-/* Of the snapshot's pixels those that have all their samples are the film's; the others have none. */
+/* A pixel of the snapshot has all its samples, and is the film's, or it has none. */
 static size_t check_snapshot(const fathom_film *snapshot, const fathom_film *film) {
     const uint32_t *samples = fathom_film_channel_id(snapshot, "samples");
     const float *now = fathom_film_channel(snapshot, "G"), *then = fathom_film_channel(film, "G");

@@ -26,4 +26,4 @@ static void rays(const shade_camera *camera, float t_near, uint32_t left, uint32
     }
 }
 
-const camera_kernels KERNEL(camera_kernels) = {.name = KERNEL_ISA_TEXT(KERNEL_ISA), .rays = rays};
+const camera_kernels KERNEL(camera_kernels) = {.rays = rays};

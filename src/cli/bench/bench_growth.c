@@ -248,8 +248,8 @@ const command command_bench_growth = {
             "stands between it and the first ray, and renders one sample a pixel, by one\n"
             "thread, next to Embree's bare calls for the same rays. Prints the exponents b of\n"
             "seconds = a * triangles^b with their 95 % intervals, over all sizes and over\n"
-            "those from a million on: 1 is linear. Of render over bare, 0 or less is falling\n"
-            "no faster than Embree itself.\n",
+            "those from a million on: 1 is linear. If that of render over bare is 0 or less,\n"
+            "the renderer slows down no faster than Embree itself.\n",
     .examples = "  fathom bench growth --triangles 10k,100k,1M,10M --report results\n"
                 "  fathom bench growth --triangles 100M --with g.json --json g.json\n",
     .args = {options, NULL, NULL, 0, 0},

@@ -184,7 +184,7 @@ static fathom_settings settings_of(const fathom_scene *scene, const bench_render
     return settings;
 }
 
-/* What the scene and the command line make of each other. */
+/* The settings that come of the scene and the command line together. */
 static fathom_status check_settings(fathom_context *context, const fathom_scene *scene,
                                     const bench_render_settings *asked) {
     for (size_t i = 0; i < asked->spp.count; ++i) {

@@ -101,7 +101,7 @@ static fathom_status merge_settings(session *s) {
     return check_sizes(s);
 }
 
-/* Of --max-time, what is left for rendering and writing. */
+/* The part of --max-time that is left for rendering and writing. */
 static fathom_status set_time_left(session *s) {
     const double elapsed = clock_seconds() - s->start;
     render_options *o = &s->options;

@@ -12,7 +12,7 @@
 /* A case gets a twelfth of the rays that a family of a scene gets. */
 #define SHARE 12
 
-/* Of each family of a case and tracer, in --failures. */
+/* At most so many failures of each family, case and tracer go to --failures. */
 #define FAILURES_KEPT 100
 
 static const char *const default_tracers[] = {"linear:f32", "linear:f64", "bvh", "embree", "embree:user"};

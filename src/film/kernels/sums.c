@@ -11,5 +11,4 @@ static void store_square(const double *restrict sums, double scale, size_t width
     for (size_t row = 0; row < 4; ++row) memcpy(to + row * width, mean + 4 * row, 4 * sizeof *to);
 }
 
-const film_kernels KERNEL(film_kernels) = {
-    .name = KERNEL_ISA_TEXT(KERNEL_ISA), .add_samples = add_samples, .store_square = store_square};
+const film_kernels KERNEL(film_kernels) = {.add_samples = add_samples, .store_square = store_square};

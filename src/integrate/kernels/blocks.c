@@ -74,7 +74,6 @@ static void add_seen(const trace_rays *rays, const shadow_block *shadows, unsign
 }
 
 const integrate_kernels KERNEL(integrate_kernels) = {
-    .name = KERNEL_ISA_TEXT(KERNEL_ISA),
     .begin_paths = begin_paths,
     .met = met,
     .gains = gains,

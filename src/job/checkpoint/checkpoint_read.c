@@ -50,7 +50,7 @@ static fathom_status check_format(reading *r) {
                      format, CHECKPOINT_FORMAT);
 }
 
-/* Of all bytes before the last eight. */
+/* The hash of all bytes before the last eight. */
 static fathom_status check_sum(reading *r, const unsigned char *bytes, size_t size) {
     uint64_t sum;
     hash h;

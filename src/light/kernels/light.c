@@ -180,7 +180,6 @@ static void sample(const shade_light *light, const lanes3 p, light_block *restri
 }
 
 const light_kernels KERNEL(light_kernels) = {
-    .name = KERNEL_ISA_TEXT(KERNEL_ISA),
     .sample = sample,
     .aim = aim,
 };

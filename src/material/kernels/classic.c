@@ -223,7 +223,6 @@ static void scatter(const surface_block *s, const bsdf_block *m, scatter_block *
 }
 
 const material_kernels KERNEL(material_kernels) = {
-    .name = KERNEL_ISA_TEXT(KERNEL_ISA),
     .make = make,
     .evaluate = evaluate,
     .scatter = scatter,

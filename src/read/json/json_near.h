@@ -10,7 +10,7 @@ typedef struct near_search {
 } near_search;
 
 near_search near_begin(const char *wanted);
-/* Of candidates at equal distance the first one wins. */
+/* The first of several candidates at equal distance wins. */
 void near_offer(near_search *search, const char *candidate);
 
 #endif

@@ -10,14 +10,7 @@
 #include <pthread.h>
 #include <string.h>
 
-KERNEL_DECLARE(scene_kernels, scene_kernels);
-
-const scene_kernels *scene_kernels_at(unsigned index) {
-    static const scene_kernels *const all[] = KERNEL_SETS(scene_kernels);
-    return index < kernel_levels() ? all[index] : NULL;
-}
-
-const scene_kernels *scene_kernels_best(void) { return scene_kernels_at(kernel_levels() - 1); }
+KERNEL_CHOICE(scene_kernels)
 
 /* One array in a parallel loop. Sums, extremes and the first bad item do not depend on the order in which
  * threads add to them. */

@@ -27,7 +27,7 @@ static inline void store_column(row column, float *to) { memcpy(to, &column, siz
 #define LOW(a, b) __builtin_shufflevector((a), (b), 0, 4, 1, 5)
 #define HIGH(a, b) __builtin_shufflevector((a), (b), 2, 6, 3, 7)
 
-/* Of lanes i to i + 3. */
+/* Lanes i to i + 3. */
 static inline void store_rows(const row r[4], float out[3][LANES], int i) {
     row xy_01 = LOW(r[0], r[1]), xy_23 = LOW(r[2], r[3]);
     row z_01 = HIGH(r[0], r[1]), z_23 = HIGH(r[2], r[3]);

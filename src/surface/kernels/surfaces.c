@@ -47,7 +47,6 @@ static void starts(const surface_block *s, const uint32_t behind[LANES], float (
 }
 
 const surface_kernels KERNEL(surface_kernels) = {
-    .name = KERNEL_ISA_TEXT(KERNEL_ISA),
     .facet_gather = KERNEL(facet_gather),
     .quad_gather = KERNEL(quad_gather),
     .facets = KERNEL(facets),

@@ -149,7 +149,7 @@ static void ask(const embree_tracer *tracer, const trace_rays *r, unsigned lane,
     embree_intersect(1, NULL, tracer->scenes[0], &call.context, false, filter_any, &alone);
 }
 
-/* To both sides of each coordinate that the ray keeps. */
+/* Asks on both sides of each coordinate that the ray keeps too small for Embree. */
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far) {
     const trace_rays *r = &block->rays;
     const float straight[3] = {r->dir_x[lane], r->dir_y[lane], r->dir_z[lane]};

@@ -5,12 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-KERNEL_DECLARE(few_kernels, few_kernels);
-
-const few_kernels *few_kernels_best(void) {
-    static const few_kernels *const all[] = KERNEL_SETS(few_kernels);
-    return all[kernel_levels() - 1];
-}
+KERNEL_BEST(few_kernels)
 
 static void add_sphere(const world *w, uint32_t geometry, uint32_t primitive, few_spheres *out) {
     const world_geometry *run = &w->geometries.items[geometry];

@@ -6,12 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-KERNEL_DECLARE(embree_kernels, embree_kernels);
-
-const embree_kernels *embree_kernels_best(void) {
-    static const embree_kernels *const all[] = KERNEL_SETS(embree_kernels);
-    return all[kernel_levels() - 1];
-}
+KERNEL_BEST(embree_kernels)
 
 /* ---- closest hit ---- */
 
