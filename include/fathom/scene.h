@@ -30,19 +30,50 @@ typedef enum fathom_specular {
     FATHOM_SPECULAR_BLINN  /* k_s max(0, n·h)^n */
 } fathom_specular;
 
+typedef enum fathom_model {
+    FATHOM_MODEL_CLASSIC,           /* k_a to lit_from_behind */
+    FATHOM_MODEL_METALLIC_ROUGHNESS /* ior, and base_color to dispersion: glTF 2.0 with its material
+                                       extensions */
+} fathom_model;
+
 typedef struct fathom_material {
-    float k_a[3];    /* ambient reflectance; a negative first entry (the default) means: same as k_d */
-    float k_d[3];    /* Lambert reflectance, [0,1]; default 0.5 */
-    float k_s[3];    /* specular reflectance; default 0 */
-    float k_r[3];    /* mirror reflectance; default 0 */
-    float k_t[3];    /* transmittance; default 0 */
-    float k_e[3];    /* radiance the surface sends out by itself; lights nothing else; default 0 */
-    float shininess; /* the exponent n, [0, 1e9]; default 32 */
-    float ior;       /* inside over outside, > 0; default 1.5 */
+    fathom_model model; /* default FATHOM_MODEL_CLASSIC */
+    float k_a[3];       /* ambient reflectance; a negative first entry (the default) means: same as k_d */
+    float k_d[3];       /* Lambert reflectance, [0,1]; default 0.5 */
+    float k_s[3];       /* specular reflectance; default 0 */
+    float k_r[3];       /* mirror reflectance; default 0 */
+    float k_t[3];       /* transmittance; default 0 */
+    float k_e[3];       /* radiance the surface sends out by itself; lights nothing else; default 0 */
+    float shininess;    /* the exponent n, [0, 1e9]; default 32 */
+    float ior;          /* inside over outside, > 0; default 1.5 */
     fathom_specular specular; /* default FATHOM_SPECULAR_NONE */
     bool fresnel; /* k_r *= F and k_t *= 1 - F, F the dielectric Fresnel reflectance, 1 on total internal
                      reflection; without it, total internal reflection mirrors k_r + k_t; default false */
     bool lit_from_behind; /* lights on the viewer's far side count by |n·l|; default false */
+
+    /* Metallic-roughness: colours and factors are in [0,1] unless said otherwise. */
+    float base_color[3];     /* default 1 */
+    float metallic;          /* default 0 */
+    float roughness;         /* GGX's alpha is its square; default 0.5 */
+    float emissive[3];       /* radiance that both sides send out, times emissive_strength; default 0 */
+    float emissive_strength; /* >= 0; default 1 */
+    float specular_factor;   /* of the dielectric's reflectance; default 1 */
+    float specular_color[3]; /* of the dielectric's reflectance at normal incidence, >= 0; default 1 */
+    float transmission;      /* part of the dielectric's base that lets light through; default 0 */
+    float thickness;         /* > 0: the mesh bounds a volume, and light refracts; 0: thin walls; default 0 */
+    float attenuation_color[3]; /* what is left of white light after attenuation_distance; default 1 */
+    float attenuation_distance; /* > 0, may be infinite; default infinite */
+    float clearcoat, clearcoat_roughness; /* default 0 */
+    float sheen_color[3];                 /* default 0 */
+    float sheen_roughness;                /* default 0 */
+    float anisotropy;                     /* default 0 */
+    float anisotropy_rotation;            /* radians, counter-clockwise from the tangent; default 0 */
+    float iridescence;                    /* default 0 */
+    float iridescence_ior;                /* of the film, >= 1; default 1.3 */
+    float iridescence_thickness;          /* of the film, nanometres; default 400 */
+    float dispersion;                     /* 20 / Abbe number, >= 0; default 0 */
+    float opacity;                        /* coverage by chance; default 1 */
+    bool multiscatter; /* rough lobes get back what they lose to multiple scattering; default true */
 } fathom_material;
 
 FATHOM_API void fathom_material_default(fathom_material *material);
@@ -56,7 +87,8 @@ FATHOM_API fathom_status fathom_scene_add_material(fathom_scene *scene, const ch
 typedef enum fathom_light_type {
     FATHOM_LIGHT_POINT,
     FATHOM_LIGHT_DIRECTIONAL,
-    FATHOM_LIGHT_SPOT
+    FATHOM_LIGHT_SPOT,
+    FATHOM_LIGHT_ENVIRONMENT /* light from all around, by an image; path integrators only */
 } fathom_light_type;
 
 typedef struct fathom_light {
@@ -69,6 +101,16 @@ typedef struct fathom_light {
     float
         inner_angle; /* spot: full strength within this angle from the axis; radians, [0, outer); default 0 */
     float outer_angle; /* spot: nothing beyond; radians, (inner, pi/2]; default pi/4 */
+
+    /* The path integrator alone: lights with a size. They send out as much as those without, and are not
+     * themselves seen. The classic integrator takes them without size. */
+    float radius;         /* point and spot: of a sphere; default 0 */
+    float angular_radius; /* directional: of the disc it fills in the sky; radians, [0, pi/2); default 0 */
+    /* Environment: an equirectangular image in any format that OpenImageIO reads, its radiance times
+     * `intensity`. Its centre lies towards -z, the up axis is y. `rotation` turns it about y, radians,
+     * counter-clockwise from above; default 0. The text is copied. */
+    const char *file;
+    double rotation;
 } fathom_light;
 
 FATHOM_API void fathom_light_default(fathom_light *light);

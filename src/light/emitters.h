@@ -1,0 +1,58 @@
+/* All that sends out light under path tracing: emissive surfaces, the background, environments, suns and
+ * lights of a point or a direction. A point asks for one of them, chosen by chance. */
+#ifndef LIGHT_EMITTERS_H
+#define LIGHT_EMITTERS_H
+
+#include "math/lanes.h"
+#include "scene/world/world.h"
+
+#include <stdbool.h>
+
+typedef struct emitters emitters;
+
+/* Release with emitters_destroy(). The world must outlive them. Fails when an environment's image cannot be
+ * read, or holds a NaN or an infinity (the message names the file and the texel). */
+fathom_status emitters_create(fathom_context *context, const world *w, emitters **out);
+void emitters_destroy(emitters *e);
+
+/* Nothing sends out any light. */
+bool emitters_none(const emitters *e);
+
+/* Where light is asked for, a point a lane. */
+typedef struct emitter_query {
+    _Alignas(64) lanes3 p; /* in the world's coordinates */
+    lanes3 n; /* shading normal towards the viewer: light from behind counts nothing; 0: it does count */
+} emitter_query;
+
+/* One direction a lane from which light may come. */
+typedef struct emitter_sample {
+    _Alignas(64) lanes3 direction; /* unit, towards the light */
+    float distance[LANES]; /* a shadow ray of this length ends clear of the emitter by the error bounds of its
+                              end; INFINITY: it comes from outside of the scene */
+    lanes3 radiance;       /* that comes from there when nothing is in the way. Of a light without size: the
+                              irradiance of a surface that faces it */
+    float density[LANES];  /* with which this direction is taken, the choice of the light included: per solid
+                              angle, or of a light without size: the chance of its choice. 0: there is no light
+                            */
+    uint32_t sized[LANES]; /* all ones: a ray can meet the emitter by chance; 0: it has no size */
+} emitter_sample;
+
+/* u: three numbers in [0,1) a lane; the third chooses the light. */
+void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
+
+/* What a ray met that an emitter_sample could have found. */
+typedef struct emitter_hit {
+    uint32_t geometry, primitive, instance; /* as in trace_hits */
+    vec3_f32 p, ng;                         /* the point and the geometric normal there, unit */
+} emitter_hit;
+
+/* The density with which emitters_sample() takes, at a point p whose normal is n (0: as in emitter_query),
+ * the unit direction towards a hit. 0: it never does. */
+float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,
+                           const emitter_hit *hit);
+
+/* Radiance from outside of the scene, and the density of its direction as above. */
+void emitters_outside(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction, float radiance[3],
+                      float *density);
+
+#endif
