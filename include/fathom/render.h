@@ -8,11 +8,23 @@
 extern "C" {
 #endif
 
+typedef enum fathom_integrator {
+    FATHOM_INTEGRATOR_CLASSIC, /* recursive ray tracing: light from points and directions, mirrors, glass */
+    FATHOM_INTEGRATOR_PATH     /* path tracing: all light, from all that sends it, by all ways */
+} fathom_integrator;
+
 typedef enum fathom_pattern {
     FATHOM_PATTERN_GRID,       /* n × n, regular; spp is a square number */
     FATHOM_PATTERN_STRATIFIED, /* n × n, jittered in each cell; spp is a square number */
     FATHOM_PATTERN_SOBOL       /* Owen-scrambled Sobol (0,2)-sequence; any spp */
 } fathom_pattern;
+
+/* How a pixel's samples are weighed: by where they lie, so each counts as much. */
+typedef enum fathom_filter {
+    FATHOM_FILTER_BOX,
+    FATHOM_FILTER_GAUSSIAN, /* of a standard deviation of a quarter of its width, less its edges' value */
+    FATHOM_FILTER_BLACKMAN_HARRIS /* the window of four terms */
+} fathom_filter;
 
 /* Extra outputs, a bit each. */
 enum {
@@ -30,10 +42,13 @@ enum {
 };
 
 typedef struct fathom_settings {
-    uint32_t width, height; /* pixels, [1, 65536]; default 1280 × 720 */
+    fathom_integrator integrator; /* default classic */
+    uint32_t width, height;       /* pixels, [1, 65536]; default 1280 × 720 */
     uint32_t spp;           /* samples a pixel, [1, 65536]; default 1. The most of any pixel when there is a
                                target_error or max_time: a power of two then, at least 4 */
     fathom_pattern pattern; /* default grid */
+    fathom_filter filter;   /* of pixels; default box */
+    double filter_width;    /* in pixels, [0.01, 16]; default 1 */
     uint64_t seed;          /* of the stratified and Sobol patterns; default 0 */
     uint32_t crop[4];       /* x0 y0 x1 y1, half open, row 0 at the top; all 0 (default): the whole image */
     /* Sampling to an error: pixels get samples until the estimated error of each tile of 32 × 32 pixels is at
@@ -76,6 +91,9 @@ typedef enum fathom_loss {
 } fathom_loss;
 
 FATHOM_API void fathom_settings_default(fathom_settings *settings);
+/* Chooses an integrator, and what suits it. Path: the pattern Sobol, 16 bounces, and samples to an error of
+ * 0.02 or until a pixel has 1024. Classic: the grid, 8 bounces and one sample. */
+FATHOM_API void fathom_settings_set_integrator(fathom_settings *settings, fathom_integrator integrator);
 /* Sets max_loss and max_relative_loss to what such a file can hardly show. exposure: as it will be written
  * with. */
 FATHOM_API void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure);

@@ -214,13 +214,15 @@ FATHOM_API fathom_status fathom_scene_add_instance(fathom_scene *scene, const fa
 
 /* ---- camera and surroundings ---- */
 
-/* A pinhole looking along -z of its frame. Image plane at distance d, size w × h. */
+/* A pinhole or a thin lens looking along -z of its frame. Image plane at distance d, size w × h. */
 typedef struct fathom_camera {
     double origin[3];
     double x[3], y[3], z[3]; /* orthonormal, right-handed */
     double d, h;             /* > 0; default d = 1, h = 2 tan(fovy/2) for a fovy of 45 degrees */
     double w; /* > 0, or 0 (default): h times the image's width over height. Pixels are square for 0 alone,
                  and for images as wide for their height as w is for h */
+    double lens_radius;    /* >= 0; what lies off the plane of focus is blurred; default 0: a pinhole */
+    double focus_distance; /* of the plane that is sharp, along the view; > 0 where there is a lens */
 } fathom_camera;
 
 FATHOM_API void fathom_camera_default(fathom_camera *camera);

@@ -2,6 +2,8 @@
 
 #include "base/kernel.h"
 
+#include <math.h>
+
 void camera_extent(const fathom_camera *camera, uint32_t width, uint32_t height, double *w, double *h) {
     *h = camera->h / camera->d;
     *w = camera->w > 0 ? camera->w / camera->d : *h * width / height;
@@ -19,6 +21,35 @@ void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height
     out->across = scale_f64(w / width, x);
     out->down = scale_f64(-h / height, y);
     out->view = neg_f64(z);
+    out->right = x, out->up = y;
+    out->lens_radius = camera->lens_radius, out->focus_distance = camera->focus_distance;
+}
+
+/* From the square to the disc by rings of equal area (Shirley and Chiu 1997). */
+static void disc_point(double u, double v, double *x, double *y) {
+    const double quarter = 0.78539816339744831, a = 2 * u - 1, b = 2 * v - 1;
+    if (a == 0 && b == 0) {
+        *x = *y = 0;
+        return;
+    }
+    const bool wide = fabs(a) > fabs(b);
+    const double r = wide ? a : b, angle = wide ? quarter * (b / a) : 2 * quarter - quarter * (a / b);
+    *x = r * cos(angle), *y = r * sin(angle);
+}
+
+void camera_through_lens(const shade_camera *c, const double u[LANES], const double v[LANES],
+                         trace_rays *rays) {
+    for (int i = 0; i < LANES; ++i) {
+        double x, y;
+        disc_point(u[i], v[i], &x, &y);
+        const vec3_f64 d = widen(trace_dir(rays, (size_t)i));
+        const vec3_f64 on = madd_f64(scale_f64(c->lens_radius * x, c->right), c->lens_radius * y, c->up);
+        const vec3_f64 focus = scale_f64(c->focus_distance / dot_f64(d, c->view), d);
+        const vec3_f32 org = narrow(add_f64(widen(c->eye), on));
+        const vec3_f32 dir = narrow(normalize_f64(sub_f64(focus, on)));
+        rays->org_x[i] = org.x, rays->org_y[i] = org.y, rays->org_z[i] = org.z;
+        rays->dir_x[i] = dir.x, rays->dir_y[i] = dir.y, rays->dir_z[i] = dir.z;
+    }
 }
 
 KERNEL_CHOICE(camera_kernels)

@@ -1,4 +1,4 @@
-/* The pinhole camera as rays. */
+/* The camera, a pinhole or a thin lens, as rays. */
 #ifndef CAMERA_CAMERA_H
 #define CAMERA_CAMERA_H
 
@@ -12,7 +12,9 @@
 typedef struct shade_camera {
     vec3_f32 eye; /* in the world's coordinates */
     vec3_f64 corner, across, down;
-    vec3_f64 view; /* unit, the way the camera looks */
+    vec3_f64 view;                      /* unit, the way the camera looks */
+    vec3_f64 right, up;                 /* unit */
+    double lens_radius, focus_distance; /* a radius of 0: a pinhole */
 } shade_camera;
 
 /* Width and height of the image plane at distance 1. */
@@ -39,6 +41,11 @@ typedef struct square_samples {
     _Alignas(64) double x[LANES], y[LANES];
     bool alike; /* in the same place of all pixels: only the first is set */
 } square_samples;
+
+/* Turns a pinhole's rays into a thin lens's: each leaves a point of the lens for the point where the
+ * pinhole's ray meets the plane of focus. u, v: two numbers in [0,1) a lane. */
+void camera_through_lens(const shade_camera *camera, const double u[LANES], const double v[LANES],
+                         trace_rays *rays);
 
 typedef struct camera_kernels {
     /* Rays through a square of 4 × 4 pixels, whose first is (left, top), towards t = infinity. */

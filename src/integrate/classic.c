@@ -7,6 +7,27 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- what the rays met ---- */
+
+static void make_bsdfs(wave *w, vertex_block *v) {
+    const render_plan *plan = w->run.plan;
+    plan->material_kernels->make(plan->bsdfs, &v->surface, &v->bsdf);
+}
+
+static void add_background(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
+    (void)block;
+    const float *background = w->run.plan->scene->background;
+    for (; missed; missed &= missed - 1) {
+        int i = __builtin_ctz(missed);
+        uint32_t slot = path->slot[i];
+        w->run.samples.radiance[0][slot] += limited(path->weight[0][i] * background[0]);
+        w->run.samples.radiance[1][slot] += limited(path->weight[1][i] * background[1]);
+        w->run.samples.radiance[2][slot] += limited(path->weight[2][i] * background[2]);
+    }
+}
+
+const wave_stages classic_stages = {make_bsdfs, add_background};
+
 /* ---- light ---- */
 
 static bool emits(const bsdf_block *b) {
@@ -71,7 +92,10 @@ static void push_light(wave *w, size_t block, uint32_t index, bool first) {
     if (light->type != FATHOM_LIGHT_DIRECTIONAL) plan->light_kernels->aim(light, &sample);
     plan->kernels->gains(&v->path, &sample, &value, gain);
     if (w->lost[0]) leave_out_faint(w, v, &sample, gain);
-    wave_push_shadows(w, block, index, &sample, gain, first);
+    shadow_depths depths;
+    memcpy(depths.start, v->path.depth, sizeof depths.start);
+    memset(depths.end, plan->watertight ? plan->light_depths[index] : WATERTIGHT_UNSURE, sizeof depths.end);
+    wave_push_shadows(w, block, index, &sample, &depths, gain, first);
 }
 
 /* Light by light, since rays to one point run alike. */
@@ -179,11 +203,6 @@ bool classic_step(wave *w, uint32_t depth) {
     return true;
 }
 
-static void count_by_square(const wave *w) {
-    for (size_t k = 0; w->run.square_rays && k < w->now.count; ++k)
-        ++w->run.square_rays[w->now.paths[k / LANES].slot[k % LANES] / LANES];
-}
-
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     wave *w = (wave *)state;
     memset(w->run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
@@ -191,7 +210,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
     if (!wave_camera_rays(w, region, batch)) return false;
     for (uint32_t depth = 0; w->now.count; ++depth) {
-        count_by_square(w);
+        wave_count_rays(w);
         if (!classic_step(w, depth)) return false;
     }
     return true;
@@ -199,7 +218,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
 
 static integration *create(const render_plan *plan, const atomic_bool *stop) {
     wave *w = malloc(sizeof *w);
-    if (w && wave_create(plan, stop, w)) return &w->run;
+    if (w && wave_create(plan, stop, &classic_stages, w)) return &w->run;
     free(w);
     return NULL;
 }

@@ -39,4 +39,8 @@ typedef struct integrator {
  * into its mirrored and refracted rays. */
 extern const integrator integrator_classic;
 
+/* Unidirectional path tracing with next event estimation: global illumination. Its expectation is the
+ * rendering equation's solution. */
+extern const integrator integrator_path;
+
 #endif

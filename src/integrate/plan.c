@@ -41,7 +41,36 @@ static fathom_status plan_surroundings(fathom_context *context, render_plan *pla
     return status;
 }
 
-static fathom_status plan_materials(fathom_context *context, render_plan *plan) {
+/* ---- the path integrator ---- */
+
+static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
+    const fathom_scene *scene = plan->scene;
+    const size_t count = scene->materials.count;
+    plan->shaders = malloc((count + 1) * sizeof *plan->shaders);
+    if (!plan->shaders) return fail_memory(context, (count + 1) * sizeof *plan->shaders);
+    for (size_t i = 0; i < count; ++i) {
+        shader *s = &plan->shaders[i];
+        shader_prepare(&scene->materials.items[i].value, s);
+        plan->crosses |= s->transmits;
+        plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
+    fathom_status status = plan_shaders(context, plan);
+    if (status == FATHOM_OK) status = emitters_create(context, plan->world, &plan->emitters);
+    if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
+    if (status != FATHOM_OK) return status;
+    plan->background = !emitters_none(plan->emitters);
+    plan->max_depth = plan->settings.max_depth;
+    if (plan->watertight) plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
+    return FATHOM_OK;
+}
+
+/* ---- the classic integrator ---- */
+
+static fathom_status plan_bsdfs(fathom_context *context, render_plan *plan) {
     const fathom_scene *scene = plan->scene;
     const size_t count = scene->materials.count;
     plan->bsdfs = malloc((count + 1) * sizeof *plan->bsdfs);
@@ -63,6 +92,28 @@ static void plan_lights(render_plan *plan) {
     }
 }
 
+static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
+    plan->background = parts_background(plan->scene);
+    plan->crosses = (plan->features & MATERIAL_REFRACT) != 0;
+    plan->max_depth = parts_bounces(plan->scene, &plan->settings) ? plan->settings.max_depth : 0;
+    plan->lifts = plan->settings.terminator_fix && parts_smooth(plan->world);
+    plan_lights(plan);
+    fathom_status status = plan_bsdfs(context, plan);
+    return status == FATHOM_OK ? plan_surroundings(context, plan) : status;
+}
+
+/* ---- both ---- */
+
+static void choose_kernels(render_plan *plan) {
+    plan->camera_kernels = camera_kernels_best();
+    plan->sample_kernels = sample_kernels_best();
+    plan->surface_kernels = surface_kernels_best();
+    plan->material_kernels = material_kernels_best();
+    plan->shader_kernels = shader_kernels_best();
+    plan->light_kernels = light_kernels_best();
+    plan->kernels = integrate_kernels_best();
+}
+
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out) {
     *out = NULL;
@@ -77,26 +128,19 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->scene = scene;
     plan->world = w;
     plan->tracer = tracer;
-    plan->integrator = &integrator_classic;
-    plan->camera_kernels = camera_kernels_best();
-    plan->surface_kernels = surface_kernels_best();
-    plan->material_kernels = material_kernels_best();
-    plan->light_kernels = light_kernels_best();
-    plan->kernels = integrate_kernels_best();
+    const bool paths = settings->integrator == FATHOM_INTEGRATOR_PATH;
+    plan->integrator = paths ? &integrator_path : &integrator_classic;
+    choose_kernels(plan);
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);
-    plan->background = parts_background(scene);
     plan->first_hits = parts_first_hits(settings);
     camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
-    plan_lights(plan);
-    plan->max_depth = parts_bounces(scene, settings) ? settings->max_depth : 0;
     plan->sampler =
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
+    filter_prepare(settings, &plan->filter);
     plan->t_near = (float)settings->epsilon;
-    plan->lifts = settings->terminator_fix && parts_smooth(w);
-    fathom_status status = plan_materials(context, plan);
-    if (status == FATHOM_OK) status = plan_surroundings(context, plan);
+    fathom_status status = paths ? plan_paths(context, plan) : plan_classic(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
     else
@@ -111,5 +155,7 @@ void plan_destroy(render_plan *plan) {
     free(plan->light_surfaces);
     free(plan->lights);
     free(plan->bsdfs);
+    free(plan->shaders);
+    emitters_destroy(plan->emitters);
     free(plan);
 }

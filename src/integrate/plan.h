@@ -3,9 +3,13 @@
 #define INTEGRATE_PLAN_H
 
 #include "camera/camera.h"
+#include "camera/filter.h"
 #include "film/pixel_sums.h"
 #include "integrate/kernels.h"
 #include "integrate/parts.h"
+#include "light/emitters.h"
+#include "material/shader.h"
+#include "sample/sample.h"
 #include "surface/kernels.h"
 #include "trace/watertight/watertight.h"
 
@@ -21,10 +25,15 @@ typedef struct render_plan {
     const surface_kernels *surface_kernels;
     const material_kernels *material_kernels;
     const light_kernels *light_kernels;
+    const sample_kernels *sample_kernels;
+    const shader_kernels *shader_kernels;
     const integrate_kernels *kernels;
     sampler sampler;
     shade_camera camera;
-    bsdf *bsdfs; /* by material */
+    pixel_filter filter;
+    shader *shaders;    /* by material; path tracing */
+    emitters *emitters; /* path tracing */
+    bsdf *bsdfs;        /* by material; the classic integrator, and all that follows */
     shade_light *lights;
     uint32_t light_count;
     watertight *watertight; /* NULL: no answer of the tracer needs another look */
@@ -38,6 +47,8 @@ typedef struct render_plan {
     uint32_t max_depth;            /* 0 when nothing mirrors or refracts */
     float t_near;                  /* 0, or the fixed epsilon */
     bool lifts;                    /* shadow rays of smooth meshes begin above their facets */
+    bool crosses;                  /* paths may go on behind a surface */
+    bool absorbs;                  /* some volume does */
 } render_plan;
 
 /* Release with plan_destroy(). */

@@ -85,8 +85,8 @@ bool wave_reserve_refracted(wave *w, size_t blocks) {
     return ok;
 }
 
-bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out) {
-    *out = (wave){.run = {.plan = plan, .stop = stop}};
+bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_stages *stages, wave *out) {
+    *out = (wave){.run = {.plan = plan, .stop = stop}, .stages = stages};
     const bool loses = plan->settings.max_loss > 0 || plan->settings.max_relative_loss > 0;
     wave_samples *samples = &out->run.samples;
     float *radiance = calloc((loses ? 6 : 3) * WAVE_SLOTS, sizeof *radiance);
@@ -137,4 +137,9 @@ bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence) {
         repair(w, done, piece);
     }
     return true;
+}
+
+void wave_count_rays(const wave *w) {
+    for (size_t k = 0; w->run.square_rays && k < w->now.count; ++k)
+        ++w->run.square_rays[w->now.paths[k / LANES].slot[k % LANES] / LANES];
 }

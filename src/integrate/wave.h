@@ -20,7 +20,10 @@ typedef struct path_queue {
 /* Sixteen vertices of paths: where they are, what the surface does with light, and what the paths carry. */
 typedef struct vertex_block {
     surface_block surface;
-    bsdf_block bsdf;
+    union { /* by the integrator */
+        bsdf_block bsdf;
+        shader_block shader;
+    };
     path_block path;             /* arriving; its depth is of the viewer's side */
     uint8_t depth_behind[LANES]; /* of the other side; depths are set where trace/watertight is in use */
 } vertex_block;
@@ -42,8 +45,24 @@ typedef struct shadow_queue {
     shadow_source *sources; /* by ray; NULL: no vertex is lifted off its facet */
 } shadow_queue;
 
-typedef struct wave {
+/* Closed meshes around the two ends of a block's shadow rays; see trace/watertight/watertight.h. */
+typedef struct shadow_depths {
+    uint8_t start[LANES], end[LANES];
+} shadow_depths;
+
+typedef struct wave wave;
+
+/* What an integrator does with what the rays of a wave met. */
+typedef struct wave_stages {
+    /* A block of vertices, complete but for its materials' part; its hits are still in w->gather. */
+    void (*vertices)(wave *w, vertex_block *v);
+    /* Lanes of a block of rays, as bits, that left a scene whose surroundings send light. */
+    void (*misses)(wave *w, const trace_block *block, const path_block *path, uint32_t missed);
+} wave_stages;
+
+struct wave {
     integration run; /* first: the integrator's interface points to it */
+    const wave_stages *stages;
     path_queue now, next;
     shadow_queue shadows;
     vertex_block *vertices;
@@ -53,9 +72,9 @@ typedef struct wave {
     scatter_block *refracted;             /* of each block of vertices; NULL when nothing refracts */
     size_t refracted_capacity;            /* in blocks */
     float *lost[3];                       /* by slot, what was left out; NULL: nothing may be */
-} wave;
+};
 
-bool wave_create(const render_plan *plan, const atomic_bool *stop, wave *out);
+bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_stages *stages, wave *out);
 void wave_destroy(wave *w);
 
 /* Room for n more rays or points; false and run.out_of_memory when there is none. */
@@ -77,21 +96,28 @@ static inline unsigned wave_lanes(size_t count, size_t done) {
 bool wave_camera_rays(wave *w, const wave_region *region, const wave_batch *batch);
 /* Closest hits of the rays [begin, end) of `now`; begin is a multiple of 16. False: stopped. */
 bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence);
-/* Vertices of all hits of `now`; misses add the background. first: of the camera's rays. */
+/* Vertices of all hits of `now`; the integrator's stages see them and the misses. first: of the camera's
+ * rays.
+ */
 bool wave_surfaces(wave *w, bool first);
 /* An empty queue of shadow rays, with room for one from each vertex. */
 bool wave_begin_shadows(wave *w);
-/* Shadow rays from a block of vertices to a light that gives them `gain`. Each block of vertices must come
- * after those before it. */
-void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to, lanes3 gain, bool first);
+/* Shadow rays from a block of vertices to a light that gives them `gain`. `light` is its index, where points
+ * are lifted off their facets. Each block of vertices must come after those before it. */
+void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to,
+                       const shadow_depths *depths, lanes3 gain, bool first);
 /* Casts them, and adds the gains of those that see their light. False: stopped. */
 bool wave_cast_shadows(wave *w, trace_coherence coherence);
 /* Looks again at the shadow rays that met something and began above a facet: the facet itself may see the
  * light. See wave_lifted.c. */
 void wave_look_from_facets(wave *w, trace_coherence coherence);
 
+/* Rays of `now` by square, where they are counted. */
+void wave_count_rays(const wave *w);
+
 /* ---- the classic integrator, in steps: for benches that record its rays ---- */
 
+extern const wave_stages classic_stages;
 /* The stages after the camera's: the hits of `now`, their light, and the rays that leave them, which become
  * `now`. Until none is left; depth counts up from 0. */
 bool classic_step(wave *w, uint32_t depth);

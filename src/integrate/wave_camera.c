@@ -5,11 +5,20 @@ static void place(const render_plan *plan, const wave_square *s, square_samples 
     const uint32_t count = out->alike ? 1 : LANES;
     for (uint32_t k = 0; k < count; ++k)
         sample_2d(&plan->sampler, wave_square_key(s, k), SAMPLE_PIXEL, &out->x[k], &out->y[k]);
+    for (uint32_t k = 0; !plan->filter.box && k < count; ++k) {
+        out->x[k] = filter_place(&plan->filter, out->x[k]);
+        out->y[k] = filter_place(&plan->filter, out->y[k]);
+    }
 }
 
 static void camera_rays(const render_plan *plan, const wave_square *s, const square_samples *at,
                         trace_rays *out) {
     plan->camera_kernels->rays(&plan->camera, plan->t_near, s->left, s->top, at, out);
+    if (!(plan->camera.lens_radius > 0)) return;
+    double u[LANES], v[LANES];
+    for (uint32_t k = 0; k < LANES; ++k)
+        sample_2d(&plan->sampler, wave_square_key(s, k), SAMPLE_LENS, &u[k], &v[k]);
+    camera_through_lens(&plan->camera, u, v, out);
 }
 
 /* A packet of 16 rays is a square: its rays stay together longer than those of a line. first: the slot of

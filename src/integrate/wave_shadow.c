@@ -15,19 +15,19 @@ static void note_source(shadow_queue *queue, size_t ray, size_t vertex, uint32_t
 
 /* Its rays lie where the next block begins. */
 static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex, uint32_t light,
-                       uint8_t end_depth, lanes3 gain) {
+                       const shadow_depths *depths, lanes3 gain) {
     shadow_block *shadows = &queue->shadows[queue->blocks];
     for (unsigned i = 0; queue->sources && i < LANES; ++i)
         note_source(queue, queue->blocks * LANES + i, vertex + i, light);
     ++queue->blocks;
     memcpy(shadows->gain, gain, sizeof shadows->gain);
     memcpy(shadows->slot, v->path.slot, sizeof shadows->slot);
-    memcpy(shadows->depth, v->path.depth, sizeof shadows->depth);
-    memset(shadows->end_depth, end_depth, sizeof shadows->end_depth);
+    memcpy(shadows->depth, depths->start, sizeof shadows->depth);
+    memcpy(shadows->end_depth, depths->end, sizeof shadows->end_depth);
 }
 
 static void push_lane(shadow_queue *queue, const trace_rays *rays, const vertex_block *v, size_t vertex,
-                      uint32_t light, uint8_t end_depth, lanes3 gain, uint32_t i) {
+                      uint32_t light, const shadow_depths *depths, lanes3 gain, uint32_t i) {
     if (!queue->filled) queue->open = queue->blocks++;
     unsigned lane = queue->filled;
     shadow_block *shadows = &queue->shadows[queue->open];
@@ -35,8 +35,8 @@ static void push_lane(shadow_queue *queue, const trace_rays *rays, const vertex_
     trace_rays_move(rays, i, &queue->rays[queue->open], lane);
     for (int c = 0; c < 3; ++c) shadows->gain[c][lane] = gain[c][i];
     shadows->slot[lane] = v->path.slot[i];
-    shadows->depth[lane] = v->path.depth[i];
-    shadows->end_depth[lane] = end_depth;
+    shadows->depth[lane] = depths->start[i];
+    shadows->end_depth[lane] = depths->end[i];
     queue->filled = (lane + 1) % LANES;
 }
 
@@ -44,21 +44,20 @@ static void push_lane(shadow_queue *queue, const trace_rays *rays, const vertex_
  * order; of others, whose order is that of their sums, where none waits. Each block of vertices adds one
  * block of rays at most, and its rays are made there: one that opens meanwhile takes lanes in order, none to
  * a place behind its own. */
-void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to, lanes3 gain,
-                       bool first) {
+void wave_push_shadows(wave *w, size_t block, uint32_t light, const light_block *to,
+                       const shadow_depths *depths, lanes3 gain, bool first) {
     const render_plan *plan = w->run.plan;
     shadow_queue *queue = &w->shadows;
     const vertex_block *v = &w->vertices[block];
-    const uint8_t end_depth = plan->watertight ? plan->light_depths[light] : WATERTIGHT_UNSURE;
     trace_rays *rays = &queue->rays[queue->blocks];
     uint32_t lanes = plan->kernels->shadow_rays(to, gain, plan->t_near, rays);
     lanes &= (1u << v->surface.count) - 1;
     if (lanes == (1u << LANES) - 1 && (first || !queue->filled)) {
-        push_block(queue, v, block * LANES, light, end_depth, gain);
+        push_block(queue, v, block * LANES, light, depths, gain);
         return;
     }
     for (; lanes; lanes &= lanes - 1)
-        push_lane(queue, rays, v, block * LANES, light, end_depth, gain, (uint32_t)__builtin_ctz(lanes));
+        push_lane(queue, rays, v, block * LANES, light, depths, gain, (uint32_t)__builtin_ctz(lanes));
 }
 
 static void swap_sources(shadow_source *sources, size_t a, size_t b) {

@@ -1,6 +1,5 @@
 /* Hits become vertices of paths: points, materials, and what the paths carry. */
 #include "integrate/wave.h"
-#include "math/limit.h"
 
 #include <string.h>
 
@@ -8,17 +7,6 @@
 static fathom_id hit_material(const world *scene, const surface_gather *g, unsigned i) {
     if (g->geometry[i] == TRACE_PLANE) return scene->planes.items[g->primitive[i]].material;
     return world_material(scene, g->geometry[i], g->primitive[i], g->instance[i]);
-}
-
-static void add_background(wave *w, const path_block *path, uint32_t missed) {
-    const float *background = w->run.plan->scene->background;
-    for (; missed; missed &= missed - 1) {
-        int i = __builtin_ctz(missed);
-        uint32_t slot = path->slot[i];
-        w->run.samples.radiance[0][slot] += limited(path->weight[0][i] * background[0]);
-        w->run.samples.radiance[1][slot] += limited(path->weight[1][i] * background[1]);
-        w->run.samples.radiance[2][slot] += limited(path->weight[2][i] * background[2]);
-    }
 }
 
 static void keep_miss(first_hits *f, uint32_t slot) {
@@ -66,7 +54,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
 static void note_depths(const wave *w, const trace_block *block, const path_block *path, size_t lane,
                         vertex_block *v, unsigned i) {
     watertight_sides sides = {path->depth[lane], path->depth[lane]};
-    if (w->run.plan->features & MATERIAL_REFRACT)
+    if (w->run.plan->crosses)
         sides = watertight_sides_of(w->run.plan->watertight, block, (unsigned)lane, path->depth[lane]);
     v->path.depth[i] = sides.before;
     v->depth_behind[i] = sides.behind;
@@ -74,7 +62,7 @@ static void note_depths(const wave *w, const trace_block *block, const path_bloc
 
 static void note_all_depths(const wave *w, const trace_block *block, const path_block *path,
                             vertex_block *v) {
-    if (w->run.plan->features & MATERIAL_REFRACT) {
+    if (w->run.plan->crosses) {
         for (unsigned i = 0; i < LANES; ++i) note_depths(w, block, path, i, v, i);
     } else {
         memcpy(v->path.depth, path->depth, sizeof v->path.depth);
@@ -111,7 +99,7 @@ static void end_block(wave *w, bool first) {
     surface_gather_end(w->gather, plan->world, plan->surface_kernels, plan->settings.terminator_fix,
                        !(plan->settings.epsilon > 0), s);
     pad(v);
-    plan->material_kernels->make(plan->bsdfs, s, &v->bsdf);
+    w->stages->vertices(w, v);
     for (unsigned i = 0; first && w->run.samples.first && i < s->count; ++i)
         keep_first(w, i, v->path.slot[i]);
     w->vertex_count += s->count;
@@ -151,8 +139,9 @@ static bool shows_background(const wave *w, bool first) {
     return seen && w->run.plan->background;
 }
 
-static void add_misses(wave *w, const path_block *path, uint32_t missed, bool background, bool first) {
-    if (background) add_background(w, path, missed);
+static void add_misses(wave *w, const trace_block *block, const path_block *path, uint32_t missed,
+                       bool background, bool first) {
+    if (background) w->stages->misses(w, block, path, missed);
     for (; first && w->run.samples.first && missed; missed &= missed - 1)
         keep_miss(w->run.samples.first, path->slot[__builtin_ctz(missed)]);
 }
@@ -183,7 +172,7 @@ bool wave_surfaces(wave *w, bool first) {
         uint32_t lanes = (1u << wave_lanes(w->now.count, done)) - 1,
                  met = w->run.plan->kernels->met(&block->hits) & lanes;
         ask_ahead(w, done);
-        if (met != lanes) add_misses(w, path, lanes & ~met, background, first);
+        if (met != lanes) add_misses(w, block, path, lanes & ~met, background, first);
         if (met == whole && !w->gather->count)
             add_block(w, block, path, first);
         else if (met && first)

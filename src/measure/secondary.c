@@ -101,7 +101,7 @@ fathom_status secondary_record(fathom_context *context, const render_plan *plan,
     memset(out, 0, sizeof *out);
     r.recorder = record_tracer(plan->tracer, NULL);
     recorded.tracer = r.recorder;
-    bool ok = r.recorder && wave_create(&recorded, &never, &r.wave);
+    bool ok = r.recorder && wave_create(&recorded, &never, &classic_stages, &r.wave);
     if (ok) {
         unsigned state = trace_thread_begin();
         ok = record_waves(&r);

@@ -5,12 +5,30 @@
 
 #include <fathom/render.h>
 
+#include "math/lanes.h"
+
 #include <stdint.h>
 
 /* What the numbers are for, two of them each. */
 typedef enum sample_dimension {
-    SAMPLE_PIXEL /* where in its pixel a sample lies, from the top left */
+    SAMPLE_PIXEL, /* where in its pixel a sample lies, from the top left */
+    SAMPLE_LENS,  /* where a ray leaves the lens */
+    SAMPLE_TIME,  /* when the shutter is open */
+    SAMPLE_VERTEX /* the first of a path's vertices: see sample_at_vertex() */
 } sample_dimension;
+
+/* What a vertex of a path needs numbers for. */
+typedef enum sample_purpose {
+    SAMPLE_LIGHT,    /* a point on a light */
+    SAMPLE_SCATTER,  /* a direction */
+    SAMPLE_CHOICE,   /* which light, and which lobe */
+    SAMPLE_ROULETTE, /* whether the path goes on */
+    SAMPLE_PURPOSES
+} sample_purpose;
+
+static inline sample_dimension sample_at_vertex(uint32_t vertex, sample_purpose purpose) {
+    return (sample_dimension)(SAMPLE_VERTEX + vertex * SAMPLE_PURPOSES + purpose);
+}
 
 typedef struct sample_key {
     uint32_t x, y, index; /* the pixel, in the image, and which of its samples */
@@ -27,5 +45,18 @@ typedef struct sampler {
  * scramble for each pixel and dimension: any run of 2^k points from a multiple of 2^k is stratified in all
  * ways at once. (u, v) lies in [0,1)². */
 void sample_2d(const sampler *s, sample_key key, sample_dimension dimension, double *u, double *v);
+
+/* The part of a key that all dimensions of a pixel share. */
+uint64_t sample_pixel_hash(const sampler *s, uint32_t x, uint32_t y);
+
+typedef struct sample_kernels {
+    /* sample_2d() of sixteen samples, rounded down to 24 bits, in a dimension other than SAMPLE_PIXEL. */
+    void (*pairs)(const uint64_t pixel[LANES], const uint32_t index[LANES], uint32_t dimension, float *u,
+                  float *v);
+} sample_kernels;
+
+const sample_kernels *sample_kernels_best(void);
+/* Those that this processor can run, from the plainest to the best; NULL past the last. */
+const sample_kernels *sample_kernels_at(unsigned index);
 
 #endif

@@ -14,6 +14,7 @@
 static void hash_camera(hash *h, const fathom_camera *c) {
     PUT(h, c->origin), PUT(h, c->x), PUT(h, c->y), PUT(h, c->z);
     PUT(h, c->d), PUT(h, c->h), PUT(h, c->w);
+    PUT(h, c->lens_radius), PUT(h, c->focus_distance);
 }
 
 static void hash_material(hash *h, const fathom_material *m) {

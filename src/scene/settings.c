@@ -24,6 +24,16 @@ void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float
     }
 }
 
+void fathom_settings_set_integrator(fathom_settings *s, fathom_integrator integrator) {
+    if (!s) return;
+    const bool path = integrator == FATHOM_INTEGRATOR_PATH;
+    s->integrator = integrator;
+    s->pattern = path ? FATHOM_PATTERN_SOBOL : FATHOM_PATTERN_GRID;
+    s->max_depth = path ? 16 : 8;
+    s->spp = path ? 1024 : 1;
+    s->target_error = path ? 0.02 : 0;
+}
+
 void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out) {
     if (scene && out)
         *out = scene->settings;

@@ -77,11 +77,34 @@ static void dimensions_are_independent_of_each_other(void **state) {
     }
 }
 
+/* Rounding down to 24 bits keeps every box of 2^-24. */
+static void blocks_hold_the_numbers_of_single_samples(void **state) {
+    (void)state;
+    uint64_t pixel[LANES];
+    uint32_t index[LANES];
+    for (int i = 0; i < LANES; ++i)
+        pixel[i] = sample_pixel_hash(&sobol, 77u + (uint32_t)i, 9), index[i] = 1000003u * (uint32_t)i;
+    for (unsigned k = 0; sample_kernels_at(k); ++k) {
+        for (uint32_t dimension = SAMPLE_LENS; dimension < 20; ++dimension) {
+            float u[LANES], v[LANES];
+            sample_kernels_at(k)->pairs(pixel, index, dimension, u, v);
+            for (int i = 0; i < LANES; ++i) {
+                double x, y;
+                sample_2d(&sobol, (sample_key){77u + (uint32_t)i, 9, index[i]}, (sample_dimension)dimension,
+                          &x, &y);
+                assert_true((double)u[i] == floor(x * 0x1p24) * 0x1p-24);
+                assert_true((double)v[i] == floor(y * 0x1p24) * 0x1p-24);
+            }
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_cell_of_a_grid_holds_one_sample),
         cmocka_unit_test(every_run_of_a_power_of_two_is_stratified_in_every_dimension),
         cmocka_unit_test(dimensions_are_independent_of_each_other),
+        cmocka_unit_test(blocks_hold_the_numbers_of_single_samples),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,9 +13,22 @@
 
 /* ---- camera and image ---- */
 
+/* Left out, the focus is at the target. */
+static fathom_status set_lens(const object_reader *r, const where *at, json_t *value,
+                              const form_camera_values *c, fathom_camera *camera) {
+    camera->lens_radius = c->f_stop > 0 ? c->focal_length / (2 * c->f_stop) : c->lens_radius;
+    if (!(camera->lens_radius > 0)) return FATHOM_OK;
+    camera->focus_distance = c->focus_distance;
+    if (doc_has(value, "focusDistance")) return FATHOM_OK;
+    if (!doc_has(value, "target"))
+        return doc_fail(r->doc, at, "a lens needs \"focusDistance\", or \"eye\" and \"target\"");
+    camera->focus_distance = length_f64(sub_f64(load_f64(c->target), load_f64(c->eye)));
+    return FATHOM_OK;
+}
+
 static fathom_status set_camera(const object_reader *r, json_t *value, const form_camera_values *c) {
     const where at = {NULL, "camera", 0}, target = {&at, "target", 0}, framed = {&at, "frame", 0};
-    fathom_camera camera;
+    fathom_camera camera = {.d = 1};
     if (doc_has(value, "eye")) {
         vec3_f64 view = sub_f64(load_f64(c->target), load_f64(c->eye));
         if (!(length_f64(view) > 0)) return doc_fail(r->doc, &target, "it is where the eye is");
@@ -33,8 +46,19 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     }
     if (doc_has(value, "h")) camera.d = c->d, camera.h = c->h;
     if (doc_has(value, "w")) camera.w = c->w;
-    fathom_status status = fathom_scene_set_camera(r->scene, &camera);
+    fathom_status status = set_lens(r, &at, value, c, &camera);
+    if (status == FATHOM_OK) status = fathom_scene_set_camera(r->scene, &camera);
     return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
+}
+
+/* The integrator decides what the other settings are where the file does not give them; so many samples are
+ * taken everywhere where it gives them alone. */
+static void choose_integrator(json_t *root, fathom_settings *image) {
+    json_t *from = json_object_get(root, "image");
+    const char *word = json_string_value(json_object_get(from, "integrator"));
+    if (!word || strcmp(word, "path") != 0) return;
+    fathom_settings_set_integrator(image, FATHOM_INTEGRATOR_PATH);
+    if (doc_has(from, "spp")) image->target_error = 0;
 }
 
 /* The camera decides the image's size where the file does not give it. */
@@ -200,6 +224,7 @@ static fathom_status read_root(const doc *d, json_t *root, fathom_scene *scene) 
     form_prepare();
     form_scene_values values = {.camera = {.up = {0, 1, 0}, .fovy = 45}};
     fathom_settings_default(&values.image);
+    choose_integrator(root, &values.image);
     fathom_status status = doc_read(d, NULL, root, &form_scene, &values);
     if (status != FATHOM_OK) return status;
     const object_reader reader = {d, scene, json_object(), json_object()};

@@ -66,6 +66,10 @@ static const form_key camera_keys[] = {
     {"d", FORM_F64, AT(form_camera_values, d), POSITIVE},
     {"w", FORM_F64, AT(form_camera_values, w), POSITIVE},
     {"h", FORM_F64, AT(form_camera_values, h), POSITIVE},
+    {"lensRadius", FORM_F64, AT(form_camera_values, lens_radius), .range = {0, INFINITY}},
+    {"fStop", FORM_F64, AT(form_camera_values, f_stop), POSITIVE},
+    {"focalLength", FORM_F64, AT(form_camera_values, focal_length), POSITIVE},
+    {"focusDistance", FORM_F64, AT(form_camera_values, focus_distance), POSITIVE},
     END_KEYS,
 };
 static const form_rule camera_rules[] = {
@@ -77,6 +81,9 @@ static const form_rule camera_rules[] = {
     {FORM_NEEDS, "h", {"d"}},
     {FORM_NEEDS, "w", {"h"}},
     {FORM_EXCLUDES, "fovy", {"d", "w", "h"}},
+    {FORM_NEEDS, "fStop", {"focalLength"}},
+    {FORM_NEEDS, "focalLength", {"fStop"}},
+    {FORM_EXCLUDES, "lensRadius", {"fStop"}},
     END_RULES,
 };
 const form form_camera = {.name = "camera", .parts = {camera_keys}, .rules = {camera_rules}};

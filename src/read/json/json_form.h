@@ -89,6 +89,7 @@ typedef struct form_camera_values {
     double eye[3], target[3], up[3];
     form_frame_values frame;
     double fovy, d, w, h; /* fovy in degrees */
+    double lens_radius, f_stop, focal_length, focus_distance;
 } form_camera_values;
 
 typedef enum form_light_id { FORM_POINT, FORM_DIRECTIONAL, FORM_SPOT } form_light_id;

@@ -48,6 +48,14 @@ fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *
             "between 0 and 180 degrees",
             camera->d, camera->h, camera->w);
     }
+    const bool lens = camera->lens_radius != 0;
+    if (!(camera->lens_radius >= 0) || isinf(camera->lens_radius) ||
+        (lens && !(camera->focus_distance > 0 && isfinite(camera->focus_distance)))) {
+        return fail(scene->context, FATHOM_BAD_INPUT,
+                    "camera: expected a lens radius of at least 0, and with a lens a focus distance above 0; "
+                    "found %g and %g",
+                    camera->lens_radius, camera->focus_distance);
+    }
     scene->camera = *camera;
     frame_f64 frame = frame_from(load_f64(camera->origin), load_f64(camera->z), load_f64(camera->y));
     set_frame(&scene->camera, &frame);

@@ -1,0 +1,39 @@
+#include "camera/filter.h"
+
+#include <math.h>
+
+static const double pi = 3.14159265358979324;
+
+/* Of x in [-1/2, 1/2], over the filter's width. The Gaussian's standard deviation is a quarter of the width
+ * less at the edges, where it ends at 0; Blackman and Harris: their window of four terms, -92 dB. */
+static double weight(fathom_filter filter, double x) {
+    switch (filter) {
+    case FATHOM_FILTER_BOX: return 1;
+    case FATHOM_FILTER_GAUSSIAN: return exp(-8 * x * x) - exp(-2);
+    case FATHOM_FILTER_BLACKMAN_HARRIS:
+        return 0.35875 + 0.48829 * cos(2 * pi * x) + 0.14128 * cos(4 * pi * x) + 0.01168 * cos(6 * pi * x);
+    }
+    return 1;
+}
+
+/* The integral by the rule of midpoints, four of them for each step of the table, and its inverse. */
+void filter_prepare(const fathom_settings *s, pixel_filter *out) {
+    enum { PARTS = 4 * FILTER_STEPS };
+    const double width = s->filter_width;
+    double sum[PARTS + 1] = {0};
+    out->box = s->filter == FATHOM_FILTER_BOX && width == 1;
+    for (int k = 0; k < PARTS; ++k) sum[k + 1] = sum[k] + fmax(weight(s->filter, (k + 0.5) / PARTS - 0.5), 0);
+    for (int i = 0, k = 0; i <= FILTER_STEPS; ++i) {
+        const double want = sum[PARTS] * i / FILTER_STEPS;
+        while (k + 1 < PARTS && sum[k + 1] < want) ++k;
+        const double part = sum[k + 1] > sum[k] ? (want - sum[k]) / (sum[k + 1] - sum[k]) : 0;
+        out->at[i] = width * ((k + fmin(part, 1)) / PARTS - 0.5);
+    }
+}
+
+double filter_place(const pixel_filter *f, double u) {
+    if (f->box) return u;
+    const double x = u * FILTER_STEPS;
+    const int i = (int)x;
+    return 0.5 + f->at[i] + (x - i) * (f->at[i + 1] - f->at[i]);
+}

@@ -1,0 +1,24 @@
+/* The absorbing volumes around each path of a wave: closed surfaces that it has entered and not left. */
+#ifndef INTEGRATE_MEDIA_H
+#define INTEGRATE_MEDIA_H
+
+#include "film/squares.h"
+#include "material/shader.h"
+
+typedef struct media media;
+
+/* shaders: by material; they must outlive it. Release with free(). NULL when out of memory. */
+media *media_create(const shader *shaders);
+/* All paths begin outside of every volume. */
+void media_clear(media *m);
+/* The path crosses a surface of this material. */
+void media_cross(media *m, uint32_t slot, uint32_t material, bool entering);
+/* The volume that it is in absorbs light. */
+bool media_absorbs(const media *m, uint32_t slot);
+/* Part of the light that is left after a way through the volume: exp(-sigma length) (Beer and Lambert). */
+void media_left(const media *m, uint32_t slot, float length, float left[3]);
+/* The same on the other side of a surface that the path meets. */
+void media_left_behind(const media *m, uint32_t slot, uint32_t material, bool entering, float length,
+                       float left[3]);
+
+#endif

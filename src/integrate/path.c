@@ -1,0 +1,349 @@
+/* Unidirectional path tracing (Kajiya 1986). At each vertex one direction is taken towards a light and one by
+ * the BSDF, weighted by the power heuristic (Veach 1997); the second goes on. Nothing is clamped, so the mean
+ * of the samples is the light that arrives.
+ *
+ * A path has a slot of its own and never splits, so what it carries from vertex to vertex lies there. */
+#include "integrate/media.h"
+#include "integrate/wave.h"
+#include "math/limit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct path_wave {
+    wave wave; /* first: the integrator's interface points to it */
+    uint32_t depth;
+    uint64_t pixel[WAVE_SLOTS]; /* of the sample's key; see sample_pixel_hash() */
+    uint32_t index[WAVE_SLOTS];
+    /* The vertex that the ray left: where lights were asked for, and the density of the ray's direction. A
+     * camera ray's is infinite, as is that of a smooth lobe. */
+    float p[3][WAVE_SLOTS], n[3][WAVE_SLOTS], density[WAVE_SLOTS];
+    media *media; /* NULL: no volume absorbs light */
+} path_wave;
+
+/* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
+static float power_heuristic(float a, float b) {
+    const float ratio = b / a;
+    return 1 / (1 + ratio * ratio);
+}
+
+/* Two numbers for each vertex of a block. */
+static void numbers(const path_wave *p, const vertex_block *v, sample_purpose purpose, float u[2][LANES]) {
+    uint64_t pixel[LANES];
+    uint32_t index[LANES];
+    for (int i = 0; i < LANES; ++i) {
+        pixel[i] = p->pixel[v->path.slot[i]];
+        index[i] = p->index[v->path.slot[i]];
+    }
+    p->wave.run.plan->sample_kernels->pairs(pixel, index, sample_at_vertex(p->depth, purpose), u[0], u[1]);
+}
+
+/* ---- light that the rays met ---- */
+
+static vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {
+    return (vec3_f32){from[0][slot], from[1][slot], from[2][slot]};
+}
+
+static vec3_f32 of_lane(const lanes3 from, unsigned i) {
+    return (vec3_f32){from[0][i], from[1][i], from[2][i]};
+}
+
+static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i,
+                      const float radiance[3], float density) {
+    const float share = power_heuristic(p->density[slot], density);
+    for (int c = 0; c < 3; ++c)
+        p->wave.run.samples.radiance[c][slot] += limited(path->weight[c][i] * (radiance[c] * share));
+}
+
+static void add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
+    path_wave *p = (path_wave *)w;
+    for (; missed; missed &= missed - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(missed);
+        const uint32_t slot = path->slot[i];
+        float radiance[3], density = 0;
+        emitters_outside(w->run.plan->emitters, of_slot(p->p, slot), of_slot(p->n, slot),
+                         trace_dir(&block->rays, i), radiance, &density);
+        if (p->media && media_absorbs(p->media, slot)) continue;
+        add_light(p, slot, path, i, radiance, density);
+    }
+}
+
+static bool sends_light(const shader *s) {
+    return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
+}
+
+static void add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s) {
+    const surface_gather *g = p->wave.gather;
+    const uint32_t slot = v->path.slot[i];
+    const emitter_hit hit = {.geometry = g->geometry[i],
+                             .primitive = g->primitive[i],
+                             .instance = g->instance[i],
+                             .p = of_lane(v->surface.p, i),
+                             .ng = of_lane(v->surface.ng, i)};
+    float density = 0;
+    if (p->density[slot] < INFINITY)
+        density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot), of_slot(p->n, slot),
+                                       neg_f32(of_lane(v->surface.v, i)), &hit);
+    add_light(p, slot, &v->path, i, s->emission, density);
+}
+
+static void absorb(path_wave *p, vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        float left[3];
+        const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
+        media_left(p->media, slot, sqrtf(dot_f32(way, way)), left);
+        for (int c = 0; c < 3; ++c) v->path.weight[c][i] *= left[c];
+    }
+}
+
+static void begin_vertices(wave *w, vertex_block *v) {
+    path_wave *p = (path_wave *)w;
+    const render_plan *plan = w->run.plan;
+    if (p->media) absorb(p, v);
+    plan->shader_kernels->make(plan->shaders, &v->surface, &v->shader);
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const shader *s = &plan->shaders[v->surface.material[i]];
+        if (sends_light(s)) add_emission(p, v, i, s);
+    }
+}
+
+static const wave_stages path_stages = {begin_vertices, add_outside};
+
+/* ---- light that vertices ask for ---- */
+
+static bool lit_from_both_sides(const path_wave *p, const vertex_block *v, unsigned i) {
+    return p->wave.run.plan->shaders[v->surface.material[i]].transmits;
+}
+
+static void ask(const path_wave *p, const vertex_block *v, emitter_query *out) {
+    memcpy(out->p, v->surface.p, sizeof out->p);
+    memcpy(out->n, v->surface.ns, sizeof out->n);
+    for (unsigned i = 0; i < LANES; ++i) {
+        if (!lit_from_both_sides(p, v, i)) continue;
+        for (int c = 0; c < 3; ++c) out->n[c][i] = 0;
+    }
+}
+
+/* Shadow rays begin clear of the surface, on the light's side, and end where the sample lies. */
+static void aim(const surface_block *s, const emitter_sample *light, light_block *ray,
+                uint32_t behind[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        float along = 0, to[3], square = 0;
+        for (int c = 0; c < 3; ++c) along += light->direction[c][i] * s->ng[c][i];
+        behind[i] = along < 0 ? ~0u : 0;
+        const float off = along < 0 ? -s->offset[i] : s->offset[i];
+        const bool far = light->distance[i] == INFINITY;
+        const float distance = far ? 1 : light->distance[i];
+        for (int c = 0; c < 3; ++c) {
+            ray->origin[c][i] = surface_start(s->p[c][i], off, s->ng[c][i]);
+            to[c] = light->direction[c][i] * distance - (far ? 0 : ray->origin[c][i] - s->p[c][i]);
+            square += to[c] * to[c];
+        }
+        const float length = sqrtf(square), inverse = 1 / length;
+        for (int c = 0; c < 3; ++c)
+            ray->direction[c][i] = length > 0 ? to[c] * inverse : light->direction[c][i];
+        ray->distance[i] = far ? INFINITY : length;
+    }
+}
+
+static void weigh(const vertex_block *v, const emitter_sample *light, const lanes3 f,
+                  const float density[LANES], lanes3 gain) {
+    for (int i = 0; i < LANES; ++i) {
+        const bool any = light->density[i] > 0;
+        const float share = light->sized[i] && any ? power_heuristic(light->density[i], density[i]) : 1;
+        const float scale = any ? share / light->density[i] : 0;
+        for (int c = 0; c < 3; ++c)
+            gain[c][i] =
+                limited(v->path.weight[c][i] * limited(f[c][i] * limited(light->radiance[c][i] * scale)));
+    }
+}
+
+static void dim_by_media(const path_wave *p, const vertex_block *v, const light_block *ray,
+                         const uint32_t behind[LANES], lanes3 gain) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        float left[3];
+        if (behind[i])
+            media_left_behind(p->media, v->path.slot[i], v->surface.material[i], v->surface.entering[i] != 0,
+                              ray->distance[i], left);
+        else
+            media_left(p->media, v->path.slot[i], ray->distance[i], left);
+        for (int c = 0; c < 3; ++c) gain[c][i] *= left[c];
+    }
+}
+
+/* What lies outside is in no closed mesh; of other lights that is not known. */
+static void note_depths(const vertex_block *v, const light_block *ray, const uint32_t behind[LANES],
+                        shadow_depths *out) {
+    for (int i = 0; i < LANES; ++i) {
+        out->start[i] = behind[i] ? v->depth_behind[i] : v->path.depth[i];
+        out->end[i] = ray->distance[i] == INFINITY ? 0 : WATERTIGHT_UNSURE;
+    }
+}
+
+static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
+    const render_plan *plan = p->wave.run.plan;
+    const vertex_block *v = &p->wave.vertices[block];
+    emitter_query query;
+    emitter_sample light;
+    light_block ray;
+    lanes3 u, f, gain;
+    float density[LANES];
+    uint32_t behind[LANES];
+    shadow_depths depths;
+    numbers(p, v, SAMPLE_LIGHT, u);
+    memcpy(u[2], choice, sizeof u[2]);
+    ask(p, v, &query);
+    emitters_sample(plan->emitters, &query, u, &light);
+    plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
+    weigh(v, &light, f, density, gain);
+    aim(&v->surface, &light, &ray, behind);
+    if (p->media) dim_by_media(p, v, &ray, behind, gain);
+    note_depths(v, &ray, behind, &depths);
+    wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
+}
+
+/* ---- the way on ---- */
+
+/* Russian roulette begins at the fourth vertex. The chance to go on is the largest part of the weight, so
+ * that weights grow to 1 at most; what the camera would see of a path says nothing about the light it will
+ * meet. */
+#define ROULETTE_FROM 3
+
+static bool goes_on(const path_wave *p, float weight[3], float u) {
+    const float most = fmaxf(fmaxf(weight[0], weight[1]), weight[2]);
+    if (!(most > 0)) return false;
+    if (p->depth < ROULETTE_FROM || most >= 1) return true;
+    for (int c = 0; c < 3; ++c) weight[c] /= most;
+    return u < most;
+}
+
+static void push_path(path_wave *p, const vertex_block *v, const shader_sample *to, const float weight[3],
+                      unsigned i) {
+    wave *w = &p->wave;
+    const surface_block *s = &v->surface;
+    const size_t lane = w->next.count % LANES;
+    trace_rays *rays = &w->next.rays[w->next.count / LANES].rays;
+    path_block *path = &w->next.paths[w->next.count / LANES];
+    const uint32_t slot = v->path.slot[i];
+    const bool through = to->through[i] != 0, both = lit_from_both_sides(p, v, i);
+    const float off = through ? -s->offset[i] : s->offset[i];
+    rays->org_x[lane] = surface_start(s->p[0][i], off, s->ng[0][i]);
+    rays->org_y[lane] = surface_start(s->p[1][i], off, s->ng[1][i]);
+    rays->org_z[lane] = surface_start(s->p[2][i], off, s->ng[2][i]);
+    rays->dir_x[lane] = to->direction[0][i];
+    rays->dir_y[lane] = to->direction[1][i];
+    rays->dir_z[lane] = to->direction[2][i];
+    rays->t_near[lane] = w->run.plan->t_near;
+    rays->t_far[lane] = INFINITY;
+    for (int c = 0; c < 3; ++c) {
+        path->weight[c][lane] = weight[c];
+        p->p[c][slot] = s->p[c][i];
+        p->n[c][slot] = both ? 0 : s->ns[c][i];
+    }
+    p->density[slot] = to->density[i];
+    path->slot[lane] = slot;
+    path->depth[lane] = through ? v->depth_behind[i] : v->path.depth[i];
+    if (through && p->media) media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
+    w->run.rays.refraction += through;
+    w->run.rays.reflection += !through;
+    ++w->next.count;
+}
+
+static void push_paths(path_wave *p, size_t block, const float choice[LANES]) {
+    const vertex_block *v = &p->wave.vertices[block];
+    lanes3 u;
+    float roulette[2][LANES] = {{0}};
+    shader_sample to;
+    numbers(p, v, SAMPLE_SCATTER, u);
+    if (p->depth >= ROULETTE_FROM) numbers(p, v, SAMPLE_ROULETTE, roulette);
+    memcpy(u[2], choice, sizeof u[2]);
+    p->wave.run.plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        float weight[3];
+        for (int c = 0; c < 3; ++c) weight[c] = limited(v->path.weight[c][i] * to.weight[c][i]);
+        if (goes_on(p, weight, roulette[0][i])) push_path(p, v, &to, weight, i);
+    }
+}
+
+/* Fills `next`, and adds the light that the vertices see. */
+static bool scatter(path_wave *p) {
+    wave *w = &p->wave;
+    const bool lit = !emitters_none(w->run.plan->emitters);
+    if (!wave_reserve_paths(w, &w->next, w->vertex_count) || !wave_begin_shadows(w)) return false;
+    for (size_t b = 0; b < wave_blocks(w->vertex_count); ++b) {
+        float choice[2][LANES];
+        numbers(p, &w->vertices[b], SAMPLE_CHOICE, choice);
+        if (lit) push_light(p, b, choice[0]);
+        push_paths(p, b, choice[1]);
+    }
+    if (!lit) return true;
+    if (!wave_cast_shadows(w, p->depth == 0 ? TRACE_NEIGHBOURS : TRACE_INCOHERENT)) return false;
+    w->run.rays.unlit += w->vertex_count - w->shadows.count;
+    return true;
+}
+
+/* ---- the way of the paths ---- */
+
+static bool step(path_wave *p) {
+    wave *w = &p->wave;
+    const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth;
+    if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
+    if (!wave_surfaces(w, first)) return false;
+    w->next.count = 0;
+    if (!last && !scatter(p)) return false;
+    const path_queue kept = w->now;
+    w->now = w->next;
+    w->next = kept;
+    return true;
+}
+
+static void begin(path_wave *p, const wave_batch *batch) {
+    const render_plan *plan = p->wave.run.plan;
+    for (uint32_t k = 0; k < batch->count * LANES; ++k) {
+        const sample_key key = wave_square_key(&batch->squares[k / LANES], k % LANES);
+        p->pixel[k] = sample_pixel_hash(&plan->sampler, key.x, key.y);
+        p->index[k] = key.index;
+        p->density[k] = INFINITY;
+        p->p[0][k] = plan->camera.eye.x, p->p[1][k] = plan->camera.eye.y, p->p[2][k] = plan->camera.eye.z;
+        p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
+    }
+    if (p->media) media_clear(p->media);
+}
+
+static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
+    path_wave *p = (path_wave *)state;
+    wave *w = &p->wave;
+    memset(w->run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
+    begin(p, batch);
+    if (!wave_camera_rays(w, region, batch)) return false;
+    for (p->depth = 0; w->now.count; ++p->depth) {
+        wave_count_rays(w);
+        if (!step(p)) return false;
+    }
+    return true;
+}
+
+static void destroy(integration *state) {
+    if (!state) return;
+    path_wave *p = (path_wave *)state;
+    free(p->media);
+    wave_destroy(&p->wave);
+    free(p);
+}
+
+static integration *create(const render_plan *plan, const atomic_bool *stop) {
+    path_wave *p = calloc(1, sizeof *p);
+    if (!p || !wave_create(plan, stop, &path_stages, &p->wave)) {
+        free(p);
+        return NULL;
+    }
+    if (plan->absorbs && !(p->media = media_create(plan->shaders))) {
+        destroy(&p->wave.run);
+        return NULL;
+    }
+    return &p->wave.run;
+}
+
+const integrator integrator_path = {create, run, destroy};

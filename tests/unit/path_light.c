@@ -1,0 +1,164 @@
+/* Path tracing against closed forms. The pixels of an image are independent, so their spread tells the error
+ * of their mean. A test fails beyond 5 standard errors: 6e-7 by chance (normal, two-sided). */
+#include "render.h"
+
+static const double pi = 3.14159265358979324, tiny = 1e-4;
+static const double up[3] = {0, 1, 0};
+
+static stage path_open(uint32_t spp, uint32_t depth) {
+    stage s = stage_open(32, 32);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.spp = spp, s.settings.target_error = 0, s.settings.max_depth = depth;
+    return s;
+}
+
+static fathom_id gray(stage *s, float k_d, float k_e) {
+    fathom_material m;
+    fathom_material_default(&m);
+    for (int c = 0; c < 3; ++c) m.k_d[c] = k_d, m.k_e[c] = k_e;
+    return stage_material(s, &m);
+}
+
+static void look(stage *s, const double eye[3], const double target[3]) {
+    stage_camera(s, eye, target, fabs(eye[1] - target[1]) > 0.9 ? (double[3]){0, 0, 1} : up, tiny);
+}
+
+/* Renders, and holds the mean of all pixels against the value; `slack` is what the scene itself is off by. */
+static void check_mean(stage *s, double value, double slack) {
+    fathom_film *film = stage_render(s);
+    const float *red = fathom_film_channel(film, "R");
+    const int count = 32 * 32;
+    double sum = 0, squares = 0;
+    for (int i = 0; i < count; ++i) sum += (double)red[i];
+    const double mean = sum / count;
+    for (int i = 0; i < count; ++i) squares += ((double)red[i] - mean) * ((double)red[i] - mean);
+    const double error = sqrt(squares / count / (count - 1));
+    assert_near(mean, value, 5 * error + slack);
+    /* A spread that hides everything would prove nothing. */
+    assert_true(error < 0.01 * value);
+    fathom_film_destroy(film);
+}
+
+/* ---- furnaces ---- */
+
+/* L (1 - rho^(n+1)) / (1 - rho) after n bounces. Weights are float: 16 roundings a bounce. */
+static void check_furnace(uint32_t depth) {
+    const double rho = 0.7;
+    stage s = path_open(16, depth);
+    stage_sphere(&s, 0, 0, 0, 1, gray(&s, 0.7f, 1));
+    look(&s, (double[3]){0.2, 0.1, 0}, (double[3]){0, 0, -1});
+    const double value = (1 - pow(rho, depth + 1.0)) / (1 - rho);
+    check_mean(&s, value, value * 16 * depth * 0x1p-24);
+    stage_close(&s);
+}
+
+static void a_closed_sphere_adds_up_its_bounces(void **state) {
+    (void)state;
+    check_furnace(0);
+    check_furnace(1);
+    check_furnace(4);
+    check_furnace(64);
+}
+
+static void a_convex_white_body_is_not_seen_in_a_white_sky(void **state) {
+    (void)state;
+    stage s = path_open(16, 16);
+    assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){1, 1, 1}));
+    stage_sphere(&s, 0, 0, -4, 1, gray(&s, 1, 0));
+    look(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, -1});
+    check_mean(&s, 1, 16 * 0x1p-24);
+    stage_close(&s);
+}
+
+/* ---- lights ---- */
+
+/* k_l = I / pi: what a bounce adds to the direct light is k_l rho / (1 - rho) in all, for a radius of 1. */
+static void light_at_the_centre_of_a_sphere_fills_it(void **state) {
+    (void)state;
+    const double rho = 0.6, k_l = 2;
+    stage s = path_open(16, 64);
+    stage_sphere(&s, 0, 0, 0, 1, gray(&s, 0.6f, 0));
+    stage_point_light(&s, 0, 0, 0, (float)k_l);
+    look(&s, (double[3]){0.3, 0.2, 0.1}, (double[3]){0, 0, -1});
+    check_mean(&s, k_l * rho / (1 - rho), 1e-5);
+    stage_close(&s);
+}
+
+/* A rectangle a × b whose corner is above the point at height h. */
+static void floor_under_a_rectangle(void **state) {
+    (void)state;
+    const double a = 1 / 1.5, b = 2 / 1.5, ra = sqrt(1 + a * a), rb = sqrt(1 + b * b);
+    const double value = (a / ra * atan(b / ra) + b / rb * atan(a / rb)) / (2 * pi);
+    stage s = path_open(16, 1);
+    assert_near(value, 0.12235966, 5e-9);
+    stage_plane(&s, (double[3]){0, 0, 0}, up, gray(&s, 1, 0));
+    stage_quad(&s, (double[3]){0.5, 1.5, 1}, (double[3]){0.5, 0, 0}, (double[3]){0, 0, 1}, gray(&s, 0, 1));
+    look(&s, (double[3]){-1, 1, -1}, (double[3]){0, 0, 0});
+    check_mean(&s, value, 1e-4 * value);
+    stage_close(&s);
+}
+
+/* (R/d)² cos θ */
+static void floor_under_a_sphere(void **state) {
+    (void)state;
+    stage s = path_open(16, 1);
+    stage_plane(&s, (double[3]){0, 0, 0}, up, gray(&s, 1, 0));
+    stage_sphere(&s, 1, 2, 0, 0.5, gray(&s, 0, 3));
+    look(&s, (double[3]){-1, 1, -1}, (double[3]){0, 0, 0});
+    check_mean(&s, 3 * 0.25 / 5 * 2 / sqrt(5), 1e-4);
+    stage_close(&s);
+}
+
+/* Inner sphere (r1, rho1, sends out E) in an outer one (r2, rho2). */
+static void two_spheres_exchange_light(void **state) {
+    (void)state;
+    stage s = path_open(64, 64);
+    stage_sphere(&s, 0, 0, 0, 0.5, gray(&s, 0.3f, 1));
+    stage_sphere(&s, 0, 0, 0, 1, gray(&s, 0.7f, 0));
+    look(&s, (double[3]){0, 0.6, 0.3}, (double[3]){0, 1, 0.35});
+    check_mean(&s, 0.41420118, 1e-5);
+    look(&s, (double[3]){0, 0.9, 0}, (double[3]){0, 0.5, 0});
+    check_mean(&s, 1.12426036, 1e-5);
+    stage_close(&s);
+}
+
+/* ---- the same light by any way ---- */
+
+static fathom_film *render_room(unsigned threads, const uint32_t crop[4]) {
+    stage s = path_open(4, 8);
+    fathom_context_set_threads(s.context, threads);
+    stage_sphere(&s, 0, 0, 0, 3, gray(&s, 0.7f, 0));
+    stage_sphere(&s, 0.5, 0, -1, 0.5, gray(&s, 0.2f, 4));
+    stage_point_light(&s, 0, 1, 0, 1);
+    stage_camera(&s, (double[3]){0, 0, 2}, (double[3]){0, 0, -1}, up, 1);
+    memcpy(s.settings.crop, crop, sizeof s.settings.crop);
+    fathom_film *film = stage_render(&s);
+    stage_close(&s);
+    return film;
+}
+
+static void pixels_depend_on_no_thread_and_no_crop(void **state) {
+    (void)state;
+    fathom_film *one = render_room(1, (uint32_t[4]){0}), *two = render_room(2, (uint32_t[4]){0}),
+                *part = render_room(2, (uint32_t[4]){7, 3, 29, 30});
+    const float *a = fathom_film_channel(one, "R"), *b = fathom_film_channel(two, "R"),
+                *c = fathom_film_channel(part, "R");
+    assert_memory_equal(a, b, 32 * 32 * sizeof *a);
+    for (int y = 3; y < 30; ++y) assert_memory_equal(a + y * 32 + 7, c + (y - 3) * 22, 22 * sizeof *a);
+    fathom_film_destroy(one);
+    fathom_film_destroy(two);
+    fathom_film_destroy(part);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_closed_sphere_adds_up_its_bounces),
+        cmocka_unit_test(a_convex_white_body_is_not_seen_in_a_white_sky),
+        cmocka_unit_test(light_at_the_centre_of_a_sphere_fills_it),
+        cmocka_unit_test(floor_under_a_rectangle),
+        cmocka_unit_test(floor_under_a_sphere),
+        cmocka_unit_test(two_spheres_exchange_light),
+        cmocka_unit_test(pixels_depend_on_no_thread_and_no_crop),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
