@@ -33,7 +33,7 @@ enum {
 };
 
 typedef struct fathom_parameter {
-    const char *name; /* of the member: "max_depth" */
+    const char *name; /* of the member: "max_depth"; "specular" of specular_factor */
     fathom_parameter_type type;
     size_t offset;     /* of the member in its struct */
     unsigned flags;    /* FATHOM_PARAMETER_ bits */
@@ -48,10 +48,10 @@ typedef struct fathom_parameter {
     const char *zero;  /* what 0 is called: "off", "auto". It is then allowed beside the range; or NULL */
 } fathom_parameter;
 
-/* All members of fathom_settings and of fathom_material, in their order. Returns the first; *count says how
- * many. */
+/* All members of fathom_settings, and those of fathom_material that a model has. Returns the first; *count
+ * says how many. */
 FATHOM_API const fathom_parameter *fathom_settings_parameters(size_t *count);
-FATHOM_API const fathom_parameter *fathom_material_parameters(size_t *count);
+FATHOM_API const fathom_parameter *fathom_material_parameters(fathom_model model, size_t *count);
 
 /* Settings by name, as text: "16", "0,0,640,360", "sobol", "Z,N", "true", "auto". FATHOM_BAD_USAGE when there
  * is no such setting, FATHOM_BAD_INPUT when the value is wrong; then nothing has changed. The text of a

@@ -2,12 +2,23 @@
  *
  * The density of a direction is counted per solid angle, over all lobes. A direction that a smooth lobe
  * (mirror, clear glass) chooses has no density: it is marked by an infinite one, and evaluate() leaves such
- * lobes out. Directions l and v point away from the surface. */
+ * lobes out. Directions l and v point away from the surface.
+ *
+ * Sides. n is the shading normal, or the geometric one where the viewer is below the shading normal's
+ * horizon. Light is reflected where l·n > 0 and l·ng > 0, and crosses the surface where both are < 0; any
+ * other direction carries nothing, in evaluate() and in sample(). Smooth meshes stand for round surfaces:
+ * there n alone judges. Smooth lobes follow MODEL.md, which scatters them about the geometric normal where
+ * the shading normal would send them through the surface. */
 #ifndef MATERIAL_SHADER_H
 #define MATERIAL_SHADER_H
 
 #include "scene/scene.h"
 #include "surface/surface.h"
+
+/* GGX lobes of a smaller alpha are mirrors. Unit vectors of floats give the slope of a half vector to 2^-23,
+ * so at this alpha the distribution is known to 2 * 2^-23 / 2^-13 = 0.2 %. The lobe is then 2^-13 radians
+ * wide: less than a pixel, where 8,000 of them see a right angle. */
+#define SHADER_SMOOTH_ALPHA 0x1p-13f
 
 /* A material's constants, made once before rendering. */
 typedef struct shader {
@@ -17,15 +28,43 @@ typedef struct shader {
     float absorption[3]; /* per unit of length, of the volume that the surface encloses: -ln c / d; else 0 */
     float opacity;       /* chance that a ray meets the surface at all */
     bool transmits;      /* some lobe sends light to the other side */
-    /* The members below are the model's own; materials of the classic model are read as LIGHT.md says. */
-    fathom_material values;
+    /* The members below are the kernels' own. */
+    uint32_t lobes;                              /* SHADER_ bits */
+    float diffuse[3];                            /* Lambert's reflectance */
+    float highlight[3], shininess;               /* classic */
+    float k_r[3], k_t[3], ior;                   /* classic */
+    uint32_t phong, blinn, fresnel, from_behind; /* all ones or 0 */
+    float alpha, f0[3], f90;                     /* of the GGX lobe, dielectric and metal mixed */
+    float mirror0[3], mirror90;                  /* the same where the lobe is a mirror */
+    float layer0, layer90; /* the same of the dielectric alone: what it reflects does not reach the base */
 } shader;
+
+enum {
+    SHADER_DIFFUSE = 1u << 0,
+    SHADER_HIGHLIGHT = 1u << 1, /* Phong's or Blinn's */
+    SHADER_LAYER = 1u << 2,     /* a dielectric over the diffuse base */
+    SHADER_GGX = 1u << 3,       /* rough reflection */
+    SHADER_MIRROR = 1u << 4,    /* the same with an alpha below SHADER_SMOOTH_ALPHA */
+    SHADER_CLASSIC = 1u << 5,   /* k_r or k_t */
+};
 
 void shader_prepare(const fathom_material *material, shader *out);
 
+/* Lobes that sample() chooses from. */
+enum { SHADER_TAKE_DIFFUSE, SHADER_TAKE_ROUGH, SHADER_TAKE_MIRROR, SHADER_TAKE_REFRACT, SHADER_TAKES };
+
 /* The BSDFs of a block of points: what evaluate() and sample() need of the materials and the viewer. */
 typedef struct shader_block {
-    const shader *at[LANES]; /* of each lane */
+    _Alignas(64) lanes3 t; /* with b and n a right-handed frame */
+    lanes3 b, n;
+    lanes3 v;                         /* towards the viewer, in that frame; v[2] > 0 */
+    float take[SHADER_TAKES][LANES];  /* chances of the lobes */
+    lanes3 diffuse, highlight, f0;    /* of the materials */
+    lanes3 mirror_share, cross_share; /* of the smooth lobes */
+    lanes3 mirror, cross;             /* their directions, in the world */
+    float shininess[LANES], alpha[LANES], f90[LANES], layer0[LANES], layer90[LANES];
+    uint32_t phong[LANES], blinn[LANES], from_behind[LANES];
+    uint32_t lobes; /* of all lanes */
 } shader_block;
 
 /* One direction a lane that continues a path. */

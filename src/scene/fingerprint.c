@@ -18,9 +18,12 @@ static void hash_camera(hash *h, const fathom_camera *c) {
 }
 
 static void hash_material(hash *h, const fathom_material *m) {
-    for (size_t i = 0; i < material_table.count; ++i) {
-        for (unsigned k = 0; k < parameter_count(&material_table.rows[i]); ++k) {
-            const double number = parameter_number(&material_table.rows[i], m, k);
+    const parameter_table table = material_table(m->model);
+    const unsigned model = (unsigned)m->model;
+    PUT(h, model);
+    for (size_t i = 0; i < table.count; ++i) {
+        for (unsigned k = 0; k < parameter_count(&table.rows[i]); ++k) {
+            const double number = parameter_number(&table.rows[i], m, k);
             PUT(h, number);
         }
     }

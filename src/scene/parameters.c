@@ -93,7 +93,7 @@ static const fathom_parameter setting_rows[] = {
      "are taken, and nothing is begun where not even they do.", .zero = "auto"},
 };
 
-static const fathom_parameter material_rows[] = {
+static const fathom_parameter classic_rows[] = {
     /* name, type, member, flags, low, high, default, unit, group, help */
     {"k_d", F32, MATERIAL(k_d), SOFT, 0, 1, 0.5, "R,G,B", "Surface", .help = "Diffuse reflectance (Lambert).", .count = 3},
     {"k_s", F32, MATERIAL(k_s), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
@@ -118,20 +118,45 @@ static const fathom_parameter material_rows[] = {
     {"lit_from_behind", BOOL, MATERIAL(lit_from_behind), HARD, 0, 1, false, NULL, "Surface",
      .help = "Whether lights on the far side of the surface count, as on thin cloth or paper."},
 };
+
+static const fathom_parameter metallic_rows[] = {
+    {"base_color", F32, MATERIAL(base_color), SOFT, 0, 1, 1, "R,G,B", "Surface",
+     .help = "Colour of the metal, or of the base under the dielectric.", .count = 3},
+    {"metallic", F32, MATERIAL(metallic), HARD, 0, 1, 0, NULL, "Surface",
+     .help = "Share of metal; between 0 and 1 both are mixed."},
+    {"roughness", F32, MATERIAL(roughness), HARD, 0, 1, 0.5, NULL, "Surface",
+     .help = "GGX's alpha is its square; below an alpha of 2⁻¹³ the surface is a mirror."},
+    {"emissive", F32, MATERIAL(emissive), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
+     .help = "Radiance that both sides send out, times `emissiveStrength`.", .count = 3},
+    {"emissive_strength", F32, MATERIAL(emissive_strength), SOFT, 0, RADIANCE, 1, NULL, "Surface",
+     .help = "Factor of `emissive`."},
+    {"ior", F32, MATERIAL(ior), SOFT, 0, 1e3, 1.5, NULL, "Surface",
+     .help = "Index of refraction of the dielectric; 0: it reflects all of `specularColor`."},
+    {"specular", F32, MATERIAL(specular_factor), HARD, 0, 1, 1, NULL, "Surface",
+     .help = "Factor of what the dielectric reflects."},
+    {"specular_color", F32, MATERIAL(specular_color), SOFT, 0, 1e6, 1, "R,G,B", "Surface",
+     .help = "Colour of what the dielectric reflects head on; with `ior` at most 1 of the light.", .count = 3},
+};
 /* clang-format on */
 
 #define TABLE(rows)                                                                                          \
     { rows, sizeof(rows) / sizeof *(rows) }
-const parameter_table settings_table = TABLE(setting_rows), material_table = TABLE(material_rows);
+const parameter_table settings_table = TABLE(setting_rows), classic_table = TABLE(classic_rows),
+                      metallic_table = TABLE(metallic_rows);
+
+parameter_table material_table(fathom_model model) {
+    return model == FATHOM_MODEL_CLASSIC ? classic_table : metallic_table;
+}
 
 const fathom_parameter *fathom_settings_parameters(size_t *count) {
     if (count) *count = settings_table.count;
     return settings_table.rows;
 }
 
-const fathom_parameter *fathom_material_parameters(size_t *count) {
-    if (count) *count = material_table.count;
-    return material_table.rows;
+const fathom_parameter *fathom_material_parameters(fathom_model model, size_t *count) {
+    const parameter_table table = material_table(model);
+    if (count) *count = table.count;
+    return table.rows;
 }
 
 void fathom_settings_default(fathom_settings *settings) {
@@ -139,14 +164,20 @@ void fathom_settings_default(fathom_settings *settings) {
 }
 
 void fathom_material_default(fathom_material *material) {
-    if (material) parameters_default(material_table, material);
+    if (!material) return;
+    memset(material, 0, sizeof *material);
+    parameters_default(classic_table, material);
+    parameters_default(metallic_table, material);
 }
 
-/* A negative first entry of k_a means k_d. */
+/* The members of its own model. A negative first entry of k_a means k_d. */
 fathom_status scene_check_material(fathom_context *context, const fathom_material *material) {
     fathom_material m = *material;
+    if ((unsigned)m.model > FATHOM_MODEL_METALLIC_ROUGHNESS)
+        return fail_field(context, FATHOM_BAD_USAGE, "model", "expected a fathom_model, found %u",
+                          (unsigned)m.model);
     if (m.k_a[0] < 0) memcpy(m.k_a, m.k_d, sizeof m.k_a);
-    return parameters_check(context, material_table, &m);
+    return parameters_check(context, material_table(m.model), &m);
 }
 
 void settings_print(const fathom_settings *settings, char out[SETTINGS_TEXT]) {

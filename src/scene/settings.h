@@ -5,7 +5,9 @@
 
 #include "base/parameter.h"
 
-extern const parameter_table settings_table, material_table;
+extern const parameter_table settings_table, classic_table, metallic_table;
+/* The parameters of a model. */
+parameter_table material_table(fathom_model model);
 
 /* The settings that pixels depend on, "max depth=8; epsilon=auto; ", and zeros to the end: for headers and
  * checkpoints. */

@@ -64,8 +64,11 @@ static void same_scene(const fathom_scene *a, const fathom_scene *b) {
     assert_int_equal(a->lights.count, b->lights.count);
     assert_int_equal(a->materials.count, b->materials.count);
     for (size_t i = 0; i < a->lights.count; ++i) same_light(&a->lights.items[i], &b->lights.items[i]);
-    for (size_t i = 0; i < a->materials.count; ++i)
-        same_parameters(material_table, &a->materials.items[i].value, &b->materials.items[i].value);
+    for (size_t i = 0; i < a->materials.count; ++i) {
+        const fathom_material *x = &a->materials.items[i].value, *y = &b->materials.items[i].value;
+        assert_int_equal(x->model, y->model);
+        same_parameters(material_table(x->model), x, y);
+    }
     same_object(a, b);
 }
 
@@ -120,7 +123,9 @@ static void written_defaults_change_nothing(void **state) {
         {"image", "{\"image\": {@}, \"objects\": []}"},
         {"camera", "{\"camera\": {\"eye\": [1, 2, 3], \"target\": [0, 0, 0] @}, \"objects\": []}"},
         {"frame", "{\"camera\": {\"frame\": {\"origin\": [1, 2, 3], \"z\": [1, 2, 3] @}}, \"objects\": []}"},
-        {"material", "{\"materials\": {\"m\": {\"ka\": [0, 0, 1] @}}, \"objects\": []}"},
+        {"classic", "{\"materials\": {\"m\": {\"ka\": [0, 0, 1] @}}, \"objects\": []}"},
+        {"metallicRoughness",
+         "{\"materials\": {\"m\": {\"model\": \"metallicRoughness\" @}}, \"objects\": []}"},
         {"point", LIGHT("\"type\": \"point\", \"position\": [1, 2, 3]")},
         {"directional", LIGHT("\"type\": \"directional\", \"direction\": [1, 2, 3]")},
         {"spot", LIGHT("\"type\": \"spot\", \"position\": [1, 2, 3], \"target\": [0, 0, 0]")},

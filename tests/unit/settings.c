@@ -28,8 +28,11 @@ static void the_table_has_every_member(void **state) {
     size_t count;
     assert_ptr_equal(fathom_settings_parameters(&count), settings_table.rows);
     assert_int_equal(count, settings_table.count);
-    assert_ptr_equal(fathom_material_parameters(&count), material_table.rows);
-    assert_int_equal(count, material_table.count);
+    assert_ptr_equal(fathom_material_parameters(FATHOM_MODEL_CLASSIC, &count), classic_table.rows);
+    assert_int_equal(count, classic_table.count);
+    assert_ptr_equal(fathom_material_parameters(FATHOM_MODEL_METALLIC_ROUGHNESS, &count),
+                     metallic_table.rows);
+    assert_int_equal(count, metallic_table.count);
 }
 
 static void every_row_says_what_it_is_for(void **state) {

@@ -78,9 +78,12 @@ static fathom_status set_image(const object_reader *r, json_t *root, form_scene_
 static fathom_status add_material(const object_reader *r, const where *at, const char *name, json_t *value) {
     fathom_material material;
     fathom_id id;
+    const form *f;
     fathom_material_default(&material);
-    fathom_status status = doc_read(r->doc, at, value, &form_material, &material);
+    fathom_status status = doc_choose(r->doc, at, value, &form_material, &f);
+    if (status == FATHOM_OK) status = doc_read(r->doc, at, value, f, &material);
     if (status != FATHOM_OK) return status;
+    material.model = (fathom_model)f->id;
     status = fathom_scene_add_material(r->scene, name, &material, &id);
     if (status != FATHOM_OK) return doc_within(r->doc, at, status);
     if (json_object_set_new(r->materials, name, json_integer(id)) != 0)

@@ -340,9 +340,10 @@ fathom_status doc_read(const doc *d, const where *at, json_t *value, const form 
 
 fathom_status doc_choose(const doc *d, const where *at, json_t *value, const form *f, const form **out) {
     if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
-    const where type = {at, "type", 0};
-    json_t *tag = json_object_get(value, "type");
-    if (!tag) return fail_missing(d, at, "type", f);
+    const where type = {at, f->tag ? f->tag : "type", 0};
+    json_t *tag = json_object_get(value, type.key);
+    *out = f->variants[0];
+    if (!tag) return f->tag ? FATHOM_OK : fail_missing(d, at, type.key, f);
     char all[TEXT_ROOM] = "";
     for (const form *const *variant = f->variants; *variant; ++variant) {
         *out = *variant;

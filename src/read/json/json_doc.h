@@ -27,7 +27,7 @@ fathom_status doc_unknown_name(const doc *d, const where *at, const char *what, 
 /* Reads an object by its form into the struct the form fills. Members whose keys are absent keep what they
  * hold. */
 fathom_status doc_read(const doc *d, const where *at, json_t *value, const form *f, void *to);
-/* The variant that the object's "type" names. */
+/* The variant that the object's "type" names, or its form's own tag. */
 fathom_status doc_choose(const doc *d, const where *at, json_t *value, const form *f, const form **out);
 
 /* The numbers of a FORM_ROWS value that was read, row after row. */

@@ -90,18 +90,26 @@ const form form_camera = {.name = "camera", .parts = {camera_keys}, .rules = {ca
 
 /* Filled in by form_prepare(). */
 enum { FILLED_KEYS = 32 };
-static form_key image_keys[FILLED_KEYS], material_keys[FILLED_KEYS];
+static form_key image_keys[FILLED_KEYS], classic_keys[FILLED_KEYS], metallic_keys[FILLED_KEYS];
 const form form_image = {.name = "image", .parts = {image_keys}};
 
 /* ---- materials ---- */
 
 /* Without a lobe, k_s and its exponent would be dropped in silence. */
-static const form_rule material_rules[] = {
+static const form_rule classic_rules[] = {
     {FORM_NEEDS, "ks", {"specular"}},
     {FORM_NEEDS, "shininess", {"specular"}},
     END_RULES,
 };
-const form form_material = {.name = "material", .parts = {material_keys}, .rules = {material_rules}};
+static const form_key model_keys[] = {{"model", FORM_TAG, .required = false}, END_KEYS};
+static const form classic_form = {.name = "classic",
+                                  .id = FATHOM_MODEL_CLASSIC,
+                                  .parts = {model_keys, classic_keys},
+                                  .rules = {classic_rules}};
+static const form metallic_form = {
+    .name = "metallicRoughness", .id = FATHOM_MODEL_METALLIC_ROUGHNESS, .parts = {model_keys, metallic_keys}};
+static const form *const material_forms[] = {&classic_form, &metallic_form, NULL};
+const form form_material = {.name = "material", .variants = material_forms, .tag = "model"};
 
 /* ---- lights ---- */
 
@@ -291,9 +299,10 @@ static void fill_keys(parameter_table table, form_key *keys, char names[][PARAME
 }
 
 static void fill(void) {
-    static char names[2][FILLED_KEYS][PARAMETER_NAME];
+    static char names[3][FILLED_KEYS][PARAMETER_NAME];
     fill_keys(settings_table, image_keys, names[0]);
-    fill_keys(material_table, material_keys, names[1]);
+    fill_keys(classic_table, classic_keys, names[1]);
+    fill_keys(metallic_table, metallic_keys, names[2]);
 }
 
 void form_prepare(void) {

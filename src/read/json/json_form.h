@@ -61,17 +61,18 @@ typedef struct form_rule {
     const char *others[6];
 } form_rule;
 
-/* An object of the document. With variants, its "type" chooses which of them it is. */
+/* An object of the document. With variants, its "type" or `tag` chooses which of them it is. */
 struct form {
     const char *name;
-    int id;                      /* which variant this is: a form_light_id or form_object_id */
+    int id;                      /* which variant this is: a form_light_id, form_object_id or fathom_model */
     const form_key *parts[5];    /* tables of keys */
     const form_rule *rules[3];   /* tables of rules */
     const form *const *variants; /* ended by NULL */
+    const char *tag;             /* the key that chooses, if it is not "type"; the first variant needs none */
 };
 
 /* The whole document, and what it is made of. form_prepare() before the first use fills in the image and the
- * material, whose keys are the settings and the material parameters that files may have. */
+ * materials, whose keys are the settings and the material parameters that files may have. */
 void form_prepare(void);
 extern const form form_scene, form_camera, form_image, form_material, form_light, form_object, form_frame,
     form_turn;

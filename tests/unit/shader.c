@@ -1,0 +1,358 @@
+/* BSDFs of every model: samples follow their density, weights are f over density, and no input makes a number
+ * that is not finite. */
+#include "shading.h"
+
+/* ---- materials ---- */
+
+static fathom_material classic(float k_d, float k_s, fathom_specular specular, float shininess) {
+    fathom_material m;
+    fathom_material_default(&m);
+    for (int c = 0; c < 3; ++c) m.k_d[c] = k_d, m.k_s[c] = k_s;
+    m.specular = specular, m.shininess = shininess;
+    return m;
+}
+
+static fathom_material metallic(float metal, float roughness) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.metallic = metal, m.roughness = roughness;
+    return m;
+}
+
+/* ---- samples against densities ---- */
+
+enum { RINGS = 24, SECTORS = 16, BINS = RINGS * SECTORS, FINE = 32 };
+
+/* Rings about the mirrored viewer (0, 1, 2: x, y, z of an axis), narrower towards it. */
+typedef struct polar {
+    double x[3], y[3], z[3], power;
+} polar;
+
+static polar polar_of(double cosine, double power) {
+    const double sine = sqrt((1 - cosine) * (1 + cosine));
+    return (polar){{cosine, 0, sine}, {0, 1, 0}, {-sine, 0, cosine}, power};
+}
+
+static double ring_edge(const polar *p, double k) { return M_PI * pow(k / RINGS, p->power); }
+
+static int bin_of(const polar *p, const shader_sample *s, int i) {
+    double at[3] = {0, 0, 0};
+    for (int c = 0; c < 3; ++c) {
+        const double d = (double)s->direction[c][i];
+        at[0] += d * p->x[c], at[1] += d * p->y[c], at[2] += d * p->z[c];
+    }
+    const double theta = atan2(hypot(at[0], at[1]), at[2]);
+    double turn = atan2(at[1], at[0]) / (2 * M_PI);
+    turn -= floor(turn);
+    int ring = (int)(pow(theta / M_PI, 1 / p->power) * RINGS), sector = (int)(turn * SECTORS);
+    ring = ring < RINGS ? ring : RINGS - 1, sector = sector < SECTORS ? sector : SECTORS - 1;
+    return ring * SECTORS + sector;
+}
+
+/* The density's integral over each bin, by midpoints. */
+static void integrate_bins(const shading *at, const polar *p, double out[BINS]) {
+    for (int bin = 0; bin < BINS; ++bin) {
+        const double low = ring_edge(p, bin / SECTORS), high = ring_edge(p, bin / SECTORS + 1);
+        out[bin] = 0;
+        for (int k = 0; k < FINE * FINE; k += LANES) {
+            lanes3 l, f;
+            float density[LANES];
+            double measure[LANES];
+            for (int i = 0; i < LANES; ++i) {
+                const double theta = low + (high - low) * ((k + i) / FINE + 0.5) / FINE;
+                const double phi = 2 * M_PI * (bin % SECTORS + ((k + i) % FINE + 0.5) / FINE) / SECTORS;
+                const double a = sin(theta) * cos(phi), b = sin(theta) * sin(phi), z = cos(theta);
+                for (int c = 0; c < 3; ++c) l[c][i] = (float)(a * p->x[c] + b * p->y[c] + z * p->z[c]);
+                measure[i] = sin(theta) * (high - low) * 2 * M_PI / (SECTORS * FINE * FINE);
+            }
+            at->kernels->evaluate(&at->surface, &at->block, l, f, density);
+            for (int i = 0; i < LANES; ++i) out[bin] += (double)density[i] * measure[i];
+        }
+    }
+}
+
+/* The chance of a chi² this large (Wilson & Hilferty 1931). */
+static double chi_chance(double chi, double freedom) {
+    const double v = 2 / (9 * freedom), z = (cbrt(chi / freedom) - (1 - v)) / sqrt(v);
+    return 0.5 * erfc(z / sqrt(2));
+}
+
+/* Bins that expect fewer than 10 samples are put together, and what is absorbed is one more. */
+static double chi_of(const shading *at, const polar *p, random_state *r, int blocks) {
+    static double expected[BINS + 1];
+    static double found[BINS + 1];
+    const double n = 16.0 * blocks;
+    integrate_bins(at, p, expected);
+    memset(found, 0, sizeof found);
+    for (int k = 0; k < blocks; ++k) {
+        lanes3 u;
+        shader_sample s;
+        shading_numbers(r, u);
+        at->kernels->sample(&at->surface, &at->block, u, &s);
+        for (int i = 0; i < LANES; ++i) found[s.density[i] > 0 ? bin_of(p, &s, i) : BINS] += 1;
+    }
+    expected[BINS] = 1;
+    for (int k = 0; k < BINS; ++k) expected[BINS] -= expected[k];
+    double chi = 0, few_expected = 0, few_found = 0;
+    int bins = 0;
+    for (int k = 0; k <= BINS; ++k) {
+        const double e = n * fmax(expected[k], 0);
+        if (e < 10) {
+            few_expected += e, few_found += found[k];
+            continue;
+        }
+        chi += (found[k] - e) * (found[k] - e) / e, ++bins;
+    }
+    chi += (few_found - few_expected) * (few_found - few_expected) / fmax(few_expected, 10);
+    return chi_chance(chi, bins);
+}
+
+/* Level 1e-4 over all cases together, Šidák's correction for how many there are. 65,536 samples each. */
+static void samples_follow_the_density(void **state) {
+    (void)state;
+    fathom_material behind = classic(0.5f, 0.4f, FATHOM_SPECULAR_PHONG, 10);
+    behind.lit_from_behind = true;
+    const struct {
+        const char *name;
+        fathom_material m;
+        double power;
+    } cases[] = {
+        {"Lambert", classic(0.7f, 0, FATHOM_SPECULAR_NONE, 0), 1},
+        {"Phong 0", classic(0, 0.5f, FATHOM_SPECULAR_PHONG, 0), 1},
+        {"Phong 20", classic(0.3f, 0.5f, FATHOM_SPECULAR_PHONG, 20), 2},
+        {"Phong 1e7", classic(0.01f, 0.5f, FATHOM_SPECULAR_PHONG, 1e7f), 6},
+        {"Blinn 3", classic(0.1f, 0.5f, FATHOM_SPECULAR_BLINN, 3), 1},
+        {"Blinn 500", classic(0.1f, 0.5f, FATHOM_SPECULAR_BLINN, 500), 3},
+        {"from behind", behind, 1},
+        {"metal 1", metallic(1, 1), 1},
+        {"metal 0.3", metallic(1, 0.3f), 2.5},
+        {"metal 0.02", metallic(1, 0.02f), 6},
+        {"dielectric 0.5", metallic(0, 0.5f), 1.5},
+        {"half 0.1", metallic(0.5f, 0.1f), 4},
+    };
+    static const double cosines[] = {1, 0.6, 0.05};
+    const int tests = (int)(3 * sizeof cases / sizeof *cases);
+    random_state r = {11};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        for (int j = 0; j < 3; ++j) {
+            shading at;
+            shading_open(&at, &cases[k].m, cosines[j], true);
+            const polar p = polar_of(cosines[j], cases[k].power);
+            const double chance = chi_of(&at, &p, &r, 4096);
+            if (!(chance > 1 - pow(1 - 1e-4, 1.0 / tests)))
+                fail_msg("%s at cosine %g: chance %g", cases[k].name, cosines[j], chance);
+        }
+    }
+}
+
+/* ---- any input ---- */
+
+static vec3_f32 random_direction(random_state *r) {
+    vec3_f64 v;
+    do v = vec_f64(random_in(r, -1, 1), random_in(r, -1, 1), random_in(r, -1, 1));
+    while (dot_f64(v, v) > 1 || dot_f64(v, v) < 1e-4);
+    if (random_unit(r) < 0.2) v.z *= 1e-6; /* along the surface z = 0 */
+    return narrow(normalize_f64(v));
+}
+
+static void put(lanes3 to, int i, vec3_f32 v) { to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z; }
+
+/* ng and ns may be anything that surface_block allows: ng faces the viewer, ns may not. */
+static void random_surface(random_state *r, surface_block *s) {
+    memset(s, 0, sizeof *s);
+    s->count = LANES;
+    const bool one = random_unit(r) < 0.5;
+    for (int i = 0; i < LANES; ++i) {
+        vec3_f32 ng = {0, 0, 1}, v = random_direction(r), ns = random_direction(r);
+        if (v.z < 0) v.z = -v.z;
+        if (ns.z < 0) ns.z = -ns.z;
+        if (random_unit(r) < 0.1) v = ng;
+        put(s->ng, i, ng);
+        put(s->ns, i, random_unit(r) < 0.5 ? ng : ns);
+        put(s->v, i, v);
+        s->material[i] = one ? 0 : (uint32_t)random_in(r, 0, 8);
+        s->entering[i] = random_unit(r) < 0.5 ? ~0u : 0, s->smooth[i] = random_unit(r) < 0.3 ? ~0u : 0;
+    }
+}
+
+static float choice(random_state *r, const float *from, unsigned count) {
+    return from[(unsigned)(random_unit(r) * count)];
+}
+
+#define CHOICE(r, ...)                                                                                       \
+    choice(r, (const float[]){__VA_ARGS__}, sizeof(const float[]){__VA_ARGS__} / sizeof(float))
+
+static fathom_material random_material(random_state *r) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = random_unit(r) < 0.5 ? FATHOM_MODEL_CLASSIC : FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.specular = (fathom_specular)(random_unit(r) * 3);
+    m.shininess = CHOICE(r, 0, 0.5f, 40, 1e6f, 1e9f);
+    m.fresnel = random_unit(r) < 0.5, m.lit_from_behind = random_unit(r) < 0.3;
+    m.ior = CHOICE(r, 1, 1 + 1e-7f, 1 - 1e-7f, 1.5f, 3, 0.3f, 1e3f, 1e-3f);
+    for (int c = 0; c < 3; ++c) {
+        m.k_d[c] = CHOICE(r, 0, 1, 0.5f), m.k_s[c] = CHOICE(r, 0, 1, 1e30f);
+        m.k_r[c] = CHOICE(r, 0, 1, 0.5f), m.k_t[c] = CHOICE(r, 0, 1, 0.5f);
+        m.base_color[c] = CHOICE(r, 0, 1, 0.3f), m.specular_color[c] = CHOICE(r, 0, 1, 1e6f);
+    }
+    m.metallic = CHOICE(r, 0, 1, 0.5f), m.roughness = CHOICE(r, 0, 1e-4f, 0.011f, 0.012f, 0.3f, 1);
+    m.specular_factor = CHOICE(r, 0, 1, 0.5f);
+    return m;
+}
+
+static float random_number(random_state *r) {
+    if (random_unit(r) < 0.1) return CHOICE(r, 0, 0x1p-24f, 0.5f, 0x1.fffffep-1f);
+    return (float)(random_unit(r) * (1 - 0x1p-24));
+}
+
+static void check_sample(const surface_block *s, const shader *table, const shader_sample *out,
+                         const lanes3 f, const float density[LANES], int i) {
+    float length = 0, up = 0;
+    for (int c = 0; c < 3; ++c) {
+        length += out->direction[c][i] * out->direction[c][i];
+        up += out->direction[c][i] * s->ng[c][i];
+        assert_true(isfinite(out->weight[c][i]) && out->weight[c][i] >= 0);
+        assert_true(isfinite(f[c][i]) && f[c][i] >= 0);
+    }
+    assert_near(length, 1, 1e-6); /* a few roundings of 2^-24 */
+    assert_true(out->density[i] >= 0 && density[i] >= 0 && isfinite(density[i]));
+    const bool carries = out->weight[0][i] + out->weight[1][i] + out->weight[2][i] > 0;
+    if (carries && !s->smooth[i]) assert_true(out->through[i] ? up <= 0 : up >= 0);
+    if (out->through[i] && carries) assert_true(table[s->material[i]].transmits);
+    if (isinf(out->density[i])) return;
+    assert_true(out->density[i] == density[i]);
+    for (int c = 0; c < 3 && density[i] > 1e-30f; ++c) {
+        /* The same operations in another order: a few roundings. */
+        const double expected = fmin((double)f[c][i] / (double)density[i], 0x1p100);
+        assert_near(out->weight[c][i], expected, 1e-6 * expected);
+    }
+}
+
+static void any_material_gives_finite_numbers_and_no_light_through_what_is_opaque(void **state) {
+    (void)state;
+    random_state r = {3};
+    const shader_kernels *kernels = shader_kernels_best();
+    for (int round = 0; round < 20000; ++round) {
+        surface_block s;
+        shader table[8];
+        shader_block block;
+        shader_sample out;
+        lanes3 u, f;
+        float density[LANES];
+        for (int k = 0; k < 8; ++k) {
+            const fathom_material m = random_material(&r);
+            shader_prepare(&m, &table[k]);
+        }
+        random_surface(&r, &s);
+        for (int i = 0; i < LANES; ++i) {
+            for (int c = 0; c < 3; ++c) u[c][i] = random_number(&r);
+        }
+        kernels->make(table, &s, &block);
+        kernels->sample(&s, &block, u, &out);
+        kernels->evaluate(&s, &block, out.direction, f, density);
+        for (int i = 0; i < LANES; ++i) check_sample(&s, table, &out, f, density, i);
+        for (int i = 0; i < LANES; ++i) put(u, i, random_direction(&r));
+        kernels->evaluate(&s, &block, u, f, density);
+        for (int i = 0; i < LANES; ++i) {
+            assert_true(isfinite(density[i]) && density[i] >= 0);
+            for (int c = 0; c < 3; ++c) assert_true(isfinite(f[c][i]) && f[c][i] >= 0);
+            const bool below = s.smooth[i] ? false : u[2][i] < 0; /* ng is +z */
+            if (below && !table[s.material[i]].transmits) assert_true(f[0][i] + f[1][i] + f[2][i] == 0);
+        }
+    }
+}
+
+static void every_instruction_set_gives_the_same_bits(void **state) {
+    (void)state;
+    random_state r = {5};
+    for (int round = 0; round < 500; ++round) {
+        surface_block s;
+        shader table[8];
+        lanes3 u;
+        for (int k = 0; k < 8; ++k) {
+            const fathom_material m = random_material(&r);
+            shader_prepare(&m, &table[k]);
+        }
+        random_surface(&r, &s);
+        for (int i = 0; i < LANES; ++i) {
+            for (int c = 0; c < 3; ++c) u[c][i] = random_number(&r);
+        }
+        shader_sample first = {.density = {0}};
+        for (unsigned k = 0; shader_kernels_at(k); ++k) {
+            shader_block block;
+            shader_sample out;
+            memset(&out, 0, sizeof out);
+            shader_kernels_at(k)->make(table, &s, &block);
+            shader_kernels_at(k)->sample(&s, &block, u, &out);
+            if (k == 0) first = out;
+            assert_memory_equal(&first, &out, sizeof out);
+        }
+    }
+}
+
+/* ---- laws ---- */
+
+/* f(a,b) = f(b,a). Cosines are divided out. Half vectors and dot products have a few roundings of 2^-24,
+ * which the power n <= 500 makes at most 500 of, and GGX 2 / alpha with alpha >= 0.01. */
+static void reflection_is_reciprocal(void **state) {
+    (void)state;
+    random_state r = {9};
+    for (int k = 0; k < 4000; ++k) {
+        fathom_material m = k % 2 ? metallic(k % 4 / 2 ? 1 : 0, (float)random_in(&r, 0.1, 1))
+                                  : classic(0.5f, 0.5f, k % 4 ? FATHOM_SPECULAR_PHONG : FATHOM_SPECULAR_BLINN,
+                                            (float)random_in(&r, 0, 500));
+        const double a = random_in(&r, 0.01, 1), b = random_in(&r, 0.01, 1), phi = random_in(&r, 0, 6.28);
+        const double from[3] = {sqrt(1 - b * b) * cos(phi), sqrt(1 - b * b) * sin(phi), b};
+        const double back[3] = {sqrt(1 - a * a) * cos(phi), -sqrt(1 - a * a) * sin(phi), a};
+        double f[3], g[3];
+        shading at;
+        shading_open(&at, &m, a, true);
+        shading_value(&at, from, f);
+        shading_open(&at, &m, b, true);
+        shading_value(&at, back, g);
+        for (int c = 0; c < 3; ++c)
+            assert_near(f[c] / b, g[c] / a, 4 * 0x1p-24 * (k % 2 ? 200 * f[c] / b : 500) + 1e-6 * f[c] / b);
+    }
+}
+
+/* L k_d |n·l| of the lectures is the radiance under the irradiance pi L: f |cosine| pi. */
+static void classic_values_are_the_lectures_over_pi(void **state) {
+    (void)state;
+    fathom_material m = classic(0.3f, 0.6f, FATHOM_SPECULAR_PHONG, 5);
+    const double l[3] = {0.6, 0, 0.8}; /* the viewer is at (0.8, 0, 0.6): r·l = 0.8 · 0.6 - 0.48 = 0 */
+    double f[3];
+    shading at;
+    shading_open(&at, &m, 0.6, true);
+    shading_value(&at, l, f);
+    assert_near(f[0], 0.3 * 0.8 / M_PI, 1e-6);
+    const double mirrored[3] = {-0.8, 0, 0.6};
+    shading_value(&at, mirrored, f);
+    assert_near(f[0], (0.3 + 0.6) * 0.6 / M_PI, 1e-6);
+}
+
+/* Albedo of a metal, one scattering: 1 - ln 2 where alpha and the cosine are 1. Within 4.5 standard errors: a
+ * level of 7e-6. */
+static void rough_metal_seen_from_above_reflects_one_less_ln_2(void **state) {
+    (void)state;
+    fathom_material m = metallic(1, 1);
+    m.multiscatter = false;
+    random_state r = {21};
+    double error;
+    shading at;
+    shading_open(&at, &m, 1, true);
+    const double albedo = shading_albedo(&at, &r, 1 << 15, &error);
+    assert_near(albedo, 1 - log(2), 4.5 * error);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(samples_follow_the_density),
+        cmocka_unit_test(any_material_gives_finite_numbers_and_no_light_through_what_is_opaque),
+        cmocka_unit_test(every_instruction_set_gives_the_same_bits),
+        cmocka_unit_test(reflection_is_reciprocal),
+        cmocka_unit_test(classic_values_are_the_lectures_over_pi),
+        cmocka_unit_test(rough_metal_seen_from_above_reflects_one_less_ln_2),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
