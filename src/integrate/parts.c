@@ -140,16 +140,30 @@ static bool tell_shapes(const world *w, left_out_list *list) {
     return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 
-static bool tell_stages(const world *w, const fathom_settings *s, bool repair, left_out_list *list) {
+static bool tell_stages(const fathom_settings *s, bool repair, left_out_list *list) {
     const wording words[] = {
-        {parts_background(w->scene), "background", "it is black"},
-        {parts_bounces(w->scene, s), "mirrored and refracted rays",
-         s->max_depth ? "no material mirrors or refracts" : "the depth limit is 0"},
         {parts_first_hits(s), "buffers of AOVs", "no AOV of first hits is asked for"},
         {repair, "watertight repair", "there is no closed mesh that the tracer could leak"},
-        {!(s->max_loss > 0 || s->max_relative_loss > 0), "faint shadow rays",
-         "what they could add is less than the loss that is allowed"},
         {s->target_error > 0 || s->max_time > 0, "error estimates", "every pixel gets as many samples"}};
+    return tell_unneeded(words, sizeof words / sizeof *words, list);
+}
+
+static bool tell_classic(const world *w, const fathom_settings *s, left_out_list *list) {
+    const wording words[] = {{parts_background(w->scene), "background", "it is black"},
+                             {parts_bounces(w->scene, s), "mirrored and refracted rays",
+                              s->max_depth ? "no material mirrors or refracts" : "the depth limit is 0"},
+                             {!(s->max_loss > 0 || s->max_relative_loss > 0), "faint shadow rays",
+                              "what they could add is less than the loss that is allowed"}};
+    return tell_unneeded(words, sizeof words / sizeof *words, list);
+}
+
+/* A lens and absorbing volumes are what a path can do without. */
+static bool tell_paths(const world *w, left_out_list *list) {
+    bool absorbs = false;
+    for (size_t i = 0; i < w->scene->materials.count; ++i)
+        absorbs |= material_absorbs(&w->scene->materials.items[i].value);
+    const wording words[] = {{w->scene->camera.lens_radius > 0, "samples on the lens", "it is a pinhole"},
+                             {absorbs, "absorption along rays", "no material absorbs light"}};
     return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 
@@ -182,7 +196,8 @@ static bool tell_absent(const world *w, left_out_list *list) {
     return left_out_tell(list, what, "all light passes straight through, and there is no shadow");
 }
 
-bool left_out_find(const world *w, const fathom_settings *settings, bool repair, left_out_list *out) {
-    return tell_absent(w, out) && tell_shapes(w, out) && tell_stages(w, settings, repair, out) &&
-           tell_lights(w, settings, out);
+bool left_out_find(const world *w, const fathom_settings *s, bool repair, left_out_list *out) {
+    if (!tell_absent(w, out) || !tell_shapes(w, out) || !tell_stages(s, repair, out)) return false;
+    if (s->integrator == FATHOM_INTEGRATOR_PATH) return tell_paths(w, out);
+    return tell_classic(w, s, out) && tell_lights(w, s, out);
 }

@@ -7,11 +7,16 @@
 
 /* Samples of a pixel, on average, of images to a usual error. */
 #define ADAPTIVE_USUAL_SPP 32u
+/* Bounces of a path, on average. */
+#define PATH_USUAL_DEPTH 4u
 
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s) {
     unsigned bounces = parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? 2 : 1;
     uint64_t spp = s->spp;
     if ((s->target_error > 0 || s->max_time > 0) && spp > ADAPTIVE_USUAL_SPP) spp = ADAPTIVE_USUAL_SPP;
+    if (s->integrator == FATHOM_INTEGRATOR_PATH)
+        return settings_pixels(s) * spp * 2 *
+               (s->max_depth < PATH_USUAL_DEPTH ? s->max_depth : PATH_USUAL_DEPTH);
     return settings_pixels(s) * spp * (1 + scene->lights.count) * bounces;
 }
 

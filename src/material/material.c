@@ -3,12 +3,20 @@
 #include "base/kernel.h"
 #include "math/limit.h"
 
+#include <math.h>
+
 static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
 
 unsigned material_features(const fathom_material *m) {
     bool specular = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
     return (any(m->k_d) || specular ? MATERIAL_LIT : 0u) | (any(m->k_r) ? MATERIAL_MIRROR : 0u) |
            (any(m->k_t) ? MATERIAL_REFRACT : 0u) | (any(m->k_e) ? MATERIAL_EMIT : 0u);
+}
+
+bool material_absorbs(const fathom_material *m) {
+    const float *c = m->attenuation_color;
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->thickness > 0 &&
+           isfinite(m->attenuation_distance) && (c[0] < 1 || c[1] < 1 || c[2] < 1);
 }
 
 /* A negative k_a stands for k_d. */

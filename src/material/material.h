@@ -13,6 +13,8 @@ enum {
     MATERIAL_EMIT = 1u << 3,    /* k_e */
 };
 unsigned material_features(const fathom_material *m);
+/* It bounds a volume that absorbs light; path tracing. */
+bool material_absorbs(const fathom_material *m);
 
 /* What a material does with light, as kernels read it. */
 typedef struct bsdf {
