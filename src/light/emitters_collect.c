@@ -1,0 +1,275 @@
+/* Finds what sends out light, and puts what is finite into a tree. Planes that emit are left to rays that
+ * meet them: their light comes from half of all directions. */
+#include "light/emitters_inner.h"
+
+#include "base/memory.h"
+#include "light/light_surfaces.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+static float luminance(const float rgb[3]) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
+
+/* ---- materials ---- */
+
+/* Radiance of both sides, on average over its coverage. */
+static void emission_of(const fathom_material *m, float out[3]) {
+    const bool classic = m->model == FATHOM_MODEL_CLASSIC;
+    for (int c = 0; c < 3; ++c)
+        out[c] = classic ? m->k_e[c] : m->emissive[c] * m->emissive_strength * m->opacity;
+}
+
+static bool find_emission(emitters *e) {
+    const fathom_scene *scene = e->w->scene;
+    e->emission = calloc(scene->materials.count, sizeof *e->emission);
+    for (size_t i = 0; e->emission && i < scene->materials.count; ++i)
+        emission_of(&scene->materials.items[i].value, e->emission[i]);
+    return e->emission != NULL;
+}
+
+static float power_of(const emitters *e, uint32_t geometry, uint32_t primitive, uint32_t instance) {
+    return luminance(e->emission[world_material(e->w, geometry, primitive, instance)]);
+}
+
+/* ---- runs ---- */
+
+/* Of a mesh all triangles have one material. */
+static bool emits(const emitters *e, uint32_t geometry, uint32_t instance) {
+    const world_geometry *g = &e->w->geometries.items[geometry];
+    const uint32_t looks = g->kind == WORLD_MESH ? 1 : g->count;
+    for (uint32_t i = 0; i < looks; ++i) {
+        if (power_of(e, geometry, i, instance) > 0) return true;
+    }
+    return false;
+}
+
+typedef ARRAY(emitter_run) run_list;
+
+/* The runs of a group's geometries, those that emit nothing as well; none if none does. */
+static bool add_runs(emitters *e, run_list *runs, uint32_t group, uint32_t instance, uint64_t *total) {
+    const world_group *g = &e->w->groups.items[group];
+    const size_t before = runs->count;
+    bool any = false;
+    for (uint32_t k = g->first; k < g->first + g->count; ++k) {
+        emitter_run run = {.geometry = k, .instance = instance, .first = (uint32_t)*total};
+        if (emits(e, k, instance)) run.count = e->w->geometries.items[k].count;
+        any |= run.count > 0;
+        *total += run.count;
+        if (!array_push(runs, run)) return false;
+    }
+    if (!any) runs->count = before;
+    return true;
+}
+
+static bool find_runs(emitters *e, uint64_t *total) {
+    const world *w = e->w;
+    run_list runs = {.items = NULL};
+    e->run_of = malloc((w->instances.count + 1) * sizeof *e->run_of);
+    bool fine = e->run_of != NULL;
+    e->run_of += fine; /* run_of[-1]: the root */
+    for (size_t i = 0; fine && i <= w->instances.count; ++i) {
+        const uint32_t instance = i ? (uint32_t)(i - 1) : FATHOM_NONE;
+        const size_t before = runs.count;
+        fine = add_runs(e, &runs, i ? w->instances.items[i - 1].group : 0, instance, total);
+        e->run_of[(ptrdiff_t)i - 1] = runs.count > before ? (uint32_t)before : FATHOM_NONE;
+    }
+    e->runs = runs.items, e->run_count = (uint32_t)runs.count;
+    return fine;
+}
+
+const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t instance) {
+    const bool root = instance == FATHOM_NONE;
+    if (geometry >= e->w->geometries.count) return NULL; /* a plane, or no hit */
+    const uint32_t first = e->run_of[root ? (ptrdiff_t)-1 : (ptrdiff_t)instance];
+    if (first == FATHOM_NONE) return NULL;
+    const uint32_t group = root ? 0 : e->w->instances.items[instance].group;
+    const emitter_run *run = &e->runs[first + (geometry - e->w->groups.items[group].first)];
+    return run->count ? run : NULL;
+}
+
+const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter) {
+    uint32_t low = 0, high = e->run_count;
+    while (high - low > 1) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (e->runs[middle].first <= emitter)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &e->runs[low];
+}
+
+/* ---- what the tree needs to know ---- */
+
+static void bound(tree_item *item, const vec3_f64 *corners, int count) {
+    for (int k = 0; k < 3; ++k) item->lower[k] = FLT_MAX, item->upper[k] = -FLT_MAX;
+    for (int i = 0; i < count; ++i) {
+        float at[3] = {(float)corners[i].x, (float)corners[i].y, (float)corners[i].z};
+        for (int k = 0; k < 3; ++k) {
+            item->lower[k] = fminf(item->lower[k], at[k]);
+            item->upper[k] = fmaxf(item->upper[k], at[k]);
+        }
+    }
+}
+
+/* Half the sum of what both sides send out, were it all along the normal. False: it has no area, or is out of
+ * reach. */
+static bool face_item(const emitters *e, const emitter_run *run, uint32_t primitive, tree_item *item) {
+    shape_face f;
+    emitters_face(e, run, primitive, &f);
+    const vec3_f64 *c = f.corner;
+    vec3_f64 n = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
+    double area = 0.5 * length_f64(n);
+    if (f.quad) area += 0.5 * length_f64(cross_f64(sub_f64(c[3], c[2]), sub_f64(c[1], c[2])));
+    bound(item, c, 4);
+    n = normalize_f64(n);
+    item->axis[0] = (float)n.x, item->axis[1] = (float)n.y, item->axis[2] = (float)n.z;
+    item->power = (float)area;
+    return area > 0 && isfinite(item->power);
+}
+
+static bool ball_item(const emitters *e, const emitter_run *run, uint32_t primitive, tree_item *item) {
+    emitter_ball b;
+    emitters_ball(e, run, primitive, &b);
+    double at[3] = {b.center.x, b.center.y, b.center.z}, square = 0;
+    for (int k = 0; k < 3; ++k) {
+        double size = b.radius;
+        if (b.instance) {
+            const float *m = b.instance->to_world[k];
+            vec3_f64 row = widen(load_f32(m));
+            at[k] = dot_f64(row, b.center) + (double)m[3], size = b.radius * length_f64(row);
+        }
+        item->lower[k] = (float)(at[k] - size), item->upper[k] = (float)(at[k] + size);
+        square += size * size;
+        item->axis[k] = 0;
+    }
+    item->power = (float)(SHAPE_PI / 3 * square);
+    return item->power > 0 && isfinite(item->power);
+}
+
+/* Embree leaves out what lies beyond its reach. */
+static bool within_reach(const tree_item *item) {
+    bool within = true;
+    for (int k = 0; k < 3; ++k)
+        within &= fabsf(item->lower[k]) < (float)WORLD_REACH && fabsf(item->upper[k]) < (float)WORLD_REACH;
+    return within;
+}
+
+static bool primitive_item(const emitters *e, const emitter_run *run, uint32_t primitive, tree_item *item) {
+    const float power = power_of(e, run->geometry, primitive, run->instance);
+    if (!(power > 0)) return false;
+    const bool ball = e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
+    if (!(ball ? ball_item : face_item)(e, run, primitive, item)) return false;
+    item->power = fmaxf(fminf(item->power * power, FLT_MAX), FLT_MIN);
+    return within_reach(item);
+}
+
+/* As irradiance at distance 1, pi k_l. */
+static void lamp_item(const emitter_lamp *lamp, tree_item *item) {
+    vec3_f64 at = widen(lamp->light.position);
+    bound(item, &at, 1);
+    for (int k = 0; k < 3; ++k) {
+        item->axis[k] = 0;
+        item->lower[k] -= lamp->radius, item->upper[k] += lamp->radius;
+    }
+    item->power = fmaxf(fminf((float)SHAPE_PI * luminance(lamp->light.intensity), FLT_MAX), FLT_MIN);
+}
+
+static uint32_t list_items(emitters *e, tree_item *items) {
+    uint32_t count = 0;
+    for (uint32_t r = 0; r < e->run_count; ++r) {
+        const emitter_run *run = &e->runs[r];
+        for (uint32_t i = 0; i < run->count; ++i) {
+            e->slot_of[run->first + i] = FATHOM_NONE;
+            items[count].light = run->first + i;
+            count += primitive_item(e, run, i, &items[count]);
+        }
+    }
+    for (uint32_t i = 0; i < e->lamp_count; ++i) {
+        items[count].light = e->surface_count + i;
+        lamp_item(&e->lamps[i], &items[count++]);
+    }
+    return count;
+}
+
+/* ---- lamps and suns ---- */
+
+static bool sort_lights(emitters *e) {
+    const fathom_scene *scene = e->w->scene;
+    const size_t count = scene->lights.count;
+    e->lamps = calloc(count + 1, sizeof *e->lamps);
+    e->suns = calloc(count + 1, sizeof *e->suns);
+    if (!e->lamps || !e->suns) return false;
+    for (size_t i = 0; i < count; ++i) {
+        const fathom_light *light = &scene->lights.items[i];
+        shade_light made;
+        if (light->type == FATHOM_LIGHT_ENVIRONMENT || !(luminance(light->intensity) > 0)) continue;
+        light_prepare(light, e->w->origin, &made);
+        if (light->type != FATHOM_LIGHT_DIRECTIONAL) {
+            e->lamps[e->lamp_count++] = (emitter_lamp){made, light->radius};
+            continue;
+        }
+        emitter_sun *sun = &e->suns[e->sun_count++];
+        const double half = sin((double)light->angular_radius / 2);
+        sun->to_light = made.to_light, sun->cap = 2 * half * half;
+        for (int c = 0; c < 3; ++c) sun->irradiance[c] = (float)SHAPE_PI * light->intensity[c];
+    }
+    return true;
+}
+
+static void share_among_suns(emitters *e) {
+    double sum = 0, below = 0;
+    for (uint32_t i = 0; i < e->sun_count; ++i) sum += (double)luminance(e->suns[i].irradiance);
+    for (uint32_t i = 0; i < e->sun_count; ++i) {
+        e->suns[i].chance = (double)luminance(e->suns[i].irradiance) / sum;
+        e->suns[i].below = below;
+        below += e->suns[i].chance;
+    }
+}
+
+static fathom_status find_lamp_surfaces(fathom_context *context, emitters *e) {
+    if (!e->lamp_count) return FATHOM_OK;
+    shade_light *lights = malloc(e->lamp_count * sizeof *lights);
+    bool *in_mesh = calloc(e->lamp_count, sizeof *in_mesh);
+    fathom_status status = lights && in_mesh ? FATHOM_OK : fail_memory(context, e->lamp_count);
+    if (status == FATHOM_OK) {
+        for (uint32_t i = 0; i < e->lamp_count; ++i) lights[i] = e->lamps[i].light;
+        vec3_f32 eye = narrow(sub_f64(load_f64(e->w->scene->camera.origin), e->w->origin));
+        status = light_surfaces_find(context, e->w, eye, lights, e->lamp_count, in_mesh, &e->surfaces);
+    }
+    for (uint32_t i = 0; status == FATHOM_OK && i < e->lamp_count; ++i) e->lamps[i].light = lights[i];
+    free(lights);
+    free(in_mesh);
+    return status;
+}
+
+/* ---- the whole ---- */
+
+static fathom_status build_tree(fathom_context *context, emitters *e, uint32_t total) {
+    const size_t bytes = total * (sizeof(tree_item) + sizeof *e->slot_of);
+    e->slot_of = memory_has(bytes) ? malloc((total + (size_t)1) * sizeof *e->slot_of) : NULL;
+    tree_item *items = e->slot_of ? malloc((total + (size_t)1) * sizeof *items) : NULL;
+    bool fine = items != NULL;
+    if (fine) {
+        e->finite_count = list_items(e, items);
+        e->only = e->finite_count == 1 ? items[0].light : FATHOM_NONE;
+        fine = tree_build(items, e->finite_count, &e->lights, e->slot_of);
+    }
+    free(items);
+    return fine ? FATHOM_OK : fail_memory(context, bytes);
+}
+
+fathom_status emitters_collect(fathom_context *context, emitters *e) {
+    uint64_t total = 0;
+    if (!find_emission(e) || !find_runs(e, &total) || !sort_lights(e)) return fail_memory(context, 1 << 20);
+    if (total + e->lamp_count >= TREE_LEAF / TREE_WIDE) {
+        return fail(
+            context, FATHOM_OUT_OF_RESOURCES,
+            "the scene holds %.3g emissive primitives, instances counted; at most 2^28 can be sampled",
+            (double)total);
+    }
+    e->surface_count = (uint32_t)total;
+    share_among_suns(e);
+    fathom_status status = find_lamp_surfaces(context, e);
+    return status == FATHOM_OK ? build_tree(context, e, e->surface_count + e->lamp_count) : status;
+}

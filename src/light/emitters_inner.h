@@ -1,0 +1,93 @@
+/* Emitters inside: shared by emitters*.c. */
+#ifndef LIGHT_EMITTERS_INNER_H
+#define LIGHT_EMITTERS_INNER_H
+
+#include "light/emitters.h"
+#include "light/light.h"
+#include "light/shape.h"
+#include "light/tree.h"
+
+/* Primitives of one geometry, where an instance or the root places it: emitters first, first + 1, … */
+typedef struct emitter_run {
+    uint32_t geometry, instance; /* FATHOM_NONE: the root */
+    uint32_t first, count;       /* 0: none of them sends out light */
+} emitter_run;
+
+/* A part of all that is sent out, with a fixed chance to be asked for. */
+typedef enum emitter_part {
+    EMITTER_FINITE,
+    EMITTER_OUTSIDE,
+    EMITTER_DIRECTIONAL,
+    EMITTER_PARTS
+} emitter_part;
+
+/* A sun. */
+typedef struct emitter_sun {
+    vec3_f32 to_light; /* unit */
+    float irradiance[3];
+    double cap;    /* 1 - cos of half the angle it fills */
+    double chance; /* among suns, and all before it */
+    double below;
+} emitter_sun;
+
+/* A point or spot light. */
+typedef struct emitter_lamp {
+    shade_light light;
+    float radius;
+} emitter_lamp;
+
+struct emitters {
+    const world *w;
+    float (*emission)[3]; /* by material: of both sides, on average over its coverage */
+    emitter_run *runs;    /* those of the root's geometries first, then of each instance that emits */
+    uint32_t run_count;
+    uint32_t *run_of;       /* by instance: the run of its group's first geometry; FATHOM_NONE: nothing */
+    uint32_t surface_count; /* emitters below this are primitives, the others lamps */
+    uint32_t *slot_of;      /* by emitter: its leaf; FATHOM_NONE: it sends out nothing */
+    uint32_t finite_count;  /* leaves */
+    uint32_t only;          /* the emitter, if there is one leaf */
+    tree lights;
+    emitter_lamp *lamps;
+    uint32_t lamp_count;
+    light_surface *surfaces; /* that hold lamps */
+    emitter_sun *suns;
+    uint32_t sun_count;
+    float background[3];
+    double chance[EMITTER_PARTS]; /* to be asked for; they add up to 1, or are all 0 */
+};
+
+/* Finds emissive surfaces and lamps, and builds the tree over them. */
+fathom_status emitters_collect(fathom_context *context, emitters *e);
+
+/* The run of a primitive that a ray met, or NULL: it is no emitter. */
+const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t instance);
+/* The run of an emitter that is a primitive. */
+const emitter_run *emitters_run_of(const emitters *e, uint32_t emitter);
+
+/* A primitive of a run in the world. */
+void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, shape_face *out);
+
+/* A sphere, in the space of its group. */
+typedef struct emitter_ball {
+    vec3_f64 center;
+    double radius, clear;           /* a ray must end, or a point lie, farther than this off it */
+    const world_instance *instance; /* NULL: the root */
+    double slope;                   /* and farther by this for each unit of length in the world */
+} emitter_ball;
+void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, emitter_ball *out);
+
+/* What a point asks a primitive for, or a primitive's answer. */
+typedef struct emitter_answer {
+    vec3_f64 direction;
+    double distance, density; /* density 0: no light from there */
+    bool dark;                /* the direction is taken, but meets nothing */
+} emitter_answer;
+
+void emitters_ask_face(const shape_face *f, vec3_f64 p, double u, double v, emitter_answer *out);
+void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, double v,
+                       emitter_answer *out);
+/* The densities of these answers. */
+double emitters_face_density(const shape_face *f, vec3_f64 p);
+double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction);
+
+#endif

@@ -1,0 +1,220 @@
+/* Emissive primitives as one point sees them.
+ *
+ * Where a shadow ray has to end, with u = 2^-24, n the unit normal of a face or sphere, S the place on it and
+ * D the length of the ray, as distances along n (light/light_surfaces.c derives the items):
+ * - The primitive's roundings u Σ |n_i| |c_i|, for its farthest corner c, or u (Σ |n_i| |C_i| + R); the same
+ *   again for S, and twice for the start of the ray, which became float before and after it was moved off its
+ *   surface. In an instance the tracer's map to object space and back.
+ * - The tracer's own error near the surface.
+ * - The ray: 32 u D, and 4 u D for what the start's coordinates exceed those of S.
+ * The first two make `clear`, the third `slope`. A point that is no farther than `clear` off an emitter may
+ * lie on either side, and most likely on it: it gets nothing from there. */
+#include "light/emitters_inner.h"
+
+#include "surface/gather.h"
+#include "trace/search.h"
+
+static const double unit_round = 0x1p-24;
+
+static vec3_f64 absolute(vec3_f64 v) { return vec_f64(fabs(v.x), fabs(v.y), fabs(v.z)); }
+static double larger(double a, double b) { return a > b ? a : b; }
+static double largest(vec3_f64 v) { return larger(fabs(v.x), larger(fabs(v.y), fabs(v.z))); }
+
+static vec3_f64 map_point(const float m[3][4], vec3_f64 p) {
+    double x[3];
+    for (int i = 0; i < 3; ++i)
+        x[i] = (double)m[i][0] * p.x + (double)m[i][1] * p.y + (double)m[i][2] * p.z + (double)m[i][3];
+    return load_f64(x);
+}
+static vec3_f64 map_vector(const float m[3][4], vec3_f64 v) {
+    double x[3];
+    for (int i = 0; i < 3; ++i) x[i] = (double)m[i][0] * v.x + (double)m[i][1] * v.y + (double)m[i][2] * v.z;
+    return load_f64(x);
+}
+static double determinant(const float m[3][4]) {
+    vec3_f64 r[3];
+    for (int i = 0; i < 3; ++i) r[i] = widen(load_f32(m[i]));
+    return dot_f64(r[0], cross_f64(r[1], r[2]));
+}
+
+/* ---- faces ---- */
+
+static int face_corners(const world *w, const world_geometry *g, uint32_t primitive, vec3_f64 out[4]) {
+    if (g->kind == WORLD_QUADS) {
+        const world_quad *q = &w->quads.items[g->first + primitive];
+        for (int k = 0; k < 4; ++k) out[k] = widen(q->corner[k]);
+        return 4;
+    }
+    vec3_f32 c[3];
+    search_corners(&w->meshes.items[g->first], primitive, c);
+    out[0] = widen(c[0]), out[1] = widen(c[1]), out[2] = out[3] = widen(c[2]);
+    return 3;
+}
+
+/* In the space of its group; at[k]: the corners there, to[k]: in the world. */
+static void face_bounds(const world_instance *instance, const vec3_f64 at[4], const vec3_f64 to[4],
+                        shape_face *f) {
+    vec3_f64 ab = sub_f64(at[1], at[0]), ac = sub_f64(at[3], at[0]);
+    vec3_f64 n = normalize_f64(cross_f64(ab, ac)), across = absolute(n), n_world = n;
+    double reach = 0, reach_world = 0, map = 0, length = 1, extent = larger(largest(ab), largest(ac));
+    extent = larger(extent, largest(sub_f64(at[3], at[1])));
+    if (f->quad) extent = larger(extent, largest(sub_f64(at[2], at[0])));
+    f->slope = 36 * unit_round;
+    if (instance) {
+        n_world = surface_normal_to_world(instance, n);
+        length = length_f64(n_world);
+        n_world = scale_f64(1 / length, n_world);
+        f->slope += 8 * unit_round * surface_stretch_along(instance, n) / length;
+    }
+    for (int k = 0; k < 4; ++k) {
+        reach = larger(reach, dot_f64(across, absolute(at[k])));
+        reach_world = larger(reach_world, dot_f64(absolute(n_world), absolute(to[k])));
+        if (instance) map = larger(map, surface_carried_along(instance, n, to[k]));
+    }
+    f->clear = (unit_round * reach + LOCAL_FACE_SELF_HIT * extent + map * (4 / 3.0)) / length +
+               3 * unit_round * reach_world;
+}
+
+void emitters_face(const emitters *e, const emitter_run *run, uint32_t primitive, shape_face *out) {
+    const world_geometry *g = &e->w->geometries.items[run->geometry];
+    const world_instance *instance =
+        run->instance == FATHOM_NONE ? NULL : &e->w->instances.items[run->instance];
+    vec3_f64 at[4];
+    out->quad = face_corners(e->w, g, primitive, at) == 4;
+    for (int k = 0; k < 4; ++k) out->corner[k] = instance ? map_point(instance->to_world, at[k]) : at[k];
+    face_bounds(instance, at, out->corner, out);
+}
+
+static shape_seen see(const shape_face *f, vec3_f64 p, bool second) {
+    const vec3_f64 *c = f->corner;
+    return second ? shape_see(p, c[2], c[3], c[1], f->clear) : shape_see(p, c[0], c[1], c[3], f->clear);
+}
+
+/* A solid angle too small for double to hold its inverse is none. */
+static double density_of(double angle) { return angle > 0x1p-1000 ? 1 / angle : 0; }
+
+void emitters_ask_face(const shape_face *f, vec3_f64 p, double u, double v, emitter_answer *out) {
+    shape_seen s = see(f, p, false);
+    double first = s.angle, all = first;
+    *out = (emitter_answer){.density = 0};
+    if (f->quad) {
+        const shape_seen other = see(f, p, true);
+        all = first + other.angle;
+        u *= all;
+        if (!(u < first)) u -= first, s = other;
+        u = s.angle > 0 ? u / s.angle : 0;
+    }
+    out->density = density_of(all);
+    if (!(out->density > 0)) return;
+    out->direction = shape_triangle_sample(&s, u < 1 ? u : 1, v);
+    out->distance = shape_face_end(&s, out->direction, f->clear, f->slope);
+}
+
+double emitters_face_density(const shape_face *f, vec3_f64 p) {
+    double all = see(f, p, false).angle;
+    if (f->quad) all += see(f, p, true).angle;
+    return density_of(all);
+}
+
+/* ---- spheres ---- */
+
+void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, emitter_ball *out) {
+    const world_sphere *s = &e->w->spheres.items[e->w->geometries.items[run->geometry].first + primitive];
+    out->center = world_sphere_center(s), out->radius = world_sphere_radius(s);
+    out->instance = run->instance == FATHOM_NONE ? NULL : &e->w->instances.items[run->instance];
+    double reach = fabs(out->center.x) + fabs(out->center.y) + fabs(out->center.z) + out->radius;
+    double held = world_sphere_is_split(s) ? 0 : unit_round * reach;
+    out->clear = held + 8 * unit_round * out->radius + 3 * unit_round * reach;
+    out->slope = 36 * unit_round;
+    if (!out->instance) return;
+    /* Σ over all axes, since the normal is not known yet. */
+    const vec3_f64 all = {1, 1, 1};
+    vec3_f64 center = map_point(out->instance->to_world, out->center);
+    vec3_f64 top = {0, 0, 0};
+    for (int k = 0; k < 3; ++k) {
+        const float *m = out->instance->to_world[k];
+        double size = out->radius * (fabs((double)m[0]) + fabs((double)m[1]) + fabs((double)m[2]));
+        *(k == 0 ? &top.x : (k == 1 ? &top.y : &top.z)) = size;
+    }
+    vec3_f64 farthest = add_f64(absolute(center), top);
+    double stretch = surface_stretch_along(out->instance, all);
+    out->clear = held + 8 * unit_round * out->radius +
+                 surface_carried_along(out->instance, all, farthest) * (4 / 3.0) +
+                 3 * unit_round * stretch * largest(farthest);
+    out->slope = 44 * unit_round * stretch;
+}
+
+/* A ball and a point, in the ball's space. */
+typedef struct ball_view {
+    vec3_f64 from; /* the point, seen from the centre */
+    double square; /* its length, squared */
+    bool outside;  /* clearly; else inside, or on the surface */
+    bool on;       /* the surface, or within rounding of it */
+} ball_view;
+
+static ball_view view_of(const emitter_ball *b, vec3_f64 p) {
+    if (b->instance) p = map_point(b->instance->to_object, p);
+    ball_view v = {.from = sub_f64(p, b->center)};
+    v.square = dot_f64(v.from, v.from);
+    double d = sqrt(v.square);
+    v.outside = d > b->radius + b->clear;
+    v.on = !v.outside && !(d < b->radius - b->clear);
+    return v;
+}
+
+static vec3_f64 to_world(const emitter_ball *b, vec3_f64 v) {
+    return b->instance ? map_vector(b->instance->to_world, v) : v;
+}
+static vec3_f64 to_object(const emitter_ball *b, vec3_f64 v) {
+    return b->instance ? map_vector(b->instance->to_object, v) : v;
+}
+
+/* A unit direction d of the ball's space is k = |M d| long in the world. There directions are denser by
+ * k^3 / |det M|. */
+static double turned_density(const emitter_ball *b, double density, double k) {
+    return b->instance ? density * (k * k * k / fabs(determinant(b->instance->to_world))) : density;
+}
+
+/* From outside: the cone that the sphere fills. */
+static void ask_outside(const emitter_ball *b, const ball_view *v, double s, double t, emitter_answer *out) {
+    const shape_cone cone = shape_cone_of(v->from, b->radius);
+    vec3_f64 d = shape_cone_sample(&cone, s, t), wide = to_world(b, d);
+    double k = sqrt(dot_f64(wide, wide));
+    double end = shape_sphere_near(v->from, d, b->radius + b->clear + b->slope * cone.distance * k);
+    out->direction = scale_f64(1 / k, wide);
+    out->distance = larger(end * k, 0x1p-126);
+    out->density = turned_density(b, density_of(shape_cone_angle(&cone)), k);
+}
+
+/* From inside light comes from all around. A point on the surface sees the inside's far side, if anything: a
+ * ray from it starts clear of the surface, on the side to which it goes. */
+static void ask_inside(const emitter_ball *b, const ball_view *v, vec3_f64 n, double s, double t,
+                       emitter_answer *out) {
+    vec3_f64 wide = shape_all_sample(n, s, t), d = to_object(b, wide);
+    double reach = 2 * b->radius / sqrt(dot_f64(d, d));
+    double inner = b->radius - b->clear - b->slope * reach;
+    double end = shape_sphere_far(v->from, d, inner > 0 ? inner : 0);
+    out->direction = wide;
+    out->density = shape_all_density(n, wide);
+    out->dark = v->on && !(dot_f64(v->from, d) < 0);
+    out->distance = larger(end, 0x1p-126);
+}
+
+void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, double v,
+                       emitter_answer *out) {
+    const ball_view view = view_of(b, p);
+    *out = (emitter_answer){.density = 0};
+    if (view.outside)
+        ask_outside(b, &view, u, v, out);
+    else
+        ask_inside(b, &view, n, u, v, out);
+}
+
+double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3_f64 direction) {
+    const ball_view view = view_of(b, p);
+    vec3_f64 d = to_object(b, direction);
+    if (view.on && !(dot_f64(view.from, d) < 0)) return 0;
+    if (!view.outside) return shape_all_density(n, direction);
+    const shape_cone cone = shape_cone_of(view.from, b->radius);
+    return turned_density(b, density_of(shape_cone_angle(&cone)), 1 / sqrt(dot_f64(d, d)));
+}

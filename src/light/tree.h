@@ -1,0 +1,55 @@
+/* Chooses one of many lights by how much it may send to a point: a tree of bounds of places, directions and
+ * power (Conty Estevez and Kulla 2018), eight children to a node. */
+#ifndef LIGHT_TREE_H
+#define LIGHT_TREE_H
+
+#include "math/vec.h"
+
+#include <stdint.h>
+
+#define TREE_WIDE 8
+#define TREE_LEAF 0x80000000u
+
+/* A light, for building. */
+typedef struct tree_item {
+    float lower[3], upper[3];
+    float axis[3]; /* unit: both ways along it go the brightest directions; all 0: light goes every way */
+    float power;   /* radiant intensity at most, in any unit; > 0 */
+    uint32_t light;
+} tree_item;
+
+/* What bounds each child: a sphere, a cone around ±axis with the cosine `spread`, and the sum of power. Empty
+ * ones have no power. Places and radii are multiplied by the tree's scale. */
+typedef struct tree_node {
+    float x[TREE_WIDE], y[TREE_WIDE], z[TREE_WIDE], radius[TREE_WIDE];
+    float axis_x[TREE_WIDE], axis_y[TREE_WIDE], axis_z[TREE_WIDE], spread[TREE_WIDE];
+    float power[TREE_WIDE];
+    uint32_t child[TREE_WIDE]; /* a node, or TREE_LEAF + a light */
+} tree_node;
+
+typedef struct tree {
+    tree_node *nodes; /* the first is the root */
+    uint32_t *parent; /* of a node: TREE_WIDE times its parent, plus which child it is */
+    uint32_t count;
+    float scale; /* a power of two; keeps squares within the range of float */
+} tree;
+
+/* Reorders the items, fewer than 2^31. slot_of, by light: set to TREE_WIDE times the node, plus which child
+ * it is. False without memory. Release with tree_destroy(). */
+bool tree_build(tree_item *items, uint32_t count, tree *out, uint32_t *slot_of);
+void tree_destroy(tree *t);
+
+/* The light that u in [0,1) chooses for a point p with the unit normal n (0: none), and its chance; 0: no
+ * light reaches the point. */
+uint32_t tree_choose(const tree *t, vec3_f32 p, vec3_f32 n, double u, double *chance);
+/* The chance that tree_choose() takes the light in this slot. */
+double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t slot);
+
+typedef struct tree_kernels {
+    /* How much the children of a node may send to p, which is multiplied by the tree's scale. */
+    void (*weigh)(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE]);
+} tree_kernels;
+
+const tree_kernels *tree_kernels_best(void);
+
+#endif

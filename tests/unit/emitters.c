@@ -1,0 +1,472 @@
+/* Laws of sampled light. Every statistical test is made once, with fixed numbers, at 5 standard errors
+ * (6e-7); with at most a thousand of them here one fails by chance with 6e-4. */
+#include "light/emitters.h"
+#include "random.h"
+#include "unit_scene.h"
+
+#include <float.h>
+
+enum { BLOCKS = 4000 };
+
+static const double errors = 5;
+
+static world *w;
+static emitters *e;
+
+static void close_light(void) {
+    emitters_destroy(e);
+    world_destroy(w);
+    e = NULL, w = NULL;
+}
+
+static void open_light(void) {
+    assert_ok(context, world_create(scene, &w));
+    assert_ok(context, emitters_create(context, w, &e));
+}
+
+static int begin(void **state) {
+    int failed = open_scene(state);
+    if (!failed) fathom_scene_set_background(scene, (float[3]){0, 0, 0});
+    return failed;
+}
+
+static int end(void **state) {
+    close_light();
+    return close_scene(state);
+}
+
+static fathom_id emission(float r, float g, float b) {
+    fathom_material m;
+    fathom_id id;
+    fathom_material_default(&m);
+    m.k_e[0] = r, m.k_e[1] = g, m.k_e[2] = b;
+    assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &id));
+    return id;
+}
+
+static void add_sphere(fathom_id group, vec3_f64 center, double radius, fathom_id material) {
+    fathom_sphere s;
+    fathom_sphere_default(&s);
+    store_f64(s.center, center), s.radius = radius, s.material = material;
+    assert_ok(context, fathom_scene_add_sphere(scene, group, &s, NULL));
+}
+
+static void add_quad(const double center[3], const double u[3], const double v[3], fathom_id material) {
+    fathom_quad q;
+    fathom_quad_from_axes(center, u, v, &q);
+    q.material = material;
+    assert_ok(context, fathom_scene_add_quad(scene, FATHOM_ROOT, &q, NULL));
+}
+
+static void add_point(vec3_f64 at, float intensity) {
+    fathom_light light;
+    fathom_light_default(&light);
+    store_f64(light.position, at);
+    for (int c = 0; c < 3; ++c) light.intensity[c] = intensity;
+    assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+}
+
+/* ---- sampling ---- */
+
+static void fill_query(emitter_query *q, vec3_f64 p, vec3_f64 n) {
+    const double at[3] = {p.x, p.y, p.z}, normal[3] = {n.x, n.y, n.z};
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) q->p[c][i] = (float)at[c], q->n[c][i] = (float)normal[c];
+    }
+}
+
+static void fill_numbers(random_state *r, lanes3 u) {
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) u[c][i] = (float)(random_bits(r) >> 40) * 0x1p-24f;
+    }
+}
+
+static vec3_f32 lane(const lanes3 v, int i) { return vec_f32(v[0][i], v[1][i], v[2][i]); }
+
+/* The mean of some samples, and its error. */
+typedef struct mean {
+    double sum, squares;
+    uint64_t count;
+} mean;
+
+static void take(mean *m, double x) { m->sum += x, m->squares += x * x, ++m->count; }
+static double mean_of(const mean *m) { return m->sum / (double)m->count; }
+static double error_of(const mean *m) {
+    double n = (double)m->count, a = m->sum / n;
+    return sqrt(fmax(m->squares / n - a * a, 0) / (n - 1));
+}
+
+/* What a sample adds to the irradiance over pi, in the first channel; checks that its numbers are sound. */
+static double part(const emitter_sample *s, int i, vec3_f64 n) {
+    vec3_f64 d = widen(lane(s->direction, i));
+    if (!(s->density[i] > 0)) {
+        assert_true(s->density[i] == 0);
+        return 0;
+    }
+    assert_near(length_f64(d), 1, 4e-7); /* three roundings of float */
+    assert_true(s->distance[i] > 0);
+    assert_true(isfinite(s->density[i]));
+    for (int c = 0; c < 3; ++c) assert_true(s->radiance[c][i] >= 0 && isfinite(s->radiance[c][i]));
+    return (double)s->radiance[0][i] * fmax(dot_f64(n, d), 0) / ((double)s->density[i] * M_PI);
+}
+
+static mean irradiance(vec3_f64 p, vec3_f64 n, int blocks) {
+    random_state r = {1};
+    mean m = {0};
+    emitter_query q;
+    fill_query(&q, p, n);
+    for (int b = 0; b < blocks; ++b) {
+        lanes3 u;
+        emitter_sample s;
+        fill_numbers(&r, u);
+        emitters_sample(e, &q, u, &s);
+        for (int i = 0; i < LANES; ++i) take(&m, part(&s, i, n));
+    }
+    return m;
+}
+
+/* 1e-6: roundings of float. */
+static void assert_irradiance(vec3_f64 p, vec3_f64 n, double expected) {
+    mean m = irradiance(p, n, BLOCKS);
+    assert_near(mean_of(&m), expected, errors * error_of(&m) + 1e-6 * expected);
+}
+
+static const vec3_f64 up = {0, 0, 1}, origin = {0, 0, 0};
+
+/* ---- closed forms ---- */
+
+static void a_rectangle_sends_what_its_formula_says(void **state) {
+    (void)state;
+    add_quad((double[3]){0.5, 1, 1.5}, (double[3]){0.5, 0, 0}, (double[3]){0, 1, 0}, emission(1, 1, 1));
+    open_light();
+    assert_irradiance(origin, up, 0.12235966);
+}
+
+/* The same rectangle in triangles, of which one is seen at a time. */
+static void triangles_send_what_their_polygon_does(void **state) {
+    (void)state;
+    static const float p[6][3] = {{0, 0, 1.5f}, {1, 0, 1.5f},    {1, 2, 1.5f},
+                                  {0, 2, 1.5f}, {0.3f, 1, 1.5f}, {0.9f, 0.4f, 1.5f}};
+    static const uint32_t index[] = {0, 1, 5, 1, 2, 5, 0, 5, 4, 5, 2, 4, 2, 3, 4, 3, 0, 4};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = p[0], mesh.vertex_count = 6, mesh.indices = index, mesh.triangle_count = 6;
+    mesh.material = emission(1, 1, 1);
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    open_light();
+    assert_irradiance(origin, up, 0.12235966);
+}
+
+/* Lambert's edge sum over a polygon that the horizon does not cut. */
+static double edge_sum(vec3_f64 p, vec3_f64 n, const vec3_f64 *corner, int count) {
+    double sum = 0;
+    for (int k = 0; k < count; ++k) {
+        vec3_f64 a = normalize_f64(sub_f64(corner[k], p)),
+                 b = normalize_f64(sub_f64(corner[(k + 1) % count], p));
+        vec3_f64 g = cross_f64(a, b);
+        sum += atan2(length_f64(g), dot_f64(a, b)) * dot_f64(normalize_f64(g), n);
+    }
+    return fabs(sum) / (2 * M_PI);
+}
+
+static vec3_f64 any_direction(random_state *r) {
+    double z = random_in(r, -1, 1), phi = random_in(r, 0, 2 * M_PI), s = sqrt(1 - z * z);
+    return vec_f64(s * cos(phi), s * sin(phi), z);
+}
+
+/* Triangles of any shape, from 1e-6 to 1e6 of their distance, at any tilt, in frames that turn and stretch.
+ */
+static void any_triangle_sends_lamberts_edge_sum(void **state) {
+    random_state r = {7};
+    for (int trial = 0; trial < 60; ++trial) {
+        double size = random_log(&r, 1e-6, 0.5);
+        vec3_f64 corner[3], at = {0, 0, 2};
+        float p[3][3];
+        static const uint32_t index[3] = {0, 1, 2};
+        for (int k = 0; k < 3; ++k) {
+            corner[k] = madd_f64(at, 1.9 * size, any_direction(&r));
+            store_f32(p[k], narrow(corner[k]));
+            corner[k] = widen(load_f32(p[k]));
+        }
+        fathom_mesh mesh;
+        fathom_mesh_default(&mesh);
+        mesh.positions = p[0], mesh.vertex_count = 3, mesh.indices = index, mesh.triangle_count = 1;
+        mesh.material = emission(1, 1, 1);
+        assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+        open_light();
+        /* Of smaller ones float's corners leave few digits; both sides have the same corners. */
+        mean m = irradiance(origin, up, 200);
+        double expected = edge_sum(origin, up, corner, 3);
+        assert_near(mean_of(&m), expected, errors * error_of(&m) + 1e-6 * expected + 1e-15);
+        end(state), begin(state);
+    }
+}
+
+static void a_sphere_sends_its_share_of_the_sky(void **state) {
+    random_state r = {3};
+    for (int trial = 0; trial < 40; ++trial) {
+        double d = random_log(&r, 1, 1e6), radius = d * random_log(&r, 1e-6, 0.5);
+        double most = M_PI / 2 - asin(radius / d), theta = random_in(&r, 0, most);
+        add_sphere(FATHOM_ROOT, vec_f64(d * sin(theta), 0, d * cos(theta)), radius, emission(1, 1, 1));
+        open_light();
+        mean m = irradiance(origin, up, 200);
+        /* The world's origin may have moved; the point is where the scene has it. */
+        double expected = pow(radius / d, 2) * cos(theta);
+        if (length_f64(w->origin) == 0)
+            assert_near(mean_of(&m), expected, errors * error_of(&m) + 4e-6 * expected);
+        end(state), begin(state);
+    }
+}
+
+static void the_horizon_cuts_a_sphere(void **state) {
+    const double theta[2] = {1.3, 1.8}, expected[2] = {0.08923406, 0.01210569}, radius = sqrt(0.3);
+    for (int k = 0; k < 2; ++k) {
+        add_sphere(FATHOM_ROOT, vec_f64(sin(theta[k]), 0, cos(theta[k])), radius, emission(1, 1, 1));
+        open_light();
+        assert_irradiance(origin, up, expected[k]);
+        end(state), begin(state);
+    }
+}
+
+static void inside_a_sphere_light_comes_from_everywhere(void **state) {
+    (void)state;
+    add_sphere(FATHOM_ROOT, vec_f64(0.2, 0.3, -0.4), 1, emission(1, 1, 1));
+    open_light();
+    assert_irradiance(origin, up, 1);
+    /* And on its inner surface. */
+    assert_irradiance(vec_f64(0.2, 0.3, -1.4), up, 1);
+    /* But not on the outer one, where it lies behind. */
+    assert_irradiance(vec_f64(0.2, 0.3, 0.6), up, 0);
+}
+
+static void a_constant_background_sends_its_radiance(void **state) {
+    (void)state;
+    assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.7f, 0.1f, 0.2f}));
+    open_light();
+    assert_irradiance(origin, up, 0.7);
+}
+
+static void a_point_light_falls_off_by_the_square(void **state) {
+    (void)state;
+    add_point(vec_f64(0, 0, 2), 3);
+    open_light();
+    assert_irradiance(origin, up, 0.75); /* k_l / d² */
+}
+
+/* A flattened sphere against rays in all directions. */
+static void an_ellipsoid_sends_what_rays_find(void **state) {
+    (void)state;
+    fathom_id group;
+    fathom_instance place;
+    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    add_sphere(group, vec_f64(0.1, 0, 0), 0.5, emission(1, 1, 1));
+    fathom_instance_default(&place);
+    const double map[12] = {1.5, 0.3, 0, 0.2, 0, 0.4, 0.2, -0.3, 0.1, 0, 0.8, 1.2};
+    memcpy(place.transform, map, sizeof map), place.group = group;
+    assert_ok(context, fathom_scene_add_instance(scene, &place, NULL));
+    open_light();
+    affine_f64 to_world, to_object;
+    affine_load(&to_world, map);
+    assert_true(affine_invert(&to_world, &to_object));
+    vec3_f64 from = sub_f64(affine_point(&to_object, origin), vec_f64(0.1, 0, 0));
+    random_state r = {5};
+    mean found = {0}, density = {0};
+    emitter_hit hit = {.geometry = 0, .instance = 0};
+    while (hit.geometry < w->geometries.count && w->geometries.items[hit.geometry].kind != WORLD_SPHERES)
+        ++hit.geometry;
+    for (int k = 0; k < 400000; ++k) {
+        vec3_f64 d = any_direction(&r), o = affine_vector(&to_object, d);
+        double b = dot_f64(from, o), c = dot_f64(from, from) - 0.25, a = dot_f64(o, o);
+        bool meets = b < 0 && b * b > a * c;
+        take(&found, meets ? 4 * fmax(d.z, 0) : 0);
+        float at = emitters_hit_density(e, narrow(origin), narrow(up), narrow(d), &hit);
+        take(&density, meets ? 4 * M_PI * (double)at : 0);
+    }
+    mean m = irradiance(origin, up, BLOCKS);
+    assert_near(mean_of(&m), mean_of(&found), errors * hypot(error_of(&m), error_of(&found)));
+    assert_near(mean_of(&density), 1, errors * error_of(&density));
+}
+
+/* ---- many lights ---- */
+
+/* Small spheres in a box, some of them instanced, and lamps. */
+static uint32_t many(random_state *r, uint32_t count, vec3_f64 *at) {
+    fathom_id group;
+    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    add_sphere(group, origin, 0.003, emission(5, 1, 2));
+    for (uint32_t k = 0; k < count; ++k) {
+        at[k] = vec_f64(random_in(r, -4, 4), random_in(r, -4, 4), random_in(r, -4, 4));
+        float strength = (float)random_log(r, 0.01, 100);
+        if (k % 3 == 1) {
+            fathom_instance place;
+            fathom_instance_default(&place);
+            place.group = group, place.transform[3] = at[k].x, place.transform[7] = at[k].y,
+            place.transform[11] = at[k].z;
+            assert_ok(context, fathom_scene_add_instance(scene, &place, NULL));
+        } else if (k % 3 == 2) {
+            add_point(at[k], strength);
+        } else {
+            add_sphere(FATHOM_ROOT, at[k], 0.002, emission(strength, 1, 1));
+        }
+    }
+    return count;
+}
+
+static uint32_t nearest(const vec3_f64 *at, uint32_t count, vec3_f64 p) {
+    uint32_t best = 0;
+    for (uint32_t k = 1; k < count; ++k) {
+        if (length_f64(sub_f64(at[k], p)) < length_f64(sub_f64(at[best], p))) best = k;
+    }
+    return best;
+}
+
+/* chi²: how often each of 90 lights is taken, against the chances that samples state. Wilson and Hilferty
+ * 1931 turn the sum into a normal number. */
+static void lights_are_taken_as_often_as_their_samples_say(void **state) {
+    (void)state;
+    enum { COUNT = 90 };
+    random_state r = {11};
+    vec3_f64 at[COUNT];
+    many(&r, COUNT, at);
+    open_light();
+    const vec3_f64 p = {0.3, -0.2, 0.1};
+    double taken[COUNT] = {0}, chance[COUNT] = {0}, sum = 0, chi = 0, all = 0;
+    emitter_query q;
+    fill_query(&q, p, up);
+    for (int b = 0; b < 6000; ++b) {
+        lanes3 u;
+        emitter_sample s;
+        fill_numbers(&r, u);
+        emitters_sample(e, &q, u, &s);
+        for (int i = 0; i < LANES; ++i) {
+            vec3_f64 to = madd_f64(p, (double)s.distance[i], widen(lane(s.direction, i)));
+            uint32_t k = nearest(at, COUNT, to);
+            double d = length_f64(sub_f64(at[k], p)), radius = k % 3 == 1 ? 0.003 : 0.002;
+            double angle = 2 * M_PI * (1 - sqrt(1 - pow(radius / d, 2)));
+            ++taken[k], ++all;
+            chance[k] = (double)s.density[i] * (s.sized[i] ? angle : 1);
+        }
+    }
+    int cells = 0;
+    double rare = 0, rare_taken = 0;
+    for (int k = 0; k < COUNT; ++k) {
+        double expected = chance[k] * all;
+        sum += chance[k];
+        if (expected < 20) {
+            rare += expected, rare_taken += taken[k];
+            continue;
+        }
+        chi += pow(taken[k] - expected, 2) / expected, ++cells;
+    }
+    if (rare > 5) chi += pow(rare_taken - rare, 2) / rare, ++cells;
+    double f = 2.0 / (9 * (cells - 1)), z = (cbrt(chi / (cells - 1)) - (1 - f)) / sqrt(f);
+    assert_true(fabs(z) < errors);
+    /* Those never taken are missing from the sum: fewer than one in 96,000 samples each. */
+    assert_near(sum, 1, 1e-3);
+}
+
+/* What a sample says of its direction, a ray that goes there by chance gets as well. */
+static void a_hit_gets_the_density_of_its_sample(void **state) {
+    (void)state;
+    enum { COUNT = 60 };
+    random_state r = {13};
+    vec3_f64 at[COUNT];
+    many(&r, COUNT, at);
+    add_quad((double[3]){6, 0, 0}, (double[3]){0, 1, 0}, (double[3]){0, 0.3, 1}, emission(3, 1, 1));
+    assert_ok(context, fathom_scene_set_background(scene, (float[3]){0.1f, 0.1f, 0.1f}));
+    open_light();
+    int sized = 0;
+    for (int b = 0; b < 400; ++b) {
+        const vec3_f64 p = {random_in(&r, -4, 4), random_in(&r, -4, 4), random_in(&r, -4, 4)};
+        const vec3_f64 n = b % 3 ? any_direction(&r) : origin;
+        emitter_query q;
+        lanes3 u;
+        emitter_sample s;
+        fill_query(&q, p, n);
+        fill_numbers(&r, u);
+        emitters_sample(e, &q, u, &s);
+        for (int i = 0; i < LANES; ++i) {
+            if (!s.sized[i] || !(s.density[i] > 0)) continue;
+            vec3_f32 d = lane(s.direction, i);
+            float radiance[3], density = 0;
+            if (isinf(s.distance[i])) {
+                emitters_outside(e, narrow(p), narrow(n), d, radiance, &density);
+            } else {
+                vec3_f64 to = madd_f64(widen(narrow(p)), (double)s.distance[i], widen(d));
+                emitter_hit hit = {.instance = FATHOM_NONE};
+                double best = INFINITY;
+                for (uint32_t g = 0; g < w->geometries.count; ++g) {
+                    const world_geometry *in = &w->geometries.items[g];
+                    bool root = g < w->groups.items[0].count;
+                    uint32_t places = root ? 1 : (uint32_t)w->instances.count;
+                    for (uint32_t k = 0; k < in->count * places; ++k) {
+                        vec3_f64 c = {6, 0, 0};
+                        double off = 0;
+                        if (in->kind == WORLD_SPHERES) {
+                            const world_sphere *ball = &w->spheres.items[in->first + k % in->count];
+                            c = widen(ball->center);
+                            for (int x = 0; !root && x < 3; ++x)
+                                *(&c.x + x) = (double)w->instances.items[k].to_world[x][3];
+                            off = length_f64(sub_f64(to, c)) - (double)ball->radius;
+                        } else {
+                            off = fabs(to.x - 6);
+                        }
+                        if (fabs(off) < best) {
+                            best = fabs(off);
+                            hit.geometry = g, hit.primitive = root ? k : 0,
+                            hit.instance = root ? FATHOM_NONE : k;
+                        }
+                    }
+                }
+                density = emitters_hit_density(e, narrow(p), narrow(n), d, &hit);
+            }
+            ++sized;
+            assert_near(density, s.density[i], 1e-5 * (double)s.density[i]);
+        }
+    }
+    assert_true(sized > 1000);
+}
+
+/* A lamp next to the point and a million times weaker ones far away, and so for others. */
+static void many_lights_send_the_sum_of_each(void **state) {
+    (void)state;
+    enum { COUNT = 200 };
+    random_state r = {17};
+    double expected = 0;
+    for (int k = 0; k < COUNT; ++k) {
+        vec3_f64 at = scale_f64(random_log(&r, 0.1, 100), any_direction(&r));
+        float strength = (float)random_log(&r, 1e-3, 1e3);
+        add_point(at, strength);
+        double d = length_f64(at);
+        expected += (double)strength * fmax(at.z, 0) / (d * d * d);
+    }
+    open_light();
+    assert_irradiance(origin, up, expected);
+}
+
+static void nothing_sends_nothing(void **state) {
+    (void)state;
+    open_light();
+    assert_true(emitters_none(e));
+    mean m = irradiance(origin, up, 2);
+    assert_true(mean_of(&m) == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(a_rectangle_sends_what_its_formula_says, begin, end),
+        cmocka_unit_test_setup_teardown(triangles_send_what_their_polygon_does, begin, end),
+        cmocka_unit_test_setup_teardown(any_triangle_sends_lamberts_edge_sum, begin, end),
+        cmocka_unit_test_setup_teardown(a_sphere_sends_its_share_of_the_sky, begin, end),
+        cmocka_unit_test_setup_teardown(the_horizon_cuts_a_sphere, begin, end),
+        cmocka_unit_test_setup_teardown(inside_a_sphere_light_comes_from_everywhere, begin, end),
+        cmocka_unit_test_setup_teardown(a_constant_background_sends_its_radiance, begin, end),
+        cmocka_unit_test_setup_teardown(a_point_light_falls_off_by_the_square, begin, end),
+        cmocka_unit_test_setup_teardown(an_ellipsoid_sends_what_rays_find, begin, end),
+        cmocka_unit_test_setup_teardown(lights_are_taken_as_often_as_their_samples_say, begin, end),
+        cmocka_unit_test_setup_teardown(a_hit_gets_the_density_of_its_sample, begin, end),
+        cmocka_unit_test_setup_teardown(many_lights_send_the_sum_of_each, begin, end),
+        cmocka_unit_test_setup_teardown(nothing_sends_nothing, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
