@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "light/light_surfaces.h"
+#include "material/shader.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -12,18 +13,14 @@ static float luminance(const float rgb[3]) { return 0.2126f * rgb[0] + 0.7152f *
 
 /* ---- materials ---- */
 
-/* Radiance of both sides, on average over its coverage. */
-static void emission_of(const fathom_material *m, float out[3]) {
-    const bool classic = m->model == FATHOM_MODEL_CLASSIC;
-    for (int c = 0; c < 3; ++c)
-        out[c] = classic ? m->k_e[c] : m->emissive[c] * m->emissive_strength * m->opacity;
-}
-
 static bool find_emission(emitters *e) {
     const fathom_scene *scene = e->w->scene;
     e->emission = calloc(scene->materials.count, sizeof *e->emission);
-    for (size_t i = 0; e->emission && i < scene->materials.count; ++i)
-        emission_of(&scene->materials.items[i].value, e->emission[i]);
+    for (size_t i = 0; e->emission && i < scene->materials.count; ++i) {
+        shader made;
+        shader_prepare(&scene->materials.items[i].value, &made);
+        for (int c = 0; c < 3; ++c) e->emission[i][c] = made.emission[c] * made.opacity;
+    }
     return e->emission != NULL;
 }
 
