@@ -118,6 +118,23 @@ static fathom_status light_everything(fathom_scene *scene) {
     return fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
 }
 
+static bool emits(const fathom_material *m) {
+    const bool classic = m->model == FATHOM_MODEL_CLASSIC;
+    const float *rgb = classic ? m->k_e : m->emissive;
+    return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0;
+}
+
+/* Path tracing lights a scene by its surfaces and its background. */
+static bool lights_itself(const fathom_scene *scene) {
+    const float *behind = scene->background;
+    if (scene->settings.integrator != FATHOM_INTEGRATOR_PATH) return false;
+    if (scene->has_background && (behind[0] > 0 || behind[1] > 0 || behind[2] > 0)) return true;
+    for (size_t i = 0; i < scene->objects.count; ++i) {
+        if (emits(&scene->materials.items[scene_object_material(scene, (fathom_id)i)].value)) return true;
+    }
+    return false;
+}
+
 fathom_status fathom_scene_complete(fathom_scene *scene) {
     if (!scene) return FATHOM_BAD_USAGE;
     fathom_status status = scene_check_cycles(scene);
@@ -126,5 +143,6 @@ fathom_status fathom_scene_complete(fathom_scene *scene) {
         status = frame_everything(scene);
         if (status != FATHOM_OK) return status;
     }
-    return scene->lights.count || scene->has_lights ? FATHOM_OK : light_everything(scene);
+    const bool lit = scene->lights.count || scene->has_lights || lights_itself(scene);
+    return lit ? FATHOM_OK : light_everything(scene);
 }
