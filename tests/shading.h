@@ -41,7 +41,6 @@ static inline double shading_value(const shading *at, const double l[3], double 
     return (double)density[0];
 }
 
-/* Sixteen numbers a lane: the first two stratified over the square by the call's number, of 2^2n calls. */
 static inline void shading_numbers(random_state *r, lanes3 u) {
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) {
@@ -49,24 +48,6 @@ static inline void shading_numbers(random_state *r, lanes3 u) {
             u[c][i] = x < 1 ? x : 0x1.fffffep-1f;
         }
     }
-}
-
-/* The mean of the weights of `blocks` × 16 samples, and its standard error. */
-static inline double shading_albedo(const shading *at, random_state *r, int blocks, double *error) {
-    double sum = 0, squares = 0;
-    for (int k = 0; k < blocks; ++k) {
-        lanes3 u;
-        shader_sample out;
-        shading_numbers(r, u);
-        at->kernels->sample(&at->surface, &at->block, u, &out);
-        for (int i = 0; i < LANES; ++i) {
-            const double w = (double)out.weight[1][i];
-            sum += w, squares += w * w;
-        }
-    }
-    const double n = 16.0 * blocks, mean = sum / n;
-    *error = sqrt(fmax(squares / n - mean * mean, 0) / n);
-    return mean;
 }
 
 #endif

@@ -62,7 +62,7 @@ typedef struct fathom_material {
     float transmission;      /* part of the dielectric's base that lets light through; default 0 */
     float thickness;         /* > 0: the mesh bounds a volume, and light refracts; 0: thin walls; default 0 */
     float attenuation_color[3]; /* what is left of white light after attenuation_distance; default 1 */
-    float attenuation_distance; /* > 0, may be infinite; default infinite */
+    float attenuation_distance; /* 0 (default): nothing is absorbed */
     float clearcoat, clearcoat_roughness; /* default 0 */
     float sheen_color[3];                 /* default 0 */
     float sheen_roughness;                /* default 0 */

@@ -27,44 +27,109 @@ static void prepare_classic(const fathom_material *m, shader *out) {
     }
     out->shininess = m->shininess;
     out->ior = m->ior;
-    out->phong = shiny && phong ? ~0u : 0;
     out->blinn = shiny && !phong ? ~0u : 0;
     out->fresnel = m->fresnel ? ~0u : 0;
     out->from_behind = m->lit_from_behind ? ~0u : 0;
     out->transmits = m->lit_from_behind || any(m->k_t);
     out->lobes = (any(m->k_d) ? SHADER_DIFFUSE : 0u) | (shiny ? SHADER_HIGHLIGHT : 0u) |
-                 (any(m->k_r) || any(m->k_t) ? SHADER_CLASSIC : 0u);
+                 (any(m->k_r) || any(m->k_t) ? SHADER_CLASSIC : 0u) |
+                 (m->lit_from_behind ? SHADER_BEHIND : 0u);
 }
 
 /* ---- metallic-roughness ---- */
 
-/* Schlick's reflectance of a mixture is the mixture of reflectances: F0 and F90 of dielectric and metal are
- * mixed once. Where they stay apart is the base under the dielectric: it gets 1 - F, of the largest channel
- * (KHR_materials_specular). */
-static void prepare_metallic(const fathom_material *m, shader *out) {
-    const float ratio = (m->ior - 1) / (m->ior + 1), metal = m->metallic;
-    float layer[3], f0[3], f90 = (1 - metal) * m->specular_factor + metal;
+static float mixed(float a, float b, float t) { return (1 - t) * a + t * b; }
+
+/* Dielectric and metal as glTF has them. */
+typedef struct mixture {
+    float metal, layer[3], f0[3], f90; /* layer: F0 of the dielectric */
+} mixture;
+
+static mixture mixture_of(const fathom_material *m) {
+    const float ratio = (m->ior - 1) / (m->ior + 1);
+    mixture x = {.metal = m->metallic, .f90 = mixed(m->specular_factor, 1, m->metallic)};
     for (int c = 0; c < 3; ++c) {
-        layer[c] = m->specular_factor * fminf(ratio * ratio * m->specular_color[c], 1);
-        f0[c] = (1 - metal) * layer[c] + metal * m->base_color[c];
-        out->diffuse[c] = (1 - metal) * m->base_color[c];
-        out->emission[c] = limited(m->emissive_strength * m->emissive[c]);
+        x.layer[c] = m->specular_factor * fminf(ratio * ratio * m->specular_color[c], 1);
+        x.f0[c] = mixed(x.layer[c], m->base_color[c], x.metal);
     }
-    out->layer0 = largest(layer);
+    return x;
+}
+
+/* Q of shader.h: what is reflected in the end of what the first scattering leaves. */
+static float again(float f0, float f90, float mean) {
+    const float reflected = f0 + (f90 - f0) * (1 / 21.0f);
+    return reflected * reflected * mean / (1 - reflected * (1 - mean));
+}
+
+static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
+    float all[ENERGY_NODES], edge[ENERGY_NODES];
+    energy_curves(alpha, all, edge);
+    const float mean = energy_mean(all), lost = 1 - mean;
+    const float layer_again = again(out->layer0, out->layer90, mean);
+    for (int k = 0; k < ENERGY_NODES; ++k) {
+        out->missing[k] = 1 - all[k];
+        out->under[k] =
+            1 - (out->layer0 * (all[k] - edge[k]) + out->layer90 * edge[k] + layer_again * (1 - all[k]));
+    }
+    const float scale = lost > 1e-6f ? 1 / (3.14159265f * lost) : 0;
+    const float below = energy_mean(out->under);
+    for (int c = 0; c < 3; ++c) {
+        const float q =
+            mixed(again(x->layer[c], m->specular_factor, mean), again(m->base_color[c], 1, mean), x->metal);
+        out->again[c] = q * scale;
+        out->missing_share += q * (1 / 3.0f);
+        if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - layer_again) * scale;
+        out->diffuse[c] = below > 1e-4f ? out->diffuse[c] / below : 0;
+    }
+    out->even = ~0u;
+    out->lobes |= SHADER_EVEN;
+}
+
+/* An index of 0 has no refraction, and no light through. */
+static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out) {
+    const bool solid = m->thickness > 0 && m->ior > 0 && m->ior != 1;
+    if (!any(out->cross)) return 0;
+    out->transmits = true;
+    if (!solid)
+        return alpha < SHADER_SMOOTH_ALPHA ? SHADER_PASS : (m->thickness > 0 ? SHADER_PASS : SHADER_THIN);
+    out->eta = fminf(fmaxf(m->ior, 1e-3f), 1e3f);
+    const bool clear = alpha * fminf(fabsf(out->eta - 1), 1) < SHADER_SMOOTH_ALPHA;
+    return (clear ? SHADER_PASS : SHADER_REFRACT) | SHADER_SOLID;
+}
+
+static void prepare_absorption(const fathom_material *m, shader *out) {
+    if (!(m->thickness > 0 && out->transmits && m->attenuation_distance > 0)) return;
+    for (int c = 0; c < 3; ++c)
+        out->absorption[c] = limited(fmaxf(-logf(m->attenuation_color[c]) / m->attenuation_distance, 0));
+}
+
+/* Schlick's reflectance of a mixture is the mixture of reflectances: F0 and F90 of dielectric and metal are
+ * mixed once. The base under the dielectric is told by the largest channel (KHR_materials_specular). */
+static void prepare_metallic(const fathom_material *m, shader *out) {
+    const mixture x = mixture_of(m);
+    const float alpha = m->roughness * m->roughness, base = 1 - x.metal;
+    const bool shiny = x.f90 > 0 || any(x.f0), smooth = alpha < SHADER_SMOOTH_ALPHA;
+    out->layer0 = largest(x.layer);
     out->layer90 = m->specular_factor;
-    for (int c = 0; c < 3; ++c) out->albedo[c] = fminf(f0[c] + out->diffuse[c] * (1 - out->layer0), 1);
-    const float alpha = m->roughness * m->roughness;
-    const bool shiny = f90 > 0 || any(f0), smooth = alpha < SHADER_SMOOTH_ALPHA;
-    memcpy(smooth ? out->mirror0 : out->f0, f0, sizeof f0);
-    *(smooth ? &out->mirror90 : &out->f90) = f90;
+    for (int c = 0; c < 3; ++c) {
+        out->diffuse[c] = base * (1 - m->transmission) * m->base_color[c];
+        out->cross[c] = base * m->transmission * m->base_color[c];
+        out->emission[c] = limited(m->emissive_strength * m->emissive[c]);
+        out->albedo[c] = fminf(x.f0[c] + (out->diffuse[c] + out->cross[c]) * (1 - out->layer0), 1);
+    }
+    memcpy(smooth ? out->mirror0 : out->f0, x.f0, sizeof x.f0);
+    *(smooth ? &out->mirror90 : &out->f90) = x.f90;
     out->alpha = smooth ? SHADER_SMOOTH_ALPHA : alpha;
     out->lobes = (any(out->diffuse) ? SHADER_DIFFUSE : 0u) | (out->layer90 > 0 ? SHADER_LAYER : 0u) |
                  (shiny && !smooth ? SHADER_GGX : 0u) | (shiny && smooth ? SHADER_MIRROR : 0u);
+    out->lobes |= crossing_lobe(m, alpha, out);
+    prepare_absorption(m, out);
+    if (m->multiscatter) prepare_even(m, &x, alpha, out);
     out->opacity = m->opacity;
 }
 
 void shader_prepare(const fathom_material *m, shader *out) {
-    *out = (shader){.model = m->model, .opacity = 1, .alpha = 1, .ior = 1};
+    *out = (shader){.model = m->model, .opacity = 1, .alpha = 1, .ior = 1, .eta = 1};
     switch (m->model) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;
     case FATHOM_MODEL_METALLIC_ROUGHNESS: prepare_metallic(m, out); break;

@@ -8,10 +8,31 @@
  * horizon. Light is reflected where l·n > 0 and l·ng > 0, and crosses the surface where both are < 0; any
  * other direction carries nothing, in evaluate() and in sample(). Smooth meshes stand for round surfaces:
  * there n alone judges. Smooth lobes follow MODEL.md, which scatters them about the geometric normal where
- * the shading normal would send them through the surface. */
+ * the shading normal would send them through the surface.
+ *
+ * metallicRoughness. With m = metallic, c = baseColor, s = specular, T = transmission, F0 = s min(1, ((ior -
+ * 1) / (ior + 1))^2 specularColor), h the half vector, S(f0, f90) = f0 + (f90 - f0) (1 - v·h)^5, L = S of the
+ * largest channel of F0 and of s, D GGX, G2 height-correlated Smith:
+ *
+ *   f = (m S(c, 1) + (1 - m) S(F0, s)) D G2 / (4 n·v n·l) + (1 - m) (1 - L) c ((1 - T) / pi + T t)
+ *
+ * t transmits. thickness 0 is a thin wall: t is the reflecting D G2 / (4 n·v n·l) of l mirrored to the
+ * viewer's side. thickness > 0 bounds a solid: t is Walter et al.'s (2007) refraction, radiance being divided
+ * by the squared ratio of indices. In the denser medium, S takes the angle of the other side, and total
+ * reflection has S = f90. Lobes whose facets turn transmitted light by less than 2^-13 radians (alpha |ior -
+ * 1|) transmit smoothly.
+ *
+ * `multiscatter` gives back what leaves the facets after more scatterings (Kulla & Conty 2017), reciprocally.
+ * With E(mu) the albedo of D G2 / (4…) and <> the mean over the cosine: metal and dielectric get
+ * Q (1 - E(n·v)) (1 - E(n·l)) / (pi <1 - E>), Q = <S>^2 <E> / (1 - <S> (1 - <E>)) and <S> = f0 + (f90 - f0) /
+ * 21; thin walls transmit (1 - m) T c (1 - Q) of the same. The base below gets, in place of 1 - L, (1 -
+ * R(n·v)) (1 - R(n·l)) / <1 - R>, R the dielectric's albedo with all its scatterings. So white materials that
+ * are no rough solids reflect and transmit everything. Refraction through rough solids gets nothing back, and
+ * the base is as without `multiscatter` for a viewer inside. */
 #ifndef MATERIAL_SHADER_H
 #define MATERIAL_SHADER_H
 
+#include "material/energy.h"
 #include "scene/scene.h"
 #include "surface/surface.h"
 
@@ -29,14 +50,21 @@ typedef struct shader {
     float opacity;       /* chance that a ray meets the surface at all */
     bool transmits;      /* some lobe sends light to the other side */
     /* The members below are the kernels' own. */
-    uint32_t lobes;                              /* SHADER_ bits */
-    float diffuse[3];                            /* Lambert's reflectance */
-    float highlight[3], shininess;               /* classic */
-    float k_r[3], k_t[3], ior;                   /* classic */
-    uint32_t phong, blinn, fresnel, from_behind; /* all ones or 0 */
-    float alpha, f0[3], f90;                     /* of the GGX lobe, dielectric and metal mixed */
-    float mirror0[3], mirror90;                  /* the same where the lobe is a mirror */
-    float layer0, layer90; /* the same of the dielectric alone: what it reflects does not reach the base */
+    uint32_t lobes;                 /* SHADER_ bits */
+    float diffuse[3];               /* Lambert's reflectance; with SHADER_EVEN over the mean of `under` */
+    float highlight[3], shininess;  /* classic */
+    float k_r[3], k_t[3], ior;      /* classic */
+    uint32_t blinn, fresnel;        /* all ones or 0; highlights are Phong's or Blinn's */
+    uint32_t from_behind, even;     /* the same; even: with SHADER_EVEN */
+    float alpha, f0[3], f90;        /* of the GGX lobe, dielectric and metal mixed */
+    float mirror0[3], mirror90;     /* the same where the lobe is a mirror */
+    float layer0, layer90;          /* of the dielectric alone: what it reflects does not reach the base */
+    float cross[3];                 /* transmittance of the base */
+    float eta;                      /* inside over outside; 1: a thin wall */
+    float again[3], again_cross[3]; /* factors of light that scatters more than once between facets */
+    float missing_share;            /* of `missing`, what is reflected */
+    float missing[ENERGY_NODES];    /* 1 - E(mu): what the first scattering leaves */
+    float under[ENERGY_NODES];      /* 1 - R(mu): what the layer lets through to the base */
 } shader;
 
 enum {
@@ -46,24 +74,43 @@ enum {
     SHADER_GGX = 1u << 3,       /* rough reflection */
     SHADER_MIRROR = 1u << 4,    /* the same with an alpha below SHADER_SMOOTH_ALPHA */
     SHADER_CLASSIC = 1u << 5,   /* k_r or k_t */
+    SHADER_THIN = 1u << 6,      /* rough transmission through a thin wall */
+    SHADER_REFRACT = 1u << 7,   /* rough refraction */
+    SHADER_PASS = 1u << 8,      /* smooth transmission of either kind */
+    SHADER_SOLID = 1u << 9,     /* inside and outside have different indices */
+    SHADER_EVEN = 1u << 10,     /* scattering between facets is given back */
+    SHADER_BEHIND = 1u << 11,   /* classic: lit from behind */
 };
 
 void shader_prepare(const fathom_material *material, shader *out);
 
 /* Lobes that sample() chooses from. */
-enum { SHADER_TAKE_DIFFUSE, SHADER_TAKE_ROUGH, SHADER_TAKE_MIRROR, SHADER_TAKE_REFRACT, SHADER_TAKES };
+enum {
+    SHADER_TAKE_DIFFUSE, /* by the cosine */
+    SHADER_TAKE_BEHIND,  /* the same on the other side */
+    SHADER_TAKE_HIGHLIGHT,
+    SHADER_TAKE_GGX,
+    SHADER_TAKE_CROSS, /* rough transmission */
+    SHADER_TAKE_MIRROR,
+    SHADER_TAKE_PASS, /* smooth transmission */
+    SHADER_TAKES
+};
 
 /* The BSDFs of a block of points: what evaluate() and sample() need of the materials and the viewer. */
 typedef struct shader_block {
     _Alignas(64) lanes3 t; /* with b and n a right-handed frame */
     lanes3 b, n;
-    lanes3 v;                         /* towards the viewer, in that frame; v[2] > 0 */
-    float take[SHADER_TAKES][LANES];  /* chances of the lobes */
-    lanes3 diffuse, highlight, f0;    /* of the materials */
-    lanes3 mirror_share, cross_share; /* of the smooth lobes */
-    lanes3 mirror, cross;             /* their directions, in the world */
+    lanes3 v;                        /* towards the viewer, in that frame; v[2] > 0 */
+    float take[SHADER_TAKES][LANES]; /* chances of the lobes */
+    const shader *at[LANES];
+    /* Of the materials; those that only lobes of no lane read are not set. */
+    lanes3 diffuse, highlight, f0, cross, again, again_cross;
+    lanes3 mirror_share, pass_share; /* of the smooth lobes */
+    lanes3 mirror, pass;             /* their directions, in the world */
     float shininess[LANES], alpha[LANES], f90[LANES], layer0[LANES], layer90[LANES];
-    uint32_t phong[LANES], blinn[LANES], from_behind[LANES];
+    float eta[LANES];                   /* of the side that the viewer is not on over that of the viewer */
+    float missing[LANES], under[LANES]; /* at the viewer's cosine */
+    uint32_t blinn[LANES], from_behind[LANES], even[LANES];
     uint32_t lobes; /* of all lanes */
 } shader_block;
 

@@ -136,6 +136,18 @@ static const fathom_parameter metallic_rows[] = {
      .help = "Factor of what the dielectric reflects."},
     {"specular_color", F32, MATERIAL(specular_color), SOFT, 0, 1e6, 1, "R,G,B", "Surface",
      .help = "Colour of what the dielectric reflects head on; with `ior` at most 1 of the light.", .count = 3},
+    {"transmission", F32, MATERIAL(transmission), HARD, 0, 1, 0, NULL, "Surface",
+     .help = "Share of the dielectric's base that lets light through, coloured by `baseColor`."},
+    {"thickness", F32, MATERIAL(thickness), SOFT, 0, RADIANCE, 0, NULL, "Surface",
+     .help = "Above 0: the surface bounds a volume, and light refracts; 0: it is a thin wall. The number itself does not matter."},
+    {"attenuation_color", F32, MATERIAL(attenuation_color), SOFT, 0, 1, 1, "R,G,B", "Surface",
+     .help = "What is left of white light after `attenuationDistance` in the volume.", .count = 3},
+    {"attenuation_distance", F32, MATERIAL(attenuation_distance), SOFT, 0, RADIANCE, 0, NULL, "Surface",
+     .help = "Distance of `attenuationColor`; 0: nothing is absorbed."},
+    {"opacity", F32, MATERIAL(opacity), HARD, 0, 1, 1, NULL, "Surface",
+     .help = "Share of the rays that meet the surface; the others pass."},
+    {"multiscatter", BOOL, MATERIAL(multiscatter), HARD, 0, 1, true, NULL, "Surface",
+     .help = "Gives back what rough surfaces lose to light that scatters between their facets; without it, glTF's formulas alone."},
 };
 /* clang-format on */
 

@@ -1,55 +1,81 @@
 /* BSDFs under path tracing: blocks, values and densities, and sampled directions. */
-#include "material/shader.h"
-#include "base/kernel.h"
 #include "material/kernels/glass.h"
-#include "material/kernels/highlight.h"
-#include "math/limit.h"
+#include "material/kernels/lobes.h"
 #include "math/turn.h"
-
-#include <math.h>
-
-#define PI 3.14159265f
 
 static inline float mean(const lanes3 x, int i) { return (x[0][i] + x[1][i] + x[2][i]) * (1 / 3.0f); }
 
-static inline float power5(float x) {
-    float x2 = x * x;
-    return x2 * x2 * x;
-}
-
 /* ---- the block ---- */
 
-static inline void set_lane(const shader *m, int i, shader_block *out) {
-    for (int c = 0; c < 3; ++c) {
-        out->diffuse[c][i] = m->diffuse[c];
-        out->highlight[c][i] = m->highlight[c];
-        out->f0[c][i] = m->f0[c];
-    }
-    out->shininess[i] = m->shininess;
+static inline void set_colour(const float from[3], int i, float (*restrict to)[LANES]) {
+    for (int c = 0; c < 3; ++c) to[c][i] = from[c];
+}
+
+static inline void set_lane(const shader *m, int i, shader_block *restrict out) {
+    set_colour(m->diffuse, i, out->diffuse);
+    set_colour(m->f0, i, out->f0);
     out->alpha[i] = m->alpha;
     out->f90[i] = m->f90;
     out->layer0[i] = m->layer0;
     out->layer90[i] = m->layer90;
-    out->phong[i] = m->phong;
-    out->blinn[i] = m->blinn;
     out->from_behind[i] = m->from_behind;
 }
 
-/* Most blocks see one material: a loop over lanes that copies the same numbers vectorises. */
-static void set_materials(const shader *table, const surface_block *s, shader_block *restrict out) {
-    uint32_t differ = 0;
-    for (int i = 1; i < LANES; ++i) differ |= s->material[i] ^ s->material[0];
-    if (differ) {
-        out->lobes = 0;
-        for (int i = 0; i < LANES; ++i) {
-            out->lobes |= table[s->material[i]].lobes;
-            set_lane(&table[s->material[i]], i, out);
-        }
-    } else {
-        const shader m = table[s->material[0]];
-        out->lobes = m.lobes;
-        for (int i = 0; i < LANES; ++i) set_lane(&m, i, out);
+static inline void set_highlight(const shader *m, int i, shader_block *restrict out) {
+    set_colour(m->highlight, i, out->highlight);
+    out->shininess[i] = m->shininess;
+    out->blinn[i] = m->blinn;
+}
+
+static inline void set_again(const shader *m, int i, shader_block *restrict out) {
+    set_colour(m->again, i, out->again);
+    set_colour(m->again_cross, i, out->again_cross);
+}
+
+/* A viewer inside a solid sees its base as without what scatters again. */
+static inline void set_cross(const shader *m, int i, uint32_t entering, shader_block *restrict out) {
+    set_colour(m->cross, i, out->cross);
+    out->eta[i] = chosen(entering, m->eta, 1 / m->eta);
+    out->even[i] = m->even & (out->eta[i] == m->eta ? ~0u : 0);
+}
+
+#define CROSSING (SHADER_THIN | SHADER_REFRACT | SHADER_PASS | SHADER_SOLID)
+
+/* What the lobes of the block read. Most blocks see one material: loops over lanes that copy the same numbers
+ * vectorise. */
+static inline void set_parts(const surface_block *s, const shader *const at[LANES], uint32_t lobes,
+                             shader_block *restrict out) {
+    for (int i = 0; i < LANES; ++i) set_lane(at[i], i, out);
+    if (lobes & SHADER_HIGHLIGHT) {
+        for (int i = 0; i < LANES; ++i) set_highlight(at[i], i, out);
     }
+    if (lobes & SHADER_EVEN) {
+        for (int i = 0; i < LANES; ++i) set_again(at[i], i, out);
+    }
+    if (lobes & CROSSING) {
+        for (int i = 0; i < LANES; ++i) set_cross(at[i], i, s->entering[i], out);
+    } else {
+        for (int i = 0; i < LANES; ++i) out->eta[i] = 1, out->even[i] = at[i]->even;
+    }
+}
+
+static void set_materials(const shader *table, const surface_block *s, shader_block *restrict out) {
+    uint32_t lobes = 0, differ = 0;
+    for (int i = 0; i < LANES; ++i) {
+        out->at[i] = &table[s->material[i]];
+        differ |= s->material[i] ^ s->material[0];
+    }
+    if (differ) {
+        const shader *at[LANES];
+        for (int i = 0; i < LANES; ++i) at[i] = out->at[i], lobes |= at[i]->lobes;
+        set_parts(s, at, lobes, out);
+    } else {
+        const shader *m = out->at[0];
+        const shader *const at[LANES] = {m, m, m, m, m, m, m, m, m, m, m, m, m, m, m, m};
+        lobes = m->lobes;
+        set_parts(s, at, lobes, out);
+    }
+    out->lobes = lobes;
 }
 
 /* Two axes across n (Duff et al., JCGT 2017). */
@@ -76,151 +102,91 @@ static void set_frames(const surface_block *s, shader_block *restrict out) {
     }
 }
 
-/* Directions and shares of the smooth lobes. */
-static void set_smooth(const shader *table, const surface_block *s, shader_block *out) {
+/* Glass of the classic model: as MODEL.md has it. */
+static void set_classic(const surface_block *s, int i, shader_block *out) {
+    const shader *m = out->at[i];
+    const glass g = {
+        {m->k_r[0], m->k_r[1], m->k_r[2]}, {m->k_t[0], m->k_t[1], m->k_t[2]}, m->ior, m->fresnel};
+    glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
+}
+
+/* A facet that lies in the surface. Rough surfaces that transmit smoothly let through what their layer does
+ * not reflect in all. */
+static void set_flat(const surface_block *s, int i, shader_block *out) {
+    const shader *m = out->at[i];
+    const glass g = {.k_r = {1, 1, 1}, .k_t = {1, 1, 1}, .ior = m->eta};
+    const float eta = out->eta[i], rise = schlick(out->v[2][i], eta);
+    const bool rough = m->lobes & SHADER_GGX;
+    float open = 1 - layer_share(out, i, rise);
+    if (rough && out->even[i]) open = out->under[i];
+    glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
+    for (int c = 0; c < 3; ++c) {
+        const bool total = !(out->pass_share[c][i] > 0);
+        out->mirror_share[c][i] = m->mirror0[c] + (m->mirror90 - m->mirror0[c]) * rise;
+        out->pass_share[c][i] = m->lobes & SHADER_PASS && !total ? m->cross[c] * open / (eta * eta) : 0;
+        if (eta == 1) out->pass[c][i] = -s->v[c][i];
+    }
+}
+
+static void set_smooth(const surface_block *s, shader_block *out) {
     memset(out->mirror_share, 0, sizeof out->mirror_share);
-    memset(out->cross_share, 0, sizeof out->cross_share);
-    if (!(out->lobes & (SHADER_CLASSIC | SHADER_MIRROR))) return;
+    memset(out->pass_share, 0, sizeof out->pass_share);
+    if (!(out->lobes & (SHADER_CLASSIC | SHADER_MIRROR | SHADER_PASS))) return;
     for (int i = 0; i < LANES; ++i) {
-        const shader *m = &table[s->material[i]];
-        glass g = {{m->k_r[0], m->k_r[1], m->k_r[2]}, {m->k_t[0], m->k_t[1], m->k_t[2]}, m->ior, m->fresnel};
-        if (m->lobes & SHADER_MIRROR) {
-            float rise = power5(1 - fminf(out->v[2][i], 1));
-            for (int c = 0; c < 3; ++c) g.k_r[c] = m->mirror0[c] + (m->mirror90 - m->mirror0[c]) * rise;
+        if (out->at[i]->lobes & SHADER_CLASSIC) set_classic(s, i, out);
+        if (out->at[i]->lobes & (SHADER_MIRROR | SHADER_PASS)) set_flat(s, i, out);
+    }
+}
+
+/* About what each lobe sends to the viewer. None that carries light has a chance of 0, and rough transmission
+ * keeps a tenth of its own where a facet along the surface would send nothing through. */
+static void weigh_lobes(shader_block *restrict out) {
+    for (int k = 0; k < SHADER_TAKES; ++k) {
+        for (int i = 0; i < LANES; ++i) out->take[k][i] = 0;
+    }
+    for (int i = 0; i < LANES; ++i) {
+        float d = mean(out->diffuse, i), open = chosen(out->even[i], out->under[i], 1);
+        out->take[SHADER_TAKE_DIFFUSE][i] = d * (open > 0.1f ? open : 0.1f);
+        out->take[SHADER_TAKE_BEHIND][i] = chosen(out->from_behind[i], d, 0);
+        float f0 = mean(out->f0, i), rise = schlick(out->v[2][i], out->eta[i]);
+        out->take[SHADER_TAKE_GGX][i] = f0 + (out->f90[i] - f0) * rise;
+    }
+    if (out->lobes & SHADER_HIGHLIGHT) {
+        for (int i = 0; i < LANES; ++i) {
+            float n = out->shininess[i], spread = chosen(out->blinn[i], 8 / (n + 8), 2 / (n + 2));
+            out->take[SHADER_TAKE_HIGHLIGHT][i] = mean(out->highlight, i) * spread;
         }
-        glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->cross, out->cross_share);
     }
-}
-
-/* About what the rough lobe reflects: all lobes must be able to find what they carry, so none of them gets
- * less than its share of the reflectance. */
-static inline float rough_weight(const shader_block *b, int i) {
-    float rise = power5(1 - fminf(b->v[2][i], 1)), n = b->shininess[i];
-    float spread = chosen(b->phong[i], 2 / (n + 2), chosen(b->blinn[i], 8 / (n + 8), 0));
-    float f0 = mean(b->f0, i);
-    return mean(b->highlight, i) * spread + f0 + (b->f90[i] - f0) * rise;
-}
-
-static void set_chances(shader_block *restrict out) {
+    if (out->lobes & SHADER_EVEN) {
+        for (int i = 0; i < LANES; ++i) {
+            out->take[SHADER_TAKE_DIFFUSE][i] += out->at[i]->missing_share * out->missing[i];
+            out->take[SHADER_TAKE_BEHIND][i] += out->at[i]->again_cross[1] > 0 ? out->missing[i] : 0;
+        }
+    }
+    if (out->lobes & (SHADER_THIN | SHADER_REFRACT)) {
+        for (int i = 0; i < LANES; ++i) {
+            float open = 1 - layer_share(out, i, schlick(out->v[2][i], out->eta[i]));
+            uint32_t rough = out->at[i]->lobes & (SHADER_THIN | SHADER_REFRACT) ? ~0u : 0;
+            out->take[SHADER_TAKE_CROSS][i] = chosen(rough, mean(out->cross, i) * fmaxf(open, 0.1f), 0);
+        }
+    }
     for (int i = 0; i < LANES; ++i) {
-        float behind = chosen(out->from_behind[i], mean(out->highlight, i), 0);
-        out->take[SHADER_TAKE_DIFFUSE][i] = mean(out->diffuse, i) + behind;
-        out->take[SHADER_TAKE_ROUGH][i] = rough_weight(out, i);
         out->take[SHADER_TAKE_MIRROR][i] = mean(out->mirror_share, i);
-        out->take[SHADER_TAKE_REFRACT][i] = mean(out->cross_share, i);
-    }
-    for (int i = 0; i < LANES; ++i) {
-        float sum = 0x1p-126f;
-        for (int k = 0; k < SHADER_TAKES; ++k) sum += out->take[k][i];
-        for (int k = 0; k < SHADER_TAKES; ++k) out->take[k][i] /= sum;
+        out->take[SHADER_TAKE_PASS][i] = mean(out->pass_share, i) * out->eta[i] * out->eta[i];
     }
 }
 
 static void make(const shader *table, const surface_block *s, shader_block *out) {
     set_materials(table, s, out);
     set_frames(s, out);
-    set_smooth(table, s, out);
-    set_chances(out);
-}
-
-/* ---- light from one direction ---- */
-
-typedef struct incidence {
-    _Alignas(64) lanes3 l;                   /* in the block's frame */
-    uint32_t reflected[LANES], cross[LANES]; /* all ones: l is on the viewer's side, or on the other */
-} incidence;
-
-static void judge_sides(const surface_block *s, const shader_block *b, const lanes3 l,
-                        incidence *restrict out) {
+    for (int i = 0; i < LANES; ++i) out->missing[i] = out->under[i] = 0;
+    if (out->lobes & SHADER_EVEN) read_curves(out, out->v[2], out->missing, out->under);
+    set_smooth(s, out);
+    weigh_lobes(out);
     for (int i = 0; i < LANES; ++i) {
-        float x = 0, y = 0, z = 0, side = 0;
-        for (int c = 0; c < 3; ++c) {
-            x += b->t[c][i] * l[c][i], y += b->b[c][i] * l[c][i], z += b->n[c][i] * l[c][i];
-            side += s->ng[c][i] * l[c][i];
-        }
-        side = chosen(s->smooth[i], z, side);
-        out->l[0][i] = x, out->l[1][i] = y, out->l[2][i] = z;
-        out->reflected[i] = (z > 0 ? ~0u : 0) & (side > 0 ? ~0u : 0);
-        out->cross[i] = (z < 0 ? ~0u : 0) & (side < 0 ? ~0u : 0);
-    }
-}
-
-/* The half vector, and Schlick's (1 - v·h)^5. Opposite directions have none, and get the normal. */
-static void set_half(const shader_block *b, const incidence *at, lanes3 h, float *restrict rise) {
-    for (int i = 0; i < LANES; ++i) {
-        float x = b->v[0][i] + at->l[0][i], y = b->v[1][i] + at->l[1][i], z = b->v[2][i] + at->l[2][i];
-        float square = x * x + y * y + z * z, unit = 1 / sqrtf(square > 0x1p-60f ? square : 0x1p-60f);
-        h[0][i] = x * unit, h[1][i] = y * unit, h[2][i] = z * unit;
-        float cosine = b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
-        cosine = cosine < 1 ? (cosine > 0 ? cosine : 0) : 1;
-        rise[i] = power5(1 - cosine);
-    }
-}
-
-/* sqrt(cos^2 + alpha^2 sin^2): Smith's masking is G1 = 2 cos / (cos + it), and of both directions together
- * G2 / (4 cos cos') = 1 / (2 (cos it' + cos' it)) (Heitz 2014). */
-static inline float smith(float a2, float x, float y, float z) { return sqrtf(a2 * (x * x + y * y) + z * z); }
-
-/* Trowbridge & Reitz's distribution, from the sine of h, which keeps its digits where alpha is small. */
-static inline float ggx(float a2, float hx, float hy, float hz) {
-    float t = hx * hx + hy * hy + a2 * (hz * hz);
-    return a2 / (PI * t * t);
-}
-
-static void add_ggx(const shader_block *b, const incidence *at, const lanes3 h, const float rise[LANES],
-                    float (*restrict f)[LANES], float *restrict density) {
-    for (int i = 0; i < LANES; ++i) {
-        float a2 = b->alpha[i] * b->alpha[i], z = b->v[2][i], lz = at->l[2][i];
-        float to = smith(a2, b->v[0][i], b->v[1][i], z), from = smith(a2, at->l[0][i], at->l[1][i], lz);
-        float d = ggx(a2, h[0][i], h[1][i], h[2][i]);
-        float value = chosen(at->reflected[i], d * lz / (2 * (z * from + lz * to)), 0);
-        for (int c = 0; c < 3; ++c) f[c][i] += (b->f0[c][i] + (b->f90[i] - b->f0[c][i]) * rise[i]) * value;
-        float chance = chosen(b->phong[i] | b->blinn[i], 0, b->take[SHADER_TAKE_ROUGH][i]);
-        density[i] += chosen(at->reflected[i], chance * d / (2 * (z + to)), 0);
-    }
-}
-
-/* Lambert's lobe under what the dielectric layer leaves. */
-static void add_diffuse(const shader_block *b, const incidence *at, const float rise[LANES],
-                        float (*restrict f)[LANES], float *restrict density) {
-    for (int i = 0; i < LANES; ++i) {
-        uint32_t lit = at->reflected[i] | (at->cross[i] & b->from_behind[i]);
-        float cosine = chosen(lit, fabsf(at->l[2][i]) * (1 / PI), 0);
-        float left = 1 - (b->layer0[i] + (b->layer90[i] - b->layer0[i]) * rise[i]);
-        for (int c = 0; c < 3; ++c) f[c][i] += b->diffuse[c][i] * left * cosine;
-        density[i] += b->take[SHADER_TAKE_DIFFUSE][i] * chosen(b->from_behind[i], 0.5f, 1) * cosine;
-    }
-}
-
-/* Phong's lobe is sampled by (n+1)/2pi (r·l)^n about the mirrored viewer, Blinn's by the same of the half
- * vector, whose solid angle is 1 / (4 v·h) of the direction's. */
-static void add_highlight(const surface_block *s, const shader_block *b, const incidence *at, const lanes3 l,
-                          const lanes3 h, float (*restrict f)[LANES], float *restrict density) {
-    float rho[LANES] = {0};
-    highlight(b->n, s->v, b->phong, b->blinn, b->shininess, l, at->l[2], rho);
-    for (int i = 0; i < LANES; ++i) {
-        uint32_t lit = at->reflected[i] | (at->cross[i] & b->from_behind[i]);
-        float value = chosen(lit, rho[i] * (1 / PI) * fabsf(at->l[2][i]), 0);
-        for (int c = 0; c < 3; ++c) f[c][i] += b->highlight[c][i] * value;
-        float cosine = b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
-        float wide = chosen(b->blinn[i], 4 * (cosine > 0x1p-23f ? cosine : 0x1p-23f), 1);
-        float d = rho[i] * (b->shininess[i] + 1) / (2 * PI * wide);
-        uint32_t has = lit & (b->phong[i] | b->blinn[i]);
-        density[i] += chosen(has, b->take[SHADER_TAKE_ROUGH][i] * d, 0);
-    }
-}
-
-static void add_lobes(const surface_block *s, const shader_block *b, const lanes3 l, const incidence *at,
-                      float (*restrict f)[LANES], float *restrict density) {
-    lanes3 h = {{0}};
-    float rise[LANES] = {0};
-    for (int i = 0; i < LANES; ++i) f[0][i] = f[1][i] = f[2][i] = density[i] = 0;
-    if (b->lobes & (SHADER_LAYER | SHADER_GGX | SHADER_HIGHLIGHT)) set_half(b, at, h, rise);
-    if (b->lobes & (SHADER_DIFFUSE | SHADER_HIGHLIGHT)) add_diffuse(b, at, rise, f, density);
-    if (b->lobes & SHADER_HIGHLIGHT) add_highlight(s, b, at, l, h, f, density);
-    if (b->lobes & SHADER_GGX) add_ggx(b, at, h, rise, f, density);
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) f[c][i] = limited(f[c][i]);
+        float sum = 0x1p-126f;
+        for (int k = 0; k < SHADER_TAKES; ++k) sum += out->take[k][i];
+        for (int k = 0; k < SHADER_TAKES; ++k) out->take[k][i] /= sum;
     }
 }
 
@@ -233,38 +199,30 @@ static void evaluate(const surface_block *s, const shader_block *b, const lanes3
 
 /* ---- sampling ---- */
 
-/* The lobe whose part of [0,1) holds u, and where in that part it is. Where rounding leaves u beyond all
- * parts, the last lobe is taken. */
-static void choose_lobes(const shader_block *b, const float u[LANES], uint32_t *restrict lobe,
-                         float *restrict within) {
+/* The lobe whose part of [0,1) holds u. Where rounding leaves u beyond all parts, the last lobe is taken. */
+static void choose_lobes(const shader_block *b, const float u[LANES], uint32_t *restrict lobe) {
     for (int i = 0; i < LANES; ++i) {
-        float end = 0, from = 0, chance = 1;
+        float end = 0;
         uint32_t found = SHADER_TAKES;
         for (uint32_t k = 0; k < SHADER_TAKES; ++k) {
             float start = end, p = b->take[k][i];
             end += p;
-            uint32_t open = (found == SHADER_TAKES || u[i] >= start) && p > 0 ? ~0u : 0;
+            uint32_t open = ((found == SHADER_TAKES) | (u[i] >= start)) & (p > 0) ? ~0u : 0;
             found = (k & open) | (found & ~open);
-            from = chosen(open, start, from);
-            chance = chosen(open, p, chance);
         }
-        float part = (u[i] - from) / chance;
         lobe[i] = found;
-        within[i] = part < 0x1.fffffep-1f ? part : 0x1.fffffep-1f;
     }
 }
 
 static inline float root(float x) { return sqrtf(x > 0 ? x : 0); }
 
-/* By the cosine; half of them behind, where light from there counts. */
-static void sample_diffuse(const shader_block *b, const lanes3 u, const float within[LANES],
-                           float (*restrict l)[LANES]) {
+/* By the cosine. */
+static void sample_cosine(const uint32_t lobe[LANES], const lanes3 u, float (*restrict l)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
-        float r = sqrtf(u[0][i]), cosine, sine;
+        float r = sqrtf(u[0][i]), z = root(1 - u[0][i]), cosine, sine;
         turn_by(u[1][i], &cosine, &sine);
-        uint32_t behind = (within[i] >= 0.5f ? ~0u : 0) & b->from_behind[i];
-        float z = root(1 - u[0][i]);
-        l[0][i] = r * cosine, l[1][i] = r * sine, l[2][i] = chosen(behind, -z, z);
+        l[0][i] = r * cosine, l[1][i] = r * sine;
+        l[2][i] = chosen(lobe[i] == SHADER_TAKE_BEHIND ? ~0u : 0, -z, z);
     }
 }
 
@@ -278,7 +236,7 @@ static inline void mirror_about(const shader_block *b, int i, float x, float y, 
 /* Visible normals by spherical caps (Dupuy & Benyoub 2023). In the space where the distribution is a
  * hemisphere, h = cap + v with the cap's z + v.z = (1-u)(1+v.z); sines come from what is left of 1, not from
  * squares that cancel. */
-static void sample_ggx(const shader_block *b, const lanes3 u, float (*restrict l)[LANES]) {
+static void sample_facets(const shader_block *b, const lanes3 u, float (*restrict h)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         float alpha = b->alpha[i], cosine, sine;
         float x = alpha * b->v[0][i], y = alpha * b->v[1][i], z = b->v[2][i];
@@ -291,7 +249,25 @@ static void sample_ggx(const shader_block *b, const lanes3 u, float (*restrict l
         float hx = alpha * (x + r * cosine), hy = alpha * (y + r * sine);
         float square = hx * hx + hy * hy + up * up;
         float scale = 1 / sqrtf(square > 0x1p-120f ? square : 0x1p-120f);
-        mirror_about(b, i, hx * scale, hy * scale, up * scale, l);
+        h[0][i] = hx * scale, h[1][i] = hy * scale, h[2][i] = up * scale;
+    }
+}
+
+/* Through a thin wall: the mirrored direction, mirrored again by the wall. Through a solid: by Snell's law
+ * about the facet; straight back where it reflects all, which no density has. */
+static void sample_cross(const shader_block *b, const lanes3 h, float (*restrict l)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        float inverse = 1 / b->eta[i];
+        float cosine = b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
+        float far2 = 1 - (1 - cosine) * (1 + cosine) * (inverse * inverse), far = root(far2);
+        float thin = 2 * cosine, solid = cosine * inverse - far;
+        uint32_t wall = b->eta[i] == 1 ? ~0u : 0, total = far2 > 0 ? 0 : ~0u;
+        float of_h = chosen(wall, thin, solid), of_v = chosen(wall, 1, inverse);
+        for (int c = 0; c < 3; ++c) {
+            float d = of_h * h[c][i] - of_v * b->v[c][i];
+            l[c][i] = chosen(total & ~wall, b->v[c][i], d);
+        }
+        l[2][i] = chosen(wall, -l[2][i], l[2][i]);
     }
 }
 
@@ -314,39 +290,40 @@ static void sample_highlight(const shader_block *b, const lanes3 u, float (*rest
         float mx = -b->v[0][i], my = -b->v[1][i], mz = b->v[2][i];
         across(mx, my, mz, t, a);
         mirror_about(b, i, x, y, z, l);
-        l[0][i] = chosen(b->phong[i], t[0] * x + a[0] * y + mx * z, l[0][i]);
-        l[1][i] = chosen(b->phong[i], t[1] * x + a[1] * y + my * z, l[1][i]);
-        l[2][i] = chosen(b->phong[i], t[2] * x + a[2] * y + mz * z, l[2][i]);
+        l[0][i] = chosen(b->blinn[i], l[0][i], t[0] * x + a[0] * y + mx * z);
+        l[1][i] = chosen(b->blinn[i], l[1][i], t[1] * x + a[1] * y + my * z);
+        l[2][i] = chosen(b->blinn[i], l[2][i], t[2] * x + a[2] * y + mz * z);
     }
 }
 
-static void take_lanes(const uint32_t take[LANES], const lanes3 from, float (*restrict to)[LANES]) {
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) to[c][i] = chosen(take[i], from[c][i], to[c][i]);
+static void take_lanes(const uint32_t lobe[LANES], uint32_t first, uint32_t last, const lanes3 from,
+                       float (*restrict to)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        uint32_t mask = (lobe[i] >= first) & (lobe[i] <= last) ? ~0u : 0;
+        for (int c = 0; c < 3; ++c) to[c][i] = chosen(mask, from[c][i], to[c][i]);
     }
 }
 
 /* In the block's frame; the normal, where no rough lobe is chosen. */
-static void sample_rough(const shader_block *b, const lanes3 u, const uint32_t lobe[LANES],
-                         const float within[LANES], lanes3 out) {
-    uint32_t mask[LANES];
-    lanes3 l;
+static void sample_rough(const shader_block *b, const lanes3 u, const uint32_t lobe[LANES], lanes3 out) {
+    lanes3 l, h;
+    const uint32_t lobes = b->lobes;
     for (int i = 0; i < LANES; ++i) out[0][i] = out[1][i] = 0, out[2][i] = 1;
-    if (b->lobes & (SHADER_DIFFUSE | SHADER_HIGHLIGHT)) {
-        for (int i = 0; i < LANES; ++i) mask[i] = lobe[i] == SHADER_TAKE_DIFFUSE ? ~0u : 0;
-        sample_diffuse(b, u, within, l);
-        take_lanes(mask, l, out);
+    if (lobes & (SHADER_DIFFUSE | SHADER_BEHIND | SHADER_EVEN)) {
+        sample_cosine(lobe, u, l);
+        take_lanes(lobe, SHADER_TAKE_DIFFUSE, SHADER_TAKE_BEHIND, l, out);
     }
-    for (int i = 0; i < LANES; ++i) mask[i] = lobe[i] == SHADER_TAKE_ROUGH ? ~0u : 0;
-    if (b->lobes & SHADER_GGX) {
-        sample_ggx(b, u, l);
-        take_lanes(mask, l, out);
-    }
-    if (b->lobes & SHADER_HIGHLIGHT) {
-        for (int i = 0; i < LANES; ++i) mask[i] &= b->phong[i] | b->blinn[i];
+    if (lobes & SHADER_HIGHLIGHT) {
         sample_highlight(b, u, l);
-        take_lanes(mask, l, out);
+        take_lanes(lobe, SHADER_TAKE_HIGHLIGHT, SHADER_TAKE_HIGHLIGHT, l, out);
     }
+    if (!(lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT))) return;
+    sample_facets(b, u, h);
+    for (int i = 0; i < LANES; ++i) mirror_about(b, i, h[0][i], h[1][i], h[2][i], l);
+    take_lanes(lobe, SHADER_TAKE_GGX, SHADER_TAKE_GGX, l, out);
+    if (!(lobes & (SHADER_THIN | SHADER_REFRACT))) return;
+    sample_cross(b, h, l);
+    take_lanes(lobe, SHADER_TAKE_CROSS, SHADER_TAKE_CROSS, l, out);
 }
 
 static void to_world(const shader_block *b, const lanes3 l, float (*restrict out)[LANES]) {
@@ -363,36 +340,45 @@ static void to_world(const shader_block *b, const lanes3 l, float (*restrict out
 
 static void take_smooth(const shader_block *b, const uint32_t lobe[LANES], shader_sample *out) {
     for (int i = 0; i < LANES; ++i) {
-        if (lobe[i] != SHADER_TAKE_MIRROR && lobe[i] != SHADER_TAKE_REFRACT) continue;
-        const bool cross = lobe[i] == SHADER_TAKE_REFRACT;
+        if (lobe[i] != SHADER_TAKE_MIRROR && lobe[i] != SHADER_TAKE_PASS) continue;
+        const bool cross = lobe[i] == SHADER_TAKE_PASS;
         const float chance = b->take[lobe[i]][i];
         for (int c = 0; c < 3; ++c) {
-            out->direction[c][i] = cross ? b->cross[c][i] : b->mirror[c][i];
-            out->weight[c][i] = limited((cross ? b->cross_share[c][i] : b->mirror_share[c][i]) / chance);
+            out->direction[c][i] = cross ? b->pass[c][i] : b->mirror[c][i];
+            out->weight[c][i] = limited((cross ? b->pass_share[c][i] : b->mirror_share[c][i]) / chance);
         }
         out->density[i] = INFINITY;
         out->through[i] = cross ? ~0u : 0;
     }
 }
 
+/* Whether the direction is on the side that its lobe is for; a facet's may not be, and other lobes' densities
+ * do not count for it. */
+static inline uint32_t meant(const incidence *at, uint32_t lobe, int i) {
+    uint32_t front = (lobe == SHADER_TAKE_DIFFUSE) | (lobe == SHADER_TAKE_GGX) ? ~0u : 0;
+    uint32_t back = (lobe == SHADER_TAKE_BEHIND) | (lobe == SHADER_TAKE_CROSS) ? ~0u : 0;
+    uint32_t any = lobe == SHADER_TAKE_HIGHLIGHT ? ~0u : 0;
+    return (front & at->reflected[i]) | (back & at->cross[i]) | any;
+}
+
 static void sample(const surface_block *s, const shader_block *b, const lanes3 u,
                    shader_sample *restrict out) {
     uint32_t lobe[LANES];
-    float within[LANES];
     lanes3 l;
     incidence at;
-    choose_lobes(b, u[2], lobe, within);
-    sample_rough(b, u, lobe, within, l);
+    choose_lobes(b, u[2], lobe);
+    sample_rough(b, u, lobe, l);
     to_world(b, l, out->direction);
     judge_sides(s, b, out->direction, &at);
     add_lobes(s, b, out->direction, &at, out->weight, out->density);
     for (int i = 0; i < LANES; ++i) {
-        uint32_t some = out->density[i] > 0 && lobe[i] < SHADER_TAKES ? ~0u : 0;
+        uint32_t some = (out->density[i] > 0 ? ~0u : 0) & meant(&at, lobe[i], i);
         float inverse = chosen(some, 1 / (out->density[i] + 0x1p-126f), 0);
+        out->density[i] = chosen(some, out->density[i], 0);
         for (int c = 0; c < 3; ++c) out->weight[c][i] = limited(out->weight[c][i] * inverse);
         out->through[i] = at.cross[i];
     }
-    if (b->lobes & (SHADER_CLASSIC | SHADER_MIRROR)) take_smooth(b, lobe, out);
+    if (b->lobes & (SHADER_CLASSIC | SHADER_MIRROR | SHADER_PASS)) take_smooth(b, lobe, out);
 }
 
 const shader_kernels KERNEL(shader_kernels) = {

@@ -1,0 +1,92 @@
+#include "material/energy.h"
+
+#include "material/shader.h"
+#include "math/turn.h"
+
+#include <math.h>
+#include <pthread.h>
+
+/* Curves at roughnesses (j / ROUGH_STEPS)^2; the first is a mirror's. */
+enum { ROUGH_STEPS = 72, AROUND = 12, ALONG = 32 };
+static float tables[ROUGH_STEPS + 1][2][ENERGY_NODES];
+
+static float cosine_at(int k) {
+    const float x = (float)k / ENERGY_STEPS, mu = x * x * (x * x);
+    return mu > 1e-6f ? mu : 1e-6f;
+}
+
+static float power5(float x) { return x * x * (x * x) * x; }
+
+/* A viewer in the plane y = 0, and the same unit vector where the facets are a hemisphere. */
+typedef struct viewer {
+    float x, z, stretched_x, stretched_z, alpha;
+    float smith; /* sqrt(cos^2 + alpha^2 sin^2) */
+} viewer;
+
+/* Adds G2/G1 of the directions that visible facets mirror, around the angle u, and the same times Schlick's
+ * factor. Facets are numbered as by Dupuy & Benyoub (2023), but evenly in q = sqrt(1 - u'), since G2/G1
+ * changes fast where q is small. The formulas are those of kernels/shader.c. */
+static void add_facets(const viewer *v, float u, float all[ALONG], float edge[ALONG]) {
+    float cosine, sine;
+    turn_by(u, &cosine, &sine);
+    for (int k = 0; k < ALONG; ++k) {
+        float q = ((float)k + 0.5f) / ALONG, up = q * q * (1 + v->stretched_z);
+        float below = v->stretched_x * v->stretched_x / (1 + v->stretched_z);
+        float square = (1 - q * q) * (1 + v->stretched_z) * (below + up);
+        float r = sqrtf(square > 0 ? square : 0);
+        float hx = v->alpha * (v->stretched_x + r * cosine), hy = v->alpha * r * sine;
+        float unit = 1 / sqrtf(hx * hx + hy * hy + up * up);
+        float along = (v->x * hx + v->z * up) * unit, z = 2 * along * up * unit - v->z;
+        float above = z > 0 ? z : 0, sine2 = 1 - above * above;
+        float s = sqrtf(above * above + v->alpha * v->alpha * (sine2 > 0 ? sine2 : 0));
+        float part = 2 * q * above * (v->z + v->smith) / (v->z * s + above * v->smith);
+        all[k] += part, edge[k] += part * power5(along < 1 ? 1 - along : 0);
+    }
+}
+
+/* By midpoints: the integrand goes to 0 at the horizon, so it has no steps. Both halves of the turn are the
+ * same. */
+static void albedo(float alpha, float mu, float *out_all, float *out_edge) {
+    viewer v = {.x = sqrtf((1 - mu) * (1 + mu)), .z = mu, .alpha = alpha};
+    v.smith = sqrtf(alpha * alpha * v.x * v.x + mu * mu);
+    v.stretched_x = alpha * v.x / v.smith, v.stretched_z = mu / v.smith;
+    float all[ALONG] = {0}, edge[ALONG] = {0}, sum = 0, rise = 0;
+    for (int j = 0; j < AROUND; ++j) add_facets(&v, 0.5f * ((float)j + 0.5f) / AROUND, all, edge);
+    for (int k = 0; k < ALONG; ++k) sum += all[k], rise += edge[k];
+    *out_all = sum / (AROUND * ALONG), *out_edge = rise / (AROUND * ALONG);
+}
+
+static void fill(void) {
+    for (int j = 0; j <= ROUGH_STEPS; ++j) {
+        const float y = (float)j / ROUGH_STEPS, alpha = y * y * (y * y);
+        for (int k = 0; k < ENERGY_NODES; ++k) {
+            tables[j][0][k] = 1, tables[j][1][k] = power5(1 - cosine_at(k));
+            if (alpha > 0.5f * SHADER_SMOOTH_ALPHA)
+                albedo(alpha, cosine_at(k), &tables[j][0][k], &tables[j][1][k]);
+        }
+    }
+}
+
+void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, fill);
+    const float x = alpha < SHADER_SMOOTH_ALPHA ? 0 : sqrtf(sqrtf(fminf(alpha, 1))) * ROUGH_STEPS;
+    const int j = x < ROUGH_STEPS - 1 ? (int)x : ROUGH_STEPS - 1;
+    const float t = x - (float)j;
+    for (int k = 0; k < ENERGY_NODES; ++k) {
+        all[k] = tables[j][0][k] + t * (tables[j + 1][0][k] - tables[j][0][k]);
+        edge[k] = tables[j][1][k] + t * (tables[j + 1][1][k] - tables[j][1][k]);
+    }
+}
+
+/* With mu = x^4: 8 ∫ f x^7 dx, exact for lines in x. */
+float energy_mean(const float curve[ENERGY_NODES]) {
+    double sum = 0;
+    for (int k = 0; k < ENERGY_STEPS; ++k) {
+        const double a = (double)k / ENERGY_STEPS, b = (k + 1.0) / ENERGY_STEPS;
+        const double eighth = (pow(b, 8) - pow(a, 8)) / 8, ninth = (pow(b, 9) - pow(a, 9)) / 9;
+        const double slope = ((double)curve[k + 1] - (double)curve[k]) * ENERGY_STEPS;
+        sum += (double)curve[k] * eighth + slope * (ninth - a * eighth);
+    }
+    return (float)(8 * sum);
+}

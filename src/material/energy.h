@@ -1,0 +1,17 @@
+/* How much of the light a rough surface's facets send back at their first scattering. */
+#ifndef MATERIAL_ENERGY_H
+#define MATERIAL_ENERGY_H
+
+/* Curves over the cosine mu are given at mu = (k / ENERGY_STEPS)^4, and are linear in its fourth root
+ * between. */
+enum { ENERGY_STEPS = 64, ENERGY_NODES = ENERGY_STEPS + 1 };
+
+/* Of the GGX lobe of this alpha: `all`, the albedo E(mu) for a reflectance of 1, and `edge`, for Schlick's
+ * (1 - v·h)^5. A reflectance f0 + (f90 - f0) (1 - v·h)^5 has the albedo f0 (all - edge) + f90 edge. Within
+ * 5e-4 for roughnesses from 0.03 on; below SHADER_SMOOTH_ALPHA those of a mirror. */
+void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]);
+
+/* The mean over a hemisphere, weighted by the cosine: 2 ∫ f mu dmu. */
+float energy_mean(const float curve[ENERGY_NODES]);
+
+#endif
