@@ -111,7 +111,7 @@ static json_t *pack_lights(const fathom_scene *scene) {
     for (size_t i = 0; i < scene->lights.count; ++i) ++counts[scene->lights.items[i].type];
     return json_of(JSON("point", counts[FATHOM_LIGHT_POINT]),
                    JSON("directional", counts[FATHOM_LIGHT_DIRECTIONAL]),
-                   JSON("spot", counts[FATHOM_LIGHT_SPOT]));
+                   JSON("spot", counts[FATHOM_LIGHT_SPOT]), JSON("environment", scene->environments.count));
 }
 
 static json_t *pack_bounds(const scene_bounds *b) {
@@ -172,6 +172,7 @@ static json_t *pack_features(const fathom_scene *scene) {
                     {lights[FATHOM_LIGHT_POINT], "point lights"},
                     {lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},
                     {lights[FATHOM_LIGHT_SPOT], "spot lights"},
+                    {scene->environments.count, "environments"},
                     {ambient[0] > 0 || ambient[1] > 0 || ambient[2] > 0, "ambient"},
                     {uses.phong, "Phong"},
                     {uses.blinn, "Blinn"},
@@ -218,7 +219,8 @@ static void look_for_problems(const fathom_scene *scene, const world *w, warning
     }
     const float *ambient = scene->ambient;
     const bool emits = materials_in_use(scene).bits & MATERIAL_EMIT;
-    if (!scene->lights.count && !emits && !(ambient[0] > 0 || ambient[1] > 0 || ambient[2] > 0))
+    if (!scene->lights.count && !scene->environments.count && !emits &&
+        !(ambient[0] > 0 || ambient[1] > 0 || ambient[2] > 0))
         warnings_keep(problems, "no light, no ambient light and nothing that emits: every surface is black");
 }
 

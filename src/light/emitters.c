@@ -5,11 +5,15 @@
 
 /* ---- the whole ---- */
 
-static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
+static bool from_outside(const emitters *e) {
+    double sum = e->background_chance;
+    for (uint32_t i = 0; i < e->sky_count; ++i) sum += e->skies[i].chance;
+    return sum > 0;
+}
 
 /* Each part that is there is asked for equally often. */
 static void share(emitters *e) {
-    const bool there[EMITTER_PARTS] = {e->finite_count > 0, any(e->background), e->sun_count > 0};
+    const bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
     int parts = 0;
     for (int k = 0; k < EMITTER_PARTS; ++k) parts += there[k];
     for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
@@ -22,6 +26,7 @@ fathom_status emitters_create(fathom_context *context, const world *w, emitters 
     e->w = w;
     memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = emitters_collect(context, e);
+    if (status == FATHOM_OK) status = emitters_open_skies(context, e);
     if (status != FATHOM_OK) {
         emitters_destroy(e);
         return status;
@@ -41,10 +46,16 @@ void emitters_destroy(emitters *e) {
     free(e->lamps);
     free(e->surfaces);
     free(e->suns);
+    for (uint32_t i = 0; i < e->sky_count; ++i) environment_destroy(e->skies[i].image);
+    free(e->skies);
     free(e);
 }
 
-bool emitters_none(const emitters *e) { return !e->finite_count && !e->sun_count && !any(e->background); }
+bool emitters_none(const emitters *e) {
+    double sum = 0;
+    for (int k = 0; k < EMITTER_PARTS; ++k) sum += e->chance[k];
+    return !(sum > 0);
+}
 
 /* ---- one lane ---- */
 
@@ -164,19 +175,44 @@ static void sample_sun(const emitters *e, double u, double v, double choice, emi
     out->sized[i] = 0;
 }
 
-static void sample_outside(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out,
-                           int i) {
+/* Background and environments add up. One of them takes a direction; its density counts them all. */
+static void look_outside(const emitters *e, vec3_f64 n, vec3_f64 direction, float radiance[3],
+                         double *density) {
+    memcpy(radiance, e->background, sizeof e->background);
+    *density = e->background_chance * shape_all_density(n, direction);
+    for (uint32_t i = 0; i < e->sky_count; ++i) {
+        float more[3];
+        *density += e->skies[i].chance * environment_at(e->skies[i].image, direction, more);
+        for (int c = 0; c < 3; ++c) radiance[c] += more[c];
+    }
+}
+
+static vec3_f64 aim_outside(const emitters *e, vec3_f64 n, double choice, double u, double v) {
+    for (uint32_t i = 0; i < e->sky_count; ++i) {
+        if (choice < e->skies[i].chance)
+            return environment_sample(e->skies[i].image, choice / e->skies[i].chance, u, v);
+        choice -= e->skies[i].chance;
+    }
+    if (e->background_chance > 0) return shape_all_sample(n, u, v);
+    return environment_sample(e->skies[e->sky_count - 1].image, 0, u, v);
+}
+
+static void sample_outside(const emitters *e, const emitter_query *from, const lanes3 u, double choice,
+                           emitter_sample *out, int i) {
     const vec3_f64 n = unit_or_zero(lane_f32(from->n, i));
-    const vec3_f64 d = shape_all_sample(n, (double)u[0][i], (double)u[1][i]);
-    const emitter_answer answer = {d, INFINITY, shape_all_density(n, d), false};
-    put_answer(out, i, &answer, e->chance[EMITTER_OUTSIDE], e->background);
+    emitter_answer answer = {.distance = INFINITY};
+    float radiance[3];
+    /* As it will be traced: a texel's edge may lie next to it. */
+    answer.direction = widen(narrow(aim_outside(e, n, choice, (double)u[0][i], (double)u[1][i])));
+    look_outside(e, n, answer.direction, radiance, &answer.density);
+    put_answer(out, i, &answer, e->chance[EMITTER_OUTSIDE], radiance);
 }
 
 void emitters_outside(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction, float radiance[3],
                       float *density) {
+    double outside;
     (void)p;
-    memcpy(radiance, e->background, sizeof e->background);
-    const double outside = shape_all_density(unit_or_zero(n), widen(direction));
+    look_outside(e, unit_or_zero(n), widen(direction), radiance, &outside);
     *density = density_f32(e->chance[EMITTER_OUTSIDE] * outside);
 }
 
@@ -253,7 +289,7 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
         }
         switch (choose_part(e, &choice)) {
         case EMITTER_FINITE: choose_finite(e, from, u, choice, i, &chosen, out); break;
-        case EMITTER_OUTSIDE: sample_outside(e, from, u, out, i); break;
+        case EMITTER_OUTSIDE: sample_outside(e, from, u, choice, out, i); break;
         case EMITTER_DIRECTIONAL: sample_sun(e, (double)u[0][i], (double)u[1][i], choice, out, i); break;
         case EMITTER_PARTS: break;
         }

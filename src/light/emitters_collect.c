@@ -200,7 +200,7 @@ static bool sort_lights(emitters *e) {
     for (size_t i = 0; i < count; ++i) {
         const fathom_light *light = &scene->lights.items[i];
         shade_light made;
-        if (light->type == FATHOM_LIGHT_ENVIRONMENT || !(luminance(light->intensity) > 0)) continue;
+        if (!(luminance(light->intensity) > 0)) continue;
         light_prepare(light, e->w->origin, &made);
         if (light->type != FATHOM_LIGHT_DIRECTIONAL) {
             e->lamps[e->lamp_count++] = (emitter_lamp){made, light->radius};
@@ -237,6 +237,30 @@ static fathom_status find_lamp_surfaces(fathom_context *context, emitters *e) {
     for (uint32_t i = 0; status == FATHOM_OK && i < e->lamp_count; ++i) e->lamps[i].light = lights[i];
     free(lights);
     free(in_mesh);
+    return status;
+}
+
+/* ---- from outside ---- */
+
+/* By luminance times solid angle. */
+static void share_outside(emitters *e) {
+    double sum = e->background_chance = 4 * SHAPE_PI * (double)luminance(e->background);
+    for (uint32_t i = 0; i < e->sky_count; ++i) sum += environment_power(e->skies[i].image);
+    for (uint32_t i = 0; i < e->sky_count; ++i)
+        e->skies[i].chance = sum > 0 ? environment_power(e->skies[i].image) / sum : 0;
+    e->background_chance /= sum > 0 ? sum : 1;
+}
+
+fathom_status emitters_open_skies(fathom_context *context, emitters *e) {
+    const fathom_scene *scene = e->w->scene;
+    fathom_status status = FATHOM_OK;
+    e->skies = calloc(scene->environments.count + 1, sizeof *e->skies);
+    if (!e->skies) return fail_memory(context, sizeof *e->skies);
+    for (size_t i = 0; i < scene->environments.count && status == FATHOM_OK; ++i) {
+        status = environment_create(context, &scene->environments.items[i], &e->skies[i].image);
+        e->sky_count += status == FATHOM_OK;
+    }
+    share_outside(e);
     return status;
 }
 

@@ -3,6 +3,7 @@
 #define LIGHT_EMITTERS_INNER_H
 
 #include "light/emitters.h"
+#include "light/environment.h"
 #include "light/light.h"
 #include "light/shape.h"
 #include "light/tree.h"
@@ -36,6 +37,12 @@ typedef struct emitter_lamp {
     float radius;
 } emitter_lamp;
 
+/* An environment. */
+typedef struct emitter_sky {
+    environment *image;
+    double chance; /* among what comes from outside */
+} emitter_sky;
+
 struct emitters {
     const world *w;
     float (*emission)[3]; /* by material: of both sides, on average over its coverage */
@@ -53,11 +60,16 @@ struct emitters {
     emitter_sun *suns;
     uint32_t sun_count;
     float background[3];
+    double background_chance; /* among what comes from outside */
+    emitter_sky *skies;
+    uint32_t sky_count;
     double chance[EMITTER_PARTS]; /* to be asked for; they add up to 1, or are all 0 */
 };
 
 /* Finds emissive surfaces and lamps, and builds the tree over them. */
 fathom_status emitters_collect(fathom_context *context, emitters *e);
+/* Reads the environments. */
+fathom_status emitters_open_skies(fathom_context *context, emitters *e);
 
 /* The run of a primitive that a ray met, or NULL: it is no emitter. */
 const emitter_run *emitters_run(const emitters *e, uint32_t geometry, uint32_t instance);

@@ -33,7 +33,11 @@ static void hash_light(hash *h, const fathom_light *l) {
     const unsigned type = (unsigned)l->type;
     PUT(h, type), PUT(h, l->position), PUT(h, l->direction), PUT(h, l->intensity);
     PUT(h, l->inner_angle), PUT(h, l->outer_angle);
+    PUT(h, l->radius), PUT(h, l->angular_radius);
 }
+
+/* Not where its file lies; that is hashed whole. */
+static void hash_environment(hash *h, const fathom_light *l) { PUT(h, l->intensity), PUT(h, l->rotation); }
 
 static void hash_instance(hash *h, const fathom_instance *i) {
     PUT(h, i->group), PUT(h, i->parent), PUT(h, i->transform), PUT(h, i->material);
@@ -76,6 +80,7 @@ static void hash_values(hash *h, const fathom_scene *scene) {
     PUT(h, materials), PUT(h, groups);
     for (size_t i = 0; i < materials; ++i) hash_material(h, &scene->materials.items[i].value);
     PUT_ALL(h, &scene->lights, hash_light);
+    PUT_ALL(h, &scene->environments, hash_environment);
     PUT_ALL(h, &scene->objects, hash_object);
     PUT_ALL(h, &scene->instances, hash_instance);
     PUT_ALL(h, &scene->spheres, hash_sphere);
@@ -157,12 +162,26 @@ static bool hash_arrays(const fathom_scene *scene, pieces *p) {
     return true;
 }
 
+static fathom_status hash_images(const fathom_scene *scene, hash *h) {
+    for (size_t i = 0; i < scene->environments.count; ++i) {
+        file_map map;
+        fathom_status status = file_open(scene->context, scene->environments.items[i].file, &map);
+        if (status != FATHOM_OK) return status;
+        hash_put(h, map.bytes, map.size);
+        status = file_finish(scene->context, &map, FATHOM_OK);
+        if (status != FATHOM_OK) return status;
+    }
+    return FATHOM_OK;
+}
+
 fathom_status scene_fingerprint(const fathom_scene *scene, uint64_t *out) {
     hash h;
     pieces p = {.hashes = NULL};
+    hash_begin(&h);
+    fathom_status status = hash_images(scene, &h);
+    if (status != FATHOM_OK) return status;
     bool fine = hash_arrays(scene, &p);
     if (fine) {
-        hash_begin(&h);
         hash_values(&h, scene);
         hash_put(&h, p.hashes, p.list.count * sizeof *p.hashes);
         *out = hash_end(&h);

@@ -44,6 +44,7 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->blobs);
     array_free(&scene->materials);
     array_free(&scene->lights);
+    array_free(&scene->environments);
     array_free(&scene->groups);
     array_free(&scene->objects);
     array_free(&scene->spheres);
@@ -164,22 +165,20 @@ void fathom_light_default(fathom_light *light) {
                             .outer_angle = 0.785398163f};
 }
 
-fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *light, fathom_id *out) {
-    if (!scene) return FATHOM_BAD_USAGE;
-    fathom_context *context = scene->context;
-    if (!light) return fail_null(context, "light");
-    if ((unsigned)light->type > FATHOM_LIGHT_SPOT)
-        return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)light->type);
-    fathom_status status = check_color(context, "intensity", light->intensity, 0);
-    if (status != FATHOM_OK) return status;
-    if (light->type != FATHOM_LIGHT_DIRECTIONAL && !finite_f64(load_f64(light->position))) {
+static fathom_status check_light(fathom_context *context, const fathom_light *light) {
+    const vec3_f64 direction = load_f64(light->direction);
+    if (light->type != FATHOM_LIGHT_DIRECTIONAL && !finite_f64(load_f64(light->position)))
         return fail_field(context, FATHOM_BAD_INPUT, "position", "expected three finite numbers");
-    }
-    vec3_f64 direction = load_f64(light->direction);
-    if (light->type != FATHOM_LIGHT_POINT && (!finite_f64(direction) || length_f64(direction) == 0)) {
+    if (light->type != FATHOM_LIGHT_POINT && (!finite_f64(direction) || length_f64(direction) == 0))
         return fail_field(context, FATHOM_BAD_INPUT, "direction",
                           "expected a finite vector that is not zero");
-    }
+    if (!isfinite(light->radius) || light->radius < 0)
+        return fail_field(context, FATHOM_BAD_INPUT, "radius", "expected a finite number >= 0, found %g",
+                          (double)light->radius);
+    if (!(light->angular_radius >= 0 && light->angular_radius < 1.57079637f))
+        return fail(context, FATHOM_BAD_INPUT,
+                    "angular radius: expected at least 0 and less than 90 degrees, found %g degrees",
+                    (double)light->angular_radius * 57.29577951308232);
     if (light->type == FATHOM_LIGHT_SPOT &&
         !(light->inner_angle >= 0 && light->inner_angle < light->outer_angle &&
           light->outer_angle <= 1.57079637f)) {
@@ -188,6 +187,37 @@ fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *li
             "spot angles: expected 0 <= inner < outer <= 90 degrees, found inner %g and outer %g degrees",
             (double)light->inner_angle * 57.29577951308232, (double)light->outer_angle * 57.29577951308232);
     }
+    return FATHOM_OK;
+}
+
+static fathom_status add_environment(fathom_scene *scene, const fathom_light *light, fathom_id *out) {
+    fathom_context *context = scene->context;
+    fathom_light entry = *light;
+    char *file;
+    if (!light->file || !*light->file)
+        return fail_field(context, FATHOM_BAD_INPUT, "file", "expected the path of an image");
+    if (!isfinite(light->rotation))
+        return fail_field(context, FATHOM_BAD_INPUT, "rotation", "expected a finite number");
+    fathom_status status = copy_text(context, light->file, &file);
+    if (status == FATHOM_OK) status = scene_adopt(scene, file, free);
+    if (status != FATHOM_OK) return status;
+    entry.file = file;
+    if (!array_push(&scene->environments, entry)) return fail_memory(context, sizeof entry);
+    if (out) *out = (fathom_id)(scene->environments.count - 1);
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *light, fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    fathom_context *context = scene->context;
+    if (!light) return fail_null(context, "light");
+    if ((unsigned)light->type > FATHOM_LIGHT_ENVIRONMENT)
+        return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)light->type);
+    fathom_status status = check_color(context, "intensity", light->intensity, 0);
+    if (status != FATHOM_OK) return status;
+    if (light->type == FATHOM_LIGHT_ENVIRONMENT) return add_environment(scene, light, out);
+    status = check_light(context, light);
+    if (status != FATHOM_OK) return status;
     if (!array_push(&scene->lights, *light)) return fail_memory(context, sizeof *light);
     if (out) *out = (fathom_id)(scene->lights.count - 1);
     return FATHOM_OK;

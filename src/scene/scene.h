@@ -44,8 +44,9 @@ struct fathom_scene {
     const char
         *top; /* while it is read: the file given by the user, in whose folder all others lie; or NULL */
     ARRAY(scene_named_material) materials;
-    ARRAY(fathom_light) lights;
-    ARRAY(char *) groups; /* names, NULL for none; group 0 is the root */
+    ARRAY(fathom_light) lights;       /* all but environments */
+    ARRAY(fathom_light) environments; /* their files' names belong to the scene */
+    ARRAY(char *) groups;             /* names, NULL for none; group 0 is the root */
     ARRAY(scene_object) objects;
     ARRAY(fathom_sphere) spheres;
     ARRAY(fathom_quad) quads;

@@ -448,6 +448,37 @@ static void many_lights_send_the_sum_of_each(void **state) {
     assert_irradiance(origin, up, expected);
 }
 
+/* A lamp of any size lights as one without does, where it is wholly above the horizon. */
+static void a_lamps_radius_leaves_its_light(void **state) {
+    random_state r = {19};
+    for (int trial = 0; trial < 10; ++trial) {
+        fathom_light light;
+        fathom_light_default(&light);
+        light.position[2] = 2, light.radius = (float)random_log(&r, 1e-6, 1.9);
+        light.intensity[0] = 3;
+        assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+        open_light();
+        assert_irradiance(origin, up, 0.75);
+        end(state), begin(state);
+    }
+}
+
+/* A sun of half-angle a around the zenith: the mean cosine over its disc is sin² a / (2 (1 - cos a)). */
+static void a_suns_disc_sends_its_irradiance(void **state) {
+    random_state r = {23};
+    for (int trial = 0; trial < 10; ++trial) {
+        fathom_light light;
+        fathom_light_default(&light);
+        light.type = FATHOM_LIGHT_DIRECTIONAL, light.angular_radius = (float)random_log(&r, 1e-6, 1.5);
+        light.direction[1] = 0, light.direction[2] = -1;
+        assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+        open_light();
+        double half = sin((double)light.angular_radius / 2), whole = sin((double)light.angular_radius);
+        assert_irradiance(origin, up, whole * whole / (4 * half * half));
+        end(state), begin(state);
+    }
+}
+
 static void nothing_sends_nothing(void **state) {
     (void)state;
     open_light();
@@ -470,6 +501,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(lights_are_taken_as_often_as_their_samples_say, begin, end),
         cmocka_unit_test_setup_teardown(a_hit_gets_the_density_of_its_sample, begin, end),
         cmocka_unit_test_setup_teardown(many_lights_send_the_sum_of_each, begin, end),
+        cmocka_unit_test_setup_teardown(a_lamps_radius_leaves_its_light, begin, end),
+        cmocka_unit_test_setup_teardown(a_suns_disc_sends_its_irradiance, begin, end),
         cmocka_unit_test_setup_teardown(nothing_sends_nothing, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -103,6 +103,8 @@ static void materials_and_lights(void **state) {
     SEES(l->type, FATHOM_LIGHT_SPOT);
     SEES(l->inner_angle, 0.25f);
     SEES(l->outer_angle, 0.25f);
+    SEES(l->radius, 0.25f);
+    SEES(l->angular_radius, 0.25f);
 }
 
 static void shapes(void **state) {

@@ -35,6 +35,9 @@ static void same_light(const fathom_light *a, const fathom_light *b) {
     SAME(intensity);
     SAME(inner_angle);
     SAME(outer_angle);
+    SAME(radius);
+    SAME(angular_radius);
+    SAME(rotation);
 }
 
 /* Each document here has one object; a placement by nothing is the identity. */
@@ -64,6 +67,9 @@ static void same_scene(const fathom_scene *a, const fathom_scene *b) {
     assert_int_equal(a->lights.count, b->lights.count);
     assert_int_equal(a->materials.count, b->materials.count);
     for (size_t i = 0; i < a->lights.count; ++i) same_light(&a->lights.items[i], &b->lights.items[i]);
+    assert_int_equal(a->environments.count, b->environments.count);
+    for (size_t i = 0; i < a->environments.count; ++i)
+        same_light(&a->environments.items[i], &b->environments.items[i]);
     for (size_t i = 0; i < a->materials.count; ++i) {
         const fathom_material *x = &a->materials.items[i].value, *y = &b->materials.items[i].value;
         assert_int_equal(x->model, y->model);
@@ -128,6 +134,8 @@ static void written_defaults_change_nothing(void **state) {
          "{\"materials\": {\"m\": {\"model\": \"metallicRoughness\" @}}, \"objects\": []}"},
         {"point", LIGHT("\"type\": \"point\", \"position\": [1, 2, 3]")},
         {"directional", LIGHT("\"type\": \"directional\", \"direction\": [1, 2, 3]")},
+        {"sun", LIGHT("\"type\": \"sun\", \"direction\": [1, 2, 3]")},
+        {"environment", LIGHT("\"type\": \"environment\", \"file\": \"sky.exr\"")},
         {"spot", LIGHT("\"type\": \"spot\", \"position\": [1, 2, 3], \"target\": [0, 0, 0]")},
         {"sphere", OBJECT("\"type\": \"sphere\", \"center\": [1, 2, 3], \"radius\": 1")},
         {"quad", OBJECT("\"type\": \"quad\", \"center\": [1, 2, 3], \"u\": [1, 0, 0], \"v\": [0, 1, 0]")},

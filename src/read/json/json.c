@@ -103,27 +103,64 @@ static fathom_status add_materials(const object_reader *r, json_t *materials) {
     return status;
 }
 
+static fathom_light_type light_type(form_light_id id) {
+    switch (id) {
+    case FORM_POINT: return FATHOM_LIGHT_POINT;
+    case FORM_SPOT: return FATHOM_LIGHT_SPOT;
+    case FORM_DIRECTIONAL:
+    case FORM_SUN: return FATHOM_LIGHT_DIRECTIONAL;
+    case FORM_ENVIRONMENT: return FATHOM_LIGHT_ENVIRONMENT;
+    }
+    return FATHOM_LIGHT_POINT;
+}
+
+/* A light's strength is the radiance of a white diffuser, which sends out 1/pi of what arrives. */
+static double strength_of(json_t *value, const form_light_values *v) {
+    if (doc_has(value, "radiantIntensity")) return (double)v->radiant_intensity / 3.14159265358979323846;
+    if (doc_has(value, "irradiance")) return (double)v->irradiance / 3.14159265358979323846;
+    return (double)v->intensity;
+}
+
+static void set_light(json_t *value, const form_light_values *v, fathom_light *light) {
+    const double strength = strength_of(value, v);
+    for (int i = 0; i < 3; ++i) {
+        light->position[i] = v->position[i];
+        light->direction[i] = doc_has(value, "target") ? v->target[i] - v->position[i] : v->direction[i];
+        light->intensity[i] = (float)((double)v->color[i] * strength);
+    }
+    light->inner_angle = (float)place_radians(v->inner_angle);
+    light->outer_angle = (float)place_radians(v->outer_angle);
+    light->radius = v->radius;
+    light->rotation = place_radians(v->rotation);
+}
+
+/* The image's path, next to the scene file. */
+static fathom_status add_environment(const object_reader *r, const where *at, const char *name,
+                                     fathom_light *light) {
+    const where file = {at, "file", 0};
+    char *path;
+    if (!*name) return doc_fail(r->doc, &file, "expected the name of a file, found \"\"");
+    fathom_status status = read_beside(r->scene, r->doc->path, name, &path);
+    if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
+    light->file = path;
+    status = fathom_scene_add_light(r->scene, light, NULL);
+    free(path);
+    return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
+}
+
 static fathom_status add_light(const object_reader *r, const where *at, json_t *value) {
     const form *f;
     fathom_status status = doc_choose(r->doc, at, value, &form_light, &f);
     if (status != FATHOM_OK) return status;
-    form_light_values v = {.color = {1, 1, 1}, .intensity = 1, .outer_angle = 45};
+    form_light_values v = {.color = {1, 1, 1}, .intensity = 1, .outer_angle = 45, .angular_diameter = 0.53};
     status = doc_read(r->doc, at, value, f, &v);
     if (status != FATHOM_OK) return status;
     fathom_light light;
     fathom_light_default(&light);
-    switch ((form_light_id)f->id) {
-    case FORM_POINT: light.type = FATHOM_LIGHT_POINT; break;
-    case FORM_DIRECTIONAL: light.type = FATHOM_LIGHT_DIRECTIONAL; break;
-    case FORM_SPOT: light.type = FATHOM_LIGHT_SPOT; break;
-    }
-    for (int i = 0; i < 3; ++i) {
-        light.position[i] = v.position[i];
-        light.direction[i] = doc_has(value, "target") ? v.target[i] - v.position[i] : v.direction[i];
-        light.intensity[i] = v.color[i] * v.intensity;
-    }
-    light.inner_angle = (float)place_radians(v.inner_angle);
-    light.outer_angle = (float)place_radians(v.outer_angle);
+    light.type = light_type((form_light_id)f->id);
+    set_light(value, &v, &light);
+    if (f->id == FORM_SUN) light.angular_radius = (float)place_radians(v.angular_diameter / 2);
+    if (f->id == FORM_ENVIRONMENT) return add_environment(r, at, v.file, &light);
     status = fathom_scene_add_light(r->scene, &light, NULL);
     return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
 }

@@ -122,10 +122,24 @@ static const form_key light_keys[] = {
 };
 static const form_key position_keys[] = {
     {"position", FORM_F64, AT(form_light_values, position), .count = 3, .required = true},
+    {"radius", FORM_F32, AT(form_light_values, radius), .range = {0, 1e18, 0}},
+    {"radiantIntensity", FORM_F32, AT(form_light_values, radiant_intensity), RADIANCE},
     END_KEYS,
 };
+static const form_rule position_rules[] = {{FORM_EXCLUDES, "intensity", {"radiantIntensity"}}, END_RULES};
 static const form_key direction_keys[] = {
     {"direction", FORM_F64, AT(form_light_values, direction), .count = 3, .nonzero = true, .required = true},
+    {"irradiance", FORM_F32, AT(form_light_values, irradiance), RADIANCE},
+    END_KEYS,
+};
+static const form_rule direction_rules[] = {{FORM_EXCLUDES, "intensity", {"irradiance"}}, END_RULES};
+static const form_key sun_keys[] = {
+    {"angularDiameter", FORM_F64, AT(form_light_values, angular_diameter), .range = {0, 180, FORM_OPEN_HIGH}},
+    END_KEYS,
+};
+static const form_key environment_keys[] = {
+    {"file", FORM_TEXT, AT(form_light_values, file), .required = true},
+    {"rotation", FORM_F64, AT(form_light_values, rotation)},
     END_KEYS,
 };
 static const form_key spot_keys[] = {
@@ -137,12 +151,24 @@ static const form_key spot_keys[] = {
 };
 static const form_rule spot_rules[] = {{FORM_ONE_OF, NULL, {"direction", "target"}}, END_RULES};
 
-static const form point_form = {.name = "point", .id = FORM_POINT, .parts = {light_keys, position_keys}};
-static const form directional_form = {
-    .name = "directional", .id = FORM_DIRECTIONAL, .parts = {light_keys, direction_keys}};
-static const form spot_form = {
-    .name = "spot", .id = FORM_SPOT, .parts = {light_keys, position_keys, spot_keys}, .rules = {spot_rules}};
-static const form *const light_forms[] = {&point_form, &directional_form, &spot_form, NULL};
+static const form point_form = {
+    .name = "point", .id = FORM_POINT, .parts = {light_keys, position_keys}, .rules = {position_rules}};
+static const form directional_form = {.name = "directional",
+                                      .id = FORM_DIRECTIONAL,
+                                      .parts = {light_keys, direction_keys},
+                                      .rules = {direction_rules}};
+static const form spot_form = {.name = "spot",
+                               .id = FORM_SPOT,
+                               .parts = {light_keys, position_keys, spot_keys},
+                               .rules = {position_rules, spot_rules}};
+static const form sun_form = {.name = "sun",
+                              .id = FORM_SUN,
+                              .parts = {light_keys, direction_keys, sun_keys},
+                              .rules = {direction_rules}};
+static const form environment_form = {
+    .name = "environment", .id = FORM_ENVIRONMENT, .parts = {light_keys, environment_keys}};
+static const form *const light_forms[] = {&point_form, &directional_form, &spot_form,
+                                          &sun_form,   &environment_form, NULL};
 const form form_light = {.name = "light", .variants = light_forms};
 
 /* ---- objects ---- */

@@ -93,13 +93,19 @@ typedef struct form_camera_values {
     double lens_radius, f_stop, focal_length, focus_distance;
 } form_camera_values;
 
-typedef enum form_light_id { FORM_POINT, FORM_DIRECTIONAL, FORM_SPOT } form_light_id;
+typedef enum form_light_id {
+    FORM_POINT,
+    FORM_DIRECTIONAL,
+    FORM_SPOT,
+    FORM_SUN,
+    FORM_ENVIRONMENT
+} form_light_id;
 
 typedef struct form_light_values {
-    const char *name;
+    const char *name, *file;
     double position[3], direction[3], target[3];
-    float color[3], intensity;
-    double inner_angle, outer_angle; /* degrees */
+    float color[3], intensity, radiant_intensity, irradiance, radius;
+    double inner_angle, outer_angle, angular_diameter, rotation; /* degrees */
 } form_light_values;
 
 typedef struct form_turn_values {

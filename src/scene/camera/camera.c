@@ -143,6 +143,7 @@ fathom_status fathom_scene_complete(fathom_scene *scene) {
         status = frame_everything(scene);
         if (status != FATHOM_OK) return status;
     }
-    const bool lit = scene->lights.count || scene->has_lights || lights_itself(scene);
+    const bool lit =
+        scene->lights.count || scene->environments.count || scene->has_lights || lights_itself(scene);
     return lit ? FATHOM_OK : light_everything(scene);
 }

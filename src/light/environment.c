@@ -1,0 +1,212 @@
+#include "light/environment.h"
+
+#include "base/file.h"
+#include "image/image.h"
+#include "light/shape.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Walker's alias method: a texel is taken as often as `keep` says, else its alias. */
+typedef struct texel {
+    float radiance[3], keep;
+    uint32_t alias;
+} texel;
+
+struct environment {
+    uint32_t width, height;
+    double cosine, sine; /* of the rotation */
+    double total;        /* luminance times solid angle */
+    texel texels[];
+};
+
+static double luminance(const float rgb[3]) {
+    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
+}
+
+static double row_cosine(const environment *e, uint32_t row) {
+    return 1 - 2 * pow(sin(SHAPE_PI / 2 * row / e->height), 2);
+}
+
+/* cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2). */
+static double solid_angle(const environment *e, uint32_t row) {
+    const double step = SHAPE_PI / e->height;
+    return 2 * SHAPE_PI / e->width * 2 * sin(step * (row + 0.5)) * sin(step / 2);
+}
+
+void environment_destroy(environment *e) { free(e); }
+
+double environment_power(const environment *e) { return e->total; }
+
+/* ---- reading ---- */
+
+static bool is_linear(const char *path) {
+    char extension[16];
+    file_extension(path, extension);
+    static const char *const encoded[] = {"png", "jpg", "jpeg", "gif", "bmp", "webp", "tga"};
+    for (size_t i = 0; i < sizeof encoded / sizeof *encoded; ++i) {
+        if (strcmp(extension, encoded[i]) == 0) return false;
+    }
+    return true;
+}
+
+/* R, G and B, or one channel for all three. */
+static bool find_channels(const image *img, const image_channel *rgb[3]) {
+    static const char *const names[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c) {
+        rgb[c] = NULL;
+        for (size_t i = 0; i < img->channel_count; ++i) {
+            const image_channel *channel = &img->channels[i];
+            if (channel->type == IMAGE_FLOAT &&
+                (strcmp(channel->name, names[c]) == 0 || img->channel_count == 1))
+                rgb[c] = channel;
+        }
+    }
+    return rgb[0] && rgb[1] && rgb[2];
+}
+
+static float channel_at(const image *img, const image_channel *channel, uint32_t x, uint32_t y) {
+    float value;
+    memcpy(&value, (const char *)channel->data + ((size_t)y * img->width + x) * channel->stride,
+           sizeof value);
+    return value;
+}
+
+static fathom_status bad_texel(fathom_context *context, const char *path, uint32_t x, uint32_t y, int c,
+                               float value) {
+    return fail_file(
+        context, FATHOM_BAD_INPUT, path,
+        "texel (%u, %u), counted from the top left, has %g in channel %s; expected finite radiance "
+        "that stays finite times the light's intensity",
+        x, y, (double)value, c == 0 ? "R" : (c == 1 ? "G" : "B"));
+}
+
+static fathom_status load_texels(fathom_context *context, const fathom_light *light, const image *img,
+                                 environment *e) {
+    const image_channel *rgb[3];
+    size_t negative = 0;
+    if (!find_channels(img, rgb))
+        return fail_file(context, FATHOM_BAD_INPUT, light->file, "expected the channels R, G and B, or one");
+    for (size_t i = 0; i < (size_t)e->width * e->height; ++i) {
+        const uint32_t x = (uint32_t)(i % e->width), y = (uint32_t)(i / e->width);
+        for (int c = 0; c < 3; ++c) {
+            const float value = channel_at(img, rgb[c], x, y);
+            e->texels[i].radiance[c] = value > 0 ? value * light->intensity[c] : 0;
+            negative += value < 0;
+            if (!isfinite(value) || !isfinite(e->texels[i].radiance[c]))
+                return bad_texel(context, light->file, x, y, c, value);
+        }
+    }
+    if (negative) warn(context, "%s: %zu numbers are negative; they count as 0", light->file, negative);
+    return FATHOM_OK;
+}
+
+/* ---- the alias table ---- */
+
+static double weight_of(const environment *e, size_t i) {
+    return luminance(e->texels[i].radiance) * solid_angle(e, (uint32_t)(i / e->width));
+}
+
+/* Vose 1991. Texels below the mean, then from the end those above; each of the first takes what it lacks from
+ * one of the others. */
+static bool build_aliases(environment *e) {
+    const size_t count = (size_t)e->width * e->height;
+    double *left = malloc(count * sizeof *left);
+    uint32_t *order = malloc(count * sizeof *order);
+    const bool fine = left && order;
+    size_t few = 0, many = count;
+    for (size_t i = 0; fine && i < count; ++i) {
+        left[i] = weight_of(e, i) * (double)count / e->total;
+        if (left[i] < 1)
+            order[few++] = (uint32_t)i;
+        else
+            order[--many] = (uint32_t)i;
+        e->texels[i].keep = 1, e->texels[i].alias = (uint32_t)i;
+    }
+    while (fine && few > 0 && many < count) {
+        const uint32_t low = order[--few], high = order[many];
+        e->texels[low].keep = (float)left[low], e->texels[low].alias = high;
+        left[high] -= 1 - left[low];
+        if (left[high] < 1) ++many, order[few++] = high;
+    }
+    free(left);
+    free(order);
+    return fine;
+}
+
+static fathom_status prepare(fathom_context *context, const fathom_light *light, const image *img,
+                             environment **out) {
+    const size_t count = (size_t)img->width * img->height, bytes = sizeof **out + count * sizeof(texel);
+    if (count > UINT32_MAX || !count)
+        return fail_file(context, FATHOM_BAD_INPUT, light->file, "expected 1 to 2^32 - 1 texels, found %zu",
+                         count);
+    environment *e = calloc(1, bytes);
+    if (!e) return fail_memory(context, bytes);
+    e->width = img->width, e->height = img->height;
+    e->cosine = cos(light->rotation), e->sine = sin(light->rotation);
+    fathom_status status = load_texels(context, light, img, e);
+    for (size_t i = 0; status == FATHOM_OK && i < count; ++i) e->total += weight_of(e, i);
+    if (status == FATHOM_OK && e->total > 0 && !build_aliases(e)) status = fail_memory(context, 12 * count);
+    if (status == FATHOM_OK)
+        *out = e;
+    else
+        environment_destroy(e);
+    return status;
+}
+
+fathom_status environment_create(fathom_context *context, const fathom_light *light, environment **out) {
+    const image *img;
+    *out = NULL;
+    if (!is_linear(light->file))
+        return fail_file(
+            context, FATHOM_BAD_INPUT, light->file,
+            "expected an image of linear radiance (.exr, .hdr, .pfm, .tif); this format holds colours "
+            "for a display");
+    fathom_status status = image_read(context, light->file, &img);
+    if (status != FATHOM_OK) return status;
+    status = prepare(context, light, img, out);
+    image_release(img);
+    return status;
+}
+
+/* ---- directions ---- */
+
+/* The image's centre lies towards -z, its right half towards +x. */
+static vec3_f64 turned(const environment *e, vec3_f64 d, double sine) {
+    return (vec3_f64){d.x * e->cosine + d.z * sine, d.y, d.z * e->cosine - d.x * sine};
+}
+
+static uint32_t cell(double u, uint32_t count) {
+    const double at = u * count;
+    return at < count - 1 ? (uint32_t)at : count - 1;
+}
+
+double environment_at(const environment *e, vec3_f64 direction, float radiance[3]) {
+    const vec3_f64 d = turned(e, direction, -e->sine);
+    const double half = shape_angle(fabs(d.x), -d.z) / (2 * SHAPE_PI), u = d.x < 0 ? 0.5 - half : 0.5 + half;
+    const double v = shape_angle(sqrt(d.x * d.x + d.z * d.z), d.y) / SHAPE_PI;
+    const uint32_t column = cell(u, e->width), row = cell(v, e->height);
+    const texel *t = &e->texels[(size_t)row * e->width + column];
+    memcpy(radiance, t->radiance, sizeof t->radiance);
+    return e->total > 0 ? luminance(t->radiance) / e->total : 0;
+}
+
+/* Not so near to the edge of a texel `angle` wide that a direction in float could lie in the next. */
+static double inside(double u, double angle) {
+    const double edge = fmin(4 * 0x1p-24 / angle, 0.25);
+    return edge + (1 - 2 * edge) * u;
+}
+
+vec3_f64 environment_sample(const environment *e, double choice, double u, double v) {
+    const size_t count = (size_t)e->width * e->height;
+    const double at = choice * (double)count;
+    size_t i = at < (double)(count - 1) ? (size_t)at : count - 1;
+    if (!(at - (double)i < (double)e->texels[i].keep)) i = e->texels[i].alias;
+    const uint32_t row = (uint32_t)(i / e->width);
+    const double top = row_cosine(e, row), bottom = row_cosine(e, row + 1);
+    const double place = ((double)(i % e->width) + inside(u, 2 * SHAPE_PI / e->width)) / e->width;
+    const double y = top + (bottom - top) * inside(v, SHAPE_PI / e->height), r = sqrt(fmax(1 - y * y, 0));
+    double c, s;
+    shape_turn(place, &c, &s);
+    return turned(e, (vec3_f64){r * s, y, -r * c}, e->sine);
+}
