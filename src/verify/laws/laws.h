@@ -1,0 +1,72 @@
+/* Closed forms of light, rendered and judged. */
+#ifndef VERIFY_LAWS_LAWS_H
+#define VERIFY_LAWS_LAWS_H
+
+#include "base/array.h"
+#include "verify/laws/room.h"
+#include "verify/laws/statistics.h"
+
+/* Renders a room: the mean over the image of so many samples in all, and its standard error. */
+typedef struct laws_render {
+    const char *name;
+    fathom_status (*render)(void *user, const law_room *room, uint64_t samples, uint64_t seed,
+                            sample_mean out[3]);
+    void *user;
+} laws_render;
+
+typedef struct laws_options {
+    laws_render render;
+    double level;     /* of a false alarm in all laws together */
+    double error;     /* the relative standard error to reach */
+    double allowance; /* relative: what rounding may take away or add */
+    uint64_t pilot;   /* samples that tell how many are needed */
+    uint64_t samples; /* at most */
+    uint64_t seed;
+    const char *only;                           /* part of the names of the laws to test; NULL: all */
+    bool (*go_on)(void *user, double fraction); /* NULL, or false to stop: FATHOM_INTERRUPTED */
+    void *user;
+} laws_options;
+
+typedef enum laws_verdict { LAWS_HOLDS, LAWS_BROKEN, LAWS_NOISY } laws_verdict;
+
+typedef struct laws_row {
+    const law *law;
+    double value[3];
+    sample_mean found[3];
+    double off;      /* the largest deviation, in standard errors */
+    double relative; /* the largest relative standard error */
+    double p;        /* the smallest of the three channels */
+    uint64_t samples;
+    double seconds;
+    laws_verdict verdict; /* broken: p is below the level of one test; noisy: the error was not reached */
+} laws_row;
+
+typedef struct laws_rows {
+    ARRAY(laws_row) rows;
+    size_t tests;      /* three a row */
+    double test_level; /* of one test (Šidák) */
+    double p;          /* of the smallest p-value, corrected */
+} laws_rows;
+
+/* Appends a row for each law. Release with laws_rows_free() whatever comes back. */
+fathom_status laws_run(fathom_context *context, const laws_options *options, laws_rows *out);
+void laws_rows_free(laws_rows *rows);
+size_t laws_failed(const laws_rows *rows);
+
+/* The reference integrator; *user: its number of threads. */
+laws_render laws_reference(unsigned *threads);
+
+/* ---- two renders of one scene ---- */
+
+typedef struct laws_difference {
+    size_t tests;
+    double p;        /* the smallest, corrected by Šidák */
+    size_t worst;    /* where: the index of the mean */
+    double relative; /* of the sums over all means; its standard error */
+    double relative_error;
+} laws_difference;
+
+/* count means of each. */
+laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance);
+
+#endif
