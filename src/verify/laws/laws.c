@@ -2,8 +2,8 @@
 
 #include "base/clock.h"
 #include "base/status.h"
-#include "integrate/reference.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,6 +20,11 @@ static const law *law_at(const laws_options *o, size_t i) {
         }
     }
     return NULL;
+}
+
+const char *laws_verdict_name(laws_verdict v) {
+    static const char *const names[LAWS_VERDICTS] = {"holds", "broken", "noisy", "refused"};
+    return names[v];
 }
 
 /* ---- judging ---- */
@@ -54,15 +59,27 @@ static void judge(const laws_options *o, laws_row *row) {
     }
 }
 
+/* What an integrator does not do, it says: no law of light is broken by that. */
+static void refuse(fathom_context *context, laws_row *row, fathom_status *status) {
+    snprintf(row->refusal, sizeof row->refusal, "%s", fathom_context_message(context));
+    row->verdict = LAWS_REFUSED, row->p = 1;
+    *status = FATHOM_OK;
+}
+
 static fathom_status run_law(fathom_context *context, const laws_options *o, const law *tested, size_t index,
                              laws_row *row) {
     law_room room;
     const double start = clock_seconds();
     *row = (laws_row){.law = tested};
     fathom_status status = law_open(context, tested, &room);
-    if (status == FATHOM_OK) status = render(o, &room, o->seed * 1000 + 2 * index, row);
     memcpy(row->value, room.value, sizeof row->value);
-    judge(o, row);
+    if (status == FATHOM_OK) {
+        status = render(o, &room, o->seed * 1000 + 2 * index, row);
+        if (status == FATHOM_BAD_INPUT || status == FATHOM_BAD_USAGE)
+            refuse(context, row, &status);
+        else
+            judge(o, row);
+    }
     law_close(&room);
     row->seconds = clock_seconds() - start;
     return status;
@@ -70,10 +87,13 @@ static fathom_status run_law(fathom_context *context, const laws_options *o, con
 
 static void finish(const laws_options *o, laws_rows *out) {
     double least = 1;
-    out->tests = 3 * out->rows.count;
+    out->tests = 0;
+    for (size_t i = 0; i < out->rows.count; ++i)
+        out->tests += out->rows.items[i].verdict == LAWS_REFUSED ? 0 : 3;
     out->test_level = out->tests ? sidak_level(o->level, (double)out->tests) : o->level;
     for (size_t i = 0; i < out->rows.count; ++i) {
         laws_row *row = &out->rows.items[i];
+        if (row->verdict == LAWS_REFUSED) continue;
         least = fmin(least, row->p);
         /* The pilot's error is an estimate, too: half as much again is still no other order. */
         if (!(row->relative <= 1.5 * o->error)) row->verdict = LAWS_NOISY;
@@ -101,38 +121,10 @@ void laws_rows_free(laws_rows *rows) { array_free(&rows->rows); }
 
 size_t laws_failed(const laws_rows *rows) {
     size_t failed = 0;
-    for (size_t i = 0; i < rows->rows.count; ++i) failed += rows->rows.items[i].verdict != LAWS_HOLDS;
+    for (size_t i = 0; i < rows->rows.count; ++i)
+        failed += rows->rows.items[i].verdict == LAWS_BROKEN || rows->rows.items[i].verdict == LAWS_NOISY;
     return failed;
 }
-
-/* ---- the reference ---- */
-
-enum { SIDE = 16, PIXELS = SIDE * SIDE };
-
-static fathom_status reference_room(void *user, const law_room *room, uint64_t samples, uint64_t seed,
-                                    sample_mean out[3]) {
-    const reference_settings settings = {.width = SIDE,
-                                         .height = SIDE,
-                                         .region = {0, 0, SIDE, SIDE},
-                                         .samples = (uint32_t)fmax((double)samples / PIXELS, 2),
-                                         .depth = room->depth,
-                                         .seed = seed,
-                                         .threads = *(const unsigned *)user,
-                                         .environment = room->environment};
-    reference_estimate *pixels = malloc(PIXELS * sizeof *pixels);
-    if (!pixels) return fail_memory(room->context, PIXELS * sizeof *pixels);
-    const fathom_status status = reference_render(room->scene, &settings, pixels);
-    for (int c = 0; c < 3 && status == FATHOM_OK; ++c) {
-        double mean = 0, square = 0;
-        for (int i = 0; i < PIXELS; ++i)
-            mean += pixels[i].mean[c] / PIXELS, square += pixels[i].error[c] * pixels[i].error[c];
-        out[c] = (sample_mean){mean, sqrt(square) / PIXELS, PIXELS * (settings.samples - 1.0)};
-    }
-    free(pixels);
-    return status;
-}
-
-laws_render laws_reference(unsigned *threads) { return (laws_render){"reference", reference_room, threads}; }
 
 /* ---- two renders ---- */
 

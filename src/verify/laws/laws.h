@@ -27,7 +27,8 @@ typedef struct laws_options {
     void *user;
 } laws_options;
 
-typedef enum laws_verdict { LAWS_HOLDS, LAWS_BROKEN, LAWS_NOISY } laws_verdict;
+typedef enum laws_verdict { LAWS_HOLDS, LAWS_BROKEN, LAWS_NOISY, LAWS_REFUSED, LAWS_VERDICTS } laws_verdict;
+const char *laws_verdict_name(laws_verdict v);
 
 typedef struct laws_row {
     const law *law;
@@ -38,7 +39,9 @@ typedef struct laws_row {
     double p;        /* the smallest of the three channels */
     uint64_t samples;
     double seconds;
-    laws_verdict verdict; /* broken: p is below the level of one test; noisy: the error was not reached */
+    laws_verdict verdict; /* broken: p is below the level of one test; noisy: the error was not reached;
+                             refused: the integrator does not do it */
+    char refusal[200];
 } laws_row;
 
 typedef struct laws_rows {
@@ -51,10 +54,16 @@ typedef struct laws_rows {
 /* Appends a row for each law. Release with laws_rows_free() whatever comes back. */
 fathom_status laws_run(fathom_context *context, const laws_options *options, laws_rows *out);
 void laws_rows_free(laws_rows *rows);
+/* Broken or noisy. */
 size_t laws_failed(const laws_rows *rows);
 
-/* The reference integrator; *user: its number of threads. */
+/* ---- renderers.c ---- */
+
+/* The reference integrator; *threads: how many. */
 laws_render laws_reference(unsigned *threads);
+/* fathom_render() with its path integrator, on the context's threads. Errors come from renders of several
+ * seeds. */
+laws_render laws_path(void);
 
 /* ---- two renders of one scene ---- */
 
