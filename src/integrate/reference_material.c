@@ -30,7 +30,7 @@ const char *reference_lacks(const fathom_material *m) {
 
 vec3_f64 reference_absorbed(const fathom_material *m, double distance) {
     const vec3_f64 c = color_of(m->attenuation_color);
-    const double part = distance / (double)m->attenuation_distance;
+    const double way = (double)m->attenuation_distance, part = way > 0 ? distance / way : 0;
     return vec_f64(pow(c.x, part), pow(c.y, part), pow(c.z, part));
 }
 

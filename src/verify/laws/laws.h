@@ -70,12 +70,26 @@ laws_render laws_path(void);
 typedef struct laws_difference {
     size_t tests;
     double p;        /* the smallest, corrected by Šidák */
-    size_t worst;    /* where: the index of the mean */
+    size_t worst;    /* where: the index of the mean, three to a cell */
     double relative; /* of the sums over all means; its standard error */
     double relative_error;
 } laws_difference;
 
 /* count means of each. */
 laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance);
+
+typedef struct laws_pair {
+    uint32_t across, down; /* cells of 8 x 8 pixels, whose means are compared */
+    uint32_t depth;        /* bounces */
+    uint64_t samples;      /* of each integrator, over the whole image */
+    uint64_t seed;
+    unsigned threads;
+    double allowance; /* relative */
+} laws_pair;
+
+/* The path integrator less the reference: the scene as its camera sees it. FATHOM_BAD_INPUT where either does
+ * not render it. */
+fathom_status laws_pair_run(fathom_context *context, const fathom_scene *scene, const laws_pair *options,
+                            laws_difference *out);
 
 #endif

@@ -22,7 +22,7 @@ void law_set(float rgb[3], vec3_f64 color) {
 }
 
 fathom_material law_lambert(vec3_f64 k_d) {
-    fathom_material m = {0};
+    fathom_material m;
     fathom_material_default(&m);
     law_set(m.k_d, k_d);
     return m;
@@ -37,15 +37,11 @@ fathom_material law_emitter(vec3_f64 k_e) {
 }
 
 fathom_material law_metallic(void) {
-    const vec3_f64 white = {1, 1, 1};
-    fathom_material m = {.model = FATHOM_MODEL_METALLIC_ROUGHNESS,
-                         .ior = 1.5f,
-                         .emissive_strength = 1,
-                         .attenuation_distance = INFINITY,
-                         .opacity = 1};
-    law_set(m.base_color, white);
-    law_set(m.specular_color, white);
-    law_set(m.attenuation_color, white);
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.metallic = m.roughness = m.specular_factor = 0;
+    m.multiscatter = false;
     return m;
 }
 
