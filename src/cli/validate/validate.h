@@ -19,6 +19,8 @@ typedef struct validate_settings {
     unsigned threads;  /* that judge */
     const char *json, *failures, *replay, *report;
     bool verbose;
+    bool light;         /* laws of light instead of rays */
+    double light_error; /* the standard error they are held to */
     bool extremes;      /* also the grid of extreme cases */
     bool tracers_given; /* else `tracers` are the default ones */
 } validate_settings;
@@ -106,6 +108,12 @@ uint64_t validate_extremes_total(const extremes_rows *rows, verdict v);
 void validate_extremes_print(const extremes_rows *rows, const validate_settings *settings);
 /* The list "extremes" of --json. */
 json_t *validate_extremes_json(const extremes_rows *rows);
+
+/* ---- validate_light.c ---- */
+
+/* Holds the path integrator against closed forms of light, or in a scene against the reference integrator.
+ * FATHOM_CHECK_FAILED when a law is broken, or cannot be told for noise. */
+fathom_status validate_light(fathom_context *context, const validate_settings *settings);
 
 /* ---- validate_shading.c ---- */
 

@@ -1,0 +1,268 @@
+/* The path loop of the reference, its camera and its lights. */
+#include "integrate/reference.h"
+
+#include "base/threads.h"
+#include "integrate/reference_inner.h"
+#include "math/frame.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+static vec3_f64 around(vec3_f64 axis, double cosine, reference_random *random) {
+    const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, axis, (vec3_f64){0, 0, 0});
+    const double angle = 2 * PI * reference_uniform(random), sine = sqrt(fmax(1 - cosine * cosine, 0));
+    const vec3_f64 flat = madd_f64(scale_f64(sine * cos(angle), f.x), sine * sin(angle), f.y);
+    return normalize_f64(madd_f64(flat, cosine, f.z));
+}
+
+/* ---- lights that no ray meets ---- */
+
+typedef struct arrival {
+    vec3_f64 direction; /* unit, towards the light */
+    double distance;
+    double power; /* radiance over density, of an intensity of 1 */
+} arrival;
+
+/* glTF's curve: squared, and linear in the cosine between the two angles. */
+static double spot_falloff(const fathom_light *light, vec3_f64 to_light) {
+    if (light->type != FATHOM_LIGHT_SPOT) return 1;
+    const double cosine = -dot_f64(to_light, normalize_f64(load_f64(light->direction)));
+    const double outer = cos((double)light->outer_angle), inner = cos((double)light->inner_angle);
+    const double part = fmin(fmax((cosine - outer) / (inner - outer), 0), 1);
+    return part * part;
+}
+
+/* An intensity of 1 has the irradiance pi at distance 1. A sphere of radius R: radiance 1/R² over 4 pi R². */
+static arrival from_place(const fathom_light *light, vec3_f64 point, reference_random *random) {
+    vec3_f64 out = {0, 0, 0};
+    if (light->radius > 0) out = around((vec3_f64){0, 0, 1}, 2 * reference_uniform(random) - 1, random);
+    const vec3_f64 way = sub_f64(madd_f64(load_f64(light->position), (double)light->radius, out), point);
+    arrival a = {normalize_f64(way), length_f64(way), 0};
+    const double spread = light->radius > 0 ? 4 * fmax(-dot_f64(out, a.direction), 0) : 1;
+    a.power = a.distance > 0 ? PI * spread * spot_falloff(light, a.direction) / (a.distance * a.distance) : 0;
+    return a;
+}
+
+/* As a disc of half the angle A in the sky: radiance 1/sin²A over 2 pi (1 - cos A). */
+static arrival from_afar(const fathom_light *light, reference_random *random) {
+    const vec3_f64 axis = normalize_f64(neg_f64(load_f64(light->direction)));
+    if (!(light->angular_radius > 0)) return (arrival){axis, (double)INFINITY, PI};
+    const double half = sin((double)light->angular_radius / 2), less = 2 * half * half;
+    const vec3_f64 direction = around(axis, 1 - less * reference_uniform(random), random);
+    return (arrival){direction, (double)INFINITY, 2 * PI / (2 - less)};
+}
+
+/* What one light, chosen evenly, sends to the viewer by this surface alone. medium: in between, or NULL. */
+static vec3_f64 light_at(const reference_scene *r, const reference_surface *s, const fathom_material *medium,
+                         reference_random *random) {
+    const size_t count = r->scene->lights.count;
+    if (!count) return gray(0);
+    const fathom_light *light = &r->scene->lights.items[(size_t)(reference_uniform(random) * (double)count)];
+    if (light->type == FATHOM_LIGHT_ENVIRONMENT) return gray(0);
+    const bool afar = light->type == FATHOM_LIGHT_DIRECTIONAL;
+    const arrival a = afar ? from_afar(light, random) : from_place(light, s->point, random);
+    vec3_f64 sum = scale_f64(a.power * (double)count, reference_evaluate(s, a.direction));
+    reference_surface blocker;
+    const vec3_f64 from = reference_leave(s, a.direction);
+    if (!(largest(sum) > 0)) return gray(0);
+    if (reference_closest(r, from, a.direction, a.distance, true, random, &blocker)) return gray(0);
+    if (medium) sum = times(sum, reference_absorbed(medium, a.distance));
+    return times(sum, color_of(light->intensity));
+}
+
+static vec3_f64 outside(const reference_scene *r, vec3_f64 direction) {
+    const reference_settings *o = &r->settings;
+    return o->environment ? o->environment(o->user, direction) : color_of(r->scene->background);
+}
+
+/* ---- paths ---- */
+
+typedef struct path {
+    vec3_f64 origin, direction, weight;
+    const fathom_material *medium; /* the volume that it is in, or NULL */
+    bool overlap;                  /* of volumes */
+} path;
+
+/* One beam, or a direction by the cosine on either side. False: the path ends. */
+static bool scatter(path *p, const reference_surface *s, reference_random *random) {
+    const reference_scatter all = reference_scatter_of(s);
+    double sum = all.front + all.back;
+    for (unsigned i = 0; i < all.beams; ++i) sum += largest(all.beam[i].weight);
+    double pick = reference_uniform(random) * sum;
+    for (unsigned i = 0; i < all.beams; ++i) {
+        const double gain = largest(all.beam[i].weight);
+        if (pick < gain) {
+            p->direction = all.beam[i].direction;
+            p->weight = scale_f64(sum / gain, times(p->weight, all.beam[i].weight));
+            return true;
+        }
+        pick -= gain;
+    }
+    const bool front = pick < all.front;
+    const vec3_f64 axis = front ? s->normal : neg_f64(s->normal);
+    p->direction = around(axis, sqrt(1 - reference_uniform(random)), random);
+    const double density = dot_f64(p->direction, axis) / PI * (front ? all.front : all.back) / sum;
+    if (!(density > 0)) return false;
+    p->weight = scale_f64(1 / density, times(p->weight, reference_evaluate(s, p->direction)));
+    return largest(p->weight) > 0;
+}
+
+/* Out of the surface, and perhaps into a volume or out of one. */
+static void advance(path *p, const reference_surface *s) {
+    p->origin = reference_leave(s, p->direction);
+    if (!reference_refracts(s->material) || dot_f64(p->direction, s->geometric) > 0) return;
+    p->overlap |= p->medium && !(s->behind && p->medium == s->material);
+    p->medium = s->behind ? NULL : s->material;
+}
+
+/* From the 17th surface on paths may end by chance. */
+static bool survives(path *p, unsigned bounce, reference_random *random) {
+    const double chance = largest(p->weight);
+    if (bounce < 16 || chance >= 1) return true;
+    p->weight = scale_f64(1 / chance, p->weight);
+    return reference_uniform(random) < chance;
+}
+
+bool reference_radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, uint64_t key,
+                        vec3_f64 *out) {
+    reference_random random = {reference_mix(key), 0};
+    path p = {.origin = origin, .direction = direction, .weight = {1, 1, 1}};
+    vec3_f64 sum = {0, 0, 0};
+    for (unsigned bounce = 0; !p.overlap; ++bounce) {
+        reference_surface s;
+        if (!reference_closest(r, p.origin, p.direction, (double)INFINITY, false, &random, &s)) {
+            sum = add_f64(sum, times(p.weight, outside(r, p.direction)));
+            break;
+        }
+        /* The camera may be inside a volume. */
+        if (!p.medium && s.behind && reference_refracts(s.material)) p.medium = s.material;
+        if (p.medium) p.weight = times(p.weight, reference_absorbed(p.medium, s.t));
+        sum = add_f64(sum, times(p.weight, reference_emission(s.material)));
+        if (bounce == r->settings.depth) break;
+        sum = add_f64(sum, times(p.weight, light_at(r, &s, p.medium, &random)));
+        if (!scatter(&p, &s, &random) || !survives(&p, bounce, &random)) break;
+        advance(&p, &s);
+    }
+    *out = sum;
+    return !p.overlap;
+}
+
+/* ---- images ---- */
+
+/* Through the point (x, y) of the image, in pixels from the upper left corner. A lens moves the ray's origin,
+ * and turns it so that it meets the plane of focus where it did. */
+static void camera_ray(const reference_scene *r, double x, double y, reference_random *random, path *out) {
+    const fathom_camera *camera = &r->scene->camera;
+    const double width = r->settings.width, height = r->settings.height;
+    const double w = camera->w > 0 ? camera->w : camera->h * width / height;
+    const vec3_f64 right = load_f64(camera->x), up = load_f64(camera->y);
+    vec3_f64 d = madd_f64(scale_f64((x / width - 0.5) * w, right), (0.5 - y / height) * camera->h, up);
+    d = madd_f64(d, -camera->d, load_f64(camera->z));
+    out->origin = load_f64(camera->origin);
+    if (camera->lens_radius > 0) {
+        const double angle = 2 * PI * reference_uniform(random);
+        const double radius = camera->lens_radius * sqrt(reference_uniform(random));
+        const vec3_f64 off = madd_f64(scale_f64(radius * cos(angle), right), radius * sin(angle), up);
+        out->origin = add_f64(out->origin, off);
+        d = madd_f64(d, -camera->d / camera->focus_distance, off);
+    }
+    out->direction = normalize_f64(d);
+}
+
+typedef struct render {
+    const reference_scene *scene;
+    reference_estimate *out;
+    atomic_bool overlap;
+} render;
+
+static void render_pixel(render *k, size_t index) {
+    const reference_settings *o = &k->scene->settings;
+    const uint32_t at = (uint32_t)index, width = o->region.width;
+    const uint32_t x = o->region.x + at % width, y = o->region.y + at / width;
+    const uint64_t pixel = reference_mix(reference_mix(o->seed) + ((uint64_t)y << 32 | x));
+    vec3_f64 sum = {0, 0, 0}, squares = {0, 0, 0};
+    for (uint32_t i = 0; i < o->samples; ++i) {
+        reference_random random = {reference_mix(pixel + i), 0};
+        const double u = reference_uniform(&random), v = reference_uniform(&random);
+        path p;
+        vec3_f64 rgb;
+        camera_ray(k->scene, x + u, y + v, &random, &p);
+        if (!reference_radiance(k->scene, p.origin, p.direction, random.key, &rgb)) k->overlap = true;
+        sum = add_f64(sum, rgb), squares = add_f64(squares, times(rgb, rgb));
+    }
+    const vec3_f64 mean = scale_f64(1.0 / o->samples, sum);
+    const vec3_f64 spread = madd_f64(scale_f64(1.0 / o->samples, squares), -1, times(mean, mean));
+    const vec3_f64 error2 = scale_f64(1 / (o->samples - 1.0), spread);
+    store_f64(k->out[index].mean, mean);
+    store_f64(k->out[index].error,
+              vec_f64(sqrt(fmax(error2.x, 0)), sqrt(fmax(error2.y, 0)), sqrt(fmax(error2.z, 0))));
+}
+
+static void render_pixels(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) render_pixel(user, i);
+}
+
+/* ---- scenes ---- */
+
+static fathom_status lacking(const fathom_scene *scene, const char *array, size_t index, const char *what) {
+    return fail_item(scene->context, FATHOM_BAD_INPUT, array, index,
+                     "the reference integrator does not implement %s; render with another one", what);
+}
+
+static fathom_status check(const reference_scene *r) {
+    const fathom_scene *scene = r->scene;
+    bool emits = r->settings.environment || largest(color_of(scene->background)) > 0, hides = false;
+    if (largest(color_of(scene->ambient)) > 0) return lacking(scene, "ambient", 0, "ambient light");
+    for (size_t i = 0; i < scene->lights.count && !r->settings.environment; ++i) {
+        if (scene->lights.items[i].type == FATHOM_LIGHT_ENVIRONMENT)
+            return lacking(scene, "lights", i, "environment images");
+    }
+    for (size_t i = 0; i < r->places.count; ++i) {
+        const fathom_material *m = &scene->materials.items[r->places.items[i].material].value;
+        const char *lacks = reference_lacks(m);
+        if (lacks) return lacking(scene, "materials", r->places.items[i].material, lacks);
+        emits |= largest(reference_emission(m)) > 0;
+        hides |= (r->places.items[i].flags & FATHOM_CASTS_NO_SHADOW) != 0;
+    }
+    /* The documents say what shadow rays pass, not what rays pass that meet emission by chance. */
+    return emits && hides ? lacking(scene, "shapes", 0, "emission among shapes that cast no shadow")
+                          : FATHOM_OK;
+}
+
+fathom_status reference_open(const fathom_scene *scene, const reference_settings *settings,
+                             reference_scene **out) {
+    reference_scene *r = calloc(1, sizeof *r);
+    *out = NULL;
+    if (!r) return fail_memory(scene->context, sizeof *r);
+    r->scene = scene, r->settings = *settings;
+    fathom_status status = reference_gather(r);
+    if (status == FATHOM_OK) status = check(r);
+    if (status == FATHOM_OK)
+        *out = r;
+    else
+        reference_close(r);
+    return status;
+}
+
+void reference_close(reference_scene *r) {
+    if (!r) return;
+    array_free(&r->places);
+    array_free(&r->primitives);
+    array_free(&r->planes);
+    free(r->tree.nodes);
+    free(r->items);
+    free(r);
+}
+
+fathom_status reference_render(const fathom_scene *scene, const reference_settings *settings,
+                               reference_estimate *out) {
+    reference_scene *r;
+    fathom_status status = reference_open(scene, settings, &r);
+    if (status != FATHOM_OK) return status;
+    render k = {.scene = r, .out = out};
+    const size_t pixels = (size_t)settings->region.width * settings->region.height;
+    loop_parallel(settings->threads ? settings->threads : 1, pixels, 1, render_pixels, &k);
+    reference_close(r);
+    return k.overlap ? lacking(scene, "shapes", 0, "volumes of two materials that overlap") : FATHOM_OK;
+}

@@ -1,0 +1,111 @@
+/* What the files of the reference path tracer share. Colours are vectors: x, y, z for red, green, blue. */
+#ifndef INTEGRATE_REFERENCE_INNER_H
+#define INTEGRATE_REFERENCE_INNER_H
+
+#include "integrate/reference.h"
+#include "math/affine.h"
+#include "trace/bvh/bvh.h"
+
+#define PI 3.14159265358979323846
+
+/* ---- colours ---- */
+
+static inline vec3_f64 color_of(const float rgb[3]) {
+    return vec_f64((double)rgb[0], (double)rgb[1], (double)rgb[2]);
+}
+static inline vec3_f64 gray(double x) { return vec_f64(x, x, x); }
+static inline vec3_f64 times(vec3_f64 a, vec3_f64 b) { return vec_f64(a.x * b.x, a.y * b.y, a.z * b.z); }
+static inline double largest(vec3_f64 a) { return fmax(a.x, fmax(a.y, a.z)); }
+/* From a to b. */
+static inline vec3_f64 blend(vec3_f64 a, vec3_f64 b, double part) {
+    return add_f64(scale_f64(1 - part, a), scale_f64(part, b));
+}
+
+/* ---- random numbers: the n-th of a key is a hash of both ---- */
+
+typedef struct reference_random {
+    uint64_t key, count;
+} reference_random;
+
+/* The finalizer of splitmix64 (Steele, Lea, Flood 2014). */
+static inline uint64_t reference_mix(uint64_t z) {
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return z ^ z >> 31;
+}
+/* In [0, 1). */
+static inline double reference_uniform(reference_random *r) {
+    return (double)(reference_mix(r->key + ++r->count * 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
+}
+
+/* ---- reference_scene.c: shapes and rays ---- */
+
+/* Where a shape is placed; instances are taken apart. */
+typedef struct reference_place {
+    affine_f64 to_world, to_object;
+    fathom_id material;
+    unsigned flags;
+} reference_place;
+
+/* In the shape's own space. */
+typedef struct reference_primitive {
+    scene_kind kind;
+    uint32_t place;
+    uint32_t mesh, triangle;
+    vec3_f64 corner[4]; /* sphere: its centre, and three times its radius; plane: a point and the normal;
+                           triangle: the last twice */
+} reference_primitive;
+
+struct reference_scene {
+    const fathom_scene *scene;
+    reference_settings settings;
+    ARRAY(reference_place) places;
+    ARRAY(reference_primitive) primitives;
+    ARRAY(uint32_t) planes; /* of the primitives */
+    bvh_item *items;        /* the others */
+    bvh_tree tree;          /* its leaves hold items */
+};
+
+/* Where a ray meets a surface. The normals are unit and point to the viewer's side. */
+typedef struct reference_surface {
+    vec3_f64 point, to_viewer;
+    vec3_f64 geometric, normal; /* normal: for shading */
+    bool behind;                /* the viewer is on the side that the shape's own normal does not point to */
+    const fathom_material *material;
+    double t;
+} reference_surface;
+
+fathom_status reference_gather(reference_scene *r);
+/* The closest hit of a unit direction. Surfaces that are covered in part let some rays pass, by chance.
+ * shadow: shapes that cast none are passed. */
+bool reference_closest(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, double t_far,
+                       bool shadow, reference_random *random, reference_surface *out);
+/* Where a ray begins that leaves the surface in this direction. */
+vec3_f64 reference_leave(const reference_surface *s, vec3_f64 direction);
+
+/* ---- reference_material.c: scattering ---- */
+
+/* A direction that takes a share of the light by itself: a mirror's, or a refracted one. */
+typedef struct reference_beam {
+    vec3_f64 direction, weight;
+} reference_beam;
+
+/* How a surface scatters light to its viewer. */
+typedef struct reference_scatter {
+    unsigned beams;
+    reference_beam beam[2];
+    double front, back; /* rough guesses of the light that arrives over either hemisphere; 0: none does */
+} reference_scatter;
+
+/* What is not implemented; NULL: all is. */
+const char *reference_lacks(const fathom_material *m);
+vec3_f64 reference_emission(const fathom_material *m);
+reference_scatter reference_scatter_of(const reference_surface *s);
+/* f |n·l| of everything but beams, for the unit direction l that light arrives from. */
+vec3_f64 reference_evaluate(const reference_surface *s, vec3_f64 l);
+/* Whether the surface bounds a volume, so that light refracts. */
+bool reference_refracts(const fathom_material *m);
+/* What remains of light after so long a way through the volume. */
+vec3_f64 reference_absorbed(const fathom_material *m, double distance);
+
+#endif

@@ -1,0 +1,159 @@
+/* Light that bounces inside closed surfaces. */
+#include "verify/laws/room.h"
+
+#define PI 3.14159265358979323846
+
+static const vec3_f64 center = {0, 0, 0}, above = {0, 0, 1}, below = {0, 0, -1};
+/* Albedos of the three channels, and what the walls send out. */
+static const vec3_f64 albedo = {0.75, 0.5, 0.25}, sent = {1, 0.5, 2};
+
+static fathom_material wall(void) {
+    fathom_material m = law_lambert(albedo);
+    law_set(m.k_e, sent);
+    return m;
+}
+
+/* ---- white furnaces: L_e (1 - ρⁿ⁺¹)/(1 - ρ) after n bounces ---- */
+
+static void furnace(law_room *room, uint32_t depth) {
+    room->depth = depth;
+    law_look(room, vec_f64(0.3, 0.2, 0.1), vec_f64(0.5, -0.4, 1));
+    law_value(room, vec_f64(sent.x * law_powers(albedo.x, 0, (int)depth),
+                            sent.y * law_powers(albedo.y, 0, (int)depth),
+                            sent.z * law_powers(albedo.z, 0, (int)depth)));
+}
+
+static void furnace_sphere(law_room *room) {
+    law_sphere(room, center, 2, wall());
+    furnace(room, 64);
+}
+
+static void furnace_four_bounces(law_room *room) {
+    law_sphere(room, center, 2, wall());
+    furnace(room, 4);
+}
+
+static void furnace_box(law_room *room) {
+    law_box(room, false, wall());
+    furnace(room, 64);
+}
+
+static void furnace_mesh(law_room *room) {
+    fathom_material m = law_metallic();
+    law_set(m.base_color, albedo);
+    law_set(m.emissive, scale_f64(0.5, sent));
+    m.emissive_strength = 2;
+    law_box(room, true, m);
+    furnace(room, 8);
+}
+
+/* ---- a sphere with a light at its centre ---- */
+
+static const double sphere_radius = 1.5, intensity = 3;
+
+/* k_l/R² (ρ + ρ² + …): the light shows k_l ρ/R² by itself. */
+static double lit_sphere(double rho, const double *unused) {
+    (void)unused;
+    return intensity / (sphere_radius * sphere_radius) * law_powers(rho, 1, 64);
+}
+
+static void point_in_sphere(law_room *room) {
+    law_sphere(room, center, sphere_radius, law_lambert(albedo));
+    law_point_light(room, center, intensity, 0);
+    law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.2, 1, 0.3));
+    law_value(room, law_each(albedo, lit_sphere, NULL));
+}
+
+static void ball_light_in_sphere(law_room *room) {
+    law_sphere(room, center, sphere_radius, law_lambert(albedo));
+    law_point_light(room, center, intensity, 0.3);
+    law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.2, 1, 0.3));
+    law_value(room, law_each(albedo, lit_sphere, NULL));
+}
+
+/* The wall outside the cone sees the mean over the sphere of what the cone shows, times ρ + ρ² + …. A squared
+ * ramp in the cosine from `outer` to `inner` has the mean (1 - inner + (inner - outer)/3)/2. */
+static double spot_wall(double rho, const double *share) { return *share * (rho * lit_sphere(rho, NULL)); }
+
+static void spot_in_sphere(law_room *room) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_SPOT;
+    light.inner_angle = 0.6f, light.outer_angle = 1.2f;
+    store_f64(light.direction, below);
+    law_set(light.intensity, vec_f64(intensity, intensity, intensity));
+    const double inner = cos((double)light.inner_angle), outer = cos((double)light.outer_angle);
+    law_sphere(room, center, sphere_radius, law_lambert(albedo));
+    law_light(room, &light);
+    law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.3, 0.1, 1));
+    const double share = (1 - inner + (inner - outer) / 3) / 2;
+    law_value(room, law_each(albedo, spot_wall, &share));
+}
+
+/* ---- a sphere cut by an emitting plane ----
+ * Every ray from the wall to the cap that is cut off crosses the plane: it fills the share f of what any
+ * point of the wall sees. The plane sees the wall alone. B = ρ (f (L + σB) + (1-f) B) for the wall, σ the
+ * plane's albedo. */
+
+static double cut_sphere(double rho, const double *f_and_plane) {
+    const double f = f_and_plane[0];
+    return rho * f / (1 - rho * (1 - f) - rho * f_and_plane[1] * f);
+}
+
+static void cut(law_room *room, double reflects) {
+    const double height = 0.4, numbers[] = {(1 - height) / 2, reflects};
+    fathom_material m = law_emitter(vec_f64(1, 1, 1));
+    law_set(m.k_d, vec_f64(reflects, reflects, reflects));
+    law_sphere(room, center, 1, law_lambert(albedo));
+    law_plane(room, vec_f64(0, 0, height), above, m);
+    law_look(room, center, vec_f64(0.2, 0.3, -1));
+    law_value(room, law_each(albedo, cut_sphere, numbers));
+}
+
+static void cap_black(law_room *room) { cut(room, 0); }
+static void cap_gray(law_room *room) { cut(room, 0.5); }
+
+/* ---- a sphere inside another ---- */
+
+static const double inner_albedo = 0.3, inner_share = 0.25;
+
+static double outer_wall(double rho, const double *unused) {
+    (void)unused;
+    return rho * inner_share / (1 - rho * (1 - inner_share) - inner_albedo * rho * inner_share);
+}
+
+static double inner_wall(double rho, const double *unused) {
+    return 1 + inner_albedo * outer_wall(rho, unused);
+}
+
+static void two_spheres(law_room *room) {
+    fathom_material m = law_emitter(vec_f64(1, 1, 1));
+    law_set(m.k_d, vec_f64(inner_albedo, inner_albedo, inner_albedo));
+    law_sphere(room, center, 0.5, m);
+    law_sphere(room, center, 1, law_lambert(vec_f64(0.7, 0.5, 0.2)));
+}
+
+static void outer_sphere(law_room *room) {
+    two_spheres(room);
+    law_look(room, vec_f64(0.75, 0, 0), vec_f64(1, 0.1, 0.2));
+    law_value(room, law_each(vec_f64(0.7, 0.5, 0.2), outer_wall, NULL));
+}
+
+static void inner_sphere(law_room *room) {
+    two_spheres(room);
+    law_look(room, vec_f64(0.75, 0, 0), vec_f64(0.1, 0.1, 0.2));
+    law_value(room, law_each(vec_f64(0.7, 0.5, 0.2), inner_wall, NULL));
+}
+
+const law laws_of_enclosures[] = {{"furnace, sphere", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_sphere},
+                                  {"furnace, four bounces", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_four_bounces},
+                                  {"furnace, box of quads", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_box},
+                                  {"furnace, box of triangles", "L_e (1-ρⁿ⁺¹)/(1-ρ)", furnace_mesh},
+                                  {"point light in a sphere", "I ρ/(πR²(1-ρ))", point_in_sphere},
+                                  {"light with a radius in a sphere", "I ρ/(πR²(1-ρ))", ball_light_in_sphere},
+                                  {"spot light in a sphere", "mean I ρ²/(πR²(1-ρ))", spot_in_sphere},
+                                  {"sphere, black emitting cap", "L ρf/(1-ρ(1-f))", cap_black},
+                                  {"sphere, gray emitting cap", "L ρf/(1-ρ(1-f)-ρσf)", cap_gray},
+                                  {"sphere in a sphere, outer", "ρ₂kE/(1-ρ₂(1-k)-ρ₁ρ₂k)", outer_sphere},
+                                  {"sphere in a sphere, inner", "E + ρ₁B₂", inner_sphere},
+                                  {NULL, NULL, NULL}};

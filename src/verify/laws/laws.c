@@ -1,0 +1,143 @@
+#include "verify/laws/laws.h"
+
+#include "base/clock.h"
+#include "base/status.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the list ---- */
+
+static const law *const lists[] = {laws_of_enclosures, laws_of_lights, laws_of_matter};
+
+/* The i-th law that is asked for; NULL beyond the last. */
+static const law *law_at(const laws_options *o, size_t i) {
+    for (size_t list = 0; list < sizeof lists / sizeof *lists; ++list) {
+        for (const law *l = lists[list]; l->name; ++l) {
+            if (o->only && !strstr(l->name, o->only)) continue;
+            if (i-- == 0) return l;
+        }
+    }
+    return NULL;
+}
+
+const char *laws_verdict_name(laws_verdict v) {
+    static const char *const names[LAWS_VERDICTS] = {"holds", "broken", "noisy", "refused"};
+    return names[v];
+}
+
+/* ---- judging ---- */
+
+static double relative_error(const law_room *room, const sample_mean found[3]) {
+    double most = 0;
+    for (int c = 0; c < 3; ++c) most = fmax(most, found[c].error / fabs(room->value[c]));
+    return most;
+}
+
+/* A pilot tells how many samples the error needs; its own do not count, so that no stopping depends on what
+ * is judged. A fifth more makes up for what the pilot does not know. */
+static fathom_status render(const laws_options *o, const law_room *room, uint64_t seed, laws_row *row) {
+    fathom_status status = o->render.render(o->render.user, room, o->pilot, seed, row->found);
+    const double ratio = relative_error(room, row->found) / o->error;
+    const double wanted = fmax(1.2 * ratio * ratio, 1) * (double)o->pilot;
+    row->samples = (uint64_t)fmin(wanted, (double)o->samples);
+    if (status != FATHOM_OK) return status;
+    status = o->render.render(o->render.user, room, row->samples, seed + 1, row->found);
+    row->relative = relative_error(room, row->found);
+    return status;
+}
+
+static void judge(const laws_options *o, laws_row *row) {
+    row->p = 1;
+    for (int c = 0; c < 3; ++c) {
+        const sample_mean *m = &row->found[c];
+        const double value = row->value[c], allowance = o->allowance * fabs(value);
+        const double beyond = fmax(fabs(m->mean - value) - allowance, 0);
+        row->p = fmin(row->p, mean_p(*m, value, allowance));
+        row->off = fmax(row->off, beyond > 0 ? beyond / m->error : 0);
+    }
+}
+
+/* What an integrator does not do, it says: no law of light is broken by that. */
+static void refuse(fathom_context *context, laws_row *row, fathom_status *status) {
+    snprintf(row->refusal, sizeof row->refusal, "%s", fathom_context_message(context));
+    row->verdict = LAWS_REFUSED, row->p = 1;
+    *status = FATHOM_OK;
+}
+
+static fathom_status run_law(fathom_context *context, const laws_options *o, const law *tested, size_t index,
+                             laws_row *row) {
+    law_room room;
+    const double start = clock_seconds();
+    *row = (laws_row){.law = tested};
+    fathom_status status = law_open(context, tested, &room);
+    memcpy(row->value, room.value, sizeof row->value);
+    if (status == FATHOM_OK) {
+        status = render(o, &room, o->seed * 1000 + 2 * index, row);
+        if (status == FATHOM_BAD_INPUT || status == FATHOM_BAD_USAGE)
+            refuse(context, row, &status);
+        else
+            judge(o, row);
+    }
+    law_close(&room);
+    row->seconds = clock_seconds() - start;
+    return status;
+}
+
+static void finish(const laws_options *o, laws_rows *out) {
+    double least = 1;
+    out->tests = 0;
+    for (size_t i = 0; i < out->rows.count; ++i)
+        out->tests += out->rows.items[i].verdict == LAWS_REFUSED ? 0 : 3;
+    out->test_level = out->tests ? sidak_level(o->level, (double)out->tests) : o->level;
+    for (size_t i = 0; i < out->rows.count; ++i) {
+        laws_row *row = &out->rows.items[i];
+        if (row->verdict == LAWS_REFUSED) continue;
+        least = fmin(least, row->p);
+        /* The pilot's error is an estimate, too: half as much again is still no other order. */
+        if (!(row->relative <= 1.5 * o->error)) row->verdict = LAWS_NOISY;
+        if (row->p < out->test_level) row->verdict = LAWS_BROKEN;
+    }
+    out->p = sidak(least, (double)out->tests);
+}
+
+fathom_status laws_run(fathom_context *context, const laws_options *o, laws_rows *out) {
+    size_t count = 0;
+    fathom_status status = FATHOM_OK;
+    while (law_at(o, count)) ++count;
+    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) {
+        laws_row row;
+        if (o->go_on && !o->go_on(o->user, (double)i / (double)count))
+            status = fail(context, FATHOM_INTERRUPTED, "stopped by the caller");
+        if (status == FATHOM_OK) status = run_law(context, o, law_at(o, i), i, &row);
+        if (status == FATHOM_OK && !array_push(&out->rows, row)) status = fail_memory(context, sizeof row);
+    }
+    finish(o, out);
+    return status;
+}
+
+void laws_rows_free(laws_rows *rows) { array_free(&rows->rows); }
+
+size_t laws_failed(const laws_rows *rows) {
+    size_t failed = 0;
+    for (size_t i = 0; i < rows->rows.count; ++i)
+        failed += rows->rows.items[i].verdict == LAWS_BROKEN || rows->rows.items[i].verdict == LAWS_NOISY;
+    return failed;
+}
+
+/* ---- two renders ---- */
+
+laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance) {
+    laws_difference d = {.tests = count, .p = 1};
+    double sum = 0, difference = 0, square = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double p = welch_p(a[i], b[i], allowance * fmax(fabs(a[i].mean), fabs(b[i].mean)));
+        if (p < d.p) d.p = p, d.worst = i;
+        sum += (a[i].mean + b[i].mean) / 2, difference += a[i].mean - b[i].mean;
+        square += a[i].error * a[i].error + b[i].error * b[i].error;
+    }
+    d.p = sidak(d.p, (double)count);
+    d.relative = difference / sum, d.relative_error = sqrt(square) / sum;
+    return d;
+}

@@ -1,0 +1,198 @@
+/* A floor under lights of many shapes: z = 0, seen at the origin. */
+#include "verify/laws/room.h"
+
+#define PI 3.14159265358979323846
+
+static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1};
+static const vec3_f64 albedo = {1, 0.5, 0.2};
+
+/* The floor and its value, for a share of the light's radiance of 1. */
+static void floor_under(law_room *room, double share) {
+    room->depth = 4;
+    law_plane(room, origin, up, law_lambert(albedo));
+    law_look(room, vec_f64(-1, -0.8, 0.7), origin);
+    law_value(room, scale_f64(share, albedo));
+}
+
+static fathom_material lamp(void) { return law_emitter(vec_f64(1, 1, 1)); }
+
+/* ---- polygons ---- */
+
+static double rectangle_half(double a, double b) { return a / sqrt(1 + a * a) * atan(b / sqrt(1 + a * a)); }
+
+static void rectangle(law_room *room) {
+    const double a = 1, b = 2, h = 1.5;
+    law_quad(room, vec_f64(a / 2, b / 2, h), vec_f64(a / 2, 0, 0), vec_f64(0, b / 2, 0), lamp());
+    floor_under(room, (rectangle_half(a / h, b / h) + rectangle_half(b / h, a / h)) / (2 * PI));
+}
+
+/* The part of the polygon with z > 0; `out` has room for twice as many corners. */
+static uint32_t above_floor(const vec3_f64 *p, uint32_t count, vec3_f64 *out) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3_f64 a = p[i], b = p[(i + 1) % count];
+        if (a.z > 0) out[kept++] = a;
+        if ((a.z > 0) != (b.z > 0)) out[kept++] = madd_f64(a, a.z / (a.z - b.z), sub_f64(b, a));
+    }
+    return kept;
+}
+
+/* Lambert's sum over edges, for the point 0 with the normal z. */
+static double edge_sum(const vec3_f64 *p, uint32_t count) {
+    double sum = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3_f64 a = normalize_f64(p[i]), b = normalize_f64(p[(i + 1) % count]), c = cross_f64(a, b);
+        const double sine = length_f64(c);
+        if (sine > 0) sum += atan2(sine, dot_f64(a, b)) * c.z / sine;
+    }
+    return fabs(sum) / (2 * PI);
+}
+
+static void polygon(law_room *room, const vec3_f64 *corners, uint32_t count) {
+    vec3_f64 kept[16];
+    law_fan(room, corners, count, lamp());
+    floor_under(room, edge_sum(kept, above_floor(corners, count, kept)));
+}
+
+static void tilted_triangle(law_room *room) {
+    const vec3_f64 corners[] = {{1, -0.5, 0.25}, {1.5, 1, 1}, {0.75, 0.25, 2}};
+    polygon(room, corners, 3);
+}
+
+static void cut_pentagon(law_room *room) {
+    const vec3_f64 corners[] = {
+        {1, -1, -0.5}, {1, 0.5, -0.75}, {1, 1.5, 0.25}, {1, 0.5, 1.25}, {1, -0.75, 0.5}};
+    polygon(room, corners, 5);
+}
+
+/* The same sum over the parallel square, by the two of them: both are seen whole. */
+static void parallel_squares(law_room *room) {
+    const double x = 1, root = sqrt(1 + x * x);
+    const double factor =
+        2 / (PI * x * x) *
+        (log((1 + x * x) / sqrt(1 + 2 * x * x)) + 2 * x * root * atan(x / root) - 2 * x * atan(x));
+    law_quad(room, origin, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), law_lambert(albedo));
+    law_quad(room, up, vec_f64(0.5, 0, 0), vec_f64(0, 0.5, 0), lamp());
+    law_look_down(room, 0.5, 0, 1);
+    law_value(room, scale_f64(factor, albedo));
+    room->depth = 4;
+}
+
+/* ---- disks: radius 1, offset 0.7, height 1.3 ---- */
+
+static const vec3_f64 disk_center = {0.7, 0, 1.3};
+
+static double under_disk(void) {
+    const double H = disk_center.z / disk_center.x, R = 1 / disk_center.x, Z = 1 + H * H + R * R;
+    return (1 - (1 + H * H - R * R) / sqrt(Z * Z - 4 * R * R)) / 2;
+}
+
+/* A polygon of N corners on the circle has the area 1 - 2π²/3N² of the disk. */
+static void disk_of_triangles(law_room *room) {
+    enum { CORNERS = 2000 };
+    vec3_f64 p[CORNERS];
+    for (int i = 0; i < CORNERS; ++i) {
+        const double angle = 2 * PI * i / CORNERS;
+        p[i] = add_f64(disk_center, vec_f64(cos(angle), sin(angle), 0));
+    }
+    law_fan(room, p, CORNERS, lamp());
+    floor_under(room, under_disk());
+}
+
+/* A sphere squeezed to a thousandth: its outline differs from the disk's by its square. */
+static void disk_squeezed(law_room *room) {
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    const fathom_material m = lamp();
+    fathom_sphere sphere = {.radius = 1};
+    const double squeeze[12] = {1, 0, 0, disk_center.x, 0, 1, 0, disk_center.y, 0, 0, 1e-3, disk_center.z};
+    for (int i = 0; i < 12; ++i) instance.transform[i] = squeeze[i];
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_material(room->scene, NULL, &m, &sphere.material);
+    if (room->status == FATHOM_OK) room->status = fathom_scene_add_group(room->scene, NULL, &instance.group);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_sphere(room->scene, instance.group, &sphere, NULL);
+    if (room->status == FATHOM_OK) room->status = fathom_scene_add_instance(room->scene, &instance, NULL);
+    floor_under(room, under_disk());
+}
+
+/* ---- spheres ---- */
+
+static void sphere_above(law_room *room) {
+    const double R = 0.5, d = 2, angle = 0.6;
+    law_sphere(room, vec_f64(d * sin(angle), 0, d * cos(angle)), R, lamp());
+    floor_under(room, R / d * (R / d) * cos(angle));
+}
+
+static void sphere_cut(law_room *room, double angle) {
+    const double square = 0.3, x = sqrt(1 / square - 1), y = -x / tan(angle),
+                 q = sin(angle) * sqrt(1 - y * y);
+    law_sphere(room, vec_f64(sin(angle), 0, cos(angle)), sqrt(square), lamp());
+    floor_under(room, ((cos(angle) * acos(y) - x * q) * square + atan(q / x)) / PI);
+}
+
+static void sphere_cut_high(law_room *room) { sphere_cut(room, 1.3); }
+static void sphere_cut_low(law_room *room) { sphere_cut(room, 1.8); }
+
+/* ---- lights without a surface: k_l cos θ, over the squared distance ---- */
+
+static void point_over_floor(law_room *room, double radius) {
+    const vec3_f64 at = {1, 0.5, 2};
+    const double d2 = dot_f64(at, at);
+    law_point_light(room, at, 5, radius);
+    floor_under(room, 5 * at.z / (d2 * sqrt(d2)));
+}
+
+static void point(law_room *room) { point_over_floor(room, 0); }
+static void ball(law_room *room) { point_over_floor(room, 0.75); }
+
+static void sun_over_floor(law_room *room, double radius) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_DIRECTIONAL, light.angular_radius = (float)radius;
+    store_f64(light.direction, vec_f64(-1, -2, -2));
+    law_set(light.intensity, vec_f64(1.5, 1.5, 1.5));
+    law_light(room, &light);
+    floor_under(room, 1.5 * 2 / 3);
+}
+
+static void sun(law_room *room) { sun_over_floor(room, 0); }
+static void wide_sun(law_room *room) { sun_over_floor(room, 0.3); }
+
+static void many_points(law_room *room) {
+    double sum = 0;
+    for (int i = 0; i < 40; ++i) {
+        const vec3_f64 at = {1 + 0.25 * i, 0.5 * (i % 5), 1 + 0.5 * (i % 3)};
+        const double d2 = dot_f64(at, at), k = i % 7 ? 0.1 : 4;
+        law_point_light(room, at, k, 0);
+        sum += k * at.z / (d2 * sqrt(d2));
+    }
+    floor_under(room, sum);
+}
+
+/* Lights of several kinds add up. */
+static void several(law_room *room) {
+    const double R = 0.5, d = 2, angle = 0.6;
+    sun_over_floor(room, 0);
+    law_sphere(room, vec_f64(0, d * sin(angle), d * cos(angle)), R, lamp());
+    law_point_light(room, vec_f64(1, 0, 1), 2, 0);
+    law_background(room, vec_f64(0.25, 0.25, 0.25));
+    law_value(room, scale_f64(1 + 0.75 * R / d * (R / d) * cos(angle) + 2 / sqrt(8) + 0.25, albedo));
+}
+
+const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor", rectangle},
+                              {"tilted triangle over a floor", "Lambert's edge sum", tilted_triangle},
+                              {"pentagon cut by the horizon", "Lambert's edge sum", cut_pentagon},
+                              {"parallel squares", "form factor", parallel_squares},
+                              {"disk of 1,998 triangles", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_of_triangles},
+                              {"disk, a squeezed sphere", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_squeezed},
+                              {"sphere above the horizon", "(R/d)² cos θ", sphere_above},
+                              {"sphere cut by the horizon", "configuration factor", sphere_cut_high},
+                              {"sphere mostly below the horizon", "configuration factor", sphere_cut_low},
+                              {"point light", "k_l cos θ/d²", point},
+                              {"point light with a radius", "k_l cos θ/d²", ball},
+                              {"directional light", "k_l cos θ", sun},
+                              {"directional light with a radius", "k_l cos θ", wide_sun},
+                              {"forty point lights", "Σ k_l cos θ/d²", many_points},
+                              {"lights of four kinds", "sum", several},
+                              {NULL, NULL, NULL}};

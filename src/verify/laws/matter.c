@@ -1,0 +1,251 @@
+/* Materials, volumes and light from outside. */
+#include "verify/laws/room.h"
+
+#define PI 3.14159265358979323846
+
+static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1}, down = {0, 0, -1}, white = {1, 1, 1};
+static const vec3_f64 eye = {0, 0, 1};
+
+static vec3_f64 gray(double x) { return vec_f64(x, x, x); }
+
+/* ---- light from outside ---- */
+
+static const vec3_f64 albedo = {1, 0.5, 0.2};
+
+static void even_sky(law_room *room) {
+    law_plane(room, origin, up, law_lambert(albedo));
+    law_background(room, vec_f64(1, 0.5, 0.25));
+    law_look(room, eye, origin);
+    law_value(room, vec_f64(1, 0.25, 0.05));
+}
+
+/* Legendre's polynomials around an axis for each channel: bands 0 to 4 of a rotated spherical harmonic. */
+static const double bands[5] = {1, 0.4, 0.25, 0.2, 0.1};
+static const vec3_f64 sky_axes[3] = {{0, 0, 1}, {0.6, 0, 0.8}, {0.48, 0.64, -0.6}};
+
+static void legendre(double x, double out[5]) {
+    out[0] = 1, out[1] = x;
+    for (int l = 2; l < 5; ++l) out[l] = ((2 * l - 1) * x * out[l - 1] - (l - 1) * out[l - 2]) / l;
+}
+
+static double band_sum(vec3_f64 axis, vec3_f64 direction, const double factors[5]) {
+    double p[5], sum = 0;
+    legendre(dot_f64(axis, direction), p);
+    for (int l = 0; l < 5; ++l) sum += factors[l] * bands[l] * p[l];
+    return sum;
+}
+
+static vec3_f64 harmonic_sky(void *user, vec3_f64 d) {
+    static const double all[5] = {1, 1, 1, 1, 1};
+    (void)user;
+    return vec_f64(band_sum(sky_axes[0], d, all), band_sum(sky_axes[1], d, all),
+                   band_sum(sky_axes[2], d, all));
+}
+
+/* Irradiance weights bands by π, 2π/3, π/4, 0, -π/24; the floor shows it over π. */
+static void harmonics(law_room *room) {
+    const double factors[5] = {1, 2.0 / 3, 0.25, 0, -1.0 / 24};
+    law_plane(room, origin, up, law_lambert(white));
+    law_look(room, eye, origin);
+    room->environment = harmonic_sky;
+    for (int c = 0; c < 3; ++c) room->value[c] = band_sum(sky_axes[c], up, factors);
+}
+
+/* ---- mirrors with Fresnel's factor, averaged over a cosine: a floor between itself and a mirrored ceiling
+ * ---- */
+
+/* B = 1 + ρ F B. */
+static void ceiling(law_room *room, vec3_f64 normal, fathom_material mirror, vec3_f64 mean) {
+    fathom_material m = law_lambert(albedo);
+    law_set(m.k_e, white);
+    law_plane(room, origin, up, m);
+    law_plane(room, up, normal, mirror);
+    law_look(room, vec_f64(0, 0, 0.5), vec_f64(0.2, 0.1, 0));
+    law_value(room,
+              vec_f64(1 / (1 - albedo.x * mean.x), 1 / (1 - albedo.y * mean.y), 1 / (1 - albedo.z * mean.z)));
+}
+
+static fathom_material glass(double k_r, double k_t) {
+    fathom_material m = law_black();
+    law_set(m.k_r, gray(k_r));
+    law_set(m.k_t, gray(k_t));
+    m.fresnel = true, m.ior = 1.5f;
+    return m;
+}
+
+static void fresnel_outside(law_room *room) { ceiling(room, down, glass(1, 0), gray(0.09177796)); }
+static void fresnel_inside(law_room *room) { ceiling(room, up, glass(1, 0), gray(0.59634576)); }
+
+static void schlick(law_room *room) {
+    const vec3_f64 f0 = {0.04, 0.5, 0.9};
+    fathom_material m = law_metallic();
+    m.metallic = 1;
+    law_set(m.base_color, f0);
+    ceiling(room, down, m, vec_f64(f0.x + (1 - f0.x) / 21, f0.y + (1 - f0.y) / 21, f0.z + (1 - f0.z) / 21));
+}
+
+/* ---- the reflectance of a lobe seen straight on, under an even sky ---- */
+
+static void lobe(law_room *room, fathom_material m, vec3_f64 value) {
+    law_plane(room, origin, up, m);
+    law_background(room, white);
+    law_look(room, eye, origin);
+    law_value(room, value);
+}
+
+static void ggx_full(law_room *room) {
+    fathom_material m = law_metallic();
+    m.metallic = m.roughness = 1;
+    lobe(room, m, gray(1 - log(2)));
+}
+
+/* ∫ D(h) G₁(l) cos h dh with l at twice the angle of h: Simpson's rule, good to 1e-9 for this alpha. */
+static double ggx_albedo(double alpha) {
+    enum { STEPS = 2000 };
+    const double a2 = alpha * alpha;
+    double sum = 0;
+    for (int i = 0; i <= STEPS; ++i) {
+        const double h = PI / 4 * i / STEPS, nh = cos(h), nl = cos(2 * h), q = nh * nh * (a2 - 1) + 1;
+        const double masking = 2 * nl / (nl + sqrt(a2 + (1 - a2) * nl * nl));
+        sum += (i == 0 || i == STEPS ? 1
+                : i % 2              ? 4
+                                     : 2) *
+               a2 / (PI * q * q) * masking * nh * 2 * PI * sin(h);
+    }
+    return sum * PI / 4 / STEPS / 3;
+}
+
+static void ggx_half(law_room *room) {
+    fathom_material m = law_metallic();
+    m.metallic = 1, m.roughness = 0.6f;
+    lobe(room, m, gray(ggx_albedo(0.36)));
+}
+
+static fathom_material highlight(fathom_specular specular) {
+    fathom_material m = law_black();
+    m.specular = specular, m.shininess = 10;
+    law_set(m.k_s, albedo);
+    return m;
+}
+
+static void phong(law_room *room) {
+    lobe(room, highlight(FATHOM_SPECULAR_PHONG), scale_f64(2.0 / 12, albedo));
+}
+
+/* 2 ∫ cosⁿ(θ/2) cos θ sin θ dθ, by u = cos(θ/2). */
+static void blinn(law_room *room) {
+    const double n = 10, u = sqrt(0.5);
+    const double at_one = 2 / (n + 4) - 1 / (n + 2);
+    const double at_u = 2 * pow(u, n + 4) / (n + 4) - pow(u, n + 2) / (n + 2);
+    lobe(room, highlight(FATHOM_SPECULAR_BLINN), scale_f64(8 * (at_one - at_u), albedo));
+}
+
+static void lit_from_behind(law_room *room) {
+    fathom_material m = law_lambert(scale_f64(0.5, albedo));
+    m.lit_from_behind = true;
+    lobe(room, m, albedo);
+}
+
+/* ---- what loses no light is not seen in an even sky ---- */
+
+static void unseen_ball(law_room *room, fathom_material m) {
+    law_sphere(room, origin, 1, m);
+    law_background(room, white);
+    law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
+    law_value(room, white);
+}
+
+static void glass_ball(law_room *room) { unseen_ball(room, glass(1, 1)); }
+
+static fathom_material clear(double thickness) {
+    fathom_material m = law_metallic();
+    m.transmission = m.specular_factor = 1, m.thickness = (float)thickness;
+    return m;
+}
+
+static void thin_ball(law_room *room) { unseen_ball(room, clear(0)); }
+static void refracting_ball(law_room *room) { unseen_ball(room, clear(1)); }
+
+/* ---- glass ---- */
+
+/* Both surfaces reflect r; between them light bounces until it leaves. */
+static void slab(law_room *room) {
+    const double r = 0.04;
+    law_plane(room, vec_f64(0, 0, -1), up, glass(1, 1));
+    law_plane(room, vec_f64(0, 0, -2), down, glass(1, 1));
+    law_plane(room, vec_f64(0, 0, 2), down, law_emitter(white));
+    law_look(room, origin, down);
+    law_value(room, gray(2 * r / (1 + r)));
+}
+
+/* The image is the square around the ball: a disc of it, and the sky around. 1000 radii away the view is
+ * parallel up to parts in 1e6. */
+static double through_ball(double remains, const double *unused) {
+    (void)unused;
+    const double way = -2 * log(remains); /* 2σR */
+    return 1 - PI / 4 * (1 - 2 * (1 - (1 + way) * exp(-way)) / (way * way));
+}
+
+static void absorbing_ball(law_room *room) {
+    const vec3_f64 remains = {0.25, 0.5, 0.875};
+    fathom_material m = clear(1);
+    m.specular_factor = 0, m.ior = 1, m.attenuation_distance = 1;
+    law_set(m.attenuation_color, remains);
+    law_sphere(room, origin, 1, m);
+    law_background(room, white);
+    law_look_down(room, 1000, 0, 2);
+    law_value(room, law_each(remains, through_ball, NULL));
+}
+
+/* ---- coverage: a black sheet that is there to a quarter, between a floor and the sun ---- */
+
+static void coverage(law_room *room) {
+    fathom_material m = law_metallic();
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_DIRECTIONAL;
+    store_f64(light.direction, down);
+    law_set(m.base_color, origin);
+    m.opacity = 0.25f;
+    law_plane(room, origin, up, law_lambert(albedo));
+    law_plane(room, up, up, m);
+    law_light(room, &light);
+    law_look(room, vec_f64(0.5, 0, 2), origin);
+    law_value(room, scale_f64(0.75 * 0.75, albedo));
+}
+
+/* ---- a lens: the edge of an emitting plane's half, out of focus ----
+ * The image is one point of the plane of focus. Seen through the lens it is a disc on the plane of the edge:
+ * its part beyond the edge at x radii is (acos x - x √(1-x²))/π. */
+
+static void lens(law_room *room) {
+    const double focus = 4, distance = 3, radius = 0.5, offset = 0.05;
+    const double disc = radius * (focus - distance) / focus, x = offset / disc;
+    law_quad(room, vec_f64(offset + 5, 0, focus - distance), vec_f64(5, 0, 0), vec_f64(0, 10, 0),
+             law_emitter(white));
+    if (room->status != FATHOM_OK) return;
+    fathom_camera camera;
+    fathom_camera_look_at((double[3]){0, 0, focus}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
+    camera.d = 1, camera.h = 1.0 / 4096, camera.lens_radius = radius, camera.focus_distance = focus;
+    room->status = fathom_scene_set_camera(room->scene, &camera);
+    law_value(room, gray(fabs(x) < 1 ? (acos(x) - x * sqrt(1 - x * x)) / PI : 0));
+}
+
+const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},
+                              {"sky in spherical harmonics", "Σ A_l L_lm Y_lm", harmonics},
+                              {"Fresnel's mean, outside", "1/(1-ρF)", fresnel_outside},
+                              {"Fresnel's mean, inside", "1/(1-ρF)", fresnel_inside},
+                              {"Schlick's mean", "F₀ + (1-F₀)/21", schlick},
+                              {"GGX, roughness 1", "1 - ln 2", ggx_full},
+                              {"GGX, roughness 0.6", "∫ D G₁ cos", ggx_half},
+                              {"Phong lobe", "2 k_s/(n+2)", phong},
+                              {"Blinn lobe", "k_s ∫ cosⁿ(θ/2) cos θ", blinn},
+                              {"sheet lit from behind", "2 k_d", lit_from_behind},
+                              {"glass ball in an even sky", "L", glass_ball},
+                              {"thin-walled ball in an even sky", "L", thin_ball},
+                              {"refracting ball in an even sky", "L", refracting_ball},
+                              {"glass slab", "2r/(1+r)", slab},
+                              {"absorbing ball", "(1-(1+2σR)e^(-2σR))/(2σ²R²)", absorbing_ball},
+                              {"coverage", "k_l (1-c)²", coverage},
+                              {"edge out of focus", "(acos x - x √(1-x²))/π", lens},
+                              {NULL, NULL, NULL}};

@@ -1,0 +1,151 @@
+/* The integrators that the laws judge. */
+#include "base/status.h"
+#include "integrate/reference.h"
+#include "verify/laws/laws.h"
+
+#include <fathom/render.h>
+#include <stdlib.h>
+
+/* ---- the reference ---- */
+
+enum { SIDE = 16, PIXELS = SIDE * SIDE };
+
+/* Pixels are independent: errors add up by their squares. */
+static sample_mean mean_of(const reference_estimate *pixels, size_t count, int channel, uint32_t samples) {
+    double mean = 0, square = 0;
+    for (size_t i = 0; i < count; ++i) {
+        mean += pixels[i].mean[channel] / (double)count;
+        square += pixels[i].error[channel] * pixels[i].error[channel];
+    }
+    return (sample_mean){mean, sqrt(square) / (double)count, (double)count * (samples - 1.0)};
+}
+
+static fathom_status reference_room(void *user, const law_room *room, uint64_t samples, uint64_t seed,
+                                    sample_mean out[3]) {
+    const reference_settings settings = {.width = SIDE,
+                                         .height = SIDE,
+                                         .region = {0, 0, SIDE, SIDE},
+                                         .samples = (uint32_t)fmax((double)samples / PIXELS, 2),
+                                         .depth = room->depth,
+                                         .seed = seed,
+                                         .threads = *(const unsigned *)user,
+                                         .environment = room->environment};
+    reference_estimate pixels[PIXELS];
+    const fathom_status status = reference_render(room->scene, &settings, pixels);
+    for (int c = 0; c < 3 && status == FATHOM_OK; ++c) out[c] = mean_of(pixels, PIXELS, c, settings.samples);
+    return status;
+}
+
+laws_render laws_reference(unsigned *threads) { return (laws_render){"reference", reference_room, threads}; }
+
+/* ---- the path integrator ---- */
+
+/* Samples of a low-discrepancy sequence depend on each other: only whole renders with seeds of their own tell
+ * the error. */
+enum { SEEDS = 16 };
+
+/* Means of the cells of a grid over the image, three each, and of their squares, over all seeds. */
+typedef struct cells {
+    uint32_t across, count;
+    double *sums, *squares; /* three of each cell, zeroed */
+} cells;
+
+static void add_film(const fathom_film *film, uint32_t side, const cells *k) {
+    static const char *const names[3] = {"R", "G", "B"};
+    const uint32_t width = k->across * side;
+    for (uint32_t i = 0; i < 3 * k->count; ++i) {
+        const float *channel = fathom_film_channel(film, names[i % 3]);
+        const uint32_t x = i / 3 % k->across * side, y = i / 3 / k->across * side;
+        double mean = 0;
+        for (uint32_t p = 0; p < side * side; ++p)
+            mean += (double)channel[(y + p / side) * width + x + p % side] / (side * side);
+        k->sums[i] += mean, k->squares[i] += mean * mean;
+    }
+}
+
+static fathom_status path_cells(fathom_context *context, const fathom_scene *scene, fathom_settings settings,
+                                uint32_t side, const cells *k, sample_mean *out) {
+    const uint64_t seed = settings.seed * SEEDS;
+    for (unsigned i = 0; i < SEEDS; ++i) {
+        fathom_film *film;
+        settings.seed = seed + i;
+        const fathom_status status = fathom_render(context, scene, &settings, NULL, NULL, NULL, &film);
+        if (status != FATHOM_OK) return status;
+        add_film(film, side, k);
+        fathom_film_destroy(film);
+    }
+    for (uint32_t i = 0; i < 3 * k->count; ++i) {
+        const double mean = k->sums[i] / SEEDS, variance = fmax(k->squares[i] / SEEDS - mean * mean, 0);
+        out[i] = (sample_mean){mean, sqrt(variance / (SEEDS - 1)), SEEDS - 1};
+    }
+    return FATHOM_OK;
+}
+
+static fathom_settings path_settings(uint32_t width, uint32_t height, uint32_t depth, uint64_t samples,
+                                     uint64_t seed) {
+    fathom_settings s;
+    const double pixels = (double)width * height;
+    fathom_settings_default(&s);
+    fathom_settings_set_integrator(&s, FATHOM_INTEGRATOR_PATH);
+    s.width = width, s.height = height, s.max_depth = depth, s.seed = seed;
+    s.target_error = 0, s.min_weight = 0, s.terminator_fix = false;
+    s.spp = (uint32_t)fmin(fmax(ceil((double)samples / (SEEDS * pixels)), 1), 65536);
+    return s;
+}
+
+static fathom_status path_room(void *user, const law_room *room, uint64_t samples, uint64_t seed,
+                               sample_mean out[3]) {
+    enum { WIDTH = 64 }; /* four tiles */
+    double sums[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
+    const cells whole = {1, 1, sums, squares};
+    (void)user;
+    if (room->environment)
+        return fail(room->context, FATHOM_BAD_INPUT, "radiance from outside comes from images alone");
+    return path_cells(room->context, room->scene, path_settings(WIDTH, WIDTH, room->depth, samples, seed),
+                      WIDTH, &whole, out);
+}
+
+laws_render laws_path(void) { return (laws_render){"path", path_room, NULL}; }
+
+/* ---- both, of one scene ---- */
+
+static fathom_status reference_cells(const fathom_scene *scene, const laws_pair *o, uint32_t side,
+                                     sample_mean *out) {
+    const uint32_t width = o->across * side, height = o->down * side;
+    reference_settings settings = {.width = width,
+                                   .height = height,
+                                   .samples = (uint32_t)fmax((double)o->samples / width / height, 2),
+                                   .depth = o->depth,
+                                   .seed = o->seed,
+                                   .threads = o->threads};
+    reference_estimate *pixels = malloc((size_t)side * side * sizeof *pixels);
+    fathom_status status = pixels ? FATHOM_OK : fail_memory(scene->context, side * side * sizeof *pixels);
+    for (uint32_t i = 0; i < o->across * o->down && status == FATHOM_OK; ++i) {
+        settings.region = (settings_region){i % o->across * side, i / o->across * side, side, side};
+        status = reference_render(scene, &settings, pixels);
+        for (int c = 0; c < 3 && status == FATHOM_OK; ++c)
+            out[3 * i + (uint32_t)c] = mean_of(pixels, (size_t)side * side, c, settings.samples);
+    }
+    free(pixels);
+    return status;
+}
+
+fathom_status laws_pair_run(fathom_context *context, const fathom_scene *scene, const laws_pair *o,
+                            laws_difference *out) {
+    enum { CELL = 8 };
+    const uint32_t count = 3 * o->across * o->down;
+    const fathom_settings settings =
+        path_settings(o->across * CELL, o->down * CELL, o->depth, o->samples, o->seed);
+    double *sums = calloc(2 * (size_t)count, sizeof *sums);
+    sample_mean *means = calloc(2 * (size_t)count, sizeof *means);
+    fathom_status status = sums && means ? FATHOM_OK : fail_memory(context, 2 * count * sizeof *means);
+    if (status == FATHOM_OK) status = reference_cells(scene, o, CELL, means);
+    if (status == FATHOM_OK) {
+        const cells k = {o->across, o->across * o->down, sums, sums + count};
+        status = path_cells(context, scene, settings, CELL, &k, means + count);
+    }
+    if (status == FATHOM_OK) *out = laws_compare(means + count, means, count, o->allowance);
+    free(sums);
+    free(means);
+    return status;
+}

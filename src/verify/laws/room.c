@@ -1,0 +1,160 @@
+#include "verify/laws/room.h"
+
+#include "base/status.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+fathom_status law_open(fathom_context *context, const law *made, law_room *out) {
+    *out = (law_room){.context = context, .depth = 64};
+    out->status = fathom_scene_create(context, &out->scene);
+    if (out->status == FATHOM_OK) made->make(out);
+    if (out->status == FATHOM_OK) out->status = fathom_scene_check(out->scene);
+    return out->status;
+}
+
+void law_close(law_room *room) { fathom_scene_destroy(room->scene); }
+
+/* ---- materials ---- */
+
+void law_set(float rgb[3], vec3_f64 color) {
+    rgb[0] = (float)color.x, rgb[1] = (float)color.y, rgb[2] = (float)color.z;
+}
+
+fathom_material law_lambert(vec3_f64 k_d) {
+    fathom_material m;
+    fathom_material_default(&m);
+    law_set(m.k_d, k_d);
+    return m;
+}
+
+fathom_material law_black(void) { return law_lambert((vec3_f64){0, 0, 0}); }
+
+fathom_material law_emitter(vec3_f64 k_e) {
+    fathom_material m = law_black();
+    law_set(m.k_e, k_e);
+    return m;
+}
+
+fathom_material law_metallic(void) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.metallic = m.roughness = m.specular_factor = 0;
+    m.multiscatter = false;
+    return m;
+}
+
+static fathom_id add_material(law_room *room, const fathom_material *m) {
+    fathom_id id = 0;
+    if (room->status == FATHOM_OK) room->status = fathom_scene_add_material(room->scene, NULL, m, &id);
+    return id;
+}
+
+/* ---- shapes ---- */
+
+void law_sphere(law_room *room, vec3_f64 center, double radius, fathom_material m) {
+    fathom_sphere sphere = {.radius = radius, .material = add_material(room, &m)};
+    store_f64(sphere.center, center);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_sphere(room->scene, FATHOM_ROOT, &sphere, NULL);
+}
+
+void law_plane(law_room *room, vec3_f64 point, vec3_f64 normal, fathom_material m) {
+    fathom_plane plane = {.material = add_material(room, &m)};
+    store_f64(plane.point, point);
+    store_f64(plane.normal, normal);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_plane(room->scene, FATHOM_ROOT, &plane, NULL);
+}
+
+void law_quad(law_room *room, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m) {
+    fathom_quad quad;
+    fathom_quad_from_axes((double[3]){center.x, center.y, center.z}, (double[3]){u.x, u.y, u.z},
+                          (double[3]){v.x, v.y, v.z}, &quad);
+    quad.material = add_material(room, &m);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_quad(room->scene, FATHOM_ROOT, &quad, NULL);
+}
+
+void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_material m) {
+    float *positions = malloc(3 * (size_t)count * sizeof *positions);
+    uint32_t *indices = malloc(3 * (size_t)count * sizeof *indices);
+    if (!positions || !indices) room->status = fail_memory(room->context, 24 * (size_t)count);
+    for (uint32_t i = 0; i < count && room->status == FATHOM_OK; ++i) {
+        law_set(positions + 3 * (size_t)i, corners[i]);
+        const uint32_t triangle[3] = {0, i + 1, i + 2};
+        memcpy(indices + 3 * (size_t)i, triangle, sizeof triangle);
+    }
+    const fathom_mesh mesh = {.positions = positions,
+                              .vertex_count = count,
+                              .indices = indices,
+                              .triangle_count = count - 2,
+                              .material = add_material(room, &m)};
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_mesh(room->scene, FATHOM_ROOT, &mesh, NULL);
+    free(positions);
+    free(indices);
+}
+
+void law_box(law_room *room, bool meshes, fathom_material m) {
+    for (int i = 0; i < 6; ++i) {
+        const double side = i % 2 ? 1 : -1;
+        double axis[3][3] = {{0}};
+        for (int k = 0; k < 3; ++k) axis[k][(i / 2 + k) % 3] = 1;
+        const vec3_f64 c = scale_f64(side, load_f64(axis[0])), u = load_f64(axis[1]), v = load_f64(axis[2]);
+        const vec3_f64 corners[4] = {sub_f64(sub_f64(c, u), v), sub_f64(add_f64(c, u), v),
+                                     add_f64(add_f64(c, u), v), add_f64(sub_f64(c, u), v)};
+        if (meshes)
+            law_fan(room, corners, 4, m);
+        else
+            law_quad(room, c, u, v, m);
+    }
+}
+
+/* ---- light, the camera, the value ---- */
+
+void law_light(law_room *room, const fathom_light *light) {
+    if (room->status == FATHOM_OK) room->status = fathom_scene_add_light(room->scene, light, NULL);
+}
+
+void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_POINT, light.radius = (float)radius;
+    store_f64(light.position, at);
+    law_set(light.intensity, vec_f64(intensity, intensity, intensity));
+    law_light(room, &light);
+}
+
+void law_background(law_room *room, vec3_f64 rgb) {
+    float color[3];
+    law_set(color, rgb);
+    if (room->status == FATHOM_OK) room->status = fathom_scene_set_background(room->scene, color);
+}
+
+static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slope) {
+    const double e[3] = {eye.x, eye.y, eye.z}, t[3] = {target.x, target.y, target.z}, up[3] = {0, 1, 0};
+    fathom_camera camera;
+    fathom_camera_look_at(e, t, up, 1, &camera);
+    camera.d = 1, camera.h = slope;
+    if (room->status == FATHOM_OK) room->status = fathom_scene_set_camera(room->scene, &camera);
+}
+
+void law_look(law_room *room, vec3_f64 eye, vec3_f64 target) { set_camera(room, eye, target, 1.0 / 4096); }
+
+void law_look_down(law_room *room, double eye_z, double z, double side) {
+    set_camera(room, (vec3_f64){0, 0, eye_z}, (vec3_f64){0, 0, z}, side / (eye_z - z));
+}
+
+void law_value(law_room *room, vec3_f64 value) { store_f64(room->value, value); }
+
+double law_powers(double x, int from, int to) {
+    double sum = 0;
+    for (int k = from; k <= to; ++k) sum += pow(x, k);
+    return sum;
+}
+
+vec3_f64 law_each(vec3_f64 rho, double (*of)(double rho, const double *numbers), const double *numbers) {
+    return vec_f64(of(rho.x, numbers), of(rho.y, numbers), of(rho.z, numbers));
+}

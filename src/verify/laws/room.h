@@ -1,0 +1,65 @@
+/* A law of light as a scene, with the radiance that it must show. */
+#ifndef VERIFY_LAWS_ROOM_H
+#define VERIFY_LAWS_ROOM_H
+
+#include "math/vec.h"
+
+#include <fathom/scene.h>
+
+typedef struct law_room {
+    fathom_context *context;
+    fathom_scene *scene;
+    fathom_status status; /* of making it; after a failure nothing more is added */
+    double value[3];      /* the mean over the image */
+    uint32_t depth;       /* bounces; default 64 */
+    /* Radiance from outside; NULL: the scene's background. `user` of the call is NULL. */
+    vec3_f64 (*environment)(void *user, vec3_f64 direction);
+} law_room;
+
+typedef struct law {
+    const char *name, *form; /* form: of its value */
+    void (*make)(law_room *room);
+} law;
+
+/* The lists end with an empty name. */
+extern const law laws_of_enclosures[], laws_of_lights[], laws_of_matter[];
+
+fathom_status law_open(fathom_context *context, const law *made, law_room *out);
+/* Release whatever law_open() returned. */
+void law_close(law_room *room);
+
+/* ---- materials ---- */
+
+fathom_material law_lambert(vec3_f64 k_d);
+fathom_material law_black(void);
+/* Black, and sends out so much. */
+fathom_material law_emitter(vec3_f64 k_e);
+/* Metallic-roughness with neither base, reflection, transmission nor roughness: metallic 0, specular 0,
+ * base 1. */
+fathom_material law_metallic(void);
+void law_set(float rgb[3], vec3_f64 color);
+
+/* ---- shapes: each call does nothing after a failure ---- */
+
+void law_sphere(law_room *room, vec3_f64 center, double radius, fathom_material m);
+void law_plane(law_room *room, vec3_f64 point, vec3_f64 normal, fathom_material m);
+void law_quad(law_room *room, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m);
+/* A mesh: a fan of triangles around the first corner. */
+void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_material m);
+/* The six sides of the box of the corners ±1; as quads, or as meshes. */
+void law_box(law_room *room, bool meshes, fathom_material m);
+void law_light(law_room *room, const fathom_light *light);
+void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius);
+void law_background(law_room *room, vec3_f64 rgb);
+/* Looks at one point: the image is 1/4096 as high as it is far away. */
+void law_look(law_room *room, vec3_f64 eye, vec3_f64 target);
+/* Looks along z, down to a square of this side around (0, 0, z). */
+void law_look_down(law_room *room, double eye_z, double z, double side);
+void law_value(law_room *room, vec3_f64 value);
+
+/* Σ x^k for k from..to. */
+double law_powers(double x, int from, int to);
+/* A formula for the albedo of each channel. */
+vec3_f64 law_each(vec3_f64 rho, double (*of)(double rho, const double *numbers), const double *numbers);
+
+#endif

@@ -1,0 +1,107 @@
+/* Tests of statistics alarm falsely as often as their level says. */
+#include "random.h"
+#include "unit.h"
+#include "verify/laws/laws.h"
+
+/* Tables of Student's distribution, two-sided, to four digits; 1 degree is Cauchy's and 2 has a closed form.
+ */
+static void student_p_matches_closed_forms_and_tables(void **state) {
+    (void)state;
+    for (double t = 0.1; t < 50; t *= 1.7) {
+        assert_near(student_p(t, 1), 1 - 2 / 3.14159265358979324 * atan(t), 1e-13);
+        assert_near(student_p(-t, 2), 1 - t / sqrt(2 + t * t), 1e-13);
+        /* Both branches: a million degrees differ from the normal distribution by (t³ + t)/4e6 of its
+         * density. */
+        assert_near(student_p(t, 1e6), student_p(t, 1e7), 1e-6);
+    }
+    assert_near(student_p(2.2281, 10), 0.05, 1e-5);
+    assert_near(student_p(3.6460, 30), 0.001, 1e-6);
+    assert_near(student_p(1.9600, 1e9), 0.05, 1e-5);
+}
+
+static void sidak_undoes_its_level(void **state) {
+    (void)state;
+    for (double n = 1; n < 1e6; n *= 7) assert_near(sidak(sidak_level(0.01, n), n), 0.01, 1e-14);
+    assert_near(sidak(1e-12, 1e3), 1e-9, 1e-15);
+    assert_near(sidak(1, 5), 1, 0);
+}
+
+/* Standard normal (Box and Muller 1958). */
+static double normal(random_state *r) {
+    return sqrt(-2 * log(1 - random_unit(r))) * cos(6.28318530717958648 * random_unit(r));
+}
+
+static sample_mean of_normals(random_state *r, int n, double center, double spread) {
+    double sum = 0, squares = 0;
+    for (int i = 0; i < n; ++i) {
+        const double x = center + spread * normal(r);
+        sum += x, squares += x * x;
+    }
+    const double mean = sum / n, variance = (squares - n * mean * mean) / (n - 1);
+    return (sample_mean){mean, sqrt(variance / n), n - 1};
+}
+
+/* So many alarms of `runs` at this level are within five standard errors of what is expected. */
+static void assert_level(int alarms, int runs, double level) {
+    assert_near(alarms, runs * level, 5 * sqrt(runs * level * (1 - level)));
+}
+
+static void corrected_tests_alarm_as_often_as_their_level(void **state) {
+    (void)state;
+    enum { RUNS = 4000, LAWS = 40 };
+    const double level = 0.05, each = sidak_level(level, LAWS);
+    random_state r = {1};
+    int alarms = 0;
+    for (int run = 0; run < RUNS; ++run) {
+        bool alarm = false;
+        for (int i = 0; i < LAWS; ++i) alarm |= mean_p(of_normals(&r, 12, 3, 2), 3, 0) < each;
+        alarms += alarm;
+    }
+    assert_level(alarms, RUNS, level);
+}
+
+/* Welch's approximation of the degrees of freedom is good to a few parts in a hundred of the level here. */
+static void welch_alarms_as_often_as_its_level(void **state) {
+    (void)state;
+    enum { RUNS = 4000, MEANS = 30 };
+    random_state r = {2};
+    int alarms = 0;
+    for (int run = 0; run < RUNS; ++run) {
+        sample_mean a[MEANS], b[MEANS];
+        for (int i = 0; i < MEANS; ++i) a[i] = of_normals(&r, 16, i, 1), b[i] = of_normals(&r, 40, i, 3);
+        alarms += laws_compare(a, b, MEANS, 0).p < 0.05;
+    }
+    assert_level(alarms, RUNS, 0.05);
+}
+
+static void a_difference_of_eight_errors_is_found(void **state) {
+    (void)state;
+    random_state r = {3};
+    sample_mean a[50], b[50];
+    for (int i = 0; i < 50; ++i) a[i] = of_normals(&r, 100, 5, 1), b[i] = of_normals(&r, 100, 5, 1);
+    assert_true(laws_compare(a, b, 50, 0).p > 1e-3);
+    b[17].mean += 8 * sqrt(0.02);
+    const laws_difference d = laws_compare(a, b, 50, 0);
+    assert_true(d.p < 1e-6);
+    assert_int_equal(d.worst, 17);
+}
+
+static void equal_constants_agree_and_others_do_not(void **state) {
+    (void)state;
+    const sample_mean exact = {2, 0, 10}, same = {2 + 1e-9, 0, 10}, other = {2.1, 0, 10};
+    assert_near(welch_p(exact, same, 1e-6), 1, 0);
+    assert_near(welch_p(exact, other, 1e-6), 0, 0);
+    assert_near(mean_p((sample_mean){(double)NAN, 1, 10}, 2, 1), 0, 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(student_p_matches_closed_forms_and_tables),
+        cmocka_unit_test(sidak_undoes_its_level),
+        cmocka_unit_test(corrected_tests_alarm_as_often_as_their_level),
+        cmocka_unit_test(welch_alarms_as_often_as_its_level),
+        cmocka_unit_test(a_difference_of_eight_errors_is_found),
+        cmocka_unit_test(equal_constants_agree_and_others_do_not),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
