@@ -24,6 +24,7 @@ fathom_status emitters_create(fathom_context *context, const world *w, emitters 
     emitters *e = calloc(1, sizeof *e);
     if (!e) return fail_memory(context, sizeof *e);
     e->w = w;
+    e->faces = face_kernels_best();
     memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = emitters_collect(context, e);
     if (status == FATHOM_OK) status = emitters_open_skies(context, e);
@@ -90,24 +91,78 @@ static void put_answer(emitter_sample *out, int i, const emitter_answer *a, doub
 
 /* ---- primitives ---- */
 
-static void sample_primitive(const emitters *e, const emitter_query *from, const lanes3 u, int i,
-                             uint32_t emitter, double chance, emitter_sample *out) {
+static void sample_ball(const emitters *e, const emitter_query *from, const lanes3 u, int i,
+                        const emitter_run *run, uint32_t primitive, emitter_answer *out) {
+    emitter_ball ball;
+    emitters_ball(e, run, primitive, &ball);
+    emitters_ask_ball(&ball, widen(lane_f32(from->p, i)), unit_or_zero(lane_f32(from->n, i)), (double)u[0][i],
+                      (double)u[1][i], out);
+}
+
+/* Faces that lanes have chosen, to be asked together. */
+typedef struct chosen_faces {
+    face_query query;
+    const float *radiance[LANES];
+    unsigned lanes; /* as bits */
+} chosen_faces;
+
+static void put_face(const shape_face *f, int i, face_query *out) {
+    for (int k = 0; k < 4; ++k) {
+        out->corner[k][0][i] = f->corner[k].x;
+        out->corner[k][1][i] = f->corner[k].y;
+        out->corner[k][2][i] = f->corner[k].z;
+    }
+    out->quad[i] = f->quad ? 1 : 0, out->clear[i] = f->clear, out->slope[i] = f->slope;
+}
+
+/* The lanes, as bits, that chose this primitive. */
+static void sample_primitive(const emitters *e, const emitter_query *from, const lanes3 u, unsigned lanes,
+                             uint32_t emitter, const double chance[LANES], chosen_faces *faces,
+                             emitter_sample *out) {
     const emitter_run *run = emitters_run_of(e, emitter);
     const uint32_t primitive = emitter - run->first;
-    const vec3_f64 p = widen(lane_f32(from->p, i));
+    const float *radiance = e->emission[world_material(e->w, run->geometry, primitive, run->instance)];
+    const bool round = e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
+    shape_face face;
     emitter_answer answer;
-    if (e->w->geometries.items[run->geometry].kind == WORLD_SPHERES) {
-        emitter_ball ball;
-        emitters_ball(e, run, primitive, &ball);
-        emitters_ask_ball(&ball, p, unit_or_zero(lane_f32(from->n, i)), (double)u[0][i], (double)u[1][i],
-                          &answer);
-    } else {
-        shape_face face;
-        emitters_face(e, run, primitive, &face);
-        emitters_ask_face(&face, p, (double)u[0][i], (double)u[1][i], &answer);
+    if (!round) emitters_face(e, run, primitive, &face);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        if (round) {
+            sample_ball(e, from, u, i, run, primitive, &answer);
+            put_answer(out, i, &answer, chance[i], radiance);
+        } else {
+            put_face(&face, i, &faces->query);
+            faces->radiance[i] = radiance;
+            faces->lanes |= 1u << i;
+        }
     }
-    put_answer(out, i, &answer, chance,
-               e->emission[world_material(e->w, run->geometry, primitive, run->instance)]);
+}
+
+/* Other lanes repeat the face of one that chose any. */
+static void sample_faces(const emitters *e, const emitter_query *from, const lanes3 u,
+                         const double chance[LANES], chosen_faces *faces, emitter_sample *out) {
+    face_query *q = &faces->query;
+    face_answer answer;
+    const int any_lane = __builtin_ctz(faces->lanes);
+    for (int i = 0; i < LANES; ++i) {
+        for (int c = 0; c < 3; ++c) q->p[c][i] = (double)from->p[c][i];
+        q->u[i] = (double)u[0][i], q->v[i] = (double)u[1][i];
+        if (faces->lanes >> i & 1) continue;
+        for (int k = 0; k < 4; ++k) {
+            for (int c = 0; c < 3; ++c) q->corner[k][c][i] = q->corner[k][c][any_lane];
+        }
+        q->quad[i] = q->clear[i] = q->slope[i] = 0;
+    }
+    e->faces->sample(q, &answer);
+    for (unsigned left = faces->lanes; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        const emitter_answer a = {{answer.direction[0][i], answer.direction[1][i], answer.direction[2][i]},
+                                  answer.distance[i],
+                                  answer.density[i],
+                                  false};
+        put_answer(out, i, &a, chance[i], faces->radiance[i]);
+    }
 }
 
 static double primitive_density(const emitters *e, const emitter_run *run, uint32_t primitive, vec3_f64 p,
@@ -246,10 +301,10 @@ static emitter_part choose_part(const emitters *e, double *u) {
 typedef struct chosen_lights {
     uint32_t emitter[LANES];
     double chance[LANES];
-    unsigned lamps; /* lanes that chose a lamp */
+    unsigned finite; /* lanes that chose a primitive or a lamp */
 } chosen_lights;
 
-static void choose_finite(const emitters *e, const emitter_query *from, const lanes3 u, double choice, int i,
+static void choose_finite(const emitters *e, const emitter_query *from, double choice, int i,
                           chosen_lights *chosen, emitter_sample *out) {
     double chance = 1;
     uint32_t emitter = e->only;
@@ -259,28 +314,33 @@ static void choose_finite(const emitters *e, const emitter_query *from, const la
     chosen->emitter[i] = emitter, chosen->chance[i] = chance;
     if (!(chance > 0))
         no_light(out, i);
-    else if (emitter >= e->surface_count)
-        chosen->lamps |= 1u << i;
     else
-        sample_primitive(e, from, u, i, emitter, chance, out);
+        chosen->finite |= 1u << i;
 }
 
-static void sample_lamps(const emitters *e, const emitter_query *from, const lanes3 u,
-                         const chosen_lights *chosen, emitter_sample *out) {
-    unsigned left = chosen->lamps;
+/* Lanes with one light ask it together. */
+static void sample_finite(const emitters *e, const emitter_query *from, const lanes3 u,
+                          const chosen_lights *chosen, emitter_sample *out) {
+    unsigned left = chosen->finite;
+    chosen_faces faces;
+    faces.lanes = 0;
     while (left) {
         const uint32_t emitter = chosen->emitter[__builtin_ctz(left)];
         unsigned same = 0;
         for (int i = 0; i < LANES; ++i) {
             if (left >> i & 1 && chosen->emitter[i] == emitter) same |= 1u << i;
         }
-        sample_lamp(&e->lamps[emitter - e->surface_count], from, u, same, chosen->chance, out);
+        if (emitter >= e->surface_count)
+            sample_lamp(&e->lamps[emitter - e->surface_count], from, u, same, chosen->chance, out);
+        else
+            sample_primitive(e, from, u, same, emitter, chosen->chance, &faces, out);
         left &= ~same;
     }
+    if (faces.lanes) sample_faces(e, from, u, chosen->chance, &faces, out);
 }
 
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
-    chosen_lights chosen = {.lamps = 0};
+    chosen_lights chosen = {.finite = 0};
     for (int i = 0; i < LANES; ++i) {
         double choice = finer(u, i);
         if (emitters_none(e)) {
@@ -288,13 +348,13 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
             continue;
         }
         switch (choose_part(e, &choice)) {
-        case EMITTER_FINITE: choose_finite(e, from, u, choice, i, &chosen, out); break;
+        case EMITTER_FINITE: choose_finite(e, from, choice, i, &chosen, out); break;
         case EMITTER_OUTSIDE: sample_outside(e, from, u, choice, out, i); break;
         case EMITTER_DIRECTIONAL: sample_sun(e, (double)u[0][i], (double)u[1][i], choice, out, i); break;
         case EMITTER_PARTS: break;
         }
     }
-    sample_lamps(e, from, u, &chosen, out);
+    sample_finite(e, from, u, &chosen, out);
 }
 
 float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,

@@ -4,6 +4,7 @@
 
 #include "light/emitters.h"
 #include "light/environment.h"
+#include "light/face.h"
 #include "light/light.h"
 #include "light/shape.h"
 #include "light/tree.h"
@@ -45,6 +46,7 @@ typedef struct emitter_sky {
 
 struct emitters {
     const world *w;
+    const face_kernels *faces;
     float (*emission)[3]; /* by material: of both sides, on average over its coverage */
     emitter_run *runs;    /* those of the root's geometries first, then of each instance that emits */
     uint32_t run_count;
@@ -95,7 +97,6 @@ typedef struct emitter_answer {
     bool dark;                /* the direction is taken, but meets nothing */
 } emitter_answer;
 
-void emitters_ask_face(const shape_face *f, vec3_f64 p, double u, double v, emitter_answer *out);
 void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, double v,
                        emitter_answer *out);
 /* The densities of these answers. */

@@ -93,23 +93,6 @@ static shape_seen see(const shape_face *f, vec3_f64 p, bool second) {
 /* A solid angle too small for double to hold its inverse is none. */
 static double density_of(double angle) { return angle > 0x1p-1000 ? 1 / angle : 0; }
 
-void emitters_ask_face(const shape_face *f, vec3_f64 p, double u, double v, emitter_answer *out) {
-    shape_seen s = see(f, p, false);
-    double first = s.angle, all = first;
-    *out = (emitter_answer){.density = 0};
-    if (f->quad) {
-        const shape_seen other = see(f, p, true);
-        all = first + other.angle;
-        u *= all;
-        if (!(u < first)) u -= first, s = other;
-        u = s.angle > 0 ? u / s.angle : 0;
-    }
-    out->density = density_of(all);
-    if (!(out->density > 0)) return;
-    out->direction = shape_triangle_sample(&s, u < 1 ? u : 1, v);
-    out->distance = shape_face_end(&s, out->direction, f->clear, f->slope);
-}
-
 double emitters_face_density(const shape_face *f, vec3_f64 p) {
     double all = see(f, p, false).angle;
     if (f->quad) all += see(f, p, true).angle;

@@ -5,8 +5,12 @@
 #include "light/shape.h"
 #include "math/lanes.h"
 
+/* A face and a point a lane; see shape_face. */
 typedef struct face_query {
-    _Alignas(64) lanes3_f64 p;
+    _Alignas(64) lanes3_f64 corner[4];
+    double quad[LANES]; /* 1, or 0 */
+    double clear[LANES], slope[LANES];
+    lanes3_f64 p;
     double u[LANES], v[LANES];
 } face_query;
 
@@ -17,7 +21,7 @@ typedef struct face_answer {
 } face_answer;
 
 typedef struct face_kernels {
-    void (*sample)(const shape_face *face, const face_query *from, face_answer *out);
+    void (*sample)(const face_query *q, face_answer *out);
 } face_kernels;
 
 const face_kernels *face_kernels_best(void);
