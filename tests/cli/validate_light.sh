@@ -23,7 +23,7 @@ cat >lit.json <<'JSON'
   "camera": { "eye": [0, 1, 4], "target": [0, 0.5, 0], "fovy": 50 },
   "background": [0.2, 0.3, 0.4],
   "materials": { "floor": { "kd": [0.7, 0.6, 0.5] }, "lamp": { "kd": [0, 0, 0], "ke": [4, 4, 3] } },
-  "lights": [ { "type": "point", "position": [2, 3, 1], "intensity": [2, 2, 2] } ],
+  "lights": [ { "type": "point", "position": [2, 3, 1], "intensity": 2 } ],
   "objects": [ { "type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "floor" },
                { "type": "sphere", "center": [0.8, 0.5, 0], "radius": 0.5, "material": "lamp" },
                { "type": "sphere", "center": [-0.6, 0.5, 0], "radius": 0.5, "material": "floor" } ] }
