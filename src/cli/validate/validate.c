@@ -275,6 +275,8 @@ static const args_option options[] = {
      "integrator"},
     {"light-error", 0, "E", take_f64, offsetof(validate_settings, light_error), 1e-5, 1,
      "relative standard error of these (0.001); half of it takes four times as long"},
+    {"light-only", 0, "TEXT", take_text, offsetof(validate_settings, light_only), 0, 0,
+     "only laws whose names hold this"},
     COMMAND_THREADS,
     COMMAND_ALLOW_OUTSIDE(command_common),
     {.help = "Results"},

@@ -21,6 +21,7 @@ typedef struct validate_settings {
     bool verbose;
     bool light;         /* laws of light instead of rays */
     double light_error; /* the standard error they are held to */
+    const char *light_only;
     bool extremes;      /* also the grid of extreme cases */
     bool tracers_given; /* else `tracers` are the default ones */
 } validate_settings;

@@ -86,11 +86,15 @@ static fathom_status closed_forms(fathom_context *context, const validate_settin
                                   .pilot = 1 << 16,
                                   .samples = (uint64_t)1 << 26,
                                   .seed = settings->seed,
+                                  .only = settings->light_only,
                                   .go_on = on_progress,
                                   .user = k};
     laws_rows rows = {.tests = 0};
     fathom_status status = laws_run(context, &options, &rows);
     progress_clear_line();
+    if (status == FATHOM_OK && !rows.rows.count)
+        status = fail(context, FATHOM_BAD_USAGE, "--light-only: no law's name holds \"%.60s\"",
+                      settings->light_only);
     *fails = laws_failed(&rows) > 0;
     if (!settings->common.quiet && rows.rows.count) print_rows(&rows);
     if (status == FATHOM_OK && settings->json) status = write_json(context, settings, pack(&rows, settings));

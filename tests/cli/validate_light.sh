@@ -1,0 +1,38 @@
+# fathom validate --light: closed forms of light as a table and JSON, and a scene against the reference integrator.
+. "$SOURCE/tests/cli/check.inc"
+
+run 0 validate --light --light-only sphere --light-error 0.01 --seed 3 --json light.json
+said out.txt 'furnace, sphere '
+said out.txt 'holds'
+not_said out.txt 'broken'
+not_said out.txt 'glass slab'
+for key in law form verdict p samples channels measured expected standardError freedom level levelOfOne seed machine; do
+    said light.json "\"$key\": "
+done
+[ "$(number light.json seed)" = 3 ] || die 'seed in the JSON'
+
+# The same numbers on any thread count.
+run 0 validate --light --light-only rectangle --light-error 0.01 --threads 1 --json one.json
+run 0 validate --light --light-only rectangle --light-error 0.01 --threads 3 --json three.json
+for n in one three; do grep -vE '"(seconds|threads|date)":' $n.json >$n.txt; done
+cmp -s one.txt three.txt || die 'results depend on the number of threads'
+
+# A scene: both integrators agree; what the reference lacks, it names.
+cat >lit.json <<'JSON'
+{ "image": { "width": 64, "height": 48, "integrator": "path", "maxDepth": 4 },
+  "camera": { "eye": [0, 1, 4], "target": [0, 0.5, 0], "fovy": 50 },
+  "background": [0.2, 0.3, 0.4],
+  "materials": { "floor": { "kd": [0.7, 0.6, 0.5] }, "lamp": { "kd": [0, 0, 0], "ke": [4, 4, 3] } },
+  "lights": [ { "type": "point", "position": [2, 3, 1], "intensity": 2 } ],
+  "objects": [ { "type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "floor" },
+               { "type": "sphere", "center": [0.8, 0.5, 0], "radius": 0.5, "material": "lamp" },
+               { "type": "sphere", "center": [-0.6, 0.5, 0], "radius": 0.5, "material": "floor" } ] }
+JSON
+run 0 validate lit.json --light --light-error 0.003 --json scene.json
+said out.txt 'path less reference: '
+said scene.json '"difference": '
+sed 's/"background"/"ambient": [1, 1, 1], "background"/' lit.json >ambient.json
+run 3 validate ambient.json --light --light-error 0.01
+said err.txt 'does not implement ambient'
+run 2 validate --light --light-only 'no such law'
+said err.txt 'no such law'

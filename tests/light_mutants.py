@@ -1,0 +1,117 @@
+"""Faults of light transport: each is planted, built, and must fail `fathom validate --light`; see light_mutants.sh."""
+import subprocess
+import sys
+
+# Name, file below src, a law that breaks (part of its name), the text, and the fault in its place. Each text is in its file
+# once, or the script stops: whoever changes the code moves the fault along.
+PATH, EMITTERS, SHAPES = "integrate/path.c", "light/emitters.c", "light/emitters_shapes.c"
+SHAPE, TREE, LOBES = "light/shape.h", "light/tree.c", "material/kernels/lobes.h"
+MUTANTS = [
+    ("MIS weights add up to 0.99", PATH, "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
+    ("emission counts whole where lights were asked for, too", PATH, "rectangle",
+     "const float share = power_heuristic(p->density[slot], density);",
+     "const float share = density < 0 ? density : 1;"),
+    ("lights count whole where rays find them, too", PATH, "rectangle",
+     "power_heuristic(light->density[i], density[i]) : 1;", "1 + 0 * density[i] : 1;"),
+    ("MIS takes the other strategy's weight", PATH, "rectangle",
+     "const float ratio = b / a;", "const float ratio = b > 0 ? a / b : 0;"),
+    ("roulette without its weight", PATH, "furnace, sphere",
+     "for (int c = 0; c < 3; ++c) weight[c] /= most;", "(void)0;"),
+    ("roulette ends more paths than it says", PATH, "furnace, sphere", "return u < most;", "return u < most * 0.9f;"),
+    ("one bounce too many", PATH, "four bounces",
+     "last = p->depth >= w->run.plan->max_depth", "last = p->depth > w->run.plan->max_depth"),
+    ("one bounce too few", PATH, "four bounces",
+     "last = p->depth >= w->run.plan->max_depth", "last = p->depth + 1 >= w->run.plan->max_depth"),
+    ("light's samples forget the chance of the light", EMITTERS, "four kinds",
+     "density_f32(a->density * chance)", "density_f32(a->density * (chance > 0 ? 1 : 0))"),
+    ("a light met by a ray forgets the chance to be asked", EMITTERS, "four kinds",
+     "return density_f32(density * e->chance[EMITTER_FINITE]);", "return density_f32(density);"),
+    ("the outside met by a ray forgets the chance to be asked", EMITTERS, "four kinds",
+     "*density = density_f32(e->chance[EMITTER_OUTSIDE] * outside);", "*density = density_f32(outside);"),
+    ("the sun forgets the chance to be asked", EMITTERS, "four kinds",
+     "(float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance)", "(float)sun->chance"),
+    ("lamps send 3.1 instead of pi", EMITTERS, "point light",
+     "(float)SHAPE_PI * (seen.radiance[c][i]", "3.1f * (seen.radiance[c][i]"),
+    ("spots have no falloff", EMITTERS, "spot light", "(seen.radiance[c][i] * seen.falloff[i])", "seen.radiance[c][i]"),
+    ("a lamp's radius changes its light", EMITTERS, "point light with a radius",
+     "(SHAPE_PI * r * r) * dot_f64(from, from);", "(SHAPE_PI * r * r) * (dot_f64(from, from) - r * r);"),
+    ("the light tree chooses with another probability", TREE, "forty", "*chance *= (double)weight[i] / sum;",
+     "*chance *= 1.0 / TREE_WIDE + 0 * sum;"),
+    ("the light tree tells rays another probability", TREE, "disk of",
+     "(double)weight[slot % TREE_WIDE] / sum : 0;", "0.25 * (double)weight[slot % TREE_WIDE] / sum : 0;"),
+    ("the tree picks the child before", TREE, "forty", "last = i;", "last = i > 0 && weight[i - 1] > 0 ? i - 1 : i;"),
+    ("directions by the cosine, density even", SHAPE, "four kinds",
+     "along > 0 ? along / SHAPE_PI : 0", "along > 0 ? 0.5 / SHAPE_PI : 0"),
+    ("a hundredth of a triangle's solid angle lost", SHAPE, "tilted triangle",
+     "double angle = 2 * shape_angle(", "double angle = 1.98 * shape_angle("),
+    ("directions over a triangle are not even", SHAPE, "tilted triangle", "0.5 * u * s->angle", "0.5 * u * u * s->angle"),
+    ("a quad is twice its first triangle", SHAPES, "rectangle", "all = first + other.angle;", "all = 2 * first;"),
+    ("a sphere's cone is flat", SHAPE, "sphere cut", "square / (1 + sqrt(1 - square))", "square / 2"),
+    ("directions over a cone are not even", SHAPE, "sphere above", "x = u * cone->cap", "x = u * u * cone->cap"),
+    ("a squeezed sphere's Jacobian lacks a factor", SHAPES, "squeezed", "density * (k * k * k / fabs(", "density * (k * k / fabs("),
+    ("Lambert's cosine lost", LOBES, "furnace, sphere",
+     "chosen(lit, fabsf(at->l[2][i]) * (1 / PI), 0);\n        float left", "chosen(lit, 1 / PI, 0);\n        float left"),
+    ("a cosine's density over 3", LOBES, "furnace, sphere",
+     "density[i] += take * fabsf(at->l[2][i]) * (1 / PI);", "density[i] += take * fabsf(at->l[2][i]) * (1 / 3.0f);"),
+    ("light from behind lost", LOBES, "lit from behind",
+     "chosen(at->cross[i], b->take[SHADER_TAKE_BEHIND][i], 0)", "chosen(at->cross[i], 0.5f * b->take[SHADER_TAKE_BEHIND][i], 0)"),
+    ("GGX without shadowing", LOBES, "GGX", "return d * lz / (2 * (z * from + lz * to));", "return d / (4 * z) + 0 * from;"),
+    ("visible normals' density lacks the masking", LOBES, "GGX", "*density = d / (2 * (z + to));", "*density = d / (4 * z);"),
+    ("Schlick's power is 4", LOBES, "Schlick", "static inline float power5(float x) {",
+     "static inline float power5(float x) {\n    return x * x * x * x;"),
+    ("Fresnel's parallel part lost", "material/kernels/glass.h", "glass slab",
+     "return 0.5f * (parallel * parallel + across * across);", "return 0.48f * parallel * parallel + 0.5f * across * across;"),
+    ("Phong's density of another exponent", LOBES, "Phong", "(b->shininess[i] + 1) / (2 * PI * wide)",
+     "(b->shininess[i] + 2) / (2 * PI * wide)"),
+    ("Blinn's half vector without its Jacobian", LOBES, "Blinn", "4 * (cosine > 0x1p-23f ? cosine : 0x1p-23f)", "4"),
+    ("absorption of nine tenths of the way", "integrate/media.c", "absorbing",
+     "expf(-s->absorption[c] * length)", "expf(-s->absorption[c] * 0.9f * length)"),
+    ("a lens of half the radius", "camera/camera.c", "out of focus",
+     "out->lens_radius = camera->lens_radius,", "out->lens_radius = camera->lens_radius / 2,"),
+]
+
+
+def build(folder):
+    made = subprocess.run(["ninja", "-C", folder, "fathom_cli"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return made.stdout[-2000:] if made.returncode else None
+
+
+def judge(folder, law):
+    command = [folder + "/bin/fathom", "validate", "--light", "--light-error", "0.002", "-q"]
+    return subprocess.run(command + (["--light-only", law] if law else []), stderr=subprocess.DEVNULL).returncode
+
+
+def planted(folder, path, law, old, new):
+    with open("src/" + path, encoding="utf-8") as file:
+        text = file.read()
+    if text.count(old) != 1:
+        sys.exit(f"src/{path}: expected once, found {text.count(old)} times: {old}")
+    try:
+        with open("src/" + path, "w", encoding="utf-8") as file:
+            file.write(text.replace(old, new))
+        problem = build(folder)
+        return problem if problem else judge(folder, law)
+    finally:
+        with open("src/" + path, "w", encoding="utf-8") as file:
+            file.write(text)
+
+
+def main(folder, laws, only):
+    missed = []
+    for name, path, law, old, new in MUTANTS:
+        if only not in name:
+            continue
+        result = planted(folder, path, law if laws == "named" else None, old, new)
+        if isinstance(result, str):
+            sys.exit(f"{name}: does not build\n{result}")
+        print(f"{'found ' if result == 1 else 'MISSED'} {name}", flush=True)
+        if result != 1:
+            missed.append(name)
+    problem = build(folder)
+    if problem:
+        sys.exit(problem)
+    print(f"{len(missed)} faults missed")
+    return 1 if missed else 0
+
+
+sys.exit(main(*sys.argv[1:]))
