@@ -66,7 +66,7 @@ typedef struct material_uses {
 } material_uses;
 
 static void add_material(const fathom_scene *scene, fathom_id id, material_uses *uses) {
-    const fathom_material *m = &scene->materials.items[id].value;
+    const fathom_material *m = &scene->materials.items[id].classic;
     uses->bits |= material_features(m);
     const bool specular = m->k_s[0] > 0 || m->k_s[1] > 0 || m->k_s[2] > 0;
     uses->phong |= specular && m->specular == FATHOM_SPECULAR_PHONG;

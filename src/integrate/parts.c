@@ -11,18 +11,18 @@ unsigned parts_features(const fathom_scene *scene) {
     for (size_t i = 0; i < scene->objects.count; ++i) {
         if (own && absent_object(scene, (fathom_id)i)) continue;
         fathom_id material = scene_object_material(scene, (fathom_id)i);
-        features |= material_features(&scene->materials.items[material].value);
+        features |= material_features(&scene->materials.items[material].classic);
     }
     for (size_t i = 0; i < scene->instances.count; ++i) {
         fathom_id material = scene->instances.items[i].material;
-        if (material != FATHOM_NONE) features |= material_features(&scene->materials.items[material].value);
+        if (material != FATHOM_NONE) features |= material_features(&scene->materials.items[material].classic);
     }
     return features;
 }
 
 /* Passes all light, wherever it goes on. Fresnel's law takes a share of it at every surface that refracts. */
 static bool is_transparent(const fathom_scene *scene, fathom_id material) {
-    const fathom_material *m = &scene->materials.items[material].value;
+    const fathom_material *m = &scene->materials.items[material].classic;
     if (material_features(m) != MATERIAL_REFRACT || (m->fresnel && m->ior != 1)) return false;
     for (int c = 0; c < 3; ++c) {
         if (!(m->k_t[c] >= 1) || m->k_a[c] * scene->ambient[c] > 0) return false;

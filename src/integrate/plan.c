@@ -81,7 +81,7 @@ static fathom_status plan_bsdfs(fathom_context *context, render_plan *plan) {
     plan->bsdfs = malloc((count + 1) * sizeof *plan->bsdfs);
     if (!plan->bsdfs) return fail_memory(context, (count + 1) * sizeof *plan->bsdfs);
     for (size_t i = 0; i < count; ++i)
-        bsdf_prepare(&scene->materials.items[i].value, scene->ambient, &plan->bsdfs[i]);
+        bsdf_prepare(&scene->materials.items[i].classic, scene->ambient, &plan->bsdfs[i]);
     return FATHOM_OK;
 }
 

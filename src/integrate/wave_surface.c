@@ -26,7 +26,9 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     const world *scene = w->run.plan->world;
     const surface_gather *g = w->gather;
     const local_block *b = &g->local;
-    const fathom_material *m = &w->run.plan->scene->materials.items[hit_material(scene, g, i)].value;
+    const uint32_t material = hit_material(scene, g, i);
+    const fathom_material *m = &w->run.plan->scene->materials.items[material].classic;
+    const shader *path = w->run.plan->shaders; /* NULL: not path tracing */
     first_hits *f = w->run.samples.first;
     vec3_f32 dir = {b->ray[0][i], b->ray[1][i], b->ray[2][i]};
     bool plane = g->geometry[i] == TRACE_PLANE, specular = m->specular != FATHOM_SPECULAR_NONE;
@@ -42,7 +44,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     for (int c = 0; c < 3; ++c) {
         f->p[c][slot] = world_p[c];
         f->n[c][slot] = normal[c];
-        f->albedo[c][slot] = m->k_d[c] + (specular ? m->k_s[c] : 0);
+        f->albedo[c][slot] = path ? path[material].albedo[c] : m->k_d[c] + (specular ? m->k_s[c] : 0);
     }
     f->object[slot] = plane ? scene->planes.items[g->primitive[i]].object
                             : world_object(scene, g->geometry[i], g->primitive[i]);

@@ -19,7 +19,7 @@ static bool find_emission(emitters *e) {
     for (size_t i = 0; e->emission && i < scene->materials.count; ++i) {
         shader made;
         shader_prepare(&scene->materials.items[i].value, &made);
-        for (int c = 0; c < 3; ++c) e->emission[i][c] = made.emission[c] * made.opacity;
+        for (int c = 0; c < 3; ++c) e->emission[i][c] = made.emission[c];
     }
     return e->emission != NULL;
 }

@@ -3,8 +3,6 @@
 #include "base/kernel.h"
 #include "math/limit.h"
 
-#include <math.h>
-
 static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
 
 unsigned material_features(const fathom_material *m) {
@@ -15,8 +13,8 @@ unsigned material_features(const fathom_material *m) {
 
 bool material_absorbs(const fathom_material *m) {
     const float *c = m->attenuation_color;
-    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->thickness > 0 &&
-           isfinite(m->attenuation_distance) && (c[0] < 1 || c[1] < 1 || c[2] < 1);
+    return m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->thickness > 0 && m->transmission > 0 &&
+           m->attenuation_distance > 0 && (c[0] < 1 || c[1] < 1 || c[2] < 1);
 }
 
 /* A negative k_a stands for k_d. */

@@ -61,6 +61,19 @@ static float again(float f0, float f90, float mean) {
     return reflected * reflected * mean / (1 - reflected * (1 - mean));
 }
 
+/* Below the coat: shader.h's C. */
+static void prepare_coat(const fathom_material *m, shader *out) {
+    float all[ENERGY_NODES], edge[ENERGY_NODES];
+    const float alpha = m->clearcoat_roughness * m->clearcoat_roughness;
+    if (!(m->clearcoat > 0)) return;
+    energy_curves(alpha, all, edge);
+    for (int k = 0; k < ENERGY_NODES; ++k)
+        out->below_coat[k] = 1 - m->clearcoat * (0.04f * (all[k] - edge[k]) + edge[k]);
+    out->coat = m->clearcoat;
+    out->coat_alpha = fmaxf(alpha, SHADER_SMOOTH_ALPHA);
+    out->lobes |= SHADER_COATED | (alpha < SHADER_SMOOTH_ALPHA ? SHADER_MIRROR : SHADER_COAT);
+}
+
 static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
     float all[ENERGY_NODES], edge[ENERGY_NODES];
     energy_curves(alpha, all, edge);
@@ -72,7 +85,9 @@ static void prepare_even(const fathom_material *m, const mixture *x, float alpha
             1 - (out->layer0 * (all[k] - edge[k]) + out->layer90 * edge[k] + layer_again * (1 - all[k]));
     }
     const float scale = lost > 1e-6f ? 1 / (3.14159265f * lost) : 0;
-    const float below = energy_mean(out->under);
+    float base[ENERGY_NODES];
+    for (int k = 0; k < ENERGY_NODES; ++k) base[k] = out->under[k] * out->below_coat[k];
+    const float below = energy_mean(base);
     for (int c = 0; c < 3; ++c) {
         const float q =
             mixed(again(x->layer[c], m->specular_factor, mean), again(m->base_color[c], 1, mean), x->metal);
@@ -103,6 +118,22 @@ static void prepare_absorption(const fathom_material *m, shader *out) {
         out->absorption[c] = limited(fmaxf(-logf(m->attenuation_color[c]) / m->attenuation_distance, 0));
 }
 
+static void scale(float factor, float rgb[3]) {
+    for (int c = 0; c < 3; ++c) rgb[c] *= factor;
+}
+
+static void cover(float opacity, shader *out) {
+    if (opacity >= 1) return;
+    float *const colours[] = {out->diffuse, out->f0,          out->mirror0, out->cross,
+                              out->again,   out->again_cross, out->albedo,  out->emission};
+    for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
+    out->coat *= opacity, out->f90 *= opacity, out->mirror90 *= opacity, out->missing_share *= opacity;
+    out->hole = 1 - opacity;
+    out->lobes |= SHADER_STRAIGHT;
+    out->transmits = true;
+    for (int c = 0; c < 3; ++c) out->albedo[c] += out->hole;
+}
+
 /* Schlick's reflectance of a mixture is the mixture of reflectances: F0 and F90 of dielectric and metal are
  * mixed once. The base under the dielectric is told by the largest channel (KHR_materials_specular). */
 static void prepare_metallic(const fathom_material *m, shader *out) {
@@ -124,12 +155,14 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
                  (shiny && !smooth ? SHADER_GGX : 0u) | (shiny && smooth ? SHADER_MIRROR : 0u);
     out->lobes |= crossing_lobe(m, alpha, out);
     prepare_absorption(m, out);
+    prepare_coat(m, out);
     if (m->multiscatter) prepare_even(m, &x, alpha, out);
-    out->opacity = m->opacity;
+    cover(m->opacity, out);
 }
 
 void shader_prepare(const fathom_material *m, shader *out) {
-    *out = (shader){.model = m->model, .opacity = 1, .alpha = 1, .ior = 1, .eta = 1};
+    *out = (shader){.model = m->model, .alpha = 1, .ior = 1, .eta = 1};
+    for (int k = 0; k < ENERGY_NODES; ++k) out->below_coat[k] = 1;
     switch (m->model) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;
     case FATHOM_MODEL_METALLIC_ROUGHNESS: prepare_metallic(m, out); break;

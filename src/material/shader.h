@@ -28,7 +28,15 @@
  * 21; thin walls transmit (1 - m) T c (1 - Q) of the same. The base below gets, in place of 1 - L, (1 -
  * R(n·v)) (1 - R(n·l)) / <1 - R>, R the dielectric's albedo with all its scatterings. So white materials that
  * are no rough solids reflect and transmit everything. Refraction through rough solids gets nothing back, and
- * the base is as without `multiscatter` for a viewer inside. */
+ * the base is as without `multiscatter` for a viewer inside.
+ *
+ * A clear coat of strength k = clearcoat, index 1.5 and its own roughness lies over all of this: k S(0.04, 1)
+ * D G2 / (4 n·v n·l) is added, and all else counts by C(n·v) C(n·l), C(mu) being 1 - k times the coat's
+ * albedo. With `multiscatter`, Lambert's part is over <(1 - R) C> instead of <1 - R>; the others lose what
+ * goes round under the coat.
+ *
+ * opacity is coverage: a smooth lobe takes light straight past the surface, and all else counts by opacity.
+ */
 #ifndef MATERIAL_SHADER_H
 #define MATERIAL_SHADER_H
 
@@ -44,10 +52,9 @@
 /* A material's constants, made once before rendering. */
 typedef struct shader {
     fathom_model model;
-    float emission[3];   /* radiance of both sides */
+    float emission[3];   /* radiance of both sides, times the part of the surface that is there */
     float albedo[3];     /* for the AOV: what it reflects or lets through of white light, about */
     float absorption[3]; /* per unit of length, of the volume that the surface encloses: -ln c / d; else 0 */
-    float opacity;       /* chance that a ray meets the surface at all */
     bool transmits;      /* some lobe sends light to the other side */
     /* The members below are the kernels' own. */
     uint32_t lobes;                 /* SHADER_ bits */
@@ -62,9 +69,12 @@ typedef struct shader {
     float cross[3];                 /* transmittance of the base */
     float eta;                      /* inside over outside; 1: a thin wall */
     float again[3], again_cross[3]; /* factors of light that scatters more than once between facets */
+    float coat, coat_alpha;         /* strength of the clear coat; its GGX lobe's alpha */
+    float hole;                     /* 1 - opacity; the other factors are times opacity */
     float missing_share;            /* of `missing`, what is reflected */
     float missing[ENERGY_NODES];    /* 1 - E(mu): what the first scattering leaves */
     float under[ENERGY_NODES];      /* 1 - R(mu): what the layer lets through to the base */
+    float below_coat[ENERGY_NODES]; /* what the clear coat lets through; 1 without one */
 } shader;
 
 enum {
@@ -80,6 +90,9 @@ enum {
     SHADER_SOLID = 1u << 9,     /* inside and outside have different indices */
     SHADER_EVEN = 1u << 10,     /* scattering between facets is given back */
     SHADER_BEHIND = 1u << 11,   /* classic: lit from behind */
+    SHADER_STRAIGHT = 1u << 12, /* an opacity below 1 */
+    SHADER_COATED = 1u << 13,   /* all but the clear coat passes through it */
+    SHADER_COAT = 1u << 14,     /* a rough clear coat; a smooth one is part of SHADER_MIRROR */
 };
 
 void shader_prepare(const fathom_material *material, shader *out);
@@ -91,8 +104,10 @@ enum {
     SHADER_TAKE_HIGHLIGHT,
     SHADER_TAKE_GGX,
     SHADER_TAKE_CROSS, /* rough transmission */
+    SHADER_TAKE_COAT,
     SHADER_TAKE_MIRROR,
-    SHADER_TAKE_PASS, /* smooth transmission */
+    SHADER_TAKE_PASS,     /* smooth transmission */
+    SHADER_TAKE_STRAIGHT, /* past the surface */
     SHADER_TAKES
 };
 
@@ -108,8 +123,9 @@ typedef struct shader_block {
     lanes3 mirror_share, pass_share; /* of the smooth lobes */
     lanes3 mirror, pass;             /* their directions, in the world */
     float shininess[LANES], alpha[LANES], f90[LANES], layer0[LANES], layer90[LANES];
-    float eta[LANES];                   /* of the side that the viewer is not on over that of the viewer */
-    float missing[LANES], under[LANES]; /* at the viewer's cosine */
+    float eta[LANES]; /* of the side that the viewer is not on over that of the viewer */
+    float missing[LANES], under[LANES], below_coat[LANES]; /* at the viewer's cosine */
+    float coat[LANES], coat_alpha[LANES];
     uint32_t blinn[LANES], from_behind[LANES], even[LANES];
     uint32_t lobes; /* of all lanes */
 } shader_block;

@@ -78,7 +78,10 @@ static void hash_values(hash *h, const fathom_scene *scene) {
     hash_camera(h, &scene->camera);
     PUT(h, scene->background), PUT(h, scene->ambient);
     PUT(h, materials), PUT(h, groups);
-    for (size_t i = 0; i < materials; ++i) hash_material(h, &scene->materials.items[i].value);
+    for (size_t i = 0; i < materials; ++i) {
+        hash_material(h, &scene->materials.items[i].value);
+        hash_material(h, &scene->materials.items[i].classic);
+    }
     PUT_ALL(h, &scene->lights, hash_light);
     PUT_ALL(h, &scene->environments, hash_environment);
     PUT_ALL(h, &scene->objects, hash_object);

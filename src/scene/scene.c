@@ -1,6 +1,7 @@
 #include "scene/scene.h"
 
 #include "base/memory.h"
+#include "scene/metallic.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -115,13 +116,12 @@ static fathom_status check_color(fathom_context *context, const char *what, cons
     return FATHOM_OK;
 }
 
-fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
-                                        const fathom_material *material, fathom_id *out) {
-    if (!scene) return FATHOM_BAD_USAGE;
-    if (!material) return fail_null(scene->context, "material");
+fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const fathom_material *material,
+                                    const fathom_material *classic, fathom_id *out) {
     fathom_status status = scene_check_material(scene->context, material);
+    if (status == FATHOM_OK) status = scene_check_material(scene->context, classic);
     if (status != FATHOM_OK) return status;
-    scene_named_material entry = {.value = *material};
+    scene_named_material entry = {.value = *material, .classic = *classic};
     status = copy_text(scene->context, name, &entry.name);
     if (status != FATHOM_OK) return status;
     if (!array_push(&scene->materials, entry)) {
@@ -130,6 +130,20 @@ fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
     }
     if (out) *out = (fathom_id)(scene->materials.count - 1);
     return FATHOM_OK;
+}
+
+fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
+                                        const fathom_material *material, fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!material) return fail_null(scene->context, "material");
+    fathom_status status = scene_check_material(scene->context, material);
+    if (status != FATHOM_OK) return status;
+    fathom_material classic = *material;
+    if (material->model == FATHOM_MODEL_METALLIC_ROUGHNESS) {
+        const metallic_factors factors = metallic_factors_of(material);
+        metallic_to_classic(&factors, &classic);
+    }
+    return scene_add_material_as(scene, name, material, &classic, out);
 }
 
 fathom_id scene_find_material(const fathom_scene *scene, const char *name) {

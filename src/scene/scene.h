@@ -35,7 +35,8 @@ typedef struct scene_camera {
 
 typedef struct scene_named_material {
     fathom_material value;
-    char *name; /* NULL when it has none */
+    fathom_material classic; /* what the classic integrator takes for it: `value` itself if it is classic */
+    char *name;              /* NULL when it has none */
 } scene_named_material;
 
 struct fathom_scene {
@@ -91,6 +92,10 @@ fathom_status scene_allocate_items(fathom_scene *scene, size_t count, size_t byt
  * many meshes over the same vertices would have them all looked at again for each. */
 fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
                                      const mesh_facts *facts, fathom_id *out);
+
+/* fathom_scene_add_material() with what the classic integrator takes for the material. */
+fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const fathom_material *material,
+                                    const fathom_material *classic, fathom_id *out);
 
 /* The material with this name, FATHOM_NONE when there is none. */
 fathom_id scene_find_material(const fathom_scene *scene, const char *name);

@@ -161,7 +161,7 @@ static void put_material(write_text *t, const char *name, const pbr *p) {
 static void put_extensions_used(glb *g) {
     unsigned used = 0;
     for (size_t i = 0; i < g->scene->materials.count; ++i) {
-        pbr p = convert(&g->scene->materials.items[i].value);
+        pbr p = convert(&g->scene->materials.items[i].classic);
         used |= extensions_of(&p);
     }
     const char *const names[] = {"ior", "transmission", "emissive_strength", "specular"};

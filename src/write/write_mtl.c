@@ -95,7 +95,7 @@ fathom_status write_mtl(const fathom_scene *scene, const char *path, char **name
     write_text text = {.failed = false};
     write_put(&text, "# Fathom %s\n", fathom_version());
     for (size_t i = 0; i < scene->materials.count; ++i)
-        put_material(&text, names[i], &scene->materials.items[i].value);
+        put_material(&text, names[i], &scene->materials.items[i].classic);
     file_writer *file = NULL;
     fathom_status status = text.failed ? fail_memory(scene->context, text.bytes.capacity) : FATHOM_OK;
     if (status == FATHOM_OK) status = file_writer_open(scene->context, path, &file);

@@ -6,7 +6,7 @@
 static const double pi = 3.14159265358979324;
 
 /* The scene's first material of its own; everything else is as in the file. */
-static fathom_material read_material(fixture *f, const char *material) {
+static scene_named_material read_both(fixture *f, const char *material) {
     char json[4096];
     snprintf(
         json, sizeof json,
@@ -15,9 +15,14 @@ static fathom_material read_material(fixture *f, const char *material) {
     fathom_scene *scene = read_triangle(f, json);
     assert_int_equal(scene->materials.count, 2);
     assert_int_equal(scene->meshes.items[0].material, 1);
-    fathom_material out = scene->materials.items[1].value;
+    scene_named_material out = scene->materials.items[1];
+    out.name = NULL;
     fathom_scene_destroy(scene);
     return out;
+}
+
+static fathom_material read_material(fixture *f, const char *material) {
+    return read_both(f, material).classic;
 }
 
 static fathom_material read_factors(fixture *f, double base, double metallic, double roughness,
@@ -254,6 +259,30 @@ static void masked_surfaces_are_absent(void **state) {
     }
 }
 
+/* Path tracing takes the format's own numbers. */
+static void factors_are_kept_for_path_tracing(void **state) {
+    fixture *f = *state;
+    fathom_material m =
+        read_both(f,
+                  "'pbrMetallicRoughness':{'baseColorFactor':[0.5,0.25,1,0.75],'metallicFactor':0.25,"
+                  "'roughnessFactor':0.125},'alphaMode':'BLEND','emissiveFactor':[1,0.5,0],'extensions':{"
+                  "'KHR_materials_ior':{'ior':1.25},'KHR_materials_emissive_strength':{'emissiveStrength':8},"
+                  "'KHR_materials_transmission':{'transmissionFactor':0.5},'KHR_materials_specular':{"
+                  "'specularFactor':0.5,'specularColorFactor':[1,0.5,2]},'KHR_materials_volume':{"
+                  "'thicknessFactor':2,'attenuationDistance':3,'attenuationColor':[0.5,1,0.25]}}")
+            .value;
+    assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
+    assert_true(m.base_color[0] == 0.5f && m.base_color[1] == 0.25f && m.opacity == 0.75f);
+    assert_true(m.metallic == 0.25f && m.roughness == 0.125f && m.ior == 1.25f && m.transmission == 0.5f);
+    assert_true(m.emissive[0] == 1 && m.emissive[1] == 0.5f && m.emissive_strength == 8);
+    assert_true(m.specular_factor == 0.5f && m.specular_color[2] == 2);
+    assert_true(m.thickness == 2 && m.attenuation_distance == 3 && m.attenuation_color[2] == 0.25f);
+    m = read_both(f, "'extensions':{'KHR_materials_unlit':{}}").value;
+    assert_true(m.emissive[0] == 1 && m.base_color[0] == 0 && m.specular_factor == 0 && m.metallic == 0);
+    m = read_both(f, "'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}").value;
+    assert_true(m.opacity == 0);
+}
+
 /* Names stay, a material is made once, and one that is not named is the format's default: white rough metal.
  */
 static void materials_keep_names_and_have_a_default(void **state) {
@@ -267,7 +296,7 @@ static void materials_keep_names_and_have_a_default(void **state) {
     assert_int_equal(scene_find_material(scene, "gold"), scene->meshes.items[0].material);
     assert_int_equal(scene->meshes.items[0].material, scene->meshes.items[1].material);
     assert_int_equal(scene->meshes.items[2].material, scene->meshes.items[3].material);
-    const fathom_material *m = &scene->materials.items[scene->meshes.items[2].material].value;
+    const fathom_material *m = &scene->materials.items[scene->meshes.items[2].material].classic;
     assert_near(m->k_d[0], 0, 0);
     assert_near(m->k_s[0], 1, 0x1p-24);
     assert_near(m->shininess, 1, 0);
@@ -288,6 +317,7 @@ int main(void) {
         TEST(alpha_modes_cover_their_part),
         TEST(clear_materials_cast_no_shadow),
         TEST(masked_surfaces_are_absent),
+        TEST(factors_are_kept_for_path_tracing),
         TEST(materials_keep_names_and_have_a_default),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -97,7 +97,8 @@ static double chi_of(const shading *at, const polar *p, random_state *r, int blo
         shader_sample s;
         shading_numbers(r, u);
         at->kernels->sample(&at->surface, &at->block, u, &s);
-        for (int i = 0; i < LANES; ++i) found[s.density[i] > 0 ? bin_of(p, &s, i) : BINS] += 1;
+        for (int i = 0; i < LANES; ++i)
+            found[s.density[i] > 0 && isfinite(s.density[i]) ? bin_of(p, &s, i) : BINS] += 1;
     }
     expected[BINS] = 1;
     for (int k = 0; k < BINS; ++k) expected[BINS] -= expected[k];
@@ -120,6 +121,10 @@ static void samples_follow_the_density(void **state) {
     (void)state;
     fathom_material behind = classic(0.5f, 0.4f, FATHOM_SPECULAR_PHONG, 10);
     behind.lit_from_behind = true;
+    fathom_material half = glassy(0.4f, 0, 1.5f, 0.3f);
+    half.opacity = 0.5f;
+    fathom_material coated = metallic(0.5f, 0.6f);
+    coated.clearcoat = 0.8f, coated.clearcoat_roughness = 0.3f;
     const struct {
         const char *name;
         fathom_material m;
@@ -138,6 +143,8 @@ static void samples_follow_the_density(void **state) {
         {"dielectric 0.5", metallic(0, 0.5f), 1.5},
         {"half 0.1", metallic(0.5f, 0.1f), 4},
         {"thin wall 0.3", glassy(0.3f, 0, 1.5f, 0.8f), 1},
+        {"half there", half, 1.5},
+        {"coated", coated, 2},
         {"glass 0.4", glassy(0.4f, 1, 1.5f, 1), 1},
         {"glass 0.8", glassy(0.8f, 1, 1.2f, 0.5f), 1},
         {"light glass 0.6", glassy(0.6f, 1, 0.8f, 1), 1},
@@ -214,7 +221,8 @@ static fathom_material random_material(random_state *r) {
     m.attenuation_distance = CHOICE(r, 0, 1, 1e-30f, 1e30f), m.multiscatter = random_unit(r) < 0.7;
     if (m.model == FATHOM_MODEL_METALLIC_ROUGHNESS && random_unit(r) < 0.1) m.ior = 0;
     m.emissive[0] = m.emissive_strength = CHOICE(r, 0, 1, 1e30f);
-    m.attenuation_color[0] = CHOICE(r, 0, 1, 0.5f);
+    m.attenuation_color[0] = CHOICE(r, 0, 1, 0.5f), m.opacity = CHOICE(r, 0, 0.3f, 1, 1);
+    m.clearcoat = CHOICE(r, 0, 0, 0.5f, 1), m.clearcoat_roughness = CHOICE(r, 0, 0.012f, 0.3f, 1);
     return m;
 }
 
@@ -352,6 +360,7 @@ static void scattering_is_reciprocal(void **state) {
         if (k % 4 == 1) m = glassy(roughness, 0, ior, 0.7f);
         if (k % 4 == 2) m = glassy(roughness, 1, ior, 1);
         m.base_color[0] = 0.3f, m.multiscatter = k % 8 < 4;
+        m.clearcoat = k % 16 < 8 ? 0 : 0.7f, m.clearcoat_roughness = 0.4f;
         double a[3], b[3], f[3], g[3];
         random_unit_vector(&r, a), random_unit_vector(&r, b);
         value_between(&m, a, b, f), value_between(&m, b, a, g);

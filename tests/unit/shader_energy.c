@@ -65,7 +65,7 @@ static void white_surfaces_and_thin_walls_send_on_all_light(void **state) {
         for (int k = 0; k < COUNT(indices) * COUNT(cosines) * 9; ++k) {
             fathom_material m = white((float)(k % 3) / 2, roughnesses[r], indices[k / 9 % COUNT(indices)]);
             const double cosine = cosines[k / 9 / COUNT(indices)];
-            m.transmission = (float)(k / 3 % 3) / 2;
+            m.transmission = (float)(k / 3 % 3) / 2, m.opacity = k % 2 ? 0.75f : 1;
             const double all = sent_on(&m, cosine, true, 1024);
             if (!(fabs(all - 1) <= 0.005))
                 fail_msg("metallic %g, roughness %g, ior %g, transmission %g, cosine %g: %g",
@@ -86,6 +86,23 @@ static void solids_gain_nothing_and_clear_ones_lose_nothing(void **state) {
             if (!(all <= 1.005) || (roughnesses[r] < 0.01f && !(fabs(all - 1) < 1e-5)))
                 fail_msg("roughness %g, ior %g, cosine %g, %s: %g", (double)m.roughness, (double)m.ior,
                          cosines[k / 4 / COUNT(indices)], k % 2 ? "entering" : "leaving", all);
+        }
+    }
+}
+
+/* A coat over a white base loses what goes round between the two: at most its mean albedo of that part of the
+ * base that is no diffuse one. 0.09 is the coat's own mean. */
+static void coats_gain_nothing_and_lose_little(void **state) {
+    (void)state;
+    for (int r = 2; r < COUNT(roughnesses); ++r) {
+        for (int k = 0; k < COUNT(roughnesses) * COUNT(cosines) * 2; ++k) {
+            fathom_material m = white((float)(k % 2), roughnesses[r], 1.5f);
+            m.clearcoat = 1, m.clearcoat_roughness = roughnesses[k / 2 % COUNT(roughnesses)];
+            const double cosine = cosines[k / 2 / COUNT(roughnesses)], all = sent_on(&m, cosine, true, 256);
+            const double least = k % 2 ? 0.8 : 0.95;
+            if (!(all <= 1.005) || (cosine > 0.25 && !(all >= least)))
+                fail_msg("metallic %d, roughness %g, coat's %g, cosine %g: %g", k % 2, (double)m.roughness,
+                         (double)m.clearcoat_roughness, cosine, all);
         }
     }
 }
@@ -125,6 +142,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(white_surfaces_and_thin_walls_send_on_all_light),
         cmocka_unit_test(solids_gain_nothing_and_clear_ones_lose_nothing),
+        cmocka_unit_test(coats_gain_nothing_and_lose_little),
         cmocka_unit_test(fresnel_means_are_those_of_theory),
         cmocka_unit_test(rough_metal_seen_from_above_reflects_one_less_ln_2),
     };

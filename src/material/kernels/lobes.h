@@ -21,7 +21,7 @@ static inline float power5(float x) {
 typedef struct incidence {
     _Alignas(64) lanes3 l;                   /* in the block's frame */
     uint32_t reflected[LANES], cross[LANES]; /* all ones: l is on the viewer's side, or on the other */
-    float missing[LANES], under[LANES];      /* of the materials, at l */
+    float missing[LANES], under[LANES], below_coat[LANES]; /* of the materials, at l */
 } incidence;
 
 static inline void judge_sides(const surface_block *s, const shader_block *b, const lanes3 l,
@@ -39,16 +39,19 @@ static inline void judge_sides(const surface_block *s, const shader_block *b, co
     }
 }
 
+static inline float curve_at(const float curve[ENERGY_NODES], float cosine) {
+    float x = sqrtf(sqrtf(fabsf(cosine))) * ENERGY_STEPS;
+    int k = (int)x < ENERGY_STEPS - 1 ? (int)x : ENERGY_STEPS - 1;
+    return curve[k] + (x - (float)k) * (curve[k + 1] - curve[k]);
+}
+
 /* The materials' curves at the cosines. */
 static inline void read_curves(const shader_block *b, const float cosine[LANES], float *restrict missing,
-                               float *restrict under) {
+                               float *restrict under, float *restrict below_coat) {
     for (int i = 0; i < LANES; ++i) {
-        float x = sqrtf(sqrtf(fabsf(cosine[i]))) * ENERGY_STEPS;
-        int k = (int)x < ENERGY_STEPS - 1 ? (int)x : ENERGY_STEPS - 1;
-        float t = x - (float)k;
-        const shader *m = b->at[i];
-        missing[i] = m->missing[k] + t * (m->missing[k + 1] - m->missing[k]);
-        under[i] = m->under[k] + t * (m->under[k + 1] - m->under[k]);
+        missing[i] = curve_at(b->at[i]->missing, cosine[i]);
+        under[i] = curve_at(b->at[i]->under, cosine[i]);
+        below_coat[i] = curve_at(b->at[i]->below_coat, cosine[i]);
     }
 }
 
@@ -95,9 +98,9 @@ static inline void set_half(const shader_block *b, const lanes3 l, lanes3 h, flo
 }
 
 /* D G2 / (4 n·v n·l) times n·l, and the density of l by visible normals: D G1 / (4 n·v). */
-static inline float mirrored_facets(const shader_block *b, int i, const lanes3 l, const lanes3 h,
+static inline float mirrored_facets(const shader_block *b, float alpha, int i, const lanes3 l, const lanes3 h,
                                     float *density) {
-    float a2 = b->alpha[i] * b->alpha[i], z = b->v[2][i], lz = l[2][i];
+    float a2 = alpha * alpha, z = b->v[2][i], lz = l[2][i];
     float to = smith(a2, b->v[0][i], b->v[1][i], z), from = smith(a2, l[0][i], l[1][i], lz);
     float d = ggx(a2, h[0][i], h[1][i], h[2][i]);
     *density = d / (2 * (z + to));
@@ -107,10 +110,22 @@ static inline float mirrored_facets(const shader_block *b, int i, const lanes3 l
 static inline void add_ggx(const shader_block *b, const incidence *at, const lanes3 h,
                            const float rise[LANES], float (*restrict f)[LANES], float *restrict density) {
     for (int i = 0; i < LANES; ++i) {
-        float d, value = mirrored_facets(b, i, at->l, h, &d);
+        float d, value = mirrored_facets(b, b->alpha[i], i, at->l, h, &d);
         value = chosen(at->reflected[i], value, 0);
         for (int c = 0; c < 3; ++c) f[c][i] += (b->f0[c][i] + (b->f90[i] - b->f0[c][i]) * rise[i]) * value;
         density[i] += chosen(at->reflected[i], b->take[SHADER_TAKE_GGX][i] * d, 0);
+    }
+}
+
+/* What passes the clear coat twice, and what the coat reflects. */
+static inline void add_coat(const shader_block *b, const incidence *at, const lanes3 h,
+                            const float rise[LANES], float (*restrict f)[LANES], float *restrict density) {
+    for (int i = 0; i < LANES; ++i) {
+        float d, value = mirrored_facets(b, b->coat_alpha[i], i, at->l, h, &d);
+        uint32_t open = at->reflected[i] & (b->at[i]->lobes & SHADER_COAT ? ~0u : 0);
+        value = chosen(open, value * b->coat[i] * (0.04f + 0.96f * rise[i]), 0);
+        for (int c = 0; c < 3; ++c) f[c][i] = f[c][i] * (b->below_coat[i] * at->below_coat[i]) + value;
+        density[i] += chosen(open, b->take[SHADER_TAKE_COAT][i] * d, 0);
     }
 }
 
@@ -137,7 +152,7 @@ static inline void add_thin(const shader_block *b, const incidence *at, float (*
     set_half(b, l, h, rise);
     for (int i = 0; i < LANES; ++i) {
         uint32_t open = at->cross[i] & (b->eta[i] == 1 ? ~0u : 0);
-        float d, value = mirrored_facets(b, i, l, h, &d);
+        float d, value = mirrored_facets(b, b->alpha[i], i, l, h, &d);
         value = chosen(open, value * (1 - layer_share(b, i, rise[i])), 0);
         for (int c = 0; c < 3; ++c) f[c][i] += b->cross[c][i] * value;
         density[i] += chosen(open, b->take[SHADER_TAKE_CROSS][i] * d, 0);
@@ -219,9 +234,10 @@ static inline void add_lobes(const surface_block *s, const shader_block *b, cons
     float rise[LANES] = {0};
     const uint32_t lobes = b->lobes;
     for (int i = 0; i < LANES; ++i) f[0][i] = f[1][i] = f[2][i] = density[i] = 0;
-    for (int i = 0; i < LANES; ++i) at->missing[i] = at->under[i] = 0;
-    if (lobes & SHADER_EVEN) read_curves(b, at->l[2], at->missing, at->under);
-    if (lobes & (SHADER_LAYER | SHADER_GGX | SHADER_HIGHLIGHT)) set_half(b, at->l, h, rise);
+    for (int i = 0; i < LANES; ++i) at->missing[i] = at->under[i] = 0, at->below_coat[i] = 1;
+    if (lobes & (SHADER_EVEN | SHADER_COATED))
+        read_curves(b, at->l[2], at->missing, at->under, at->below_coat);
+    if (lobes & (SHADER_LAYER | SHADER_GGX | SHADER_HIGHLIGHT | SHADER_COATED)) set_half(b, at->l, h, rise);
     if (lobes & (SHADER_DIFFUSE | SHADER_BEHIND)) add_diffuse(b, at, rise, f);
     if (lobes & (SHADER_DIFFUSE | SHADER_BEHIND | SHADER_EVEN)) add_cosines(b, at, density);
     if (lobes & SHADER_HIGHLIGHT) add_highlight(s, b, at, l, h, f, density);
@@ -229,6 +245,7 @@ static inline void add_lobes(const surface_block *s, const shader_block *b, cons
     if (lobes & SHADER_EVEN) add_again(b, at, f);
     if (lobes & SHADER_THIN) add_thin(b, at, f, density);
     if (lobes & SHADER_REFRACT) add_refraction(b, at, f, density);
+    if (lobes & SHADER_COATED) add_coat(b, at, h, rise, f, density);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) f[c][i] = limited(f[c][i]);
     }

@@ -39,6 +39,11 @@ static inline void set_cross(const shader *m, int i, uint32_t entering, shader_b
     out->even[i] = m->even & (out->eta[i] == m->eta ? ~0u : 0);
 }
 
+static inline void set_coat(const shader *m, int i, shader_block *restrict out) {
+    out->coat[i] = m->coat;
+    out->coat_alpha[i] = m->coat_alpha;
+}
+
 #define CROSSING (SHADER_THIN | SHADER_REFRACT | SHADER_PASS | SHADER_SOLID)
 
 /* What the lobes of the block read. Most blocks see one material: loops over lanes that copy the same numbers
@@ -51,6 +56,9 @@ static inline void set_parts(const surface_block *s, const shader *const at[LANE
     }
     if (lobes & SHADER_EVEN) {
         for (int i = 0; i < LANES; ++i) set_again(at[i], i, out);
+    }
+    if (lobes & SHADER_COATED) {
+        for (int i = 0; i < LANES; ++i) set_coat(at[i], i, out);
     }
     if (lobes & CROSSING) {
         for (int i = 0; i < LANES; ++i) set_cross(at[i], i, s->entering[i], out);
@@ -110,6 +118,16 @@ static void set_classic(const surface_block *s, int i, shader_block *out) {
     glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
 }
 
+/* Light through the coat, and the mirror of a smooth one. */
+static void coat_flat(const shader *m, int i, shader_block *out) {
+    const float rise = schlick(out->v[2][i], 1), far = dot_lane(out->n, out->pass, i);
+    const float coat = m->lobes & SHADER_COAT ? 0 : m->coat * (0.04f + 0.96f * rise);
+    for (int c = 0; c < 3; ++c) {
+        out->mirror_share[c][i] += coat;
+        out->pass_share[c][i] *= out->below_coat[i] * curve_at(m->below_coat, fminf(fabsf(far), 1));
+    }
+}
+
 /* A facet that lies in the surface. Rough surfaces that transmit smoothly let through what their layer does
  * not reflect in all. */
 static void set_flat(const surface_block *s, int i, shader_block *out) {
@@ -117,15 +135,17 @@ static void set_flat(const surface_block *s, int i, shader_block *out) {
     const glass g = {.k_r = {1, 1, 1}, .k_t = {1, 1, 1}, .ior = m->eta};
     const float eta = out->eta[i], rise = schlick(out->v[2][i], eta);
     const bool rough = m->lobes & SHADER_GGX;
+    const float coated = out->below_coat[i];
     float open = 1 - layer_share(out, i, rise);
     if (rough && out->even[i]) open = out->under[i];
     glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
     for (int c = 0; c < 3; ++c) {
         const bool total = !(out->pass_share[c][i] > 0);
-        out->mirror_share[c][i] = m->mirror0[c] + (m->mirror90 - m->mirror0[c]) * rise;
+        out->mirror_share[c][i] = (m->mirror0[c] + (m->mirror90 - m->mirror0[c]) * rise) * coated * coated;
         out->pass_share[c][i] = m->lobes & SHADER_PASS && !total ? m->cross[c] * open / (eta * eta) : 0;
         if (eta == 1) out->pass[c][i] = -s->v[c][i];
     }
+    if (m->lobes & SHADER_COATED) coat_flat(m, i, out);
 }
 
 static void set_smooth(const surface_block *s, shader_block *out) {
@@ -170,7 +190,14 @@ static void weigh_lobes(shader_block *restrict out) {
             out->take[SHADER_TAKE_CROSS][i] = chosen(rough, mean(out->cross, i) * fmaxf(open, 0.1f), 0);
         }
     }
+    if (out->lobes & SHADER_COAT) {
+        for (int i = 0; i < LANES; ++i) {
+            float coat = out->at[i]->lobes & SHADER_COAT ? out->coat[i] : 0;
+            out->take[SHADER_TAKE_COAT][i] = coat * (0.04f + 0.96f * schlick(out->v[2][i], 1));
+        }
+    }
     for (int i = 0; i < LANES; ++i) {
+        out->take[SHADER_TAKE_STRAIGHT][i] = out->at[i]->hole;
         out->take[SHADER_TAKE_MIRROR][i] = mean(out->mirror_share, i);
         out->take[SHADER_TAKE_PASS][i] = mean(out->pass_share, i) * out->eta[i] * out->eta[i];
     }
@@ -179,8 +206,9 @@ static void weigh_lobes(shader_block *restrict out) {
 static void make(const shader *table, const surface_block *s, shader_block *out) {
     set_materials(table, s, out);
     set_frames(s, out);
-    for (int i = 0; i < LANES; ++i) out->missing[i] = out->under[i] = 0;
-    if (out->lobes & SHADER_EVEN) read_curves(out, out->v[2], out->missing, out->under);
+    for (int i = 0; i < LANES; ++i) out->missing[i] = out->under[i] = 0, out->below_coat[i] = 1;
+    if (out->lobes & (SHADER_EVEN | SHADER_COATED))
+        read_curves(out, out->v[2], out->missing, out->under, out->below_coat);
     set_smooth(s, out);
     weigh_lobes(out);
     for (int i = 0; i < LANES; ++i) {
@@ -236,9 +264,10 @@ static inline void mirror_about(const shader_block *b, int i, float x, float y, 
 /* Visible normals by spherical caps (Dupuy & Benyoub 2023). In the space where the distribution is a
  * hemisphere, h = cap + v with the cap's z + v.z = (1-u)(1+v.z); sines come from what is left of 1, not from
  * squares that cancel. */
-static void sample_facets(const shader_block *b, const lanes3 u, float (*restrict h)[LANES]) {
+static void sample_facets(const shader_block *b, const float alphas[LANES], const lanes3 u,
+                          float (*restrict h)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
-        float alpha = b->alpha[i], cosine, sine;
+        float alpha = alphas[i], cosine, sine;
         float x = alpha * b->v[0][i], y = alpha * b->v[1][i], z = b->v[2][i];
         float unit = 1 / sqrtf(x * x + y * y + z * z);
         x *= unit, y *= unit, z *= unit;
@@ -317,8 +346,13 @@ static void sample_rough(const shader_block *b, const lanes3 u, const uint32_t l
         sample_highlight(b, u, l);
         take_lanes(lobe, SHADER_TAKE_HIGHLIGHT, SHADER_TAKE_HIGHLIGHT, l, out);
     }
+    if (lobes & SHADER_COAT) {
+        sample_facets(b, b->coat_alpha, u, h);
+        for (int i = 0; i < LANES; ++i) mirror_about(b, i, h[0][i], h[1][i], h[2][i], l);
+        take_lanes(lobe, SHADER_TAKE_COAT, SHADER_TAKE_COAT, l, out);
+    }
     if (!(lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT))) return;
-    sample_facets(b, u, h);
+    sample_facets(b, b->alpha, u, h);
     for (int i = 0; i < LANES; ++i) mirror_about(b, i, h[0][i], h[1][i], h[2][i], l);
     take_lanes(lobe, SHADER_TAKE_GGX, SHADER_TAKE_GGX, l, out);
     if (!(lobes & (SHADER_THIN | SHADER_REFRACT))) return;
@@ -338,24 +372,29 @@ static void to_world(const shader_block *b, const lanes3 l, float (*restrict out
     }
 }
 
-static void take_smooth(const shader_block *b, const uint32_t lobe[LANES], shader_sample *out) {
+#define SMOOTH (SHADER_CLASSIC | SHADER_MIRROR | SHADER_PASS | SHADER_STRAIGHT)
+
+static void take_smooth(const surface_block *s, const shader_block *b, const uint32_t lobe[LANES],
+                        shader_sample *out) {
     for (int i = 0; i < LANES; ++i) {
-        if (lobe[i] != SHADER_TAKE_MIRROR && lobe[i] != SHADER_TAKE_PASS) continue;
-        const bool cross = lobe[i] == SHADER_TAKE_PASS;
+        if (lobe[i] < SHADER_TAKE_MIRROR || lobe[i] == SHADER_TAKES) continue;
+        const bool cross = lobe[i] == SHADER_TAKE_PASS, past = lobe[i] == SHADER_TAKE_STRAIGHT;
         const float chance = b->take[lobe[i]][i];
         for (int c = 0; c < 3; ++c) {
-            out->direction[c][i] = cross ? b->pass[c][i] : b->mirror[c][i];
-            out->weight[c][i] = limited((cross ? b->pass_share[c][i] : b->mirror_share[c][i]) / chance);
+            const float share = past ? b->at[i]->hole : cross ? b->pass_share[c][i] : b->mirror_share[c][i];
+            out->direction[c][i] = past ? -s->v[c][i] : cross ? b->pass[c][i] : b->mirror[c][i];
+            out->weight[c][i] = limited(share / chance);
         }
         out->density[i] = INFINITY;
-        out->through[i] = cross ? ~0u : 0;
+        out->through[i] = cross || past ? ~0u : 0;
     }
 }
 
 /* Whether the direction is on the side that its lobe is for; a facet's may not be, and other lobes' densities
  * do not count for it. */
 static inline uint32_t meant(const incidence *at, uint32_t lobe, int i) {
-    uint32_t front = (lobe == SHADER_TAKE_DIFFUSE) | (lobe == SHADER_TAKE_GGX) ? ~0u : 0;
+    uint32_t front =
+        (lobe == SHADER_TAKE_DIFFUSE) | (lobe == SHADER_TAKE_GGX) | (lobe == SHADER_TAKE_COAT) ? ~0u : 0;
     uint32_t back = (lobe == SHADER_TAKE_BEHIND) | (lobe == SHADER_TAKE_CROSS) ? ~0u : 0;
     uint32_t any = lobe == SHADER_TAKE_HIGHLIGHT ? ~0u : 0;
     return (front & at->reflected[i]) | (back & at->cross[i]) | any;
@@ -378,7 +417,7 @@ static void sample(const surface_block *s, const shader_block *b, const lanes3 u
         for (int c = 0; c < 3; ++c) out->weight[c][i] = limited(out->weight[c][i] * inverse);
         out->through[i] = at.cross[i];
     }
-    if (b->lobes & (SHADER_CLASSIC | SHADER_MIRROR | SHADER_PASS)) take_smooth(b, lobe, out);
+    if (b->lobes & SMOOTH) take_smooth(s, b, lobe, out);
 }
 
 const shader_kernels KERNEL(shader_kernels) = {

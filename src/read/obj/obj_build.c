@@ -135,7 +135,7 @@ static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from, mesh_f
     store_f64(mesh.origin, r->origin);
     mesh.material = r->slots.items[from->slot].material;
     mesh.flags = r->options.flags;
-    if (absent_material(&r->scene->materials.items[mesh.material].value))
+    if (absent_material(&r->scene->materials.items[mesh.material].classic))
         mesh.flags |= FATHOM_CASTS_NO_SHADOW;
     fathom_status status = mesh_look_at_triangles(r->scene->context, r->file.path, &mesh, &facts);
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, &mesh, &facts, NULL) : status;

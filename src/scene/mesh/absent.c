@@ -26,7 +26,7 @@ static unsigned flags_of(const fathom_scene *scene, scene_object object) {
 bool absent_object(const fathom_scene *scene, fathom_id object) {
     const fathom_id material = scene_object_material(scene, object);
     return flags_of(scene, scene->objects.items[object]) & FATHOM_CASTS_NO_SHADOW &&
-           absent_material(&scene->materials.items[material].value);
+           absent_material(&scene->materials.items[material].classic);
 }
 
 bool absent_by_own_material(const fathom_scene *scene) {

@@ -6,7 +6,7 @@
 
 #include "scene/graph.h"
 
-/* k_t is 1 with an ior of 1, and everything else is 0. */
+/* Of a classic material: k_t is 1 with an ior of 1, and everything else is 0. */
 bool absent_material(const fathom_material *m);
 
 /* Sets out[object] for each object of the scene. A shape stays where an instance gives it another material:

@@ -1,0 +1,124 @@
+/* Metallic-roughness to the classic model. It is a microfacet surface: a dielectric layer over a diffuse
+ * base, mixed with a metal. The classic model has Lambert, a Blinn highlight, a mirror and refraction. With m
+ * = metallic, b = base colour, r = roughness, alpha = r^2, T = transmission, f0 = ((ior - 1) / (ior + 1))^2
+ * tinted by KHR_materials_specular, and F0 = (1 - m) f0 + m b:
+ *
+ * - k_d = (1 - m) (1 - T) (1 - f0) b: what the layer reflects does not reach the base. The format's BRDF
+ *   is b / pi; the model's has no 1 / pi, which the lights carry (see gltf_light.c).
+ * - n = 2 / alpha^2 - 2, in [1, 1e6]: Blinn's exponent whose lobe is as wide as the format's. The variance
+ *   of its slopes is 2 / (n + 2), that of a Beckmann lobe alpha^2.
+ * - k_s = F0 N(n), N(n) = (n + 2)(n + 4) / (8 (2^(-n/2) + n)): the lobe sends back F0 of the light that
+ *   meets it head on, since its integral with the cosine is pi / N(n). Capped, hue unchanged, so that k_d
+ *   + k_s <= 1 in every channel: small bright lobes stay displayable.
+ * - k_r = w F0, w = t^2 / (alpha^2 + t^2), t = tan(3 degrees): the share of GGX microfacets tilted by less
+ *   than 3 degrees, the part of the reflection that is blurred so little that a mirror may stand for it.
+ *   Below 5 % (r > 0.48) there is none. A dielectric (m < 1/2) has k_r = w times the specular factor, and
+ *   `fresnel`, whose reflectance rises from f0; metals keep their colour instead.
+ * - k_t = (1 - m) T b, refracted by ior, with Fresnel (where there is none: times 1 - f0); unblurred
+ *   whatever r is. The format's transmission without a volume is a thin wall; here the mesh is taken as a
+ *   solid.
+ * - k_a = k_d + (1 - w) F0: light from all around is reflected by the rough part; the mirror finds its
+ *   own.
+ *
+ * Lights are never met by mirrored rays, so k_s (lights) and k_r (everything else) share F0 without
+ * counting it twice: what a surface reflects is k_d + max(k_s / N, k_r F) + k_t (1 - F) <= 1.
+ *
+ * - cover: all of the above is scaled by it, and k_t gets what is left with ior 1, which passes straight on.
+ *   With T > 0 the refraction's ior stays.
+ * - unlit: k_e = b, nothing else.
+ * - emission: k_e = its colour times its strength.
+ * - ior 0: F0 is the specular colour, no refraction. Older workflows are carried over so. */
+#include "scene/metallic.h"
+
+#include <math.h>
+
+static double mirror_share(double alpha) {
+    const double tangent = 0.052407779283041196; /* tan(3 degrees) */
+    double w = tangent * tangent / (alpha * alpha + tangent * tangent);
+    return w < 0.05 ? 0 : w;
+}
+
+static double exponent_of(double alpha) {
+    /* alpha = 0 gives infinity, which the clamp takes. */
+    return fmin(fmax(2 / (alpha * alpha) - 2, 1), 1e6);
+}
+
+static double lobe_norm(double n) { return (n + 2) * (n + 4) / (8 * (exp2(-n / 2) + n)); }
+
+static void map_lit(const metallic_factors *f, fathom_material *out) {
+    double m = f->metallic, alpha = f->roughness * f->roughness;
+    double ratio = f->ior > 0 ? (f->ior - 1) / (f->ior + 1) : 1, w = mirror_share(alpha);
+    double n = exponent_of(alpha), scale = lobe_norm(n), diffuse[3], f0[3];
+    double cover = f->cover;
+    bool refracts = cover > 0 && f->transmission > 0 && f->ior > 0 && m < 1;
+    bool straight = cover < 1 && !refracts;
+    out->fresnel = f->ior > 0 && m < 0.5 && !straight;
+    for (int i = 0; i < 3; ++i) {
+        double layer = f->specular * fmin(ratio * ratio * f->specular_color[i], 1), b = f->base[i];
+        f0[i] = (1 - m) * layer + m * b;
+        diffuse[i] = (1 - m) * (1 - f->transmission) * (1 - layer) * b;
+        if (f0[i] > 0) scale = fmin(scale, (1 - diffuse[i]) / f0[i]);
+        double mirror = out->fresnel ? fmin(f->specular * f->specular_color[i], 1) : f0[i];
+        out->k_r[i] = (float)(cover * w * mirror);
+        double inward = out->fresnel ? 1 : 1 - layer;
+        out->k_t[i] = (float)(cover * (1 - m) * f->transmission * inward * b + 1 - cover);
+        out->k_d[i] = (float)(cover * diffuse[i]);
+        out->k_a[i] = (float)(cover * (diffuse[i] + (1 - w) * f0[i]));
+    }
+    for (int i = 0; i < 3; ++i) {
+        out->k_s[i] = (float)(cover * scale * f0[i]);
+        if (out->k_s[i] > 0) out->specular = FATHOM_SPECULAR_BLINN;
+    }
+    out->shininess = (float)n;
+    out->ior = straight || !(f->ior > 0) ? 1 : (float)f->ior;
+}
+
+void metallic_to_classic(const metallic_factors *f, fathom_material *out) {
+    fathom_material_default(out);
+    double cover = f->cover;
+    for (int i = 0; i < 3; ++i) out->k_e[i] = (float)fmin(cover * f->emissive_strength * f->emissive[i], 1e30);
+    if (!f->unlit) {
+        map_lit(f, out);
+        return;
+    }
+    out->ior = 1;
+    for (int i = 0; i < 3; ++i) {
+        out->k_a[i] = out->k_d[i] = 0;
+        out->k_e[i] = (float)(cover * f->base[i]);
+        out->k_t[i] = (float)(1 - cover);
+    }
+}
+
+metallic_factors metallic_factors_of(const fathom_material *m) {
+    metallic_factors f = {.cover = (double)m->opacity,
+                          .metallic = (double)m->metallic,
+                          .roughness = (double)m->roughness,
+                          .emissive_strength = (double)m->emissive_strength,
+                          .ior = (double)m->ior,
+                          .transmission = (double)m->transmission,
+                          .specular = (double)m->specular_factor};
+    for (int c = 0; c < 3; ++c) {
+        f.base[c] = (double)m->base_color[c];
+        f.emissive[c] = (double)m->emissive[c];
+        f.specular_color[c] = (double)m->specular_color[c];
+    }
+    return f;
+}
+
+void metallic_to_material(const metallic_factors *f, fathom_material *out) {
+    fathom_material_default(out);
+    out->model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    out->metallic = (float)f->metallic;
+    out->roughness = (float)f->roughness;
+    out->emissive_strength = f->unlit ? 1 : (float)f->emissive_strength;
+    out->ior = (float)f->ior;
+    out->transmission = f->unlit ? 0 : (float)f->transmission;
+    out->specular_factor = f->unlit ? 0 : (float)f->specular;
+    out->opacity = (float)f->cover;
+    for (int c = 0; c < 3; ++c) {
+        out->base_color[c] = f->unlit ? 0 : (float)f->base[c];
+        out->emissive[c] = (float)(f->unlit ? f->base[c] : f->emissive[c]);
+        out->specular_color[c] = (float)f->specular_color[c];
+    }
+    if (f->unlit) out->metallic = 0;
+}
