@@ -169,7 +169,7 @@ FATHOM_API void fathom_film_destroy(fathom_film *film);
  * on rendering count, and what is sampled still follows the clock.
  *
  * The file appears whole or not at all, at `path`; while it is written there are two. It holds the finished
- * pixels of all channels, and with target_error or max_time up to 170 bytes for each pixel that is begun: of
+ * pixels of all channels, and with target_error or max_time up to 320 bytes for each pixel that is begun: of
  * all pixels, with max_time. It fits the render that it is of: the same scene, by the contents of its arrays,
  * size, crop, samples, AOVs and other settings that pixels depend on, tracer and version of Fathom. Rendering
  * leaves it where it is; remove it once the image is safe. */
