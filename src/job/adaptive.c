@@ -46,11 +46,6 @@ static uint32_t square_pixels(const adaptive_wave *a, uint32_t s) {
 
 /* ---- errors ---- */
 
-static double weight_of(double grey) {
-    double norm = grey < 1 ? fmax(grey, 0.01) : grey * grey;
-    return 1 / norm;
-}
-
 /* Adds one channel: the variance of each lane's mean by the groups p and q, and its share of the grey. */
 static void add_channel(const double *restrict p, const double *restrict q, double n, double variance[LANES],
                         double grey[LANES]) {
@@ -71,7 +66,7 @@ static double square_error(const adaptive_wave *a, uint32_t run, uint32_t s) {
     }
     for (uint32_t left = square_pixels(a, s); left; left &= left - 1) {
         int k = __builtin_ctz(left);
-        sum += variance[k] / 3 * weight_of(grey[k]) + rounding;
+        sum += variance[k] / 3 * film_error_weight(grey[k]) + rounding;
     }
     return sum;
 }
@@ -181,6 +176,8 @@ static void copy_square(const adaptive_run *from, uint32_t s, adaptive_run *to) 
         for (int c = 0; c < 3; ++c)
             memcpy(to->rgb[g][c] + s * LANES, from->rgb[g][c] + s * LANES, LANES * sizeof(double));
     }
+    memcpy(to->spread.most + s * LANES, from->spread.most + s * LANES, LANES * sizeof(double));
+    memcpy(to->spread.squares + s * LANES, from->spread.squares + s * LANES, LANES * sizeof(double));
     for (int half = 0; half < 2; ++half) to->rays[half][s] = from->rays[half][s];
     to->taken[s] = from->taken[s];
 }
@@ -207,6 +204,7 @@ static void add_square(pass *p, uint32_t place) {
         a->kernels->add_samples(p->work->samples.radiance[c] + place * LANES, LANES,
                                 r->rgb[group][c] + s * LANES);
     }
+    spread_sums_add(&r->spread, &p->work->samples, place * LANES, s * LANES);
     r->rays[group % 2][s] += p->rays[place];
     if (r->taken[s]++ < a->seen[s]) return;
     ++a->seen[s];
@@ -318,7 +316,7 @@ static double image_error(const adaptive_wave *a, const adaptive_view *v, uint32
     if (v->samples[s] < SAMPLE_GROUPS) return square_pixels(a, s) ? (double)INFINITY : 0;
     for (uint32_t left = square_pixels(a, s); left; left &= left - 1) {
         const uint32_t slot = s * LANES + (uint32_t)__builtin_ctz(left);
-        const double weight = weight_of(pixel_sums_error(&v->sums, slot, v->samples[s], squared));
+        const double weight = film_error_weight(pixel_sums_error(&v->sums, slot, v->samples[s], squared));
         sum += (squared[0] + squared[1] + squared[2]) / 3 * weight + rounding;
     }
     return sum;
@@ -335,6 +333,8 @@ unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film, adapt
             show_few(most, s, view);
         else
             show_means(a, s, view);
+        spread_sums_largest(&most->spread, (const group_sums *)most->rgb, SAMPLE_GROUPS,
+                            max_u32(most->taken[s], 1), s, view->sums.largest);
         sum += image_error(a, view, s);
     }
     return (unit_result){.region = {max_u32(r->x0, film->x), max_u32(r->y0, film->y),

@@ -13,13 +13,17 @@ typedef struct even {
 
 /* Squares whose last sample was in the batch are done. */
 static void deliver_finished(const even *e) {
-    const uint32_t groups = e->self->sums->groups;
-    unit_result result = {
-        .region = *e->region, .sums = e->self->sums, .samples = e->samples, .hits = e->samples};
+    pixel_sums *sums = e->self->sums;
+    const uint32_t groups = sums->groups;
+    unit_result result = {.region = *e->region, .sums = sums, .samples = e->samples, .hits = e->samples};
     for (uint32_t place = 0; place < e->batch.count; ++place) {
         const wave_square *s = &e->batch.squares[place];
         if (s->index * groups + s->group + 1 < e->job->plan->settings.spp) continue;
-        result.squares |= 1ull << wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
+        const uint32_t at = wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
+        result.squares |= 1ull << at;
+        if (groups > 1)
+            spread_sums_largest(&sums->spread, (const group_sums *)sums->rgb, groups,
+                                s->index * groups + s->group + 1, at, sums->largest);
     }
     if (result.squares) job_deliver(e->job, e->self, &result);
 }
