@@ -38,7 +38,14 @@ enum {
                                 the centre; FATHOM_NONE for none */
     FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel. In files
                                      these four end in ".V", since Blender reads single letters alone */
-    FATHOM_AOVS = (1u << 7) - 1
+    /* error.R error.G error.B: standard error of R, G and B, by four groups of samples with independent
+     * scrambles: the mean ± 3.18 of it holds the true value in 95 % of pixels (Student's t, 3 degrees of
+     * freedom). Infinite below 4 samples. Where all samples are alike: by the rule of three, what the
+     * brightest emission of the scene could add unseen, over 3.18. error.largest, [0, 1]: the part of the
+     * squared deviations that the largest one has; above 1/4 the error is not to be trusted, and 1 says that
+     * it is such a bound. Needs the pattern Sobol, and path tracing, target_error or max_time */
+    FATHOM_AOV_ERROR = 1u << 7,
+    FATHOM_AOVS = (1u << 8) - 1
 };
 
 typedef struct fathom_settings {
@@ -169,7 +176,7 @@ FATHOM_API void fathom_film_destroy(fathom_film *film);
  * on rendering count, and what is sampled still follows the clock.
  *
  * The file appears whole or not at all, at `path`; while it is written there are two. It holds the finished
- * pixels of all channels, and with target_error or max_time up to 170 bytes for each pixel that is begun: of
+ * pixels of all channels, and with target_error or max_time up to 350 bytes for each pixel that is begun: of
  * all pixels, with max_time. It fits the render that it is of: the same scene, by the contents of its arrays,
  * size, crop, samples, AOVs and other settings that pixels depend on, tracer and version of Fathom. Rendering
  * leaves it where it is; remove it once the image is safe. */

@@ -38,13 +38,18 @@ static void add_channels(fathom_film *film, unsigned aovs) {
         film->primitive = add_id(film, "id.primitive", "id.primitive.V");
         film->instance = add_id(film, "id.instance", "id.instance.V");
     }
+    if (aovs & FATHOM_AOV_ERROR) {
+        add_three(film, film->error, "error.R", "error.G", "error.B", false);
+        film->largest = add_channel(film, "error.largest", false, false);
+    }
     if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples", "samples.V");
 }
 
 uint32_t film_channels(unsigned aovs) {
     const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
                    three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
-    return 3 + (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
+    return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) + (uint32_t)__builtin_popcount(aovs & one) +
+           3 * (uint32_t)__builtin_popcount(aovs & three);
 }
 
 uint64_t film_bytes(const fathom_film *film) {
@@ -78,6 +83,15 @@ static fathom_status take_pixels(fathom_context *context, fathom_film *film, con
     return FATHOM_OK;
 }
 
+static void find_brightest(const fathom_scene *scene, float out[3]) {
+    memcpy(out, scene->background, 3 * sizeof *out);
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        const fathom_material *m = &scene->materials.items[i].value;
+        for (int c = 0; c < 3; ++c)
+            out[c] = fmaxf(out[c], fmaxf(m->k_e[c], m->emissive[c] * m->emissive_strength));
+    }
+}
+
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out) {
     *out = NULL;
@@ -91,6 +105,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->settings.tracer = NULL; /* not the film's; the tracer's name is in the statistics */
     film->camera = scene->camera;
     memcpy(film->background, scene->background, sizeof film->background);
+    find_brightest(scene, film->brightest);
     return take_pixels(context, film, scene->name, out);
 }
 
@@ -104,6 +119,7 @@ fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom
     copy->settings = film->settings;
     copy->camera = film->camera;
     memcpy(copy->background, film->background, sizeof copy->background);
+    memcpy(copy->brightest, film->brightest, sizeof copy->brightest);
     fathom_status status = take_pixels(context, copy, film->scene_name, out);
     if (status != FATHOM_OK) return status;
     pthread_mutex_t *lock = (pthread_mutex_t *)(uintptr_t)&film->lock;

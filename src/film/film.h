@@ -12,7 +12,7 @@
 /* The stages that a render left out. */
 typedef ARRAY(fathom_left_out) left_out_list;
 
-#define FILM_CHANNELS 20
+#define FILM_CHANNELS 24
 
 typedef struct film_channel {
     const char *name, *name_in_file;
@@ -26,14 +26,14 @@ struct fathom_film {
     uint32_t channel_count;
     float *pixels; /* of all channels */
     /* The same memory by meaning; NULL when not asked for. */
-    float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3];
+    float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3], *error[3], *largest;
     uint32_t *object, *primitive, *instance, *samples;
     /* For the header of image files. */
     fathom_settings settings;
     fathom_camera camera;
     fathom_stats stats;
     bool interrupted;
-    float background[3];
+    float background[3], brightest[3]; /* the second: emission, of any surface or the background */
     char *scene_name;
     left_out_list left_out; /* of the render that filled it */
     pthread_mutex_t lock;   /* of the pixels, while it is rendered */
@@ -62,6 +62,22 @@ typedef struct film_outputs {
  * will say why. */
 double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
                           double allowed);
+
+/* What the error channels say of the whole image. */
+typedef struct film_error {
+    double error;    /* as fathom_settings has target_error, of the pixels whose samples are not all alike */
+    double doubtful; /* share of these of which error.largest is above FILM_DOUBTFUL */
+    double unseen;   /* the most that a pixel whose samples are all alike may lack, at 95 % */
+} film_error;
+
+#define FILM_DOUBTFUL 0.25f
+/* Student's t of 95 % with 3 degrees of freedom. */
+#define FILM_ERROR_T 3.1824463052842624
+
+/* False: the film has no error channels, or not yet an error. */
+bool film_error_of(const fathom_film *film, film_error *out);
+/* One over the squared unit of target_error, for a pixel of this mean of R, G and B. */
+double film_error_weight(double grey);
 
 /* Channels of a film with these AOVs, a float or uint32_t a pixel each. */
 uint32_t film_channels(unsigned aovs);

@@ -29,6 +29,20 @@ static size_t keep_known(image_attribute *attributes, size_t count) {
     return kept;
 }
 
+#define ERROR_ATTRIBUTES 4
+
+/* Of renders that estimate it; returns how many. */
+static size_t tell_error(const fathom_film *film, film_error *error, image_attribute *out) {
+    size_t count = 0;
+    if (film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate))
+        out[count++] = (image_attribute){"fathom:errorEstimate", NULL, &film->stats.error_estimate, 1};
+    if (!film_error_of(film, error)) return count;
+    out[count++] = (image_attribute){"fathom:error", NULL, &error->error, 1};
+    out[count++] = (image_attribute){"fathom:errorDoubtful", NULL, &error->doubtful, 1};
+    out[count++] = (image_attribute){"fathom:errorUnseen", NULL, &error->unseen, 1};
+    return count;
+}
+
 static fathom_status write_film(fathom_context *context, const fathom_film *film, write_call call,
                                 const target *to) {
     image_channel channels[FILM_CHANNELS];
@@ -40,7 +54,6 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
     const double spp = film->settings.spp, seed = (double)film->settings.seed,
                  fovy = 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
     const double mean_spp = (double)film->stats.samples / ((double)film->width * film->height);
-    const bool estimated = film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate);
     char settings[SETTINGS_TEXT], pattern[PARAMETER_NAME];
     settings_print(&film->settings, settings);
     parameter_print(parameter_find(settings_table, "pattern"), &film->settings, pattern, sizeof pattern);
@@ -67,12 +80,13 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
         {"fathom:camera:z", NULL, film->camera.z, 3},
         {"fathom:camera:fovy", NULL, &fovy, 1},
         {"fathom:meanSpp", NULL, &mean_spp, 1},
-        {"fathom:errorEstimate", NULL, &film->stats.error_estimate, 1}, /* of renders that estimate it */
     };
-    const size_t count = sizeof attributes / sizeof *attributes - !estimated;
+    size_t count = sizeof attributes / sizeof *attributes;
     film_marks marks;
-    image_attribute all[sizeof attributes / sizeof *attributes + FILM_MARKS];
+    film_error error;
+    image_attribute all[sizeof attributes / sizeof *attributes + ERROR_ATTRIBUTES + FILM_MARKS];
     memcpy(all, attributes, count * sizeof *all);
+    count += tell_error(film, &error, all + count);
     film_marks_of(film, to->options, &marks);
     memcpy(all + count, marks.items, marks.count * sizeof *all);
     const image img = {.width = film->width,

@@ -7,7 +7,9 @@
 
 KERNEL_CHOICE(film_kernels)
 
-bool pixel_sums_create(const sampler *from, bool hits, pixel_sums *out) {
+bool pixel_sums_create(const sampler *from, uint32_t groups, bool hits, pixel_sums *out) {
+    out->groups = groups;
+    out->equal = false;
     out->sampler = *from;
     out->kernels = film_kernels_best();
     out->hits = hits ? malloc(sizeof *out->hits) : NULL;
@@ -19,9 +21,15 @@ void pixel_sums_destroy(pixel_sums *sums) {
     sums->hits = NULL;
 }
 
+void hit_sums_clear(hit_sums *hits) {
+    memset(hits, 0, sizeof *hits);
+    for (uint32_t slot = 0; slot < WAVE_SLOTS; ++slot) hits->nearest[slot] = INFINITY;
+}
+
 void pixel_sums_clear(pixel_sums *sums) {
-    memset(sums->rgb, 0, sizeof sums->rgb);
-    if (sums->hits) memset(sums->hits, 0, sizeof *sums->hits);
+    memset(sums->rgb, 0, sums->groups * sizeof *sums->rgb);
+    if (sums->groups > 1) memset(&sums->spread, 0, sizeof sums->spread);
+    if (sums->hits) hit_sums_clear(sums->hits);
 }
 
 static double distance_to_centre(const sampler *from, sample_key key) {
@@ -39,32 +47,95 @@ static void keep_centre(hit_sums *sums, const first_hits *f, uint32_t from, uint
 }
 
 /* The first hit of a sample, from its slot in the batch to its slot in the sums. */
-static void add_hit(pixel_sums *sums, const first_hits *f, uint32_t from, uint32_t slot, sample_key key) {
-    hit_sums *hits = sums->hits;
+static void add_hit(hit_sums *hits, const sampler *of, const first_hits *f, uint32_t from, uint32_t slot,
+                    sample_key key) {
     hits->alpha[slot] += (double)f->alpha[from];
     for (int c = 0; c < 3; ++c) {
         hits->n[c][slot] += (double)f->n[c][from];
         hits->albedo[c][slot] += (double)f->albedo[c][from];
     }
-    double distance = distance_to_centre(&sums->sampler, key);
-    if (key.index && distance >= hits->nearest[slot]) return;
+    double distance = distance_to_centre(of, key);
+    if (distance >= hits->nearest[slot]) return;
     hits->nearest[slot] = distance;
     keep_centre(hits, f, from, slot);
+}
+
+static uint32_t slot_of(const wave_region *region, const wave_square *square) {
+    return wave_slot(square->left - region->left, square->top - region->top);
+}
+
+void hit_sums_add(hit_sums *hits, const sampler *from, const first_hits *first, const wave_region *region,
+                  const wave_batch *batch, uint32_t place) {
+    const wave_square *square = &batch->squares[place];
+    const uint32_t to = slot_of(region, square);
+    for (uint32_t left = wave_square_pixels(region, square); left; left &= left - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(left);
+        add_hit(hits, from, first, place * LANES + k, to + k, wave_square_key(square, k));
+    }
 }
 
 /* Slots outside the region hold no radiance. */
 void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_region *region,
                     const wave_batch *batch, uint32_t place) {
     const wave_square *square = &batch->squares[place];
-    uint32_t from = place * LANES, to = wave_slot(square->left - region->left, square->top - region->top);
+    const uint32_t from = place * LANES, to = slot_of(region, square);
     for (int c = 0; c < 3; ++c)
-        sums->kernels->add_samples(samples->radiance[c] + from, LANES, sums->rgb[c] + to);
-    if (!sums->hits) return;
-    for (uint32_t left = wave_square_pixels(region, square); left; left &= left - 1) {
-        uint32_t k = (uint32_t)__builtin_ctz(left);
-        add_hit(sums, samples->first, from + k, to + k, wave_square_key(square, k));
+        sums->kernels->add_samples(samples->radiance[c] + from, LANES, sums->rgb[square->group][c] + to);
+    if (sums->groups > 1) spread_sums_add(&sums->spread, samples, from, to);
+    if (sums->hits) hit_sums_add(sums->hits, &sums->sampler, samples->first, region, batch, place);
+}
+
+/* ---- the error ---- */
+
+void spread_sums_add(spread_sums *spread, const wave_samples *samples, uint32_t from, uint32_t to) {
+    for (uint32_t k = 0; k < LANES; ++k) {
+        double sum = 0;
+        for (int c = 0; c < 3; ++c) sum += (double)samples->radiance[c][from + k];
+        spread->most[to + k] = fmax(spread->most[to + k], sum);
+        spread->squares[to + k] += sum * sum;
     }
 }
+
+void spread_sums_largest(const spread_sums *spread, const group_sums *rgb, uint32_t groups, uint32_t samples,
+                         uint32_t square, double largest[WAVE_SLOTS]) {
+    for (uint32_t slot = square * LANES; slot < (square + 1) * LANES; ++slot) {
+        double sum = 0;
+        for (uint32_t g = 0; g < groups; ++g) sum += rgb[g][0][slot] + rgb[g][1][slot] + rgb[g][2][slot];
+        const double mean = sum / samples, most = spread->most[slot] - mean,
+                     all = spread->squares[slot] - mean * sum;
+        const bool alike = !(all > 0x1p-40 * spread->squares[slot]); /* but for rounding */
+        largest[slot] = alike ? 0 : fmin(most * most / all, 1 - 0x1p-20);
+    }
+}
+
+static double samples_of_group(const pixel_sums *sums, uint32_t samples, uint32_t group) {
+    return sums->equal ? samples / (double)sums->groups : wave_group_count(samples, group, sums->groups);
+}
+
+static double sum_of(const pixel_sums *sums, int c, uint32_t slot) {
+    double sum = sums->rgb[0][c][slot];
+    for (uint32_t g = 1; g < sums->groups; ++g) sum += sums->rgb[g][c][slot];
+    return sum;
+}
+
+/* Groups of n samples each, independent of each other, with means of a variance that goes with 1/n: the sum
+ * of n (mean of the group - mean)² has the expectation (groups - 1) σ², and the mean's variance is σ² over
+ * all samples. Where all n are equal that holds for groups of any variances. */
+double pixel_sums_error(const pixel_sums *sums, uint32_t slot, uint32_t samples, double squared[3]) {
+    double grey = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double mean = sum_of(sums, c, slot) / samples;
+        grey += mean / 3;
+        squared[c] = samples < SAMPLE_GROUPS || sums->groups == 1 ? (double)INFINITY : 0;
+        for (uint32_t g = 0; g < sums->groups && isfinite(squared[c]); ++g) {
+            const double n = samples_of_group(sums, samples, g), d = sums->rgb[g][c][slot] / n - mean;
+            squared[c] += n * d * d / (samples * (sums->groups - 1.0));
+        }
+    }
+    return grey;
+}
+
+/* ---- to the film ---- */
 
 static void store_hits(const hit_sums *hits, uint32_t slot, double scale, size_t pixel, fathom_film *film) {
     for (int c = 0; c < 3; ++c) {
@@ -81,36 +152,60 @@ static void store_hits(const hit_sums *hits, uint32_t slot, double scale, size_t
     }
 }
 
-void pixel_sums_store(const pixel_sums *sums, uint32_t slot, uint32_t samples, uint32_t x, uint32_t y,
-                      fathom_film *film) {
+/* All of n samples alike: with a chance of 5 %, what has a share of 1 - 0.05^(1/n) of the pixel was missed.
+ */
+static void store_bound(uint32_t samples, size_t pixel, fathom_film *film) {
+    const double share = 1 - pow(0.05, 1.0 / samples);
+    film->largest[pixel] = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double more = fmax((double)film->brightest[c] - (double)film->rgb[c][pixel], 0);
+        film->error[c][pixel] = (float)(share * more / FILM_ERROR_T);
+        if (more > 0) film->largest[pixel] = 1;
+    }
+}
+
+static void store_error(const pixel_sums *sums, uint32_t slot, uint32_t samples, size_t pixel,
+                        fathom_film *film) {
+    double squared[3];
+    pixel_sums_error(sums, slot, samples, squared);
+    const bool known = isfinite(squared[0]);
+    film->largest[pixel] = known ? (float)sums->largest[slot] : 1;
+    for (int c = 0; c < 3; ++c) film->error[c][pixel] = (float)sqrt(squared[c]);
+    if (known && !(sums->largest[slot] > 0)) store_bound(samples, pixel, film);
+}
+
+static void store_pixel(const pixel_sums *sums, uint32_t slot, sums_count count, uint32_t x, uint32_t y,
+                        fathom_film *film) {
     size_t pixel = (size_t)(y - film->y) * film->width + (x - film->x);
-    double scale = 1.0 / samples;
-    for (int c = 0; c < 3; ++c) film->rgb[c][pixel] = (float)(sums->rgb[c][slot] * scale);
-    if (sums->hits) store_hits(sums->hits, slot, scale, pixel, film);
-    if (film->samples) film->samples[pixel] = samples;
+    double scale = 1.0 / count.samples;
+    for (int c = 0; c < 3; ++c) film->rgb[c][pixel] = (float)(sum_of(sums, c, slot) * scale);
+    if (sums->hits) store_hits(sums->hits, slot, 1.0 / count.hits, pixel, film);
+    if (film->largest) store_error(sums, slot, count.samples, pixel, film);
+    if (film->samples) film->samples[pixel] = count.samples;
 }
 
 static void store_square(const pixel_sums *sums, uint32_t slot, uint32_t samples, uint32_t x, uint32_t y,
                          fathom_film *film) {
     size_t pixel = (size_t)(y - film->y) * film->width + (x - film->x);
     for (int c = 0; c < 3; ++c)
-        sums->kernels->store_square(sums->rgb[c] + slot, 1.0 / samples, film->width, film->rgb[c] + pixel);
+        sums->kernels->store_square(sums->rgb[0][c] + slot, 1.0 / samples, film->width, film->rgb[c] + pixel);
 }
 
 /* The part of a square that lies in the region. */
 static void store_pixels(const pixel_sums *sums, const wave_region *r, const wave_square *square,
-                         uint32_t slot, uint32_t samples, fathom_film *film) {
+                         uint32_t slot, sums_count count, fathom_film *film) {
     for (uint32_t left = wave_square_pixels(r, square); left; left &= left - 1) {
         uint32_t k = (uint32_t)__builtin_ctz(left);
-        pixel_sums_store(sums, slot + k, samples, square->left + k % 4, square->top + k / 4, film);
+        store_pixel(sums, slot + k, count, square->left + k % 4, square->top + k / 4, film);
     }
 }
 
 void pixel_sums_store_square(const pixel_sums *sums, const wave_region *r, const wave_square *square,
-                             uint32_t samples, fathom_film *film) {
-    uint32_t slot = wave_slot(square->left - r->left, square->top - r->top);
-    if (wave_square_is_whole(r, square) && !sums->hits && !film->samples)
-        store_square(sums, slot, samples, square->left, square->top, film);
+                             sums_count count, fathom_film *film) {
+    uint32_t slot = slot_of(r, square);
+    if (wave_square_is_whole(r, square) && sums->groups == 1 && !sums->hits && !film->samples &&
+        !film->largest)
+        store_square(sums, slot, count.samples, square->left, square->top, film);
     else
-        store_pixels(sums, r, square, slot, samples, film);
+        store_pixels(sums, r, square, slot, count, film);
 }

@@ -24,31 +24,57 @@ typedef struct hit_sums {
     first_hits centre;
 } hit_sums;
 
+/* How the samples of a pixel differ, by R + G + B of each. */
+typedef struct spread_sums {
+    double most[WAVE_SLOTS], squares[WAVE_SLOTS];
+} spread_sums;
+
 /* The sums of a wave's pixels, by slot. */
 typedef struct pixel_sums {
-    double rgb[3][WAVE_SLOTS];
-    hit_sums *hits;  /* NULL: no AOV wants them */
-    sampler sampler; /* which made the samples */
+    uint32_t groups;                          /* 1 or SAMPLE_GROUPS */
+    bool equal;                               /* scaled so that all groups have the same number of samples */
+    double rgb[SAMPLE_GROUPS][3][WAVE_SLOTS]; /* of the groups that there are */
+    hit_sums *hits;                           /* NULL: no AOV wants them */
+    spread_sums spread;                       /* with several groups */
+    double largest[WAVE_SLOTS];               /* once told: see pixel_sums_tell_largest() */
+    sampler sampler;                          /* which made the samples */
     const film_kernels *kernels;
 } pixel_sums;
 
 /* hits: whether AOVs want first hits. */
-bool pixel_sums_create(const sampler *from, bool hits, pixel_sums *out);
+bool pixel_sums_create(const sampler *from, uint32_t groups, bool hits, pixel_sums *out);
 void pixel_sums_destroy(pixel_sums *sums);
 void pixel_sums_clear(pixel_sums *sums);
+void hit_sums_clear(hit_sums *hits);
 
 /* The samples of the square at `place` of a batch, and their first hits where AOVs want them. The sums are of
  * the region's wave. */
 void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_region *region,
                     const wave_batch *batch, uint32_t place);
+/* The first hits alone. */
+void hit_sums_add(hit_sums *hits, const sampler *from, const first_hits *first, const wave_region *region,
+                  const wave_batch *batch, uint32_t place);
 
-/* The means of `samples` samples of the pixels of a square to the film, as far as they lie in the region. */
+/* How many samples the sums of a square's pixels are of. */
+typedef struct sums_count {
+    uint32_t samples, hits;
+} sums_count;
+
+/* The means of the pixels of a square to the film, as far as they lie in the region. */
 void pixel_sums_store_square(const pixel_sums *sums, const wave_region *region, const wave_square *square,
-                             uint32_t samples, fathom_film *film);
+                             sums_count count, fathom_film *film);
 
-/* The mean of `samples` samples to a pixel of the film, (x, y) in the image. */
-void pixel_sums_store(const pixel_sums *sums, uint32_t slot, uint32_t samples, uint32_t x, uint32_t y,
-                      fathom_film *film);
+void spread_sums_add(spread_sums *spread, const wave_samples *samples, uint32_t from, uint32_t to);
+typedef double group_sums[3][WAVE_SLOTS];
+/* The part that the brightest of all samples of a pixel has in the sum of squared deviations from their mean;
+ * 0 where all are alike. rgb: their sums. Of the square's 16 pixels. */
+void spread_sums_largest(const spread_sums *spread, const group_sums *rgb, uint32_t groups, uint32_t samples,
+                         uint32_t square, double largest[WAVE_SLOTS]);
+
+/* The squared standard error of a pixel's mean of R, G and B, by the differences between the means of its
+ * groups: unbiased, with 3 degrees of freedom. Returns the mean's grey. Infinite below a sample of each
+ * group. */
+double pixel_sums_error(const pixel_sums *sums, uint32_t slot, uint32_t samples, double squared[3]);
 
 static inline wave_grid film_waves(const fathom_film *film) {
     return wave_grid_of(film->x, film->y, film->x + film->width, film->y + film->height);

@@ -56,18 +56,35 @@ static inline uint32_t wave_slot(uint32_t x, uint32_t y) {
 
 /* One sample of each pixel of a 4 × 4 square, whose corner is a multiple of 4. */
 typedef struct wave_square {
-    uint32_t left, top, index;
+    uint32_t left, top, index, group;
 } wave_square;
+
+/* The samples of a pixel are of one group, or of four. Each group has a scramble of its own, as if its pixel
+ * were in another image, so that the means of groups are independent of each other. Images are at most 2^16
+ * pixels wide: no two of these columns are the same. */
+#define SAMPLE_GROUPS 4u
+#define SAMPLE_GROUP_COLUMNS (1u << 20)
 
 /* The sample of the square's pixel (left + k % 4, top + k / 4). */
 static inline sample_key wave_square_key(const wave_square *s, uint32_t k) {
-    return (sample_key){s->left + k % 4, s->top + k / 4, s->index};
+    return (sample_key){s->left + k % 4 + s->group * SAMPLE_GROUP_COLUMNS, s->top + k / 4, s->index};
 }
 
 /* Square s of a region's wave, the squares taken row by row: its pixels have the slots from s * 16 on. */
 static inline wave_square wave_square_at(const wave_region *r, uint32_t s, uint32_t index) {
     const uint32_t across = WAVE_SIDE / 4;
-    return (wave_square){r->left + s % across * 4, r->top + s / across * 4, index};
+    return (wave_square){r->left + s % across * 4, r->top + s / across * 4, index, 0};
+}
+
+/* Sample n of a pixel whose samples go to the groups in turn. */
+static inline wave_square wave_square_sample(wave_square s, uint32_t n, uint32_t groups) {
+    s.index = n / groups, s.group = n % groups;
+    return s;
+}
+
+/* Of the first n samples of a pixel, those of a group. */
+static inline uint32_t wave_group_count(uint32_t n, uint32_t group, uint32_t groups) {
+    return (n + groups - 1 - group) / groups;
 }
 
 static inline bool wave_square_is_whole(const wave_region *r, const wave_square *s) {

@@ -105,7 +105,7 @@ bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings) {
 }
 
 bool parts_first_hits(const fathom_settings *settings) {
-    return settings->aovs & ~(unsigned)FATHOM_AOV_SAMPLES;
+    return settings->aovs & ~(unsigned)(FATHOM_AOV_SAMPLES | FATHOM_AOV_ERROR);
 }
 
 /* ---- in words ---- */

@@ -2,16 +2,23 @@
 
 #include "base/clock.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* A pixel is stored as float: nothing below its rounding is promised, and no estimate is zero. */
 static const double rounding = 0x1p-48;
 
 bool adaptive_create(const render_plan *plan, adaptive_wave *out) {
-    return pixel_sums_create(&plan->sampler, plan->first_hits, &out->sums);
+    out->sampler = plan->sampler;
+    out->kernels = film_kernels_best();
+    out->hits = plan->first_hits ? malloc(sizeof *out->hits) : NULL;
+    return out->hits || !plan->first_hits;
 }
 
-void adaptive_destroy(adaptive_wave *a) { pixel_sums_destroy(&a->sums); }
+void adaptive_destroy(adaptive_wave *a) {
+    free(a->hits);
+    a->hits = NULL;
+}
 
 void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adaptive_wave *a) {
     a->region = (wave_region){left,
@@ -20,12 +27,13 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
                               min_u32(top + WAVE_SIDE, plan->settings.height),
                               left,
                               top};
-    pixel_sums_clear(&a->sums);
-    memset(a->done, 0, sizeof a->done);
-    memset(a->taken, 0, sizeof a->taken);
-    memset(a->rays, 0, sizeof a->rays);
-    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->square_error[s] = INFINITY;
-    a->error = a->priority = INFINITY;
+    memset(a->runs, 0, sizeof a->runs);
+    memset(a->seen, 0, sizeof a->seen);
+    if (a->hits) hit_sums_clear(a->hits);
+    for (uint32_t r = 0; r < ADAPTIVE_RUNS; ++r) {
+        for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->runs[r].square_error[s] = INFINITY;
+        a->runs[r].error = a->runs[r].priority = INFINITY;
+    }
 }
 
 /* ---- squares ---- */
@@ -38,99 +46,106 @@ static uint32_t square_pixels(const adaptive_wave *a, uint32_t s) {
 
 /* ---- errors ---- */
 
-static double weight_of(double grey) {
-    double norm = grey < 1 ? fmax(grey, 0.01) : grey * grey;
-    return 1 / norm;
-}
-
-/* Adds one channel: the variance of each lane's mean, and its share of the grey. */
-static void add_channel(const adaptive_wave *a, int c, uint32_t first, double scale, double variance[LANES],
+/* Adds one channel: the variance of each lane's mean by the groups p and q, and its share of the grey. */
+static void add_channel(const double *restrict p, const double *restrict q, double n, double variance[LANES],
                         double grey[LANES]) {
-    const double *restrict p0 = a->parts[0][c] + first, *restrict p1 = a->parts[1][c] + first;
-    const double *restrict p2 = a->parts[2][c] + first, *restrict sum = a->sums.rgb[c] + first;
-    const double quarter = 4 * scale;
     for (int k = 0; k < LANES; ++k) {
-        double mean = sum[k] * scale;
-        double d0 = p0[k] * quarter - mean, d1 = (p1[k] - p0[k]) * quarter - mean;
-        double d2 = (p2[k] - p1[k]) * quarter - mean, d3 = (sum[k] - p2[k]) * quarter - mean;
-        variance[k] += (d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3) / 12;
-        grey[k] += mean / 3;
+        const double d = (p[k] - q[k]) / n;
+        variance[k] += d * d / 8;
+        grey[k] += (p[k] + q[k]) / (6 * n);
     }
 }
 
-static double square_error(const adaptive_wave *a, uint32_t s) {
+static double square_error(const adaptive_wave *a, uint32_t run, uint32_t s) {
+    const adaptive_run *r = &a->runs[run];
     double variance[LANES] = {0}, grey[LANES] = {0}, sum = 0;
-    if (a->done[s] < 4) return INFINITY;
-    for (int c = 0; c < 3; ++c) add_channel(a, c, s * LANES, 1.0 / a->done[s], variance, grey);
+    if (r->done[s] < SAMPLE_GROUPS) return INFINITY;
+    for (int c = 0; c < 3; ++c) {
+        add_channel(r->rgb[run][c] + s * LANES, r->rgb[run + 2][c] + s * LANES,
+                    r->done[s] / (double)SAMPLE_GROUPS, variance, grey);
+    }
     for (uint32_t left = square_pixels(a, s); left; left &= left - 1) {
         int k = __builtin_ctz(left);
-        sum += variance[k] / 3 * weight_of(grey[k]) + rounding;
+        sum += variance[k] / 3 * film_error_weight(grey[k]) + rounding;
     }
     return sum;
 }
 
-static double wave_error(const adaptive_wave *a) {
-    double sum = 0;
-    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) sum += square_pixels(a, s) ? a->square_error[s] : 0;
+static double mean_error(const adaptive_wave *a, double sum) {
     return sqrt(sum / ((a->region.x1 - a->region.x0) * (a->region.y1 - a->region.y0)));
 }
 
-static double square_priority(const adaptive_wave *a, uint32_t s) {
-    return a->square_error[s] / (double)a->rays[s];
+static double run_error(const adaptive_wave *a, const adaptive_run *r) {
+    double sum = 0;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) sum += square_pixels(a, s) ? r->square_error[s] : 0;
+    return mean_error(a, sum);
+}
+
+/* Both halves cost about the same, and the judge may know its own rays alone. */
+static double square_priority(const adaptive_run *r, uint32_t run, uint32_t s) {
+    return r->square_error[s] / (2.0 * (double)r->rays[run][s]);
 }
 
 /* ---- which squares ---- */
 
 adaptive_goal adaptive_goal_of(double target) {
-    return (adaptive_goal){target, target * target / ADAPTIVE_USUAL_RAYS};
+    const double aim = ADAPTIVE_AIM * target;
+    return (adaptive_goal){aim, aim * aim / ADAPTIVE_USUAL_RAYS};
 }
 
 static uint32_t least_samples(const fathom_settings *settings) {
     return settings->min_spp ? settings->min_spp : ADAPTIVE_MIN_SPP;
 }
 
-static bool may_grow(const adaptive_wave *a, const fathom_settings *settings, uint32_t s) {
-    return square_pixels(a, s) && a->done[s] < settings->spp;
+/* A run of a wave, and what it may do. */
+typedef struct chooser {
+    const fathom_settings *settings;
+    const adaptive_wave *a;
+    const adaptive_run *r;
+    uint32_t run;
+} chooser;
+
+static bool may_grow(const chooser *c, uint32_t s) {
+    return square_pixels(c->a, s) && c->r->done[s] < c->settings->spp;
 }
 
-static double best_priority(const adaptive_wave *a, const fathom_settings *settings) {
+static bool is_young(const chooser *c) { return c->r->done[0] < least_samples(c->settings); }
+
+static double best_priority(const chooser *c) {
     double best = 0;
-    if (a->done[0] < least_samples(settings)) return INFINITY;
+    if (is_young(c)) return INFINITY;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        if (may_grow(a, settings, s)) best = fmax(best, square_priority(a, s));
+        if (may_grow(c, s)) best = fmax(best, square_priority(c->r, c->run, s));
     }
     return best;
 }
 
 /* Chooses the squares above this priority. Returns the most samples that a square has once theirs are
  * doubled; 0: there are none. A priority that is no number is not small. */
-static uint32_t choose_above(const adaptive_wave *a, const fathom_settings *settings, double priority,
-                             bool chosen[WAVE_SQUARES]) {
+static uint32_t choose_above(const chooser *c, double priority, bool chosen[WAVE_SQUARES]) {
     uint32_t most = 0;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        chosen[s] = may_grow(a, settings, s) && !(square_priority(a, s) < priority);
-        if (chosen[s]) most = max_u32(most, 2 * a->done[s]);
+        chosen[s] = may_grow(c, s) && !(square_priority(c->r, c->run, s) < priority);
+        if (chosen[s]) most = max_u32(most, 2 * c->r->done[s]);
     }
     return most;
 }
 
-static void choose_laggards(const adaptive_wave *a, const fathom_settings *settings, uint32_t most,
-                            bool chosen[WAVE_SQUARES]) {
+static void choose_laggards(const chooser *c, uint32_t most, bool chosen[WAVE_SQUARES]) {
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        if (may_grow(a, settings, s) && ADAPTIVE_SPREAD * a->done[s] < most) chosen[s] = true;
+        if (may_grow(c, s) && ADAPTIVE_SPREAD * c->r->done[s] < most) chosen[s] = true;
     }
 }
 
-static void choose(const adaptive_wave *a, const fathom_settings *settings, const adaptive_goal *goal,
-                   bool chosen[WAVE_SQUARES]) {
-    if (a->done[0] < least_samples(settings)) {
-        for (uint32_t s = 0; s < WAVE_SQUARES; ++s) chosen[s] = square_pixels(a, s);
+static void choose(const chooser *c, const adaptive_goal *goal, bool chosen[WAVE_SQUARES]) {
+    if (is_young(c)) {
+        for (uint32_t s = 0; s < WAVE_SQUARES; ++s) chosen[s] = square_pixels(c->a, s);
         return;
     }
-    uint32_t most = choose_above(a, settings, goal->priority, chosen);
-    if (!most && !(a->error <= goal->error))
-        most = choose_above(a, settings, ADAPTIVE_NEAR_BEST * a->priority, chosen);
-    if (most) choose_laggards(a, settings, most, chosen);
+    uint32_t most = choose_above(c, goal->priority, chosen);
+    if (!most && !(c->r->error <= goal->error))
+        most = choose_above(c, ADAPTIVE_NEAR_BEST * c->r->priority, chosen);
+    if (most) choose_laggards(c, most, chosen);
 }
 
 static uint32_t list_chosen(const bool chosen[WAVE_SQUARES], uint8_t out[WAVE_SQUARES]) {
@@ -146,32 +161,54 @@ static uint32_t list_chosen(const bool chosen[WAVE_SQUARES], uint8_t out[WAVE_SQ
 typedef struct pass {
     integration *work;
     adaptive_wave *a;
+    adaptive_run *r;
     adaptive_limit *limit;
     wave_batch batch;
     uint8_t square[WAVE_SQUARES]; /* of the wave, by place in the batch */
     uint32_t rays[WAVE_SQUARES];  /* by place in the batch */
 } pass;
 
-static void copy_sums(adaptive_wave *a, int part, uint32_t s) {
-    for (int c = 0; c < 3; ++c)
-        memcpy(a->parts[part][c] + s * LANES, a->sums.rgb[c] + s * LANES, LANES * sizeof(double));
+static uint32_t doubled(uint32_t done) { return done ? 2 * done : 1; }
+
+/* Sums in the same order of samples are the same bits. */
+static void copy_square(const adaptive_run *from, uint32_t s, adaptive_run *to) {
+    for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
+        for (int c = 0; c < 3; ++c)
+            memcpy(to->rgb[g][c] + s * LANES, from->rgb[g][c] + s * LANES, LANES * sizeof(double));
+    }
+    memcpy(to->spread.most + s * LANES, from->spread.most + s * LANES, LANES * sizeof(double));
+    memcpy(to->spread.squares + s * LANES, from->spread.squares + s * LANES, LANES * sizeof(double));
+    for (int half = 0; half < 2; ++half) to->rays[half][s] = from->rays[half][s];
+    to->taken[s] = from->taken[s];
 }
 
-/* Half and whole of what there was become a quarter and half. What a cut pass had left half done is
- * forgotten with its wave: nothing follows a cut. */
-static void begin_square(adaptive_wave *a, uint32_t s) {
-    for (int c = 0; c < 3; ++c)
-        memcpy(a->parts[0][c] + s * LANES, a->parts[1][c] + s * LANES, LANES * sizeof(double));
-    copy_sums(a, 1, s);
+/* Returns how many are left to sample, in front. */
+static uint32_t copy_squares(const adaptive_run *other, adaptive_run *r, uint8_t *squares, uint32_t count) {
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t s = squares[i];
+        if (other->done[s] == doubled(r->done[s]))
+            copy_square(other, s, r);
+        else
+            squares[left++] = (uint8_t)s;
+    }
+    return left;
 }
 
+/* Of samples that both runs take the first hits are added once. */
 static void add_square(pass *p, uint32_t place) {
     adaptive_wave *a = p->a;
-    uint32_t s = p->square[place];
-    if (p->batch.squares[place].index == a->done[s] + a->done[s] / 2) copy_sums(a, 2, s);
-    pixel_sums_add(&a->sums, &p->work->samples, &a->region, &p->batch, place);
-    a->rays[s] += p->rays[place];
-    ++a->taken[s];
+    adaptive_run *r = p->r;
+    const uint32_t s = p->square[place], group = p->batch.squares[place].group;
+    for (int c = 0; c < 3; ++c) {
+        a->kernels->add_samples(p->work->samples.radiance[c] + place * LANES, LANES,
+                                r->rgb[group][c] + s * LANES);
+    }
+    spread_sums_add(&r->spread, &p->work->samples, place * LANES, s * LANES);
+    r->rays[group % 2][s] += p->rays[place];
+    if (r->taken[s]++ < a->seen[s]) return;
+    ++a->seen[s];
+    if (a->hits) hit_sums_add(a->hits, &a->sampler, p->work->samples.first, &a->region, &p->batch, place);
 }
 
 /* Half of a batch's time more than the last one took: batches of one wave differ by the paths they follow. */
@@ -189,9 +226,9 @@ static adaptive_result run_batch(pass *p) {
     return ADAPTIVE_PASSED;
 }
 
-static adaptive_result add_to_batch(pass *p, uint32_t s, uint32_t index) {
+static adaptive_result add_to_batch(pass *p, uint32_t s, uint32_t n) {
     uint32_t place = p->batch.count++;
-    p->batch.squares[place] = wave_square_at(&p->a->region, s, index);
+    p->batch.squares[place] = wave_square_sample(wave_square_at(&p->a->region, s, 0), n, SAMPLE_GROUPS);
     p->square[place] = (uint8_t)s;
     return p->batch.count == WAVE_SQUARES ? run_batch(p) : ADAPTIVE_PASSED;
 }
@@ -201,51 +238,111 @@ static adaptive_result add_to_batch(pass *p, uint32_t s, uint32_t index) {
 static adaptive_result take_samples(pass *p, const uint8_t *squares, uint32_t count) {
     adaptive_result result = ADAPTIVE_PASSED;
     uint32_t most = 0;
-    for (uint32_t i = 0; i < count; ++i) most = max_u32(most, max_u32(p->a->done[squares[i]], 1));
+    for (uint32_t i = 0; i < count; ++i) most = max_u32(most, max_u32(p->r->done[squares[i]], 1));
     for (uint32_t k = 0; k < most; ++k) {
         for (uint32_t i = 0; i < count && result == ADAPTIVE_PASSED; ++i) {
-            uint32_t done = p->a->done[squares[i]];
+            uint32_t done = p->r->done[squares[i]];
             if (k < max_u32(done, 1)) result = add_to_batch(p, squares[i], done + k);
         }
     }
     return result == ADAPTIVE_PASSED && p->batch.count ? run_batch(p) : result;
 }
 
+static void rate(const fathom_settings *settings, adaptive_wave *a, uint32_t run) {
+    adaptive_run *r = &a->runs[run];
+    r->error = run_error(a, r);
+    r->priority = best_priority(&(chooser){settings, a, r, run});
+}
+
 void adaptive_rate(const fathom_settings *settings, adaptive_wave *a) {
-    a->error = wave_error(a);
-    a->priority = best_priority(a, settings);
+    for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run) rate(settings, a, run);
 }
 
 adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adaptive_limit *limit,
-                              adaptive_wave *a) {
+                              adaptive_wave *a, uint32_t run) {
     bool chosen[WAVE_SQUARES];
-    uint8_t squares[WAVE_SQUARES];
-    const fathom_settings *settings = &work->plan->settings;
-    choose(a, settings, goal, chosen);
-    uint32_t count = list_chosen(chosen, squares);
+    uint8_t squares[WAVE_SQUARES], all[WAVE_SQUARES];
+    adaptive_run *r = &a->runs[run];
+    const chooser c = {&work->plan->settings, a, r, run};
+    choose(&c, goal, chosen);
+    const uint32_t count = list_chosen(chosen, all);
     if (!count) return ADAPTIVE_FINISHED;
-    pass p = {.work = work, .a = a, .limit = limit};
-    for (uint32_t i = 0; i < count; ++i) begin_square(a, squares[i]);
+    memcpy(squares, all, sizeof squares);
+    pass p = {.work = work, .a = a, .r = r, .limit = limit};
     work->square_rays = p.rays;
-    adaptive_result result = take_samples(&p, squares, count);
+    adaptive_result result = take_samples(&p, squares, copy_squares(&a->runs[1 - run], r, squares, count));
     work->square_rays = NULL;
     if (result != ADAPTIVE_PASSED) return result;
     for (uint32_t i = 0; i < count; ++i) {
-        uint32_t s = squares[i];
-        a->done[s] = a->taken[s];
-        a->square_error[s] = square_error(a, s);
+        const uint32_t s = all[i];
+        r->done[s] = r->taken[s];
+        r->square_error[s] = square_error(a, run, s);
     }
-    adaptive_rate(settings, a);
+    rate(c.settings, a, run);
     return ADAPTIVE_PASSED;
 }
 
-unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film) {
+/* ---- the image ---- */
+
+/* Groups of the image's two means, scaled to as many samples each: their mean is the mean of both means. A
+ * group is of the run that the other half decides for. */
+static void show_means(const adaptive_wave *a, uint32_t s, adaptive_view *v) {
+    uint32_t counts[SAMPLE_GROUPS], samples = 0;
+    for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
+        counts[g] = wave_group_count(a->runs[1 - g % 2].taken[s], g, SAMPLE_GROUPS);
+        samples += counts[g];
+    }
+    v->samples[s] = samples;
+    for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
+        const double scale = samples / (double)(SAMPLE_GROUPS * counts[g]);
+        for (int c = 0; c < 3; ++c) {
+            const double *from = a->runs[1 - g % 2].rgb[g][c] + s * LANES;
+            for (int k = 0; k < LANES; ++k) v->sums.rgb[g][c][s * LANES + (uint32_t)k] = from[k] * scale;
+        }
+    }
+}
+
+/* Before every group has a sample nothing was decided: all that there is. */
+static void show_few(const adaptive_run *r, uint32_t s, adaptive_view *v) {
+    v->samples[s] = r->taken[s];
+    for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
+        for (int c = 0; c < 3; ++c)
+            memcpy(v->sums.rgb[g][c] + s * LANES, r->rgb[g][c] + s * LANES, LANES * sizeof(double));
+    }
+}
+
+static double image_error(const adaptive_wave *a, const adaptive_view *v, uint32_t s) {
+    double sum = 0, squared[3];
+    if (v->samples[s] < SAMPLE_GROUPS) return square_pixels(a, s) ? (double)INFINITY : 0;
+    for (uint32_t left = square_pixels(a, s); left; left &= left - 1) {
+        const uint32_t slot = s * LANES + (uint32_t)__builtin_ctz(left);
+        const double weight = film_error_weight(pixel_sums_error(&v->sums, slot, v->samples[s], squared));
+        sum += (squared[0] + squared[1] + squared[2]) / 3 * weight + rounding;
+    }
+    return sum;
+}
+
+unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film, adaptive_view *view) {
     const wave_region *r = &a->region;
+    double sum = 0;
+    view->sums.groups = SAMPLE_GROUPS, view->sums.equal = true;
+    view->sums.hits = a->hits, view->sums.sampler = a->sampler, view->sums.kernels = a->kernels;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
+        const adaptive_run *most = &a->runs[a->runs[1].taken[s] > a->runs[0].taken[s]];
+        if (min_u32(a->runs[0].taken[s], a->runs[1].taken[s]) < SAMPLE_GROUPS)
+            show_few(most, s, view);
+        else
+            show_means(a, s, view);
+        spread_sums_largest(&most->spread, (const group_sums *)most->rgb, SAMPLE_GROUPS,
+                            max_u32(most->taken[s], 1), s, view->sums.largest);
+        sum += image_error(a, view, s);
+    }
     return (unit_result){.region = {max_u32(r->x0, film->x), max_u32(r->y0, film->y),
                                     min_u32(r->x1, film->x + film->width),
                                     min_u32(r->y1, film->y + film->height), r->left, r->top},
                          .squares = ~0ull,
-                         .sums = &a->sums,
-                         .samples = a->taken,
-                         .error = a->error};
+                         .sums = &view->sums,
+                         .samples = view->samples,
+                         .hits = a->seen,
+                         .error = mean_error(a, sum)};
 }

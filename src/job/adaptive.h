@@ -4,12 +4,35 @@
  *
  *     pass: squares of high priority ── batches of 64 squares, a sample of each ──▶ integrator ──▶ sums
  *       ▲                                                                                          │
- *       └──────── error of each square, and of the wave: from the four quarters of each pixel ─────┘
+ *       └──────── error of each square, and of the wave: by the half that judges ──────────────────┘
+ *
+ * No bias. The samples of a pixel are of two halves, A and B, of two groups each (film/squares.h), all with
+ * scrambles of their own. A wave has two runs. Run 0 decides by the samples of A, and the samples of B that
+ * it takes along are in the image. Run 1 decides by B, and A is in the image. The pixel is the plain mean of
+ * run 0's mean of B and run 1's mean of A. Proof that its expectation is the true value: let N be the number
+ * of samples of a pixel in run 0. It is a function of the samples of A in the wave, which are independent of
+ * all samples of B. So E[mean of B's first N] = Σ P(N = n) E[mean of B's first n]; each point of a scrambled
+ * sequence is uniform, so each of these expectations is the true value, whatever n, and the probabilities add
+ * up to 1. The same holds for run 1, and a mean of two unbiased means is unbiased. It does not matter how
+ * good the decisions are, nor how they depend on each other within a wave: priorities, min_spp, the most
+ * samples and the spread below all are functions of the judge's samples alone. Rays, too, are counted of the
+ * judge alone.
+ *
+ * Both runs take the same samples where they agree: what one has the other copies. A square that the other
+ * run has already doubled twice is sampled once more, since sums in between are not kept.
+ *
+ * Limits. (1) Mean alpha, normal and albedo are of all samples that were taken, also by the half that
+ * decides; they are biased as a mean that decides about itself is. (2) The estimated error of the image takes
+ * the two halves for independent. Each one's mean is unbiased given the other half, but both ends together
+ * depend on both halves, so the covariance of the two means need not be 0 where a single pixel decides for
+ * its wave. (3) When a time decides, it is the clock that ends the passes (timed.c). The clock sees the
+ * samples of all pixels, because slow paths take longer. A pixel has about one part in the number of pixels
+ * in it.
  *
  * Decisions for a wave depend on the samples of its own pixels alone. These are all pixels of its square that
  * lie in the image, whatever the crop. So threads, tiles and crops change no pixel. Each pass doubles the
- * samples of some squares of 4 × 4 pixels. The Sobol sequence of each pixel is therefore always at a power of
- * two, where it is stratified. All samples of a pixel have the same weight.
+ * samples of some squares of 4 × 4 pixels. The Sobol sequence of each group is therefore always at a power of
+ * two, where it is stratified.
  *
  * Priority. Doubling the samples of a square costs as many rays r as it took so far. It removes a part of the
  * squared error e² that is about the same for all squares. So a ray gains e² / r: the square's priority. An
@@ -19,10 +42,10 @@
  * not. Rays are counted, not timed. Glass and mirrors, where errors are, take several times the rays of a
  * plain surface.
  *
- * Small bright things. Where every sample has missed a thing smaller than a pixel, nothing is estimated.
- * Among pixels of as many samples, those that hit such things make up for it: their estimates are too large
- * by as much. Samples that follow the estimates alone would lose that, because they go where a thing was hit
- * and leave the others unseen. So no square of a wave has more than ADAPTIVE_SPREAD times the samples of
+ * Small bright things. Where every sample of the judge has missed a thing smaller than a pixel, nothing is
+ * estimated, and few samples are taken: where one of them does hit the thing, the pixel is far too bright,
+ * and where none does, too dark. No mean is wrong, but such an image is noisy. What is found in one square of
+ * a wave is therefore looked for in all: no square has more than ADAPTIVE_SPREAD times the samples of
  * another.
  *
  * Error. e² of a wave is the mean over its pixels, and over R, G and B, of
@@ -36,13 +59,11 @@
  * one hundredth of white it would let black pixels decide. Our floor is where the sRGB curve becomes
  * straight.
  *
- * Variance. Samples of a low-discrepancy sequence are not independent, so the variance among them is too
- * large. Dammertz et al. take the difference of the means of two halves instead. One such difference is often
- * zero by chance where an edge crosses a pixel. Here each run of a quarter of the samples, stratified by
- * itself, gives a mean q. The variance of the mean m of all is taken as Σ (q - m)² / (4 · 3). Its expectation
- * is (Var q - Var m) / 3. That is Var m where quarters are independent (Var q = 4 Var m), and more where
- * stratification helps: 7/3 Var m along edges (Var ~ n^-3/2). So the estimate covers the true error unless
- * doubling the samples fails to halve the variance. */
+ * Variance. The two groups of the judge have independent means p and q of one variance v. The mean of all
+ * four groups has the variance v / 4, and (p - q)² the expectation 2v: (p - q)² / 8 is unbiased. Each pixel
+ * has one degree of freedom in that, and a square sixteen. The error that is told of a wave is that of its
+ * image, by all four groups (pixel_sums_error()). The decisions do not know it: they aim at ADAPTIVE_AIM of
+ * the target, so that it is seldom above. */
 #ifndef JOB_ADAPTIVE_H
 #define JOB_ADAPTIVE_H
 
@@ -50,6 +71,7 @@
 #include "job/unit.h"
 
 #define ADAPTIVE_MIN_SPP 4
+#define ADAPTIVE_AIM 0.8
 
 /* With more, easy waves end further below the target than hard ones; with fewer, all end near it
  * (bench/README.md, Rendering to an error). */
@@ -71,17 +93,34 @@ typedef struct adaptive_goal {
                      squares that have all the samples a pixel may have */
 } adaptive_goal;
 
-typedef struct adaptive_wave {
-    wave_region region;                /* clipped to the image, not to the crop */
-    pixel_sums sums;                   /* slot: square * 16 + place in the square */
-    double parts[3][3][WAVE_SLOTS];    /* [k][channel]: sums of the first k + 1 quarters */
-    uint32_t done[WAVE_SQUARES];       /* samples that error and parts are of: 0 or a power of two */
-    uint32_t taken[WAVE_SQUARES];      /* samples in the sums: more than done where a pass was cut short */
-    uint64_t rays[WAVE_SQUARES];       /* for these: the camera's, mirrored and refracted */
+#define ADAPTIVE_RUNS 2u
+
+/* Run r decides by groups r and r + 2; groups 1 - r and 3 - r are for the image. */
+typedef struct adaptive_run {
+    double rgb[SAMPLE_GROUPS][3][WAVE_SLOTS]; /* slot: square * 16 + place in the square */
+    spread_sums spread;                       /* of the samples in the sums */
+    uint32_t done[WAVE_SQUARES];              /* samples that the error is of: 0 or a power of two */
+    uint32_t taken[WAVE_SQUARES];             /* in the sums: more than done where a pass was cut short */
+    uint64_t rays[2][WAVE_SQUARES];           /* of either half: the camera's, mirrored and refracted */
     double square_error[WAVE_SQUARES]; /* sum of squared errors of its pixels; infinite while unknown */
     double error;                      /* of the wave; infinite below 4 samples a pixel */
     double priority; /* the most of any square that may have more samples; infinite below the least samples */
+} adaptive_run;
+
+typedef struct adaptive_wave {
+    wave_region region; /* clipped to the image, not to the crop */
+    sampler sampler;
+    const film_kernels *kernels;
+    adaptive_run runs[ADAPTIVE_RUNS];
+    hit_sums *hits;              /* NULL: no AOV wants them */
+    uint32_t seen[WAVE_SQUARES]; /* samples of which the first hits are there: the most of both runs */
 } adaptive_wave;
+
+/* What the film shows of a wave. */
+typedef struct adaptive_view {
+    pixel_sums sums;                /* without hits of its own */
+    uint32_t samples[WAVE_SQUARES]; /* that are in the image */
+} adaptive_view;
 
 /* When to stop by the clock. */
 typedef struct adaptive_limit {
@@ -103,13 +142,13 @@ adaptive_goal adaptive_goal_of(double target);
 
 /* No samples yet. (left, top): the corner of the wave's square. */
 void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adaptive_wave *a);
-/* One pass: the first sample of each pixel, or twice the samples of every square that needs them. limit: NULL
- * without a deadline. */
+/* One pass of a run: the first sample of each pixel, or twice the samples of every square that needs them.
+ * limit: NULL without a deadline. */
 adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adaptive_limit *limit,
-                              adaptive_wave *a);
-/* Error and priority of the wave, from those of its squares. */
+                              adaptive_wave *a, uint32_t run);
+/* Errors and priorities of the runs, from those of their squares. */
 void adaptive_rate(const fathom_settings *settings, adaptive_wave *a);
-/* The wave's samples, as far as the film shows its pixels. */
-unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film);
+/* The wave's image, as far as the film shows its pixels. It refers to the wave and to `view`. */
+unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film, adaptive_view *view);
 
 #endif

@@ -13,11 +13,17 @@ typedef struct even {
 
 /* Squares whose last sample was in the batch are done. */
 static void deliver_finished(const even *e) {
-    unit_result result = {.region = *e->region, .sums = e->self->sums, .samples = e->samples};
+    pixel_sums *sums = e->self->sums;
+    const uint32_t groups = sums->groups;
+    unit_result result = {.region = *e->region, .sums = sums, .samples = e->samples, .hits = e->samples};
     for (uint32_t place = 0; place < e->batch.count; ++place) {
         const wave_square *s = &e->batch.squares[place];
-        if (s->index + 1 < e->job->plan->settings.spp) continue;
-        result.squares |= 1ull << wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
+        if (s->index * groups + s->group + 1 < e->job->plan->settings.spp) continue;
+        const uint32_t at = wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
+        result.squares |= 1ull << at;
+        if (groups > 1)
+            spread_sums_largest(&sums->spread, (const group_sums *)sums->rgb, groups,
+                                s->index * groups + s->group + 1, at, sums->largest);
     }
     if (result.squares) job_deliver(e->job, e->self, &result);
 }
@@ -42,7 +48,8 @@ static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
         uint32_t end = first + together < count ? first + together : count;
         for (uint32_t index = 0; index < spp; ++index) {
             for (uint32_t i = first; i < end; ++i) {
-                e->batch.squares[e->batch.count++] = (wave_square){squares[i].left, squares[i].top, index};
+                e->batch.squares[e->batch.count++] =
+                    wave_square_sample(squares[i], index, e->self->sums->groups);
                 if (e->batch.count == WAVE_SQUARES && !run_batch(e)) return false;
             }
         }
@@ -63,7 +70,8 @@ static bool render(job *j, worker *self, const wave_region *r) {
 
 static bool prepare(const job *j, worker *self) {
     self->sums = malloc(sizeof *self->sums);
-    return self->sums && pixel_sums_create(&j->plan->sampler, j->plan->first_hits, self->sums);
+    return self->sums && pixel_sums_create(&j->plan->sampler, unit_groups(&j->plan->settings),
+                                           j->plan->first_hits, self->sums);
 }
 
 static void run(job *j) { job_run_tiles(j, render); }

@@ -28,9 +28,9 @@ void job_deliver(job *j, worker *self, const unit_result *result) {
     atomic_fetch_add_explicit(&j->pixels_done, unit_pixels(result), memory_order_relaxed);
 }
 
-void job_show(const job *j, const adaptive_wave *a) {
+void job_show(const job *j, worker *self, const adaptive_wave *a) {
     const unit_sink film = unit_film_sink(j->film);
-    const unit_result now = adaptive_unit(a, j->film);
+    const unit_result now = adaptive_unit(a, j->film, self->view);
     film.take(film.user, &now);
 }
 
@@ -114,6 +114,7 @@ static void collect(job *j) {
         if (self->adaptive) adaptive_destroy(self->adaptive);
         if (self->sums) pixel_sums_destroy(self->sums);
         free(self->adaptive);
+        free(self->view);
         free(self->sums);
     }
 }

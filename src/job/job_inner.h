@@ -9,7 +9,8 @@
 typedef struct worker {
     integration *integration;
     adaptive_wave *adaptive; /* NULL: every pixel gets the same samples, or waves keep their own */
-    pixel_sums *sums;        /* otherwise */
+    adaptive_view *view;     /* of adaptive waves */
+    pixel_sums *sums;        /* of other waves */
     adaptive_limit limit;
     double kept;      /* clock_seconds() when its adaptive wave was last saved, or began */
     uint64_t samples; /* in the film */
@@ -60,7 +61,7 @@ void job_stop(job *j, const integration *work);
 /* Squares that are done go to all sinks. */
 void job_deliver(job *j, worker *self, const unit_result *result);
 /* Shows in the film what a wave has sampled so far. */
-void job_show(const job *j, const adaptive_wave *a);
+void job_show(const job *j, worker *self, const adaptive_wave *a);
 /* Renders a wave, as far as the film shows it; false: stopped, or out of memory. */
 typedef bool (*render_wave_fn)(job *j, worker *self, const wave_region *region);
 /* Tile by tile, and in each wave by wave. */

@@ -48,7 +48,8 @@ static fathom_settings coarse_settings(const render_plan *plan, const fathom_fil
 static bool make_worker(const preview *p, preview_worker *self) {
     if (self->ready) return true;
     self->integration = p->plan.integrator->create(&p->plan, p->stop);
-    self->ready = self->integration && pixel_sums_create(&p->plan.sampler, p->plan.first_hits, &self->sums);
+    self->ready =
+        self->integration && pixel_sums_create(&p->plan.sampler, 1, p->plan.first_hits, &self->sums);
     return self->ready;
 }
 
@@ -59,7 +60,7 @@ static void render_region(const preview *p, preview_worker *self, const wave_reg
     pixel_sums_clear(&self->sums);
     for (uint32_t place = 0; place < batch.count; ++place) {
         pixel_sums_add(&self->sums, &self->integration->samples, r, &batch, place);
-        pixel_sums_store_square(&self->sums, r, &batch.squares[place], 1, p->coarse);
+        pixel_sums_store_square(&self->sums, r, &batch.squares[place], (sums_count){1, 1}, p->coarse);
     }
 }
 

@@ -2,7 +2,11 @@
  * each pixel. The next ones double the samples until errors are known. Later rounds take a pass over the
  * squares with the highest priority in the whole image (adaptive.h), which leaves the least squared error for
  * the time. The clock is read before each batch of rays, so nothing that was sampled is lost. The clock
- * decides which samples are taken, but not what each of them is. */
+ * decides which samples are taken, but not what each of them is.
+ *
+ * Rounds of run 0 and of run 1 come in turns, and each looks at the priorities of its own run alone: which
+ * squares a round takes is decided by the judge's half of the whole image, so adaptive.h's proof holds for
+ * any fixed number of rounds. How many there are is the clock's. */
 #include "job/job_inner.h"
 
 #include "base/clock.h"
@@ -22,8 +26,10 @@ typedef struct ranked {
 typedef struct timed {
     job *job;
     adaptive_wave **waves; /* NULL until the first pass */
-    bool *finished;
+    adaptive_view *view;
+    bool *finished[ADAPTIVE_RUNS];
     ranked *order;
+    uint32_t run;        /* whose round it is */
     size_t count, round; /* waves; of them in this round */
     double limit; /* the least priority of the squares of this round, in waves that have such squares */
     wave_grid grid;
@@ -48,8 +54,8 @@ static int by_priority(const void *a, const void *b) {
 static void choose_round(timed *t) {
     size_t count = 0;
     for (uint32_t i = 0; i < t->count; ++i) {
-        if (t->finished[i]) continue;
-        double priority = t->waves[i] ? t->waves[i]->priority : (double)INFINITY;
+        if (t->finished[t->run][i]) continue;
+        double priority = t->waves[i] ? t->waves[i]->runs[t->run].priority : (double)INFINITY;
         if (!(priority > 0)) continue; /* it has all its samples */
         t->order[count++] = (ranked){priority, i * 0x9e3779b1u, i};
     }
@@ -85,14 +91,15 @@ static void run_pass(timed *t, worker *self, uint32_t i) {
     adaptive_wave *a = t->waves[i];
     self->limit.deadline = atomic_load(&j->deadline);
     adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
-    goal.priority = fmax(goal.priority, a->priority < t->limit ? ADAPTIVE_NEAR_BEST * a->priority : t->limit);
+    const double priority = a->runs[t->run].priority;
+    goal.priority = fmax(goal.priority, priority < t->limit ? ADAPTIVE_NEAR_BEST * priority : t->limit);
     const ray_counts before = self->integration->rays;
-    switch (adaptive_pass(self->integration, &goal, &self->limit, a)) {
+    switch (adaptive_pass(self->integration, &goal, &self->limit, a, t->run)) {
     case ADAPTIVE_PASSED:
         if (j->options->saving) checkpoint_keep(j->options->saving, i, a);
-        if (j->options->live) job_show(j, a);
+        if (j->options->live) job_show(j, self, a);
         break;
-    case ADAPTIVE_FINISHED: t->finished[i] = true; break;
+    case ADAPTIVE_FINISHED: t->finished[t->run][i] = true; break;
     case ADAPTIVE_CUT: atomic_store(&t->cut, true); break;
     case ADAPTIVE_STOPPED: job_stop(j, self->integration); break;
     }
@@ -110,17 +117,18 @@ static void run_round(void *user, size_t begin, size_t end, unsigned index) {
     trace_thread_end(state);
 }
 
-/* Returns the samples that the film's pixels are the means of. */
-static uint64_t store_waves(const timed *t) {
+/* Stores the waves, and counts their samples and errors anew. */
+static void store_waves(timed *t) {
     const unit_sink film = unit_film_sink(t->job->film);
-    uint64_t samples = 0;
+    job_result *result = &t->job->result;
+    result->samples = 0, result->error = 0;
     for (size_t i = 0; i < t->count; ++i) {
         if (!t->waves[i]) continue;
-        const unit_result unit = adaptive_unit(t->waves[i], t->job->film);
+        const unit_result unit = adaptive_unit(t->waves[i], t->job->film, t->view);
         film.take(film.user, &unit);
-        samples += unit_samples(&unit);
+        result->samples += unit_samples(&unit);
+        result->error = fmax(result->error, unit.error);
     }
-    return samples;
 }
 
 /* Storing the waves is among what comes after the deadline. */
@@ -152,9 +160,10 @@ static bool all_begun(const timed *t) {
 }
 
 static void run_rounds(timed *t) {
-    for (bool reserved = !t->job->options->reserve;;) {
+    unsigned idle = 0; /* rounds in a row with nothing to do */
+    for (bool reserved = !t->job->options->reserve; idle < ADAPTIVE_RUNS; t->run = 1 - t->run) {
         choose_round(t);
-        if (!t->round) return;
+        idle = t->round ? 0 : idle + 1;
         if (!reserved && all_begun(t)) {
             reserve_time(t);
             reserved = true;
@@ -164,16 +173,11 @@ static void run_rounds(timed *t) {
     }
 }
 
-static void tell_error(const timed *t) {
-    job *j = t->job;
+static void tell_sampled(const timed *t) {
     size_t sampled = 0;
-    for (size_t i = 0; i < t->count; ++i) {
-        const adaptive_wave *a = t->waves[i];
-        bool has_samples = a && a->taken[0];
-        sampled += has_samples;
-        j->result.error = fmax(j->result.error, has_samples ? a->error : (double)INFINITY);
-    }
-    j->sampled = (double)sampled / (double)t->count;
+    for (size_t i = 0; i < t->count; ++i) sampled += t->waves[i] && t->waves[i]->runs[0].taken[0];
+    t->job->sampled = (double)sampled / (double)t->count;
+    if (sampled < t->count) t->job->result.error = INFINITY;
 }
 
 static void destroy_waves(timed *t) {
@@ -182,7 +186,8 @@ static void destroy_waves(timed *t) {
         free(t->waves[i]);
     }
     free(t->waves);
-    free(t->finished);
+    for (unsigned run = 0; run < ADAPTIVE_RUNS; ++run) free(t->finished[run]);
+    free(t->view);
     free(t->order);
 }
 
@@ -190,13 +195,14 @@ static void run(job *j) {
     timed t = {.job = j, .grid = film_waves(j->film)};
     t.count = t.grid.count;
     t.waves = calloc(t.count, sizeof(adaptive_wave *));
-    t.finished = calloc(t.count, sizeof *t.finished);
+    for (unsigned run = 0; run < ADAPTIVE_RUNS; ++run) t.finished[run] = calloc(t.count, sizeof **t.finished);
+    t.view = malloc(sizeof *t.view);
     t.order = malloc(t.count * sizeof *t.order);
-    if (t.waves && t.finished && t.order && take_up_waves(&t)) {
+    if (t.waves && t.finished[0] && t.finished[1] && t.order && t.view && take_up_waves(&t)) {
         run_rounds(&t);
         atomic_store(&j->complete, !atomic_load(&j->stop));
-        j->result.samples = store_waves(&t);
-        tell_error(&t);
+        store_waves(&t);
+        tell_sampled(&t);
     } else {
         atomic_store(&j->failed, true);
     }
@@ -205,8 +211,9 @@ static void run(job *j) {
 
 /* Waves have memory of their own, for as long as there is time. */
 static bool prepare(const job *j, worker *self) {
-    (void)j, (void)self;
-    return true;
+    (void)j;
+    self->view = malloc(sizeof *self->view);
+    return self->view;
 }
 
 const job_schedule schedule_to_time = {prepare, run};

@@ -13,6 +13,19 @@ static void keep_wave(checkpoint *saving, worker *self, uint32_t wave) {
     self->kept = now;
 }
 
+/* In turns, so that the runs find each other's samples. ADAPTIVE_FINISHED: neither has more to do. */
+static adaptive_result pass_both(job *j, worker *self, const adaptive_goal *goal) {
+    adaptive_result all = ADAPTIVE_FINISHED;
+    for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run) {
+        const ray_counts before = self->integration->rays;
+        const adaptive_result one = adaptive_pass(self->integration, goal, NULL, self->adaptive, run);
+        job_count_rays(j, self->integration, &before);
+        if (one == ADAPTIVE_STOPPED) return one;
+        if (one == ADAPTIVE_PASSED) all = one;
+    }
+    return all;
+}
+
 static bool render(job *j, worker *self, const wave_region *region) {
     const adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
     checkpoint *saving = j->options->saving;
@@ -23,21 +36,20 @@ static bool render(job *j, worker *self, const wave_region *region) {
     if (saving) checkpoint_resume(saving, wave, self->adaptive);
     self->kept = saving ? clock_seconds() : 0;
     do {
-        const ray_counts before = self->integration->rays;
-        result = adaptive_pass(self->integration, &goal, NULL, self->adaptive);
-        job_count_rays(j, self->integration, &before);
+        result = pass_both(j, self, &goal);
         if (result == ADAPTIVE_PASSED) keep_wave(saving, self, wave);
-        if (result == ADAPTIVE_PASSED && j->options->live) job_show(j, self->adaptive);
+        if (result == ADAPTIVE_PASSED && j->options->live) job_show(j, self, self->adaptive);
     } while (result == ADAPTIVE_PASSED);
     if (result != ADAPTIVE_FINISHED) return false;
-    const unit_result done = adaptive_unit(self->adaptive, j->film);
+    const unit_result done = adaptive_unit(self->adaptive, j->film, self->view);
     job_deliver(j, self, &done);
     return true;
 }
 
 static bool prepare(const job *j, worker *self) {
-    self->adaptive = malloc(sizeof *self->adaptive);
-    return self->adaptive && adaptive_create(j->plan, self->adaptive);
+    self->adaptive = calloc(1, sizeof *self->adaptive);
+    self->view = malloc(sizeof *self->view);
+    return self->view && self->adaptive && adaptive_create(j->plan, self->adaptive);
 }
 
 static void run(job *j) { job_run_tiles(j, render); }

@@ -12,6 +12,10 @@ static uint64_t count(const unit_result *r, bool samples) {
     return sum;
 }
 
+uint32_t unit_groups(const fathom_settings *s) {
+    return s->integrator == FATHOM_INTEGRATOR_PATH && s->pattern == FATHOM_PATTERN_SOBOL ? SAMPLE_GROUPS : 1;
+}
+
 uint64_t unit_pixels(const unit_result *r) { return count(r, false); }
 uint64_t unit_samples(const unit_result *r) { return count(r, true); }
 
@@ -22,7 +26,9 @@ static void to_film(void *user, const unit_result *r) {
     for (uint64_t left = r->squares; left; left &= left - 1) {
         const uint32_t s = (uint32_t)__builtin_ctzll(left);
         const wave_square square = wave_square_at(&r->region, s, 0);
-        if (r->samples[s]) pixel_sums_store_square(r->sums, &r->region, &square, r->samples[s], film);
+        if (r->samples[s])
+            pixel_sums_store_square(r->sums, &r->region, &square, (sums_count){r->samples[s], r->hits[s]},
+                                    film);
     }
     pthread_mutex_unlock(&film->lock);
 }

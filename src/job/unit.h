@@ -9,8 +9,13 @@ typedef struct unit_result {
     uint64_t squares;        /* those that are done: bit y / 4 * 8 + x / 4 */
     const pixel_sums *sums;  /* of the wave's pixels */
     const uint32_t *samples; /* [WAVE_SQUARES], of each pixel of a square */
+    const uint32_t *hits;    /* likewise: first hits, for the AOVs */
     double error;            /* of the wave; 0: not estimated */
 } unit_result;
+
+/* Groups of the samples of a pixel when all pixels have the same number. Classic images keep one:
+ * its samples are stratified better, and hardly anything but edges is random in them. */
+uint32_t unit_groups(const fathom_settings *settings);
 
 /* Pixels of the squares that the film shows, and samples of these. */
 uint64_t unit_pixels(const unit_result *r);

@@ -77,10 +77,10 @@ static const fathom_parameter setting_rows[] = {
      .zero = "auto"},
     {"terminator_fix", BOOL, SETTING(terminator_fix), PIXELS | IN_FILE | COMMAND, 0, 1, true, NULL, "Light transport",
      .help = "Lifts shadow rays off the facets of smooth meshes, which else show black triangles where light grazes."},
-    {"aovs", WORDS, SETTING(aovs), PIXELS | IN_FILE, 0, FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ALPHA, 0, "LIST", "Output",
+    {"aovs", WORDS, SETTING(aovs), PIXELS | IN_FILE, 0, FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR), 0, "LIST", "Output",
      .help = "Further outputs in an EXR file: coverage, depth, shading normal, world position, `kd` + `ks`, the ids of "
-     "object, primitive and instance, and how many samples a pixel took.",
-     .words = "alpha|Z|N|P|albedo|id|samples"},
+     "object, primitive and instance, how many samples a pixel took, and the standard error of each channel.",
+     .words = "alpha|Z|N|P|albedo|id|samples|error"},
     {"tracer", TEXT, SETTING(tracer), COMMAND, 0, 0, 0, "SPEC|FILE.so", "Light transport",
      .help = "What answers the rays: embree, bvh, linear or reference, which is linear:robust:f32, each with options such as "
      "bvh:f64, linear:textbook:f32 or embree:user:high:16; or a library as in fathom/plugin.h."},

@@ -78,9 +78,19 @@ static fathom_status check_adaptive(fathom_context *context, const fathom_settin
     return FATHOM_OK;
 }
 
+/* Only samples of several scrambles tell their error. */
+static fathom_status check_error(fathom_context *context, const fathom_settings *s) {
+    const bool in_groups = s->pattern == FATHOM_PATTERN_SOBOL && (s->integrator == FATHOM_INTEGRATOR_PATH ||
+                                                                  s->target_error > 0 || s->max_time > 0);
+    if (!(s->aovs & FATHOM_AOV_ERROR) || in_groups) return FATHOM_OK;
+    return fail_field(context, FATHOM_BAD_INPUT, "aovs",
+                      "error needs the pattern sobol, and the integrator path or a target error or max time");
+}
+
 fathom_status scene_check_settings(fathom_context *context, const fathom_settings *s) {
     fathom_status status = parameters_check(context, settings_table, s);
     if (status == FATHOM_OK) status = check_adaptive(context, s);
+    if (status == FATHOM_OK) status = check_error(context, s);
     if (status != FATHOM_OK) return status;
     if (s->pattern != FATHOM_PATTERN_SOBOL && !is_square(s->spp)) {
         uint32_t root = (uint32_t)sqrt((double)s->spp);

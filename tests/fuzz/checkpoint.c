@@ -21,12 +21,12 @@
 #define WAVES 4
 #define KEY_AT 12 /* past the magic number and the format */
 #define HEAD_BYTES (KEY_AT + sizeof(checkpoint_key))
-#define SQUARE_BYTES ((size_t)20) /* of a record, besides the sums of its pixels */
+#define SQUARE_BYTES ((size_t)56) /* of a record, besides the sums of its pixels */
 #define SUM_BYTES sizeof(uint64_t)
 /* The wave's number, what its record says of squares, and eight bytes for the sums. */
 #define SHORT_RECORD (8 + WAVE_SQUARES * SQUARE_BYTES + SUM_BYTES)
 #define INPUT_MOST ((size_t)2 << 20)
-#define RECORD_MOST ((size_t)256 << 10)
+#define RECORD_MOST ((size_t)512 << 10)
 
 enum { AS_SUMMED = 1, OF_ANOTHER = 2, WITH_HITS = 4, WHOLE_RECORDS = 8 };
 
@@ -97,12 +97,15 @@ static void resume(const fathom_settings *settings, const checkpoint_state *stat
     static hit_sums hits;
     static adaptive_wave a;
     const render_plan plan = {.settings = *settings};
-    a.sums.hits = state->hits ? &hits : NULL;
+    a.hits = state->hits ? &hits : NULL;
     for (uint32_t i = 0; i < state->grid.count; ++i) {
         if (!state->records[i]) continue;
         adaptive_begin(&plan, i % 2 * WAVE_SIDE, i / 2 * WAVE_SIDE, &a);
         adaptive_record_load(settings, state->records[i], state->hits, &a);
-        if (isnan(a.error) || isnan(a.priority)) fuzz_wrong("wave %u without an error", i);
+        for (unsigned run = 0; run < ADAPTIVE_RUNS; ++run) {
+            if (isnan(a.runs[run].error) || isnan(a.runs[run].priority))
+                fuzz_wrong("wave %u without an error", i);
+        }
     }
 }
 

@@ -14,6 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define SQUARES_RECORD ((size_t)64 * 28) /* what a wave's record says of the squares of a run */
+
 /* ---- a scene with all that a pixel may depend on, and renders of it ---- */
 
 typedef struct place {
@@ -141,9 +143,10 @@ static void samples_to_an_error_continue(void **state) {
     fathom_film_destroy(assert_parts_make_the_whole(p));
 }
 
-/* With time for all samples the clock decides nothing. */
+/* With time for all samples the clock decides nothing. Even samples of paths are of the same groups. */
 static void samples_to_a_time_continue(void **state) {
     place *p = *state;
+    p->s.settings.integrator = FATHOM_INTEGRATOR_PATH;
     p->s.settings.max_time = 1e6;
     fathom_film *timed = assert_parts_make_the_whole(p);
     p->s.settings.max_time = 0;
@@ -452,7 +455,10 @@ static void make_file(place *p, file *f) {
     const wave_region shown = wave_grid_region(&state.grid, 1);
     state.squares[1] = wave_region_bits(&shown);
     state.records[0] = calloc(1, adaptive_record_bytes(f->hits));
-    for (size_t k = 0; k < WAVE_SQUARES; ++k) ((double *)(void *)state.records[0])[k] = INFINITY;
+    for (size_t k = 0; k < WAVE_SQUARES; ++k) {
+        double *errors = (double *)(void *)state.records[0];
+        errors[k] = errors[SQUARES_RECORD / sizeof *errors + k] = INFINITY;
+    }
     state.samples = 99, state.error = 0.25;
     room.rays = 5, room.seconds = 1.5;
     pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -573,9 +579,10 @@ static void forged_bytes_do_no_harm(void **state) {
         {head, 0xfffffffe, 4, "a record of a wave that there is not"},
         {head + 4, 1, 4, "it ends among the waves' records"},
         {head + 8, 0xfff8000000000000, 8, "a wave's record makes no sense"}, /* an error that is no number */
-        {head + 8 + 64 * 16, 3, 4, "a wave's record makes no sense"},        /* samples: no power of two */
-        {head + 8 + 64 * 16, 128, 4, "a wave's record makes no sense"},      /* more than spp */
+        {head + 8 + 64 * 24, 3, 4, "a wave's record makes no sense"},        /* samples: no power of two */
+        {head + 8 + 64 * 24, 128, 4, "a wave's record makes no sense"},      /* more than spp */
         {head + 8, 0, 8, "a wave's record makes no sense"},                  /* an error over no rays */
+        {head + 8 + SQUARES_RECORD, 0, 8, "a wave's record makes no sense"}, /* likewise, of the other run */
         {after, 0, 4, "a record of a wave that there is not"},               /* once more */
         {after + 8 + 16, 0xbff0000000000000, 8, "its error or time makes no sense"},
         {after + 8 + 24, 0x7ff0000000000000, 8, "its error or time makes no sense"},

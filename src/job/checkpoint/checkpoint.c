@@ -73,7 +73,7 @@ static void count_before(checkpoint *c) {
 }
 
 static fathom_status prepare(checkpoint *c) {
-    const bool hits = c->settings.aovs & ~(unsigned)FATHOM_AOV_SAMPLES;
+    const bool hits = c->settings.aovs & ~(unsigned)(FATHOM_AOV_SAMPLES | FATHOM_AOV_ERROR);
     bool exists = false;
     fathom_status status = checkpoint_check_path(c->context, &c->options, &exists);
     if (status == FATHOM_OK) status = file_lock_take(c->context, c->options.path, &c->file);
