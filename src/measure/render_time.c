@@ -89,7 +89,7 @@ static bool time_together(const bench *b, const record *r, unsigned repeat, sums
     const render_time_options *options = b->options;
     for (unsigned t = 0; t < options->thread_counts && options->thread_counts > 1; ++t) {
         replay_result bare;
-        if (!replay_bare_together(r, b->tracer, options->threads[t], &bare)) return false;
+        if (!replay_together(r, b->tracer, options->threads[t], &bare)) return false;
         s->together[t][repeat] += bare.seconds;
     }
     return true;
@@ -101,12 +101,13 @@ static fathom_status time_band(bench *b, const record *r, const fathom_settings 
     for (unsigned k = 0; k < b->options->repeats; ++k) {
         timing render;
         replay_result bare, traced;
+        const replay_way calls = {b->tracer, true}, tracer = {b->tracer, false};
         bool first = k % 2, ok = true;
-        if (first) ok = replay_bare(r, b->tracer, &bare);
+        if (first) ok = replay(r, &calls, &bare);
         fathom_status status = render_once(b, b->tracer, settings, 1, &render);
         if (status != FATHOM_OK) return status;
-        if (!first) ok = replay_bare(r, b->tracer, &bare);
-        if (!ok || !replay_traced(r, b->tracer, &traced) || !time_together(b, r, k, s))
+        if (!first) ok = replay(r, &calls, &bare);
+        if (!ok || !replay(r, &tracer, &traced) || !time_together(b, r, k, s))
             return fail_memory(b->context, sizeof *r);
         s->render[k] += render.cpu, s->bare[k] += bare.cpu_seconds, s->traced[k] += traced.cpu_seconds;
         finish_work(b, share * ratio_work(b->options));
@@ -115,7 +116,7 @@ static fathom_status time_band(bench *b, const record *r, const fathom_settings 
 }
 
 static fathom_status record_band(const bench *b, const fathom_settings *settings, record *r) {
-    trace_tracer *recorder = record_tracer(b->tracer, r);
+    trace_tracer *recorder = record_tracer(b->tracer, r, r);
     if (!recorder) return fail_memory(b->context, sizeof *r);
     record_clear(r);
     timing render;
