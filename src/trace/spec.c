@@ -50,10 +50,6 @@ static const word words[] = {
     {"4", SORT_CALLS, TRACE_CALLS_4, EMBREE},
     {"8", SORT_CALLS, TRACE_CALLS_8, EMBREE},
     {"16", SORT_CALLS, TRACE_CALLS_16, EMBREE},
-#if FATHOM_EMBREE_MAJOR == 3
-    {"stream1m", SORT_CALLS, TRACE_CALLS_STREAM_1M, EMBREE},
-    {"streamnm", SORT_CALLS, TRACE_CALLS_STREAM_NM, EMBREE},
-#endif
     {"settled", SORT_TIES, TRACE_SETTLED, EMBREE},
     {"raw", SORT_TIES, TRACE_RAW, EMBREE},
     {"sse2", SORT_ISA, ISA_SSE2, EMBREE},
@@ -93,10 +89,6 @@ static void spec_get(const trace_spec *spec, unsigned value[SORT_COUNT]) {
     value[SORT_CALLS] = spec->calls;
     value[SORT_TIES] = spec->ties;
     value[SORT_ISA] = spec->isa;
-}
-
-static bool streams(unsigned calls) {
-    return calls == TRACE_CALLS_STREAM_1M || calls == TRACE_CALLS_STREAM_NM;
 }
 
 /* ---- from text ---- */
@@ -175,13 +167,6 @@ fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_
         fathom_status status = read_option(&r, at, length);
         if (status != FATHOM_OK) return status;
     }
-    if (streams(r.value[SORT_CALLS])) {
-        if (r.given[SORT_TIES] && r.value[SORT_TIES] == TRACE_SETTLED) {
-            return fail(context, FATHOM_BAD_USAGE,
-                        "streams are raw: in them no tie is settled, found \"%.99s\"", text);
-        }
-        r.value[SORT_TIES] = TRACE_RAW;
-    }
     spec_set(out, r.value);
     return FATHOM_OK;
 }
@@ -207,11 +192,10 @@ void trace_spec_print(const trace_spec *spec, char out[TRACE_SPEC_LENGTH]) {
 
 /* ---- all there are ---- */
 
-/* A choice left to the build is no tracer of its own, and streams settle nothing. */
+/* A choice left to the build is no tracer of its own. */
 static bool listed(const trace_spec *spec) {
-    if (spec->kind != TRACE_EMBREE) return true;
-    return spec->quality != TRACE_QUALITY_AUTO && spec->calls != TRACE_CALLS_AUTO &&
-           !(streams(spec->calls) && spec->ties == TRACE_SETTLED);
+    return spec->kind != TRACE_EMBREE ||
+           (spec->quality != TRACE_QUALITY_AUTO && spec->calls != TRACE_CALLS_AUTO);
 }
 
 /* Every value of this sort and of those after it. */

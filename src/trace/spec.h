@@ -46,9 +46,7 @@ typedef enum trace_calls {
     TRACE_CALLS_1,
     TRACE_CALLS_4,
     TRACE_CALLS_8,
-    TRACE_CALLS_16,
-    TRACE_CALLS_STREAM_1M, /* rtcIntersect1M(): an array of rays; Embree 3 only */
-    TRACE_CALLS_STREAM_NM  /* rtcIntersectNM(): an array of blocks; Embree 3 only */
+    TRACE_CALLS_16
 } trace_calls;
 
 typedef enum trace_ties {

@@ -56,10 +56,8 @@ struct trace_tracer {
 /* The kinds. Each sets all of the above on FATHOM_OK. */
 fathom_status embree_create(fathom_context *context, const world *w, const trace_spec *spec,
                             const trace_options *options, trace_tracer **out);
-/* Robust and in float. */
-fathom_status linear_create(fathom_context *context, const world *w, trace_tracer **out);
-fathom_status linear_single_create(fathom_context *context, const world *w, const trace_spec *spec,
-                                   trace_tracer **out);
+fathom_status linear_create(fathom_context *context, const world *w, const trace_spec *spec,
+                            trace_tracer **out);
 fathom_status plugin_create(fathom_context *context, const world *w, const trace_spec *spec,
                             const trace_options *options, trace_tracer **out);
 fathom_status bvh_create(fathom_context *context, const world *w, const trace_spec *spec,

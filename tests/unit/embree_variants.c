@@ -1,4 +1,4 @@
-/* Embree every way it can answer: shapes of its own and ours, flags, qualities, widths and streams. */
+/* Embree every way it can answer: shapes of its own and ours, flags, qualities and widths. */
 #include "stage.h"
 
 #include <sys/wait.h>
@@ -134,17 +134,13 @@ static void damaged_user_triangles_are_left_out(void **state) {
 
 /* ---- raw answers ---- */
 
-/* Away from ties, raw is settled, and a stream is what its rays are alone: to the last bit. */
+/* Away from ties, raw answers are the settled ones to the last bit. */
 static void raw_is_settled_but_for_ties(void **state) {
     (void)state;
     static const char *const specs[] = {
         "embree:medium:raw:1",
         "embree:medium:raw:8",
         "embree:medium:raw:16",
-#if FATHOM_EMBREE_MAJOR == 3
-        "embree:medium:stream1m",
-        "embree:medium:streamnm"
-#endif
     };
     stage s;
     stage_open(&s);
@@ -176,7 +172,6 @@ static void raw_is_settled_but_for_ties(void **state) {
     stage_close(&s);
 }
 
-/* Lanes past the count keep every bit, and rays that are not finite miss, in streams as in packets. */
 /* From so far that both roots of Embree's own spheres lie in the window of ties, the nearer one counts. */
 static void nearer_root_counts(void **state) {
     (void)state;
@@ -198,15 +193,12 @@ static void nearer_root_counts(void **state) {
     stage_close(&s);
 }
 
+/* Lanes past the count keep every bit, and rays that are not finite miss. */
 static void lanes_are_apart(void **state) {
     (void)state;
     static const char *const specs[] = {
         "embree:raw:16",
         "embree:user:4",
-#if FATHOM_EMBREE_MAJOR == 3
-        "embree:stream1m",
-        "embree:streamnm"
-#endif
     };
     stage s;
     stage_open(&s);

@@ -35,9 +35,6 @@ static void options_in_any_order(void **state) {
     prints("embree:quad:compact:avx2", "embree:quad:compact:auto:settled:avx2");
     prints("embree:sphere:1", "embree:sphere:robust:auto:1:settled");
     prints("./mine.so", "./mine.so");
-#if FATHOM_EMBREE_MAJOR == 3
-    prints("embree:streamnm", "embree:triangles:robust:auto:streamnm:raw");
-#endif
 }
 
 static void refuses(const char *text, const char *message) {
@@ -63,11 +60,7 @@ static void wrong_words_are_told(void **state) {
     refuses("embree:f64", "have no option \"f64\"");
     refuses("embree:compact:robust", "never return");
     refuses("embree:16:8", "exclude each other");
-#if FATHOM_EMBREE_MAJOR == 3
-    refuses("embree:stream1m:settled", "streams are raw");
-#else
-    refuses("embree:stream1m", "have no option \"stream1m\"");
-#endif
+    refuses("embree:32", "have no option \"32\"");
 }
 
 typedef struct counted {
@@ -94,9 +87,8 @@ static void all_are_listed(void **state) {
     trace_spec_list(count, &all);
     assert_int_equal(all.kinds[TRACE_LINEAR], 2 * 3);
     assert_int_equal(all.kinds[TRACE_BVH], 3);
-    /* Shapes, flags, qualities, widths, ties; streams are raw. */
-    size_t streams = FATHOM_EMBREE_MAJOR == 3 ? 2 : 0;
-    assert_int_equal(all.kinds[TRACE_EMBREE], 4 * 3 * 3 * (4 * 2 + streams));
+    /* Shapes, flags, qualities, widths, ties. */
+    assert_int_equal(all.kinds[TRACE_EMBREE], 4 * 3 * 3 * 4 * 2);
     trace_spec_list(count, &some);
     assert_int_equal(some.all, 5);
 }

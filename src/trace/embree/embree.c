@@ -142,14 +142,10 @@ static fathom_status open_device(embree_tracer *tracer) {
 
 /* The filters for wide packets use the instructions of the kernels for them. */
 static void choose_calls(embree_tracer *tracer) {
-    static const unsigned widths[] = {0, 1, 4, 8, 16, 16, 16};
+    static const unsigned widths[] = {0, 1, 4, 8, 16};
     unsigned asked = widths[tracer->spec.calls];
     tracer->width = embree_call_width(tracer, asked ? asked : tracer->options->width);
     if (tracer->spec.ties == TRACE_SETTLED) tracer->filter = embree_filter(tracer->width);
-#if EMBREE_HAS_STREAMS
-    static const trace_ops streams = {destroy, embree_stream_closest, embree_stream_any, false, false};
-    if (tracer->spec.calls >= TRACE_CALLS_STREAM_1M) tracer->base.ops = &streams;
-#endif
 }
 
 static void put_name(RTCDevice device, isa_set most, char *out, size_t size) {
