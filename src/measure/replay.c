@@ -87,23 +87,7 @@ static void any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tr
     of(tracer)->real->ops->any(of(tracer)->real, blocks, count, coherence);
 }
 
-/* Rays asked again are the tracer's own affair, and are not kept. */
-static bool retry_closest(const trace_tracer *tracer, trace_block *block, unsigned lane, unsigned round) {
-    return of(tracer)->real->retry->closest(of(tracer)->real, block, lane, round);
-}
-static bool retry_any(const trace_tracer *tracer, trace_rays *rays, unsigned lane, unsigned round) {
-    return of(tracer)->real->retry->any(of(tracer)->real, rays, lane, round);
-}
-static bool retry_crossings(const trace_tracer *tracer, uint32_t group, vec3_f32 org, vec3_f32 dir,
-                            trace_crossings *out) {
-    return of(tracer)->real->retry->crossings(of(tracer)->real, group, org, dir, out);
-}
-static void retry_bounds(const trace_tracer *tracer, uint32_t group, vec3_f32 *lower, vec3_f32 *upper) {
-    of(tracer)->real->retry->bounds(of(tracer)->real, group, lower, upper);
-}
-
 trace_tracer *record_tracer(const trace_tracer *real, record *closest_to, record *any_to) {
-    static const trace_retry retry = {retry_closest, retry_any, retry_crossings, retry_bounds};
     /* By whether the real one sees planes, and in which precision. */
     static const trace_ops ops[2][2] = {
         {{destroy, closest, any, false, false}, {destroy, closest, any, true, false}},
@@ -112,7 +96,6 @@ trace_tracer *record_tracer(const trace_tracer *real, record *closest_to, record
     if (!made) return NULL;
     *made = (recorder){.base = *real, .real = real, .to = {closest_to, any_to}};
     made->base.ops = &ops[real->ops->planes][real->ops->fine];
-    made->base.retry = real->retry ? &retry : NULL;
     return &made->base;
 }
 

@@ -254,10 +254,13 @@ static void finish(recording *r, trace_sets *out) {
 
 fathom_status trace_sets_record(fathom_context *context, const render_plan *plan, uint64_t rays,
                                 trace_sets *out) {
+    out->count = 0;
     static const atomic_bool never = false;
+    if (plan->integrator != &integrator_classic)
+        return fail(context, FATHOM_BAD_INPUT,
+                    "the rays of a path tracer are not recorded; expected the integrator classic");
     render_plan recorded = *plan;
     recording *r = calloc(1, sizeof *r);
-    out->count = 0;
     if (!r) return fail_memory(context, sizeof *r);
     r->most = (size_t)(rays + LANES - 1) / LANES * LANES;
     recorded.tracer = r->recorder = record_tracer(plan->tracer, NULL, &r->shadows);

@@ -45,6 +45,7 @@ typedef struct trace_retry {
 struct trace_tracer {
     const trace_ops *ops;
     const trace_retry *retry; /* NULL: no triangle that a ray meets is ever missed */
+    const trace_tracer *self; /* what the calls of `retry` take: another where this one only passes rays on */
     const world *world;
     uint64_t bvh_bytes, peak_bytes, foreseen_bytes; /* see trace.h; 0: not known */
     double unit;                                    /* roundoff */

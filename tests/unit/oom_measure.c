@@ -173,11 +173,13 @@ static fathom_status measure_trace(fathom_context *context, const char *file, ou
 static fathom_status measure_phases(fathom_context *context, const char *file, outcome *out) {
     const phases_options options = {.repeats = 1, .seconds = 1};
     const render_time_options times = {.threads = {1}, .thread_counts = 1, .record_bytes = 1};
-    const fathom_read_options read = {.width = 20, .height = 40};
+    fathom_read_options read;
     quartiles seconds[BENCH_CLOCKS];
     static phases result;
     fathom_settings settings;
     fathom_scene *scene;
+    fathom_read_options_default(&read);
+    read.width = 20, read.height = 40;
     fathom_status status = phases_read(context, in_folder(file), &read, &options, &scene, seconds);
     if (status == FATHOM_OK) {
         fathom_scene_settings(scene, &settings);

@@ -281,7 +281,9 @@ static fathom_status measure_run(fathom_context *context, const bench_render_set
 static fathom_status measure_source(fathom_context *context, const bench_render_settings *asked,
                                     const args_list *tracers, const char *name, const char *path,
                                     const bench_watch *watch, json_t *root) {
-    const fathom_read_options read = {.width = asked->all.size.width, .height = asked->all.size.height};
+    fathom_read_options read;
+    fathom_read_options_default(&read);
+    read.width = asked->all.size.width, read.height = asked->all.size.height;
     const phases_options options = {asked->all.repeats, asked->seconds, NULL};
     struct stat info;
     source from = {.name = name, .file_bytes = stat(path, &info) == 0 ? (uint64_t)info.st_size : 0};

@@ -51,12 +51,10 @@ typedef struct bvh_item {
     uint32_t id;
 } bvh_item;
 
-/* Fills nodes and items, or leaves `count` 0 blocks to be filled, from items in any order, which it reorders.
- * The tree depends on the items alone, not on threads. `go_on` (or NULL) is asked now and then, on the
- * calling thread; false: FATHOM_INTERRUPTED. */
+/* Fills the nodes from items in any order, which it reorders. `go_on` (or NULL) is asked now and then; false:
+ * FATHOM_INTERRUPTED. */
 typedef struct bvh_build {
     fathom_context *context;
-    unsigned threads;
     bool (*go_on)(void *user, double fraction);
     void *user;
 } bvh_build;

@@ -271,10 +271,7 @@ fathom_status bvh_create(fathom_context *context, const world *w, const trace_sp
     tracer->base.unit = precisions[spec->precision].unit;
     snprintf(tracer->base.name, sizeof tracer->base.name, "reference BVH, %s",
              precisions[spec->precision].name);
-    bvh_build build = {.context = context,
-                       .threads = options->threads ? options->threads : fathom_context_threads(context),
-                       .go_on = options->progress,
-                       .user = options->user};
+    const bvh_build build = {.context = context, .go_on = options->progress, .user = options->user};
     fathom_status status = build_world(&build, tracer);
     if (status != FATHOM_OK) {
         bvh_destroy(&tracer->base);

@@ -181,6 +181,7 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     tracer->base.ops = &ops;
     tracer->kernels = embree_kernels_best();
     tracer->base.retry = embree_retry(spec);
+    tracer->base.self = &tracer->base;
     tracer->base.world = w;
     tracer->base.unit = 0x1p-24;
     tracer->spec = *spec;

@@ -147,12 +147,12 @@ static const trace_crossing *first_crossing(const finder *f, uint32_t body) {
 static bool find_facing(finder *f, uint32_t group, uint32_t body) {
     vec3_f32 lower, upper;
     int out = 0;
-    f->retry->bounds(f->out->tracer, group, &lower, &upper);
+    f->retry->bounds(f->out->tracer->self, group, &lower, &upper);
     float size = length_f32(sub_f32(upper, lower));
     for (unsigned k = 0; k < BODIES_PROBES; ++k) {
         vec3_f32 dir = load_f32(bodies_probes[k]);
         vec3_f32 org = madd_f32(finder_point(f->world, &f->samples[body][k], k), -2 * size, dir);
-        if (!f->retry->crossings(f->out->tracer, group, org, dir, &f->room)) return false;
+        if (!f->retry->crossings(f->out->tracer->self, group, org, dir, &f->room)) return false;
         const trace_crossing *first = first_crossing(f, body);
         if (first) out += first->entering ? 1 : -1;
     }
