@@ -80,17 +80,6 @@ static void spec_set(trace_spec *spec, const unsigned value[SORT_COUNT]) {
     spec->isa = (isa_set)value[SORT_ISA];
 }
 
-static void spec_get(const trace_spec *spec, unsigned value[SORT_COUNT]) {
-    value[SORT_FORM] = spec->form;
-    value[SORT_PRECISION] = spec->precision;
-    value[SORT_SHAPES] = spec->shapes;
-    value[SORT_FLAGS] = spec->flags;
-    value[SORT_QUALITY] = spec->quality;
-    value[SORT_CALLS] = spec->calls;
-    value[SORT_TIES] = spec->ties;
-    value[SORT_ISA] = spec->isa;
-}
-
 /* ---- from text ---- */
 
 typedef struct reader {
@@ -169,57 +158,4 @@ fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_
     }
     spec_set(out, r.value);
     return FATHOM_OK;
-}
-
-/* ---- to text ---- */
-
-void trace_spec_print(const trace_spec *spec, char out[TRACE_SPEC_LENGTH]) {
-    if (spec->kind == TRACE_PLUGIN) {
-        snprintf(out, TRACE_SPEC_LENGTH, "%s", spec->path);
-        return;
-    }
-    unsigned value[SORT_COUNT];
-    spec_get(spec, value);
-    size_t used = 0;
-    for (size_t i = 0; i < KINDS && !used; ++i) {
-        if (kinds[i].kind == spec->kind) used = (size_t)snprintf(out, TRACE_SPEC_LENGTH, "%s", kinds[i].text);
-    }
-    for (size_t i = 0; i < WORDS; ++i) {
-        if (!(words[i].kinds & 1u << spec->kind) || words[i].value != value[words[i].sort]) continue;
-        used += (size_t)snprintf(out + used, TRACE_SPEC_LENGTH - used, ":%s", words[i].text);
-    }
-}
-
-/* ---- all there are ---- */
-
-/* A choice left to the build is no tracer of its own. */
-static bool listed(const trace_spec *spec) {
-    return spec->kind != TRACE_EMBREE ||
-           (spec->quality != TRACE_QUALITY_AUTO && spec->calls != TRACE_CALLS_AUTO);
-}
-
-/* Every value of this sort and of those after it. */
-static bool list_from(trace_spec *spec, unsigned value[SORT_COUNT], sort at,
-                      bool (*visit)(void *user, const trace_spec *spec), void *user) {
-    if (at == SORT_ISA) {
-        spec_set(spec, value);
-        return !listed(spec) || visit(user, spec);
-    }
-    bool any = false;
-    for (size_t i = 0; i < WORDS; ++i) {
-        if (words[i].sort != at || !(words[i].kinds & 1u << spec->kind)) continue;
-        any = true;
-        value[at] = words[i].value;
-        if (!list_from(spec, value, (sort)(at + 1), visit, user)) return false;
-    }
-    value[at] = 0;
-    return any || list_from(spec, value, (sort)(at + 1), visit, user);
-}
-
-void trace_spec_list(bool (*visit)(void *user, const trace_spec *spec), void *user) {
-    for (size_t i = 0; i < 3; ++i) {
-        trace_spec spec = {.kind = kinds[i].kind};
-        unsigned value[SORT_COUNT] = {0};
-        if (!list_from(&spec, value, SORT_FORM, visit, user)) return;
-    }
 }

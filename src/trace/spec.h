@@ -71,12 +71,4 @@ typedef struct trace_spec {
  * must then outlive `out`. "reference" is "linear", NULL "embree". */
 fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_spec *out);
 
-/* The same in full, every option named: "embree:triangles:robust:auto:16:settled". */
-#define TRACE_SPEC_LENGTH 256
-void trace_spec_print(const trace_spec *spec, char out[TRACE_SPEC_LENGTH]);
-
-/* Calls visit for each tracer that this build can make from words alone (with the best instruction set, and
- * build quality and calls never left to it), until it returns false. */
-void trace_spec_list(bool (*visit)(void *user, const trace_spec *spec), void *user);
-
 #endif

@@ -145,7 +145,7 @@ static void measures(void **state) {
         assert_true(time.rays.shadow > 100);
         assert_true(time.has_ratio);
         assert_int_equal(time.ratio.bands, bands[k]);
-        told_all(&far, 1 + 2 + 3 * bands[k]);
+        told_all(&far, 2 + 2 * bands[k]);
         assert_int_equal(time.ratio.closest, time.rays.camera);
         assert_int_equal(time.ratio.any, time.rays.shadow);
     }

@@ -66,10 +66,7 @@ static void bins_fill(bins *b, const bvh_item *items, uint32_t count, const box 
     }
 }
 
-/* Leaves are tested whole, so what costs is blocks. */
-static double side_cost(const box *b, uint32_t count) {
-    return count ? box_area(b) * (double)((count + BVH_LEAF - 1) / BVH_LEAF) : 0;
-}
+static double side_cost(const box *b, uint32_t count) { return count ? box_area(b) * (double)count : 0; }
 
 /* The cheapest split along one axis: items of bins below *at go to the first side. */
 static double axis_cost(const bins *b, int axis, unsigned *at) {
