@@ -22,19 +22,6 @@ static void item_add(bvh_item *item, vec3_f32 p) {
 
 /* ---- boxes of primitives; false: never met ---- */
 
-/* Triangles with a corner that is not finite are never met. */
-static bool add_triangle(bvh_item *item, vec3_f32 a, vec3_f32 b, vec3_f32 c) {
-    if (!finite_f32(a) || !finite_f32(b) || !finite_f32(c)) return false;
-    item_add(item, a), item_add(item, b), item_add(item, c);
-    return true;
-}
-
-static bool quad_box(const world_quad *quad, bvh_item *item) {
-    const vec3_f32 *v = quad->corner;
-    bool first = add_triangle(item, v[0], v[1], v[3]), second = add_triangle(item, v[2], v[3], v[1]);
-    return first && second;
-}
-
 /* The float beyond the double: outward by at least half a unit. */
 static float below(double x) { return nextafterf((float)x, -INFINITY); }
 static float above(double x) { return nextafterf((float)x, INFINITY); }
@@ -50,15 +37,16 @@ static bool sphere_box(const world_sphere *s, bvh_item *item) {
     return true;
 }
 
+/* Triangles and quads with a corner that is not finite are never met. */
 static bool primitive_box(const world *w, const world_geometry *geometry, uint32_t k, bvh_item *item) {
-    switch (geometry->kind) {
-    case WORLD_SPHERES: return sphere_box(&w->spheres.items[geometry->first + k], item);
-    case WORLD_QUADS: return quad_box(&w->quads.items[geometry->first + k], item);
-    case WORLD_MESH: break;
+    if (geometry->kind == WORLD_SPHERES) return sphere_box(&w->spheres.items[geometry->first + k], item);
+    vec3_f32 v[4];
+    const unsigned corners = search_flat(w, geometry, k, v);
+    for (unsigned c = 0; c < corners; ++c) {
+        if (!finite_f32(v[c])) return false;
+        item_add(item, v[c]);
     }
-    vec3_f32 v[3];
-    search_corners(&w->meshes.items[geometry->first], k, v);
-    return add_triangle(item, v[0], v[1], v[2]);
+    return true;
 }
 
 /* ---- the tree of a geometry ---- */

@@ -86,18 +86,6 @@ static const float limit = REACH_LARGEST / 2; /* and no NaN is below it */
 
 bool reach_usable(vec3_f32 p) { return fabsf(p.x) < limit && fabsf(p.y) < limit && fabsf(p.z) < limit; }
 
-static bool mesh_point(const fathom_mesh *mesh, vec3_f32 *out) {
-    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
-        vec3_f32 v[3];
-        search_corners(mesh, i, v);
-        *out = v[0];
-        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) &&
-            triangle_has_area_f32(v[0], v[1], v[2]))
-            return true;
-    }
-    return false;
-}
-
 static bool sphere_point(const world_sphere *spheres, uint32_t count, vec3_f32 *out) {
     for (uint32_t i = 0; i < count; ++i) {
         *out = spheres[i].center;
@@ -106,22 +94,18 @@ static bool sphere_point(const world_sphere *spheres, uint32_t count, vec3_f32 *
     return false;
 }
 
-static bool quad_point(const world_quad *quads, uint32_t count, vec3_f32 *out) {
-    for (uint32_t i = 0; i < count; ++i) {
-        const vec3_f32 *v = quads[i].corner;
-        *out = v[1]; /* in both halves, of which one may have no area */
-        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3]) &&
-            (triangle_has_area_f32(v[0], v[1], v[3]) || triangle_has_area_f32(v[2], v[3], v[1])))
-            return true;
-    }
-    return false;
-}
-
+/* The second corner is in both halves of a quad, of which one may have no area. */
 bool reach_point(const world *w, const world_geometry *geometry, vec3_f32 *out) {
-    switch (geometry->kind) {
-    case WORLD_SPHERES: return sphere_point(&w->spheres.items[geometry->first], geometry->count, out);
-    case WORLD_QUADS: return quad_point(&w->quads.items[geometry->first], geometry->count, out);
-    case WORLD_MESH: return mesh_point(&w->meshes.items[geometry->first], out);
+    if (geometry->kind == WORLD_SPHERES)
+        return sphere_point(&w->spheres.items[geometry->first], geometry->count, out);
+    for (uint32_t i = 0; i < geometry->count; ++i) {
+        vec3_f32 v[4];
+        const bool quad = search_flat(w, geometry, i, v) == 4;
+        *out = v[1];
+        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && (!quad || reach_usable(v[3])) &&
+            (triangle_has_area_f32(v[0], v[1], v[quad ? 3 : 2]) ||
+             (quad && triangle_has_area_f32(v[2], v[3], v[1]))))
+            return true;
     }
     return false;
 }

@@ -25,21 +25,15 @@ static vec3_f32 between_f32(vec3_f32 o, vec3_f32 a, vec3_f32 b, float s, float t
 vec3_f32 finder_point(const world *w, const sample *at, unsigned k) {
     const world_geometry *g = &w->geometries.items[at->geometry];
     float s = fmodf(0.5f + 0.618f * (float)k, 1), t = ((float)k + 0.5f) / SAMPLES;
-    switch (g->kind) {
-    case WORLD_SPHERES: {
+    if (g->kind == WORLD_SPHERES) {
         const world_sphere *sphere = &w->spheres.items[g->first + at->primitive];
         float sign = k < BODIES_PROBES ? 1 : -1;
         return madd_f32(sphere->center, sign * sphere->radius, load_f32(bodies_probes[k % BODIES_PROBES]));
     }
-    case WORLD_QUADS: {
-        const vec3_f32 *c = w->quads.items[g->first + at->primitive].corner;
-        return s + t < 1 ? between_f32(c[0], c[1], c[3], s, t) : between_f32(c[2], c[3], c[1], 1 - s, 1 - t);
-    }
-    case WORLD_MESH: break;
-    }
-    vec3_f32 v[3];
-    search_corners(world_mesh(w, at->geometry), at->primitive, v);
-    return s + t < 1 ? between_f32(v[0], v[1], v[2], s, t) : between_f32(v[0], v[1], v[2], 1 - s, 1 - t);
+    vec3_f32 v[4];
+    const bool quad = search_flat(w, g, at->primitive, v) == 4;
+    if (s + t < 1) return between_f32(v[0], v[1], v[quad ? 3 : 2], s, t);
+    return quad ? between_f32(v[2], v[3], v[1], 1 - s, 1 - t) : between_f32(v[0], v[1], v[2], 1 - s, 1 - t);
 }
 
 /* The same share of primitives between one sample and the next. */
