@@ -78,14 +78,6 @@ typedef struct arena {
     double from, to; /* its part of all that is measured */
 } arena;
 
-static arena arena_of(const bench_stage *stage, const char *name, double from, double to) {
-    const fathom_scene *scene = stage->scene;
-    uint64_t triangles = scene_triangles(scene);
-    return (arena){*stage,    name,
-                   triangles, triangles + scene->spheres.count + scene->quads.count + scene->planes.count,
-                   from,      to};
-}
-
 static fathom_status open_sphere(fathom_context *context, uint64_t triangles, bench_stage *out) {
     fathom_scene *scene;
     fathom_settings settings;
@@ -272,32 +264,32 @@ static fathom_status run_arena(fathom_context *context, const arena *s, const be
     return status;
 }
 
-/* index: of the scene among those that are measured. */
-static fathom_status run_stage(fathom_context *context, fathom_status opened, bench_stage *stage,
-                               const char *name, double index, const bench_trace_settings *asked,
-                               json_t *root) {
-    fathom_status status = opened;
-    if (status == FATHOM_OK) {
-        const double all = (double)(asked->triangles.count + (asked->all.scene != NULL));
-        const arena a = arena_of(stage, name, index / all, (index + 1) / all);
-        status = run_arena(context, &a, asked, root);
-    }
-    if (status == FATHOM_OK) status = fathom_scene_check_files(stage->scene);
-    stage_close(stage);
-    return status;
+/* Scene i of all: the one given, then the spheres. */
+static fathom_status open_arena(fathom_context *context, const bench_trace_settings *asked, size_t i,
+                                arena *out) {
+    const size_t given = asked->all.scene != NULL, all = given + asked->triangles.count;
+    *out = (arena){.name = i < given ? asked->all.scene : "generated sphere",
+                   .from = (double)i / (double)all,
+                   .to = (double)(i + 1) / (double)all};
+    const fathom_status status = i < given
+                                     ? bench_open(context, &asked->all, &out->stage)
+                                     : open_sphere(context, asked->triangles.items[i - given], &out->stage);
+    if (status != FATHOM_OK) return status;
+    const fathom_scene *scene = out->stage.scene;
+    out->triangles = scene_triangles(scene);
+    out->primitives = out->triangles + scene->spheres.count + scene->quads.count + scene->planes.count;
+    return FATHOM_OK;
 }
 
 static fathom_status run_scenes(fathom_context *context, const bench_trace_settings *asked, json_t *root) {
+    const size_t all = (asked->all.scene != NULL) + asked->triangles.count;
     fathom_status status = FATHOM_OK;
-    bench_stage stage;
-    if (asked->all.scene) {
-        status = bench_open(context, &asked->all, &stage);
-        status = run_stage(context, status, &stage, asked->all.scene, 0, asked, root);
-    }
-    for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
-        status = open_sphere(context, asked->triangles.items[i], &stage);
-        status = run_stage(context, status, &stage, "generated sphere",
-                           (double)i + (asked->all.scene != NULL), asked, root);
+    for (size_t i = 0; i < all && status == FATHOM_OK; ++i) {
+        arena a;
+        status = open_arena(context, asked, i, &a);
+        if (status == FATHOM_OK) status = run_arena(context, &a, asked, root);
+        if (status == FATHOM_OK) status = fathom_scene_check_files(a.stage.scene);
+        stage_close(&a.stage);
     }
     return status;
 }
