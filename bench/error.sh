@@ -1,6 +1,6 @@
 #!/bin/sh
 # What error each second buys: `fathom bench error` on a scene of the tour and on a generated forest; and what build quality
-# costs and saves on a sphere of a million triangles, `fathom bench build`. The error of intersectors against their time is in the page of
+# costs and saves on a sphere of a million triangles, `fathom bench render`. The error of intersectors against their time is in the page of
 # `fathom validate --report`, section "Error against time".
 # usage: BUILD=build/release sh bench/error.sh [WIDTHxHEIGHT [MAX_SPP [SEEDS [REPORTS]]]]
 # (default 480x270, 1024, 5; REPORTS: a folder for the pages, none without)
@@ -21,11 +21,9 @@ for scene in scenes/tour/27-antialiased-reflections.json "$folder/forest.glb"; d
         $(page "error-$(basename "${scene%.*}")") 2>"$folder/log"
     echo
 done
-"$fathom" generate sphere --triangles 1M -o "$folder/sphere.glb" >"$folder/log"
-for tracer in embree embree:default; do
-    echo "build quality, $tracer"
+for flags in "" :default; do
     # shellcheck disable=SC2046
-    "$fathom" bench build "$folder/sphere.glb" --size "$size" --repeats "$seeds" --tracer "$tracer" \
-        $(page "build-$(echo $tracer | tr : -)")
+    "$fathom" bench render --triangles 1M --size "$size" --repeats "$seeds" --spp 1,4,16,64 --threads 1 \
+        --tracer "embree$flags:low" --tracer "embree$flags:medium" --tracer "embree$flags:high" $(page "build${flags#:}") 2>"$folder/log"
     echo
 done

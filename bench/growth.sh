@@ -1,10 +1,9 @@
 #!/bin/sh
 # How reading, building and tracing grow from 10^4 to 10^8 triangles, and a scene of ten billion instanced ones.
 # usage: BUILD=build/release sh bench/growth.sh [REPORT]
-# The page with its plots goes to REPORT/index.html (default: growth), the figures beside it. $TMPDIR holds 2.8 GB for
-# a while, memory 14 GB. SIZES="10k 1M" are the sizes, a run each that the next one adds to; a size list such as
-# "10k,100k 1M" puts some into one run. REPEATS=5. BILLIONS=0 leaves the instances out, another number is of triangles
-# each; IMAGE=FILE keeps their image, OPTIONS="--size 640x360" are for its render.
+# The page with its plots goes to REPORT/index.html (default: growth), the figures next to it. $TMPDIR holds 2.8 GB for
+# a while, memory 14 GB. SIZES=10k,1M are the sizes, REPEATS=5. BILLIONS=0 leaves the instances out, another number is of
+# triangles each; IMAGE=FILE keeps their image, OPTIONS="--size 640x360" are for its render.
 set -eu
 report=${1:-growth}
 source=$(cd "$(dirname "$0")/.." && pwd)
@@ -13,14 +12,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 mkdir -p "$report"
 
-measure() { "${QUIET:-env}" "$fathom" bench growth --repeats "${REPEATS:-5}" "$@"; }
-
-set --
-for size in ${SIZES:-10k,30k,100k,300k,1M,3M 10M 30M 100M}; do
-    measure --triangles "$size" --quiet "$@" --json "$report/growth.json"
-    set -- --with "$report/growth.json"
-done
-measure "$@" --csv "$report/growth.csv" --report "$report"
+"${QUIET:-env}" "$fathom" bench render --triangles "${SIZES:-10k,30k,100k,300k,1M,3M,10M,30M,100M}" --spp 1 --threads 1 \
+    --repeats "${REPEATS:-5}" --seconds 8 --json "$report/growth.json" --csv "$report/growth.csv" --report "$report"
 
 # A field of 100 x 100 spheres, a group of groups: $1 triangles each.
 field() {

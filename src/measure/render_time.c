@@ -14,40 +14,8 @@ typedef struct bench {
     const fathom_settings *settings;
     const render_time_options *options;
     render_time *out;
-    double done, total; /* work, see below */
+    bench_watch speeds, ratio; /* each a part of options->watch */
 } bench;
-
-/* ---- how far it is ----
- * A render by one thread is one unit; the bare calls, and the same through the tracer, take about 0.65 of it.
- */
-
-#define REPLAY 0.65
-
-/* All renders of one repetition, by each number of threads. */
-static double speed_work(const render_time_options *options) {
-    double work = 0;
-    for (unsigned t = 0; t < options->thread_counts; ++t) {
-        const unsigned threads = options->threads[t], most = processor_count();
-        work += 1.0 / (threads < most ? threads : most);
-    }
-    return work;
-}
-
-/* One render and all replays of one repetition. */
-static double ratio_work(const render_time_options *options) {
-    return 1 + 2 * REPLAY + (options->thread_counts > 1 ? options->thread_counts * REPLAY : 0);
-}
-
-static double all_work(const bench *b) {
-    const double repeats = b->options->repeats, recording = 1;
-    const bool ratio = embree_bare_possible(b->tracer);
-    return repeats * speed_work(b->options) + (ratio ? recording + repeats * ratio_work(b->options) : 0);
-}
-
-static void finish_work(bench *b, double work) {
-    b->done += work;
-    bench_watch_tell(b->options->watch, b->done, b->total);
-}
 
 typedef struct timing {
     double plan, seconds, cpu;
@@ -89,33 +57,34 @@ static bool time_together(const bench *b, const record *r, unsigned repeat, sums
     const render_time_options *options = b->options;
     for (unsigned t = 0; t < options->thread_counts && options->thread_counts > 1; ++t) {
         replay_result bare;
-        if (!replay_bare_together(r, b->tracer, options->threads[t], &bare)) return false;
+        if (!replay_together(r, b->tracer, options->threads[t], &bare)) return false;
         s->together[t][repeat] += bare.seconds;
     }
     return true;
 }
 
 /* Each in turn, and the other way round every other time, so that what changes with the time favours none. */
-static fathom_status time_band(bench *b, const record *r, const fathom_settings *settings, double share,
-                               sums *s) {
+static fathom_status time_band(bench *b, const record *r, const fathom_settings *settings,
+                               const bench_watch *watch, sums *s) {
     for (unsigned k = 0; k < b->options->repeats; ++k) {
         timing render;
         replay_result bare, traced;
+        const replay_way calls = {b->tracer, true}, tracer = {b->tracer, false};
         bool first = k % 2, ok = true;
-        if (first) ok = replay_bare(r, b->tracer, &bare);
+        if (first) ok = replay(r, &calls, &bare);
         fathom_status status = render_once(b, b->tracer, settings, 1, &render);
         if (status != FATHOM_OK) return status;
-        if (!first) ok = replay_bare(r, b->tracer, &bare);
-        if (!ok || !replay_traced(r, b->tracer, &traced) || !time_together(b, r, k, s))
+        if (!first) ok = replay(r, &calls, &bare);
+        if (!ok || !replay(r, &tracer, &traced) || !time_together(b, r, k, s))
             return fail_memory(b->context, sizeof *r);
         s->render[k] += render.cpu, s->bare[k] += bare.cpu_seconds, s->traced[k] += traced.cpu_seconds;
-        finish_work(b, share * ratio_work(b->options));
+        bench_watch_tell(watch, k + 1, b->options->repeats);
     }
     return FATHOM_OK;
 }
 
 static fathom_status record_band(const bench *b, const fathom_settings *settings, record *r) {
-    trace_tracer *recorder = record_tracer(b->tracer, r);
+    trace_tracer *recorder = record_tracer(b->tracer, r, r);
     if (!recorder) return fail_memory(b->context, sizeof *r);
     record_clear(r);
     timing render;
@@ -145,10 +114,10 @@ static fathom_status time_bands(bench *b, record *r, sums *s) {
     for (uint32_t y = c[1]; y < end && status == FATHOM_OK; y = c[3]) {
         uint32_t next = (y + rows) / part.tile_size * part.tile_size;
         c[1] = y, c[3] = end - y <= rows ? end : next;
-        const double share = (double)(c[3] - y) / all;
+        const bench_watch watch =
+            bench_watch_part(&b->ratio, (double)(all - (end - y)) / all, (double)(all - (end - c[3])) / all);
         status = record_band(b, &part, r);
-        finish_work(b, share);
-        if (status == FATHOM_OK) status = time_band(b, r, &part, share, s);
+        if (status == FATHOM_OK) status = time_band(b, r, &part, &watch, s);
         b->out->ratio.closest += record_rays(r, BARE_CLOSEST);
         b->out->ratio.any += record_rays(r, BARE_ANY);
         ++b->out->ratio.bands;
@@ -228,7 +197,7 @@ static fathom_status measure_speeds(bench *b) {
             s->plan[k] = render.plan, s->seconds[t][k] = render.seconds, s->cpu[t][k] = render.cpu;
             b->out->rays = render.rays;
         }
-        finish_work(b, speed_work(b->options));
+        bench_watch_tell(&b->speeds, k + 1, b->options->repeats);
     }
     if (status == FATHOM_OK) set_speeds(b, s);
     free(s);
@@ -239,9 +208,16 @@ fathom_status render_time_measure(fathom_context *context, const world *w, const
                                   const fathom_settings *settings, const render_time_options *options,
                                   render_time *out) {
     *out = (render_time){.speed_count = 0};
-    bench b = {context, w, tracer, settings, options, out, 0, 1};
-    b.total = all_work(&b);
-    finish_work(&b, 0);
+    /* The replays of a repetition take somewhat longer than its renders. */
+    const double split = embree_bare_possible(tracer) ? 0.4 : 1;
+    bench b = {.context = context,
+               .world = w,
+               .tracer = tracer,
+               .settings = settings,
+               .options = options,
+               .out = out};
+    b.speeds = bench_watch_part(options->watch, 0, split);
+    b.ratio = bench_watch_part(options->watch, split, 1);
     fathom_status status = measure_speeds(&b);
     return status == FATHOM_OK ? measure_ratio(&b) : status;
 }

@@ -31,34 +31,55 @@ void record_free(record *r);
 const trace_rays *record_block(const record *r, size_t index);
 uint64_t record_rays(const record *r, bare_query query);
 
-/* One call of so many rays; `stride`: bytes from one block's rays to the next one's. */
-void record_keep(record *r, bare_query query, trace_coherence coherence, const void *rays, size_t stride,
-                 size_t count);
+/* Keeps closest-hit and any-hit rays in these records; NULL: keeps none. `real` and the records must outlive
+ * the tracer. NULL when out of memory. Release with trace_destroy(), which leaves `real` alone. */
+trace_tracer *record_tracer(const trace_tracer *real, record *closest, record *any);
 
-/* Both must outlive the tracer. NULL when out of memory. Release with trace_destroy(), which leaves `real`
- * alone. */
-trace_tracer *record_tracer(const trace_tracer *real, record *to);
-/* From now on it keeps the rays of either query here; NULL: not at all. */
-void record_redirect(trace_tracer *recorder, record *closest, record *any);
+/* ---- rays in the form in which they are asked ----
+ * Rays are brought into that form, and into the processor's second-level cache, outside of what is timed. A
+ * render's rays are in its cache too when they are traced. */
 
-/* ---- the rays of a record asked again ----
- * Rays are brought to the processor's second-level cache piece by piece, and into the form that is asked for,
- * outside of what is timed. A render's rays are in its cache too when they are traced. */
+/* Blocks between two looks at the clocks: 4096 rays, some 0.4 MB in either form. Reading the clocks takes
+ * under a microsecond, tracing so many rays more than a hundred. */
+#define REPLAY_PIECE 256
+
+typedef struct replay_piece {
+    bare_block bare[REPLAY_PIECE];
+    trace_block closest[REPLAY_PIECE];
+    trace_rays any[REPLAY_PIECE];
+} replay_piece;
+
+/* Through trace_closest() and trace_any(), or by Embree's calls alone, which wants embree_bare_possible(). */
+typedef struct replay_way {
+    const trace_tracer *tracer;
+    bool bare;
+} replay_way;
+
+/* Rays of one kind in a piece. */
+typedef struct replay_part {
+    bare_query query;
+    trace_coherence coherence;
+    size_t first, rays; /* the first block in the piece */
+} replay_part;
+
+/* Puts a block of the part, counted from its first, into the piece. */
+void replay_load(const replay_way *way, const replay_part *part, size_t block, const trace_rays *rays,
+                 replay_piece *piece);
+void replay_trace(const replay_way *way, const replay_part *part, replay_piece *piece);
+/* How many of the part's rays met something. */
+uint64_t replay_met(const replay_way *way, const replay_part *part, const replay_piece *piece);
+
+/* ---- a whole record asked again ---- */
 
 typedef struct replay_result {
     double seconds, cpu_seconds; /* by the clock; of one thread's processor */
     uint64_t rays[2], met[2];    /* by bare_query */
 } replay_result;
 
-/* By Embree's calls alone; embree_bare_possible() must hold. All are false when out of memory. */
-bool replay_bare(const record *r, const trace_tracer *tracer, replay_result *out);
-/* The same by several threads at once, each of which asks all rays: the mean of their seconds, and the
- * first one's counts. Were they no hindrance to each other, they took as long as one alone. */
-bool replay_bare_together(const record *r, const trace_tracer *tracer, unsigned threads, replay_result *out);
-/* The same in packets of `width`, 1, 4, 8 or 16, by the kernels for coherent packets or the others. */
-bool replay_bare_as(const record *r, const trace_tracer *tracer, unsigned width, bool coherent,
-                    replay_result *out);
-/* By trace_closest() and trace_any(). */
-bool replay_traced(const record *r, const trace_tracer *tracer, replay_result *out);
+/* False when out of memory. */
+bool replay(const record *r, const replay_way *way, replay_result *out);
+/* The bare calls by several threads at once, each of which asks all rays: the mean of their seconds, and the
+ * first one's counts. Threads that do not hinder each other take as long as one alone. */
+bool replay_together(const record *r, const trace_tracer *tracer, unsigned threads, replay_result *out);
 
 #endif

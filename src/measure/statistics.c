@@ -75,6 +75,22 @@ double line_slope_half(const double *x, const double *y, size_t count) {
     return student_95(count - 2) * sqrt(left / (double)(count - 2) / across);
 }
 
+power_fit power_through(const double *x, const double *y, size_t count) {
+    double *logs = malloc(2 * (count + 1) * sizeof *logs);
+    power_fit fit = {(double)NAN, INFINITY, (double)NAN, 0};
+    if (!logs) return fit;
+    double *lx = logs, *ly = logs + count;
+    for (size_t i = 0; i < count; ++i) {
+        if (!(x[i] > 0) || !(y[i] > 0)) continue;
+        lx[fit.count] = log(x[i]), ly[fit.count++] = log(y[i]);
+    }
+    line_fit line = line_through(lx, ly, fit.count);
+    fit.exponent = line.slope, fit.scale = exp(line.intercept);
+    fit.half = line_slope_half(lx, ly, fit.count);
+    free(logs);
+    return fit;
+}
+
 /* ---- how far a measurement is ---- */
 
 static double at(const bench_watch *watch, double share) {

@@ -35,6 +35,14 @@ line_fit line_through(const double *x, const double *y, size_t count);
  * leaves, r; infinite for less than three points. */
 double line_slope_half(const double *x, const double *y, size_t count);
 
+/* y ∝ x^exponent, by least squares in the logarithms: exponent ± half holds 95 %. Pairs that are not positive
+ * do not count; NAN where fewer than two different ones do. */
+typedef struct power_fit {
+    double exponent, half, scale; /* y = scale · x^exponent */
+    size_t count;
+} power_fit;
+power_fit power_through(const double *x, const double *y, size_t count);
+
 /* ---- how far a measurement is, for whoever waits ----
  * Told between the things that are timed, never during them. */
 

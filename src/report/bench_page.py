@@ -51,13 +51,18 @@ def listing(caption, columns, items):
 # ---- trace ----
 
 
+def sets_of(runs):
+    """The names of all sets of rays, in the order of the runs."""
+    return list(dict.fromkeys(rate.get("set") for run in runs for rate in run.get("rates", [])))
+
+
 def rate_of(run, name):
     return next((r for r in run.get("rates", []) if r.get("set") == name), {})
 
 
-def trace_row(run):
+def trace_row(run, sets):
     row = [code(run.get("spec", "")), num(at(run, "buildSeconds")), num(1e-6 * at(run, "bvhBytes"))]
-    for name in SETS:
+    for name in sets:
         rate = rate_of(run, name)
         row += [num(at(rate, "millionRaysPerCpuSecond", "median")), words(spread_of_quartiles(rate.get("millionRaysPerCpuSecond", {}))),
                 whole(rate.get("rays", 0))]
@@ -65,8 +70,9 @@ def trace_row(run):
 
 
 def trace_table(runs):
+    sets = sets_of(runs)
     columns = ["tracer", "#build, s", "#BVH, MB"]
-    for name in SETS:
+    for name in sets:
         columns += ["#" + name, "spread", "#rays"]
     rows, last = [], None
     for run in runs:
@@ -74,7 +80,7 @@ def trace_table(runs):
         if scene != last:
             rows.append(group(scene[0] or "", f"{count(scene[1] or 0)} triangles"))
         last = scene
-        rows.append(trace_row(run))
+        rows.append(trace_row(run, sets))
     return table("Million rays a second of processor time, seconds to build, megabytes of BVH", columns, rows)
 
 
@@ -99,9 +105,9 @@ def trace_growth(runs):
     if len({r.get("triangles") for r in runs}) < 2:
         return absent("One scene only: --triangles 10k,100k,1M shows how rates fall with the triangles.")
     plots = [
-        trace_plot(runs, title, "million rays a second", lambda r, n=name: at(rate_of(r, n), "millionRaysPerCpuSecond", "median"),
+        trace_plot(runs, SETS.get(name, name), "million rays a second", lambda r, n=name: at(rate_of(r, n), "millionRaysPerCpuSecond", "median"),
                    lambda r, n=name: fewer_rays(runs, r, n))
-        for name, title in SETS.items()
+        for name in sets_of(runs)
     ]
     plots.append(trace_plot(runs, "Building", "seconds", lambda r: at(r, "buildSeconds"), lambda r: False))
     plots.append(trace_plot(runs, "BVH", "megabytes", lambda r: 1e-6 * at(r, "bvhBytes"), lambda r: False))
@@ -120,25 +126,57 @@ def trace(results):
 # ---- render ----
 
 
+SOURCE = {"scene": "scene", "#triangles": "triangles", "tracer": "spec", "samples a pixel": "spp"}
+
+
 def render_ceiling(runs):
-    columns = {"samples a pixel": "spp", "#bare calls, s": "ceiling.bareCpuSeconds.median", "#render over bare": "ceiling.renderToBare.median",
+    columns = {**SOURCE, "#bare calls, s": "ceiling.bareCpuSeconds.median", "#render over bare": "ceiling.renderToBare.median",
                "#lower quartile": "ceiling.renderToBare.low", "#upper quartile": "ceiling.renderToBare.high",
                "#tracer over bare": "ceiling.tracedToBare.median", "#closest-hit rays": "ceiling.closestRays", "#any-hit rays": "ceiling.anyRays"}
     return listing("Processor time of the render phase over that of the bare calls", columns, [r for r in runs if r.get("ceiling")])
 
 
 def render_speeds(runs):
-    columns = {"samples a pixel": "spp", "#threads": "threads", "#seconds": "seconds.median", "#lower quartile": "seconds.low",
+    columns = {**SOURCE, "#threads": "threads", "#seconds": "seconds.median", "#lower quartile": "seconds.low",
                "#upper quartile": "seconds.high", "#processor seconds": "cpuSeconds.median", "#million rays a second": "millionRaysPerSecond",
                "#speedup": "speedup.median", "#speedup of bare calls": "bareSpeedup.median"}
-    speeds = [{"spp": run.get("spp"), **speed} for run in runs for speed in run.get("speeds", [])]
+    speeds = [{**{key: run.get(key) for key in SOURCE.values()}, **speed} for run in runs for speed in run.get("speeds", [])]
     return listing("Seconds by the clock, medians and quartiles", columns, speeds)
 
 
 def render_phases(runs):
-    columns = {"samples a pixel": "spp", **{"#" + phase: f"seconds.{phase}" for phase in ("read", "build", "plan", "render", "write")},
+    columns = {**SOURCE, **{"#" + phase: f"seconds.{phase}" for phase in ("read", "build", "plan", "render", "write")},
+               "#build, processor": "buildSeconds.cpu.median", "#BVH, bytes": "bvhBytes", "#while built, bytes": "bvhPeakBytes",
                "#camera rays": "rays.camera", "#shadow rays": "rays.shadow", "#reflected": "rays.reflection", "#refracted": "rays.refraction"}
-    return listing("Seconds of each phase, and rays by kind", columns, runs)
+    return listing("Seconds of each phase by the clock, and rays by kind", columns, runs)
+
+
+def render_growth(results):
+    """Phases over the number of triangles, a series for each tracer and number of samples that a law was fitted to."""
+    runs, fits = results.get("runs", []), results.get("fits", [])
+    if not fits:
+        return absent("One size only: --triangles 10k,100k,1M shows how the phases grow with the triangles.")
+    phases = {"read": ("Reading", "readSeconds.cpu.median"), "build": ("Building", "buildSeconds.cpu.median"),
+              "render": ("The render phase, by one thread", "ceiling.renderCpuSeconds.median"), "bare": ("Embree’s bare calls", "ceiling.bareCpuSeconds.median"),
+              "renderToBare": ("The render phase over the bare calls", "ceiling.renderToBare.median")}
+    plots = []
+    for name, (title, path) in phases.items():
+        unit = "times" if name == "renderToBare" else "processor seconds"
+        plot = Plot(title, "triangles", unit, summary="Over the number of triangles. The table has the numbers.", size=(520, 400))
+        for series, fit in enumerate(f for f in fits if f["of"] == name):
+            own = [r for r in runs if (r["spec"], r["spp"]) == (fit["spec"], fit["spp"])]
+            said = f"{fit['spec']}, {count(fit['spp'])} samples a pixel"
+            for place, r in enumerate(own):
+                x, y = at(r, "triangles"), at(r, *path.split("."))
+                plot.point(x, y, f"{said}, {count(x)} triangles: {number(y)} {unit}", series=series, label=None if place else said)
+            ends = [min(at(r, "triangles") for r in own), max(at(r, "triangles") for r in own)]
+            plot.line(ends, [fit["scale"] * x ** fit["exponent"] for x in ends], series=series, dashed=True)
+        plots.append(plot.markup())
+    about = paragraph("Processor time, medians. Dashed: b of seconds ∝ triangles<sup>b</sup> by least squares of the logarithms, with half its 95\u202f% "
+                      "interval in the table. 1 is linear. If that of render over bare is 0, both grow alike.")
+    columns = {"": lambda fit: words(phases[fit["of"]][0]), "tracer": "spec", "samples a pixel": "spp", "#exponent": "exponent", "#±": "half",
+               "#sizes": "sizes"}
+    return about + side_by_side(plots) + listing("Fitted exponents", columns, fits)
 
 
 def render(results):
@@ -151,6 +189,7 @@ def render(results):
         Section("ceiling", "Against the bare calls", about + render_ceiling(runs)),
         Section("threads", "The render phase by threads", render_speeds(runs)),
         Section("phases", "Phases and rays", render_phases(runs)),
+        Section("growth", "By the number of triangles", render_growth(results)),
     ]
 
 
@@ -265,138 +304,12 @@ def error(results):
     ]
 
 
-# ---- growth ----
-
-
-def growth_plot(results, title, unit, series, y_log=True):
-    """series: name, the keys of a number of each run, the fit that is drawn or None, and a factor to the plot's unit."""
-    plot = Plot(title, "triangles", unit, y_log=y_log, summary="Over the number of triangles. The table has the numbers.")
-    runs = results.get("runs", [])
-    xs = [at(r, "triangles") for r in runs]
-    for k, (name, keys, fit, factor) in enumerate(series):
-        ys = [factor * at(r, *keys) for r in runs]
-        for place, (x, y) in enumerate(zip(xs, ys)):
-            plot.point(x, y, f"{name}, {count(x)} triangles: {number(y)} {unit}", series=k, label=None if place else name)
-        law = at(results, "fits", fit, "all", missing=None) if fit else None
-        if law and xs:
-            plot.line([xs[0], xs[-1]], [factor * at(law, "scale") * x ** at(law, "exponent") for x in (xs[0], xs[-1])], series=k, dashed=True)
-        else:
-            plot.line(xs, ys, series=k)
-    if not y_log:
-        plot.axes.set_ylim(bottom=0)
-    return plot.markup()
-
-
-def growth_plots(results):
-    return paragraph("Processor time, medians. Dashed: a power law by least squares over all sizes.") + side_by_side([
-        growth_plot(results, "Reading and building", "processor milliseconds",
-                    [("reading", ("readSeconds", "cpu", "median"), "read", 1e3), ("building", ("buildSeconds", "cpu", "median"), "build", 1e3)]),
-        growth_plot(results, "One sample a pixel, by one thread", "processor milliseconds",
-                    [("render phase", ("renderCpuSeconds", "median"), None, 1e3), ("Embree’s bare calls", ("bareCpuSeconds", "median"), None, 1e3)]),
-        growth_plot(results, "The render phase over the bare calls", "times", [("render over bare", ("renderToBare", "median"), None, 1)], y_log=False),
-    ])
-
-
-def growth_fits(results):
-    names = {"read": "reading", "build": "building", "render": "render phase", "bare": "bare calls", "renderToBare": "render over bare"}
-    about = paragraph("b of processor seconds ∝ triangles<sup>b</sup> with half its 95\u202f% interval: 1 is linear. If that of render over bare is 0, "
-                      "both grow alike.")
-    columns = {"": "name", "#all sizes": "all.exponent", "#±": "all.half", "#from a million on": "heavy.exponent", "#± of these": "heavy.half"}
-    return about + listing("Fitted exponents", columns, [{"name": name, **at(results, "fits", key, missing={})} for key, name in names.items()])
-
-
-def growth_sizes(results):
-    columns = {"triangles": "triangles", "#file, bytes": "fileBytes", "#BVH, bytes": "bvhBytes", "#at most, bytes": "bvhPeakBytes",
-               "#read, s": "readSeconds.cpu.median", "#read, clock s": "readSeconds.wall.median", "#build, s": "buildSeconds.cpu.median",
-               "#build, clock s": "buildSeconds.wall.median", "#rays": "rays", "#render, s": "renderCpuSeconds.median",
-               "#bare calls, s": "bareCpuSeconds.median", "#Mrays/s": "millionRaysPerCpuSecond.render",
-               "#bare, Mrays/s": "millionRaysPerCpuSecond.bare", "#render over bare": "renderToBare.median"}
-    about = paragraph("Seconds of processor time of all threads together; rendering uses one thread. At most: what Embree holds while it builds.")
-    return about + listing("Reading, building and rendering by the number of triangles", columns, results.get("runs", []))
-
-
-def growth(results):
-    return [
-        Section("plots", "By the number of triangles", growth_plots(results)),
-        Section("exponents", "Exponents", growth_fits(results)),
-        Section("sizes", "Sizes", growth_sizes(results)),
-    ]
-
-
-# ---- build ----
-
-
-def best_range(quality, clock):
-    range_ = at(quality, "bestFromToSpp", clock, missing=None)
-    if not range_:
-        return words("never")
-    return words(f"{number(range_[0])} to {number(range_[1])}" if range_[1] is not None else f"{number(range_[0])} and more")
-
-
-def build_qualities(results):
-    about = paragraph(f"Medians over repetitions that took turns. A sample is one a pixel, over {count(results.get('width', 0))} × "
-                      f"{count(results.get('height', 0))} pixels. The fastest is by build and render together.")
-    columns = {"quality": "quality", "#build, processor s": "buildSeconds.cpu.median", "#build, clock s": "buildSeconds.wall.median",
-               "#a sample, processor s": "sampleSeconds.cpu.median", "#a sample, clock s": "sampleSeconds.wall.median",
-               "#Mrays/s": "millionRaysPerSecond", "#BVH, bytes": "bvhBytes", "#while built, bytes": "bvhPeakBytes",
-               "fastest at spp, processor": lambda q: best_range(q, "cpu"), "fastest at spp, clock": lambda q: best_range(q, "wall")}
-    return about + listing("Build quality against time", columns, results.get("qualities", []))
-
-
-def build_totals(results, clock):
-    columns = {"samples a pixel": "spp", **{"#" + q: f"{clock}.seconds.{q}" for q in ("low", "medium", "high")}, "best": f"{clock}.best",
-               "automatic": "automatic", "#behind the best, %": lambda total: num(100 * at(total, clock, "automaticBehind"))}
-    return listing(f"Build and render, {CLOCKS[clock]} seconds", columns, results.get("totals", []))
-
-
-def build(results):
-    return [
-        Section("qualities", "What each quality costs and saves", build_qualities(results)),
-        Section("totals", "By samples a pixel", "".join(build_totals(results, c) for c in CLOCKS)),
-    ]
-
-
-# ---- secondary ----
-
-
-def secondary_plot(rows):
-    plot = Plot("The render’s calls over single rays", "depth", "time over single rays", x_log=False, y_log=False, size=(620, 360),
-                summary="Ratio of times by depth; 1 where both are as fast.")
-    kinds = ["camera", "mirrored", "refracted", "shadow"]
-    seen = set()
-    for row in rows:
-        kind = row.get("kind")
-        title = f"{kind}, depth {row.get('depth')}: {number(at(row, 'renderToSingle', 'median'))}"
-        plot.point(at(row, "depth"), at(row, "renderToSingle", "median"), title, series=kinds.index(kind), high=at(row, "renderToSingle", "high"),
-                   label=None if kind in seen else kind)
-        seen.add(kind)
-    plot.level(1)
-    plot.axes.set_ylim(bottom=0)
-    return plot.markup("Below the dashed line the render is faster. Marks are medians, hollow ones upper quartiles.")
-
-
-def secondary(results):
-    rows = results.get("rows", [])
-    about = paragraph(
-        "The rays of a render’s first samples, traced again as the render traces them, its tracer included, and by Embree’s calls alone: one "
-        "ray a call, or in packets. Processor time of one thread; each ratio is a median over repetitions that took turns."
-    )
-    ways = list(rows[0].get("nsPerRay", {})) if rows else []
-    columns = {"depth, kind": lambda r: words(f"{r.get('depth')}, {r.get('kind')}"), "#rays": "rays", "#render over single": "renderToSingle.median",
-               "#lower quartile": "renderToSingle.low", "#upper quartile": "renderToSingle.high", **{"#" + w: f"nsPerRay.{w}.median" for w in ways}}
-    listed = listing("Nanoseconds a ray, and the render over single rays", columns, rows)
-    return [Section("depths", "By depth and kind", about + secondary_plot(rows) + listed)]
-
-
 # ---- all ----
 
 BENCHES = {
     "trace": ("Fathom: rays a second of every tracer", trace),
     "render": ("Fathom: the render phase against Embree’s bare calls", render),
     "error": ("Fathom: image error against run time", error),
-    "build": ("Fathom: build quality against time", build),
-    "growth": ("Fathom: reading, building and tracing by the number of triangles", growth),
-    "secondary": ("Fathom: secondary rays against single-ray calls", secondary),
 }
 
 

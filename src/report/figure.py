@@ -39,9 +39,9 @@ def usable(x):
 
 
 class Plot:
-    """Points and lines on two axes; points tell their numbers when pointed at."""
+    """Points and lines on two logarithmic axes; points tell their numbers when pointed at."""
 
-    def __init__(self, title, x_name, y_name, *, summary, x_log=True, y_log=True, size=(1040, 400)):
+    def __init__(self, title, x_name, y_name, *, summary, size=(1040, 400)):
         self.title, self.summary = title, summary
         self.titles = {}
         self.figure = Figure(figsize=(size[0] / 72, size[1] / 72), layout="constrained")
@@ -50,16 +50,14 @@ class Plot:
         self.axes.set_ylabel(y_name)
         self.axes.grid(True, linewidth=0.6)
         self.axes.set_axisbelow(True)
-        for axis, log, scale in ((self.axes.xaxis, x_log, self.axes.set_xscale), (self.axes.yaxis, y_log, self.axes.set_yscale)):
-            if log:
-                scale("log")
-                axis.set_major_formatter(lambda x, _: power(round(math.log10(x))) if not 0.001 <= x < 10000 else number(x))
-                axis.set_minor_formatter(NullFormatter())
-                axis.set_minor_locator(LogLocator(subs=(2, 5)))
-        self.x_log, self.y_log = x_log, y_log
+        for axis, scale in ((self.axes.xaxis, self.axes.set_xscale), (self.axes.yaxis, self.axes.set_yscale)):
+            scale("log")
+            axis.set_major_formatter(lambda x, _: power(round(math.log10(x))) if not 0.001 <= x < 10000 else number(x))
+            axis.set_minor_formatter(NullFormatter())
+            axis.set_minor_locator(LogLocator(subs=(2, 5)))
 
     def _shown(self, x, y):
-        return usable(x) and usable(y) and (x > 0 or not self.x_log) and (y > 0 or not self.y_log)
+        return usable(x) and usable(y) and x > 0 and y > 0
 
     def point(self, x, y, title, *, series=0, high=None, hollow=False, label=None):
         """high: the end of an interval above the point."""
@@ -80,9 +78,6 @@ class Plot:
         if len(pairs) > 1:
             self.axes.plot(*zip(*pairs), color=COLOURS[series % len(COLOURS)], linewidth=1.2, linestyle="--" if dashed else "-")
 
-    def level(self, y):
-        self.axes.axhline(y, color=SOFT, linewidth=1, linestyle="--")
-
     def bars(self, items, series=0):
         """items: (from, to, height, title)"""
         for low, high, height, title in items:
@@ -97,8 +92,8 @@ class Plot:
 
     def _ticks(self):
         """Powers of ten alone are too few on an axis of less than two decades."""
-        for axis, log, ends in ((self.axes.xaxis, self.x_log, self.axes.get_xlim()), (self.axes.yaxis, self.y_log, self.axes.get_ylim())):
-            if log and ends[1] < 100 * ends[0]:
+        for axis, ends in ((self.axes.xaxis, self.axes.get_xlim()), (self.axes.yaxis, self.axes.get_ylim())):
+            if ends[1] < 100 * ends[0]:
                 axis.set_minor_formatter(lambda x, _: number(x))
 
     def markup(self, caption=""):

@@ -14,6 +14,17 @@ static inline void search_corners(const fathom_mesh *mesh, uint32_t triangle, ve
     for (unsigned c = 0; c < 3; ++c) out[c] = load_f32(mesh_vertex(mesh, index[c]));
 }
 
+/* The corners of primitive k of a geometry that is no run of spheres; how many there are, 3 or 4. */
+static inline unsigned search_flat(const world *w, const world_geometry *geometry, uint32_t k,
+                                   vec3_f32 out[4]) {
+    if (geometry->kind == WORLD_MESH) {
+        search_corners(&w->meshes.items[geometry->first], k, out);
+        return 3;
+    }
+    for (unsigned c = 0; c < 4; ++c) out[c] = w->quads.items[geometry->first + k].corner[c];
+    return 4;
+}
+
 #define REAL float
 #define VEC3 vec3_f32
 #define FN(name) name##_f32

@@ -148,24 +148,15 @@ static inline vec3_f32 FN(search_normal)(FN(search) * s) {
     const world *w = s->world;
     if (s->best_ids[1] == TRACE_PLANE) return w->planes.items[s->best_ids[2]].normal;
     const world_geometry *geometry = &w->geometries.items[s->best_ids[1]];
-    VEC3 n = {0, 0, 0};
-    switch (geometry->kind) {
-    case WORLD_SPHERES:
+    VEC3 n;
+    if (geometry->kind == WORLD_SPHERES) {
         FN(search_enter)(s, s->best_ids[0]);
         n = FN(sub)(FN(madd)(s->org, s->best.t, s->dir),
                     FROM(w->spheres.items[geometry->first + s->best_ids[2]].center));
-        break;
-    case WORLD_QUADS: {
-        const vec3_f32 *v = w->quads.items[geometry->first + s->best_ids[2]].corner;
-        n = FN(cross)(FN(sub)(FROM(v[1]), FROM(v[0])), FN(sub)(FROM(v[3]), FROM(v[0])));
-        break;
-    }
-    case WORLD_MESH: {
-        vec3_f32 v[3];
-        search_corners(&w->meshes.items[geometry->first], s->best_ids[2], v);
-        n = FN(cross)(FN(sub)(FROM(v[1]), FROM(v[0])), FN(sub)(FROM(v[2]), FROM(v[0])));
-        break;
-    }
+    } else {
+        vec3_f32 v[4];
+        const unsigned last = search_flat(w, geometry, s->best_ids[2], v) - 1;
+        n = FN(cross)(FN(sub)(FROM(v[1]), FROM(v[0])), FN(sub)(FROM(v[last]), FROM(v[0])));
     }
     return vec_f32((float)n.x, (float)n.y, (float)n.z);
 }

@@ -1,22 +1,10 @@
 #include "trace/spec.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
 /* ---- the words ---- */
-
-/* Sorts of options: one field of trace_spec each. */
-typedef enum sort {
-    SORT_FORM,
-    SORT_PRECISION,
-    SORT_SHAPES,
-    SORT_FLAGS,
-    SORT_QUALITY,
-    SORT_CALLS,
-    SORT_TIES,
-    SORT_ISA,
-    SORT_COUNT
-} sort;
 
 #define LINEAR (1u << TRACE_LINEAR)
 #define BVH (1u << TRACE_BVH)
@@ -24,43 +12,41 @@ typedef enum sort {
 
 typedef struct word {
     const char *text;
-    sort sort;
+    size_t field; /* of trace_spec; options that set the same one exclude each other */
     unsigned value;
     unsigned kinds;
 } word;
 
+#define FIELD(name) offsetof(trace_spec, name)
+
 static const word words[] = {
-    {"robust", SORT_FORM, TRACE_ROBUST, LINEAR | BVH},
-    {"textbook", SORT_FORM, TRACE_TEXTBOOK, LINEAR},
-    {"f32", SORT_PRECISION, TRACE_F32, LINEAR | BVH},
-    {"f64", SORT_PRECISION, TRACE_F64, LINEAR | BVH},
-    {"f128", SORT_PRECISION, TRACE_F128, LINEAR | BVH},
-    {"triangles", SORT_SHAPES, TRACE_SHAPES_TRIANGLES, EMBREE},
-    {"user", SORT_SHAPES, TRACE_SHAPES_USER, EMBREE},
-    {"quad", SORT_SHAPES, TRACE_SHAPES_QUAD, EMBREE},
-    {"sphere", SORT_SHAPES, TRACE_SHAPES_SPHERE, EMBREE},
-    {"robust", SORT_FLAGS, TRACE_SCENE_ROBUST, EMBREE},
-    {"default", SORT_FLAGS, TRACE_SCENE_DEFAULT, EMBREE},
-    {"compact", SORT_FLAGS, TRACE_SCENE_COMPACT, EMBREE},
-    {"auto", SORT_QUALITY, TRACE_QUALITY_AUTO, EMBREE},
-    {"low", SORT_QUALITY, TRACE_QUALITY_LOW, EMBREE},
-    {"medium", SORT_QUALITY, TRACE_QUALITY_MEDIUM, EMBREE},
-    {"high", SORT_QUALITY, TRACE_QUALITY_HIGH, EMBREE},
-    {"1", SORT_CALLS, TRACE_CALLS_1, EMBREE},
-    {"4", SORT_CALLS, TRACE_CALLS_4, EMBREE},
-    {"8", SORT_CALLS, TRACE_CALLS_8, EMBREE},
-    {"16", SORT_CALLS, TRACE_CALLS_16, EMBREE},
-#if FATHOM_EMBREE_MAJOR == 3
-    {"stream1m", SORT_CALLS, TRACE_CALLS_STREAM_1M, EMBREE},
-    {"streamnm", SORT_CALLS, TRACE_CALLS_STREAM_NM, EMBREE},
-#endif
-    {"settled", SORT_TIES, TRACE_SETTLED, EMBREE},
-    {"raw", SORT_TIES, TRACE_RAW, EMBREE},
-    {"sse2", SORT_ISA, ISA_SSE2, EMBREE},
-    {"sse4.2", SORT_ISA, ISA_SSE42, EMBREE},
-    {"avx", SORT_ISA, ISA_AVX, EMBREE},
-    {"avx2", SORT_ISA, ISA_AVX2, EMBREE},
-    {"avx512", SORT_ISA, ISA_AVX512, EMBREE},
+    {"robust", FIELD(form), TRACE_ROBUST, LINEAR | BVH},
+    {"textbook", FIELD(form), TRACE_TEXTBOOK, LINEAR},
+    {"f32", FIELD(precision), TRACE_F32, LINEAR | BVH},
+    {"f64", FIELD(precision), TRACE_F64, LINEAR | BVH},
+    {"f128", FIELD(precision), TRACE_F128, LINEAR | BVH},
+    {"triangles", FIELD(shapes), TRACE_SHAPES_TRIANGLES, EMBREE},
+    {"user", FIELD(shapes), TRACE_SHAPES_USER, EMBREE},
+    {"quad", FIELD(shapes), TRACE_SHAPES_QUAD, EMBREE},
+    {"sphere", FIELD(shapes), TRACE_SHAPES_SPHERE, EMBREE},
+    {"robust", FIELD(flags), TRACE_SCENE_ROBUST, EMBREE},
+    {"default", FIELD(flags), TRACE_SCENE_DEFAULT, EMBREE},
+    {"compact", FIELD(flags), TRACE_SCENE_COMPACT, EMBREE},
+    {"auto", FIELD(quality), TRACE_QUALITY_AUTO, EMBREE},
+    {"low", FIELD(quality), TRACE_QUALITY_LOW, EMBREE},
+    {"medium", FIELD(quality), TRACE_QUALITY_MEDIUM, EMBREE},
+    {"high", FIELD(quality), TRACE_QUALITY_HIGH, EMBREE},
+    {"1", FIELD(calls), TRACE_CALLS_1, EMBREE},
+    {"4", FIELD(calls), TRACE_CALLS_4, EMBREE},
+    {"8", FIELD(calls), TRACE_CALLS_8, EMBREE},
+    {"16", FIELD(calls), TRACE_CALLS_16, EMBREE},
+    {"settled", FIELD(ties), TRACE_SETTLED, EMBREE},
+    {"raw", FIELD(ties), TRACE_RAW, EMBREE},
+    {"sse2", FIELD(isa), ISA_SSE2, EMBREE},
+    {"sse4.2", FIELD(isa), ISA_SSE42, EMBREE},
+    {"avx", FIELD(isa), ISA_AVX, EMBREE},
+    {"avx2", FIELD(isa), ISA_AVX2, EMBREE},
+    {"avx512", FIELD(isa), ISA_AVX512, EMBREE},
 };
 #define WORDS (sizeof words / sizeof *words)
 
@@ -71,33 +57,8 @@ static const struct {
     {"linear", TRACE_LINEAR}, {"bvh", TRACE_BVH}, {"embree", TRACE_EMBREE}, {"reference", TRACE_LINEAR}};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
-/* ---- options as numbers, by sort ---- */
-
-static void spec_set(trace_spec *spec, const unsigned value[SORT_COUNT]) {
-    spec->form = (trace_form)value[SORT_FORM];
-    spec->precision = (trace_precision)value[SORT_PRECISION];
-    spec->shapes = (trace_shapes)value[SORT_SHAPES];
-    spec->flags = (trace_scene_flags)value[SORT_FLAGS];
-    spec->quality = (trace_quality)value[SORT_QUALITY];
-    spec->calls = (trace_calls)value[SORT_CALLS];
-    spec->ties = (trace_ties)value[SORT_TIES];
-    spec->isa = (isa_set)value[SORT_ISA];
-}
-
-static void spec_get(const trace_spec *spec, unsigned value[SORT_COUNT]) {
-    value[SORT_FORM] = spec->form;
-    value[SORT_PRECISION] = spec->precision;
-    value[SORT_SHAPES] = spec->shapes;
-    value[SORT_FLAGS] = spec->flags;
-    value[SORT_QUALITY] = spec->quality;
-    value[SORT_CALLS] = spec->calls;
-    value[SORT_TIES] = spec->ties;
-    value[SORT_ISA] = spec->isa;
-}
-
-static bool streams(unsigned calls) {
-    return calls == TRACE_CALLS_STREAM_1M || calls == TRACE_CALLS_STREAM_NM;
-}
+_Static_assert(sizeof(trace_form) == sizeof(unsigned) && sizeof(isa_set) == sizeof(unsigned),
+               "fields are written as numbers");
 
 /* ---- from text ---- */
 
@@ -105,20 +66,21 @@ typedef struct reader {
     fathom_context *context;
     const char *text;
     unsigned kinds; /* the bit of its kind */
-    unsigned value[SORT_COUNT];
-    const char *given[SORT_COUNT]; /* the word that set it */
+    trace_spec *out;
+    const word *given[WORDS];
+    size_t count; /* of words given */
 } reader;
 
 /* "robust, textbook; f32, f64, f128": the options of a kind. */
 static void list_options(unsigned bit, char *out, size_t size) {
     size_t used = 0;
-    int last = -1;
+    const word *last = NULL;
     out[0] = '\0';
     for (size_t i = 0; i < WORDS && used < size; ++i) {
         if (!(words[i].kinds & bit)) continue;
-        const char *between = last < 0 ? "" : (last == (int)words[i].sort ? ", " : "; ");
+        const char *between = !last ? "" : (last->field == words[i].field ? ", " : "; ");
         used += (size_t)snprintf(out + used, size - used, "%s%s", between, words[i].text);
-        last = (int)words[i].sort;
+        last = &words[i];
     }
 }
 
@@ -145,14 +107,15 @@ static fathom_status read_option(reader *r, const char *text, size_t length) {
                     "tracers of this kind have no option \"%.*s\"; expected %s, found \"%.99s\"",
                     (int)(length < 40 ? length : 40), text, options, r->text);
     }
-    if (r->given[found->sort]) {
-        return fail(
-            r->context, FATHOM_BAD_USAGE, "options \"%s\" and \"%s\" exclude each other%s, found \"%.99s\"",
-            r->given[found->sort], found->text,
-            found->sort == SORT_FLAGS ? ": with both, some of Embree's kernels never return" : "", r->text);
+    for (size_t i = 0; i < r->count; ++i) {
+        if (r->given[i]->field != found->field) continue;
+        const bool flags = found->field == FIELD(flags);
+        return fail(r->context, FATHOM_BAD_USAGE,
+                    "options \"%s\" and \"%s\" exclude each other%s, found \"%.99s\"", r->given[i]->text,
+                    found->text, flags ? ": with both, some of Embree's kernels never return" : "", r->text);
     }
-    r->given[found->sort] = found->text;
-    r->value[found->sort] = found->value;
+    r->given[r->count++] = found;
+    memcpy((char *)r->out + found->field, &found->value, sizeof found->value);
     return FATHOM_OK;
 }
 
@@ -161,7 +124,7 @@ fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_
     *out = (trace_spec){.kind = TRACE_PLUGIN, .path = text};
     size_t length = strlen(text);
     if (length > 3 && strcmp(text + length - 3, ".so") == 0) return FATHOM_OK;
-    reader r = {.context = context, .text = text};
+    reader r = {.context = context, .text = text, .out = out};
     length = strcspn(text, ":");
     for (size_t i = 0; i < KINDS && !r.kinds; ++i) {
         if (strlen(kinds[i].text) != length || strncmp(kinds[i].text, text, length) != 0) continue;
@@ -175,67 +138,5 @@ fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_
         fathom_status status = read_option(&r, at, length);
         if (status != FATHOM_OK) return status;
     }
-    if (streams(r.value[SORT_CALLS])) {
-        if (r.given[SORT_TIES] && r.value[SORT_TIES] == TRACE_SETTLED) {
-            return fail(context, FATHOM_BAD_USAGE,
-                        "streams are raw: in them no tie is settled, found \"%.99s\"", text);
-        }
-        r.value[SORT_TIES] = TRACE_RAW;
-    }
-    spec_set(out, r.value);
     return FATHOM_OK;
-}
-
-/* ---- to text ---- */
-
-void trace_spec_print(const trace_spec *spec, char out[TRACE_SPEC_LENGTH]) {
-    if (spec->kind == TRACE_PLUGIN) {
-        snprintf(out, TRACE_SPEC_LENGTH, "%s", spec->path);
-        return;
-    }
-    unsigned value[SORT_COUNT];
-    spec_get(spec, value);
-    size_t used = 0;
-    for (size_t i = 0; i < KINDS && !used; ++i) {
-        if (kinds[i].kind == spec->kind) used = (size_t)snprintf(out, TRACE_SPEC_LENGTH, "%s", kinds[i].text);
-    }
-    for (size_t i = 0; i < WORDS; ++i) {
-        if (!(words[i].kinds & 1u << spec->kind) || words[i].value != value[words[i].sort]) continue;
-        used += (size_t)snprintf(out + used, TRACE_SPEC_LENGTH - used, ":%s", words[i].text);
-    }
-}
-
-/* ---- all there are ---- */
-
-/* A choice left to the build is no tracer of its own, and streams settle nothing. */
-static bool listed(const trace_spec *spec) {
-    if (spec->kind != TRACE_EMBREE) return true;
-    return spec->quality != TRACE_QUALITY_AUTO && spec->calls != TRACE_CALLS_AUTO &&
-           !(streams(spec->calls) && spec->ties == TRACE_SETTLED);
-}
-
-/* Every value of this sort and of those after it. */
-static bool list_from(trace_spec *spec, unsigned value[SORT_COUNT], sort at,
-                      bool (*visit)(void *user, const trace_spec *spec), void *user) {
-    if (at == SORT_ISA) {
-        spec_set(spec, value);
-        return !listed(spec) || visit(user, spec);
-    }
-    bool any = false;
-    for (size_t i = 0; i < WORDS; ++i) {
-        if (words[i].sort != at || !(words[i].kinds & 1u << spec->kind)) continue;
-        any = true;
-        value[at] = words[i].value;
-        if (!list_from(spec, value, (sort)(at + 1), visit, user)) return false;
-    }
-    value[at] = 0;
-    return any || list_from(spec, value, (sort)(at + 1), visit, user);
-}
-
-void trace_spec_list(bool (*visit)(void *user, const trace_spec *spec), void *user) {
-    for (size_t i = 0; i < 3; ++i) {
-        trace_spec spec = {.kind = kinds[i].kind};
-        unsigned value[SORT_COUNT] = {0};
-        if (!list_from(&spec, value, SORT_FORM, visit, user)) return;
-    }
 }

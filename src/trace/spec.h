@@ -46,9 +46,7 @@ typedef enum trace_calls {
     TRACE_CALLS_1,
     TRACE_CALLS_4,
     TRACE_CALLS_8,
-    TRACE_CALLS_16,
-    TRACE_CALLS_STREAM_1M, /* rtcIntersect1M(): an array of rays; Embree 3 only */
-    TRACE_CALLS_STREAM_NM  /* rtcIntersectNM(): an array of blocks; Embree 3 only */
+    TRACE_CALLS_16
 } trace_calls;
 
 typedef enum trace_ties {
@@ -72,13 +70,5 @@ typedef struct trace_spec {
 /* FATHOM_BAD_USAGE says which word is wrong and which there are. A text that ends in ".so" is a file; `text`
  * must then outlive `out`. "reference" is "linear", NULL "embree". */
 fathom_status trace_spec_parse(fathom_context *context, const char *text, trace_spec *out);
-
-/* The same in full, every option named: "embree:triangles:robust:auto:16:settled". */
-#define TRACE_SPEC_LENGTH 256
-void trace_spec_print(const trace_spec *spec, char out[TRACE_SPEC_LENGTH]);
-
-/* Calls visit for each tracer that this build can make from words alone (with the best instruction set, and
- * build quality and calls never left to it), until it returns false. */
-void trace_spec_list(bool (*visit)(void *user, const trace_spec *spec), void *user);
 
 #endif

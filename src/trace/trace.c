@@ -95,10 +95,7 @@ static void planes_any(const world *w, trace_rays *blocks, size_t count) {
 static fathom_status create(fathom_context *context, const world *w, const trace_spec *spec,
                             const trace_options *options, trace_tracer **out) {
     switch (spec->kind) {
-    case TRACE_LINEAR:
-        /* The form that renders traces blocks. */
-        if (spec->form == TRACE_ROBUST && spec->precision == TRACE_F32) return linear_create(context, w, out);
-        return linear_single_create(context, w, spec, out);
+    case TRACE_LINEAR: return linear_create(context, w, spec, out);
     case TRACE_EMBREE: return embree_create(context, w, spec, options, out);
     case TRACE_BVH: return bvh_create(context, w, spec, options, out);
     case TRACE_PLUGIN: return plugin_create(context, w, spec, options, out);

@@ -45,6 +45,7 @@ typedef struct trace_retry {
 struct trace_tracer {
     const trace_ops *ops;
     const trace_retry *retry; /* NULL: no triangle that a ray meets is ever missed */
+    const trace_tracer *self; /* what the calls of `retry` take: another where this one only passes rays on */
     const world *world;
     uint64_t bvh_bytes, peak_bytes, foreseen_bytes; /* see trace.h; 0: not known */
     double unit;                                    /* roundoff */
@@ -56,10 +57,8 @@ struct trace_tracer {
 /* The kinds. Each sets all of the above on FATHOM_OK. */
 fathom_status embree_create(fathom_context *context, const world *w, const trace_spec *spec,
                             const trace_options *options, trace_tracer **out);
-/* Robust and in float. */
-fathom_status linear_create(fathom_context *context, const world *w, trace_tracer **out);
-fathom_status linear_single_create(fathom_context *context, const world *w, const trace_spec *spec,
-                                   trace_tracer **out);
+fathom_status linear_create(fathom_context *context, const world *w, const trace_spec *spec,
+                            trace_tracer **out);
 fathom_status plugin_create(fathom_context *context, const world *w, const trace_spec *spec,
                             const trace_options *options, trace_tracer **out);
 fathom_status bvh_create(fathom_context *context, const world *w, const trace_spec *spec,

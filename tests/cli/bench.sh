@@ -5,7 +5,7 @@ write_scene
 run 2 bench
 run 0 help bench
 said out.txt 'Usage: fathom bench'
-for what in trace render secondary; do
+for what in trace render error; do
     run 0 help bench $what
     cp out.txt help.txt
     run 0 bench $what --help
@@ -14,7 +14,8 @@ for what in trace render secondary; do
 done
 rm help.txt
 refused 2 'nothing called "xyzzy"' bench xyzzy
-refused 2 'SCENE is missing; see fathom help bench render' bench render
+refused 2 'SCENE is missing; expected it or --triangles' bench render
+refused 2 '--triangles: expected a whole number from 1 to' bench render --triangles 1G
 refused 3 'none.json' bench render none.json
 refused 2 '--spp: expected a whole number from 1 to 65536' bench render scene.json --spp 1,,4
 refused 2 '--threads: expected at most 8 numbers' bench render scene.json --threads 1,1,1,1,1,1,1,1,1
@@ -86,21 +87,42 @@ run 0 bench render scene.json --spp 1 --threads 1 --repeats 1 --size 32x32 --tra
 said out.txt 'no bare form'
 said b.json '"ceiling": null'
 
-# Secondary rays by depth: mirrors and shadows are in the scene, and every way is in every row.
-refused 2 'SCENE is missing; see fathom help bench secondary' bench secondary
-refused 2 '--repeats: expected a whole number from 1 to 1000' bench secondary scene.json --repeats 0
-refused 2 'no single-ray calls to compare with' bench secondary scene.json --tracer bvh
-run 0 bench secondary scene.json --rays 200 --repeats 2 --json s.json --csv s.csv --report secondary
-said out.txt '0 camera'
-said out.txt '1 mirrored'
-for key in bench rows depth kind rays met nsPerRay renderToSingle single '16 coherent' 'single sorted' low median high; do
-    said s.json "\"$key\": "
+# Generated meshes of several sizes and several tracers: a run for each, and exponents; no file is left.
+mkdir tmp
+TMPDIR=$PWD/tmp
+export TMPDIR
+run 0 bench render --triangles 3k,1k --size 64x48 --spp 1 --threads 1 --repeats 2 --tracer embree:low --tracer embree:medium \
+    --json g.json --csv g.csv --report growth
+said out.txt 'render over bare'
+rmdir tmp || die 'files are left'
+unset TMPDIR
+[ "$(sed -n 's/^ *"triangles": \([0-9]*\),$/\1/p' g.json | tr '\n' ' ')" = '2880 2880 980 980 ' ] || die 'sizes'
+for key in fileBytes bvhBytes bvhPeakBytes readSeconds buildSeconds cpu wall fits of exponent half scale sizes; do
+    said g.json "\"$key\": "
 done
-grep -q '^0,camera,' s.csv || die 'no row of camera rays'
-grep -q '^1,mirrored,' s.csv || die 'no row of mirrored rays'
-grep -q '^1,shadow,' s.csv || die 'no row of shadow rays'
-awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' s.csv || die 'rows of different length'
-said secondary/index.html 'By depth and kind'
-not_said secondary/index.html '<script'
-run 0 bench secondary scene.json --rays 200 --repeats 1 --quiet
+[ "$(grep -c '"sizes": 2' g.json)" -eq 10 ] || die 'five fits of two sizes for each tracer'
+[ "$(grep -vc '^#' g.csv)" -eq 5 ] || die 'a header and four rows'
+awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' g.csv || die 'rows of different length'
+for plot in Reading Building 'The render phase over the bare calls'; do said growth/index.html ">$plot<"; done
+
+# The rays of a render by depth: mirrors and shadows are in the scene, and every tracer is asked all of them.
+refused 2 'expected an Embree after bare:' bench trace scene.json --of-render --tracer bare:bvh
+run 0 bench trace scene.json --of-render --rays 200 --repeats 2 --json s.json --csv s.csv --report secondary
+for set in '0 camera' '0 shadow' '1 mirrored' '1 shadow'; do
+    said out.txt "$set"
+    [ "$(grep -c "\"set\": \"$set\"" s.json)" -eq 5 ] || die "expected $set once for each tracer"
+    grep -q ",$set," s.csv || die "no row of $set"
+done
+said secondary/index.html '1 mirrored'
+run 0 bench trace scene.json --of-render --tracer bare:embree:4 --rays 200 --repeats 1 --quiet
 silent out.txt
+
+# bench/growth.sh at small size: every size, and more instanced triangles than 32 bits count.
+SIZES='1k,2k' REPEATS=1 BILLIONS=430k OPTIONS='--size 64x36 --spp 1' sh "$SOURCE/bench/growth.sh" plots >out.txt ||
+    die 'bench/growth.sh'
+[ "$(grep -vc '^#' plots/growth.csv)" -eq 3 ] || die 'a header and two rows'
+said plots/index.html '>Reading<'
+each=$(sed -n 's/^triangles \([0-9]*\) in 1 mesh; .*/\1/p' out.txt)
+placed=$(sed -n 's/^triangles .*; \([0-9]*\) with instances$/\1/p' out.txt)
+[ "$placed" -gt 4294967296 ] && [ "$placed" -eq $((each * 10000)) ] || die "info: $placed placed, $each each"
+said out.txt "; 10000 instances, $placed triangles with them"

@@ -1,4 +1,4 @@
-# fathom bench error and bench build: what it writes, what it refuses; no time is judged.
+# fathom bench error: what it writes, what it refuses; no time is judged.
 . "$SOURCE/tests/cli/check.inc"
 write_scene
 
@@ -77,20 +77,3 @@ silent out.txt
 run 0 bench error scene.json --size 32x32 --max-spp 16 --seeds 1 --reference-spp 1
 said out.txt '* closer to the reference than its halves are'
 said out.txt 'the patterns have nothing in common here'
-
-# Build quality: three of them, in all forms.
-run 0 help bench build
-awk 'length($0) > 80 { exit 1 }' out.txt || die 'the help is wider than 80 columns'
-refused 2 'SCENE is missing; see fathom help bench build' bench build
-refused 2 '--repeats: expected a whole number from 1 to 100' bench build scene.json --repeats 0
-refused 2 '--tracer: expected embree without a quality' bench build scene.json --tracer embree:high
-refused 2 '--tracer: expected embree without a quality' bench build scene.json --tracer bvh
-run 0 bench build scene.json --repeats 2 --size 32x32 --json b.json --csv b.csv --report build
-said out.txt 'behind the best'
-for key in qualities quality buildSeconds sampleSeconds bvhBytes bestFromToSpp totals automatic automaticBehind low high; do
-    said b.json "\"$key\": "
-done
-[ "$(grep -c '^[a-z]*,[0-9]' b.csv)" -eq 3 ] || die 'expected three rows'
-said build/index.html 'Build quality against time'
-run 0 bench build scene.json --repeats 1 --size 32x32 --quiet
-silent out.txt

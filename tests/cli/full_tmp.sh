@@ -28,7 +28,7 @@ without_tmp() {
     needs_none render scene.json -o a.png
     same a.png good.png
     rm a.png
-    stopped "$1" bench growth --triangles 1k --size 16x16 --repeats 1 --json g.json
+    stopped "$1" bench render --triangles 1k --size 16x16 --spp 1 --repeats 1 --json g.json
     stopped "$1" bench render scene.json --size 16x16 --spp 1 --repeats 1 --threads 1 --quiet --json r.json
 }
 
@@ -48,14 +48,14 @@ if [ -z "${IN_EARNEST:-}" ]; then
     # ---- ended on the way ----
     mkdir room
     TMPDIR=$PWD/room
-    "$FATHOM" bench growth --triangles 10k --repeats 100 --seconds 1000 --quiet >out.txt 2>err.txt &
+    "$FATHOM" bench render --triangles 10k --repeats 100 --seconds 1000 --quiet >out.txt 2>err.txt &
     bench=$!
     while [ -z "$(find room -name 'fathom-*.glb' -size +0)" ] && kill -0 $bench 2>/dev/null; do sleep 0.05; done
     kill $bench
     code=0
     wait $bench || code=$?
-    [ $code -eq 5 ] || die "bench growth: ended by a signal: exit code $code, expected 5"
-    rmdir room || die "bench growth left $(ls room)"
+    [ $code -eq 5 ] || die "bench render: ended by a signal: exit code $code, expected 5"
+    rmdir room || die "bench render left $(ls room)"
 
     # ---- full, as a library has it ----
     # Sanitizers want their own library to be the first.

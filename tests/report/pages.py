@@ -162,6 +162,12 @@ class BenchPages(unittest.TestCase):
             run["bvhBytes"] = run["bvhBytes"] or 1  # no logarithmic axis has a place for 0
         self.assertEqual(len(re.findall(r"<title>[^<]* triangles: ", bench_page.page_of(data))), 6 * len(data["runs"]))
 
+    def test_every_run_of_several_sizes_is_a_point_in_five_plots(self):
+        data = load("bench_render.json")
+        self.assertEqual(len(re.findall(r"<title>[^<]* triangles: ", bench_page.page_of(data))), 5 * len(data["runs"]))
+        data["runs"], data["fits"] = data["runs"][:1], []
+        self.assertIn("One size only", bench_page.page_of(data))
+
 
 if __name__ == "__main__":
     unittest.main()

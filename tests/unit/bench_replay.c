@@ -31,7 +31,7 @@ static void forwards(void **state) {
     fill(&s);
     trace_tracer *real = stage_spec(&s, "embree:16");
     record r = {.blocks = 0};
-    trace_tracer *recorder = record_tracer(real, &r);
+    trace_tracer *recorder = record_tracer(real, &r, &r);
     assert_non_null(recorder);
     ray_set asked = random_rays(RAYS);
     ray_set expected = traced(real, &asked, TRACE_INCOHERENT);
@@ -62,7 +62,7 @@ static void replays(const char *words) {
     trace_tracer *real = stage_spec(&s, words);
     assert_true(embree_bare_possible(real));
     record r = {.blocks = 0};
-    trace_tracer *recorder = record_tracer(real, &r);
+    trace_tracer *recorder = record_tracer(real, &r, &r);
     ray_set asked = random_rays(RAYS);
     ray_set got = traced(recorder, &asked, TRACE_COHERENT);
     unsigned char *shaded = occluded(recorder, &asked, TRACE_COHERENT);
@@ -70,15 +70,15 @@ static void replays(const char *words) {
     for (size_t i = 0; i < RAYS; ++i) any += shaded[i];
     assert_true(closest > RAYS / 10 && closest < RAYS);
     replay_result bare, again;
-    assert_true(replay_bare(&r, real, &bare));
-    assert_true(replay_traced(&r, real, &again));
+    assert_true(replay(&r, &(replay_way){real, true}, &bare));
+    assert_true(replay(&r, &(replay_way){real, false}, &again));
     assert_int_equal(bare.rays[BARE_CLOSEST], RAYS);
     assert_int_equal(bare.rays[BARE_ANY], RAYS);
     assert_int_equal(bare.met[BARE_CLOSEST], closest);
     assert_int_equal(bare.met[BARE_ANY], any);
     assert_int_equal(again.met[BARE_CLOSEST], closest);
     assert_int_equal(again.met[BARE_ANY], any);
-    assert_true(replay_bare_together(&r, real, 3, &bare));
+    assert_true(replay_together(&r, real, 3, &bare));
     assert_int_equal(bare.rays[BARE_CLOSEST], RAYS);
     assert_int_equal(bare.met[BARE_CLOSEST], closest);
     assert_int_equal(bare.met[BARE_ANY], any);
@@ -145,7 +145,7 @@ static void measures(void **state) {
         assert_true(time.rays.shadow > 100);
         assert_true(time.has_ratio);
         assert_int_equal(time.ratio.bands, bands[k]);
-        told_all(&far, 1 + 2 + 3 * bands[k]);
+        told_all(&far, 2 + 2 * bands[k]);
         assert_int_equal(time.ratio.closest, time.rays.camera);
         assert_int_equal(time.ratio.any, time.rays.shadow);
     }

@@ -22,15 +22,15 @@ static void sets(void **state) {
     stage s;
     open_scene(&s);
     trace_tracer *tracer = stage_spec(&s, "bvh");
-    trace_set sets[TRACE_SETS];
-    assert_ok(s.context, trace_sets_create(s.context, s.world, tracer, 5000, sets));
-    size_t rays = sets[TRACE_SET_CAMERA].count * LANES;
+    trace_sets sets;
+    assert_ok(s.context, trace_sets_create(s.context, s.world, tracer, 5000, &sets));
+    size_t rays = sets.items[TRACE_SET_CAMERA].count * LANES;
     /* Rows and columns of whole squares: each side is off by half a square at most. */
     assert_near(rays, 5000, 5000 * 0.06);
     /* The aspect is the image's, and neighbours in a block are neighbours in the image: all directions of a
      * square of 4 x 4 of some 94 x 53 pixels of 0.7 rad up lie within √2 · 4 · 0.7 / 53 of each other. */
-    for (size_t b = 0; b < sets[TRACE_SET_CAMERA].count; ++b) {
-        const trace_rays *r = &sets[TRACE_SET_CAMERA].blocks[b];
+    for (size_t b = 0; b < sets.items[TRACE_SET_CAMERA].count; ++b) {
+        const trace_rays *r = &sets.items[TRACE_SET_CAMERA].blocks[b];
         for (int k = 1; k < 16; ++k) {
             double x = (double)(r->dir_x[k] - r->dir_x[0]), y = (double)(r->dir_y[k] - r->dir_y[0]);
             assert_true(hypot(x, y) < 0.075);
@@ -39,9 +39,9 @@ static void sets(void **state) {
     /* The others leave from hits: each of them lies on the ball, which is within 0.7 · 1.05 of the middle, or
      * on the grid, whose corners are 1.42 from its own. */
     for (int k = TRACE_SET_CAMERA + 1; k < TRACE_SETS; ++k) {
-        assert_int_equal(sets[k].count, sets[TRACE_SET_SHADOW].count);
-        for (size_t i = 0; i < sets[k].count * LANES; ++i) {
-            const trace_rays *r = &sets[k].blocks[i / 16];
+        assert_int_equal(sets.items[k].count, sets.items[TRACE_SET_SHADOW].count);
+        for (size_t i = 0; i < sets.items[k].count * LANES; ++i) {
+            const trace_rays *r = &sets.items[k].blocks[i / 16];
             size_t l = i % 16;
             double d[3] = {(double)r->dir_x[l], (double)r->dir_y[l], (double)r->dir_z[l]};
             double o[3] = {(double)r->org_x[l], (double)r->org_y[l], (double)r->org_z[l]};
@@ -52,9 +52,9 @@ static void sets(void **state) {
         }
     }
     /* Shadow rays end at the light. */
-    const trace_rays *r = &sets[TRACE_SET_SHADOW].blocks[0];
+    const trace_rays *r = &sets.items[TRACE_SET_SHADOW].blocks[0];
     assert_near(r->org_x[0] + r->t_far[0] * r->dir_x[0] + (float)s.world->origin.x, 2, 1e-5);
-    trace_sets_free(sets);
+    trace_sets_free(&sets);
     trace_destroy(tracer);
     stage_close(&s);
 }
@@ -67,10 +67,10 @@ static void blind(void **state) {
     fathom_camera_look_at((double[3]){0, 0, 5}, (double[3]){0, 0, 9}, (double[3]){0, 1, 0}, 0.7, &away);
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &away));
     trace_tracer *tracer = stage_spec(&s, "bvh");
-    trace_set sets[TRACE_SETS];
-    assert_fails(s.context, trace_sets_create(s.context, s.world, tracer, 500, sets), FATHOM_BAD_INPUT,
+    trace_sets sets;
+    assert_fails(s.context, trace_sets_create(s.context, s.world, tracer, 500, &sets), FATHOM_BAD_INPUT,
                  "the camera sees nothing");
-    trace_sets_free(sets);
+    trace_sets_free(&sets);
     trace_destroy(tracer);
     stage_close(&s);
 }
@@ -81,21 +81,21 @@ static void whole(void **state) {
     stage s;
     open_scene(&s);
     static const char *const words[] = {"embree:16", "embree:1", "bvh", "linear"};
-    const trace_tracer *tracers[4];
+    replay_way ways[4];
     trace_tracer *made[4];
-    for (int i = 0; i < 4; ++i) tracers[i] = made[i] = stage_spec(&s, words[i]);
-    trace_set sets[TRACE_SETS];
-    assert_ok(s.context, trace_sets_create(s.context, s.world, made[0], 5000, sets));
+    for (int i = 0; i < 4; ++i) ways[i] = (replay_way){made[i] = stage_spec(&s, words[i]), false};
+    trace_sets sets;
+    assert_ok(s.context, trace_sets_create(s.context, s.world, made[0], 5000, &sets));
     for (unsigned threads = 1; threads < 4; threads += 2) {
         told far;
         const bench_watch watch = told_watch(&far);
         trace_time_options options = {.repeats = 2, .threads = threads, .seconds = 1e6, .watch = &watch};
-        trace_rate rates[4][TRACE_SETS];
-        assert_ok(s.context, trace_time_measure(s.context, tracers, 4, sets, &options, rates));
+        static trace_rate rates[4][TRACE_SETS_MAX];
+        assert_ok(s.context, trace_time_measure(s.context, ways, 4, &sets, &options, rates));
         told_all(&far, 3 * 4 * TRACE_SETS);
         for (int k = 0; k < TRACE_SETS; ++k) {
             for (int i = 0; i < 4; ++i) {
-                assert_int_equal(rates[i][k].rays, sets[k].count * LANES);
+                assert_int_equal(rates[i][k].rays, sets.items[k].count * LANES);
                 assert_int_equal(rates[i][k].met, rates[0][k].met);
                 assert_true(rates[i][k].per_cpu_second.low <= rates[i][k].per_cpu_second.high);
             }
@@ -104,10 +104,10 @@ static void whole(void **state) {
     }
     /* With none, one block. */
     trace_time_options options = {.repeats = 1, .threads = 1, .seconds = 1e-12};
-    trace_rate rates[4][TRACE_SETS];
-    assert_ok(s.context, trace_time_measure(s.context, tracers, 4, sets, &options, rates));
+    static trace_rate rates[4][TRACE_SETS_MAX];
+    assert_ok(s.context, trace_time_measure(s.context, ways, 4, &sets, &options, rates));
     assert_int_equal(rates[3][0].rays, LANES);
-    trace_sets_free(sets);
+    trace_sets_free(&sets);
     for (int i = 0; i < 4; ++i) trace_destroy(made[i]);
     stage_close(&s);
 }

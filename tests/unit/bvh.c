@@ -328,38 +328,6 @@ static void shadows_and_planes(void **state) {
 
 /* ---- building ---- */
 
-/* The same tree from 1, 2 and 5 threads. */
-static void threads_do_not_matter(void **state) {
-    (void)state;
-    enum { count = 60000 };
-    bvh_item *items = malloc(count * sizeof *items), *own = malloc(count * sizeof *own);
-    assert_true(items && own);
-    seed = 7;
-    for (uint32_t i = 0; i < count; ++i) {
-        items[i].id = i;
-        for (int k = 0; k < 3; ++k) {
-            items[i].lower[k] = (float)between(-1, 1);
-            items[i].upper[k] = items[i].lower[k] + (float)between(0, 0.01);
-        }
-    }
-    bvh_tree trees[3];
-    uint32_t *order[3];
-    for (unsigned i = 0; i < 3; ++i) {
-        const bvh_build build = {.threads = i == 2 ? 5 : i + 1};
-        memcpy(own, items, count * sizeof *own);
-        trees[i] = (bvh_tree){0};
-        assert_int_equal(bvh_tree_build(&build, own, count, &trees[i]), FATHOM_OK);
-        order[i] = malloc(count * sizeof *order[i]);
-        assert_non_null(order[i]);
-        for (uint32_t k = 0; k < count; ++k) order[i][k] = own[k].id;
-        assert_int_equal(trees[i].node_count, trees[0].node_count);
-        assert_memory_equal(trees[i].nodes, trees[0].nodes, trees[0].node_count * sizeof(bvh_node));
-        assert_memory_equal(order[i], order[0], count * sizeof *order[i]);
-    }
-    for (unsigned i = 0; i < 3; ++i) free(trees[i].nodes), free(order[i]);
-    free(items), free(own);
-}
-
 /* Each item in one leaf, within every box above it. */
 static uint32_t holds(const bvh_tree *tree, const bvh_item *items, uint32_t at, unsigned level) {
     const bvh_node *node = &tree->nodes[at];
@@ -393,7 +361,7 @@ static void hard_cases_end(void **state) {
             float x = hard ? ldexpf(1, -(int)(i % 140)) : 1;
             for (int k = 0; k < 3; ++k) items[i].lower[k] = items[i].upper[k] = k ? 0 : x;
         }
-        const bvh_build build = {.threads = 2};
+        const bvh_build build = {.context = NULL};
         bvh_tree tree = {0};
         assert_int_equal(bvh_tree_build(&build, items, count, &tree), FATHOM_OK);
         assert_int_equal(holds(&tree, items, 0, 0), count);
@@ -425,7 +393,7 @@ static void building_can_be_stopped(void **state) {
     at = 2;
     assert_ok(s.context, trace_create(s.context, s.world, &options, &tracer));
     assert_string_equal(trace_name(tracer), "reference BVH, f32");
-    assert_true(trace_bvh_bytes(tracer) > 4 * 100 * 99 * 36);
+    assert_true(trace_bvh_bytes(tracer) > 4 * 100 * 99 * sizeof(uint32_t));
     trace_destroy(tracer);
     stage_close(&s);
 }
@@ -441,7 +409,6 @@ int main(void) {
         cmocka_unit_test(scales),
         cmocka_unit_test(damaged_triangles_are_left_out),
         cmocka_unit_test(shadows_and_planes),
-        cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(hard_cases_end),
         cmocka_unit_test(building_can_be_stopped),
     };

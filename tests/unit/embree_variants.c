@@ -1,4 +1,5 @@
-/* Embree every way it can answer: shapes of its own and ours, flags, qualities, widths and streams. */
+/* Embree every way it can answer: shapes of its own and ours, flags, qualities and widths. */
+#include "specs.h"
 #include "stage.h"
 
 #include <sys/wait.h>
@@ -14,20 +15,10 @@ typedef struct visit {
     size_t tracers, allowed;
 } visit;
 
-static trace_tracer *make(stage *s, const trace_spec *spec) {
-    trace_options options = {.spec = spec, .threads = 2};
-    trace_tracer *tracer = NULL;
-    assert_ok(s->context, trace_create(s->context, s->world, &options, &tracer));
-    return tracer;
-}
-
 /* A ray may differ where Embree's float comes within reach of an edge or a silhouette: `allowed` of them. */
-static bool agrees(void *user, const trace_spec *spec) {
+static void agrees(void *user, const char *text) {
     visit *v = user;
-    if (spec->kind != TRACE_EMBREE) return true;
-    char text[TRACE_SPEC_LENGTH];
-    trace_spec_print(spec, text);
-    trace_tracer *tracer = make(v->s, spec);
+    trace_tracer *tracer = stage_spec(v->s, text);
     for (trace_coherence c = TRACE_INCOHERENT; c <= TRACE_COHERENT; ++c) {
         ray_set got = traced(tracer, v->rays, c);
         unsigned char *any = occluded(tracer, v->rays, c);
@@ -47,7 +38,6 @@ static bool agrees(void *user, const trace_spec *spec) {
     }
     trace_destroy(tracer);
     ++v->tracers;
-    return true;
 }
 
 /* Random rays come within float's reach of an edge or a silhouette once in some 10^4. */
@@ -60,8 +50,8 @@ static void all_agree_with_linear(void **state) {
     ray_set set = random_rays(fewer(1203));
     visit v = {.s = &s, .rays = &set, .allowed = 2};
     v.closest = traced(linear, &set, TRACE_COHERENT), v.any = occluded(linear, &set, TRACE_COHERENT);
-    trace_spec_list(agrees, &v);
-    assert_true(v.tracers >= 4 * 3 * 3 * 8);
+    specs_each(agrees, &v);
+    assert_int_equal(v.tracers, 4 * 3 * 3 * 4 * 2);
     trace_destroy(linear);
     free(set.blocks), free(v.closest.blocks), free(v.any);
     stage_close(&s);
@@ -134,17 +124,13 @@ static void damaged_user_triangles_are_left_out(void **state) {
 
 /* ---- raw answers ---- */
 
-/* Away from ties, raw is settled, and a stream is what its rays are alone: to the last bit. */
+/* Away from ties, raw answers are the settled ones to the last bit. */
 static void raw_is_settled_but_for_ties(void **state) {
     (void)state;
     static const char *const specs[] = {
         "embree:medium:raw:1",
         "embree:medium:raw:8",
         "embree:medium:raw:16",
-#if FATHOM_EMBREE_MAJOR == 3
-        "embree:medium:stream1m",
-        "embree:medium:streamnm"
-#endif
     };
     stage s;
     stage_open(&s);
@@ -176,7 +162,6 @@ static void raw_is_settled_but_for_ties(void **state) {
     stage_close(&s);
 }
 
-/* Lanes past the count keep every bit, and rays that are not finite miss, in streams as in packets. */
 /* From so far that both roots of Embree's own spheres lie in the window of ties, the nearer one counts. */
 static void nearer_root_counts(void **state) {
     (void)state;
@@ -198,15 +183,12 @@ static void nearer_root_counts(void **state) {
     stage_close(&s);
 }
 
+/* Lanes past the count keep every bit, and rays that are not finite miss. */
 static void lanes_are_apart(void **state) {
     (void)state;
     static const char *const specs[] = {
         "embree:raw:16",
         "embree:user:4",
-#if FATHOM_EMBREE_MAJOR == 3
-        "embree:stream1m",
-        "embree:streamnm"
-#endif
     };
     stage s;
     stage_open(&s);
@@ -264,14 +246,13 @@ static void instruction_sets(void **state) {
 
 /* ---- no call hangs ---- */
 
-static bool trace_coherent(void *user, const trace_spec *spec) {
+static void trace_coherent(void *user, const char *text) {
     visit *v = user;
-    if (spec->kind != TRACE_EMBREE || spec->quality != TRACE_QUALITY_MEDIUM) return true;
-    trace_tracer *tracer = make(v->s, spec);
+    if (!strstr(text, ":medium:")) return;
+    trace_tracer *tracer = stage_spec(v->s, text);
     free(occluded(tracer, v->rays, TRACE_COHERENT));
     free(traced(tracer, v->rays, TRACE_COHERENT).blocks);
     trace_destroy(tracer);
-    return true;
 }
 
 /* In a child with a time limit: 40,000 triangles alone, and every shape behind instances. */
@@ -292,7 +273,7 @@ static void no_call_hangs(void **state) {
             assert_ok(s.context, world_create(s.scene, &s.world));
             ray_set set = random_rays(2000);
             visit v = {.s = &s, .rays = &set};
-            trace_spec_list(trace_coherent, &v);
+            specs_each(trace_coherent, &v);
             _exit(0);
         }
         int status = -1;

@@ -1,9 +1,7 @@
 /* Memory that runs out, requests.h says how: while measuring, and over the extreme cases. */
 #include "integrate/plan.h"
-#include "measure/build_time.h"
 #include "measure/converge.h"
-#include "measure/growth.h"
-#include "measure/secondary.h"
+#include "measure/phases.h"
 #include "measure/trace_time.h"
 #include "verify/extremes/extremes.h"
 #include "verify/light/shading_studio.h"
@@ -117,17 +115,6 @@ static fathom_status open_stage(fathom_context *context, const char *file, bench
     return stage_open(context, scene, &settings, out);
 }
 
-static fathom_status measure_build(fathom_context *context, const char *file, outcome *out) {
-    bench_stage stage;
-    build_time time;
-    fathom_status status = open_stage(context, file, &stage);
-    if (status == FATHOM_OK) status = build_time_measure(context, &stage, "embree", 2, 1, NULL, &time);
-    for (int q = 0; q < BUILD_QUALITIES && status == FATHOM_OK; ++q)
-        add(out, &time.qualities[q].rays, sizeof time.qualities[q].rays);
-    stage_close(&stage);
-    return status;
-}
-
 static fathom_status measure_error(fathom_context *context, const char *file, outcome *out) {
     const converge_options options = {.rounds = 1, .max_spp = 4, .half_spp = 4, .ppd = 67};
     converge_result result = {.rounds = 0};
@@ -142,26 +129,21 @@ static fathom_status measure_error(fathom_context *context, const char *file, ou
     return status;
 }
 
-static fathom_status measure_rays(fathom_context *context, const bench_stage *stage, const render_plan *plan,
-                                  outcome *out) {
-    static secondary_rays rays;
-    static secondary_time time;
-    fathom_status status = secondary_record(context, plan, UINT64_MAX, &rays);
-    if (status != FATHOM_OK) return status;
-    status = secondary_measure(context, stage->tracer, &rays, 1, NULL, &time);
-    for (size_t i = 0; i < time.count && status == FATHOM_OK; ++i)
-        add(out, &time.rows[i].met, sizeof time.rows[i].met);
-    secondary_free(&rays);
-    return status;
-}
-
-static fathom_status measure_secondary(fathom_context *context, const char *file, outcome *out) {
+static fathom_status measure_recorded(fathom_context *context, const char *file, outcome *out) {
+    const trace_time_options options = {.repeats = 1, .threads = 1, .seconds = 1e-4};
+    trace_sets sets = {.count = 0};
+    static trace_rate rates[2][TRACE_SETS_MAX];
     bench_stage stage;
     render_plan *plan = NULL;
     fathom_status status = open_stage(context, file, &stage);
     if (status == FATHOM_OK) status = stage_build(context, &stage, "embree", 0);
     if (status == FATHOM_OK) status = plan_create(context, stage.world, stage.tracer, &stage.settings, &plan);
-    if (status == FATHOM_OK) status = measure_rays(context, &stage, plan, out);
+    if (status == FATHOM_OK) status = trace_sets_record(context, plan, 1000, &sets);
+    const replay_way ways[2] = {{stage.tracer, false}, {stage.tracer, true}};
+    if (status == FATHOM_OK) status = trace_time_measure(context, ways, 2, &sets, &options, rates);
+    for (size_t i = 0; i < sets.count && status == FATHOM_OK; ++i)
+        add(out, &sets.items[i].count, sizeof sets.items[i].count);
+    trace_sets_free(&sets);
     plan_destroy(plan);
     stage_close(&stage);
     return status;
@@ -169,42 +151,54 @@ static fathom_status measure_secondary(fathom_context *context, const char *file
 
 static fathom_status measure_trace(fathom_context *context, const char *file, outcome *out) {
     const trace_time_options options = {.repeats = 1, .threads = 2, .seconds = 1e-4};
-    trace_set sets[TRACE_SETS] = {{.blocks = NULL}};
-    trace_rate rates[1][TRACE_SETS];
+    trace_sets sets = {.count = 0};
+    static trace_rate rates[1][TRACE_SETS_MAX];
     bench_stage stage;
     fathom_status status = open_stage(context, file, &stage);
     if (status == FATHOM_OK) status = stage_build(context, &stage, "bvh", 0);
-    if (status == FATHOM_OK) status = trace_sets_create(context, stage.world, stage.tracer, 300, sets);
-    for (int s = 0; s < TRACE_SETS && status == FATHOM_OK; ++s) {
-        add(out, &sets[s].count, sizeof sets[s].count);
-        add(out, sets[s].blocks, sets[s].count * sizeof *sets[s].blocks);
+    if (status == FATHOM_OK) status = trace_sets_create(context, stage.world, stage.tracer, 300, &sets);
+    for (size_t s = 0; s < sets.count && status == FATHOM_OK; ++s) {
+        const trace_set *set = &sets.items[s];
+        add(out, &set->count, sizeof set->count);
+        add(out, set->blocks, set->count * sizeof *set->blocks);
     }
-    const trace_tracer *const tracers[1] = {stage.tracer};
-    if (status == FATHOM_OK) status = trace_time_measure(context, tracers, 1, sets, &options, rates);
-    trace_sets_free(sets);
+    const replay_way way = {stage.tracer, false};
+    if (status == FATHOM_OK) status = trace_time_measure(context, &way, 1, &sets, &options, rates);
+    trace_sets_free(&sets);
     stage_close(&stage);
     return status;
 }
 
-/* Reading, building, rendering in bands by one thread and by two, and the rays of it asked again. */
-static fathom_status measure_growth(fathom_context *context, const char *file, outcome *out) {
-    const growth_options options = {.repeats = 1, .seconds = 1, .width = 20, .height = 40, .record_bytes = 1};
-    static growth_point point;
-    fathom_status status = growth_measure(context, in_folder(file), &options, &point);
+/* Reading, building, rendering in bands by one thread, and the rays of it asked again. */
+static fathom_status measure_phases(fathom_context *context, const char *file, outcome *out) {
+    const phases_options options = {.repeats = 1, .seconds = 1};
+    const render_time_options times = {.threads = {1}, .thread_counts = 1, .record_bytes = 1};
+    fathom_read_options read;
+    quartiles seconds[BENCH_CLOCKS];
+    static phases result;
+    fathom_settings settings;
+    fathom_scene *scene;
+    fathom_read_options_default(&read);
+    read.width = 20, read.height = 40;
+    fathom_status status = phases_read(context, in_folder(file), &read, &options, &scene, seconds);
+    if (status == FATHOM_OK) {
+        fathom_scene_settings(scene, &settings);
+        settings.width = 20, settings.height = 40, settings.spp = 1;
+        status = phases_measure(context, scene, &settings, "embree", &options, &times, &result);
+    }
+    fathom_scene_destroy(scene);
     if (status != FATHOM_OK) return status;
-    add(out, &point.triangles, sizeof point.triangles);
-    add(out, &point.time.ratio.closest, sizeof point.time.ratio.closest);
-    add(out, &point.time.ratio.any, sizeof point.time.ratio.any);
+    add(out, &result.time.ratio.closest, sizeof result.time.ratio.closest);
+    add(out, &result.time.ratio.any, sizeof result.time.ratio.any);
     return FATHOM_OK;
 }
 
 static void measuring(void **state) {
     (void)state;
-    exhaust(measure_build, "scene.json");
     exhaust(measure_error, "scene.json");
-    exhaust(measure_secondary, "scene.json");
+    exhaust(measure_recorded, "scene.json");
     exhaust(measure_trace, "scene.json");
-    exhaust(measure_growth, "scene.json");
+    exhaust(measure_phases, "scene.json");
 }
 
 static int begin(void **state) {

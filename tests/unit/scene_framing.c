@@ -278,7 +278,7 @@ static void assert_reach(const extent_sides *s, const fathom_mesh *mesh, const d
     memcpy(most, floor, sizeof most);
     extent_boxes boxes;
     assert_true(extent_make_boxes(2, mesh, &boxes));
-    extent_of_mesh(2, s, mesh, &boxes, most);
+    extent_of_mesh(s, mesh, &boxes, most);
     free(boxes.items);
     for (int i = 0; i < EXTENT_SIDES; ++i) {
         double expected = floor[i];

@@ -129,10 +129,6 @@ static json_t *head(const char *what) {
                    JSON("date", date), JSON("machine", machine));
 }
 
-void bench_add_asked(json_t *root, const bench_settings *asked) {
-    json_add(root, JSON("scene", asked->scene), JSON("spec", asked->tracer), JSON("repeats", asked->repeats));
-}
-
 void bench_add_tracer(json_t *root, const char *tracer_name) {
     if (strncmp(tracer_name, "Embree ", 7) != 0) return;
     json_add(json_object_get(root, "machine"), JSON("embree", tracer_name + 7));
@@ -249,12 +245,7 @@ fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_s
 /* ---- the command ---- */
 
 /* Each is a command of two words. */
-static const command *const benches[] = {&command_bench_trace,
-                                         &command_bench_render,
-                                         &command_bench_error,
-                                         &command_bench_build,
-                                         &command_bench_growth,
-                                         &command_bench_secondary,
+static const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error,
                                          NULL};
 
 const command *bench_find(const char *name) {
@@ -282,11 +273,9 @@ const command command_bench = {
     .usage = "WHAT SCENE [options]",
     .summary = "Measure speed, and error against time.",
     .text = "WHAT is one of\n"
-            "  trace      rays a second of every tracer, and what they cost to build\n"
-            "  render     the phases of a render, and its distance from Embree's ceiling\n"
-            "  error      image error against run time\n"
-            "  build      what the quality of Embree's build costs and saves\n"
-            "  growth     reading, building and tracing by the number of triangles\n"
-            "  secondary  mirrored, refracted and shadow rays by depth, against single rays\n"
+            "  trace   rays a second of every tracer, also of a render's own rays by depth\n"
+            "  render  the phases of a render, its distance from Embree's ceiling, and how\n"
+            "          all of them grow with the triangles\n"
+            "  error   image error against run time\n"
             "fathom help bench WHAT tells more.\n",
     .run = run};

@@ -11,8 +11,7 @@
 
 #include <stdio.h>
 
-extern const command command_bench_trace, command_bench_render, command_bench_error, command_bench_build,
-    command_bench_growth, command_bench_secondary;
+extern const command command_bench_trace, command_bench_render, command_bench_error;
 
 /* "error" for `fathom bench error`; NULL: none. */
 const command *bench_find(const char *name);
@@ -85,8 +84,6 @@ fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_s
 
 /* ---- results ---- */
 
-/* Adds the scene, the words of the tracer, the size of the image and the repeats. */
-void bench_add_asked(json_t *root, const bench_settings *asked);
 /* Adds "embree" to the machine, if the tracer is Embree's. */
 void bench_add_tracer(json_t *root, const char *tracer_name);
 

@@ -5,83 +5,41 @@
 #include "base/clock.h"
 #include "base/status.h"
 #include "film/film.h"
-#include "integrate/plan.h"
-#include "measure/render_time.h"
+#include "measure/phases.h"
 #include "scene/scene.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* Enough for a million pixels of ten rays; no machine that renders them lacks it. */
 #define RECORD_BYTES ((uint64_t)512 << 20)
+/* A .glb ends at 4 GB, 28 bytes a triangle. */
+#define MOST_TRIANGLES 150e6
 
 typedef struct bench_render_settings {
     bench_settings all;
-    args_counts spp, threads;
+    args_list tracers;
+    args_counts triangles, spp, threads;
+    double seconds;
 } bench_render_settings;
 
-/* ---- the phases ---- */
+/* One scene or generated mesh. */
+typedef struct source {
+    const fathom_scene *scene;
+    const char *name;
+    uint64_t file_bytes;
+    quartiles read[BENCH_CLOCKS];
+} source;
 
+/* One of its renders. */
 typedef struct measured {
-    double build, build_cpu, write;
-    uint64_t bvh_bytes;
-    char tracer[64];
-    render_time time;
+    const char *spec;
+    fathom_settings settings;
+    double write;
+    phases phases;
 } measured;
-
-static fathom_status write_once(fathom_context *context, const fathom_scene *scene,
-                                const fathom_settings *settings, double *seconds) {
-    char path[TEMPORARY_PATH];
-    fathom_status status = temporary_create(context, ".png", path);
-    if (status != FATHOM_OK) return status;
-    fathom_film *film;
-    fathom_write_options options;
-    fathom_write_options_default(&options);
-    status = film_create(context, scene, settings, &film);
-    double began = clock_seconds();
-    if (status == FATHOM_OK) status = fathom_film_write(context, film, path, &options);
-    *seconds = clock_seconds() - began;
-    if (film) fathom_film_destroy(film);
-    temporary_remove(path);
-    return status;
-}
-
-static fathom_status build(fathom_context *context, const world *w, const trace_spec *spec,
-                           const fathom_settings *settings, measured *out, trace_tracer **tracer) {
-    trace_options options = {.spec = spec,
-                             .width = settings->block_width,
-                             .expected_rays = plan_expected_rays(w->scene, settings)};
-    double began = clock_seconds(), cpu = clock_process_seconds();
-    fathom_status status = trace_create(context, w, &options, tracer);
-    out->build += clock_seconds() - began;
-    out->build_cpu += clock_process_seconds() - cpu;
-    if (status != FATHOM_OK) return status;
-    out->bvh_bytes = trace_bvh_bytes(*tracer);
-    snprintf(out->tracer, sizeof out->tracer, "%s", trace_name(*tracer));
-    return FATHOM_OK;
-}
-
-static fathom_status measure_phases(fathom_context *context, const fathom_scene *scene,
-                                    const trace_spec *spec, const fathom_settings *settings,
-                                    const bench_render_settings *asked, const bench_watch *watch,
-                                    measured *out) {
-    render_time_options options = {
-        .repeats = asked->all.repeats, .record_bytes = RECORD_BYTES, .watch = watch};
-    for (size_t i = 0; i < asked->threads.count; ++i)
-        options.threads[options.thread_counts++] = (unsigned)asked->threads.items[i];
-    fathom_context_set_threads(context, 0);
-    world *w = NULL;
-    trace_tracer *tracer = NULL;
-    double began = clock_seconds();
-    fathom_status status = world_create(scene, &w);
-    out->build = clock_seconds() - began;
-    if (status == FATHOM_OK) status = world_check(w);
-    if (status == FATHOM_OK) status = build(context, w, spec, settings, out, &tracer);
-    if (status == FATHOM_OK) status = render_time_measure(context, w, tracer, settings, &options, &out->time);
-    trace_destroy(tracer);
-    world_destroy(w);
-    return status == FATHOM_OK ? write_once(context, scene, settings, &out->write) : status;
-}
 
 /* ---- results ---- */
 
@@ -116,20 +74,27 @@ static json_t *pack_speeds(const render_time *t) {
     return speeds;
 }
 
-static json_t *pack_run(const fathom_settings *settings, const measured *m, double read) {
-    json_t *phases =
-        json_of(JSON("read", read), JSON("build", m->build), JSON("plan", m->time.plan_seconds.median),
-                JSON("render", m->time.speeds[0].seconds.median), JSON("write", m->write));
-    return json_of(JSON("spp", settings->spp), JSON("width", settings->width),
-                   JSON("height", settings->height), JSON("tracer", m->tracer),
-                   JSON("bvhBytes", m->bvh_bytes), JSON("seconds", phases),
-                   JSON("buildCpuSeconds", m->build_cpu), JSON("rays", pack_rays(&m->time.rays)),
-                   JSON("speeds", pack_speeds(&m->time)), JSON("ceiling", pack_ratio(&m->time)));
+static json_t *pack_run(const source *from, const measured *m) {
+    const render_time *time = &m->phases.time;
+    json_t *seconds =
+        json_of(JSON("read", from->read[BENCH_WALL].median),
+                JSON("build", m->phases.build[BENCH_WALL].median), JSON("plan", time->plan_seconds.median),
+                JSON("render", time->speeds[0].seconds.median), JSON("write", m->write));
+    return json_of(JSON("scene", from->name), JSON("triangles", scene_triangles(from->scene)),
+                   JSON("fileBytes", from->file_bytes), JSON("spec", m->spec), JSON("spp", m->settings.spp),
+                   JSON("width", m->settings.width), JSON("height", m->settings.height),
+                   JSON("tracer", m->phases.tracer), JSON("bvhBytes", m->phases.bvh_bytes),
+                   JSON("bvhPeakBytes", m->phases.peak_bytes), JSON("seconds", seconds),
+                   JSON("readSeconds", bench_clocks(from->read)),
+                   JSON("buildSeconds", bench_clocks(m->phases.build)), JSON("rays", pack_rays(&time->rays)),
+                   JSON("speeds", pack_speeds(time)), JSON("ceiling", pack_ratio(time)));
 }
 
 static void print_run(const json_t *run) {
     size_t i;
     json_t *s;
+    print_name(stdout, json_text_at(run, "scene"));
+    json_print(run, ", {triangles:.0f} triangles, {spec:s}\n");
     json_print(run,
                "{spp:.0f} spp  read {seconds.read:.3f}, build {seconds.build:.3f}, plan {seconds.plan:.4f}, "
                "render {seconds.render:.4f}, write {seconds.write:.3f} s\n"
@@ -153,7 +118,7 @@ static void print_run(const json_t *run) {
                    "  all of the render phase: {ceiling.renderToBare.median:.3f} times the bare calls "
                    "({ceiling.renderToBare.low:.3f} to {ceiling.renderToBare.high:.3f})\n");
     else
-        puts("  no bare form of this tracer: expected embree, but not by streams");
+        puts("  no bare form of this tracer: expected embree");
     fflush(stdout);
 }
 
@@ -168,7 +133,73 @@ static const bench_csv csv = {
                "render_to_bare_low=ceiling.renderToBare.low, "
                "render_to_bare_median=ceiling.renderToBare.median, "
                "render_to_bare_high=ceiling.renderToBare.high, "
-               "traced_to_bare_median=ceiling.tracedToBare.median, bare_speedup_median=bareSpeedup.median"};
+               "traced_to_bare_median=ceiling.tracedToBare.median, bare_speedup_median=bareSpeedup.median, "
+               "scene, triangles, "
+               "tracer=spec, file_bytes=fileBytes, bvh_bytes=bvhBytes, bvh_peak_bytes=bvhPeakBytes, "
+               "read_cpu_seconds=readSeconds.cpu.median, read_seconds=readSeconds.wall.median, "
+               "build_cpu_seconds=buildSeconds.cpu.median, build_seconds=buildSeconds.wall.median"};
+
+/* ---- growth with the triangles ---- */
+
+static const struct {
+    const char *name, *path, *words;
+} series[] = {
+    {"read", "readSeconds.cpu.median", "reading"},
+    {"build", "buildSeconds.cpu.median", "building"},
+    {"render", "ceiling.renderCpuSeconds.median", "render phase"},
+    {"bare", "ceiling.bareCpuSeconds.median", "bare calls"},
+    {"renderToBare", "ceiling.renderToBare.median", "render over bare"},
+};
+#define SERIES (sizeof series / sizeof *series)
+
+static bool is_alike(const json_t *a, const json_t *b) {
+    return strcmp(json_text_at(a, "spec"), json_text_at(b, "spec")) == 0 &&
+           (uint64_t)json_number_at(a, "spp") == (uint64_t)json_number_at(b, "spp");
+}
+
+/* The exponent over all runs by the tracer and the samples of `first`; nothing where they are too few. */
+static void add_fit(json_t *fits, const json_t *runs, const json_t *first, size_t k) {
+    const size_t room = json_array_size(runs);
+    double *x = malloc(2 * room * sizeof *x);
+    size_t count = 0, i;
+    json_t *run;
+    if (!x) return;
+    json_array_foreach(runs, i, run) {
+        if (!is_alike(run, first)) continue;
+        x[count] = json_number_at(run, "triangles"), x[room + count++] = json_number_at(run, series[k].path);
+    }
+    const power_fit fit = power_through(x, x + room, count);
+    free(x);
+    if (!isfinite(fit.exponent)) return;
+    json_array_append_new(fits, json_of(JSON("of", series[k].name), JSON("spec", json_text_at(first, "spec")),
+                                        JSON("spp", json_number_at(first, "spp")),
+                                        JSON("exponent", fit.exponent), JSON("half", fit.half),
+                                        JSON("scale", fit.scale), JSON("sizes", fit.count)));
+}
+
+static json_t *pack_fits(const json_t *runs) {
+    json_t *fits = json_array(), *run;
+    size_t i;
+    json_array_foreach(runs, i, run) {
+        size_t before = 0;
+        while (before < i && !is_alike(json_array_get(runs, before), run)) ++before;
+        for (size_t k = 0; k < SERIES && before == i; ++k) add_fit(fits, runs, run, k);
+    }
+    return fits;
+}
+
+static void print_fits(const json_t *fits) {
+    size_t i;
+    json_t *fit;
+    if (json_array_size(fits)) puts("seconds ~ triangles ^ exponent, and its 95 % interval");
+    json_array_foreach(fits, i, fit) {
+        size_t k = 0;
+        while (k + 1 < SERIES && strcmp(series[k].name, json_text_at(fit, "of")) != 0) ++k;
+        printf("%-18s", series[k].words);
+        bench_print_slope(json_at(fit, "exponent"), json_at(fit, "half"), -18);
+        json_print(fit, "{spp:.0f} spp, {spec:s}\n");
+    }
+}
 
 /* ---- the command ---- */
 
@@ -184,7 +215,7 @@ static fathom_settings settings_of(const fathom_scene *scene, const bench_render
     return settings;
 }
 
-/* The settings that come of the scene and the command line together. */
+/* The settings that follow from the scene and the command line together. */
 static fathom_status check_settings(fathom_context *context, const fathom_scene *scene,
                                     const bench_render_settings *asked) {
     for (size_t i = 0; i < asked->spp.count; ++i) {
@@ -194,28 +225,51 @@ static fathom_status check_settings(fathom_context *context, const fathom_scene 
     return FATHOM_OK;
 }
 
-/* The part of all work that comes before run `index`: it is in proportion to the samples. */
-static double work_before(const bench_render_settings *asked, size_t index) {
+/* The share of the first `index` counts in all of them, each with `more` added. */
+static double share_before(const args_counts *counts, size_t index, double more) {
     double before = 0, all = 0;
-    for (size_t i = 0; i < asked->spp.count; ++i) {
-        if (i < index) before += (double)asked->spp.items[i];
-        all += (double)asked->spp.items[i];
+    for (size_t i = 0; i < counts->count; ++i) {
+        if (i < index) before += (double)counts->items[i] + more;
+        all += (double)counts->items[i] + more;
     }
     return before / all;
 }
 
-static fathom_status measure_run(fathom_context *context, const fathom_scene *scene, const trace_spec *spec,
-                                 const bench_render_settings *asked, size_t index, double read,
+static fathom_status write_once(fathom_context *context, const fathom_scene *scene, measured *out) {
+    char path[TEMPORARY_PATH];
+    fathom_status status = temporary_create(context, ".png", path);
+    if (status != FATHOM_OK) return status;
+    fathom_film *film;
+    fathom_write_options options;
+    fathom_write_options_default(&options);
+    status = film_create(context, scene, &out->settings, &film);
+    double began = clock_seconds();
+    if (status == FATHOM_OK) status = fathom_film_write(context, film, path, &options);
+    out->write = clock_seconds() - began;
+    if (film) fathom_film_destroy(film);
+    temporary_remove(path);
+    return status;
+}
+
+/* index: of the samples a pixel. */
+static fathom_status measure_run(fathom_context *context, const bench_render_settings *asked,
+                                 const source *from, const char *spec, size_t index, const bench_watch *watch,
                                  json_t *root) {
-    const fathom_settings settings = settings_of(scene, asked, index);
-    const bench_watch watch = bench_progress_part(work_before(asked, index), work_before(asked, index + 1));
+    const phases_options options = {asked->all.repeats, asked->seconds, watch};
+    render_time_options times = {.record_bytes = RECORD_BYTES};
+    for (size_t i = 0; i < asked->threads.count; ++i)
+        times.threads[times.thread_counts++] = (unsigned)asked->threads.items[i];
     measured *m = calloc(1, sizeof *m);
     if (!m) return fail_memory(context, sizeof *m);
-    fathom_status status = measure_phases(context, scene, spec, &settings, asked, &watch, m);
-    if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
+    m->spec = spec;
+    m->settings = settings_of(from->scene, asked, index);
+    fathom_status status =
+        phases_measure(context, from->scene, &m->settings, spec, &options, &times, &m->phases);
+    if (status == FATHOM_OK) status = write_once(context, from->scene, m);
+    if (status == FATHOM_OK) status = fathom_scene_check_files(from->scene);
     if (status == FATHOM_OK) {
-        json_t *run = pack_run(&settings, m, read);
-        bench_add_tracer(root, m->tracer);
+        json_t *run = pack_run(from, m);
+        bench_add_tracer(root, m->phases.tracer);
         progress_clear_line();
         if (!asked->all.common.quiet) print_run(run);
         json_array_append_new(json_object_get(root, "runs"), run);
@@ -224,33 +278,91 @@ static fathom_status measure_run(fathom_context *context, const fathom_scene *sc
     return status;
 }
 
-static fathom_status measure(fathom_context *context, const void *user, json_t *root) {
-    const bench_render_settings *asked = user;
-    const fathom_read_options read_options = {.width = asked->all.size.width,
-                                              .height = asked->all.size.height};
-    trace_spec spec;
+static fathom_status measure_source(fathom_context *context, const bench_render_settings *asked,
+                                    const args_list *tracers, const char *name, const char *path,
+                                    const bench_watch *watch, json_t *root) {
+    fathom_read_options read;
+    fathom_read_options_default(&read);
+    read.width = asked->all.size.width, read.height = asked->all.size.height;
+    const phases_options options = {asked->all.repeats, asked->seconds, NULL};
+    struct stat info;
+    source from = {.name = name, .file_bytes = stat(path, &info) == 0 ? (uint64_t)info.st_size : 0};
     fathom_scene *scene;
-    if (asked->threads.count > RENDER_TIME_THREADS_MAX)
-        return fail(context, FATHOM_BAD_USAGE, "--threads: expected at most 8 numbers");
-    fathom_status status = trace_spec_parse(context, asked->all.tracer, &spec);
-    if (status != FATHOM_OK) return status;
-    const double began = clock_seconds();
-    status = fathom_scene_read_with(context, asked->all.scene, &read_options, &scene);
-    const double read = clock_seconds() - began;
-    if (status != FATHOM_OK) return status;
-    bench_add_asked(root, &asked->all);
-    json_add(root, JSON("triangles", scene_triangles(scene)), JSON("lights", scene->lights.count),
-             JSON("runs", json_array()));
-    status = check_settings(context, scene, asked);
-    for (size_t i = 0; i < asked->spp.count && status == FATHOM_OK; ++i)
-        status = measure_run(context, scene, &spec, asked, i, read, root);
+    fathom_status status = phases_read(context, path, &read, &options, &scene, from.read);
+    from.scene = scene;
+    if (status == FATHOM_OK) status = check_settings(context, scene, asked);
+    for (size_t i = 0; i < asked->spp.count * tracers->count && status == FATHOM_OK; ++i) {
+        const size_t t = i % tracers->count, s = i / tracers->count;
+        const double begin = share_before(&asked->spp, s, 0), end = share_before(&asked->spp, s + 1, 0);
+        const double each = (end - begin) / (double)tracers->count, at = begin + each * (double)t;
+        const bench_watch part = bench_watch_part(watch, at, at + each);
+        status = measure_run(context, asked, &from, tracers->items[t], s, &part, root);
+    }
     fathom_scene_destroy(scene);
     return status;
 }
 
+static fathom_status measure_sphere(fathom_context *context, const bench_render_settings *asked,
+                                    const args_list *tracers, uint64_t triangles, const bench_watch *watch,
+                                    json_t *root) {
+    char path[TEMPORARY_PATH];
+    fathom_scene *scene;
+    fathom_status status = temporary_create(context, ".glb", path);
+    if (status != FATHOM_OK) return status;
+    fathom_context_set_threads(context, 0);
+    status = bench_sphere(context, triangles, &scene);
+    if (status == FATHOM_OK) status = fathom_scene_write_mesh(scene, path);
+    fathom_scene_destroy(scene);
+    if (status == FATHOM_OK)
+        status = measure_source(context, asked, tracers, "generated sphere", path, watch, root);
+    temporary_remove(path);
+    return status;
+}
+
+/* Rendering takes as long as reading and building of about a million triangles. */
+#define RENDER_WORK 1e6
+
+static fathom_status measure_all(fathom_context *context, const bench_render_settings *asked,
+                                 const args_list *tracers, json_t *root) {
+    const double scenes = asked->all.scene != NULL, spheres = (double)asked->triangles.count;
+    const bench_watch all = bench_progress_part(0, 1);
+    const bench_watch first = bench_watch_part(&all, 0, scenes / (scenes + spheres)),
+                      others = bench_watch_part(&all, scenes / (scenes + spheres), 1);
+    fathom_status status = FATHOM_OK;
+    if (asked->all.scene)
+        status = measure_source(context, asked, tracers, asked->all.scene, asked->all.scene, &first, root);
+    for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
+        const bench_watch part = bench_watch_part(&others, share_before(&asked->triangles, i, RENDER_WORK),
+                                                  share_before(&asked->triangles, i + 1, RENDER_WORK));
+        status = measure_sphere(context, asked, tracers, asked->triangles.items[i], &part, root);
+    }
+    return status;
+}
+
+static fathom_status measure(fathom_context *context, const void *user, json_t *root) {
+    static const args_list embree = {{"embree"}, 1};
+    const bench_render_settings *asked = user;
+    const args_list *tracers = asked->tracers.count ? &asked->tracers : &embree;
+    fathom_status status = FATHOM_OK;
+    trace_spec spec;
+    if (!asked->all.scene && !asked->triangles.count)
+        return fail(context, FATHOM_BAD_USAGE, "bench render: SCENE is missing; expected it or --triangles");
+    if (asked->threads.count > RENDER_TIME_THREADS_MAX)
+        return fail(context, FATHOM_BAD_USAGE, "--threads: expected at most 8 numbers");
+    for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i)
+        status = trace_spec_parse(context, tracers->items[i], &spec);
+    json_t *runs = json_array();
+    json_add(root, JSON("repeats", asked->all.repeats), JSON("runs", runs));
+    if (status == FATHOM_OK) status = measure_all(context, asked, tracers, root);
+    if (status != FATHOM_OK) return status;
+    json_add(root, JSON("fits", pack_fits(runs)));
+    if (!asked->all.common.quiet) print_fits(json_object_get(root, "fits"));
+    return FATHOM_OK;
+}
+
 static fathom_status run(int argc, char **argv) {
     bench_render_settings asked = {
-        .all = {.tracer = "embree", .repeats = 9}, .spp = {{1, 16}, 2}, .threads = {{1, 2}, 2}};
+        .all = {.repeats = 9}, .spp = {{1, 16}, 2}, .threads = {{1, 2}, 2}, .seconds = 2};
     return bench_run(&(bench_kind){&command_bench_render, measure, &csv}, argc, argv, &asked);
 }
 
@@ -258,19 +370,25 @@ static fathom_status run(int argc, char **argv) {
 
 static const args_option options[] = {
     {.help = "Options"},
-    {"tracer", 0, "SPEC", take_text, BENCH_FIELD(tracer), 0, 0, "what answers the rays (embree)"},
+    {"tracer", 0, "SPEC", take_list, FIELD(tracers), 0, 0,
+     "what answers the rays (embree); may be given several times, such as embree:low and embree:medium"},
+    {"triangles", 't', "N,N", take_counts, FIELD(triangles), 1, MOST_TRIANGLES,
+     "generated spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it; a file of "
+     "each is made in $TMPDIR and removed"},
     BENCH_SIZE,
     {"spp", 0, "N,N", take_counts, FIELD(spp), 1, 65536, "samples a pixel, one run each (1,16)"},
     {"threads", 0, "N,N", take_counts, FIELD(threads), 1, 1024,
      "how many render; the speedup is over the first (1,2)"},
     BENCH_REPEATS(RENDER_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
+    {"seconds", 0, "S", take_f64, FIELD(seconds), 0, 1e6,
+     "after which reading, or building, is not repeated (2)"},
     COMMAND_ALLOW_OUTSIDE(command_common),
     BENCH_RESULTS,
 };
 
 const command command_bench_render = {
     .name = "bench render",
-    .usage = "SCENE [options]",
+    .usage = "[SCENE] [--triangles N,N] [options]",
     .summary = "Measure the phases of a render, and its distance from Embree's ceiling.",
     .text = "Records the rays of the render itself and traces them again by nothing but\n"
             "Embree's calls, with the same scene, packets, flags and masks. The time that the\n"
@@ -278,10 +396,14 @@ const command command_bench_render = {
             "surfaces and fills the film. Render and bare calls take turns, and the\n"
             "ratio is of the processor time of one thread, of each turn by itself. Next to\n"
             "the speedup of threads stands the speedup of as many threads that make only the\n"
-            "bare calls: the machine allows no more.\n",
-    .examples = "  fathom generate sphere --triangles 8M -o heavy.glb\n"
-                "  fathom bench render heavy.glb\n"
-                "  fathom bench render heavy.glb --spp 1 --tracer embree:avx2:8 --json avx2.json\n",
-    .args = {options, bench_operands, bench_operand_offsets, 1},
+            "bare calls: the machine allows no more.\n"
+            "Files are read from the system's cache. With meshes of several sizes, also\n"
+            "prints the exponents b of seconds = a * triangles^b with their 95 % intervals:\n"
+            "1 is linear. If that of render over bare is 0 or less, the renderer slows down\n"
+            "no faster than Embree itself.\n",
+    .examples = "  fathom bench render forest.glb\n"
+                "  fathom bench render forest.glb --tracer embree:low --tracer embree:medium\n"
+                "  fathom bench render --triangles 10k,100k,1M,10M --spp 1 --report results\n",
+    .args = {options, bench_operands, bench_operand_offsets, 1, 1},
     .run = run,
 };

@@ -15,16 +15,18 @@ typedef struct bench_trace_settings {
     uint64_t rays;
     uint32_t tracing; /* threads */
     double seconds;
+    bool of_render;
 } bench_trace_settings;
 
 /* ---- which tracers ---- */
 
 typedef struct contestant {
-    const char *text;
+    const char *text; /* "embree:16", "bare:embree:1" */
     trace_spec spec;
     trace_tracer *tracer;
+    bool bare; /* by Embree's calls alone */
     double build, build_cpu;
-    trace_rate rates[TRACE_SETS];
+    trace_rate rates[TRACE_SETS_MAX];
 } contestant;
 
 typedef struct field {
@@ -34,26 +36,30 @@ typedef struct field {
 
 static fathom_status enter(fathom_context *context, field *f, const char *text) {
     contestant *c = &f->items[f->count];
-    *c = (contestant){.text = text};
-    fathom_status status = trace_spec_parse(context, text, &c->spec);
+    *c = (contestant){.text = text, .bare = strncmp(text, "bare:", 5) == 0};
+    fathom_status status = trace_spec_parse(context, c->bare ? text + 5 : text, &c->spec);
     if (status == FATHOM_OK) ++f->count;
     return status;
 }
 
-/* The most primitives that linear search is asked about, unless asked for: sixteen rays take it some 30 ms.
- */
+/* The most primitives for linear search unless it is asked for: sixteen rays take it some 30 ms. */
 #define LINEAR_MOST 1000000
 
-/* All that there is, but what would only repeat another: words of this Embree alone are left out elsewhere.
- */
+/* All tracers, but for those that would only repeat another. */
 static void enter_all(fathom_context *context, field *f, const fathom_scene *scene, uint64_t primitives) {
-    static const char *const always[] = {"embree:1",        "embree:4",       "embree:8",
-                                         "embree:16",       "embree:raw:16",  "embree:stream1m",
-                                         "embree:streamnm", "embree:user:16", "bvh"};
+    static const char *const always[] = {"embree:1",      "embree:4",       "embree:8", "embree:16",
+                                         "embree:raw:16", "embree:user:16", "bvh"};
     for (size_t i = 0; i < sizeof always / sizeof *always; ++i) enter(context, f, always[i]);
     if (scene->quads.count) enter(context, f, "embree:quad:16");
     if (scene->spheres.count) enter(context, f, "embree:sphere:16");
     if (primitives <= LINEAR_MOST) enter(context, f, "linear");
+}
+
+/* The render's own way, and Embree's calls alone, ray by ray and in packets. */
+static void enter_ways(fathom_context *context, field *f) {
+    static const char *const ways[] = {"embree", "bare:embree:1", "bare:embree:4", "bare:embree:8",
+                                       "bare:embree:16"};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) enter(context, f, ways[i]);
 }
 
 static fathom_status enter_given(fathom_context *context, field *f, const args_list *tracers) {
@@ -71,14 +77,6 @@ typedef struct arena {
     uint64_t triangles, primitives;
     double from, to; /* its part of all that is measured */
 } arena;
-
-static arena arena_of(const bench_stage *stage, const char *name, double from, double to) {
-    const fathom_scene *scene = stage->scene;
-    uint64_t triangles = scene_triangles(scene);
-    return (arena){*stage,    name,
-                   triangles, triangles + scene->spheres.count + scene->quads.count + scene->planes.count,
-                   from,      to};
-}
 
 static fathom_status open_sphere(fathom_context *context, uint64_t triangles, bench_stage *out) {
     fathom_scene *scene;
@@ -100,26 +98,45 @@ static fathom_status build(fathom_context *context, const world *w, contestant *
 }
 
 /* The rays come from the first tracer's hits. */
-static fathom_status race(fathom_context *context, const arena *s, const bench_trace_settings *asked,
-                          field *f) {
-    const trace_tracer *tracers[TRACE_TIME_TRACERS_MAX];
-    static trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS];
-    const bench_watch watch = bench_progress_part(s->from, s->to);
-    const trace_time_options options = {asked->all.repeats, asked->tracing, asked->seconds, &watch};
-    trace_set sets[TRACE_SETS] = {{NULL, 0}};
+static fathom_status make_sets(fathom_context *context, const arena *s, const bench_trace_settings *asked,
+                               const trace_tracer *tracer, trace_sets *out) {
+    if (!asked->of_render) return trace_sets_create(context, s->stage.world, tracer, asked->rays, out);
+    render_plan *plan;
+    out->count = 0;
+    fathom_status status = plan_create(context, s->stage.world, tracer, &s->stage.settings, &plan);
+    if (status == FATHOM_OK) status = trace_sets_record(context, plan, asked->rays, out);
+    plan_destroy(plan);
+    if (status != FATHOM_OK || out->count) return status;
+    return fail(context, FATHOM_BAD_INPUT, "the render has fewer than 16 rays of every kind");
+}
+
+static fathom_status build_all(fathom_context *context, const arena *s, unsigned threads, field *f,
+                               replay_way *ways) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
-        status = build(context, s->stage.world, &f->items[i], asked->tracing);
-        tracers[i] = f->items[i].tracer;
+        contestant *c = &f->items[i];
+        status = build(context, s->stage.world, c, threads);
+        if (status == FATHOM_OK && c->bare && !embree_bare_possible(c->tracer))
+            status = fail(context, FATHOM_BAD_USAGE, "--tracer: %s: expected an Embree after bare:", c->text);
+        ways[i] = (replay_way){c->tracer, c->bare};
     }
+    return status;
+}
+
+static fathom_status race(fathom_context *context, const arena *s, const bench_trace_settings *asked,
+                          field *f, trace_sets *sets) {
+    replay_way ways[TRACE_TIME_TRACERS_MAX];
+    static trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS_MAX];
+    const bench_watch watch = bench_progress_part(s->from, s->to);
+    const trace_time_options options = {asked->all.repeats, asked->tracing, asked->seconds, &watch};
+    fathom_status status = build_all(context, s, asked->tracing, f, ways);
     if (status == FATHOM_OK) {
-        status = trace_sets_create(context, s->stage.world, tracers[0], asked->rays, sets);
+        status = make_sets(context, s, asked, ways[0].tracer, sets);
         if (status == FATHOM_BAD_INPUT) fail_within(context, status, &(fathom_place){.file = s->name});
     }
-    if (status == FATHOM_OK) status = trace_time_measure(context, tracers, f->count, sets, &options, rates);
+    if (status == FATHOM_OK) status = trace_time_measure(context, ways, f->count, sets, &options, rates);
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i)
         memcpy(f->items[i].rates, rates[i], sizeof rates[i]);
-    trace_sets_free(sets);
     return status;
 }
 
@@ -129,19 +146,17 @@ static json_t *millions(quartiles q) {
     return bench_quartiles((quartiles){1e-6 * q.low, 1e-6 * q.median, 1e-6 * q.high});
 }
 
-static json_t *pack_rate(trace_set_kind kind, const trace_rate *r) {
-    const bool coherent = trace_set_coherence(kind) == TRACE_COHERENT;
-    return json_of(JSON("set", trace_set_name(kind)),
-                   JSON("query", trace_set_query(kind) == BARE_ANY ? "any" : "closest"),
-                   JSON("coherent", coherent), JSON("rays", r->rays), JSON("met", r->met),
-                   JSON("millionRaysPerSecond", millions(r->per_second)),
+static json_t *pack_rate(const trace_set *set, const trace_rate *r) {
+    return json_of(JSON("set", set->name), JSON("query", set->query == BARE_ANY ? "any" : "closest"),
+                   JSON("coherent", (bool)(set->coherence == TRACE_COHERENT)), JSON("rays", r->rays),
+                   JSON("met", r->met), JSON("millionRaysPerSecond", millions(r->per_second)),
                    JSON("millionRaysPerCpuSecond", millions(r->per_cpu_second)));
 }
 
-static json_t *pack_run(const arena *s, const contestant *c) {
+static json_t *pack_run(const arena *s, const contestant *c, const trace_sets *sets) {
     json_t *rates = json_array();
-    for (int k = 0; k < TRACE_SETS; ++k)
-        json_array_append_new(rates, pack_rate((trace_set_kind)k, &c->rates[k]));
+    for (size_t k = 0; k < sets->count; ++k)
+        json_array_append_new(rates, pack_rate(&sets->items[k], &c->rates[k]));
     return json_of(JSON("scene", s->name), JSON("triangles", s->triangles), JSON("primitives", s->primitives),
                    JSON("spec", c->text), JSON("tracer", trace_name(c->tracer)),
                    JSON("buildSeconds", c->build), JSON("buildCpuSeconds", c->build_cpu),
@@ -159,7 +174,7 @@ static void print_rate(const json_t *rate, uint64_t most) {
 }
 
 /* The most rays that any tracer was asked of a set. */
-static uint64_t most_rays(const field *f, int set) {
+static uint64_t most_rays(const field *f, size_t set) {
     uint64_t most = 0;
     for (size_t i = 0; i < f->count; ++i) {
         if (f->items[i].rates[set].rays > most) most = f->items[i].rates[set].rays;
@@ -167,35 +182,46 @@ static uint64_t most_rays(const field *f, int set) {
     return most;
 }
 
-static void print_fewer(const field *f) {
+static void print_fewer(const field *f, const trace_sets *sets) {
     bool any = false;
     for (size_t i = 0; i < f->count; ++i) {
-        for (int s = 0; s < TRACE_SETS; ++s) {
+        for (size_t s = 0; s < sets->count; ++s) {
             const trace_rate *r = &f->items[i].rates[s];
             if (r->rays >= most_rays(f, s)) continue;
-            printf("%s%s %s %llu", any ? ", " : "* fewer rays: ", f->items[i].text,
-                   trace_set_name((trace_set_kind)s), (unsigned long long)r->rays);
+            printf("%s%s %s %llu", any ? ", " : "* fewer rays: ", f->items[i].text, sets->items[s].name,
+                   (unsigned long long)r->rays);
             any = true;
         }
     }
     if (any) putchar('\n');
 }
 
-static void print_scene(const arena *s, const field *f, const json_t *runs, size_t first) {
-    print_name(stdout, s->name);
-    printf(": %llu primitives, of them %llu triangles; rays camera %llu, others %llu\n",
-           (unsigned long long)s->primitives, (unsigned long long)s->triangles,
-           (unsigned long long)most_rays(f, TRACE_SET_CAMERA),
-           (unsigned long long)most_rays(f, TRACE_SET_BOUNCE));
-    printf("%-17s %8s %8s %-15s %-15s %-15s %-15s\n", "Mrays/s", "build s", "BVH MB", "camera", "bounce",
-           "shadow", "between");
+#define COLUMNS 4
+
+/* The sets from `set` on, up to COLUMNS of them. */
+static void print_table(const field *f, const trace_sets *sets, const json_t *runs, size_t first,
+                        size_t set) {
+    const size_t end = set + COLUMNS < sets->count ? set + COLUMNS : sets->count;
+    printf("%-17s %8s %8s", "Mrays/s", "build s", "BVH MB");
+    for (size_t k = set; k < end; ++k) printf(" %-15s", sets->items[k].name);
+    printf("\n%-35s", "rays");
+    for (size_t k = set; k < end; ++k) printf(" %-15llu", (unsigned long long)most_rays(f, k));
+    putchar('\n');
     for (size_t i = 0; i < f->count; ++i) {
         const json_t *run = json_array_get(runs, first + i), *rates = json_object_get(run, "rates");
         json_print(run, "{spec:-17s} {buildSeconds:8.3f} {bvhBytes:8.1fM}");
-        for (int k = 0; k < TRACE_SETS; ++k) print_rate(json_array_get(rates, (size_t)k), most_rays(f, k));
+        for (size_t k = set; k < end; ++k) print_rate(json_array_get(rates, k), most_rays(f, k));
         putchar('\n');
     }
-    print_fewer(f);
+}
+
+static void print_scene(const arena *s, const field *f, const trace_sets *sets, const json_t *runs,
+                        size_t first) {
+    print_name(stdout, s->name);
+    printf(": %llu primitives, of them %llu triangles\n", (unsigned long long)s->primitives,
+           (unsigned long long)s->triangles);
+    for (size_t k = 0; k < sets->count; k += COLUMNS) print_table(f, sets, runs, first, k);
+    print_fewer(f, sets);
     fflush(stdout);
 }
 
@@ -218,48 +244,52 @@ static fathom_status run_arena(fathom_context *context, const arena *s, const be
     field *f = calloc(1, sizeof *f);
     if (!f) return fail_memory(context, sizeof *f);
     fathom_status status = FATHOM_OK;
+    trace_sets sets = {.count = 0};
     if (asked->tracers.count)
         status = enter_given(context, f, &asked->tracers);
+    else if (asked->of_render)
+        enter_ways(context, f);
     else
         enter_all(context, f, s->stage.scene, s->primitives);
-    if (status == FATHOM_OK) status = race(context, s, asked, f);
+    if (status == FATHOM_OK) status = race(context, s, asked, f, &sets);
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
         bench_add_tracer(root, trace_name(f->items[i].tracer));
-        json_array_append_new(runs, pack_run(s, &f->items[i]));
+        json_array_append_new(runs, pack_run(s, &f->items[i], &sets));
     }
     progress_clear_line();
-    if (status == FATHOM_OK && !asked->all.common.quiet) print_scene(s, f, runs, first);
+    if (status == FATHOM_OK && !asked->all.common.quiet) print_scene(s, f, &sets, runs, first);
+    trace_sets_free(&sets);
     for (size_t i = 0; i < f->count; ++i) trace_destroy(f->items[i].tracer);
     free(f);
     return status;
 }
 
-/* index: of the scene among those that are measured. */
-static fathom_status run_stage(fathom_context *context, fathom_status opened, bench_stage *stage,
-                               const char *name, double index, const bench_trace_settings *asked,
-                               json_t *root) {
-    fathom_status status = opened;
-    if (status == FATHOM_OK) {
-        const double all = (double)(asked->triangles.count + (asked->all.scene != NULL));
-        const arena a = arena_of(stage, name, index / all, (index + 1) / all);
-        status = run_arena(context, &a, asked, root);
-    }
-    if (status == FATHOM_OK) status = fathom_scene_check_files(stage->scene);
-    stage_close(stage);
-    return status;
+/* Scene i of all: the one given, then the spheres. */
+static fathom_status open_arena(fathom_context *context, const bench_trace_settings *asked, size_t i,
+                                arena *out) {
+    const size_t given = asked->all.scene != NULL, all = given + asked->triangles.count;
+    *out = (arena){.name = i < given ? asked->all.scene : "generated sphere",
+                   .from = (double)i / (double)all,
+                   .to = (double)(i + 1) / (double)all};
+    const fathom_status status = i < given
+                                     ? bench_open(context, &asked->all, &out->stage)
+                                     : open_sphere(context, asked->triangles.items[i - given], &out->stage);
+    if (status != FATHOM_OK) return status;
+    const fathom_scene *scene = out->stage.scene;
+    out->triangles = scene_triangles(scene);
+    out->primitives = out->triangles + scene->spheres.count + scene->quads.count + scene->planes.count;
+    return FATHOM_OK;
 }
 
 static fathom_status run_scenes(fathom_context *context, const bench_trace_settings *asked, json_t *root) {
+    const size_t all = (asked->all.scene != NULL) + asked->triangles.count;
     fathom_status status = FATHOM_OK;
-    bench_stage stage;
-    if (asked->all.scene) {
-        status = bench_open(context, &asked->all, &stage);
-        status = run_stage(context, status, &stage, asked->all.scene, 0, asked, root);
-    }
-    for (size_t i = 0; i < asked->triangles.count && status == FATHOM_OK; ++i) {
-        status = open_sphere(context, asked->triangles.items[i], &stage);
-        status = run_stage(context, status, &stage, "generated sphere",
-                           (double)i + (asked->all.scene != NULL), asked, root);
+    for (size_t i = 0; i < all && status == FATHOM_OK; ++i) {
+        arena a;
+        status = open_arena(context, asked, i, &a);
+        if (status == FATHOM_OK) status = run_arena(context, &a, asked, root);
+        if (status == FATHOM_OK) status = fathom_scene_check_files(a.stage.scene);
+        stage_close(&a.stage);
     }
     return status;
 }
@@ -285,11 +315,13 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     {"tracer", 0, "SPEC", take_list, FIELD(tracers), 0, 0,
-     "what is measured; may be given several times (all there are, with linear search up to a million "
-     "primitives)"},
+     "what is measured, or bare:SPEC for Embree's calls alone; may be given several times (all there are, "
+     "with linear search up to a million primitives)"},
+    {"of-render", 0, NULL, take_true, FIELD(of_render), 0, 0,
+     "the rays of a render by depth and kind; without --tracer, Embree as renders ask it and its bare calls"},
     {"triangles", 0, "N,N", take_counts, FIELD(triangles), 1, 4e9,
      "generated spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it"},
-    {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "of the camera (262144); the others have its hits"},
+    {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "of the camera, or of each kind (262144)"},
     {"seconds", 0, "S", take_f64, FIELD(seconds), 1e-6, 1e6,
      "the most for one repetition of one tracer and kind of rays; slower ones get fewer rays (0.1)"},
     BENCH_REPEATS(TRACE_TIME_REPEATS_MAX, "repetitions; the results are their medians and quartiles (9)"),
@@ -304,15 +336,18 @@ const command command_bench_trace = {
     .summary = "Measure rays a second of every tracer.",
     .text = "Four kinds of rays, made once and asked of every tracer:\n"
             "  camera   closest hit, coherent: packets of 4 x 4 pixels\n"
-            "  bounce   closest hit, incoherent: from what the camera sees, anywhere\n"
-            "  shadow   any hit, coherent: from what the camera sees to the first light\n"
-            "  between  any hit, incoherent: between any two points that the camera sees\n"
+            "  bounce   closest hit, incoherent: from visible points, anywhere\n"
+            "  shadow   any hit, coherent: from visible points to the first light\n"
+            "  between  any hit, incoherent: between any two visible points\n"
+            "With --of-render, instead: the camera, mirrored, refracted and shadow rays of a\n"
+            "render's first samples by depth, from all over the image.\n"
             "Tracers take turns, so that a machine that slows down favours none. All of them\n"
             "are in memory together. Prints million rays for each second of a thread's\n"
             "processor time: medians, and half the distance of the quartiles. --json and\n"
             "--csv also have rays a second by the clock. SPEC is as for render.\n",
     .examples = "  fathom bench trace --triangles 10k,100k,1M --report results\n"
-                "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n",
+                "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n"
+                "  fathom bench trace scenes/first-render.json --of-render --rays 50k\n",
     .args = {options, bench_operands, bench_operand_offsets, 1, 1},
     .run = run,
 };

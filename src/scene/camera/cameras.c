@@ -23,38 +23,23 @@ fathom_status scene_note_camera(fathom_scene *scene, const char *name, const cha
 /* ---- in words ---- */
 
 #define LISTED_MOST 20
-
-typedef struct text {
-    char bytes[4096];
-    size_t used;
-} text;
-
-static void put(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void put(text *t, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    int length = vsnprintf(t->bytes + t->used, sizeof t->bytes - t->used, format, args);
-    va_end(args);
-    if (length > 0) t->used += (size_t)length;
-    if (t->used >= sizeof t->bytes) t->used = sizeof t->bytes - 1;
-}
+#define CAMERA_TEXT 128 /* what print_camera() writes at most */
 
 /* 3 "Top" (orthographic) */
-static void put_camera(text *t, const fathom_scene *scene, size_t i) {
+static size_t print_camera(const fathom_scene *scene, size_t i, char out[CAMERA_TEXT]) {
     const scene_camera *c = &scene->cameras.items[i];
-    const char *name = c->name ? c->name : c->own_name;
-    put(t, "%zu", i);
-    if (name) put(t, " \"%.60s\"", name);
-    if (c->orthographic) put(t, " (orthographic)");
+    const char *name = c->name ? c->name : c->own_name, *quote = name ? "\"" : "";
+    return (size_t)snprintf(out, CAMERA_TEXT, "%zu%s%s%.60s%s%s", i, name ? " " : "", quote, name ? name : "",
+                            quote, c->orthographic ? " (orthographic)" : "");
 }
 
-static void put_all(text *t, const fathom_scene *scene) {
+static void print_all(const fathom_scene *scene, char out[(LISTED_MOST + 1) * CAMERA_TEXT]) {
     const size_t count = scene->cameras.count, listed = count < LISTED_MOST ? count : LISTED_MOST;
     for (size_t i = 0; i < listed; ++i) {
-        put(t, i ? ", " : "");
-        put_camera(t, scene, i);
+        if (i) out += snprintf(out, CAMERA_TEXT, ", ");
+        out += print_camera(scene, i, out);
     }
-    if (count > listed) put(t, " and %zu more, which fathom info lists", count - listed);
+    if (count > listed) snprintf(out, CAMERA_TEXT, " and %zu more, which fathom info lists", count - listed);
 }
 
 /* ---- choosing ---- */
@@ -82,40 +67,38 @@ static bool find_number(const fathom_scene *scene, const char *wanted, uint32_t 
 
 static fathom_status find_asked(const fathom_scene *scene, const char *path, const char *wanted,
                                 uint32_t *out) {
-    text list = {.used = 0};
+    char list[(LISTED_MOST + 1) * CAMERA_TEXT];
     size_t found = find_name(scene, wanted, NAME_OF_NODE, out);
     if (!found) found = find_name(scene, wanted, NAME_OF_CAMERA, out);
     if (!found && find_number(scene, wanted, out)) found = 1;
     if (found == 1 && !scene->cameras.items[*out].orthographic) return FATHOM_OK;
-    put_all(&list, scene);
+    print_all(scene, list);
     if (!found) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "there is no camera \"%.60s\"; expected one of %s", wanted, list.bytes);
+                         "there is no camera \"%.60s\"; expected one of %s", wanted, list);
     }
     if (found > 1) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
                          "%zu cameras are called \"%.60s\"; expected the number of one of %s", found, wanted,
-                         list.bytes);
+                         list);
     }
     return fail_file(
         scene->context, FATHOM_BAD_USAGE, path,
         "camera \"%.60s\" is orthographic, which is not rendered; expected a perspective one of %s", wanted,
-        list.bytes);
+        list);
 }
 
 static void warn_others(const fathom_scene *scene, const char *path) {
-    text taken = {.used = 0}, others = {.used = 0};
+    char taken[CAMERA_TEXT] = "the automatic camera", others[CAMERA_TEXT] = "";
     size_t orthographic = 0;
     const size_t count = scene->cameras.count;
     for (size_t i = 0; i < count; ++i) orthographic += scene->cameras.items[i].orthographic;
     if (count < 2 && !orthographic) return;
-    if (orthographic) put(&others, ", %zu of them orthographic, which are not rendered", orthographic);
-    if (scene->camera_taken == FATHOM_NONE)
-        put(&taken, "the automatic camera");
-    else
-        put_camera(&taken, scene, scene->camera_taken);
+    if (orthographic)
+        snprintf(others, sizeof others, ", %zu of them orthographic, which are not rendered", orthographic);
+    if (scene->camera_taken != FATHOM_NONE) print_camera(scene, scene->camera_taken, taken);
     warn(scene->context, "%s: holds %zu camera%s%s; %s is taken, and --camera NAME|N takes another", path,
-         count, count == 1 ? "" : "s", others.bytes, taken.bytes);
+         count, count == 1 ? "" : "s", others, taken);
 }
 
 fathom_status scene_choose_camera(fathom_scene *scene, const char *path) {

@@ -7,7 +7,6 @@
 #include "scene/kernels.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdlib.h>
 
 /* Vertices in a run. Shorter runs have tighter boxes, but more of them have to be compared in each pass. */
@@ -87,34 +86,9 @@ static void look_at_run(const extent_sides *s, const fathom_mesh *mesh, size_t r
     for (int i = 0; i < EXTENT_SIDES; ++i) out[i] = most[i];
 }
 
-typedef struct extent_loop {
-    const extent_sides *sides;
-    const fathom_mesh *mesh;
-    const extent_box *boxes;
-    pthread_mutex_t lock;
-    double *most;
-} extent_loop;
-
-/* The largest reach does not depend on which thread finds it when. */
-static void look_at_runs(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    extent_loop *loop = user;
-    double most[EXTENT_SIDES];
-    pthread_mutex_lock(&loop->lock);
-    for (int i = 0; i < EXTENT_SIDES; ++i) most[i] = loop->most[i];
-    pthread_mutex_unlock(&loop->lock);
-    for (size_t run = begin; run < end; ++run) {
-        if (extent_box_beyond(loop->sides, &loop->boxes[run], most))
-            look_at_run(loop->sides, loop->mesh, run, most);
-    }
-    pthread_mutex_lock(&loop->lock);
-    for (int i = 0; i < EXTENT_SIDES; ++i) loop->most[i] = larger(most[i], loop->most[i]);
-    pthread_mutex_unlock(&loop->lock);
-}
-
 /* The run whose box reaches farthest along each side comes first: few others reach beyond its vertices. */
-void extent_of_mesh(unsigned threads, const extent_sides *sides, const fathom_mesh *mesh,
-                    const extent_boxes *boxes, double most[EXTENT_SIDES]) {
+void extent_of_mesh(const extent_sides *sides, const fathom_mesh *mesh, const extent_boxes *boxes,
+                    double most[EXTENT_SIDES]) {
     double farthest[EXTENT_SIDES];
     size_t first[EXTENT_SIDES] = {0};
     for (int i = 0; i < EXTENT_SIDES; ++i) farthest[i] = -INFINITY;
@@ -125,6 +99,7 @@ void extent_of_mesh(unsigned threads, const extent_sides *sides, const fathom_me
         }
     }
     for (int i = 0; i < EXTENT_SIDES; ++i) look_at_run(sides, mesh, first[i], most);
-    extent_loop loop = {sides, mesh, boxes->items, PTHREAD_MUTEX_INITIALIZER, most};
-    loop_parallel(threads, boxes->count, PIECE, look_at_runs, &loop);
+    for (size_t run = 0; run < boxes->count; ++run) {
+        if (extent_box_beyond(sides, &boxes->items[run], most)) look_at_run(sides, mesh, run, most);
+    }
 }

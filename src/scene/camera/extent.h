@@ -33,7 +33,7 @@ bool extent_make_boxes(unsigned threads, const fathom_mesh *mesh, extent_boxes *
 bool extent_box_beyond(const extent_sides *sides, const extent_box *box, const double most[EXTENT_SIDES]);
 
 /* Raises `most` to how far the vertices reach. Vertices whose reach is not a number do not count. */
-void extent_of_mesh(unsigned threads, const extent_sides *sides, const fathom_mesh *mesh,
-                    const extent_boxes *boxes, double most[EXTENT_SIDES]);
+void extent_of_mesh(const extent_sides *sides, const fathom_mesh *mesh, const extent_boxes *boxes,
+                    double most[EXTENT_SIDES]);
 
 #endif

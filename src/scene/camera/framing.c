@@ -84,7 +84,7 @@ static bool add_mesh(walk *w, const directions *d, uint32_t index) {
     for (int k = 0; k < 3; ++k) all.lower[k] = facts->lower[k], all.upper[k] = facts->upper[k];
     if (!extent_box_beyond(&sides, &all, w->reach)) return true;
     if (!boxes->items && !extent_make_boxes(w->threads, mesh, boxes)) return false;
-    extent_of_mesh(w->threads, &sides, mesh, boxes, w->reach);
+    extent_of_mesh(&sides, mesh, boxes, w->reach);
     return true;
 }
 

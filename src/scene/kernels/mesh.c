@@ -23,17 +23,6 @@
 typedef float wide __attribute__((vector_size(4 * WIDE)));
 typedef int wide_marks __attribute__((vector_size(4 * WIDE))); /* each -1 or 0 */
 
-ALWAYS_INLINE wide wide_load(const float *from) {
-    wide v;
-    memcpy(&v, from, sizeof v);
-    return v;
-}
-
-/* a where marked, else b. */
-ALWAYS_INLINE wide_marks wide_choose(wide_marks marks, wide_marks a, wide_marks b) {
-    return (a & marks) | (b & ~marks);
-}
-
 /* gcc 12 makes four instructions of a choice, where there is one. */
 ALWAYS_INLINE wide_marks wide_larger(wide_marks a, wide_marks b) {
 #if defined(__AVX512F__)
@@ -41,46 +30,39 @@ ALWAYS_INLINE wide_marks wide_larger(wide_marks a, wide_marks b) {
 #elif defined(__AVX2__)
     return (wide_marks)_mm256_max_epi32((__m256i)a, (__m256i)b);
 #else
-    return wide_choose(a > b, a, b);
+    return (a & (a > b)) | (b & ~(a > b));
 #endif
 }
 
 /* ---- extremes of vectors, and whether all their numbers are finite ---- */
 
-/* NaN where a number is not finite, else 0, to be summed. */
-ALWAYS_INLINE wide oddness(wide v) { return v - v; }
-
-ALWAYS_INLINE bool is_zero(wide v) {
-    bool zero = true;
-    for (int k = 0; k < WIDE; ++k) zero &= v[k] == 0;
-    return zero;
-}
-
-/* WIDE vectors that follow each other fill three registers, whose extremes do not wait for each other. */
-ALWAYS_INLINE bool add_packed(const float *values, size_t count, float lower[3], float upper[3]) {
-    wide low[3], high[3], odd = {0};
-    for (int j = 0; j < 3; ++j) low[j] = high[j] = wide_load(values + WIDE * j);
+/* WIDE vectors that follow each other, number by number. v - v is NaN where v is not finite, else 0. */
+static bool packed_vectors(const float *values, size_t count, float lower[3], float upper[3]) {
+    float low[3 * WIDE], high[3 * WIDE], odd[3 * WIDE] = {0};
+    bool finite = true;
+    memcpy(low, values, sizeof low);
+    memcpy(high, values, sizeof high);
     for (size_t i = 0; i + WIDE <= count; i += WIDE) {
-        for (size_t j = 0; j < 3; ++j) {
-            wide v = wide_load(values + 3 * i + WIDE * j);
-            low[j] = (wide)wide_choose(v < low[j], (wide_marks)v, (wide_marks)low[j]);
-            high[j] = (wide)wide_choose(v > high[j], (wide_marks)v, (wide_marks)high[j]);
-            odd += oddness(v);
+        const float *v = values + 3 * i;
+        for (int k = 0; k < 3 * WIDE; ++k) {
+            low[k] = v[k] < low[k] ? v[k] : low[k];
+            high[k] = v[k] > high[k] ? v[k] : high[k];
+            odd[k] += v[k] - v[k];
         }
     }
     for (int k = 0; k < 3 * WIDE; ++k) {
-        float l = low[k / WIDE][k % WIDE], h = high[k / WIDE][k % WIDE];
-        lower[k % 3] = l < lower[k % 3] ? l : lower[k % 3];
-        upper[k % 3] = h > upper[k % 3] ? h : upper[k % 3];
+        lower[k % 3] = low[k] < lower[k % 3] ? low[k] : lower[k % 3];
+        upper[k % 3] = high[k] > upper[k % 3] ? high[k] : upper[k % 3];
+        finite &= odd[k] == 0;
     }
-    return is_zero(odd);
+    return finite;
 }
 
 static bool vectors(const float *values, size_t stride, size_t count, float lower[3], float upper[3]) {
     size_t done = 0;
     float odd = 0;
     if (stride == 3 * sizeof(float) && count >= WIDE) {
-        if (!add_packed(values, count, lower, upper)) return false;
+        if (!packed_vectors(values, count, lower, upper)) return false;
         done = count / WIDE * WIDE;
     }
     for (size_t i = done; i < count; ++i) {

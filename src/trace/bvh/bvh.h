@@ -11,29 +11,18 @@
 
 typedef struct bvh_node {
     float lower[3], upper[3];
-    uint32_t first; /* inner: its first child, the other follows; leaf: of its items, or its block */
+    uint32_t first; /* inner: its first child, the other follows; leaf: of its items */
     uint32_t count; /* of items, at most BVH_LEAF; 0: an inner node */
 } bvh_node;
 
 #define BVH_LEAF 4
 
-/* Up to four triangles as a structure of arrays: [corner][axis][triangle]. */
-typedef struct bvh_block {
-    float v[3][3][BVH_LEAF];
-    uint32_t primitive[BVH_LEAF];
-} bvh_block;
-
-/* The contents of a tree: the primitives of a geometry, or the parts of a group. */
-typedef enum bvh_kind { BVH_SPHERES, BVH_QUADS, BVH_TRIANGLES, BVH_PARTS } bvh_kind;
-
 typedef struct bvh_tree {
-    bvh_kind kind;
-    uint32_t of;         /* the geometry or group */
-    bvh_node *nodes;     /* [0] is the root */
-    uint32_t node_count; /* 0: nothing in it can be met */
-    bvh_block *blocks;   /* triangles */
-    uint32_t *items;     /* else: primitives; of a group: its geometries, then the instances */
-    uint32_t count;      /* of blocks or items */
+    const world_geometry *geometry; /* NULL: the tree of a group */
+    bvh_node *nodes;                /* [0] is the root */
+    uint32_t node_count;            /* 0: nothing in it can be met */
+    uint32_t *items;                /* primitives; of a group: its geometries, then the instances */
+    uint32_t count;                 /* of items */
     /* How far a ray may pass outside a box and still meet what is in it, and how much nearer along the ray:
      * unit roundoffs of the ray's distance to the box, unit roundoffs of 1, and a length. bvh_text.h. */
     double spread, offset, reach;
@@ -51,12 +40,10 @@ typedef struct bvh_item {
     uint32_t id;
 } bvh_item;
 
-/* Fills nodes and items, or leaves `count` 0 blocks to be filled, from items in any order, which it reorders.
- * The tree depends on the items alone, not on threads. `go_on` (or NULL) is asked now and then, on the
- * calling thread; false: FATHOM_INTERRUPTED. */
+/* Fills the nodes from items in any order, which it reorders. `go_on` (or NULL) is asked now and then; false:
+ * FATHOM_INTERRUPTED. */
 typedef struct bvh_build {
     fathom_context *context;
-    unsigned threads;
     bool (*go_on)(void *user, double fraction);
     void *user;
 } bvh_build;

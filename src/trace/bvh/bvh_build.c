@@ -1,14 +1,9 @@
-/* Building one tree: top down, where the surface area heuristic over 16 bins along each axis finds it
- * cheapest (Wald 2007, On fast construction of SAH-based bounding volume hierarchies). The upper levels are
- * split on one thread until enough pieces are there for all; pieces become subtrees of their own, which are
- * joined in order, so the tree does not depend on the threads. */
+/* Builds one tree from the top down. The surface area heuristic over 16 bins along each axis finds the
+ * cheapest split (Wald 2007, On fast construction of SAH-based bounding volume hierarchies). */
 #include "base/array.h"
-#include "base/threads.h"
 #include "trace/bvh/bvh.h"
 
 #include <math.h>
-#include <stdatomic.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define BINS 16
@@ -71,10 +66,7 @@ static void bins_fill(bins *b, const bvh_item *items, uint32_t count, const box 
     }
 }
 
-/* Leaves are tested whole, so what costs is blocks. */
-static double side_cost(const box *b, uint32_t count) {
-    return count ? box_area(b) * (double)((count + BVH_LEAF - 1) / BVH_LEAF) : 0;
-}
+static double side_cost(const box *b, uint32_t count) { return count ? box_area(b) * (double)count : 0; }
 
 /* The cheapest split along one axis: items of bins below *at go to the first side. */
 static double axis_cost(const bins *b, int axis, unsigned *at) {
@@ -122,116 +114,59 @@ static uint32_t split(bvh_item *items, uint32_t count, const box *centers, unsig
     return first;
 }
 
-/* ---- subtrees ---- */
-
-typedef ARRAY(bvh_node) node_array;
-
-typedef struct piece {
-    uint32_t node; /* of the upper levels; becomes the subtree's root */
-    uint32_t begin, end;
-    unsigned level;
-    node_array nodes;
-} piece;
+/* ---- nodes ---- */
 
 typedef struct builder {
     const bvh_build *build;
     bvh_item *items;
-    uint32_t piece_size; /* ranges of at most so many items are left to pieces */
-    ARRAY(piece) pieces; /* NULL while pieces are built */
-    atomic_bool failed, stopped;
-    atomic_uint done;
+    uint32_t count;
+    ARRAY(bvh_node) nodes;
+    bool stopped;
 } builder;
 
-static void node_set(bvh_node *node, const box *b) {
-    memcpy(node->lower, b->lower, sizeof node->lower);
-    memcpy(node->upper, b->upper, sizeof node->upper);
+/* Nodes over fewer items do not ask whether to go on: they take less than 10 ms. */
+#define ASK_LEAST 65536
+
+/* The items before `begin` are done. */
+static bool go_on(builder *b, uint32_t begin, uint32_t end) {
+    if (begin && end - begin < ASK_LEAST) return true;
+    const bvh_build *build = b->build;
+    b->stopped = build->go_on && !build->go_on(build->user, (double)begin / (b->count ? b->count : 1));
+    return !b->stopped;
 }
 
-/* The node `at` over items [begin, end), and all below it. False: out of memory. */
-static bool build_node(builder *l, node_array *nodes, uint32_t at, uint32_t begin, uint32_t end,
-                       unsigned level, bool leave_pieces) {
+/* The node `at` over items [begin, end), and all below it. False: out of memory, or stopped. */
+static bool build_node(builder *b, uint32_t at, uint32_t begin, uint32_t end, unsigned level) {
     box bounds = nothing, centers = nothing;
     for (uint32_t i = begin; i < end; ++i) {
-        const bvh_item *item = &l->items[i];
+        const bvh_item *item = &b->items[i];
         float c[3] = {item_center(item, 0), item_center(item, 1), item_center(item, 2)};
         box_join(&bounds, item->lower, item->upper);
         box_join(&centers, c, c);
     }
-    node_set(&nodes->items[at], &bounds);
-    if (end - begin <= BVH_LEAF) {
-        nodes->items[at].first = begin, nodes->items[at].count = end - begin;
-        return true;
-    }
-    if (leave_pieces && end - begin <= l->piece_size) {
-        piece p = {.node = at, .begin = begin, .end = end, .level = level};
-        return array_push(&l->pieces, p);
-    }
-    uint32_t middle = begin + split(l->items + begin, end - begin, &centers, level);
-    if (!array_room(nodes, 2)) return false;
-    uint32_t child = (uint32_t)nodes->count;
-    nodes->count += 2;
-    nodes->items[at].first = child, nodes->items[at].count = 0;
-    return build_node(l, nodes, child, begin, middle, level + 1, leave_pieces) &&
-           build_node(l, nodes, child + 1, middle, end, level + 1, leave_pieces);
-}
-
-static bool go_on(builder *l, double fraction) {
-    if (l->build->go_on && !l->build->go_on(l->build->user, fraction)) atomic_store(&l->stopped, true);
-    return !atomic_load(&l->stopped);
-}
-
-static void build_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    builder *l = user;
-    for (size_t i = begin; i < end; ++i) {
-        if (worker == 0) go_on(l, (double)atomic_load(&l->done) / (double)l->pieces.count);
-        if (atomic_load(&l->stopped) || atomic_load(&l->failed)) return;
-        piece *p = &l->pieces.items[i];
-        bool fine = array_room(&p->nodes, (size_t)(p->end - p->begin));
-        if (fine) {
-            p->nodes.count = 1;
-            fine = build_node(l, &p->nodes, 0, p->begin, p->end, p->level, false);
-        }
-        if (!fine) atomic_store(&l->failed, true);
-        atomic_fetch_add(&l->done, 1);
-    }
-}
-
-/* The pieces' nodes behind the upper ones, in order; a piece's own root takes its place among those. */
-static bool join_pieces(builder *l, node_array *nodes) {
-    size_t more = 0;
-    for (size_t i = 0; i < l->pieces.count; ++i) more += l->pieces.items[i].nodes.count - 1;
-    if (!array_room(nodes, more)) return false;
-    for (size_t i = 0; i < l->pieces.count; ++i) {
-        const piece *p = &l->pieces.items[i];
-        uint32_t moved = (uint32_t)nodes->count - 1;
-        for (size_t k = 0; k < p->nodes.count; ++k) {
-            bvh_node node = p->nodes.items[k];
-            if (!node.count) node.first += moved;
-            nodes->items[k ? nodes->count++ : p->node] = node;
-        }
-    }
-    return true;
-}
-
-static bool build_all(builder *l, uint32_t count, node_array *nodes) {
-    if (!array_room(nodes, 1)) return false;
-    nodes->count = 1;
-    if (!build_node(l, nodes, 0, 0, count, 0, true)) return false;
-    if (l->pieces.count) loop_parallel(l->build->threads, l->pieces.count, 1, build_pieces, l);
-    if (atomic_load(&l->failed)) return false;
-    return atomic_load(&l->stopped) || join_pieces(l, nodes);
+    bvh_node *node = &b->nodes.items[at];
+    *node = (bvh_node){.first = begin, .count = end - begin};
+    memcpy(node->lower, bounds.lower, sizeof node->lower);
+    memcpy(node->upper, bounds.upper, sizeof node->upper);
+    if (end - begin <= BVH_LEAF) return true;
+    if (!go_on(b, begin, end) || !array_room(&b->nodes, 2)) return false;
+    const uint32_t child = (uint32_t)b->nodes.count;
+    const uint32_t middle = begin + split(b->items + begin, end - begin, &centers, level);
+    b->nodes.count += 2;
+    b->nodes.items[at].first = child, b->nodes.items[at].count = 0;
+    return build_node(b, child, begin, middle, level + 1) && build_node(b, child + 1, middle, end, level + 1);
 }
 
 fathom_status bvh_tree_build(const bvh_build *build, bvh_item *items, uint32_t count, bvh_tree *tree) {
-    builder l = {.build = build, .items = items, .piece_size = count / 64 > 4096 ? count / 64 : 4096};
-    node_array nodes = {0};
-    bool fine = go_on(&l, 0) && count ? build_all(&l, count, &nodes) : true;
-    for (size_t i = 0; i < l.pieces.count; ++i) array_free(&l.pieces.items[i].nodes);
-    array_free(&l.pieces);
-    tree->nodes = nodes.items, tree->node_count = (uint32_t)nodes.count;
-    if (!fine) return fail_memory(build->context, count * sizeof(bvh_node));
-    if (atomic_load(&l.stopped)) {
-        return fail(build->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
+    builder b = {.build = build, .items = items, .count = count};
+    bool fine = go_on(&b, 0, count);
+    if (fine && count) {
+        fine = array_room(&b.nodes, 1);
+        b.nodes.count = fine;
+        fine = fine && build_node(&b, 0, 0, count, 0);
     }
-    return FATHOM_OK;
+    tree->nodes = b.nodes.items, tree->node_count = (uint32_t)b.nodes.count;
+    if (fine) return FATHOM_OK;
+    if (b.stopped) return fail(build->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
+    return fail_memory(build->context, count * sizeof(bvh_node));
 }

@@ -81,41 +81,6 @@ static inline bool FN(bvh_meets)(const FN(bvh_view) * v, const bvh_node *node, R
              (end < v->near));
 }
 
-/* The triangles of a block whose edge functions do not differ in sign: triangle_sheared() up to its first
- * return, the same operations in the same order, for four at once. */
-static inline unsigned FN(bvh_candidates)(const FN(bvh_view) * v, const bvh_block *block) {
-    int candidate[BVH_LEAF];
-    for (int i = 0; i < BVH_LEAF; ++i) {
-        REAL az = (REAL)block->v[0][v->z][i] - v->oz, bz = (REAL)block->v[1][v->z][i] - v->oz,
-             cz = (REAL)block->v[2][v->z][i] - v->oz;
-        REAL ax = ((REAL)block->v[0][v->x][i] - v->ox) - v->sx * az,
-             ay = ((REAL)block->v[0][v->y][i] - v->oy) - v->sy * az;
-        REAL bx = ((REAL)block->v[1][v->x][i] - v->ox) - v->sx * bz,
-             by = ((REAL)block->v[1][v->y][i] - v->oy) - v->sy * bz;
-        REAL cx = ((REAL)block->v[2][v->x][i] - v->ox) - v->sx * cz,
-             cy = ((REAL)block->v[2][v->y][i] - v->oy) - v->sy * cz;
-        REAL e = cx * by - cy * bx, f = ax * cy - ay * cx, g = bx * ay - by * ax;
-        int negative = (e < 0) | (f < 0) | (g < 0), positive = (e > 0) | (f > 0) | (g > 0);
-        candidate[i] = !(negative & positive);
-    }
-    unsigned all = 0;
-    for (unsigned i = 0; i < BVH_LEAF; ++i) all |= (unsigned)candidate[i] << i;
-    return all;
-}
-
-static inline void FN(bvh_triangles)(FN(search) * s, const FN(bvh_view) * v, const bvh_block *block,
-                                     unsigned count) {
-    unsigned candidates = FN(bvh_candidates)(v, block) & ((1u << count) - 1);
-    for (unsigned i = 0; candidates >> i; ++i) {
-        if (!(candidates >> i & 1)) continue;
-        vec3_f32 corner[3];
-        for (int c = 0; c < 3; ++c) {
-            corner[c] = vec_f32(block->v[c][0][i], block->v[c][1][i], block->v[c][2][i]);
-        }
-        FN(search_triangle)(s, corner, block->primitive[i]);
-    }
-}
-
 static void FN(bvh_walk)(FN(search) * s, const bvh_tracer *tracer, const bvh_tree *tree);
 
 /* A geometry, or an instance of a group. */
@@ -133,25 +98,13 @@ static void FN(bvh_part)(FN(search) * s, const bvh_tracer *tracer, uint32_t part
     FN(search_enter)(s, FATHOM_NONE);
 }
 
-static inline void FN(bvh_leaf)(FN(search) * s, const FN(bvh_view) * v, const bvh_tracer *tracer,
-                                const bvh_tree *tree, const bvh_node *node) {
-    const world *w = tracer->base.world;
-    if (tree->kind == BVH_TRIANGLES) {
-        FN(bvh_triangles)(s, v, &tree->blocks[node->first], node->count);
-        return;
-    }
+static inline void FN(bvh_leaf)(FN(search) * s, const bvh_tracer *tracer, const bvh_tree *tree,
+                                const bvh_node *node) {
     for (uint32_t i = node->first; i < node->first + node->count && !(s->any && s->met); ++i) {
-        uint32_t k = tree->items[i];
-        switch (tree->kind) {
-        case BVH_SPHERES:
-            FN(search_sphere)(s, &w->spheres.items[w->geometries.items[s->at[1]].first + k], k);
-            break;
-        case BVH_QUADS:
-            FN(search_quad)(s, &w->quads.items[w->geometries.items[s->at[1]].first + k], k);
-            break;
-        case BVH_PARTS: FN(bvh_part)(s, tracer, k); break;
-        case BVH_TRIANGLES: break;
-        }
+        if (tree->geometry)
+            FN(search_primitive)(s, tree->geometry, tree->items[i]);
+        else
+            FN(bvh_part)(s, tracer, tree->items[i]);
     }
 }
 
@@ -169,7 +122,7 @@ static void FN(bvh_walk)(FN(search) * s, const bvh_tracer *tracer, const bvh_tre
     for (uint32_t at = 0;;) {
         const bvh_node *node = &tree->nodes[at];
         if (node->count) {
-            FN(bvh_leaf)(s, &v, tracer, tree, node);
+            FN(bvh_leaf)(s, tracer, tree, node);
             if (s->any && s->met) return;
             limit = FN(bvh_limit)(s, &v);
         } else {

@@ -22,19 +22,6 @@ static void item_add(bvh_item *item, vec3_f32 p) {
 
 /* ---- boxes of primitives; false: never met ---- */
 
-/* Triangles with a corner that is not finite are never met. */
-static bool add_triangle(bvh_item *item, vec3_f32 a, vec3_f32 b, vec3_f32 c) {
-    if (!finite_f32(a) || !finite_f32(b) || !finite_f32(c)) return false;
-    item_add(item, a), item_add(item, b), item_add(item, c);
-    return true;
-}
-
-static bool quad_box(const world_quad *quad, bvh_item *item) {
-    const vec3_f32 *v = quad->corner;
-    bool first = add_triangle(item, v[0], v[1], v[3]), second = add_triangle(item, v[2], v[3], v[1]);
-    return first && second;
-}
-
 /* The float beyond the double: outward by at least half a unit. */
 static float below(double x) { return nextafterf((float)x, -INFINITY); }
 static float above(double x) { return nextafterf((float)x, INFINITY); }
@@ -50,40 +37,19 @@ static bool sphere_box(const world_sphere *s, bvh_item *item) {
     return true;
 }
 
+/* Triangles and quads with a corner that is not finite are never met. */
 static bool primitive_box(const world *w, const world_geometry *geometry, uint32_t k, bvh_item *item) {
-    switch (geometry->kind) {
-    case WORLD_SPHERES: return sphere_box(&w->spheres.items[geometry->first + k], item);
-    case WORLD_QUADS: return quad_box(&w->quads.items[geometry->first + k], item);
-    case WORLD_MESH: break;
+    if (geometry->kind == WORLD_SPHERES) return sphere_box(&w->spheres.items[geometry->first + k], item);
+    vec3_f32 v[4];
+    const unsigned corners = search_flat(w, geometry, k, v);
+    for (unsigned c = 0; c < corners; ++c) {
+        if (!finite_f32(v[c])) return false;
+        item_add(item, v[c]);
     }
-    vec3_f32 v[3];
-    search_corners(&w->meshes.items[geometry->first], k, v);
-    return add_triangle(item, v[0], v[1], v[2]);
+    return true;
 }
 
 /* ---- the tree of a geometry ---- */
-
-static fathom_status fill_blocks(const bvh_build *build, const fathom_mesh *mesh, const bvh_item *items,
-                                 bvh_tree *tree) {
-    for (uint32_t n = 0; n < tree->node_count; ++n) tree->count += tree->nodes[n].count > 0;
-    tree->blocks = calloc(tree->count, sizeof *tree->blocks);
-    if (!tree->blocks) return fail_memory(build->context, tree->count * sizeof *tree->blocks);
-    bvh_block *block = tree->blocks;
-    for (uint32_t n = 0; n < tree->node_count; ++n) {
-        bvh_node *node = &tree->nodes[n];
-        if (!node->count) continue;
-        for (uint32_t i = 0; i < node->count; ++i) {
-            vec3_f32 v[3];
-            block->primitive[i] = items[node->first + i].id;
-            search_corners(mesh, block->primitive[i], v);
-            for (int c = 0; c < 3; ++c) {
-                block->v[c][0][i] = v[c].x, block->v[c][1][i] = v[c].y, block->v[c][2][i] = v[c].z;
-            }
-        }
-        node->first = (uint32_t)(block++ - tree->blocks);
-    }
-    return FATHOM_OK;
-}
 
 static fathom_status fill_items(const bvh_build *build, const item_array *items, bvh_tree *tree) {
     tree->count = (uint32_t)items->count;
@@ -94,10 +60,8 @@ static fathom_status fill_items(const bvh_build *build, const item_array *items,
 }
 
 static fathom_status build_geometry(const bvh_build *build, const world *w, uint32_t index, bvh_tree *tree) {
-    static const bvh_kind kinds[] = {
-        [WORLD_SPHERES] = BVH_SPHERES, [WORLD_QUADS] = BVH_QUADS, [WORLD_MESH] = BVH_TRIANGLES};
     const world_geometry *geometry = &w->geometries.items[index];
-    *tree = (bvh_tree){.kind = kinds[geometry->kind]};
+    *tree = (bvh_tree){.geometry = geometry};
     /* The point of a reported hit on a sphere lies within 256 units of the distance of it (bvh_text.h). */
     if (geometry->kind == WORLD_SPHERES) tree->spread = 512;
     item_array items = {0};
@@ -111,11 +75,7 @@ static fathom_status build_geometry(const bvh_build *build, const world *w, uint
         items.count += primitive_box(w, geometry, k, item);
     }
     fathom_status status = bvh_tree_build(build, items.items, (uint32_t)items.count, tree);
-    if (status == FATHOM_OK && items.count) {
-        status = tree->kind == BVH_TRIANGLES
-                     ? fill_blocks(build, &w->meshes.items[geometry->first], items.items, tree)
-                     : fill_items(build, &items, tree);
-    }
+    if (status == FATHOM_OK && items.count) status = fill_items(build, &items, tree);
     array_free(&items);
     return status;
 }
@@ -199,7 +159,7 @@ static bool add_geometries(const bvh_tracer *tracer, const world_group *group, i
 
 static fathom_status build_group(const bvh_build *build, bvh_tracer *tracer, uint32_t index) {
     bvh_tree *tree = &tracer->groups[index];
-    *tree = (bvh_tree){.kind = BVH_PARTS};
+    *tree = (bvh_tree){.geometry = NULL};
     item_array items = {0};
     fathom_status status = FATHOM_OK;
     if (!add_geometries(tracer, &tracer->base.world->groups.items[index], &items, tree) ||
@@ -236,13 +196,11 @@ static fathom_status build_world(const bvh_build *build, bvh_tracer *tracer) {
 
 static void tree_free(bvh_tree *tree) {
     free(tree->nodes);
-    free(tree->blocks);
     free(tree->items);
 }
 
 static uint64_t tree_bytes(const bvh_tree *tree) {
-    return tree->node_count * sizeof *tree->nodes +
-           tree->count * (tree->blocks ? sizeof *tree->blocks : sizeof *tree->items);
+    return tree->node_count * sizeof *tree->nodes + tree->count * sizeof *tree->items;
 }
 
 void bvh_destroy(trace_tracer *base) {
@@ -271,10 +229,7 @@ fathom_status bvh_create(fathom_context *context, const world *w, const trace_sp
     tracer->base.unit = precisions[spec->precision].unit;
     snprintf(tracer->base.name, sizeof tracer->base.name, "reference BVH, %s",
              precisions[spec->precision].name);
-    bvh_build build = {.context = context,
-                       .threads = options->threads ? options->threads : fathom_context_threads(context),
-                       .go_on = options->progress,
-                       .user = options->user};
+    const bvh_build build = {.context = context, .go_on = options->progress, .user = options->user};
     fathom_status status = build_world(&build, tracer);
     if (status != FATHOM_OK) {
         bvh_destroy(&tracer->base);

@@ -116,6 +116,27 @@ static void destroy(trace_tracer *base) {
     free(tracer);
 }
 
+/* Where Embree was built without a kind of geometry it builds nothing of that kind, says nothing, and every
+ * ray misses. */
+static fathom_status check_device(const embree_tracer *tracer) {
+    static const struct {
+        enum RTCDeviceProperty property;
+        const char *name;
+    } wanted[] = {{RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED, "ray masks"},
+                  {RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED, "filter functions"},
+                  {RTC_DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED, "triangles"},
+                  {RTC_DEVICE_PROPERTY_QUAD_GEOMETRY_SUPPORTED, "quads"},
+                  {RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED, "points"},
+                  {RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED, "user geometry"}};
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; ++i) {
+        if (!rtcGetDeviceProperty(tracer->device, wanted[i].property))
+            return fail(tracer->context, FATHOM_INTERNAL,
+                        "this Embree was built without %s, which Fathom needs; install another",
+                        wanted[i].name);
+    }
+    return FATHOM_OK;
+}
+
 static fathom_status open_device(embree_tracer *tracer) {
     const char *isa = isa_word(isa_limit(tracer->spec.isa));
     char config[64];
@@ -132,24 +153,15 @@ static fathom_status open_device(embree_tracer *tracer) {
     }
     rtcSetDeviceErrorFunction(tracer->device, on_error, tracer);
     rtcSetDeviceMemoryMonitorFunction(tracer->device, on_memory, tracer);
-    if (!rtcGetDeviceProperty(tracer->device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) ||
-        !rtcGetDeviceProperty(tracer->device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) {
-        return fail(tracer->context, FATHOM_INTERNAL,
-                    "this Embree was built without ray masks or filter functions; Fathom needs both");
-    }
-    return FATHOM_OK;
+    return check_device(tracer);
 }
 
 /* The filters for wide packets use the instructions of the kernels for them. */
 static void choose_calls(embree_tracer *tracer) {
-    static const unsigned widths[] = {0, 1, 4, 8, 16, 16, 16};
+    static const unsigned widths[] = {0, 1, 4, 8, 16};
     unsigned asked = widths[tracer->spec.calls];
     tracer->width = embree_call_width(tracer, asked ? asked : tracer->options->width);
     if (tracer->spec.ties == TRACE_SETTLED) tracer->filter = embree_filter(tracer->width);
-#if EMBREE_HAS_STREAMS
-    static const trace_ops streams = {destroy, embree_stream_closest, embree_stream_any, false, false};
-    if (tracer->spec.calls >= TRACE_CALLS_STREAM_1M) tracer->base.ops = &streams;
-#endif
 }
 
 static void put_name(RTCDevice device, isa_set most, char *out, size_t size) {
@@ -185,6 +197,7 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     tracer->base.ops = &ops;
     tracer->kernels = embree_kernels_best();
     tracer->base.retry = embree_retry(spec);
+    tracer->base.self = &tracer->base;
     tracer->base.world = w;
     tracer->base.unit = 0x1p-24;
     tracer->spec = *spec;

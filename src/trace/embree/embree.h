@@ -228,10 +228,4 @@ void embree_spheres_any(const embree_tracer *tracer, trace_rays *rays, unsigned 
 /* NULL where the tracer's own triangles are not Embree's, or where it answers raw. */
 const trace_retry *embree_retry(const trace_spec *spec);
 
-/* ---- embree_stream.c: the same by streams, raw; only where EMBREE_HAS_STREAMS ---- */
-void embree_stream_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
-                           trace_coherence coherence);
-void embree_stream_any(const trace_tracer *tracer, trace_rays *blocks, size_t count,
-                       trace_coherence coherence);
-
 #endif

@@ -12,7 +12,6 @@
 typedef struct RTCRayQueryContext embree_context;
 #define EMBREE_SCENE_FLAG_FILTER RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS
 #define EMBREE_COHERENT_16_MAY_HANG false
-#define EMBREE_HAS_STREAMS 0
 #elif FATHOM_EMBREE_MAJOR == 3
 #include <embree3/rtcore.h>
 typedef struct RTCIntersectContext embree_context;
@@ -21,7 +20,6 @@ typedef struct RTCIntersectContext embree_context;
  * and over triangles that are both compact and robust, keep the 16-bit mask of rays still to do in a 64-bit
  * slot whose upper bits are whatever the stack held, and loop until it is zero. */
 #define EMBREE_COHERENT_16_MAY_HANG true
-#define EMBREE_HAS_STREAMS 1
 #else
 #error "Fathom needs Embree 3.13 or 4"
 #endif
@@ -116,11 +114,9 @@ static inline void embree_occluded(unsigned width, const int *valid, RTCScene sc
 
 static inline void embree_context_init(embree_context *context) { rtcInitIntersectContext(context); }
 
-static inline embree_context *embree_context_set(embree_context *context, bool coherent,
-                                                 RTCFilterFunctionN filter) {
+static inline void embree_context_set(embree_context *context, bool coherent, RTCFilterFunctionN filter) {
     context->flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     context->filter = filter;
-    return context;
 }
 
 static inline void embree_intersect(unsigned width, const int *valid, RTCScene scene, embree_context *context,
@@ -133,27 +129,6 @@ static inline void embree_occluded(unsigned width, const int *valid, RTCScene sc
                                    bool coherent, void *ray) {
     embree_context_set(context, coherent, NULL);
     EMBREE_BY_WIDTH(rtcOccluded, scene, context, ray)
-}
-
-/* Streams: `count` blocks of 16 rays, or `count` rays one by one. Rays whose interval is empty are left out.
- */
-static inline void embree_intersect_blocks(RTCScene scene, embree_context *context, bool coherent,
-                                           trace_block *blocks, unsigned count) {
-    rtcIntersectNM(scene, embree_context_set(context, coherent, NULL), (struct RTCRayHitN *)blocks, LANES,
-                   count, sizeof *blocks);
-}
-static inline void embree_intersect_rays(RTCScene scene, embree_context *context, bool coherent,
-                                         struct RTCRayHit *rays, unsigned count) {
-    rtcIntersect1M(scene, embree_context_set(context, coherent, NULL), rays, count, sizeof *rays);
-}
-static inline void embree_occluded_blocks(RTCScene scene, embree_context *context, bool coherent,
-                                          trace_block *blocks, unsigned count) {
-    rtcOccludedNM(scene, embree_context_set(context, coherent, NULL), (struct RTCRayN *)blocks, LANES, count,
-                  sizeof *blocks);
-}
-static inline void embree_occluded_rays(RTCScene scene, embree_context *context, bool coherent,
-                                        struct RTCRayHit *rays, unsigned count) {
-    rtcOccluded1M(scene, embree_context_set(context, coherent, NULL), &rays->ray, count, sizeof *rays);
 }
 
 #endif

@@ -11,9 +11,11 @@ bool embree_bare_possible(const trace_tracer *tracer) {
 
 _Static_assert(EMBREE_BARE_ROWS == EMBREE_PACKET_ROWS, "packets as the tracer has them");
 
-void embree_bare_load_as(const trace_tracer *base, bare_query query, unsigned width, bool coherent,
-                         const trace_rays *rays, unsigned lanes, bare_block *out) {
+void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherence coherence,
+                      const trace_rays *rays, unsigned lanes, bare_block *out) {
     const embree_tracer *tracer = (const embree_tracer *)base;
+    const embree_way way = query == BARE_ANY ? embree_way_any(tracer, coherence)
+                                             : embree_way_closest(tracer, rays, lanes, coherence);
     trace_block ready = {.rays = *rays};
     stretch scale;
     if (stretch_needed(&ready.rays, lanes)) stretch_rays(&ready.rays, lanes, &scale);
@@ -21,22 +23,13 @@ void embree_bare_load_as(const trace_tracer *base, bare_query query, unsigned wi
                              out->valid);
     for (unsigned i = 0; i < LANES; ++i)
         ready.hits.geometry[i] = ready.hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
-    bool hangs = query == BARE_ANY && coherent && embree_may_hang(tracer);
     out->lanes = lanes;
-    out->width = embree_call_width(tracer, hangs && width > 8 ? 8 : width);
-    out->coherent = coherent;
+    out->width = way.width;
+    out->coherent = way.coherent;
     if (out->width < LANES)
         tracer->kernels->split(&ready.rays, &ready.hits, out->width, (embree_packets *)(void *)out->rows);
     else
         out->whole = ready;
-}
-
-void embree_bare_load(const trace_tracer *base, bare_query query, trace_coherence coherence,
-                      const trace_rays *rays, unsigned lanes, bare_block *out) {
-    const embree_tracer *tracer = (const embree_tracer *)base;
-    embree_way way = query == BARE_ANY ? embree_way_any(tracer, coherence)
-                                       : embree_way_closest(tracer, rays, lanes, coherence);
-    embree_bare_load_as(base, query, way.width, way.coherent, rays, lanes, out);
 }
 
 static void trace_block_bare(const embree_tracer *tracer, bare_query query, embree_context *context,

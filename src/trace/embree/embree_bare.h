@@ -27,10 +27,6 @@ bool embree_bare_possible(const trace_tracer *tracer);
 /* The first `lanes` rays as the tracer would hand them over: masks, valid lanes, t_far, width and kernels. */
 void embree_bare_load(const trace_tracer *tracer, bare_query query, trace_coherence coherence,
                       const trace_rays *rays, unsigned lanes, bare_block *out);
-/* The same in packets of `width`, 1, 4, 8 or 16, by the kernels for coherent packets or the others; not by 16
- * where the tracer keeps from it lest Embree hangs. */
-void embree_bare_load_as(const trace_tracer *tracer, bare_query query, unsigned width, bool coherent,
-                         const trace_rays *rays, unsigned lanes, bare_block *out);
 /* The calls, over the tracer's own scene: same flags, same build. */
 void embree_bare_trace(const trace_tracer *tracer, bare_query query, bare_block *blocks, size_t count);
 /* How many rays of a traced block met something. */

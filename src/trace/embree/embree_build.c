@@ -87,75 +87,6 @@ static void attach_instances(embree_tracer *tracer, RTCScene root) {
     }
 }
 
-/* ---- that what was built is there ----
- * A configuration that Embree does not support builds nothing and says nothing, and every ray misses. So the
- * bounds of each scene must hold a point of each geometry that can be hit. */
-
-static bool holds(const struct RTCBounds *b, vec3_f32 p, float slack) {
-    return p.x >= b->lower_x - slack && p.x <= b->upper_x + slack && p.y >= b->lower_y - slack &&
-           p.y <= b->upper_y + slack && p.z >= b->lower_z - slack && p.z <= b->upper_z + slack;
-}
-
-static fathom_status missing(embree_tracer *tracer, const char *what, uint32_t index, vec3_f32 p,
-                             const struct RTCBounds *b) {
-    return fail(tracer->context, FATHOM_INTERNAL,
-                "Embree built a scene without %s %u: its point (%g, %g, %g) lies outside "
-                "[%g, %g] x [%g, %g] x [%g, %g]",
-                what, index, (double)p.x, (double)p.y, (double)p.z, (double)b->lower_x, (double)b->upper_x,
-                (double)b->lower_y, (double)b->upper_y, (double)b->lower_z, (double)b->upper_z);
-}
-
-/* Embree leaves out instances whose boxes reach so far; reach_find() has told. */
-static bool reaches_too_far(const world_instance *instance, const struct RTCBounds *b) {
-    float x = fmaxf(fabsf(b->lower_x), fabsf(b->upper_x)), y = fmaxf(fabsf(b->lower_y), fabsf(b->upper_y));
-    float z = fmaxf(fabsf(b->lower_z), fabsf(b->upper_z));
-    bool far = false;
-    for (int i = 0; i < 3; ++i) {
-        const float *m = instance->to_world[i];
-        far |= !(fabsf(m[0]) * x + fabsf(m[1]) * y + fabsf(m[2]) * z + fabsf(m[3]) < (float)WORLD_REACH);
-    }
-    return far;
-}
-
-/* The middle of an instance, with a bound on what rounding does to it: 8 units of its products. False where
- * the scene need not hold it. */
-static bool instance_point(const embree_tracer *tracer, const world_instance *instance, vec3_f32 *out,
-                           float *slack) {
-    RTCScene scene = tracer->scenes[instance->group];
-    if (!scene) return false;
-    struct RTCBounds b;
-    rtcGetSceneBounds(scene, &b);
-    if (reaches_too_far(instance, &b)) return false;
-    float x = (b.lower_x + b.upper_x) / 2, y = (b.lower_y + b.upper_y) / 2, z = (b.lower_z + b.upper_z) / 2;
-    float p[3], size = 0;
-    for (int i = 0; i < 3; ++i) {
-        const float *m = instance->to_world[i];
-        p[i] = m[0] * x + m[1] * y + m[2] * z + m[3];
-        size += fabsf(m[0] * x) + fabsf(m[1] * y) + fabsf(m[2] * z) + fabsf(m[3]);
-    }
-    *out = load_f32(p), *slack = 8 * 0x1p-24f * size;
-    return reach_usable(*out);
-}
-
-static fathom_status check_bounds(embree_tracer *tracer, uint32_t index) {
-    const world *w = tracer->base.world;
-    const world_group *group = &w->groups.items[index];
-    struct RTCBounds bounds;
-    rtcGetSceneBounds(tracer->scenes[index], &bounds);
-    vec3_f32 p;
-    float slack;
-    for (uint32_t g = group->first; g < group->first + group->count; ++g) {
-        if (is_few(tracer, group, &w->geometries.items[g])) continue;
-        if (reach_point(w, &w->geometries.items[g], &p) && !holds(&bounds, p, 0))
-            return missing(tracer, "geometry", g, p, &bounds);
-    }
-    for (uint32_t k = 0; index == 0 && k < w->instances.count; ++k) {
-        if (instance_point(tracer, &w->instances.items[k], &p, &slack) && !holds(&bounds, p, slack))
-            return missing(tracer, "instance", k, p, &bounds);
-    }
-    return FATHOM_OK;
-}
-
 /* ---- scenes ---- */
 
 /* Robust unless asked otherwise: it costs packets next to nothing. Never together with the compact flag: with
@@ -202,7 +133,7 @@ static fathom_status build_scene(embree_tracer *tracer, uint32_t index) {
     if (status != FATHOM_OK) return status;
     tracer->work_done += tracer->work_now;
     tracer->work_now = 0;
-    return check_bounds(tracer, index);
+    return FATHOM_OK;
 }
 
 static fathom_status build_all(embree_tracer *tracer, const bool *placed) {

@@ -86,42 +86,25 @@ static const float limit = REACH_LARGEST / 2; /* and no NaN is below it */
 
 bool reach_usable(vec3_f32 p) { return fabsf(p.x) < limit && fabsf(p.y) < limit && fabsf(p.z) < limit; }
 
-static bool mesh_point(const fathom_mesh *mesh, vec3_f32 *out) {
-    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
-        vec3_f32 v[3];
-        search_corners(mesh, i, v);
-        *out = v[0];
-        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) &&
-            triangle_has_area_f32(v[0], v[1], v[2]))
-            return true;
-    }
-    return false;
-}
-
-static bool sphere_point(const world_sphere *spheres, uint32_t count, vec3_f32 *out) {
+static bool any_sphere(const world_sphere *spheres, uint32_t count) {
     for (uint32_t i = 0; i < count; ++i) {
-        *out = spheres[i].center;
-        if (reach_usable(*out) && largest_f32(*out) + fabsf(spheres[i].radius) < limit) return true;
+        const vec3_f32 c = spheres[i].center;
+        if (reach_usable(c) && largest_f32(c) + fabsf(spheres[i].radius) < limit) return true;
     }
     return false;
 }
 
-static bool quad_point(const world_quad *quads, uint32_t count, vec3_f32 *out) {
-    for (uint32_t i = 0; i < count; ++i) {
-        const vec3_f32 *v = quads[i].corner;
-        *out = v[1]; /* in both halves, of which one may have no area */
-        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && reach_usable(v[3]) &&
-            (triangle_has_area_f32(v[0], v[1], v[3]) || triangle_has_area_f32(v[2], v[3], v[1])))
+/* Whether anything in the geometry can be hit. */
+static bool any_usable(const world *w, const world_geometry *geometry) {
+    if (geometry->kind == WORLD_SPHERES)
+        return any_sphere(&w->spheres.items[geometry->first], geometry->count);
+    for (uint32_t i = 0; i < geometry->count; ++i) {
+        vec3_f32 v[4];
+        const bool quad = search_flat(w, geometry, i, v) == 4;
+        if (reach_usable(v[0]) && reach_usable(v[1]) && reach_usable(v[2]) && (!quad || reach_usable(v[3])) &&
+            (triangle_has_area_f32(v[0], v[1], v[quad ? 3 : 2]) ||
+             (quad && triangle_has_area_f32(v[2], v[3], v[1]))))
             return true;
-    }
-    return false;
-}
-
-bool reach_point(const world *w, const world_geometry *geometry, vec3_f32 *out) {
-    switch (geometry->kind) {
-    case WORLD_SPHERES: return sphere_point(&w->spheres.items[geometry->first], geometry->count, out);
-    case WORLD_QUADS: return quad_point(&w->quads.items[geometry->first], geometry->count, out);
-    case WORLD_MESH: return mesh_point(&w->meshes.items[geometry->first], out);
     }
     return false;
 }
@@ -132,10 +115,9 @@ bool *reach_placed(const world *w) {
     for (size_t k = 0; k < w->instances.count; ++k) placed[w->instances.items[k].group] = true;
     for (size_t g = 1; g < w->groups.count; ++g) {
         bool something = false;
-        vec3_f32 point;
         const world_group *group = &w->groups.items[g];
         for (uint32_t i = 0; i < group->count && placed[g] && !something; ++i) {
-            something = reach_point(w, &w->geometries.items[group->first + i], &point);
+            something = any_usable(w, &w->geometries.items[group->first + i]);
         }
         placed[g] = something;
     }

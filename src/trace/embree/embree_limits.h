@@ -26,9 +26,6 @@ typedef struct trace_reach {
 
 bool reach_usable(vec3_f32 p);
 
-/* Finds a point of something in the geometry that can be hit; false: nothing can be. */
-bool reach_point(const world *w, const world_geometry *geometry, vec3_f32 *out);
-
 /* Returns a flag for each group: it is placed and holds something that can be hit; always set for the root.
  * Release with free(). NULL when out of memory. */
 bool *reach_placed(const world *w);

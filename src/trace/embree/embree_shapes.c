@@ -40,33 +40,32 @@ static void sphere_bounds(const struct RTCBoundsFunctionArguments *args) {
                margin(s->radius, largest_f32(s->center)));
 }
 
-static void quad_bounds(const struct RTCBoundsFunctionArguments *args) {
-    const world_quad *q = (const world_quad *)args->geometryUserPtr + args->primID;
-    vec3_f32 lower = q->corner[0], upper = lower;
-    float coordinate = largest_f32(lower);
-    for (int i = 1; i < 4; ++i) {
-        vec3_f32 c = q->corner[i];
-        lower = vec_f32(fminf(lower.x, c.x), fminf(lower.y, c.y), fminf(lower.z, c.z));
-        upper = vec_f32(fmaxf(upper.x, c.x), fmaxf(upper.y, c.y), fmaxf(upper.z, c.z));
-        coordinate = fmaxf(coordinate, largest_f32(c));
+/* A shape with a corner that is not finite is never met; a box that is none leaves it out. */
+static void flat_bounds(const vec3_f32 *v, int corners, struct RTCBounds *out) {
+    const vec3_f32 none = {NAN, NAN, NAN};
+    vec3_f32 lower = v[0], upper = v[0];
+    float coordinate = 0;
+    bool finite = true;
+    for (int i = 0; i < corners; ++i) {
+        lower = vec_f32(fminf(lower.x, v[i].x), fminf(lower.y, v[i].y), fminf(lower.z, v[i].z));
+        upper = vec_f32(fmaxf(upper.x, v[i].x), fmaxf(upper.y, v[i].y), fmaxf(upper.z, v[i].z));
+        coordinate = fmaxf(coordinate, largest_f32(v[i]));
+        finite &= finite_f32(v[i]);
     }
-    bounds_set(args->bounds_o, lower, upper, margin(largest_f32(sub_f32(upper, lower)), coordinate));
+    if (finite)
+        bounds_set(out, lower, upper, margin(largest_f32(sub_f32(upper, lower)), coordinate));
+    else
+        bounds_set(out, none, none, 0);
 }
 
-/* Triangles with a corner that is not finite are never met; a box that is none leaves them out. */
+static void quad_bounds(const struct RTCBoundsFunctionArguments *args) {
+    flat_bounds(((const world_quad *)args->geometryUserPtr + args->primID)->corner, 4, args->bounds_o);
+}
+
 static void triangle_bounds(const struct RTCBoundsFunctionArguments *args) {
-    vec3_f32 v[3], lower, upper, none = {NAN, NAN, NAN};
+    vec3_f32 v[3];
     search_corners(args->geometryUserPtr, args->primID, v);
-    if (!finite_f32(v[0]) || !finite_f32(v[1]) || !finite_f32(v[2])) {
-        bounds_set(args->bounds_o, none, none, 0);
-        return;
-    }
-    lower = vec_f32(fminf(v[0].x, fminf(v[1].x, v[2].x)), fminf(v[0].y, fminf(v[1].y, v[2].y)),
-                    fminf(v[0].z, fminf(v[1].z, v[2].z)));
-    upper = vec_f32(fmaxf(v[0].x, fmaxf(v[1].x, v[2].x)), fmaxf(v[0].y, fmaxf(v[1].y, v[2].y)),
-                    fmaxf(v[0].z, fmaxf(v[1].z, v[2].z)));
-    float coordinate = fmaxf(largest_f32(lower), largest_f32(upper));
-    bounds_set(args->bounds_o, lower, upper, margin(largest_f32(sub_f32(upper, lower)), coordinate));
+    flat_bounds(v, 3, args->bounds_o);
 }
 
 /* ---- callbacks ---- */

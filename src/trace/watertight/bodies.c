@@ -25,21 +25,15 @@ static vec3_f32 between_f32(vec3_f32 o, vec3_f32 a, vec3_f32 b, float s, float t
 vec3_f32 finder_point(const world *w, const sample *at, unsigned k) {
     const world_geometry *g = &w->geometries.items[at->geometry];
     float s = fmodf(0.5f + 0.618f * (float)k, 1), t = ((float)k + 0.5f) / SAMPLES;
-    switch (g->kind) {
-    case WORLD_SPHERES: {
+    if (g->kind == WORLD_SPHERES) {
         const world_sphere *sphere = &w->spheres.items[g->first + at->primitive];
         float sign = k < BODIES_PROBES ? 1 : -1;
         return madd_f32(sphere->center, sign * sphere->radius, load_f32(bodies_probes[k % BODIES_PROBES]));
     }
-    case WORLD_QUADS: {
-        const vec3_f32 *c = w->quads.items[g->first + at->primitive].corner;
-        return s + t < 1 ? between_f32(c[0], c[1], c[3], s, t) : between_f32(c[2], c[3], c[1], 1 - s, 1 - t);
-    }
-    case WORLD_MESH: break;
-    }
-    vec3_f32 v[3];
-    search_corners(world_mesh(w, at->geometry), at->primitive, v);
-    return s + t < 1 ? between_f32(v[0], v[1], v[2], s, t) : between_f32(v[0], v[1], v[2], 1 - s, 1 - t);
+    vec3_f32 v[4];
+    const bool quad = search_flat(w, g, at->primitive, v) == 4;
+    if (s + t < 1) return between_f32(v[0], v[1], v[quad ? 3 : 2], s, t);
+    return quad ? between_f32(v[2], v[3], v[1], 1 - s, 1 - t) : between_f32(v[0], v[1], v[2], 1 - s, 1 - t);
 }
 
 /* The same share of primitives between one sample and the next. */
@@ -147,12 +141,12 @@ static const trace_crossing *first_crossing(const finder *f, uint32_t body) {
 static bool find_facing(finder *f, uint32_t group, uint32_t body) {
     vec3_f32 lower, upper;
     int out = 0;
-    f->retry->bounds(f->out->tracer, group, &lower, &upper);
+    f->retry->bounds(f->out->tracer->self, group, &lower, &upper);
     float size = length_f32(sub_f32(upper, lower));
     for (unsigned k = 0; k < BODIES_PROBES; ++k) {
         vec3_f32 dir = load_f32(bodies_probes[k]);
         vec3_f32 org = madd_f32(finder_point(f->world, &f->samples[body][k], k), -2 * size, dir);
-        if (!f->retry->crossings(f->out->tracer, group, org, dir, &f->room)) return false;
+        if (!f->retry->crossings(f->out->tracer->self, group, org, dir, &f->room)) return false;
         const trace_crossing *first = first_crossing(f, body);
         if (first) out += first->entering ? 1 : -1;
     }

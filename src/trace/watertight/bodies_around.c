@@ -23,7 +23,7 @@ static uint8_t clamp_depth(int depth) {
 static bool look_at(finder *f, const surface *s, unsigned k, float touching, depth_span *out) {
     int low = 0, high = 0;
     vec3_f32 dir = load_f32(bodies_probes[k % BODIES_PROBES]);
-    if (!f->retry->crossings(f->out->tracer, s->group, s->points[k], dir, &f->room)) return false;
+    if (!f->retry->crossings(f->out->tracer->self, s->group, s->points[k], dir, &f->room)) return false;
     for (size_t i = 0; i < f->room.count; ++i) {
         const trace_crossing *c = &f->room.items[i];
         if (is_own(f, s, c)) continue;
@@ -96,7 +96,7 @@ static body_box instance_box(const finder *f, uint32_t k) {
     const world_instance *instance = &f->world->instances.items[k];
     vec3_f32 lower, upper;
     body_box box = box_none();
-    f->retry->bounds(f->out->tracer, instance->group, &lower, &upper);
+    f->retry->bounds(f->out->tracer->self, instance->group, &lower, &upper);
     if (lower.x > upper.x) return box;
     for (unsigned c = 0; c < 8; ++c) {
         box_add(&box, placed_point(instance, vec_f32(c & 1 ? lower.x : upper.x, c & 2 ? lower.y : upper.y,
@@ -146,7 +146,7 @@ static void keep_boxes(finder *f) {
     bodies *b = f->out;
     body_box all = box_none();
     if (!b->around) {
-        f->retry->bounds(b->tracer, 0, &all.lower, &all.upper);
+        f->retry->bounds(b->tracer->self, 0, &all.lower, &all.upper);
         box_widen(&all);
         all.count = BODIES_ANY;
     }

@@ -36,7 +36,7 @@ static int total_of(uint8_t depth) { return counts_of(depth).casting + counts_of
 /* As one direction shows it. False when out of memory. */
 static bool depth_along(const watertight *w, vec3_f32 p, vec3_f32 dir, uint8_t *depth) {
     trace_crossings room = {0};
-    bool fine = w->tracer->retry->crossings(w->tracer, 0, p, dir, &room);
+    bool fine = w->tracer->retry->crossings(w->tracer->self, 0, p, dir, &room);
     *depth = fine ? depth_of(bodies_around(&w->bodies, &room)) : 0;
     array_free(&room);
     return fine;
@@ -198,7 +198,7 @@ unsigned watertight_closest(const watertight *w, trace_block *block, const uint8
     for (unsigned k = 0; wrong && k < ROUNDS; ++k) {
         if (k == ROUNDS_FIRST) wrong &= ~explained_lanes(w, block, depth, wrong);
         for (unsigned i = 0; i < lanes; ++i) {
-            if (wrong >> i & 1 && w->tracer->retry->closest(w->tracer, block, i, k)) changed |= 1u << i;
+            if (wrong >> i & 1 && w->tracer->retry->closest(w->tracer->self, block, i, k)) changed |= 1u << i;
         }
         wrong &= wrong_lanes(w, block, depth, lanes);
     }
@@ -213,7 +213,7 @@ unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t dep
         bool apart = counts_of(depth[i]).casting != counts_of(end_depth[i]).casting;
         if (!apart || rays->t_far[i] < 0) continue;
         unsigned k = 0;
-        while (k < ROUNDS && !w->tracer->retry->any(w->tracer, rays, i, k)) ++k;
+        while (k < ROUNDS && !w->tracer->retry->any(w->tracer->self, rays, i, k)) ++k;
         changed += k < ROUNDS;
     }
     return changed;

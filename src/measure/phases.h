@@ -1,0 +1,32 @@
+/* Reading, building and rendering, phase by phase. */
+#ifndef BENCH_PHASES_H
+#define BENCH_PHASES_H
+
+#include "measure/render_time.h"
+#include "measure/stage.h"
+
+/* Reading and building run once more than they are counted: the first time warms up. They are not repeated
+ * once they took longer than `seconds`. */
+typedef struct phases_options {
+    unsigned repeats; /* [1, RENDER_TIME_REPEATS_MAX] */
+    double seconds;
+    const bench_watch *watch; /* may be NULL */
+} phases_options;
+
+/* From a file in the system's cache. The scene read last is *scene: destroy it, whatever comes back. */
+fathom_status phases_read(fathom_context *context, const char *path, const fathom_read_options *read,
+                          const phases_options *options, fathom_scene **scene, quartiles out[BENCH_CLOCKS]);
+
+typedef struct phases {
+    uint64_t bvh_bytes, peak_bytes; /* peak: while the tracer is built */
+    quartiles build[BENCH_CLOCKS];  /* all that stands between the scene and the first ray */
+    render_time time;
+    char tracer[64];
+} phases;
+
+/* words: the tracer's. times: what render_time_measure() takes, but for its repeats and watch. */
+fathom_status phases_measure(fathom_context *context, const fathom_scene *scene,
+                             const fathom_settings *settings, const char *words,
+                             const phases_options *options, const render_time_options *times, phases *out);
+
+#endif
