@@ -101,7 +101,7 @@ static fathom_status build_tree(reference_scene *r) {
     for (uint32_t i = 0; i < r->primitives.count; ++i) {
         if (r->primitives.items[i].kind != SCENE_PLANE) r->items[count++] = item_of(r, i);
     }
-    const bvh_build build = {.context = r->scene->context, .threads = 1};
+    const bvh_build build = {.context = r->scene->context};
     return bvh_tree_build(&build, r->items, count, &r->tree);
 }
 

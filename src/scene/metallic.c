@@ -76,7 +76,8 @@ static void map_lit(const metallic_factors *f, fathom_material *out) {
 void metallic_to_classic(const metallic_factors *f, fathom_material *out) {
     fathom_material_default(out);
     double cover = f->cover;
-    for (int i = 0; i < 3; ++i) out->k_e[i] = (float)fmin(cover * f->emissive_strength * f->emissive[i], 1e30);
+    for (int i = 0; i < 3; ++i)
+        out->k_e[i] = (float)fmin(cover * f->emissive_strength * f->emissive[i], 1e30);
     if (!f->unlit) {
         map_lit(f, out);
         return;
