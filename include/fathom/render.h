@@ -9,8 +9,10 @@ extern "C" {
 #endif
 
 typedef enum fathom_integrator {
-    FATHOM_INTEGRATOR_CLASSIC, /* recursive ray tracing: light from points and directions, mirrors, glass */
-    FATHOM_INTEGRATOR_PATH     /* path tracing: all light, from all that sends it, by all ways */
+    FATHOM_INTEGRATOR_CLASSIC,  /* recursive ray tracing: light from points and directions, mirrors, glass */
+    FATHOM_INTEGRATOR_PATH,     /* path tracing: all light, from all that sends it, by all ways */
+    FATHOM_INTEGRATOR_REFERENCE /* the same light by a second, plain implementation in double: slow, to check
+                                   with */
 } fathom_integrator;
 
 typedef enum fathom_pattern {

@@ -43,4 +43,7 @@ extern const integrator integrator_classic;
  * rendering equation's solution. */
 extern const integrator integrator_path;
 
+/* The same light in double, slowly, by a second implementation; see reference.h. It makes no AOVs. */
+extern const integrator integrator_reference;
+
 #endif

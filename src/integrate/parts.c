@@ -198,6 +198,6 @@ static bool tell_absent(const world *w, left_out_list *list) {
 
 bool left_out_find(const world *w, const fathom_settings *s, bool repair, left_out_list *out) {
     if (!tell_absent(w, out) || !tell_shapes(w, out) || !tell_stages(s, repair, out)) return false;
-    if (s->integrator == FATHOM_INTEGRATOR_PATH) return tell_paths(w, out);
+    if (s->integrator != FATHOM_INTEGRATOR_CLASSIC) return tell_paths(w, out);
     return tell_classic(w, s, out) && tell_lights(w, s, out);
 }

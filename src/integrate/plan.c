@@ -1,6 +1,7 @@
 #include "integrate/plan.h"
 
 #include "integrate/integrator.h"
+#include "integrate/reference.h"
 #include "light/light_surfaces.h"
 
 #include <stdlib.h>
@@ -14,7 +15,7 @@ uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s)
     unsigned bounces = parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? 2 : 1;
     uint64_t spp = s->spp;
     if ((s->target_error > 0 || s->max_time > 0) && spp > ADAPTIVE_USUAL_SPP) spp = ADAPTIVE_USUAL_SPP;
-    if (s->integrator == FATHOM_INTEGRATOR_PATH)
+    if (s->integrator != FATHOM_INTEGRATOR_CLASSIC)
         return settings_pixels(s) * spp * 2 *
                (s->max_depth < PATH_USUAL_DEPTH ? s->max_depth : PATH_USUAL_DEPTH);
     return settings_pixels(s) * spp * (1 + scene->lights.count) * bounces;
@@ -73,6 +74,22 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     return FATHOM_OK;
 }
 
+/* ---- the reference ---- */
+
+static fathom_status plan_reference(fathom_context *context, render_plan *plan) {
+    const fathom_settings *s = &plan->settings;
+    if (plan->first_hits)
+        return fail_field(context, FATHOM_BAD_USAGE, "aovs",
+                          "the reference integrator makes none but samples");
+    const reference_settings settings = {.width = s->width,
+                                         .height = s->height,
+                                         .region = settings_region_of(s),
+                                         .samples = s->spp,
+                                         .depth = s->max_depth,
+                                         .seed = s->seed};
+    return reference_open(plan->scene, &settings, &plan->reference);
+}
+
 /* ---- the classic integrator ---- */
 
 static fathom_status plan_bsdfs(fathom_context *context, render_plan *plan) {
@@ -107,7 +124,25 @@ static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
     return status == FATHOM_OK ? plan_surroundings(context, plan) : status;
 }
 
-/* ---- both ---- */
+/* ---- all ---- */
+
+static const integrator *integrator_of(fathom_integrator which) {
+    switch (which) {
+    case FATHOM_INTEGRATOR_CLASSIC: return &integrator_classic;
+    case FATHOM_INTEGRATOR_PATH: return &integrator_path;
+    case FATHOM_INTEGRATOR_REFERENCE: return &integrator_reference;
+    }
+    return NULL;
+}
+
+static fathom_status plan_integrator(fathom_context *context, render_plan *plan) {
+    switch (plan->settings.integrator) {
+    case FATHOM_INTEGRATOR_CLASSIC: return plan_classic(context, plan);
+    case FATHOM_INTEGRATOR_PATH: return plan_paths(context, plan);
+    case FATHOM_INTEGRATOR_REFERENCE: return plan_reference(context, plan);
+    }
+    return FATHOM_BAD_USAGE;
+}
 
 static void choose_kernels(render_plan *plan) {
     plan->camera_kernels = camera_kernels_best();
@@ -133,8 +168,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->scene = scene;
     plan->world = w;
     plan->tracer = tracer;
-    const bool paths = settings->integrator == FATHOM_INTEGRATOR_PATH;
-    plan->integrator = paths ? &integrator_path : &integrator_classic;
+    plan->integrator = integrator_of(settings->integrator);
     choose_kernels(plan);
     plan->settings = *settings;
     plan->lights = lights;
@@ -145,7 +179,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
     filter_prepare(settings, &plan->filter);
     plan->t_near = (float)settings->epsilon;
-    fathom_status status = paths ? plan_paths(context, plan) : plan_classic(context, plan);
+    fathom_status status = plan_integrator(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
     else
@@ -162,5 +196,6 @@ void plan_destroy(render_plan *plan) {
     free(plan->bsdfs);
     free(plan->shaders);
     emitters_destroy(plan->emitters);
+    reference_close(plan->reference);
     free(plan);
 }

@@ -31,9 +31,10 @@ typedef struct render_plan {
     sampler sampler;
     shade_camera camera;
     pixel_filter filter;
-    shader *shaders;    /* by material; path tracing */
-    emitters *emitters; /* path tracing */
-    bsdf *bsdfs;        /* by material; the classic integrator, and all that follows */
+    shader *shaders;                   /* by material; path tracing */
+    emitters *emitters;                /* path tracing */
+    struct reference_scene *reference; /* the reference integrator */
+    bsdf *bsdfs;                       /* by material; the classic integrator, and all that follows */
     shade_light *lights;
     uint32_t light_count;
     watertight *watertight; /* NULL: no answer of the tracer needs another look */

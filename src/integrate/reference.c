@@ -175,19 +175,23 @@ typedef struct render {
     atomic_bool overlap;
 } render;
 
+bool reference_sample(const reference_scene *r, uint32_t x, uint32_t y, uint32_t index, vec3_f64 *out) {
+    const uint64_t pixel = reference_mix(reference_mix(r->settings.seed) + ((uint64_t)y << 32 | x));
+    reference_random random = {reference_mix(pixel + index), 0};
+    const double u = reference_uniform(&random), v = reference_uniform(&random);
+    path p;
+    camera_ray(r, x + u, y + v, &random, &p);
+    return reference_radiance(r, p.origin, p.direction, random.key, out);
+}
+
 static void render_pixel(render *k, size_t index) {
     const reference_settings *o = &k->scene->settings;
     const uint32_t at = (uint32_t)index, width = o->region.width;
     const uint32_t x = o->region.x + at % width, y = o->region.y + at / width;
-    const uint64_t pixel = reference_mix(reference_mix(o->seed) + ((uint64_t)y << 32 | x));
     vec3_f64 sum = {0, 0, 0}, squares = {0, 0, 0};
     for (uint32_t i = 0; i < o->samples; ++i) {
-        reference_random random = {reference_mix(pixel + i), 0};
-        const double u = reference_uniform(&random), v = reference_uniform(&random);
-        path p;
         vec3_f64 rgb;
-        camera_ray(k->scene, x + u, y + v, &random, &p);
-        if (!reference_radiance(k->scene, p.origin, p.direction, random.key, &rgb)) k->overlap = true;
+        if (!reference_sample(k->scene, x, y, i, &rgb)) k->overlap = true;
         sum = add_f64(sum, rgb), squares = add_f64(squares, times(rgb, rgb));
     }
     const vec3_f64 mean = scale_f64(1.0 / o->samples, sum);

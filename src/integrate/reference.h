@@ -41,6 +41,10 @@ void reference_close(reference_scene *reference);
 bool reference_radiance(const reference_scene *reference, vec3_f64 origin, vec3_f64 direction, uint64_t key,
                         vec3_f64 *out);
 
+/* The same of one sample of a pixel, seen through the camera; (x, y) in the image. */
+bool reference_sample(const reference_scene *reference, uint32_t x, uint32_t y, uint32_t index,
+                      vec3_f64 *out);
+
 /* out: of each pixel of the region, row by row from the top. */
 fathom_status reference_render(const fathom_scene *scene, const reference_settings *settings,
                                reference_estimate *out);

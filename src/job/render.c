@@ -197,7 +197,7 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
              "all surfaces are fully transparent: nothing but the background can be seen (in an .mtl, "
              "opaque is d 1 or Tr 0)");
     }
-    if (status == FATHOM_OK && scene->environments.count && settings->integrator != FATHOM_INTEGRATOR_PATH)
+    if (status == FATHOM_OK && scene->environments.count && settings->integrator == FATHOM_INTEGRATOR_CLASSIC)
         warn(context, "environments are left out, which only the integrator `path` renders: %zu",
              scene->environments.count);
     trace_tracer *tracer = NULL;

@@ -13,7 +13,8 @@ static uint64_t count(const unit_result *r, bool samples) {
 }
 
 uint32_t unit_groups(const fathom_settings *s) {
-    return s->integrator == FATHOM_INTEGRATOR_PATH && s->pattern == FATHOM_PATTERN_SOBOL ? SAMPLE_GROUPS : 1;
+    return s->integrator != FATHOM_INTEGRATOR_CLASSIC && s->pattern == FATHOM_PATTERN_SOBOL ? SAMPLE_GROUPS
+                                                                                            : 1;
 }
 
 uint64_t unit_pixels(const unit_result *r) { return count(r, false); }

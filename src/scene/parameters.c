@@ -39,7 +39,7 @@ static const fathom_parameter setting_rows[] = {
      .help = "Pixels down. Left out, it follows from `width` and the camera's `w` and `h`."},
     {"integrator", WORD, SETTING(integrator), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_INTEGRATOR_CLASSIC, NULL, "Light transport",
      .help = "How light moves: `classic` recursive ray tracing with lights of no size, mirrors and glass; `path` global "
-     "illumination by path tracing.", .words = "classic|path"},
+     "illumination by path tracing; `reference` the same by a second, plain implementation in double.", .words = "classic|path|reference"},
     {"spp", U32, SETTING(spp), PIXELS | IN_FILE | COMMAND, 1, 65536, 1, "N", "Image",
      .help = "Samples a pixel. A square number unless `pattern` is `sobol`. A model given on the command line takes 16."},
     {"pattern", WORD, SETTING(pattern), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_PATTERN_GRID, NULL, "Image",

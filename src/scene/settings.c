@@ -26,7 +26,7 @@ void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float
 
 void fathom_settings_set_integrator(fathom_settings *s, fathom_integrator integrator) {
     if (!s) return;
-    const bool path = integrator == FATHOM_INTEGRATOR_PATH;
+    const bool path = integrator != FATHOM_INTEGRATOR_CLASSIC;
     s->integrator = integrator;
     s->pattern = path ? FATHOM_PATTERN_SOBOL : FATHOM_PATTERN_GRID;
     s->max_depth = path ? 16 : 8;
@@ -80,8 +80,9 @@ static fathom_status check_adaptive(fathom_context *context, const fathom_settin
 
 /* Only samples of several scrambles tell their error. */
 static fathom_status check_error(fathom_context *context, const fathom_settings *s) {
-    const bool in_groups = s->pattern == FATHOM_PATTERN_SOBOL && (s->integrator == FATHOM_INTEGRATOR_PATH ||
-                                                                  s->target_error > 0 || s->max_time > 0);
+    const bool in_groups =
+        s->pattern == FATHOM_PATTERN_SOBOL &&
+        (s->integrator != FATHOM_INTEGRATOR_CLASSIC || s->target_error > 0 || s->max_time > 0);
     if (!(s->aovs & FATHOM_AOV_ERROR) || in_groups) return FATHOM_OK;
     return fail_field(context, FATHOM_BAD_INPUT, "aovs",
                       "error needs the pattern sobol, and the integrator path or a target error or max time");

@@ -56,8 +56,9 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
 static void choose_integrator(json_t *root, fathom_settings *image) {
     json_t *from = json_object_get(root, "image");
     const char *word = json_string_value(json_object_get(from, "integrator"));
-    if (!word || strcmp(word, "path") != 0) return;
-    fathom_settings_set_integrator(image, FATHOM_INTEGRATOR_PATH);
+    const bool path = word && strcmp(word, "path") == 0, reference = word && strcmp(word, "reference") == 0;
+    if (!path && !reference) return;
+    fathom_settings_set_integrator(image, path ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_REFERENCE);
     if (doc_has(from, "spp")) image->target_error = 0;
 }
 

@@ -127,7 +127,7 @@ static bool emits(const fathom_material *m) {
 /* Path tracing lights a scene by its surfaces and its background. */
 static bool lights_itself(const fathom_scene *scene) {
     const float *behind = scene->background;
-    if (scene->settings.integrator != FATHOM_INTEGRATOR_PATH) return false;
+    if (scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC) return false;
     if (scene->has_background && (behind[0] > 0 || behind[1] > 0 || behind[2] > 0)) return true;
     for (size_t i = 0; i < scene->objects.count; ++i) {
         if (emits(&scene->materials.items[scene_object_material(scene, (fathom_id)i)].value)) return true;
