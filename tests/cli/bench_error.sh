@@ -47,6 +47,12 @@ errors two.csv >two.txt
 [ -s one.txt ] || die 'no rows'
 cmp -s one.txt two.txt || die 'errors depend on threads or tracer'
 
+# Stated errors: a row for each way of sampling that states some; one scene's classic light has no even ones.
+run 0 bench error scene.json --adaptive --size 24x16 --max-spp 16 --reference-spp 16 --seeds 2 --json c.json
+for text in 'trusted' 'doubtful' 'bounds'; do said out.txt "$text"; done
+for key in coverage targetError meanSpp light t values held; do said c.json "\"$key\": "; done
+refused 2 '--adaptive: no --csv or --report' bench error scene.json --adaptive --size 24x16 --csv c.csv
+
 # A signal keeps what all patterns have, and says so. The first samples are there in no time, the last ones never.
 phase=measure
 start bench error scene.json --size 16x16 --max-spp 65536 --seeds 100 --reference-spp 16 --threads 1 --json i.json --csv i.csv

@@ -280,6 +280,36 @@ static void samples_stay_near_each_other(void **state) {
     stage_close(&s);
 }
 
+/* ---- the error of each pixel ---- */
+
+/* Samples to an error state it for each pixel, even classic samples cannot. Where the image is black the
+ * channel says what the brightest star could add unseen. */
+static void errors_are_stated(void **state) {
+    (void)state;
+    stage s = open_subject(STARS);
+    s.settings.spp = 64, s.settings.aovs = FATHOM_AOV_ERROR;
+    fathom_film *film;
+    assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film),
+                 FATHOM_BAD_INPUT, "error needs the pattern sobol");
+    s.settings.target_error = 0.05;
+    film = render(&s, NULL);
+    const float *error = fathom_film_channel(film, "error.G"),
+                *largest = fathom_film_channel(film, "error.largest");
+    uint32_t bounds = 0, estimates = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; ++i) {
+        assert_true(isfinite(error[i]) && error[i] >= 0 && largest[i] >= 0 && largest[i] <= 1);
+        if (largest[i] < 1) ++estimates;
+        if (largest[i] < 1) continue;
+        ++bounds;
+        /* From 4 to 64 samples: 1 - 0.05^(1/n) of a star of 4 over the background of 0.01, or over a pale
+         * star of 0.5, over Student's t. */
+        assert_true((double)error[i] < 0.5272 * 3.99 / 3.1824 && (double)error[i] > 0.0457 * 3.5 / 3.1825);
+    }
+    assert_true(bounds > estimates && estimates > 0);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
 /* ---- no bias ---- */
 
 /* Quads of some share of a pixel, which face the camera, none over another: one to each square of 4 × 4. The
@@ -463,6 +493,7 @@ int main(void) {
         cmocka_unit_test(samples_where_needed),
         cmocka_unit_test(samples_stay_near_each_other),
         cmocka_unit_test(small_lights_lose_nothing),
+        cmocka_unit_test(errors_are_stated),
         cmocka_unit_test(stays_finite),
         cmocka_unit_test(to_a_time),
         cmocka_unit_test(leaves_time),

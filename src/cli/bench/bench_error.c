@@ -5,6 +5,7 @@
 #include "cli/interrupt.h"
 #include "image/compare/flip.h"
 #include "measure/converge.h"
+#include "measure/coverage.h"
 
 #include <math.h>
 #include <string.h>
@@ -14,6 +15,7 @@ typedef struct bench_error_settings {
     uint32_t seeds, max_spp, half_spp; /* half_spp 0: four times max_spp */
     uint64_t seed;
     double ppd;
+    bool adaptive;
 } bench_error_settings;
 
 /* ---- the object ---- */
@@ -233,6 +235,58 @@ static void print(const json_t *root) {
     }
 }
 
+/* ---- stated errors ---- */
+
+static json_t *pack_count(const coverage_count *c) {
+    return json_of(JSON("values", c->values), JSON("held", c->held));
+}
+
+static void pack_coverage(const bench_error_settings *asked, const coverage_row *rows, unsigned count,
+                          uint32_t reference_spp, bool interrupted, json_t *root) {
+    json_t *list = json_array();
+    for (unsigned i = 0; i < count; ++i) {
+        const coverage_row *r = &rows[i];
+        json_array_append_new(list, json_of(JSON("targetError", r->target), JSON("spp", r->spp),
+                                            JSON("meanSpp", r->mean_spp), JSON("seeds", r->seeds),
+                                            JSON("light", r->light), JSON("t", r->t),
+                                            JSON("trusted", pack_count(&r->trusted)),
+                                            JSON("doubtful", pack_count(&r->doubtful)),
+                                            JSON("bounds", pack_count(&r->bounds))));
+    }
+    json_add(root, JSON("scene", asked->all.scene), JSON("referenceSpp", reference_spp),
+             JSON("coverage", list), JSON("interrupted", interrupted));
+}
+
+static void print_share(const json_t *row, const char *name, double all) {
+    const json_t *count = json_at(row, name);
+    const double values = json_number_at(count, "values");
+    if (values > 0)
+        printf("  %5.1f %% %7.2f %%", 100 * values / all, 100 * json_number_at(count, "held") / values);
+    else
+        printf("  %5.1f %% %9s", 0.0, "-");
+}
+
+static void print_coverage(const json_t *root) {
+    size_t i;
+    json_t *row;
+    print_name(stdout, json_text_at(root, "scene"));
+    json_print(root,
+               ", reference of {referenceSpp:.0f} samples a pixel\n"
+               "values of pixels, by what is said of their error, and how often the stated 95 % interval "
+               "holds the truth\n");
+    printf("%8s %8s %6s %8s %7s  %17s  %17s  %17s\n", "target", "spp", "seeds", "light", "t", "trusted",
+           "doubtful", "bounds");
+    json_array_foreach(json_object_get(root, "coverage"), i, row) {
+        const double all = json_number_at(row, "trusted.values") + json_number_at(row, "doubtful.values") +
+                           json_number_at(row, "bounds.values");
+        json_print(row, "{targetError:8.2g} {meanSpp:8.1f} {seeds:6.0f} {light:8.4f} {t:7.2f}");
+        print_share(row, "trusted", all);
+        print_share(row, "doubtful", all);
+        print_share(row, "bounds", all);
+        putchar('\n');
+    }
+}
+
 /* ---- the command ---- */
 
 static bool on_progress(void *user, double fraction) {
@@ -264,8 +318,36 @@ static fathom_status converge(fathom_context *context, const bench_error_setting
     return status;
 }
 
+static fathom_status measure_coverage(fathom_context *context, const bench_error_settings *asked,
+                                      json_t *root) {
+    bench_stage stage = {.scene = NULL};
+    coverage_row rows[COVERAGE_ROWS];
+    unsigned count = 0;
+    const coverage_options options = {
+        .seeds = asked->seeds,
+        .max_spp = asked->max_spp,
+        .reference_spp =
+            asked->half_spp ? asked->half_spp : (asked->max_spp < 16384 ? 4 * asked->max_spp : 65536),
+        .seed = asked->seed,
+        .progress = on_progress};
+    if (asked->all.csv || asked->all.report)
+        return fail(context, FATHOM_BAD_USAGE, "--adaptive: no --csv or --report; expected --json");
+    fathom_status status = bench_open(context, &asked->all, &stage);
+    interrupt_keep_work(true);
+    if (status == FATHOM_OK) status = coverage_measure(context, &stage, &options, rows, &count);
+    interrupt_keep_work(false);
+    progress_clear_line();
+    if (status == FATHOM_OK || (status == FATHOM_INTERRUPTED && count)) {
+        pack_coverage(asked, rows, count, options.reference_spp, status == FATHOM_INTERRUPTED, root);
+        if (!asked->all.common.quiet) print_coverage(root);
+    }
+    stage_close(&stage);
+    return status;
+}
+
 static fathom_status measure(fathom_context *context, const void *settings, json_t *root) {
     const bench_error_settings *asked = settings;
+    if (asked->adaptive) return measure_coverage(context, asked, root);
     bench_stage stage = {.scene = NULL};
     converge_result result = {.rounds = 0};
     fathom_status status = open_stage(context, &asked->all, &stage);
@@ -303,6 +385,8 @@ static const args_option options[] = {
      "of each half of the reference (four times --max-spp)"},
     {"ppd", 0, "N", take_f64, FIELD(ppd), FLIP_PPD_LEAST, FLIP_PPD_MOST,
      "pixels that a degree of the eye holds, for FLIP (67: a 4K screen, 0.7 m wide and away)"},
+    {"adaptive", 0, NULL, take_true, FIELD(adaptive), 0, 0,
+     "the errors that renders state instead: even path tracing, and sampling to an error"},
     {"tracer", 0, "SPEC", take_text, BENCH_FIELD(tracer), 0, 0,
      "what answers the rays (the scene's, else embree)"},
     COMMAND_THREADS,
@@ -328,6 +412,10 @@ const command command_bench_error = {
             "of all, give or take Student's t s / sqrt(n); the grid has no seed, so that its\n"
             "interval is of times alone. Tables go by CPU time, of all threads together: on\n"
             "a shared machine it says more than the clock.\n"
+            "With --adaptive: renders by even path tracing with 16 and 64 samples a pixel and\n"
+            "to errors of 0.1 and 0.05, --max-spp at most, by each of the seeds, and tells\n"
+            "how often the stated 95 % interval of a value holds the reference's, and how far\n"
+            "the mean of all images is from it: t is that over its standard error.\n"
             "Ctrl-C stops and writes the results of the seeds that are complete, or of the\n"
             "samples of the first seed that all patterns have; the exit code is 5.\n",
     .examples = "  fathom bench error scenes/example.json --size 480x270 --report results\n"
