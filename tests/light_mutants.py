@@ -47,7 +47,7 @@ MUTANTS = [
      "double angle = 2 * shape_angle(", "double angle = 1.98 * shape_angle("),
     ("directions over a triangle are not even", SHAPE, "tilted triangle", "0.5 * u * s->angle", "0.5 * u * u * s->angle"),
     ("a quad is twice its first triangle", "light/kernels/face.c", "rectangle",
-     "first.angle + quad * other.angle", "first.angle + quad * first.angle"),
+     "first.angle + q->quad[i] * other.angle", "first.angle + q->quad[i] * first.angle"),
     ("a sphere's cone is flat", SHAPE, "sphere cut", "square / (1 + sqrt(1 - square))", "square / 2"),
     ("directions over a cone are not even", SHAPE, "sphere above", "x = u * cone->cap", "x = u * u * cone->cap"),
     ("a squeezed sphere's Jacobian lacks a factor", SHAPES, "squeezed", "density * (k * k * k / fabs(", "density * (k * k / fabs("),
