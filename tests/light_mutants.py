@@ -13,8 +13,9 @@ MUTANTS = [
      "const float share = density < 0 ? density : 1;"),
     ("lights count whole where rays find them, too", PATH, "rectangle",
      "power_heuristic(light->density[i], density[i]) : 1;", "1 + 0 * density[i] : 1;"),
-    ("MIS takes the other strategy's weight", PATH, "rectangle",
-     "const float ratio = b / a;", "const float ratio = b > 0 ? a / b : 0;"),
+    ("emission by the balance heuristic, lights by the power heuristic", PATH, "rectangle",
+     "const float share = power_heuristic(p->density[slot], density);",
+     "const float share = p->density[slot] < INFINITY ? p->density[slot] / (p->density[slot] + density) : 1;"),
     ("roulette without its weight", PATH, "furnace, sphere",
      "for (int c = 0; c < 3; ++c) weight[c] /= most;", "(void)0;"),
     ("roulette ends more paths than it says", PATH, "furnace, sphere", "return u < most;", "return u < most * 0.9f;"),
@@ -22,7 +23,7 @@ MUTANTS = [
      "last = p->depth >= w->run.plan->max_depth", "last = p->depth > w->run.plan->max_depth"),
     ("one bounce too few", PATH, "four bounces",
      "last = p->depth >= w->run.plan->max_depth", "last = p->depth + 1 >= w->run.plan->max_depth"),
-    ("light's samples forget the chance of the light", EMITTERS, "four kinds",
+    ("light's samples forget the chance of the light", EMITTERS, "disk of",
      "density_f32(a->density * chance)", "density_f32(a->density * (chance > 0 ? 1 : 0))"),
     ("a light met by a ray forgets the chance to be asked", EMITTERS, "four kinds",
      "return density_f32(density * e->chance[EMITTER_FINITE]);", "return density_f32(density);"),
@@ -40,18 +41,19 @@ MUTANTS = [
     ("the light tree tells rays another probability", TREE, "disk of",
      "(double)weight[slot % TREE_WIDE] / sum : 0;", "0.25 * (double)weight[slot % TREE_WIDE] / sum : 0;"),
     ("the tree picks the child before", TREE, "forty", "last = i;", "last = i > 0 && weight[i - 1] > 0 ? i - 1 : i;"),
-    ("directions by the cosine, density even", SHAPE, "four kinds",
+    ("directions by the cosine, density even", SHAPE, "even sky",
      "along > 0 ? along / SHAPE_PI : 0", "along > 0 ? 0.5 / SHAPE_PI : 0"),
     ("a hundredth of a triangle's solid angle lost", SHAPE, "tilted triangle",
      "double angle = 2 * shape_angle(", "double angle = 1.98 * shape_angle("),
     ("directions over a triangle are not even", SHAPE, "tilted triangle", "0.5 * u * s->angle", "0.5 * u * u * s->angle"),
-    ("a quad is twice its first triangle", SHAPES, "rectangle", "all = first + other.angle;", "all = 2 * first;"),
+    ("a quad is twice its first triangle", "light/kernels/face.c", "rectangle",
+     "first.angle + q->quad[i] * other.angle", "first.angle + q->quad[i] * first.angle"),
     ("a sphere's cone is flat", SHAPE, "sphere cut", "square / (1 + sqrt(1 - square))", "square / 2"),
     ("directions over a cone are not even", SHAPE, "sphere above", "x = u * cone->cap", "x = u * u * cone->cap"),
     ("a squeezed sphere's Jacobian lacks a factor", SHAPES, "squeezed", "density * (k * k * k / fabs(", "density * (k * k / fabs("),
-    ("Lambert's cosine lost", LOBES, "furnace, sphere",
+    ("Lambert's cosine lost", LOBES, "even sky",
      "chosen(lit, fabsf(at->l[2][i]) * (1 / PI), 0);\n        float left", "chosen(lit, 1 / PI, 0);\n        float left"),
-    ("a cosine's density over 3", LOBES, "furnace, sphere",
+    ("a cosine's density over 3", LOBES, "even sky",
      "density[i] += take * fabsf(at->l[2][i]) * (1 / PI);", "density[i] += take * fabsf(at->l[2][i]) * (1 / 3.0f);"),
     ("light from behind lost", LOBES, "lit from behind",
      "chosen(at->cross[i], b->take[SHADER_TAKE_BEHIND][i], 0)", "chosen(at->cross[i], 0.5f * b->take[SHADER_TAKE_BEHIND][i], 0)"),
@@ -104,7 +106,7 @@ def main(folder, laws, only):
         result = planted(folder, path, law if laws == "named" else None, old, new)
         if isinstance(result, str):
             sys.exit(f"{name}: does not build\n{result}")
-        print(f"{'found ' if result == 1 else 'MISSED'} {name}", flush=True)
+        print(f"found  {name}" if result == 1 else f"MISSED {name}: exit code {result}", flush=True)
         if result != 1:
             missed.append(name)
     problem = build(folder)

@@ -135,7 +135,12 @@ laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t 
         const double p = welch_p(a[i], b[i], allowance * fmax(fabs(a[i].mean), fabs(b[i].mean)));
         if (p < d.p) d.p = p, d.worst = i;
         sum += (a[i].mean + b[i].mean) / 2, difference += a[i].mean - b[i].mean;
-        square += a[i].error * a[i].error + b[i].error * b[i].error;
+    }
+    /* The three channels of a cell go together: their errors add up. */
+    for (size_t i = 0; i + 2 < count; i += 3) {
+        double error = 0;
+        for (size_t c = i; c < i + 3; ++c) error += sqrt(a[c].error * a[c].error + b[c].error * b[c].error);
+        square += error * error;
     }
     d.p = sidak(d.p, (double)count);
     d.relative = difference / sum, d.relative_error = sqrt(square) / sum;

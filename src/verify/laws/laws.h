@@ -75,7 +75,7 @@ typedef struct laws_difference {
     double relative_error;
 } laws_difference;
 
-/* count means of each. */
+/* count means of each, three channels of one cell after another. */
 laws_difference laws_compare(const sample_mean *a, const sample_mean *b, size_t count, double allowance);
 
 typedef struct laws_pair {

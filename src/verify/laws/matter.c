@@ -47,7 +47,7 @@ static void harmonics(law_room *room) {
     const double factors[5] = {1, 2.0 / 3, 0.25, 0, -1.0 / 24};
     law_plane(room, origin, up, law_lambert(white));
     law_look(room, eye, origin);
-    room->environment = harmonic_sky;
+    law_sky(room, harmonic_sky);
     for (int c = 0; c < 3; ++c) room->value[c] = band_sum(sky_axes[c], up, factors);
 }
 

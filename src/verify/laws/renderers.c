@@ -99,8 +99,6 @@ static fathom_status path_room(void *user, const law_room *room, uint64_t sample
     double sums[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
     const cells whole = {1, 1, sums, squares};
     (void)user;
-    if (room->environment)
-        return fail(room->context, FATHOM_BAD_INPUT, "radiance from outside comes from images alone");
     return path_cells(room->context, room->scene, path_settings(WIDTH, WIDTH, room->depth, samples, seed),
                       WIDTH, &whole, out);
 }

@@ -1,9 +1,12 @@
 #include "verify/laws/room.h"
 
 #include "base/status.h"
+#include "image/image.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 fathom_status law_open(fathom_context *context, const law *made, law_room *out) {
     *out = (law_room){.context = context, .depth = 64};
@@ -13,7 +16,10 @@ fathom_status law_open(fathom_context *context, const law *made, law_room *out) 
     return out->status;
 }
 
-void law_close(law_room *room) { fathom_scene_destroy(room->scene); }
+void law_close(law_room *room) {
+    fathom_scene_destroy(room->scene);
+    if (room->sky[0]) unlink(room->sky);
+}
 
 /* ---- materials ---- */
 
@@ -131,6 +137,52 @@ void law_background(law_room *room, vec3_f64 rgb) {
     float color[3];
     law_set(color, rgb);
     if (room->status == FATHOM_OK) room->status = fathom_scene_set_background(room->scene, color);
+}
+
+/* The image's centre lies towards -z, its right half towards +x, its top towards y. */
+static vec3_f64 sky_direction(uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
+    const double pi = 3.14159265358979323846;
+    const double turn = 2 * pi * ((x + 0.5) / width - 0.5), rise = pi * (0.5 - (y + 0.5) / height);
+    return vec_f64(sin(turn) * cos(rise), sin(rise), -cos(turn) * cos(rise));
+}
+
+static fathom_status write_sky(law_room *room) {
+    enum { WIDTH = 1024, HEIGHT = 512 };
+    float(*pixels)[3] = malloc((size_t)WIDTH * HEIGHT * sizeof *pixels);
+    if (!pixels) return fail_memory(room->context, (size_t)WIDTH * HEIGHT * sizeof *pixels);
+    for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i)
+        law_set(pixels[i], room->environment(NULL, sky_direction(i % WIDTH, i / WIDTH, WIDTH, HEIGHT)));
+    static const char *const names[3] = {"R", "G", "B"};
+    image_channel channels[3];
+    for (int c = 0; c < 3; ++c)
+        channels[c] = (image_channel){names[c], IMAGE_FLOAT, false, &pixels[0][c], sizeof *pixels};
+    const image sky = {.width = WIDTH,
+                       .height = HEIGHT,
+                       .full_width = WIDTH,
+                       .full_height = HEIGHT,
+                       .channels = channels,
+                       .channel_count = 3};
+    const fathom_status status = exr_write_plain(room->context, &sky, room->sky);
+    free(pixels);
+    return status;
+}
+
+void law_sky(law_room *room, vec3_f64 (*radiance)(void *user, vec3_f64 direction)) {
+    const char *folder = getenv("TMPDIR");
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = room->sky;
+    room->environment = radiance;
+    snprintf(room->sky, sizeof room->sky, "%.200s/fathom-sky-XXXXXX.exr",
+             folder && *folder ? folder : "/tmp");
+    const int file = mkstemps(room->sky, 4);
+    if (file >= 0) close(file);
+    if (file < 0 && room->status == FATHOM_OK) {
+        room->status = fail_file(room->context, FATHOM_OUT_OF_RESOURCES, room->sky, "cannot be created");
+        room->sky[0] = 0;
+    }
+    if (room->status == FATHOM_OK) room->status = write_sky(room);
+    law_light(room, &light);
 }
 
 static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slope) {

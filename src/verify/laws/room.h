@@ -12,8 +12,9 @@ typedef struct law_room {
     fathom_status status; /* of making it; after a failure nothing more is added */
     double value[3];      /* the mean over the image */
     uint32_t depth;       /* bounces; default 64 */
-    /* Radiance from outside; NULL: the scene's background. `user` of the call is NULL. */
+    /* Radiance from outside; NULL: the scene's background. `user` of the call is NULL. See law_sky(). */
     vec3_f64 (*environment)(void *user, vec3_f64 direction);
+    char sky[256]; /* a file of it, which is removed with the room; "": none */
 } law_room;
 
 typedef struct law {
@@ -51,6 +52,8 @@ void law_box(law_room *room, bool meshes, fathom_material m);
 void law_light(law_room *room, const fathom_light *light);
 void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius);
 void law_background(law_room *room, vec3_f64 rgb);
+/* As a function, and as an environment light of an image of 1024 x 512 pixels. */
+void law_sky(law_room *room, vec3_f64 (*radiance)(void *user, vec3_f64 direction));
 /* Looks at one point: the image is 1/4096 as high as it is far away. */
 void law_look(law_room *room, vec3_f64 eye, vec3_f64 target);
 /* Looks along z, down to a square of this side around (0, 0, z). */
