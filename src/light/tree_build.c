@@ -319,7 +319,7 @@ bool tree_build(tree_item *items, uint32_t count, tree *out, uint32_t *slot_of) 
     const piece all = piece_of(items, 0, count);
     b.scale = scale_for(&all.all);
     const bool built = add_node(&b, &all, 0);
-    *out = (tree){b.nodes.items, b.parent.items, (uint32_t)b.nodes.count, b.scale};
+    *out = (tree){b.nodes.items, b.parent.items, (uint32_t)b.nodes.count, b.scale, tree_kernels_best()};
     if (!built) {
         tree_destroy(out);
         return false;
