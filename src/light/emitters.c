@@ -1,7 +1,11 @@
 #include "light/emitters_inner.h"
 
+#include "base/kernel.h"
+
 #include <stdlib.h>
 #include <string.h>
+
+KERNEL_BEST(shape_kernels)
 
 /* ---- the whole ---- */
 
@@ -24,7 +28,7 @@ fathom_status emitters_create(fathom_context *context, const world *w, emitters 
     emitters *e = calloc(1, sizeof *e);
     if (!e) return fail_memory(context, sizeof *e);
     e->w = w;
-    e->faces = face_kernels_best();
+    e->shapes = shape_kernels_best(), e->points = light_kernels_best();
     memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = emitters_collect(context, e);
     if (status == FATHOM_OK) status = emitters_open_skies(context, e);
@@ -76,98 +80,147 @@ static void no_light(emitter_sample *out, int i) {
 /* Densities beyond float are of lights too small to be met. */
 static float density_f32(double density) { return density < 0x1p127 ? (float)density : 0x1p127f; }
 
-static void put_answer(emitter_sample *out, int i, const emitter_answer *a, double chance,
-                       const float radiance[3]) {
-    out->density[i] = density_f32(a->density * chance);
+/* A lane's answer, whose direction and distance are in place. */
+static void finish(emitter_sample *out, int i, double density, const float radiance[3]) {
+    out->density[i] = density_f32(density);
     if (!(out->density[i] > 0)) {
         no_light(out, i);
         return;
     }
+    put_lane(out->radiance, i, load_f32(radiance));
+    out->sized[i] = ~0u;
+}
+
+static void put_answer(emitter_sample *out, int i, const emitter_answer *a, double chance,
+                       const float radiance[3]) {
+    static const float none[3] = {0, 0, 0};
     put_lane(out->direction, i, narrow(a->direction));
     out->distance[i] = a->distance < 0x1p127 ? (float)a->distance : INFINITY;
-    put_lane(out->radiance, i, a->dark ? (vec3_f32){0, 0, 0} : load_f32(radiance));
-    out->sized[i] = ~0u;
+    finish(out, i, a->density * chance, a->dark ? none : radiance);
 }
 
 /* ---- primitives ---- */
 
-static void sample_ball(const emitters *e, const emitter_query *from, const lanes3 u, int i,
-                        const emitter_run *run, uint32_t primitive, emitter_answer *out) {
-    emitter_ball ball;
-    emitters_ball(e, run, primitive, &ball);
-    emitters_ask_ball(&ball, widen(lane_f32(from->p, i)), unit_or_zero(lane_f32(from->n, i)), (double)u[0][i],
-                      (double)u[1][i], out);
+/* What lanes ask, and what they chose. */
+typedef struct lane_choices {
+    const emitter_query *from;
+    const float (*u)[LANES];
+    uint32_t emitter[LANES];
+    double chance[LANES];
+    unsigned faces, balls, lamps; /* lanes that chose one */
+} lane_choices;
+
+static const float *radiance_of(const emitters *e, const emitter_run *run, uint32_t primitive) {
+    return e->emission[world_material(e->w, run->geometry, primitive, run->instance)];
 }
 
-/* Faces that lanes have chosen, to be asked together. */
-typedef struct chosen_faces {
-    face_query query;
-    const float *radiance[LANES];
-    unsigned lanes; /* as bits */
-} chosen_faces;
+static bool is_ball(const emitters *e, const emitter_run *run) {
+    return e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
+}
 
-static void put_face(const shape_face *f, int i, face_query *out) {
-    for (int k = 0; k < 4; ++k) {
-        out->corner[k][0][i] = f->corner[k].x;
-        out->corner[k][1][i] = f->corner[k].y;
-        out->corner[k][2][i] = f->corner[k].z;
+static void load_points(const lane_choices *c, lanes3_f64 p) {
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < LANES; ++i) p[k][i] = (double)c->from->p[k][i];
     }
-    out->quad[i] = f->quad ? 1 : 0, out->clear[i] = f->clear, out->slope[i] = f->slope;
 }
 
-/* The lanes, as bits, that chose this primitive. */
-static void sample_primitive(const emitters *e, const emitter_query *from, const lanes3 u, unsigned lanes,
-                             uint32_t emitter, const double chance[LANES], chosen_faces *faces,
-                             emitter_sample *out) {
-    const emitter_run *run = emitters_run_of(e, emitter);
-    const uint32_t primitive = emitter - run->first;
-    const float *radiance = e->emission[world_material(e->w, run->geometry, primitive, run->instance)];
-    const bool round = e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
-    shape_face face;
-    emitter_answer answer;
-    if (!round) emitters_face(e, run, primitive, &face);
+/* Answers of all lanes become those of `lanes`. */
+static void take_answers(const lane_choices *c, unsigned lanes, const shape_answers *answers,
+                         const lanes3 direction, const float distance[LANES],
+                         const float *const radiance[LANES], emitter_sample *out) {
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
-        if (round) {
-            sample_ball(e, from, u, i, run, primitive, &answer);
-            put_answer(out, i, &answer, chance[i], radiance);
-        } else {
-            put_face(&face, i, &faces->query);
-            faces->radiance[i] = radiance;
-            faces->lanes |= 1u << i;
-        }
+        for (int k = 0; k < 3; ++k) out->direction[k][i] = direction[k][i];
+        out->distance[i] = distance[i];
+        finish(out, i, answers->density[i] * c->chance[i], radiance[i]);
     }
 }
 
-/* Other lanes repeat the face of one that chose any. */
-static void sample_faces(const emitters *e, const emitter_query *from, const lanes3 u,
-                         const double chance[LANES], chosen_faces *faces, emitter_sample *out) {
-    face_query *q = &faces->query;
-    face_answer answer;
-    const int any_lane = __builtin_ctz(faces->lanes);
-    for (int i = 0; i < LANES; ++i) {
-        for (int c = 0; c < 3; ++c) q->p[c][i] = (double)from->p[c][i];
-        q->u[i] = (double)u[0][i], q->v[i] = (double)u[1][i];
-        if (faces->lanes >> i & 1) continue;
-        for (int k = 0; k < 4; ++k) {
-            for (int c = 0; c < 3; ++c) q->corner[k][c][i] = q->corner[k][c][any_lane];
-        }
-        q->quad[i] = q->clear[i] = q->slope[i] = 0;
+static void put_face(shape_faces *to, int i, const shape_face *f) {
+    for (int k = 0; k < 4; ++k) {
+        const vec3_f64 corner = f->corner[k];
+        to->corner[k][0][i] = corner.x, to->corner[k][1][i] = corner.y, to->corner[k][2][i] = corner.z;
     }
-    e->faces->sample(q, &answer);
-    for (unsigned left = faces->lanes; left; left &= left - 1) {
+    to->clear[i] = f->clear, to->slope[i] = f->slope;
+}
+
+/* Lanes that chose none get the first one's face. */
+static void sample_faces(const emitters *e, const lane_choices *c, emitter_sample *out) {
+    const float *radiance[LANES];
+    shape_faces faces;
+    shape_answers answers;
+    shape_face face;
+    lanes3_f64 p;
+    lanes3 direction;
+    float distance[LANES];
+    bool quads = false;
+    uint32_t last = FATHOM_NONE;
+    const float *light = NULL;
+    for (unsigned left = c->faces; left; left &= left - 1) {
         const int i = __builtin_ctz(left);
-        const emitter_answer a = {{answer.direction[0][i], answer.direction[1][i], answer.direction[2][i]},
-                                  answer.distance[i],
-                                  answer.density[i],
-                                  false};
-        put_answer(out, i, &a, chance[i], faces->radiance[i]);
+        if (c->emitter[i] != last) {
+            const emitter_run *run = emitters_run_of(e, c->emitter[i]);
+            emitters_face(e, run, c->emitter[i] - run->first, &face);
+            light = radiance_of(e, run, c->emitter[i] - run->first);
+            quads |= face.quad;
+        }
+        for (int k = 0; last == FATHOM_NONE && k < LANES; ++k) put_face(&faces, k, &face);
+        last = c->emitter[i], radiance[i] = light;
+        put_face(&faces, i, &face);
     }
+    load_points(c, p);
+    e->shapes->faces(&faces, p, c->u, quads, &answers, direction, distance);
+    take_answers(c, c->faces, &answers, direction, distance, radiance, out);
+}
+
+/* Inside of spheres, and where they are stretched. */
+static void sample_odd_ball(const emitter_ball *ball, const lane_choices *c, int i, const float *radiance,
+                            emitter_sample *out) {
+    emitter_answer answer;
+    emitters_ask_ball(ball, widen(lane_f32(c->from->p, i)), unit_or_zero(lane_f32(c->from->n, i)),
+                      (double)c->u[0][i], (double)c->u[1][i], &answer);
+    put_answer(out, i, &answer, c->chance[i], radiance);
+}
+
+static void put_ball(shape_balls *to, int i, const emitter_ball *b) {
+    to->center[0][i] = b->center.x, to->center[1][i] = b->center.y, to->center[2][i] = b->center.z;
+    to->radius[i] = b->radius, to->clear[i] = b->clear, to->slope[i] = b->slope;
+}
+
+static void sample_balls(const emitters *e, const lane_choices *c, emitter_sample *out) {
+    const float *radiance[LANES], *light = NULL;
+    shape_balls balls;
+    shape_answers answers;
+    emitter_ball ball;
+    lanes3_f64 p;
+    lanes3 direction;
+    float distance[LANES];
+    unsigned plain = 0;
+    uint32_t last = FATHOM_NONE;
+    for (unsigned left = c->balls; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        if (c->emitter[i] != last) {
+            const emitter_run *run = emitters_run_of(e, c->emitter[i]);
+            emitters_ball(e, run, c->emitter[i] - run->first, &ball);
+            light = radiance_of(e, run, c->emitter[i] - run->first);
+        }
+        for (int k = 0; last == FATHOM_NONE && k < LANES; ++k) put_ball(&balls, k, &ball);
+        last = c->emitter[i], radiance[i] = light;
+        put_ball(&balls, i, &ball);
+        if (emitters_ball_is_plain(&ball, widen(lane_f32(c->from->p, i))))
+            plain |= 1u << i;
+        else
+            sample_odd_ball(&ball, c, i, light, out);
+    }
+    if (!plain) return;
+    load_points(c, p);
+    e->shapes->balls(&balls, p, c->u, &answers, direction, distance);
+    take_answers(c, plain, &answers, direction, distance, radiance, out);
 }
 
 static double primitive_density(const emitters *e, const emitter_run *run, uint32_t primitive, vec3_f64 p,
                                 vec3_f64 n, vec3_f64 direction) {
-    if (e->w->geometries.items[run->geometry].kind == WORLD_SPHERES) {
+    if (is_ball(e, run)) {
         emitter_ball ball;
         emitters_ball(e, run, primitive, &ball);
         return emitters_ball_density(&ball, p, n, direction);
@@ -194,25 +247,36 @@ static bool widen_lamp(const emitter_lamp *lamp, vec3_f64 p, double u, double v,
     return true;
 }
 
-/* The lanes of `lanes` that chose this lamp. */
-static void sample_lamp(const emitter_lamp *lamp, const emitter_query *from, const lanes3 u, unsigned lanes,
-                        const double chance[LANES], emitter_sample *out) {
-    const light_kernels *kernels = light_kernels_best();
+static void sample_lamp(const emitters *e, const emitter_lamp *lamp, const lane_choices *c, unsigned lanes,
+                        emitter_sample *out) {
     light_block seen, aimed;
-    kernels->sample(&lamp->light, from->p, &seen);
-    memcpy(aimed.origin, from->p, sizeof aimed.origin);
-    kernels->aim(&lamp->light, &aimed);
-    for (int i = 0; i < LANES; ++i) {
-        if (!(lanes >> i & 1)) continue;
-        for (int c = 0; c < 3; ++c) {
-            out->direction[c][i] = aimed.direction[c][i];
-            out->radiance[c][i] = (float)SHAPE_PI * (seen.radiance[c][i] * seen.falloff[i]);
+    e->points->sample(&lamp->light, c->from->p, &seen);
+    memcpy(aimed.origin, c->from->p, sizeof aimed.origin);
+    e->points->aim(&lamp->light, &aimed);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        for (int k = 0; k < 3; ++k) {
+            out->direction[k][i] = aimed.direction[k][i];
+            out->radiance[k][i] = (float)SHAPE_PI * (seen.radiance[k][i] * seen.falloff[i]);
         }
         out->distance[i] = aimed.distance[i];
-        out->density[i] = seen.distance[i] > 0 ? (float)chance[i] : 0;
+        out->density[i] = seen.distance[i] > 0 ? (float)c->chance[i] : 0;
         out->sized[i] = 0;
         if (lamp->radius > 0)
-            widen_lamp(lamp, widen(lane_f32(from->p, i)), (double)u[0][i], (double)u[1][i], out, i);
+            widen_lamp(lamp, widen(lane_f32(c->from->p, i)), (double)c->u[0][i], (double)c->u[1][i], out, i);
+    }
+}
+
+/* Lanes that chose the same lamp together. */
+static void sample_lamps(const emitters *e, const lane_choices *c, emitter_sample *out) {
+    for (unsigned left = c->lamps; left;) {
+        const uint32_t emitter = c->emitter[__builtin_ctz(left)];
+        unsigned same = 0;
+        for (int i = 0; i < LANES; ++i) {
+            if (left >> i & 1 && c->emitter[i] == emitter) same |= 1u << i;
+        }
+        sample_lamp(e, &e->lamps[emitter - e->surface_count], c, same, out);
+        left &= ~same;
     }
 }
 
@@ -283,9 +347,9 @@ static double finer(const lanes3 u, int i) {
     return (whole + (double)(h >> 35) * 0x1p-29) * 0x1p-24;
 }
 
-/* Which part lane i asks; *u becomes a number in [0,1) within it. */
+/* Which part a lane asks, EMITTER_PARTS if there is none; *u becomes a number in [0,1) within it. */
 static emitter_part choose_part(const emitters *e, double *u) {
-    emitter_part part = EMITTER_FINITE, last = EMITTER_FINITE;
+    emitter_part part = EMITTER_FINITE, last = EMITTER_PARTS;
     double left = *u;
     for (; part < EMITTER_PARTS; ++part) {
         if (!(e->chance[part] > 0)) continue;
@@ -293,68 +357,58 @@ static emitter_part choose_part(const emitters *e, double *u) {
         if (left < e->chance[part]) break;
         left -= e->chance[part];
     }
+    if (last == EMITTER_PARTS) return last;
     *u = fmin(left / e->chance[last], 0x1.fffffffffffffp-1);
     return last;
 }
 
-/* Lanes whose light is still to be asked. */
-typedef struct chosen_lights {
-    uint32_t emitter[LANES];
-    double chance[LANES];
-    unsigned finite; /* lanes that chose a primitive or a lamp */
-} chosen_lights;
-
-static void choose_finite(const emitters *e, const emitter_query *from, double choice, int i,
-                          chosen_lights *chosen, emitter_sample *out) {
-    double chance = 1;
-    uint32_t emitter = e->only;
-    if (emitter == FATHOM_NONE)
-        emitter = tree_choose(&e->lights, lane_f32(from->p, i), lane_f32(from->n, i), choice, &chance);
-    chance *= e->chance[EMITTER_FINITE];
-    chosen->emitter[i] = emitter, chosen->chance[i] = chance;
-    if (!(chance > 0))
-        no_light(out, i);
-    else
-        chosen->finite |= 1u << i;
+/* The finite light of each of `lanes`. */
+static void choose_finite(const emitters *e, unsigned lanes, double u[LANES], lane_choices *c,
+                          emitter_sample *out) {
+    if (e->only != FATHOM_NONE) {
+        for (int i = 0; i < LANES; ++i) c->emitter[i] = e->only, c->chance[i] = 1;
+    } else {
+        e->lights.kernels->choose(&e->lights, c->from->p, c->from->n, lanes, u, c->emitter, c->chance);
+    }
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        c->chance[i] *= e->chance[EMITTER_FINITE];
+        if (!(c->chance[i] > 0))
+            no_light(out, i);
+        else if (c->emitter[i] >= e->surface_count)
+            c->lamps |= 1u << i;
+        else if (is_ball(e, emitters_run_of(e, c->emitter[i])))
+            c->balls |= 1u << i;
+        else
+            c->faces |= 1u << i;
+    }
 }
 
-/* Lanes with one light ask it together. */
-static void sample_finite(const emitters *e, const emitter_query *from, const lanes3 u,
-                          const chosen_lights *chosen, emitter_sample *out) {
-    unsigned left = chosen->finite;
-    chosen_faces faces;
-    faces.lanes = 0;
-    while (left) {
-        const uint32_t emitter = chosen->emitter[__builtin_ctz(left)];
-        unsigned same = 0;
-        for (int i = 0; i < LANES; ++i) {
-            if (left >> i & 1 && chosen->emitter[i] == emitter) same |= 1u << i;
+/* Asks what comes from outside at once; returns the lanes that ask for a finite light, and numbers for them.
+ */
+static unsigned choose_parts(const emitters *e, const emitter_query *from, const lanes3 u, double left[LANES],
+                             emitter_sample *out) {
+    unsigned finite = 0;
+    for (int i = 0; i < LANES; ++i) {
+        left[i] = finer(u, i);
+        switch (choose_part(e, &left[i])) {
+        case EMITTER_FINITE: finite |= 1u << i; break;
+        case EMITTER_OUTSIDE: sample_outside(e, from, u, left[i], out, i); break;
+        case EMITTER_DIRECTIONAL: sample_sun(e, (double)u[0][i], (double)u[1][i], left[i], out, i); break;
+        case EMITTER_PARTS: no_light(out, i); break;
         }
-        if (emitter >= e->surface_count)
-            sample_lamp(&e->lamps[emitter - e->surface_count], from, u, same, chosen->chance, out);
-        else
-            sample_primitive(e, from, u, same, emitter, chosen->chance, &faces, out);
-        left &= ~same;
     }
-    if (faces.lanes) sample_faces(e, from, u, chosen->chance, &faces, out);
+    return finite;
 }
 
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out) {
-    chosen_lights chosen = {.finite = 0};
-    for (int i = 0; i < LANES; ++i) {
-        double choice = finer(u, i);
-        if (emitters_none(e)) {
-            no_light(out, i);
-            continue;
-        }
-        switch (choose_part(e, &choice)) {
-        case EMITTER_FINITE: choose_finite(e, from, choice, i, &chosen, out); break;
-        case EMITTER_OUTSIDE: sample_outside(e, from, u, choice, out, i); break;
-        case EMITTER_DIRECTIONAL: sample_sun(e, (double)u[0][i], (double)u[1][i], choice, out, i); break;
-        case EMITTER_PARTS: break;
-        }
-    }
-    sample_finite(e, from, u, &chosen, out);
+    lane_choices c = {.from = from, .u = u};
+    double left[LANES];
+    const unsigned finite = choose_parts(e, from, u, left, out);
+    if (finite) choose_finite(e, finite, left, &c, out);
+    if (c.faces) sample_faces(e, &c, out);
+    if (c.balls) sample_balls(e, &c, out);
+    if (c.lamps) sample_lamps(e, &c, out);
 }
 
 float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,

@@ -4,9 +4,8 @@
 
 #include "light/emitters.h"
 #include "light/environment.h"
-#include "light/face.h"
 #include "light/light.h"
-#include "light/shape.h"
+#include "light/shape_block.h"
 #include "light/tree.h"
 
 /* Primitives of one geometry, where an instance or the root places it: emitters first, first + 1, … */
@@ -46,7 +45,6 @@ typedef struct emitter_sky {
 
 struct emitters {
     const world *w;
-    const face_kernels *faces;
     float (*emission)[3]; /* by material: of both sides, on average over its coverage */
     emitter_run *runs;    /* those of the root's geometries first, then of each instance that emits */
     uint32_t run_count;
@@ -54,8 +52,10 @@ struct emitters {
     uint32_t surface_count; /* emitters below this are primitives, the others lamps */
     uint32_t *slot_of;      /* by emitter: its leaf; FATHOM_NONE: it sends out nothing */
     uint32_t finite_count;  /* leaves */
-    uint32_t only;          /* the emitter, if there is one leaf */
+    uint32_t only;          /* the emitter, if there is one leaf; else FATHOM_NONE */
     tree lights;
+    const shape_kernels *shapes;
+    const light_kernels *points;
     emitter_lamp *lamps;
     uint32_t lamp_count;
     light_surface *surfaces; /* that hold lamps */
@@ -97,6 +97,8 @@ typedef struct emitter_answer {
     bool dark;                /* the direction is taken, but meets nothing */
 } emitter_answer;
 
+/* Neither stretched nor around the point. */
+bool emitters_ball_is_plain(const emitter_ball *b, vec3_f64 p);
 void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, double v,
                        emitter_answer *out);
 /* The densities of these answers. */

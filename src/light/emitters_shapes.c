@@ -90,13 +90,10 @@ static shape_seen see(const shape_face *f, vec3_f64 p, bool second) {
     return second ? shape_see(p, c[2], c[3], c[1], f->clear) : shape_see(p, c[0], c[1], c[3], f->clear);
 }
 
-/* A solid angle too small for double to hold its inverse is none. */
-static double density_of(double angle) { return angle > 0x1p-1000 ? 1 / angle : 0; }
-
 double emitters_face_density(const shape_face *f, vec3_f64 p) {
     double all = see(f, p, false).angle;
     if (f->quad) all += see(f, p, true).angle;
-    return density_of(all);
+    return shape_inverse(all);
 }
 
 /* ---- spheres ---- */
@@ -166,7 +163,7 @@ static void ask_outside(const emitter_ball *b, const ball_view *v, double s, dou
     double end = shape_sphere_near(v->from, d, b->radius + b->clear + b->slope * cone.distance * k);
     out->direction = scale_f64(1 / k, wide);
     out->distance = larger(end * k, 0x1p-126);
-    out->density = turned_density(b, density_of(shape_cone_angle(&cone)), k);
+    out->density = turned_density(b, shape_inverse(shape_cone_angle(&cone)), k);
 }
 
 /* From inside light comes from all around. A point on the surface sees the inside's far side, if anything: a
@@ -181,6 +178,10 @@ static void ask_inside(const emitter_ball *b, const ball_view *v, vec3_f64 n, do
     out->density = shape_all_density(n, wide);
     out->dark = v->on && !(dot_f64(v->from, d) < 0);
     out->distance = larger(end, 0x1p-126);
+}
+
+bool emitters_ball_is_plain(const emitter_ball *b, vec3_f64 p) {
+    return !b->instance && view_of(b, p).outside;
 }
 
 void emitters_ask_ball(const emitter_ball *b, vec3_f64 p, vec3_f64 n, double u, double v,
@@ -199,5 +200,5 @@ double emitters_ball_density(const emitter_ball *b, vec3_f64 p, vec3_f64 n, vec3
     if (view.on && !(dot_f64(view.from, d) < 0)) return 0;
     if (!view.outside) return shape_all_density(n, direction);
     const shape_cone cone = shape_cone_of(view.from, b->radius);
-    return turned_density(b, density_of(shape_cone_angle(&cone)), 1 / sqrt(dot_f64(d, d)));
+    return turned_density(b, shape_inverse(shape_cone_angle(&cone)), 1 / sqrt(dot_f64(d, d)));
 }

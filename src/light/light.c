@@ -1,7 +1,6 @@
 #include "light/light.h"
 
 #include "base/kernel.h"
-#include "light/face.h"
 
 #include <math.h>
 
@@ -24,4 +23,3 @@ void light_prepare(const fathom_light *light, vec3_f64 origin, shade_light *out)
 }
 
 KERNEL_CHOICE(light_kernels)
-KERNEL_CHOICE(face_kernels)

@@ -79,11 +79,12 @@ typedef struct shape_face {
 /* A triangle seen from a point. The tangent of half the solid angle of (a, b, c), with c moved along its edge
  * to a, follows from g: see shape_triangle_sample(). */
 typedef struct shape_seen {
-    vec3_f64 a, b, c; /* unit, towards the corners */
-    double g[3];      /* |a·(b×c)|, (a+b)·c, 1 + a·b */
-    vec3_f64 n;       /* unit normal */
-    double height;    /* of the point over the plane, >= 0 */
-    double angle;     /* solid angle; 0 within `clear` of the plane, where the point may lie on either side */
+    vec3_f64 a, b, c;  /* unit, towards the corners */
+    double g0, g1, g2; /* |a·(b×c)|, (a+b)·c, 1 + a·b */
+    vec3_f64 n;        /* unit normal */
+    double height;     /* of the point over the plane, >= 0 */
+    double clear;      /* of its face */
+    double angle; /* solid angle; 0 within `clear` of the plane, where the point may lie on either side */
 } shape_seen;
 
 /* Van Oosterom and Strackee 1983. The triple product is twice the area times the height: nothing cancels
@@ -92,14 +93,14 @@ static inline shape_seen shape_see(vec3_f64 p, vec3_f64 a, vec3_f64 b, vec3_f64 
     vec3_f64 n = cross_f64(sub_f64(b, a), sub_f64(c, a)), pa = sub_f64(a, p), pb = sub_f64(b, p),
              pc = sub_f64(c, p);
     double la = 1 / sqrt(dot_f64(pa, pa)), lb = 1 / sqrt(dot_f64(pb, pb)), lc = 1 / sqrt(dot_f64(pc, pc));
-    double volume = fabs(dot_f64(pa, n)), size = 1 / sqrt(dot_f64(n, n));
+    double volume = fabs(dot_f64(pa, n)), size = 1 / sqrt(dot_f64(n, n) + 0x1p-1000);
     shape_seen s = {.a = scale_f64(la, pa), .b = scale_f64(lb, pb), .c = scale_f64(lc, pc)};
-    s.g[0] = volume * la * lb * lc;
-    s.g[1] = dot_f64(s.a, s.c) + dot_f64(s.b, s.c);
-    s.g[2] = 1 + dot_f64(s.a, s.b);
+    s.g0 = volume * la * lb * lc;
+    s.g1 = dot_f64(s.a, s.c) + dot_f64(s.b, s.c);
+    s.g2 = 1 + dot_f64(s.a, s.b);
     s.n = scale_f64(size, n);
-    s.height = volume * size;
-    double angle = 2 * shape_angle(s.g[0], s.g[1] + s.g[2]);
+    s.height = volume * size, s.clear = clear;
+    double angle = 2 * shape_angle(s.g0, s.g1 + s.g2);
     s.angle = s.height > clear ? angle : 0;
     return s;
 }
@@ -111,7 +112,7 @@ static inline shape_seen shape_see(vec3_f64 p, vec3_f64 a, vec3_f64 b, vec3_f64 
 static inline vec3_f64 shape_triangle_sample(const shape_seen *s, double u, double v) {
     double half = 0.5 * u * s->angle, folded = half > SHAPE_PI / 2 ? SHAPE_PI - half : half;
     double cosine = shape_sine(SHAPE_PI / 2 - half), sine = shape_sine(folded);
-    vec3_f64 o = madd_f64(scale_f64(s->g[0] * cosine - s->g[1] * sine, s->a), s->g[2] * sine, s->c);
+    vec3_f64 o = madd_f64(scale_f64(s->g0 * cosine - s->g1 * sine, s->a), s->g2 * sine, s->c);
     double k = 2 * dot_f64(s->a, o) / (dot_f64(o, o) + 0x1p-1000);
     vec3_f64 c = sub_f64(scale_f64(k, o), s->a), apart = sub_f64(s->b, c);
     double q = 0.5 * dot_f64(apart, apart), t = sqrt(v * (2 - v * q) / (2 - q));
@@ -119,10 +120,33 @@ static inline vec3_f64 shape_triangle_sample(const shape_seen *s, double u, doub
     return shape_unit(d);
 }
 
+static inline vec3_f64 shape_choose(bool first, vec3_f64 a, vec3_f64 b) {
+    return (vec3_f64){first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z};
+}
+/* a or b, member by member, as loops over lanes want it. */
+static inline shape_seen shape_either(bool first, const shape_seen *a, const shape_seen *b) {
+    return (shape_seen){.a = shape_choose(first, a->a, b->a),
+                        .b = shape_choose(first, a->b, b->b),
+                        .c = shape_choose(first, a->c, b->c),
+                        .g0 = first ? a->g0 : b->g0,
+                        .g1 = first ? a->g1 : b->g1,
+                        .g2 = first ? a->g2 : b->g2,
+                        .n = shape_choose(first, a->n, b->n),
+                        .height = first ? a->height : b->height,
+                        .clear = a->clear,
+                        .angle = first ? a->angle : b->angle};
+}
+
+/* A solid angle too small for double to hold its inverse is none. */
+static inline double shape_inverse(double angle) {
+    double inverse = 1 / (angle + 0x1p-1010);
+    return angle > 0x1p-1000 ? inverse : 0;
+}
+
 /* Where a ray along the unit vector d that meets the plane at a height has to end. */
-static inline double shape_face_end(const shape_seen *s, vec3_f64 d, double clear, double slope) {
-    double cosine = fabs(dot_f64(d, s->n)), length = s->height / cosine;
-    double end = length - (clear + slope * length) / cosine;
+static inline double shape_face_end(const shape_seen *s, vec3_f64 d, double slope) {
+    double cosine = fabs(dot_f64(d, s->n)) + 0x1p-1000, length = s->height / cosine;
+    double end = length - (s->clear + slope * length) / cosine;
     return end > 0x1p-126 ? end : 0x1p-126;
 }
 

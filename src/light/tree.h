@@ -3,6 +3,7 @@
 #ifndef LIGHT_TREE_H
 #define LIGHT_TREE_H
 
+#include "math/lanes.h"
 #include "math/vec.h"
 
 #include <stdint.h>
@@ -32,6 +33,7 @@ typedef struct tree {
     uint32_t *parent; /* of a node: TREE_WIDE times its parent, plus which child it is */
     uint32_t count;
     float scale; /* a power of two; keeps squares within the range of float */
+    const struct tree_kernels *kernels;
 } tree;
 
 /* Reorders the items, fewer than 2^31. slot_of, by light: set to TREE_WIDE times the node, plus which child
@@ -39,15 +41,17 @@ typedef struct tree {
 bool tree_build(tree_item *items, uint32_t count, tree *out, uint32_t *slot_of);
 void tree_destroy(tree *t);
 
-/* The light that u in [0,1) chooses for a point p with the unit normal n (0: none), and its chance; 0: no
- * light reaches the point. */
-uint32_t tree_choose(const tree *t, vec3_f32 p, vec3_f32 n, double u, double *chance);
-/* The chance that tree_choose() takes the light in this slot. */
+/* The chance that choose() takes the light in this slot. */
 double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t slot);
 
 typedef struct tree_kernels {
     /* How much the children of a node may send to p, which is multiplied by the tree's scale. */
     void (*weigh)(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE]);
+
+    /* The lights that u in [0,1) chooses for points p with unit normals n (0: none), and their chances, for
+     * the lanes whose bit is set; chance 0: no light reaches the point. Changes u. */
+    void (*choose)(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
+                   uint32_t light[LANES], double chance[LANES]);
 } tree_kernels;
 
 const tree_kernels *tree_kernels_best(void);

@@ -9,7 +9,8 @@
 #include <float.h>
 #include <stdlib.h>
 
-enum { BINS = 16 };
+/* Cuts of more items are found by some of them, evenly spread in memory. */
+enum { BINS = 16, LOOKED_AT = 4096 };
 
 /* Bounds of some items; adds up. */
 typedef struct sums {
@@ -99,10 +100,10 @@ static inline int bin_of(const grid *g, const tree_item *item, int axis) {
     return bin > 0 ? bin : 0;
 }
 
-static grid grid_of(const tree_item *items, uint32_t count) {
+static grid grid_of(const tree_item *items, uint32_t count, uint32_t step) {
     sums middles = no_sums();
     grid g;
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < count; i += step) {
         float at[3] = {middle_of(&items[i], 0), middle_of(&items[i], 1), middle_of(&items[i], 2)};
         widen_to(&middles, at, at);
     }
@@ -117,7 +118,7 @@ static grid grid_of(const tree_item *items, uint32_t count) {
 /* Items in bins below `bin` of the axis go first. */
 typedef struct cut {
     int axis, bin;
-    uint32_t below;
+    uint32_t below; /* how many of those that were looked at */
     double cost;
 } cut;
 
@@ -135,11 +136,11 @@ static void try_axis(const sums bins[BINS], int axis, double longer, cut *best) 
     }
 }
 
-static cut find_cut(const tree_item *items, uint32_t count, const grid *g) {
+static cut find_cut(const tree_item *items, uint32_t count, uint32_t step, const grid *g) {
     sums bins[3][BINS];
     cut best = {.axis = -1, .cost = INFINITY};
     for (int b = 0; b < 3 * BINS; ++b) bins[b / BINS][b % BINS] = no_sums();
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < count; i += step) {
         for (int k = 0; k < 3; ++k) add_item(&bins[k][bin_of(g, &items[i], k)], &items[i]);
     }
     float longest = FLT_MAX; /* the scale of the longest side */
@@ -155,7 +156,7 @@ static inline void swap(tree_item *a, tree_item *b) {
     *a = *b, *b = keep;
 }
 
-static void part_by_bins(tree_item *items, uint32_t count, const grid *g, const cut *c) {
+static uint32_t part_by_bins(tree_item *items, uint32_t count, const grid *g, const cut *c) {
     uint32_t low = 0, high = count;
     while (low < high) {
         if (bin_of(g, &items[low], c->axis) < c->bin)
@@ -163,6 +164,7 @@ static void part_by_bins(tree_item *items, uint32_t count, const grid *g, const 
         else
             swap(&items[low], &items[--high]);
     }
+    return low;
 }
 
 static int by_middle(const tree_item *a, const tree_item *b, int axis) {
@@ -180,15 +182,15 @@ static void sort_along(tree_item *items, uint32_t count, int axis) {
 
 /* Returns how many items go first. */
 static uint32_t part(tree_item *items, uint32_t count) {
-    const grid g = grid_of(items, count);
-    cut c = find_cut(items, count, &g);
+    const uint32_t step = count / LOOKED_AT + 1;
+    const grid g = grid_of(items, count, step);
+    cut c = find_cut(items, count, step, &g);
     if (c.axis < 0) { /* all in one place, or costs beyond double */
         uint32_t half = count / 2;
         return count > TREE_WIDE * TREE_WIDE ? half : (half + TREE_WIDE - 1) / TREE_WIDE * TREE_WIDE;
     }
     if (count > TREE_WIDE * TREE_WIDE) {
-        part_by_bins(items, count, &g, &c);
-        return c.below;
+        return part_by_bins(items, count, &g, &c);
     }
     sort_along(items, count, c.axis);
     const uint32_t full = (c.below + TREE_WIDE / 2) / TREE_WIDE * TREE_WIDE;
@@ -319,7 +321,7 @@ bool tree_build(tree_item *items, uint32_t count, tree *out, uint32_t *slot_of) 
     const piece all = piece_of(items, 0, count);
     b.scale = scale_for(&all.all);
     const bool built = add_node(&b, &all, 0);
-    *out = (tree){b.nodes.items, b.parent.items, (uint32_t)b.nodes.count, b.scale};
+    *out = (tree){b.nodes.items, b.parent.items, (uint32_t)b.nodes.count, b.scale, tree_kernels_best()};
     if (!built) {
         tree_destroy(out);
         return false;

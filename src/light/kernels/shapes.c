@@ -1,0 +1,67 @@
+/* Emissive shapes as sixteen points see them. */
+#include "base/kernel.h"
+#include "light/shape_block.h"
+
+static inline vec3_f64 lane_f64(const lanes3_f64 v, int i) { return (vec3_f64){v[0][i], v[1][i], v[2][i]}; }
+
+static inline void put(const shape_answers *restrict from, lanes3 direction, float *restrict distance) {
+    for (int i = 0; i < LANES; ++i) {
+        for (int c = 0; c < 3; ++c) direction[c][i] = (float)from->direction[c][i];
+        distance[i] = (float)from->distance[i];
+    }
+}
+
+/* Either triangle of a quad, taken by its part of the solid angle. */
+__attribute__((always_inline)) static inline void face_lanes(const shape_faces *restrict f,
+                                                             const lanes3_f64 p, const lanes3 u, bool quads,
+                                                             shape_answers *out) {
+    shape_answers made; /* of its own: it aliases nothing */
+    for (int i = 0; i < LANES; ++i) {
+        const vec3_f64 at = lane_f64(p, i), a = lane_f64(f->corner[0], i), b = lane_f64(f->corner[1], i),
+                       d = lane_f64(f->corner[3], i);
+        shape_seen s = shape_see(at, a, b, d, f->clear[i]);
+        double all = s.angle, along = (double)u[0][i];
+        if (quads) {
+            const vec3_f64 c = lane_f64(f->corner[2], i);
+            const shape_seen other = shape_see(at, c, d, b, f->clear[i]);
+            const double first = all;
+            all += other.angle;
+            along *= all;
+            const bool second = !(along < first);
+            s = shape_either(second, &other, &s);
+            along = (second ? along - first : along) / (s.angle + 0x1p-1000);
+            along = along < 1 ? along : 1;
+        }
+        const vec3_f64 to = shape_triangle_sample(&s, along, (double)u[1][i]);
+        made.direction[0][i] = to.x, made.direction[1][i] = to.y, made.direction[2][i] = to.z;
+        made.distance[i] = shape_face_end(&s, to, f->slope[i]);
+        made.density[i] = shape_inverse(all);
+    }
+    *out = made;
+}
+
+static void faces(const shape_faces *f, const lanes3_f64 p, const lanes3 u, bool quads, shape_answers *out,
+                  lanes3 direction, float *distance) {
+    if (quads)
+        face_lanes(f, p, u, true, out);
+    else
+        face_lanes(f, p, u, false, out);
+    put(out, direction, distance);
+}
+
+static void balls(const shape_balls *restrict b, const lanes3_f64 p, const lanes3 u,
+                  shape_answers *restrict out, lanes3 direction, float *distance) {
+    for (int i = 0; i < LANES; ++i) {
+        const vec3_f64 from = sub_f64(lane_f64(p, i), lane_f64(b->center, i));
+        const shape_cone cone = shape_cone_of(from, b->radius[i]);
+        const vec3_f64 to = shape_cone_sample(&cone, (double)u[0][i], (double)u[1][i]);
+        const double end =
+            shape_sphere_near(from, to, b->radius[i] + b->clear[i] + b->slope[i] * cone.distance);
+        out->direction[0][i] = to.x, out->direction[1][i] = to.y, out->direction[2][i] = to.z;
+        out->distance[i] = end > 0x1p-126 ? end : 0x1p-126;
+        out->density[i] = shape_inverse(shape_cone_angle(&cone));
+    }
+    put(out, direction, distance);
+}
+
+const shape_kernels KERNEL(shape_kernels) = {.faces = faces, .balls = balls};
