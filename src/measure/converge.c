@@ -165,8 +165,6 @@ fathom_status converge_measure(fathom_context *context, const bench_stage *stage
 
 void converge_free(converge_result *result) { array_free(&result->runs); }
 
-/* ---- points, slopes, rows ---- */
-
 /* ---- points ---- */
 
 static double geometric_mean(const double *values, size_t count) {
@@ -192,7 +190,7 @@ static converge_point point_of(const converge_result *result, fathom_pattern pat
     converge_point point = {.spp = 1u << (2 * step)};
     for (int c = 0; c < BENCH_CLOCKS; ++c) {
         for (size_t i = 0; i < count; ++i) values[i] = runs[i]->seconds.by[c];
-        point.seconds.by[c] = median_of(values, count);
+        point.seconds.by[c] = quartiles_of(values, count).median;
     }
     for (int m = 0; m < CONVERGE_METRICS; ++m) {
         for (size_t i = 0; i < count; ++i) values[i] = runs[i]->errors[m];
@@ -283,7 +281,7 @@ static size_t equal_rows(const converge_result *result, converge_metric metric, 
                          converge_row out[CONVERGE_ROWS]) {
     place places[CONVERGE_PATTERNS][CONVERGE_STEPS_MAX];
     size_t counts[CONVERGE_PATTERNS];
-    double low = 0, high = INFINITY; /* what all patterns have */
+    double low = 0, high = INFINITY; /* the range that all patterns cover */
     for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p) {
         counts[p] = places_of(result, &result->curves[p], metric, places[p]);
         double least = INFINITY, most = 0;
@@ -296,7 +294,7 @@ static size_t equal_rows(const converge_result *result, converge_metric metric, 
     if (!(low > 0 && low < high)) return 0;
     for (size_t row = 0; row < CONVERGE_ROWS; ++row) {
         double part = ((double)row + 0.5) / CONVERGE_ROWS;
-        if (by_error) part = 1 - part; /* from what is had soonest */
+        if (by_error) part = 1 - part; /* the largest error first */
         out[row].at = low * pow(high / low, part);
         for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
             out[row].values[p] = interpolate(places[p], counts[p], by_error, out[row].at);

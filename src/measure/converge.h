@@ -29,11 +29,11 @@ typedef struct converge_run {
 
 /* The mean of two halves of the Sobol pattern with seeds that nothing else has. The halves are independent:
  * with a variance of v each, they differ by 2v, and their mean has v/2. So its RMSE is half of that between
- * them, and its relative MSE a quarter. FLIP is not linear; there what is between the halves serves as a
+ * them, and its relative MSE a quarter. FLIP is not linear; there the difference between the halves is a
  * bound.
  *
- * An image that is closer to the reference than the halves are to each other tells little: of its RMSE the
- * reference's own is more than half. Such values are marked, and in no fit or table. */
+ * An image closer to the reference than the halves are to each other says little: more than half of its RMSE
+ * is the reference's own. Such values are marked and left out of fits and tables. */
 typedef struct converge_reference {
     uint32_t spp; /* of each half */
     bench_seconds seconds;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what is kept ---- */
+/* ---- the record ---- */
 
 void record_clear(record *r) {
     r->calls.count = 0;

@@ -8,12 +8,6 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-double median_of(double *values, size_t count) {
-    if (!count) return (double)NAN;
-    qsort(values, count, sizeof *values, by_value);
-    return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
-}
-
 static double quantile_of(const double *sorted, size_t count, double q) {
     double at = q * (double)(count - 1);
     size_t below = (size_t)at, above = below + 1 < count ? below + 1 : below;

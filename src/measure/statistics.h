@@ -1,11 +1,8 @@
-/* Medians, means, straight lines: what measurements are told by. */
+/* Medians, means and straight lines through measurements. */
 #ifndef BENCH_STATISTICS_H
 #define BENCH_STATISTICS_H
 
 #include <stddef.h>
-
-/* Sorts the values. For an even count, the mean of the middle two; NAN for none. */
-double median_of(double *values, size_t count);
 
 /* Sorts the values. Between two of them in proportion (type 7 of Hyndman and Fan 1996); NAN of none. */
 typedef struct quartiles {

@@ -8,7 +8,7 @@ typedef struct FN(search) {
     VEC3 org, dir; /* in the space at hand */
     FN(triangle_ray) ray;
     REAL t_min, t_max;
-    bool any;                    /* any hit will do, and what casts no shadow is passed by */
+    bool any;                    /* any hit will do; geometry that casts no shadow does not count */
     bool met;                    /* what follows is set */
     FN(reference_hit) best;      /* on equal t the first in world order */
     uint32_t at[3], best_ids[3]; /* instance, geometry, primitive: at hand, and of the best hit */

@@ -1,7 +1,7 @@
 /* A tracer's specification in words: "linear:robust:f64", "bvh:f32", "embree:user:robust:high:16",
  * "./mine.so".
  *
- * A kind, then options in any order, at most one of each sort; what is not given has its default. */
+ * A kind, then options in any order, at most one of each sort. Missing options have their defaults. */
 #ifndef TRACE_SPEC_H
 #define TRACE_SPEC_H
 
@@ -18,7 +18,7 @@ typedef enum trace_kind {
 typedef enum trace_form { TRACE_ROBUST, TRACE_TEXTBOOK } trace_form;
 typedef enum trace_precision { TRACE_F32, TRACE_F64, TRACE_F128 } trace_precision;
 
-/* Which shapes are whose: Embree's own intersectors, or the hand-written ones as user geometry. */
+/* The intersector of each shape: Embree's own, or ours as user geometry. */
 typedef enum trace_shapes {
     TRACE_SHAPES_TRIANGLES, /* Embree's triangles, in robust scenes two for each quad; spheres ours */
     TRACE_SHAPES_USER,      /* all ours */
@@ -32,7 +32,7 @@ typedef enum trace_scene_flags {
     TRACE_SCENE_COMPACT
 } trace_scene_flags;
 
-/* How much time goes into the acceleration structure. No settled hit depends on it. */
+/* Build time against tracing time. No settled hit depends on it. */
 typedef enum trace_quality {
     TRACE_QUALITY_AUTO, /* by expected_rays */
     TRACE_QUALITY_LOW,

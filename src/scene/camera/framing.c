@@ -1,5 +1,5 @@
 /* A view is bounded by four planes through the eye. Their normals follow from the view's axes and slopes
- * alone, so all that the eye's place depends on is how far the scene reaches along four directions. Let x, y,
+ * alone, so the eye's place depends only on how far the scene reaches along four directions. Let x, y,
  * z be coordinates along the view's axes. An eye at e sees p within the slope s across when
  *
  *     p.x + s p.z <= e.x + s e.z   and   -p.x + s p.z <= -e.x + s e.z,

@@ -27,7 +27,7 @@ static inline void set(shared *to, uint32_t v) { atomic_store_explicit(to, v, me
 static uint32_t root_of(shared *parent, uint32_t v) {
     for (uint32_t above = get(&parent[v]); above != v; above = get(&parent[v])) {
         uint32_t next = get(&parent[above]);
-        if (next != above) set(&parent[v], next); /* what is only read is not sent between processors */
+        if (next != above) set(&parent[v], next); /* a cache line that is only read stays shared */
         v = next;
     }
     return v;

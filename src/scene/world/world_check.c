@@ -68,8 +68,7 @@ fathom_status world_survey(world *w) {
 
 /* ---- lights in spheres, which light nothing outside: mostly a mistake ---- */
 
-/* Pairs of a light and a sphere that are looked at, a few hundredths of a second. Scenes of more are made by
- * programs. */
+/* The most pairs of a light and a sphere to look at, a few hundredths of a second. */
 #define PAIRS_MOST ((size_t)1 << 22)
 
 typedef struct light_search {
@@ -127,9 +126,9 @@ static void warn_of_lights(const world *w) {
          s.light, p[0], p[1], p[2], s.object, s.found > 1 ? " (and so for others)" : "");
 }
 
-/* ---- what is wrong with a world as a whole ---- */
+/* ---- faults of a world as a whole ---- */
 
-/* Some triangles without area are rendered around; a scene of nothing else shows nothing. */
+/* A scene of nothing but triangles without area shows nothing. */
 static fathom_status check_area(const world *w) {
     uint64_t triangles = 0;
     for (size_t i = 0; i < w->meshes.count; ++i) triangles += w->meshes.items[i].triangle_count;

@@ -214,7 +214,7 @@ static fathom_status push_children(const placer *p, placement_stack *stack, cons
 
 typedef fathom_status (*visit_fn)(placer *p, const placement *at, bool *descend);
 
-/* The root, then what it holds: each placement before those in it. */
+/* The root, then everything it holds: each placement before those in it. */
 static fathom_status visit_all(placer *p, visit_fn visit) {
     placement_stack stack = {.items = NULL};
     placement at = {FATHOM_ROOT, affine_identity(), FATHOM_NONE, FATHOM_NONE};

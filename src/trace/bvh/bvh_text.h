@@ -9,7 +9,7 @@
  * goes for Y. A box is thus cut away by the rectangle around its shadow along the ray, and needs no division.
  *
  * Along the ray: the reported depth is that of A plus positive weights of at most 1 in sum times differences
- * to it, so it lies between the vertices' depths but for 14 units of the largest: 6 of the differences, each
+ * to it, so it lies between the vertices' depths up to 14 units of the largest: 6 of the differences, each
  * at most twice the largest, 1 of the sum, and the rest in second order. 16 units stand for them and for
  * rounding here. It is only the depth that is bounded so: the t of a sliver may lie well outside of the
  * other two slabs. Hence boxes are put in order, and cut off behind the best hit, by their depth alone.

@@ -1,4 +1,4 @@
-/* The Embree tracer: the device, what it is told, and what it reports. */
+/* The Embree tracer: the device, its settings and its reports. */
 #include "trace/embree/embree.h"
 
 #include "base/threads.h"
@@ -67,8 +67,8 @@ unsigned embree_call_width(const embree_tracer *tracer, unsigned asked) {
     return 1;
 }
 
-/* Embree does not tell which kernels it picked, but their native widths do, up to pairs that only the
- * processor tells apart. */
+/* Embree does not report which kernels it picked. Their native widths tell pairs of instruction sets apart,
+ * and the processor decides within a pair. */
 static const char *isa_name(RTCDevice device, isa_set most) {
 #if defined(__x86_64__)
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return "AVX-512";
@@ -86,9 +86,9 @@ static const char *isa_name(RTCDevice device, isa_set most) {
 }
 
 /* ---- threads ----
- * Embree's scheduler ends the process when a thread cannot be had that it was told to use, or that it takes
- * itself to be allowed when the last device is released. So it is told what there is, and where that is less
- * than was asked for, devices are kept. */
+ * Embree's scheduler ends the process when it cannot start a thread that it expects, also when the last
+ * device is released. So it may use only threads that the system grants, and where these are fewer than asked
+ * for, devices are never released. */
 
 static atomic_bool scarce;
 

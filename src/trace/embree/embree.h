@@ -78,7 +78,7 @@ RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const 
 #define EMBREE_WINDOW (1 + 0x1p-14f)
 #define EMBREE_HALF_WINDOW (1 + 0x1p-15f)
 
-/* What a closest-hit call carries after Embree's own context, by lane of the block (the ray's id). */
+/* The state of a closest-hit call behind Embree's own context, by lane of the block (the ray's id). */
 typedef struct embree_call {
     embree_context context;         /* first, so that a callback's context is the call */
     _Alignas(64) float best[LANES]; /* nearest t offered so far */
@@ -106,7 +106,8 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
 
 /* ---- embree_way.c ---- */
 
-/* In packets of how many a block goes to Embree, and whether to the kernels for coherent packets. */
+/* The width of the packets in which a block goes to Embree, and whether the kernels for coherent packets
+ * answer. */
 typedef struct embree_way {
     unsigned width;
     bool coherent;
@@ -122,17 +123,17 @@ unsigned embree_call_width(const embree_tracer *tracer, unsigned asked);
 
 /* ---- embree_trace.c ---- */
 
-/* How a block was asked. */
+/* A block's intervals before the call. */
 typedef struct embree_asked {
     _Alignas(64) int valid[LANES]; /* -1: the lane is traced; else 0 */
     float t_near[LANES], t_far[LANES];
 } embree_asked;
 
-/* Our intervals are open, Embree's may be closed. At the far end it gets the last float inside (infinity and
- * what is not positive stays). At the near end a triangle may be met at t_near itself, so the t that comes
- * back is moved inside. Embree's t is off by more than that, but for a ray that starts in a triangle: t is
- * exactly 0. That is no hit, so t_near is at least the smallest number that tracing threads, which flush
- * denormals to zero, take for positive. */
+/* Our intervals are open, Embree's may be closed. The far end becomes the last float inside (infinity and
+ * numbers that are not positive stay). At the near end a triangle may be met at t_near itself, so the t that
+ * comes back is moved inside. Embree's t is off by more than that, except for a ray that starts in a
+ * triangle, whose t is exactly 0. That is no hit, so t_near is at least the smallest number that is positive
+ * on tracing threads, which flush denormals to zero. */
 static inline float embree_last_inside(float t_far) {
     uint32_t bits;
     memcpy(&bits, &t_far, sizeof bits);
@@ -180,8 +181,8 @@ struct embree_kernels {
      * intervals Embree's. */
     void (*prepare)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
                     int valid[LANES]);
-    /* The same, and arms the call but for its context, vote and raw. False, and nothing is done, where
-     * stretch.h has to scale directions first; scaled: it has. */
+    /* The same, and prepares the call except its context, vote and raw. Returns false and does nothing where
+     * stretch.h must scale directions first. scaled: it has done so. */
     bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           embree_asked *asked, embree_call *call);
     /* Sets t_far, and t_near as it was. Whether lanes are tied. */
@@ -205,7 +206,7 @@ static inline bool embree_in_halves(const embree_tracer *tracer, uint32_t geomet
 }
 /* Embree's ids, and a quad's u and v, to the world's. */
 void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane);
-/* Whether coherent shadow rays must not go by sixteen. */
+/* Whether packets of 16 coherent shadow rays may hang Embree. */
 bool embree_may_hang(const embree_tracer *tracer);
 
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,

@@ -60,7 +60,7 @@ fathom_status embree_fit_memory(embree_tracer *tracer) {
     double need = total(trace_need_of(w, chosen)), less = total(trace_need_of(w, true));
     tracer->base.foreseen_bytes = (uint64_t)need;
     if (!tracer->options->memory) return FATHOM_OK;
-    /* Embree reserves up to twice what it comes to touch. This is for estimates that are far off. */
+    /* Embree reserves up to twice the memory it uses. The limit catches estimates that are far off. */
     tracer->most_bytes = 2 * tracer->options->memory + RESERVE;
     if (need <= room) return FATHOM_OK;
     if (!free_to_choose || less > room) return refuse(tracer, free_to_choose ? less : need);
@@ -138,8 +138,8 @@ static float group_size(const world *w, uint32_t index) {
 
 static float row_sum(const float m[4]) { return fabsf(m[0]) + fabsf(m[1]) + fabsf(m[2]); }
 
-/* No coordinate is larger of what Embree takes; `sizes`: of the groups. Instances that it leaves out are
- * counted. */
+/* The largest coordinate that Embree accepts; `sizes`: of the groups. Counts the instances that it leaves
+ * out. */
 static float world_size(const world *w, const bool *placed, const float *sizes, uint64_t *left_out) {
     float size = fminf(sizes[0], limit);
     *left_out = 0;
@@ -160,7 +160,7 @@ static float world_size(const world *w, const bool *placed, const float *sizes, 
 
 /* ---- the reach ---- */
 
-/* Lowers the reach to what is good for the instance. */
+/* Lowers the reach until the instance is safe. */
 static void limit_rays(trace_reach *reach, const world_instance *instance) {
     for (int i = 0; i < 3; ++i) {
         const float *m = instance->to_object[i];

@@ -1,4 +1,4 @@
-/* Embree's own shapes over the world's numbers, and which of them are used. */
+/* Embree's own shapes over the world's numbers, and where they are used. */
 #include "reference/reference.h"
 #include "trace/embree/embree.h"
 #include "trace/search.h"
@@ -36,7 +36,7 @@ bool embree_is_halved(const trace_spec *spec, const world *w, const world_geomet
            quads_in_native_range(&w->quads.items[geometry->first], geometry->count);
 }
 
-/* Flat triangles are kept from Embree one by one. */
+/* copy_indices() hides single flat triangles from Embree. */
 bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry) {
     const trace_shapes shapes = spec->shapes;
     bool fit = in_native_range(geometry);
@@ -53,7 +53,7 @@ bool embree_is_native(const trace_spec *spec, const world *w, const world_geomet
 /* ---- geometries ---- */
 
 /* In doubt Embree's robust mode meets triangles without area: rounding gives them a normal. It leaves out
- * those that name no vertex, so in a mesh that has some, flat ones are told as such. */
+ * triangles that name no vertex, so flat ones get indices of none. */
 static bool copy_indices(RTCGeometry geometry, const fathom_mesh *mesh) {
     uint32_t *to = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                            3 * sizeof *to, mesh->triangle_count);

@@ -21,15 +21,12 @@ static void add_sphere(const world *w, uint32_t geometry, uint32_t primitive, fe
 bool few_gather(const world *w, few_spheres *out) {
     const world_group *root = &w->groups.items[0];
     *out = (few_spheres){.count = 0};
-    uint64_t count = 0;
-    for (uint32_t g = root->first; g < root->first + root->count; ++g)
-        count += w->geometries.items[g].kind == WORLD_SPHERES ? w->geometries.items[g].count : 0;
-    if (!count || count > FEW_SPHERES_MOST) return false;
     for (uint32_t g = root->first; g < root->first + root->count; ++g) {
         if (w->geometries.items[g].kind != WORLD_SPHERES) continue;
+        if (w->geometries.items[g].count > FEW_SPHERES_MOST - out->count) return false;
         for (uint32_t i = 0; i < w->geometries.items[g].count; ++i) add_sphere(w, g, i, out);
     }
-    return true;
+    return out->count > 0;
 }
 
 fathom_status embree_spheres_choose(embree_tracer *tracer) {

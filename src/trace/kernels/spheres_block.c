@@ -61,7 +61,7 @@ static uint32_t close_to(const few_spheres *s, const trace_rays *rays) {
     const float slack = 0x1p-18f, a = dot_f32(b.dir, b.dir), length = sqrtf(a);
     const float least = length * (1 - slack) - b.turn, most = (length + b.turn) * (1 + slack);
     const float around = sum_of(b.org), rate = b.turn / least;
-    const float end = b.end * most * (1 + 0x1p-14f); /* and what is equally near: embree_settle.c */
+    const float end = b.end * most * (1 + 0x1p-14f); /* and hits about as near: embree_settle.c */
     if (!(least > 0.5f * length) || !(b.wide < INFINITY)) return (1u << s->count) - 1;
     uint32_t close = 0;
     for (int k = 0; k < FEW_SPHERES_MOST; ++k) {

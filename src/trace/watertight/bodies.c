@@ -59,7 +59,7 @@ static void set_piece_samples(finder *f, uint32_t geometry) {
 
 /* ---- what bodies there are ---- */
 
-/* Sets of what but `first`. */
+/* Sets everything in the geometry's bodies except `first`. */
 static bool split_geometry(finder *f, uint32_t geometry) {
     const world_geometry *g = &f->world->geometries.items[geometry];
     geometry_bodies *of = &f->out->of[geometry];

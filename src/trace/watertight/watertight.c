@@ -130,7 +130,7 @@ static bool any_in_doubt(const watertight *w, const trace_block *block, unsigned
     return found;
 }
 
-/* From outside, what is not nested is met from the front: the lanes are found out together. */
+/* A ray from outside meets bodies that are not nested from the front, so one test serves all lanes. */
 static bool are_possible_from_outside(const watertight *w, const trace_block *block, unsigned lanes) {
     bool back = w->inward || w->kernels->any_back(w->tracer->world, w->turned, block, lanes);
     return !(back || w->nested) || !any_in_doubt(w, block, lanes, back);

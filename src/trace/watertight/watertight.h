@@ -1,16 +1,16 @@
 /* Makes closed meshes watertight over a tracer that can miss their vertices.
  *
- * Every connected piece of a closed mesh is a body, inside of which a point lies or not, whichever way its
- * triangles face. Bodies that do not cross have each the same number of others around it everywhere, and so
- * has whatever lies in no body's surface; bodies.h finds these numbers. So what a ray meets first tells how
- * many bodies are around it just before that: as many as around its origin, or the answer is wrong and is
- * asked for again, more thoroughly. A shadow ray whose ends lie inside different numbers of bodies that cast
- * shadows is blocked. Answers that are possible cost a few instructions a ray.
+ * Every connected piece of a closed mesh is a body: a point lies inside or outside, whichever way its
+ * triangles face. Where bodies do not cross, the same number of other bodies lies around every point of a
+ * body, and of any other surface; bodies.h finds these numbers. So a ray's first hit tells how many bodies
+ * lie around the ray just before it. There must be as many around the ray's origin, or the answer is wrong
+ * and the ray is traced again, more thoroughly. A shadow ray whose ends lie inside different numbers of
+ * bodies that cast shadows is blocked. Answers that are possible cost a few instructions a ray.
  *
- * Cases that this does not detect: - a ray that misses two surfaces in a row, one going in and one going out:
- * one that passes two vertices within rounding; - where bodies cross or touch others, or are too many to be
- * told apart (bodies.c), a ray that misses one and then meets something that lies inside as well as outside
- * of it. */
+ * This does not detect
+ * - a ray that misses two surfaces in a row, one going in and one going out, at two vertices within rounding;
+ * - a ray that misses a body and then meets something that lies both inside and outside of it, where bodies
+ * cross or touch, or are too many to keep apart (bodies.c). */
 #ifndef TRACE_WATERTIGHT_H
 #define TRACE_WATERTIGHT_H
 
