@@ -26,6 +26,9 @@ extern const size_t command_count;
 /* NULL: none of that name; `problem` then says so and names the nearest. */
 const command *command_find(const char *name, args_problem *problem);
 
+/* "error" for `fathom bench error`; NULL: none. */
+const command *bench_find(const char *name);
+
 void help_overview(FILE *out);
 void help_command(const command *c, FILE *out);
 

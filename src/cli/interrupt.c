@@ -1,9 +1,8 @@
 #include "cli/interrupt.h"
 
-#include "base/file.h"
 #include "cli/log.h"
 
-#include <fathom/base.h>
+#include <fathom/file.h>
 #include <signal.h>
 #include <string.h>
 #include <time.h>
@@ -31,7 +30,7 @@ static bool comes_again(int number) { return number == SIGHUP || number == SIGXC
 static void on_signal(int number) {
     if (asked) {
         if (is_echo() || comes_again(number)) return;
-        file_writer_abort_all();
+        fathom_file_abandon_all();
         signal(number, SIG_DFL);
         raise(number);
         return;
@@ -40,7 +39,7 @@ static void on_signal(int number) {
     asked = 1;
     if (keep_work) return;
     log_line(LOG_ERROR, "interrupted; nothing was written");
-    file_writer_abort_all();
+    fathom_file_abandon_all();
     _exit(FATHOM_INTERRUPTED);
 }
 

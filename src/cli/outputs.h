@@ -13,8 +13,6 @@
  * whatever scene names it. */
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input);
-/* From now on the command may read what it likes. */
-void outputs_may_be_read(fathom_context *context);
 
 /* Whether both paths lead to one file, or would. */
 bool outputs_are_same(const char *a, const char *b);

@@ -3,11 +3,11 @@
 #include "cli/command.h"
 #include "cli/outputs.h"
 
-#include "base/file.h"
-#include "image/image.h"
-#include "scene/settings.h"
-#include "trace/spec.h"
+#include "base/file_name.h"
+#include "base/parameter.h"
 
+#include <fathom/image.h>
+#include <fathom/trace.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -32,15 +32,25 @@ static bool take_rgb(const args_option *option, const char *value, void *field, 
 
 /* ---- settings ---- */
 
+static parameter_table settings_table(void) {
+    parameter_table table;
+    table.rows = fathom_settings_parameters(&table.count);
+    return table;
+}
+
+static size_t index_of(const char *name) {
+    return (size_t)(parameter_find(settings_table(), name) - settings_table().rows);
+}
+
 _Static_assert(sizeof(fathom_settings) / sizeof(uint32_t) < 64,
                "render_options.given has a bit for each setting");
 
 bool render_options_give(const render_options *options, const char *name) {
-    return options->given >> (parameter_find(settings_table, name) - settings_table.rows) & 1;
+    return options->given >> index_of(name) & 1;
 }
 
 static bool set(render_options *options, size_t index, const char *value, args_problem *problem) {
-    const fathom_parameter *p = &settings_table.rows[index];
+    const fathom_parameter *p = &settings_table().rows[index];
     options->given |= (uint64_t)1 << index;
     if (value) return take_parameter(p, value, &options->asked, problem);
     parameter_set_number(p, &options->asked, 0, p->fallback == 0);
@@ -55,19 +65,18 @@ static bool take_setting(const args_option *option, const char *value, void *fie
 
 static bool take_aovs(const args_option *option, const char *value, void *field, args_problem *problem) {
     (void)option;
-    return set(field, (size_t)(parameter_find(settings_table, "aovs") - settings_table.rows), value, problem);
+    return set(field, index_of("aovs"), value, problem);
 }
 
 /* Told before the scene is read, which can take a while. */
 static bool take_tracer(const args_option *option, const char *value, void *field, args_problem *problem) {
-    trace_spec spec;
     fathom_context *context;
     if (!take_setting(option, value, field, problem)) return false;
-    if (trace_spec_parse(NULL, value, &spec) == FATHOM_OK) return true;
-    /* Once more, for the words: what is right takes no memory. */
+    if (fathom_tracer_check(NULL, value) == FATHOM_OK) return true;
+    /* Once more, for the words: a right value takes no memory. */
     if (fathom_context_create(&context) != FATHOM_OK)
         return args_wrong(problem, "expected %s, found \"%.60s\"", option->value, value);
-    trace_spec_parse(context, value, &spec);
+    fathom_tracer_check(context, value);
     args_wrong(problem, "%s", fathom_context_message(context));
     fathom_context_destroy(context);
     return false;
@@ -162,7 +171,7 @@ static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
 }
 
 static args_option option_of(size_t index) {
-    const fathom_parameter *p = &settings_table.rows[index];
+    const fathom_parameter *p = &settings_table().rows[index];
     const bool text = p->type == FATHOM_PARAMETER_TEXT, flag = p->type == FATHOM_PARAMETER_BOOL;
     char name[PARAMETER_NAME];
     parameter_name(p, '-', name);
@@ -179,8 +188,8 @@ static args_option option_of(size_t index) {
 }
 
 static args_option *add_settings(args_option *to, const char *group) {
-    for (size_t i = 0; i < settings_table.count; ++i) {
-        const fathom_parameter *p = &settings_table.rows[i];
+    for (size_t i = 0; i < settings_table().count; ++i) {
+        const fathom_parameter *p = &settings_table().rows[i];
         if (p->flags & FATHOM_PARAMETER_COMMAND && strcmp(p->group, group) == 0) *to++ = option_of(i);
     }
     return to;
@@ -238,7 +247,7 @@ static bool finish_adaptive(render_options *options, const fathom_settings *scen
 
 /* What the view makes of a loss is known of the built-in one alone. */
 static bool finish_loss(render_options *options, args_problem *problem) {
-    if (options->loss == FATHOM_LOSS_8BIT && !image_view_is_srgb(&options->write)) {
+    if (options->loss == FATHOM_LOSS_8BIT && !fathom_write_is_srgb(&options->write)) {
         return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
                                    "alone; expected no --ocio, --display, --view and no $OCIO");
     }
@@ -256,8 +265,8 @@ static bool merge(render_options *options, const fathom_settings *scene, args_pr
     if (render_options_give(options, "integrator"))
         fathom_settings_set_integrator(s, options->asked.integrator);
     if (render_options_give(options, "spp") && s->integrator == FATHOM_INTEGRATOR_PATH) s->target_error = 0;
-    for (size_t i = 0; i < settings_table.count; ++i) {
-        if (options->given >> i & 1) parameter_copy(&settings_table.rows[i], &options->asked, s);
+    for (size_t i = 0; i < settings_table().count; ++i) {
+        if (options->given >> i & 1) parameter_copy(&settings_table().rows[i], &options->asked, s);
     }
     if (options->size.width) s->width = options->size.width, s->height = options->size.height;
     if (render_options_give(options, "crop") && (s->crop[0] >= s->crop[2] || s->crop[1] >= s->crop[3]))

@@ -5,6 +5,7 @@
 #include "cli/args.h"
 
 #include <fathom/read.h>
+#include <fathom/session.h>
 
 typedef struct render_background {
     bool given;

@@ -4,7 +4,6 @@
 
 #include "cli/notes.h"
 #include "cli/render/render_options.h"
-#include "integrate/parts.h"
 
 typedef struct render_report {
     fathom_stats stats;
