@@ -62,7 +62,7 @@ extern "C" {
     FATHOM_API void name##_default_sized(name *out, size_t size);                                            \
     static inline void name##_default(name *out) { name##_default_sized(out, sizeof *out); }
 
-/* What came of a call. The values are the command line's exit codes. */
+/* The result of a call. The values are the command line's exit codes. */
 typedef enum fathom_status {
     FATHOM_OK = 0,
     FATHOM_CHECK_FAILED = 1,     /* a validation or comparison found a difference */
@@ -145,7 +145,7 @@ FATHOM_API void fathom_context_copy_files(fathom_context *context, bool copy);
  * program `fathom` does. */
 FATHOM_API void fathom_guard_files(void);
 
-/* What the library was built from, and what it uses of this machine. */
+/* How the library was built, and which parts of this machine it uses. */
 typedef struct fathom_build {
     size_t size;
     const char *version;   /* as fathom_version() */

@@ -100,9 +100,7 @@ FATHOM_API fathom_status fathom_image_compare(fathom_context *context, const fat
                                               const fathom_image *b, double tolerance,
                                               fathom_image_difference *out);
 
-/* What fathom_image_flip() takes: pixels that a degree of the eye holds. 67: a 4K screen, 0.7 m wide and
- * away.
- */
+/* Pixels to a degree of the eye: those of a 4K screen, 0.7 m wide and away, and the limits. */
 #define FATHOM_FLIP_PPD 67.0
 #define FATHOM_FLIP_PPD_LEAST 1.0
 #define FATHOM_FLIP_PPD_MOST 500.0

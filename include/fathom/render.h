@@ -50,8 +50,8 @@ enum {
 
 typedef struct fathom_settings {
     size_t size;
-    fathom_integrator integrator; /* default classic */
     uint32_t width, height;       /* pixels, [1, 65536]; default 1280 × 720 */
+    fathom_integrator integrator; /* default classic */
     uint32_t spp;           /* samples a pixel, [1, 65536]; default 1. The most of any pixel when there is a
                                target_error or max_time: a power of two then, at least 4 */
     fathom_pattern pattern; /* default grid */
@@ -188,7 +188,7 @@ FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint3
 FATHOM_API const float *fathom_film_channel(const fathom_film *film, const char *name);
 FATHOM_API const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name);
 
-/* What a render did without, and why: "shading normals", "no mesh has any". */
+/* A part that a render did without, and why: "shading normals", "no mesh has any". */
 typedef struct fathom_left_out {
     char what[48], why[96];
 } fathom_left_out;

@@ -1,4 +1,4 @@
-/* What a scene holds, what rendering it will take, and what is wrong with it. */
+/* Surveys of scenes: contents, the memory that rendering takes, and problems. */
 #ifndef FATHOM_SURVEY_H
 #define FATHOM_SURVEY_H
 

@@ -32,7 +32,7 @@ const command *bench_find(const char *name);
 void help_overview(FILE *out);
 void help_command(const command *c, FILE *out);
 
-/* A name that a file or its writer may have chosen, without what could steer a terminal. */
+/* Prints a name that may come from a file, with '?' for bytes that could steer a terminal. */
 void print_name(FILE *out, const char *name);
 
 /* One line on stderr; others than errors by log_line(). */

@@ -40,7 +40,8 @@ void temporary_remove(char path[TEMPORARY_PATH]) {
 
 /* ---- standard output ---- */
 
-/* Names of an image until there is a file for it: known by their address, whatever else is called that. */
+/* Names of an image that goes to standard output, until it has a file. They are told by their address,
+ * because a file may have the same name. */
 static const char *const names[] = {"stdout.png",  "stdout.exr", "stdout.jpg",
                                     "stdout.jpeg", "stdout.tif", "stdout.tiff"};
 #define NAMES (sizeof names / sizeof *names)
@@ -75,7 +76,7 @@ bool take_output(const args_option *option, const char *value, void *field, args
     return take_list(option, name ? name : value, field, problem);
 }
 
-/* What others print there from now on is for people; programs that read lines of JSON get none of it. */
+/* From now on anything printed there goes to stderr, or nowhere when programs read lines of JSON from it. */
 static fathom_status take_stream(fathom_context *context) {
     out.descriptor = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     const int other = log_is_json() ? open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;

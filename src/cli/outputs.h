@@ -1,4 +1,4 @@
-/* Where a command writes: files, standard output in place of one, temporary files. */
+/* Outputs of a command: files, standard output in place of one, temporary files. */
 #ifndef CLI_OUTPUTS_H
 #define CLI_OUTPUTS_H
 

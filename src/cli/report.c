@@ -26,7 +26,7 @@ extern char **environ;
 /* A page begins with it: html_page.py. */
 #define GENERATOR "<meta name=\"generator\" content=\"fathom"
 
-/* Where the script lies, seen from the folder of the program: in the build tree and in installations. */
+/* The script, seen from the program's folder, in the build tree and in installations. */
 #define SCRIPT "../share/fathom/report/report.py"
 
 static void report_paths(const char *folder, char *page, char *results) {
@@ -98,7 +98,7 @@ static fathom_status check_ours(fathom_context *context, const char *path) {
                          "is there already and is no report of fathom; remove it or name another folder");
 }
 
-/* A folder that does not exist yet is a file to be made in the one above. */
+/* Checks a folder that does not exist yet like a new file in its parent. */
 static fathom_status check_new(fathom_context *context, const char *folder) {
     char name[PATH_MAX];
     size_t length = strlen(folder);

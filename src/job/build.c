@@ -1,4 +1,4 @@
-/* What the library was built from, and what it uses of this machine. */
+/* How the library was built, and which parts of this machine it uses. */
 #include "base/kernel.h"
 #include "base/sized.h"
 #include "base/threads.h"

@@ -97,7 +97,7 @@ static void on_film(void *user, const fathom_film *film) {
     pthread_mutex_unlock(&s->lock);
 }
 
-/* The share of the time that is left that measuring how long writing takes may use. */
+/* The share of the remaining time that may be used to measure how long writing takes. */
 #define REHEARSAL 0.03
 
 static double seconds_to_write(void *user, const fathom_film *film, double left) {

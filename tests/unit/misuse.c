@@ -148,6 +148,7 @@ static void null_for_defaults(void **state) {
     (void)state;
     fathom_settings settings = {.size = sizeof settings, .width = 7}, expected;
     fathom_settings_default(NULL);
+    refuses(fathom_settings_set_integrator(NULL, FATHOM_INTEGRATOR_PATH));
     refuses(fathom_settings_set_loss(NULL, FATHOM_LOSS_8BIT, 0));
     fathom_settings_default(&expected);
     fathom_scene_settings(NULL, &settings);

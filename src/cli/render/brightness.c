@@ -7,13 +7,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The least share of the view that is worth a warning. */
+/* The share of the pixels from which on there is a warning. */
 #define MOST_PIXELS 0.5
 
 /* 8 of 255 levels of sRGB, whose curve is 12.92 x there. */
 #define DARK (8 / (255 * 12.92))
 
-/* The built-in view clips at 1; of other views nothing is known. */
+/* Only the built-in view is known to clip at 1. */
 static bool any_for_display(const render_options *options) {
     char extension[16];
     for (size_t i = 0; i < options->outputs.count; ++i) {

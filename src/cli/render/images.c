@@ -92,7 +92,7 @@ static bool holds_all(const char *path) {
     return strcmp(extension, "exr") == 0;
 }
 
-/* Every output is tried: a full disk under one leaves the others worth having. */
+/* Tries every output: one full disk is no reason to lose the others. */
 fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options) {
     fathom_status result = FATHOM_OK;
     const char *failed = NULL;

@@ -1,5 +1,5 @@
-/* Where the pixels of a render go: to the images that were named; next to them if the render was interrupted,
- * so that no finished image is lost; anywhere else if they cannot be written. */
+/* The files that get the pixels of a render: the named images; files next to them if the render was
+ * interrupted, so that no finished image is lost; other places if they cannot be written. */
 #ifndef CLI_IMAGES_H
 #define CLI_IMAGES_H
 
@@ -14,7 +14,7 @@ bool images_need_helper(const render_options *options);
  * files of the command goes, or its path would be too long. */
 fathom_status images_check_partial(fathom_context *context, const args_list *outputs,
                                    const char *const *files, size_t count);
-/* Removes what renders that were killed left next to them. */
+/* Removes the partial images that killed renders left. */
 void images_remove_left_over(const args_list *outputs);
 
 typedef struct image_names {

@@ -83,8 +83,8 @@ static fathom_status check_sizes(const task *s) {
     return status;
 }
 
-/* The command line over what the scene's file asked for. What is wrong with both together (a crop outside the
- * scene's image, …) is wrong usage: the scene by itself has been checked. */
+/* Puts the command line's settings over those of the scene's file. Errors of the combination, such as a crop
+ * outside the scene's image, are wrong usage, because the scene itself has been checked. */
 static fathom_status merge_settings(task *s) {
     fathom_settings settings;
     args_problem problem;
@@ -157,7 +157,7 @@ static void tell_interrupted(const render_options *options) {
     say_error(text);
 }
 
-/* Writes the film, finished or not, and says what there is to say of it. */
+/* Writes the film, finished or not, with its warnings. */
 static fathom_status finish(task *s) {
     const bool interrupted = s->report.interrupted;
     image_names *room = NULL;

@@ -57,8 +57,8 @@ static bool set(render_options *options, size_t index, const char *value, args_p
     return true;
 }
 
-/* option->least: the setting's place in the table. A bool's option takes no value and turns its default
- * round. */
+/* option->least: the setting's place in the table. The option of a bool takes no value and inverts the
+ * default. */
 static bool take_setting(const args_option *option, const char *value, void *field, args_problem *problem) {
     return set(field, (size_t)option->least, value, problem);
 }
@@ -68,7 +68,7 @@ static bool take_aovs(const args_option *option, const char *value, void *field,
     return set(field, index_of("aovs"), value, problem);
 }
 
-/* Told before the scene is read, which can take a while. */
+/* Checked before the scene is read, which can take a while. */
 static bool take_tracer(const args_option *option, const char *value, void *field, args_problem *problem) {
     fathom_context *context;
     if (!take_setting(option, value, field, problem)) return false;
@@ -151,7 +151,7 @@ static const args_option own_options[] = {
 
 enum { OPTIONS_MAX = 64, SETTINGS_MAX = 32, HELP_MAX = 640 };
 
-/* What an option for a setting needs room for. */
+/* Room for the texts of the options that set settings. */
 static struct setting_texts { char name[PARAMETER_NAME + 3], help[HELP_MAX]; } texts[SETTINGS_MAX];
 
 /* The help without the quotes around names, and with the default. */
@@ -208,7 +208,7 @@ const args_option *render_option_table(void) {
     return all;
 }
 
-/* ---- the whole of it ---- */
+/* ---- all options together ---- */
 
 void render_options_default(render_options *options) {
     *options = (render_options){.checkpoint_every = -1};
@@ -228,8 +228,7 @@ static unsigned held_aovs(const args_list *outputs) {
     return held;
 }
 
-/* What the scene's file says about sampling is meant for as many samples everywhere, unless it has a target.
- */
+/* A file without a target means the same number of samples everywhere. */
 static bool finish_adaptive(render_options *options, const fathom_settings *scene, args_problem *problem) {
     fathom_settings *s = &options->settings;
     options->max_time = s->max_time;
@@ -245,7 +244,7 @@ static bool finish_adaptive(render_options *options, const fathom_settings *scen
     return true;
 }
 
-/* What the view makes of a loss is known of the built-in one alone. */
+/* Only for the built-in view it is known how a loss shows. */
 static bool finish_loss(render_options *options, args_problem *problem) {
     if (options->loss == FATHOM_LOSS_8BIT && !fathom_write_is_srgb(&options->write)) {
         return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
@@ -258,7 +257,7 @@ static bool finish_loss(render_options *options, args_problem *problem) {
     return true;
 }
 
-/* The scene's settings, but for those that the command line gives. */
+/* The scene's settings, under those that the command line gives. */
 static bool merge(render_options *options, const fathom_settings *scene, args_problem *problem) {
     fathom_settings *s = &options->settings;
     *s = *scene;

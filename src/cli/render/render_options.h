@@ -1,4 +1,4 @@
-/* What `fathom render` is told. */
+/* The options of `fathom render`. */
 #ifndef CLI_RENDER_OPTIONS_H
 #define CLI_RENDER_OPTIONS_H
 

@@ -1,4 +1,4 @@
-/* What a render did, as numbers. */
+/* The numbers of a render. */
 #ifndef CLI_STATS_H
 #define CLI_STATS_H
 
