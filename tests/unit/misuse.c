@@ -559,7 +559,7 @@ static void values_of_no_enumerator(void **state) {
                  "specular");
     fathom_light light;
     fathom_light_default(&light);
-    light.type = (fathom_light_type)3;
+    light.type = (fathom_light_type)4;
     assert_fails(s.context, fathom_scene_add_light(s.scene, &light, NULL), FATHOM_BAD_USAGE, "type");
     fathom_generate_options options;
     fathom_generate_options_default(&options);

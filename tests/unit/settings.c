@@ -102,7 +102,7 @@ static void text_goes_out_as_it_came_in(void **state) {
     assert_ok(context, fathom_settings_set_text(context, &s, "memory_limit", "8G"));
     assert_true(s.memory_limit == 8000000000);
     assert_ok(context, fathom_settings_set_text(context, &s, "aovs", "all"));
-    assert_int_equal(s.aovs, FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ALPHA);
+    assert_int_equal(s.aovs, FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR));
 }
 
 static void defaults_go_through_text(void **state) {
