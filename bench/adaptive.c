@@ -146,7 +146,7 @@ static void compare(const bench *b, const fathom_film *film, way *w) {
 
 static void run_way(bench *b, way *w, int repeat) {
     fathom_settings settings = b->settings;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     settings.spp = w->spp, settings.target_error = w->target, settings.pattern = w->pattern;
     fathom_film *film = render(b, &settings, &stats, &w->seconds[repeat]);
     if (!repeat) compare(b, film, w);

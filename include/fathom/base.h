@@ -21,6 +21,17 @@
  * with the context they were called for, but for fathom_context_error(), fathom_context_message() and
  * fathom_context_threads().
  *
+ * Structs. They may grow in later versions, at their end; a program that was built against an older header
+ * goes on to work. There are three kinds.
+ * - Settings, options and results begin with their own `size`. Their `_default` call sets it, or write
+ *   `fathom_stats stats = {.size = sizeof stats};`. A size of 0, or beyond what this version knows, is
+ *   FATHOM_BAD_USAGE. Members past the size have their defaults, and are not written to.
+ * - Parts of a scene (scene.h) have no size, because there may be millions: each call that takes one is an
+ *   inline function that passes sizeof to a call whose name ends in `_sized`, under the same rules. Bindings
+ *   for other languages call that one.
+ * - What the library itself makes and hands out by a pointer has none either. Rays, hits and the items of
+ *   arrays that the library hands out never change.
+ *
  * Stack. 64 KiB are enough for the calling thread, unless plug-ins and callbacks take more.
  *
  * Processes. A child of fork() may make contexts and call with them. What its parent made may only be read
@@ -46,7 +57,12 @@
 extern "C" {
 #endif
 
-/* What came of a call. The values are the command line's exit codes. */
+/* Declares NAME_default(out), which fills a struct with its defaults, its size among them if it has one. */
+#define FATHOM_DEFAULT(name)                                                                                 \
+    FATHOM_API void name##_default_sized(name *out, size_t size);                                            \
+    static inline void name##_default(name *out) { name##_default_sized(out, sizeof *out); }
+
+/* The result of a call. The values are the command line's exit codes. */
 typedef enum fathom_status {
     FATHOM_OK = 0,
     FATHOM_CHECK_FAILED = 1,     /* a validation or comparison found a difference */
@@ -92,6 +108,14 @@ FATHOM_API const fathom_error *fathom_context_error(const fathom_context *contex
  * context is NULL. Never NULL; valid until the next call on this context. */
 FATHOM_API const char *fathom_context_message(const fathom_context *context);
 
+/* Makes this the context's error, as a call that fails does, and returns error->status: for code that wraps
+ * calls or adds its own, such as readers of other formats. Strings are copied, and must not be those of this
+ * context's error before; a NULL string counts as "", and a NULL place as one that is not known. */
+FATHOM_API fathom_status fathom_context_fail(fathom_context *context, const fathom_error *error);
+/* Adds a place that the failing call did not know to the context's error, and returns its status. An error
+ * that names a file keeps it and is `within` this place; any other moves here. */
+FATHOM_API fathom_status fathom_context_fail_within(fathom_context *context, const fathom_place *place);
+
 /* Called for each thing that was rendered around (degenerate triangles, ignored textures…), on the
  * calling thread, once for each kind and file. Default, and with fn NULL: warnings are dropped; user may be
  * NULL. */
@@ -120,6 +144,21 @@ FATHOM_API void fathom_context_copy_files(fathom_context *context, bool copy);
  * All other SIGBUS go to the handler that was there before. The library never calls this by itself; the
  * program `fathom` does. */
 FATHOM_API void fathom_guard_files(void);
+
+/* How the library was built, and which parts of this machine it uses. */
+typedef struct fathom_build {
+    size_t size;
+    const char *version;   /* as fathom_version() */
+    const char *commit;    /* as fathom_commit() */
+    const char *compiler;  /* "gcc 12.2.0" */
+    const char *isa;       /* of the library's own loops: "portable", "AVX2" or "AVX-512" */
+    const char *libraries; /* "libpng 1.6.39, zlib 1.2.13, jansson 2.14" */
+    char embree[64];       /* with the instruction set that it takes: "Embree 3.13.5, AVX2" */
+    unsigned processors;   /* that this process may run on */
+} fathom_build;
+
+/* FATHOM_BAD_USAGE: `out` is NULL or has no size. The strings are the library's. */
+FATHOM_API fathom_status fathom_build_info(fathom_build *out);
 
 /* "0.1.0" */
 FATHOM_API const char *fathom_version(void);

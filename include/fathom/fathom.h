@@ -3,11 +3,14 @@
 #define FATHOM_FATHOM_H
 
 #include <fathom/base.h>
+#include <fathom/file.h>
+#include <fathom/image.h>
 #include <fathom/parameter.h>
 #include <fathom/read.h>
 #include <fathom/render.h>
 #include <fathom/scene.h>
 #include <fathom/session.h>
+#include <fathom/survey.h>
 #include <fathom/trace.h>
 
 #endif

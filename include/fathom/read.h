@@ -23,6 +23,7 @@ FATHOM_API fathom_status fathom_scene_read_to_render(fathom_context *context, co
 typedef enum fathom_up { FATHOM_UP_Y, FATHOM_UP_Z } fathom_up;
 
 typedef struct fathom_read_options {
+    size_t size;
     bool without_uvs; /* as fathom_scene_read_to_render(); default false */
     /* The camera to take of a glTF file: the name of the node that holds it, else the camera's own, else a
      * number, counted from 0 in the order of the hierarchy. FATHOM_BAD_USAGE, with a list of what there is,
@@ -35,7 +36,7 @@ typedef struct fathom_read_options {
     uint32_t width, height;
 } fathom_read_options;
 
-FATHOM_API void fathom_read_options_default(fathom_read_options *options);
+FATHOM_DEFAULT(fathom_read_options)
 /* fathom_scene_read() with options, which are read now; the scene keeps none of their text. */
 FATHOM_API fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
                                                 const fathom_read_options *options, fathom_scene **out);
@@ -57,6 +58,7 @@ typedef enum fathom_generator {
 } fathom_generator;
 
 typedef struct fathom_generate_options {
+    size_t size;
     fathom_generator kind;
     /* Asked for, default 1e6; what comes is the nearest count the kind allows, counted with instances. Sphere
      * and terrain store all of them: [1, 4e9]. Sponge and forest: [1, 1e11]. */
@@ -65,7 +67,7 @@ typedef struct fathom_generate_options {
     fathom_id material; /* 0 (default) or FATHOM_NONE: material 0; a forest gets materials of its own */
 } fathom_generate_options;
 
-FATHOM_API void fathom_generate_options_default(fathom_generate_options *options);
+FATHOM_DEFAULT(fathom_generate_options)
 /* Adds the generated geometry to a group, about 2 units across around the origin, y up. Same options, same
  * mesh, on any thread count and machine.
  * FATHOM_BAD_USAGE when an option is out of range; FATHOM_OUT_OF_RESOURCES, before anything is made, when a

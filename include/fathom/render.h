@@ -51,8 +51,9 @@ enum {
 };
 
 typedef struct fathom_settings {
-    fathom_integrator integrator; /* default classic */
+    size_t size;
     uint32_t width, height;       /* pixels, [1, 65536]; default 1280 × 720 */
+    fathom_integrator integrator; /* default classic */
     uint32_t spp;           /* samples a pixel, [1, 65536]; default 1. The most of any pixel when there is a
                                target_error or max_time: a power of two then, at least 4 */
     fathom_pattern pattern; /* default grid */
@@ -99,16 +100,23 @@ typedef enum fathom_loss {
     FATHOM_LOSS_HALF  /* in .exr with colours as half, at most one unit in the last place */
 } fathom_loss;
 
-FATHOM_API void fathom_settings_default(fathom_settings *settings);
+FATHOM_DEFAULT(fathom_settings)
 /* Chooses an integrator, and what suits it. Path: the pattern Sobol, 16 bounces, and samples to an error of
  * 0.02 or until a pixel has 1024. Classic: the grid, 8 bounces and one sample. */
-FATHOM_API void fathom_settings_set_integrator(fathom_settings *settings, fathom_integrator integrator);
+FATHOM_API fathom_status fathom_settings_set_integrator(fathom_settings *settings,
+                                                        fathom_integrator integrator);
 /* Sets max_loss and max_relative_loss to what such a file can hardly show. exposure: as it will be written
  * with. */
-FATHOM_API void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure);
+FATHOM_API fathom_status fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss,
+                                                  float exposure);
+/* FATHOM_BAD_INPUT names what is out of range, or does not fit together. Rendering checks the same. */
+FATHOM_API fathom_status fathom_settings_check(fathom_context *context, const fathom_settings *settings);
 /* The settings the scene's file asked for, else (and if scene is NULL) the defaults. A text in them is the
  * scene's, and is good until they are set anew. */
-FATHOM_API void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out);
+FATHOM_API void fathom_scene_settings_sized(const fathom_scene *scene, fathom_settings *out, size_t size);
+static inline void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out) {
+    fathom_scene_settings_sized(scene, out, sizeof *out);
+}
 FATHOM_API fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settings *settings);
 
 typedef enum fathom_phase {
@@ -131,6 +139,7 @@ typedef struct fathom_progress {
 typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
 
 typedef struct fathom_stats {
+    size_t size;
     uint64_t triangles, primitives,
         instances;             /* triangles stored; spheres + quads + planes + triangles; placed instances */
     uint64_t placed_triangles; /* counted once for each instance they appear in */
@@ -166,47 +175,12 @@ typedef struct fathom_film fathom_film;
 /* Renders. FATHOM_BAD_USAGE when there is no tracer of these words (the message lists those there are), or
  * when it cannot hold the scene's shapes. On FATHOM_OK and FATHOM_INTERRUPTED *out is a film, to be released
  * with fathom_film_destroy(); otherwise *out is NULL. progress, user and stats may be NULL. Messages and
- * warnings go to `context`, which need not be the one that the scene was made with. */
+ * warnings go to `context`, which need not be the one that the scene was made with. session.h renders in the
+ * background, and saves on the way. */
 FATHOM_API fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
                                        const fathom_settings *settings, fathom_progress_fn progress,
                                        void *user, fathom_stats *stats, fathom_film **out);
 FATHOM_API void fathom_film_destroy(fathom_film *film);
-
-/* Saving a render on the way, so that a later call, in this process or another, can continue it: what was
- * finished when the file was last saved survives whatever happens to process or machine, and the image comes
- * out the same to the last bit, on any number of threads. With max_time, seconds that the calls before spent
- * on rendering count, and what is sampled still follows the clock.
- *
- * The file appears whole or not at all, at `path`; while it is written there are two. It holds the finished
- * pixels of all channels, and with target_error or max_time up to 350 bytes for each pixel that is begun: of
- * all pixels, with max_time. It fits the render that it is of: the same scene, by the contents of its arrays,
- * size, crop, samples, AOVs and other settings that pixels depend on, tracer and version of Fathom. Rendering
- * leaves it where it is; remove it once the image is safe. */
-typedef struct fathom_checkpoint {
-    const char *path; /* stays the caller's, as all that this struct names, until the call returns */
-    double every;     /* seconds from the end of one save to the beginning of the next, >= 0; default 60 */
-    bool resume;      /* default false: a file at `path` is an error. true: it is continued; where there is
-                         none, that is warned of, and rendering begins from the beginning */
-    /* These may be NULL. They are called on the calling thread. */
-    bool (*wanted)(void *user); /* about ten times a second: true saves now, whatever `every` says */
-    /* After each save: status is FATHOM_OK, or FATHOM_OUT_OF_RESOURCES with a message, and rendering goes on.
-     * fraction: of the render that it holds, [0,1]. */
-    void (*saved)(void *user, fathom_status status, const char *message, double fraction);
-    void *user;
-} fathom_checkpoint;
-
-FATHOM_API void fathom_checkpoint_default(fathom_checkpoint *checkpoint);
-
-/* fathom_render(), saved on the way. When progress says stop it is saved once more before the call returns.
- * FATHOM_BAD_USAGE: there is a file at `path`, and resume is false, or another render saves to it;
- * FATHOM_BAD_INPUT: the file is damaged, is no checkpoint, or is of another render: the message says what
- * differs; FATHOM_OUT_OF_RESOURCES: `path` could not be written to. All of that is found before anything is
- * built, but for another tracer. */
-FATHOM_API fathom_status fathom_render_checkpointed(fathom_context *context, const fathom_scene *scene,
-                                                    const fathom_settings *settings,
-                                                    const fathom_checkpoint *checkpoint,
-                                                    fathom_progress_fn progress, void *user,
-                                                    fathom_stats *stats, fathom_film **out);
 
 /* Size of the cropped image; width or height may be NULL. */
 FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint32_t *height);
@@ -216,7 +190,7 @@ FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint3
 FATHOM_API const float *fathom_film_channel(const fathom_film *film, const char *name);
 FATHOM_API const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name);
 
-/* What a render did without, and why: "shading normals", "no mesh has any". */
+/* A part that a render did without, and why: "shading normals", "no mesh has any". */
 typedef struct fathom_left_out {
     char what[48], why[96];
 } fathom_left_out;
@@ -226,6 +200,7 @@ FATHOM_API uint32_t fathom_film_left_out(const fathom_film *film, const fathom_l
 
 /* How bright the film is where it shows something other than the bare background. */
 typedef struct fathom_brightness {
+    size_t size;
     uint64_t pixels;  /* that do */
     uint64_t black;   /* of them: without any light */
     uint64_t clipped; /* of them: brighter than white, 1, at the exposure that was asked about */
@@ -233,34 +208,10 @@ typedef struct fathom_brightness {
                        all are black */
 } fathom_brightness;
 
-/* exposure: as in fathom_write_options. film may be NULL: all is 0 then. */
-FATHOM_API void fathom_film_brightness(const fathom_film *film, float exposure, fathom_brightness *out);
-
-typedef struct fathom_write_options {
-    float exposure;      /* stops, applied before the view transform and not to EXR; default 0 */
-    const char *ocio;    /* OpenColorIO config file; NULL: $OCIO, else the built-in sRGB config */
-    const char *display; /* NULL: the config's default */
-    const char *view;    /* NULL: the display's default */
-    bool float_color;    /* EXR: R G B A albedo as 32-bit float rather than half, which ends at 65504; default
-                            false */
-    const char *command; /* what made the image, a line of text for the header; NULL or "": none */
-} fathom_write_options;
-
-FATHOM_API void fathom_write_options_default(fathom_write_options *options);
-/* The format follows the extension: .exr (scene-linear, all channels), .png, .jpg, .jpeg, .tif, .tiff (8-bit,
- * through the view). $SOURCE_DATE_EPOCH, seconds since 1970, is the date in the file where it is set;
- * FATHOM_BAD_USAGE when it is no such number. The file appears whole or not at all. */
-FATHOM_API fathom_status fathom_film_write(fathom_context *context, const fathom_film *film, const char *path,
-                                           const fathom_write_options *options);
-/* All channels as uncompressed, scene-linear EXR of 32-bit values, whatever the extension, without the image
- * helper and hardly any memory: for pixels whose own file cannot be written. The file appears whole or not at
- * all. FATHOM_OUT_OF_RESOURCES. */
-FATHOM_API fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film,
-                                                 const char *path);
-/* Starts the image helper in the background, so that the first write does not wait for it. PNG in the
- * built-in sRGB view does without it. The helper is a process of its own, in which OpenImageIO and
- * OpenColorIO work: it ends with this process, and whatever ends it earlier fails one call. */
-FATHOM_API void fathom_image_prefetch(void);
+/* exposure: as in fathom_write_options. film may be NULL: all is 0 then. FATHOM_BAD_USAGE: `out` has no size.
+ */
+FATHOM_API fathom_status fathom_film_brightness(const fathom_film *film, float exposure,
+                                                fathom_brightness *out);
 
 #ifdef __cplusplus
 }

@@ -3,7 +3,8 @@
  * A scene owns plain arrays and hands out integer ids. Lengths share one unit of your choice; angles are
  * radians; colours are linear Rec.709; positions are double, and are moved near the view's origin before
  * they become float. Structs are copied unless a call says `_shared`. Fill them with their
- * `_default` function first, then set what you need: later versions add fields. */
+ * `_default` function first, then set what you need: later versions add fields. base.h says what the calls
+ * are that end in `_sized`. */
 #ifndef FATHOM_SCENE_H
 #define FATHOM_SCENE_H
 
@@ -76,11 +77,16 @@ typedef struct fathom_material {
     bool multiscatter; /* rough lobes get back what they lose to multiple scattering; default true */
 } fathom_material;
 
-FATHOM_API void fathom_material_default(fathom_material *material);
+FATHOM_DEFAULT(fathom_material)
 
 /* name: for messages and the header; may be NULL. Every scene has material 0, the default, unnamed. */
-FATHOM_API fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
-                                                   const fathom_material *material, fathom_id *out);
+FATHOM_API fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *name,
+                                                         const fathom_material *material, size_t size,
+                                                         fathom_id *out);
+static inline fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
+                                                      const fathom_material *material, fathom_id *out) {
+    return fathom_scene_add_material_sized(scene, name, material, sizeof *material, out);
+}
 
 /* ---- lights ---- */
 
@@ -113,9 +119,13 @@ typedef struct fathom_light {
     double rotation;
 } fathom_light;
 
-FATHOM_API void fathom_light_default(fathom_light *light);
-FATHOM_API fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *light,
-                                                fathom_id *out);
+FATHOM_DEFAULT(fathom_light)
+FATHOM_API fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_light *light,
+                                                      size_t size, fathom_id *out);
+static inline fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *light,
+                                                   fathom_id *out) {
+    return fathom_scene_add_light_sized(scene, light, sizeof *light, out);
+}
 
 /* ---- shapes ----
  * Each shape belongs to a group. FATHOM_ROOT is the world; any other group appears where it is instanced. */
@@ -170,30 +180,56 @@ typedef struct fathom_mesh {
     unsigned flags;
 } fathom_mesh;
 
-FATHOM_API void fathom_sphere_default(fathom_sphere *sphere);
-FATHOM_API void fathom_quad_default(fathom_quad *quad);    /* the unit square around the origin, facing +z */
-FATHOM_API void fathom_plane_default(fathom_plane *plane); /* z = 0 facing +z */
-FATHOM_API void fathom_mesh_default(fathom_mesh *mesh);
+FATHOM_DEFAULT(fathom_sphere)
+FATHOM_DEFAULT(fathom_quad)  /* the unit square around the origin, facing +z */
+FATHOM_DEFAULT(fathom_plane) /* z = 0 facing +z */
+FATHOM_DEFAULT(fathom_mesh)
 
 /* Corners center ± u ± v, facing u×v. */
-FATHOM_API void fathom_quad_from_axes(const double center[3], const double u[3], const double v[3],
-                                      fathom_quad *out);
+FATHOM_API void fathom_quad_from_axes_sized(const double center[3], const double u[3], const double v[3],
+                                            fathom_quad *out, size_t size);
+static inline void fathom_quad_from_axes(const double center[3], const double u[3], const double v[3],
+                                         fathom_quad *out) {
+    fathom_quad_from_axes_sized(center, u, v, out, sizeof *out);
+}
 
 /* FATHOM_BAD_INPUT when a number is not finite, a radius is not positive, a quad has no area, is not planar
  * or not convex, an index is out of range. Degenerate triangles are kept, counted and warned about when
  * rendering starts. */
-FATHOM_API fathom_status fathom_scene_add_sphere(fathom_scene *scene, fathom_id group,
-                                                 const fathom_sphere *sphere, fathom_id *out);
-FATHOM_API fathom_status fathom_scene_add_quad(fathom_scene *scene, fathom_id group, const fathom_quad *quad,
-                                               fathom_id *out);
-FATHOM_API fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group,
-                                                const fathom_plane *plane, fathom_id *out);
-FATHOM_API fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
-                                               fathom_id *out);
+FATHOM_API fathom_status fathom_scene_add_sphere_sized(fathom_scene *scene, fathom_id group,
+                                                       const fathom_sphere *sphere, size_t size,
+                                                       fathom_id *out);
+static inline fathom_status fathom_scene_add_sphere(fathom_scene *scene, fathom_id group,
+                                                    const fathom_sphere *sphere, fathom_id *out) {
+    return fathom_scene_add_sphere_sized(scene, group, sphere, sizeof *sphere, out);
+}
+FATHOM_API fathom_status fathom_scene_add_quad_sized(fathom_scene *scene, fathom_id group,
+                                                     const fathom_quad *quad, size_t size, fathom_id *out);
+static inline fathom_status fathom_scene_add_quad(fathom_scene *scene, fathom_id group,
+                                                  const fathom_quad *quad, fathom_id *out) {
+    return fathom_scene_add_quad_sized(scene, group, quad, sizeof *quad, out);
+}
+FATHOM_API fathom_status fathom_scene_add_plane_sized(fathom_scene *scene, fathom_id group,
+                                                      const fathom_plane *plane, size_t size, fathom_id *out);
+static inline fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group,
+                                                   const fathom_plane *plane, fathom_id *out) {
+    return fathom_scene_add_plane_sized(scene, group, plane, sizeof *plane, out);
+}
+FATHOM_API fathom_status fathom_scene_add_mesh_sized(fathom_scene *scene, fathom_id group,
+                                                     const fathom_mesh *mesh, size_t size, fathom_id *out);
+static inline fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group,
+                                                  const fathom_mesh *mesh, fathom_id *out) {
+    return fathom_scene_add_mesh_sized(scene, group, mesh, sizeof *mesh, out);
+}
 /* The arrays stay the caller's, must outlive the scene and must not change: they are looked through now,
  * once. At least 16 bytes past the end of `positions` must be readable. */
-FATHOM_API fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fathom_id group,
-                                                      const fathom_mesh *mesh, fathom_id *out);
+FATHOM_API fathom_status fathom_scene_add_mesh_shared_sized(fathom_scene *scene, fathom_id group,
+                                                            const fathom_mesh *mesh, size_t size,
+                                                            fathom_id *out);
+static inline fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fathom_id group,
+                                                         const fathom_mesh *mesh, fathom_id *out) {
+    return fathom_scene_add_mesh_shared_sized(scene, group, mesh, sizeof *mesh, out);
+}
 
 /* ---- groups and instances ---- */
 
@@ -205,12 +241,16 @@ typedef struct fathom_instance {
     fathom_id material;   /* replaces every material inside; FATHOM_NONE keeps them */
 } fathom_instance;
 
-FATHOM_API void fathom_instance_default(fathom_instance *instance); /* identity, in the root */
+FATHOM_DEFAULT(fathom_instance) /* identity, in the root */
 /* name: for messages; may be NULL. */
 FATHOM_API fathom_status fathom_scene_add_group(fathom_scene *scene, const char *name, fathom_id *out);
 /* FATHOM_BAD_INPUT when the map cannot be inverted. A cycle of groups is found by fathom_scene_check(). */
-FATHOM_API fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instance *instance,
-                                                   fathom_id *out);
+FATHOM_API fathom_status fathom_scene_add_instance_sized(fathom_scene *scene, const fathom_instance *instance,
+                                                         size_t size, fathom_id *out);
+static inline fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instance *instance,
+                                                      fathom_id *out) {
+    return fathom_scene_add_instance_sized(scene, instance, sizeof *instance, out);
+}
 
 /* ---- camera and surroundings ---- */
 
@@ -225,12 +265,20 @@ typedef struct fathom_camera {
     double focus_distance; /* of the plane that is sharp, along the view; > 0 where there is a lens */
 } fathom_camera;
 
-FATHOM_API void fathom_camera_default(fathom_camera *camera);
+FATHOM_DEFAULT(fathom_camera)
 /* fovy: vertical field of view, radians, (0, pi). A valid frame comes back even when up is parallel to the
  * view. */
-FATHOM_API void fathom_camera_look_at(const double eye[3], const double target[3], const double up[3],
-                                      double fovy, fathom_camera *out);
-FATHOM_API fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *camera);
+FATHOM_API void fathom_camera_look_at_sized(const double eye[3], const double target[3], const double up[3],
+                                            double fovy, fathom_camera *out, size_t size);
+static inline void fathom_camera_look_at(const double eye[3], const double target[3], const double up[3],
+                                         double fovy, fathom_camera *out) {
+    fathom_camera_look_at_sized(eye, target, up, fovy, out, sizeof *out);
+}
+FATHOM_API fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_camera *camera,
+                                                       size_t size);
+static inline fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *camera) {
+    return fathom_scene_set_camera_sized(scene, camera, sizeof *camera);
+}
 FATHOM_API fathom_status fathom_scene_set_background(fathom_scene *scene, const float rgb[3]);
 FATHOM_API fathom_status fathom_scene_set_ambient(fathom_scene *scene, const float rgb[3]);
 FATHOM_API fathom_status fathom_scene_set_name(fathom_scene *scene, const char *name);

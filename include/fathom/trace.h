@@ -29,6 +29,9 @@ typedef struct fathom_hit {
     fathom_id material;
 } fathom_hit;
 
+/* Whether there is a tracer of these words: FATHOM_BAD_USAGE says which word is wrong and which there are. A
+ * library FILE.so is not opened. Without a context, or words, there is no message, or Embree. */
+FATHOM_API fathom_status fathom_tracer_check(fathom_context *context, const char *words);
 /* Builds the acceleration structure. words: as in fathom_settings, NULL for Embree; FATHOM_BAD_USAGE when no
  * tracer is called that. The scene must outlive the tracer and must not change. */
 FATHOM_API fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene,

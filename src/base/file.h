@@ -2,7 +2,10 @@
 #ifndef BASE_FILE_H
 #define BASE_FILE_H
 
+#include "base/file_name.h"
 #include "base/status.h"
+
+#include <fathom/file.h>
 
 /* A file mapped for reading, or copied (fathom_context_copy_files()). At least FILE_PADDING zero bytes follow
  * the last byte: text is terminated, and Embree may read past a vertex buffer that ends with the file. */
@@ -16,7 +19,7 @@ typedef struct file_map {
 
 /* FATHOM_BAD_INPUT when the file is missing, unreadable, empty, or a folder, pipe or device; the message
  * names it. FATHOM_OUT_OF_RESOURCES when memory or descriptors ran out. FATHOM_BAD_USAGE: it is an output
- * (context_set_outputs()). */
+ * (fathom_file_protect()). */
 fathom_status file_open(fathom_context *context, const char *path, file_map *out);
 void file_close(file_map *map);
 /* FATHOM_BAD_INPUT when the file was truncated, or its size or modification time changed, since it was
@@ -31,7 +34,7 @@ void file_rest(const file_map *map, size_t begin, size_t end);
 /* Writes a whole file or none, even if the process is killed or the machine stops: bytes go to a temporary
  * file next to `path` ("out.fathom-tmp4711.exr" for "out.exr"), which is renamed once they are on the disk.
  * An existing file is replaced and its rights are kept; a symbolic link is replaced, not followed. A killed
- * process leaves the temporary file behind: file_remove_left_over(). */
+ * process leaves the temporary file behind: fathom_file_remove_left_over(). */
 typedef struct file_writer file_writer;
 fathom_status file_writer_open(fathom_context *context, const char *path, file_writer **out);
 /* Writes to memory, by file_writer_put() alone; `name` stands for it in messages. */
@@ -49,14 +52,6 @@ void file_writer_sync(file_writer *writer);
 /* Each ends the writer. Commit returns FATHOM_OUT_OF_RESOURCES when the disk is full. */
 fathom_status file_writer_commit(file_writer *writer);
 void file_writer_abort(file_writer *writer);
-/* Removes the temporary files of all writers. Only for a signal handler that is about to end the process. */
-void file_writer_abort_all(void);
-/* Adds a file to those that file_writer_abort_all() removes, or takes it out. The path stays the caller's. */
-void file_abort_also(char *path);
-void file_abort_no_more(char *path);
-
-/* Removes the temporary files of `path` that no living process is writing to. */
-void file_remove_left_over(const char *path);
 
 /* Locks a file against others that take its lock, in any process: they get FATHOM_BAD_USAGE. On FATHOM_OK end
  * with file_lock_release(), which takes NULL too. */
@@ -64,18 +59,6 @@ typedef struct file_lock file_lock;
 fathom_status file_lock_take(fathom_context *context, const char *path, file_lock **out);
 void file_lock_release(file_lock *lock);
 
-/* FATHOM_OUT_OF_RESOURCES when writing would fail: `path` is a folder or a device, its folder is missing,
- * full or not writable, or an existing file may not be written to or replaced. */
-fathom_status file_check_writable(fathom_context *context, const char *path);
-
-/* Extension without the dot, in lower case, "" when there is none. `out` has room for 16 bytes. */
-void file_extension(const char *path, char out[16]);
-/* The part of `path` after its folder. */
-const char *file_name(const char *path);
-/* The length of `path` before the dot of its extension. */
-size_t file_stem_length(const char *path);
-/* The length of `name` when cut to at most `most` bytes; UTF-8 characters stay whole. */
-size_t file_name_cut(const char *name, size_t most);
 /* The path of `name` next to the file `base`, unless name is absolute. Release with free(). */
 char *file_beside(const char *base, const char *name);
 /* FATHOM_BAD_INPUT when `path`, which a file calls `name`, is absolute or leads out of the folder of the file

@@ -61,7 +61,7 @@ fathom_status file_lock_take(fathom_context *context, const char *path, file_loc
         lock_free(lock);
         return status;
     }
-    file_abort_also(lock->path);
+    fathom_file_abandon_also(lock->path);
     *out = lock;
     return FATHOM_OK;
 }
@@ -69,6 +69,6 @@ fathom_status file_lock_take(fathom_context *context, const char *path, file_loc
 void file_lock_release(file_lock *lock) {
     if (!lock) return;
     unlink(lock->path);
-    file_abort_no_more(lock->path);
+    fathom_file_abandon_no_more(lock->path);
     lock_free(lock);
 }

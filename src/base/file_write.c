@@ -29,7 +29,7 @@ struct file_writer {
 
 /* ---- for a signal handler ---- */
 
-/* The temporary files that exist now, for file_writer_abort_all(), which does not know of any beyond these.
+/* The temporary files that exist now, for fathom_file_abandon_all(), which does not know of any beyond these.
  */
 #define TEMPORARIES_MAX 16
 static _Atomic(char *) temporaries[TEMPORARIES_MAX];
@@ -41,11 +41,11 @@ static void temporaries_swap(char *old, char *now) {
     }
 }
 
-void file_abort_also(char *path) { temporaries_swap(NULL, path); }
+void fathom_file_abandon_also(char *path) { temporaries_swap(NULL, path); }
 
-void file_abort_no_more(char *path) { temporaries_swap(path, NULL); }
+void fathom_file_abandon_no_more(char *path) { temporaries_swap(path, NULL); }
 
-void file_writer_abort_all(void) {
+void fathom_file_abandon_all(void) {
     for (size_t i = 0; i < TEMPORARIES_MAX; ++i) {
         const char *name = atomic_load(&temporaries[i]);
         if (name) unlink(name);
@@ -114,7 +114,8 @@ static void remove_unlocked(int folder, const char *name) {
     close(descriptor);
 }
 
-void file_remove_left_over(const char *path) {
+void fathom_file_remove_left_over(const char *path) {
+    if (!path) return;
     char *beside = file_beside(path, ".");
     DIR *folder = beside ? opendir(beside) : NULL;
     free(beside);
@@ -322,8 +323,9 @@ static fathom_status check_folder(fathom_context *context, const char *path, con
                      none ? " does not exist" : ": ", none ? "" : strerror(error));
 }
 
-fathom_status file_check_writable(fathom_context *context, const char *path) {
+fathom_status fathom_file_check(fathom_context *context, const char *path) {
     struct stat info;
+    if (!context || !path) return fail_null(context, "path");
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
         return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: is not a regular file");
     }
@@ -335,4 +337,14 @@ fathom_status file_check_writable(fathom_context *context, const char *path) {
     if (error)
         status = fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: %s", strerror(error));
     return status == FATHOM_OK ? probe(context, path) : status;
+}
+
+fathom_status fathom_file_write(fathom_context *context, const char *path, const void *bytes, size_t size) {
+    if (!context || !path) return fail_null(context, "path");
+    if (!bytes && size) return fail_null(context, "bytes");
+    file_writer *writer;
+    fathom_status status = file_writer_open(context, path, &writer);
+    if (status != FATHOM_OK) return status;
+    file_writer_put(writer, bytes, size);
+    return file_writer_commit(writer);
 }

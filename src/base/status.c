@@ -1,8 +1,10 @@
 #include "base/status.h"
 
+#include "base/array.h"
 #include "base/text.h"
 #include "base/threads.h"
 
+#include <fathom/file.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,14 +23,18 @@ typedef struct error_store {
     char message[MESSAGE_SIZE];
 } error_store;
 
+typedef struct file_identity {
+    dev_t device;
+    ino_t number;
+} file_identity;
+
 struct fathom_context {
     error_store failed;
     fathom_warning_fn on_warning;
     void *warning_user;
     unsigned threads;
     bool allow_outside, copy_files;
-    const file_identity *outputs;
-    size_t output_count;
+    ARRAY(file_identity) outputs;
 };
 
 static const fathom_place no_place = {.file = "", .field = ""};
@@ -42,7 +48,10 @@ fathom_status fathom_context_create(fathom_context **out) {
     return FATHOM_OK;
 }
 
-void fathom_context_destroy(fathom_context *context) { free(context); }
+void fathom_context_destroy(fathom_context *context) {
+    if (context) array_free(&context->outputs);
+    free(context);
+}
 
 const fathom_error *fathom_context_error(const fathom_context *context) {
     return context ? &context->failed.error : &no_error;
@@ -78,14 +87,23 @@ void fathom_context_copy_files(fathom_context *context, bool copy) {
 
 bool context_copies_files(const fathom_context *context) { return context->copy_files; }
 
-void context_set_outputs(fathom_context *context, const file_identity *files, size_t count) {
-    context->outputs = files;
-    context->output_count = count;
+fathom_status fathom_file_protect(fathom_context *context, const char *const *paths, size_t count) {
+    if (!context || (!paths && count)) return fail_null(context, "paths");
+    context->outputs.count = 0;
+    for (size_t i = 0; i < count; ++i) {
+        struct stat info;
+        if (!paths[i])
+            return fail_item(context, FATHOM_BAD_USAGE, "paths", i, "expected an address, found NULL");
+        if (stat(paths[i], &info) != 0) continue;
+        const file_identity file = {info.st_dev, info.st_ino};
+        if (!array_push(&context->outputs, file)) return fail_memory(context, sizeof file);
+    }
+    return FATHOM_OK;
 }
 
 bool context_is_output(const fathom_context *context, const struct stat *file) {
-    for (size_t i = 0; i < context->output_count; ++i) {
-        const file_identity *one = &context->outputs[i];
+    for (size_t i = 0; i < context->outputs.count; ++i) {
+        const file_identity *one = &context->outputs.items[i];
         if (one->device == file->st_dev && one->number == file->st_ino) return true;
     }
     return false;
@@ -229,6 +247,19 @@ fathom_status fail_within(fathom_context *context, fathom_status status, const f
         add_place(store, place);
     store->error.status = status;
     format_message(store);
+    return status;
+}
+
+fathom_status fathom_context_fail_within(fathom_context *context, const fathom_place *place) {
+    if (!context || !place) return fail_null(context, "place");
+    return fail_within(context, context->failed.error.status, place);
+}
+
+fathom_status fathom_context_fail(fathom_context *context, const fathom_error *error) {
+    if (!context || !error) return fail_null(context, "error");
+    const fathom_place *place = error->place ? error->place : &no_place;
+    fathom_status status = fail_at(context, error->status, place, "%s", error->text ? error->text : "");
+    for (place = place->within; place; place = place->within) fail_within(context, status, place);
     return status;
 }
 

@@ -31,13 +31,7 @@ fathom_status fail_memory(fathom_context *context, size_t bytes);
 bool context_allows_outside(const fathom_context *context);
 bool context_copies_files(const fathom_context *context);
 
-/* Files that nothing may be read from, since they are to be written: file_open() refuses them. The array
- * stays the caller's; count 0: none any more. */
-typedef struct file_identity {
-    dev_t device;
-    ino_t number;
-} file_identity;
-void context_set_outputs(fathom_context *context, const file_identity *files, size_t count);
+/* Whether fathom_file_protect() was given it: file_open() refuses those. */
 bool context_is_output(const fathom_context *context, const struct stat *file);
 
 /* FATHOM_BAD_USAGE: this argument of a public call is NULL and must not be. The context may be NULL too.

@@ -16,14 +16,14 @@ bool args_wrong(args_problem *problem, const char *format, ...) {
     return false;
 }
 
-/* Puts the option as it was typed in front of what its reader said. */
+/* Puts the option, as it was typed, in front of its reader's message. */
 static bool wrong_at(args_problem *problem, const char *option, size_t length) {
     args_problem inner = *problem;
     return args_wrong(problem, "%.*s: %.460s", (int)length, option, inner.text);
 }
 
-/* Letters to insert, delete, replace or swap with their neighbour to make b of a; at most NEAREST_LENGTH
- * letters of either count. */
+/* The number of letters to insert, delete, replace or swap with a neighbour that turn a into b. Only the
+ * first NEAREST_LENGTH letters of each count. */
 #define NEAREST_LENGTH 31
 static size_t edit_distance(const char *a, const char *b) {
     size_t rows[NEAREST_LENGTH + 1][NEAREST_LENGTH + 1];
@@ -52,7 +52,7 @@ const char *args_nearest(const char *wanted, const char *const *names, size_t co
     const char *nearest = NULL;
     size_t best = (strnlen(wanted, NEAREST_LENGTH) + 2) / 3 + 1;
     for (size_t i = 0; i < count; ++i) {
-        /* No fewer edits than letters too many or too few. */
+        /* The difference of the lengths is a lower bound for the edits. */
         if (!names[i] || length_difference(wanted, names[i]) >= best) continue;
         size_t distance = edit_distance(wanted, names[i]);
         if (distance < best) {
@@ -91,8 +91,8 @@ static bool apply(parser *p, const args_option *option, const char *value, const
     return wrong_at(p->problem, typed, length);
 }
 
-/* The value in the next argument. One that looks like an option was more likely forgotten; --name=value takes
- * it all the same. A dash and a digit is a negative number. */
+/* The value in the next argument, unless that looks like an option: then the value was probably forgotten.
+ * --name=value takes any value. */
 static bool next_value(parser *p, const args_option *option, const char *typed, const char **value) {
     const char *next = p->at + 1 < p->argc ? p->argv[p->at + 1] : NULL;
     if (!next || strncmp(next, "--", 2) == 0)

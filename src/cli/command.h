@@ -26,10 +26,13 @@ extern const size_t command_count;
 /* NULL: none of that name; `problem` then says so and names the nearest. */
 const command *command_find(const char *name, args_problem *problem);
 
+/* "error" for `fathom bench error`; NULL: none. */
+const command *bench_find(const char *name);
+
 void help_overview(FILE *out);
 void help_command(const command *c, FILE *out);
 
-/* A name that a file or its writer may have chosen, without what could steer a terminal. */
+/* Prints a name that may come from a file, with '?' for bytes that could steer a terminal. */
 void print_name(FILE *out, const char *name);
 
 /* One line on stderr; others than errors by log_line(). */

@@ -1,8 +1,9 @@
 #include "cli/command.h"
 
 #include "base/clock.h"
-#include "base/file.h"
+#include "base/file_name.h"
 
+#include <fathom/file.h>
 #include <fathom/read.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -65,7 +66,7 @@ static fathom_status check_and_generate(fathom_context *context, void *user) {
     fathom_scene *scene = NULL;
     args_problem problem;
     if (!check(settings, &kind, &problem)) return say_usage(&command_generate, problem.text);
-    fathom_status status = file_check_writable(context, settings->output);
+    fathom_status status = fathom_file_check(context, settings->output);
     if (status == FATHOM_OK) status = fathom_scene_create(context, &scene);
     if (status == FATHOM_OK) status = generate(settings, kind, scene);
     fathom_scene_destroy(scene);

@@ -1,4 +1,4 @@
-#include "cli/bench/bench.h"
+#include "cli/command.h"
 
 #include <string.h>
 

@@ -1,20 +1,14 @@
 /* `fathom info`: what a scene holds, what rendering it will take, and what is wrong with it. */
 #include "cli/command.h"
+#include "cli/fail.h"
 #include "cli/json_text.h"
 #include "cli/notes.h"
 
-#include "base/memory.h"
-#include "base/status.h"
-#include "film/film.h"
-#include "image/image.h"
-#include "integrate/parts.h"
-#include "material/material.h"
-#include "scene/graph.h"
-#include "scene/mesh/closed.h"
-#include "scene/world/world.h"
-#include "trace/embree/embree_limits.h"
 #include "json/memory.h"
 
+#include <fathom/image.h>
+#include <fathom/read.h>
+#include <fathom/survey.h>
 #include <stdlib.h>
 
 typedef struct info_settings {
@@ -24,234 +18,86 @@ typedef struct info_settings {
     bool json;
 } info_settings;
 
-/* ---- counting ---- */
-
-static uint64_t triangles_of_group(const fathom_scene *scene, const scene_graph *graph, uint32_t group) {
-    uint64_t triangles = 0;
-    for (uint32_t k = graph->objects.first[group]; k < graph->objects.first[group + 1]; ++k) {
-        scene_object object = scene->objects.items[graph->objects.items[k]];
-        if (object.kind == SCENE_MESH) triangles += scene->meshes.items[object.index].triangle_count;
-    }
-    return triangles;
-}
-
-/* How often each group appears follows from its parents, which come first in the graph's order. */
-static fathom_status count_placed(const fathom_scene *scene, uint64_t *out) {
-    scene_graph graph;
-    *out = 0;
-    fathom_status status = graph_create(scene, &graph);
-    if (status != FATHOM_OK) return status;
-    uint64_t *placed = calloc(scene->groups.count, sizeof *placed);
-    if (!placed) {
-        graph_destroy(&graph);
-        return fail_memory(scene->context, scene->groups.count * sizeof *placed);
-    }
-    placed[FATHOM_ROOT] = 1;
-    for (uint32_t k = 0; k < graph.order_count; ++k) {
-        uint32_t group = graph.order[k];
-        *out += placed[group] * triangles_of_group(scene, &graph, group);
-        for (uint32_t i = graph.instances.first[group]; i < graph.instances.first[group + 1]; ++i) {
-            const fathom_instance *instance = &scene->instances.items[graph.instances.items[i]];
-            placed[instance->group] += placed[group];
-        }
-    }
-    free(placed);
-    graph_destroy(&graph);
-    return FATHOM_OK;
-}
-
-typedef struct material_uses {
-    unsigned bits;
-    bool phong, blinn, fresnel, lit_from_behind;
-} material_uses;
-
-static void add_material(const fathom_scene *scene, fathom_id id, material_uses *uses) {
-    const fathom_material *m = &scene->materials.items[id].classic;
-    uses->bits |= material_features(m);
-    const bool specular = m->k_s[0] > 0 || m->k_s[1] > 0 || m->k_s[2] > 0;
-    uses->phong |= specular && m->specular == FATHOM_SPECULAR_PHONG;
-    uses->blinn |= specular && m->specular == FATHOM_SPECULAR_BLINN;
-    uses->fresnel |= m->fresnel;
-    uses->lit_from_behind |= m->lit_from_behind;
-}
-
-static material_uses materials_in_use(const fathom_scene *scene) {
-    material_uses uses = {.bits = 0};
-    for (size_t i = 0; i < scene->objects.count; ++i) {
-        add_material(scene, scene_object_material(scene, (fathom_id)i), &uses);
-    }
-    for (size_t i = 0; i < scene->instances.count; ++i) {
-        fathom_id material = scene->instances.items[i].material;
-        if (material != FATHOM_NONE) add_material(scene, material, &uses);
-    }
-    return uses;
-}
-
-static fathom_status any_closed(const world *w, bool *out) {
-    closed_how *closed = calloc(w->geometries.count + 1, sizeof *closed);
-    bool fine = closed && closed_find(w, closed);
-    *out = false;
-    for (size_t i = 0; fine && i < w->geometries.count; ++i) *out |= closed[i] != CLOSED_NOT;
-    free(closed);
-    return fine ? FATHOM_OK : fail_memory(w->scene->context, w->geometries.count * sizeof *closed);
-}
-
 /* ---- the object ---- */
 
-static json_t *pack_counts(const fathom_scene *scene, const world *w, uint64_t placed) {
-    return json_of(JSON("triangles", scene_triangles(scene)), JSON("placedTriangles", placed),
-                   JSON("degenerateTriangles", w->degenerate_triangles), JSON("meshes", scene->meshes.count),
-                   JSON("spheres", scene->spheres.count), JSON("quads", scene->quads.count),
-                   JSON("planes", scene->planes.count), JSON("instances", scene->instances.count),
-                   JSON("groups", scene->groups.count - 1), JSON("materials", scene->materials.count));
+static json_t *pack_counts(const fathom_survey *s) {
+    return json_of(JSON("triangles", s->triangles), JSON("placedTriangles", s->placed_triangles),
+                   JSON("degenerateTriangles", s->degenerate_triangles), JSON("meshes", s->meshes),
+                   JSON("spheres", s->spheres), JSON("quads", s->quads), JSON("planes", s->planes),
+                   JSON("instances", s->instances), JSON("groups", s->groups),
+                   JSON("materials", s->materials));
 }
 
-static json_t *pack_lights(const fathom_scene *scene) {
-    uint64_t counts[3] = {0};
-    for (size_t i = 0; i < scene->lights.count; ++i) ++counts[scene->lights.items[i].type];
-    return json_of(JSON("point", counts[FATHOM_LIGHT_POINT]),
-                   JSON("directional", counts[FATHOM_LIGHT_DIRECTIONAL]),
-                   JSON("spot", counts[FATHOM_LIGHT_SPOT]), JSON("environment", scene->environments.count));
+static json_t *pack_lights(const fathom_survey *s) {
+    return json_of(JSON("point", s->lights[FATHOM_LIGHT_POINT]),
+                   JSON("directional", s->lights[FATHOM_LIGHT_DIRECTIONAL]),
+                   JSON("spot", s->lights[FATHOM_LIGHT_SPOT]),
+                   JSON("environment", s->lights[FATHOM_LIGHT_ENVIRONMENT]));
 }
 
-static json_t *pack_bounds(const scene_bounds *b) {
-    if (bounds_is_empty(b)) return json_null();
-    return json_of(JSON("lower", json_vector(b->lower.x, b->lower.y, b->lower.z)),
-                   JSON("upper", json_vector(b->upper.x, b->upper.y, b->upper.z)));
+static json_t *pack_vector(const double v[3]) { return json_vector(v[0], v[1], v[2]); }
+
+static json_t *pack_bounds(const fathom_survey *s) {
+    if (!s->has_bounds) return json_null();
+    return json_of(JSON("lower", pack_vector(s->lower)), JSON("upper", pack_vector(s->upper)));
 }
 
 static json_t *pack_camera(const fathom_camera *c) {
-    return json_of(JSON("origin", json_vector(c->origin[0], c->origin[1], c->origin[2])),
+    return json_of(JSON("origin", pack_vector(c->origin)),
                    JSON("direction", json_vector(-c->z[0], -c->z[1], -c->z[2])));
 }
 
-static json_t *pack_cameras(const fathom_scene *scene) {
+static json_t *pack_cameras(const fathom_survey *s) {
     json_t *list = json_array();
-    for (uint32_t i = 0; i < scene->cameras.count; ++i) {
-        const scene_camera *c = &scene->cameras.items[i];
-        json_array_append_new(list, json_of(JSON("node", c->name), JSON("name", c->own_name),
-                                            JSON("orthographic", c->orthographic),
-                                            JSON("taken", (bool)(i == scene->camera_taken))));
+    for (uint32_t i = 0; i < s->camera_count; ++i) {
+        const fathom_camera_choice *c = &s->cameras[i];
+        json_array_append_new(list, json_of(JSON("node", c->node), JSON("name", c->name),
+                                            JSON("orthographic", c->orthographic), JSON("taken", c->taken)));
     }
     return list;
 }
 
-/* Memory at its highest: building adds to the tree what is given back when it stands. */
-static fathom_status add_memory(const fathom_scene *scene, const world *w, json_t *root) {
-    const fathom_settings *s = &scene->settings;
-    const trace_need need = trace_need_of(w, false);
-    const uint64_t program = MEMORY_PROGRAM, bvh = (uint64_t)need.kept, building = (uint64_t)need.passed;
-    const uint64_t film = settings_pixels(s) * film_channels(s->aovs) * sizeof(float);
-    uint64_t geometry;
-    fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &geometry);
-    json_add(root,
-             JSON("memoryBytes", json_of(JSON("program", program), JSON("geometry", geometry),
-                                         JSON("bvh", bvh), JSON("building", building), JSON("film", film),
-                                         JSON("total", program + geometry + bvh + building + film))));
-    return status;
+static json_t *pack_memory(const fathom_survey *s) {
+    const uint64_t total =
+        s->program_bytes + s->mesh_bytes + s->bvh_bytes + s->building_bytes + s->film_bytes;
+    return json_of(JSON("program", s->program_bytes), JSON("geometry", s->mesh_bytes),
+                   JSON("bvh", s->bvh_bytes), JSON("building", s->building_bytes),
+                   JSON("film", s->film_bytes), JSON("total", total));
 }
 
-static json_t *pack_features(const fathom_scene *scene) {
-    bool nested = false, smooth = false, lights[3] = {false};
-    for (size_t i = 0; i < scene->meshes.count; ++i) smooth |= scene->meshes.items[i].normals != NULL;
-    for (size_t i = 0; i < scene->instances.count; ++i)
-        nested |= scene->instances.items[i].parent != FATHOM_ROOT;
-    for (size_t i = 0; i < scene->lights.count; ++i) lights[scene->lights.items[i].type] = true;
-    const float *ambient = scene->ambient;
-    const material_uses uses = materials_in_use(scene);
-    const struct {
-        bool used;
-        const char *name;
-    } features[] = {{scene->spheres.count, "spheres"},
-                    {scene->quads.count, "quads"},
-                    {scene->planes.count, "planes"},
-                    {scene_triangles(scene), "triangles"},
-                    {smooth, "smooth normals"},
-                    {scene->instances.count, "instances"},
-                    {nested, "nested groups"},
-                    {lights[FATHOM_LIGHT_POINT], "point lights"},
-                    {lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},
-                    {lights[FATHOM_LIGHT_SPOT], "spot lights"},
-                    {scene->environments.count, "environments"},
-                    {ambient[0] > 0 || ambient[1] > 0 || ambient[2] > 0, "ambient"},
-                    {uses.phong, "Phong"},
-                    {uses.blinn, "Blinn"},
-                    {uses.bits & MATERIAL_MIRROR, "mirrors"},
-                    {uses.bits & MATERIAL_REFRACT, "refraction"},
-                    {uses.fresnel, "Fresnel"},
-                    {uses.bits & MATERIAL_EMIT, "emission"},
-                    {uses.lit_from_behind, "lit from behind"}};
+static json_t *pack_features(const fathom_survey *s) {
     json_t *list = json_array();
-    for (size_t i = 0; i < sizeof features / sizeof *features; ++i) {
-        if (features[i].used) json_array_append_new(list, json_string(features[i].name));
-    }
+    for (uint32_t i = 0; i < s->feature_count; ++i) json_array_append_new(list, json_string(s->features[i]));
     return list;
 }
 
-/* For a render with the scene's own settings. */
-static fathom_status add_left_out(const world *w, json_t *root) {
-    left_out_list list = {.count = 0};
+static json_t *pack_left_out(const fathom_survey *s) {
     fathom_write_options usual;
-    bool closed;
-    fathom_status status = any_closed(w, &closed);
-    if (status != FATHOM_OK) return status;
     fathom_write_options_default(&usual);
-    bool fine = left_out_find(w, &w->scene->settings, closed, &list);
-    if (fine && image_view_is_srgb(&usual)) fine = left_out_image_module(&list);
-    json_add(root, JSON("leftOut", left_out_json(&list)));
-    array_free(&list);
-    return fine ? FATHOM_OK : fail_memory(w->scene->context, sizeof(fathom_left_out));
+    const left_out_list list = {s->left_out, s->left_out_count, fathom_write_is_srgb(&usual)};
+    return left_out_json(&list);
 }
 
-/* Things that can be rendered but hardly can be meant. */
-static void look_for_problems(const fathom_scene *scene, const world *w, warning_list *problems) {
-    char text[128];
-    if (w->degenerate_triangles) {
-        snprintf(text, sizeof text, "triangles without area that are left out: %llu",
-                 (unsigned long long)w->degenerate_triangles);
-        warnings_keep(problems, text);
-    }
-    if (w->beyond_reach) {
-        snprintf(text, sizeof text,
-                 "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu", WORLD_REACH,
-                 (unsigned long long)w->beyond_reach);
-        warnings_keep(problems, text);
-    }
-    const float *ambient = scene->ambient;
-    const bool emits = materials_in_use(scene).bits & MATERIAL_EMIT;
-    if (!scene->lights.count && !scene->environments.count && !emits &&
-        !(ambient[0] > 0 || ambient[1] > 0 || ambient[2] > 0))
-        warnings_keep(problems, "no light, no ambient light and nothing that emits: every surface is black");
+static void add_facts(const fathom_scene *scene, const fathom_survey *s, json_t *root) {
+    fathom_settings settings;
+    fathom_scene_settings(scene, &settings);
+    json_add(root, JSON("scene", fathom_scene_name(scene)), JSON("counts", pack_counts(s)),
+             JSON("lights", pack_lights(s)), JSON("bounds", pack_bounds(s)),
+             JSON("camera", pack_camera(s->camera)), JSON("cameras", pack_cameras(s)),
+             JSON("image", json_of(JSON("width", settings.width), JSON("height", settings.height),
+                                   JSON("spp", settings.spp))),
+             JSON("memoryBytes", pack_memory(s)), JSON("features", pack_features(s)),
+             JSON("leftOut", pack_left_out(s)));
 }
 
-static fathom_status add_facts(const fathom_scene *scene, const world *w, json_t *root) {
-    const fathom_settings *s = &scene->settings;
-    scene_bounds bounds;
-    uint64_t placed;
-    fathom_status status = count_placed(scene, &placed);
-    if (status == FATHOM_OK) status = scene_world_bounds(scene, &bounds);
-    if (status != FATHOM_OK) return status;
-    json_add(root, JSON("scene", scene->name), JSON("counts", pack_counts(scene, w, placed)),
-             JSON("lights", pack_lights(scene)), JSON("bounds", pack_bounds(&bounds)),
-             JSON("camera", pack_camera(&scene->camera)), JSON("cameras", pack_cameras(scene)),
-             JSON("image", json_of(JSON("width", s->width), JSON("height", s->height), JSON("spp", s->spp))));
-    status = add_memory(scene, w, root);
-    json_add(root, JSON("features", pack_features(scene)));
-    return status == FATHOM_OK ? add_left_out(w, root) : status;
-}
-
-/* Making the world also turns away scenes of more instances than can be built. */
 static fathom_status gather(const fathom_scene *scene, json_t *root, warning_list *problems) {
-    world *w;
-    fathom_status status = world_create(scene, &w);
+    const fathom_survey *survey;
+    fathom_status status = fathom_scene_survey(scene, &survey);
     if (status != FATHOM_OK) return status;
-    status = world_check(w);
-    if (status == FATHOM_OK) status = reach_check(scene->context, w);
-    if (status == FATHOM_OK) status = add_facts(scene, w, root);
-    if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
-    if (status == FATHOM_OK) look_for_problems(scene, w, problems);
-    world_destroy(w);
-    return status;
+    add_facts(scene, survey, root);
+    for (uint32_t i = 0; i < survey->problem_count; ++i) warnings_keep(problems, survey->problems[i]);
+    fathom_survey_destroy(survey);
+    return FATHOM_OK;
 }
 
 /* ---- the text ---- */
@@ -331,7 +177,7 @@ static void print_facts(const json_t *root) {
 
 static fathom_status print_json(fathom_context *context, const json_t *root) {
     char *bytes = json_dump_text(root, 0);
-    if (!bytes) return fail_memory(context, 4096);
+    if (!bytes) return cli_fail_memory(context);
     puts(bytes);
     free(bytes);
     return FATHOM_OK;
@@ -339,7 +185,7 @@ static fathom_status print_json(fathom_context *context, const json_t *root) {
 
 static fathom_status print(fathom_context *context, const info_settings *settings, fathom_status status,
                            const json_t *root) {
-    if (json_memory_lacked()) return say_status(&command_info, context, fail_memory(context, 4096));
+    if (json_memory_lacked()) return say_status(&command_info, context, cli_fail_memory(context));
     if (settings->json) {
         const fathom_status printed = print_json(context, root);
         return printed == FATHOM_OK ? status : say_status(&command_info, context, printed);
@@ -353,12 +199,11 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
                               warning_list *problems) {
     fathom_scene *scene = NULL;
     json_t *facts = json_object();
-    const fathom_read_options read = {.camera = settings->camera, .up = settings->up};
+    const fathom_read_options read = {.size = sizeof read, .camera = settings->camera, .up = settings->up};
     fathom_status status = fathom_scene_read_with(context, settings->scene, &read, &scene);
     if (status == FATHOM_OK) {
         status = gather(scene, facts, problems);
-        if (status == FATHOM_BAD_INPUT && !*fathom_context_error(context)->place->file)
-            fail_within(context, status, &(fathom_place){.file = settings->scene});
+        if (status == FATHOM_BAD_INPUT) cli_fail_within(context, settings->scene);
     }
     /* Lack of memory is no property of the scene. */
     if (status == FATHOM_OUT_OF_RESOURCES) {

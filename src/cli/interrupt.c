@@ -1,9 +1,8 @@
 #include "cli/interrupt.h"
 
-#include "base/file.h"
 #include "cli/log.h"
 
-#include <fathom/base.h>
+#include <fathom/file.h>
 #include <signal.h>
 #include <string.h>
 #include <time.h>
@@ -12,8 +11,8 @@
 static volatile sig_atomic_t asked, keep_work, save;
 static struct timespec first;
 
-/* timeout(1) and some shells send the same signal to the process and once more to its group: a second one
- * sooner than any hand could send it is the first. */
+/* timeout(1) and some shells send a signal to the process and again to its group. A second signal that comes
+ * faster than a person could send it is such a repetition. */
 #define SAME_SIGNAL_SECONDS 0.1
 
 static bool is_echo(void) {
@@ -23,15 +22,15 @@ static bool is_echo(void) {
            SAME_SIGNAL_SECONDS;
 }
 
-/* A terminal that goes has its shell and the system send SIGHUP, one after the other; SIGXCPU comes every
- * second from the limit on. Only hands are impatient. */
+/* A closed terminal sends SIGHUP twice: from its shell and from the system. SIGXCPU comes every second after
+ * the limit. Neither means that someone is impatient. */
 static bool comes_again(int number) { return number == SIGHUP || number == SIGXCPU; }
 
 /* Only makes calls that are safe in a signal handler. */
 static void on_signal(int number) {
     if (asked) {
         if (is_echo() || comes_again(number)) return;
-        file_writer_abort_all();
+        fathom_file_abandon_all();
         signal(number, SIG_DFL);
         raise(number);
         return;
@@ -40,7 +39,7 @@ static void on_signal(int number) {
     asked = 1;
     if (keep_work) return;
     log_line(LOG_ERROR, "interrupted; nothing was written");
-    file_writer_abort_all();
+    fathom_file_abandon_all();
     _exit(FATHOM_INTERRUPTED);
 }
 
@@ -55,7 +54,8 @@ static void install(int number, void (*handler)(int)) {
     struct sigaction old, action = {.sa_handler = handler, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof ending / sizeof *ending; ++i) sigaddset(&action.sa_mask, ending[i]);
-    /* A shell that starts us in the background, or nohup, has the signal ignored; that holds. */
+    /* nohup, and shells that start a program in the background, make it ignore the signal. It stays ignored.
+     * */
     if (sigaction(number, NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(number, &action, NULL);
 }
 

@@ -1,5 +1,5 @@
-/* What ends a process: Ctrl-C and SIGTERM, a terminal that is closed (SIGHUP), the processor's time that is
- * used up (SIGXCPU). And SIGUSR1.
+/* Signals that end a process: Ctrl-C and SIGTERM, a closed terminal (SIGHUP), a limit on processor time
+ * (SIGXCPU). And SIGUSR1, which saves.
  *
  * The first one stops at once while there is nothing to save; afterwards it sets a flag, and what is finished
  * gets saved. A second Ctrl-C or SIGTERM ends the process on the spot. */
@@ -16,7 +16,7 @@ void interrupt_keep_work(bool keep);
 
 bool interrupt_asked(void);
 
-/* From now on SIGUSR1 asks for a save, and nothing else. */
+/* From now on SIGUSR1 only asks for a save. */
 void interrupt_install_save(void);
 /* Whether it did since the last call. */
 bool interrupt_take_save(void);

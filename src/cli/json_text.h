@@ -1,4 +1,4 @@
-/* JSON as the program writes it, and looks things up in it. */
+/* Writing JSON, and looking up values in it. */
 #ifndef CLI_JSON_TEXT_H
 #define CLI_JSON_TEXT_H
 
@@ -9,8 +9,8 @@
 
 /* ---- values ---- */
 
-/* File names and messages need not be UTF-8, JSON must be: in what is not, each byte beyond ASCII becomes
- * '?'. NULL is null. */
+/* JSON must be UTF-8; file names and messages need not be. In a text that is not UTF-8, each byte beyond
+ * ASCII becomes '?'. NULL is null. */
 json_t *json_text(const char *string);
 json_t *json_count(uint64_t number);
 /* null unless it is finite. */
@@ -67,8 +67,8 @@ void json_print(const json_t *object, const char *form);
 
 /* ---- writing ---- */
 
-/* All of it, indented; real numbers with `digits` digits, 0: with all they need. Release with free(). NULL
- * where memory ran out, also while the values were made: some are missing then. */
+/* The whole text, indented; real numbers with `digits` digits, 0: with all they need. Release with free().
+ * NULL when memory ran out, also while the values were made, because some are missing then. */
 char *json_dump_text(const json_t *root, unsigned digits);
 
 /* Writes the text of json_dump_text() with 9 digits, and a line end. The file is whole or not there at all.

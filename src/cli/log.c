@@ -21,7 +21,7 @@ static bool take_format(const char *value, args_problem *problem) {
                       value ? value : "nothing", value ? "\"" : "");
 }
 
-/* Before any command's own options are read: what is wrong with them is a line, too. */
+/* Runs before the command's own options are read, because their errors are lines, too. */
 bool log_take_option(int *argc, char **argv, args_problem *problem) {
     int kept = 1;
     bool fine = true, options_end = false;

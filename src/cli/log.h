@@ -10,7 +10,7 @@ extern "C" {
 
 typedef enum log_level { LOG_INFO, LOG_WARNING, LOG_ERROR } log_level;
 
-/* Takes "--log text|json" out of the arguments, wherever it stands. False: wrong usage. */
+/* Removes "--log text|json" from the arguments, wherever it stands. False: wrong usage. */
 bool log_take_option(int *argc, char **argv, args_problem *problem);
 bool log_is_json(void);
 

@@ -11,15 +11,15 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A pipe that nobody reads any more, and a file that outgrows its limit, end the process where these signals
- * are not ignored: hours of rendering for a line of text. Ignored, they are errors of write(). */
+/* By default a pipe without a reader, or a file beyond its limit, would end the process and lose hours of
+ * rendering. With these signals ignored, write() fails instead. */
 static void ignore_signals(void) {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }
 
-/* Whoever started us may have closed the standard streams. Their numbers would go to the next files opened,
- * and what is printed into the image. Held open for the other direction, they stay of no use. */
+/* The standard streams may be closed. The next files opened would get their numbers, and printed text would
+ * go into an image. Streams opened here for the wrong direction prevent that. */
 static void hold_streams(void) {
     for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
         if (fcntl(stream, F_GETFD) >= 0) continue;
@@ -28,7 +28,7 @@ static void hold_streams(void) {
     }
 }
 
-/* Results that did not arrive are a failure: the disk is full, the device or the reader is gone. */
+/* Output that could not be written is a failure: the disk is full, or the device or the reader is gone. */
 static fathom_status finish(fathom_status status) {
     bool failed = ferror(stdout);
     errno = 0;

@@ -1,8 +1,10 @@
 #include "cli/notes.h"
 
+#include "base/text.h"
 #include "cli/json_text.h"
 #include "cli/log.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +20,16 @@ void warnings_say(void *user, const char *message) {
     if (user) warnings_keep(user, message);
 }
 
+void warnings_tell(warning_list *warnings, const char *format, ...) {
+    char text[LOG_LENGTH];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    text_disarm(text);
+    warnings_say(warnings, text);
+}
+
 json_t *warnings_json(const warning_list *warnings) {
     json_t *list = json_array();
     for (size_t i = 0; i < warnings->count; ++i) json_array_append_new(list, json_text(warnings->items[i]));
@@ -29,19 +41,25 @@ void warnings_free(warning_list *warnings) {
     array_free(warnings);
 }
 
-bool left_out_image_module(left_out_list *list) {
-    return left_out_tell(list, "image helper", "PNG in the built-in sRGB view is written without it");
+static const fathom_left_out no_helper = {"image helper",
+                                          "PNG in the built-in sRGB view is written without it"};
+
+static uint32_t count_all(const left_out_list *list) { return list->count + list->no_helper; }
+
+static const fathom_left_out *item_at(const left_out_list *list, uint32_t i) {
+    return i < list->count ? &list->items[i] : &no_helper;
 }
 
 void left_out_print(const left_out_list *list, const char *title) {
-    for (size_t i = 0; i < list->count; ++i)
-        printf("%-*s%s: %s\n", (int)strlen(title), i ? "" : title, list->items[i].what, list->items[i].why);
+    for (uint32_t i = 0; i < count_all(list); ++i)
+        printf("%-*s%s: %s\n", (int)strlen(title), i ? "" : title, item_at(list, i)->what,
+               item_at(list, i)->why);
 }
 
 json_t *left_out_json(const left_out_list *list) {
     json_t *array = json_array();
-    for (size_t i = 0; i < list->count; ++i)
-        json_array_append_new(array,
-                              json_of(JSON("what", list->items[i].what), JSON("why", list->items[i].why)));
+    for (uint32_t i = 0; i < count_all(list); ++i)
+        json_array_append_new(
+            array, json_of(JSON("what", item_at(list, i)->what), JSON("why", item_at(list, i)->why)));
     return array;
 }

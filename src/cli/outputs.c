@@ -1,10 +1,10 @@
 #include "cli/outputs.h"
 
-#include "base/file.h"
-#include "base/status.h"
+#include "cli/fail.h"
 #include "cli/log.h"
 
 #include <errno.h>
+#include <fathom/file.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
@@ -12,9 +12,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* Images and the other files of a command. */
-#define OUTPUTS_MAX (ARGS_LIST_MAX + 4)
 
 bool outputs_is_standard(const char *path) { return path && strcmp(path, "-") == 0; }
 
@@ -26,24 +23,25 @@ fathom_status temporary_create(fathom_context *context, const char *ending, char
     int file = mkstemps(path, (int)strlen(ending));
     if (file < 0) {
         fathom_status status =
-            fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
-                      "cannot be written; expected a folder for temporary files in $TMPDIR");
+            cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, path,
+                          "cannot be written; expected a folder for temporary files in $TMPDIR");
         path[0] = '\0';
         return status;
     }
-    file_abort_also(path);
+    fathom_file_abandon_also(path);
     close(file);
     return FATHOM_OK;
 }
 
 void temporary_remove(char path[TEMPORARY_PATH]) {
     remove(path);
-    file_abort_no_more(path);
+    fathom_file_abandon_no_more(path);
 }
 
 /* ---- standard output ---- */
 
-/* Names of an image until there is a file for it: known by their address, whatever else is called that. */
+/* Names of an image that goes to standard output, until it has a file. They are told by their address,
+ * because a file may have the same name. */
 static const char *const names[] = {"stdout.png",  "stdout.exr", "stdout.jpg",
                                     "stdout.jpeg", "stdout.tif", "stdout.tiff"};
 #define NAMES (sizeof names / sizeof *names)
@@ -78,22 +76,23 @@ bool take_output(const args_option *option, const char *value, void *field, args
     return take_list(option, name ? name : value, field, problem);
 }
 
-/* What others print there from now on is for people; programs that read lines of JSON get none of it. */
+/* From now on anything printed there goes to stderr, or nowhere when programs read lines of JSON from it. */
 static fathom_status take_stream(fathom_context *context) {
     out.descriptor = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     const int other = log_is_json() ? open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;
     const bool fine = out.descriptor > 0 && other >= 0 && dup2(other, STDOUT_FILENO) >= 0;
     if (other > STDERR_FILENO) close(other);
     if (fine) return FATHOM_OK;
-    return fail(context, FATHOM_OUT_OF_RESOURCES, "standard output cannot be written: %s", strerror(errno));
+    return cli_fail(context, FATHOM_OUT_OF_RESOURCES, "standard output cannot be written: %s",
+                    strerror(errno));
 }
 
 static fathom_status make_file(fathom_context *context) {
     if (out.path[0]) return FATHOM_OK;
     if (isatty(out.descriptor))
-        return fail(context, FATHOM_BAD_USAGE,
-                    "-o -: standard output is a terminal; expected a pipe or a file, as in -o - >%s",
-                    out.name);
+        return cli_fail(context, FATHOM_BAD_USAGE,
+                        "-o -: standard output is a terminal; expected a pipe or a file, as in -o - >%s",
+                        out.name);
     return temporary_create(context, strrchr(out.name, '.'), out.path);
 }
 
@@ -107,7 +106,8 @@ fathom_status standard_output_begin(fathom_context *context, args_list *images, 
     for (size_t i = 0; i < count; ++i) named += outputs_is_standard(files[i]);
     if (!named) return FATHOM_OK;
     if (named > 1)
-        return fail(context, FATHOM_BAD_USAGE, "standard output is named twice; expected different outputs");
+        return cli_fail(context, FATHOM_BAD_USAGE,
+                        "standard output is named twice; expected different outputs");
     fathom_status status = out.descriptor > 0 ? FATHOM_OK : take_stream(context);
     if (status != FATHOM_OK || !out.name) return status;
     status = make_file(context);
@@ -124,20 +124,35 @@ static fathom_status put_all(fathom_context *context, const char *bytes, size_t 
         const ssize_t done = write(out.descriptor, bytes, size);
         if (done < 0 && errno == EINTR) continue;
         if (done <= 0)
-            return fail(context, FATHOM_OUT_OF_RESOURCES, "standard output cannot be written: %s",
-                        strerror(errno));
+            return cli_fail(context, FATHOM_OUT_OF_RESOURCES, "standard output cannot be written: %s",
+                            strerror(errno));
         bytes += done, size -= (size_t)done;
     }
     return FATHOM_OK;
 }
 
+static fathom_status cannot_read(fathom_context *context, const char *path) {
+    return cli_fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be read: %s", strerror(errno));
+}
+
+static fathom_status copy_file(fathom_context *context, const char *path, int file) {
+    char bytes[1 << 15];
+    for (;;) {
+        const ssize_t size = read(file, bytes, sizeof bytes);
+        if (size < 0 && errno == EINTR) continue;
+        if (size < 0) return cannot_read(context, path);
+        if (!size) return FATHOM_OK;
+        fathom_status status = put_all(context, bytes, (size_t)size);
+        if (status != FATHOM_OK) return status;
+    }
+}
+
 fathom_status standard_output_deliver(fathom_context *context, size_t index, const char *path) {
     if (!out.name || index != out.index) return FATHOM_OK;
-    file_map map;
-    fathom_status status = file_open(context, path, &map);
-    if (status != FATHOM_OK) return status;
-    status = put_all(context, (const char *)map.bytes, map.size);
-    file_close(&map);
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0) return cannot_read(context, path);
+    fathom_status status = copy_file(context, path, file);
+    close(file);
     unlink(path);
     return status;
 }
@@ -172,40 +187,22 @@ bool outputs_are_same(const char *a, const char *b) {
            strcmp(folder_a, folder_b) == 0;
 }
 
-/* Those that are there. A command has one set of outputs. */
-static void keep_from_reading(fathom_context *context, const char *const *outputs, size_t count) {
-    static file_identity files[OUTPUTS_MAX];
-    size_t found = 0;
-    struct stat info;
-    for (size_t i = 0; i < count && found < OUTPUTS_MAX; ++i) {
-        if (stat(outputs[i], &info) == 0) files[found++] = (file_identity){info.st_dev, info.st_ino};
-    }
-    context_set_outputs(context, files, found);
-}
-
-void outputs_may_be_read(fathom_context *context) { context_set_outputs(context, NULL, 0); }
-
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input) {
     for (size_t i = 0; i < count; ++i) {
         if (input && outputs_are_same(outputs[i], input))
-            return fail_file(context, FATHOM_BAD_USAGE, outputs[i],
-                             "is the input; expected another name for the output");
+            return cli_fail_file(context, FATHOM_BAD_USAGE, outputs[i],
+                                 "is the input; expected another name for the output");
         for (size_t k = 0; k < i; ++k) {
             if (outputs_are_same(outputs[i], outputs[k]))
-                return fail_file(context, FATHOM_BAD_USAGE, outputs[i],
-                                 "the same file is named twice; expected different outputs");
+                return cli_fail_file(context, FATHOM_BAD_USAGE, outputs[i],
+                                     "the same file is named twice; expected different outputs");
         }
     }
-    keep_from_reading(context, outputs, count);
-    return FATHOM_OK;
+    return fathom_file_protect(context, outputs, count);
 }
 
 fathom_status outputs_write(fathom_context *context, const char *path, const char *bytes, size_t size) {
     if (outputs_is_standard(path)) return put_all(context, bytes, size);
-    file_writer *writer;
-    fathom_status status = file_writer_open(context, path, &writer);
-    if (status != FATHOM_OK) return status;
-    file_writer_put(writer, bytes, size);
-    return file_writer_commit(writer);
+    return fathom_file_write(context, path, bytes, size);
 }

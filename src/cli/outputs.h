@@ -1,4 +1,4 @@
-/* Where a command writes: files, standard output in place of one, temporary files. */
+/* Outputs of a command: files, standard output in place of one, temporary files. */
 #ifndef CLI_OUTPUTS_H
 #define CLI_OUTPUTS_H
 
@@ -13,8 +13,6 @@
  * whatever scene names it. */
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input);
-/* From now on the command may read what it likes. */
-void outputs_may_be_read(fathom_context *context);
 
 /* Whether both paths lead to one file, or would. */
 bool outputs_are_same(const char *a, const char *b);

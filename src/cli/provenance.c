@@ -50,7 +50,7 @@ static void put_quoted(command_text *t, const char *text) {
     put(t, "'", 1);
 }
 
-/* Where the value begins in "--name=value" and "-nvalue"; 0: it is all of it, or there is none. */
+/* The offset of the value in "--name=value" and "-nvalue"; 0 when the argument is all value, or has none. */
 static size_t option_length(const char *argument) {
     if (argument[0] != '-' || !argument[1]) return 0;
     const char *equals = strchr(argument, '=');

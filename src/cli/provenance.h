@@ -7,9 +7,8 @@
 /* The command line; the strings stay the caller's. */
 void provenance_note(int argc, char **argv);
 
-/* For headers, which travel with the image: quoted for a shell, without the folders of files, and "" where
- * $SOURCE_DATE_EPOCH asks for equal files of equal images, whatever they are called. Whoever wants it exact
- * has --stats. */
+/* For headers, which travel with the image: quoted for a shell, without the folders of files, and "" when
+ * $SOURCE_DATE_EPOCH asks for equal files of equal images. --stats has the exact arguments. */
 const char *provenance_command(void);
 /* For files of the user's own: all arguments as they were. */
 json_t *provenance_arguments(void);

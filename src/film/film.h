@@ -5,7 +5,7 @@
 #include "base/array.h"
 #include "scene/scene.h"
 
-#include <fathom/render.h>
+#include <fathom/image.h>
 
 #include <pthread.h>
 

@@ -1,4 +1,5 @@
 /* How bright a film is, and the exposure that shows it. */
+#include "base/sized.h"
 #include "film/film.h"
 
 #include <string.h>
@@ -46,10 +47,7 @@ static float exposure_for(const uint64_t counts[BINS], uint64_t lit) {
     return (float)(floor(-10 * log2((double)bin_end(bin))) / 10 + 0.0); /* no -0 */
 }
 
-void fathom_film_brightness(const fathom_film *film, float exposure, fathom_brightness *out) {
-    if (!out) return;
-    *out = (fathom_brightness){0};
-    if (!film) return;
+static void look(const fathom_film *film, float exposure, fathom_brightness *out) {
     uint64_t counts[BINS] = {0};
     const float white = exp2f(-exposure);
     for (size_t i = 0; i < (size_t)film->width * film->height; ++i) {
@@ -61,4 +59,13 @@ void fathom_film_brightness(const fathom_film *film, float exposure, fathom_brig
         if (value > 0) ++counts[bin_of(value)];
     }
     if (out->black < out->pixels) out->exposure = exposure_for(counts, out->pixels - out->black);
+}
+
+fathom_status fathom_film_brightness(const fathom_film *film, float exposure, fathom_brightness *out) {
+    fathom_brightness found = {.pixels = 0};
+    fathom_status status = sized_check(NULL, "out", out, sizeof found);
+    if (status != FATHOM_OK) return status;
+    if (film) look(film, exposure, &found);
+    sized_write(out, &found, sizeof found);
+    return FATHOM_OK;
 }

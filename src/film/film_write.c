@@ -1,5 +1,6 @@
 /* The film to an image file, with what it was made from in the header. */
 #include "base/clock.h"
+#include "base/sized.h"
 #include "film/film_marks.h"
 #include "image/image.h"
 #include "scene/settings.h"
@@ -8,7 +9,42 @@
 #include <stdlib.h>
 #include <string.h>
 
+SIZED_DEFAULT_OWN(fathom_write_options, {.exposure = 0})
+
 void fathom_image_prefetch(void) { image_prefetch(); }
+
+fathom_status fathom_image_libraries(fathom_context *context, char *out, size_t size) {
+    char libraries[256];
+    if (!context || !out) return fail_null(context, "out");
+    fathom_status status = image_libraries(context, libraries);
+    if (status == FATHOM_OK) snprintf(out, size, "%s", libraries);
+    return status;
+}
+
+fathom_status fathom_write_check(fathom_context *context, const char *path,
+                                 const fathom_write_options *options) {
+    if (!context || !path) return fail_null(context, "path");
+    fathom_write_options write;
+    fathom_status status = SIZED_OWN(context, fathom_write_options, options, &write);
+    return status == FATHOM_OK ? image_check(context, path, &write) : status;
+}
+
+fathom_status fathom_write_check_size(fathom_context *context, const char *path, uint32_t width,
+                                      uint32_t height) {
+    if (!context || !path) return fail_null(context, "path");
+    return image_check_size(context, path, width, height);
+}
+
+bool fathom_write_is_srgb(const fathom_write_options *options) {
+    fathom_write_options write;
+    return SIZED_OWN(NULL, fathom_write_options, options, &write) == FATHOM_OK && image_view_is_srgb(&write);
+}
+
+bool fathom_write_needs_helper(const char *path, const fathom_write_options *options) {
+    fathom_write_options write;
+    return path && SIZED_OWN(NULL, fathom_write_options, options, &write) == FATHOM_OK &&
+           image_needs_module(path, &write);
+}
 
 /* Where to; what a call has no use for is NULL. */
 typedef struct target {
@@ -122,8 +158,10 @@ fathom_status fathom_film_write(fathom_context *context, const fathom_film *film
                                 const fathom_write_options *options) {
     if (!context || !film) return fail_null(context, "film");
     if (!path) return fail_null(context, "path");
-    if (!options) return fail_null(context, "options");
-    return write_film(context, film, write_whole, &(target){.path = path, .options = options});
+    fathom_write_options write;
+    fathom_status status = SIZED_OWN(context, fathom_write_options, options, &write);
+    if (status != FATHOM_OK) return status;
+    return write_film(context, film, write_whole, &(target){.path = path, .options = &write});
 }
 
 fathom_status fathom_film_write_plain(fathom_context *context, const fathom_film *film, const char *path) {

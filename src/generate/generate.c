@@ -2,14 +2,12 @@
 #include "generate/generate.h"
 
 #include "base/memory.h"
+#include "base/sized.h"
 #include "base/threads.h"
 
 #include <inttypes.h>
 
-void fathom_generate_options_default(fathom_generate_options *options) {
-    if (!options) return;
-    *options = (fathom_generate_options){.kind = FATHOM_GENERATE_SPHERE, .triangles = 1000000};
-}
+SIZED_DEFAULT_OWN(fathom_generate_options, {.kind = FATHOM_GENERATE_SPHERE, .triangles = 1000000})
 
 fathom_status generate_allocate(fathom_scene *scene, uint32_t vertices, uint32_t triangles, unsigned arrays,
                                 generate_mesh *out) {
@@ -74,11 +72,9 @@ static const struct {
     [FATHOM_GENERATE_FOREST] = {"forest", 100000000000u, generate_forest},
 };
 
-fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id group,
-                                    const fathom_generate_options *options) {
-    if (!scene) return FATHOM_BAD_USAGE;
+static fathom_status check_options(const fathom_scene *scene, fathom_id group,
+                                   const fathom_generate_options *options) {
     fathom_context *context = scene->context;
-    if (!options) return fail_null(context, "options");
     size_t kind = (size_t)options->kind;
     if (kind >= sizeof generators / sizeof *generators) {
         return fail(context, FATHOM_BAD_USAGE, "generate: there is no kind %zu", kind);
@@ -94,5 +90,14 @@ fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id group,
                     "generate %s: triangles: %" PRIu64 " were asked for; expected 1 to %" PRIu64,
                     generators[kind].name, options->triangles, generators[kind].most);
     }
-    return generators[kind].make(scene, group, options);
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id group,
+                                    const fathom_generate_options *options) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    fathom_generate_options asked;
+    fathom_status status = SIZED_OWN(scene->context, fathom_generate_options, options, &asked);
+    if (status == FATHOM_OK) status = check_options(scene, group, &asked);
+    return status == FATHOM_OK ? generators[asked.kind].make(scene, group, &asked) : status;
 }

@@ -8,7 +8,7 @@
 
 #include "base/status.h"
 
-#include <fathom/render.h>
+#include <fathom/image.h>
 #include <string.h>
 
 typedef enum image_type { IMAGE_FLOAT, IMAGE_UINT } image_type;

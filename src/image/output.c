@@ -136,7 +136,7 @@ fathom_status image_check(fathom_context *context, const char *path, const fatho
     if (status == FATHOM_OK) status = output_check_exposure(context, options);
     image_date date;
     if (status == FATHOM_OK) status = date_read(context, &date);
-    if (status == FATHOM_OK) status = file_check_writable(context, path);
+    if (status == FATHOM_OK) status = fathom_file_check(context, path);
     if (status != FATHOM_OK || !output_needs_module(format, options)) return status;
     status = helper_find(context);
     if (status != FATHOM_OK || format == IMAGE_EXR || image_view_is_srgb(options)) return status;

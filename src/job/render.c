@@ -153,15 +153,6 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     return status;
 }
 
-/* What only internal callers ask for. */
-typedef struct render_extra {
-    const vec3_f64 *origin;                               /* NULL: near the view */
-    const job_reserve *reserve;                           /* NULL: nothing */
-    const fathom_checkpoint *saving;                      /* NULL: not at all */
-    bool keep_doubtful;                                   /* the film of a scene whose files changed */
-    void (*on_film)(void *user, const fathom_film *film); /* NULL: nobody looks at it meanwhile */
-} render_extra;
-
 /* Seconds that calls before this one spent come off the time. */
 static fathom_status render_traced(fathom_context *context, const world *w, const trace_tracer *tracer,
                                    const fathom_settings *settings, job_options *options, fathom_film *film) {
@@ -176,9 +167,9 @@ static fathom_status render_traced(fathom_context *context, const world *w, cons
     return render_world(context, w, tracer, settings, options, film);
 }
 
-static fathom_status render_film(fathom_context *context, const fathom_scene *scene,
-                                 const fathom_settings *settings, const vec3_f64 *origin,
-                                 job_options *options, fathom_film *film) {
+static fathom_status render_scene(fathom_context *context, const fathom_scene *scene,
+                                  const fathom_settings *settings, const vec3_f64 *origin,
+                                  job_options *options, fathom_film *film) {
     double began = clock_seconds();
     world *w;
     fathom_status status = world_create_from(scene, origin, &w);
@@ -213,88 +204,53 @@ static fathom_status render_film(fathom_context *context, const fathom_scene *sc
     return status;
 }
 
-static fathom_status render(fathom_context *context, const fathom_scene *scene,
-                            const fathom_settings *settings, const render_extra *extra,
-                            fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out) {
-    if (!out) return fail_null(context, "out");
-    *out = NULL;
-    if (stats) *stats = (fathom_stats){0};
-    if (!context || !scene) return fail_null(context, "scene");
-    if (!settings) return fail_null(context, "settings");
-    trace_spec spec; /* told before the world is built, which can take a while */
+/* Told before the world is built, which can take a while. */
+static fathom_status check(fathom_context *context, const fathom_scene *scene,
+                           const fathom_settings *settings) {
+    trace_spec spec;
     fathom_status status = scene_check_settings(context, settings);
     if (status == FATHOM_OK) status = trace_spec_parse(context, settings->tracer, &spec);
+    return status == FATHOM_OK ? fathom_scene_check(scene) : status;
+}
+
+/* The film is there. */
+static fathom_status fill(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          const render_request *request, fathom_film *film) {
+    job_options options = {.reserve = request->reserve,
+                           .live = request->on_film,
+                           .progress = request->progress,
+                           .user = request->user};
+    fathom_status status = scene_fingerprint(scene, &film->stats.scene_fingerprint);
+    if (status == FATHOM_OK && request->saving)
+        status = checkpoint_open(context, request->saving, scene, settings, film, &options.saving);
+    if (status == FATHOM_OK && request->on_film) request->on_film(request->user, film);
+    if (status == FATHOM_OK) status = render_scene(context, scene, settings, request->origin, &options, film);
+    if (request->on_film) request->on_film(request->user, NULL);
+    checkpoint_close(options.saving);
+    return status;
+}
+
+fathom_status render_film(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          const render_request *request, fathom_stats *stats, fathom_film **out) {
     const fathom_scene view = scene_through(scene, context);
-    if (status == FATHOM_OK) status = fathom_scene_check(&view);
-    if (status != FATHOM_OK) return status;
     fathom_film *film;
-    status = film_create(context, &view, settings, &film);
+    *out = NULL;
+    fathom_status status = check(context, &view, settings);
+    if (status == FATHOM_OK) status = film_create(context, &view, settings, &film);
     if (status != FATHOM_OK) return status;
-    job_options options = {
-        .reserve = extra->reserve, .live = extra->on_film, .progress = progress, .user = user};
-    status = scene_fingerprint(&view, &film->stats.scene_fingerprint);
-    if (status == FATHOM_OK && extra->saving)
-        status = checkpoint_open(context, extra->saving, &view, settings, film, &options.saving);
-    if (status == FATHOM_OK && extra->on_film) extra->on_film(user, film);
-    if (status == FATHOM_OK) status = render_film(context, &view, settings, extra->origin, &options, film);
-    if (extra->on_film) extra->on_film(user, NULL);
+    status = fill(context, &view, settings, request, film);
     fathom_status changed = FATHOM_OK;
     if (status != FATHOM_OUT_OF_RESOURCES) {
         /* An image of a scene that changed meanwhile is of none, and any failure may come of it. */
         changed = fathom_scene_check_files(&view);
         if (changed != FATHOM_OK) status = changed;
     }
-    checkpoint_close(options.saving);
     if (stats) *stats = film->stats;
     film->interrupted = status == FATHOM_INTERRUPTED;
-    bool doubtful = changed != FATHOM_OK && extra->keep_doubtful && film->stats.samples;
-    if (status != FATHOM_OK && status != FATHOM_INTERRUPTED && !doubtful) {
+    const bool doubtful = changed != FATHOM_OK && request->keep_changed && film->stats.samples;
+    if (status == FATHOM_OK || status == FATHOM_INTERRUPTED || doubtful)
+        *out = film;
+    else
         fathom_film_destroy(film);
-        return status;
-    }
-    *out = film;
     return status;
-}
-
-fathom_status fathom_render(fathom_context *context, const fathom_scene *scene,
-                            const fathom_settings *settings, fathom_progress_fn progress, void *user,
-                            fathom_stats *stats, fathom_film **out) {
-    const render_extra none = {.origin = NULL};
-    return render(context, scene, settings, &none, progress, user, stats, out);
-}
-
-fathom_status fathom_render_checkpointed(fathom_context *context, const fathom_scene *scene,
-                                         const fathom_settings *settings, const fathom_checkpoint *saving,
-                                         fathom_progress_fn progress, void *user, fathom_stats *stats,
-                                         fathom_film **out) {
-    const render_extra extra = {.saving = saving};
-    if (out) *out = NULL;
-    if (stats) *stats = (fathom_stats){0};
-    if (!saving) return fail_null(context, "checkpoint");
-    if (!saving->path) return fail_null(context, "checkpoint: path");
-    return render(context, scene, settings, &extra, progress, user, stats, out);
-}
-
-fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
-                          const vec3_f64 *origin, fathom_progress_fn progress, void *user,
-                          fathom_film **out) {
-    const render_extra extra = {.origin = origin};
-    return render(context, scene, settings, &extra, progress, user, NULL, out);
-}
-
-fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
-                             const fathom_settings *settings, const job_reserve *reserve,
-                             const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,
-                             fathom_stats *stats, fathom_film **out) {
-    const render_extra extra = {.reserve = reserve, .saving = saving, .keep_doubtful = true};
-    return render(context, scene, settings, &extra, progress, user, stats, out);
-}
-
-fathom_status render_watched(fathom_context *context, const fathom_scene *scene,
-                             const fathom_settings *settings,
-                             void (*on_film)(void *user, const fathom_film *film),
-                             fathom_progress_fn progress, void *user, fathom_stats *stats,
-                             fathom_film **out) {
-    const render_extra extra = {.on_film = on_film};
-    return render(context, scene, settings, &extra, progress, user, stats, out);
 }

@@ -5,26 +5,24 @@
 #include "job/job.h"
 #include "scene/world/world.h"
 
-#include <fathom/render.h>
+#include <fathom/session.h>
 
-/* fathom_render(), but the world's coordinates are counted from `origin` (see world_create_from()): to show
- * what would be lost if they were not counted from near the view. */
-fathom_status render_from(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
-                          const vec3_f64 *origin, fathom_progress_fn progress, void *user, fathom_film **out);
+/* How to render. All may be 0. */
+typedef struct render_request {
+    fathom_progress_fn progress;
+    /* Gets the film once it is there, and NULL before it is released. Others may copy it meanwhile
+     * (film_copy()). */
+    void (*on_film)(void *user, const fathom_film *film);
+    void *user;                      /* of both */
+    const vec3_f64 *origin;          /* where the world's coordinates are counted from: see
+                                        world_create_from(), to show what is lost elsewhere than near the view */
+    const job_reserve *reserve;      /* the part of max_time that is kept for the work after rendering */
+    const fathom_checkpoint *saving; /* complete */
+    bool keep_changed;               /* as fathom_session_options says */
+} render_request;
 
-/* fathom_render() of settings that may have a max_time, some of which is left for what follows (reserve, may
- * be NULL), saved on the way (saving, may be NULL). On FATHOM_BAD_INPUT too *out may be a film: as far as it
- * got before a file of the scene was found changed. */
-fathom_status render_to_time(fathom_context *context, const fathom_scene *scene,
-                             const fathom_settings *settings, const job_reserve *reserve,
-                             const fathom_checkpoint *saving, fathom_progress_fn progress, void *user,
-                             fathom_stats *stats, fathom_film **out);
-
-/* fathom_render(), whose film others copy meanwhile (film_copy()). on_film: gets the film once it is there,
- * and NULL before it is released; called with progress's user. */
-fathom_status render_watched(fathom_context *context, const fathom_scene *scene,
-                             const fathom_settings *settings,
-                             void (*on_film)(void *user, const fathom_film *film),
-                             fathom_progress_fn progress, void *user, fathom_stats *stats, fathom_film **out);
+/* What fathom_session_run() does, with complete settings. stats may be NULL. */
+fathom_status render_film(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
+                          const render_request *request, fathom_stats *stats, fathom_film **out);
 
 #endif

@@ -1,6 +1,7 @@
 #include "read/read.h"
 
 #include "base/file.h"
+#include "base/sized.h"
 #include "scene/camera/camera.h"
 
 #include <stdlib.h>
@@ -130,22 +131,21 @@ static fathom_status check_options(fathom_context *context, const fathom_read_op
     return FATHOM_OK;
 }
 
-void fathom_read_options_default(fathom_read_options *options) {
-    if (options) *options = (fathom_read_options){.up = FATHOM_UP_Y};
-}
+SIZED_DEFAULT_OWN(fathom_read_options, {.up = FATHOM_UP_Y})
 
 fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
                                      const fathom_read_options *options, fathom_scene **out) {
     if (!out) return fail_null(context, "out");
     *out = NULL;
     if (!context || !path) return fail_null(context, "path");
-    if (!options) return fail_null(context, "options");
     fathom_scene *scene;
-    fathom_status status = check_options(context, options);
+    fathom_read_options asked;
+    fathom_status status = SIZED_OWN(context, fathom_read_options, options, &asked);
+    if (status == FATHOM_OK) status = check_options(context, &asked);
     if (status == FATHOM_OK) status = fathom_scene_create(context, &scene);
     if (status != FATHOM_OK) return status;
-    scene->without_uvs = options->without_uvs;
-    status = read_whole(scene, path, options);
+    scene->without_uvs = asked.without_uvs;
+    status = read_whole(scene, path, &asked);
     /* A changed file explains every other fault. */
     if (status == FATHOM_OK || status == FATHOM_BAD_INPUT) {
         fathom_status changed = fathom_scene_check_files(scene);
@@ -159,9 +159,14 @@ fathom_status fathom_scene_read_with(fathom_context *context, const char *path,
 }
 
 fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out) {
-    return fathom_scene_read_with(context, path, &(fathom_read_options){.without_uvs = false}, out);
+    fathom_read_options options;
+    fathom_read_options_default(&options);
+    return fathom_scene_read_with(context, path, &options, out);
 }
 
 fathom_status fathom_scene_read_to_render(fathom_context *context, const char *path, fathom_scene **out) {
-    return fathom_scene_read_with(context, path, &(fathom_read_options){.without_uvs = true}, out);
+    fathom_read_options options;
+    fathom_read_options_default(&options);
+    options.without_uvs = true;
+    return fathom_scene_read_with(context, path, &options, out);
 }

@@ -1,4 +1,5 @@
 /* The tables of settings and of material parameters. Adding one is a line here and a member in the struct. */
+#include "base/sized.h"
 #include "scene/scene.h"
 #include "scene/settings.h"
 
@@ -171,15 +172,18 @@ const fathom_parameter *fathom_material_parameters(fathom_model model, size_t *c
     return table.rows;
 }
 
-void fathom_settings_default(fathom_settings *settings) {
-    if (settings) parameters_default(settings_table, settings);
+void fathom_settings_default_sized(fathom_settings *out, size_t size) {
+    fathom_settings settings = {.size = size};
+    parameters_default(settings_table, &settings);
+    sized_give(out, size, &settings, sizeof settings);
 }
 
-void fathom_material_default(fathom_material *material) {
-    if (!material) return;
-    memset(material, 0, sizeof *material);
-    parameters_default(classic_table, material);
-    parameters_default(metallic_table, material);
+void fathom_material_default_sized(fathom_material *out, size_t size) {
+    fathom_material material;
+    memset(&material, 0, sizeof material);
+    parameters_default(classic_table, &material);
+    parameters_default(metallic_table, &material);
+    sized_give(out, size, &material, sizeof material);
 }
 
 /* The members of its own model. A negative first entry of k_a means k_d. */

@@ -1,6 +1,7 @@
 #include "scene/scene.h"
 
 #include "base/memory.h"
+#include "base/sized.h"
 #include "scene/metallic.h"
 
 #include <stdlib.h>
@@ -132,18 +133,19 @@ fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const
     return FATHOM_OK;
 }
 
-fathom_status fathom_scene_add_material(fathom_scene *scene, const char *name,
-                                        const fathom_material *material, fathom_id *out) {
+fathom_status fathom_scene_add_material_sized(fathom_scene *scene, const char *name,
+                                              const fathom_material *material, size_t size, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
-    if (!material) return fail_null(scene->context, "material");
-    fathom_status status = scene_check_material(scene->context, material);
+    fathom_material item;
+    fathom_status status = SIZED_ITEM(scene->context, fathom_material, material, size, &item);
+    if (status == FATHOM_OK) status = scene_check_material(scene->context, &item);
     if (status != FATHOM_OK) return status;
-    fathom_material classic = *material;
-    if (material->model == FATHOM_MODEL_METALLIC_ROUGHNESS) {
-        const metallic_factors factors = metallic_factors_of(material);
+    fathom_material classic = item;
+    if (item.model == FATHOM_MODEL_METALLIC_ROUGHNESS) {
+        const metallic_factors factors = metallic_factors_of(&item);
         metallic_to_classic(&factors, &classic);
     }
-    return scene_add_material_as(scene, name, material, &classic, out);
+    return scene_add_material_as(scene, name, &item, &classic, out);
 }
 
 fathom_id scene_find_material(const fathom_scene *scene, const char *name) {
@@ -171,13 +173,10 @@ fathom_id scene_object_material(const fathom_scene *scene, fathom_id id) {
     return FATHOM_NONE;
 }
 
-void fathom_light_default(fathom_light *light) {
-    if (!light) return;
-    *light = (fathom_light){.type = FATHOM_LIGHT_POINT,
-                            .direction = {0, -1, 0},
-                            .intensity = {1, 1, 1},
-                            .outer_angle = 0.785398163f};
-}
+SIZED_DEFAULT(fathom_light, {.type = FATHOM_LIGHT_POINT,
+                             .direction = {0, -1, 0},
+                             .intensity = {1, 1, 1},
+                             .outer_angle = 0.785398163f})
 
 static fathom_status check_light(fathom_context *context, const fathom_light *light) {
     const vec3_f64 direction = load_f64(light->direction);
@@ -221,18 +220,21 @@ static fathom_status add_environment(fathom_scene *scene, const fathom_light *li
     return FATHOM_OK;
 }
 
-fathom_status fathom_scene_add_light(fathom_scene *scene, const fathom_light *light, fathom_id *out) {
+fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_light *light, size_t size,
+                                           fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
     fathom_context *context = scene->context;
-    if (!light) return fail_null(context, "light");
-    if ((unsigned)light->type > FATHOM_LIGHT_ENVIRONMENT)
-        return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)light->type);
-    fathom_status status = check_color(context, "intensity", light->intensity, 0);
+    fathom_light item;
+    fathom_status status = SIZED_ITEM(context, fathom_light, light, size, &item);
     if (status != FATHOM_OK) return status;
-    if (light->type == FATHOM_LIGHT_ENVIRONMENT) return add_environment(scene, light, out);
-    status = check_light(context, light);
+    if ((unsigned)item.type > FATHOM_LIGHT_ENVIRONMENT)
+        return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)item.type);
+    status = check_color(context, "intensity", item.intensity, 0);
     if (status != FATHOM_OK) return status;
-    if (!array_push(&scene->lights, *light)) return fail_memory(context, sizeof *light);
+    if (item.type == FATHOM_LIGHT_ENVIRONMENT) return add_environment(scene, &item, out);
+    status = check_light(context, &item);
+    if (status != FATHOM_OK) return status;
+    if (!array_push(&scene->lights, item)) return fail_memory(context, sizeof item);
     if (out) *out = (fathom_id)(scene->lights.count - 1);
     return FATHOM_OK;
 }
@@ -250,19 +252,13 @@ fathom_status fathom_scene_add_group(fathom_scene *scene, const char *name, fath
     return FATHOM_OK;
 }
 
-void fathom_instance_default(fathom_instance *instance) {
-    if (!instance) return;
-    *instance = (fathom_instance){.group = FATHOM_NONE,
-                                  .parent = FATHOM_ROOT,
-                                  .transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
-                                  .material = FATHOM_NONE};
-}
+SIZED_DEFAULT(fathom_instance, {.group = FATHOM_NONE,
+                                .parent = FATHOM_ROOT,
+                                .transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
+                                .material = FATHOM_NONE})
 
-fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instance *instance,
-                                        fathom_id *out) {
-    if (!scene) return FATHOM_BAD_USAGE;
+static fathom_status check_instance(const fathom_scene *scene, const fathom_instance *instance) {
     fathom_context *context = scene->context;
-    if (!instance) return fail_null(context, "instance");
     if (instance->group >= scene->groups.count || instance->group == FATHOM_ROOT) {
         return fail(context, FATHOM_BAD_INPUT, "instance: expected a group other than the world, found id %u",
                     instance->group);
@@ -280,7 +276,17 @@ fathom_status fathom_scene_add_instance(fathom_scene *scene, const fathom_instan
         return fail_field(context, FATHOM_BAD_INPUT, "transform",
                           "it flattens space or is not finite; expected one that can be inverted");
     }
-    if (!array_push(&scene->instances, *instance)) return fail_memory(context, sizeof *instance);
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_add_instance_sized(fathom_scene *scene, const fathom_instance *instance,
+                                              size_t size, fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    fathom_instance item;
+    fathom_status status = SIZED_ITEM(scene->context, fathom_instance, instance, size, &item);
+    if (status == FATHOM_OK) status = check_instance(scene, &item);
+    if (status != FATHOM_OK) return status;
+    if (!array_push(&scene->instances, item)) return fail_memory(scene->context, sizeof item);
     if (out) *out = (fathom_id)(scene->instances.count - 1);
     return FATHOM_OK;
 }

@@ -1,5 +1,6 @@
 #include "scene/settings.h"
 
+#include "base/sized.h"
 #include "scene/scene.h"
 
 #include <stdlib.h>
@@ -9,36 +10,43 @@
  * it steeper than in its linear part, of slope 12.9233, and rounding to levels moves by one where the curve
  * moves by less than half a level. Half floats of a value I are at least max(2^-24, 2^-11 I) apart, so half
  * of that is lost by no more than 2^-26 + 2^-13 I: the sum is at most twice the larger. */
-void fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure) {
-    if (!settings) return;
+fathom_status fathom_settings_set_loss(fathom_settings *settings, fathom_loss loss, float exposure) {
+    fathom_settings full;
+    fathom_status status = SIZED_OWN(NULL, fathom_settings, settings, &full);
+    if (status != FATHOM_OK) return status;
     const float most = 0.98f;
-    settings->max_loss = settings->max_relative_loss = 0;
+    full.max_loss = full.max_relative_loss = 0;
     switch (loss) {
     case FATHOM_LOSS_NONE: break;
-    case FATHOM_LOSS_8BIT:
-        settings->max_loss = fminf(most * 0.5f / 255 / 12.9233f * exp2f(-exposure), 1);
-        break;
-    case FATHOM_LOSS_HALF:
-        settings->max_loss = most * 0x1p-26f, settings->max_relative_loss = most * 0x1p-13f;
-        break;
+    case FATHOM_LOSS_8BIT: full.max_loss = fminf(most * 0.5f / 255 / 12.9233f * exp2f(-exposure), 1); break;
+    case FATHOM_LOSS_HALF: full.max_loss = most * 0x1p-26f, full.max_relative_loss = most * 0x1p-13f; break;
     }
+    sized_write(settings, &full, sizeof full);
+    return FATHOM_OK;
 }
 
-void fathom_settings_set_integrator(fathom_settings *s, fathom_integrator integrator) {
-    if (!s) return;
+fathom_status fathom_settings_set_integrator(fathom_settings *settings, fathom_integrator integrator) {
+    fathom_settings full;
+    fathom_status status = SIZED_OWN(NULL, fathom_settings, settings, &full);
+    if (status != FATHOM_OK) return status;
     const bool path = integrator != FATHOM_INTEGRATOR_CLASSIC;
-    s->integrator = integrator;
-    s->pattern = path ? FATHOM_PATTERN_SOBOL : FATHOM_PATTERN_GRID;
-    s->max_depth = path ? 16 : 8;
-    s->spp = path ? 1024 : 1;
-    s->target_error = path ? 0.02 : 0;
+    full.integrator = integrator;
+    full.pattern = path ? FATHOM_PATTERN_SOBOL : FATHOM_PATTERN_GRID;
+    full.max_depth = path ? 16 : 8;
+    full.spp = path ? 1024 : 1;
+    full.target_error = path ? 0.02 : 0;
+    sized_write(settings, &full, sizeof full);
+    return FATHOM_OK;
 }
 
-void fathom_scene_settings(const fathom_scene *scene, fathom_settings *out) {
-    if (scene && out)
-        *out = scene->settings;
-    else
-        fathom_settings_default(out);
+void fathom_scene_settings_sized(const fathom_scene *scene, fathom_settings *out, size_t size) {
+    if (!scene) {
+        fathom_settings_default_sized(out, size);
+        return;
+    }
+    fathom_settings settings = scene->settings;
+    settings.size = size;
+    sized_give(out, size, &settings, sizeof settings);
 }
 
 static bool is_square(uint32_t n) {
@@ -105,34 +113,48 @@ fathom_status scene_check_settings(fathom_context *context, const fathom_setting
 
 fathom_status fathom_scene_set_settings(fathom_scene *scene, const fathom_settings *settings) {
     if (!scene) return FATHOM_BAD_USAGE;
-    if (!settings) return fail_null(scene->context, "settings");
-    fathom_status status = scene_check_settings(scene->context, settings);
+    fathom_settings full;
+    fathom_status status = SIZED_OWN(scene->context, fathom_settings, settings, &full);
+    if (status == FATHOM_OK) status = scene_check_settings(scene->context, &full);
     if (status != FATHOM_OK) return status;
-    char *tracer = settings->tracer ? strdup(settings->tracer) : NULL; /* may be the scene's own */
-    if (settings->tracer && !tracer) return fail_memory(scene->context, strlen(settings->tracer) + 1);
+    char *tracer = full.tracer ? strdup(full.tracer) : NULL; /* may be the scene's own */
+    if (full.tracer && !tracer) return fail_memory(scene->context, strlen(full.tracer) + 1);
     free(scene->tracer);
-    scene->settings = *settings;
+    scene->settings = full;
     scene->settings.tracer = scene->tracer = tracer;
     return FATHOM_OK;
 }
 
+fathom_status fathom_settings_check(fathom_context *context, const fathom_settings *settings) {
+    if (!context) return FATHOM_BAD_USAGE;
+    fathom_settings full;
+    fathom_status status = SIZED_OWN(context, fathom_settings, settings, &full);
+    return status == FATHOM_OK ? scene_check_settings(context, &full) : status;
+}
+
 /* ---- by name ---- */
 
-static fathom_status find(fathom_context *context, const void *settings, const char *name, const void *value,
-                          const fathom_parameter **out) {
-    if (!context || !settings) return fail_null(context, "settings");
+static fathom_status find(fathom_context *context, const fathom_settings *settings, const char *name,
+                          const void *value, const fathom_parameter **out, fathom_settings *full) {
+    *out = NULL;
+    if (!context) return FATHOM_BAD_USAGE;
+    fathom_status status = SIZED_OWN(context, fathom_settings, settings, full);
+    if (status != FATHOM_OK) return status;
     if (!name) return fail_null(context, "name");
     if (!value) return fail_null(context, "value");
     *out = parameter_find(settings_table, name);
-    if (*out) return FATHOM_OK;
+    if (*out && (*out)->offset < settings->size) return FATHOM_OK;
     return fail_field(context, FATHOM_BAD_USAGE, "settings",
                       "there is no \"%.60s\"; expected a name in fathom_settings_parameters()", name);
 }
 
 static fathom_status set(fathom_context *context, fathom_settings *settings, const fathom_parameter *p,
-                         const char *value) {
+                         const char *value, fathom_settings *full) {
     char wrong[PARAMETER_WRONG], name[PARAMETER_NAME];
-    if (parameter_read(p, value, settings, wrong)) return FATHOM_OK;
+    if (parameter_read(p, value, full, wrong)) {
+        sized_write(settings, full, sizeof *full);
+        return FATHOM_OK;
+    }
     parameter_name(p, ' ', name);
     return fail_field(context, FATHOM_BAD_INPUT, name, "%s", wrong);
 }
@@ -140,24 +162,27 @@ static fathom_status set(fathom_context *context, fathom_settings *settings, con
 fathom_status fathom_settings_set_text(fathom_context *context, fathom_settings *settings, const char *name,
                                        const char *value) {
     const fathom_parameter *p;
-    fathom_status status = find(context, settings, name, value, &p);
-    return status == FATHOM_OK ? set(context, settings, p, value) : status;
+    fathom_settings full;
+    fathom_status status = find(context, settings, name, value, &p, &full);
+    return status == FATHOM_OK ? set(context, settings, p, value, &full) : status;
 }
 
 fathom_status fathom_settings_get_text(fathom_context *context, const fathom_settings *settings,
                                        const char *name, char *out, size_t size) {
     const fathom_parameter *p;
-    fathom_status status = find(context, settings, name, out, &p);
+    fathom_settings full;
+    fathom_status status = find(context, settings, name, out, &p, &full);
     if (status != FATHOM_OK) return status;
-    const size_t length = parameter_print(p, settings, out, size);
+    const size_t length = parameter_print(p, &full, out, size);
     if (length < size) return FATHOM_OK;
     return fail_field(context, FATHOM_BAD_USAGE, name, "its text takes %zu bytes, found room for %zu",
                       length + 1, size);
 }
 
 static fathom_status find_numbers(fathom_context *context, const fathom_settings *settings, const char *name,
-                                  const double *values, size_t count, const fathom_parameter **out) {
-    fathom_status status = find(context, settings, name, values, out);
+                                  const double *values, size_t count, const fathom_parameter **out,
+                                  fathom_settings *full) {
+    fathom_status status = find(context, settings, name, values, out, full);
     if (status != FATHOM_OK || (parameter_is_number(*out) && count == parameter_count(*out))) return status;
     return fail_field(context, FATHOM_BAD_USAGE, name, "expected %u numbers, found %zu",
                       parameter_is_number(*out) ? parameter_count(*out) : 0, count);
@@ -166,17 +191,19 @@ static fathom_status find_numbers(fathom_context *context, const fathom_settings
 fathom_status fathom_settings_set_numbers(fathom_context *context, fathom_settings *settings,
                                           const char *name, const double *values, size_t count) {
     const fathom_parameter *p;
+    fathom_settings full;
     char text[PARAMETER_TEXT];
-    fathom_status status = find_numbers(context, settings, name, values, count, &p);
+    fathom_status status = find_numbers(context, settings, name, values, count, &p, &full);
     if (status != FATHOM_OK) return status;
     parameter_print_numbers(p, values, text, sizeof text);
-    return set(context, settings, p, text);
+    return set(context, settings, p, text, &full);
 }
 
 fathom_status fathom_settings_get_numbers(fathom_context *context, const fathom_settings *settings,
                                           const char *name, double *values, size_t count) {
     const fathom_parameter *p;
-    fathom_status status = find_numbers(context, settings, name, values, count, &p);
-    for (unsigned i = 0; status == FATHOM_OK && i < count; ++i) values[i] = parameter_number(p, settings, i);
+    fathom_settings full;
+    fathom_status status = find_numbers(context, settings, name, values, count, &p, &full);
+    for (unsigned i = 0; status == FATHOM_OK && i < count; ++i) values[i] = parameter_number(p, &full, i);
     return status;
 }

@@ -1,31 +1,27 @@
 /* Adding shapes: what is wrong with one alone is found here. */
+#include "base/sized.h"
 #include "scene/scene.h"
 
 #include <string.h>
 
-void fathom_sphere_default(fathom_sphere *sphere) {
-    if (sphere) *sphere = (fathom_sphere){.radius = 1};
+SIZED_DEFAULT(fathom_sphere, {.radius = 1})
+SIZED_DEFAULT(fathom_plane, {.normal = {0, 0, 1}})
+SIZED_DEFAULT(fathom_mesh, {.material = 0})
+
+void fathom_quad_default_sized(fathom_quad *quad, size_t size) {
+    fathom_quad_from_axes_sized((double[3]){0, 0, 0}, (double[3]){0.5, 0, 0}, (double[3]){0, 0.5, 0}, quad,
+                                size);
 }
 
-void fathom_quad_default(fathom_quad *quad) {
-    fathom_quad_from_axes((double[3]){0, 0, 0}, (double[3]){0.5, 0, 0}, (double[3]){0, 0.5, 0}, quad);
-}
-
-void fathom_quad_from_axes(const double center[3], const double u[3], const double v[3], fathom_quad *out) {
-    if (!center || !u || !v || !out) return;
-    *out = (fathom_quad){.material = 0};
+void fathom_quad_from_axes_sized(const double center[3], const double u[3], const double v[3],
+                                 fathom_quad *out, size_t size) {
+    if (!center || !u || !v) return;
+    fathom_quad quad = {.material = 0};
     const double signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
     for (int i = 0; i < 4; ++i) {
-        for (int k = 0; k < 3; ++k) out->corners[i][k] = center[k] + signs[i][0] * u[k] + signs[i][1] * v[k];
+        for (int k = 0; k < 3; ++k) quad.corners[i][k] = center[k] + signs[i][0] * u[k] + signs[i][1] * v[k];
     }
-}
-
-void fathom_plane_default(fathom_plane *plane) {
-    if (plane) *plane = (fathom_plane){.normal = {0, 0, 1}};
-}
-
-void fathom_mesh_default(fathom_mesh *mesh) {
-    if (mesh) *mesh = (fathom_mesh){.material = 0};
+    sized_give(out, size, &quad, sizeof quad);
 }
 
 /* Checks what all shapes have and books the object: kind, index, group. */
@@ -45,20 +41,23 @@ static fathom_status book(fathom_scene *scene, scene_kind kind, size_t index, fa
     return FATHOM_OK;
 }
 
-fathom_status fathom_scene_add_sphere(fathom_scene *scene, fathom_id group, const fathom_sphere *sphere,
-                                      fathom_id *out) {
+static fathom_status check_sphere(fathom_context *context, const fathom_sphere *sphere) {
+    if (!finite_f64(load_f64(sphere->center)))
+        return fail_field(context, FATHOM_BAD_INPUT, "center", "expected three finite numbers");
+    if (sphere->radius > 0 && isfinite(sphere->radius)) return FATHOM_OK;
+    return fail_field(context, FATHOM_BAD_INPUT, "radius", "expected a number > 0, found %g", sphere->radius);
+}
+
+fathom_status fathom_scene_add_sphere_sized(fathom_scene *scene, fathom_id group, const fathom_sphere *sphere,
+                                            size_t size, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
-    if (!sphere) return fail_null(scene->context, "sphere");
-    if (!finite_f64(load_f64(sphere->center))) {
-        return fail_field(scene->context, FATHOM_BAD_INPUT, "center", "expected three finite numbers");
-    }
-    if (!(sphere->radius > 0) || !isfinite(sphere->radius)) {
-        return fail_field(scene->context, FATHOM_BAD_INPUT, "radius", "expected a number > 0, found %g",
-                          sphere->radius);
-    }
-    if (!array_room(&scene->spheres, 1)) return fail_memory(scene->context, sizeof *sphere);
-    fathom_status status = book(scene, SCENE_SPHERE, scene->spheres.count, group, sphere->material, out);
-    if (status == FATHOM_OK) array_push(&scene->spheres, *sphere);
+    fathom_sphere item;
+    fathom_status status = SIZED_ITEM(scene->context, fathom_sphere, sphere, size, &item);
+    if (status == FATHOM_OK) status = check_sphere(scene->context, &item);
+    if (status != FATHOM_OK) return status;
+    if (!array_room(&scene->spheres, 1)) return fail_memory(scene->context, sizeof item);
+    status = book(scene, SCENE_SPHERE, scene->spheres.count, group, item.material, out);
+    if (status == FATHOM_OK) array_push(&scene->spheres, item);
     return status;
 }
 
@@ -100,33 +99,37 @@ static fathom_status check_quad(fathom_context *context, const fathom_quad *quad
     return FATHOM_OK;
 }
 
-fathom_status fathom_scene_add_quad(fathom_scene *scene, fathom_id group, const fathom_quad *quad,
-                                    fathom_id *out) {
+fathom_status fathom_scene_add_quad_sized(fathom_scene *scene, fathom_id group, const fathom_quad *quad,
+                                          size_t size, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
-    if (!quad) return fail_null(scene->context, "quad");
-    fathom_status status = check_quad(scene->context, quad);
+    fathom_quad item;
+    fathom_status status = SIZED_ITEM(scene->context, fathom_quad, quad, size, &item);
+    if (status == FATHOM_OK) status = check_quad(scene->context, &item);
     if (status != FATHOM_OK) return status;
-    if (!array_room(&scene->quads, 1)) return fail_memory(scene->context, sizeof *quad);
-    status = book(scene, SCENE_QUAD, scene->quads.count, group, quad->material, out);
-    if (status == FATHOM_OK) array_push(&scene->quads, *quad);
+    if (!array_room(&scene->quads, 1)) return fail_memory(scene->context, sizeof item);
+    status = book(scene, SCENE_QUAD, scene->quads.count, group, item.material, out);
+    if (status == FATHOM_OK) array_push(&scene->quads, item);
     return status;
 }
 
-fathom_status fathom_scene_add_plane(fathom_scene *scene, fathom_id group, const fathom_plane *plane,
-                                     fathom_id *out) {
-    if (!scene) return FATHOM_BAD_USAGE;
-    if (!plane) return fail_null(scene->context, "plane");
-    if (!finite_f64(load_f64(plane->point))) {
-        return fail_field(scene->context, FATHOM_BAD_INPUT, "point", "expected three finite numbers");
-    }
+static fathom_status check_plane(fathom_context *context, const fathom_plane *plane) {
+    if (!finite_f64(load_f64(plane->point)))
+        return fail_field(context, FATHOM_BAD_INPUT, "point", "expected three finite numbers");
     vec3_f64 normal = load_f64(plane->normal);
-    if (!finite_f64(normal) || length_f64(normal) == 0) {
-        return fail_field(scene->context, FATHOM_BAD_INPUT, "normal",
-                          "expected a finite vector that is not zero");
-    }
-    if (!array_room(&scene->planes, 1)) return fail_memory(scene->context, sizeof *plane);
-    fathom_status status = book(scene, SCENE_PLANE, scene->planes.count, group, plane->material, out);
-    if (status == FATHOM_OK) array_push(&scene->planes, *plane);
+    if (finite_f64(normal) && length_f64(normal) != 0) return FATHOM_OK;
+    return fail_field(context, FATHOM_BAD_INPUT, "normal", "expected a finite vector that is not zero");
+}
+
+fathom_status fathom_scene_add_plane_sized(fathom_scene *scene, fathom_id group, const fathom_plane *plane,
+                                           size_t size, fathom_id *out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    fathom_plane item;
+    fathom_status status = SIZED_ITEM(scene->context, fathom_plane, plane, size, &item);
+    if (status == FATHOM_OK) status = check_plane(scene->context, &item);
+    if (status != FATHOM_OK) return status;
+    if (!array_room(&scene->planes, 1)) return fail_memory(scene->context, sizeof item);
+    status = book(scene, SCENE_PLANE, scene->planes.count, group, item.material, out);
+    if (status == FATHOM_OK) array_push(&scene->planes, item);
     return status;
 }
 
@@ -194,14 +197,20 @@ fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const
     return add_mesh(scene, group, &stored, facts, out);
 }
 
-fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
-                                           fathom_id *out) {
+/* The caller's mesh with its strides, checked. */
+static fathom_status read_mesh(const fathom_scene *scene, const fathom_mesh *mesh, size_t size,
+                               fathom_mesh *out, mesh_facts *facts) {
+    fathom_status status = SIZED_ITEM(scene->context, fathom_mesh, mesh, size, out);
+    default_strides(out);
+    return status == FATHOM_OK ? check_mesh(scene->context, out, facts) : status;
+}
+
+fathom_status fathom_scene_add_mesh_shared_sized(fathom_scene *scene, fathom_id group,
+                                                 const fathom_mesh *mesh, size_t size, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
-    if (!mesh) return fail_null(scene->context, "mesh");
-    fathom_mesh stored = *mesh;
-    default_strides(&stored);
+    fathom_mesh stored;
     mesh_facts facts;
-    fathom_status status = check_mesh(scene->context, &stored, &facts);
+    fathom_status status = read_mesh(scene, mesh, size, &stored, &facts);
     return status == FATHOM_OK ? add_mesh(scene, group, &stored, &facts, out) : status;
 }
 
@@ -218,14 +227,12 @@ static fathom_status copy_array(fathom_scene *scene, const void *from, size_t st
     return FATHOM_OK;
 }
 
-fathom_status fathom_scene_add_mesh(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
-                                    fathom_id *out) {
+fathom_status fathom_scene_add_mesh_sized(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
+                                          size_t size, fathom_id *out) {
     if (!scene) return FATHOM_BAD_USAGE;
-    if (!mesh) return fail_null(scene->context, "mesh");
-    fathom_mesh copy = *mesh;
-    default_strides(&copy);
+    fathom_mesh copy;
     mesh_facts facts;
-    fathom_status status = check_mesh(scene->context, &copy, &facts);
+    fathom_status status = read_mesh(scene, mesh, size, &copy, &facts);
     if (status != FATHOM_OK) return status;
     if (scene->without_uvs) copy.uvs = NULL, copy.uv_indices = NULL, copy.uv_count = 0;
     size_t corners = (size_t)copy.triangle_count * 3, word = sizeof(uint32_t);

@@ -203,6 +203,11 @@ struct fathom_tracer {
     trace_tracer *tracer;
 };
 
+fathom_status fathom_tracer_check(fathom_context *context, const char *words) {
+    trace_spec spec;
+    return trace_spec_parse(context, words, &spec);
+}
+
 fathom_status fathom_tracer_create(fathom_context *context, const fathom_scene *scene, const char *words,
                                    fathom_tracer **out) {
     if (!out) return fail_null(context, "out");

@@ -162,5 +162,5 @@ code=0
 FATHOM_IMAGE_MODULE=$PWD/module.so "$FATHOM" render scene.json -o e.exr --size 2000x2000 --tracer linear:f64 --spp 1024 \
     >out.txt 2>err.txt || code=$?
 [ $code -eq 4 ] || die "no module: exit code $code, expected 4"
-said err.txt 'fathom: image helper: '
+said err.txt 'fathom: e.exr: image helper: '
 [ ! -e e.exr ] || die 'no module: there is an image'

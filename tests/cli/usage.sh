@@ -43,7 +43,7 @@ for command in render info generate compare validate bench help; do
     cmp -s out.txt help.txt || die "fathom help $command -h is not fathom help $command"
     awk 'length($0) > 80 { exit 1 }' out.txt || die "the help of $command is wider than 80 columns"
 done
-for what in trace render error build growth secondary; do
+for what in trace render error; do
     run 0 help bench $what
     cp out.txt help.txt
     run 0 bench $what nothing -h

@@ -10,7 +10,7 @@ READERS = {
     "glb": ["src/read/gltf/"],
     "obj": ["src/read/obj/"],
     "ply": ["src/read/ply/"],
-    "rays": ["src/cli/render/ray_line.c"],
+    "rays": ["src/cli/validate/ray_line.c"],
     "checkpoint": ["src/render/checkpoint/", "src/job/adaptive_record.c"],
     "command_line": ["src/cli/", "src/trace/spec.c"],
 }

@@ -1,7 +1,7 @@
 /* Files of failing rays, as `fathom validate --replay` reads them. */
 #include "fuzz.h"
 
-#include "cli/render/ray_line.h"
+#include "cli/validate/ray_line.h"
 
 #include <stdlib.h>
 

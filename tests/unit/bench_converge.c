@@ -123,7 +123,7 @@ static void same_image(void **state) {
     fathom_settings settings = stage.settings;
     settings.pattern = FATHOM_PATTERN_SOBOL, settings.spp = 5, settings.seed = 9;
     fathom_film *film;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     assert_ok(context, fathom_render(context, stage.scene, &settings, NULL, NULL, &stats, &film));
     const stage_shot shot = {FATHOM_PATTERN_SOBOL, 5, 9};
     static float rgb[3][48 * 32];

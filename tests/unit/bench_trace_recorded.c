@@ -63,7 +63,7 @@ static void recorded_rays_are_those_of_the_render(void **state) {
     studio_open(&t);
     trace_sets sets;
     assert_ok(t.s.context, trace_sets_record(t.s.context, t.plan, 100000, &sets));
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *film;
     assert_ok(t.s.context, fathom_render(t.s.context, t.s.scene, &t.s.settings, NULL, NULL, &stats, &film));
     fathom_film_destroy(film);

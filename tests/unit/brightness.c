@@ -21,7 +21,7 @@ static fathom_film *render_emitter(float e, float background, unsigned aovs) {
 
 static fathom_brightness brightness_of(float e, float background, unsigned aovs, float exposure) {
     fathom_film *film = render_emitter(e, background, aovs);
-    fathom_brightness b;
+    fathom_brightness b = {.size = sizeof b};
     fathom_film_brightness(film, exposure, &b);
     fathom_film_destroy(film);
     return b;

@@ -74,13 +74,15 @@ static bool stop_after(void *user, const fathom_progress *now) {
 
 static fathom_status render(place *p, unsigned threads, fathom_stats *stats, fathom_film **out) {
     fathom_context_set_threads(p->s.context, threads);
-    return fathom_render_checkpointed(p->s.context, p->s.scene, &p->s.settings, &p->saving, stop_after, p,
-                                      stats, out);
+    fathom_session_options options;
+    fathom_session_options_default(&options);
+    options.checkpoint = &p->saving, options.progress = stop_after, options.user = p;
+    return fathom_session_run(p->s.context, p->s.scene, &p->s.settings, &options, stats, out);
 }
 
 /* Stopped again and again, each time on another number of threads. Returns how often. */
 static int render_in_parts(place *p, fathom_film **out) {
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     for (int part = 0;; ++part) {
         p->ticks = part;
         fathom_status status = render(p, 1 + (unsigned)part % 3, &stats, out);
@@ -160,7 +162,7 @@ static void samples_to_a_time_continue(void **state) {
 static void spent_time_counts(void **state) {
     place *p = *state;
     fathom_film *film;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     p->s.settings.spp = ENDLESS_SPP;
     p->s.settings.max_time = 1000;
     p->ticks = 8;
@@ -190,7 +192,7 @@ static void program_asks_for_saves(void **state) {
     place *p = *state;
     int saves = 0;
     fathom_film *film;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     p->s.settings.spp = ENDLESS_SPP;
     p->saving.every = 1e6;
     p->saving.wanted = want_always, p->saving.saved = count_saves, p->saving.user = &saves;
@@ -241,12 +243,8 @@ static void nothing_to_resume_begins(void **state) {
 static void bad_requests_are_refused(void **state) {
     place *p = *state;
     fathom_film *film;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_checkpoint_default(NULL);
-    assert_int_equal(
-        fathom_render_checkpointed(p->s.context, p->s.scene, &p->s.settings, NULL, NULL, NULL, &stats, &film),
-        FATHOM_BAD_USAGE);
-    assert_null(film);
     p->saving.path = NULL;
     assert_int_equal(render(p, 1, NULL, &film), FATHOM_BAD_USAGE);
     p->saving.path = p->path;

@@ -291,14 +291,14 @@ static void temporary_names_in_use_are_skipped(void **state) {
     no_fault();
     assert_non_null(strstr(file_writer_temporary(writer), "-1.bin"));
     file_writer_abort(writer);
-    file_remove_left_over(path); /* the first is nobody's */
+    fathom_file_remove_left_over(path); /* the first is nobody's */
     assert_int_equal(count_files(), 0);
     fail_calls("flock", 1, 100, EWOULDBLOCK);
     assert_int_equal(file_writer_open(context, path, &writer), FATHOM_OUT_OF_RESOURCES);
     assert_non_null(
         strstr(fathom_context_message(context), "a.bin: cannot be written: Device or resource busy"));
     no_fault();
-    file_remove_left_over(path);
+    fathom_file_remove_left_over(path);
     assert_int_equal(count_files(), 0);
 }
 
@@ -374,16 +374,16 @@ static void unwritable_paths_are_found_before_writing(void **state) {
     (void)state;
     const char *path = in_folder("a.bin");
     fail_call("faccessat", EACCES);
-    cannot_write(file_check_writable, path, "its folder: Permission denied");
+    cannot_write(fathom_file_check, path, "its folder: Permission denied");
     fail_call("fwrite", ENOSPC);
-    cannot_write(file_check_writable, path, "No space left on device");
+    cannot_write(fathom_file_check, path, "No space left on device");
     fail_call("fflush", ENOSPC);
-    cannot_write(file_check_writable, path, "No space left on device");
+    cannot_write(fathom_file_check, path, "No space left on device");
     fail_call("open", EROFS);
-    cannot_write(file_check_writable, path, "Read-only file system");
-    cannot_write(file_check_writable, in_folder("no/a.bin"), "its folder does not exist");
+    cannot_write(fathom_file_check, path, "Read-only file system");
+    cannot_write(fathom_file_check, in_folder("no/a.bin"), "its folder does not exist");
     make(path, "x");
-    assert_int_equal(file_check_writable(context, in_folder("a.bin/a.bin")), FATHOM_OUT_OF_RESOURCES);
+    assert_int_equal(fathom_file_check(context, in_folder("a.bin/a.bin")), FATHOM_OUT_OF_RESOURCES);
     assert_non_null(
         strstr(fathom_context_message(context), "a.bin/a.bin: cannot be written: its folder does not exist"));
     unlink(path);
@@ -398,13 +398,13 @@ static void only_temporary_files_are_removed(void **state) {
     assert_int_equal(mkdir(inside, 0700), 0);
     make(file, "x");
     fail_calls("fstat", 1, 2, EIO);
-    file_remove_left_over(in_folder("a.bin"));
+    fathom_file_remove_left_over(in_folder("a.bin"));
     no_fault();
     assert_int_equal(count_files(), 3);
-    file_remove_left_over(in_folder("a.bin"));
+    fathom_file_remove_left_over(in_folder("a.bin"));
     assert_int_equal(count_files(), 2);
     assert_int_equal(access(file, F_OK), -1);
-    file_remove_left_over(in_folder("no/a.bin"));
+    fathom_file_remove_left_over(in_folder("no/a.bin"));
     unlink(link), rmdir(inside);
 }
 

@@ -218,7 +218,7 @@ static void a_link_is_replaced_and_its_target_stays(void **state) {
     for (size_t i = 0; i < sizeof targets / sizeof *targets; ++i) {
         make(other);
         assert_int_equal(symlink(targets[i], p->path), 0);
-        assert_ok(p->context, file_check_writable(p->context, p->path));
+        assert_ok(p->context, fathom_file_check(p->context, p->path));
         assert_ok(p->context, file_writer_commit(begin(p, "one")));
         assert_true(S_ISREG(mode_of(p->path)));
         assert_holds(p, "one");
@@ -250,7 +250,7 @@ static void the_longest_file_names_work(void **state) {
         assert_ok(p->context, file_writer_commit(writer));
         make(kept);
         assert_int_equal(count_files(p, false), 2);
-        file_remove_left_over(path);
+        fathom_file_remove_left_over(path);
         assert_int_equal(count_files(p, true), 1);
     }
 }
@@ -263,14 +263,14 @@ static void protected_files_are_refused(void **state) {
     assert_int_equal(chmod(p->folder, 01777), 0);
     const bool root = geteuid() == 0;
     if (root) assert_int_equal(seteuid(65534), 0);
-    assert_int_equal(file_check_writable(p->context, p->path), FATHOM_OUT_OF_RESOURCES);
+    assert_int_equal(fathom_file_check(p->context, p->path), FATHOM_OUT_OF_RESOURCES);
     assert_non_null(
         strstr(fathom_context_message(p->context), "a.bin: cannot be written: Permission denied"));
     if (root) {
         assert_int_equal(seteuid(0), 0);
         assert_int_equal(chmod(p->path, 0666), 0);
         assert_int_equal(seteuid(65534), 0);
-        assert_int_equal(file_check_writable(p->context, p->path), FATHOM_OUT_OF_RESOURCES);
+        assert_int_equal(fathom_file_check(p->context, p->path), FATHOM_OUT_OF_RESOURCES);
         assert_non_null(strstr(fathom_context_message(p->context), "Operation not permitted"));
         assert_int_equal(seteuid(0), 0);
     }
@@ -283,11 +283,11 @@ static void abort_removes_added_files(void **state) {
     snprintf(path, sizeof path, "%s", at(p, "other"));
     for (int kept = 0; kept < 2; ++kept) {
         make(path);
-        file_abort_also(path);
-        if (kept) file_abort_no_more(path);
-        file_writer_abort_all();
+        fathom_file_abandon_also(path);
+        if (kept) fathom_file_abandon_no_more(path);
+        fathom_file_abandon_all();
         assert_int_equal(access(path, F_OK) == 0, kept);
-        file_abort_no_more(path);
+        fathom_file_abandon_no_more(path);
     }
 }
 
@@ -301,7 +301,7 @@ static void only_left_over_files_are_removed(void **state) {
     const int count = sizeof others / sizeof *others;
     for (int i = 0; i < count; ++i) make(at(p, others[i]));
     assert_int_equal(count_files(p, false), count + 3);
-    file_remove_left_over(p->path);
+    fathom_file_remove_left_over(p->path);
     assert_int_equal(count_files(p, false), count + 1);
     for (int i = 0; i < count; ++i) assert_int_equal(access(at(p, others[i]), F_OK), 0);
     assert_ok(p->context, file_writer_commit(alive));
@@ -321,12 +321,12 @@ static void the_file_of_a_killed_writer_is_removed(void **state) {
         _exit(1);
     }
     assert_int_equal(read(ready[0], &byte, 1), 1);
-    file_remove_left_over(p->path);
+    fathom_file_remove_left_over(p->path);
     assert_int_equal(count_files(p, false), 1);
     kill(child, SIGKILL);
     waitpid(child, NULL, 0);
     assert_int_equal(count_files(p, false), 1);
-    file_remove_left_over(p->path);
+    fathom_file_remove_left_over(p->path);
     assert_int_equal(count_files(p, false), 0);
     close(ready[0]), close(ready[1]);
 }

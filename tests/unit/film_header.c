@@ -144,7 +144,7 @@ static void only_an_interrupted_film_says_so(void **state) {
     stage s = askance(0);
     s.settings.spp = 65536;
     fathom_film *film;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     assert_int_equal(fathom_render(s.context, s.scene, &s.settings, stop_at_once, NULL, &stats, &film),
                      FATHOM_INTERRUPTED);
     assert_true(stats.finished >= 0 && stats.finished < 1);

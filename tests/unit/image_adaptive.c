@@ -116,7 +116,7 @@ static void compare_waves(stage *s, const fathom_film *truth, tally *t) {
         for (uint32_t x = 0; x < WIDTH; x += SIDE) {
             const uint32_t crop[4] = {x, y, x + SIDE, y + SIDE < HEIGHT ? y + SIDE : HEIGHT};
             memcpy(s->settings.crop, crop, sizeof crop);
-            fathom_stats stats;
+            fathom_stats stats = {.size = sizeof stats};
             fathom_film *film = render(s, &stats);
             double error = true_error(film, truth, crop), estimate = stats.error_estimate;
             ++t->waves;
@@ -168,7 +168,7 @@ static void same_bits_however_rendered(void **state) {
     stage s = open_subject(BALLS);
     s.settings.target_error = 0.01;
     s.settings.aovs = FATHOM_AOV_ALPHA | FATHOM_AOV_N | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES;
-    fathom_stats first_stats, stats;
+    fathom_stats first_stats = {.size = sizeof first_stats}, stats = {.size = sizeof stats};
     fathom_film *first = render(&s, &first_stats);
     for (unsigned threads = 1; threads <= 7; threads += 2) {
         fathom_context_set_threads(s.context, threads);
@@ -215,7 +215,7 @@ static void no_error_is_all_samples(void **state) {
     stage s = open_subject(BARS);
     s.settings.integrator = FATHOM_INTEGRATOR_PATH;
     s.settings.spp = 32, s.settings.aovs = ~0u >> 25; /* all */
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *evenly = render(&s, NULL);
     s.settings.target_error = 1e-12;
     fathom_film *adaptive = render(&s, &stats);
@@ -239,7 +239,7 @@ static void samples_where_needed(void **state) {
     (void)state;
     stage s = open_subject(BALLS);
     s.settings.target_error = 0.02, s.settings.min_spp = 16, s.settings.aovs = FATHOM_AOV_SAMPLES;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *film = render(&s, &stats);
     const uint32_t *samples = fathom_film_channel_id(film, "samples");
     uint64_t sum = 0;
@@ -370,7 +370,7 @@ static void stays_finite(void **state) {
     stage s = open_subject(BALLS);
     stage_point_light(&s, 3, 4, 3, 3e38f);
     s.settings.target_error = 0.05, s.settings.spp = 16;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *film = render(&s, &stats);
     assert_true(isfinite(stats.error_estimate) && stats.error_estimate > 0);
     for (size_t i = 0; i < WIDTH * HEIGHT; ++i) assert_true(isfinite(fathom_film_channel(film, "R")[i]));
@@ -384,7 +384,7 @@ static void to_a_time(void **state) {
     (void)state;
     stage s = open_subject(BALLS);
     fathom_film *film;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     s.settings.max_time = 1e-9;
     assert_fails(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, &stats, &film),
                  FATHOM_BAD_USAGE, "too short");
@@ -420,10 +420,10 @@ static void leaves_time(void **state) {
     for (int i = 0; i < 2; ++i) {
         asked a = {.answer = answers[i]};
         const job_reserve reserve = {ask, &a};
+        const render_request request = {.reserve = &reserve};
         fathom_film *film;
-        fathom_stats stats;
-        assert_ok(s.context,
-                  render_to_time(s.context, s.scene, &s.settings, &reserve, NULL, NULL, NULL, &stats, &film));
+        fathom_stats stats = {.size = sizeof stats};
+        assert_ok(s.context, render_film(s.context, s.scene, &s.settings, &request, &stats, &film));
         assert_int_equal(a.times, 1);
         assert_true(a.all_sampled && a.left > 0 && a.left < 1000);
         assert_int_equal(stats.samples, WIDTH * HEIGHT * (i ? 8 : 1));
@@ -437,7 +437,7 @@ static void leaves_time(void **state) {
 static void time_to_spare(void **state) {
     (void)state;
     stage s = open_subject(BARS);
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     s.settings.integrator = FATHOM_INTEGRATOR_PATH;
     s.settings.max_time = 1000, s.settings.target_error = 0.02;
     fathom_film *film = render(&s, &stats);

@@ -49,7 +49,7 @@ static void attributes_hold_any_count_of_numbers(void **state) {
         attributes[count] = (image_attribute){names[count], NULL, numbers, count};
     }
     const image img = {2, 1, 0, 0, 2, 1, channels, 3, attributes, MOST + 1};
-    const fathom_write_options options = {.exposure = 0};
+    const fathom_write_options options = {.size = sizeof options, .exposure = 0};
     for (int plain = 0; plain < 2; ++plain) {
         const image *back;
         if (plain)
@@ -66,7 +66,7 @@ static void attributes_hold_any_count_of_numbers(void **state) {
 
 static void impossible_images_are_refused(void **state) {
     (void)state;
-    const fathom_write_options options = {.exposure = 0};
+    const fathom_write_options options = {.size = sizeof options, .exposure = 0};
     image img = {2, 1, 0, 0, 2, 1, channels, 3, NULL, 0};
     img.width = 0;
     assert_fails(context, image_write(context, &img, in_folder("a.png"), &options), FATHOM_INTERNAL, "empty");

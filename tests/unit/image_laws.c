@@ -377,7 +377,7 @@ static void stopping(void **state) {
     s.settings.width = 640, s.settings.height = 480, s.settings.spp = 1024;
     stopper stop = {0, 3, pthread_self()};
     fathom_film *film = NULL;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     assert_int_equal(fathom_render(s.context, s.scene, &s.settings, stop_after, &stop, &stats, &film),
                      FATHOM_INTERRUPTED);
     assert_non_null(film);

@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-static const fathom_write_options usual = {0, NULL, NULL, NULL, false, NULL};
+static const fathom_write_options usual = {.size = sizeof usual};
 
 static unsigned char file[1 << 16];
 static size_t file_size;

@@ -126,7 +126,7 @@ static void rows_agree_with_opencolorio(void **state) {
 /* Decided by the names alone. */
 static void only_srgb_png_needs_no_helper(void **state) {
     (void)state;
-    fathom_write_options options = {0, NULL, NULL, NULL, false, NULL};
+    fathom_write_options options = {.size = sizeof options};
     assert_false(image_needs_module("a.png", &options));
     assert_false(image_needs_module("a.txt", &options)); /* nor can it be written */
     assert_true(image_needs_module("a.exr", &options));

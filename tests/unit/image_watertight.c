@@ -83,7 +83,7 @@ static void set_camera(stage *s, double half_width) {
 }
 
 static size_t bright(stage *s, const char *tracer, uint64_t *repaired) {
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *film;
     s->settings.tracer = tracer;
     assert_ok(s->context, fathom_render(s->context, s->scene, &s->settings, NULL, NULL, &stats, &film));

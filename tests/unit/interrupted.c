@@ -81,7 +81,7 @@ static void a_finished_render_holds_samples_alone(void **state) {
     (void)state;
     stage s = two_balls();
     fathom_film *film;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     s.settings.spp = 5;
     assert_ok(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, &stats, &film));
     assert_int_equal(stats.camera_rays, (uint64_t)SIDE * SIDE * 5);

@@ -100,7 +100,7 @@ static void surfaces_that_only_emit_cast_no_shadow_rays(void **state) {
     stage_mesh_sphere(&s, FATHOM_ROOT, 8, 16, stage_emitter(&s, 1));
     stage_point_light(&s, 2, 3, 2, 20);
     look_at_origin(&s);
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *film = render(&s, &stats);
     assert_true(says(film, "lights and their shadow rays"));
     assert_int_equal(stats.shadow_rays + stats.unlit_shadow_rays, 0);
@@ -184,7 +184,7 @@ static void each_point_has_a_ray_to_each_light_cast_or_counted(void **state) {
     stage_point_light(&s, 0, 0, -9, 20); /* behind all that is seen */
     s.settings.aovs = FATHOM_AOV_ID;
     look_at_origin(&s);
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *film = render(&s, &stats);
     assert_int_equal(stats.shadow_rays + stats.unlit_shadow_rays, 2 * hit_pixels(film));
     assert_true(stats.unlit_shadow_rays > stats.shadow_rays && stats.shadow_rays > 0);
@@ -224,7 +224,7 @@ static void a_spot_that_is_left_out_would_have_lit_nothing(void **state) {
         const float outer = (float)random_in(&random, 0.05, 1.5);
         stage s = open_spot(at, along, outer, k % 2, false),
               endless = open_spot(at, along, outer, k % 2, true);
-        fathom_stats stats;
+        fathom_stats stats = {.size = sizeof stats};
         fathom_film *less = render(&s, NULL), *more = render(&endless, &stats);
         aside += says(less, "lights[0]");
         dark += !stats.shadow_rays;
@@ -293,7 +293,7 @@ static void assert_lost(const fathom_film *whole, const fathom_film *less, const
 static void assert_loses_little(stage *s, uint64_t *faint) {
     fathom_settings exact = s->settings, loses = s->settings;
     exact.max_loss = exact.max_relative_loss = 0;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     s->settings = exact;
     fathom_film *whole = render(s, NULL);
     s->settings = loses;
@@ -322,7 +322,7 @@ static void each_ray_is_cast_or_faint_or_unlit(void **state) {
     (void)state;
     stage s = open_faint();
     s.settings.max_depth = 0; /* the same points in either image */
-    fathom_stats exact, loses;
+    fathom_stats exact = {.size = sizeof exact}, loses = {.size = sizeof loses};
     fathom_film_destroy(render(&s, &exact));
     fathom_settings_set_loss(&s.settings, FATHOM_LOSS_8BIT, 0);
     fathom_film *film = render(&s, &loses);

@@ -38,14 +38,11 @@ static stage full_stage(void) {
 
 static void render_quietly(stage *s, const fathom_checkpoint *saving) {
     fathom_film *film;
-    fathom_stats stats;
-    if (saving) {
-        assert_quiet(s->context, fathom_render_checkpointed(s->context, s->scene, &s->settings, saving, NULL,
-                                                            NULL, &stats, &film));
-    } else {
-        assert_quiet(s->context,
-                     fathom_render(s->context, s->scene, &s->settings, NULL, NULL, &stats, &film));
-    }
+    fathom_stats stats = {.size = sizeof stats};
+    fathom_session_options options;
+    fathom_session_options_default(&options);
+    options.checkpoint = saving;
+    assert_quiet(s->context, fathom_session_run(s->context, s->scene, &s->settings, &options, &stats, &film));
     fathom_film_destroy(film);
 }
 

@@ -31,13 +31,125 @@ static void null_for_contexts(void **state) {
     assert_true(fathom_context_threads(NULL) >= 1);
     assert_non_null(fathom_version());
     assert_non_null(fathom_commit());
+    refuses(fathom_build_info(NULL));
+    stage s = one_sphere();
+    refuses(fathom_context_fail(NULL, &(fathom_error){FATHOM_BAD_INPUT, NULL, NULL}));
+    names("error", fathom_context_fail(s.context, NULL));
+    assert_int_equal(fathom_context_fail(s.context, &(fathom_error){FATHOM_BAD_INPUT, NULL, NULL}),
+                     FATHOM_BAD_INPUT);
+    assert_string_equal(fathom_context_message(s.context), "");
+    refuses(fathom_context_fail_within(NULL, &(fathom_place){.file = NULL}));
+    names("place", fathom_context_fail_within(s.context, NULL));
+    stage_close(&s);
+}
+
+static void null_for_files(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    const char *none = NULL;
+    refuses(fathom_file_check(NULL, "a"));
+    names("path", fathom_file_check(s.context, NULL));
+    refuses(fathom_file_write(NULL, "a", "b", 1));
+    names("path", fathom_file_write(s.context, NULL, "b", 1));
+    names("bytes", fathom_file_write(s.context, "a", NULL, 1));
+    refuses(fathom_file_protect(NULL, &none, 1));
+    names("paths", fathom_file_protect(s.context, NULL, 1));
+    names("paths[0]", fathom_file_protect(s.context, &none, 1));
+    assert_ok(s.context, fathom_file_protect(s.context, NULL, 0));
+    fathom_file_remove_left_over(NULL);
+    fathom_file_abandon_also(NULL);
+    fathom_file_abandon_no_more(NULL);
+    fathom_file_abandon_all(); /* takes nothing */
+    stage_close(&s);
+}
+
+static void null_for_images(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_film *film = stage_render(&s);
+    fathom_write_options options;
+    fathom_write_options_default(&options);
+    fathom_image_difference difference = {.size = sizeof difference};
+    fathom_flip flip = {.size = sizeof flip};
+    const fathom_image *image = NULL;
+    char text[64];
+    uint32_t width = 7, height = 7;
+    refuses(fathom_write_check(NULL, "a.exr", &options));
+    names("path", fathom_write_check(s.context, NULL, &options));
+    names("options", fathom_write_check(s.context, "a.exr", NULL));
+    refuses(fathom_write_check_size(NULL, "a.exr", 1, 1));
+    names("path", fathom_write_check_size(s.context, NULL, 1, 1));
+    assert_false(fathom_write_is_srgb(NULL));
+    assert_false(fathom_write_needs_helper(NULL, &options));
+    assert_false(fathom_write_needs_helper("a.exr", NULL));
+    refuses(fathom_film_rescue(NULL, film, "a.exr", text, sizeof text));
+    names("film", fathom_film_rescue(s.context, NULL, "a.exr", text, sizeof text));
+    names("path", fathom_film_rescue(s.context, film, NULL, text, sizeof text));
+    names("saved", fathom_film_rescue(s.context, film, "a.exr", NULL, 0));
+    refuses(fathom_image_libraries(NULL, text, sizeof text));
+    names("out", fathom_image_libraries(s.context, NULL, 0));
+    refuses(fathom_image_read(NULL, "a.exr", &image));
+    names("path", fathom_image_read(s.context, NULL, &image));
+    names("out", fathom_image_read(s.context, "a.exr", NULL));
+    fathom_image_destroy(NULL);
+    fathom_image_size(NULL, &width, &height);
+    assert_int_equal(width + height, 0);
+    assert_null(fathom_image_channel_name(NULL, 0));
+    assert_null(fathom_image_channel(NULL, "R", NULL));
+    assert_null(fathom_image_channel_id(NULL, "R", NULL));
+    refuses(fathom_image_compare(NULL, image, image, 0, &difference));
+    names("a", fathom_image_compare(s.context, NULL, image, 0, &difference));
+    refuses(fathom_image_flip(NULL, image, image, 67, &flip));
+    names("a", fathom_image_flip(s.context, NULL, image, 67, &flip));
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+static void null_for_surveys(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    fathom_light light;
+    const fathom_survey *survey;
+    assert_string_equal(fathom_scene_name(NULL), "");
+    assert_int_equal(fathom_scene_lights(NULL), 0);
+    refuses(fathom_scene_light(NULL, 0, &light));
+    names("out", fathom_scene_light(s.scene, 0, NULL));
+    assert_fails(s.context, fathom_scene_light(s.scene, 0, &light), FATHOM_BAD_USAGE, "lights[0]");
+    refuses(fathom_scene_survey(NULL, &survey));
+    names("out", fathom_scene_survey(s.scene, NULL));
+    fathom_survey_destroy(NULL);
+    stage_close(&s);
+}
+
+static void null_for_settings(void **state) {
+    (void)state;
+    stage s = one_sphere();
+    char text[32];
+    double number = 1;
+    assert_non_null(fathom_settings_parameters(NULL));
+    assert_non_null(fathom_material_parameters(FATHOM_MODEL_CLASSIC, NULL));
+    refuses(fathom_settings_check(NULL, &s.settings));
+    names("settings", fathom_settings_check(s.context, NULL));
+    refuses(fathom_settings_set_text(NULL, &s.settings, "spp", "1"));
+    names("settings", fathom_settings_set_text(s.context, NULL, "spp", "1"));
+    names("name", fathom_settings_set_text(s.context, &s.settings, NULL, "1"));
+    names("value", fathom_settings_set_text(s.context, &s.settings, "spp", NULL));
+    refuses(fathom_settings_get_text(NULL, &s.settings, "spp", text, sizeof text));
+    names("settings", fathom_settings_get_text(s.context, NULL, "spp", text, sizeof text));
+    names("value", fathom_settings_get_text(s.context, &s.settings, "spp", NULL, 0));
+    refuses(fathom_settings_set_numbers(NULL, &s.settings, "spp", &number, 1));
+    names("value", fathom_settings_set_numbers(s.context, &s.settings, "spp", NULL, 1));
+    refuses(fathom_settings_get_numbers(NULL, &s.settings, "spp", &number, 1));
+    names("value", fathom_settings_get_numbers(s.context, &s.settings, "spp", NULL, 1));
+    stage_close(&s);
 }
 
 static void null_for_defaults(void **state) {
     (void)state;
-    fathom_settings settings = {.width = 7}, expected;
+    fathom_settings settings = {.size = sizeof settings, .width = 7}, expected;
     fathom_settings_default(NULL);
-    fathom_settings_set_loss(NULL, FATHOM_LOSS_8BIT, 0);
+    refuses(fathom_settings_set_integrator(NULL, FATHOM_INTEGRATOR_PATH));
+    refuses(fathom_settings_set_loss(NULL, FATHOM_LOSS_8BIT, 0));
     fathom_settings_default(&expected);
     fathom_scene_settings(NULL, &settings);
     assert_int_equal(settings.width, expected.width);
@@ -203,7 +315,7 @@ static void null_for_renders(void **state) {
     (void)state;
     stage s = one_sphere();
     fathom_film *film = NULL;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     refuses(fathom_render(NULL, s.scene, &s.settings, NULL, NULL, &stats, &film));
     names("scene", fathom_render(s.context, NULL, &s.settings, NULL, NULL, &stats, &film));
     names("settings", fathom_render(s.context, s.scene, NULL, NULL, NULL, &stats, &film));
@@ -213,15 +325,21 @@ static void null_for_renders(void **state) {
     fathom_checkpoint saving, nowhere;
     fathom_checkpoint_default(&saving);
     nowhere = saving, saving.path = "a.checkpoint";
-    fathom_status (*call)(fathom_context *, const fathom_scene *, const fathom_settings *,
-                          const fathom_checkpoint *, fathom_progress_fn, void *, fathom_stats *,
-                          fathom_film **) = fathom_render_checkpointed;
-    refuses(fathom_render_checkpointed(NULL, s.scene, &s.settings, &saving, NULL, NULL, &stats, &film));
-    names("scene", call(s.context, NULL, &s.settings, &saving, NULL, NULL, &stats, &film));
-    names("settings", call(s.context, s.scene, NULL, &saving, NULL, NULL, &stats, &film));
-    names("checkpoint", call(s.context, s.scene, &s.settings, NULL, NULL, NULL, &stats, &film));
-    names("checkpoint: path", call(s.context, s.scene, &s.settings, &nowhere, NULL, NULL, &stats, &film));
-    names("out", call(s.context, s.scene, &s.settings, &saving, NULL, NULL, &stats, NULL));
+    fathom_session_options_default(NULL);
+    fathom_session_options options;
+    fathom_session_options_default(&options);
+    options.checkpoint = &saving;
+    refuses(fathom_session_run(NULL, s.scene, &s.settings, &options, &stats, &film));
+    names("scene", fathom_session_run(s.context, NULL, &s.settings, &options, &stats, &film));
+    names("settings", fathom_session_run(s.context, s.scene, NULL, &options, &stats, &film));
+    names("out", fathom_session_run(s.context, s.scene, &s.settings, &options, &stats, NULL));
+    options.checkpoint = &nowhere;
+    names("checkpoint: path", fathom_session_run(s.context, s.scene, &s.settings, &options, NULL, &film));
+    options.checkpoint = NULL, options.output_count = 1;
+    names("outputs", fathom_session_run(s.context, s.scene, &s.settings, &options, NULL, &film));
+    refuses(fathom_checkpoint_check(NULL, &saving));
+    names("checkpoint", fathom_checkpoint_check(s.context, NULL));
+    names("checkpoint: path", fathom_checkpoint_check(s.context, &nowhere));
     assert_int_not_equal(access("a.checkpoint", F_OK), 0);
     fathom_film_destroy(NULL);
     fathom_image_prefetch();
@@ -234,17 +352,17 @@ static void null_for_sessions(void **state) {
     fathom_session *session = NULL;
     fathom_progress progress;
     fathom_film *film;
-    refuses(fathom_session_start(NULL, s.scene, &s.settings, &session));
-    names("scene", fathom_session_start(s.context, NULL, &s.settings, &session));
-    names("settings", fathom_session_start(s.context, s.scene, NULL, &session));
-    names("out", fathom_session_start(s.context, s.scene, &s.settings, NULL));
+    refuses(fathom_session_start(NULL, s.scene, &s.settings, NULL, &session));
+    names("scene", fathom_session_start(s.context, NULL, &s.settings, NULL, &session));
+    names("settings", fathom_session_start(s.context, s.scene, NULL, NULL, &session));
+    names("out", fathom_session_start(s.context, s.scene, &s.settings, NULL, NULL));
     assert_null(session);
     fathom_session_progress(NULL, &progress);
     fathom_session_stop(NULL);
     assert_true(fathom_session_wait(NULL, -1));
     names("session", fathom_session_snapshot(s.context, NULL, &film));
     refuses(fathom_session_finish(NULL, NULL, &film));
-    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, NULL, &session));
     fathom_session_progress(session, NULL);
     names("out", fathom_session_snapshot(s.context, session, NULL));
     assert_ok(s.context, fathom_session_finish(session, NULL, NULL));
@@ -261,10 +379,10 @@ static void null_for_films(void **state) {
     fathom_film_size(film, NULL, &height);
     fathom_film_size(film, &width, NULL);
     assert_int_equal(width + height, 64);
-    fathom_brightness brightness = {.pixels = 7};
+    fathom_brightness brightness = {.size = sizeof brightness, .pixels = 7};
     fathom_film_brightness(NULL, 0, &brightness);
     assert_int_equal(brightness.pixels, 0);
-    fathom_film_brightness(film, 0, NULL);
+    refuses(fathom_film_brightness(film, 0, NULL));
     assert_null(fathom_film_channel(NULL, "R"));
     assert_null(fathom_film_channel(film, NULL));
     assert_null(fathom_film_channel_id(NULL, "id.object"));
@@ -297,6 +415,8 @@ static void null_for_tracers(void **state) {
     names("scene", fathom_tracer_create(s.context, NULL, "embree", &tracer));
     names("out", fathom_tracer_create(s.context, s.scene, "embree", NULL));
     assert_null(tracer);
+    assert_int_equal(fathom_tracer_check(NULL, "embree"), FATHOM_OK);
+    assert_ok(s.context, fathom_tracer_check(s.context, NULL));
     fathom_tracer_destroy(NULL);
     refuses(fathom_tracer_closest(NULL, &ray, 1, &hit));
     refuses(fathom_tracer_any(NULL, &ray, 1, &any));
@@ -316,7 +436,8 @@ static void null_for_tracers(void **state) {
 /* No call is forgotten here: each that the headers declare is in this file's text. */
 static void every_call_is_here(void **state) {
     (void)state;
-    static const char *const headers[] = {"base.h", "read.h", "render.h", "scene.h", "session.h", "trace.h"};
+    static const char *const headers[] = {"base.h",   "file.h",  "image.h",   "parameter.h", "read.h",
+                                          "render.h", "scene.h", "session.h", "survey.h",    "trace.h"};
     FILE *f = fopen(SOURCE_DIR "/tests/unit/misuse.c", "r");
     assert_non_null(f);
     static char text[1 << 16], header[1 << 16], path[512];
@@ -332,8 +453,11 @@ static void every_call_is_here(void **state) {
         for (const char *at = header; (at = strstr(at, "\nFATHOM_API ")); ++calls) {
             const char *open = strchr(at, '('), *name = open;
             while (name[-1] == '_' || (name[-1] >= 'a' && name[-1] <= 'z')) --name;
+            /* fathom_x_sized() is what fathom_x() calls. */
             char call[64];
-            snprintf(call, sizeof call, "%.*s", (int)(open - name) + 1, name);
+            int length = (int)(open - name);
+            if (length > 6 && strncmp(open - 6, "_sized", 6) == 0) length -= 6;
+            snprintf(call, sizeof call, "%.*s(", length, name);
             if (!strstr(text, call)) fail_msg("%s) is given NULL nowhere", call);
             at = open;
         }
@@ -435,7 +559,7 @@ static void values_of_no_enumerator(void **state) {
                  "specular");
     fathom_light light;
     fathom_light_default(&light);
-    light.type = (fathom_light_type)3;
+    light.type = (fathom_light_type)4;
     assert_fails(s.context, fathom_scene_add_light(s.scene, &light, NULL), FATHOM_BAD_USAGE, "type");
     fathom_generate_options options;
     fathom_generate_options_default(&options);
@@ -468,6 +592,10 @@ static void work_goes_on_after_failures(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(null_for_contexts),
+        cmocka_unit_test(null_for_files),
+        cmocka_unit_test(null_for_images),
+        cmocka_unit_test(null_for_surveys),
+        cmocka_unit_test(null_for_settings),
         cmocka_unit_test(null_for_defaults),
         cmocka_unit_test(null_for_helpers),
         cmocka_unit_test(null_for_scenes),

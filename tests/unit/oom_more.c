@@ -132,9 +132,10 @@ static fathom_status render(fathom_context *context, const char *file, outcome *
     fathom_checkpoint checkpoint;
     fathom_checkpoint_default(&checkpoint);
     checkpoint.path = in_folder("saved"), checkpoint.every = 0;
-    status = saved
-                 ? fathom_render_checkpointed(context, scene, &settings, &checkpoint, NULL, NULL, NULL, &film)
-                 : fathom_render(context, scene, &settings, NULL, NULL, NULL, &film);
+    fathom_session_options options;
+    fathom_session_options_default(&options);
+    if (saved) options.checkpoint = &checkpoint;
+    status = fathom_session_run(context, scene, &settings, &options, NULL, &film);
     assert_true((film != NULL) == (status == FATHOM_OK));
     if (film) add_film(out, film);
     fathom_film_destroy(film);

@@ -18,7 +18,8 @@
 
 static fathom_status read_asked(fixture *f, const char *camera, uint32_t width, uint32_t height,
                                 fathom_scene **out) {
-    const fathom_read_options options = {.camera = camera, .width = width, .height = height};
+    const fathom_read_options options = {
+        .size = sizeof options, .camera = camera, .width = width, .height = height};
     f->warnings = 0;
     return fathom_scene_read_with(f->context, f->path, &options, out);
 }

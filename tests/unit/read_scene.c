@@ -79,7 +79,8 @@ static void the_camera_fits_the_size_asked_for(void **state) {
     const char *path = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
     double away[2];
     for (int i = 0; i < 2; ++i) {
-        const fathom_read_options options = {.width = i ? 100 : 900, .height = i ? 900 : 100};
+        const fathom_read_options options = {
+            .size = sizeof options, .width = i ? 100 : 900, .height = i ? 900 : 100};
         fathom_scene *scene;
         assert_ok(context, fathom_scene_read_with(context, path, &options, &scene));
         away[i] = length_f64(load_f64(scene->camera.origin));

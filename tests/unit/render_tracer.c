@@ -21,7 +21,7 @@ static void words_choose_the_tracer(void **state) {
     (void)state;
     stage s;
     fill(&s);
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *linear = rendered(&s, "linear", &stats);
     assert_string_equal(stats.tracer, "reference");
     fathom_film *bvh = rendered(&s, "bvh", &stats);

@@ -236,7 +236,7 @@ static void too_many_copies_stay_in_view(void **state) {
  */
 static void up_z_is_the_turned_scene(void **state) {
     (void)state;
-    const fathom_read_options options = {.up = FATHOM_UP_Z};
+    const fathom_read_options options = {.size = sizeof options, .up = FATHOM_UP_Z};
     add_body(FATHOM_ROOT, (double[3]){0, 0, 0});
     scene->asked = &options;
     assert_ok(context, fathom_scene_complete(scene));

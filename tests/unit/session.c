@@ -29,9 +29,9 @@ static void a_session_renders_what_a_call_renders(void **state) {
     fill(&s);
     fathom_film *expected = stage_render(&s), *found;
     fathom_session *session;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_progress progress;
-    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, NULL, &session));
     assert_true(fathom_session_wait(session, -1));
     fathom_session_progress(session, &progress);
     assert_int_equal(progress.phase, FATHOM_PHASE_RENDER);
@@ -67,7 +67,7 @@ static void finished_pixels_of_a_snapshot_are_those_of_the_film(void **state) {
     fathom_session *session;
     size_t before = 0;
     assert_int_equal(fathom_context_create(&mine), FATHOM_OK);
-    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, NULL, &session));
     for (bool ended = false; !ended;) {
         ended = fathom_session_wait(session, 0.005);
         assert_ok(mine, fathom_session_snapshot(mine, session, &snapshot));
@@ -95,7 +95,7 @@ static void snapshots_of_adaptive_renders_gain_samples(void **state) {
     fathom_film *snapshot, *film;
     fathom_session *session;
     assert_int_equal(fathom_context_create(&mine), FATHOM_OK);
-    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, NULL, &session));
     uint64_t before = 0;
     for (bool ended = false; !ended;) {
         ended = fathom_session_wait(session, 0.01);
@@ -123,8 +123,8 @@ static void a_stopped_session_is_interrupted(void **state) {
     s.settings.spp = 65536;
     fathom_film *film;
     fathom_session *session;
-    fathom_stats stats;
-    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    fathom_stats stats = {.size = sizeof stats};
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, NULL, &session));
     assert_false(fathom_session_wait(session, 0));
     fathom_session_stop(session);
     assert_int_equal(fathom_session_finish(session, &stats, &film), FATHOM_INTERRUPTED);
@@ -140,11 +140,11 @@ static void what_is_wrong_is_said_at_the_end(void **state) {
     fathom_session *session;
     fathom_film *film;
     s.settings.width = 0;
-    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, &session));
+    assert_ok(s.context, fathom_session_start(s.context, s.scene, &s.settings, NULL, &session));
     assert_fails(s.context, fathom_session_finish(session, NULL, &film), FATHOM_BAD_INPUT, "width");
     assert_null(film);
-    assert_fails(s.context, fathom_session_start(s.context, NULL, &s.settings, &session), FATHOM_BAD_USAGE,
-                 "scene");
+    assert_fails(s.context, fathom_session_start(s.context, NULL, &s.settings, NULL, &session),
+                 FATHOM_BAD_USAGE, "scene");
     assert_fails(s.context, fathom_session_snapshot(s.context, NULL, &film), FATHOM_BAD_USAGE, "session");
     stage_close(&s);
 }

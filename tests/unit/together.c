@@ -207,7 +207,7 @@ static void messages_go_to_the_renders_context(void **state) {
     fathom_context_on_warning(other, count_warning, &others_warnings);
     fathom_context_set_threads(other, 3);
     fathom_film *film;
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     assert_ok(other, fathom_render(other, s.scene, &s.settings, NULL, NULL, &stats, &film));
     fathom_film_destroy(film);
     assert_int_equal(scenes_warnings, 0);

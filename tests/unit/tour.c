@@ -53,7 +53,7 @@ static int differing_pixels(const fathom_film *a, const fathom_film *b) {
 }
 
 static void embree_makes_the_reference_tracers_image(const char *path) {
-    fathom_stats stats;
+    fathom_stats stats = {.size = sizeof stats};
     fathom_film *embree = render(path, "embree", &stats), *reference = render(path, "reference", NULL);
     const int differ = differing_pixels(embree, reference), most = stats.instances > 0;
     if (differ > most) fail_msg("%s: Embree and the reference tracer differ in %d pixels", path, differ);

@@ -223,7 +223,7 @@ fathom_status bench_open(fathom_context *context, const bench_settings *asked, b
     fathom_settings settings;
     const args_size size = asked->size;
     *out = (bench_stage){.scene = NULL};
-    const fathom_read_options read = {.width = size.width, .height = size.height};
+    const fathom_read_options read = {.size = sizeof read, .width = size.width, .height = size.height};
     fathom_status status = fathom_scene_read_with(context, asked->scene, &read, &scene);
     if (status != FATHOM_OK) return status;
     fathom_scene_settings(scene, &settings);

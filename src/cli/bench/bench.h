@@ -12,9 +12,6 @@
 
 extern const command command_bench_trace, command_bench_render, command_bench_error;
 
-/* "error" for `fathom bench error`; NULL: none. */
-const command *bench_find(const char *name);
-
 /* A row of CSV for each item of the array root[rows], and of the array `inner` in each of them if it is not
  * NULL. columns: "spp, seconds_low=seconds.low", paths in the inner item or else the outer. */
 typedef struct bench_csv {

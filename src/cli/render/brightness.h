@@ -1,14 +1,15 @@
-/* Whether an image will show anything: said after rendering, with the exposure that would. */
+/* Warnings about images that show nothing, with an exposure that would. */
 #ifndef CLI_BRIGHTNESS_H
 #define CLI_BRIGHTNESS_H
 
+#include "cli/notes.h"
 #include "cli/render/render_options.h"
 
-/* Sets the exposure where it is to be found: --exposure auto. */
+/* Finds the exposure for --exposure auto. */
 void brightness_expose(const fathom_film *film, render_options *options);
 
 /* Warns of an image that is black, or nearly all black or white in a file for the display. */
-void brightness_warn(fathom_context *context, const fathom_scene *scene, const fathom_film *film,
+void brightness_warn(warning_list *warnings, const fathom_scene *scene, const fathom_film *film,
                      const render_options *options);
 
 #endif

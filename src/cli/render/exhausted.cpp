@@ -1,11 +1,10 @@
 #include "cli/render/exhausted.h"
 
 extern "C" {
-#include "base/file.h"
 #include "cli/log.h"
 }
 
-#include <fathom/base.h>
+#include <fathom/file.h>
 
 #include <atomic>
 #include <cstdio>
@@ -26,7 +25,7 @@ static std::atomic<bool> was_refused;
 /* Asks for no memory. */
 [[noreturn]] static void leave(fathom_status status, const char *text) {
     log_line(LOG_ERROR, text);
-    file_writer_abort_all();
+    fathom_file_abandon_all();
     _exit(status);
 }
 

@@ -1,5 +1,5 @@
-/* Where the pixels of a render go: to the images that were named; next to them if the render was interrupted,
- * so that no finished image is lost; anywhere else if they cannot be written. */
+/* The files that get the pixels of a render: the named images; files next to them if the render was
+ * interrupted, so that no finished image is lost; other places if they cannot be written. */
 #ifndef CLI_IMAGES_H
 #define CLI_IMAGES_H
 
@@ -8,13 +8,13 @@
 #include <limits.h>
 
 /* Whether writing them takes the image helper. */
-bool images_need_module(const render_options *options);
+bool images_need_helper(const render_options *options);
 
 /* Before rendering: FATHOM_BAD_USAGE when an interrupted render would put an image where one of the `count`
  * files of the command goes, or its path would be too long. */
 fathom_status images_check_partial(fathom_context *context, const args_list *outputs,
                                    const char *const *files, size_t count);
-/* Removes what renders that were killed left next to them. */
+/* Removes the partial images that killed renders left. */
 void images_remove_left_over(const args_list *outputs);
 
 typedef struct image_names {
@@ -27,10 +27,8 @@ fathom_status images_rename(fathom_context *context, args_list *outputs, image_n
 /* Writes all of them, even where one fails, and says what went wrong. */
 fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options);
 
-/* Writes the film as plain EXR next to `path`, which is not to be or could not be written, or else in the
- * working folder, in $TMPDIR or in /tmp: "out.png" becomes "out.rescue.exr", or the first of
- * "out.rescue-2.exr"… that is not there yet. Says where, or that there is no place. which: of the pixels, in
- * the message. */
+/* fathom_film_rescue(), for a `path` that is not to be or could not be written. Says where the pixels are, or
+ * that there is no place. which: of the pixels, in the message. */
 void images_rescue(fathom_context *context, const fathom_film *film, const char *path, const char *which);
 
 #endif

@@ -20,9 +20,9 @@ static struct {
     const char *work; /* the name of the phase of rendering; NULL: "render" */
 } state;
 
-/* Lines are for runs that someone waits for. */
+/* Shorter runs print no lines. */
 #define LINES_AFTER_SECONDS 1.0
-/* Programs get the beginning of each phase, and then a line as often. */
+/* Seconds between JSON lines of one phase. */
 #define JSON_EVERY_SECONDS 1.0
 /* Shorter work needs no estimate. */
 #define ESTIMATE_FROM_SECONDS 10.0

@@ -1,4 +1,4 @@
-/* How far it is, on stderr: a bar redrawn in place on a terminal, else plain lines of percent, or JSON. */
+/* Progress on stderr: a bar redrawn in place on a terminal, else lines with percent, or JSON. */
 #ifndef CLI_PROGRESS_H
 #define CLI_PROGRESS_H
 
@@ -10,19 +10,18 @@ extern "C" {
 
 /* quiet: nothing is ever shown. */
 void progress_begin(bool quiet);
-/* What the phase of rendering is called: "render" unless said. Borrowed. */
+/* Names the phase of rendering; the default is "render". The text stays the caller's. */
 void progress_call(const char *name);
 
 /* A phase that reports nothing while it lasts: shown by its name on a terminal. */
 void progress_phase(fathom_phase phase);
 void progress_update(const fathom_progress *progress);
-/* "takes about 12:30", for work of which a part shows how long all of it takes; nothing where that is short.
- */
+/* Prints "takes about 12:30", unless that is short. */
 void progress_estimate(double seconds);
 
-/* Takes the bar away, so that a line can be printed in its place; the next update draws it again. */
+/* Removes the bar, so that a line can be printed in its place; the next update draws it again. */
 void progress_clear_line(void);
-/* What clears the line, for a signal handler; "" when there is no bar. */
+/* The text that clears the line, for a signal handler; "" when there is no bar. */
 const char *progress_clear_text(void);
 
 /* The bar's text for a terminal of so many columns, at most columns - 1 characters. */

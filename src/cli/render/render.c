@@ -1,4 +1,5 @@
 #include "cli/command.h"
+#include "cli/fail.h"
 #include "cli/interrupt.h"
 #include "cli/outputs.h"
 #include "cli/provenance.h"
@@ -9,18 +10,15 @@
 #include "cli/render/stats.h"
 
 #include "base/clock.h"
-#include "base/file.h"
-#include "base/status.h"
-#include "film/film.h"
-#include "image/image.h"
-#include "job/render.h"
-#include "scene/scene.h"
 
+#include <fathom/file.h>
+#include <fathom/session.h>
+#include <fathom/survey.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* One run of the command. */
-typedef struct session {
+typedef struct task {
     fathom_context *context;
     int argc;
     char **argv;
@@ -30,16 +28,15 @@ typedef struct session {
     fathom_film *film;
     render_report report;
     saving saving;
-    fathom_status outlook; /* of writing the image */
-} session;
+} task;
 
-static fathom_status say(const session *s, fathom_status status) {
+static fathom_status say(const task *s, fathom_status status) {
     return say_status(&command_render, s->context, status);
 }
 
 /* ---- before rendering ---- */
 
-static fathom_status check_outputs(session *s) {
+static fathom_status check_outputs(task *s) {
     render_options *o = &s->options;
     const bool stats_file = o->stats && !outputs_is_standard(o->stats);
     const char *all[ARGS_LIST_MAX + 2];
@@ -52,17 +49,18 @@ static fathom_status check_outputs(session *s) {
     status = outputs_check_distinct(s->context, all, count, o->scene);
     if (status == FATHOM_OK) status = images_check_partial(s->context, &o->outputs, all, count);
     for (size_t i = 0; i < o->outputs.count && status == FATHOM_OK; ++i)
-        status = image_check(s->context, o->outputs.items[i], &o->write);
-    if (status == FATHOM_OK && stats_file) status = file_check_writable(s->context, o->stats);
+        status = fathom_write_check(s->context, o->outputs.items[i], &o->write);
+    if (status == FATHOM_OK && stats_file) status = fathom_file_check(s->context, o->stats);
     if (status == FATHOM_OK) status = saving_check(s->context, o);
-    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) file_remove_left_over(all[i]);
+    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) fathom_file_remove_left_over(all[i]);
     if (status == FATHOM_OK) images_remove_left_over(&o->outputs);
     return status;
 }
 
-static fathom_status read_scene(session *s) {
+static fathom_status read_scene(task *s) {
     const render_options *o = &s->options;
-    const fathom_read_options read = {.without_uvs = true,
+    const fathom_read_options read = {.size = sizeof read,
+                                      .without_uvs = true,
                                       .camera = o->camera,
                                       .up = o->up,
                                       .width = o->size.width,
@@ -70,74 +68,67 @@ static fathom_status read_scene(session *s) {
     const double began = clock_seconds();
     fathom_status status = fathom_scene_read_with(s->context, o->scene, &read, &s->scene);
     s->report.read_seconds = clock_seconds() - began;
-    outputs_may_be_read(s->context); /* the checkpoint, that is */
-    return status;
+    fathom_status free_again = fathom_file_protect(s->context, NULL, 0); /* the checkpoint is read */
+    return status == FATHOM_OK ? free_again : status;
 }
 
-static fathom_status check_sizes(const session *s) {
-    const settings_region region = settings_region_of(&s->options.settings);
+static fathom_status check_sizes(const task *s) {
+    const fathom_settings *settings = &s->options.settings;
+    const uint32_t *crop = settings->crop, width = crop[2] ? crop[2] - crop[0] : settings->width,
+                   height = crop[2] ? crop[3] - crop[1] : settings->height;
     const args_list *outputs = &s->options.outputs;
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < outputs->count && status == FATHOM_OK; ++i)
-        status = image_check_size(s->context, outputs->items[i], region.width, region.height);
+        status = fathom_write_check_size(s->context, outputs->items[i], width, height);
     return status;
 }
 
-/* The command line over what the scene's file asked for. What is wrong with both together (a crop outside the
- * scene's image, …) is wrong usage: the scene by itself has been checked. */
-static fathom_status merge_settings(session *s) {
+/* Puts the command line's settings over those of the scene's file. Errors of the combination, such as a crop
+ * outside the scene's image, are wrong usage, because the scene itself has been checked. */
+static fathom_status merge_settings(task *s) {
     fathom_settings settings;
     args_problem problem;
     render_options *o = &s->options;
     fathom_scene_settings(s->scene, &settings);
     if (!render_options_finish(o, &settings, &problem))
-        return fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
+        return cli_fail(s->context, FATHOM_BAD_USAGE, "%s", problem.text);
     if (settings.aovs & ~o->settings.aovs && !render_options_give(o, "aovs"))
-        warn(s->context, "%s: asks for AOVs that only .exr holds; they are left out", o->scene);
+        warnings_tell(&s->report.warnings, "%s: asks for AOVs that only .exr holds; they are left out",
+                      o->scene);
     if (render_options_give(o, "min_spp") && !(o->settings.target_error > 0 || o->settings.max_time > 0))
-        return fail(s->context, FATHOM_BAD_USAGE,
-                    "--min-spp: only with --target-error E or --max-time SECONDS");
-    if (scene_check_settings(s->context, &o->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
+        return cli_fail(s->context, FATHOM_BAD_USAGE,
+                        "--min-spp: only with --target-error E or --max-time SECONDS");
+    if (fathom_settings_check(s->context, &o->settings) != FATHOM_OK) return FATHOM_BAD_USAGE;
     return check_sizes(s);
 }
 
 /* The part of --max-time that is left for rendering and writing. */
-static fathom_status set_time_left(session *s) {
+static fathom_status set_time_left(task *s) {
     const double elapsed = clock_seconds() - s->start;
     render_options *o = &s->options;
     if (!(o->max_time > 0)) return FATHOM_OK;
     o->settings.max_time = o->max_time - elapsed;
     if (o->settings.max_time > 0) return FATHOM_OK;
-    return fail(s->context, FATHOM_BAD_USAGE,
-                "--max-time: %g s are too short: reading alone took %.2f s; give more time", o->max_time,
-                elapsed);
+    return cli_fail(s->context, FATHOM_BAD_USAGE,
+                    "--max-time: %g s are too short: reading alone took %.2f s; give more time", o->max_time,
+                    elapsed);
 }
 
 /* ---- writing ---- */
 
-static void rescue(const session *s, const char *which) {
+static void rescue(const task *s, const char *which) {
     images_rescue(s->context, s->film, standard_output_shown(&s->options.outputs, 0), which);
 }
 
-static bool list_left_out(session *s) {
+static void list_left_out(task *s) {
     left_out_list *list = &s->report.left_out;
-    const fathom_left_out *items;
-    const uint32_t count = fathom_film_left_out(s->film, &items);
-    for (uint32_t i = 0; i < count; ++i) {
-        if (!left_out_tell(list, items[i].what, items[i].why)) return false;
-    }
-    return images_need_module(&s->options) || left_out_image_module(list);
+    list->count = fathom_film_left_out(s->film, &list->items);
+    list->no_helper = !images_need_helper(&s->options);
 }
 
-/* Takes all the memory it needs before it writes: an image whose exit code says that it is not there helps
- * nobody. */
-static fathom_status write_all(session *s) {
+static fathom_status write_all(task *s) {
     progress_phase(FATHOM_PHASE_WRITE);
-    if (!list_left_out(s)) {
-        say(s, fail_memory(s->context, sizeof(fathom_left_out)));
-        rescue(s, "the pixels");
-        return FATHOM_OUT_OF_RESOURCES;
-    }
+    list_left_out(s);
     const double began = clock_seconds();
     fathom_status status = images_write(s->context, s->film, &s->options);
     const double end = clock_seconds();
@@ -166,13 +157,13 @@ static void tell_interrupted(const render_options *options) {
     say_error(text);
 }
 
-/* Writes the film, finished or not, and says what there is to say of it. */
-static fathom_status finish(session *s) {
+/* Writes the film, finished or not, with its warnings. */
+static fathom_status finish(task *s) {
     const bool interrupted = s->report.interrupted;
     image_names *room = NULL;
     fathom_status status = interrupted ? images_rename(s->context, &s->options.outputs, &room) : FATHOM_OK;
     brightness_expose(s->film, &s->options);
-    if (!interrupted) brightness_warn(s->context, s->scene, s->film, &s->options);
+    if (!interrupted) brightness_warn(&s->report.warnings, s->scene, s->film, &s->options);
     if (status == FATHOM_OK)
         status = write_all(s);
     else
@@ -189,57 +180,52 @@ static fathom_status finish(session *s) {
 /* ---- rendering ---- */
 
 static bool on_progress(void *user, const fathom_progress *progress) {
-    session *s = user;
+    task *s = user;
     if (progress->phase == FATHOM_PHASE_RENDER) {
         s->report.finished = progress->fraction;
         interrupt_keep_work(true);
     }
     saving_tick(&s->saving);
     progress_update(progress);
-    s->outlook = image_prefetch_status(s->context);
-    return !interrupt_asked() && s->outlook == FATHOM_OK;
-}
-
-/* The share of the time that is left that measuring how long writing takes may use. */
-#define REHEARSAL 0.03
-
-static double seconds_to_write(void *user, const fathom_film *film, double left) {
-    const session *s = user;
-    const render_options *o = &s->options;
-    const film_outputs outputs = {o->outputs.items, o->outputs.count, &o->write};
-    return film_write_seconds(s->context, film, &outputs, REHEARSAL * left);
+    return !interrupt_asked();
 }
 
 /* Says why there is no image. Errors that no reader could find, such as how the scene's parts fit together,
  * name no file yet. */
-static fathom_status say_failure(session *s, fathom_status status) {
-    const bool of_scene = status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES;
-    if (of_scene && !*fathom_context_error(s->context)->place->file)
-        fail_within(s->context, status, &(fathom_place){.file = s->options.scene});
+static fathom_status say_failure(task *s, fathom_status status) {
+    if (status == FATHOM_BAD_INPUT || status == FATHOM_OUT_OF_RESOURCES)
+        cli_fail_within(s->context, s->options.scene);
     say(s, status);
     if (s->film) rescue(s, "the pixels rendered until then, of which some may be wrong,");
     return status;
 }
 
-static fathom_status render(session *s) {
-    const job_reserve writing = {seconds_to_write, s};
-    saving_begin(&s->options, &s->saving);
+static fathom_status render(task *s) {
+    const render_options *o = &s->options;
+    saving_begin(o, &s->saving);
+    const fathom_session_options options = {.size = sizeof options,
+                                            .progress = on_progress,
+                                            .user = s,
+                                            .checkpoint = saving_request(&s->saving),
+                                            .outputs = o->outputs.items,
+                                            .output_count = o->outputs.count,
+                                            .write = &o->write,
+                                            .keep_changed = true};
+    s->report.stats.size = sizeof s->report.stats;
     fathom_status status =
-        render_to_time(s->context, s->scene, &s->options.settings, &writing, saving_request(&s->saving),
-                       on_progress, s, &s->report.stats, &s->film);
-    if (s->outlook != FATHOM_OK) return say(s, image_prefetch_status(s->context));
+        fathom_session_run(s->context, s->scene, &o->settings, &options, &s->report.stats, &s->film);
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) return say_failure(s, status);
     interrupt_keep_work(true);
     s->report.interrupted = status == FATHOM_INTERRUPTED;
     s->report.finished = s->report.stats.finished;
-    s->report.scene = s->scene->name;
+    s->report.scene = fathom_scene_name(s->scene);
     return finish(s);
 }
 
-static fathom_status prepare(session *s) {
+static fathom_status prepare(task *s) {
     fathom_status status = check_outputs(s);
     if (status != FATHOM_OK) return status;
-    if (images_need_module(&s->options)) fathom_image_prefetch();
+    if (images_need_helper(&s->options)) fathom_image_prefetch();
     progress_begin(s->options.quiet);
     progress_phase(FATHOM_PHASE_READ);
     fathom_context_on_warning(s->context, warnings_say, &s->report.warnings);
@@ -251,7 +237,7 @@ static fathom_status prepare(session *s) {
 }
 
 static fathom_status run(int argc, char **argv) {
-    session s = {.argc = argc, .argv = argv, .start = clock_seconds()};
+    task s = {.argc = argc, .argv = argv, .start = clock_seconds()};
     fathom_settings settings;
     fathom_status status;
     args_problem problem;
@@ -269,7 +255,6 @@ static fathom_status run(int argc, char **argv) {
     status = say(&s, prepare(&s));
     if (status == FATHOM_OK) status = render(&s);
     fathom_film_destroy(s.film);
-    array_free(&s.report.left_out);
     warnings_free(&s.report.warnings);
     fathom_scene_destroy(s.scene);
     standard_output_end();

@@ -3,11 +3,11 @@
 #include "cli/command.h"
 #include "cli/outputs.h"
 
-#include "base/file.h"
-#include "image/image.h"
-#include "scene/settings.h"
-#include "trace/spec.h"
+#include "base/file_name.h"
+#include "base/parameter.h"
 
+#include <fathom/image.h>
+#include <fathom/trace.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -32,42 +32,51 @@ static bool take_rgb(const args_option *option, const char *value, void *field, 
 
 /* ---- settings ---- */
 
+static parameter_table settings_table(void) {
+    parameter_table table;
+    table.rows = fathom_settings_parameters(&table.count);
+    return table;
+}
+
+static size_t index_of(const char *name) {
+    return (size_t)(parameter_find(settings_table(), name) - settings_table().rows);
+}
+
 _Static_assert(sizeof(fathom_settings) / sizeof(uint32_t) < 64,
                "render_options.given has a bit for each setting");
 
 bool render_options_give(const render_options *options, const char *name) {
-    return options->given >> (parameter_find(settings_table, name) - settings_table.rows) & 1;
+    return options->given >> index_of(name) & 1;
 }
 
 static bool set(render_options *options, size_t index, const char *value, args_problem *problem) {
-    const fathom_parameter *p = &settings_table.rows[index];
+    const fathom_parameter *p = &settings_table().rows[index];
     options->given |= (uint64_t)1 << index;
     if (value) return take_parameter(p, value, &options->asked, problem);
     parameter_set_number(p, &options->asked, 0, p->fallback == 0);
     return true;
 }
 
-/* option->least: the setting's place in the table. A bool's option takes no value and turns its default
- * round. */
+/* option->least: the setting's place in the table. The option of a bool takes no value and inverts the
+ * default. */
 static bool take_setting(const args_option *option, const char *value, void *field, args_problem *problem) {
     return set(field, (size_t)option->least, value, problem);
 }
 
 static bool take_aovs(const args_option *option, const char *value, void *field, args_problem *problem) {
     (void)option;
-    return set(field, (size_t)(parameter_find(settings_table, "aovs") - settings_table.rows), value, problem);
+    return set(field, index_of("aovs"), value, problem);
 }
 
-/* Told before the scene is read, which can take a while. */
+/* Checked before the scene is read, which can take a while. */
 static bool take_tracer(const args_option *option, const char *value, void *field, args_problem *problem) {
-    trace_spec spec;
     fathom_context *context;
     if (!take_setting(option, value, field, problem)) return false;
-    if (trace_spec_parse(NULL, value, &spec) == FATHOM_OK) return true;
-    /* Once more, for the words: what is right takes no memory. */
+    if (fathom_tracer_check(NULL, value) == FATHOM_OK) return true;
+    /* Once more, for the words: a right value takes no memory. */
     if (fathom_context_create(&context) != FATHOM_OK)
         return args_wrong(problem, "expected %s, found \"%.60s\"", option->value, value);
-    trace_spec_parse(context, value, &spec);
+    fathom_tracer_check(context, value);
     args_wrong(problem, "%s", fathom_context_message(context));
     fathom_context_destroy(context);
     return false;
@@ -142,7 +151,7 @@ static const args_option own_options[] = {
 
 enum { OPTIONS_MAX = 64, SETTINGS_MAX = 32, HELP_MAX = 640 };
 
-/* What an option for a setting needs room for. */
+/* Room for the texts of the options that set settings. */
 static struct setting_texts { char name[PARAMETER_NAME + 3], help[HELP_MAX]; } texts[SETTINGS_MAX];
 
 /* The help without the quotes around names, and with the default. */
@@ -162,7 +171,7 @@ static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
 }
 
 static args_option option_of(size_t index) {
-    const fathom_parameter *p = &settings_table.rows[index];
+    const fathom_parameter *p = &settings_table().rows[index];
     const bool text = p->type == FATHOM_PARAMETER_TEXT, flag = p->type == FATHOM_PARAMETER_BOOL;
     char name[PARAMETER_NAME];
     parameter_name(p, '-', name);
@@ -179,8 +188,8 @@ static args_option option_of(size_t index) {
 }
 
 static args_option *add_settings(args_option *to, const char *group) {
-    for (size_t i = 0; i < settings_table.count; ++i) {
-        const fathom_parameter *p = &settings_table.rows[i];
+    for (size_t i = 0; i < settings_table().count; ++i) {
+        const fathom_parameter *p = &settings_table().rows[i];
         if (p->flags & FATHOM_PARAMETER_COMMAND && strcmp(p->group, group) == 0) *to++ = option_of(i);
     }
     return to;
@@ -199,7 +208,7 @@ const args_option *render_option_table(void) {
     return all;
 }
 
-/* ---- the whole of it ---- */
+/* ---- all options together ---- */
 
 void render_options_default(render_options *options) {
     *options = (render_options){.checkpoint_every = -1};
@@ -219,8 +228,7 @@ static unsigned held_aovs(const args_list *outputs) {
     return held;
 }
 
-/* What the scene's file says about sampling is meant for as many samples everywhere, unless it has a target.
- */
+/* A file without a target means the same number of samples everywhere. */
 static bool finish_adaptive(render_options *options, const fathom_settings *scene, args_problem *problem) {
     fathom_settings *s = &options->settings;
     options->max_time = s->max_time;
@@ -236,9 +244,9 @@ static bool finish_adaptive(render_options *options, const fathom_settings *scen
     return true;
 }
 
-/* What the view makes of a loss is known of the built-in one alone. */
+/* Only for the built-in view it is known how a loss shows. */
 static bool finish_loss(render_options *options, args_problem *problem) {
-    if (options->loss == FATHOM_LOSS_8BIT && !image_view_is_srgb(&options->write)) {
+    if (options->loss == FATHOM_LOSS_8BIT && !fathom_write_is_srgb(&options->write)) {
         return args_wrong(problem, "--leave-out-below 8bit: what shows is known of the built-in sRGB view "
                                    "alone; expected no --ocio, --display, --view and no $OCIO");
     }
@@ -249,15 +257,15 @@ static bool finish_loss(render_options *options, args_problem *problem) {
     return true;
 }
 
-/* The scene's settings, but for those that the command line gives. */
+/* The scene's settings, under those that the command line gives. */
 static bool merge(render_options *options, const fathom_settings *scene, args_problem *problem) {
     fathom_settings *s = &options->settings;
     *s = *scene;
     if (render_options_give(options, "integrator"))
         fathom_settings_set_integrator(s, options->asked.integrator);
     if (render_options_give(options, "spp") && s->integrator != FATHOM_INTEGRATOR_CLASSIC) s->target_error = 0;
-    for (size_t i = 0; i < settings_table.count; ++i) {
-        if (options->given >> i & 1) parameter_copy(&settings_table.rows[i], &options->asked, s);
+    for (size_t i = 0; i < settings_table().count; ++i) {
+        if (options->given >> i & 1) parameter_copy(&settings_table().rows[i], &options->asked, s);
     }
     if (options->size.width) s->width = options->size.width, s->height = options->size.height;
     if (render_options_give(options, "crop") && (s->crop[0] >= s->crop[2] || s->crop[1] >= s->crop[3]))

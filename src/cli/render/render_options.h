@@ -1,10 +1,11 @@
-/* What `fathom render` is told. */
+/* The options of `fathom render`. */
 #ifndef CLI_RENDER_OPTIONS_H
 #define CLI_RENDER_OPTIONS_H
 
 #include "cli/args.h"
 
 #include <fathom/read.h>
+#include <fathom/session.h>
 
 typedef struct render_background {
     bool given;

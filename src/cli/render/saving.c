@@ -3,7 +3,6 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/log.h"
-#include "job/checkpoint/checkpoint.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -44,10 +43,9 @@ static void fill(const render_options *options, fathom_checkpoint *out) {
 
 fathom_status saving_check(fathom_context *context, const render_options *options) {
     fathom_checkpoint request;
-    bool exists;
     if (!options->checkpoint) return FATHOM_OK;
     fill(options, &request);
-    return checkpoint_check_path(context, &request, &exists);
+    return fathom_checkpoint_check(context, &request);
 }
 
 void saving_begin(const render_options *options, saving *out) {

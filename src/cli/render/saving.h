@@ -1,5 +1,5 @@
-/* --checkpoint FILE: saves when SIGUSR1 asks for it, says how that went, and removes the file once the images
- * are safe. */
+/* --checkpoint FILE: saves on SIGUSR1, says whether that worked, and removes the file once the images are
+ * safe. */
 #ifndef CLI_SAVING_H
 #define CLI_SAVING_H
 
@@ -11,16 +11,16 @@ typedef struct saving {
     bool failed; /* the last save */
 } saving;
 
-/* What can be known before the scene is read. */
+/* Finds the errors that can be found before the scene is read. */
 fathom_status saving_check(fathom_context *context, const render_options *options);
 
 void saving_begin(const render_options *options, saving *out);
-/* What rendering is given: NULL without --checkpoint. */
+/* For the session; NULL without --checkpoint. */
 const fathom_checkpoint *saving_request(const saving *s);
-/* While rendering: tells who sends SIGUSR1 in vain. */
+/* While rendering: without --checkpoint, says that SIGUSR1 saves nothing. */
 void saving_tick(const saving *s);
-/* After images were written: `status` is how that went. Hands it on, or FATHOM_OUT_OF_RESOURCES when an
- * interrupted render could not be saved. */
+/* After images were written, with that status. Returns it, or FATHOM_OUT_OF_RESOURCES when an interrupted
+ * render could not be saved. */
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status);
 
 #endif

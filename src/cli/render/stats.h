@@ -1,10 +1,9 @@
-/* What a render did, as numbers. */
+/* The numbers of a render. */
 #ifndef CLI_STATS_H
 #define CLI_STATS_H
 
 #include "cli/notes.h"
 #include "cli/render/render_options.h"
-#include "integrate/parts.h"
 
 typedef struct render_report {
     fathom_stats stats;

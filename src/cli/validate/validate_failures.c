@@ -3,7 +3,7 @@
 #include "cli/validate/validate.h"
 
 #include "base/file.h"
-#include "cli/render/ray_line.h"
+#include "cli/validate/ray_line.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/pool.h"
+#include "base/sized.h"
 #include "job/adaptive_record.h"
 #include "job/checkpoint/checkpoint_write.h"
 
@@ -12,9 +13,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-void fathom_checkpoint_default(fathom_checkpoint *out) {
-    if (out) *out = (fathom_checkpoint){.every = 60};
-}
+SIZED_DEFAULT_OWN(fathom_checkpoint, {.every = 60})
 
 struct checkpoint {
     fathom_context *context, *saving; /* the second is for the thread that saves */
@@ -51,7 +50,7 @@ fathom_status checkpoint_check_path(fathom_context *context, const fathom_checkp
             context, FATHOM_BAD_USAGE, options->path,
             "there is a file already, which may be hours of work; resume it (--resume), or remove it");
     }
-    return file_check_writable(context, options->path);
+    return fathom_file_check(context, options->path);
 }
 
 static fathom_status read_file(checkpoint *c) {
@@ -78,7 +77,7 @@ static fathom_status prepare(checkpoint *c) {
     fathom_status status = checkpoint_check_path(c->context, &c->options, &exists);
     if (status == FATHOM_OK) status = file_lock_take(c->context, c->options.path, &c->file);
     if (status != FATHOM_OK) return status;
-    file_remove_left_over(c->options.path);
+    fathom_file_remove_left_over(c->options.path);
     checkpoint_key_of(&c->settings, c->film->stats.scene_fingerprint, &c->key);
     if (!checkpoint_state_create(&c->settings, c->film, hits, &c->state) ||
         !checkpoint_write_create(&c->state, c->film, &c->write) ||

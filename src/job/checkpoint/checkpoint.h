@@ -7,6 +7,8 @@
 
 #include "job/adaptive.h"
 
+#include <fathom/session.h>
+
 typedef struct checkpoint checkpoint;
 
 /* What can be told from the path alone, as checkpoint_open() does. */

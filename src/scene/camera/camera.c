@@ -1,5 +1,7 @@
 #include "scene/camera/camera.h"
 
+#include "base/sized.h"
+
 static const double default_fovy = 0.78539816339744831; /* 45 degrees */
 
 static void set_frame(fathom_camera *camera, const frame_f64 *frame) {
@@ -9,18 +11,19 @@ static void set_frame(fathom_camera *camera, const frame_f64 *frame) {
     store_f64(camera->z, frame->z);
 }
 
-void fathom_camera_look_at(const double eye[3], const double target[3], const double up[3], double fovy,
-                           fathom_camera *out) {
-    if (!eye || !target || !up || !out) return;
+void fathom_camera_look_at_sized(const double eye[3], const double target[3], const double up[3], double fovy,
+                                 fathom_camera *out, size_t size) {
+    if (!eye || !target || !up) return;
     vec3_f64 e = load_f64(eye);
     frame_f64 frame = frame_from(e, sub_f64(e, load_f64(target)), load_f64(up));
-    *out = (fathom_camera){.d = 1, .h = 2 * tan(fovy / 2)};
-    set_frame(out, &frame);
+    fathom_camera camera = {.d = 1, .h = 2 * tan(fovy / 2)};
+    set_frame(&camera, &frame);
+    sized_give(out, size, &camera, sizeof camera);
 }
 
-void fathom_camera_default(fathom_camera *camera) {
-    fathom_camera_look_at((double[3]){0, 0, 0}, (double[3]){0, 0, -1}, (double[3]){0, 1, 0}, default_fovy,
-                          camera);
+void fathom_camera_default_sized(fathom_camera *camera, size_t size) {
+    fathom_camera_look_at_sized((double[3]){0, 0, 0}, (double[3]){0, 0, -1}, (double[3]){0, 1, 0},
+                                default_fovy, camera, size);
 }
 
 static bool is_frame(const fathom_camera *camera) {
@@ -33,17 +36,15 @@ static bool is_frame(const fathom_camera *camera) {
            dot_f64(cross_f64(x, y), z) > 0;
 }
 
-fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *camera) {
-    if (!scene) return FATHOM_BAD_USAGE;
-    if (!camera) return fail_null(scene->context, "camera");
+static fathom_status check_camera(fathom_context *context, const fathom_camera *camera) {
     if (!is_frame(camera)) {
         return fail(
-            scene->context, FATHOM_BAD_INPUT,
+            context, FATHOM_BAD_INPUT,
             "camera: the axes are not a right-handed frame of unit vectors at right angles, or not finite");
     }
     if (!(camera->d > 0 && camera->h > 0 && camera->w >= 0) || !isfinite(camera->d + camera->h + camera->w)) {
         return fail(
-            scene->context, FATHOM_BAD_INPUT,
+            context, FATHOM_BAD_INPUT,
             "camera: expected d > 0, h > 0 and w >= 0, found d %g, h %g and w %g; a field of view must lie "
             "between 0 and 180 degrees",
             camera->d, camera->h, camera->w);
@@ -51,13 +52,22 @@ fathom_status fathom_scene_set_camera(fathom_scene *scene, const fathom_camera *
     const bool lens = camera->lens_radius != 0;
     if (!(camera->lens_radius >= 0) || isinf(camera->lens_radius) ||
         (lens && !(camera->focus_distance > 0 && isfinite(camera->focus_distance)))) {
-        return fail(scene->context, FATHOM_BAD_INPUT,
+        return fail(context, FATHOM_BAD_INPUT,
                     "camera: expected a lens radius of at least 0, and with a lens a focus distance above 0; "
                     "found %g and %g",
                     camera->lens_radius, camera->focus_distance);
     }
-    scene->camera = *camera;
-    frame_f64 frame = frame_from(load_f64(camera->origin), load_f64(camera->z), load_f64(camera->y));
+    return FATHOM_OK;
+}
+
+fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_camera *camera, size_t size) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    fathom_camera item;
+    fathom_status status = SIZED_ITEM(scene->context, fathom_camera, camera, size, &item);
+    if (status == FATHOM_OK) status = check_camera(scene->context, &item);
+    if (status != FATHOM_OK) return status;
+    scene->camera = item;
+    frame_f64 frame = frame_from(load_f64(item.origin), load_f64(item.z), load_f64(item.y));
     set_frame(&scene->camera, &frame);
     scene->has_camera = true;
     return FATHOM_OK;

@@ -1,4 +1,4 @@
-#include "cli/render/ray_line.h"
+#include "cli/validate/ray_line.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,0 +1,284 @@
+/* Surveys of scenes: contents, the memory that rendering takes, and problems. */
+#include "base/memory.h"
+#include "base/sized.h"
+#include "integrate/parts.h"
+#include "material/material.h"
+#include "scene/graph.h"
+#include "scene/mesh/closed.h"
+#include "trace/embree/embree_limits.h"
+
+#include <fathom/survey.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LIGHT_TYPES = FATHOM_LIGHT_ENVIRONMENT + 1, FEATURES_MOST = 24, PROBLEMS_MOST = 4 };
+
+/* A survey with what it points to. */
+typedef struct survey {
+    fathom_survey shown;
+    fathom_camera camera;
+    uint64_t lights[LIGHT_TYPES];
+    ARRAY(fathom_camera_choice) cameras;
+    const char *features[FEATURES_MOST];
+    left_out_list left_out;
+    const char *problems[PROBLEMS_MOST];
+    char texts[PROBLEMS_MOST][128];
+} survey;
+
+/* ---- facts about a scene ---- */
+
+const char *fathom_scene_name(const fathom_scene *scene) { return scene ? scene->name : ""; }
+
+uint32_t fathom_scene_lights(const fathom_scene *scene) { return scene ? (uint32_t)scene->lights.count : 0; }
+
+fathom_status fathom_scene_light_sized(const fathom_scene *scene, uint32_t index, fathom_light *out,
+                                       size_t size) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!out) return fail_null(scene->context, "out");
+    if (index >= scene->lights.count)
+        return fail_item(scene->context, FATHOM_BAD_USAGE, "lights", index, "the scene has %zu",
+                         scene->lights.count);
+    sized_give(out, size, &scene->lights.items[index], sizeof *out);
+    return FATHOM_OK;
+}
+
+/* ---- counting ---- */
+
+static uint64_t triangles_of_group(const fathom_scene *scene, const scene_graph *graph, uint32_t group) {
+    uint64_t triangles = 0;
+    for (uint32_t k = graph->objects.first[group]; k < graph->objects.first[group + 1]; ++k) {
+        scene_object object = scene->objects.items[graph->objects.items[k]];
+        if (object.kind == SCENE_MESH) triangles += scene->meshes.items[object.index].triangle_count;
+    }
+    return triangles;
+}
+
+/* How often each group appears follows from its parents, which come first in the graph's order. */
+static fathom_status count_placed(const fathom_scene *scene, uint64_t *out) {
+    scene_graph graph;
+    *out = 0;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    uint64_t *placed = calloc(scene->groups.count, sizeof *placed);
+    if (!placed) {
+        graph_destroy(&graph);
+        return fail_memory(scene->context, scene->groups.count * sizeof *placed);
+    }
+    placed[FATHOM_ROOT] = 1;
+    for (uint32_t k = 0; k < graph.order_count; ++k) {
+        uint32_t group = graph.order[k];
+        *out += placed[group] * triangles_of_group(scene, &graph, group);
+        for (uint32_t i = graph.instances.first[group]; i < graph.instances.first[group + 1]; ++i) {
+            const fathom_instance *instance = &scene->instances.items[graph.instances.items[i]];
+            placed[instance->group] += placed[group];
+        }
+    }
+    free(placed);
+    graph_destroy(&graph);
+    return FATHOM_OK;
+}
+
+static fathom_status count(const fathom_scene *scene, const world *w, survey *out) {
+    fathom_survey *s = &out->shown;
+    s->triangles = scene_triangles(scene);
+    s->degenerate_triangles = w->degenerate_triangles;
+    s->meshes = scene->meshes.count, s->spheres = scene->spheres.count, s->quads = scene->quads.count;
+    s->planes = scene->planes.count, s->instances = scene->instances.count;
+    s->groups = scene->groups.count - 1, s->materials = scene->materials.count;
+    for (size_t i = 0; i < scene->lights.count; ++i) ++out->lights[scene->lights.items[i].type];
+    out->lights[FATHOM_LIGHT_ENVIRONMENT] = scene->environments.count;
+    s->lights = out->lights;
+    return count_placed(scene, &s->placed_triangles);
+}
+
+static fathom_status find_place(const fathom_scene *scene, survey *out) {
+    fathom_survey *s = &out->shown;
+    scene_bounds bounds;
+    fathom_status status = scene_world_bounds(scene, &bounds);
+    if (status != FATHOM_OK) return status;
+    s->has_bounds = !bounds_is_empty(&bounds);
+    if (s->has_bounds) store_f64(s->lower, bounds.lower), store_f64(s->upper, bounds.upper);
+    out->camera = scene->camera;
+    s->camera = &out->camera;
+    for (uint32_t i = 0; i < scene->cameras.count; ++i) {
+        const scene_camera *c = &scene->cameras.items[i];
+        char *node = c->name ? strdup(c->name) : NULL, *name = c->own_name ? strdup(c->own_name) : NULL;
+        const fathom_camera_choice choice = {node, name, c->orthographic, i == scene->camera_taken};
+        if ((!c->name || node) && (!c->own_name || name) && array_push(&out->cameras, choice)) continue;
+        free(node);
+        free(name);
+        return fail_memory(scene->context, sizeof choice);
+    }
+    s->cameras = out->cameras.items, s->camera_count = (uint32_t)out->cameras.count;
+    return FATHOM_OK;
+}
+
+/* At its highest: building adds to the tree memory that is given back when it stands. */
+static fathom_status find_memory(const fathom_scene *scene, const world *w, fathom_survey *s) {
+    const trace_need need = trace_need_of(w, false);
+    s->program_bytes = MEMORY_PROGRAM;
+    s->bvh_bytes = (uint64_t)need.kept, s->building_bytes = (uint64_t)need.passed;
+    s->film_bytes = settings_pixels(&scene->settings) * film_channels(scene->settings.aovs) * sizeof(float);
+    return scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &s->mesh_bytes);
+}
+
+/* ---- features ---- */
+
+typedef struct material_uses {
+    unsigned bits;
+    bool phong, blinn, fresnel, lit_from_behind;
+} material_uses;
+
+static void add_material(const fathom_scene *scene, fathom_id id, material_uses *uses) {
+    const fathom_material *m = &scene->materials.items[id].classic;
+    uses->bits |= material_features(m);
+    const bool specular = m->k_s[0] > 0 || m->k_s[1] > 0 || m->k_s[2] > 0;
+    uses->phong |= specular && m->specular == FATHOM_SPECULAR_PHONG;
+    uses->blinn |= specular && m->specular == FATHOM_SPECULAR_BLINN;
+    uses->fresnel |= m->fresnel;
+    uses->lit_from_behind |= m->lit_from_behind;
+}
+
+static material_uses materials_in_use(const fathom_scene *scene) {
+    material_uses uses = {.bits = 0};
+    for (size_t i = 0; i < scene->objects.count; ++i)
+        add_material(scene, scene_object_material(scene, (fathom_id)i), &uses);
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        fathom_id material = scene->instances.items[i].material;
+        if (material != FATHOM_NONE) add_material(scene, material, &uses);
+    }
+    return uses;
+}
+
+static bool has_ambient(const fathom_scene *scene) {
+    return scene->ambient[0] > 0 || scene->ambient[1] > 0 || scene->ambient[2] > 0;
+}
+
+static void find_features(const fathom_scene *scene, survey *out) {
+    bool nested = false, smooth = false;
+    for (size_t i = 0; i < scene->meshes.count; ++i) smooth |= scene->meshes.items[i].normals != NULL;
+    for (size_t i = 0; i < scene->instances.count; ++i)
+        nested |= scene->instances.items[i].parent != FATHOM_ROOT;
+    const material_uses uses = materials_in_use(scene);
+    const struct {
+        bool used;
+        const char *name;
+    } features[] = {{scene->spheres.count, "spheres"},
+                    {scene->quads.count, "quads"},
+                    {scene->planes.count, "planes"},
+                    {out->shown.triangles, "triangles"},
+                    {smooth, "smooth normals"},
+                    {scene->instances.count, "instances"},
+                    {nested, "nested groups"},
+                    {out->lights[FATHOM_LIGHT_POINT], "point lights"},
+                    {out->lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},
+                    {out->lights[FATHOM_LIGHT_SPOT], "spot lights"},
+                    {scene->environments.count, "environments"},
+                    {has_ambient(scene), "ambient"},
+                    {uses.phong, "Phong"},
+                    {uses.blinn, "Blinn"},
+                    {uses.bits & MATERIAL_MIRROR, "mirrors"},
+                    {uses.bits & MATERIAL_REFRACT, "refraction"},
+                    {uses.fresnel, "Fresnel"},
+                    {uses.bits & MATERIAL_EMIT, "emission"},
+                    {uses.lit_from_behind, "lit from behind"}};
+    _Static_assert(sizeof features / sizeof *features <= FEATURES_MOST, "all features fit");
+    for (size_t i = 0; i < sizeof features / sizeof *features; ++i) {
+        if (features[i].used) out->features[out->shown.feature_count++] = features[i].name;
+    }
+    out->shown.features = out->features;
+}
+
+static fathom_status any_closed(const world *w, bool *out) {
+    closed_how *closed = calloc(w->geometries.count + 1, sizeof *closed);
+    bool fine = closed && closed_find(w, closed);
+    *out = false;
+    for (size_t i = 0; fine && i < w->geometries.count; ++i) *out |= closed[i] != CLOSED_NOT;
+    free(closed);
+    return fine ? FATHOM_OK : fail_memory(w->scene->context, w->geometries.count * sizeof *closed);
+}
+
+static fathom_status find_left_out(const world *w, survey *out) {
+    bool closed;
+    fathom_status status = any_closed(w, &closed);
+    if (status != FATHOM_OK) return status;
+    const bool fine = left_out_find(w, &w->scene->settings, closed, &out->left_out);
+    out->shown.left_out = out->left_out.items;
+    out->shown.left_out_count = (uint32_t)out->left_out.count;
+    return fine ? FATHOM_OK : fail_memory(w->scene->context, sizeof(fathom_left_out));
+}
+
+/* ---- problems ---- */
+
+static void add_problem(survey *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void add_problem(survey *out, const char *format, ...) {
+    char *text = out->texts[out->shown.problem_count];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof *out->texts, format, args);
+    va_end(args);
+    out->problems[out->shown.problem_count++] = text;
+}
+
+static void find_problems(const fathom_scene *scene, const world *w, survey *out) {
+    out->shown.problems = out->problems;
+    if (w->degenerate_triangles)
+        add_problem(out, "triangles without area that are left out: %llu",
+                    (unsigned long long)w->degenerate_triangles);
+    if (w->beyond_reach)
+        add_problem(out, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
+                    WORLD_REACH, (unsigned long long)w->beyond_reach);
+    const bool emits = materials_in_use(scene).bits & MATERIAL_EMIT;
+    if (!scene->lights.count && !scene->environments.count && !emits && !has_ambient(scene))
+        add_problem(out, "no light, no ambient light and nothing that emits: every surface is black");
+}
+
+/* ---- the whole ---- */
+
+static fathom_status fill(const fathom_scene *scene, const world *w, survey *out) {
+    fathom_status status = world_check(w);
+    if (status == FATHOM_OK) status = reach_check(scene->context, w);
+    if (status == FATHOM_OK) status = count(scene, w, out);
+    if (status == FATHOM_OK) status = find_place(scene, out);
+    if (status == FATHOM_OK) status = find_memory(scene, w, &out->shown);
+    if (status == FATHOM_OK) status = find_left_out(w, out);
+    if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
+    if (status != FATHOM_OK) return status;
+    find_features(scene, out);
+    find_problems(scene, w, out);
+    return FATHOM_OK;
+}
+
+/* Making the world also turns away scenes of more instances than can be built. */
+fathom_status fathom_scene_survey(const fathom_scene *scene, const fathom_survey **out) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!out) return fail_null(scene->context, "out");
+    *out = NULL;
+    world *w;
+    fathom_status status = fathom_scene_check(scene);
+    if (status == FATHOM_OK) status = world_create(scene, &w);
+    if (status != FATHOM_OK) return status;
+    survey *made = calloc(1, sizeof *made);
+    status = made ? fill(scene, w, made) : fail_memory(scene->context, sizeof *made);
+    world_destroy(w);
+    if (status == FATHOM_OK)
+        *out = &made->shown;
+    else
+        fathom_survey_destroy(made ? &made->shown : NULL);
+    return status;
+}
+
+/* The survey begins with what is shown of it. */
+void fathom_survey_destroy(const fathom_survey *shown) {
+    survey *s = (survey *)(uintptr_t)shown;
+    if (!s) return;
+    for (size_t i = 0; i < s->cameras.count; ++i) {
+        free((void *)(uintptr_t)s->cameras.items[i].node);
+        free((void *)(uintptr_t)s->cameras.items[i].name);
+    }
+    array_free(&s->cameras);
+    array_free(&s->left_out);
+    free(s);
+}
