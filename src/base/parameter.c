@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- names and words ---- */
+/* ---- names ---- */
 
 const fathom_parameter *parameter_find(parameter_table table, const char *name) {
     for (size_t i = 0; i < table.count; ++i) {
@@ -31,24 +31,6 @@ void parameter_name(const fathom_parameter *p, char between, char out[PARAMETER_
         }
     }
     out[used] = '\0';
-}
-
-const char *words_at(const char *words, unsigned i, size_t *length) {
-    for (;; ++words) {
-        *length = strcspn(words, "|");
-        if (i-- == 0) return words;
-        words += *length;
-        if (!*words) return NULL;
-    }
-}
-
-int words_find(const char *words, const char *word, size_t length) {
-    size_t found;
-    const char *at;
-    for (unsigned i = 0; (at = words_at(words, i, &found)); ++i) {
-        if (found == length && strncmp(at, word, length) == 0) return (int)i;
-    }
-    return -1;
 }
 
 /* ---- values ---- */

@@ -3,30 +3,19 @@
 #include <stdio.h>
 #include <string.h>
 
-static note *find(note_list *notes, const char *text) {
-    for (size_t i = 0; i < notes->count; ++i) {
-        if (strcmp(notes->items[i].text, text) == 0) return &notes->items[i];
-    }
-    return NULL;
-}
-
-/* The note of this kind; NULL when there is no room for a new kind. */
-static note *obtain(note_list *notes, const char *format, va_list args) {
-    note fresh = {.count = 0};
-    vsnprintf(fresh.text, sizeof fresh.text, format, args);
-    note *known = find(notes, fresh.text);
-    if (known || notes->count == NOTES_MAX) return known;
-    notes->items[notes->count] = fresh;
-    return &notes->items[notes->count++];
-}
-
 /* The note if this is the first of its kind and needs a place; else NULL. */
 static note *count_in(note_list *notes, size_t times, const char *format, va_list args) {
-    if (!times) return NULL;
-    note *n = obtain(notes, format, args);
-    bool first = n && !n->count;
-    *(n ? &n->count : &notes->beyond) += times;
-    return first ? n : NULL;
+    note fresh = {.count = times};
+    vsnprintf(fresh.text, sizeof fresh.text, format, args);
+    for (size_t i = 0; i < notes->count; ++i) {
+        if (strcmp(notes->items[i].text, fresh.text) != 0) continue;
+        notes->items[i].count += times;
+        return NULL;
+    }
+    if (notes->count == NOTES_MAX) notes->beyond += times;
+    if (!times || notes->count == NOTES_MAX) return NULL;
+    notes->items[notes->count] = fresh;
+    return &notes->items[notes->count++];
 }
 
 void notes_add(note_list *notes, size_t times, const char *place, const char *format, ...) {
@@ -37,24 +26,15 @@ void notes_add(note_list *notes, size_t times, const char *place, const char *fo
     if (first) snprintf(first->place, sizeof first->place, "%s", place);
 }
 
-void notes_add_line(note_list *notes, size_t times, const text_file *file, const char *at, const char *format,
-                    ...) {
-    va_list args;
-    va_start(args, format);
-    note *first = count_in(notes, times, format, args);
-    va_end(args);
-    if (first) snprintf(first->place, sizeof first->place, ":%zu", text_line(file, at));
-}
-
-void notes_add_at(note_list *notes, size_t times, const text_file *file, const char *at, const char *format,
-                  ...) {
+void notes_add_at(note_list *notes, size_t times, const text_file *file, const char *at, bool quoted,
+                  const char *format, ...) {
     va_list args;
     va_start(args, format);
     note *first = count_in(notes, times, format, args);
     va_end(args);
     if (!first) return;
     snprintf(first->place, sizeof first->place, ":%zu", text_line(file, at));
-    text_quote(at, first->example);
+    if (quoted) text_quote(at, first->example);
 }
 
 void notes_tell(const note_list *notes, fathom_context *context, const char *path) {

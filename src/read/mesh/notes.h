@@ -23,12 +23,9 @@ typedef struct note_list {
 /* Adds `times` to the kind that the text names. The first call for a kind gives its place. */
 void notes_add(note_list *notes, size_t times, const char *place, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* The place is the line of `at`. */
-void notes_add_line(note_list *notes, size_t times, const text_file *file, const char *at, const char *format,
-                    ...) __attribute__((format(printf, 5, 6)));
-/* The same, with the word at `at` as an example. */
-void notes_add_at(note_list *notes, size_t times, const text_file *file, const char *at, const char *format,
-                  ...) __attribute__((format(printf, 5, 6)));
+/* The place is the line of `at`; `quoted`: the word there is an example. */
+void notes_add_at(note_list *notes, size_t times, const text_file *file, const char *at, bool quoted,
+                  const char *format, ...) __attribute__((format(printf, 6, 7)));
 /* Warns of all kinds, in the order they were added. */
 void notes_tell(const note_list *notes, fathom_context *context, const char *path);
 

@@ -10,7 +10,9 @@ typedef struct text_file {
     fathom_context *context;
     const char *path;
     const char *begin, *end;
-    char *copy; /* the text if it is not the file's own bytes; else NULL */
+    char *copy;         /* the text if it is not the file's own bytes; else NULL */
+    const char *binary; /* where bytes begin that are no text; NULL: nowhere */
+    size_t size;        /* of the file */
 } text_file;
 
 /* The text of a mapped file, without a byte order mark. If its first line ends in a carriage return alone, as
@@ -26,29 +28,35 @@ fathom_status text_copy(text_file *file);
 /* Replaces carriage returns without a following line feed by line feeds. */
 void text_mend_line_ends(char *begin, const char *end);
 
-/* A fault found on any thread and reported later by the calling one. at == NULL: none. */
+/* What any thread found wrong with a file, reported later by the calling thread: lack of memory, else the
+ * fault that is first in the file. Zero it to start with. */
 typedef struct text_fault {
-    const char *at;
+    bool no_memory;
+    const char *at; /* NULL: none */
     char field[52]; /* the statement or property; "": none */
     char what[200];
 } text_fault;
 
-/* Records the first fault; always returns false. field: may be NULL. */
-bool text_wrong(text_fault *fault, const char *at, const char *field, const char *format, ...)
+/* These record a fault and return false. field: may be NULL. */
+bool text_wrong(text_fault *fault, const void *at, const char *field, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* FATHOM_BAD_INPUT, at the fault's line. */
-fathom_status text_fail(const text_file *file, const text_fault *fault);
+bool text_no_memory(text_fault *fault);
+/* Adds ", found" and the word at `at` to the text. */
+bool text_found(text_fault *fault, const char *at, const char *field, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 /* Records a fault at the first zero byte, which text does not have, and returns false. */
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end);
+/* FATHOM_OK without a fault, FATHOM_OUT_OF_RESOURCES, or FATHOM_BAD_INPUT at the fault's line or byte. */
+fathom_status text_status(const text_file *file, const text_fault *fault);
 /* The line of `at`, from 1. */
 size_t text_line(const text_file *file, const char *at);
 
 /* The word at `at` in quotes, or "the end of the line", cut to fit a message. Returns `out`. */
 const char *text_quote(const char *at, char out[48]);
 
-/* The count + 1 offsets of pieces of about `grain` bytes that end with a line; a line that ends in a
- * backslash goes on. NULL when out of memory; release with free(). */
-size_t *text_pieces(const text_file *file, size_t grain, size_t *count);
+/* Where the pieces of a text begin, and where the last one ends. Each has about `grain` bytes and ends with a
+ * line; a line that ends in a backslash goes on. NULL when out of memory; release with free(). */
+const char **text_pieces(const text_file *file, size_t grain, size_t *count);
 
 static inline bool text_is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';

@@ -7,12 +7,10 @@
 #endif
 
 static fathom_status cut_pieces(obj_reader *r) {
-    size_t *starts = text_pieces(&r->file, OBJ_PIECE, &r->piece_count);
+    const char **starts = text_pieces(&r->file, OBJ_PIECE, &r->piece_count);
     r->pieces = starts ? calloc(r->piece_count + 1, sizeof *r->pieces) : NULL;
-    for (size_t i = 0; r->pieces && i < r->piece_count; ++i) {
-        r->pieces[i].begin = r->file.begin + starts[i];
-        r->pieces[i].end = r->file.begin + starts[i + 1];
-    }
+    for (size_t i = 0; r->pieces && i < r->piece_count; ++i)
+        r->pieces[i].begin = starts[i], r->pieces[i].end = starts[i + 1];
     free(starts);
     return r->pieces ? FATHOM_OK : fail_memory(r->scene->context, r->piece_count * sizeof *r->pieces);
 }
@@ -30,7 +28,7 @@ static void note_tallies(obj_reader *r) {
     for (int k = 0; k < OBJ_TALLIES; ++k) {
         for (size_t i = 0; i < r->piece_count; ++i) {
             const obj_tally *t = &r->pieces[i].tallies[k];
-            notes_add_at(&r->notes, t->count, &r->file, t->first, "%s", texts[k]);
+            notes_add_at(&r->notes, t->count, &r->file, t->first, true, "%s", texts[k]);
         }
     }
 }

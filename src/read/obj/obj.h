@@ -88,8 +88,6 @@ typedef struct obj_piece {
     ARRAY(polygon_fan) polygons;
     double lower[3], upper[3]; /* of the positions */
     obj_tally tallies[OBJ_TALLIES];
-    text_fault fault;
-    bool out_of_memory;
 } obj_piece;
 
 /* A material name, or none (slot 0). */
@@ -103,6 +101,7 @@ typedef struct obj_reader {
     fathom_id group;
     read_mesh_options options;
     text_file file;
+    text_fault fault;
     note_list notes;
     unsigned threads;
     obj_piece *pieces;
@@ -144,6 +143,9 @@ fathom_status obj_scan(obj_reader *r);
 fathom_status obj_find_materials(obj_reader *r);
 /* Vertices and triangles; then polygons, which need the vertices. */
 fathom_status obj_parse(obj_reader *r);
+/* Gives the piece indices of a kind that equal those of the positions, as far as it has none. False without
+ * memory. */
+bool obj_keep_indices(obj_piece *piece, int kind);
 fathom_status obj_smooth(obj_reader *r);
 fathom_status obj_build(obj_reader *r);
 

@@ -86,7 +86,7 @@ static fathom_status read_mention(obj_reader *r, mtl_library *library, library_n
                                   const obj_mention *mention) {
     bool found;
     if (!mention->length) {
-        notes_add_at(&r->notes, 1, &r->file, mention->at, "mtllib: expected the name of a file");
+        notes_add_at(&r->notes, 1, &r->file, mention->at, true, "mtllib: expected the name of a file");
         return FATHOM_OK;
     }
     fathom_status status = read_name(r, library, names, mention->at, mention->length, &found);
@@ -126,11 +126,11 @@ static fathom_status read_libraries(obj_reader *r, mtl_library *library) {
     library_names names = {0};
     fathom_status status = read_mentions(r, library, &names);
     if (status == FATHOM_OK) {
-        notes_add_line(&r->notes, names.absent.count, &r->file, names.absent.first,
-                       "mtllib: there is no file \"%.*s\"; materials named from it get the default",
-                       shown(names.absent_length), names.absent.first);
-        notes_add_line(&r->notes, names.refused.count, &r->file, names.refused.first,
-                       "mtllib: %s; materials named from it get the default", names.why);
+        notes_add_at(&r->notes, names.absent.count, &r->file, names.absent.first, false,
+                     "mtllib: there is no file \"%.*s\"; materials named from it get the default",
+                     shown(names.absent_length), names.absent.first);
+        notes_add_at(&r->notes, names.refused.count, &r->file, names.refused.first, false,
+                     "mtllib: %s; materials named from it get the default", names.why);
     }
     names_free(&names.seen);
     return status;
@@ -162,9 +162,9 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
         }
     }
     if (missing)
-        notes_add_line(&r->notes, missing, &r->file, first->text,
-                       "usemtl: no material \"%.*s\" is defined; it gets the default", shown(first->length),
-                       first->text);
+        notes_add_at(&r->notes, missing, &r->file, first->text, false,
+                     "usemtl: no material \"%.*s\" is defined; it gets the default", shown(first->length),
+                     first->text);
     return FATHOM_OK;
 }
 

@@ -57,8 +57,8 @@ static obj_mention mention(const char *p, const char *end) {
     return (obj_mention){.at = p, .length = length};
 }
 
-static void scan_piece(obj_piece *piece) {
-    if (!text_has_no_zeros(&piece->fault, piece->begin, piece->end)) return;
+static void scan_piece(obj_reader *r, obj_piece *piece) {
+    if (!text_has_no_zeros(&r->fault, piece->begin, piece->end)) return;
     for (const char *p = piece->begin; p < piece->end;) {
         obj_statement statement = obj_classify(&p);
         switch (statement) {
@@ -66,10 +66,10 @@ static void scan_piece(obj_piece *piece) {
         case OBJ_S_UV: ++piece->count[OBJ_UV]; break;
         case OBJ_S_NORMAL: ++piece->count[OBJ_NORMAL]; break;
         case OBJ_S_MATERIAL:
-            if (!array_push(&piece->materials, mention(p, piece->end))) piece->out_of_memory = true;
+            if (!array_push(&piece->materials, mention(p, piece->end))) text_no_memory(&r->fault);
             break;
         case OBJ_S_LIBRARY:
-            if (!array_push(&piece->libraries, mention(p, piece->end))) piece->out_of_memory = true;
+            if (!array_push(&piece->libraries, mention(p, piece->end))) text_no_memory(&r->fault);
             break;
         case OBJ_S_SMOOTHING:
             /* A wrong one is reported by the parse. */
@@ -88,7 +88,7 @@ static void scan_piece(obj_piece *piece) {
 static void scan_pieces(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     obj_reader *r = user;
-    for (size_t i = begin; i < end; ++i) scan_piece(&r->pieces[i]);
+    for (size_t i = begin; i < end; ++i) scan_piece(r, &r->pieces[i]);
 }
 
 /* Finds what precedes each piece: vertices, material, smoothing group. */
@@ -96,8 +96,6 @@ static fathom_status carry_over(obj_reader *r) {
     uint32_t slot = 0, group = 0;
     for (size_t i = 0; i < r->piece_count; ++i) {
         obj_piece *piece = &r->pieces[i];
-        if (piece->out_of_memory) return fail_memory(r->scene->context, sizeof(obj_mention));
-        if (piece->fault.at) return text_fail(&r->file, &piece->fault);
         for (int k = 0; k < OBJ_KINDS; ++k) {
             piece->base[k] = r->total[k];
             r->total[k] += piece->count[k];
@@ -118,7 +116,8 @@ static fathom_status carry_over(obj_reader *r) {
 fathom_status obj_scan(obj_reader *r) {
     static const char *const kinds[] = {"vertices", "texture coordinates", "normals"};
     loop_parallel(r->threads, r->piece_count, 1, scan_pieces, r);
-    fathom_status status = carry_over(r);
+    fathom_status status = text_status(&r->file, &r->fault);
+    if (status == FATHOM_OK) status = carry_over(r);
     for (int k = 0; k < OBJ_KINDS && status == FATHOM_OK; ++k) {
         if (r->total[k] < UINT32_MAX) continue;
         status = fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,

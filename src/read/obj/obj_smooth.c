@@ -145,16 +145,6 @@ static fathom_status make_normals(obj_reader *r, const smooth_faces *faces) {
     return normals_smooth(context, &input, normals + 3 * before);
 }
 
-/* Gives the piece an array of normal indices if it has none. */
-static bool keep_normal_indices(obj_piece *piece) {
-    size_t count = piece->corners[OBJ_POSITION].count;
-    if (piece->corners[OBJ_NORMAL].count == count) return true;
-    if (!array_room(&piece->corners[OBJ_NORMAL], count)) return false;
-    memcpy(piece->corners[OBJ_NORMAL].items, piece->corners[OBJ_POSITION].items, count * sizeof(uint32_t));
-    piece->corners[OBJ_NORMAL].count = count;
-    return true;
-}
-
 static fathom_status point_at_normals(obj_reader *r, const smooth_faces *faces) {
     uint32_t before = (uint32_t)(r->total[OBJ_NORMAL] - faces->slot_count);
     const uint32_t *slots = faces->slots ? faces->slots : faces->indices;
@@ -165,7 +155,7 @@ static fathom_status point_at_normals(obj_reader *r, const smooth_faces *faces) 
         run->has[OBJ_NORMAL] = true;
         run->same[OBJ_NORMAL] = same;
         if (same) continue;
-        if (!keep_normal_indices(piece))
+        if (!obj_keep_indices(piece, OBJ_NORMAL))
             return fail_memory(r->scene->context, piece->corners[OBJ_POSITION].count);
         uint32_t *out = piece->corners[OBJ_NORMAL].items + 3 * run->first;
         for (size_t i = 0; i < 3 * run->count; ++i) out[i] = before + slots[i];
