@@ -20,15 +20,9 @@ static uint32_t word_at(const unsigned char *bytes, size_t at) {
     return word;
 }
 
-static fathom_status fail_byte(gltf *g, size_t at, const char *format, ...) {
-    const fathom_place place = {.file = g->path, .has_byte = true, .byte = at};
-    char text[256];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    return fail_at(g->context, FATHOM_BAD_INPUT, &place, "%s", text);
-}
+#define fail_byte(g, position, ...)                                                                          \
+    fail_at((g)->context, FATHOM_BAD_INPUT,                                                                  \
+            &(const fathom_place){.file = (g)->path, .has_byte = true, .byte = position}, __VA_ARGS__)
 
 /* `at`: where the text begins in a GLB; 0 for a .gltf file. */
 static fathom_status parse_json(gltf *g, const char *text, size_t size, size_t at) {
@@ -110,8 +104,9 @@ fathom_status gltf_open(gltf *g) {
     if (strcmp(extension, "glb") == 0)
         return fail_byte(g, 0, "expected the magic number \"glTF\" of a binary glTF file");
     /* A byte order mark is against the standard but harmless. */
-    size_t mark = map->size >= 3 && memcmp(map->bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
-    return parse_json(g, (const char *)map->bytes + mark, map->size - mark, 0);
+    const char *end = (const char *)map->bytes + map->size;
+    const char *text = text_after_mark((const char *)map->bytes, end);
+    return parse_json(g, text, (size_t)(end - text), 0);
 }
 
 /* ---- buffers ---- */

@@ -9,33 +9,22 @@
 
 /* ---- what is wrong, and where ---- */
 
-enum { PATH_ROOM = 512, TEXT_ROOM = 512 };
+enum { TEXT_ROOM = 512 };
 
-/* path: filled in, for the place to point to. */
-static fathom_place place_of(const doc *d, const where *at, char path[PATH_ROOM]) {
-    where_path(at, path, PATH_ROOM);
-    return (fathom_place){.file = d->path, .line = where_find(d->text, at).line, .field = path};
+const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot) {
+    where_path(at, spot->path, sizeof spot->path);
+    spot->place = (fathom_place){.file = d->path, .line = where_find(d->text, at).line, .field = spot->path};
+    return &spot->place;
 }
 
 fathom_status doc_within(const doc *d, const where *at, fathom_status status) {
-    char path[PATH_ROOM];
+    doc_spot spot;
     const fathom_error *error = fathom_context_error(d->context);
     const where field = {at, error->place->field, 0};
     const bool named = !*error->place->file && *field.key && where_find(d->text, &field).whole;
-    const fathom_place place = place_of(d, named ? &field : at, path);
-    return named ? fail_at(d->context, status, &place, "%s", error->text)
-                 : fail_within(d->context, status, &place);
-}
-
-fathom_status doc_fail(const doc *d, const where *at, const char *format, ...) {
-    char text[1024];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    char path[PATH_ROOM];
-    const fathom_place place = place_of(d, at, path);
-    return fail_at(d->context, FATHOM_BAD_INPUT, &place, "%s", text);
+    const fathom_place *place = doc_place(d, named ? &field : at, &spot);
+    return named ? fail_at(d->context, status, place, "%s", error->text)
+                 : fail_within(d->context, status, place);
 }
 
 fathom_status doc_expected(const doc *d, const where *at, json_t *value, const char *expected) {

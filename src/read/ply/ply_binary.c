@@ -305,7 +305,7 @@ static bool read_face(const binary_reader *b, uint64_t number, const unsigned ch
     if (!list_count(b, list, &p, &count)) return false;
     for (uint64_t i = 0; i < count; ++i, p += ply_size(list->type)) {
         double index = load(p, list->type, b->big);
-        if (!(fabs(index) < 0x1p53) || index != floor(index))
+        if (list->type >= PLY_FLOAT32 && (!(fabs(index) < 0x1p53) || index != floor(index)))
             return text_wrong(&r->fault, p, b->faces.element->name, "the index %g is not a whole number",
                               index);
         if (!ply_push_index(r, faces, (int64_t)index, p)) return false;
