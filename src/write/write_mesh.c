@@ -132,7 +132,11 @@ fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *pat
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
     status = check_shapes(scene, &graph, path);
+    /* Numbers have a dot, whatever the user's locale. */
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
     if (status == FATHOM_OK) status = formats[format].write(scene, &graph, path);
+    uselocale(before);
+    freelocale(c);
     graph_destroy(&graph);
     return status;
 }

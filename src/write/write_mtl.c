@@ -43,22 +43,21 @@ void write_names_free(const fathom_scene *scene, char **names) {
 
 /* ---- materials ---- */
 
-static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
-
-static void put_color(write_text *t, const char *key, const float rgb[3], float factor) {
-    write_put(t, "%s", key);
-    for (int k = 0; k < 3; ++k) {
-        char number[WRITE_NUMBER_BYTES];
-        size_t length = write_float(number, factor * rgb[k]);
-        write_put(t, " %.*s", (int)length, number);
+double write_blinn_exponent(const fathom_material *m) {
+    switch (m->specular) {
+    case FATHOM_SPECULAR_NONE: return 0;
+    case FATHOM_SPECULAR_PHONG: return 4 * (double)m->shininess;
+    case FATHOM_SPECULAR_BLINN: return (double)m->shininess;
     }
-    write_put(t, "\n");
+    return 0;
 }
 
-static void put_number(write_text *t, const char *key, float value) {
-    char number[WRITE_NUMBER_BYTES];
-    size_t length = write_float(number, value);
-    write_put(t, "%s %.*s\n", key, (int)length, number);
+static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
+
+static void put_color(file_writer *file, const char *key, const float rgb[3], float factor) {
+    file_writer_print(file, "%s", key);
+    for (int k = 0; k < 3; ++k) file_writer_print(file, " %.9g", (double)(factor * rgb[k]));
+    file_writer_print(file, "\n");
 }
 
 /* 1 Lambert, 2 with highlight, 3 and a mirror, 5 the same by Fresnel's law, 6 glass, 7 glass by Fresnel's
@@ -69,14 +68,12 @@ static int illumination(const fathom_material *m) {
     return m->specular == FATHOM_SPECULAR_NONE ? 1 : 2;
 }
 
-static void put_material(write_text *t, const char *name, const fathom_material *m) {
+static void put_material(file_writer *t, const char *name, const fathom_material *m) {
     int illum = illumination(m);
     bool glass = illum == 6 || illum == 7 || illum == 9, mirror = illum >= 3 && largest(m->k_r) > 0;
     /* Reading scales the diffuse part of glass by 1 - k_t. */
     float left = glass && largest(m->k_t) < 1 ? 1 - largest(m->k_t) : 1;
-    write_put_text(t, "newmtl ");
-    write_put_text(t, name);
-    write_put_text(t, "\n");
+    file_writer_print(t, "newmtl %s\n", name);
     put_color(t, "Kd", m->k_d, 1 / left);
     if (m->k_a[0] >= 0) put_color(t, "Ka", m->k_a, 1 / left);
     put_color(t, "Ks",
@@ -85,24 +82,18 @@ static void put_material(write_text *t, const char *name, const fathom_material 
                                                     : m->k_s,
               1);
     if (largest(m->k_e) > 0) put_color(t, "Ke", m->k_e, 1);
-    put_number(t, "Ns", (float)write_blinn_exponent(m));
-    if (illum >= 5) put_number(t, "Ni", m->ior);
+    file_writer_print(t, "Ns %.9g\n", (double)(float)write_blinn_exponent(m));
+    if (illum >= 5) file_writer_print(t, "Ni %.9g\n", (double)m->ior);
     if (glass) put_color(t, "Tf", m->k_t, 1);
-    write_put(t, "illum %d\n", illum);
+    file_writer_print(t, "illum %d\n", illum);
 }
 
 fathom_status write_mtl(const fathom_scene *scene, const char *path, char **names) {
-    write_text text = {.failed = false};
-    write_put(&text, "# Fathom %s\n", fathom_version());
+    file_writer *file;
+    fathom_status status = file_writer_open(scene->context, path, &file);
+    if (status != FATHOM_OK) return status;
+    file_writer_print(file, "# Fathom %s\n", fathom_version());
     for (size_t i = 0; i < scene->materials.count; ++i)
-        put_material(&text, names[i], &scene->materials.items[i].classic);
-    file_writer *file = NULL;
-    fathom_status status = text.failed ? fail_memory(scene->context, text.bytes.capacity) : FATHOM_OK;
-    if (status == FATHOM_OK) status = file_writer_open(scene->context, path, &file);
-    if (status == FATHOM_OK) {
-        file_writer_put(file, text.bytes.items, text.bytes.count);
-        status = file_writer_commit(file);
-    }
-    array_free(&text.bytes);
-    return status;
+        put_material(file, names[i], &scene->materials.items[i].classic);
+    return file_writer_commit(file);
 }

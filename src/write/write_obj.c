@@ -1,9 +1,7 @@
 /* OBJ: instances are placed, normals and uvs have their own indices, materials are in a library next to the
  * file. */
-#include "base/file.h"
 #include "write/write.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,10 +17,6 @@ typedef struct obj {
 
 /* ---- lines ---- */
 
-static const float *item(const float *base, size_t stride, size_t i) {
-    return (const float *)(const void *)((const char *)base + stride * i);
-}
-
 static char *put_line(char *out, const char *key, const float *numbers, int count) {
     while (*key) *out++ = *key++;
     for (int k = 0; k < count; ++k) {
@@ -33,42 +27,34 @@ static char *put_line(char *out, const char *key, const float *numbers, int coun
     return out;
 }
 
-static size_t format_positions(const void *user, size_t begin, size_t end, char *out) {
-    const write_placement *at = user;
-    char *start = out;
-    for (size_t i = begin; i < end; ++i) {
-        vec3_f32 p =
-            write_placed_position(at, load_f32(item(at->mesh->positions, at->mesh->position_stride, i)));
-        out = put_line(out, "v", (const float[3]){p.x, p.y, p.z}, 3);
-    }
-    return (size_t)(out - start);
-}
-
-static size_t format_normals(const void *user, size_t begin, size_t end, char *out) {
-    const write_placement *at = user;
-    char *start = out;
-    for (size_t i = begin; i < end; ++i) {
-        vec3_f32 n = write_placed_normal(at, load_f32(item(at->mesh->normals, at->mesh->normal_stride, i)));
-        out = put_line(out, "vn", (const float[3]){n.x, n.y, n.z}, 3);
-    }
-    return (size_t)(out - start);
-}
-
-static size_t format_uvs(const void *user, size_t begin, size_t end, char *out) {
-    const write_placement *at = user;
-    char *start = out;
-    for (size_t i = begin; i < end; ++i)
-        out = put_line(out, "vt", item(at->mesh->uvs, at->mesh->uv_stride, i), 2);
-    return (size_t)(out - start);
-}
-
-typedef struct obj_faces {
+/* The lines of one kind of a placed mesh. */
+typedef struct obj_part {
     const obj *o;
     const write_placement *at;
-} obj_faces;
+    enum { POSITIONS, NORMALS, UVS, FACES } kind;
+} obj_part;
+
+static size_t format_vertices(const void *user, size_t begin, size_t end, char *out) {
+    static const char *const keys[] = {"v", "vn", "vt"};
+    const obj_part *part = user;
+    const write_placement *at = part->at;
+    const fathom_mesh *m = at->mesh;
+    char *start = out;
+    for (size_t i = begin; i < end; ++i) {
+        float v[3];
+        if (part->kind == POSITIONS)
+            store_f32(v, write_placed_position(at, write_item(m->positions, m->position_stride, i)));
+        else if (part->kind == NORMALS)
+            store_f32(v, write_placed_normal(at, write_item(m->normals, m->normal_stride, i)));
+        else
+            memcpy(v, (const char *)m->uvs + m->uv_stride * i, 2 * sizeof *v);
+        out = put_line(out, keys[part->kind], v, part->kind == UVS ? 2 : 3);
+    }
+    return (size_t)(out - start);
+}
 
 /* a, a/t, a//n or a/t/n, counted from 1 over the whole file. */
-static char *put_corner(char *out, const obj_faces *f, size_t corner) {
+static char *put_corner(char *out, const obj_part *f, size_t corner) {
     const fathom_mesh *m = f->at->mesh;
     uint32_t position = m->indices[corner];
     *out++ = ' ';
@@ -83,7 +69,7 @@ static char *put_corner(char *out, const obj_faces *f, size_t corner) {
 }
 
 static size_t format_faces(const void *user, size_t begin, size_t end, char *out) {
-    const obj_faces *f = user;
+    const obj_part *f = user;
     size_t second = f->at->mirrored ? 2 : 1;
     char *start = out;
     for (size_t t = begin; t < end; ++t) {
@@ -98,24 +84,16 @@ static size_t format_faces(const void *user, size_t begin, size_t end, char *out
 
 /* ---- file ---- */
 
+/* Appends the group's name as one word. */
 static void put_head(obj *o, const write_placement *at) {
     const char *group = o->scene->groups.items[o->scene->objects.items[at->object].group];
-    char text[64];
-    int length = snprintf(text, sizeof text, "o object_%zu", o->objects++);
-    write_bytes(&o->stream, text, (size_t)length);
-    /* Appends the group's name as one word. */
-    for (const char *c = group ? group : ""; *c; ++c) {
-        char letter = (unsigned char)*c <= ' ' ? '_' : *c;
-        if (c == group) write_bytes(&o->stream, "_", 1);
-        write_bytes(&o->stream, &letter, 1);
-    }
-    if (o->material != at->material) {
-        const char *name = o->names[at->material];
-        write_bytes(&o->stream, "\nusemtl ", 8);
-        write_bytes(&o->stream, name, strlen(name));
-        o->material = at->material;
-    }
-    write_bytes(&o->stream, "\n", 1);
+    file_writer *file = o->stream.file;
+    file_writer_print(file, "o object_%zu%s", o->objects++, group && *group ? "_" : "");
+    for (const char *c = group ? group : ""; *c; ++c)
+        file_writer_put(file, (unsigned char)*c <= ' ' ? "_" : c, 1);
+    if (o->material != at->material) file_writer_print(file, "\nusemtl %s", o->names[at->material]);
+    file_writer_print(file, "\n");
+    o->material = at->material;
 }
 
 static fathom_status put_placement(void *user, const write_placement *at) {
@@ -123,11 +101,14 @@ static fathom_status put_placement(void *user, const write_placement *at) {
     const fathom_mesh *m = at->mesh;
     size_t line = 3 * WRITE_NUMBER_BYTES + 8;
     put_head(o, at);
-    write_items(&o->stream, m->vertex_count, line, format_positions, at);
-    if (m->uvs) write_items(&o->stream, m->uv_count, line, format_uvs, at);
-    if (m->normals) write_items(&o->stream, m->normal_count, line, format_normals, at);
-    obj_faces faces = {o, at};
-    write_items(&o->stream, m->triangle_count, 9 * 22 + 8, format_faces, &faces);
+    obj_part part = {o, at, POSITIONS};
+    write_items(&o->stream, m->vertex_count, line, format_vertices, &part);
+    part.kind = UVS;
+    if (m->uvs) write_items(&o->stream, m->uv_count, line, format_vertices, &part);
+    part.kind = NORMALS;
+    if (m->normals) write_items(&o->stream, m->normal_count, line, format_vertices, &part);
+    part.kind = FACES;
+    write_items(&o->stream, m->triangle_count, 9 * 22 + 8, format_faces, &part);
     o->positions += m->vertex_count;
     o->uvs += m->uvs ? m->uv_count : 0;
     o->normals += m->normals ? m->normal_count : 0;
@@ -167,12 +148,7 @@ static char *library_path(const char *path) {
 static fathom_status put_all(obj *o, const char *path, const char *library) {
     fathom_status status = write_stream_open(o->scene->context, path, &o->stream);
     if (status != FATHOM_OK) return status;
-    const char *beside = file_name(library);
-    write_bytes(&o->stream, "# Fathom ", 9);
-    write_bytes(&o->stream, fathom_version(), strlen(fathom_version()));
-    write_bytes(&o->stream, "\nmtllib ", 8);
-    write_bytes(&o->stream, beside, strlen(beside));
-    write_bytes(&o->stream, "\n", 1);
+    file_writer_print(o->stream.file, "# Fathom %s\nmtllib %s\n", fathom_version(), file_name(library));
     status = write_each_placement(o->scene, o->graph, put_placement, o);
     /* The library exists before the file that names it. */
     if (status == FATHOM_OK) status = write_mtl(o->scene, library, o->names);

@@ -76,29 +76,25 @@ void write_mesh_free(write_mesh *m) {
     *m = (write_mesh){.mesh = NULL};
 }
 
-static vec3_f32 load_at(const float *base, size_t stride, uint32_t i) {
-    return load_f32((const float *)(const void *)((const char *)base + stride * i));
-}
-
 static uint32_t position_index(const write_mesh *m, uint32_t vertex) {
     if (m->facets) return m->mesh->indices[vertex];
     return m->positions ? m->positions[vertex] : vertex;
 }
 
 vec3_f32 write_mesh_position(const write_mesh *m, uint32_t vertex) {
-    return load_at(m->mesh->positions, m->mesh->position_stride, position_index(m, vertex));
+    return write_item(m->mesh->positions, m->mesh->position_stride, position_index(m, vertex));
 }
 
 static vec3_f32 facet_normal(const fathom_mesh *mesh, uint32_t triangle) {
     const uint32_t *t = mesh->indices + (size_t)triangle * 3;
     vec3_f64 p[3];
-    for (int k = 0; k < 3; ++k) p[k] = widen(load_at(mesh->positions, mesh->position_stride, t[k]));
+    for (int k = 0; k < 3; ++k) p[k] = widen(write_item(mesh->positions, mesh->position_stride, t[k]));
     return narrow(normalize_f64(cross_f64(sub_f64(p[1], p[0]), sub_f64(p[2], p[0]))));
 }
 
 vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex) {
     if (m->facets) return facet_normal(m->mesh, vertex / 3);
-    return load_at(m->mesh->normals, m->mesh->normal_stride, m->normals ? m->normals[vertex] : vertex);
+    return write_item(m->mesh->normals, m->mesh->normal_stride, m->normals ? m->normals[vertex] : vertex);
 }
 
 void write_mesh_uv(const write_mesh *m, uint32_t vertex, float uv[2]) {
