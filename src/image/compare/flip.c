@@ -28,17 +28,6 @@ typedef struct image_size {
     size_t width, height;
 } image_size;
 
-static double gauss(double x, double sigma) { return exp(-x * x / (2 * sigma * sigma)); }
-
-/* exp(-x² / (2 sigma²)), x in pixels up to the radius; sums to one. */
-static kernel kernel_gauss(double sigma, int radius) {
-    kernel k = {.radius = radius};
-    double sum = 0;
-    for (int x = -radius; x <= radius; ++x) sum += k.weights[x + radius] = gauss(x, sigma);
-    for (int i = 0; i <= 2 * radius; ++i) k.weights[i] /= sum;
-    return k;
-}
-
 /* Positive weights sum to one, negative ones to minus one. */
 static void balance(kernel *k) {
     double above = 0, below = 0;
@@ -46,22 +35,17 @@ static void balance(kernel *k) {
         above += fmax(k->weights[i], 0);
         below -= fmin(k->weights[i], 0);
     }
-    for (int i = 0; i <= 2 * k->radius; ++i) k->weights[i] /= k->weights[i] > 0 ? above : below;
+    for (int i = 0; i <= 2 * k->radius; ++i) k->weights[i] /= k->weights[i] < 0 ? below : above;
 }
 
-/* Its first derivative, which finds edges. */
-static kernel kernel_edge(double sigma, int radius) {
+/* exp(-x² / (2 sigma²)), x in pixels up to the radius; its first derivative, which finds edges; or its second
+ * one, which finds points and lines. */
+static kernel kernel_make(double sigma, int radius, int derivative) {
     kernel k = {.radius = radius};
-    for (int x = -radius; x <= radius; ++x) k.weights[x + radius] = -x * gauss(x, sigma);
-    balance(&k);
-    return k;
-}
-
-/* Its second derivative, which finds points and lines. */
-static kernel kernel_point(double sigma, int radius) {
-    kernel k = {.radius = radius};
-    for (int x = -radius; x <= radius; ++x)
-        k.weights[x + radius] = (x * x / (sigma * sigma) - 1) * gauss(x, sigma);
+    for (int x = -radius; x <= radius; ++x) {
+        const double factor[] = {1, -x, x * x / (sigma * sigma) - 1};
+        k.weights[x + radius] = factor[derivative] * exp(-x * x / (2 * sigma * sigma));
+    }
     balance(&k);
     return k;
 }
@@ -139,7 +123,7 @@ static void blur(const flip_view *v, int channel, double ppd, const workroom *ro
     for (size_t p = 0; p < count; ++p) out[p] = 0;
     for (int i = 0; i < 2; ++i) {
         if (!(shares[i] > 0)) continue;
-        kernel k = kernel_gauss(deviation_of(sensitivity[channel][i].b, ppd), radius);
+        kernel k = kernel_make(deviation_of(sensitivity[channel][i].b, ppd), radius, 0);
         filter_rows(room->in, v->size, &k, room->line, room->across);
         filter_columns(room->across, v->size, &k, room->one);
         for (size_t p = 0; p < count; ++p) out[p] += shares[i] / total * room->one[p];
@@ -162,8 +146,8 @@ static void detect(const flip_view *v, const kernel *k, const kernel *smooth, co
 static void find_features(flip_view *v, double ppd, const workroom *room) {
     double sigma = 0.5 * FEATURE_WIDTH * ppd;
     int radius = (int)ceil(3 * sigma);
-    kernel smooth = kernel_gauss(sigma, radius), edge = kernel_edge(sigma, radius),
-           point = kernel_point(sigma, radius);
+    kernel smooth = kernel_make(sigma, radius, 0), edge = kernel_make(sigma, radius, 1),
+           point = kernel_make(sigma, radius, 2);
     detect(v, &edge, &smooth, room, v->edge);
     detect(v, &point, &smooth, room, v->point);
 }

@@ -13,7 +13,7 @@
 #define WIRE_MEMORY 4
 
 /* Grows with every change of the protocol. */
-#define WIRE_VERSION 2u
+#define WIRE_VERSION 3u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* begins a file; the request carries its descriptor; the memory holds a wire image */

@@ -125,7 +125,13 @@ void ply_join_bounds(ply_reader *r, const scene_bounds *bounds);
 
 fathom_status ply_make_pieces(ply_reader *r, size_t count);
 /* Adds an index to the row; false after a fault or without memory. */
-bool ply_push_index(ply_reader *r, ply_faces *faces, int64_t index, const void *at);
+bool ply_push_checked(ply_reader *r, ply_faces *faces, int64_t index, const void *at);
+static inline bool ply_push_index(ply_reader *r, ply_faces *faces, int64_t index, const void *at) {
+    if ((uint64_t)index >= r->vertex_count || faces->row.count == faces->row.capacity)
+        return ply_push_checked(r, faces, index, at);
+    faces->row.items[faces->row.count++] = (uint32_t)index;
+    return true;
+}
 /* Adds the triangles of the row, and begins another. False without memory. */
 bool ply_end_row(ply_reader *r, ply_faces *faces);
 fathom_status ply_allocate_triangles(ply_reader *r, uint64_t count);

@@ -78,7 +78,8 @@ static bool list_count(const binary_reader *b, const ply_property *list, const u
     size_t size = ply_size(list->count_type), left = bytes_left(b->r, *p);
     if (left < size) return text_wrong(fault, *p, list->name, "the file ends before the list's length");
     double count = load(*p, list->count_type, b->big);
-    if (!(count >= 0 && count < 0x1p32) || count != floor(count))
+    bool whole = list->count_type < PLY_FLOAT32 || count == floor(count);
+    if (!(count >= 0 && count < 0x1p32) || !whole)
         return text_wrong(fault, *p, list->name, "a list of length %g", count);
     *out = (uint64_t)count;
     if (*out > (left - size) / ply_size(list->type))

@@ -9,16 +9,13 @@ fathom_status ply_make_pieces(ply_reader *r, size_t count) {
     return r->pieces ? FATHOM_OK : fail_memory(r->scene->context, (count + 1) * sizeof *r->pieces);
 }
 
-bool ply_push_index(ply_reader *r, ply_faces *faces, int64_t index, const void *at) {
+bool ply_push_checked(ply_reader *r, ply_faces *faces, int64_t index, const void *at) {
     bool valid = index >= 0 && index < (int64_t)r->vertex_count;
     if (!valid && !(r->strips && index == -1))
         return text_wrong(&r->fault, at, r->header.elements.items[r->face_element].name,
                           "vertex index %lld is out of range; there are %u vertices", (long long)index,
                           r->vertex_count);
-    if (faces->row.count == faces->row.capacity && !array_room(&faces->row, 1))
-        return text_no_memory(&r->fault);
-    faces->row.items[faces->row.count++] = valid ? (uint32_t)index : UINT32_MAX;
-    return true;
+    return array_push(&faces->row, valid ? (uint32_t)index : UINT32_MAX) || text_no_memory(&r->fault);
 }
 
 static void push_triangle(ply_faces *faces, uint32_t a, uint32_t b, uint32_t c) {
