@@ -1,7 +1,6 @@
 /* Scene JSON. The format itself is in json_form.c. */
 #include "base/file.h"
-#include "read/json/json_object.h"
-#include "read/json/json_place.h"
+#include "read/json/json_scene.h"
 #include "read/read.h"
 #include "scene/camera/camera.h"
 #include "scene/graph.h"

@@ -1,4 +1,4 @@
-#include "read/json/json_mesh.h"
+#include "read/json/json_scene.h"
 
 #include "read/mesh/normals.h"
 #include "read/read.h"

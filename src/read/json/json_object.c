@@ -1,8 +1,6 @@
-#include "read/json/json_object.h"
+#include "read/json/json_scene.h"
 
 #include "base/file.h"
-#include "read/json/json_mesh.h"
-#include "read/json/json_place.h"
 #include "read/read.h"
 
 #include <stdlib.h>

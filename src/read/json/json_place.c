@@ -1,4 +1,4 @@
-#include "read/json/json_place.h"
+#include "read/json/json_scene.h"
 
 double place_radians(double degrees) { return degrees * 0.017453292519943295; }
 

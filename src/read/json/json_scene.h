@@ -1,0 +1,52 @@
+/* Scene JSON from the document into the scene. */
+#ifndef READ_JSON_SCENE_H
+#define READ_JSON_SCENE_H
+
+#include "math/affine.h"
+#include "math/frame.h"
+#include "read/json/json_doc.h"
+#include "scene/scene.h"
+
+typedef struct object_reader {
+    const doc *doc;
+    fathom_scene *scene;
+    json_t *materials, *groups; /* the ids by name */
+} object_reader;
+
+/* Adds the objects of `list` to `group`, in their order. */
+fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group);
+
+/* ---- frames and transforms (json_place.c) ---- */
+
+/* `value` is the "frame" object that was read into `values`. */
+fathom_status place_frame(const doc *d, const where *at, json_t *value, const form_frame_values *values,
+                          frame_f64 *out);
+
+/* The map of an object's placement keys; *placed is false when it has none. */
+fathom_status place_object(const doc *d, const where *at, json_t *object, const form_place_values *values,
+                           affine_f64 *out, bool *placed);
+
+double place_radians(double degrees);
+
+/* ---- triangles (json_mesh.c) ---- */
+
+/* Successive triangles with the same material, flags and kinds of data: they become one mesh, because a
+ * tracer handles one mesh of many triangles far better than many of one. */
+typedef struct mesh_batch {
+    ARRAY(double) positions, normals, uvs;
+    fathom_id group, material;
+    unsigned flags;
+} mesh_batch;
+
+/* Adds a triangle; first flushes the batch if its triangles differ from this one. */
+fathom_status mesh_batch_add(const object_reader *r, json_t *value, const form_object_values *o,
+                             fathom_id group, fathom_id material, unsigned flags, mesh_batch *batch);
+/* Makes the batch a mesh of the scene, and empties it. */
+fathom_status mesh_batch_flush(const object_reader *r, mesh_batch *batch);
+void mesh_batch_free(mesh_batch *batch);
+
+/* The mesh of an object with "positions". */
+fathom_status mesh_inline(const object_reader *r, const where *at, const form_object_values *o,
+                          fathom_id group, fathom_id material, unsigned flags);
+
+#endif
