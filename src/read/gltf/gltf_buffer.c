@@ -3,7 +3,7 @@
 #include "read/gltf/gltf.h"
 #include "read/json/json_where.h"
 
-#include <stdio.h>
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -163,23 +163,15 @@ static fathom_status load_data_uri(gltf *g, const gltf_value *at, const char *ur
     return FATHOM_OK;
 }
 
-static int hex_digit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    c = (char)(c | 32);
-    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-}
-
 /* "my%20mesh.bin" -> "my mesh.bin", in place. */
 static void decode_percent(char *text) {
     char *to = text;
     for (const char *from = text; *from; ++from) {
-        int high = *from == '%' ? hex_digit(from[1]) : -1, low = high >= 0 ? hex_digit(from[2]) : -1;
-        if (low >= 0 && (high || low)) {
-            *to++ = (char)(high * 16 + low);
-            from += 2;
-        } else {
-            *to++ = *from;
-        }
+        const char code[3] = {from[1], from[1] ? from[2] : '\0', '\0'};
+        bool coded = *from == '%' && isxdigit((unsigned char)code[0]) && isxdigit((unsigned char)code[1]) &&
+                     strtoul(code, NULL, 16);
+        *to++ = coded ? (char)strtoul(code, NULL, 16) : *from;
+        if (coded) from += 2;
     }
     *to = '\0';
 }

@@ -108,14 +108,9 @@ static fathom_status make_normals(gltf *g, primitive *p) {
         gltf_allocate(g, p->at, NULL, (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
     if (status == FATHOM_OK) status = gltf_charge(g, p->at, NULL, beside);
     if (status != FATHOM_OK) return status;
-    const normals_input input = {.positions = p->mesh.positions,
-                                 .stride = p->mesh.position_stride,
-                                 .indices = p->mesh.indices,
-                                 .triangle_count = p->mesh.triangle_count,
-                                 .slot_count = p->mesh.vertex_count};
     p->mesh.normals = normals;
     p->mesh.normal_count = p->mesh.vertex_count;
-    status = normals_smooth(g->context, &input, normals);
+    status = normals_smooth(g->context, &p->mesh, NULL, p->mesh.vertex_count, normals);
     g->charged -= beside; /* it is freed by now */
     return status;
 }

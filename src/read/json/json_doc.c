@@ -272,50 +272,36 @@ static fathom_status read_words(const doc *d, const where *at, json_t *value, co
     return FATHOM_OK;
 }
 
-static fathom_status read_text(const doc *d, const where *at, json_t *value, const char **to) {
-    if (!json_is_string(value)) return doc_expected(d, at, value, "a string");
-    *to = json_string_value(value);
-    return FATHOM_OK;
-}
-
-static fathom_status read_bool(const doc *d, const where *at, json_t *value, bool *to) {
-    if (!json_is_boolean(value)) return doc_expected(d, at, value, "true or false");
-    *to = json_is_true(value);
-    return FATHOM_OK;
-}
-
 /* ---- objects ---- */
-
-static fathom_status read_list(const doc *d, const where *at, json_t *value, json_t **to) {
-    if (!json_is_array(value)) return doc_expected(d, at, value, "an array");
-    *to = value;
-    return FATHOM_OK;
-}
-
-static fathom_status read_map(const doc *d, const where *at, json_t *value, json_t **to) {
-    if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
-    *to = value;
-    return FATHOM_OK;
-}
 
 static fathom_status read_member(const doc *d, const where *at, json_t *value, const form_key *key,
                                  void *to) {
     void *member = (char *)to + key->offset;
     switch (key->kind) {
-    case FORM_BOOL: return read_bool(d, at, value, member);
+    case FORM_BOOL:
+        if (!json_is_boolean(value)) return doc_expected(d, at, value, "true or false");
+        *(bool *)member = json_is_true(value);
+        return FATHOM_OK;
     case FORM_F32:
     case FORM_F64:
     case FORM_U32:
     case FORM_U64: return read_numbers(d, at, value, key, member);
-    case FORM_TEXT: return read_text(d, at, value, member);
+    case FORM_TEXT:
+        if (!json_is_string(value)) return doc_expected(d, at, value, "a string");
+        *(const char **)member = json_string_value(value);
+        return FATHOM_OK;
     case FORM_TAG: return FATHOM_OK;
     case FORM_WORD: return choose_word(d, at, value, key->words, member);
     case FORM_WORDS: return read_words(d, at, value, key, member);
     case FORM_OBJECT: return doc_read(d, at, value, key->form, member);
     case FORM_ROWS: return read_rows(d, at, value, key, member);
-    case FORM_LIST: return read_list(d, at, value, member);
+    case FORM_LIST:
+        *(json_t **)member = value;
+        return json_is_array(value) ? FATHOM_OK : doc_expected(d, at, value, "an array");
     case FORM_MAP:
-    case FORM_MAP_OF_LISTS: return read_map(d, at, value, member);
+    case FORM_MAP_OF_LISTS:
+        *(json_t **)member = value;
+        return json_is_object(value) ? FATHOM_OK : doc_expected(d, at, value, "an object");
     }
     return FATHOM_INTERNAL;
 }

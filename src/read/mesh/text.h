@@ -22,6 +22,7 @@ void text_close(text_file *file);
 
 /* The parts of text_open(), for files that are only partly text. text_copy() leaves the line ends alone;
  * zeros follow the copy. */
+/* The text after a byte order mark, which some editors write. */
 const char *text_after_mark(const char *begin, const char *end);
 bool text_ends_lines_in_cr(const char *begin, const char *end);
 fathom_status text_copy(text_file *file);

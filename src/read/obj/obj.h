@@ -112,6 +112,7 @@ typedef struct obj_reader {
     float *values[OBJ_KINDS]; /* total[] of them, then 16 bytes of padding */
     bool adopted[OBJ_KINDS];  /* values[] belong to the scene */
     vec3_f64 origin;
+    bool moving; /* vertices are stored a second time, from the origin */
 } obj_reader;
 
 /* The kinds of statements. */

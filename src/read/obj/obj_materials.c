@@ -18,33 +18,19 @@ static void tally(obj_tally *t, const char *at) {
     if (!t->count++) t->first = at;
 }
 
-/* *out: the path of the file next to the OBJ file, or NULL when there is none. */
-static fathom_status find_named(const obj_reader *r, const char *name, char **out) {
-    fathom_status status = read_beside(r->scene, r->file.path, name, out);
-    if (status != FATHOM_OK || access(*out, F_OK) == 0) return status;
-    free(*out);
-    *out = NULL;
-    return FATHOM_OK;
-}
-
-/* The same for a mention of `length` bytes. FATHOM_BAD_INPUT: the file may not be read, and the message says
- * why. Names written on Windows may have backslashes for slashes. */
+/* *out: the path of the file that a mention of `length` bytes names, or NULL when there is none.
+ * FATHOM_BAD_INPUT: the file may not be read, and the message says why. Names written on Windows may have
+ * backslashes for slashes. */
 static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
     *out = NULL;
     char *copy = strndup(name, length);
-    if (!copy) return fail_memory(r->scene->context, length);
-    fathom_status status = find_named(r, copy, out);
-    if (status == FATHOM_OK && !*out && strchr(copy, '\\')) {
+    fathom_status status = copy ? FATHOM_OK : fail_memory(r->scene->context, length);
+    for (int attempt = 0; attempt < 2 && status == FATHOM_OK && !*out; ++attempt) {
+        status = read_beside(r->scene, r->file.path, copy, out);
+        if (status == FATHOM_OK && access(*out, F_OK) != 0) free(*out), *out = NULL;
         for (char *c = copy; (c = strchr(c, '\\')) != NULL;) *c = '/';
-        status = find_named(r, copy, out);
     }
     free(copy);
-    return status;
-}
-
-static fathom_status read_library(obj_reader *r, mtl_library *library, char *path) {
-    fathom_status status = mtl_read(r->scene->context, path, library);
-    free(path);
     return status;
 }
 
@@ -58,9 +44,10 @@ static fathom_status read_name(obj_reader *r, mtl_library *library, library_name
     fathom_status status = find_library(r, name, length, &path);
     if (status != FATHOM_OK || !path) return status;
     *found = true;
-    if (names_add(&names->seen, name, length) != UINT32_MAX) return read_library(r, library, path);
+    status = names_add(&names->seen, name, length) == UINT32_MAX ? fail_memory(r->scene->context, length)
+                                                                 : mtl_read(r->scene->context, path, library);
     free(path);
-    return fail_memory(r->scene->context, length);
+    return status;
 }
 
 /* A model without its materials is still a model: a missing library is only noted. */

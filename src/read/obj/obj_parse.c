@@ -294,7 +294,10 @@ static void parse_piece(obj_reader *r, obj_piece *piece) {
     }
     for (const char *p = piece->begin; p < piece->end;) {
         obj_statement statement = obj_classify(&p);
-        p = read_statement(&s, statement, p);
+        if (!r->moving)
+            p = read_statement(&s, statement, p);
+        else if (statement == OBJ_S_POSITION)
+            p = read_position(&s, p);
         if (!p) break;
         p = obj_next(statement, p, piece->end);
     }
@@ -305,22 +308,6 @@ static void parse_pieces(void *user, size_t begin, size_t end, unsigned worker) 
     (void)worker;
     obj_reader *r = user;
     for (size_t i = begin; i < end; ++i) parse_piece(r, &r->pieces[i]);
-}
-
-/* Stores the vertices again, from the origin; they have passed all checks. */
-static void move_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    obj_reader *r = user;
-    for (size_t i = begin; i < end; ++i) {
-        obj_piece *piece = &r->pieces[i];
-        obj_parser s = {.r = r, .piece = piece, .seen = {piece->base[OBJ_POSITION]}};
-        for (const char *p = piece->begin; p < piece->end;) {
-            obj_statement statement = obj_classify(&p);
-            if (statement == OBJ_S_POSITION) p = read_position(&s, p);
-            if (!p) break;
-            p = obj_next(statement, p, piece->end);
-        }
-    }
 }
 
 static void split_polygons(void *user, size_t begin, size_t end, unsigned worker) {
@@ -371,7 +358,8 @@ fathom_status obj_parse(obj_reader *r) {
     status = text_status(&r->file, &r->fault);
     if (status != FATHOM_OK) return status;
     r->origin = choose_origin(r);
-    if (length_f64(r->origin) > 0) loop_parallel(r->threads, r->piece_count, 1, move_pieces, r);
+    r->moving = length_f64(r->origin) > 0;
+    if (r->moving) loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
     loop_parallel(r->threads, r->piece_count, 1, split_polygons, r);
     return text_status(&r->file, &r->fault);
 }

@@ -94,20 +94,6 @@ static void choose_arrays(ply_reader *r) {
     }
 }
 
-static fathom_status make_normals(ply_reader *r) {
-    ply_array *normals = &r->arrays[PLY_NORMALS], *positions = &r->arrays[PLY_POSITIONS];
-    if (!r->options.smooth || r->options.flat || normals->present) return FATHOM_OK;
-    normals->present = true;
-    fathom_status status = ply_allocate_arrays(r);
-    if (status != FATHOM_OK) return status;
-    const normals_input input = {.positions = positions->values,
-                                 .stride = positions->stride,
-                                 .indices = r->indices,
-                                 .triangle_count = r->triangle_count,
-                                 .slot_count = r->vertex_count};
-    return normals_smooth(r->scene->context, &input, normals->own);
-}
-
 static void release_map(void *data) {
     file_close(data);
     free(data);
@@ -133,9 +119,17 @@ static fathom_status add_mesh(ply_reader *r) {
     mesh.vertex_count = r->vertex_count;
     mesh.indices = r->indices;
     mesh.triangle_count = (uint32_t)r->triangle_count;
-    if (r->arrays[PLY_NORMALS].present) {
-        mesh.normals = r->arrays[PLY_NORMALS].values;
-        mesh.normal_stride = r->arrays[PLY_NORMALS].stride;
+    ply_array *normals = &r->arrays[PLY_NORMALS];
+    if (!normals->present && r->options.smooth && !r->options.flat) {
+        normals->present = true;
+        fathom_status status = ply_allocate_arrays(r);
+        if (status == FATHOM_OK)
+            status = normals_smooth(r->scene->context, &mesh, NULL, r->vertex_count, normals->own);
+        if (status != FATHOM_OK) return status;
+    }
+    if (normals->present) {
+        mesh.normals = normals->values;
+        mesh.normal_stride = normals->stride;
         mesh.normal_count = r->vertex_count;
     }
     if (r->arrays[PLY_UVS].present) {
@@ -165,8 +159,7 @@ static fathom_status read_mapped(ply_reader *r) {
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
                          "no faces: expected at least one with 3 corners or more");
     }
-    status = make_normals(r);
-    if (status == FATHOM_OK) status = keep_map(r);
+    status = keep_map(r);
     return status == FATHOM_OK ? add_mesh(r) : status;
 }
 
