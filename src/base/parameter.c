@@ -207,8 +207,9 @@ bool text_read_u64(const char **text, char end, uint64_t *out) {
     return true;
 }
 
-/* The spelling is checked first, because strtod() also takes spaces, hexadecimal and "nan". */
-bool text_read_f64(const char **text, char end, double *out) {
+/* A finite decimal number. The spelling is checked first, because strtod() also takes spaces, hexadecimal and
+ * "nan". */
+static bool text_read_f64(const char **text, char end, double *out) {
     size_t length = strspn(*text, "+-.0123456789eE");
     if (length == 0 || (*text)[length] != end) return false;
     char *stop;

@@ -55,7 +55,5 @@ size_t parameter_print_numbers(const fathom_parameter *p, const double *values, 
 /* Whole strings only, digits only; false when `text` is not a number, is too large, or is not followed by
  * `end`. On success *text is moved past `end`. */
 bool text_read_u64(const char **text, char end, uint64_t *out);
-/* A finite decimal number, whatever the locale. */
-bool text_read_f64(const char **text, char end, double *out);
 
 #endif

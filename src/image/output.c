@@ -95,7 +95,7 @@ bool image_view_is_srgb(const fathom_write_options *options) {
            (!options->view || strcasecmp(options->view, "sRGB") == 0);
 }
 
-bool output_needs_module(image_format format, const fathom_write_options *options) {
+static bool output_needs_module(image_format format, const fathom_write_options *options) {
     return format != IMAGE_PNG || !image_view_is_srgb(options);
 }
 

@@ -109,7 +109,6 @@ double write_blinn_exponent(const fathom_material *m);
 /* A unique name of one word for each material. Release *out with write_names_free() even after a failure. */
 fathom_status write_names(const fathom_scene *scene, char ***out);
 void write_names_free(const fathom_scene *scene, char **names);
-fathom_status write_mtl(const fathom_scene *scene, const char *path, char **names);
 /* The members "materials" and "extensionsUsed" of glTF. */
 void write_glb_materials(file_writer *file, const fathom_scene *scene);
 

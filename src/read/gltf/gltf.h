@@ -13,7 +13,7 @@
 #define READ_GLTF_H
 
 #include "base/file.h"
-#include "read/mesh/notes.h"
+#include "read/mesh/text.h"
 #include "read/read.h"
 #include "json/memory.h"
 

@@ -16,15 +16,11 @@ typedef struct object_reader {
 /* Adds the objects of `list` to `group`, in their order. */
 fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group);
 
-/* ---- frames and transforms (json_place.c) ---- */
+/* ---- frames and transforms (json_object.c) ---- */
 
 /* `value` is the "frame" object that was read into `values`. */
 fathom_status place_frame(const doc *d, const where *at, json_t *value, const form_frame_values *values,
                           frame_f64 *out);
-
-/* The map of an object's placement keys; *placed is false when it has none. */
-fathom_status place_object(const doc *d, const where *at, json_t *object, const form_place_values *values,
-                           affine_f64 *out, bool *placed);
 
 double place_radians(double degrees);
 

@@ -1,5 +1,5 @@
 /* A Wavefront OBJ file becomes meshes in five steps over pieces of the text, each in parallel. Scan
- * (obj_scan.c) counts vertices and finds the material and smoothing group that each piece starts with, so
+ * (obj.c) counts vertices and finds the material and smoothing group that each piece starts with, so
  * that every piece knows its indices, negative ones too. Parse (obj_parse.c) writes vertices to their places
  * and triangles to their piece. Then polygons are split, smooth normals made (obj_smooth.c), and triangles
  * sorted into one mesh for each material (obj_build.c). Pieces are cut by size, so no result depends on the
@@ -7,11 +7,31 @@
 #ifndef READ_OBJ_H
 #define READ_OBJ_H
 
-#include "read/mesh/names.h"
-#include "read/mesh/notes.h"
+#include "base/array.h"
 #include "read/mesh/polygon.h"
 #include "read/mesh/text.h"
 #include "read/read.h"
+
+/* ---- names to numbers (obj_materials.c): the first name is 0, the next new one 1, … ---- */
+
+typedef struct name_entry {
+    const char *text; /* the caller's, not terminated */
+    size_t length;
+    uint32_t number;
+} name_entry;
+
+/* Zero it to start with. A balanced tree: no choice of names makes it slow. */
+typedef struct name_table {
+    ARRAY(name_entry *) entries; /* by number */
+    void *tree;
+} name_table;
+
+/* The number of a name, which is added if it is new; UINT32_MAX when out of memory. The text must outlive the
+ * table. */
+uint32_t names_add(name_table *table, const char *text, size_t length);
+/* UINT32_MAX when there is none. */
+uint32_t names_find(const name_table *table, const char *text, size_t length);
+void names_free(name_table *table);
 
 /* ---- materials (mtl.c) ---- */
 
@@ -139,7 +159,6 @@ bool obj_smoothing_group(const char *p, uint32_t *group);
 /* The start of the next line. A backslash joins lines, but not comments. */
 const char *obj_next(obj_statement statement, const char *p, const char *end);
 
-fathom_status obj_scan(obj_reader *r);
 /* Reads the libraries and finds the material of each name. */
 fathom_status obj_find_materials(obj_reader *r);
 /* Vertices and triangles; then polygons, which need the vertices. */

@@ -5,7 +5,8 @@
 #include <float.h>
 #include <stdlib.h>
 
-fathom_status ply_allocate_arrays(ply_reader *r) {
+/* Allocates the arrays that are present and have no memory, and sets their values and strides. */
+static fathom_status allocate_arrays(ply_reader *r) {
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         ply_array *array = &r->arrays[a];
         if (!array->present || array->values) continue;
@@ -56,7 +57,7 @@ void ply_join_bounds(ply_reader *r, const scene_bounds *bounds) {
 }
 
 fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_body body, void *user) {
-    fathom_status status = ply_allocate_arrays(r);
+    fathom_status status = allocate_arrays(r);
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, count, grain, body, user);
     status = text_status(&r->file, &r->fault);
@@ -66,7 +67,7 @@ fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_
     if (!r->moving) return FATHOM_OK;
     ply_array *positions = &r->arrays[PLY_POSITIONS];
     if (!positions->own) positions->values = NULL;
-    status = ply_allocate_arrays(r);
+    status = allocate_arrays(r);
     if (status == FATHOM_OK) loop_parallel(r->threads, count, grain, body, user);
     return status;
 }
@@ -122,7 +123,7 @@ static fathom_status add_mesh(ply_reader *r) {
     ply_array *normals = &r->arrays[PLY_NORMALS];
     if (!normals->present && r->options.smooth && !r->options.flat) {
         normals->present = true;
-        fathom_status status = ply_allocate_arrays(r);
+        fathom_status status = allocate_arrays(r);
         if (status == FATHOM_OK)
             status = normals_smooth(r->scene->context, &mesh, NULL, r->vertex_count, normals->own);
         if (status != FATHOM_OK) return status;

@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 #include "base/threads.h"
-#include "read/mesh/notes.h"
+#include "read/mesh/text.h"
 #include "read/mesh/polygon.h"
 #include "read/read.h"
 
@@ -112,8 +112,6 @@ void ply_note_unused(ply_reader *r);
 fathom_status ply_read_ascii(ply_reader *r);
 fathom_status ply_read_binary(ply_reader *r);
 
-/* Allocates the arrays that are present and have no memory, and sets their values and strides. */
-fathom_status ply_allocate_arrays(ply_reader *r);
 /* Checks the numbers of vertex `i`, adds it to the bounds, and stores it in the arrays with memory of their
  * own; if it is moving, only its position. `at`: its place in the file. */
 bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], const void *at,
