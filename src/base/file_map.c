@@ -76,7 +76,7 @@ static void on_bus_error(int number, siginfo_t *info, void *machine) {
     uintptr_t address = (uintptr_t)info->si_addr, end;
     slot *s = info->si_code > 0 ? find_slot(address, &end) : NULL; /* else sent by a process */
     if (s) {
-        /* What follows is behind the end of the file as well. */
+        /* The following pages lie behind the end of the file as well. */
         uintptr_t page = address / page_bytes * page_bytes;
         atomic_store(&s->lost, true);
         void *zeros =

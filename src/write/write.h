@@ -1,4 +1,4 @@
-/* What the writers of mesh files share. */
+/* Shared by the writers of mesh files. */
 #ifndef READ_WRITE_H
 #define READ_WRITE_H
 

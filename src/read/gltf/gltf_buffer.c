@@ -184,7 +184,7 @@ static bool has_scheme(const char *uri) {
 
 static fathom_status load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
     if (has_scheme(uri)) {
-        return gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file beside this one or a data URI", uri);
+        return gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file next to this one or a data URI", uri);
     }
     char *name = strdup(uri), *path = NULL;
     gltf_source *source = calloc(1, sizeof *source);

@@ -102,16 +102,16 @@ static fathom_status read_attribute(gltf *g, const primitive *p, const char *key
 }
 
 static fathom_status make_normals(gltf *g, primitive *p) {
-    const uint64_t beside = p->mesh.vertex_count * (uint64_t)NORMALS_SMOOTH_BYTES;
+    const uint64_t sums = p->mesh.vertex_count * (uint64_t)NORMALS_SMOOTH_BYTES;
     void *normals;
     fathom_status status =
         gltf_allocate(g, p->at, NULL, (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
-    if (status == FATHOM_OK) status = gltf_charge(g, p->at, NULL, beside);
+    if (status == FATHOM_OK) status = gltf_charge(g, p->at, NULL, sums);
     if (status != FATHOM_OK) return status;
     p->mesh.normals = normals;
     p->mesh.normal_count = p->mesh.vertex_count;
     status = normals_smooth(g->context, &p->mesh, NULL, p->mesh.vertex_count, normals);
-    g->charged -= beside; /* it is freed by now */
+    g->charged -= sums; /* it is freed by now */
     return status;
 }
 

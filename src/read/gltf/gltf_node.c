@@ -90,7 +90,8 @@ static fathom_status read_transform(gltf *g, const gltf_value *node, affine_f64 
     if (json_object_get(node->json, "matrix")) {
         for (int i = 0; i < 3; ++i) {
             if (json_object_get(node->json, parts[i]))
-                return gltf_fail(g, node, parts[i], "stands beside a matrix; expected one or the other");
+                return gltf_fail(g, node, parts[i],
+                                 "is given together with a matrix; expected one or the other");
         }
         return read_matrix(g, node, out);
     }

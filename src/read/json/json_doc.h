@@ -24,7 +24,7 @@ const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot);
     fail_at((d)->context, FATHOM_BAD_INPUT, doc_place(d, at, &(doc_spot){.path = ""}), __VA_ARGS__)
 /* Adds the place to a callee's error. Its field joins the path where the document has it under that name. */
 fathom_status doc_within(const doc *d, const where *at, fathom_status status);
-/* "expected `expected`, found " + what stands there. */
+/* "expected `expected`, found " and the value there. */
 fathom_status doc_expected(const doc *d, const where *at, json_t *value, const char *expected);
 /* "there is no `what` "name"", with the nearest name of those in `names`, or all of them when they are few.
  */

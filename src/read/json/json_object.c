@@ -63,8 +63,8 @@ static fathom_status load_turn(const doc *d, const where *at, json_t *object, co
 }
 
 /* The map of an object's placement keys; *placed is false when it has none. */
-static fathom_status place_object(const doc *d, const where *at, json_t *object, const form_place_values *values,
-                           affine_f64 *out, bool *placed) {
+static fathom_status place_object(const doc *d, const where *at, json_t *object,
+                                  const form_place_values *values, affine_f64 *out, bool *placed) {
     static const char *const keys[] = {"matrix", "frame", "translation", "rotation", "rotate", "scale"};
     *out = affine_identity();
     *placed = false;
@@ -186,7 +186,7 @@ static fathom_status add_generated(const object_reader *r, const object *o, fath
     size_t first = r->scene->objects.count;
     fathom_status status = fathom_scene_generate(r->scene, group, &options);
     set_flags(r->scene, first, o->flags);
-    /* What a caller of the library asked for in error, the file did here. */
+    /* Here the file makes the mistake, not a caller of the library. */
     return status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status;
 }
 
@@ -210,8 +210,8 @@ static fathom_status add_children(const object_reader *r, const where *at, const
     return object_list(r, &children, o->values.as.group.children, group);
 }
 
-/* What an object holds, into the group it stands in. Messages of the scene's own checks get their place here;
- * the others have it. */
+/* Adds the object's content to the group. Messages of the scene's own checks get their place here; the others
+ * have it. */
 static fathom_status add_content(const object_reader *r, const where *at, json_t *value, const object *o,
                                  fathom_id group, mesh_batch *batch) {
     fathom_id material = o->material == FATHOM_NONE ? 0 : o->material;

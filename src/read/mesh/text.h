@@ -29,7 +29,7 @@ fathom_status text_copy(text_file *file);
 /* Replaces carriage returns without a following line feed by line feeds. */
 void text_mend_line_ends(char *begin, const char *end);
 
-/* What any thread found wrong with a file, reported later by the calling thread: lack of memory, else the
+/* A fault that any thread finds, reported later by the calling thread: lack of memory, else the
  * fault that is first in the file. Zero it to start with. */
 typedef struct text_fault {
     bool no_memory;

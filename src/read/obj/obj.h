@@ -53,7 +53,7 @@ void mtl_free(mtl_library *library);
 
 /* ---- meshes ---- */
 
-/* What a corner of a face points at, in the order of "f v/vt/vn". */
+/* The kinds of data of a corner, in the order of "f v/vt/vn". */
 enum { OBJ_POSITION, OBJ_UV, OBJ_NORMAL, OBJ_KINDS };
 
 #define OBJ_ALL_GROUPS UINT32_MAX /* the smoothing group of faces that options.smooth makes smooth */

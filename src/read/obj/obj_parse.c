@@ -48,15 +48,20 @@ static bool has_room(obj_parser *s, int kind, const char *at) {
            text_wrong(&s->r->fault, at, NULL, "the file has changed since it was counted through");
 }
 
-static const char *read_position(obj_parser *s, const char *p) {
+static const char *const kinds[] = {"v", "vt", "vn"};
+static const int components[OBJ_KINDS] = {3, 2, 3};
+
+/* A position, uv or normal; the v of a uv may be missing. */
+static const char *read_vector(obj_parser *s, int kind, const char *p) {
     double v[3];
     const char *at = p;
-    p = read_values(s, "v", p, 3, 3, v);
-    if (!p || !has_room(s, OBJ_POSITION, at)) return NULL;
+    p = read_values(s, kinds[kind], p, kind == OBJ_UV ? 1 : 3, components[kind], v);
+    if (!p || !has_room(s, kind, at)) return NULL;
+    float *out = s->r->values[kind] + (uint64_t)components[kind] * s->seen[kind]++;
     const double origin[3] = {s->r->origin.x, s->r->origin.y, s->r->origin.z};
-    float *out = s->r->values[OBJ_POSITION] + 3 * s->seen[OBJ_POSITION]++;
-    for (int k = 0; k < 3; ++k) {
-        out[k] = (float)(v[k] - origin[k]);
+    for (int k = 0; k < components[kind]; ++k) {
+        out[k] = (float)(kind == OBJ_POSITION ? v[k] - origin[k] : v[k]);
+        if (kind != OBJ_POSITION) continue;
         s->piece->lower[k] = v[k] < s->piece->lower[k] ? v[k] : s->piece->lower[k];
         s->piece->upper[k] = v[k] > s->piece->upper[k] ? v[k] : s->piece->upper[k];
     }
@@ -84,33 +89,8 @@ static void tally_behind(obj_parser *s, const char *at) {
         tally(s, OBJ_T_BEHIND, at);
 }
 
-static const char *read_uv(obj_parser *s, const char *p) {
-    double v[2];
-    if (s->r->scene->without_uvs) {
-        ++s->seen[OBJ_UV]; /* indices may count back from it */
-        return p;
-    }
-    const char *at = p;
-    p = read_values(s, "vt", p, 1, 2, v);
-    if (!p || !has_room(s, OBJ_UV, at)) return NULL;
-    float *out = s->r->values[OBJ_UV] + 2 * s->seen[OBJ_UV]++;
-    out[0] = (float)v[0], out[1] = (float)v[1];
-    return p;
-}
-
-static const char *read_normal(obj_parser *s, const char *p) {
-    double v[3];
-    const char *at = p;
-    p = read_values(s, "vn", p, 3, 3, v);
-    if (!p || !has_room(s, OBJ_NORMAL, at)) return NULL;
-    float *out = s->r->values[OBJ_NORMAL] + 3 * s->seen[OBJ_NORMAL]++;
-    for (int k = 0; k < 3; ++k) out[k] = (float)v[k];
-    return p;
-}
-
 /* An index of a corner: from 1, or negative, counted back from the last vertex above. */
 static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
-    static const char *const kinds[] = {"v", "vt", "vn"};
     int64_t index;
     const char *at = *p;
     text_fault *fault = &s->r->fault;
@@ -263,11 +243,14 @@ static const char *read_smoothing(obj_parser *s, const char *p) {
 static const char *read_statement(obj_parser *s, obj_statement statement, const char *p) {
     switch (statement) {
     case OBJ_S_POSITION:
-        p = read_position(s, p);
+        p = read_vector(s, OBJ_POSITION, p);
         if (p) tally_behind(s, p);
         return p;
-    case OBJ_S_UV: return read_uv(s, p);
-    case OBJ_S_NORMAL: return read_normal(s, p);
+    case OBJ_S_UV:
+        if (!s->r->scene->without_uvs) return read_vector(s, OBJ_UV, p);
+        ++s->seen[OBJ_UV]; /* indices may count back from it */
+        return p;
+    case OBJ_S_NORMAL: return read_vector(s, OBJ_NORMAL, p);
     case OBJ_S_FACE: return read_face(s, p);
     case OBJ_S_SMOOTHING: return read_smoothing(s, p);
     case OBJ_S_MATERIAL:
@@ -297,7 +280,7 @@ static void parse_piece(obj_reader *r, obj_piece *piece) {
         if (!r->moving)
             p = read_statement(&s, statement, p);
         else if (statement == OBJ_S_POSITION)
-            p = read_position(&s, p);
+            p = read_vector(&s, OBJ_POSITION, p);
         if (!p) break;
         p = obj_next(statement, p, piece->end);
     }
@@ -332,10 +315,9 @@ static void split_polygons(void *user, size_t begin, size_t end, unsigned worker
 }
 
 static fathom_status allocate_values(obj_reader *r) {
-    static const size_t sizes[OBJ_KINDS] = {3 * sizeof(float), 2 * sizeof(float), 3 * sizeof(float)};
     for (int k = 0; k < OBJ_KINDS; ++k) {
         if (!r->total[k] || (k == OBJ_UV && r->scene->without_uvs)) continue;
-        size_t bytes = (size_t)r->total[k] * sizes[k] + 16;
+        size_t bytes = (size_t)r->total[k] * (size_t)components[k] * sizeof(float) + 16;
         r->values[k] = malloc(bytes);
         if (!r->values[k]) return fail_memory(r->scene->context, bytes);
     }

@@ -85,13 +85,11 @@ static void choose_arrays(ply_reader *r) {
         }
         /* Properties of an absent array are not read. */
         for (int k = 0; k < kinds[a].components && !r->arrays[a].present; ++k) {
-            r->role[kinds[a].first_role + k] = -1;
+            int *property = &r->role[kinds[a].first_role + k];
+            if (*property >= 0)
+                r->header.elements.items[r->vertex_element].properties.items[*property].role = -1;
+            *property = -1;
         }
-    }
-    ply_element *vertex = &r->header.elements.items[r->vertex_element];
-    for (size_t i = 0; i < vertex->properties.count; ++i) vertex->properties.items[i].role = -1;
-    for (int role = 0; role < PLY_ROLES; ++role) {
-        if (r->role[role] >= 0) vertex->properties.items[r->role[role]].role = role;
     }
 }
 

@@ -6,8 +6,8 @@
 
 #include "base/file.h"
 #include "base/threads.h"
-#include "read/mesh/text.h"
 #include "read/mesh/polygon.h"
+#include "read/mesh/text.h"
 #include "read/read.h"
 
 #include <pthread.h>
@@ -53,7 +53,7 @@ typedef struct ply_header {
     const char *body;
 } ply_header;
 
-/* What a vertex property means for the mesh. */
+/* The meaning of a vertex property for the mesh. */
 enum { PLY_X, PLY_Y, PLY_Z, PLY_NX, PLY_NY, PLY_NZ, PLY_U, PLY_V, PLY_ROLES };
 
 /* The mesh's arrays. */

@@ -75,7 +75,7 @@ static bool read_property(ply_reader *r, const char *line, const char *p) {
     if (!r->header.elements.count)
         return text_wrong(&r->fault, line, "property", "expected an element before it");
     ply_element *element = &r->header.elements.items[r->header.elements.count - 1];
-    ply_property property = {.count_type = PLY_UINT8};
+    ply_property property = {.role = -1};
     char word[PLY_NAME];
     const char *after = p;
     read_word(&after, word);
@@ -206,7 +206,10 @@ static bool find_roles(ply_reader *r) {
     for (int role = 0; role < PLY_ROLES; ++role) {
         r->role[role] = find_property(vertex, names[role]);
         bool found = r->role[role] >= 0 && !vertex->properties.items[r->role[role]].is_list;
-        if (!found) r->role[role] = -1;
+        if (found)
+            vertex->properties.items[r->role[role]].role = role;
+        else
+            r->role[role] = -1;
         if (!found && role <= PLY_Z) {
             return text_wrong(&r->fault, vertex->line, "element vertex",
                               "it has no number %s; expected x, y and z", names[role]);
@@ -288,17 +291,11 @@ static bool is_color(const char *name) {
                       strlen(name)) >= 0;
 }
 
-static bool has_role(const ply_reader *r, size_t property) {
-    bool found = false;
-    for (int role = 0; role < PLY_ROLES; ++role) found |= r->role[role] == (int)property;
-    return found;
-}
-
 static void note_properties(ply_reader *r, const ply_element *element, bool vertices) {
     bool colors = false;
     for (size_t i = 0; i < element->properties.count; ++i) {
         const char *name = element->properties.items[i].name;
-        if (vertices ? has_role(r, i) : i == r->index_list) continue;
+        if (vertices ? element->properties.items[i].role >= 0 : i == r->index_list) continue;
         if (is_color(name))
             colors = true;
         else
