@@ -146,6 +146,8 @@ static fathom_status fail_truncated(fathom_context *context, const char *path, s
 
 static fathom_status copy_bytes(fathom_context *context, const char *path, int descriptor, file_map *map) {
     unsigned char *base = (unsigned char *)(uintptr_t)map->bytes;
+    if (mprotect(base, map->reserved, PROT_READ | PROT_WRITE) != 0)
+        return fail_memory(context, map->reserved);
     for (size_t done = 0; done < map->size;) {
         ssize_t got = read(descriptor, base + done, map->size - done);
         if (got < 0 && errno == EINTR) continue;
@@ -171,7 +173,7 @@ static fathom_status open_descriptor(fathom_context *context, const char *path, 
     if (info.st_size == 0) return fail_file(context, FATHOM_BAD_INPUT, path, "the file is empty");
     size_t size = (size_t)info.st_size, page = (size_t)sysconf(_SC_PAGESIZE);
     size_t reserved = (size + FILE_PADDING + page - 1) / page * page;
-    void *base = mmap(NULL, reserved, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    void *base = mmap(NULL, reserved, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (base == MAP_FAILED) return fail_memory(context, reserved);
     *out = (file_map){.bytes = base, .size = size, .reserved = reserved};
     slot *guarded = context_copies_files(context) ? NULL : slot_take(base, reserved);
