@@ -101,7 +101,8 @@ typedef struct gltf_spot {
  * itself. */
 const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, gltf_spot *spot);
 #define gltf_fail(g, at, key, ...)                                                                           \
-    fail_at((g)->context, FATHOM_BAD_INPUT, gltf_place(g, at, key, &(gltf_spot){.path = ""}), __VA_ARGS__)
+    fail_at((g)->context, FATHOM_BAD_INPUT, gltf_place(g, at, key, &(gltf_spot){.place.line = 0}),           \
+            __VA_ARGS__)
 /* Adds the place to the error that a call of the scene left. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
 /* Notes something that is left out or read differently; see notes.h. */

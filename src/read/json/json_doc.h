@@ -21,7 +21,7 @@ typedef struct doc_spot {
 /* Fills in *spot: file, line and path. */
 const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot);
 #define doc_fail(d, at, ...)                                                                                 \
-    fail_at((d)->context, FATHOM_BAD_INPUT, doc_place(d, at, &(doc_spot){.path = ""}), __VA_ARGS__)
+    fail_at((d)->context, FATHOM_BAD_INPUT, doc_place(d, at, &(doc_spot){.place.line = 0}), __VA_ARGS__)
 /* Adds the place to a callee's error. Its field joins the path where the document has it under that name. */
 fathom_status doc_within(const doc *d, const where *at, fathom_status status);
 /* "expected `expected`, found " and the value there. */
