@@ -47,6 +47,7 @@ const char *file_writer_temporary(const file_writer *writer);
 int file_writer_descriptor(const file_writer *writer);
 /* Buffered; errors are kept and reported by file_writer_commit(). */
 void file_writer_put(file_writer *writer, const void *bytes, size_t size);
+void file_writer_print(file_writer *writer, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Waits until the bytes are on the disk; commit does so itself. */
 void file_writer_sync(file_writer *writer);
 /* Each ends the writer. Commit returns FATHOM_OUT_OF_RESOURCES when the disk is full. */

@@ -2,9 +2,8 @@
  *
  * A thread that reads a mapped page past the end of its file gets SIGBUS; it may be one of Embree's. The
  * guard maps zeros there and marks the file as lost: the work goes on, and file_check() reports it later. The
- * handler finds the mapping in a table without a lock: slots are reused but never freed, and a slot whose
- * version is odd or changes during the read is in another thread's hands. The slot of the faulting page is
- * not. */
+ * handler finds the mapping in a table without a lock: slots are reused, and a slot whose version is odd or
+ * changes during the read is in another thread's hands. The slot of the faulting page is not. */
 #include "base/file.h"
 
 #include <errno.h>
@@ -24,18 +23,10 @@ typedef struct slot {
     atomic_uint version;
     atomic_uintptr_t begin, end; /* of the mapping; 0: free */
     atomic_bool lost;
-    struct slot *next_free;
 } slot;
 
-#define CHUNK_SLOTS 64
-
-typedef struct chunk {
-    struct chunk *next;
-    slot slots[CHUNK_SLOTS];
-} chunk;
-
-static _Atomic(chunk *) chunks;
-static slot *free_slots;
+#define SLOTS 4096 /* further files are copied */
+static slot slots[SLOTS];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of all changes to the table */
 
 static void slot_set(slot *s, uintptr_t begin, uintptr_t end) {
@@ -46,35 +37,19 @@ static void slot_set(slot *s, uintptr_t begin, uintptr_t end) {
     atomic_fetch_add(&s->version, 1);
 }
 
-static bool add_chunk(void) {
-    chunk *c = calloc(1, sizeof *c);
-    if (!c) return false;
-    for (size_t i = 0; i < CHUNK_SLOTS; ++i) {
-        c->slots[i].next_free = free_slots;
-        free_slots = &c->slots[i];
-    }
-    c->next = atomic_load(&chunks);
-    atomic_store(&chunks, c);
-    return true;
-}
-
-/* NULL when out of memory. */
+/* NULL when all are taken. */
 static slot *slot_take(const void *base, size_t bytes) {
+    slot *s = slots, *end = slots + SLOTS;
     pthread_mutex_lock(&lock);
-    slot *s = free_slots || add_chunk() ? free_slots : NULL;
-    if (s) {
-        free_slots = s->next_free;
-        slot_set(s, (uintptr_t)base, (uintptr_t)base + bytes);
-    }
+    while (s < end && s->begin) ++s;
+    if (s < end) slot_set(s, (uintptr_t)base, (uintptr_t)base + bytes);
     pthread_mutex_unlock(&lock);
-    return s;
+    return s < end ? s : NULL;
 }
 
 static void slot_return(slot *s) {
     pthread_mutex_lock(&lock);
     slot_set(s, 0, 0);
-    s->next_free = free_slots;
-    free_slots = s;
     pthread_mutex_unlock(&lock);
 }
 
@@ -82,15 +57,12 @@ static void slot_return(slot *s) {
 
 /* The slot whose mapping holds the address, and where that ends. */
 static slot *find_slot(uintptr_t address, uintptr_t *end) {
-    for (chunk *c = atomic_load(&chunks); c; c = c->next) {
-        for (size_t i = 0; i < CHUNK_SLOTS; ++i) {
-            slot *s = &c->slots[i];
-            unsigned version = atomic_load(&s->version);
-            uintptr_t begin = atomic_load(&s->begin);
-            *end = atomic_load(&s->end);
-            bool whole = version % 2 == 0 && version == atomic_load(&s->version);
-            if (whole && begin && address >= begin && address < *end) return s;
-        }
+    for (slot *s = slots; s < slots + SLOTS; ++s) {
+        unsigned version = atomic_load(&s->version);
+        uintptr_t begin = atomic_load(&s->begin);
+        *end = atomic_load(&s->end);
+        bool whole = version % 2 == 0 && version == atomic_load(&s->version);
+        if (whole && begin && address >= begin && address < *end) return s;
     }
     return NULL;
 }
@@ -104,7 +76,7 @@ static void on_bus_error(int number, siginfo_t *info, void *machine) {
     uintptr_t address = (uintptr_t)info->si_addr, end;
     slot *s = info->si_code > 0 ? find_slot(address, &end) : NULL; /* else sent by a process */
     if (s) {
-        /* What follows is behind the end of the file as well. */
+        /* The following pages lie behind the end of the file as well. */
         uintptr_t page = address / page_bytes * page_bytes;
         atomic_store(&s->lost, true);
         void *zeros =
@@ -148,29 +120,18 @@ struct file_record {
     char path[];
 };
 
-static void record_free(struct file_record *record) {
-    if (record && record->slot) slot_return(record->slot);
-    free(record);
-}
-
-static struct file_record *record_make(const char *path, const struct stat *info, const file_map *map) {
-    size_t length = strlen(path) + 1;
-    struct file_record *record = calloc(1, sizeof *record + length);
-    if (!record) return NULL;
-    memcpy(record->path, path, length);
-    record->stamp = *info;
-    record->slot = slot_take(map->bytes, map->reserved);
-    if (record->slot) return record;
-    free(record);
-    return NULL;
-}
-
 /* The file is laid over an anonymous mapping that is one page longer: the bytes after it are zero and
  * readable even when it ends with a page. */
 static fathom_status map_bytes(fathom_context *context, const char *path, int descriptor,
-                               const struct stat *info, file_map *map) {
-    map->record = record_make(path, info, map);
-    if (!map->record) return fail_memory(context, sizeof *map->record);
+                               const struct stat *info, slot *guarded, file_map *map) {
+    size_t length = strlen(path) + 1;
+    map->record = calloc(1, sizeof *map->record + length);
+    if (!map->record) {
+        slot_return(guarded);
+        return fail_memory(context, sizeof *map->record + length);
+    }
+    *map->record = (struct file_record){.slot = guarded, .stamp = *info};
+    memcpy(map->record->path, path, length);
     void *base = (void *)(uintptr_t)map->bytes;
     if (mmap(base, map->size, PROT_READ, MAP_PRIVATE | MAP_FIXED, descriptor, 0) != MAP_FAILED)
         return FATHOM_OK;
@@ -185,6 +146,8 @@ static fathom_status fail_truncated(fathom_context *context, const char *path, s
 
 static fathom_status copy_bytes(fathom_context *context, const char *path, int descriptor, file_map *map) {
     unsigned char *base = (unsigned char *)(uintptr_t)map->bytes;
+    if (mprotect(base, map->reserved, PROT_READ | PROT_WRITE) != 0)
+        return fail_memory(context, map->reserved);
     for (size_t done = 0; done < map->size;) {
         ssize_t got = read(descriptor, base + done, map->size - done);
         if (got < 0 && errno == EINTR) continue;
@@ -208,15 +171,14 @@ static fathom_status open_descriptor(fathom_context *context, const char *path, 
         return fail_file(context, FATHOM_BAD_USAGE, path,
                          "would be read and written; expected another output");
     if (info.st_size == 0) return fail_file(context, FATHOM_BAD_INPUT, path, "the file is empty");
-    bool copies = context_copies_files(context);
     size_t size = (size_t)info.st_size, page = (size_t)sysconf(_SC_PAGESIZE);
     size_t reserved = (size + FILE_PADDING + page - 1) / page * page;
-    void *base =
-        mmap(NULL, reserved, copies ? PROT_READ | PROT_WRITE : PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    void *base = mmap(NULL, reserved, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (base == MAP_FAILED) return fail_memory(context, reserved);
     *out = (file_map){.bytes = base, .size = size, .reserved = reserved};
-    return copies ? copy_bytes(context, path, descriptor, out)
-                  : map_bytes(context, path, descriptor, &info, out);
+    slot *guarded = context_copies_files(context) ? NULL : slot_take(base, reserved);
+    return guarded ? map_bytes(context, path, descriptor, &info, guarded, out)
+                   : copy_bytes(context, path, descriptor, out);
 }
 
 fathom_status file_open(fathom_context *context, const char *path, file_map *out) {
@@ -232,7 +194,8 @@ fathom_status file_open(fathom_context *context, const char *path, file_map *out
 
 void file_close(file_map *map) {
     if (map->bytes) munmap((void *)(uintptr_t)map->bytes, map->reserved);
-    record_free(map->record);
+    if (map->record) slot_return(map->record->slot);
+    free(map->record);
     *map = (file_map){0};
 }
 

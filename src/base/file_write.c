@@ -222,6 +222,13 @@ void file_writer_put(file_writer *writer, const void *bytes, size_t size) {
     if (fwrite(bytes, 1, size, writer->stream) != size) writer->error = errno ? errno : EIO;
 }
 
+void file_writer_print(file_writer *writer, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    if (!writer->error && vfprintf(writer->stream, format, args) < 0) writer->error = errno ? errno : EIO;
+    va_end(args);
+}
+
 /* Some file systems have nothing to sync, and say so. */
 static int sync_descriptor(int descriptor) {
     if (fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS) return 0;

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- names and words ---- */
+/* ---- names ---- */
 
 const fathom_parameter *parameter_find(parameter_table table, const char *name) {
     for (size_t i = 0; i < table.count; ++i) {
@@ -31,24 +31,6 @@ void parameter_name(const fathom_parameter *p, char between, char out[PARAMETER_
         }
     }
     out[used] = '\0';
-}
-
-const char *words_at(const char *words, unsigned i, size_t *length) {
-    for (;; ++words) {
-        *length = strcspn(words, "|");
-        if (i-- == 0) return words;
-        words += *length;
-        if (!*words) return NULL;
-    }
-}
-
-int words_find(const char *words, const char *word, size_t length) {
-    size_t found;
-    const char *at;
-    for (unsigned i = 0; (at = words_at(words, i, &found)); ++i) {
-        if (found == length && strncmp(at, word, length) == 0) return (int)i;
-    }
-    return -1;
 }
 
 /* ---- values ---- */
@@ -225,8 +207,9 @@ bool text_read_u64(const char **text, char end, uint64_t *out) {
     return true;
 }
 
-/* The spelling is checked first, because strtod() also takes spaces, hexadecimal and "nan". */
-bool text_read_f64(const char **text, char end, double *out) {
+/* A finite decimal number. The spelling is checked first, because strtod() also takes spaces, hexadecimal and
+ * "nan". */
+static bool text_read_f64(const char **text, char end, double *out) {
     size_t length = strspn(*text, "+-.0123456789eE");
     if (length == 0 || (*text)[length] != end) return false;
     char *stop;

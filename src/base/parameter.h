@@ -4,6 +4,8 @@
 #ifndef BASE_PARAMETER_H
 #define BASE_PARAMETER_H
 
+#include "base/text.h"
+
 #include <fathom/parameter.h>
 
 typedef struct parameter_table {
@@ -50,15 +52,8 @@ size_t parameter_print(const fathom_parameter *p, const void *base, char *out, s
 /* The same of numbers that are in no struct. */
 size_t parameter_print_numbers(const fathom_parameter *p, const double *values, char *out, size_t room);
 
-/* The part of "a|b|c" that is `word`, or -1. */
-int words_find(const char *words, const char *word, size_t length);
-/* Part i of "a|b|c" and its length; NULL behind the last. */
-const char *words_at(const char *words, unsigned i, size_t *length);
-
 /* Whole strings only, digits only; false when `text` is not a number, is too large, or is not followed by
  * `end`. On success *text is moved past `end`. */
 bool text_read_u64(const char **text, char end, uint64_t *out);
-/* A finite decimal number, whatever the locale. */
-bool text_read_f64(const char **text, char end, double *out);
 
 #endif

@@ -185,24 +185,6 @@ fathom_status fail(fathom_context *context, fathom_status status, const char *fo
     return status;
 }
 
-fathom_status fail_file(fathom_context *context, fathom_status status, const char *file, const char *format,
-                        ...) {
-    va_list args;
-    va_start(args, format);
-    store_error(context, status, &(fathom_place){.file = file}, format, args);
-    va_end(args);
-    return status;
-}
-
-fathom_status fail_field(fathom_context *context, fathom_status status, const char *field, const char *format,
-                         ...) {
-    va_list args;
-    va_start(args, format);
-    store_error(context, status, &(fathom_place){.field = field}, format, args);
-    va_end(args);
-    return status;
-}
-
 fathom_status fail_item(fathom_context *context, fathom_status status, const char *array, size_t index,
                         const char *format, ...) {
     char field[64];

@@ -11,15 +11,15 @@
  * string of the place means "". Without a context they only return the status. */
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-fathom_status fail_file(fathom_context *context, fathom_status status, const char *file, const char *format,
-                        ...) __attribute__((format(printf, 4, 5)));
-fathom_status fail_field(fathom_context *context, fathom_status status, const char *field, const char *format,
-                         ...) __attribute__((format(printf, 4, 5)));
+fathom_status fail_at(fathom_context *context, fathom_status status, const fathom_place *place,
+                      const char *format, ...) __attribute__((format(printf, 4, 5)));
+#define fail_file(context, status, path, ...)                                                                \
+    fail_at(context, status, &(const fathom_place){.file = path}, __VA_ARGS__)
+#define fail_field(context, status, name, ...)                                                               \
+    fail_at(context, status, &(const fathom_place){.field = name}, __VA_ARGS__)
 /* The field is an item of an array: "rays[17]". */
 fathom_status fail_item(fathom_context *context, fathom_status status, const char *array, size_t index,
                         const char *format, ...) __attribute__((format(printf, 5, 6)));
-fathom_status fail_at(fathom_context *context, fathom_status status, const fathom_place *place,
-                      const char *format, ...) __attribute__((format(printf, 4, 5)));
 
 /* Adds the place that a callee did not know and returns the status. An error that names a file keeps it and
  * is `within` this place. Any other moves here: its own field goes to the text if this place has a field. */

@@ -38,3 +38,21 @@ void text_disarm(char *text) {
         text += length;
     }
 }
+
+const char *words_at(const char *words, unsigned i, size_t *length) {
+    for (;; ++words) {
+        *length = strcspn(words, "|");
+        if (i-- == 0) return words;
+        words += *length;
+        if (!*words) return NULL;
+    }
+}
+
+int words_find(const char *words, const char *word, size_t length) {
+    size_t found;
+    const char *at;
+    for (unsigned i = 0; (at = words_at(words, i, &found)); ++i) {
+        if (found == length && strncmp(at, word, length) == 0) return (int)i;
+    }
+    return -1;
+}

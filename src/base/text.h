@@ -11,4 +11,9 @@ size_t text_character(const char *text, unsigned *code);
  * (U+0080 to U+009F) among them, line ends and direction marks of Unicode, and bytes that are not UTF-8. */
 void text_disarm(char *text);
 
+/* The part of "a|b|c" that is `word`, or -1. */
+int words_find(const char *words, const char *word, size_t length);
+/* Part i of "a|b|c" and its length; NULL behind the last. */
+const char *words_at(const char *words, unsigned i, size_t *length);
+
 #endif

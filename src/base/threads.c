@@ -15,15 +15,6 @@ unsigned processor_count(void) {
     return 1;
 }
 
-void threads_without_signals(sigset_t *old) {
-    /* glibc's abort() unblocked its signal itself until 2.40. */
-    static const int faults[] = {SIGABRT, SIGBUS, SIGSEGV, SIGFPE, SIGILL, SIGTRAP, SIGSYS};
-    sigset_t sent;
-    sigfillset(&sent);
-    for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) sigdelset(&sent, faults[i]);
-    pthread_sigmask(SIG_SETMASK, &sent, old);
-}
-
 static void *wait_for(void *user) {
     pthread_mutex_t *gate = user;
     pthread_mutex_lock(gate);

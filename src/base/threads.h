@@ -2,7 +2,6 @@
 #ifndef BASE_THREADS_H
 #define BASE_THREADS_H
 
-#include <signal.h>
 #include <stddef.h>
 
 unsigned processor_count(void);
@@ -17,9 +16,5 @@ typedef void (*loop_body)(void *user, size_t begin, size_t end, unsigned worker)
 /* Runs body over [0, count) in pieces of `grain` items, in order, on `threads` threads including the caller.
  * The result of a piece must not depend on the worker. Uses fewer threads if the system refuses more. */
 void loop_parallel(unsigned threads, size_t count, size_t grain, loop_body body, void *user);
-
-/* Threads that the caller creates from now on get no signals, until it gives `old` to pthread_sigmask().
- * Faults stay unblocked: a blocked fault ends the process without its handler. */
-void threads_without_signals(sigset_t *old);
 
 #endif

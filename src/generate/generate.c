@@ -87,8 +87,8 @@ static fathom_status check_options(const fathom_scene *scene, fathom_id group,
     }
     if (options->triangles < 1 || options->triangles > generators[kind].most) {
         return fail(context, FATHOM_BAD_USAGE,
-                    "generate %s: triangles: %" PRIu64 " were asked for; expected 1 to %" PRIu64,
-                    generators[kind].name, options->triangles, generators[kind].most);
+                    "generate %s: triangles: expected 1 to %" PRIu64 ", found %" PRIu64,
+                    generators[kind].name, generators[kind].most, options->triangles);
     }
     return FATHOM_OK;
 }

@@ -1,4 +1,4 @@
-/* What the generators share. */
+/* Shared by the generators. */
 #ifndef READ_GENERATE_H
 #define READ_GENERATE_H
 

@@ -168,29 +168,29 @@ double random_between(noise_random *random, double low, double high) {
     return low + (high - low) * random_unit(random);
 }
 
-vec3_f64 random_in_cube(noise_random *random) {
-    vec3_f64 p;
-    p.x = random_between(random, -1, 1);
-    p.y = random_between(random, -1, 1);
-    p.z = random_between(random, -1, 1);
-    return p;
-}
-
-/* By rejection from the cube around the ball, without sine or cosine. */
-vec3_f64 random_direction(noise_random *random) {
+/* Unit vectors by rejection from the cube around the ball, without sine or cosine; flat: in the plane y = 0.
+ */
+static vec3_f64 random_unit_vector(noise_random *random, bool flat) {
     for (;;) {
-        vec3_f64 p = random_in_cube(random);
+        vec3_f64 p = {0};
+        p.x = random_between(random, -1, 1);
+        if (!flat) p.y = random_between(random, -1, 1);
+        p.z = random_between(random, -1, 1);
         double square = dot_f64(p, p);
         if (square <= 1 && square > 1e-4) return scale_f64(1 / sqrt(square), p);
     }
 }
 
-vec3_f64 random_turn(noise_random *random) {
+vec3_f64 random_direction(noise_random *random) { return random_unit_vector(random, false); }
+
+vec3_f64 random_turn(noise_random *random) { return random_unit_vector(random, true); }
+
+vec3_f64 random_in_ball(noise_random *random) {
     for (;;) {
-        vec3_f64 p = {0};
+        vec3_f64 p;
         p.x = random_between(random, -1, 1);
+        p.y = random_between(random, -1, 1);
         p.z = random_between(random, -1, 1);
-        double square = dot_f64(p, p);
-        if (square <= 1 && square > 1e-4) return scale_f64(1 / sqrt(square), p);
+        if (dot_f64(p, p) <= 1) return p;
     }
 }

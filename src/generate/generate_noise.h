@@ -40,9 +40,8 @@ typedef struct noise_random {
 noise_random noise_random_from(uint64_t seed, uint64_t stream);
 double random_unit(noise_random *random);                             /* [0,1) */
 double random_between(noise_random *random, double low, double high); /* [low,high) */
-vec3_f64 random_in_cube(noise_random *random);                        /* evenly over [-1,1)³ */
+vec3_f64 random_in_ball(noise_random *random);                        /* evenly in the unit ball */
 vec3_f64 random_direction(noise_random *random);                      /* evenly over the unit sphere */
-/* Evenly over the unit circle in the plane y = 0. */
-vec3_f64 random_turn(noise_random *random);
+vec3_f64 random_turn(noise_random *random); /* evenly over the unit circle in the plane y = 0 */
 
 #endif

@@ -10,9 +10,9 @@ typedef struct terrain_job {
 static double height(const terrain_job *job, double x, double z) {
     const terrain *t = &job->t;
     x *= t->frequency, z *= t->frequency;
-    noise_value bend = noise_2d(t->seed ^ 0x51ed27u, 0.8 * x, 0.8 * z);
+    noise_value warp = noise_2d(t->seed ^ 0x51ed27u, 0.8 * x, 0.8 * z);
     noise_value slow = noise_2d(t->seed ^ 0xa02bdbu, 0.45 * x + 0.3, 0.45 * z + 0.6);
-    x += 0.15 * bend.gradient.y, z -= 0.15 * bend.gradient.x;
+    x += 0.15 * warp.gradient.y, z -= 0.15 * warp.gradient.x;
     double eroded = noise_eroded(t->seed, x, z, job->octaves, t->roughness);
     double h = 0.35 * slow.value + (0.75 + 0.5 * slow.value) * eroded;
     /* Valleys are wide and flat: nothing lies below -1/2.5, and the slope is continuous at 0. */

@@ -8,9 +8,9 @@
 #define TREE_LEAFY_TRIANGLES 400u
 
 /* A mesh that grows. Wood has normals, leaves are flat. */
+typedef ARRAY(float) tree_numbers;
 typedef struct tree_part {
-    ARRAY(float) positions;
-    ARRAY(float) normals;
+    tree_numbers positions, normals;
     ARRAY(uint32_t) indices;
     bool failed; /* out of memory: adds nothing more */
 } tree_part;
@@ -22,27 +22,21 @@ typedef struct tree_maker {
 
 static const vec3_f64 up = {0, 1, 0};
 
+static void push_vector(tree_part *part, tree_numbers *list, vec3_f64 v) {
+    if (!array_room(list, 3)) part->failed = true;
+    if (part->failed) return;
+    store_f32(list->items + list->count, narrow(v));
+    list->count += 3;
+}
+
 static uint32_t tree_vertex(tree_part *part, vec3_f64 p) {
-    if (!array_room(&part->positions, 3)) part->failed = true;
-    if (part->failed) return 0;
-    store_f32(part->positions.items + part->positions.count, narrow(p));
-    part->positions.count += 3;
+    push_vector(part, &part->positions, p);
     return (uint32_t)(part->positions.count / 3 - 1);
 }
 
-static void add_normal(tree_part *part, vec3_f64 n) {
-    if (!array_room(&part->normals, 3)) part->failed = true;
-    if (part->failed) return;
-    store_f32(part->normals.items + part->normals.count, narrow(normalize_f64(n)));
-    part->normals.count += 3;
-}
-
 static void tree_triangle(tree_part *part, uint32_t a, uint32_t b, uint32_t c) {
-    if (!array_room(&part->indices, 3)) part->failed = true;
-    if (part->failed) return;
-    uint32_t *t = part->indices.items + part->indices.count;
-    t[0] = a, t[1] = b, t[2] = c;
-    part->indices.count += 3;
+    const uint32_t corners[3] = {a, b, c};
+    for (int k = 0; k < 3; ++k) part->failed |= !array_push(&part->indices, corners[k]);
 }
 
 static void tree_leaf(tree_part *part, vec3_f64 a, vec3_f64 b, vec3_f64 c) {
@@ -78,9 +72,9 @@ static void tree_cone(tree_part *part, vec3_f64 from, vec3_f64 to, double from_r
         vec3_f64 c = tree_turn(k / (double)sides);
         vec3_f64 out = add_f64(scale_f64(c.x, f.x), scale_f64(c.z, f.y)), normal = madd_f64(out, lean, f.z);
         tree_vertex(part, madd_f64(from, from_radius, out));
-        add_normal(part, normal);
+        push_vector(part, &part->normals, normalize_f64(normal));
         tree_vertex(part, madd_f64(to, to_radius, out));
-        add_normal(part, normal);
+        push_vector(part, &part->normals, normalize_f64(normal));
     }
     for (uint32_t k = 0; k < sides; ++k) {
         uint32_t a = first + 2 * k, b = first + 2 * ((k + 1) % sides);
@@ -201,14 +195,6 @@ static void make_round(tree_maker *m, uint32_t triangles) {
 typedef struct foliage {
     uint32_t leaves, twigs, next_twig; /* leaves are dealt out over the twigs */
 } foliage;
-
-/* Evenly in the unit ball. */
-static vec3_f64 random_in_ball(noise_random *random) {
-    for (;;) {
-        vec3_f64 p = random_in_cube(random);
-        if (dot_f64(p, p) <= 1) return p;
-    }
-}
 
 static void add_twig_leaves(tree_maker *m, foliage *all, vec3_f64 end, vec3_f64 along, double spread) {
     uint32_t k = all->next_twig++, count = all->leaves / all->twigs + (k < all->leaves % all->twigs);

@@ -57,6 +57,7 @@ struct image_writer {
     image_writer(const image_target &target)
         : proxy(target.path, target.descriptor), descriptor(target.descriptor),
           exr(target.format == IMAGE_EXR) {}
+    ~image_writer() { close(descriptor); }
 };
 
 static void check(const image_writer &writer, bool ok) {
@@ -275,14 +276,8 @@ static bool has_all_blocks(FILE *file, uint32_t rows) {
 }
 
 static void check_blocks(const image_writer &writer) {
-    int descriptor = dup(writer.descriptor);
-    FILE *file = descriptor < 0 ? nullptr : fdopen(descriptor, "rb");
-    bool whole = file && has_all_blocks(file, writer.next_row);
-    if (file)
-        std::fclose(file);
-    else if (descriptor >= 0)
-        close(descriptor);
-    if (!whole) throw std::bad_alloc();
+    std::unique_ptr<FILE, int (*)(FILE *)> file(fdopen(dup(writer.descriptor), "rb"), std::fclose);
+    if (!file || !has_all_blocks(file.get(), writer.next_row)) throw std::bad_alloc();
 }
 
 static fathom_status writer_close(image_writer *writer, bool finish, image_message *message) noexcept {

@@ -15,17 +15,9 @@
 
 #define MODULE_FILE "fathom_image.so"
 #define PARTS_FILE "fathom_image.parts"
-#define OBJECTS 64
 
 static const image_module *module;
 static wire_memory memory = {.descriptor = WIRE_MEMORY};
-
-/* Writers and views that are open. */
-static struct object {
-    image_writer *writer;
-    image_view *view;
-    int descriptor;
-} objects[OBJECTS];
 
 static void say(wire_reply *reply, fathom_status status, const char *text) {
     reply->status = status;
@@ -84,18 +76,9 @@ static void load(wire_reply *reply) {
 
 /* ---- requests ---- */
 
-static struct object *free_object(uint64_t *number) {
-    for (size_t i = 0; i < OBJECTS; ++i) {
-        if (objects[i].writer || objects[i].view) continue;
-        *number = i + 1;
-        return &objects[i];
-    }
-    return NULL;
-}
-
-static struct object *object_of(uint64_t number) {
-    return number - 1 < OBJECTS ? &objects[number - 1] : NULL;
-}
+/* Writers and views go by their addresses, which the library gives back. */
+static uint64_t number_of(const void *object) { return (uint64_t)(uintptr_t)object; }
+static void *object_of(const wire_request *request) { return (void *)(uintptr_t)request->object; }
 
 static void open_file(const wire_request *request, int descriptor, wire_reply *reply,
                       image_message *message) {
@@ -105,26 +88,16 @@ static void open_file(const wire_request *request, int descriptor, wire_reply *r
     target.srgb = wire_take_u32(&c);
     target.date = wire_take_text(&c);
     wire_image w;
-    struct object *object = free_object(&reply->object);
-    if (!object || !target.path || !wire_take_image(&c, &w)) {
+    image_writer *writer = NULL;
+    if (!target.path || !wire_take_image(&c, &w)) {
         say(reply, FATHOM_OUT_OF_RESOURCES, "out of memory");
         if (descriptor >= 0) close(descriptor);
         return;
     }
     target.img = &w.img, target.storage = w.storage;
-    reply->status = module->writer.open(&target, &object->writer, message);
+    reply->status = module->writer.open(&target, &writer, message);
+    reply->object = number_of(writer);
     wire_image_free(&w);
-    if (reply->status == FATHOM_OK)
-        object->descriptor = descriptor;
-    else
-        close(descriptor), object->writer = NULL;
-}
-
-static void close_file(const wire_request *request, struct object *object, wire_reply *reply,
-                       image_message *message) {
-    reply->status = module->writer.close(object->writer, request->count != 0, message);
-    object->writer = NULL;
-    close(object->descriptor);
 }
 
 /* The description, then the planes. */
@@ -159,44 +132,14 @@ static void open_view(const wire_request *request, wire_reply *reply, image_mess
     wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
     image_view_request wanted;
     wanted.config = wire_take_text(&c), wanted.display = wire_take_text(&c), wanted.view = wire_take_text(&c);
-    struct object *object = free_object(&reply->object);
+    image_view *view = NULL;
     bool srgb = false;
-    if (!object || c.bad) {
-        say(reply, FATHOM_OUT_OF_RESOURCES, "too many views are open");
-        return;
-    }
-    reply->status = module->view_open(&wanted, &object->view, &srgb, message);
-    if (reply->status != FATHOM_OK) object->view = NULL;
+    reply->status = c.bad ? FATHOM_INTERNAL : module->view_open(&wanted, &view, &srgb, message);
+    reply->object = number_of(view);
     reply->flag = srgb;
 }
 
 /* ---- the loop ---- */
-
-static void serve_object(const wire_request *request, wire_reply *reply, image_message *message) {
-    struct object *object = object_of(request->object);
-    const bool of_view = request->op == WIRE_APPLY || request->op == WIRE_END_VIEW;
-    if (!object || !(of_view ? (void *)object->view : (void *)object->writer)) {
-        say(reply, FATHOM_INTERNAL, "no such writer or view");
-        return;
-    }
-    switch ((wire_op)request->op) {
-    case WIRE_ROWS:
-        reply->status = module->writer.rows(object->writer, (uint32_t)request->count, memory.bytes, message);
-        break;
-    case WIRE_CLOSE: close_file(request, object, reply, message); break;
-    case WIRE_APPLY:
-        reply->status = module->view_apply(object->view, request->threads, (float *)(void *)memory.bytes,
-                                           request->count, message);
-        break;
-    case WIRE_END_VIEW:
-        module->view_close(object->view);
-        object->view = NULL;
-        break;
-    case WIRE_OPEN:
-    case WIRE_READ:
-    case WIRE_VIEW: break;
-    }
-}
 
 static void serve(const wire_request *request, int descriptor, wire_reply *reply) {
     image_message message = {""};
@@ -204,14 +147,23 @@ static void serve(const wire_request *request, int descriptor, wire_reply *reply
         say(reply, FATHOM_OUT_OF_RESOURCES, "out of memory");
         return;
     }
-    if (request->op == WIRE_OPEN)
-        open_file(request, descriptor, reply, &message);
-    else if (request->op == WIRE_READ)
-        read_file(request, reply, &message);
-    else if (request->op == WIRE_VIEW)
-        open_view(request, reply, &message);
-    else
-        serve_object(request, reply, &message);
+    switch ((wire_op)request->op) {
+    case WIRE_OPEN: open_file(request, descriptor, reply, &message); break;
+    case WIRE_ROWS:
+        reply->status =
+            module->writer.rows(object_of(request), (uint32_t)request->count, memory.bytes, &message);
+        break;
+    case WIRE_CLOSE:
+        reply->status = module->writer.close(object_of(request), request->count != 0, &message);
+        break;
+    case WIRE_READ: read_file(request, reply, &message); break;
+    case WIRE_VIEW: open_view(request, reply, &message); break;
+    case WIRE_APPLY:
+        reply->status = module->view_apply(object_of(request), request->threads,
+                                           (float *)(void *)memory.bytes, request->count, &message);
+        break;
+    case WIRE_END_VIEW: module->view_close(object_of(request)); break;
+    }
     if (message.text[0]) snprintf(reply->text, sizeof reply->text, "%s", message.text);
 }
 

@@ -1,6 +1,7 @@
 #include "image/output.h"
 
 #include "base/file.h"
+#include "base/text.h"
 #include "image/helper/helper.h"
 
 #include <errno.h>
@@ -10,17 +11,11 @@
 #include <time.h>
 
 static bool known_format(const char *extension, image_format *out) {
-    static const struct {
-        const char *extension;
-        image_format format;
-    } formats[] = {{"exr", IMAGE_EXR},   {"png", IMAGE_PNG},  {"jpg", IMAGE_JPEG},
-                   {"jpeg", IMAGE_JPEG}, {"tif", IMAGE_TIFF}, {"tiff", IMAGE_TIFF}};
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i) {
-        if (strcmp(extension, formats[i].extension) != 0) continue;
-        *out = formats[i].format;
-        return true;
-    }
-    return false;
+    static const image_format formats[] = {IMAGE_EXR,  IMAGE_PNG,  IMAGE_JPEG,
+                                           IMAGE_JPEG, IMAGE_TIFF, IMAGE_TIFF};
+    int found = words_find("exr|png|jpg|jpeg|tif|tiff", extension, strlen(extension));
+    if (found >= 0) *out = formats[found];
+    return found >= 0;
 }
 
 fathom_status output_format(fathom_context *context, const char *path, image_format *out) {
@@ -100,7 +95,7 @@ bool image_view_is_srgb(const fathom_write_options *options) {
            (!options->view || strcasecmp(options->view, "sRGB") == 0);
 }
 
-bool output_needs_module(image_format format, const fathom_write_options *options) {
+static bool output_needs_module(image_format format, const fathom_write_options *options) {
     return format != IMAGE_PNG || !image_view_is_srgb(options);
 }
 

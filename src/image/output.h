@@ -12,8 +12,6 @@ fathom_status output_check_size(fathom_context *context, const char *path, image
                                 uint32_t width, uint32_t height);
 fathom_status output_check_exposure(fathom_context *context, const fathom_write_options *options);
 
-bool output_needs_module(image_format format, const fathom_write_options *options);
-
 /* Opens the view that the options name; close it with image_calls.view_close(). *srgb: see module.h. */
 fathom_status output_open_view(fathom_context *context, const fathom_write_options *options, image_view **out,
                                bool *srgb);

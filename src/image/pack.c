@@ -28,8 +28,8 @@ static unsigned char code_of(curve c, float value) {
 /* The least value whose code is above `code`, searched from where the curve passes the middle of both codes.
  */
 static float next_of(curve c, unsigned char code) {
-    double shown = (code + 0.5) / 255, bend = (double)c.end * (double)c.slope;
-    float at = (float)(shown > bend ? pow((shown + OFFSET) / (1 + OFFSET), GAMMA) : shown / (double)c.slope);
+    double shown = (code + 0.5) / 255, knee = (double)c.end * (double)c.slope;
+    float at = (float)(shown > knee ? pow((shown + OFFSET) / (1 + OFFSET), GAMMA) : shown / (double)c.slope);
     while (code_of(c, at) <= code) at = nextafterf(at, 1);
     for (float below; code_of(c, below = nextafterf(at, 0)) > code;) at = below;
     return at;

@@ -22,7 +22,7 @@ static const image_channel *find_channel(const image *img, const char *name) {
     return NULL;
 }
 
-/* What is under way. */
+/* A file that is being written. */
 typedef struct writing {
     fathom_context *context;
     const char *path;

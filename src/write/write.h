@@ -1,9 +1,11 @@
-/* What the writers of mesh files share. */
+/* Shared by the writers of mesh files. */
 #ifndef READ_WRITE_H
 #define READ_WRITE_H
 
 #include "base/file.h"
 #include "scene/graph.h"
+
+#include <locale.h>
 
 /* The binary formats are little-endian, as is every machine that Embree runs on. */
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are written as they lie in memory");
@@ -29,6 +31,11 @@ typedef struct write_mesh {
 fathom_status write_mesh_prepare(fathom_context *context, const fathom_mesh *mesh, bool facets,
                                  write_mesh *out);
 void write_mesh_free(write_mesh *m);
+
+/* Item i of an array of a mesh. */
+static inline vec3_f32 write_item(const float *base, size_t stride, size_t i) {
+    return load_f32((const float *)(const void *)((const char *)base + stride * i));
+}
 
 vec3_f32 write_mesh_position(const write_mesh *m, uint32_t vertex);
 vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex); /* the mesh has normals, or facets is set */
@@ -71,6 +78,7 @@ typedef struct write_stream {
     char *buffer;
     size_t *sizes; /* of the pieces that are in the buffer */
     size_t pieces;
+    locale_t locale; /* of the numbers */
 } write_stream;
 
 /* Makes the bytes of items [begin,end) at `out` and returns how many. */
@@ -79,7 +87,6 @@ typedef size_t (*write_format)(const void *user, size_t begin, size_t end, char 
 fathom_status write_stream_open(fathom_context *context, const char *path, write_stream *out);
 /* most: bytes that one item can take, at most a few hundred. */
 void write_items(write_stream *s, size_t count, size_t most, write_format format, const void *user);
-void write_bytes(write_stream *s, const void *bytes, size_t size);
 /* Ends the stream: commits when status is FATHOM_OK, else removes what was written and returns status. */
 fathom_status write_stream_close(write_stream *s, fathom_status status);
 
@@ -87,26 +94,11 @@ fathom_status write_stream_close(write_stream *s, fathom_status status);
 
 /* The most bytes that a number takes, without a terminator. */
 #define WRITE_NUMBER_BYTES 32
-/* Decimal text that reads back as the same value, with a dot in any locale. Each returns the length. */
+/* Decimal text that reads back as the same value, in the C locale. Each returns the length. */
 size_t write_float(char *out, float value);
-size_t write_double(char *out, double value);
 size_t write_integer(char *out, uint64_t value);
-
-/* A text that grows. */
-typedef struct write_text {
-    ARRAY(char) bytes;
-    bool failed; /* out of memory: adds nothing more */
-} write_text;
-
-void write_put(write_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void write_put_text(write_text *t, const char *text);
-void write_put_double(write_text *t, double value);
-/* "[a,b,c]" */
-void write_put_numbers(write_text *t, const double *numbers, int count);
-/* "key": with a comma before it, unless it is the object's first. */
-void write_put_key(write_text *t, const char *key);
 /* In quotes, escaped for JSON; bytes that are not UTF-8 become '?'. */
-void write_put_json(write_text *t, const char *text);
+void write_quoted(file_writer *file, const char *text);
 
 /* ---- materials ---- */
 
@@ -117,6 +109,7 @@ double write_blinn_exponent(const fathom_material *m);
 /* A unique name of one word for each material. Release *out with write_names_free() even after a failure. */
 fathom_status write_names(const fathom_scene *scene, char ***out);
 void write_names_free(const fathom_scene *scene, char **names);
-fathom_status write_mtl(const fathom_scene *scene, const char *path, char **names);
+/* The members "materials" and "extensionsUsed" of glTF. */
+void write_glb_materials(file_writer *file, const fathom_scene *scene);
 
 #endif

@@ -10,9 +10,7 @@
  *   ((ior - 1) / (ior + 1))^2, tinted by KHR_materials_specular to give F0;
  * - k_t goes to KHR_materials_transmission; k_d and k_t share the base colour;
  * - k_t without refraction (ior 1, no Fresnel) becomes 1 - alpha. */
-#include "write/write_glb.h"
-
-#include <string.h>
+#include "write/write.h"
 
 typedef struct pbr {
     double base[4], metallic, roughness, transmission, ior, specular, specular_color[3], emissive[3],
@@ -90,100 +88,82 @@ static pbr convert(const fathom_material *m) {
     return out;
 }
 
-static void put_list(write_text *t, const char *key, const double *numbers, int count) {
-    write_put_key(t, key);
-    write_put_numbers(t, numbers, count);
-}
+static const struct extension {
+    const char *name, *key;
+    size_t offset; /* of the value */
+    double absent; /* the value without the extension */
+} extensions[] = {{"ior", "ior", offsetof(pbr, ior), 1.5},
+                  {"transmission", "transmissionFactor", offsetof(pbr, transmission), 0},
+                  {"emissive_strength", "emissiveStrength", offsetof(pbr, strength), 1},
+                  {"specular", "specularFactor", offsetof(pbr, specular), 1}};
+enum { EXTENSIONS = sizeof extensions / sizeof *extensions };
 
-static void put_number(write_text *t, const char *key, double value) {
-    write_put_key(t, key);
-    write_put_double(t, value);
-}
-
-static void put_extension(write_text *t, const char *name, const char *key, double value) {
-    write_put_key(t, name);
-    write_put_text(t, "{");
-    put_number(t, key, value);
-    write_put_text(t, "}");
+static double extension_value(const pbr *p, size_t i) {
+    return *(const double *)(const void *)((const char *)p + extensions[i].offset);
 }
 
 static bool is_tinted(const pbr *p) {
-    return p->specular != 1 || p->specular_color[0] != 1 || p->specular_color[1] != 1 ||
-           p->specular_color[2] != 1;
+    return p->specular > 0 &&
+           (p->specular_color[0] != 1 || p->specular_color[1] != 1 || p->specular_color[2] != 1);
 }
 
-/* A bit for each extension: ior, transmission, emissive strength, specular. */
+/* A bit for each extension. */
 static unsigned extensions_of(const pbr *p) {
-    return (p->ior != 1.5 ? 1u : 0u) | (p->transmission > 0 ? 2u : 0u) | (p->strength > 1 ? 4u : 0u) |
-           (is_tinted(p) ? 8u : 0u);
+    unsigned used = is_tinted(p) ? 1u << (EXTENSIONS - 1) : 0;
+    for (size_t i = 0; i < EXTENSIONS; ++i) {
+        if (extension_value(p, i) != extensions[i].absent) used |= 1u << i;
+    }
+    return used;
 }
 
-static void put_extensions(write_text *t, const pbr *p) {
-    write_put_key(t, "extensions");
-    write_put_text(t, "{");
-    if (p->ior != 1.5) put_extension(t, "KHR_materials_ior", "ior", p->ior);
-    if (p->transmission > 0)
-        put_extension(t, "KHR_materials_transmission", "transmissionFactor", p->transmission);
-    if (p->strength > 1) put_extension(t, "KHR_materials_emissive_strength", "emissiveStrength", p->strength);
-    if (is_tinted(p)) {
-        write_put_key(t, "KHR_materials_specular");
-        write_put_text(t, "{");
-        put_number(t, "specularFactor", p->specular);
-        if (p->specular > 0) put_list(t, "specularColorFactor", p->specular_color, 3);
-        write_put_text(t, "}");
-    }
-    write_put_text(t, "}");
+static void put_rgb(file_writer *t, const char *key, const double rgb[3]) {
+    file_writer_print(t, ",\"%s\":[%.17g,%.17g,%.17g]", key, rgb[0], rgb[1], rgb[2]);
 }
 
-static void put_material(write_text *t, const char *name, const pbr *p) {
-    write_put_text(t, "{");
-    if (name) {
-        write_put_key(t, "name");
-        write_put_json(t, name);
-    }
-    write_put_key(t, "doubleSided");
-    write_put_text(t, "true");
-    write_put_key(t, "pbrMetallicRoughness");
-    write_put_text(t, "{");
-    put_list(t, "baseColorFactor", p->base, 4);
-    put_number(t, "metallicFactor", p->metallic);
-    put_number(t, "roughnessFactor", p->roughness);
-    write_put_text(t, "}");
-    if (largest(p->emissive) > 0) put_list(t, "emissiveFactor", p->emissive, 3);
-    if (p->blend) {
-        write_put_key(t, "alphaMode");
-        write_put_text(t, "\"BLEND\"");
-    }
-    if (extensions_of(p)) put_extensions(t, p);
-    write_put_text(t, "}");
-}
-
-static void put_extensions_used(glb *g) {
-    unsigned used = 0;
-    for (size_t i = 0; i < g->scene->materials.count; ++i) {
-        pbr p = convert(&g->scene->materials.items[i].classic);
-        used |= extensions_of(&p);
-    }
-    const char *const names[] = {"ior", "transmission", "emissive_strength", "specular"};
-    const char *comma = "";
-    if (!used) return;
-    write_put_text(&g->json, ",\n\"extensionsUsed\":[");
-    for (size_t i = 0; i < 4; ++i) {
+static void put_extensions(file_writer *t, const pbr *p) {
+    const unsigned used = extensions_of(p);
+    const char *comma = ",\"extensions\":{";
+    for (size_t i = 0; i < EXTENSIONS; ++i) {
         if (!(used >> i & 1)) continue;
-        write_put(&g->json, "%s\"KHR_materials_%s\"", comma, names[i]);
+        file_writer_print(t, "%s\"KHR_materials_%s\":{\"%s\":%.17g", comma, extensions[i].name,
+                          extensions[i].key, extension_value(p, i));
+        if (i == EXTENSIONS - 1 && is_tinted(p)) put_rgb(t, "specularColorFactor", p->specular_color);
+        file_writer_print(t, "}");
         comma = ",";
     }
-    write_put_text(&g->json, "]");
+    if (used) file_writer_print(t, "}");
 }
 
-void glb_put_materials(glb *g) {
-    put_extensions_used(g);
-    write_put_text(&g->json, ",\n\"materials\":[");
-    for (size_t i = 0; i < g->scene->materials.count; ++i) {
-        const scene_named_material *material = &g->scene->materials.items[i];
-        pbr p = convert(&material->value);
-        write_put_text(&g->json, i ? ",\n" : "\n");
-        put_material(&g->json, material->name, &p);
+static void put_material(file_writer *t, const char *name, const pbr *p) {
+    file_writer_print(
+        t,
+        "{\"doubleSided\":true,\"pbrMetallicRoughness\":{\"baseColorFactor\":[%.17g,%.17g,%.17g,"
+        "%.17g],\"metallicFactor\":%.17g,\"roughnessFactor\":%.17g}",
+        p->base[0], p->base[1], p->base[2], p->base[3], p->metallic, p->roughness);
+    if (name) {
+        file_writer_print(t, ",\"name\":");
+        write_quoted(t, name);
     }
-    write_put_text(&g->json, "]");
+    if (largest(p->emissive) > 0) put_rgb(t, "emissiveFactor", p->emissive);
+    if (p->blend) file_writer_print(t, ",\"alphaMode\":\"BLEND\"");
+    put_extensions(t, p);
+    file_writer_print(t, "}");
+}
+
+void write_glb_materials(file_writer *t, const fathom_scene *scene) {
+    unsigned used = 0;
+    file_writer_print(t, ",\n\"materials\":[");
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        const pbr p = convert(&scene->materials.items[i].classic);
+        used |= extensions_of(&p);
+        file_writer_print(t, i ? ",\n" : "\n");
+        put_material(t, scene->materials.items[i].name, &p);
+    }
+    const char *comma = "],\n\"extensionsUsed\":[";
+    for (size_t i = 0; i < EXTENSIONS; ++i) {
+        if (!(used >> i & 1)) continue;
+        file_writer_print(t, "%s\"KHR_materials_%s\"", comma, extensions[i].name);
+        comma = ",";
+    }
+    file_writer_print(t, "]");
 }

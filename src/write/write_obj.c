@@ -1,11 +1,103 @@
 /* OBJ: instances are placed, normals and uvs have their own indices, materials are in a library next to the
- * file. */
-#include "base/file.h"
+ * file. The library is the inverse of reading, as far as the format allows: it has one colour for highlight
+ * and mirror, one kind of highlight (Blinn's), and no light from behind. */
 #include "write/write.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- names ---- */
+
+/* Whether the name is one word, which any reader takes whole, and not one that a nameless material gets. */
+static bool is_word(const char *name) {
+    if (!name || !*name || strncmp(name, "material_", 9) == 0) return false;
+    for (; *name; ++name) {
+        if ((unsigned char)*name <= ' ' || *name == '#') return false;
+    }
+    return true;
+}
+
+/* Two materials with the same name would be one in the file. */
+static bool is_first(const fathom_scene *scene, size_t material) {
+    return scene_find_material(scene, scene->materials.items[material].name) == material;
+}
+
+fathom_status write_names(const fathom_scene *scene, char ***out) {
+    size_t count = scene->materials.count;
+    char **names = *out = calloc(count, sizeof *names);
+    if (!names) return fail_memory(scene->context, count * sizeof *names);
+    for (size_t i = 0; i < count; ++i) {
+        const char *name = scene->materials.items[i].name;
+        char numbered[32];
+        snprintf(numbered, sizeof numbered, "material_%zu", i);
+        names[i] = strdup(is_word(name) && is_first(scene, i) ? name : numbered);
+        if (!names[i]) return fail_memory(scene->context, sizeof numbered);
+    }
+    return FATHOM_OK;
+}
+
+void write_names_free(const fathom_scene *scene, char **names) {
+    for (size_t i = 0; names && i < scene->materials.count; ++i) free(names[i]);
+    free(names);
+}
+
+/* ---- materials ---- */
+
+double write_blinn_exponent(const fathom_material *m) {
+    switch (m->specular) {
+    case FATHOM_SPECULAR_NONE: return 0;
+    case FATHOM_SPECULAR_PHONG: return 4 * (double)m->shininess;
+    case FATHOM_SPECULAR_BLINN: return (double)m->shininess;
+    }
+    return 0;
+}
+
+static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
+
+static void put_color(file_writer *file, const char *key, const float rgb[3], float factor) {
+    file_writer_print(file, "%s", key);
+    for (int k = 0; k < 3; ++k) file_writer_print(file, " %.9g", (double)(factor * rgb[k]));
+    file_writer_print(file, "\n");
+}
+
+/* 1 Lambert, 2 with highlight, 3 and a mirror, 5 the same by Fresnel's law, 6 glass, 7 glass by Fresnel's
+ * law, 9 glass that does not refract. */
+static int illumination(const fathom_material *m) {
+    if (largest(m->k_t) > 0) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
+    if (largest(m->k_r) > 0) return m->fresnel ? 5 : 3;
+    return m->specular == FATHOM_SPECULAR_NONE ? 1 : 2;
+}
+
+static void put_material(file_writer *t, const char *name, const fathom_material *m) {
+    int illum = illumination(m);
+    bool glass = illum == 6 || illum == 7 || illum == 9, mirror = illum >= 3 && largest(m->k_r) > 0;
+    /* Reading scales the diffuse part of glass by 1 - k_t. */
+    float left = glass && largest(m->k_t) < 1 ? 1 - largest(m->k_t) : 1;
+    file_writer_print(t, "newmtl %s\n", name);
+    put_color(t, "Kd", m->k_d, 1 / left);
+    if (m->k_a[0] >= 0) put_color(t, "Ka", m->k_a, 1 / left);
+    put_color(t, "Ks",
+              mirror                                ? m->k_r
+              : m->specular == FATHOM_SPECULAR_NONE ? (const float[3]){0}
+                                                    : m->k_s,
+              1);
+    if (largest(m->k_e) > 0) put_color(t, "Ke", m->k_e, 1);
+    file_writer_print(t, "Ns %.9g\n", (double)(float)write_blinn_exponent(m));
+    if (illum >= 5) file_writer_print(t, "Ni %.9g\n", (double)m->ior);
+    if (glass) put_color(t, "Tf", m->k_t, 1);
+    file_writer_print(t, "illum %d\n", illum);
+}
+
+static fathom_status write_mtl(const fathom_scene *scene, const char *path, char **names) {
+    file_writer *file;
+    fathom_status status = file_writer_open(scene->context, path, &file);
+    if (status != FATHOM_OK) return status;
+    file_writer_print(file, "# Fathom %s\n", fathom_version());
+    for (size_t i = 0; i < scene->materials.count; ++i)
+        put_material(file, names[i], &scene->materials.items[i].classic);
+    return file_writer_commit(file);
+}
 
 typedef struct obj {
     const fathom_scene *scene;
@@ -19,10 +111,6 @@ typedef struct obj {
 
 /* ---- lines ---- */
 
-static const float *item(const float *base, size_t stride, size_t i) {
-    return (const float *)(const void *)((const char *)base + stride * i);
-}
-
 static char *put_line(char *out, const char *key, const float *numbers, int count) {
     while (*key) *out++ = *key++;
     for (int k = 0; k < count; ++k) {
@@ -33,42 +121,34 @@ static char *put_line(char *out, const char *key, const float *numbers, int coun
     return out;
 }
 
-static size_t format_positions(const void *user, size_t begin, size_t end, char *out) {
-    const write_placement *at = user;
-    char *start = out;
-    for (size_t i = begin; i < end; ++i) {
-        vec3_f32 p =
-            write_placed_position(at, load_f32(item(at->mesh->positions, at->mesh->position_stride, i)));
-        out = put_line(out, "v", (const float[3]){p.x, p.y, p.z}, 3);
-    }
-    return (size_t)(out - start);
-}
-
-static size_t format_normals(const void *user, size_t begin, size_t end, char *out) {
-    const write_placement *at = user;
-    char *start = out;
-    for (size_t i = begin; i < end; ++i) {
-        vec3_f32 n = write_placed_normal(at, load_f32(item(at->mesh->normals, at->mesh->normal_stride, i)));
-        out = put_line(out, "vn", (const float[3]){n.x, n.y, n.z}, 3);
-    }
-    return (size_t)(out - start);
-}
-
-static size_t format_uvs(const void *user, size_t begin, size_t end, char *out) {
-    const write_placement *at = user;
-    char *start = out;
-    for (size_t i = begin; i < end; ++i)
-        out = put_line(out, "vt", item(at->mesh->uvs, at->mesh->uv_stride, i), 2);
-    return (size_t)(out - start);
-}
-
-typedef struct obj_faces {
+/* The lines of one kind of a placed mesh. */
+typedef struct obj_part {
     const obj *o;
     const write_placement *at;
-} obj_faces;
+    enum { POSITIONS, NORMALS, UVS, FACES } kind;
+} obj_part;
+
+static size_t format_vertices(const void *user, size_t begin, size_t end, char *out) {
+    static const char *const keys[] = {"v", "vn", "vt"};
+    const obj_part *part = user;
+    const write_placement *at = part->at;
+    const fathom_mesh *m = at->mesh;
+    char *start = out;
+    for (size_t i = begin; i < end; ++i) {
+        float v[3];
+        if (part->kind == POSITIONS)
+            store_f32(v, write_placed_position(at, write_item(m->positions, m->position_stride, i)));
+        else if (part->kind == NORMALS)
+            store_f32(v, write_placed_normal(at, write_item(m->normals, m->normal_stride, i)));
+        else
+            memcpy(v, (const char *)m->uvs + m->uv_stride * i, 2 * sizeof *v);
+        out = put_line(out, keys[part->kind], v, part->kind == UVS ? 2 : 3);
+    }
+    return (size_t)(out - start);
+}
 
 /* a, a/t, a//n or a/t/n, counted from 1 over the whole file. */
-static char *put_corner(char *out, const obj_faces *f, size_t corner) {
+static char *put_corner(char *out, const obj_part *f, size_t corner) {
     const fathom_mesh *m = f->at->mesh;
     uint32_t position = m->indices[corner];
     *out++ = ' ';
@@ -83,7 +163,7 @@ static char *put_corner(char *out, const obj_faces *f, size_t corner) {
 }
 
 static size_t format_faces(const void *user, size_t begin, size_t end, char *out) {
-    const obj_faces *f = user;
+    const obj_part *f = user;
     size_t second = f->at->mirrored ? 2 : 1;
     char *start = out;
     for (size_t t = begin; t < end; ++t) {
@@ -98,24 +178,16 @@ static size_t format_faces(const void *user, size_t begin, size_t end, char *out
 
 /* ---- file ---- */
 
+/* Appends the group's name as one word. */
 static void put_head(obj *o, const write_placement *at) {
     const char *group = o->scene->groups.items[o->scene->objects.items[at->object].group];
-    char text[64];
-    int length = snprintf(text, sizeof text, "o object_%zu", o->objects++);
-    write_bytes(&o->stream, text, (size_t)length);
-    /* Appends the group's name as one word. */
-    for (const char *c = group ? group : ""; *c; ++c) {
-        char letter = (unsigned char)*c <= ' ' ? '_' : *c;
-        if (c == group) write_bytes(&o->stream, "_", 1);
-        write_bytes(&o->stream, &letter, 1);
-    }
-    if (o->material != at->material) {
-        const char *name = o->names[at->material];
-        write_bytes(&o->stream, "\nusemtl ", 8);
-        write_bytes(&o->stream, name, strlen(name));
-        o->material = at->material;
-    }
-    write_bytes(&o->stream, "\n", 1);
+    file_writer *file = o->stream.file;
+    file_writer_print(file, "o object_%zu%s", o->objects++, group && *group ? "_" : "");
+    for (const char *c = group ? group : ""; *c; ++c)
+        file_writer_put(file, (unsigned char)*c <= ' ' ? "_" : c, 1);
+    if (o->material != at->material) file_writer_print(file, "\nusemtl %s", o->names[at->material]);
+    file_writer_print(file, "\n");
+    o->material = at->material;
 }
 
 static fathom_status put_placement(void *user, const write_placement *at) {
@@ -123,11 +195,14 @@ static fathom_status put_placement(void *user, const write_placement *at) {
     const fathom_mesh *m = at->mesh;
     size_t line = 3 * WRITE_NUMBER_BYTES + 8;
     put_head(o, at);
-    write_items(&o->stream, m->vertex_count, line, format_positions, at);
-    if (m->uvs) write_items(&o->stream, m->uv_count, line, format_uvs, at);
-    if (m->normals) write_items(&o->stream, m->normal_count, line, format_normals, at);
-    obj_faces faces = {o, at};
-    write_items(&o->stream, m->triangle_count, 9 * 22 + 8, format_faces, &faces);
+    obj_part part = {o, at, POSITIONS};
+    write_items(&o->stream, m->vertex_count, line, format_vertices, &part);
+    part.kind = UVS;
+    if (m->uvs) write_items(&o->stream, m->uv_count, line, format_vertices, &part);
+    part.kind = NORMALS;
+    if (m->normals) write_items(&o->stream, m->normal_count, line, format_vertices, &part);
+    part.kind = FACES;
+    write_items(&o->stream, m->triangle_count, 9 * 22 + 8, format_faces, &part);
     o->positions += m->vertex_count;
     o->uvs += m->uvs ? m->uv_count : 0;
     o->normals += m->normals ? m->normal_count : 0;
@@ -167,12 +242,7 @@ static char *library_path(const char *path) {
 static fathom_status put_all(obj *o, const char *path, const char *library) {
     fathom_status status = write_stream_open(o->scene->context, path, &o->stream);
     if (status != FATHOM_OK) return status;
-    const char *beside = file_name(library);
-    write_bytes(&o->stream, "# Fathom ", 9);
-    write_bytes(&o->stream, fathom_version(), strlen(fathom_version()));
-    write_bytes(&o->stream, "\nmtllib ", 8);
-    write_bytes(&o->stream, beside, strlen(beside));
-    write_bytes(&o->stream, "\n", 1);
+    file_writer_print(o->stream.file, "# Fathom %s\nmtllib %s\n", fathom_version(), file_name(library));
     status = write_each_placement(o->scene, o->graph, put_placement, o);
     /* The library exists before the file that names it. */
     if (status == FATHOM_OK) status = write_mtl(o->scene, library, o->names);

@@ -76,7 +76,7 @@ static void put_header(ply *p) {
     char text[512];
     int length = format_header(p, 0, text);
     length = format_header(p, (4 - length % 4) % 4, text);
-    write_bytes(&p->stream, text, (size_t)length);
+    file_writer_put(p->stream.file, text, (size_t)length);
 }
 
 typedef struct ply_part {

@@ -210,7 +210,7 @@ cp "$FATHOM" alone/fathom
 code=0
 alone/fathom render scene.json -o d.exr >out.txt 2>err.txt || code=$?
 [ $code -eq 4 ] || die "a program without its helper: exit code $code, expected 4"
-said err.txt 'fathom: image helper: fathom/fathom-image was found neither beside'
+said err.txt 'fathom: image helper: fathom/fathom-image was found neither next to'
 said err.txt 'install Fathom again, or write .png'
 alone/fathom render scene.json -o d.png >out.txt 2>err.txt || die 'PNG needs no helper'
 alone/fathom --version -v >out.txt

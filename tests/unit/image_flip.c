@@ -2,7 +2,6 @@
 #include "unit.h"
 
 #include "image/compare/flip.h"
-#include "image/compare/flip_colour.h"
 #include "random.h"
 
 #define WIDTH 48

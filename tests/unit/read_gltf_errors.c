@@ -223,7 +223,7 @@ static void broken_nodes_are_refused(void **state) {
         {NODES("{'mesh':0,'matrix':[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}"),
          "nodes[0].matrix: has the last row 1 0 0 1"},
         {NODES("{'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],'scale':[1,1,1]}"),
-         "nodes[0].scale: stands beside"},
+         "nodes[0].scale: is given together with a matrix"},
         {NODES("{'rotation':[0,0,0,0]}"), "nodes[0].rotation: is zero"},
         {NODES("{'translation':[0,'x',0]}"), "nodes[0].translation[1]: is a string; expected a number"},
         {NODES("{'scale':[1e308,1,1],'children':[1]},{'scale':[1e308,1,1],'mesh':0}"), "out of the range"},

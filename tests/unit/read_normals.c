@@ -9,12 +9,11 @@ static fathom_context *context;
 
 static void smooth(const float (*p)[3], uint32_t vertices, const uint32_t *indices, size_t triangles,
                    float (*out)[3]) {
-    const normals_input input = {.positions = p[0],
-                                 .stride = sizeof *p,
-                                 .indices = indices,
-                                 .triangle_count = triangles,
-                                 .slot_count = vertices};
-    assert_ok(context, normals_smooth(context, &input, out[0]));
+    const fathom_mesh mesh = {.positions = p[0],
+                              .position_stride = sizeof *p,
+                              .indices = indices,
+                              .triangle_count = (uint32_t)triangles};
+    assert_ok(context, normals_smooth(context, &mesh, NULL, vertices, out[0]));
 }
 
 /* A cube's corners point along its diagonals however its faces are cut: with area or no weights the cuts
@@ -76,8 +75,9 @@ static void corners_add_to_their_slot(void **state) {
     const float p[4][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
     const uint32_t indices[6] = {0, 2, 1, 0, 1, 3}, apart[6] = {0, 1, 2, 3, 4, 5};
     float n[6][3];
-    const normals_input input = {p[0], sizeof *p, indices, apart, 2, 6};
-    assert_ok(context, normals_smooth(context, &input, n[0]));
+    const fathom_mesh mesh = {
+        .positions = p[0], .position_stride = sizeof *p, .indices = indices, .triangle_count = 2};
+    assert_ok(context, normals_smooth(context, &mesh, apart, 6, n[0]));
     for (int i = 0; i < 6; ++i) {
         assert_true(n[i][0] == (i < 3 ? 0 : 1) && n[i][1] == 0 && n[i][2] == (i < 3 ? 1 : 0));
     }

@@ -151,7 +151,7 @@ static void wrong_bytes_name_their_offset(void **state) {
             ply_square(&m);
             ROW(&m, "biii biiii", 3, 0, 1, 2, 4, 0, 2, 3, 4);
             snprintf(expected, sizeof expected, "at byte %zu: face: vertex index 4 is out of range",
-                     body + 48 + 13);
+                     body + 48 + 13 + 13);
             expect_error(&m, expected);
             ply_header(&m, (ply_flavour)flavour,
                        XYZ "element face 1\nproperty list uchar double vertex_index\n", shift);

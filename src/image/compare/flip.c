@@ -1,7 +1,5 @@
 #include "image/compare/flip.h"
 
-#include "image/compare/flip_colour.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +12,60 @@
 #define KNEE_VALUE 0.95
 /* Width in degrees of the edges that the eye sees best. */
 #define FEATURE_WIDTH 0.082
+
+/* ---- colours ---- */
+
+/* XYZ over those of white, from the chromaticities of sRGB's primaries and of D65 as fractions: each row sums
+ * to one. */
+static void relative_xyz(const double c[3], double out[3]) {
+    out[0] = (10135552 * c[0] + 8788810 * c[1] + 4435075 * c[2]) / 23359437;
+    out[1] = (2613072 * c[0] + 8788810 * c[1] + 887015 * c[2]) / 12288897;
+    out[2] = (1425312 * c[0] + 8788810 * c[1] + 70074185 * c[2]) / 80288307;
+}
+
+/* Its inverse, rounded. */
+static const double rgb_of_xyz[3][3] = {
+    {3.080341988280461, -1.5373989694887855, -0.5429430187916751},
+    {-0.9211783961651236, 1.875929983695176, 0.04524841246994758},
+    {0.05288129287554325, -0.20401120612390997, 1.1511299132483668},
+};
+
+/* 116 Y - 16, 500 (X - Y), 200 (Y - Z): L*a*b* without its cube roots. */
+static void opponent_of(const double xyz[3], double out[3]) {
+    out[0] = 116 * xyz[1] - 16;
+    out[1] = 500 * (xyz[0] - xyz[1]);
+    out[2] = 200 * (xyz[1] - xyz[2]);
+}
+
+void flip_opponent(const double rgb[3], double out[3]) {
+    double xyz[3];
+    relative_xyz(rgb, xyz);
+    opponent_of(xyz, out);
+}
+
+void flip_opponent_rgb(const double opponent[3], double out[3]) {
+    double y = (opponent[0] + 16) / 116, x = y + opponent[1] / 500, z = y - opponent[2] / 200;
+    for (int i = 0; i < 3; ++i) out[i] = rgb_of_xyz[i][0] * x + rgb_of_xyz[i][1] * y + rgb_of_xyz[i][2] * z;
+}
+
+/* CIE 15: a straight line below (6/29)³, where the cube root is too steep. */
+static double lightness(double t) {
+    const double delta = 6.0 / 29;
+    return t > delta * delta * delta ? cbrt(t) : t / (3 * delta * delta) + 4.0 / 29;
+}
+
+void flip_hunt(const double rgb[3], double out[3]) {
+    double xyz[3];
+    relative_xyz(rgb, xyz);
+    for (int i = 0; i < 3; ++i) xyz[i] = lightness(xyz[i]);
+    opponent_of(xyz, out);
+    out[1] *= 0.01 * out[0];
+    out[2] *= 0.01 * out[0];
+}
+
+double flip_hyab(const double a[3], const double b[3]) {
+    return fabs(a[0] - b[0]) + hypot(a[1] - b[1], a[2] - b[2]);
+}
 
 /* ---- filters: each a product of one along rows and one along columns; the border goes on outside ---- */
 
@@ -28,17 +80,6 @@ typedef struct image_size {
     size_t width, height;
 } image_size;
 
-static double gauss(double x, double sigma) { return exp(-x * x / (2 * sigma * sigma)); }
-
-/* exp(-x² / (2 sigma²)), x in pixels up to the radius; sums to one. */
-static kernel kernel_gauss(double sigma, int radius) {
-    kernel k = {.radius = radius};
-    double sum = 0;
-    for (int x = -radius; x <= radius; ++x) sum += k.weights[x + radius] = gauss(x, sigma);
-    for (int i = 0; i <= 2 * radius; ++i) k.weights[i] /= sum;
-    return k;
-}
-
 /* Positive weights sum to one, negative ones to minus one. */
 static void balance(kernel *k) {
     double above = 0, below = 0;
@@ -46,22 +87,17 @@ static void balance(kernel *k) {
         above += fmax(k->weights[i], 0);
         below -= fmin(k->weights[i], 0);
     }
-    for (int i = 0; i <= 2 * k->radius; ++i) k->weights[i] /= k->weights[i] > 0 ? above : below;
+    for (int i = 0; i <= 2 * k->radius; ++i) k->weights[i] /= k->weights[i] < 0 ? below : above;
 }
 
-/* Its first derivative, which finds edges. */
-static kernel kernel_edge(double sigma, int radius) {
+/* exp(-x² / (2 sigma²)), x in pixels up to the radius; its first derivative, which finds edges; or its second
+ * one, which finds points and lines. */
+static kernel kernel_make(double sigma, int radius, int derivative) {
     kernel k = {.radius = radius};
-    for (int x = -radius; x <= radius; ++x) k.weights[x + radius] = -x * gauss(x, sigma);
-    balance(&k);
-    return k;
-}
-
-/* Its second derivative, which finds points and lines. */
-static kernel kernel_point(double sigma, int radius) {
-    kernel k = {.radius = radius};
-    for (int x = -radius; x <= radius; ++x)
-        k.weights[x + radius] = (x * x / (sigma * sigma) - 1) * gauss(x, sigma);
+    for (int x = -radius; x <= radius; ++x) {
+        const double factor[] = {1, -x, x * x / (sigma * sigma) - 1};
+        k.weights[x + radius] = factor[derivative] * exp(-x * x / (2 * sigma * sigma));
+    }
     balance(&k);
     return k;
 }
@@ -139,7 +175,7 @@ static void blur(const flip_view *v, int channel, double ppd, const workroom *ro
     for (size_t p = 0; p < count; ++p) out[p] = 0;
     for (int i = 0; i < 2; ++i) {
         if (!(shares[i] > 0)) continue;
-        kernel k = kernel_gauss(deviation_of(sensitivity[channel][i].b, ppd), radius);
+        kernel k = kernel_make(deviation_of(sensitivity[channel][i].b, ppd), radius, 0);
         filter_rows(room->in, v->size, &k, room->line, room->across);
         filter_columns(room->across, v->size, &k, room->one);
         for (size_t p = 0; p < count; ++p) out[p] += shares[i] / total * room->one[p];
@@ -162,8 +198,8 @@ static void detect(const flip_view *v, const kernel *k, const kernel *smooth, co
 static void find_features(flip_view *v, double ppd, const workroom *room) {
     double sigma = 0.5 * FEATURE_WIDTH * ppd;
     int radius = (int)ceil(3 * sigma);
-    kernel smooth = kernel_gauss(sigma, radius), edge = kernel_edge(sigma, radius),
-           point = kernel_point(sigma, radius);
+    kernel smooth = kernel_make(sigma, radius, 0), edge = kernel_make(sigma, radius, 1),
+           point = kernel_make(sigma, radius, 2);
     detect(v, &edge, &smooth, room, v->edge);
     detect(v, &point, &smooth, room, v->point);
 }

@@ -26,4 +26,17 @@ void flip_view_destroy(flip_view *view);
  * same size and ppd. */
 double flip_mean(const flip_view *a, const flip_view *b, float *map);
 
+/* ---- colour spaces; linear RGB has the primaries of sRGB, white is D65 ---- */
+
+/* YCxCz, opponent colours linear in light (the paper's spatial filtering). */
+void flip_opponent(const double rgb[3], double out[3]);
+void flip_opponent_rgb(const double opponent[3], double out[3]);
+
+/* CIE L*a*b* with the Hunt effect: colours fade in the dark, a and b times 0.01 L. */
+void flip_hunt(const double rgb[3], double out[3]);
+
+/* |ΔL| + √(Δa² + Δb²), for large differences (Abasi, Amani Tehran and Fairchild,
+ * Distance metrics for very large color differences, 2019). */
+double flip_hyab(const double a[3], const double b[3]);
+
 #endif

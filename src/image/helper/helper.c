@@ -67,7 +67,7 @@ static bool find_program(char path[PATH_MAX], char text[1024]) {
         if (length < PATH_MAX && access(path, X_OK) == 0) return true;
     }
     say(text,
-        "%s was found neither beside %s nor in the library folders near it; install Fathom again, "
+        "%s was found neither next to %s nor in the library folders near it; install Fathom again, "
         "or write .png in the sRGB view, which needs no helper",
         HELPER_FILE, known ? own : "(unknown program)");
     return false;

@@ -22,22 +22,27 @@ static fathom_status ask(helper_exchange *e, image_message *message) {
     return status;
 }
 
+static fathom_status lacks_memory(image_message *message) {
+    snprintf(message->text, sizeof message->text, "out of memory");
+    return FATHOM_OUT_OF_RESOURCES;
+}
+
 /* Asks with what `b` holds, which is released. */
 static fathom_status ask_with(helper_exchange *e, wire_buffer *b, image_message *message) {
-    fathom_status status = FATHOM_OUT_OF_RESOURCES;
     e->bytes = b->items, e->request.size = b->count;
-    if (b->lost)
-        snprintf(message->text, sizeof message->text, "out of memory");
-    else
-        status = ask(e, message);
+    fathom_status status = b->lost ? lacks_memory(message) : ask(e, message);
     free(b->items);
     return status;
 }
 
-static remote *remember(const helper_exchange *e, unsigned threads) {
-    remote *r = malloc(sizeof *r);
-    if (r) *r = (remote){.object = e->reply.object, .process = e->process, .threads = threads};
-    return r;
+/* The same to open something. Without memory the helper keeps it open until it ends. */
+static fathom_status open_with(helper_exchange *e, wire_buffer *b, image_message *message, remote **out) {
+    fathom_status status = ask_with(e, b, message);
+    if (status != FATHOM_OK) return status;
+    *out = malloc(sizeof **out);
+    if (!*out) return lacks_memory(message);
+    **out = (remote){.object = e->reply.object, .process = e->process, .threads = e->request.threads};
+    return FATHOM_OK;
 }
 
 static helper_exchange about(const remote *r, wire_op op) {
@@ -57,13 +62,9 @@ static fathom_status open_writer(const image_target *target, image_writer **out,
     wire_put_u32(&b, target->srgb);
     wire_put_text(&b, target->date);
     wire_put_image(&b, target->img, target->storage);
-    fathom_status status = ask_with(&e, &b, message);
+    remote *r;
+    fathom_status status = open_with(&e, &b, message, &r);
     if (status != FATHOM_OK) return status;
-    remote *r = remember(&e, target->threads);
-    if (!r) {
-        snprintf(message->text, sizeof message->text, "out of memory");
-        return FATHOM_OUT_OF_RESOURCES; /* the helper keeps the file open until it ends */
-    }
     r->width = target->img->width;
     for (size_t i = 0; i < target->img->channel_count; ++i)
         r->pixel_bytes += pack_storage_size(target->storage[i]);
@@ -146,9 +147,7 @@ static fathom_status read_image(const char *path, unsigned threads, const image 
     *out = NULL;
     wire_put_text(&b, realpath(path, whole) ? whole : path);
     fathom_status status = ask_with(&e, &b, message);
-    if (status != FATHOM_OK && !message->text[0])
-        snprintf(message->text, sizeof message->text, "out of memory");
-    return status;
+    return status != FATHOM_OK && !message->text[0] ? lacks_memory(message) : status;
 }
 
 /* ---- views ---- */
@@ -157,17 +156,13 @@ static fathom_status open_view(const image_view_request *request, image_view **o
                                image_message *message) {
     char whole[PATH_MAX];
     wire_buffer b = {NULL, 0, 0, false};
-    helper_exchange e = {.request = {.op = WIRE_VIEW}, .descriptor = -1};
+    helper_exchange e = {.request = {.op = WIRE_VIEW, .threads = 1}, .descriptor = -1};
     wire_put_text(&b, request->config && realpath(request->config, whole) ? whole : request->config);
     wire_put_text(&b, request->display);
     wire_put_text(&b, request->view);
-    fathom_status status = ask_with(&e, &b, message);
+    remote *r;
+    fathom_status status = open_with(&e, &b, message, &r);
     if (status != FATHOM_OK) return status;
-    remote *r = remember(&e, 1);
-    if (!r) {
-        snprintf(message->text, sizeof message->text, "out of memory");
-        return FATHOM_OUT_OF_RESOURCES;
-    }
     *srgb = e.reply.flag != 0;
     *out = (image_view *)(void *)r;
     return FATHOM_OK;

@@ -7,7 +7,7 @@
 #include "image/image.h"
 
 /* Grows with every change of this file: a module of another build is refused, not called. */
-#define IMAGE_MODULE_VERSION 5
+#define IMAGE_MODULE_VERSION 6
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -22,8 +22,8 @@ typedef enum image_storage {
     IMAGE_STORE_UINT
 } image_storage;
 
-/* A file to be written: its bytes go to `file` in order, or to `descriptor` by offset; `path` is for
- * messages. Only these two are used after the call. */
+/* A file to be written: its bytes go to `file` in order, or to `descriptor` by offset, which the writer
+ * closes; `path` is for messages. Only these two are used after the call. */
 struct file_writer; /* base/file.h */
 
 typedef struct image_target {

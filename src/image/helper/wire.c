@@ -41,7 +41,7 @@ void wire_memory_release(wire_memory *m) {
 
 /* ---- its contents ---- */
 
-void wire_put(wire_buffer *b, const void *bytes, size_t size) {
+static void wire_put(wire_buffer *b, const void *bytes, size_t size) {
     if (!b->lost && b->capacity - b->count < size) {
         size_t room = 2 * b->capacity + size;
         unsigned char *grown = realloc(b->items, room);
@@ -60,7 +60,8 @@ void wire_put_text(wire_buffer *b, const char *text) {
     if (text) wire_put(b, text, strlen(text) + 1);
 }
 
-const void *wire_take(wire_cursor *c, size_t size) {
+/* NULL when there are fewer bytes. */
+static const void *wire_take(wire_cursor *c, size_t size) {
     if (c->bad || (size_t)(c->end - c->at) < size) {
         c->bad = true;
         return NULL;

@@ -13,7 +13,7 @@
 #define WIRE_MEMORY 4
 
 /* Grows with every change of the protocol. */
-#define WIRE_VERSION 2u
+#define WIRE_VERSION 3u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* begins a file; the request carries its descriptor; the memory holds a wire image */
@@ -57,7 +57,6 @@ typedef struct wire_buffer {
     bool lost; /* out of memory */
 } wire_buffer;
 
-void wire_put(wire_buffer *b, const void *bytes, size_t size);
 void wire_put_u32(wire_buffer *b, uint32_t value);
 /* NULL stays NULL. */
 void wire_put_text(wire_buffer *b, const char *text);
@@ -67,8 +66,6 @@ typedef struct wire_cursor {
     bool bad; /* the bytes ended too early: everything read since is 0 or NULL */
 } wire_cursor;
 
-/* NULL when there are fewer bytes. */
-const void *wire_take(wire_cursor *c, size_t size);
 uint32_t wire_take_u32(wire_cursor *c);
 /* Lies in the memory; NULL where NULL was put. */
 const char *wire_take_text(wire_cursor *c);

@@ -6,6 +6,8 @@
  * both sides: each is noted. */
 #include "read/gltf/gltf.h"
 
+#include "base/text.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,23 +27,15 @@ static fathom_status check_version(gltf *g) {
     return FATHOM_OK;
 }
 
-/* Extensions that are followed, or that only change how textures, which are not read, are stored. */
-static const char *const known_extensions[] = {
-    "KHR_lights_punctual",        "KHR_materials_ior",
-    "KHR_materials_transmission", "KHR_materials_specular",
-    "KHR_materials_unlit",        "KHR_materials_emissive_strength",
-    "KHR_materials_volume",       "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_node_visibility",        "KHR_texture_transform",
-    "KHR_texture_basisu",         "EXT_texture_webp",
-    "EXT_texture_avif",
-};
-
+/* Whether the extension is followed, or only changes how textures, which are not read, are stored. */
 static bool is_known(const char *name) {
-    for (size_t i = 0; i < sizeof known_extensions / sizeof *known_extensions; ++i) {
-        if (strcmp(known_extensions[i], name) == 0) return true;
-    }
-    return false;
+    static const char names[] =
+        "KHR_lights_punctual|KHR_materials_ior|KHR_materials_transmission|KHR_materials_specular|"
+        "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_mesh_quantization|"
+        "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|KHR_texture_"
+        "transform|KHR_texture_basisu|"
+        "EXT_texture_webp|EXT_texture_avif";
+    return words_find(names, name, strlen(name)) >= 0;
 }
 
 /* FATHOM_BAD_INPUT when the file requires an extension that is not followed. */

@@ -3,8 +3,7 @@
  * gltf.c            versions, extensions, the order of the steps
  * gltf_json.c       typed values with their place in the document
  * gltf_buffer.c     GLB chunks, the JSON text, buffers
- * gltf_accessor.c   typed arrays in buffers, checked
- * gltf_array.c      the same as plain arrays, each made once; limits on memory
+ * gltf_accessor.c   typed arrays in buffers, checked, as plain arrays; limits on memory
  * gltf_mesh.c       meshes to groups
  * gltf_material.c   materials to the model's
  * gltf_node.c       the hierarchy, its instances
@@ -14,7 +13,7 @@
 #define READ_GLTF_H
 
 #include "base/file.h"
-#include "read/mesh/notes.h"
+#include "read/mesh/text.h"
 #include "read/read.h"
 #include "json/memory.h"
 
@@ -42,18 +41,13 @@ typedef struct gltf_buffer {
     bool owns_source;    /* false where source is the main file */
 } gltf_buffer;
 
-/* An accessor's elements as an array that a mesh can use. */
-typedef struct gltf_floats {
-    const float *values; /* NULL: not made yet; finite */
-    size_t stride;       /* bytes */
+/* An accessor's elements as an array that a mesh can use: finite floats, or 32-bit indices. */
+typedef struct gltf_elements {
+    const void *values; /* NULL: not made yet */
+    size_t stride;      /* bytes */
     uint32_t count;
-    mesh_facts facts; /* the extremes, where there are three components */
-} gltf_floats;
-
-typedef struct gltf_array_entry {
-    gltf_floats floats;
-    const uint32_t *indices; /* NULL: not made yet */
-} gltf_array_entry;
+    mesh_facts facts; /* the extremes, of floats with three components */
+} gltf_elements;
 
 typedef struct gltf_material {
     fathom_id id;   /* FATHOM_NONE: not made yet */
@@ -82,7 +76,7 @@ typedef struct gltf {
     gltf_value extensions, punctual, lights; /* of the document */
     gltf_buffer *buffer_table;               /* for each buffer */
     gltf_material *material_table;           /* for each material, then the default one */
-    gltf_array_entry *array_table;           /* for each accessor */
+    gltf_elements (*array_table)[2];         /* for each accessor: floats, indices */
     fathom_id *mesh_table; /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
     uint64_t file_bytes;   /* of the files opened */
     uint64_t charged;      /* bytes: gltf_charge() */
@@ -97,9 +91,18 @@ typedef struct gltf {
  * Getters leave *out, which holds the default, if the member is absent. They fail with FATHOM_BAD_INPUT and
  * the place: "file:3: meshes[2].name: is a number; expected a string". */
 
-/* `key` may be NULL: the value `at` itself. */
-fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+/* A place for messages, with the memory of its path. */
+typedef struct gltf_spot {
+    fathom_place place;
+    char path[256];
+} gltf_spot;
+
+/* Fills in *spot: the line in .gltf files and the byte in .glb files. `key` may be NULL: the value `at`
+ * itself. */
+const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, gltf_spot *spot);
+#define gltf_fail(g, at, key, ...)                                                                           \
+    fail_at((g)->context, FATHOM_BAD_INPUT, gltf_place(g, at, key, &(gltf_spot){.place.line = 0}),           \
+            __VA_ARGS__)
 /* Adds the place to the error that a call of the scene left. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
 /* Notes something that is left out or read differently; see notes.h. */
@@ -145,15 +148,6 @@ void gltf_note_images(gltf *g);
 
 /* ---- gltf_accessor.c ---- */
 
-typedef enum gltf_type {
-    GLTF_BYTE = 5120,
-    GLTF_UBYTE = 5121,
-    GLTF_SHORT = 5122,
-    GLTF_USHORT = 5123,
-    GLTF_UINT = 5125,
-    GLTF_FLOAT = 5126
-} gltf_type;
-
 /* Component types that are accepted, as bits. */
 enum {
     GLTF_TAKES_FLOAT = 1u << 0,
@@ -162,46 +156,17 @@ enum {
     GLTF_TAKES_UINT = 1u << 3
 };
 
-/* The first element of an array; NULL bytes: all zeros. */
-typedef struct gltf_span {
-    const unsigned char *bytes;
-    uint32_t stride;
-    gltf_buffer *buffer;
-} gltf_span;
-
-typedef struct gltf_accessor {
-    gltf_type type;
-    unsigned components; /* of an element: 1 to 4 */
-    bool normalized;
-    uint32_t count; /* elements */
-    gltf_span elements;
-    uint32_t sparse_count; /* elements that are replaced */
-    gltf_type sparse_type;
-    gltf_span sparse_indices, sparse_values;
-} gltf_accessor;
-
-/* The accessor that member `key` of `user` names; components and `takes` say what is expected. *index is
- * GLTF_ABSENT if there is no such member. */
-fathom_status gltf_accessor_open(gltf *g, const gltf_value *user, const char *key, unsigned components,
-                                 unsigned takes, uint32_t *index, gltf_accessor *out);
-/* Which element the i-th replaced one of a sparse accessor is. */
-uint32_t gltf_accessor_sparse_index(const gltf_accessor *accessor, uint32_t i);
-
-/* ---- gltf_array.c ---- */
-
 /* Counts memory (below 2^40 bytes) that a value takes beyond the document and its files. FATHOM_BAD_INPUT
  * when the sum is out of proportion to the files. */
 fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes);
 /* scene_allocate() for what is charged to the value. */
 fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out);
 
-/* Accessors as arrays. Arguments as of gltf_accessor_open(); *present is false where there is no such member.
- */
-fathom_status gltf_array_floats(gltf *g, const gltf_value *user, const char *key, unsigned components,
-                                unsigned takes, bool *present, gltf_floats *out);
-/* Not checked: only the user knows the limit. */
-fathom_status gltf_array_indices(gltf *g, const gltf_value *user, const char *key, bool *present,
-                                 const uint32_t **out, uint32_t *count);
+/* The accessor that member `key` of `user` names, as an array; components and `takes` say what is expected:
+ * indices with GLTF_TAKES_UINT, which are not checked, else floats. *present is false where there is no such
+ * member. */
+fathom_status gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components,
+                              unsigned takes, bool *present, gltf_elements *out);
 
 /* ---- what the document holds ---- */
 

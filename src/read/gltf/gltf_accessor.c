@@ -1,28 +1,136 @@
-/* Typed arrays in buffers, checked in 64 bits against their views and buffers. */
+/* Typed arrays in buffers, checked in 64 bits against their views and buffers; then as arrays that meshes can
+ * use: in place where they are that already, else converted, each once. */
+#include "base/threads.h"
 #include "read/gltf/gltf.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Elements without bytes in the file still take memory: a few lines must not ask for gigabytes. */
 #define ZEROS_MAX (1 << 20)
 
-/* By type - GLTF_BYTE. */
+typedef enum component {
+    GLTF_BYTE = 5120,
+    GLTF_UBYTE = 5121,
+    GLTF_SHORT = 5122,
+    GLTF_USHORT = 5123,
+    GLTF_UINT = 5125,
+    GLTF_FLOAT = 5126
+} component;
+
+/* The first element of an array; NULL bytes: all zeros. */
+typedef struct span {
+    const unsigned char *bytes;
+    uint32_t stride;
+    gltf_buffer *buffer;
+} span;
+
+typedef struct accessor {
+    component type;
+    unsigned components; /* of an element: 1 to 4 */
+    bool normalized;
+    uint32_t count; /* elements */
+    span elements;
+    uint32_t sparse_count; /* elements that are replaced */
+    component sparse_type;
+    span sparse_indices, sparse_values;
+} accessor;
+
+/* ---- memory ---- */
+
+/* A few bytes of glTF can ask for any amount of memory: by zero elements, or by one array used in many ways.
+ * Bytes take at most 4 times their size as floats, 12 times as a strip, about 20 times as instances. */
+#define FACTOR 128u
+#define FREE 65536u
+
+fathom_status gltf_charge(gltf *g, const gltf_value *at, const char *key, uint64_t bytes) {
+    /* Sums of sizes that are in memory: no overflow, as `bytes` is below 2^40. */
+    uint64_t most = FREE + FACTOR * g->file_bytes;
+    g->charged += bytes;
+    if (g->charged <= most) return FATHOM_OK;
+    return gltf_fail(
+        g, at, key,
+        "brings what the file asks for to %llu bytes of memory; expected at most %u times the %llu "
+        "bytes of its files",
+        (unsigned long long)g->charged, FACTOR, (unsigned long long)g->file_bytes);
+}
+
+fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint64_t bytes, void **out) {
+    fathom_status status = gltf_charge(g, at, key, bytes);
+    return status == FATHOM_OK ? scene_allocate(g->scene, (size_t)bytes, out) : status;
+}
+
+/* ---- conversion ---- */
+
+typedef struct conversion {
+    const unsigned char *from;
+    size_t stride;
+    unsigned components;
+    float divisor, lowest; /* float: value = max(from / divisor, lowest) */
+    float *floats;
+    uint32_t *integers;
+} conversion;
+
+/* Loop bodies for each component type; the elements may lie at any address. */
+#define CONVERT_FLOATS(name, T)                                                                              \
+    static void name(void *user, size_t begin, size_t end, unsigned worker) {                                \
+        (void)worker;                                                                                        \
+        const conversion *c = user;                                                                          \
+        for (size_t i = begin; i < end; ++i) {                                                               \
+            T element[4];                                                                                    \
+            memcpy(element, c->from + i * c->stride, c->components * sizeof(T));                             \
+            for (unsigned k = 0; k < c->components; ++k) {                                                   \
+                float value = (float)element[k] / c->divisor;                                                \
+                c->floats[i * c->components + k] = value < c->lowest ? c->lowest : value;                    \
+            }                                                                                                \
+        }                                                                                                    \
+    }
+#define CONVERT_INTEGERS(name, T)                                                                            \
+    static void name(void *user, size_t begin, size_t end, unsigned worker) {                                \
+        (void)worker;                                                                                        \
+        const conversion *c = user;                                                                          \
+        for (size_t i = begin; i < end; ++i) {                                                               \
+            T element;                                                                                       \
+            memcpy(&element, c->from + i * c->stride, sizeof element);                                       \
+            c->integers[i] = element;                                                                        \
+        }                                                                                                    \
+    }
+CONVERT_FLOATS(floats_from_byte, int8_t)
+CONVERT_FLOATS(floats_from_ubyte, uint8_t)
+CONVERT_FLOATS(floats_from_short, int16_t)
+CONVERT_FLOATS(floats_from_ushort, uint16_t)
+CONVERT_INTEGERS(integers_from_ubyte, uint8_t)
+CONVERT_INTEGERS(integers_from_ushort, uint16_t)
+CONVERT_INTEGERS(integers_from_uint, uint32_t)
+
+static void copy_floats(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const conversion *c = user;
+    size_t size = c->components * sizeof(float);
+    for (size_t i = begin; i < end; ++i) memcpy(c->floats + i * c->components, c->from + i * c->stride, size);
+}
+
+/* By type - GLTF_BYTE. Normalized integers are divided by `divisor`. NULL: not accepted. */
 static const struct {
     const char *name;
     unsigned size, takes;
-} types[] = {{"byte", 1, GLTF_TAKES_SIGNED},
-             {"unsigned byte", 1, GLTF_TAKES_UNSIGNED},
-             {"short", 2, GLTF_TAKES_SIGNED},
-             {"unsigned short", 2, GLTF_TAKES_UNSIGNED},
-             {"", 0, 0},
-             {"unsigned int", 4, GLTF_TAKES_UINT},
-             {"float", 4, GLTF_TAKES_FLOAT}};
+    float divisor;
+    loop_body floats, integers;
+} types[] = {{"byte", 1, GLTF_TAKES_SIGNED, 127, floats_from_byte, NULL},
+             {"unsigned byte", 1, GLTF_TAKES_UNSIGNED, 255, floats_from_ubyte, integers_from_ubyte},
+             {"short", 2, GLTF_TAKES_SIGNED, 32767, floats_from_short, NULL},
+             {"unsigned short", 2, GLTF_TAKES_UNSIGNED, 65535, floats_from_ushort, integers_from_ushort},
+             {"", 0, 0, 1, NULL, NULL},
+             {"unsigned int", 4, GLTF_TAKES_UINT, 1, NULL, integers_from_uint},
+             {"float", 4, GLTF_TAKES_FLOAT, 1, copy_floats, NULL}};
 
-static unsigned component_size(gltf_type type) { return types[type - GLTF_BYTE].size; }
-static unsigned takes_bit(gltf_type type) { return types[type - GLTF_BYTE].takes; }
-static const char *type_name(gltf_type type) { return types[type - GLTF_BYTE].name; }
+static unsigned component_size(component type) { return types[type - GLTF_BYTE].size; }
+static unsigned takes_bit(component type) { return types[type - GLTF_BYTE].takes; }
+static const char *type_name(component type) { return types[type - GLTF_BYTE].name; }
 
-static fathom_status read_component_type(gltf *g, const gltf_value *at, gltf_type *out) {
+/* ---- accessors ---- */
+
+static fathom_status read_component_type(gltf *g, const gltf_value *at, component *out) {
     uint64_t type = 0;
     fathom_status status = gltf_integer(g, at, "componentType", 0, UINT32_MAX, &type);
     if (status != FATHOM_OK) return status;
@@ -32,14 +140,14 @@ static fathom_status read_component_type(gltf *g, const gltf_value *at, gltf_typ
                          "short), 5125 (unsigned int) or 5126 (float)",
                          (unsigned long long)type);
     }
-    *out = (gltf_type)type;
+    *out = (component)type;
     return FATHOM_OK;
 }
 
 /* The part of a buffer that `user` (an accessor or a part of a sparse one) uses: `count` elements of
  * `element` bytes at its byteOffset. `strided`: the view's byteStride applies. */
 static fathom_status open_span(gltf *g, const gltf_value *user, uint64_t count, unsigned element,
-                               bool strided, gltf_span *out) {
+                               bool strided, span *out) {
     uint32_t index = GLTF_ABSENT, buffer = GLTF_ABSENT;
     gltf_value view;
     uint64_t offset = 0, view_offset = 0, view_length = 0, stride = element;
@@ -82,17 +190,17 @@ static fathom_status open_span(gltf *g, const gltf_value *user, uint64_t count, 
     return FATHOM_OK;
 }
 
-uint32_t gltf_accessor_sparse_index(const gltf_accessor *a, uint32_t i) {
+static uint32_t sparse_index(const accessor *a, uint32_t i) {
     uint32_t index = 0;
     unsigned size = component_size(a->sparse_type);
     memcpy(&index, a->sparse_indices.bytes + (size_t)i * size, size);
     return index;
 }
 
-static fathom_status check_sparse_indices(gltf *g, const gltf_value *at, const gltf_accessor *a) {
+static fathom_status check_sparse_indices(gltf *g, const gltf_value *at, const accessor *a) {
     uint64_t lowest = 0;
     for (uint32_t i = 0; i < a->sparse_count; ++i) {
-        uint32_t index = gltf_accessor_sparse_index(a, i);
+        uint32_t index = sparse_index(a, i);
         if (index < lowest || index >= a->count) {
             return gltf_fail(g, at, "indices", "entry %u is %u; expected them to rise and stay below %u", i,
                              index, a->count);
@@ -102,7 +210,7 @@ static fathom_status check_sparse_indices(gltf *g, const gltf_value *at, const g
     return FATHOM_OK;
 }
 
-static fathom_status open_sparse(gltf *g, const gltf_value *at, gltf_accessor *out) {
+static fathom_status open_sparse(gltf *g, const gltf_value *at, accessor *out) {
     gltf_value sparse, indices, values;
     fathom_status status = gltf_object(g, at, "sparse", &sparse);
     if (status != FATHOM_OK || !sparse.json) return status;
@@ -136,7 +244,7 @@ static unsigned components_of(const char *type) {
                : 0;
 }
 
-static fathom_status open_at(gltf *g, const gltf_value *at, gltf_accessor *out) {
+static fathom_status open_at(gltf *g, const gltf_value *at, accessor *out) {
     const char *type = "";
     uint64_t count = 0;
     fathom_status status = read_component_type(g, at, &out->type);
@@ -159,13 +267,15 @@ static fathom_status open_at(gltf *g, const gltf_value *at, gltf_accessor *out) 
     return status == FATHOM_OK ? open_sparse(g, at, out) : status;
 }
 
-fathom_status gltf_accessor_open(gltf *g, const gltf_value *user, const char *key, unsigned components,
-                                 unsigned takes, uint32_t *index, gltf_accessor *out) {
+/* The accessor that member `key` of `user` names; components and `takes` say what is expected. *index is
+ * GLTF_ABSENT if there is no such member. */
+static fathom_status open_accessor(gltf *g, const gltf_value *user, const char *key, unsigned components,
+                                   unsigned takes, uint32_t *index, accessor *out) {
     *index = GLTF_ABSENT;
     fathom_status status = gltf_index(g, user, key, &g->accessors, index);
     if (status != FATHOM_OK || *index == GLTF_ABSENT) return status;
     gltf_value at;
-    *out = (gltf_accessor){.count = 0};
+    *out = (accessor){.count = 0};
     status = gltf_item(g, &g->accessors, *index, &at);
     if (status == FATHOM_OK) status = open_at(g, &at, out);
     if (status != FATHOM_OK) return status;
@@ -175,4 +285,78 @@ fathom_status gltf_accessor_open(gltf *g, const gltf_value *user, const char *ke
                      takes & GLTF_TAKES_FLOAT ? "float" : "unsigned int",
                      takes & GLTF_TAKES_SIGNED ? ", byte, short" : "",
                      takes & GLTF_TAKES_UNSIGNED ? ", unsigned byte, unsigned short" : "");
+}
+
+/* ---- as arrays ---- */
+
+static bool is_aligned(const span *s) {
+    return s->bytes && s->stride % 4 == 0 && (uintptr_t)s->bytes % 4 == 0;
+}
+
+/* Converts the base elements (zeros if there are none), then the sparse ones over them. */
+static void convert(gltf *g, const accessor *a, conversion *c, loop_body body) {
+    if (a->elements.bytes) {
+        c->from = a->elements.bytes;
+        c->stride = a->elements.stride;
+        loop_parallel(fathom_context_threads(g->context), a->count, 1u << 16, body, c);
+    } else {
+        memset(c->floats ? (void *)c->floats : (void *)c->integers, 0, (size_t)a->count * a->components * 4);
+    }
+    conversion one = *c;
+    for (uint32_t i = 0; i < a->sparse_count; ++i) {
+        uint32_t at = sparse_index(a, i);
+        one.from = a->sparse_values.bytes + (size_t)i * a->sparse_values.stride;
+        if (c->floats) one.floats = c->floats + (size_t)at * a->components;
+        if (c->integers) one.integers = c->integers + at;
+        body(&one, 0, 1, 0);
+    }
+}
+
+/* The elements as floats or integers: in place where the file holds them aligned, else converted into memory
+ * of the scene that is charged to member `key` of `user`. Integers are tightly packed. */
+static fathom_status make_array(gltf *g, const gltf_value *user, const char *key, const accessor *a,
+                                bool integers, gltf_elements *out) {
+    const size_t packed = (size_t)a->components * 4;
+    *out = (gltf_elements){.values = a->elements.bytes, .stride = a->elements.stride, .count = a->count};
+    bool plain = a->type == (integers ? GLTF_UINT : GLTF_FLOAT) && !a->sparse_count;
+    if (plain && is_aligned(&a->elements) && (!integers || out->stride == packed))
+        return gltf_buffer_share(g, a->elements.buffer);
+    void *memory;
+    fathom_status status = gltf_allocate(g, user, key, (uint64_t)a->count * packed, &memory);
+    if (status != FATHOM_OK) return status;
+    conversion c = {.components = a->components,
+                    .divisor = a->normalized ? types[a->type - GLTF_BYTE].divisor : 1,
+                    .lowest = a->normalized ? -1 : -INFINITY,
+                    .floats = integers ? NULL : memory,
+                    .integers = integers ? memory : NULL};
+    convert(g, a, &c, integers ? types[a->type - GLTF_BYTE].integers : types[a->type - GLTF_BYTE].floats);
+    out->values = memory, out->stride = packed;
+    return FATHOM_OK;
+}
+
+static fathom_status look_at_floats(gltf *g, unsigned components, gltf_elements *floats) {
+    if (components == 3)
+        return mesh_look_at_vertices(g->context, "entry", floats->values, floats->stride, floats->count,
+                                     &floats->facts);
+    return mesh_check_finite(g->context, "entry", floats->values, floats->stride, components, floats->count);
+}
+
+fathom_status gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components,
+                              unsigned takes, bool *present, gltf_elements *out) {
+    const bool integers = takes & GLTF_TAKES_UINT;
+    accessor from;
+    uint32_t index = GLTF_ABSENT;
+    fathom_status status = open_accessor(g, user, key, components, takes, &index, &from);
+    *present = index != GLTF_ABSENT;
+    if (status != FATHOM_OK || !*present) return status;
+    gltf_elements *kept = &g->array_table[index][integers];
+    if (!kept->values) {
+        status = make_array(g, user, key, &from, integers, out);
+        if (status != FATHOM_OK) return status;
+        if (!integers) status = gltf_within(g, user, key, look_at_floats(g, components, out));
+        if (status != FATHOM_OK) return status;
+        *kept = *out;
+    }
+    *out = *kept;
+    return FATHOM_OK;
 }

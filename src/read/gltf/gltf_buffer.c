@@ -3,7 +3,7 @@
 #include "read/gltf/gltf.h"
 #include "read/json/json_where.h"
 
-#include <stdio.h>
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -20,15 +20,9 @@ static uint32_t word_at(const unsigned char *bytes, size_t at) {
     return word;
 }
 
-static fathom_status fail_byte(gltf *g, size_t at, const char *format, ...) {
-    const fathom_place place = {.file = g->path, .has_byte = true, .byte = at};
-    char text[256];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    return fail_at(g->context, FATHOM_BAD_INPUT, &place, "%s", text);
-}
+#define fail_byte(g, position, ...)                                                                          \
+    fail_at((g)->context, FATHOM_BAD_INPUT,                                                                  \
+            &(const fathom_place){.file = (g)->path, .has_byte = true, .byte = position}, __VA_ARGS__)
 
 /* `at`: where the text begins in a GLB; 0 for a .gltf file. */
 static fathom_status parse_json(gltf *g, const char *text, size_t size, size_t at) {
@@ -110,8 +104,9 @@ fathom_status gltf_open(gltf *g) {
     if (strcmp(extension, "glb") == 0)
         return fail_byte(g, 0, "expected the magic number \"glTF\" of a binary glTF file");
     /* A byte order mark is against the standard but harmless. */
-    size_t mark = map->size >= 3 && memcmp(map->bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
-    return parse_json(g, (const char *)map->bytes + mark, map->size - mark, 0);
+    const char *end = (const char *)map->bytes + map->size;
+    const char *text = text_after_mark((const char *)map->bytes, end);
+    return parse_json(g, text, (size_t)(end - text), 0);
 }
 
 /* ---- buffers ---- */
@@ -168,23 +163,15 @@ static fathom_status load_data_uri(gltf *g, const gltf_value *at, const char *ur
     return FATHOM_OK;
 }
 
-static int hex_digit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    c = (char)(c | 32);
-    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-}
-
 /* "my%20mesh.bin" -> "my mesh.bin", in place. */
 static void decode_percent(char *text) {
     char *to = text;
     for (const char *from = text; *from; ++from) {
-        int high = *from == '%' ? hex_digit(from[1]) : -1, low = high >= 0 ? hex_digit(from[2]) : -1;
-        if (low >= 0 && (high || low)) {
-            *to++ = (char)(high * 16 + low);
-            from += 2;
-        } else {
-            *to++ = *from;
-        }
+        const char code[3] = {from[1], from[1] ? from[2] : '\0', '\0'};
+        bool coded = *from == '%' && isxdigit((unsigned char)code[0]) && isxdigit((unsigned char)code[1]) &&
+                     strtoul(code, NULL, 16);
+        *to++ = coded ? (char)strtoul(code, NULL, 16) : *from;
+        if (coded) from += 2;
     }
     *to = '\0';
 }
@@ -197,7 +184,7 @@ static bool has_scheme(const char *uri) {
 
 static fathom_status load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
     if (has_scheme(uri)) {
-        return gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file beside this one or a data URI", uri);
+        return gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file next to this one or a data URI", uri);
     }
     char *name = strdup(uri), *path = NULL;
     gltf_source *source = calloc(1, sizeof *source);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Deeper than any value that is read. */
-enum { DEPTH = 32, PATH_ROOM = 256 };
+enum { DEPTH = 32 };
 
 /* The steps to a member of `v`, or to `v` itself; links: filled in. NULL for the document. */
 static const where *steps_to(const gltf_value *v, const char *key, where links[DEPTH]) {
@@ -18,32 +18,23 @@ static const where *steps_to(const gltf_value *v, const char *key, where links[D
     return count ? links : NULL;
 }
 
-/* The line in .gltf files and the byte in .glb files. path: filled in, for the place to point to. */
-static fathom_place place_of(const gltf *g, const gltf_value *at, const char *key, char path[PATH_ROOM]) {
+const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *key, gltf_spot *spot) {
     where links[DEPTH];
     const where *steps = steps_to(at, key, links);
-    where_path(steps, path, PATH_ROOM);
+    where_path(steps, spot->path, sizeof spot->path);
     const where_place found = where_find(g->text, steps);
-    if (!g->text_at) return (fathom_place){.file = g->path, .line = found.line, .field = path};
-    const size_t byte = g->text_at + (size_t)(found.value - g->text);
-    return (fathom_place){.file = g->path, .has_byte = true, .byte = byte, .field = path};
-}
-
-fathom_status gltf_fail(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {
-    char path[PATH_ROOM], text[1024];
-    const fathom_place place = place_of(g, at, key, path);
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    return fail_at(g->context, FATHOM_BAD_INPUT, &place, "%s", text);
+    spot->place = (fathom_place){.file = g->path, .field = spot->path};
+    if (g->text_at)
+        spot->place.has_byte = true, spot->place.byte = g->text_at + (size_t)(found.value - g->text);
+    else
+        spot->place.line = found.line;
+    return &spot->place;
 }
 
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status) {
+    gltf_spot spot;
     if (status != FATHOM_BAD_INPUT) return status;
-    char path[PATH_ROOM];
-    const fathom_place place = place_of(g, at, key, path);
-    return fail_within(g->context, status, &place);
+    return fail_within(g->context, status, gltf_place(g, at, key, &spot));
 }
 
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...) {

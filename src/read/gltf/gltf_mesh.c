@@ -49,10 +49,13 @@ static uint32_t triangles_of(uint32_t mode, uint32_t corners) {
  * here. */
 static fathom_status read_corners(gltf *g, const primitive *p, const uint32_t **out, uint32_t *count) {
     bool present;
+    gltf_elements indices;
     *count = p->mesh.vertex_count;
-    fathom_status status = gltf_array_indices(g, p->at, "indices", &present, out, count);
+    fathom_status status =
+        gltf_array_read(g, p->at, "indices", 1, GLTF_TAKES_UNSIGNED | GLTF_TAKES_UINT, &present, &indices);
     if (status != FATHOM_OK) return status;
     if (!present) return count_up(g, p->at, *count, out);
+    *out = indices.values, *count = indices.count;
     if (p->mode == MODE_TRIANGLES && *count % 3 == 0) return FATHOM_OK;
     status = mesh_check_indices(g->context, "entry", *out, *count, p->mesh.vertex_count);
     return gltf_within(g, p->at, "indices", status);
@@ -77,10 +80,10 @@ static fathom_status read_indices(gltf *g, primitive *p) {
 }
 
 static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
-    gltf_floats floats;
+    gltf_elements floats;
     fathom_status status =
-        gltf_array_floats(g, p->attributes, "POSITION", 3,
-                          GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, present, &floats);
+        gltf_array_read(g, p->attributes, "POSITION", 3,
+                        GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, present, &floats);
     if (status != FATHOM_OK || !*present) return status;
     p->mesh.positions = floats.values;
     p->mesh.position_stride = floats.stride;
@@ -91,35 +94,30 @@ static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
 
 /* Reads an attribute that has as many entries as POSITION. */
 static fathom_status read_attribute(gltf *g, const primitive *p, const char *key, unsigned components,
-                                    unsigned takes, bool *present, gltf_floats *out) {
-    fathom_status status = gltf_array_floats(g, p->attributes, key, components, takes, present, out);
+                                    unsigned takes, bool *present, gltf_elements *out) {
+    fathom_status status = gltf_array_read(g, p->attributes, key, components, takes, present, out);
     if (status != FATHOM_OK || !*present || out->count == p->mesh.vertex_count) return status;
     return gltf_fail(g, p->attributes, key, "has %u entries; expected as many as POSITION has, %u",
                      out->count, p->mesh.vertex_count);
 }
 
 static fathom_status make_normals(gltf *g, primitive *p) {
-    const uint64_t beside = p->mesh.vertex_count * (uint64_t)NORMALS_SMOOTH_BYTES;
+    const uint64_t sums = p->mesh.vertex_count * (uint64_t)NORMALS_SMOOTH_BYTES;
     void *normals;
     fathom_status status =
         gltf_allocate(g, p->at, NULL, (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &normals);
-    if (status == FATHOM_OK) status = gltf_charge(g, p->at, NULL, beside);
+    if (status == FATHOM_OK) status = gltf_charge(g, p->at, NULL, sums);
     if (status != FATHOM_OK) return status;
-    const normals_input input = {.positions = p->mesh.positions,
-                                 .stride = p->mesh.position_stride,
-                                 .indices = p->mesh.indices,
-                                 .triangle_count = p->mesh.triangle_count,
-                                 .slot_count = p->mesh.vertex_count};
     p->mesh.normals = normals;
     p->mesh.normal_count = p->mesh.vertex_count;
-    status = normals_smooth(g->context, &input, normals);
-    g->charged -= beside; /* it is freed by now */
+    status = normals_smooth(g->context, &p->mesh, NULL, p->mesh.vertex_count, normals);
+    g->charged -= sums; /* it is freed by now */
     return status;
 }
 
 /* A mesh without normals is flat by the standard, unless smooth ones are asked for. */
 static fathom_status read_normals(gltf *g, primitive *p) {
-    gltf_floats floats;
+    gltf_elements floats;
     bool present;
     fathom_status status =
         read_attribute(g, p, "NORMAL", 3, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
@@ -132,7 +130,7 @@ static fathom_status read_normals(gltf *g, primitive *p) {
 }
 
 static fathom_status read_uvs(gltf *g, primitive *p) {
-    gltf_floats floats;
+    gltf_elements floats;
     bool present;
     fathom_status status = read_attribute(
         g, p, "TEXCOORD_0", 2, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, &present, &floats);

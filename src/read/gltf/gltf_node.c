@@ -90,7 +90,8 @@ static fathom_status read_transform(gltf *g, const gltf_value *node, affine_f64 
     if (json_object_get(node->json, "matrix")) {
         for (int i = 0; i < 3; ++i) {
             if (json_object_get(node->json, parts[i]))
-                return gltf_fail(g, node, parts[i], "stands beside a matrix; expected one or the other");
+                return gltf_fail(g, node, parts[i],
+                                 "is given together with a matrix; expected one or the other");
         }
         return read_matrix(g, node, out);
     }
@@ -132,14 +133,14 @@ static fathom_status add_instance(gltf *g, const gltf_value *node, fathom_id gro
 }
 
 typedef struct instance_parts {
-    gltf_floats translations, rotations, scales; /* values NULL: not given */
+    gltf_elements translations, rotations, scales; /* values NULL: not given */
     uint32_t count;
 } instance_parts;
 
 static fathom_status read_part(gltf *g, const gltf_value *attributes, const char *key, unsigned components,
-                               unsigned takes, gltf_floats *out, uint32_t *count) {
+                               unsigned takes, gltf_elements *out, uint32_t *count) {
     bool present;
-    fathom_status status = gltf_array_floats(g, attributes, key, components, takes, &present, out);
+    fathom_status status = gltf_array_read(g, attributes, key, components, takes, &present, out);
     if (status != FATHOM_OK || !present) return status;
     if (*count && out->count != *count)
         return gltf_fail(g, attributes, key, "has %u entries where another attribute has %u", out->count,
@@ -148,7 +149,7 @@ static fathom_status read_part(gltf *g, const gltf_value *attributes, const char
     return FATHOM_OK;
 }
 
-static void part_at(const gltf_floats *part, uint32_t i, int n, double *out) {
+static void part_at(const gltf_elements *part, uint32_t i, int n, double *out) {
     if (!part->values) return;
     float values[4];
     memcpy(values, (const char *)part->values + part->stride * i, (size_t)n * sizeof(float));

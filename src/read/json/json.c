@@ -1,7 +1,7 @@
 /* Scene JSON. The format itself is in json_form.c. */
 #include "base/file.h"
-#include "read/json/json_object.h"
-#include "read/json/json_place.h"
+#include "read/json/json_scene.h"
+#include "read/mesh/text.h"
 #include "read/read.h"
 #include "scene/camera/camera.h"
 #include "scene/graph.h"
@@ -282,10 +282,9 @@ fathom_status read_json(fathom_scene *scene, const char *path) {
     file_map map;
     fathom_status status = file_open(scene->context, path, &map);
     if (status != FATHOM_OK) return status;
-    const char *text = (const char *)map.bytes;
-    size_t size = map.size;
-    /* Skip the byte order mark that some editors write. */
-    if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) text += 3, size -= 3;
+    const char *end = (const char *)map.bytes + map.size,
+               *text = text_after_mark((const char *)map.bytes, end);
+    size_t size = (size_t)(end - text);
     const doc d = {scene->context, path, text};
     json_error_t error;
     /* Numbers are read as double: 1, 1.0 and 1e0 are the same, and 1e20 needs no point. */

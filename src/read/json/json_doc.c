@@ -1,41 +1,30 @@
 #include "read/json/json_doc.h"
 
 #include "base/parameter.h"
-#include "read/json/json_near.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 /* ---- what is wrong, and where ---- */
 
-enum { PATH_ROOM = 512, TEXT_ROOM = 512 };
+enum { TEXT_ROOM = 512 };
 
-/* path: filled in, for the place to point to. */
-static fathom_place place_of(const doc *d, const where *at, char path[PATH_ROOM]) {
-    where_path(at, path, PATH_ROOM);
-    return (fathom_place){.file = d->path, .line = where_find(d->text, at).line, .field = path};
+const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot) {
+    where_path(at, spot->path, sizeof spot->path);
+    spot->place = (fathom_place){.file = d->path, .line = where_find(d->text, at).line, .field = spot->path};
+    return &spot->place;
 }
 
 fathom_status doc_within(const doc *d, const where *at, fathom_status status) {
-    char path[PATH_ROOM];
+    doc_spot spot;
     const fathom_error *error = fathom_context_error(d->context);
     const where field = {at, error->place->field, 0};
     const bool named = !*error->place->file && *field.key && where_find(d->text, &field).whole;
-    const fathom_place place = place_of(d, named ? &field : at, path);
-    return named ? fail_at(d->context, status, &place, "%s", error->text)
-                 : fail_within(d->context, status, &place);
-}
-
-fathom_status doc_fail(const doc *d, const where *at, const char *format, ...) {
-    char text[1024];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    char path[PATH_ROOM];
-    const fathom_place place = place_of(d, at, path);
-    return fail_at(d->context, FATHOM_BAD_INPUT, &place, "%s", text);
+    const fathom_place *place = doc_place(d, named ? &field : at, &spot);
+    return named ? fail_at(d->context, status, place, "%s", error->text)
+                 : fail_within(d->context, status, place);
 }
 
 fathom_status doc_expected(const doc *d, const where *at, json_t *value, const char *expected) {
@@ -49,6 +38,55 @@ fathom_status doc_expected(const doc *d, const where *at, json_t *value, const c
     /* Not in the middle of a UTF-8 sequence. */
     while (((unsigned char)place.value[most] & 0xC0) == 0x80) --most;
     return doc_fail(d, at, "expected %s, found %.*s...", expected, (int)most, place.value);
+}
+
+/* ---- the known name nearest to a misspelt one ---- */
+
+typedef struct near_search {
+    const char *wanted, *best; /* best: NULL while nothing is near enough */
+    size_t distance;
+} near_search;
+
+/* Longer names are not compared. */
+enum { NEAR_LENGTH = 64 };
+
+static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+
+static bool alike(char a, char b) { return tolower((unsigned char)a) == tolower((unsigned char)b); }
+
+/* The number of letters to change, add, remove or swap with their neighbour (optimal string alignment
+ * distance), ignoring case. Three rows of its table suffice. */
+static size_t edit_distance(const char *a, const char *b) {
+    size_t rows[3][NEAR_LENGTH + 1], length = strlen(b);
+    size_t *before = rows[0], *last = rows[1], *row = rows[2];
+    for (size_t j = 0; j <= length; ++j) row[j] = j;
+    for (size_t i = 1; i <= strlen(a); ++i) {
+        size_t *spare = before;
+        before = last, last = row, row = spare;
+        row[0] = i;
+        for (size_t j = 1; j <= length; ++j) {
+            size_t changed = last[j - 1] + (alike(a[i - 1], b[j - 1]) ? 0u : 1u);
+            row[j] = least(changed, least(row[j - 1], last[j]) + 1);
+            bool swapped = i > 1 && j > 1 && alike(a[i - 1], b[j - 2]) && alike(a[i - 2], b[j - 1]);
+            if (swapped) row[j] = least(row[j], before[j - 2] + 1);
+        }
+    }
+    return row[length];
+}
+
+static near_search near_begin(const char *wanted) {
+    /* Allows a third of the letters to be wrong, but at least one. */
+    size_t length = strlen(wanted);
+    return (near_search){.wanted = wanted, .distance = (length < 6 ? 1 : length / 3) + 1};
+}
+
+/* The first of several candidates at equal distance wins. */
+static void near_offer(near_search *search, const char *candidate) {
+    if (strlen(search->wanted) > NEAR_LENGTH || strlen(candidate) > NEAR_LENGTH) return;
+    size_t distance = edit_distance(search->wanted, candidate);
+    if (distance >= search->distance) return;
+    search->distance = distance;
+    search->best = candidate;
 }
 
 /* Appends to a list in text, with `mark` around the word. */
@@ -234,50 +272,36 @@ static fathom_status read_words(const doc *d, const where *at, json_t *value, co
     return FATHOM_OK;
 }
 
-static fathom_status read_text(const doc *d, const where *at, json_t *value, const char **to) {
-    if (!json_is_string(value)) return doc_expected(d, at, value, "a string");
-    *to = json_string_value(value);
-    return FATHOM_OK;
-}
-
-static fathom_status read_bool(const doc *d, const where *at, json_t *value, bool *to) {
-    if (!json_is_boolean(value)) return doc_expected(d, at, value, "true or false");
-    *to = json_is_true(value);
-    return FATHOM_OK;
-}
-
 /* ---- objects ---- */
-
-static fathom_status read_list(const doc *d, const where *at, json_t *value, json_t **to) {
-    if (!json_is_array(value)) return doc_expected(d, at, value, "an array");
-    *to = value;
-    return FATHOM_OK;
-}
-
-static fathom_status read_map(const doc *d, const where *at, json_t *value, json_t **to) {
-    if (!json_is_object(value)) return doc_expected(d, at, value, "an object");
-    *to = value;
-    return FATHOM_OK;
-}
 
 static fathom_status read_member(const doc *d, const where *at, json_t *value, const form_key *key,
                                  void *to) {
     void *member = (char *)to + key->offset;
     switch (key->kind) {
-    case FORM_BOOL: return read_bool(d, at, value, member);
+    case FORM_BOOL:
+        if (!json_is_boolean(value)) return doc_expected(d, at, value, "true or false");
+        *(bool *)member = json_is_true(value);
+        return FATHOM_OK;
     case FORM_F32:
     case FORM_F64:
     case FORM_U32:
     case FORM_U64: return read_numbers(d, at, value, key, member);
-    case FORM_TEXT: return read_text(d, at, value, member);
+    case FORM_TEXT:
+        if (!json_is_string(value)) return doc_expected(d, at, value, "a string");
+        *(const char **)member = json_string_value(value);
+        return FATHOM_OK;
     case FORM_TAG: return FATHOM_OK;
     case FORM_WORD: return choose_word(d, at, value, key->words, member);
     case FORM_WORDS: return read_words(d, at, value, key, member);
     case FORM_OBJECT: return doc_read(d, at, value, key->form, member);
     case FORM_ROWS: return read_rows(d, at, value, key, member);
-    case FORM_LIST: return read_list(d, at, value, member);
+    case FORM_LIST:
+        *(json_t **)member = value;
+        return json_is_array(value) ? FATHOM_OK : doc_expected(d, at, value, "an array");
     case FORM_MAP:
-    case FORM_MAP_OF_LISTS: return read_map(d, at, value, member);
+    case FORM_MAP_OF_LISTS:
+        *(json_t **)member = value;
+        return json_is_object(value) ? FATHOM_OK : doc_expected(d, at, value, "an object");
     }
     return FATHOM_INTERNAL;
 }

@@ -12,12 +12,19 @@ typedef struct doc {
     const char *text; /* all of it, zero-terminated */
 } doc;
 
-/* FATHOM_BAD_INPUT at this file, line and path. */
-fathom_status doc_fail(const doc *d, const where *at, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+/* A place for messages, with the memory of its path. */
+typedef struct doc_spot {
+    fathom_place place;
+    char path[512];
+} doc_spot;
+
+/* Fills in *spot: file, line and path. */
+const fathom_place *doc_place(const doc *d, const where *at, doc_spot *spot);
+#define doc_fail(d, at, ...)                                                                                 \
+    fail_at((d)->context, FATHOM_BAD_INPUT, doc_place(d, at, &(doc_spot){.place.line = 0}), __VA_ARGS__)
 /* Adds the place to a callee's error. Its field joins the path where the document has it under that name. */
 fathom_status doc_within(const doc *d, const where *at, fathom_status status);
-/* "expected `expected`, found " + what stands there. */
+/* "expected `expected`, found " and the value there. */
 fathom_status doc_expected(const doc *d, const where *at, json_t *value, const char *expected);
 /* "there is no `what` "name"", with the nearest name of those in `names`, or all of them when they are few.
  */

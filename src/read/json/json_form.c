@@ -15,7 +15,7 @@
 #define NOT_NEGATIVE .range = {0, INFINITY, 0}
 #define POSITIVE .range = {0, INFINITY, FORM_OPEN_LOW}
 #define UNIT .range = {0, 1, 0}
-/* What is kept as float is bounded well inside its range, so that products of a few stay finite. */
+/* Floats are bounded well inside their range, so that products of a few stay finite. */
 #define FLOATS .range = {-1e30, 1e30, 0}
 #define RADIANCE .range = {0, 1e30, 0}
 

@@ -27,7 +27,7 @@ typedef enum form_kind {
 
 enum { FORM_OPEN_LOW = 1, FORM_OPEN_HIGH = 2 };
 
-/* Of each number. All zero: any finite number. */
+/* The range of each number. All zero: any finite number. */
 typedef struct form_range {
     double low, high; /* may be infinite */
     unsigned open;    /* the ends that do not belong to it */

@@ -1,4 +1,4 @@
-#include "read/json/json_mesh.h"
+#include "read/json/json_scene.h"
 
 #include "read/mesh/normals.h"
 #include "read/read.h"
@@ -25,18 +25,6 @@ static fathom_status narrow_all(const object_reader *r, const double *from, size
     return FATHOM_OK;
 }
 
-static fathom_status make_smooth(const object_reader *r, const mesh_arrays *a, const float *positions,
-                                 float **normals) {
-    *normals = malloc(3 * a->vertices * sizeof **normals);
-    if (!*normals) return fail_memory(r->scene->context, 3 * a->vertices * sizeof **normals);
-    const normals_input input = {.positions = positions,
-                                 .stride = 3 * sizeof *positions,
-                                 .indices = a->indices,
-                                 .triangle_count = a->triangles,
-                                 .slot_count = (uint32_t)a->vertices};
-    return normals_smooth(r->scene->context, &input, *normals);
-}
-
 static vec3_f64 choose_origin(const mesh_arrays *a) {
     scene_bounds box = bounds_empty();
     for (size_t i = 0; i < a->vertices; ++i) bounds_add(&box, load_f64(a->positions + 3 * i));
@@ -55,14 +43,17 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
     fathom_status status = narrow_all(r, a->positions, a->vertices, 3, mesh.origin, &positions);
     if (status == FATHOM_OK) status = narrow_all(r, a->normals, a->vertices, 3, zero, &normals);
     if (status == FATHOM_OK) status = narrow_all(r, a->uvs, a->vertices, 2, zero, &uvs);
-    if (status == FATHOM_OK && a->smooth && !normals) status = make_smooth(r, a, positions, &normals);
+    mesh.positions = positions, mesh.indices = a->indices;
+    mesh.position_stride = 3 * sizeof *positions;
+    mesh.vertex_count = (uint32_t)a->vertices, mesh.triangle_count = (uint32_t)a->triangles;
+    if (status == FATHOM_OK && a->smooth && !normals) {
+        normals = malloc(3 * a->vertices * sizeof *normals);
+        status = normals ? normals_smooth(r->scene->context, &mesh, NULL, mesh.vertex_count, normals)
+                         : fail_memory(r->scene->context, 3 * a->vertices * sizeof *normals);
+    }
     if (status == FATHOM_OK) {
-        mesh.positions = positions, mesh.normals = normals, mesh.uvs = uvs;
-        mesh.indices = a->indices;
-        mesh.vertex_count = (uint32_t)a->vertices;
-        mesh.normal_count = normals ? mesh.vertex_count : 0;
-        mesh.uv_count = uvs ? mesh.vertex_count : 0;
-        mesh.triangle_count = (uint32_t)a->triangles;
+        mesh.normals = normals, mesh.normal_count = normals ? mesh.vertex_count : 0;
+        mesh.uvs = uvs, mesh.uv_count = uvs ? mesh.vertex_count : 0;
         mesh.material = material;
         mesh.flags = flags;
         status = fathom_scene_add_mesh(r->scene, group, &mesh, NULL);

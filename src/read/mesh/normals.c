@@ -12,7 +12,9 @@
 #define UNIT 0x1p29
 
 typedef struct smoothing {
-    const normals_input *input;
+    const fathom_mesh *mesh;
+    const uint32_t *slots;
+    uint32_t slot_count;
     _Atomic int64_t (*sums)[3];
     float *normals;
     atomic_bool empty; /* some sum is zero */
@@ -38,15 +40,15 @@ static double angle_of(double sine, double cosine) {
     return cosine < 0 ? 2 * half_pi - angle : angle;
 }
 
-static vec3_f64 vertex(const normals_input *in, uint32_t i) {
-    const float *p = (const float *)(const void *)((const char *)in->positions + i * in->stride);
+static vec3_f64 vertex(const fathom_mesh *mesh, uint32_t i) {
+    const float *p = (const float *)(const void *)((const char *)mesh->positions + i * mesh->position_stride);
     return (vec3_f64){(double)p[0], (double)p[1], (double)p[2]};
 }
 
 /* The unit normal of triangle t, and its angles unless `angles` is NULL; false when it has no area. */
-static bool triangle_normal(const normals_input *in, size_t t, vec3_f64 *normal, double angles[3]) {
-    const uint32_t *corner = in->indices + 3 * t;
-    vec3_f64 p[3] = {vertex(in, corner[0]), vertex(in, corner[1]), vertex(in, corner[2])};
+static bool triangle_normal(const fathom_mesh *mesh, size_t t, vec3_f64 *normal, double angles[3]) {
+    const uint32_t *corner = mesh->indices + 3 * t;
+    vec3_f64 p[3] = {vertex(mesh, corner[0]), vertex(mesh, corner[1]), vertex(mesh, corner[2])};
     vec3_f64 edge[3];
     for (int i = 0; i < 3; ++i) edge[i] = normalize_f64(sub_f64(p[(i + 1) % 3], p[i]));
     vec3_f64 area = cross_f64(sub_f64(p[1], p[0]), sub_f64(p[2], p[0]));
@@ -59,8 +61,8 @@ static bool triangle_normal(const normals_input *in, size_t t, vec3_f64 *normal,
     return true;
 }
 
-static uint32_t slot_of(const normals_input *in, size_t corner) {
-    return in->slots ? in->slots[corner] : in->indices[corner];
+static uint32_t slot_of(const smoothing *s, size_t corner) {
+    return s->slots ? s->slots[corner] : s->mesh->indices[corner];
 }
 
 static void add_triangles(void *user, size_t begin, size_t end, unsigned worker) {
@@ -69,9 +71,9 @@ static void add_triangles(void *user, size_t begin, size_t end, unsigned worker)
     for (size_t t = begin; t < end; ++t) {
         vec3_f64 n;
         double angles[3];
-        if (!triangle_normal(s->input, t, &n, angles)) continue;
+        if (!triangle_normal(s->mesh, t, &n, angles)) continue;
         for (size_t i = 0; i < 3; ++i) {
-            _Atomic int64_t *sum = s->sums[slot_of(s->input, 3 * t + i)];
+            _Atomic int64_t *sum = s->sums[slot_of(s, 3 * t + i)];
             double w = angles[i] * UNIT;
             atomic_fetch_add_explicit(&sum[0], (int64_t)rint(w * n.x), memory_order_relaxed);
             atomic_fetch_add_explicit(&sum[1], (int64_t)rint(w * n.y), memory_order_relaxed);
@@ -94,17 +96,16 @@ static void finish_slots(void *user, size_t begin, size_t end, unsigned worker) 
 /* Serial, because "the last triangle" depends on the order. Only meshes with cancelling corners or unused
  * vertices get here. */
 static void fill_empty(const smoothing *s) {
-    const normals_input *in = s->input;
-    for (size_t t = 0; t < in->triangle_count; ++t) {
+    for (size_t t = 0; t < s->mesh->triangle_count; ++t) {
         for (size_t i = 0; i < 3; ++i) {
-            uint32_t slot = slot_of(in, 3 * t + i);
+            uint32_t slot = slot_of(s, 3 * t + i);
             const _Atomic int64_t *sum = s->sums[slot];
             vec3_f64 n;
-            if (!(sum[0] | sum[1] | sum[2]) && triangle_normal(in, t, &n, NULL))
+            if (!(sum[0] | sum[1] | sum[2]) && triangle_normal(s->mesh, t, &n, NULL))
                 store_f32(s->normals + 3 * (size_t)slot, narrow(n));
         }
     }
-    for (size_t i = 0; i < in->slot_count; ++i) {
+    for (size_t i = 0; i < s->slot_count; ++i) {
         float *n = s->normals + 3 * i;
         if (n[0] == 0 && n[1] == 0 && n[2] == 0) n[2] = 1;
     }
@@ -112,13 +113,14 @@ static void fill_empty(const smoothing *s) {
 
 _Static_assert(sizeof *((smoothing *)NULL)->sums == NORMALS_SMOOTH_BYTES, "what readers count beforehand");
 
-fathom_status normals_smooth(fathom_context *context, const normals_input *input, float *normals) {
-    size_t slots = input->slot_count ? input->slot_count : 1;
-    smoothing s = {.input = input, .sums = calloc(slots, sizeof *s.sums), .normals = normals};
-    if (!s.sums) return fail_memory(context, slots * sizeof *s.sums);
+fathom_status normals_smooth(fathom_context *context, const fathom_mesh *mesh, const uint32_t *slots,
+                             uint32_t slot_count, float *normals) {
+    smoothing s = {.mesh = mesh, .slots = slots, .slot_count = slot_count, .normals = normals};
+    s.sums = calloc((size_t)slot_count + 1, sizeof *s.sums);
+    if (!s.sums) return fail_memory(context, slot_count * sizeof *s.sums);
     unsigned threads = fathom_context_threads(context);
-    loop_parallel(threads, input->triangle_count, 1u << 14, add_triangles, &s);
-    loop_parallel(threads, input->slot_count, 1u << 14, finish_slots, &s);
+    loop_parallel(threads, mesh->triangle_count, 1u << 14, add_triangles, &s);
+    loop_parallel(threads, slot_count, 1u << 14, finish_slots, &s);
     if (s.empty) fill_empty(&s);
     free(s.sums);
     return FATHOM_OK;

@@ -2,27 +2,19 @@
 #ifndef READ_NORMALS_H
 #define READ_NORMALS_H
 
-#include <stddef.h>
-#include <stdint.h>
-
 #include "base/status.h"
 
-typedef struct normals_input {
-    const float *positions;
-    size_t stride;           /* bytes */
-    const uint32_t *indices; /* 3 a triangle */
-    const uint32_t *slots;   /* for each corner, the normal it adds to; NULL: the same as indices */
-    size_t triangle_count;
-    uint32_t slot_count;
-} normals_input;
+#include <fathom/scene.h>
 
 /* Memory for each slot while its normal is made, without the normal. */
 #define NORMALS_SMOOTH_BYTES (3 * sizeof(int64_t))
 
 /* Unit normals x y z for each slot, tightly packed: the sum of the unit normals of its corners' triangles,
- * each weighted by the corner's angle (Thürmer and Wüthrich 1998). It does not depend on how a surface is cut
- * into triangles, nor on the thread count. A slot whose corners cancel out gets the normal of the last
- * triangle with area that touches it, or (0,0,1). */
-fathom_status normals_smooth(fathom_context *context, const normals_input *input, float *normals);
+ * each weighted by the corner's angle (Thürmer and Wüthrich 1998). slots: for each corner, the normal it adds
+ * to; NULL: its vertex. The result does not depend on how a surface is cut into triangles, nor on the thread
+ * count. A slot whose corners cancel out gets the normal of the last triangle with area that touches it, or
+ * (0,0,1). */
+fathom_status normals_smooth(fathom_context *context, const fathom_mesh *mesh, const uint32_t *slots,
+                             uint32_t slot_count, float *normals);
 
 #endif

@@ -1,18 +1,45 @@
 #include "read/mesh/text.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-bool text_wrong(text_fault *fault, const char *at, const char *field, const char *format, ...) {
-    if (fault->at) return false;
-    fault->at = at;
-    snprintf(fault->field, sizeof fault->field, "%s", field ? field : "");
+static void record(text_fault *fault, const char *at, const char *field, const char *what) {
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    pthread_mutex_lock(&lock);
+    if (!at) {
+        fault->no_memory = true;
+    } else if (!fault->at || at < fault->at) {
+        fault->at = at;
+        snprintf(fault->field, sizeof fault->field, "%s", field ? field : "");
+        snprintf(fault->what, sizeof fault->what, "%s", what);
+    }
+    pthread_mutex_unlock(&lock);
+}
+
+bool text_no_memory(text_fault *fault) {
+    record(fault, NULL, NULL, NULL);
+    return false;
+}
+
+bool text_wrong(text_fault *fault, const void *at, const char *field, const char *format, ...) {
+    char what[sizeof fault->what];
     va_list args;
     va_start(args, format);
-    vsnprintf(fault->what, sizeof fault->what, format, args);
+    vsnprintf(what, sizeof what, format, args);
     va_end(args);
+    record(fault, at, field, what);
     return false;
+}
+
+bool text_found(text_fault *fault, const char *at, const char *field, const char *format, ...) {
+    char text[sizeof fault->what], quote[48];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return text_wrong(fault, at, field, "%s, found %s", text, text_quote(at, quote));
 }
 
 size_t text_line(const text_file *file, const char *at) {
@@ -21,9 +48,14 @@ size_t text_line(const text_file *file, const char *at) {
     return line;
 }
 
-fathom_status text_fail(const text_file *file, const text_fault *fault) {
-    const fathom_place place = {
-        .file = file->path, .line = text_line(file, fault->at), .field = fault->field};
+fathom_status text_status(const text_file *file, const text_fault *fault) {
+    if (fault->no_memory) return fail_memory(file->context, file->size);
+    if (!fault->at) return FATHOM_OK;
+    fathom_place place = {.file = file->path, .field = fault->field};
+    if (file->binary && fault->at >= file->binary)
+        place.has_byte = true, place.byte = file->size - (size_t)(file->end - fault->at);
+    else
+        place.line = text_line(file, fault->at);
     return fail_at(file->context, FATHOM_BAD_INPUT, &place, "%s", fault->what);
 }
 
@@ -61,7 +93,7 @@ void text_mend_line_ends(char *begin, const char *end) {
 
 fathom_status text_open(fathom_context *context, const char *path, const file_map *map, text_file *out) {
     const char *text = (const char *)map->bytes, *end = text + map->size;
-    *out = (text_file){.context = context, .path = path, .begin = text, .end = end};
+    *out = (text_file){.context = context, .path = path, .end = end, .size = map->size};
     out->begin = text_after_mark(text, end);
     if (!text_ends_lines_in_cr(out->begin, end)) return FATHOM_OK;
     fathom_status status = text_copy(out);
@@ -114,25 +146,67 @@ size_t text_rest(const char **p, const char *end) {
     return (size_t)(last - first);
 }
 
-size_t *text_pieces(const text_file *file, size_t grain, size_t *count) {
-    size_t size = (size_t)(file->end - file->begin);
-    size_t *starts = malloc((size / grain + 2) * sizeof *starts);
+const char **text_pieces(const text_file *file, size_t grain, size_t *count) {
+    size_t size = (size_t)(file->end - file->begin), n = 0;
+    const char **starts = malloc((size / grain + 2) * sizeof *starts);
     if (!starts) return NULL;
-    size_t n = 0;
-    starts[0] = 0;
-    while (starts[n] < size) {
-        size_t target = starts[n] + grain;
+    starts[0] = file->begin;
+    while (starts[n] < file->end) {
         /* Search from one byte before the target, so that a line end there is found. */
-        const char *next = file->end;
-        if (target < size) {
-            next = memchr(file->begin + target - 1, '\n', size - target + 1);
-            while (next && is_joined(next, file->begin)) {
-                next = memchr(next + 1, '\n', (size_t)(file->end - next - 1));
-            }
-            next = next ? next + 1 : file->end;
+        const char *from = starts[n] + grain - 1, *next = NULL;
+        while ((size_t)(file->end - starts[n]) > grain && from < file->end) {
+            next = memchr(from, '\n', (size_t)(file->end - from));
+            if (!next || !is_joined(next, file->begin)) break;
+            from = next + 1, next = NULL;
         }
-        starts[++n] = (size_t)(next - file->begin);
+        starts[++n] = next ? next + 1 : file->end;
     }
     *count = n;
     return starts;
+}
+
+/* ---- notes ---- */
+
+/* The note if this is the first of its kind and needs a place; else NULL. */
+static note *count_in(note_list *notes, size_t times, const char *format, va_list args) {
+    note fresh = {.count = times};
+    vsnprintf(fresh.text, sizeof fresh.text, format, args);
+    for (size_t i = 0; i < notes->count; ++i) {
+        if (strcmp(notes->items[i].text, fresh.text) != 0) continue;
+        notes->items[i].count += times;
+        return NULL;
+    }
+    if (notes->count == NOTES_MAX) notes->beyond += times;
+    if (!times || notes->count == NOTES_MAX) return NULL;
+    notes->items[notes->count] = fresh;
+    return &notes->items[notes->count++];
+}
+
+void notes_add(note_list *notes, size_t times, const char *place, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    note *first = count_in(notes, times, format, args);
+    va_end(args);
+    if (first) snprintf(first->place, sizeof first->place, "%s", place);
+}
+
+void notes_add_at(note_list *notes, size_t times, const text_file *file, const char *at, bool quoted,
+                  const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    note *first = count_in(notes, times, format, args);
+    va_end(args);
+    if (!first) return;
+    snprintf(first->place, sizeof first->place, ":%zu", text_line(file, at));
+    if (quoted) text_quote(at, first->example);
+}
+
+void notes_tell(const note_list *notes, fathom_context *context, const char *path) {
+    for (size_t i = 0; i < notes->count; ++i) {
+        const note *n = &notes->items[i];
+        warn(context, "%s%s: %s (%zu such%s%s)", path, n->place, n->text, n->count,
+             n->example[0] ? ", the first here: " : "", n->example);
+    }
+    if (notes->beyond)
+        warn(context, "%s: more kinds of things are not followed (%zu such)", path, notes->beyond);
 }

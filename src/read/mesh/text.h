@@ -10,7 +10,9 @@ typedef struct text_file {
     fathom_context *context;
     const char *path;
     const char *begin, *end;
-    char *copy; /* the text if it is not the file's own bytes; else NULL */
+    char *copy;         /* the text if it is not the file's own bytes; else NULL */
+    const char *binary; /* where bytes begin that are no text; NULL: nowhere */
+    size_t size;        /* of the file */
 } text_file;
 
 /* The text of a mapped file, without a byte order mark. If its first line ends in a carriage return alone, as
@@ -20,35 +22,42 @@ void text_close(text_file *file);
 
 /* The parts of text_open(), for files that are only partly text. text_copy() leaves the line ends alone;
  * zeros follow the copy. */
+/* The text after a byte order mark, which some editors write. */
 const char *text_after_mark(const char *begin, const char *end);
 bool text_ends_lines_in_cr(const char *begin, const char *end);
 fathom_status text_copy(text_file *file);
 /* Replaces carriage returns without a following line feed by line feeds. */
 void text_mend_line_ends(char *begin, const char *end);
 
-/* A fault found on any thread and reported later by the calling one. at == NULL: none. */
+/* A fault that any thread finds, reported later by the calling thread: lack of memory, else the
+ * fault that is first in the file. Zero it to start with. */
 typedef struct text_fault {
-    const char *at;
+    bool no_memory;
+    const char *at; /* NULL: none */
     char field[52]; /* the statement or property; "": none */
     char what[200];
 } text_fault;
 
-/* Records the first fault; always returns false. field: may be NULL. */
-bool text_wrong(text_fault *fault, const char *at, const char *field, const char *format, ...)
+/* These record a fault and return false. field: may be NULL. */
+bool text_wrong(text_fault *fault, const void *at, const char *field, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* FATHOM_BAD_INPUT, at the fault's line. */
-fathom_status text_fail(const text_file *file, const text_fault *fault);
+bool text_no_memory(text_fault *fault);
+/* Adds ", found" and the word at `at` to the text. */
+bool text_found(text_fault *fault, const char *at, const char *field, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 /* Records a fault at the first zero byte, which text does not have, and returns false. */
 bool text_has_no_zeros(text_fault *fault, const char *begin, const char *end);
+/* FATHOM_OK without a fault, FATHOM_OUT_OF_RESOURCES, or FATHOM_BAD_INPUT at the fault's line or byte. */
+fathom_status text_status(const text_file *file, const text_fault *fault);
 /* The line of `at`, from 1. */
 size_t text_line(const text_file *file, const char *at);
 
 /* The word at `at` in quotes, or "the end of the line", cut to fit a message. Returns `out`. */
 const char *text_quote(const char *at, char out[48]);
 
-/* The count + 1 offsets of pieces of about `grain` bytes that end with a line; a line that ends in a
- * backslash goes on. NULL when out of memory; release with free(). */
-size_t *text_pieces(const text_file *file, size_t grain, size_t *count);
+/* Where the pieces of a text begin, and where the last one ends. Each has about `grain` bytes and ends with a
+ * line; a line that ends in a backslash goes on. NULL when out of memory; release with free(). */
+const char **text_pieces(const text_file *file, size_t grain, size_t *count);
 
 static inline bool text_is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
@@ -80,5 +89,32 @@ const char *text_next(const char *p, const char *end);
 /* The remaining line without blanks at either end; returns its length. A # is kept, because names may hold
  * one. */
 size_t text_rest(const char **p, const char *end);
+
+/* ---- notes: what a reader leaves out of a file or reads differently. One warning for each kind, with its
+ * count and its first place. ---- */
+
+#define NOTES_MAX 32 /* kinds; the others are counted together */
+
+typedef struct note {
+    char text[320];   /* identifies the kind */
+    char place[128];  /* of the first, as it follows the file's name: ":12", ": meshes[0]", or "" */
+    char example[48]; /* the word at that place, or "" */
+    size_t count;
+} note;
+
+/* Zero it to start with; it owns no memory. */
+typedef struct note_list {
+    note items[NOTES_MAX];
+    size_t count, beyond;
+} note_list;
+
+/* Adds `times` to the kind that the text names. The first call for a kind gives its place. */
+void notes_add(note_list *notes, size_t times, const char *place, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+/* The place is the line of `at`; `quoted`: the word there is an example. */
+void notes_add_at(note_list *notes, size_t times, const text_file *file, const char *at, bool quoted,
+                  const char *format, ...) __attribute__((format(printf, 6, 7)));
+/* Warns of all kinds, in the order they were added. */
+void notes_tell(const note_list *notes, fathom_context *context, const char *path);
 
 #endif

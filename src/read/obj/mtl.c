@@ -127,11 +127,11 @@ typedef struct mtl_reader {
 } mtl_reader;
 
 static void note_at(mtl_reader *r, const char *at, const char *text) {
-    notes_add_line(&r->notes, 1, &r->file, at, "%s", text);
+    notes_add_at(&r->notes, 1, &r->file, at, false, "%s", text);
 }
 /* With the word at that place, if the text does not name it. */
 static void note_word(mtl_reader *r, const char *at, const char *text) {
-    notes_add_at(&r->notes, 1, &r->file, at, "%s", text);
+    notes_add_at(&r->notes, 1, &r->file, at, true, "%s", text);
 }
 
 /* Notes values of a material that have no effect here. */
@@ -168,13 +168,12 @@ static bool begin_material(mtl_reader *r, const char *p) {
     uint32_t known = names_find(&r->library->names, p, length);
     if (known == UINT32_MAX) {
         mtl_material material = {.name = strndup(p, length)};
-        if (!material.name) return false;
-        if (!array_push(&r->library->materials, material)) {
+        if (!material.name || !array_push(&r->library->materials, material)) {
             free(material.name);
-            return false;
+            return text_no_memory(&r->fault);
         }
         known = names_add(&r->library->names, material.name, length);
-        if (known == UINT32_MAX) return false;
+        if (known == UINT32_MAX) return text_no_memory(&r->fault);
     }
     r->current = known;
     r->begun = true;
@@ -213,8 +212,8 @@ static const struct mtl_map {
     {"map_Ka", MTL_KA, "map_Ka is not read; Ka is left out with it"},
     {"map_Ks", MTL_KS, "map_Ks is not read; Ks is left out with it: no highlight, no mirror"},
     {"map_Ke", MTL_KE, "map_Ke is not read; Ke is left out with it: nothing is emitted"},
-    {"map_d", -1, "map_d is not read; d stands alone"},
-    {"map_Ns", -1, "map_Ns is not read; Ns stands alone"},
+    {"map_d", -1, "map_d is not read; d applies alone"},
+    {"map_Ns", -1, "map_Ns is not read; Ns applies alone"},
     {"map_bump", -1, "map_bump is not read; the surface is smooth"},
     {"map_Bump", -1, "map_bump is not read; the surface is smooth"},
     {"bump", -1, "map_bump is not read; the surface is smooth"},
@@ -227,14 +226,13 @@ static const struct mtl_map {
 static double limited(mtl_reader *r, const struct mtl_field *field, const char *at, double value,
                       double before) {
     if (value >= field->lowest && value <= field->highest) return value;
-    notes_add_at(&r->notes, 1, &r->file, at, "%s: expected a number in [%g, %g]; %s is taken", field->keyword,
-                 field->lowest, field->highest, isnan(value) ? "none" : "the nearest");
+    notes_add_at(&r->notes, 1, &r->file, at, true, "%s: expected a number in [%g, %g]; %s is taken",
+                 field->keyword, field->lowest, field->highest, isnan(value) ? "none" : "the nearest");
     return isnan(value) ? before : value > field->highest ? field->highest : field->lowest;
 }
 
 /* One number stands for all three of a colour. */
 static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const char *p, double *out) {
-    char quote[48];
     for (int i = 0; i < field->numbers; ++i) {
         const char *at = text_skip(p);
         double value;
@@ -244,8 +242,8 @@ static bool read_numbers(mtl_reader *r, const struct mtl_field *field, const cha
             return true;
         }
         if (!number_read(&p, &value) || !text_is_break(*p)) {
-            return text_wrong(&r->fault, at, field->keyword, "expected %s, found %s",
-                              field->numbers == 3 ? "three numbers" : "a number", text_quote(at, quote));
+            return text_found(&r->fault, at, field->keyword, "expected %s",
+                              field->numbers == 3 ? "three numbers" : "a number");
         }
         out[i] = limited(r, field, at, value, out[i]);
     }
@@ -310,10 +308,7 @@ static fathom_status read_lines(mtl_reader *r) {
     for (const char *p = r->file.begin; p < r->file.end;) {
         p = text_skip(p);
         bool empty = *p == '\n' || *p == '#';
-        if (!empty && !read_line(r, p)) {
-            return r->fault.at ? text_fail(&r->file, &r->fault)
-                               : fail_memory(r->file.context, sizeof(mtl_material));
-        }
+        if (!empty && !read_line(r, p)) return text_status(&r->file, &r->fault);
         const char *newline = memchr(p, '\n', (size_t)(r->file.end - p));
         p = !empty ? text_next(p, r->file.end) : newline ? newline + 1 : r->file.end;
     }
@@ -331,8 +326,10 @@ fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *l
     if (status != FATHOM_OK) return status;
     mtl_reader r = {.library = library};
     status = text_open(context, path, &map, &r.file);
-    if (status == FATHOM_OK && !text_has_no_zeros(&r.fault, r.file.begin, r.file.end))
-        status = text_fail(&r.file, &r.fault);
+    if (status == FATHOM_OK) {
+        text_has_no_zeros(&r.fault, r.file.begin, r.file.end);
+        status = text_status(&r.file, &r.fault);
+    }
     if (status == FATHOM_OK) status = read_lines(&r);
     if (status == FATHOM_OK) notes_tell(&r.notes, context, path);
     text_close(&r.file);

@@ -1,5 +1,5 @@
 /* A Wavefront OBJ file becomes meshes in five steps over pieces of the text, each in parallel. Scan
- * (obj_scan.c) counts vertices and finds the material and smoothing group that each piece starts with, so
+ * (obj.c) counts vertices and finds the material and smoothing group that each piece starts with, so
  * that every piece knows its indices, negative ones too. Parse (obj_parse.c) writes vertices to their places
  * and triangles to their piece. Then polygons are split, smooth normals made (obj_smooth.c), and triangles
  * sorted into one mesh for each material (obj_build.c). Pieces are cut by size, so no result depends on the
@@ -7,11 +7,31 @@
 #ifndef READ_OBJ_H
 #define READ_OBJ_H
 
-#include "read/mesh/names.h"
-#include "read/mesh/notes.h"
+#include "base/array.h"
 #include "read/mesh/polygon.h"
 #include "read/mesh/text.h"
 #include "read/read.h"
+
+/* ---- names to numbers (obj_materials.c): the first name is 0, the next new one 1, … ---- */
+
+typedef struct name_entry {
+    const char *text; /* the caller's, not terminated */
+    size_t length;
+    uint32_t number;
+} name_entry;
+
+/* Zero it to start with. A balanced tree: no choice of names makes it slow. */
+typedef struct name_table {
+    ARRAY(name_entry *) entries; /* by number */
+    void *tree;
+} name_table;
+
+/* The number of a name, which is added if it is new; UINT32_MAX when out of memory. The text must outlive the
+ * table. */
+uint32_t names_add(name_table *table, const char *text, size_t length);
+/* UINT32_MAX when there is none. */
+uint32_t names_find(const name_table *table, const char *text, size_t length);
+void names_free(name_table *table);
 
 /* ---- materials (mtl.c) ---- */
 
@@ -33,7 +53,7 @@ void mtl_free(mtl_library *library);
 
 /* ---- meshes ---- */
 
-/* What a corner of a face points at, in the order of "f v/vt/vn". */
+/* The kinds of data of a corner, in the order of "f v/vt/vn". */
 enum { OBJ_POSITION, OBJ_UV, OBJ_NORMAL, OBJ_KINDS };
 
 #define OBJ_ALL_GROUPS UINT32_MAX /* the smoothing group of faces that options.smooth makes smooth */
@@ -88,8 +108,6 @@ typedef struct obj_piece {
     ARRAY(polygon_fan) polygons;
     double lower[3], upper[3]; /* of the positions */
     obj_tally tallies[OBJ_TALLIES];
-    text_fault fault;
-    bool out_of_memory;
 } obj_piece;
 
 /* A material name, or none (slot 0). */
@@ -103,6 +121,7 @@ typedef struct obj_reader {
     fathom_id group;
     read_mesh_options options;
     text_file file;
+    text_fault fault;
     note_list notes;
     unsigned threads;
     obj_piece *pieces;
@@ -113,6 +132,7 @@ typedef struct obj_reader {
     float *values[OBJ_KINDS]; /* total[] of them, then 16 bytes of padding */
     bool adopted[OBJ_KINDS];  /* values[] belong to the scene */
     vec3_f64 origin;
+    bool moving; /* vertices are stored a second time, from the origin */
 } obj_reader;
 
 /* The kinds of statements. */
@@ -139,11 +159,13 @@ bool obj_smoothing_group(const char *p, uint32_t *group);
 /* The start of the next line. A backslash joins lines, but not comments. */
 const char *obj_next(obj_statement statement, const char *p, const char *end);
 
-fathom_status obj_scan(obj_reader *r);
 /* Reads the libraries and finds the material of each name. */
 fathom_status obj_find_materials(obj_reader *r);
 /* Vertices and triangles; then polygons, which need the vertices. */
 fathom_status obj_parse(obj_reader *r);
+/* Gives the piece indices of a kind that equal those of the positions, as far as it has none. False without
+ * memory. */
+bool obj_keep_indices(obj_piece *piece, int kind);
 fathom_status obj_smooth(obj_reader *r);
 fathom_status obj_build(obj_reader *r);
 

@@ -1,9 +1,46 @@
 #include "read/obj/obj.h"
 
+#include <search.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* ---- names ---- */
+
+static int compare(const void *a, const void *b) {
+    const name_entry *x = a, *y = b;
+    if (x->length != y->length) return x->length < y->length ? -1 : 1;
+    return memcmp(x->text, y->text, x->length);
+}
+
+uint32_t names_find(const name_table *table, const char *text, size_t length) {
+    const name_entry wanted = {text, length, 0}, **found = tfind(&wanted, &table->tree, compare);
+    return found ? (*found)->number : UINT32_MAX;
+}
+
+uint32_t names_add(name_table *table, const char *text, size_t length) {
+    uint32_t known = names_find(table, text, length);
+    if (known != UINT32_MAX) return known;
+    name_entry *entry = malloc(sizeof *entry);
+    if (!entry || !array_push(&table->entries, entry)) {
+        free(entry);
+        return UINT32_MAX;
+    }
+    *entry = (name_entry){text, length, (uint32_t)table->entries.count - 1};
+    return tsearch(entry, &table->tree, compare) ? entry->number : UINT32_MAX;
+}
+
+static void keep(void *entry) { (void)entry; }
+
+void names_free(name_table *table) {
+    tdestroy(table->tree, keep);
+    for (size_t i = 0; i < table->entries.count; ++i) free(table->entries.items[i]);
+    array_free(&table->entries);
+    *table = (name_table){0};
+}
+
+/* ---- libraries ---- */
 
 /* Exporters repeat the statement for each object. */
 typedef struct library_names {
@@ -18,33 +55,19 @@ static void tally(obj_tally *t, const char *at) {
     if (!t->count++) t->first = at;
 }
 
-/* *out: the path of the file next to the OBJ file, or NULL when there is none. */
-static fathom_status find_named(const obj_reader *r, const char *name, char **out) {
-    fathom_status status = read_beside(r->scene, r->file.path, name, out);
-    if (status != FATHOM_OK || access(*out, F_OK) == 0) return status;
-    free(*out);
-    *out = NULL;
-    return FATHOM_OK;
-}
-
-/* The same for a mention of `length` bytes. FATHOM_BAD_INPUT: the file may not be read, and the message says
- * why. Names written on Windows may have backslashes for slashes. */
+/* *out: the path of the file that a mention of `length` bytes names, or NULL when there is none.
+ * FATHOM_BAD_INPUT: the file may not be read, and the message says why. Names written on Windows may have
+ * backslashes for slashes. */
 static fathom_status find_library(const obj_reader *r, const char *name, size_t length, char **out) {
     *out = NULL;
     char *copy = strndup(name, length);
-    if (!copy) return fail_memory(r->scene->context, length);
-    fathom_status status = find_named(r, copy, out);
-    if (status == FATHOM_OK && !*out && strchr(copy, '\\')) {
+    fathom_status status = copy ? FATHOM_OK : fail_memory(r->scene->context, length);
+    for (int attempt = 0; attempt < 2 && status == FATHOM_OK && !*out; ++attempt) {
+        status = read_beside(r->scene, r->file.path, copy, out);
+        if (status == FATHOM_OK && access(*out, F_OK) != 0) free(*out), *out = NULL;
         for (char *c = copy; (c = strchr(c, '\\')) != NULL;) *c = '/';
-        status = find_named(r, copy, out);
     }
     free(copy);
-    return status;
-}
-
-static fathom_status read_library(obj_reader *r, mtl_library *library, char *path) {
-    fathom_status status = mtl_read(r->scene->context, path, library);
-    free(path);
     return status;
 }
 
@@ -58,9 +81,10 @@ static fathom_status read_name(obj_reader *r, mtl_library *library, library_name
     fathom_status status = find_library(r, name, length, &path);
     if (status != FATHOM_OK || !path) return status;
     *found = true;
-    if (names_add(&names->seen, name, length) != UINT32_MAX) return read_library(r, library, path);
+    status = names_add(&names->seen, name, length) == UINT32_MAX ? fail_memory(r->scene->context, length)
+                                                                 : mtl_read(r->scene->context, path, library);
     free(path);
-    return fail_memory(r->scene->context, length);
+    return status;
 }
 
 /* A model without its materials is still a model: a missing library is only noted. */
@@ -86,7 +110,7 @@ static fathom_status read_mention(obj_reader *r, mtl_library *library, library_n
                                   const obj_mention *mention) {
     bool found;
     if (!mention->length) {
-        notes_add_at(&r->notes, 1, &r->file, mention->at, "mtllib: expected the name of a file");
+        notes_add_at(&r->notes, 1, &r->file, mention->at, true, "mtllib: expected the name of a file");
         return FATHOM_OK;
     }
     fathom_status status = read_name(r, library, names, mention->at, mention->length, &found);
@@ -126,11 +150,11 @@ static fathom_status read_libraries(obj_reader *r, mtl_library *library) {
     library_names names = {0};
     fathom_status status = read_mentions(r, library, &names);
     if (status == FATHOM_OK) {
-        notes_add_line(&r->notes, names.absent.count, &r->file, names.absent.first,
-                       "mtllib: there is no file \"%.*s\"; materials named from it get the default",
-                       shown(names.absent_length), names.absent.first);
-        notes_add_line(&r->notes, names.refused.count, &r->file, names.refused.first,
-                       "mtllib: %s; materials named from it get the default", names.why);
+        notes_add_at(&r->notes, names.absent.count, &r->file, names.absent.first, false,
+                     "mtllib: there is no file \"%.*s\"; materials named from it get the default",
+                     shown(names.absent_length), names.absent.first);
+        notes_add_at(&r->notes, names.refused.count, &r->file, names.refused.first, false,
+                     "mtllib: %s; materials named from it get the default", names.why);
     }
     names_free(&names.seen);
     return status;
@@ -162,9 +186,9 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
         }
     }
     if (missing)
-        notes_add_line(&r->notes, missing, &r->file, first->text,
-                       "usemtl: no material \"%.*s\" is defined; it gets the default", shown(first->length),
-                       first->text);
+        notes_add_at(&r->notes, missing, &r->file, first->text, false,
+                     "usemtl: no material \"%.*s\" is defined; it gets the default", shown(first->length),
+                     first->text);
     return FATHOM_OK;
 }
 

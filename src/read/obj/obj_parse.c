@@ -5,6 +5,7 @@
 
 #include <float.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct obj_corner {
     uint32_t index[OBJ_KINDS];
@@ -12,7 +13,7 @@ typedef struct obj_corner {
 
 /* The state of the parse of a piece. */
 typedef struct obj_parser {
-    const obj_reader *r;
+    obj_reader *r;
     obj_piece *piece;
     uint64_t seen[OBJ_KINDS]; /* in the whole file */
     uint32_t slot, group;
@@ -25,24 +26,18 @@ typedef struct obj_parser {
  * fault. */
 static const char *read_values(obj_parser *s, const char *what, const char *p, int required, int count,
                                double *out) {
-    char quote[48];
-    text_fault *fault = &s->piece->fault;
     for (int i = 0; i < count; ++i) {
-        const char *at = text_skip(p);
+        const char *at = text_skip(p), *expected = NULL;
         p = at;
         out[i] = 0;
         if (i >= required && (text_is_end(*at) || *at == '#')) continue;
-        if (!number_read(&p, &out[i]) || !text_is_break(*p)) {
-            text_wrong(fault, at, what, "number %d of %d: expected a number, found %s", i + 1, count,
-                       text_quote(at, quote));
-            return NULL;
-        }
-        if (!(fabs(out[i]) <= (double)FLT_MAX)) {
-            text_wrong(fault, at, what,
-                       "number %d of %d: expected a finite number that fits a float, found %s", i + 1, count,
-                       text_quote(at, quote));
-            return NULL;
-        }
+        if (!number_read(&p, &out[i]) || !text_is_break(*p))
+            expected = "a number";
+        else if (!(fabs(out[i]) <= (double)FLT_MAX))
+            expected = "a finite number that fits a float";
+        if (!expected) continue;
+        text_found(&s->r->fault, at, what, "number %d of %d: expected %s", i + 1, count, expected);
+        return NULL;
     }
     return p;
 }
@@ -50,18 +45,23 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
 /* Whether there is room for one more: another process may have changed the file since it was counted. */
 static bool has_room(obj_parser *s, int kind, const char *at) {
     return s->seen[kind] < s->r->total[kind] ||
-           text_wrong(&s->piece->fault, at, NULL, "the file has changed since it was counted through");
+           text_wrong(&s->r->fault, at, NULL, "the file has changed since it was counted through");
 }
 
-static const char *read_position(obj_parser *s, const char *p) {
+static const char *const kinds[] = {"v", "vt", "vn"};
+static const int components[OBJ_KINDS] = {3, 2, 3};
+
+/* A position, uv or normal; the v of a uv may be missing. */
+static const char *read_vector(obj_parser *s, int kind, const char *p) {
     double v[3];
     const char *at = p;
-    p = read_values(s, "v", p, 3, 3, v);
-    if (!p || !has_room(s, OBJ_POSITION, at)) return NULL;
+    p = read_values(s, kinds[kind], p, kind == OBJ_UV ? 1 : 3, components[kind], v);
+    if (!p || !has_room(s, kind, at)) return NULL;
+    float *out = s->r->values[kind] + (uint64_t)components[kind] * s->seen[kind]++;
     const double origin[3] = {s->r->origin.x, s->r->origin.y, s->r->origin.z};
-    float *out = s->r->values[OBJ_POSITION] + 3 * s->seen[OBJ_POSITION]++;
-    for (int k = 0; k < 3; ++k) {
-        out[k] = (float)(v[k] - origin[k]);
+    for (int k = 0; k < components[kind]; ++k) {
+        out[k] = (float)(kind == OBJ_POSITION ? v[k] - origin[k] : v[k]);
+        if (kind != OBJ_POSITION) continue;
         s->piece->lower[k] = v[k] < s->piece->lower[k] ? v[k] : s->piece->lower[k];
         s->piece->upper[k] = v[k] > s->piece->upper[k] ? v[k] : s->piece->upper[k];
     }
@@ -89,67 +89,36 @@ static void tally_behind(obj_parser *s, const char *at) {
         tally(s, OBJ_T_BEHIND, at);
 }
 
-static const char *read_uv(obj_parser *s, const char *p) {
-    double v[2];
-    if (s->r->scene->without_uvs) {
-        ++s->seen[OBJ_UV]; /* indices may count back from it */
-        return p;
-    }
-    const char *at = p;
-    p = read_values(s, "vt", p, 1, 2, v);
-    if (!p || !has_room(s, OBJ_UV, at)) return NULL;
-    float *out = s->r->values[OBJ_UV] + 2 * s->seen[OBJ_UV]++;
-    out[0] = (float)v[0], out[1] = (float)v[1];
-    return p;
-}
-
-static const char *read_normal(obj_parser *s, const char *p) {
-    double v[3];
-    const char *at = p;
-    p = read_values(s, "vn", p, 3, 3, v);
-    if (!p || !has_room(s, OBJ_NORMAL, at)) return NULL;
-    float *out = s->r->values[OBJ_NORMAL] + 3 * s->seen[OBJ_NORMAL]++;
-    for (int k = 0; k < 3; ++k) out[k] = (float)v[k];
-    return p;
-}
-
 /* An index of a corner: from 1, or negative, counted back from the last vertex above. */
 static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
-    static const char *const kinds[] = {"v", "vt", "vn"};
-    char quote[48];
     int64_t index;
     const char *at = *p;
-    text_fault *fault = &s->piece->fault;
+    text_fault *fault = &s->r->fault;
     size_t corner = s->face.count + 1;
-    if (!number_read_integer(p, &index)) {
-        return text_wrong(fault, at, "f", "corner %zu: %s: expected an index, found %s", corner, kinds[kind],
-                          text_quote(at, quote));
-    }
+    if (!number_read_integer(p, &index))
+        return text_found(fault, at, "f", "corner %zu: %s: expected an index", corner, kinds[kind]);
     int64_t found = index > 0 ? index - 1 : (int64_t)s->seen[kind] + index;
-    bool found_none = index < 0 ? found < 0 : (uint64_t)found >= s->r->total[kind];
     if (index == 0)
         return text_wrong(fault, at, "f", "corner %zu: %s: 0 is no index; the first is 1", corner,
                           kinds[kind]);
-    if (found_none && kind != OBJ_POSITION) {
+    if (index < 0 ? found >= 0 : (uint64_t)found < s->r->total[kind]) {
+        *out = (uint32_t)found;
+        return true;
+    }
+    if (kind != OBJ_POSITION) {
         s->absent |= 1u << kind;
         return true;
     }
-    if (index < 0 && found < 0) {
+    if (index < 0)
         return text_wrong(fault, at, "f",
                           "corner %zu: %s: index %lld goes back beyond the first; there are %llu above",
                           corner, kinds[kind], (long long)index, (unsigned long long)s->seen[kind]);
-    }
-    if (found_none) {
-        return text_wrong(fault, at, "f", "corner %zu: %s: index %lld is out of range; the file has %llu",
-                          corner, kinds[kind], (long long)index, (unsigned long long)s->r->total[kind]);
-    }
-    *out = (uint32_t)found;
-    return true;
+    return text_wrong(fault, at, "f", "corner %zu: %s: index %lld is out of range; the file has %llu", corner,
+                      kinds[kind], (long long)index, (unsigned long long)s->r->total[kind]);
 }
 
 /* v, v/vt, v//vn or v/vt/vn; `parts` gets a bit for each kind. */
 static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned *parts) {
-    char quote[48];
     const char *at = *p;
     *parts = 1u << OBJ_POSITION;
     if (!read_index(s, OBJ_POSITION, p, &out->index[OBJ_POSITION])) return false;
@@ -160,8 +129,8 @@ static bool read_corner(obj_parser *s, const char **p, obj_corner *out, unsigned
         *parts |= 1u << kind;
     }
     if (text_is_break(**p)) return true;
-    return text_wrong(&s->piece->fault, at, "f", "corner %zu: expected v, v/vt, v//vn or v/vt/vn, found %s",
-                      s->face.count + 1, text_quote(at, quote));
+    return text_found(&s->r->fault, at, "f", "corner %zu: expected v, v/vt, v//vn or v/vt/vn",
+                      s->face.count + 1);
 }
 
 /* The last run if the face belongs to it, else a new one. */
@@ -183,27 +152,40 @@ static obj_run *run_for(obj_parser *s, unsigned parts) {
     return array_push(&piece->runs, run) ? &piece->runs.items[piece->runs.count - 1] : NULL;
 }
 
-/* The fan's indices of uvs or normals. */
-static bool push_kind(obj_parser *s, obj_run *run, int kind) {
+/* Appends the fan's indices of one kind, taken from the indices of kind `from`. */
+static bool push_fan(obj_parser *s, int kind, int from) {
     const obj_corner *c = s->face.items;
-    size_t n = s->face.count, before = s->piece->corners[OBJ_POSITION].count;
-    int from = run->has[kind] ? kind : OBJ_POSITION;
-    bool same = true;
-    for (size_t i = 0; i < n; ++i) same = same && c[i].index[from] == c[i].index[OBJ_POSITION];
-    if (!same) run->same[kind] = false;
-    size_t have = s->piece->corners[kind].count;
-    if (same && have == 0) return true;
-    if (!array_room(&s->piece->corners[kind], before - have + 3 * (n - 2))) return false;
-    uint32_t *out = s->piece->corners[kind].items;
-    for (size_t i = have; i < before; ++i) out[i] = s->piece->corners[OBJ_POSITION].items[i];
-    out += before;
+    const size_t n = s->face.count;
+    if (!array_room(&s->piece->corners[kind], 3 * (n - 2))) return false;
+    uint32_t *out = s->piece->corners[kind].items + s->piece->corners[kind].count;
     for (size_t i = 2; i < n; ++i) {
         *out++ = c[0].index[from];
         *out++ = c[i - 1].index[from];
         *out++ = c[i].index[from];
     }
-    s->piece->corners[kind].count = before + 3 * (n - 2);
+    s->piece->corners[kind].count += 3 * (n - 2);
     return true;
+}
+
+bool obj_keep_indices(obj_piece *piece, int kind) {
+    const size_t have = piece->corners[kind].count, count = piece->corners[OBJ_POSITION].count;
+    if (have == count) return true;
+    if (!array_room(&piece->corners[kind], count - have)) return false;
+    memcpy(piece->corners[kind].items + have, piece->corners[OBJ_POSITION].items + have,
+           (count - have) * sizeof(uint32_t));
+    piece->corners[kind].count = count;
+    return true;
+}
+
+/* The fan's indices of uvs or normals, once they differ from those of the positions. */
+static bool push_kind(obj_parser *s, obj_run *run, int kind) {
+    const obj_corner *c = s->face.items;
+    int from = run->has[kind] ? kind : OBJ_POSITION;
+    bool same = true;
+    for (size_t i = 0; i < s->face.count; ++i) same &= c[i].index[from] == c[i].index[OBJ_POSITION];
+    if (!same) run->same[kind] = false;
+    if (same && !s->piece->corners[kind].count) return true;
+    return obj_keep_indices(s->piece, kind) && push_fan(s, kind, from);
 }
 
 static bool push_face(obj_parser *s, const char *at, unsigned parts) {
@@ -216,17 +198,10 @@ static bool push_face(obj_parser *s, const char *at, unsigned parts) {
     if (s->absent >> OBJ_UV & 1) tally(s, OBJ_T_NO_UV, at);
     if (s->absent >> OBJ_NORMAL & 1) tally(s, OBJ_T_NO_NORMAL, at);
     obj_run *run = run_for(s, parts);
-    if (!run || !push_kind(s, run, OBJ_UV) || !push_kind(s, run, OBJ_NORMAL)) return false;
-    if (!array_room(&piece->corners[OBJ_POSITION], 3 * (n - 2))) return false;
     polygon_fan polygon = {piece->corners[OBJ_POSITION].count / 3, (uint32_t)n};
-    if (n > 3 && !array_push(&piece->polygons, polygon)) return false;
-    uint32_t *out = piece->corners[OBJ_POSITION].items + piece->corners[OBJ_POSITION].count;
-    for (size_t i = 2; i < n; ++i) {
-        *out++ = s->face.items[0].index[OBJ_POSITION];
-        *out++ = s->face.items[i - 1].index[OBJ_POSITION];
-        *out++ = s->face.items[i].index[OBJ_POSITION];
-    }
-    piece->corners[OBJ_POSITION].count += 3 * (n - 2);
+    if (!run || !push_kind(s, run, OBJ_UV) || !push_kind(s, run, OBJ_NORMAL) ||
+        !push_fan(s, OBJ_POSITION, OBJ_POSITION) || (n > 3 && !array_push(&piece->polygons, polygon)))
+        return false;
     run->count += n - 2;
     return true;
 }
@@ -244,39 +219,38 @@ static const char *read_face(obj_parser *s, const char *p) {
         unsigned of_corner;
         if (!read_corner(s, &p, &corner, &of_corner)) return NULL;
         if (s->face.count && of_corner != parts) {
-            text_wrong(&s->piece->fault, at, "f",
+            text_wrong(&s->r->fault, at, "f",
                        "corner %zu: it has other parts (v/vt/vn) than corner 1; expected the same in all",
                        s->face.count + 1);
             return NULL;
         }
         parts = of_corner;
         if (s->face.count == s->face.capacity && !array_room(&s->face, 1)) {
-            s->piece->out_of_memory = true;
+            text_no_memory(&s->r->fault);
             return NULL;
         }
         s->face.items[s->face.count++] = corner;
     }
-    if (push_face(s, first, parts & ~s->absent)) return p;
-    s->piece->out_of_memory = true;
-    return NULL;
+    return push_face(s, first, parts & ~s->absent) || text_no_memory(&s->r->fault) ? p : NULL;
 }
 
 static const char *read_smoothing(obj_parser *s, const char *p) {
-    char quote[48];
-    if (obj_smoothing_group(p, &s->group)) return p;
-    p = text_skip(p);
-    text_wrong(&s->piece->fault, p, "s", "expected a number, on or off, found %s", text_quote(p, quote));
-    return NULL;
+    bool good = obj_smoothing_group(p, &s->group) ||
+                text_found(&s->r->fault, text_skip(p), "s", "expected a number, on or off");
+    return good ? p : NULL;
 }
 
 static const char *read_statement(obj_parser *s, obj_statement statement, const char *p) {
     switch (statement) {
     case OBJ_S_POSITION:
-        p = read_position(s, p);
+        p = read_vector(s, OBJ_POSITION, p);
         if (p) tally_behind(s, p);
         return p;
-    case OBJ_S_UV: return read_uv(s, p);
-    case OBJ_S_NORMAL: return read_normal(s, p);
+    case OBJ_S_UV:
+        if (!s->r->scene->without_uvs) return read_vector(s, OBJ_UV, p);
+        ++s->seen[OBJ_UV]; /* indices may count back from it */
+        return p;
+    case OBJ_S_NORMAL: return read_vector(s, OBJ_NORMAL, p);
     case OBJ_S_FACE: return read_face(s, p);
     case OBJ_S_SMOOTHING: return read_smoothing(s, p);
     case OBJ_S_MATERIAL:
@@ -294,7 +268,7 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
     return p;
 }
 
-static void parse_piece(const obj_reader *r, obj_piece *piece) {
+static void parse_piece(obj_reader *r, obj_piece *piece) {
     obj_parser s = {.r = r, .piece = piece, .slot = piece->first_slot, .group = piece->first_group};
     for (int k = 0; k < 3; ++k) {
         s.seen[k] = piece->base[k];
@@ -303,7 +277,10 @@ static void parse_piece(const obj_reader *r, obj_piece *piece) {
     }
     for (const char *p = piece->begin; p < piece->end;) {
         obj_statement statement = obj_classify(&p);
-        p = read_statement(&s, statement, p);
+        if (!r->moving)
+            p = read_statement(&s, statement, p);
+        else if (statement == OBJ_S_POSITION)
+            p = read_vector(&s, OBJ_POSITION, p);
         if (!p) break;
         p = obj_next(statement, p, piece->end);
     }
@@ -316,22 +293,6 @@ static void parse_pieces(void *user, size_t begin, size_t end, unsigned worker) 
     for (size_t i = begin; i < end; ++i) parse_piece(r, &r->pieces[i]);
 }
 
-/* Stores the vertices again, from the origin; they have passed all checks. */
-static void move_pieces(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    obj_reader *r = user;
-    for (size_t i = begin; i < end; ++i) {
-        obj_piece *piece = &r->pieces[i];
-        obj_parser s = {.r = r, .piece = piece, .seen = {piece->base[OBJ_POSITION]}};
-        for (const char *p = piece->begin; p < piece->end;) {
-            obj_statement statement = obj_classify(&p);
-            if (statement == OBJ_S_POSITION) p = read_position(&s, p);
-            if (!p) break;
-            p = obj_next(statement, p, piece->end);
-        }
-    }
-}
-
 static void split_polygons(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     obj_reader *r = user;
@@ -339,36 +300,24 @@ static void split_polygons(void *user, size_t begin, size_t end, unsigned worker
     const polygon_vertices vertices = {r->values[OBJ_POSITION], 3 * sizeof(float)};
     for (size_t i = begin; i < end; ++i) {
         obj_piece *piece = &r->pieces[i];
-        for (size_t k = 0; k < piece->polygons.count && !piece->out_of_memory; ++k) {
+        for (size_t k = 0; k < piece->polygons.count; ++k) {
             polygon_fan polygon = piece->polygons.items[k];
             uint32_t *fan[OBJ_KINDS];
             for (int kind = 0; kind < OBJ_KINDS; ++kind) {
                 fan[kind] =
                     piece->corners[kind].count ? piece->corners[kind].items + 3 * polygon.first : NULL;
             }
-            if (!polygon_split(&work, &vertices, polygon.corners, fan[0], fan[1], fan[2])) {
-                piece->out_of_memory = true;
-            }
+            if (!polygon_split(&work, &vertices, polygon.corners, fan[0], fan[1], fan[2]))
+                text_no_memory(&r->fault);
         }
     }
     polygon_work_free(&work);
 }
 
-/* The first fault in the order of the file. */
-static fathom_status first_fault(const obj_reader *r) {
-    for (size_t i = 0; i < r->piece_count; ++i) {
-        const obj_piece *piece = &r->pieces[i];
-        if (piece->out_of_memory) return fail_memory(r->scene->context, (size_t)(piece->end - piece->begin));
-        if (piece->fault.at) return text_fail(&r->file, &piece->fault);
-    }
-    return FATHOM_OK;
-}
-
 static fathom_status allocate_values(obj_reader *r) {
-    static const size_t sizes[OBJ_KINDS] = {3 * sizeof(float), 2 * sizeof(float), 3 * sizeof(float)};
     for (int k = 0; k < OBJ_KINDS; ++k) {
         if (!r->total[k] || (k == OBJ_UV && r->scene->without_uvs)) continue;
-        size_t bytes = (size_t)r->total[k] * sizes[k] + 16;
+        size_t bytes = (size_t)r->total[k] * (size_t)components[k] * sizeof(float) + 16;
         r->values[k] = malloc(bytes);
         if (!r->values[k]) return fail_memory(r->scene->context, bytes);
     }
@@ -388,10 +337,11 @@ fathom_status obj_parse(obj_reader *r) {
     fathom_status status = allocate_values(r);
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
-    status = first_fault(r);
+    status = text_status(&r->file, &r->fault);
     if (status != FATHOM_OK) return status;
     r->origin = choose_origin(r);
-    if (length_f64(r->origin) > 0) loop_parallel(r->threads, r->piece_count, 1, move_pieces, r);
+    r->moving = length_f64(r->origin) > 0;
+    if (r->moving) loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
     loop_parallel(r->threads, r->piece_count, 1, split_polygons, r);
-    return first_fault(r);
+    return text_status(&r->file, &r->fault);
 }

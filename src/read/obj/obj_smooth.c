@@ -128,31 +128,19 @@ static fathom_status make_slots(const obj_reader *r, smooth_faces *faces) {
 static fathom_status make_normals(obj_reader *r, const smooth_faces *faces) {
     fathom_context *context = r->scene->context;
     size_t before = (size_t)r->total[OBJ_NORMAL], count = before + faces->slot_count;
-    if (count >= UINT32_MAX)
+    if (count >= UINT32_MAX || faces->triangle_count >= UINT32_MAX)
         return fail_file(context, FATHOM_BAD_INPUT, r->file.path,
-                         "too many normals: at most 2^32 - 2 can be indexed");
+                         "too many smooth triangles or normals: expected at most 2^32 - 2");
     size_t bytes = count * 3 * sizeof(float) + 16;
     float *normals = realloc(r->values[OBJ_NORMAL], bytes);
     if (!normals) return fail_memory(context, bytes);
     r->values[OBJ_NORMAL] = normals;
     r->total[OBJ_NORMAL] = count;
-    const normals_input input = {.positions = r->values[OBJ_POSITION],
-                                 .stride = 3 * sizeof(float),
-                                 .indices = faces->indices,
-                                 .slots = faces->slots,
-                                 .triangle_count = faces->triangle_count,
-                                 .slot_count = faces->slot_count};
-    return normals_smooth(context, &input, normals + 3 * before);
-}
-
-/* Gives the piece an array of normal indices if it has none. */
-static bool keep_normal_indices(obj_piece *piece) {
-    size_t count = piece->corners[OBJ_POSITION].count;
-    if (piece->corners[OBJ_NORMAL].count == count) return true;
-    if (!array_room(&piece->corners[OBJ_NORMAL], count)) return false;
-    memcpy(piece->corners[OBJ_NORMAL].items, piece->corners[OBJ_POSITION].items, count * sizeof(uint32_t));
-    piece->corners[OBJ_NORMAL].count = count;
-    return true;
+    const fathom_mesh mesh = {.positions = r->values[OBJ_POSITION],
+                              .position_stride = 3 * sizeof(float),
+                              .indices = faces->indices,
+                              .triangle_count = (uint32_t)faces->triangle_count};
+    return normals_smooth(context, &mesh, faces->slots, faces->slot_count, normals + 3 * before);
 }
 
 static fathom_status point_at_normals(obj_reader *r, const smooth_faces *faces) {
@@ -165,7 +153,7 @@ static fathom_status point_at_normals(obj_reader *r, const smooth_faces *faces) 
         run->has[OBJ_NORMAL] = true;
         run->same[OBJ_NORMAL] = same;
         if (same) continue;
-        if (!keep_normal_indices(piece))
+        if (!obj_keep_indices(piece, OBJ_NORMAL))
             return fail_memory(r->scene->context, piece->corners[OBJ_POSITION].count);
         uint32_t *out = piece->corners[OBJ_NORMAL].items + 3 * run->first;
         for (size_t i = 0; i < 3 * run->count; ++i) out[i] = before + slots[i];

@@ -3,48 +3,10 @@
 #include "read/mesh/normals.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <stdlib.h>
 
-bool ply_wrong(ply_reader *r, const void *at, const char *field, const char *format, ...) {
-    pthread_mutex_lock(&r->lock);
-    if (!r->fault.at || (const char *)at < r->fault.at) {
-        va_list args;
-        va_start(args, format);
-        snprintf(r->fault.field, sizeof r->fault.field, "%s", field ? field : "");
-        vsnprintf(r->fault.what, sizeof r->fault.what, format, args);
-        va_end(args);
-        r->fault.at = at;
-    }
-    pthread_mutex_unlock(&r->lock);
-    return false;
-}
-
-void ply_join_bounds(ply_reader *r, const scene_bounds *bounds) {
-    pthread_mutex_lock(&r->lock);
-    bounds_join(&r->bounds, bounds);
-    pthread_mutex_unlock(&r->lock);
-}
-
-void ply_no_memory(ply_reader *r) {
-    pthread_mutex_lock(&r->lock);
-    r->out_of_memory = true;
-    pthread_mutex_unlock(&r->lock);
-}
-
-fathom_status ply_status(ply_reader *r) {
-    fathom_context *context = r->scene->context;
-    if (r->out_of_memory) return fail_memory(context, r->map.size);
-    if (!r->fault.at) return FATHOM_OK;
-    if (r->header.format == PLY_ASCII || r->fault.at < r->header.body) return text_fail(&r->file, &r->fault);
-    const fathom_place place = {.file = r->file.path,
-                                .has_byte = true,
-                                .byte = r->map.size - (size_t)(r->file.end - r->fault.at),
-                                .field = r->fault.field};
-    return fail_at(context, FATHOM_BAD_INPUT, &place, "%s", r->fault.what);
-}
-
-fathom_status ply_allocate_arrays(ply_reader *r) {
+/* Allocates the arrays that are present and have no memory, and sets their values and strides. */
+static fathom_status allocate_arrays(ply_reader *r) {
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         ply_array *array = &r->arrays[a];
         if (!array->present || array->values) continue;
@@ -65,10 +27,16 @@ static void put_array(const ply_array *array, uint32_t i, const double values[PL
 bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], const void *at,
                     scene_bounds *bounds) {
     static const char *const names[PLY_ROLES] = {"x", "y", "z", "nx", "ny", "nz", "u", "v"};
+    if (r->moving) {
+        const double moved[PLY_ROLES] = {values[PLY_X] - r->origin.x, values[PLY_Y] - r->origin.y,
+                                         values[PLY_Z] - r->origin.z};
+        put_array(&r->arrays[PLY_POSITIONS], i, moved);
+        return true;
+    }
     for (int role = 0; role < PLY_ROLES; ++role) {
         if (fabs(values[role]) <= (double)FLT_MAX) continue;
-        return ply_wrong(r, at, names[role], "vertex %u has %g; expected a finite number that fits a float",
-                         i, values[role]);
+        return text_wrong(&r->fault, at, names[role],
+                          "vertex %u has %g; expected a finite number that fits a float", i, values[role]);
     }
     bounds->lower.x = values[PLY_X] < bounds->lower.x ? values[PLY_X] : bounds->lower.x;
     bounds->lower.y = values[PLY_Y] < bounds->lower.y ? values[PLY_Y] : bounds->lower.y;
@@ -82,18 +50,26 @@ bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], c
     return true;
 }
 
-void ply_put_position(ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
-    const double moved[PLY_ROLES] = {values[PLY_X] - r->origin.x, values[PLY_Y] - r->origin.y,
-                                     values[PLY_Z] - r->origin.z};
-    put_array(&r->arrays[PLY_POSITIONS], i, moved);
+void ply_join_bounds(ply_reader *r, const scene_bounds *bounds) {
+    pthread_mutex_lock(&r->lock);
+    bounds_join(&r->bounds, bounds);
+    pthread_mutex_unlock(&r->lock);
 }
 
-fathom_status ply_choose_origin(ply_reader *r, bool *again) {
+fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_body body, void *user) {
+    fathom_status status = allocate_arrays(r);
+    if (status != FATHOM_OK) return status;
+    loop_parallel(r->threads, count, grain, body, user);
+    status = text_status(&r->file, &r->fault);
+    if (status != FATHOM_OK) return status;
     r->origin = origin_for(&r->bounds);
-    *again = length_f64(r->origin) > 0;
+    r->moving = length_f64(r->origin) > 0;
+    if (!r->moving) return FATHOM_OK;
     ply_array *positions = &r->arrays[PLY_POSITIONS];
-    if (*again && !positions->own) positions->values = NULL;
-    return ply_allocate_arrays(r);
+    if (!positions->own) positions->values = NULL;
+    status = allocate_arrays(r);
+    if (status == FATHOM_OK) loop_parallel(r->threads, count, grain, body, user);
+    return status;
 }
 
 static void choose_arrays(ply_reader *r) {
@@ -109,23 +85,12 @@ static void choose_arrays(ply_reader *r) {
         }
         /* Properties of an absent array are not read. */
         for (int k = 0; k < kinds[a].components && !r->arrays[a].present; ++k) {
-            r->role[kinds[a].first_role + k] = -1;
+            int *property = &r->role[kinds[a].first_role + k];
+            if (*property >= 0)
+                r->header.elements.items[r->vertex_element].properties.items[*property].role = -1;
+            *property = -1;
         }
     }
-}
-
-static fathom_status make_normals(ply_reader *r) {
-    ply_array *normals = &r->arrays[PLY_NORMALS], *positions = &r->arrays[PLY_POSITIONS];
-    if (!r->options.smooth || r->options.flat || normals->present) return FATHOM_OK;
-    normals->present = true;
-    fathom_status status = ply_allocate_arrays(r);
-    if (status != FATHOM_OK) return status;
-    const normals_input input = {.positions = positions->values,
-                                 .stride = positions->stride,
-                                 .indices = r->indices,
-                                 .triangle_count = r->triangle_count,
-                                 .slot_count = r->vertex_count};
-    return normals_smooth(r->scene->context, &input, normals->own);
 }
 
 static void release_map(void *data) {
@@ -153,9 +118,17 @@ static fathom_status add_mesh(ply_reader *r) {
     mesh.vertex_count = r->vertex_count;
     mesh.indices = r->indices;
     mesh.triangle_count = (uint32_t)r->triangle_count;
-    if (r->arrays[PLY_NORMALS].present) {
-        mesh.normals = r->arrays[PLY_NORMALS].values;
-        mesh.normal_stride = r->arrays[PLY_NORMALS].stride;
+    ply_array *normals = &r->arrays[PLY_NORMALS];
+    if (!normals->present && r->options.smooth && !r->options.flat) {
+        normals->present = true;
+        fathom_status status = allocate_arrays(r);
+        if (status == FATHOM_OK)
+            status = normals_smooth(r->scene->context, &mesh, NULL, r->vertex_count, normals->own);
+        if (status != FATHOM_OK) return status;
+    }
+    if (normals->present) {
+        mesh.normals = normals->values;
+        mesh.normal_stride = normals->stride;
         mesh.normal_count = r->vertex_count;
     }
     if (r->arrays[PLY_UVS].present) {
@@ -181,14 +154,24 @@ static fathom_status read_mapped(ply_reader *r) {
     choose_arrays(r);
     status = r->header.format == PLY_ASCII ? ply_read_ascii(r) : ply_read_binary(r);
     if (status != FATHOM_OK) return status;
-    notes_add(&r->notes, r->small, "", "faces of less than 3 corners are left out");
     if (!r->triangle_count) {
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
                          "no faces: expected at least one with 3 corners or more");
     }
-    status = make_normals(r);
-    if (status == FATHOM_OK) status = keep_map(r);
+    status = keep_map(r);
     return status == FATHOM_OK ? add_mesh(r) : status;
+}
+
+static void release(ply_reader *r) {
+    for (size_t i = 0; i < r->piece_count; ++i) {
+        array_free(&r->pieces[i].indices);
+        array_free(&r->pieces[i].polygons);
+        array_free(&r->pieces[i].row);
+    }
+    free(r->pieces);
+    for (size_t i = 0; i < r->header.elements.count; ++i) array_free(&r->header.elements.items[i].properties);
+    array_free(&r->header.elements);
+    text_close(&r->file);
 }
 
 fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
@@ -197,14 +180,13 @@ fathom_status read_ply(fathom_scene *scene, fathom_id group, const char *path,
                     .group = group,
                     .options = *options,
                     .threads = fathom_context_threads(scene->context),
-                    .bounds = bounds_empty(),
-                    .lock = PTHREAD_MUTEX_INITIALIZER};
+                    .lock = PTHREAD_MUTEX_INITIALIZER,
+                    .bounds = bounds_empty()};
     fathom_status status = file_open(scene->context, path, &r.map);
     if (status != FATHOM_OK) return status;
     status = ply_open_text(&r, path);
     if (status == FATHOM_OK) status = read_mapped(&r);
     if (status == FATHOM_OK) notes_tell(&r.notes, scene->context, path);
-    ply_free_header(&r.header);
-    text_close(&r.file);
+    release(&r);
     return file_finish(scene->context, &r.map, status);
 }

@@ -1,20 +1,224 @@
+/* Rows of bytes. They are read in blocks: rows that differ in size are walked once, which notes where each
+ * block begins. */
 #include "read/ply/ply.h"
 
-#include "base/threads.h"
-
+#include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
+
+#ifndef PLY_BLOCK /* fuzzing cuts small files */
+#define PLY_BLOCK 4096
+#endif
+
+/* Where the rows of an element lie. */
+typedef struct ply_rows {
+    const ply_element *element;
+    const unsigned char *begin, *end;
+    size_t row;                   /* bytes of every row, if they are alike */
+    size_t *offsets;              /* of each property in the row, if they are alike */
+    const unsigned char **blocks; /* else where each block begins */
+    size_t block_count;
+} ply_rows;
 
 typedef struct binary_reader {
     ply_reader *r;
-    bool big;
+    bool big; /* the most significant byte comes first */
     ply_rows vertices, faces;
-    bool moving;       /* vertices are stored a second time, from the origin */
-    ply_faces *pieces; /* one for each block, where faces are not all alike */
-    uint32_t corners;  /* of every face, where they are */
+    atomic_bool refused; /* copy_triangles() found an index out of range */
 } binary_reader;
 
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "little-endian files are used in place");
+
+static inline uint32_t load_32(const unsigned char *p, bool big) {
+    uint32_t bits;
+    memcpy(&bits, p, sizeof bits);
+    return big ? __builtin_bswap32(bits) : bits;
+}
+
+/* Every type's numbers are doubles exactly. */
+static inline double load(const unsigned char *p, ply_type type, bool big) {
+    uint16_t bits16;
+    uint32_t bits32;
+    uint64_t bits64;
+    float single;
+    double number;
+    switch (type) {
+    case PLY_INT8: return (int8_t)*p;
+    case PLY_UINT8: return *p;
+    case PLY_INT16:
+    case PLY_UINT16:
+        memcpy(&bits16, p, sizeof bits16);
+        if (big) bits16 = __builtin_bswap16(bits16);
+        return type == PLY_INT16 ? (int16_t)bits16 : bits16;
+    case PLY_INT32: return (int32_t)load_32(p, big);
+    case PLY_UINT32: return load_32(p, big);
+    case PLY_FLOAT32:
+        bits32 = load_32(p, big);
+        memcpy(&single, &bits32, sizeof single);
+        return (double)single;
+    case PLY_FLOAT64:
+        memcpy(&bits64, p, sizeof bits64);
+        if (big) bits64 = __builtin_bswap64(bits64);
+        memcpy(&number, &bits64, sizeof number);
+        return number;
+    }
+    return 0;
+}
+
+/* ---- where rows lie ---- */
+
+static size_t bytes_left(const ply_reader *r, const unsigned char *p) {
+    return (size_t)((const unsigned char *)r->file.end - p);
+}
+
+/* The length of the list at `p`, past which it moves; false after a fault. */
+static bool list_count(const binary_reader *b, const ply_property *list, const unsigned char **p,
+                       uint64_t *out) {
+    text_fault *fault = &b->r->fault;
+    size_t size = ply_size(list->count_type), left = bytes_left(b->r, *p);
+    if (left < size) return text_wrong(fault, *p, list->name, "the file ends before the list's length");
+    double count = load(*p, list->count_type, b->big);
+    bool whole = list->count_type < PLY_FLOAT32 || count == floor(count);
+    if (!(count >= 0 && count < 0x1p32) || !whole)
+        return text_wrong(fault, *p, list->name, "a list of length %g", count);
+    *out = (uint64_t)count;
+    if (*out > (left - size) / ply_size(list->type))
+        return text_wrong(fault, *p, list->name,
+                          "a list of %llu numbers does not fit into the %zu bytes that follow",
+                          (unsigned long long)*out, left - size);
+    *p += size;
+    return true;
+}
+
+/* The end of the row at `p`, NULL after a fault. */
+static const unsigned char *walk_row(const binary_reader *b, const ply_element *element,
+                                     const unsigned char *p, size_t *offsets) {
+    const unsigned char *begin = p;
+    for (size_t i = 0; i < element->properties.count; ++i) {
+        const ply_property *property = &element->properties.items[i];
+        offsets[i] = (size_t)(p - begin);
+        uint64_t count = 1;
+        if (property->is_list && !list_count(b, property, &p, &count)) return NULL;
+        size_t bytes = (size_t)count * ply_size(property->type);
+        if (bytes > bytes_left(b->r, p)) {
+            text_wrong(&b->r->fault, p, property->name, "the file ends before it");
+            return NULL;
+        }
+        p += bytes;
+    }
+    return p;
+}
+
+/* Whether all rows have lists as long as the first row's, so that all rows have one size. By induction: a row
+ * that starts at its assumed place and has those lengths ends where the next one is assumed to start. */
+typedef struct likeness {
+    const ply_rows *rows;
+    atomic_bool differs;
+} likeness;
+
+static void compare_rows(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    likeness *all = user;
+    const ply_rows *rows = all->rows;
+    bool differs = false;
+    for (size_t k = 0; k < rows->element->properties.count; ++k) {
+        const ply_property *property = &rows->element->properties.items[k];
+        if (!property->is_list) continue;
+        const unsigned char *count = rows->begin + rows->offsets[k];
+        size_t size = ply_size(property->count_type);
+        if (size == 1) {
+            for (size_t i = begin; i < end; ++i) differs |= count[i * rows->row] != *count;
+        } else {
+            for (size_t i = begin; i < end; ++i) differs |= memcmp(count + i * rows->row, count, size) != 0;
+        }
+    }
+    if (differs) atomic_store(&all->differs, true);
+}
+
+static bool rows_are_alike(const binary_reader *b, const ply_rows *rows) {
+    likeness all = {.rows = rows};
+    if (rows->element->count > bytes_left(b->r, rows->begin) / rows->row) return false;
+    loop_parallel(b->r->threads, (size_t)rows->element->count, 1u << 16, compare_rows, &all);
+    return !all.differs;
+}
+
+/* False after a fault or without memory. */
+static bool walk_rows(const binary_reader *b, ply_rows *rows) {
+    const unsigned char *p = rows->begin;
+    rows->blocks = malloc(rows->block_count * sizeof *rows->blocks);
+    if (!rows->blocks) return text_no_memory(&b->r->fault);
+    for (uint64_t i = 0; p && i < rows->element->count; ++i) {
+        if (i % PLY_BLOCK == 0) rows->blocks[i / PLY_BLOCK] = p;
+        p = walk_row(b, rows->element, p, rows->offsets);
+    }
+    rows->end = p;
+    return p != NULL;
+}
+
+/* Finds the rows of the element, which begin at `begin`. */
+static bool find_rows(const binary_reader *b, const ply_element *element, const unsigned char *begin,
+                      ply_rows *out) {
+    *out = (ply_rows){.element = element, .begin = begin, .end = begin};
+    if (!element->count) return true;
+    out->block_count = (size_t)((element->count + PLY_BLOCK - 1) / PLY_BLOCK);
+    out->offsets = malloc(element->properties.count * sizeof *out->offsets);
+    if (!out->offsets) return text_no_memory(&b->r->fault);
+    const unsigned char *second = walk_row(b, element, begin, out->offsets);
+    if (!second) return false;
+    out->row = (size_t)(second - begin);
+    if (!rows_are_alike(b, out)) return walk_rows(b, out);
+    out->end = begin + element->count * out->row;
+    return true;
+}
+
+static void free_rows(const ply_rows *rows) { free(rows->offsets), free(rows->blocks); }
+
+/* Walks through all elements up to the last one that is needed. */
+static bool find_all_rows(binary_reader *b) {
+    ply_reader *r = b->r;
+    const unsigned char *p = (const unsigned char *)r->header.body;
+    size_t last = r->vertex_element > r->face_element ? r->vertex_element : r->face_element;
+    for (size_t i = 0; i <= last; ++i) {
+        ply_rows rows;
+        bool found = find_rows(b, &r->header.elements.items[i], p, &rows);
+        p = rows.end;
+        if (i == r->vertex_element)
+            b->vertices = rows;
+        else if (i == r->face_element)
+            b->faces = rows;
+        else
+            free_rows(&rows);
+        if (!found) return false;
+    }
+    if (last + 1 == r->header.elements.count)
+        notes_add(&r->notes, bytes_left(r, p), "",
+                  "bytes after the rows that the header promises are left out");
+    return true;
+}
+
+/* Calls visit() for each row of a block, until it returns false. */
+typedef bool row_visit(const binary_reader *b, uint64_t number, const unsigned char *row,
+                       const size_t *offsets, void *user);
+
+static void each_row(const binary_reader *b, const ply_rows *rows, size_t block, row_visit *visit,
+                     void *user) {
+    uint64_t first = (uint64_t)block * PLY_BLOCK, left = rows->element->count - first;
+    uint64_t end = first + (left < PLY_BLOCK ? left : PLY_BLOCK);
+    const unsigned char *row = rows->blocks ? rows->blocks[block] : rows->begin + first * rows->row;
+    size_t *own = rows->blocks ? malloc(rows->element->properties.count * sizeof *own) : NULL;
+    bool good = own || !rows->blocks || text_no_memory(&b->r->fault);
+    for (uint64_t i = first; good && i < end; ++i) {
+        const unsigned char *next = own ? walk_row(b, rows->element, row, own) : row + rows->row;
+        good = next && visit(b, i, row, own ? own : rows->offsets, user);
+        row = next;
+    }
+    free(own);
+}
+
+/* ---- vertices ---- */
+
 /* Uses the mapped file in place where it holds aligned little-endian floats in rows of one size. */
-static void use_in_place(binary_reader *b, ply_array *array) {
+static void use_in_place(const binary_reader *b, ply_array *array) {
     const ply_rows *rows = &b->vertices;
     if (!array->present || rows->blocks || rows->row % sizeof(float) || b->big) return;
     if (b->r->file.copy) return; /* it does not outlive the reader */
@@ -34,7 +238,7 @@ static bool all_in_place(const ply_reader *r) {
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         if (r->arrays[a].present && (!r->arrays[a].values || r->arrays[a].own)) return false;
     }
-    return true;
+    return !r->moving;
 }
 
 /* Checks rows that need no conversion: true if all are finite. v - v is 0 for a finite v, else NaN. */
@@ -59,223 +263,112 @@ static bool check_in_place(const ply_reader *r, uint64_t begin, uint64_t end, sc
     return true;
 }
 
-static void load_vertex(const binary_reader *b, const ply_row *row, double values[PLY_ROLES]) {
+static bool read_vertex(const binary_reader *b, uint64_t number, const unsigned char *row,
+                        const size_t *offsets, void *bounds) {
+    double values[PLY_ROLES] = {0};
     for (int role = 0; role < PLY_ROLES; ++role) {
         int property = b->r->role[role];
-        values[role] = 0;
         if (property < 0) continue;
-        values[role] = ply_load(row->at + row->offsets[property],
-                                b->vertices.element->properties.items[property].type, b->big);
+        values[role] =
+            load(row + offsets[property], b->vertices.element->properties.items[property].type, b->big);
     }
-}
-
-static void read_vertex_block(const binary_reader *b, size_t block, scene_bounds *bounds) {
-    ply_row row;
-    double values[PLY_ROLES];
-    bool more = ply_first_row(b->r, &b->vertices, block, &row);
-    for (; more; more = more && ply_next_row(b->r, &b->vertices, &row)) {
-        load_vertex(b, &row, values);
-        if (b->moving)
-            ply_put_position(b->r, (uint32_t)row.number, values);
-        else
-            more = ply_put_vertex(b->r, (uint32_t)row.number, values, row.at, bounds);
-    }
-    ply_free_row(&row);
+    return ply_put_vertex(b->r, (uint32_t)number, values, row, bounds);
 }
 
 static void read_vertices(void *user, size_t begin, size_t end, unsigned worker) {
     (void)worker;
     const binary_reader *b = user;
     scene_bounds bounds = bounds_empty();
-    bool in_place = !b->moving && all_in_place(b->r);
+    bool in_place = all_in_place(b->r);
     for (size_t block = begin; block < end; ++block) {
         uint64_t first = (uint64_t)block * PLY_BLOCK, last = first + PLY_BLOCK;
         if (last > b->r->vertex_count) last = b->r->vertex_count;
         if (in_place && check_in_place(b->r, first, last, &bounds)) continue;
-        read_vertex_block(b, block, &bounds);
+        each_row(b, &b->vertices, block, read_vertex, &bounds);
     }
     ply_join_bounds(b->r, &bounds);
 }
 
-static fathom_status read_all_vertices(binary_reader *b) {
-    ply_reader *r = b->r;
-    for (int a = 0; a < PLY_ARRAYS; ++a) use_in_place(b, &r->arrays[a]);
-    fathom_status status = ply_allocate_arrays(r);
-    if (status != FATHOM_OK) return status;
-    loop_parallel(r->threads, b->vertices.block_count, 16, read_vertices, b);
-    status = ply_status(r);
-    if (status == FATHOM_OK) status = ply_choose_origin(r, &b->moving);
-    if (status == FATHOM_OK && b->moving)
-        loop_parallel(r->threads, b->vertices.block_count, 16, read_vertices, b);
-    return status;
-}
+/* ---- faces ---- */
 
 static const ply_property *index_list(const binary_reader *b) {
     return &b->faces.element->properties.items[b->r->index_list];
 }
 
-/* The index may be out of range on either side. */
-static bool load_index(const binary_reader *b, ply_type type, const unsigned char *p, int64_t *out) {
-    double index = ply_load(p, type, b->big);
-    if (!(fabs(index) < 0x1p53) || index != floor(index)) {
-        return ply_wrong(b->r, p, b->faces.element->name, "the index %g is not a whole number", index);
-    }
-    *out = (int64_t)index;
-    return true;
-}
-
-/* When all faces have the same number of corners, the row number gives the place of its triangles. */
-static bool read_alike_row(const binary_reader *b, uint64_t number, polygon_work *work) {
+static bool read_face(const binary_reader *b, uint64_t number, const unsigned char *row,
+                      const size_t *offsets, void *user) {
+    (void)number;
     ply_reader *r = b->r;
+    ply_faces *faces = user;
     const ply_property *list = index_list(b);
-    const unsigned char *p =
-        b->faces.begin + number * b->faces.row + b->faces.offsets[r->index_list] + ply_size(list->count_type);
-    uint32_t *out = r->indices + 3 * number * (b->corners - 2), *fan = out, first = 0, last = 0;
-    for (uint32_t i = 0; i < b->corners; ++i, p += ply_size(list->type)) {
-        int64_t index = 0;
-        if (!load_index(b, list->type, p, &index) || !ply_check_index(r, index, p)) return false;
-        if (i == 0) first = (uint32_t)index;
-        if (i >= 2) {
-            *out++ = first;
-            *out++ = last;
-            *out++ = (uint32_t)index;
-        }
-        last = (uint32_t)index;
+    const unsigned char *p = row + offsets[r->index_list];
+    uint64_t count;
+    if (!list_count(b, list, &p, &count)) return false;
+    for (uint64_t i = 0; i < count; ++i, p += ply_size(list->type)) {
+        double index = load(p, list->type, b->big);
+        if (list->type >= PLY_FLOAT32 && (!(fabs(index) < 0x1p53) || index != floor(index)))
+            return text_wrong(&r->fault, p, b->faces.element->name, "the index %g is not a whole number",
+                              index);
+        if (!ply_push_index(r, faces, (int64_t)index, p)) return false;
     }
-    const polygon_vertices vertices = {r->arrays[PLY_POSITIONS].values, r->arrays[PLY_POSITIONS].stride};
-    if (!polygon_split(work, &vertices, b->corners, fan, NULL, NULL)) ply_no_memory(r);
-    return true;
+    return ply_end_row(r, faces);
 }
 
-/* Copies triangles of 32-bit numbers, by far the most common. False if an index is out of range (negative
- * ones are above 2^31 here): the slow path then finds it. */
-static bool copy_triangles(const binary_reader *b, uint64_t begin, uint64_t end) {
+static void read_blocks(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const binary_reader *b = user;
+    for (size_t block = begin; block < end; ++block)
+        each_row(b, &b->faces, block, read_face, &b->r->pieces[block]);
+}
+
+static void copy_triangles(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    binary_reader *b = user;
     const ply_property *list = index_list(b);
-    if (b->corners != 3 || (list->type != PLY_INT32 && list->type != PLY_UINT32)) return false;
     size_t row = b->faces.row;
     const unsigned char *p =
         b->faces.begin + b->faces.offsets[b->r->index_list] + ply_size(list->count_type) + begin * row;
     uint32_t *out = b->r->indices + 3 * begin, highest = 0;
     for (uint64_t i = begin; i < end; ++i, p += row, out += 3) {
         for (int k = 0; k < 3; ++k) {
-            out[k] = ply_load_32(p + 4 * k, b->big);
+            out[k] = load_32(p + 4 * k, b->big);
             highest = out[k] > highest ? out[k] : highest;
         }
     }
-    return highest < b->r->vertex_count;
+    if (highest >= b->r->vertex_count) atomic_store(&b->refused, true);
 }
 
-static void read_alike(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    const binary_reader *b = user;
-    if (copy_triangles(b, begin, end)) return;
-    polygon_work work = {0};
-    for (uint64_t i = begin; i < end; ++i) {
-        if (!read_alike_row(b, i, &work)) break;
-    }
-    polygon_work_free(&work);
-}
-
-static fathom_status read_alike_faces(binary_reader *b, uint64_t corners) {
-    ply_reader *r = b->r;
-    uint64_t count = b->faces.element->count;
-    if (corners < 3) {
-        r->small = (size_t)count;
-        return FATHOM_OK;
-    }
-    /* Each corner has bytes in the file, so no product overflows. */
-    if (count * (corners - 2) >= UINT32_MAX) {
-        return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
-                         "%llu triangles; at most 2^32 - 2 fit into a mesh",
-                         (unsigned long long)(count * (corners - 2)));
-    }
-    r->triangle_count = (size_t)(count * (corners - 2));
-    b->corners = (uint32_t)corners;
-    void *memory;
-    fathom_status status = scene_allocate_items(r->scene, r->triangle_count, 3 * sizeof *r->indices, &memory);
-    if (status != FATHOM_OK) return status;
-    r->indices = memory;
-    loop_parallel(r->threads, (size_t)count, 1u << 15, read_alike, b);
-    return ply_status(r);
-}
-
-static bool read_face_row(const binary_reader *b, const ply_row *row, ply_faces *faces) {
-    ply_reader *r = b->r;
+/* Whether all faces are triangles with 32-bit indices, by far the most common. Negative indices are out of
+ * range as unsigned ones. */
+static bool has_plain_triangles(const binary_reader *b) {
     const ply_property *list = index_list(b);
-    const unsigned char *p = row->at + row->offsets[r->index_list];
-    uint64_t count;
-    if (!ply_list_count(r, list, &p, &count)) return false;
-    faces->row.count = 0;
-    if (!array_room(&faces->row, (size_t)count)) {
-        faces->out_of_memory = true;
+    if (b->faces.blocks || b->r->strips || (list->type != PLY_INT32 && list->type != PLY_UINT32))
         return false;
-    }
-    for (uint64_t i = 0; i < count; ++i, p += ply_size(list->type)) {
-        if (!load_index(b, list->type, p, &faces->row.items[i])) return false;
-    }
-    faces->row.count = (size_t)count;
-    return ply_push_row(r, faces, row->at);
+    return load(b->faces.begin + b->faces.offsets[b->r->index_list], list->count_type, b->big) == 3;
 }
 
-static void read_blocks(void *user, size_t begin, size_t end, unsigned worker) {
-    (void)worker;
-    const binary_reader *b = user;
-    for (size_t block = begin; block < end; ++block) {
-        ply_row row;
-        bool more = ply_first_row(b->r, &b->faces, block, &row);
-        while (more) more = read_face_row(b, &row, &b->pieces[block]) && ply_next_row(b->r, &b->faces, &row);
-        ply_free_row(&row);
-    }
-}
-
-static fathom_status read_mixed_faces(binary_reader *b) {
+static fathom_status read_faces(binary_reader *b) {
     ply_reader *r = b->r;
-    b->pieces = calloc(b->faces.block_count, sizeof *b->pieces);
-    if (!b->pieces) return fail_memory(r->scene->context, b->faces.block_count * sizeof *b->pieces);
-    loop_parallel(r->threads, b->faces.block_count, 1, read_blocks, b);
-    fathom_status status = ply_join_faces(r, b->pieces, b->faces.block_count);
-    for (size_t i = 0; i < b->faces.block_count; ++i) ply_free_faces(&b->pieces[i]);
-    free(b->pieces);
-    return status;
-}
-
-static fathom_status read_all_faces(binary_reader *b) {
-    if (b->faces.blocks || b->r->strips) return read_mixed_faces(b);
-    const unsigned char *p = b->faces.begin + b->faces.offsets[b->r->index_list];
-    uint64_t corners;
-    if (!ply_list_count(b->r, index_list(b), &p, &corners)) return ply_status(b->r);
-    return read_alike_faces(b, corners);
-}
-
-/* Walks through all elements up to the last one that is needed. */
-static fathom_status find_rows(binary_reader *b) {
-    ply_reader *r = b->r;
-    const unsigned char *p = (const unsigned char *)r->header.body;
-    size_t last = r->vertex_element > r->face_element ? r->vertex_element : r->face_element;
-    for (size_t i = 0; i <= last; ++i) {
-        ply_rows rows;
-        fathom_status status = ply_find_rows(r, &r->header.elements.items[i], p, &rows);
-        p = rows.end;
-        if (i == r->vertex_element)
-            b->vertices = rows;
-        else if (i == r->face_element)
-            b->faces = rows;
-        else
-            ply_free_rows(&rows);
+    if (has_plain_triangles(b)) {
+        fathom_status status = ply_allocate_triangles(r, b->faces.element->count);
         if (status != FATHOM_OK) return status;
+        loop_parallel(r->threads, r->triangle_count, 1u << 15, copy_triangles, b);
+        if (!b->refused) return FATHOM_OK;
     }
-    if (last + 1 == r->header.elements.count)
-        notes_add(&r->notes, (size_t)((const unsigned char *)r->file.end - p), "",
-                  "bytes after the rows that the header promises are left out");
-    return FATHOM_OK;
+    fathom_status status = ply_make_pieces(r, b->faces.block_count);
+    if (status != FATHOM_OK) return status;
+    loop_parallel(r->threads, r->piece_count, 1, read_blocks, b);
+    return ply_join_faces(r);
 }
 
 fathom_status ply_read_binary(ply_reader *r) {
     binary_reader b = {.r = r, .big = r->header.format == PLY_BIG};
-    fathom_status status = find_rows(&b);
-    if (status == FATHOM_OK) status = read_all_vertices(&b);
-    if (status == FATHOM_OK) status = read_all_faces(&b);
-    ply_free_rows(&b.vertices);
-    ply_free_rows(&b.faces);
+    bool found = find_all_rows(&b);
+    for (int a = 0; found && a < PLY_ARRAYS; ++a) use_in_place(&b, &r->arrays[a]);
+    fathom_status status = found ? ply_read_vertices(r, b.vertices.block_count, 16, read_vertices, &b)
+                                 : text_status(&r->file, &r->fault);
+    if (status == FATHOM_OK) status = read_faces(&b);
+    free_rows(&b.vertices);
+    free_rows(&b.faces);
     return status;
 }

@@ -1,8 +1,30 @@
-/* Triangles in scene JSON. */
-#ifndef READ_JSON_MESH_H
-#define READ_JSON_MESH_H
+/* Scene JSON from the document into the scene. */
+#ifndef READ_JSON_SCENE_H
+#define READ_JSON_SCENE_H
 
-#include "read/json/json_object.h"
+#include "math/affine.h"
+#include "math/frame.h"
+#include "read/json/json_doc.h"
+#include "scene/scene.h"
+
+typedef struct object_reader {
+    const doc *doc;
+    fathom_scene *scene;
+    json_t *materials, *groups; /* the ids by name */
+} object_reader;
+
+/* Adds the objects of `list` to `group`, in their order. */
+fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group);
+
+/* ---- frames and transforms (json_object.c) ---- */
+
+/* `value` is the "frame" object that was read into `values`. */
+fathom_status place_frame(const doc *d, const where *at, json_t *value, const form_frame_values *values,
+                          frame_f64 *out);
+
+double place_radians(double degrees);
+
+/* ---- triangles (json_mesh.c) ---- */
 
 /* Successive triangles with the same material, flags and kinds of data: they become one mesh, because a
  * tracer handles one mesh of many triangles far better than many of one. */
