@@ -209,7 +209,7 @@ static fathom_material through_file(const char *name, const fathom_material *mat
     unlink(in_folder(name)), unlink(in_folder("m.mtl"));
     id = scene_find_material(back, "m");
     assert_int_not_equal(id, FATHOM_NONE);
-    fathom_material out = back->materials.items[id].value;
+    fathom_material out = back->materials.items[id].classic;
     fathom_scene_destroy(back);
     fathom_scene_destroy(scene);
     return out;

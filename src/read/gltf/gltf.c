@@ -27,13 +27,21 @@ static fathom_status check_version(gltf *g) {
 
 /* Extensions that are followed, or that only change how textures, which are not read, are stored. */
 static const char *const known_extensions[] = {
-    "KHR_lights_punctual",        "KHR_materials_ior",
-    "KHR_materials_transmission", "KHR_materials_specular",
-    "KHR_materials_unlit",        "KHR_materials_emissive_strength",
-    "KHR_materials_volume",       "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_node_visibility",        "KHR_texture_transform",
-    "KHR_texture_basisu",         "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_volume",
+    "KHR_materials_clearcoat",
+    "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+    "KHR_texture_basisu",
+    "EXT_texture_webp",
     "EXT_texture_avif",
 };
 
