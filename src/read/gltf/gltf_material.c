@@ -167,17 +167,6 @@ static fathom_status read_clearcoat(gltf *g, const gltf_value *extensions, facto
     return status;
 }
 
-/* Extensions that are not followed. */
-static void note_unread(gltf *g, const gltf_value *extensions) {
-    static const char *const unread[] = {"KHR_materials_sheen", "KHR_materials_anisotropy",
-                                         "KHR_materials_iridescence", "KHR_materials_dispersion",
-                                         "KHR_materials_diffuse_transmission"};
-    for (size_t i = 0; i < sizeof unread / sizeof *unread; ++i) {
-        if (json_object_get(extensions->json, unread[i]))
-            gltf_note(g, extensions, NULL, "%s is not read", unread[i]);
-    }
-}
-
 static fathom_status read_extensions(gltf *g, const gltf_value *at, factors *f) {
     gltf_value extensions, transmission, emissive, glossiness;
     fathom_status status = gltf_object(g, at, "extensions", &extensions);
@@ -185,7 +174,6 @@ static fathom_status read_extensions(gltf *g, const gltf_value *at, factors *f) 
     if (status == FATHOM_OK) status = read_specular(g, &extensions, f);
     if (status == FATHOM_OK) status = read_volume(g, &extensions, f);
     if (status == FATHOM_OK) status = read_clearcoat(g, &extensions, f);
-    note_unread(g, &extensions);
     if (status == FATHOM_OK)
         status = gltf_object(g, &extensions, "KHR_materials_transmission", &transmission);
     if (status != FATHOM_OK) return status;
