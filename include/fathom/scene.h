@@ -33,8 +33,8 @@ typedef enum fathom_specular {
 
 typedef enum fathom_model {
     FATHOM_MODEL_CLASSIC,           /* k_a to lit_from_behind */
-    FATHOM_MODEL_METALLIC_ROUGHNESS /* ior, and base_color to dispersion: glTF 2.0 with its material
-                                       extensions */
+    FATHOM_MODEL_METALLIC_ROUGHNESS /* ior, and base_color to multiscatter: glTF 2.0 with extensions
+                                       of its materials */
 } fathom_model;
 
 typedef struct fathom_material {
@@ -64,15 +64,7 @@ typedef struct fathom_material {
     float thickness;         /* > 0: the mesh bounds a volume, and light refracts; 0: thin walls; default 0 */
     float attenuation_color[3]; /* what is left of white light after attenuation_distance; default 1 */
     float attenuation_distance; /* 0 (default): nothing is absorbed */
-    float clearcoat, clearcoat_roughness; /* default 0 */
-    float sheen_color[3];                 /* default 0 */
-    float sheen_roughness;                /* default 0 */
-    float anisotropy;                     /* default 0 */
-    float anisotropy_rotation;            /* radians, counter-clockwise from the tangent; default 0 */
-    float iridescence;                    /* default 0 */
-    float iridescence_ior;                /* of the film, >= 1; default 1.3 */
-    float iridescence_thickness;          /* of the film, nanometres; default 400 */
-    float dispersion;                     /* 20 / Abbe number, >= 0; default 0 */
+    float clearcoat, clearcoat_roughness; /* of a clear layer over everything; default 0 */
     float opacity;                        /* coverage by chance; default 1 */
     bool multiscatter; /* rough lobes get back what they lose to multiple scattering; default true */
 } fathom_material;

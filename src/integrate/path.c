@@ -163,7 +163,7 @@ static void dim_by_media(const path_wave *p, const vertex_block *v, const light_
                          const uint32_t behind[LANES], lanes3 gain) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         float left[3];
-        if (behind[i])
+        if (behind[i] && p->wave.run.plan->shaders[v->surface.material[i]].encloses)
             media_left_behind(p->media, v->path.slot[i], v->surface.material[i], v->surface.entering[i] != 0,
                               ray->distance[i], left);
         else
@@ -244,7 +244,8 @@ static void push_path(path_wave *p, const vertex_block *v, const shader_sample *
     p->density[slot] = to->density[i];
     path->slot[lane] = slot;
     path->depth[lane] = through ? v->depth_behind[i] : v->path.depth[i];
-    if (through && p->media) media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
+    if (through && p->media && w->run.plan->shaders[s->material[i]].encloses)
+        media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
     w->run.rays.refraction += through;
     w->run.rays.reflection += !through;
     ++w->next.count;

@@ -30,7 +30,8 @@ static void prepare_classic(const fathom_material *m, shader *out) {
     out->blinn = shiny && !phong ? ~0u : 0;
     out->fresnel = m->fresnel ? ~0u : 0;
     out->from_behind = m->lit_from_behind ? ~0u : 0;
-    out->transmits = m->lit_from_behind || any(m->k_t);
+    out->encloses = any(m->k_t);
+    out->transmits = m->lit_from_behind || out->encloses;
     out->lobes = (any(m->k_d) ? SHADER_DIFFUSE : 0u) | (shiny ? SHADER_HIGHLIGHT : 0u) |
                  (any(m->k_r) || any(m->k_t) ? SHADER_CLASSIC : 0u) |
                  (m->lit_from_behind ? SHADER_BEHIND : 0u);
@@ -105,6 +106,7 @@ static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out
     const bool solid = m->thickness > 0 && m->ior > 0 && m->ior != 1;
     if (!any(out->cross)) return 0;
     out->transmits = true;
+    out->encloses = m->thickness > 0;
     if (!solid)
         return alpha < SHADER_SMOOTH_ALPHA ? SHADER_PASS : (m->thickness > 0 ? SHADER_PASS : SHADER_THIN);
     out->eta = fminf(fmaxf(m->ior, 1e-3f), 1e3f);

@@ -56,6 +56,7 @@ typedef struct shader {
     float albedo[3];     /* for the AOV: what it reflects or lets through of white light, about */
     float absorption[3]; /* per unit of length, of the volume that the surface encloses: -ln c / d; else 0 */
     bool transmits;      /* some lobe sends light to the other side */
+    bool encloses;       /* what it transmits enters or leaves a volume; a thin wall has none */
     /* The members below are the kernels' own. */
     uint32_t lobes;                 /* SHADER_ bits */
     float diffuse[3];               /* Lambert's reflectance; with SHADER_EVEN over the mean of `under` */

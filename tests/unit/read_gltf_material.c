@@ -269,18 +269,26 @@ static void factors_are_kept_for_path_tracing(void **state) {
                   "'KHR_materials_ior':{'ior':1.25},'KHR_materials_emissive_strength':{'emissiveStrength':8},"
                   "'KHR_materials_transmission':{'transmissionFactor':0.5},'KHR_materials_specular':{"
                   "'specularFactor':0.5,'specularColorFactor':[1,0.5,2]},'KHR_materials_volume':{"
-                  "'thicknessFactor':2,'attenuationDistance':3,'attenuationColor':[0.5,1,0.25]}}")
+                  "'thicknessFactor':2,'attenuationDistance':3,'attenuationColor':[0.5,1,0.25]},"
+                  "'KHR_materials_clearcoat':{'clearcoatFactor':0.5,'clearcoatRoughnessFactor':0.25}}")
             .value;
     assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
     assert_true(m.base_color[0] == 0.5f && m.base_color[1] == 0.25f && m.opacity == 0.75f);
     assert_true(m.metallic == 0.25f && m.roughness == 0.125f && m.ior == 1.25f && m.transmission == 0.5f);
     assert_true(m.emissive[0] == 1 && m.emissive[1] == 0.5f && m.emissive_strength == 8);
     assert_true(m.specular_factor == 0.5f && m.specular_color[2] == 2);
+    assert_true(m.clearcoat == 0.5f && m.clearcoat_roughness == 0.25f);
     assert_true(m.thickness == 2 && m.attenuation_distance == 3 && m.attenuation_color[2] == 0.25f);
     m = read_both(f, "'extensions':{'KHR_materials_unlit':{}}").value;
     assert_true(m.emissive[0] == 1 && m.base_color[0] == 0 && m.specular_factor == 0 && m.metallic == 0);
     m = read_both(f, "'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}").value;
     assert_true(m.opacity == 0);
+}
+
+static void extensions_that_are_not_read_are_told(void **state) {
+    fixture *f = *state;
+    read_material(f, "'extensions':{'KHR_materials_sheen':{},'KHR_materials_dispersion':{'dispersion':1}}");
+    assert_int_equal(f->warnings, 2);
 }
 
 /* Names stay, a material is made once, and one that is not named is the format's default: white rough metal.
@@ -318,6 +326,7 @@ int main(void) {
         TEST(clear_materials_cast_no_shadow),
         TEST(masked_surfaces_are_absent),
         TEST(factors_are_kept_for_path_tracing),
+        TEST(extensions_that_are_not_read_are_told),
         TEST(materials_keep_names_and_have_a_default),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -115,13 +115,10 @@ static void unknown_parameters_are_refused_by_name(void **state) {
     (void)state;
     fathom_material m = law_metallic();
     m.clearcoat = 1, refused_with(m, "clearcoat");
-    m = law_metallic(), m.sheen_color[1] = 0.5f, refused_with(m, "sheen_color");
-    m = law_metallic(), m.iridescence = 1, refused_with(m, "iridescence");
     m = law_metallic(), m.roughness = 0.5f, m.metallic = 1;
     m.multiscatter = true, refused_with(m, "multiscatter");
-    m.multiscatter = false, m.anisotropy = 0.5f, refused_with(m, "anisotropy");
-    m = law_metallic(), m.transmission = m.thickness = m.dispersion = 1, refused_with(m, "dispersion");
-    m.dispersion = 0, m.specular_factor = 0.5f, refused_with(m, "specular_factor");
+    m = law_metallic(), m.transmission = m.thickness = 1;
+    m.specular_factor = 0.5f, refused_with(m, "specular_factor");
 }
 
 static void overlapping_volumes_are_refused(void **state) {

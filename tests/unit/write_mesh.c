@@ -73,7 +73,7 @@ static void add_mesh(const fathom_scene *scene, const fathom_mesh *m, const affi
         triangle tri = {.has_normals = m->normals != NULL, .has_uvs = m->uvs != NULL};
         for (size_t k = 0; k < 3; ++k)
             tri.corners[mirrored && k ? 3 - k : k] = make_corner(m, 3 * t + k, &map, &inverse);
-        memcpy(tri.color, scene->materials.items[material != FATHOM_NONE ? material : m->material].value.k_d,
+        memcpy(tri.color, scene->materials.items[material != FATHOM_NONE ? material : m->material].classic.k_d,
                12);
         assert_true(array_push(&out->triangles, tri));
     }
@@ -319,7 +319,7 @@ static const fathom_material *read_back(fathom_scene *scene, const char *name, c
     fathom_id id = scene_find_material(*back, material);
     assert_int_not_equal(id, FATHOM_NONE);
     remove_file(name);
-    return &(*back)->materials.items[id].value;
+    return &(*back)->materials.items[id].classic;
 }
 
 static fathom_scene *scene_with(const char *name, const fathom_material *material) {

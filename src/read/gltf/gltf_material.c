@@ -3,8 +3,8 @@
  * - alphaMode MASK: a base alpha below the cutoff makes the surface absent (k_t = 1, ior 1:
  * scene/mesh/absent.h).
  * - alphaMode BLEND: base alpha is coverage.
- * - KHR_materials_volume: path tracing alone; without it transmission is a thin wall there, and solid for the
- *   classic model.
+ * - KHR_materials_clearcoat and KHR_materials_volume: path tracing alone; without a volume transmission is a
+ * thin wall there, and solid for the classic model.
  * - KHR_materials_unlit: emission of the base colour, nothing else.
  * - KHR_materials_pbrSpecularGlossiness: an ior of 0 with the specular colour, a dielectric with the diffuse
  *   colour as b, and r = 1 - glossiness.
@@ -32,7 +32,8 @@ typedef enum alpha_mode { ALPHA_OPAQUE, ALPHA_MASK, ALPHA_BLEND } alpha_mode;
 typedef struct factors {
     metallic_factors to; /* base and cover once all is read */
     double base[4], cutoff;
-    double thickness, attenuation_color[3], attenuation_distance; /* path tracing alone */
+    double thickness, attenuation_color[3], attenuation_distance; /* path tracing alone, */
+    double clearcoat, clearcoat_roughness;                        /* these, too */
     alpha_mode alpha;
 } factors;
 
@@ -154,12 +155,25 @@ static fathom_status read_volume(gltf *g, const gltf_value *extensions, factors 
     return status;
 }
 
+static fathom_status read_clearcoat(gltf *g, const gltf_value *extensions, factors *f) {
+    gltf_value coat;
+    fathom_status status = gltf_object(g, extensions, "KHR_materials_clearcoat", &coat);
+    if (status == FATHOM_OK) status = gltf_number(g, &coat, "clearcoatFactor", 0, 1, &f->clearcoat);
+    if (status == FATHOM_OK)
+        status = gltf_number(g, &coat, "clearcoatRoughnessFactor", 0, 1, &f->clearcoat_roughness);
+    lacks_texture(g, &coat, "clearcoatTexture", "1");
+    lacks_texture(g, &coat, "clearcoatRoughnessTexture", "1");
+    lacks_texture(g, &coat, "clearcoatNormalTexture", "flat");
+    return status;
+}
+
 static fathom_status read_extensions(gltf *g, const gltf_value *at, factors *f) {
     gltf_value extensions, transmission, emissive, glossiness;
     fathom_status status = gltf_object(g, at, "extensions", &extensions);
     if (status == FATHOM_OK) status = read_ior(g, &extensions, f);
     if (status == FATHOM_OK) status = read_specular(g, &extensions, f);
     if (status == FATHOM_OK) status = read_volume(g, &extensions, f);
+    if (status == FATHOM_OK) status = read_clearcoat(g, &extensions, f);
     if (status == FATHOM_OK)
         status = gltf_object(g, &extensions, "KHR_materials_transmission", &transmission);
     if (status != FATHOM_OK) return status;
@@ -208,6 +222,8 @@ static void make(factors *f, fathom_material *material, fathom_material *classic
     metallic_to_classic(&f->to, classic);
     metallic_to_material(&f->to, material);
     material->thickness = (float)f->thickness;
+    material->clearcoat = (float)f->clearcoat;
+    material->clearcoat_roughness = (float)f->clearcoat_roughness;
     material->attenuation_distance = (float)f->attenuation_distance;
     for (int c = 0; c < 3; ++c) material->attenuation_color[c] = (float)f->attenuation_color[c];
 }
