@@ -93,6 +93,27 @@ static void test_edge_and_leak(void **state) {
     court_close(&c);
 }
 
+/* Next to a slit that is narrower than what the precision can tell, a ray may pass: on all sides at that
+ * distance is surface. */
+static void test_slit(void **state) {
+    (void)state;
+    const float e = 2e-6f, x[4] = {-1, -e, e, 1};
+    float *positions = NULL;
+    static const uint32_t indices[12] = {0, 1, 4, 1, 5, 4, 2, 3, 6, 3, 7, 6};
+    court c;
+    court_open(&c);
+    positions = stage_memory(&c.stage, 24 * sizeof *positions);
+    for (int k = 0; k < 8; ++k) positions[3 * k] = x[k % 4], positions[3 * k + 1] = k < 4 ? -1 : 1;
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = positions, mesh.vertex_count = 8, mesh.indices = indices, mesh.triangle_count = 4;
+    assert_ok(c.stage.context, fathom_scene_add_mesh(c.stage.scene, FATHOM_ROOT, &mesh, NULL));
+    court_begin(&c);
+    assert_int_equal(judged(&c, &plain, down(-2.1e-6f, 0.1f), miss), VERDICT_EDGE);
+    assert_int_equal(judged(&c, &plain, down(-1e-4f, 0.1f), miss), VERDICT_WRONG);
+    court_close(&c);
+}
+
 /* The surface behind is right only where the interval or an edge hides the one in front. */
 static void test_range(void **state) {
     (void)state;
@@ -665,6 +686,7 @@ int main(void) {
         cmocka_unit_test(test_far_root),      cmocka_unit_test(test_open_ends),
         cmocka_unit_test(test_details),       cmocka_unit_test(test_statistics),
         cmocka_unit_test(test_declared_unit), cmocka_unit_test(test_power),
+        cmocka_unit_test(test_slit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
