@@ -11,9 +11,11 @@ typedef struct statistics_finding {
 } statistics_finding;
 typedef ARRAY(statistics_finding) statistics_findings;
 
-/* Errors over condition number and unit roundoff. Correct tracers stay below 0.5 (median) and 4 (largest). */
+/* Errors over condition number and unit roundoff. Correct tracers stay below 0.5 (median). The largest are
+ * below 4, but where many inputs are exactly zero, which have no part in a condition number: 36 in scenes of
+ * boxes. */
 #define STATISTICS_MEDIAN 1.0
-#define STATISTICS_HIGH 8.0  /* of the 99.9th percentile */
+#define STATISTICS_HIGH 64.0 /* of the 99.9th percentile: the largest constant of any bound */
 #define STATISTICS_LEAST 100 /* hits, or nothing is said */
 
 /* The mean signed error of t, in units of roundoff, may be this much by rules of rounding alone (an

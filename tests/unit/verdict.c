@@ -372,7 +372,7 @@ static void test_statistics(void **state) {
     memset(&f, 0, sizeof f);
     for (int i = 0; i < 1000; ++i) histogram_add(&f.constants, i < 995 ? 0.3 : 3);
     assert_int_equal(found_of(&f, RAYS_UNIFORM), 0);
-    for (int i = 0; i < 10; ++i) histogram_add(&f.constants, 30);
+    for (int i = 0; i < 10; ++i) histogram_add(&f.constants, 100);
     assert_int_equal(found_of(&f, RAYS_UNIFORM), 1); /* the 99.9th percentile */
     memset(&f, 0, sizeof f);
     /* A mean of 3 units with a standard error of 0.03, then of 3 with one of 3. */

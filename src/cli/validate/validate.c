@@ -443,7 +443,7 @@ const command command_validate = {
             "while the same tracer is built for other scenes; answers that differ are judged,\n"
             "too. A small render's own calls are judged before and after its repair of leaks.\n"
             "Statistics are held against limits: errors in units of their condition (median 1,\n"
-            "99.9th percentile 8), the mean of signed errors (2 roundoffs, at 6 standard\n"
+            "99.9th percentile 64), the mean of signed errors (2 roundoffs, at 6 standard\n"
             "errors, level 1e-9), leaks against known rates (the same), and the unit roundoff\n"
             "that a library declares (64 times the measured one).\n"
             "Without SCENE built-in scenes of every shape are used: spheres, quads, triangles,\n"
