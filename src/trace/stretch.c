@@ -2,15 +2,23 @@
 
 #include <float.h>
 
+/* The component at the scale of its direction. */
+static float scaled(float part, int e) {
+    part = ldexpf(part, -e);
+    return fabsf(part) < STRETCH_ZERO ? copysignf(0, part) : part;
+}
+
 void stretch_rays(trace_rays *r, unsigned lanes, stretch *out) {
     for (unsigned i = 0; i < lanes; ++i) {
-        float m = fmaxf(fabsf(r->dir_x[i]), fmaxf(fabsf(r->dir_y[i]), fabsf(r->dir_z[i])));
-        bool fits = m >= STRETCH_LOW && m <= STRETCH_HIGH, usable = m >= FLT_MIN && m <= FLT_MAX;
+        float x = fabsf(r->dir_x[i]), y = fabsf(r->dir_y[i]), z = fabsf(r->dir_z[i]),
+              m = fmaxf(x, fmaxf(y, z));
+        bool tiny = stretch_tiny(x) | stretch_tiny(y) | stretch_tiny(z);
+        bool fits = m >= STRETCH_LOW && m <= STRETCH_HIGH && !tiny, usable = m >= FLT_MIN && m <= FLT_MAX;
         int e = out->exponent[i] = fits || !usable ? 0 : ilogbf(m);
-        if (e == 0) continue;
-        r->dir_x[i] = ldexpf(r->dir_x[i], -e);
-        r->dir_y[i] = ldexpf(r->dir_y[i], -e);
-        r->dir_z[i] = ldexpf(r->dir_z[i], -e);
+        if (fits || !usable) continue;
+        r->dir_x[i] = scaled(r->dir_x[i], e);
+        r->dir_y[i] = scaled(r->dir_y[i], e);
+        r->dir_z[i] = scaled(r->dir_z[i], e);
         r->t_near[i] = ldexpf(r->t_near[i], e), r->t_far[i] = ldexpf(r->t_far[i], e);
     }
 }

@@ -10,15 +10,23 @@
 
 #define STRETCH_LOW 0x1p-30f
 #define STRETCH_HIGH 0x1p30f
+/* Embree's kernels for coherent packets lose rays, or abort, where a component of a direction is smaller than
+ * 1e-18 and not zero (3.13.5), in any space. Such directions are scaled, and a component below STRETCH_ZERO
+ * of about the largest becomes zero: that turns the ray by a millionth of float's roundoff. */
+#define STRETCH_TINY 1e-13f
+#define STRETCH_ZERO 0x1p-45f
 
-/* Whether the largest component of some direction is not within [STRETCH_LOW, STRETCH_HIGH]. A loop without
- * branches, for every block. */
+static inline int stretch_tiny(float size) { return (size < STRETCH_TINY) & (size > 0); }
+
+/* Whether the largest component of some direction is not within [STRETCH_LOW, STRETCH_HIGH], or one is tiny.
+ * A loop without branches, for every block. */
 static inline bool stretch_needed(const trace_rays *rays, unsigned lanes) {
     int odd = 0;
     for (unsigned i = 0; i < lanes; ++i) {
         float x = fabsf(rays->dir_x[i]), y = fabsf(rays->dir_y[i]), z = fabsf(rays->dir_z[i]);
         float m = x > y ? x : y;
         m = m > z ? m : z;
+        odd |= stretch_tiny(x) | stretch_tiny(y) | stretch_tiny(z);
         odd |= !((m >= STRETCH_LOW) & (m <= STRETCH_HIGH));
     }
     return odd;

@@ -33,6 +33,70 @@ static void add_planes(extremes_case *c, fathom_id group) {
     case_plane(c, vec_f64(0, 0, -0.7 * 3), vec_f64(0.3, -0.2, 2));
 }
 
+/* A box of whole sixteenths, its sides powers of two: nothing about a ray along an axis is rounded. */
+static void add_box(extremes_case *c, fathom_id group, vec3_f64 low, vec3_f64 size) {
+    static const uint32_t sides[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                       2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+    uint32_t *indices = case_memory(c, sizeof sides);
+    if (!indices) return;
+    memcpy(indices, sides, sizeof sides);
+    vec3_f64 corner[8];
+    for (unsigned k = 0; k < 8; ++k)
+        corner[k] =
+            vec_f64(low.x + (k & 1 ? size.x : 0), low.y + (k & 2 ? size.y : 0), low.z + (k & 4 ? size.z : 0));
+    case_mesh(c, group, vec_f64(0, 0, 0), corner, 8, indices, 12);
+}
+
+static void add_boxes(extremes_case *c, fathom_id group) {
+    add_box(c, group, vec_f64(-1, -1, -1), vec_f64(2, 2, 2));
+    add_box(c, group, vec_f64(1, -1, -1), vec_f64(0.5, 1, 2)); /* touches the first */
+    add_box(c, group, vec_f64(-3, 0, -0.5), vec_f64(1, 4, 1));
+    add_box(c, group, vec_f64(-0.25, 1.5, 0), vec_f64(0.5, 0.5, 0.5));
+}
+
+/* The same with quads and planes. */
+static void add_squares(extremes_case *c, fathom_id group) {
+    case_quad(c, group, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0));
+    case_quad(c, group, vec_f64(2, 0, 0.5), vec_f64(0, 1, 0), vec_f64(0, 0, 0.5));
+    case_quad(c, group, vec_f64(0, 1.5, 1), vec_f64(0, 0, 0.25), vec_f64(2, 0, 0));
+    case_plane(c, vec_f64(0, -1.5, 0), vec_f64(0, 1, 0));
+    case_plane(c, vec_f64(3, 0, 0), vec_f64(-1, 0, 0));
+}
+
+/* More vertices and triangles than 16 and 18 bits count. */
+static void add_fine(extremes_case *c, fathom_id group) {
+    case_ball_of(c, group, vec_f64(0, 0, 0), 1, 366, 366);
+}
+
+/* What casts no shadow around and between what does. */
+static void add_masks(extremes_case *c, fathom_id group) {
+    c->flags = FATHOM_CASTS_NO_SHADOW;
+    case_ball_of(c, group, vec_f64(0, 0, 0), 1.4, 9, 16);
+    add_box(c, group, vec_f64(2, -1, -1), vec_f64(1, 2, 2));
+    c->flags = 0;
+    case_ball_of(c, group, vec_f64(0, 0, 0), 1, 9, 16);
+    add_box(c, group, vec_f64(4, -1, -1), vec_f64(1, 2, 2));
+}
+
+static void add_masked_shapes(extremes_case *c, fathom_id parent) {
+    static const affine_f64 mirrored = {{{-0.8, 0.1, 0, 6}, {0, 0.7, 0, 0.3}, {0.2, 0, 1.1, 0}}};
+    fathom_id group = case_group(c);
+    for (unsigned i = 0; i < 2; ++i) {
+        c->flags = i ? 0 : FATHOM_CASTS_NO_SHADOW;
+        for (unsigned k = i; k < 8; k += 2) {
+            case_sphere(c, group, scattered_center(k), 0.4);
+            case_sphere(c, parent, scattered_center(k + 20), 0.3);
+            case_quad(c, k % 4 < 2 ? group : parent, scattered_center(k + 40), vec_f64(0.5, 0.1, 0),
+                      vec_f64(0, 0.2, 0.6));
+        }
+        case_ball_of(c, i ? group : parent, vec_f64(0.3, 0, 2.5 * i), 0.7, 9, 16);
+        case_plane(c, vec_f64(0, -3.0 - i, 0), vec_f64(0, 1, 0));
+        case_plane(c, vec_f64(0, 0, -5.0 + i), vec_f64(0.1, 0, 1));
+    }
+    c->flags = 0;
+    case_instance(c, group, parent, &mirrored);
+}
+
 /* Everything that has bounds, turned, squeezed, sheared and mirrored. */
 static void add_instances(extremes_case *c, fathom_id parent) {
     static const affine_f64 maps[5] = {{{{0.5, 0, 0, 3}, {0, 1.5, 0, 0}, {0, 0, 0.2, 0.5}}},
@@ -50,11 +114,10 @@ static void add_instances(extremes_case *c, fathom_id parent) {
 static const struct {
     const char *name;
     void (*add)(extremes_case *c, fathom_id group);
-} scenes[] = {{"spheres", add_spheres},
-              {"quads", add_quads},
-              {"triangles", add_ball},
-              {"planes", add_planes},
-              {"instances", add_instances}};
+} scenes[] = {{"spheres", add_spheres}, {"quads", add_quads},         {"triangles", add_ball},
+              {"planes", add_planes},   {"instances", add_instances}, {"boxes", add_boxes},
+              {"squares", add_squares}, {"masks", add_masks},         {"masked-shapes", add_masked_shapes},
+              {"fine", add_fine}};
 
 const char *builtin_name(unsigned index) {
     return index < sizeof scenes / sizeof *scenes ? scenes[index].name : NULL;
@@ -64,6 +127,11 @@ fathom_status builtin_create(fathom_context *context, unsigned index, fathom_sce
     extremes_case c = {.context = context};
     c.status = fathom_scene_create(context, &c.scene);
     if (c.status == FATHOM_OK) scenes[index].add(&c, FATHOM_ROOT);
+    fathom_light light;
+    fathom_light_default(&light);
+    const double at[3] = {3, 6, 4};
+    memcpy(light.position, at, sizeof at);
+    if (c.status == FATHOM_OK) c.status = fathom_scene_add_light(c.scene, &light, NULL);
     if (c.status == FATHOM_OK) c.status = fathom_scene_complete(c.scene);
     if (c.status == FATHOM_OK) c.status = fathom_scene_check(c.scene);
     fathom_status status = c.status;

@@ -1,26 +1,25 @@
 #include "verify/compare.h"
 #include "base/clock.h"
 #include "base/threads.h"
-#include "verify/error.h"
+#include "trace/watertight/watertight.h"
+#include "verify/recorded.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-#define BLOCKS 16              /* traced in one go, which is timed */
-#define PIECE (BLOCKS * LANES) /* rays that a thread takes at once */
+#define CALL (8 * LANES) /* rays in a call of a family */
 /* Rays between two reports of progress: as many as take about a tenth of a second. */
 #define BATCH_LEAST 1024
-#define BATCH_MOST 65536
+#define BATCH_MOST 16384
 #define BATCH_SECONDS 0.1
 
 /* One thread's counts. */
 typedef struct worker {
-    search_result room;
+    search_result room, linear; /* linear: of the sample */
     compare_family family;
     ARRAY(compare_failure) failures;
-    search_result linear; /* of the sample */
-    uint64_t nanoseconds, sampled, differ;
+    ask_batch batch; /* for rays that two tracers are asked */
+    uint64_t sampled, differ, screened, unequal;
     bool failed; /* out of memory */
 } worker;
 
@@ -28,58 +27,15 @@ typedef struct comparison {
     const compare_subject *subject;
     const compare_options *options;
     rays_family family;
-    uint64_t first; /* of the batch */
+    uint64_t first; /* ray of the batch, in its family */
+    ask_batch batch;
+    ask_others others;
+    const ask_answer *given; /* by the render, parallel to the batch's rays; NULL: none */
+    watertight *repair;      /* NULL: nothing to repair, or not a render's rays */
     worker *workers;
 } comparison;
 
-/* ---- asking the tracer ---- */
-
-/* Some rays, and what the tracer says to each. */
-typedef struct inquiry {
-    oracle_ray rays[PIECE];
-    trace_block blocks[BLOCKS];
-    trace_rays any[BLOCKS];
-    trace_fine fine[BLOCKS];
-    unsigned count;
-} inquiry;
-
-static void put_ray(trace_block *block, unsigned lane, const oracle_ray *ray) {
-    trace_rays *r = &block->rays;
-    r->org_x[lane] = ray->org.x, r->org_y[lane] = ray->org.y, r->org_z[lane] = ray->org.z;
-    r->dir_x[lane] = ray->dir.x, r->dir_y[lane] = ray->dir.y, r->dir_z[lane] = ray->dir.z;
-    r->t_near[lane] = ray->t_near, r->t_far[lane] = ray->t_far;
-}
-
-static verdict_answer answer_of(const inquiry *q, unsigned i) {
-    const trace_hits *hits = &q->blocks[i / LANES].hits;
-    unsigned lane = i % LANES;
-    return (verdict_answer){hits->geometry[lane], hits->primitive[lane], hits->instance[lane],
-                            q->fine[i / LANES].t[lane], q->fine[i / LANES].t_low[lane]};
-}
-
-static bool any_of(const inquiry *q, unsigned i) { return q->any[i / LANES].t_far[i % LANES] == -INFINITY; }
-
-/* Processor time of this thread alone. */
-static uint64_t thread_nanoseconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
-/* Returns the nanoseconds that closest hits took. */
-static uint64_t ask_tracer(const trace_tracer *tracer, inquiry *q) {
-    memset(q->blocks, 0, sizeof q->blocks);
-    memset(q->fine, 0, sizeof q->fine);
-    for (unsigned i = 0; i < q->count; ++i) put_ray(&q->blocks[i / LANES], i % LANES, &q->rays[i]);
-    for (unsigned b = 0; b < BLOCKS; ++b) q->any[b] = q->blocks[b].rays;
-    unsigned state = trace_thread_begin();
-    uint64_t start = thread_nanoseconds();
-    trace_closest_fine(tracer, q->blocks, q->fine, q->count, TRACE_INCOHERENT);
-    uint64_t end = thread_nanoseconds();
-    trace_any(tracer, q->any, q->count, TRACE_INCOHERENT);
-    trace_thread_end(state);
-    return end - start;
-}
+static uint64_t index_of(const comparison *c, size_t ray) { return c->first + ray; }
 
 /* ---- counting ---- */
 
@@ -93,53 +49,94 @@ static void add_error(compare_error *e, double value, uint64_t index, const orac
     keep_most(&e->most, value, index, ray);
 }
 
-static void measure(compare_family *f, const compare_subject *s, const inquiry *q, unsigned i,
-                    const verdict_report *report, uint64_t index) {
-    const oracle_ray *ray = &q->rays[i];
-    const trace_hits *hits = &q->blocks[i / LANES].hits;
-    const trace_fine *fine = &q->fine[i / LANES];
-    unsigned lane = i % LANES;
-    error_said said = {.t = fine->t[lane],
-                       .normal = {hits->ng_x[lane], hits->ng_y[lane], hits->ng_z[lane]},
-                       .u = fine->u[lane],
-                       .v = fine->v[lane]};
-    error_report errors;
-    error_measure(ray, &report->primitive, &report->exact, &said, &errors);
+/* Errors beyond 1024 units say no more about a bias than that. */
+static void add_bias(compare_bias *b, double signed_units) {
+    int64_t steps = (int64_t)(fmax(-1024, fmin(1024, signed_units)) * 1024);
+    b->sum += steps, b->squares += (uint64_t)(steps * steps), ++b->count;
+}
+
+static void measure(compare_family *f, const compare_subject *s, const oracle_ray *ray,
+                    const verdict_report *report, const error_report *errors, uint64_t index) {
+    const double unit = s->precision.unit, t = fabs(report->exact_t);
     double relative = report->t_error * length_f64(widen(ray->dir)) / rays_world_radius(s->source);
     add_error(&f->errors[COMPARE_T_ULPS], report->t_error / error_ulp(report->exact_t), index, ray);
     add_error(&f->errors[COMPARE_T_RELATIVE], relative, index, ray);
-    add_error(&f->errors[COMPARE_POSITION], errors.position, index, ray);
-    add_error(&f->errors[COMPARE_NORMAL], errors.normal, index, ray);
-    if (errors.uv >= 0) add_error(&f->errors[COMPARE_UV], errors.uv, index, ray);
-    if (report->condition > 0)
-        keep_most(&f->constant, report->t_error / (s->precision.unit * report->condition), index, ray);
+    add_error(&f->errors[COMPARE_POSITION], errors->position, index, ray);
+    add_error(&f->errors[COMPARE_NORMAL], errors->normal, index, ray);
+    if (errors->uv >= 0) add_error(&f->errors[COMPARE_UV], errors->uv, index, ray);
+    if (t > 0 && isfinite(report->bound)) keep_most(&f->widest, report->bound / (unit * t), index, ray);
+    if (!(report->condition > 0)) return;
+    double constant = report->t_error / (unit * report->condition);
+    histogram_add(&f->constants, constant);
+    keep_most(&f->constant, constant, index, ray);
+    if (report->condition <= COMPARE_WELL * t) add_bias(&f->bias, report->t_signed / (unit * t));
 }
 
 static bool is_failure(verdict v) { return v == VERDICT_WRONG || v == VERDICT_LEAK; }
 
-static void keep_failure(worker *w, const comparison *c, compare_failure failure) {
-    failure.family = c->family;
-    if (c->options->failures && !array_push(&w->failures, failure)) w->failed = true;
+static void keep_failure(worker *w, const comparison *c, size_t ray, unsigned way, bool any, verdict v,
+                         const ask_answer *answer) {
+    if (!c->options->failures) return;
+    compare_failure failure = {c->family, index_of(c, ray), v, way, ask_block_of(&c->batch, ray, way, any),
+                               *answer};
+    if (!array_push(&w->failures, failure)) w->failed = true;
 }
 
-/* ---- a piece ---- */
+/* ---- judging ---- */
 
-static void judge_closest(const comparison *c, worker *w, const inquiry *q, unsigned i, uint64_t index) {
-    const compare_subject *s = c->subject;
-    verdict_answer answer = answer_of(q, i);
+/* What the answer says of the hit beyond its t, for the verdict. */
+static verdict judge_details(const compare_subject *s, const oracle_ray *ray, const ask_answer *a,
+                             verdict_report *report, error_report *errors) {
+    const error_said said = {.t = a->hit.t, .normal = a->normal, .u = a->u, .v = a->v};
+    error_measure(ray, &report->primitive, &report->exact, &said, errors);
+    verdict_bound bound = verdict_bound_all(&s->precision, ray, &report->primitive, &report->exact);
+    report->bound = bound.t;
+    bool uv = errors->uv * 0x1p-24 > bound.weight, normal = errors->normal * 0x1p-24 > bound.normal;
+    bool none = isnan(a->u) || isnan(a->v) || !finite_f32(a->normal);
+    return uv || normal || none ? VERDICT_WRONG : report->verdict;
+}
+
+bool compare_judge(const compare_subject *s, const oracle_ray *ray, const ask_answer *answer, bool any,
+                   search_result *room, verdict_report *out, error_report *errors) {
+    *out = (verdict_report){.measured = false};
+    if (any)
+        return verdict_any(s->search, s->world, &s->precision, ray, answer->met, &answer->hit, room,
+                           &out->verdict);
+    if (!verdict_closest(s->search, s->world, &s->precision, ray, &answer->hit, room, out)) return false;
+    out->measured = out->measured && !is_failure(out->verdict) && out->verdict != VERDICT_BEYOND;
+    if (out->measured) out->verdict = judge_details(s, ray, answer, out, errors);
+    return true;
+}
+
+static bool judge(const comparison *c, worker *w, size_t ray, const ask_answer *answer, bool any,
+                  verdict_report *report, error_report *errors) {
+    const oracle_ray *r = &c->batch.rays[ray];
+    if (!compare_judge(c->subject, r, answer, any, &w->room, report, errors)) w->failed = true;
+    return !w->failed;
+}
+
+static void judge_first(const comparison *c, worker *w, size_t ray, bool any) {
+    const ask_answer answer = ask_answer_of(&c->batch, ray);
     verdict_report report;
-    if (!verdict_closest(s->search, s->world, &s->precision, &q->rays[i], &answer, &w->room, &report)) {
-        w->failed = true;
-        return;
-    }
-    ++w->family.rays, ++w->family.counts[report.verdict];
-    if (is_failure(report.verdict)) {
-        compare_failure failure = {
-            .index = index, .ray = q->rays[i], .verdict = report.verdict, .answer = answer};
-        keep_failure(w, c, failure);
-    } else if (report.measured) {
-        measure(&w->family, s, q, i, &report, index);
-    }
+    error_report errors = {.uv = -1};
+    if (!judge(c, w, ray, &answer, any, &report, &errors)) return;
+    if (any)
+        ++w->family.any_rays, ++w->family.any_counts[report.verdict];
+    else
+        ++w->family.rays, ++w->family.counts[report.verdict];
+    if (is_failure(report.verdict))
+        keep_failure(w, c, ray, COMPARE_FIRST, any, report.verdict, &answer);
+    else if (report.measured)
+        measure(&w->family, c->subject, &c->batch.rays[ray], &report, &errors, index_of(c, ray));
+}
+
+static void judge_other(const comparison *c, worker *w, const ask_other *other) {
+    verdict_report report;
+    error_report errors;
+    if (!judge(c, w, other->ray, &other->answer, other->any, &report, &errors)) return;
+    ++w->family.others, ++w->family.other_counts[report.verdict];
+    if (is_failure(report.verdict))
+        keep_failure(w, c, other->ray, other->way, other->any, report.verdict, &other->answer);
 }
 
 /* The exact answer by the tree of spheres against that by every primitive: the same ties. */
@@ -157,88 +154,95 @@ static void check_search(const comparison *c, worker *w, const oracle_ray *ray) 
     ++w->sampled, w->differ += !same;
 }
 
-static void judge_any(const comparison *c, worker *w, const inquiry *q, unsigned i, uint64_t index) {
-    const compare_subject *s = c->subject;
-    bool met = any_of(q, i);
-    verdict_answer closest = answer_of(q, i);
-    verdict v;
-    if (!verdict_any(s->search, s->world, &s->precision, &q->rays[i], met, &closest, &w->room, &v)) {
-        w->failed = true;
-        return;
-    }
-    ++w->family.any_rays, ++w->family.any_counts[v];
-    if (!is_failure(v)) return;
-    compare_failure failure = {.index = index, .ray = q->rays[i], .verdict = v, .any = true};
-    failure.answer.geometry = met ? 0 : FATHOM_NONE;
-    keep_failure(w, c, failure);
+/* What a render got is held against the same call once more; t is a float there. */
+static void judge_given(const comparison *c, worker *w, size_t ray, bool any) {
+    ask_answer first = ask_answer_of(&c->batch, ray);
+    const ask_answer *given = &c->given[ray];
+    bool same = any ? first.met == given->met
+                    : first.hit.geometry == given->hit.geometry &&
+                          first.hit.primitive == given->hit.primitive &&
+                          first.hit.instance == given->hit.instance;
+    if (!any && same && given->hit.geometry != FATHOM_NONE) same = (float)first.hit.t == (float)given->hit.t;
+    ask_other other = {ray, ASK_GIVEN, any, *given};
+    if (!same) judge_other(c, w, &other);
 }
 
-static void compare_piece(void *user, size_t begin, size_t end, unsigned index) {
+/* Answers that closed meshes rule out are repaired as a render does; what comes of it is judged as well. */
+static void judge_repaired(const comparison *c, worker *w, size_t block, unsigned lanes) {
+    trace_block repaired = c->batch.closest[block];
+    uint8_t depth[LANES];
+    for (unsigned i = 0; i < lanes; ++i) depth[i] = watertight_depth(c->repair, trace_org(&repaired.rays, i));
+    unsigned state = trace_thread_begin();
+    unsigned changed = watertight_closest(c->repair, &repaired, depth, lanes);
+    trace_thread_end(state);
+    w->family.repaired += changed;
+    for (unsigned i = 0; i < lanes && changed; ++i) {
+        const trace_hits *h = &repaired.hits;
+        ask_other other = {block * LANES + i, COMPARE_REPAIRED, false,
+                           ask_answer_of(&c->batch, block * LANES + i)};
+        verdict_answer *hit = &other.answer.hit;
+        bool same = hit->geometry == h->geometry[i] &&
+                    (hit->geometry == FATHOM_NONE || (float)hit->t == repaired.rays.t_far[i]);
+        if (same) continue;
+        *hit = (verdict_answer){h->geometry[i], h->primitive[i], h->instance[i],
+                                (double)repaired.rays.t_far[i], 0};
+        other.answer.u = (double)h->u[i], other.answer.v = (double)h->v[i];
+        other.answer.normal = (vec3_f32){h->ng_x[i], h->ng_y[i], h->ng_z[i]};
+        judge_other(c, w, &other);
+    }
+}
+
+static void judge_blocks(void *user, size_t begin, size_t end, unsigned index) {
     const comparison *c = user;
     worker *w = &c->workers[index];
-    inquiry q;
-    for (size_t at = begin; at < end; at += PIECE) {
-        q.count = end - at < PIECE ? (unsigned)(end - at) : PIECE;
-        for (unsigned i = 0; i < q.count; ++i)
-            q.rays[i] = rays_make(c->subject->source, c->family, c->options->seed, c->first + at + i);
-        w->nanoseconds += ask_tracer(c->subject->tracer, &q);
-        for (unsigned i = 0; i < q.count && !w->failed; ++i) {
-            judge_closest(c, w, &q, i, c->first + at + i);
-            judge_any(c, w, &q, i, c->first + at + i);
-            if (c->first + at + i < c->options->sample) check_search(c, w, &q.rays[i]);
+    for (size_t block = begin; block < end; ++block) {
+        const ask_call *call = &c->batch.calls.items[c->batch.call_of[block]];
+        unsigned lanes = ask_lanes(&c->batch, block);
+        for (unsigned i = 0; i < lanes && !w->failed; ++i) {
+            size_t ray = block * LANES + i;
+            if (call->closest) judge_first(c, w, ray, false);
+            if (call->any) judge_first(c, w, ray, true);
+            if (c->given) judge_given(c, w, ray, call->any);
+            if (index_of(c, ray) < c->options->sample) check_search(c, w, &c->batch.rays[ray]);
         }
+        if (c->repair && call->closest && !w->failed) judge_repaired(c, w, block, lanes);
     }
 }
 
-static void ask_one(const compare_subject *s, const oracle_ray *ray, inquiry *q) {
-    q->count = 1;
-    q->rays[0] = *ray;
-    (void)ask_tracer(s->tracer, q);
-}
-
-bool compare_one(const compare_subject *s, const oracle_ray *ray, verdict_answer *answer,
-                 verdict_report *out) {
-    inquiry q;
-    ask_one(s, ray, &q);
-    *answer = answer_of(&q, 0);
-    search_result room = {.asked = 0};
-    bool judged = verdict_closest(s->search, s->world, &s->precision, ray, answer, &room, out);
-    search_result_free(&room);
-    return judged;
-}
-
-bool compare_one_any(const compare_subject *s, const oracle_ray *ray, bool *met, verdict *out) {
-    inquiry q;
-    ask_one(s, ray, &q);
-    *met = any_of(&q, 0);
-    verdict_answer closest = answer_of(&q, 0);
-    search_result room = {.asked = 0};
-    bool judged = verdict_any(s->search, s->world, &s->precision, ray, *met, &closest, &room, out);
-    search_result_free(&room);
-    return judged;
+static void judge_others(void *user, size_t begin, size_t end, unsigned index) {
+    const comparison *c = user;
+    for (size_t i = begin; i < end && !c->workers[index].failed; ++i)
+        judge_other(c, &c->workers[index], &c->others.items[i]);
 }
 
 /* ---- joining what the threads have ---- */
 
 void compare_family_join(compare_family *to, const compare_family *from) {
-    to->rays += from->rays, to->any_rays += from->any_rays;
+    to->rays += from->rays, to->any_rays += from->any_rays, to->others += from->others;
+    to->repaired += from->repaired;
     for (int i = 0; i < VERDICT_COUNT; ++i) {
         to->counts[i] += from->counts[i];
         to->any_counts[i] += from->any_counts[i];
+        to->other_counts[i] += from->other_counts[i];
     }
     for (int i = 0; i < COMPARE_MEASURES; ++i) {
         const compare_error *e = &from->errors[i];
         histogram_join(&to->errors[i].counts, &e->counts);
         keep_most(&to->errors[i].most, e->most.value, e->most.index, &e->most.ray);
     }
+    histogram_join(&to->constants, &from->constants);
     keep_most(&to->constant, from->constant.value, from->constant.index, &from->constant.ray);
+    keep_most(&to->widest, from->widest.value, from->widest.index, &from->widest.ray);
+    to->bias.sum += from->bias.sum, to->bias.squares += from->bias.squares,
+        to->bias.count += from->bias.count;
     to->asked += from->asked, to->exact += from->exact;
 }
 
 static int by_index(const void *a, const void *b) {
     const compare_failure *x = a, *y = b;
     if (x->index != y->index) return x->index < y->index ? -1 : 1;
-    return (int)x->any - (int)y->any;
+    if (x->block.any != y->block.any) return (int)x->block.any - (int)y->block.any;
+    return x->way == y->way ? 0 : x->way < y->way ? -1 : 1;
 }
 
 /* Batches follow each other, so sorting each by itself sorts all. */
@@ -259,20 +263,80 @@ static bool join_failures(const comparison *c, compare_result *out, size_t famil
     return true;
 }
 
-static bool join_workers(const comparison *c, compare_result *out, size_t family_begin) {
+static fathom_status join_workers(fathom_context *context, const comparison *c, compare_result *out,
+                                  size_t family_begin) {
     bool fine = join_failures(c, out, family_begin);
     for (unsigned i = 0; i < c->options->threads; ++i) {
         worker *w = &c->workers[i];
         fine = fine && !w->failed;
         w->family.asked = w->room.asked, w->family.exact = w->room.exact;
         w->room.asked = w->room.exact = 0;
-        out->nanoseconds += w->nanoseconds, out->rays += w->family.rays;
         out->sampled += w->sampled, out->differ += w->differ;
-        w->nanoseconds = w->sampled = w->differ = 0;
+        out->screened += w->screened, out->unequal += w->unequal;
+        w->sampled = w->differ = w->screened = w->unequal = 0;
         compare_family_join(&out->families[c->family], &w->family);
         memset(&w->family, 0, sizeof w->family);
     }
-    return fine;
+    return fine ? FATHOM_OK : fail_memory(context, sizeof(compare_failure));
+}
+
+/* ---- a batch ---- */
+
+/* Intervals that end in the very hit, as the tracer said it: its t rounded to either side, and one float
+ * further. */
+static void end_in_hits(const comparison *c) {
+    for (size_t ray = 0; ray < c->batch.blocks * LANES; ++ray) {
+        if (ray % LANES >= ask_lanes(&c->batch, ray / LANES)) continue;
+        const ask_answer a = ask_answer_of(&c->batch, ray);
+        oracle_ray *r = &c->batch.rays[ray], ended = *r;
+        float t = (float)a.hit.t;
+        if (a.hit.geometry == FATHOM_NONE || !isfinite(t)) continue;
+        float low = (double)t > a.hit.t ? nextafterf(t, 0) : t,
+              high = (double)t < a.hit.t ? nextafterf(t, INFINITY) : t;
+        switch (ray / 4 % 4) {
+        case 0: ended.t_far = low; break;
+        case 1: ended.t_near = high; break;
+        case 2: ended.t_far = nextafterf(high, INFINITY); break;
+        default: ended.t_near = nextafterf(low, 0); break;
+        }
+        if (rays_allowed(c->subject->source, &ended)) *r = ended;
+    }
+}
+
+static fathom_status judge_batch(fathom_context *context, comparison *c, compare_result *out,
+                                 size_t family_begin) {
+    const compare_options *o = c->options;
+    const trace_tracer *tracer = c->subject->tracer;
+    out->nanoseconds += ask_all(tracer, &c->batch, o->threads);
+    if (c->family == RAYS_ENDS) {
+        end_in_hits(c);
+        out->nanoseconds += ask_all(tracer, &c->batch, o->threads);
+    }
+    c->others.count = 0;
+    if (!ask_others_find(tracer, &c->batch, o->threads, &c->others))
+        return fail_memory(context, sizeof(ask_other));
+    loop_parallel(o->threads, c->batch.blocks, 2, judge_blocks, c);
+    loop_parallel(o->threads, c->others.count, 1, judge_others, c);
+    for (size_t i = 0; i < c->batch.calls.count; ++i)
+        out->rays += c->batch.calls.items[i].closest ? c->batch.calls.items[i].count : 0;
+    return join_workers(context, c, out, family_begin);
+}
+
+static void make_rays(void *user, size_t begin, size_t end, unsigned index) {
+    const comparison *c = user;
+    (void)index;
+    for (size_t i = begin; i < end; ++i)
+        c->batch.rays[i] = rays_make(c->subject->source, c->family, c->options->seed, c->first + i);
+}
+
+static bool fill_batch(comparison *c, size_t count) {
+    if (!ask_batch_clear(&c->batch, (count + LANES - 1) / LANES)) return false;
+    for (size_t at = 0; at < count; at += CALL) {
+        if (!ask_batch_add(&c->batch, count - at < CALL ? count - at : CALL, TRACE_INCOHERENT, true, true))
+            return false;
+    }
+    loop_parallel(c->options->threads, count, 64, make_rays, c);
+    return true;
 }
 
 /* No result depends on how many go at once. */
@@ -281,41 +345,164 @@ static uint64_t next_batch(uint64_t batch, double seconds) {
     return seconds > 2 * BATCH_SECONDS && batch > BATCH_LEAST ? batch / 2 : batch;
 }
 
+static fathom_status tell(fathom_context *context, const compare_options *o, uint64_t done) {
+    if (!o->progress || o->progress(o->user, done)) return FATHOM_OK;
+    return fail(context, FATHOM_INTERRUPTED, "validation stopped after %llu rays", (unsigned long long)done);
+}
+
 static fathom_status run_family(fathom_context *context, comparison *c, uint64_t *done, compare_result *out) {
     const compare_options *o = c->options;
-    size_t family_begin = out->failures.count;
+    const size_t family_begin = out->failures.count;
+    fathom_status status = FATHOM_OK;
     uint64_t batch = BATCH_LEAST;
-    for (c->first = 0; c->first < o->rays;) {
+    for (c->first = 0; c->first < o->rays && status == FATHOM_OK;) {
         uint64_t left = o->rays - c->first, count = left < batch ? left : batch;
         double start = clock_seconds();
-        loop_parallel(o->threads, (size_t)count, PIECE, compare_piece, c);
-        if (!join_workers(c, out, family_begin)) return fail_memory(context, sizeof(compare_failure));
+        if (!fill_batch(c, (size_t)count)) return fail_memory(context, (size_t)count * sizeof(oracle_ray));
+        status = judge_batch(context, c, out, family_begin);
         batch = next_batch(batch, clock_seconds() - start);
         c->first += count, *done += count;
-        if (o->progress && !o->progress(o->user, *done))
-            return fail(context, FATHOM_INTERRUPTED, "validation stopped after %llu rays",
-                        (unsigned long long)*done);
+        if (status == FATHOM_OK) status = tell(context, o, *done);
     }
-    return FATHOM_OK;
+    return status;
+}
+
+/* ---- a render's rays ---- */
+
+static bool fill_recorded(comparison *c, const recorded *r, size_t *call, size_t *first) {
+    size_t blocks = 0, end = *call;
+    *first = r->calls.items[*call].first;
+    for (; end < r->calls.count && (end == *call || blocks * LANES < BATCH_MOST); ++end)
+        blocks += (r->calls.items[end].count + LANES - 1) / LANES;
+    if (!ask_batch_clear(&c->batch, blocks)) return false;
+    for (; *call < end; ++*call) {
+        const recorded_call *from = &r->calls.items[*call];
+        if (!ask_batch_add(&c->batch, from->count, from->coherence, !from->any, from->any)) return false;
+    }
+    memcpy(c->batch.rays, &r->rays.items[*first * LANES], blocks * LANES * sizeof *c->batch.rays);
+    return true;
+}
+
+static fathom_status run_recorded(fathom_context *context, comparison *c, uint64_t done,
+                                  compare_result *out) {
+    const recorded *r = c->options->rendered;
+    const size_t family_begin = out->failures.count;
+    fathom_status status = watertight_create(context, c->subject->tracer, &c->repair);
+    c->family = RAYS_RENDERED;
+    for (size_t call = 0, first; call < r->calls.count && status == FATHOM_OK;) {
+        if (!fill_recorded(c, r, &call, &first)) return fail_memory(context, sizeof(oracle_ray));
+        c->first = first * LANES, c->given = &r->answers.items[first * LANES];
+        status = judge_batch(context, c, out, family_begin);
+        if (status == FATHOM_OK) status = tell(context, c->options, done);
+    }
+    watertight_destroy(c->repair);
+    c->repair = NULL, c->given = NULL;
+    return status;
+}
+
+/* ---- rays that two tracers are asked ---- */
+
+/* Units of a float by which two tracers may differ without being judged. */
+#define SCREEN_ULPS 64
+/* A thread that found so many errors among 2^17 rays asks no more of them. */
+#define SCREEN_ENOUGH 100
+
+static bool agree(const ask_answer *a, const ask_answer *b) {
+    const verdict_answer *h = &a->hit, *k = &b->hit;
+    bool same = a->met == b->met && h->geometry == k->geometry;
+    if (!same || h->geometry == FATHOM_NONE) return same;
+    same = h->primitive == k->primitive && h->instance == k->instance;
+    return same && fabs(h->t - k->t) <= SCREEN_ULPS * error_ulp(k->t);
+}
+
+static void screen_call(const comparison *c, worker *w, uint64_t first, size_t count) {
+    comparison own = *c;
+    own.first = first;
+    if (!ask_batch_clear(&w->batch, CALL / LANES) ||
+        !ask_batch_add(&w->batch, count, TRACE_COHERENT, true, true)) {
+        w->failed = true;
+        return;
+    }
+    own.batch = w->batch;
+    ask_answer others[CALL];
+    make_rays(&own, 0, count, 0);
+    (void)ask_all(c->options->second, &w->batch, 1);
+    for (size_t i = 0; i < count; ++i) others[i] = ask_answer_of(&w->batch, i);
+    (void)ask_all(c->subject->tracer, &w->batch, 1);
+    own.batch = w->batch;
+    for (size_t i = 0; i < count && !w->failed; ++i) {
+        const ask_answer a = ask_answer_of(&w->batch, i);
+        ++w->screened;
+        if (agree(&a, &others[i])) continue;
+        ++w->unequal;
+        for (int any = 0; any < 2; ++any) {
+            const ask_other other = {i, COMPARE_FIRST, any != 0, a};
+            judge_other(&own, w, &other);
+        }
+    }
+}
+
+static void screen_calls(void *user, size_t begin, size_t end, unsigned index) {
+    const comparison *c = user;
+    const worker *w = &c->workers[index];
+    for (size_t at = begin; at < end && !w->failed && w->family.other_counts[VERDICT_WRONG] < SCREEN_ENOUGH;
+         at += CALL)
+        screen_call(c, &c->workers[index], c->first + at, end - at < CALL ? end - at : CALL);
+}
+
+/* The first of these families that is asked for at all: half of the rays of RAYS_SURFACE miss. */
+static rays_family screening_family(unsigned families) {
+    static const rays_family usual[] = {RAYS_SURFACE, RAYS_UNIFORM, RAYS_CAMERA, RAYS_INTERVAL, RAYS_FAR};
+    for (size_t i = 0; i < sizeof usual / sizeof *usual; ++i) {
+        if (families >> usual[i] & 1) return usual[i];
+    }
+    return RAYS_UNIFORM;
+}
+
+/* Their indices are past those of the family, so no ray is asked twice. */
+static fathom_status run_screening(fathom_context *context, comparison *c, uint64_t done,
+                                   compare_result *out) {
+    const compare_options *o = c->options;
+    const size_t family_begin = out->failures.count;
+    fathom_status status = FATHOM_OK;
+    c->family = screening_family(o->families);
+    for (uint64_t at = 0; at < o->screened && status == FATHOM_OK; at += 1u << 17) {
+        uint64_t left = o->screened - at;
+        c->first = o->rays + at;
+        loop_parallel(o->threads, left < 1u << 17 ? (size_t)left : 1u << 17, CALL, screen_calls, c);
+        status = join_workers(context, c, out, family_begin);
+        if (status == FATHOM_OK) status = tell(context, o, done);
+    }
+    return status;
+}
+
+/* ---- all ---- */
+
+static void free_comparison(comparison *c) {
+    for (unsigned i = 0; c->workers && i < c->options->threads; ++i) {
+        search_result_free(&c->workers[i].room);
+        search_result_free(&c->workers[i].linear);
+        ask_batch_free(&c->workers[i].batch);
+        array_free(&c->workers[i].failures);
+    }
+    free(c->workers);
+    ask_batch_free(&c->batch);
+    array_free(&c->others);
 }
 
 fathom_status compare_run(fathom_context *context, const compare_subject *subject,
                           const compare_options *options, compare_result *out) {
     comparison c = {.subject = subject, .options = options};
     c.workers = calloc(options->threads, sizeof *c.workers);
-    if (!c.workers) return fail_memory(context, options->threads * sizeof *c.workers);
-    fathom_status status = FATHOM_OK;
+    fathom_status status = c.workers ? FATHOM_OK : fail_memory(context, options->threads * sizeof *c.workers);
     uint64_t done = 0;
-    for (int f = 0; f < RAYS_FAMILIES && status == FATHOM_OK; ++f) {
+    for (int f = 0; f < RAYS_RENDERED && status == FATHOM_OK; ++f) {
         c.family = (rays_family)f;
         if (options->families >> f & 1) status = run_family(context, &c, &done, out);
     }
-    for (unsigned i = 0; i < options->threads; ++i) {
-        search_result_free(&c.workers[i].room);
-        search_result_free(&c.workers[i].linear);
-        array_free(&c.workers[i].failures);
-    }
-    free(c.workers);
+    if (status == FATHOM_OK && options->rendered) status = run_recorded(context, &c, done, out);
+    if (status == FATHOM_OK && options->second) status = run_screening(context, &c, done, out);
+    free_comparison(&c);
     return status;
 }
 

@@ -3,6 +3,7 @@
 #define PARITY_COMPARE_H
 
 #include "trace/trace.h"
+#include "verify/ask.h"
 #include "verify/error.h"
 #include "verify/search/rays.h"
 #include "verify/verdict/verdict.h"
@@ -30,23 +31,40 @@ typedef struct compare_error {
     compare_most most;
 } compare_error;
 
+/* Signed errors of t in units of the tracer's roundoff times t, of hits whose condition is at most
+ * COMPARE_WELL |t|; in steps of 1/1024, so that sums do not depend on their order. */
+#define COMPARE_WELL 32
+typedef struct compare_bias {
+    int64_t sum;
+    uint64_t squares, count;
+} compare_bias;
+
 /* Results of one family. */
 typedef struct compare_family {
     uint64_t rays, counts[VERDICT_COUNT];
     uint64_t any_rays, any_counts[VERDICT_COUNT]; /* of the same rays, asked for any hit */
+    uint64_t others, other_counts[VERDICT_COUNT]; /* answers that depend on the way of asking */
+    uint64_t repaired;                            /* answers that closed meshes rule out, by watertight.h */
     compare_error errors[COMPARE_MEASURES];
-    compare_most constant; /* the largest error over (unit roundoff times condition number) */
+    histogram constants;   /* errors over (unit roundoff times condition number) */
+    compare_most constant; /* the largest of them */
+    compare_most widest;   /* the widest bound that t was held against, over unit roundoff times t */
+    compare_bias bias;
     uint64_t asked, exact; /* questions to the oracle, and those that took whole numbers */
 } compare_family;
 
+/* An answer that is a leak or wrong, and the call that got it. */
 typedef struct compare_failure {
     rays_family family;
     uint64_t index;
-    oracle_ray ray;
     verdict verdict;
-    bool any;              /* of any hit; `answer` then has no more than geometry, FATHOM_NONE for a miss */
-    verdict_answer answer; /* of the closest */
+    unsigned way; /* ask.h; COMPARE_FIRST: the first one; COMPARE_REPAIRED: by watertight.h */
+    ask_block block;
+    ask_answer answer;
 } compare_failure;
+
+#define COMPARE_FIRST (UINT32_MAX - 1)
+#define COMPARE_REPAIRED (UINT32_MAX - 2)
 
 /* The tracer to judge and what that needs; borrowed. */
 typedef struct compare_subject {
@@ -65,6 +83,10 @@ typedef struct compare_options {
     size_t failures; /* kept, of each family: the first ones */
     uint64_t
         sample; /* of each family so many rays first have their exact answer found by every primitive too */
+    const struct recorded *rendered; /* the calls of a render, judged as RAYS_RENDERED; may be NULL */
+    /* So many rays more are only judged where this other tracer answers otherwise; NULL: none. */
+    const trace_tracer *second;
+    uint64_t screened;
     /* From the calling thread, with the number of rays done. False stops it. May be NULL. */
     bool (*progress)(void *user, uint64_t rays);
     void *user;
@@ -74,21 +96,21 @@ typedef struct compare_result {
     compare_family families[RAYS_FAMILIES];
     ARRAY(compare_failure) failures; /* leaks and what is wrong, by family and index, any hit after closest */
     uint64_t sampled, differ;        /* rays of the sample; those where both ways did not find the same */
+    uint64_t screened, unequal;      /* rays asked of both tracers; those that were judged */
     uint64_t nanoseconds, rays; /* spent tracing closest hits, added up over threads, and of how many rays */
 } compare_result;
 
 /* Zero `out` first and release it with compare_result_free() whatever comes back. FATHOM_INTERRUPTED when
- * progress said stop: `out` then holds what was done. No number but
- * nanoseconds depends on the threads. */
+ * progress said stop: `out` then holds what was done. No number but nanoseconds depends on the threads, as
+ * long as the tracer's answers do not. */
 fathom_status compare_run(fathom_context *context, const compare_subject *subject,
                           const compare_options *options, compare_result *out);
 void compare_result_free(compare_result *result);
 
-/* Traces one ray by itself, and judges the answer. False when out of memory. */
-bool compare_one(const compare_subject *subject, const oracle_ray *ray, verdict_answer *answer,
-                 verdict_report *out);
-/* The same for any hit. */
-bool compare_one_any(const compare_subject *subject, const oracle_ray *ray, bool *met, verdict *out);
+/* Judges an answer to the ray: its closest hit with all that it reports, or any hit. `room` is for searches.
+ * False when out of memory. */
+bool compare_judge(const compare_subject *subject, const oracle_ray *ray, const ask_answer *answer, bool any,
+                   search_result *room, verdict_report *out, error_report *errors);
 
 void compare_family_join(compare_family *to, const compare_family *from);
 

@@ -76,6 +76,7 @@ void error_measure(const oracle_ray *ray, const oracle_primitive *primitive, con
 
 void histogram_add(histogram *h, double value) {
     ++h->total;
+    if (value > h->largest) h->largest = value;
     if (!(value > 0)) {
         ++h->zeros;
         return;
@@ -87,6 +88,7 @@ void histogram_add(histogram *h, double value) {
 
 void histogram_join(histogram *h, const histogram *other) {
     h->zeros += other->zeros, h->total += other->total;
+    h->largest = fmax(h->largest, other->largest);
     for (unsigned i = 0; i < HISTOGRAM_BINS; ++i) h->bins[i] += other->bins[i];
 }
 
@@ -95,7 +97,8 @@ double histogram_quantile(const histogram *h, double q) {
     if (below >= wanted) return 0;
     for (unsigned i = 0; i < HISTOGRAM_BINS; ++i) {
         below += (double)h->bins[i];
-        if (below >= wanted) return exp2((double)(i + 1) / HISTOGRAM_PER_OCTAVE + HISTOGRAM_FIRST);
+        if (below >= wanted)
+            return fmin(h->largest, exp2((double)(i + 1) / HISTOGRAM_PER_OCTAVE + HISTOGRAM_FIRST));
     }
     return (double)INFINITY;
 }

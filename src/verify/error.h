@@ -40,13 +40,15 @@ void error_measure(const oracle_ray *ray, const oracle_primitive *primitive, con
 
 typedef struct histogram {
     uint64_t zeros, total;
+    double largest; /* of all */
     uint64_t bins[HISTOGRAM_BINS];
 } histogram;
 
 /* value: at least 0; an infinite one counts as the largest. */
 void histogram_add(histogram *h, double value);
 void histogram_join(histogram *h, const histogram *other);
-/* A number that at least the fraction q of all do not exceed, at most 2^(1/4) too large; 0: of none. */
+/* A number that at least the fraction q of all do not exceed: at most 2^(1/4) too large, and no larger than
+ * the largest; 0: of none. */
 double histogram_quantile(const histogram *h, double q);
 
 #endif

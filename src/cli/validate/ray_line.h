@@ -3,7 +3,7 @@
 #define CLI_RAY_LINE_H
 
 #include "base/file.h"
-#include "verify/exact/oracle.h"
+#include "verify/ask.h"
 
 /* What goes before the verdict of a ray that was asked for any hit. */
 #define RAY_LINE_ANY "any-"
@@ -13,6 +13,10 @@ typedef struct ray_line {
     unsigned long long index;
     bool any;
     oracle_ray ray; /* any numbers at all: rays_allowed() tells whether they are a ray */
+    bool has_block; /* what follows is set: a line that begins with + and one for each ray of the call */
+    char way[32];
+    ask_block block;
+    ask_answer given;
 } ray_line;
 
 /* A file under reading. */

@@ -7,6 +7,8 @@
 #include "verify/compare.h"
 #include "verify/extremes/extremes.h"
 #include "verify/light/shading.h"
+#include "verify/recorded.h"
+#include "verify/statistics.h"
 
 typedef struct validate_settings {
     command_common common;
@@ -14,6 +16,8 @@ typedef struct validate_settings {
     args_list tracers;
     uint64_t rays, seed;
     uint64_t sample;
+    double power; /* a rate of errors that is to be found by asking two tracers; 0: none */
+    bool heavy;
     bool isa;          /* Embree once with each instruction set */
     unsigned families; /* bit i: rays_family i */
     unsigned threads;  /* that judge */
@@ -30,15 +34,24 @@ typedef struct validate_settings {
 typedef struct validate_run {
     char *scene, *spec; /* as asked for */
     char tracer[64];    /* as the tracer calls itself */
+    trace_spec kind;    /* its path is in `spec` */
+    double unit;        /* roundoff, as declared */
     compare_result result;
+    statistics_findings findings;
     double seconds;
 } validate_run;
 
 typedef ARRAY(validate_run) validate_runs;
 
+/* A built-in scene that a tracer cannot hold. */
+typedef struct validate_skip {
+    char spec[128], scene[32];
+} validate_skip;
+
 /* All that was found. */
 typedef struct validate_results {
     validate_runs runs;
+    ARRAY(validate_skip) skips;
     extremes_rows extremes;
     extremes_failures extremes_failures;
     shading_rows shading;
@@ -66,9 +79,25 @@ void validate_stage_close(validate_stage *stage);
 /* text must outlive the subject; release its tracer with trace_destroy(). */
 fathom_status validate_subject(fathom_context *context, const validate_stage *stage, const char *text,
                                compare_subject *out, trace_tracer **tracer);
+/* Whether the tracer takes such shapes: a library takes triangles. (Planes next to it are answered in float.)
+ */
+bool validate_holds(const world *w, const trace_spec *spec);
+
+/* Tracers of the same kind over another scene, which live before, next to and after the one that is judged,
+ * and one that is built again and again meanwhile: what builds share would show. */
+typedef struct validate_decoys validate_decoys;
+/* Called before and after the judged tracer is made. The text must outlive it. */
+fathom_status validate_decoys_begin(fathom_context *context, const char *text, validate_decoys **out);
+fathom_status validate_decoys_add(fathom_context *context, validate_decoys *decoys);
+/* Waits for the thread that builds. NULL is allowed. */
+void validate_decoys_end(validate_decoys *decoys);
 
 /* ---- validate_print.c ---- */
 compare_family validate_sum(const validate_run *run);
+/* All runs of the tracer whose first run is at `first`; *end: behind the last. */
+compare_family validate_sum_tracer(const validate_runs *runs, size_t first, size_t *end);
+/* A line that begins with "found: " for everything that makes the exit code 1. */
+void validate_print_findings(const validate_results *results);
 /* {"agree": n, …} */
 json_t *validate_verdicts_json(const uint64_t counts[VERDICT_COUNT]);
 void validate_print(const validate_runs *runs, const validate_settings *settings);

@@ -1,5 +1,6 @@
 /* Failing rays as text: what they were asked of, and their numbers as hexadecimal floats, which lose nothing.
- * A ray asked for any hit has "any-" before its verdict. */
+ * A ray asked for any hit has "any-" before its verdict. Lines that begin with + follow: the way of asking
+ * and the answer, then all rays of the call. */
 #include "cli/validate/validate.h"
 
 #include "base/file.h"
@@ -13,21 +14,46 @@
 #define FAILURES_SHOWN 20
 #define LINE_HEAD "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n"
 
+static int format_ray(const oracle_ray *r, char *out, size_t room) {
+    return snprintf(out, room, "%a %a %a %a %a %a %a %a", (double)r->org.x, (double)r->org.y,
+                    (double)r->org.z, (double)r->dir.x, (double)r->dir.y, (double)r->dir.z, (double)r->t_near,
+                    (double)r->t_far);
+}
+
 /* All of a line but the scene's name, which may be long. */
 static void format_line(const char *spec, const compare_failure *f, char line[LINE_ROOM]) {
-    const oracle_ray *r = &f->ray;
-    snprintf(line, LINE_ROOM, "%.100s %s %llu %s%s %a %a %a %a %a %a %a %a ", spec,
-             rays_family_name(f->family), (unsigned long long)f->index, f->any ? RAY_LINE_ANY : "",
-             verdict_name(f->verdict), (double)r->org.x, (double)r->org.y, (double)r->org.z, (double)r->dir.x,
-             (double)r->dir.y, (double)r->dir.z, (double)r->t_near, (double)r->t_far);
+    int length =
+        snprintf(line, LINE_ROOM, "%.100s %s %llu %s%s ", spec, rays_family_name(f->family),
+                 (unsigned long long)f->index, f->block.any ? RAY_LINE_ANY : "", verdict_name(f->verdict));
+    length += format_ray(&f->block.rays[f->block.lane], line + length, LINE_ROOM - (size_t)length);
+    snprintf(line + length, LINE_ROOM - (size_t)length, " ");
+}
+
+static const char *way_name(unsigned way) {
+    return way == COMPARE_FIRST ? "first" : way == COMPARE_REPAIRED ? "repaired" : ask_way_name(way);
+}
+
+static void put_text(file_writer *writer, const char *text) { file_writer_put(writer, text, strlen(text)); }
+
+static void put_block(file_writer *writer, const compare_failure *f) {
+    char line[LINE_ROOM];
+    const ask_block *b = &f->block;
+    const verdict_answer *hit = &f->answer.hit;
+    snprintf(line, sizeof line, "+ %s %u %u %u %u %u %u %a %u\n", way_name(f->way), (unsigned)b->coherence,
+             b->lane, b->lanes, hit->geometry, hit->primitive, hit->instance, hit->t,
+             (unsigned)f->answer.met);
+    put_text(writer, line);
+    for (unsigned i = 0; i < b->lanes; ++i) {
+        format_ray(&b->rays[i], line, sizeof line);
+        put_text(writer, "+"), put_text(writer, line), put_text(writer, "\n");
+    }
 }
 
 static void put_line(file_writer *writer, const char *spec, const char *scene, const compare_failure *f) {
     char line[LINE_ROOM];
     format_line(spec, f, line);
-    file_writer_put(writer, line, strlen(line));
-    file_writer_put(writer, scene, strlen(scene));
-    file_writer_put(writer, "\n", 1);
+    put_text(writer, line), put_text(writer, scene), put_text(writer, "\n");
+    put_block(writer, f);
 }
 
 static void put_extreme(file_writer *writer, const extremes_failure *f) {
@@ -74,7 +100,7 @@ typedef struct replay {
     char scene[4096], spec[128]; /* that are open; "" at first */
     trace_tracer *tracer;
     compare_subject subject;
-    uint64_t rays, wrong;
+    uint64_t rays, wrong, given; /* given: answers that are given again */
 } replay;
 
 /* What a file names is not what someone typed: scenes lie in the working folder, and no code is run. Extreme
@@ -142,21 +168,50 @@ static void print_head(const replay *r, const ray_line *line, verdict v) {
            verdict_name(v));
 }
 
+/* The call as it was; of a line without one, the ray alone. */
+static ask_block block_of(const ray_line *line) {
+    if (line->has_block) return line->block;
+    return (ask_block){.rays = {line->ray}, .lanes = 1, .any = line->any};
+}
+
+static void print_given(const ray_line *line, bool again) {
+    if (!line->has_block) return;
+    printf("\n  given:  ");
+    if (line->any)
+        printf(line->given.met ? "met" : "miss");
+    else
+        print_answer(&line->given.hit);
+    printf(", by %s%s", line->way, again ? "" : ": no longer");
+}
+
+static bool same_answer(const ray_line *line, const ask_answer *answer) {
+    const verdict_answer *a = &line->given.hit, *b = &answer->hit;
+    if (line->any) return line->given.met == answer->met;
+    if (a->geometry == FATHOM_NONE || b->geometry == FATHOM_NONE) return a->geometry == b->geometry;
+    return a->geometry == b->geometry && a->primitive == b->primitive && a->instance == b->instance &&
+           (float)a->t == (float)b->t;
+}
+
 static fathom_status replay_one(fathom_context *context, replay *r, const ray_line *line) {
-    verdict_answer answer = {.geometry = FATHOM_NONE};
-    verdict_report report = {.verdict = VERDICT_AGREE};
-    bool met = false;
-    bool judged = line->any ? compare_one_any(&r->subject, &line->ray, &met, &report.verdict)
-                            : compare_one(&r->subject, &line->ray, &answer, &report);
+    const ask_block block = block_of(line);
+    const oracle_ray *ray = &block.rays[block.lane];
+    const ask_answer answer = ask_block_again(r->subject.tracer, &block);
+    verdict_report report;
+    error_report errors;
+    search_result room = {.asked = 0};
+    bool judged = compare_judge(&r->subject, ray, &answer, line->any, &room, &report, &errors);
+    search_result_free(&room);
     if (!judged) return fail_memory(context, 1);
-    ++r->rays;
+    const bool again = line->has_block && same_answer(line, &answer);
+    ++r->rays, r->given += again;
     r->wrong += report.verdict == VERDICT_WRONG;
     if (r->settings->common.quiet) return FATHOM_OK;
     print_head(r, line, report.verdict);
-    if (line->any && met)
+    if (line->any && answer.met)
         printf("met");
     else
-        print_answer(&answer);
+        print_answer(line->any ? &(verdict_answer){.geometry = FATHOM_NONE} : &answer.hit);
+    print_given(line, again);
     printf("\n  exact:  ");
     bool fine = print_exact(r, line);
     putchar('\n');
@@ -165,8 +220,11 @@ static fathom_status replay_one(fathom_context *context, replay *r, const ray_li
 
 static fathom_status replay_ray(fathom_context *context, replay *r, const ray_line *line) {
     fathom_status status = open_subject(context, r, line);
-    if (status == FATHOM_OK && !rays_allowed(r->stage.source, &line->ray))
-        return fail(context, FATHOM_BAD_INPUT, "the ray has no direction or is out of range");
+    const ask_block block = block_of(line);
+    for (unsigned i = 0; i < block.lanes && status == FATHOM_OK; ++i) {
+        if (!rays_allowed(r->stage.source, &block.rays[i]))
+            return fail(context, FATHOM_BAD_INPUT, "the ray has no direction or is out of range");
+    }
     return status == FATHOM_OK ? replay_one(context, r, line) : status;
 }
 
@@ -195,6 +253,9 @@ fathom_status validate_replay(fathom_context *context, const validate_settings *
     trace_destroy(r.tracer);
     validate_stage_close(&r.stage);
     if (status != FATHOM_OK) return status;
-    printf("%llu rays, %llu wrong\n", (unsigned long long)r.rays, (unsigned long long)r.wrong);
+    printf("%llu rays, %llu wrong", (unsigned long long)r.rays, (unsigned long long)r.wrong);
+    if (!settings->tracers.count || r.given)
+        printf(", %llu with the answer that was given", (unsigned long long)r.given);
+    putchar('\n');
     return r.wrong ? FATHOM_CHECK_FAILED : FATHOM_OK;
 }

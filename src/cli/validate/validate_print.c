@@ -16,6 +16,16 @@ compare_family validate_sum(const validate_run *run) {
     return sum;
 }
 
+compare_family validate_sum_tracer(const validate_runs *runs, size_t first, size_t *end) {
+    compare_family sum = validate_sum(&runs->items[first]);
+    for (*end = first + 1; *end < runs->count && strcmp(runs->items[*end].spec, runs->items[first].spec) == 0;
+         ++*end) {
+        const compare_family more = validate_sum(&runs->items[*end]);
+        compare_family_join(&sum, &more);
+    }
+    return sum;
+}
+
 /* Spent tracing closest hits, by one thread. */
 static double ns_per_ray(const validate_run *run) {
     uint64_t rays = run->result.rays;
@@ -49,7 +59,23 @@ static void print_heading(void) {
     printf(" %7s %7s %7s %8s\n", "median", "99.9 %", "max ulp", "constant");
 }
 
-static void print_errors(const compare_family *f, double nanoseconds) {
+static void print_statistics(const compare_family *f, double nanoseconds) {
+    double mean, error;
+    statistics_bias(&f->bias, &mean, &error);
+    printf(
+        "  error of t by condition  median %8.2g   99.9 %% %8.2g   max %8.2g, bias %+.2g ± %.1g roundoffs\n",
+        histogram_quantile(&f->constants, 0.5), histogram_quantile(&f->constants, 0.999), f->constant.value,
+        mean, error);
+    const oracle_ray *w = &f->widest.ray;
+    printf("  widest bound of t: %.2g roundoffs, from %g %g %g along %g %g %g\n", f->widest.value,
+           (double)w->org.x, (double)w->org.y, (double)w->org.z, (double)w->dir.x, (double)w->dir.y,
+           (double)w->dir.z);
+    if (f->others) printf("  %llu answers depend on how rays are asked\n", (unsigned long long)f->others);
+    if (f->repaired) printf("  %llu answers repaired\n", (unsigned long long)f->repaired);
+    printf("  %.0f ns a ray\n", nanoseconds);
+}
+
+static void print_errors(const compare_family *f) {
     static const char *const names[COMPARE_MEASURES] = {NULL, "t |d| / scene", "position, ulp", "normal, ulp",
                                                         "u and v, ulp"};
     for (int m = COMPARE_T_RELATIVE; m < COMPARE_MEASURES; ++m) {
@@ -58,7 +84,6 @@ static void print_errors(const compare_family *f, double nanoseconds) {
         printf("  error of %-15s median %8.2g   99.9 %% %8.2g   max %8.2g\n", names[m],
                histogram_quantile(&e->counts, 0.5), histogram_quantile(&e->counts, 0.999), e->most.value);
     }
-    printf("  %.0f ns a ray\n", nanoseconds);
 }
 
 static void print_run(const validate_run *run, bool verbose) {
@@ -76,7 +101,65 @@ static void print_run(const validate_run *run, bool verbose) {
         print_row(name, family);
         print_any_row(name, family);
     }
-    if (verbose) print_errors(&sum, ns_per_ray(run));
+    if (!verbose) return;
+    print_errors(&sum);
+    print_statistics(&sum, ns_per_ray(run));
+}
+
+/* ---- what a run is worth, and what it found ---- */
+
+static void print_power(const validate_runs *runs, size_t first, const compare_family *sum, size_t end) {
+    const uint64_t wrong =
+        sum->counts[VERDICT_WRONG] + sum->any_counts[VERDICT_WRONG] + sum->other_counts[VERDICT_WRONG];
+    uint64_t screened = 0;
+    for (size_t i = first; i < end; ++i) screened += runs->items[i].result.screened;
+    printf("%s: %llu wrong in %llu rays judged", runs->items[first].spec, (unsigned long long)wrong,
+           (unsigned long long)sum->rays);
+    if (!wrong) printf(": the rate is below %.1g at 95 %%", statistics_power(sum->rays));
+    if (screened) printf("; %llu more asked of a second tracer, too", (unsigned long long)screened);
+    if (screened && !wrong) printf(": below %.1g", statistics_power(screened + sum->rays));
+    putchar('\n');
+}
+
+static void print_powers(const validate_runs *runs) {
+    putchar('\n');
+    for (size_t i = 0, end; i < runs->count; i = end) {
+        const compare_family sum = validate_sum_tracer(runs, i, &end);
+        print_power(runs, i, &sum, end);
+    }
+}
+
+static void print_wrong(const validate_run *run) {
+    const compare_family sum = validate_sum(run);
+    const uint64_t closest = sum.counts[VERDICT_WRONG], any = sum.any_counts[VERDICT_WRONG],
+                   others = sum.other_counts[VERDICT_WRONG];
+    if (!closest && !any && !others) return;
+    printf("found: %s, %s: wrong: %llu closest hits, %llu any hits, %llu answers to other ways of asking or "
+           "screened\n",
+           run->spec, run->scene, (unsigned long long)closest, (unsigned long long)any,
+           (unsigned long long)others);
+}
+
+static void print_skips(const validate_results *results) {
+    for (size_t i = 0; i < results->skips.count; ++i) {
+        const validate_skip *skip = &results->skips.items[i];
+        bool new = i == 0 || strcmp(skip[-1].spec, skip->spec) != 0;
+        if (new) printf("%s%s cannot hold: %s", i ? "\n" : "", skip->spec, skip->scene);
+        if (!new) printf(", %s", skip->scene);
+    }
+    if (results->skips.count) putchar('\n');
+}
+
+void validate_print_findings(const validate_results *results) {
+    const validate_runs *runs = &results->runs;
+    print_powers(runs);
+    print_skips(results);
+    for (size_t i = 0; i < runs->count; ++i) {
+        print_wrong(&runs->items[i]);
+        for (size_t k = 0; k < runs->items[i].findings.count; ++k)
+            printf("found: %s, %s: %s\n", runs->items[i].spec, runs->items[i].scene,
+                   runs->items[i].findings.items[k].words);
+    }
 }
 
 void validate_print(const validate_runs *runs, const validate_settings *settings) {
@@ -127,12 +210,33 @@ static json_t *pack_any(const compare_family *f) {
     return json_of(JSON("rays", f->any_rays), JSON("verdicts", validate_verdicts_json(f->any_counts)));
 }
 
+static json_t *pack_others(const compare_family *f) {
+    return json_of(JSON("answers", f->others), JSON("verdicts", validate_verdicts_json(f->other_counts)),
+                   JSON("repaired", f->repaired));
+}
+
+static json_t *pack_constants(const compare_family *f) {
+    double mean, error;
+    statistics_bias(&f->bias, &mean, &error);
+    return json_of(JSON("median", histogram_quantile(&f->constants, 0.5)),
+                   JSON("p99.9", histogram_quantile(&f->constants, 0.999)), JSON("bias", mean),
+                   JSON("biasError", error));
+}
+
+static json_t *pack_findings(const validate_run *run) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < run->findings.count; ++i)
+        json_array_append_new(list, json_text(run->findings.items[i].words));
+    return list;
+}
+
 static json_t *pack_family(const char *name, const compare_family *f) {
     static const char *const measures[COMPARE_MEASURES] = {"tUlps", "tRelative", "position", "normal", "uv"};
-    json_t *family = json_of(JSON("family", name), JSON("rays", f->rays),
-                             JSON("verdicts", validate_verdicts_json(f->counts)), JSON("any", pack_any(f)),
-                             JSON("constant", pack_most(&f->constant)), JSON("oracleAsked", f->asked),
-                             JSON("oracleExact", f->exact));
+    json_t *family = json_of(
+        JSON("family", name), JSON("rays", f->rays), JSON("verdicts", validate_verdicts_json(f->counts)),
+        JSON("any", pack_any(f)), JSON("others", pack_others(f)), JSON("constants", pack_constants(f)),
+        JSON("constant", pack_most(&f->constant)), JSON("widestBound", pack_most(&f->widest)),
+        JSON("oracleAsked", f->asked), JSON("oracleExact", f->exact));
     for (int m = 0; m < COMPARE_MEASURES; ++m) {
         if (f->errors[m].counts.total) json_add(family, JSON(measures[m], pack_error(&f->errors[m])));
     }
@@ -150,6 +254,7 @@ static json_t *pack_run(const validate_run *run) {
     return json_of(JSON("scene", run->scene), JSON("spec", run->spec), JSON("tracer", run->tracer),
                    JSON("isa", validate_isa_of(run)), JSON("seconds", run->seconds),
                    JSON("nsPerRay", ns_per_ray(run)), JSON("any", pack_any(&sum)), JSON("families", families),
+                   JSON("screened", run->result.screened), JSON("findings", pack_findings(run)),
                    JSON("failures", validate_failures_json(run)));
 }
 

@@ -2,8 +2,17 @@
 
 #include "verify/builtin.h"
 
+#include "base/threads.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <time.h>
+
+/* Several even where there is one processor: a fault of theirs would show in any build. */
+#define BUILD_THREADS 4
 
 static fathom_status open_scene(fathom_context *context, const char *name, fathom_scene **out) {
     for (unsigned i = 0; builtin_name(i); ++i) {
@@ -56,10 +65,87 @@ fathom_status validate_subject(fathom_context *context, const validate_stage *st
     *tracer = NULL;
     fathom_status status = trace_spec_parse(context, text, &spec);
     if (status != FATHOM_OK) return status;
-    trace_options options = {.spec = &spec, .width = LANES};
+    trace_options options = {.spec = &spec, .width = LANES, .threads = BUILD_THREADS};
     status = trace_create(context, stage->world, &options, tracer);
     if (status != FATHOM_OK) return status;
     *out = (compare_subject){stage->world, stage->search, stage->source, *tracer,
                              verdict_tracer_of(&spec, trace_unit(*tracer))};
     return FATHOM_OK;
+}
+
+bool validate_holds(const world *w, const trace_spec *spec) {
+    return spec->kind != TRACE_PLUGIN ||
+           !(w->spheres.count || w->quads.count || w->planes.count || w->instances.count);
+}
+
+/* ---- decoys ---- */
+
+struct validate_decoys {
+    const char *text;
+    fathom_scene *scene;
+    world *world;
+    trace_tracer *tracers[2];
+    fathom_context *context; /* of the thread */
+    pthread_t thread;
+    bool started;
+    atomic_bool stop;
+};
+
+/* So many builds, so far apart in nanoseconds: a build takes far less. */
+#define DECOY_BUILDS 40
+#define DECOY_PAUSE 2000000
+
+static fathom_status decoy(fathom_context *context, const validate_decoys *d, trace_tracer **out) {
+    trace_spec spec;
+    fathom_status status = trace_spec_parse(context, d->text, &spec);
+    const trace_options options = {.spec = &spec, .width = LANES, .threads = 1};
+    return status == FATHOM_OK ? trace_create(context, d->world, &options, out) : status;
+}
+
+static void *build_again(void *user) {
+    validate_decoys *d = user;
+    const struct timespec pause = {.tv_nsec = DECOY_PAUSE};
+    for (int k = 0; k < DECOY_BUILDS && !atomic_load(&d->stop); ++k) {
+        trace_tracer *tracer = NULL;
+        (void)decoy(d->context, d, &tracer); /* a build that fails fails for the judged tracer, too */
+        trace_destroy(tracer);
+        nanosleep(&pause, NULL);
+    }
+    return NULL;
+}
+
+static unsigned decoy_scene(void) {
+    unsigned k = 0;
+    while (builtin_name(k) && strcmp(builtin_name(k), "masks") != 0) ++k;
+    return k;
+}
+
+fathom_status validate_decoys_begin(fathom_context *context, const char *text, validate_decoys **out) {
+    validate_decoys *d = *out = calloc(1, sizeof *d);
+    if (!d) return fail_memory(context, sizeof *d);
+    d->text = text;
+    fathom_status status = fathom_context_create(&d->context);
+    if (status == FATHOM_OK) status = builtin_create(context, decoy_scene(), &d->scene);
+    if (status == FATHOM_OK) status = world_create(d->scene, &d->world);
+    return status == FATHOM_OK ? decoy(context, d, &d->tracers[0]) : status;
+}
+
+fathom_status validate_decoys_add(fathom_context *context, validate_decoys *d) {
+    fathom_status status = decoy(context, d, &d->tracers[1]);
+    sigset_t old;
+    threads_without_signals(&old);
+    d->started = status == FATHOM_OK && pthread_create(&d->thread, NULL, build_again, d) == 0;
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+    return status;
+}
+
+void validate_decoys_end(validate_decoys *d) {
+    if (!d) return;
+    atomic_store(&d->stop, true);
+    if (d->started) pthread_join(d->thread, NULL);
+    trace_destroy(d->tracers[1]), trace_destroy(d->tracers[0]);
+    world_destroy(d->world);
+    fathom_scene_destroy(d->scene);
+    fathom_context_destroy(d->context);
+    free(d);
 }

@@ -74,7 +74,7 @@ void case_sphere(extremes_case *c, fathom_id group, vec3_f64 center, double radi
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
     store_f64(sphere.center, center);
-    sphere.radius = radius;
+    sphere.radius = radius, sphere.flags = c->flags;
     c->status = fathom_scene_add_sphere(c->scene, group, &sphere, NULL);
 }
 
@@ -84,6 +84,7 @@ void case_quad(extremes_case *c, fathom_id group, vec3_f64 center, vec3_f64 u, v
     fathom_quad quad;
     fathom_quad_default(&quad);
     fathom_quad_from_axes(at, a, b, &quad);
+    quad.flags = c->flags;
     c->status = fathom_scene_add_quad(c->scene, group, &quad, NULL);
 }
 
@@ -93,6 +94,7 @@ void case_plane(extremes_case *c, vec3_f64 point, vec3_f64 normal) {
     fathom_plane_default(&plane);
     store_f64(plane.point, point);
     store_f64(plane.normal, normal);
+    plane.flags = c->flags;
     c->status = fathom_scene_add_plane(c->scene, FATHOM_ROOT, &plane, NULL);
 }
 
@@ -106,6 +108,7 @@ void case_mesh(extremes_case *c, fathom_id group, vec3_f64 origin, const vec3_f6
     mesh.positions = floats, mesh.vertex_count = vertices;
     mesh.indices = indices, mesh.triangle_count = triangles;
     store_f64(mesh.origin, origin);
+    mesh.flags = c->flags;
     c->status = fathom_scene_add_mesh(c->scene, group, &mesh, NULL);
 }
 

@@ -17,6 +17,7 @@ struct extremes_case {
     char words[EXTREMES_WORDS];      /* to be set */
     unsigned families;               /* of its rays, bit i: rays_family i; not used where `maker` is set */
     rays_maker maker;                /* its own rays; `user` is the case */
+    unsigned flags;                  /* of the shapes that are added next: FATHOM_CASTS_NO_SHADOW or 0 */
     unsigned thin;                   /* where a ray costs many times as much: one in so many; 0 counts as 1 */
     double number[4];                /* for maker and patch */
     void (*patch)(extremes_case *c); /* changes the world before anything looks at it */
@@ -26,7 +27,7 @@ struct extremes_case {
 /* Where rays may be weak at any shape, but for those of the camera and of other lengths. */
 #define CASE_FAMILIES                                                                                        \
     (1u << RAYS_UNIFORM | 1u << RAYS_EDGE | 1u << RAYS_VERTEX | 1u << RAYS_GRAZING | 1u << RAYS_TANGENT |    \
-     1u << RAYS_SURFACE | 1u << RAYS_FAR | 1u << RAYS_AXIS | 1u << RAYS_INTERVAL)
+     1u << RAYS_SURFACE | 1u << RAYS_FAR | 1u << RAYS_AXIS | 1u << RAYS_INTERVAL | 1u << RAYS_ENDS)
 
 /* Zeroed first. `make` adds shapes and says what rays there are. Release with case_close() whatever comes
  * back. */

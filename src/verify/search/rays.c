@@ -104,7 +104,8 @@ static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
 
 static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
     draft ray = make_uniform(s, r, index);
-    ray.dir = scale_f64(rays_power(r, -20, 20), normalize_f64(ray.dir));
+    ray.dir = scale_f64(index % 8 ? rays_power(r, -20, 36) : rays_power(r, -31, -30), normalize_f64(ray.dir));
+    if (index % 2) ray.t_far = rays_power(r, 30, 38.5);
     return ray;
 }
 
@@ -122,6 +123,77 @@ static draft make_interval(const rays_source *s, rays_random *r, uint64_t index)
     return ray;
 }
 
+static draft make_tiny(const rays_source *s, rays_random *r, uint64_t index) {
+    (void)index;
+    vec3_f64 target = rays_pick(s, r).point, dir = rays_direction(r);
+    double *parts[3] = {&dir.x, &dir.y, &dir.z};
+    unsigned axis = (unsigned)(rays_unit(r) * 3);
+    *parts[axis] = copysign(rays_power(r, -36, -12), *parts[axis]);
+    if (rays_unit(r) < 0.5)
+        *parts[(axis + 1) % 3] = copysign(rays_power(r, -36, -12), *parts[(axis + 1) % 3]);
+    return (draft){madd_f64(target, -2 * s->radius, dir), dir, 0, (double)INFINITY};
+}
+
+static draft make_bundle(const rays_source *s, rays_random *r, uint64_t index) {
+    rays_random all = rays_random_of(1, RAYS_BUNDLE, index / 16);
+    vec3_f64 target = rays_pick(s, &all).point, dir = rays_direction(&all);
+    double *parts[3] = {&dir.x, &dir.y, &dir.z}, spread = rays_power(&all, -6, -0.5);
+    if (rays_unit(&all) < 0.6) *parts[(unsigned)(rays_unit(&all) * 3)] = 0;
+    vec3_f64 org = madd_f64(target, -2 * s->radius, dir);
+    if (rays_unit(&all) < 0.5) org = rays_in_ball(r, org, spread * s->radius);
+    return (draft){org, madd_f64(dir, spread, rays_direction(r)), 0, (double)INFINITY};
+}
+
+/* A corner, a point of a side or inside, in eighths. */
+static vec3_f64 eighths(const rays_target *target, rays_random *r) {
+    if (!target->corners) {
+        vec3_f64 p = target->point;
+        return vec_f64(round(8 * p.x) / 8, round(8 * p.y) / 8, round(8 * p.z) / 8);
+    }
+    double u = floor(9 * rays_unit(r)) / 8, v = floor((9 - 8 * u) * rays_unit(r)) / 8;
+    vec3_f64 a = target->corner[0], b = target->corner[1], c = target->corner[target->corners - 1];
+    return madd_f64(madd_f64(a, u, sub_f64(b, a)), v, sub_f64(c, a));
+}
+
+static double largest_part(vec3_f64 v) { return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z))); }
+
+/* A power of two along the axis that is closest to v, either way. */
+static vec3_f64 along_axis(vec3_f64 v, rays_random *r) {
+    double most = largest_part(v), length = exp2(floor(rays_between(r, -2, 3)));
+    if (rays_unit(r) < 0.5) length = -length;
+    if (fabs(v.x) == most) return vec_f64(length, 0, 0);
+    return fabs(v.y) == most ? vec_f64(0, length, 0) : vec_f64(0, 0, length);
+}
+
+/* The origin shares some coordinates with a corner: it lies on planes of boxes. */
+static vec3_f64 on_planes(const rays_target *target, rays_random *r, vec3_f64 org) {
+    vec3_f64 corner =
+        target->corners ? target->corner[(unsigned)(rays_unit(r) * target->corners)] : target->point;
+    if (rays_unit(r) < 0.6) org.x = corner.x;
+    if (rays_unit(r) < 0.6) org.y = corner.y;
+    if (rays_unit(r) < 0.6) org.z = corner.z;
+    return org;
+}
+
+static draft make_lattice(const rays_source *s, rays_random *r, uint64_t index) {
+    rays_target target = rays_pick(s, r);
+    vec3_f64 point = eighths(&target, r), dir = along_axis(target.normal, r);
+    double t = 1 + floor(4 * rays_unit(r)) / 2;
+    draft ray = {madd_f64(point, -t, dir), dir, 0, (double)INFINITY};
+    switch (index % 6) {
+    case 0: ray.t_far = t; break;
+    case 1: ray.t_near = t; break;
+    case 2: ray.org = on_planes(&target, r, around(s, r)), ray.dir = along_axis(rays_direction(r), r); break;
+    case 3: ray.org = on_planes(&target, r, around(s, r)), ray.dir = sub_f64(point, ray.org); break;
+    default: break;
+    }
+    return ray;
+}
+
+static draft make_ends(const rays_source *s, rays_random *r, uint64_t index) {
+    return index % 2 ? make_surface(s, r, index) : make_uniform(s, r, index);
+}
+
 static const struct {
     const char *name;
     maker make;
@@ -137,6 +209,11 @@ static const struct {
     [RAYS_AXIS] = {"axis", make_axis},
     [RAYS_SCALED] = {"scaled", make_scaled},
     [RAYS_INTERVAL] = {"interval", make_interval},
+    [RAYS_TINY] = {"tiny", make_tiny},
+    [RAYS_BUNDLE] = {"bundle", make_bundle},
+    [RAYS_LATTICE] = {"lattice", make_lattice},
+    [RAYS_ENDS] = {"ends", make_ends},
+    [RAYS_RENDERED] = {"rendered", NULL},
 };
 
 const char *rays_family_name(rays_family family) { return families[family].name; }

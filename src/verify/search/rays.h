@@ -17,8 +17,14 @@ typedef enum rays_family {
     RAYS_SURFACE,  /* from a point on a surface, as float rounds it */
     RAYS_FAR,      /* from 10 to 1e6 times the world's radius away */
     RAYS_AXIS,     /* one or two components of the direction are 0 or -0 */
-    RAYS_SCALED,   /* directions 1e-20 to 1e20 long */
+    RAYS_SCALED,   /* directions 1e-31 to 1e36 long, intervals without end or to 1e30 and more */
     RAYS_INTERVAL, /* intervals around a hit, down to nothing; tiny and huge ones */
+    RAYS_TINY,     /* one or two components of the direction are 1e-12 to 1e-36 of the others */
+    RAYS_BUNDLE,   /* 16 from about one place in about one direction, often along an axis */
+    RAYS_LATTICE,  /* along axes at corners, edges and eighths of them, where nothing is rounded if the shape
+                      has  few digits; from corners and planes of boxes; intervals that end in the hit */
+    RAYS_ENDS,     /* intervals that end in the very hit: compare.c shortens them by the tracer's answer */
+    RAYS_RENDERED, /* of a render, in its own blocks; rays_make() makes none */
     RAYS_FAMILIES
 } rays_family;
 

@@ -84,10 +84,22 @@ static void aim_at_plane(const rays_source *s, const world_plane *plane, rays_ra
     out->normal = widen(plane->normal);
 }
 
+/* Any of them; one in eight is the first, one of the last or next to a power of two, where counters of few
+ * bits end. */
+static uint32_t pick_index(uint32_t count, rays_random *r) {
+    uint32_t any = (uint32_t)(rays_unit(r) * (double)count);
+    if (rays_unit(r) < 0.875) return any;
+    double kind = rays_unit(r), power = exp2(floor(rays_unit(r) * log2(count)));
+    if (kind < 0.25) return 0;
+    if (kind < 0.5) return count - 1;
+    if (kind < 0.75) return count - 1 - (any & 7) % count;
+    return (uint32_t)power - (any & 1);
+}
+
 rays_target rays_pick(const rays_source *source, rays_random *r) {
     rays_target target = {.corners = 0};
     target.run = &source->runs.items[(size_t)(rays_unit(r) * (double)source->runs.count)];
-    uint32_t index = (uint32_t)(rays_unit(r) * (double)target.run->count);
+    uint32_t index = pick_index(target.run->count, r);
     oracle_primitive p = search_primitive(source->world, target.run->geometry, index, target.run->instance);
     target.shape = p.shape;
     switch (p.shape) {

@@ -4,6 +4,8 @@
 
 #include <float.h>
 
+#define ASIDE_RINGS 5
+
 const char *verdict_name(verdict v) {
     static const char *const names[VERDICT_COUNT] = {"agree",       "tie",    "edge", "range",
                                                      "conditioned", "beyond", "leak", "wrong"};
@@ -22,6 +24,7 @@ verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
                             .inverted = embree,
                             .leaks = embree || textbook,
                             .textbook = textbook,
+                            .strict = true,
                             .clamped = embree ? 1e-18 : 0,
                             .largest = embree ? 1.844e18 / 2 : 0};
 }
@@ -60,15 +63,27 @@ static bool same_primitive(const search_hit *hit, const verdict_answer *a) {
     return hit->geometry == a->geometry && hit->primitive == a->primitive && hit->instance == a->instance;
 }
 
-/* The ray moved aside, at right angles to itself, to side `k` of eight. */
+/* The ray moved aside, at right angles to itself: to one of eight sides, by a part of `by` for each ring. */
 static oracle_ray moved_aside(const oracle_ray *ray, double by, int k) {
+    static const double parts[ASIDE_RINGS] = {1, 0.5, 0.25, 0.75, 0.12};
     vec3_f64 d = normalize_f64(widen(ray->dir));
     vec3_f64 other = fabs(d.x) < 0.6 ? vec_f64(1, 0, 0) : vec_f64(0, 1, 0);
     vec3_f64 x = normalize_f64(cross_f64(d, other)), y = cross_f64(d, x);
-    double angle = k * 0.7853981633974483 + 0.2;
-    vec3_f64 aside = add_f64(scale_f64(by * cos(angle), x), scale_f64(by * sin(angle), y));
+    int ring = k / 8;
+    double angle = k * 0.7853981633974483 + 0.2 + 0.31 * ring, far = by * parts[ring];
+    vec3_f64 aside = add_f64(scale_f64(far * cos(angle), x), scale_f64(far * sin(angle), y));
     oracle_ray out = *ray;
     out.org = narrow(add_f64(widen(ray->org), aside));
+    return out;
+}
+
+/* The origin moved by one float or none in each coordinate: neighbour `k` of 27. */
+static oracle_ray moved_by_floats(const oracle_ray *ray, int k) {
+    oracle_ray out = *ray;
+    float *part[3] = {&out.org.x, &out.org.y, &out.org.z};
+    for (int i = 0; i < 3; ++i, k /= 3) {
+        if (k % 3) *part[i] = nextafterf(*part[i], k % 3 == 1 ? INFINITY : -INFINITY);
+    }
     return out;
 }
 
@@ -80,15 +95,24 @@ static bool is_fair(const judge *j, const oracle_ray *ray) {
     return j->said && same_primitive(hit, j->said);
 }
 
-/* Whether a ray that the precision cannot tell from this one meets nothing before t, or at whatever t what
- * was reported, or what the tracer cannot hold. A surface that goes on beyond the edge is met on all sides.
- */
+/* Whether the moved ray meets nothing before t, or at whatever t what was reported, or what the tracer cannot
+ * hold. */
+static bool passes(judge *j, const oracle_ray *ray, double before) {
+    if (!finite_f32(ray->org)) return true;
+    double t = judge_nearest(j, ray);
+    return t >= before || (t < (double)INFINITY && is_fair(j, ray));
+}
+
+/* Whether some ray that the precision cannot tell from this one passes. A surface that goes on beyond the
+ * edge is met on all sides. Few of these rays pass a thin limb, so there are rings of them. */
 static bool passes_aside(judge *j, const oracle_ray *from, double by, double before) {
-    for (int k = 0; k < 8; ++k) {
+    for (int k = 0; k < 8 * ASIDE_RINGS; ++k) {
         oracle_ray ray = moved_aside(from, by, k);
-        if (!finite_f32(ray.org)) return true;
-        double t = judge_nearest(j, &ray);
-        if (t >= before || (t < (double)INFINITY && is_fair(j, &ray))) return true;
+        if (passes(j, &ray, before)) return true;
+    }
+    for (int k = 1; k < 27; ++k) {
+        oracle_ray ray = moved_by_floats(from, k);
+        if (passes(j, &ray, before)) return true;
     }
     return false;
 }
@@ -189,8 +213,8 @@ static verdict judge_meeting(const judge *j, const oracle_primitive *p, const or
     if (fabs(t - value(a->t)) > verdict_reported(j->tracer, p, bound)) return VERDICT_WRONG;
     if (!a->line) return VERDICT_EDGE;
     if (a->hit) return VERDICT_AGREE;
-    return value(a->above_near) >= -bound->t && value(a->below_far) >= -bound->t ? VERDICT_RANGE
-                                                                                 : VERDICT_WRONG;
+    return value(a->above_near) > -bound->t && value(a->below_far) > -bound->t ? VERDICT_RANGE
+                                                                               : VERDICT_WRONG;
 }
 
 /* ---- closest hit ---- */
@@ -219,18 +243,27 @@ static verdict judge_tie(const judge *j, const verdict_answer *a, double exact) 
     return close ? VERDICT_AGREE : VERDICT_CONDITIONED;
 }
 
+/* Fathom's own shapes and plug-ins keep the interval open; Embree's own may take its ends for inside. */
+static bool in_interval(const judge *j, const oracle_primitive *p, const verdict_answer *said) {
+    double near = (double)j->ray->t_near, far = (double)j->ray->t_far;
+    if (!j->tracer->strict || j->tracer->seen >> p->shape & 1) return said->t >= near && said->t <= far;
+    bool above = said->t > near || (said->t == near && said->t_low > 0);
+    return above && (said->t < far || (said->t == far && said->t_low < 0));
+}
+
 static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *out) {
     const oracle_ray *ray = j->ray;
     if (!names_primitive(j->world, said)) return VERDICT_WRONG;
-    if (!(said->t >= (double)ray->t_near && said->t <= (double)ray->t_far)) return VERDICT_WRONG;
     oracle_primitive p = search_primitive(j->world, said->geometry, said->primitive, said->instance);
+    if (!in_interval(j, &p, said)) return VERDICT_WRONG;
     oracle_answer a;
-    verdict_bound bound = {0, 0, 0};
+    verdict_bound bound = {.t = 0};
     judge_ask(j, &p, said->t, &a);
     out->measured = !a.parallel && a.line;
     if (out->measured) {
         out->exact_t = value(a.t),
-        out->t_error = fabs((double)(a.t.value - said->t - (real_f128)said->t_low));
+        out->t_signed = (double)((real_f128)said->t + (real_f128)said->t_low - a.t.value);
+        out->t_error = fabs(out->t_signed);
         out->condition = j->tracer->inverted ? a.inverted.t : a.condition.t;
         out->primitive = p, out->exact = a;
     }
@@ -286,7 +319,7 @@ static verdict judge_candidate(const judge *j, const search_candidate *c) {
         judge_ask(j, &p, ends[i], &a);
         verdict met = judge_meeting(j, &p, &a, (double)a.t.value, &bound);
         double t = (double)a.t.value, far = (double)j->ray->t_far;
-        bool within = a.parallel || (t - ends[0] >= -bound.t && far - t >= -bound.t);
+        bool within = a.parallel || (t - ends[0] > -bound.t && far - t > -bound.t);
         if (met != VERDICT_WRONG && within) return met == VERDICT_AGREE ? VERDICT_RANGE : met;
         if (!a.parallel && a.line && verdict_beyond(j->tracer, j->world, j->ray, &p, t))
             best = VERDICT_BEYOND;

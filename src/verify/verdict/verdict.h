@@ -32,6 +32,7 @@ typedef struct verdict_tracer {
         seen; /* bit i: oracle_shape i, whose sides it forms from corners as seen from the ray's origin */
     bool textbook;  /* spheres by the plain quadratic */
     double clamped; /* components of directions below this count as this where boxes are tested; 0: none */
+    bool strict;    /* its own t lies in the open interval, for the shapes that are not `seen` */
     double largest; /* takes no ray and no primitive with a coordinate above; 0: any float */
 } verdict_tracer;
 
@@ -46,6 +47,8 @@ typedef struct verdict_report {
     bool measured;    /* the line meets the primitive, so that t has an error; what follows is set */
     double exact_t;   /* of the primitive that the tracer named */
     double t_error;   /* |t - exact_t| */
+    double t_signed;  /* t - exact_t */
+    double bound;     /* that t was held against */
     double condition; /* of exact_t: a relative change of u in all inputs moves it by at most u times this */
     oracle_primitive primitive;
     oracle_answer exact;
@@ -72,6 +75,8 @@ typedef struct verdict_bound {
     double t;     /* of t, in its units */
     double edge;  /* of oracle_answer.edge */
     double aside; /* in world coordinates, of where the ray passes */
+    double weight,
+        normal; /* of u and v; of the normal's direction in radians: verdict_bound_all() sets them */
 } verdict_bound;
 
 /* The bound for an answer that is not parallel. */
@@ -99,6 +104,16 @@ double verdict_rounding(const verdict_tracer *tracer, double t);
 
 /* The ray's direction in the primitive's space. */
 vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *primitive);
+
+/* Also sets `weight` and `normal`, of a hit that lies on the primitive. */
+verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *ray,
+                                const oracle_primitive *primitive, const oracle_answer *answer);
+
+/* Whether every intersector gets this t without rounding: the ray runs along an axis by a power of two and
+ * meets, at right angles, a primitive with few digits whose weights have few, too. Then the ends of the
+ * interval are not in doubt either. */
+bool verdict_is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive,
+                      const oracle_answer *answer);
 
 /* The constants, for reports. */
 double verdict_constant(oracle_shape shape);

@@ -114,7 +114,7 @@ static verdict_bound of_triangle(const frame *f, const vec3_f32 v[3], const orac
     double wide = widened(factor * side * side * f->dir_size / along) / along;
     double spread = 0; /* of the weights, 1 within */
     for (int k = 0; k < 3; ++k) spread += fabs((double)answer->weight[k].value);
-    return (verdict_bound){side * side * fmax(1, spread) * size * wide, d * side * size * wide, size};
+    return (verdict_bound){side * side * fmax(1, spread) * size * wide, d * side * size * wide, size, 0, 0};
 }
 
 /* Past the rim, the closest approach at t' stands in for the roots, which part from it by at most √|δD| /
@@ -123,9 +123,9 @@ static verdict_bound of_sphere(const frame *f, double radius, const oracle_answe
                                double factor) {
     double d = length_f64(f->dir), l = sqrt(fmax(0, 1 - (double)answer->edge.value)); /* over R */
     double edge = size * (1 + l) / radius;
-    if (!answer->line) return (verdict_bound){(size + radius * sqrt(edge / factor)) / d, edge, size};
+    if (!answer->line) return (verdict_bound){(size + radius * sqrt(edge / factor)) / d, edge, size, 0, 0};
     double gap = fabs((double)(answer->t.value - answer->other.value));
-    return (verdict_bound){size * radius / (d * d * gap / 2), edge, size};
+    return (verdict_bound){size * radius / (d * d * gap / 2), edge, size, 0, 0};
 }
 
 static verdict_bound of_textbook_sphere(const frame *f, double radius, const oracle_answer *answer,
@@ -133,14 +133,14 @@ static verdict_bound of_textbook_sphere(const frame *f, double radius, const ora
     double d = length_f64(f->dir), edge = size * size / (radius * radius);
     double most = size / (d * sqrt(factor)) + size / d; /* what √|δD| allows */
     double aside = fmax(size, size * size / radius);    /* moves l²/R² by twice `edge` at the rim */
-    if (!answer->line) return (verdict_bound){most, edge, aside};
+    if (!answer->line) return (verdict_bound){most, edge, aside, 0, 0};
     double gap = fabs((double)(answer->t.value - answer->other.value));
-    return (verdict_bound){fmin(size * size / (d * d * gap / 2), most), edge, aside};
+    return (verdict_bound){fmin(size * size / (d * d * gap / 2), most), edge, aside, 0, 0};
 }
 
 static verdict_bound of_plane(const frame *f, vec3_f64 n, double size, double factor) {
     double along = fabs(dot_f64(f->dir, n)), r = factor * length_f64(n) * f->dir_size / along;
-    return (verdict_bound){length_f64(n) * size / along * widened(r), 0, size};
+    return (verdict_bound){length_f64(n) * size / along * widened(r), 0, size, 0, 0};
 }
 
 static verdict_bound of_shape(const frame *f, const oracle_primitive *p, const oracle_answer *answer,
@@ -193,7 +193,104 @@ verdict_bound verdict_bound_of(const verdict_tracer *tracer, const oracle_ray *r
     bound.t = factor * bound.t + verdict_rounding(tracer, t);
     bound.edge *= factor;
     bound.aside *= factor * (primitive->instance ? f.inverse_norm : 1);
+    if (verdict_is_exact(tracer, ray, primitive, answer)) bound.t = bound.edge = 0;
     return bound;
+}
+
+/* The angle between the normals of a quad's parts. */
+static double twist_of(const oracle_primitive *quad) {
+    const vec3_f32 *v = quad->v;
+    vec3_f64 n = cross_f64(sub_f64(widen(v[1]), widen(v[0])), sub_f64(widen(v[3]), widen(v[0])));
+    vec3_f64 m = cross_f64(sub_f64(widen(v[3]), widen(v[2])), sub_f64(widen(v[1]), widen(v[2])));
+    return atan2(length_f64(cross_f64(n, m)), dot_f64(n, m));
+}
+
+/* Sides are off by 2 u of their length or, seen from the ray's origin, of S, and the products and differences
+ * of n = e × e' by as much again: 16 u L S / |n| holds both. Where that is not small, any direction is as
+ * good. A quad's normal may be either part's. */
+static double normal_bound(const verdict_tracer *tracer, const oracle_primitive *p,
+                           const oracle_answer *answer, double size) {
+    bool quad = p->shape == ORACLE_QUAD, second = quad && answer->part;
+    vec3_f64 a = widen(p->v[second ? 2 : 0]), b = widen(p->v[second ? 3 : 1]);
+    vec3_f64 c = widen(p->v[second ? 1 : quad ? 3 : 2]), n = cross_f64(sub_f64(b, a), sub_f64(c, a));
+    double side = fmax(length_f64(sub_f64(b, a)), fmax(length_f64(sub_f64(c, a)), length_f64(sub_f64(c, b))));
+    double reach = tracer->seen >> p->shape & 1 ? size : side;
+    double r = 16 * fmax(tracer->unit, 0x1p-24) * side * reach / length_f64(n);
+    return (r < 0.5 ? 2 * r : 4) + (quad ? twist_of(p) : 0);
+}
+
+/* Normals are reported in float, whatever computed them. */
+verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *ray,
+                                const oracle_primitive *p, const oracle_answer *answer) {
+    verdict_bound bound = verdict_bound_of(tracer, ray, p, answer);
+    const double unit = fmax(tracer->unit, 0x1p-24), least = 8 * unit;
+    frame f = frame_of(tracer, ray, p->instance);
+    double size = size_of(tracer, ray, p, &f, (double)answer->t.value);
+    bound.weight = bound.edge + 4 * tracer->unit;
+    switch (p->shape) {
+    case ORACLE_SPHERE:
+        bound.normal = least + 2 * (bound.t * length_f64(f.dir) + 8 * unit * size) / oracle_radius(p);
+        break;
+    case ORACLE_PLANE: bound.normal = least; break;
+    case ORACLE_TRIANGLE:
+    case ORACLE_QUAD: bound.normal = least + normal_bound(tracer, p, answer, size); break;
+    }
+    bool first_part =
+        tracer->textbook && p->shape == ORACLE_QUAD; /* it answers with the first part's plane */
+    if (first_part) bound.weight = bound.normal = (double)INFINITY;
+    return bound;
+}
+
+/* ---- where nothing is rounded ---- */
+
+/* A multiple of 1/16 up to 16: products of three differences of such numbers fit in float. */
+static bool has_few_digits(double x) { return fabs(x) <= 16 && 16 * x == floor(16 * x); }
+
+static bool is_plain(vec3_f32 p) {
+    return has_few_digits((double)p.x) && has_few_digits((double)p.y) && has_few_digits((double)p.z);
+}
+
+static bool is_power(double x) {
+    int exponent;
+    return fabs(frexp(x, &exponent)) == 0.5;
+}
+
+/* The axis along which the ray runs by a power of two, or -1. */
+static int axis_of(const oracle_ray *ray) {
+    const double d[3] = {(double)ray->dir.x, (double)ray->dir.y, (double)ray->dir.z};
+    int axis = -1;
+    for (int i = 0; i < 3; ++i) {
+        if (d[i] == 0) continue;
+        if (axis >= 0 || !is_power(d[i]) || fabs(d[i]) > 256 || fabs(d[i]) < 1.0 / 256) return -1;
+        axis = i;
+    }
+    return axis;
+}
+
+static double part_of(vec3_f32 v, int axis) { return (double)(axis == 0 ? v.x : axis == 1 ? v.y : v.z); }
+
+/* Whether all corners are plain and at right angles to the axis, around an area that is a power of two. */
+static bool is_level(const oracle_primitive *p, int axis) {
+    if (p->shape == ORACLE_PLANE)
+        return is_plain(p->v[0]) && fabs(part_of(p->v[1], axis)) == 1 && length_f64(widen(p->v[1])) == 1;
+    const unsigned corners = p->shape == ORACLE_QUAD ? 4 : 3;
+    for (unsigned k = 0; k < corners; ++k) {
+        if (!is_plain(p->v[k]) || part_of(p->v[k], axis) != part_of(p->v[0], axis)) return false;
+    }
+    vec3_f64 a = widen(p->v[0]);
+    vec3_f64 n = cross_f64(sub_f64(widen(p->v[1]), a), sub_f64(widen(p->v[corners - 1]), a));
+    return is_power(n.x + n.y + n.z);
+}
+
+bool verdict_is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
+                      const oracle_answer *answer) {
+    int axis = axis_of(ray);
+    bool ours = tracer->strict && !(tracer->seen >> p->shape & 1);
+    if (!ours || p->instance || p->shape == ORACLE_SPHERE || axis < 0) return false;
+    bool exact = is_plain(ray->org) && is_level(p, axis);
+    for (int k = 0; k < 3 && p->shape != ORACLE_PLANE; ++k)
+        exact = exact && has_few_digits((double)answer->weight[k].value);
+    return exact;
 }
 
 /* |t d| is at most |E| + extent there, and corners are |M| extent at most. */

@@ -1,0 +1,119 @@
+#include "verify/recorded.h"
+
+#include "job/job.h"
+#include "trace/tracer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- a tracer that hands its calls on and keeps them ---- */
+
+typedef struct recorder {
+    trace_tracer base;
+    const trace_tracer *real;
+    recorded *to;
+} recorder;
+
+static const recorder *of(const trace_tracer *tracer) { return (const recorder *)tracer; }
+
+static oracle_ray ray_of(const trace_rays *rays, unsigned lane) {
+    return (oracle_ray){trace_org(rays, lane), trace_dir(rays, lane), rays->t_near[lane], rays->t_far[lane]};
+}
+
+/* Returns the first of the call's blocks in the record, or SIZE_MAX. `stride`: bytes from one block's rays to
+ * the next one's. */
+static size_t keep_rays(recorded *r, bool any, const void *rays, size_t stride, size_t count,
+                        trace_coherence coherence) {
+    const size_t first = r->rays.count / LANES, blocks = (count + LANES - 1) / LANES;
+    const recorded_call call = {first, count, coherence, any};
+    bool room = array_room(&r->rays, blocks * LANES) && array_room(&r->answers, blocks * LANES);
+    r->failed = r->failed || !room || !array_push(&r->calls, call);
+    if (r->failed) return SIZE_MAX;
+    memset(&r->rays.items[first * LANES], 0, blocks * LANES * sizeof *r->rays.items);
+    memset(&r->answers.items[first * LANES], 0, blocks * LANES * sizeof *r->answers.items);
+    r->rays.count = r->answers.count = (first + blocks) * LANES;
+    for (size_t i = 0; i < count; ++i) {
+        const void *from = (const char *)rays + i / LANES * stride;
+        r->rays.items[first * LANES + i] = ray_of(from, i % LANES);
+    }
+    return first;
+}
+
+static ask_answer answer_of(const trace_block *block, unsigned lane) {
+    const trace_hits *h = &block->hits;
+    if (h->geometry[lane] == FATHOM_NONE) return (ask_answer){.hit = {.geometry = FATHOM_NONE}};
+    return (ask_answer){
+        .hit = {h->geometry[lane], h->primitive[lane], h->instance[lane], (double)block->rays.t_far[lane], 0},
+        .u = (double)h->u[lane],
+        .v = (double)h->v[lane],
+        .normal = {h->ng_x[lane], h->ng_y[lane], h->ng_z[lane]}};
+}
+
+static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                    trace_coherence coherence) {
+    recorded *r = of(tracer)->to;
+    (void)fine; /* no render asks for it */
+    size_t first = keep_rays(r, false, blocks, sizeof *blocks, count, coherence);
+    trace_closest(of(tracer)->real, blocks, count, coherence);
+    for (size_t i = 0; first != SIZE_MAX && i < count; ++i)
+        r->answers.items[first * LANES + i] = answer_of(&blocks[i / LANES], i % LANES);
+}
+
+static void any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
+    recorded *r = of(tracer)->to;
+    size_t first = keep_rays(r, true, blocks, sizeof *blocks, count, coherence);
+    trace_any(of(tracer)->real, blocks, count, coherence);
+    for (size_t i = 0; first != SIZE_MAX && i < count; ++i)
+        r->answers.items[first * LANES + i].met = blocks[i / LANES].t_far[i % LANES] == -INFINITY;
+}
+
+static void destroy(trace_tracer *tracer) { (void)tracer; }
+
+/* Planes are in the answers already. The renderer repairs nothing here, so the record has what the tracer
+ * says; compare.c repairs. */
+static recorder recorder_of(const trace_tracer *real, recorded *to) {
+    static const trace_ops ops = {destroy, closest, any, false, true};
+    recorder made = {.base = *real, .real = real, .to = to};
+    made.base.ops = &ops;
+    made.base.retry = NULL;
+    return made;
+}
+
+/* ---- the render ---- */
+
+static fathom_status render(fathom_context *context, const world *w, const trace_tracer *tracer,
+                            const fathom_settings *settings) {
+    fathom_film *film;
+    render_plan *plan = NULL;
+    fathom_status status = film_create(context, w->scene, settings, &film);
+    if (status != FATHOM_OK) return status;
+    status = plan_create(context, w, tracer, settings, &plan);
+    job_result result = {.samples = 0};
+    const job_options options = {.deadline = 0};
+    if (status == FATHOM_OK) status = job_run(context, plan, &options, film, &result);
+    plan_destroy(plan);
+    fathom_film_destroy(film);
+    return status;
+}
+
+fathom_status recorded_render(fathom_context *context, const world *w, const trace_tracer *tracer,
+                              uint32_t width, recorded *out) {
+    memset(out, 0, sizeof *out);
+    recorder recording = recorder_of(tracer, out);
+    fathom_settings settings;
+    fathom_settings_default(&settings);
+    settings.width = width, settings.height = width * 3 / 4, settings.spp = 1;
+    unsigned threads = fathom_context_threads(context);
+    fathom_context_set_threads(context, 1);
+    fathom_status status = render(context, w, &recording.base, &settings);
+    fathom_context_set_threads(context, threads);
+    if (status == FATHOM_OK && out->failed) status = fail_memory(context, sizeof *out->rays.items);
+    return status;
+}
+
+void recorded_free(recorded *r) {
+    array_free(&r->calls);
+    array_free(&r->rays);
+    array_free(&r->answers);
+    memset(r, 0, sizeof *r);
+}

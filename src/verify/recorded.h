@@ -1,0 +1,26 @@
+/* The calls of a render: its rays in their blocks, as it asked them, and the answers it got. */
+#ifndef VERIFY_RECORDED_H
+#define VERIFY_RECORDED_H
+
+#include "verify/ask.h"
+
+typedef struct recorded_call {
+    size_t first, count; /* its first block; its rays */
+    trace_coherence coherence;
+    bool any;
+} recorded_call;
+
+typedef struct recorded {
+    ARRAY(recorded_call) calls;
+    ARRAY(oracle_ray) rays;    /* 16 a block, as they were asked */
+    ARRAY(ask_answer) answers; /* parallel to rays; t as a float */
+    bool failed;               /* out of memory */
+} recorded;
+
+/* Renders the scene with the tracer, a sample for each pixel, width wide, by one thread. The scene needs a
+ * camera; without lights there are no shadow rays. Release `out` with recorded_free() whatever comes back. */
+fathom_status recorded_render(fathom_context *context, const world *w, const trace_tracer *tracer,
+                              uint32_t width, recorded *out);
+void recorded_free(recorded *r);
+
+#endif
