@@ -38,9 +38,10 @@ static void choose(void) {
     FAULT(lose_last)
     FAULT(lose_first)
     FAULT(lose_far_index)
-    FAULT(short_index) FAULT(lose_high) FAULT(cull_back) FAULT(cull_front) FAULT(open_edge) FAULT(thin) FAULT(
-        fat) FAULT(first_found) FAULT(farthest) FAULT(near_closed) FAULT(far_closed) FAULT(any_near_closed)
-        FAULT(any_far_closed) FAULT(no_near) FAULT(no_far) FAULT(any_no_near) FAULT(any_no_far) FAULT(epsilon)
+    FAULT(short_index)
+    FAULT(lose_high) FAULT(cull_back) FAULT(cull_front) FAULT(open_edge) FAULT(thin) FAULT(fat)
+        FAULT(first_found) FAULT(farthest) FAULT(near_closed) FAULT(far_closed) FAULT(any_near_closed) FAULT(
+            any_far_closed) FAULT(no_near) FAULT(no_far) FAULT(any_no_near) FAULT(any_no_far) FAULT(epsilon)
             FAULT(infinity_1e30) FAULT(swap_uv) FAULT(u_off) FAULT(nan_v) FAULT(turned_uv) FAULT(bias_up)
                 FAULT(bias_down) FAULT(unit_length) FAULT(slab_nan) FAULT(tiny_zero) FAULT(minus_zero)
                     FAULT(short_stack) FAULT(few_nodes) FAULT(axis_miss) FAULT(far_miss) FAULT(long_t_miss)

@@ -73,8 +73,8 @@ static void add_mesh(const fathom_scene *scene, const fathom_mesh *m, const affi
         triangle tri = {.has_normals = m->normals != NULL, .has_uvs = m->uvs != NULL};
         for (size_t k = 0; k < 3; ++k)
             tri.corners[mirrored && k ? 3 - k : k] = make_corner(m, 3 * t + k, &map, &inverse);
-        memcpy(tri.color, scene->materials.items[material != FATHOM_NONE ? material : m->material].classic.k_d,
-               12);
+        memcpy(tri.color,
+               scene->materials.items[material != FATHOM_NONE ? material : m->material].classic.k_d, 12);
         assert_true(array_push(&out->triangles, tri));
     }
 }

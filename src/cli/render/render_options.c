@@ -263,7 +263,8 @@ static bool merge(render_options *options, const fathom_settings *scene, args_pr
     *s = *scene;
     if (render_options_give(options, "integrator"))
         fathom_settings_set_integrator(s, options->asked.integrator);
-    if (render_options_give(options, "spp") && s->integrator != FATHOM_INTEGRATOR_CLASSIC) s->target_error = 0;
+    if (render_options_give(options, "spp") && s->integrator != FATHOM_INTEGRATOR_CLASSIC)
+        s->target_error = 0;
     for (size_t i = 0; i < settings_table().count; ++i) {
         if (options->given >> i & 1) parameter_copy(&settings_table().rows[i], &options->asked, s);
     }

@@ -132,10 +132,7 @@ fathom_status validate_decoys_begin(fathom_context *context, const char *text, v
 
 fathom_status validate_decoys_add(fathom_context *context, validate_decoys *d) {
     fathom_status status = decoy(context, d, &d->tracers[1]);
-    sigset_t old;
-    threads_without_signals(&old);
     d->started = status == FATHOM_OK && pthread_create(&d->thread, NULL, build_again, d) == 0;
-    pthread_sigmask(SIG_SETMASK, &old, NULL);
     return status;
 }
 

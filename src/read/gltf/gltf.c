@@ -31,7 +31,8 @@ static fathom_status check_version(gltf *g) {
 static bool is_known(const char *name) {
     static const char names[] =
         "KHR_lights_punctual|KHR_materials_ior|KHR_materials_transmission|KHR_materials_specular|"
-        "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_materials_clearcoat|KHR_mesh_quantization|"
+        "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_materials_clearcoat|"
+        "KHR_mesh_quantization|"
         "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|KHR_texture_"
         "transform|KHR_texture_basisu|"
         "EXT_texture_webp|EXT_texture_avif";

@@ -153,9 +153,8 @@ static fathom_status render_way(fathom_context *context, const shading_options *
     d.s.settings.spp = w->spp;
     d.s.settings.tracer = w->spec;
     d.s.settings.epsilon = w->epsilon;
-    const render_request request = {.progress = options->progress,
-                                    .user = options->user,
-                                    .origin = w->counted_from_zero ? &zero : NULL};
+    const render_request request = {
+        .progress = options->progress, .user = options->user, .origin = w->counted_from_zero ? &zero : NULL};
     if (d.s.status == FATHOM_OK)
         d.s.status = render_film(context, d.s.scene, &d.s.settings, &request, NULL, out);
     if (d.s.status != FATHOM_OK) {
