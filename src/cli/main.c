@@ -83,10 +83,17 @@ static _Noreturn void leave(fathom_status status) {
 #endif
 }
 
+/* Large enough for any help: only finish() writes, which then knows why it failed. */
+static void buffer_output(void) {
+    static char buffer[1 << 16];
+    if (!isatty(STDOUT_FILENO)) setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
+}
+
 int main(int argc, char **argv) {
     exhausted_watch();
     ignore_signals();
     hold_streams();
+    buffer_output();
     fathom_guard_files();
     leave(finish(dispatch(argc, argv)));
 }

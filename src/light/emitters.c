@@ -282,13 +282,15 @@ static void sample_lamps(const emitters *e, const lane_choices *c, emitter_sampl
 
 /* ---- from outside ---- */
 
+/* A surface that faces a disc of half the angle a gets pi L sin²a = E. Over the disc's solid angle, 2 pi (1 -
+ * cos a), that is E 2 / (1 + cos a). */
 static void sample_sun(const emitters *e, double u, double v, double choice, emitter_sample *out, int i) {
     uint32_t k = e->sun_count - 1;
     while (k > 0 && choice < e->suns[k].below) --k;
     const emitter_sun *sun = &e->suns[k];
     const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
     put_lane(out->direction, i, narrow(shape_cone_sample(&cone, u, v)));
-    put_lane(out->radiance, i, load_f32(sun->irradiance));
+    put_lane(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
     out->distance[i] = INFINITY;
     out->density[i] = (float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance);
     out->sized[i] = 0;

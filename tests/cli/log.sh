@@ -45,8 +45,8 @@ run_log render scene.json -o a.png --log json --quiet
 silent err.txt
 
 # Every bench tells how far it is, up to the end.
-for bench in 'trace scene.json --rays 64 --tracer bvh' 'render scene.json --spp 1' 'build scene.json' 'secondary scene.json' \
-    'error scene.json --max-spp 1' 'growth --triangles 100,1k --size 32x32'; do
+for bench in 'trace scene.json --rays 64 --tracer bvh' 'render scene.json --spp 1' \
+    'error scene.json --max-spp 1'; do
     repeats='--repeats 1'
     case $bench in error*) repeats='--seeds 1' ;; esac
     # shellcheck disable=SC2086

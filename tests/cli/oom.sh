@@ -16,7 +16,7 @@ lose() { # WAY CODE WORDS OPTIONS…
     said err.txt "$words"
 }
 for way in exit abort fault; do
-    lose $way 4 'fathom: image helper: the image helper' --size 4096x4096 --tracer linear:f64 --spp 65536
+    lose $way 4 'a.exr: image helper: the image helper' --size 4096x4096 --tracer linear:f64 --spp 65536
     [ "$(grep -c '^fathom: ' err.txt)" -eq 1 ] || die "$way: expected one message"
     rm err.txt out.txt
     [ "$(ls -A)" = "$(cat before.txt)" ] || die "$way: left behind: $(ls -A)"

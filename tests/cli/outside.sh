@@ -22,7 +22,7 @@ everywhere() {
     refused 3 "$2" info "$3"
     refused 3 "$2" render "$3" -o a.png --size 16x16
     refused 3 "$2" validate "$3" --rays 1
-    for what in trace render error build secondary; do
+    for what in trace render error; do
         refused 3 "$2" bench $what "$3"
     done
 }

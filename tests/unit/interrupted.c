@@ -22,7 +22,7 @@ static stage two_balls(void) {
     stage_plane(&s, (double[3]){0, -1, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.5f));
     stage_point_light(&s, 2, 4, 3, 20);
     s.settings.pattern = FATHOM_PATTERN_SOBOL;
-    s.settings.aovs = FATHOM_AOVS;
+    s.settings.aovs = FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR;
     return s;
 }
 

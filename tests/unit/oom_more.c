@@ -105,7 +105,7 @@ static fathom_settings settings_of(const fathom_scene *scene) {
     fathom_settings settings;
     fathom_scene_settings(scene, &settings);
     settings.width = 8, settings.height = 6, settings.spp = 4;
-    settings.aovs = FATHOM_AOVS;
+    settings.aovs = FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR;
     return settings;
 }
 

@@ -75,8 +75,8 @@ static void crops(void **state) {
 
 static void weights_and_losses(void **state) {
     (void)state;
-    WRONG("max depth", s.max_depth = 65);
-    RIGHT(s.max_depth = 64);
+    WRONG("max depth", s.max_depth = 1025);
+    RIGHT(s.max_depth = 1024);
     WRONG("min weight", s.min_weight = -0.1f);
     WRONG("min weight", s.min_weight = 1);
     WRONG("min weight", s.min_weight = NAN);

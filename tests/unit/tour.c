@@ -27,7 +27,7 @@ static fathom_film *render(const char *path, const char *tracer, fathom_stats *s
     assert_ok(s.context, fathom_scene_read(s.context, path, &s.scene));
     fathom_scene_settings(s.scene, &s.settings);
     s.settings.width = WIDTH, s.settings.height = HEIGHT, s.settings.tracer = tracer;
-    s.settings.aovs = FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ALPHA;
+    s.settings.aovs = FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR);
     fathom_film *film;
     assert_ok(s.context, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, stats, &film));
     stage_close(&s);

@@ -66,8 +66,13 @@ static uint64_t rays_of(const work *k, const validate_stage *stage, const trace_
                                                : 16;
 }
 
+/* Where no power is asked for, as much work as the judged rays are worth. */
+#define USUAL_POWER 1e-5
+#define SCREENED_A_RAY 100
+
 static uint64_t screened_of(const work *k) {
-    const double power = k->settings->power;
+    const double power = k->settings->power, most = SCREENED_A_RAY * (double)k->settings->rays;
+    if (power < 0) return (uint64_t)fmin(ceil(3 / USUAL_POWER / k->scenes), most);
     return power > 0 ? (uint64_t)fmin(ceil(3 / power / k->scenes), 1e15) : 0;
 }
 
@@ -87,7 +92,7 @@ static fathom_status compare_all(fathom_context *context, work *k, const validat
     if (renders)
         status = recorded_render(context, stage->world, subject->tracer,
                                  slow ? RENDER_WIDTH_SLOW : RENDER_WIDTH, &rendered);
-    if (status == FATHOM_OK && settings->power > 0 && !slow)
+    if (status == FATHOM_OK && settings->power != 0 && !slow)
         status = second_tracer(context, stage, &run->kind, &second);
     compare_options options = {.families = settings->families,
                                .rays = rays_of(k, stage, subject->tracer),
@@ -336,7 +341,7 @@ static fathom_status prepare_and_validate(fathom_context *context, void *user) {
 
 static fathom_status run(int argc, char **argv) {
     validate_settings settings = {
-        .rays = 2000, .sample = 2, .power = 1e-6, .light_error = 1e-3, .families = (1u << RAYS_FAMILIES) - 1};
+        .rays = 2000, .sample = 2, .power = -1, .light_error = 1e-3, .families = (1u << RAYS_FAMILIES) - 1};
     return command_run(&command_validate, argc, argv, &settings, prepare_and_validate);
 }
 
@@ -384,7 +389,8 @@ static const args_option options[] = {
     {"power", 0, "RATE", take_f64, offsetof(validate_settings, power), 0, 1,
      "3/RATE rays more of each tracer, over all scenes, that are judged where a second tracer answers "
      "otherwise: "
-     "errors of this rate are found at 95 % (1e-6); 0: none; tracers that test every primitive are not "
+     "errors of this rate are found at 95 % (1e-5, and at most 100 rays for each of --rays); 0: none; "
+     "tracers that test every primitive are not "
      "asked"},
     {"heavy", 0, NULL, take_true, offsetof(validate_settings, heavy), 0, 0,
      "ten times of --rays and the power"},
@@ -438,16 +444,16 @@ const command command_validate = {
             "  wrong        anything else; also u, v and normals that are off by more than\n"
             "               their bounds, or are no numbers\n"
             "Each ray is asked for its closest hit and for any hit, whose rows are shown with\n"
-            "--verbose or when they have leaks or wrong answers. Each is asked again by 16, 11,\n"
-            "8, 5, 4 and 1 in a call, as coherent rays and not, from several threads at once,\n"
+            "--verbose or when they have leaks or wrong answers. Each is asked again by 16,\n"
+            "11, 8, 5, 4 and 1 in a call, as coherent rays and not, from several threads at once,\n"
             "while the same tracer is built for other scenes; answers that differ are judged,\n"
             "too. A small render's own calls are judged before and after its repair of leaks.\n"
-            "Statistics are held against limits: errors in units of their condition (median 1,\n"
-            "99.9th percentile 64), the mean of signed errors (2 roundoffs, at 6 standard\n"
+            "Statistics are held against limits: errors in units of their condition (median\n"
+            "1, 99.9th percentile 64), the mean of signed errors (2 roundoffs, at 6 standard\n"
             "errors, level 1e-9), leaks against known rates (the same), and the unit roundoff\n"
             "that a library declares (64 times the measured one).\n"
-            "Without SCENE built-in scenes of every shape are used: spheres, quads, triangles,\n"
-            "planes, instances, boxes, squares, masks, masked-shapes and fine, as far as the\n"
+            "Without SCENE built-in scenes of every shape are used: spheres, quads,\n"
+            "triangles, planes, instances, boxes, squares, masks, masked-shapes and fine, as far as the\n"
             "tracer can hold them; SCENE may be one of these names. Errors of t are in units\n"
             "of its last place as a float; `constant` is the largest error in units of the\n"
             "condition number times the unit roundoff. The textbook's sphere is bound by its\n"

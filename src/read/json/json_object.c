@@ -93,6 +93,9 @@ typedef struct object {
     affine_f64 map;
 } object;
 
+/* Children nest by recursion: what does not recurse keeps its variables out of the frames that do. */
+#define LEAF static __attribute__((noinline))
+
 static fathom_status find_id(const object_reader *r, const where *at, const char *key, const char *what,
                              const char *name, json_t *ids, fathom_id *out) {
     json_t *id = json_object_get(ids, name);
@@ -102,7 +105,7 @@ static fathom_status find_id(const object_reader *r, const where *at, const char
     return FATHOM_OK;
 }
 
-static fathom_status read_object(const object_reader *r, const where *at, json_t *value, object *out) {
+LEAF fathom_status read_object(const object_reader *r, const where *at, json_t *value, object *out) {
     const form *f;
     memset(out, 0, sizeof *out);
     fathom_status status = doc_choose(r->doc, at, value, &form_object, &f);
@@ -121,16 +124,15 @@ static fathom_status read_object(const object_reader *r, const where *at, json_t
 
 /* ---- each kind ---- */
 
-static fathom_status add_sphere(const object_reader *r, const object *o, fathom_id group,
-                                fathom_id material) {
+LEAF fathom_status add_sphere(const object_reader *r, const object *o, fathom_id group, fathom_id material) {
     fathom_sphere sphere = o->values.as.sphere;
     sphere.material = material;
     sphere.flags = o->flags;
     return fathom_scene_add_sphere(r->scene, group, &sphere, NULL);
 }
 
-static fathom_status add_quad(const object_reader *r, json_t *value, const object *o, fathom_id group,
-                              fathom_id material) {
+LEAF fathom_status add_quad(const object_reader *r, json_t *value, const object *o, fathom_id group,
+                            fathom_id material) {
     fathom_quad quad;
     fathom_quad_from_axes(o->values.as.quad.center, o->values.as.quad.u, o->values.as.quad.v, &quad);
     if (doc_has(value, "corners")) memcpy(quad.corners, o->values.as.quad.corners, sizeof quad.corners);
@@ -139,14 +141,14 @@ static fathom_status add_quad(const object_reader *r, json_t *value, const objec
     return fathom_scene_add_quad(r->scene, group, &quad, NULL);
 }
 
-static fathom_status add_plane(const object_reader *r, const object *o, fathom_id group, fathom_id material) {
+LEAF fathom_status add_plane(const object_reader *r, const object *o, fathom_id group, fathom_id material) {
     fathom_plane plane = o->values.as.plane;
     plane.material = material;
     plane.flags = o->flags;
     return fathom_scene_add_plane(r->scene, group, &plane, NULL);
 }
 
-static fathom_status add_file(const object_reader *r, const where *at, const object *o, fathom_id group) {
+LEAF fathom_status add_file(const object_reader *r, const where *at, const object *o, fathom_id group) {
     const where file = {at, "file", 0};
     const char *name = o->values.as.mesh.file;
     char *path;
@@ -175,8 +177,8 @@ static void set_flags(fathom_scene *scene, size_t first, unsigned flags) {
     }
 }
 
-static fathom_status add_generated(const object_reader *r, const object *o, fathom_id group,
-                                   fathom_id material) {
+LEAF fathom_status add_generated(const object_reader *r, const object *o, fathom_id group,
+                                 fathom_id material) {
     fathom_generate_options options;
     fathom_generate_options_default(&options);
     options.kind = (fathom_generator)o->values.as.generate.kind;
@@ -236,8 +238,8 @@ static fathom_status add_content(const object_reader *r, const where *at, json_t
 /* ---- placing ---- */
 
 /* The group that the object's content goes to. A placed shape and a group get one of their own. */
-static fathom_status choose_group(const object_reader *r, const where *at, const object *o, fathom_id parent,
-                                  fathom_id *out) {
+LEAF fathom_status choose_group(const object_reader *r, const where *at, const object *o, fathom_id parent,
+                                fathom_id *out) {
     *out = parent;
     if (o->kind == FORM_INSTANCE)
         return find_id(r, at, "of", "group", o->values.as.instance.of, r->groups, out);
@@ -245,8 +247,8 @@ static fathom_status choose_group(const object_reader *r, const where *at, const
     return fathom_scene_add_group(r->scene, o->values.name, out);
 }
 
-static fathom_status add_instance(const object_reader *r, const where *at, const object *o, fathom_id parent,
-                                  fathom_id group) {
+LEAF fathom_status add_instance(const object_reader *r, const where *at, const object *o, fathom_id parent,
+                                fathom_id group) {
     fathom_instance instance;
     fathom_instance_default(&instance);
     instance.group = group;
