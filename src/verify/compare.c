@@ -92,7 +92,7 @@ static verdict judge_details(const compare_subject *s, const oracle_ray *ray, co
     verdict_bound bound = verdict_bound_all(&s->precision, ray, &report->primitive, &report->exact);
     report->bound = bound.t;
     bool uv = errors->uv * 0x1p-24 > bound.weight, normal = errors->normal * 0x1p-24 > bound.normal;
-    bool none = isnan(a->u) || isnan(a->v) || !finite_f32(a->normal);
+    bool none = isnan(a->u) || isnan(a->v) || (!finite_f32(a->normal) && isfinite(bound.normal));
     return uv || normal || none ? VERDICT_WRONG : report->verdict;
 }
 
