@@ -313,7 +313,7 @@ static fathom_status judge_batch(fathom_context *context, comparison *c, compare
         out->nanoseconds += ask_all(tracer, &c->batch, o->threads);
     }
     c->others.count = 0;
-    if (!ask_others_find(tracer, &c->batch, o->threads, &c->others))
+    if (!ask_others_find(tracer, &c->batch, o->threads, o->once, &c->others))
         return fail_memory(context, sizeof(ask_other));
     loop_parallel(o->threads, c->batch.blocks, 2, judge_blocks, c);
     loop_parallel(o->threads, c->others.count, 1, judge_others, c);
