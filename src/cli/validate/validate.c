@@ -336,7 +336,7 @@ static fathom_status prepare_and_validate(fathom_context *context, void *user) {
 
 static fathom_status run(int argc, char **argv) {
     validate_settings settings = {
-        .rays = 2000, .sample = 2, .power = 1e-6, .light_error = 1e-3, .families = (1u << RAYS_FAMILIES) - 1};
+        .rays = 1500, .sample = 2, .power = 3e-6, .light_error = 1e-3, .families = (1u << RAYS_FAMILIES) - 1};
     return command_run(&command_validate, argc, argv, &settings, prepare_and_validate);
 }
 
@@ -374,7 +374,7 @@ static const args_option options[] = {
     {"tracer", 0, "SPEC", take_list, offsetof(validate_settings, tracers), 0, 0,
      "what is judged; may be given several times (embree and reference)"},
     {"rays", 0, "N", take_count, offsetof(validate_settings, rays), 1, 1e15,
-     "of each family, scene and tracer (2000); 20k, 8M and 1G are understood"},
+     "of each family, scene and tracer (1500); 20k, 8M and 1G are understood"},
     {"seed", 0, "N", take_u64, offsetof(validate_settings, seed), 0, 0, "of the rays (0)"},
     {"families", 0, "LIST", take_families, offsetof(validate_settings, families), 0, 0,
      "camera, uniform, edge, vertex, grazing, tangent, surface, far, axis, scaled, interval, tiny, bundle, "
@@ -384,7 +384,7 @@ static const args_option options[] = {
     {"power", 0, "RATE", take_f64, offsetof(validate_settings, power), 0, 1,
      "3/RATE rays more of each tracer, over all scenes, that are judged where a second tracer answers "
      "otherwise: "
-     "errors of this rate are found at 95 % (1e-6); 0: none; tracers that test every primitive are not "
+     "errors of this rate are found at 95 % (3e-6); 0: none; tracers that test every primitive are not "
      "asked"},
     {"heavy", 0, NULL, take_true, offsetof(validate_settings, heavy), 0, 0,
      "ten times of --rays and the power"},
