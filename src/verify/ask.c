@@ -255,11 +255,12 @@ static void drop_repeats(ask_others *others) {
 /* As many blocks at least, so that threads that run at the same time meet in the tracer. */
 #define BLOCKS_LEAST 48
 
-bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigned threads, ask_others *out) {
+bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigned threads, bool once,
+                     ask_others *out) {
     bool slow = trace_piece(tracer) <= LANES;
+    once = once || slow || batch->blocks == 0 || batch->blocks >= BLOCKS_LEAST;
     other_ways o = {tracer, batch, slow ? SLOW_WAYS : ask_ways(), PTHREAD_MUTEX_INITIALIZER, out, false};
-    size_t rounds =
-        slow || batch->blocks == 0 || batch->blocks >= BLOCKS_LEAST ? 1 : BLOCKS_LEAST / batch->blocks;
+    size_t rounds = once ? 1 : BLOCKS_LEAST / batch->blocks;
     loop_parallel(threads, rounds * batch->blocks, 1, ask_block_ways, &o);
     drop_repeats(out);
     return !o.failed;

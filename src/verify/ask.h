@@ -60,11 +60,12 @@ typedef ARRAY(ask_other) ask_others;
 unsigned ask_ways(void);
 const char *ask_way_name(unsigned way);
 
-/* Asks all blocks in all ways, on so many threads at once and again, so that calls overlap; a slow tracer in
- * one way, once. Appends the answers that differ from the first way's, each once, in the order of rays; at
- * most ASK_OTHERS_MOST, since more are no news. False when out of memory. */
+/* Asks all blocks in all ways, on so many threads at once and, unless `once`, again until calls overlap; a
+ * slow tracer in one way, once. Appends the answers that differ from the first way's, each once, in the order
+ * of rays; at most ASK_OTHERS_MOST, since more are no news. False when out of memory. */
 #define ASK_OTHERS_MOST 500
-bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigned threads, ask_others *out);
+bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigned threads, bool once,
+                     ask_others *out);
 
 /* The rays of one call of up to 16, and which of them is meant: enough to ask it again as it was asked. */
 typedef struct ask_block {

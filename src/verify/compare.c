@@ -92,7 +92,7 @@ static verdict judge_details(const compare_subject *s, const oracle_ray *ray, co
     verdict_bound bound = verdict_bound_all(&s->precision, ray, &report->primitive, &report->exact);
     report->bound = bound.t;
     bool uv = errors->uv * 0x1p-24 > bound.weight, normal = errors->normal * 0x1p-24 > bound.normal;
-    bool none = isnan(a->u) || isnan(a->v) || !finite_f32(a->normal);
+    bool none = isnan(a->u) || isnan(a->v) || (!finite_f32(a->normal) && isfinite(bound.normal));
     return uv || normal || none ? VERDICT_WRONG : report->verdict;
 }
 
@@ -313,7 +313,7 @@ static fathom_status judge_batch(fathom_context *context, comparison *c, compare
         out->nanoseconds += ask_all(tracer, &c->batch, o->threads);
     }
     c->others.count = 0;
-    if (!ask_others_find(tracer, &c->batch, o->threads, &c->others))
+    if (!ask_others_find(tracer, &c->batch, o->threads, o->once, &c->others))
         return fail_memory(context, sizeof(ask_other));
     loop_parallel(o->threads, c->batch.blocks, 2, judge_blocks, c);
     loop_parallel(o->threads, c->others.count, 1, judge_others, c);

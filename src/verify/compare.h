@@ -80,6 +80,7 @@ typedef struct compare_options {
     uint64_t rays;     /* of each family */
     uint64_t seed;
     unsigned threads;
+    bool once;       /* few rays are not asked again until threads meet in the tracer */
     size_t failures; /* kept, of each family: the first ones */
     uint64_t
         sample; /* of each family so many rays first have their exact answer found by every primitive too */

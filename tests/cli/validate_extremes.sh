@@ -2,7 +2,7 @@
 . "$SOURCE/tests/cli/check.inc"
 
 # The images in its results need no temporary files.
-(TMPDIR=$PWD/nowhere run 0 validate --extremes --rays 20 --families camera --json all.json) || exit 1
+(TMPDIR=$PWD/nowhere run 0 validate --extremes --rays 20 --power 0 --families camera --json all.json) || exit 1
 said out.txt 'scale-triangles'
 said out.txt 'extreme cases, all'
 said all.json '"extremes": ['
@@ -24,7 +24,7 @@ not_said all.json '"ok": false'
 
 # A tracer of one's own, each row by itself; the grid changes the exit code. The page counts the leaks that the terminal counts,
 # those of any-hit queries and of extreme cases included.
-run 1 validate triangles --extremes --rays 100 --families vertex --tracer embree:default \
+run 1 validate triangles --extremes --rays 100 --power 0 --families vertex --tracer embree:default \
     --tracer "$BUILD/tests/plugin/culls.so" --failures bad.txt -v --report leaks
 leaks=$(sed -n 's/^.* wrong, \([0-9]*\) tracer leaks.*/\1/p' out.txt)
 [ "$leaks" -gt 0 ] || die 'expected leaks of Embree in its default mode'
@@ -42,5 +42,5 @@ sed 's/extreme:scale-triangles:/extreme:none:/' again.txt >none.txt
 refused 3 'there is no group of extreme cases "none"' validate --replay none.txt --tracer "$BUILD/tests/plugin/culls.so"
 
 # Nothing of it without being asked.
-run 0 validate --rays 20 --families camera --json none.json
+run 0 validate --rays 20 --power 0 --families camera --json none.json
 not_said none.json '"extremes"'

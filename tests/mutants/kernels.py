@@ -46,8 +46,6 @@ FAULTS = [
      "hits->u[lane] = second && !MUTANT ? 1 - hits->u[lane] : hits->u[lane];"),
     ("few_casts", "trace/embree/embree_spheres.c", "if (!(run->flags & FATHOM_CASTS_NO_SHADOW)) out->shadows |= 1u << k;",
      "if (MUTANT || !(run->flags & FATHOM_CASTS_NO_SHADOW)) out->shadows |= 1u << k;"),
-    ("repair_moves", "trace/watertight/watertight.c", "changed |= 1u << i;",
-     "changed |= 1u << i, block->rays.t_far[i] *= MUTANT ? 1.5f : 1;"),
 ]
 
 HEAD = """#ifndef MUTANT_IS

@@ -39,24 +39,28 @@ static void choose(void) {
     FAULT(lose_first)
     FAULT(lose_far_index)
     FAULT(short_index)
-    FAULT(lose_high) FAULT(cull_back) FAULT(cull_front) FAULT(open_edge) FAULT(thin) FAULT(fat)
-        FAULT(first_found) FAULT(farthest) FAULT(near_closed) FAULT(far_closed) FAULT(any_near_closed) FAULT(
-            any_far_closed) FAULT(no_near) FAULT(no_far) FAULT(any_no_near) FAULT(any_no_far) FAULT(epsilon)
-            FAULT(infinity_1e30) FAULT(swap_uv) FAULT(u_off) FAULT(nan_v) FAULT(turned_uv) FAULT(bias_up)
-                FAULT(bias_down) FAULT(unit_length) FAULT(slab_nan) FAULT(tiny_zero) FAULT(minus_zero)
-                    FAULT(short_stack) FAULT(few_nodes) FAULT(axis_miss) FAULT(far_miss) FAULT(long_t_miss)
-                        FAULT(wrong_id) FAULT(static_last) FAULT(static_first) FAULT(race_ray) FAULT(race_any)
-                            FAULT(mailbox) FAULT(lane_last) FAULT(lane_swap) FAULT(alone) FAULT(partial)
-                                FAULT(second_block) FAULT(fifth_block) FAULT(octant) FAULT(shared_origin)
-                                    FAULT(coherent_lane) FAULT(coherent_any) FAULT(thread_bound)
-                                        FAULT(worn_out) FAULT(build_threads) FAULT(noise) FAULT(any_misses)
-                                            FAULT(any_phantom) FAULT(nan_t) FAULT(negative_t)
-                                                FAULT(t_low_bits) FAULT(shared_vertex) FAULT(dies_with_other)
+    FAULT(lose_high)
+    FAULT(cull_back) FAULT(cull_front) FAULT(open_edge) FAULT(thin) FAULT(fat) FAULT(first_found)
+        FAULT(farthest) FAULT(near_closed) FAULT(far_closed) FAULT(any_near_closed) FAULT(any_far_closed)
+            FAULT(no_near) FAULT(no_far) FAULT(any_no_near) FAULT(any_no_far) FAULT(epsilon)
+                FAULT(infinity_1e30) FAULT(swap_uv) FAULT(u_off) FAULT(nan_v) FAULT(turned_uv) FAULT(bias_up)
+                    FAULT(bias_down) FAULT(unit_length) FAULT(slab_nan) FAULT(tiny_zero) FAULT(minus_zero)
+                        FAULT(short_stack) FAULT(few_nodes) FAULT(axis_miss) FAULT(far_miss)
+                            FAULT(long_t_miss) FAULT(wrong_id) FAULT(static_last) FAULT(static_first)
+                                FAULT(race_ray) FAULT(race_any) FAULT(mailbox) FAULT(lane_last)
+                                    FAULT(lane_swap) FAULT(alone) FAULT(partial) FAULT(second_block)
+                                        FAULT(fifth_block) FAULT(octant) FAULT(shared_origin)
+                                            FAULT(coherent_lane) FAULT(coherent_any) FAULT(thread_bound)
+                                                FAULT(worn_out) FAULT(build_threads) FAULT(noise)
+                                                    FAULT(any_misses) FAULT(any_phantom) FAULT(nan_t)
+                                                        FAULT(negative_t) FAULT(t_low_bits)
+                                                            FAULT(shared_vertex) FAULT(dies_with_other)
 #undef FAULT
-                                                    f.miss = is("miss_1e-3")                           ? 1e-3
-                                                             : is("miss_1e-4")                         ? 1e-4
-                                                             : is("miss_1e-6") || is("miss_1e-6_unit") ? 1e-6
-                                                                                                       : 0;
+                                                                f.miss = is("miss_1e-3")        ? 1e-3
+                                                                         : is("miss_1e-4")      ? 1e-4
+                                                                         : is("miss_1e-5")      ? 1e-5
+                                                                         : is("miss_1e-6_unit") ? 1e-6
+                                                                                                : 0;
     f.phantom = is("phantom_1e-3") ? 1e-3 : is("phantom_1e-5") ? 1e-5 : 0;
 }
 
@@ -74,6 +78,7 @@ typedef struct tree {
     pthread_t builder;
     double extent;
     bool damaged;
+    struct tree *built_before; /* of those that are there */
 } tree;
 
 static const float *corner(const tree *t, uint32_t triangle, int k) {
@@ -131,8 +136,24 @@ static void split(tree *t, uint32_t at) {
     split(t, child), split(t, child + 1);
 }
 
-static const tree *last_built, *first_built;
+static tree *last_built;
+static const tree *first_built;
 static bool other_died;
+static pthread_rwlock_t builds = PTHREAD_RWLOCK_INITIALIZER; /* last_built, and what static_last traces */
+
+static void keep_last(tree *t) {
+    pthread_rwlock_wrlock(&builds);
+    t->built_before = last_built, last_built = t;
+    pthread_rwlock_unlock(&builds);
+}
+
+static void forget(const tree *t) {
+    pthread_rwlock_wrlock(&builds);
+    tree **at = &last_built;
+    while (*at && *at != t) at = &(*at)->built_before;
+    if (*at) *at = t->built_before;
+    pthread_rwlock_unlock(&builds);
+}
 
 static int build(const fathom_plugin_mesh *mesh, unsigned threads, char *message, size_t size, void **out) {
     tree *t = calloc(1, sizeof *t);
@@ -159,7 +180,7 @@ static int build(const fathom_plugin_mesh *mesh, unsigned threads, char *message
     for (int k = 0; k < 3 && kept; ++k)
         t->extent = fmax(t->extent, (double)(t->nodes[0].high[k] - t->nodes[0].low[k]));
     t->builder = pthread_self();
-    last_built = t;
+    keep_last(t);
     if (!first_built) first_built = t;
     *out = t;
     return 0;
@@ -167,7 +188,7 @@ static int build(const fathom_plugin_mesh *mesh, unsigned threads, char *message
 
 static void destroy(void *tracer) {
     tree *t = tracer;
-    if (last_built == t) last_built = NULL;
+    forget(t);
     if (first_built == t) first_built = NULL;
     other_died = true;
     free(t->order), free(t->nodes), free(t);
@@ -420,7 +441,10 @@ static void store(fathom_plugin_block *b, int i, const hit *h) {
 
 static void trace(const void *tracer, fathom_plugin_block *blocks, size_t count, bool any) {
     const tree *t = tracer;
-    if (f.static_last && last_built) t = last_built;
+    if (f.static_last) {
+        pthread_rwlock_rdlock(&builds);
+        t = last_built;
+    }
     if (f.static_first && first_built) t = first_built;
     for (size_t k = 0; k < count; ++k) {
         fathom_plugin_block *b = &blocks[k];
@@ -435,6 +459,7 @@ static void trace(const void *tracer, fathom_plugin_block *blocks, size_t count,
             store(b, i, &h);
         }
     }
+    if (f.static_last) pthread_rwlock_unlock(&builds);
 }
 
 static void closest(const void *tracer, fathom_plugin_block *blocks, size_t count) {

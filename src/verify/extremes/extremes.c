@@ -117,6 +117,8 @@ static fathom_status compare_case(const extremes_case *c, const char *text, cons
                                .rays = (o->rays + share - 1) / share,
                                .seed = o->seed,
                                .threads = o->threads,
+                               .once =
+                                   true, /* a ray among many copies costs as much as thousands of others */
                                .failures = o->kept,
                                .progress = o->progress,
                                .user = o->user};

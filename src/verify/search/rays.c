@@ -102,10 +102,15 @@ static draft make_axis(const rays_source *s, rays_random *r, uint64_t index) {
     return (draft){madd_f64(target, -2 * s->radius, dir), dir, 0, (double)INFINITY};
 }
 
+/* Intervals that end far behind the hit aimed at, at half its t and at twice that. */
 static draft make_scaled(const rays_source *s, rays_random *r, uint64_t index) {
     draft ray = make_uniform(s, r, index);
-    ray.dir = scale_f64(index % 8 ? rays_power(r, -20, 36) : rays_power(r, -31, -30), normalize_f64(ray.dir));
+    double size = index % 8 ? rays_power(r, -20, 36) : rays_power(r, -31, -30),
+           t = length_f64(ray.dir) / size;
+    ray.dir = scale_f64(size, normalize_f64(ray.dir));
     if (index % 2) ray.t_far = rays_power(r, 30, 38.5);
+    if (index % 8 == 3) ray.t_far = t / 2;
+    if (index % 8 == 7) ray.t_far = 2 * t;
     return ray;
 }
 

@@ -93,7 +93,7 @@ static uint32_t pick_index(uint32_t count, rays_random *r) {
     if (kind < 0.25) return 0;
     if (kind < 0.5) return count - 1;
     if (kind < 0.75) return count - 1 - (any & 7) % count;
-    return (uint32_t)power - (any & 1);
+    return count > 1 ? (uint32_t)power - (any & 1) : 0;
 }
 
 rays_target rays_pick(const rays_source *source, rays_random *r) {

@@ -205,18 +205,38 @@ static double twist_of(const oracle_primitive *quad) {
     return atan2(length_f64(cross_f64(n, m)), dot_f64(n, m));
 }
 
+/* Not unit: of the triangle or the quad's part that was met, and its corners. */
+static vec3_f64 normal_of(const oracle_primitive *p, const oracle_answer *answer, vec3_f64 *a, vec3_f64 *b,
+                          vec3_f64 *c) {
+    bool quad = p->shape == ORACLE_QUAD, second = quad && answer->part;
+    *a = widen(p->v[second ? 2 : 0]), *b = widen(p->v[second ? 3 : 1]),
+    *c = widen(p->v[second ? 1
+                    : quad ? 3
+                           : 2]);
+    return cross_f64(sub_f64(*b, *a), sub_f64(*c, *a));
+}
+
+/* Embree divides by the sum of the weights, d·n, and takes the quotients for 0 where it is below 1e-18. Twice
+ * that leaves room for its rounding. */
+static bool clamps_weights(const verdict_tracer *tracer, const oracle_primitive *p,
+                           const oracle_answer *answer, vec3_f64 dir) {
+    if (!(tracer->seen >> p->shape & 1)) return false;
+    vec3_f64 a, b, c;
+    return fabs(dot_f64(normal_of(p, answer, &a, &b, &c), dir)) < 2 * tracer->clamped;
+}
+
 /* Sides are off by 2 u of their length or, seen from the ray's origin, of S, and the products and differences
- * of n = e × e' by as much again: 16 u L S / |n| holds both. Where that is not small, any direction is as
- * good. A quad's normal may be either part's. */
+ * of n = e × e' by as much again: 16 u L S / |n| holds both. Two products and their difference, flushed to
+ * zero below 2^-126, leave 3 √3 2^-126 more. Where that is not small, any direction is as good. A normal
+ * above the largest float is not reported at all: infinite. A quad's normal may be either part's. */
 static double normal_bound(const verdict_tracer *tracer, const oracle_primitive *p,
                            const oracle_answer *answer, double size) {
-    bool quad = p->shape == ORACLE_QUAD, second = quad && answer->part;
-    vec3_f64 a = widen(p->v[second ? 2 : 0]), b = widen(p->v[second ? 3 : 1]);
-    vec3_f64 c = widen(p->v[second ? 1 : quad ? 3 : 2]), n = cross_f64(sub_f64(b, a), sub_f64(c, a));
+    vec3_f64 a, b, c, n = normal_of(p, answer, &a, &b, &c);
     double side = fmax(length_f64(sub_f64(b, a)), fmax(length_f64(sub_f64(c, a)), length_f64(sub_f64(c, b))));
     double reach = tracer->seen >> p->shape & 1 ? size : side;
-    double r = 16 * fmax(tracer->unit, 0x1p-24) * side * reach / length_f64(n);
-    return (r < 0.5 ? 2 * r : 4) + (quad ? twist_of(p) : 0);
+    if (2 * side * side > (double)FLT_MAX) return (double)INFINITY;
+    double r = (16 * fmax(tracer->unit, 0x1p-24) * side * reach + 6 * (double)FLT_MIN) / length_f64(n);
+    return (r < 0.5 ? 2 * r : 4) + (p->shape == ORACLE_QUAD ? twist_of(p) : 0);
 }
 
 /* Normals are reported in float, whatever computed them. */
@@ -226,7 +246,7 @@ verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *
     const double unit = fmax(tracer->unit, 0x1p-24), least = 8 * unit;
     frame f = frame_of(tracer, ray, p->instance);
     double size = size_of(tracer, ray, p, &f, (double)answer->t.value);
-    bound.weight = bound.edge + 4 * tracer->unit;
+    bound.weight = clamps_weights(tracer, p, answer, f.dir) ? 1 : bound.edge + 4 * tracer->unit;
     switch (p->shape) {
     case ORACLE_SPHERE:
         bound.normal = least + 2 * (bound.t * length_f64(f.dir) + 8 * unit * size) / oracle_radius(p);
