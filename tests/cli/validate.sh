@@ -22,12 +22,12 @@ for key in machine cpu compiler date nsPerRay isa any tUlps tRelative position n
 done
 
 # A scene of one's own; a row for each family.
-run 0 validate scene.json --rays 200 --families edge,tangent --tracer linear:f64 -v
+run 0 validate scene.json --power 1e-4 --rays 200 --families edge,tangent --tracer linear:f64 -v
 said out.txt '  tangent '
 not_said out.txt '  camera '
 # The same numbers on any thread count.
-run 0 validate scene.json --rays 1000 --tracer reference --threads 1 --json one.json
-run 0 validate scene.json --rays 1000 --tracer reference --threads 3 --json three.json
+run 0 validate scene.json --power 1e-4 --rays 1000 --tracer reference --threads 1 --json one.json
+run 0 validate scene.json --power 1e-4 --rays 1000 --tracer reference --threads 3 --json three.json
 for n in one three; do grep -vE '"(seconds|nsPerRay|threads|date)":' $n.json >$n.txt; done
 cmp -s one.txt three.txt || die 'results depend on the number of threads'
 
@@ -35,15 +35,15 @@ cmp -s one.txt three.txt || die 'results depend on the number of threads'
 cat >far.json <<'JSON'
 { "name": "far", "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }
 JSON
-run 0 validate far.json --rays 3000 --families far,tangent --tracer linear:textbook --tracer linear --json far-figures.json
+run 0 validate far.json --power 1e-4 --rays 3000 --families far,tangent --tracer linear:textbook --tracer linear --json far-figures.json
 grep -q '^far.json .* [1-9][0-9.]*e+0[3-9]$' out.txt || die 'no large constant'
 said far-figures.json '"isa": null'
 
 # A library with a deliberate bug: its wrong answers are found, written, and found again by asking again.
 plugins=$BUILD/tests/plugin
-run 0 validate triangles --rays 500 --tracer "$plugins/correct.so"
-run 1 validate triangles --rays 500 --tracer "$plugins/gap.so" --families edge,vertex -q
-run 1 validate triangles --rays 500 --tracer "$plugins/culls.so" --families uniform,edge --failures bad.txt
+run 0 validate triangles --power 1e-4 --rays 500 --tracer "$plugins/correct.so"
+run 1 validate triangles --power 1e-4 --rays 500 --tracer "$plugins/gap.so" --families edge,vertex -q
+run 1 validate triangles --power 1e-4 --rays 500 --tracer "$plugins/culls.so" --families uniform,edge --failures bad.txt
 grep -q 'culls.so \(uniform\|edge\) [0-9]* wrong .*0x.* triangles$' bad.txt || die 'no failing ray'
 grep -q 'culls.so \(uniform\|edge\) [0-9]* any-wrong .*0x.* triangles$' bad.txt || die 'no failing any hit'
 count=$(grep -c -e ' wrong ' -e ' any-wrong ' bad.txt)
@@ -64,7 +64,7 @@ said out.txt 'the rate is below'
 head -n 2 bad.txt | cut -d' ' -f1-9 >broken.txt
 
 # Each instruction set of Embree's by itself, and its leaks.
-run 0 validate triangles --isa all --rays 100 --families edge --tracer embree --tracer embree:1:avx --tracer linear --json isa.json
+run 0 validate triangles --power 1e-4 --isa all --rays 100 --families edge --tracer embree --tracer embree:1:avx --tracer linear --json isa.json
 grep -q '^tracer leaks .* at vertices' out.txt || die 'no table of sets'
 grep -q '"isa": "SSE\|"isa": "NEON' isa.json || [ "$(uname -m)" != x86_64 ] || die 'no SSE'
 [ "$(grep -c '"spec": "embree:1:avx' isa.json)" = 1 ] || die 'a set that was given is kept'
@@ -72,7 +72,7 @@ refused 2 '--isa: expected all' validate --isa avx2
 
 # A heavy mesh is judged by a tree of spheres; a sample by every primitive; both agree, or this fails with 70.
 "$FATHOM" generate sphere --triangles 100k -o heavy.glb >/dev/null
-run 0 validate heavy.glb --rays 100 --sample 5 --tracer bvh --tracer embree
+run 0 validate heavy.glb --power 1e-4 --rays 100 --sample 5 --tracer bvh --tracer embree
 
 # As many rays as one likes; what was done when one has enough is shown and written.
 phase=validate
