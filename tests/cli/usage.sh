@@ -101,7 +101,7 @@ done <<'TABLE'
 --threads|0|expected a whole number from 1 to 1024
 --threads|all|expected a whole number from 1 to 1024
 --seed|-1|expected a whole number from 0 to 2^64 - 1
---max-depth|65|expected a whole number from 0 to 64
+--max-depth|1025|expected a whole number from 0 to 1024
 --epsilon|0|expected auto or a number above 0
 --epsilon|-1e-5|expected auto or a number above 0
 --epsilon|nan|expected auto or a number above 0

@@ -58,7 +58,7 @@ sed 's/$/\r/' bad.txt >windows.txt
 run 1 validate --replay windows.txt --tracer "$plugins/culls.so"
 said out.txt "$count rays, $count wrong"
 # A library is asked about the built-in scenes that it can hold; the others are named.
-run 0 validate --tracer "$plugins/correct.so" --rays 16 --power 0
+run 0 validate --tracer "$plugins/correct.so" --rays 2 --families uniform --sample 0 --power 0
 said out.txt 'correct.so cannot hold: spheres, quads, planes, instances, squares, masked-shapes'
 said out.txt 'the rate is below'
 head -n 2 bad.txt | cut -d' ' -f1-9 >broken.txt
