@@ -84,6 +84,9 @@ static void keep_failure(worker *w, const comparison *c, size_t ray, unsigned wa
 
 /* ---- judging ---- */
 
+/* Parts below 2^-126 are flushed to zero. Of a normal shorter than 2^-102 that is more than a roundoff. */
+static bool loses_parts(vec3_f32 n) { return fmaxf(fmaxf(fabsf(n.x), fabsf(n.y)), fabsf(n.z)) < 0x1p-102f; }
+
 /* What the answer says of the hit beyond its t, for the verdict. */
 static verdict judge_details(const compare_subject *s, const oracle_ray *ray, const ask_answer *a,
                              verdict_report *report, error_report *errors) {
@@ -91,7 +94,8 @@ static verdict judge_details(const compare_subject *s, const oracle_ray *ray, co
     error_measure(ray, &report->primitive, &report->exact, &said, errors);
     verdict_bound bound = verdict_bound_all(&s->precision, ray, &report->primitive, &report->exact);
     report->bound = bound.t;
-    bool uv = errors->uv * 0x1p-24 > bound.weight, normal = errors->normal * 0x1p-24 > bound.normal;
+    bool uv = errors->uv * 0x1p-24 > bound.weight,
+         normal = errors->normal * 0x1p-24 > bound.normal && !loses_parts(a->normal);
     bool none = isnan(a->u) || isnan(a->v) || (!finite_f32(a->normal) && isfinite(bound.normal));
     return uv || normal || none ? VERDICT_WRONG : report->verdict;
 }
