@@ -66,7 +66,7 @@ tour() {
         exr "tour-$(basename "$scene" .json)" "$scene" --aov all
     done
     exr example scenes/example.json --aov all
-    exr first-render scenes/first-render.json --size 480x270 --spp 4
+    exr first-render scenes/classic.json --size 480x270 --spp 4
 }
 
 # Patterns, outputs, crops, threads and tile sizes.
@@ -91,7 +91,7 @@ sampling() {
 
 # What the renderer does with light and geometry.
 transport() {
-    first=scenes/first-render.json
+    first=scenes/classic.json
     for depth in 0 1 3 64; do exr "depth-$depth" "$first" --size 160x90 --max-depth $depth; done
     exr loss-8bit "$first" --size 160x90 --spp 4 --leave-out-below 8bit
     exr loss-half "$first" --size 160x90 --spp 4 --leave-out-below half
