@@ -87,7 +87,8 @@ static bool render_well(soak *s, unsigned index, unsigned k) {
         memset(settings.crop, 0, sizeof settings.crop);
         settings.pattern = FATHOM_PATTERN_SOBOL;
         settings.target_error = settings.max_time = 0, settings.min_spp = 0;
-        settings.tracer = tracers[k % 5], settings.aovs = k % 3 ? 0 : FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR;
+        settings.tracer = tracers[k % 5],
+        settings.aovs = k % 3 ? 0 : FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR;
         fathom_context_set_threads(s->context, 1 + k % 3);
         status = fathom_render(s->context, scene, &settings, NULL, NULL, NULL, &film);
     }

@@ -40,27 +40,27 @@ static void choose(void) {
     FAULT(lose_far_index)
     FAULT(short_index)
     FAULT(lose_high)
-    FAULT(cull_back) FAULT(cull_front) FAULT(open_edge) FAULT(thin) FAULT(fat) FAULT(first_found)
-        FAULT(farthest) FAULT(near_closed) FAULT(far_closed) FAULT(any_near_closed) FAULT(any_far_closed)
-            FAULT(no_near) FAULT(no_far) FAULT(any_no_near) FAULT(any_no_far) FAULT(epsilon)
-                FAULT(infinity_1e30) FAULT(swap_uv) FAULT(u_off) FAULT(nan_v) FAULT(turned_uv) FAULT(bias_up)
-                    FAULT(bias_down) FAULT(unit_length) FAULT(slab_nan) FAULT(tiny_zero) FAULT(minus_zero)
-                        FAULT(short_stack) FAULT(few_nodes) FAULT(axis_miss) FAULT(far_miss)
-                            FAULT(long_t_miss) FAULT(wrong_id) FAULT(static_last) FAULT(static_first)
-                                FAULT(race_ray) FAULT(race_any) FAULT(mailbox) FAULT(lane_last)
-                                    FAULT(lane_swap) FAULT(alone) FAULT(partial) FAULT(second_block)
-                                        FAULT(fifth_block) FAULT(octant) FAULT(shared_origin)
-                                            FAULT(coherent_lane) FAULT(coherent_any) FAULT(thread_bound)
-                                                FAULT(worn_out) FAULT(build_threads) FAULT(noise)
-                                                    FAULT(any_misses) FAULT(any_phantom) FAULT(nan_t)
-                                                        FAULT(negative_t) FAULT(t_low_bits)
-                                                            FAULT(shared_vertex) FAULT(dies_with_other)
+    FAULT(cull_back)
+    FAULT(cull_front) FAULT(open_edge) FAULT(thin) FAULT(fat) FAULT(first_found) FAULT(farthest)
+        FAULT(near_closed) FAULT(far_closed) FAULT(any_near_closed) FAULT(any_far_closed) FAULT(no_near)
+            FAULT(no_far) FAULT(any_no_near) FAULT(any_no_far) FAULT(epsilon) FAULT(infinity_1e30)
+                FAULT(swap_uv) FAULT(u_off) FAULT(nan_v) FAULT(turned_uv) FAULT(bias_up) FAULT(bias_down)
+                    FAULT(unit_length) FAULT(slab_nan) FAULT(tiny_zero) FAULT(minus_zero) FAULT(short_stack)
+                        FAULT(few_nodes) FAULT(axis_miss) FAULT(far_miss) FAULT(long_t_miss) FAULT(wrong_id)
+                            FAULT(static_last) FAULT(static_first) FAULT(race_ray) FAULT(race_any)
+                                FAULT(mailbox) FAULT(lane_last) FAULT(lane_swap) FAULT(alone) FAULT(partial)
+                                    FAULT(second_block) FAULT(fifth_block) FAULT(octant) FAULT(shared_origin)
+                                        FAULT(coherent_lane) FAULT(coherent_any) FAULT(thread_bound)
+                                            FAULT(worn_out) FAULT(build_threads) FAULT(noise)
+                                                FAULT(any_misses) FAULT(any_phantom) FAULT(nan_t)
+                                                    FAULT(negative_t) FAULT(t_low_bits) FAULT(shared_vertex)
+                                                        FAULT(dies_with_other)
 #undef FAULT
-                                                                f.miss = is("miss_1e-3")        ? 1e-3
-                                                                         : is("miss_1e-4")      ? 1e-4
-                                                                         : is("miss_1e-5")      ? 1e-5
-                                                                         : is("miss_1e-6_unit") ? 1e-6
-                                                                                                : 0;
+                                                            f.miss = is("miss_1e-3")        ? 1e-3
+                                                                     : is("miss_1e-4")      ? 1e-4
+                                                                     : is("miss_1e-5")      ? 1e-5
+                                                                     : is("miss_1e-6_unit") ? 1e-6
+                                                                                            : 0;
     f.phantom = is("phantom_1e-3") ? 1e-3 : is("phantom_1e-5") ? 1e-5 : 0;
 }
 
