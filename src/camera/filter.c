@@ -4,7 +4,7 @@
 
 static const double pi = 3.14159265358979324;
 
-/* Of x in [-1/2, 1/2], over the filter's width. The Gaussian's standard deviation is a quarter of the width
+/* The filter at x in [-1/2, 1/2] of its width. The Gaussian's standard deviation is a quarter of the width
  * less at the edges, where it ends at 0; Blackman and Harris: their window of four terms, -92 dB. */
 static double weight(fathom_filter filter, double x) {
     switch (filter) {

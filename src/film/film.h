@@ -63,7 +63,7 @@ typedef struct film_outputs {
 double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
                           double allowed);
 
-/* What the error channels say of the whole image. */
+/* The error of the whole image, from its error channels. */
 typedef struct film_error {
     double error;    /* as fathom_settings has target_error, of the pixels whose samples are not all alike */
     double doubtful; /* share of these of which error.largest is above FILM_DOUBTFUL */

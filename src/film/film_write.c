@@ -67,7 +67,7 @@ static size_t keep_known(image_attribute *attributes, size_t count) {
 
 #define ERROR_ATTRIBUTES 4
 
-/* Of renders that estimate it; returns how many. */
+/* Adds what is known of the error and returns the number of entries; 0: the render estimated none. */
 static size_t tell_error(const fathom_film *film, film_error *error, image_attribute *out) {
     size_t count = 0;
     if (film->stats.error_estimate > 0 && isfinite(film->stats.error_estimate))
@@ -225,8 +225,8 @@ static double rehearse(fathom_context *context, const fathom_film *film, uint32_
 
 static uint32_t at_most(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
-/* What a file takes however small it is, and what each group of rows does, by two sizes: the larger one as
- * large as the time for it allows. The first write of all loads what the later ones find there. */
+/* The time a file takes however small it is, and what each group of rows does, by two sizes: the larger one
+ * as large as the time for it allows. The first write of all loads what the later ones find there. */
 double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
                           double allowed) {
     const uint32_t all = film->height / GROUP;

@@ -67,7 +67,7 @@ void pixel_sums_store_square(const pixel_sums *sums, const wave_region *region, 
 void spread_sums_add(spread_sums *spread, const wave_samples *samples, uint32_t from, uint32_t to);
 typedef double group_sums[3][WAVE_SLOTS];
 /* The part that the brightest of all samples of a pixel has in the sum of squared deviations from their mean;
- * 0 where all are alike. rgb: their sums. Of the square's 16 pixels. */
+ * 0 where all are alike. rgb: their sums. Both for the square's 16 pixels. */
 void spread_sums_largest(const spread_sums *spread, const group_sums *rgb, uint32_t groups, uint32_t samples,
                          uint32_t square, double largest[WAVE_SLOTS]);
 

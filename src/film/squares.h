@@ -82,7 +82,7 @@ static inline wave_square wave_square_sample(wave_square s, uint32_t n, uint32_t
     return s;
 }
 
-/* Of the first n samples of a pixel, those of a group. */
+/* How many of the first n samples of a pixel are of a group. */
 static inline uint32_t wave_group_count(uint32_t n, uint32_t group, uint32_t groups) {
     return (n + groups - 1 - group) / groups;
 }

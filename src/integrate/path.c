@@ -172,7 +172,7 @@ static void dim_by_media(const path_wave *p, const vertex_block *v, const light_
     }
 }
 
-/* What lies outside is in no closed mesh; of other lights that is not known. */
+/* Light from outside ends in no closed mesh. Where other lights lie is not known. */
 static void note_depths(const vertex_block *v, const light_block *ray, const uint32_t behind[LANES],
                         shadow_depths *out) {
     for (int i = 0; i < LANES; ++i) {

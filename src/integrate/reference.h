@@ -30,14 +30,14 @@ typedef struct reference_estimate {
 
 typedef struct reference_scene reference_scene;
 
-/* FATHOM_BAD_INPUT names the first thing in the scene that is not implemented. The scene must have passed
+/* FATHOM_BAD_INPUT names the first thing in the scene that the reference refuses. The scene must have passed
  * fathom_scene_check(), have a camera and outlive what comes back. */
 fathom_status reference_open(const fathom_scene *scene, const reference_settings *settings,
                              reference_scene **out);
 void reference_close(reference_scene *reference);
 
 /* One sample of the radiance that arrives at `origin` from the unit direction. `key` picks the random
- * numbers. False: volumes overlap, which is not implemented. */
+ * numbers. False: volumes overlap, which the reference refuses. */
 bool reference_radiance(const reference_scene *reference, vec3_f64 origin, vec3_f64 direction, uint64_t key,
                         vec3_f64 *out);
 

@@ -97,7 +97,7 @@ typedef struct reference_scatter {
     double front, back; /* rough guesses of the light that arrives over either hemisphere; 0: none does */
 } reference_scatter;
 
-/* What is not implemented; NULL: all is. */
+/* The first parameter of the material that the reference refuses; NULL: none. */
 const char *reference_lacks(const fathom_material *m);
 vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);

@@ -195,7 +195,7 @@ static uint32_t copy_squares(const adaptive_run *other, adaptive_run *r, uint8_t
     return left;
 }
 
-/* Of samples that both runs take the first hits are added once. */
+/* Adds first hits once where both runs take the same samples. */
 static void add_square(pass *p, uint32_t place) {
     adaptive_wave *a = p->a;
     adaptive_run *r = p->r;

@@ -44,7 +44,7 @@
  *
  * Small bright things. Where every sample of the judge has missed a thing smaller than a pixel, nothing is
  * estimated, and few samples are taken: where one of them does hit the thing, the pixel is far too bright,
- * and where none does, too dark. No mean is wrong, but such an image is noisy. What is found in one square of
+ * and where none does, too dark. No mean is wrong, but such an image is noisy. A finding in one square of
  * a wave is therefore looked for in all: no square has more than ADAPTIVE_SPREAD times the samples of
  * another.
  *
@@ -116,7 +116,7 @@ typedef struct adaptive_wave {
     uint32_t seen[WAVE_SQUARES]; /* samples of which the first hits are there: the most of both runs */
 } adaptive_wave;
 
-/* What the film shows of a wave. */
+/* The part of a wave that the film shows. */
 typedef struct adaptive_view {
     pixel_sums sums;                /* without hits of its own */
     uint32_t samples[WAVE_SQUARES]; /* that are in the image */

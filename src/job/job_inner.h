@@ -1,4 +1,4 @@
-/* What the schedules of a job share. */
+/* Shared by the schedules of a job. */
 #ifndef JOB_JOB_INNER_H
 #define JOB_JOB_INNER_H
 

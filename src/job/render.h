@@ -21,7 +21,7 @@ typedef struct render_request {
     bool keep_changed;               /* as fathom_session_options says */
 } render_request;
 
-/* What fathom_session_run() does, with complete settings. stats may be NULL. */
+/* Does the work of fathom_session_run(), with complete settings. stats may be NULL. */
 fathom_status render_film(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const render_request *request, fathom_stats *stats, fathom_film **out);
 

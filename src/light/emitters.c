@@ -101,7 +101,7 @@ static void put_answer(emitter_sample *out, int i, const emitter_answer *a, doub
 
 /* ---- primitives ---- */
 
-/* What lanes ask, and what they chose. */
+/* The questions of the lanes, and the lights they chose. */
 typedef struct lane_choices {
     const emitter_query *from;
     const float (*u)[LANES];

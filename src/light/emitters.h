@@ -40,7 +40,7 @@ typedef struct emitter_sample {
 /* u: three numbers in [0,1) a lane; the third chooses the light. */
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 
-/* What a ray met that an emitter_sample could have found. */
+/* A point of an emitter that a ray met by chance. */
 typedef struct emitter_hit {
     uint32_t geometry, primitive, instance; /* as in trace_hits */
     vec3_f32 p, ng;                         /* the point and the geometric normal there, unit */

@@ -30,7 +30,7 @@ static float power_of(const emitters *e, uint32_t geometry, uint32_t primitive, 
 
 /* ---- runs ---- */
 
-/* Of a mesh all triangles have one material. */
+/* All triangles of a mesh have one material. */
 static bool emits(const emitters *e, uint32_t geometry, uint32_t instance) {
     const world_geometry *g = &e->w->geometries.items[geometry];
     const uint32_t looks = g->kind == WORLD_MESH ? 1 : g->count;

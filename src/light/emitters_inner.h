@@ -90,7 +90,7 @@ typedef struct emitter_ball {
 } emitter_ball;
 void emitters_ball(const emitters *e, const emitter_run *run, uint32_t primitive, emitter_ball *out);
 
-/* What a point asks a primitive for, or a primitive's answer. */
+/* A primitive's answer to a point that asks it for light. */
 typedef struct emitter_answer {
     vec3_f64 direction;
     double distance, density; /* density 0: no light from there */

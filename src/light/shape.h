@@ -69,7 +69,7 @@ static inline double shape_all_density(vec3_f64 n, vec3_f64 direction) {
 
 /* ---- triangles and quads ---- */
 
-/* In the world. Of a quad the triangles (0,1,3) and (2,3,1), which tracers meet; of a triangle (0,1,3). */
+/* In the world. A quad is the triangles (0,1,3) and (2,3,1), which tracers meet; a triangle is (0,1,3). */
 typedef struct shape_face {
     vec3_f64 corner[4];
     bool quad;

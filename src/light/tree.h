@@ -19,8 +19,8 @@ typedef struct tree_item {
     uint32_t light;
 } tree_item;
 
-/* What bounds each child: a sphere, a cone around ±axis with the cosine `spread`, and the sum of power. Empty
- * ones have no power. Places and radii are multiplied by the tree's scale. */
+/* The bounds of each child: a sphere, a cone around ±axis with the cosine `spread`, and the sum of power.
+ * Empty ones have no power. Places and radii are multiplied by the tree's scale. */
 typedef struct tree_node {
     float x[TREE_WIDE], y[TREE_WIDE], z[TREE_WIDE], radius[TREE_WIDE];
     float axis_x[TREE_WIDE], axis_y[TREE_WIDE], axis_z[TREE_WIDE], spread[TREE_WIDE];

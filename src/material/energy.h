@@ -6,9 +6,9 @@
  * between. */
 enum { ENERGY_STEPS = 64, ENERGY_NODES = ENERGY_STEPS + 1 };
 
-/* Of the GGX lobe of this alpha: `all`, the albedo E(mu) for a reflectance of 1, and `edge`, for Schlick's
- * (1 - v·h)^5. A reflectance f0 + (f90 - f0) (1 - v·h)^5 has the albedo f0 (all - edge) + f90 edge. Within
- * 5e-4 for roughnesses from 0.03 on; below SHADER_SMOOTH_ALPHA those of a mirror. */
+/* Albedos of the GGX lobe of this alpha: `all`, the albedo E(mu) for a reflectance of 1, and `edge`, for
+ * Schlick's (1 - v·h)^5. A reflectance f0 + (f90 - f0) (1 - v·h)^5 has the albedo f0 (all - edge) + f90 edge.
+ * Within 5e-4 for roughnesses from 0.03 on; below SHADER_SMOOTH_ALPHA those of a mirror. */
 void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]);
 
 /* The mean over a hemisphere, weighted by the cosine: 2 ∫ f mu dmu. */

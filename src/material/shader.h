@@ -119,7 +119,7 @@ typedef struct shader_block {
     lanes3 v;                        /* towards the viewer, in that frame; v[2] > 0 */
     float take[SHADER_TAKES][LANES]; /* chances of the lobes */
     const shader *at[LANES];
-    /* Of the materials; those that only lobes of no lane read are not set. */
+    /* Constants of the materials; those that no lane's lobes read are not set. */
     lanes3 diffuse, highlight, f0, cross, again, again_cross;
     lanes3 mirror_share, pass_share; /* of the smooth lobes */
     lanes3 mirror, pass;             /* their directions, in the world */
@@ -144,7 +144,7 @@ typedef struct shader_kernels {
     /* `table` is indexed by material id. */
     void (*make)(const shader *table, const surface_block *s, shader_block *out);
 
-    /* Of light from unit directions l: f |cosine|, and the density with which sample() takes l. */
+    /* For light from unit directions l: f |cosine|, and the density with which sample() takes l. */
     void (*evaluate)(const surface_block *s, const shader_block *b, const lanes3 l, float (*f)[LANES],
                      float density[LANES]);
 

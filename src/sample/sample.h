@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-/* What the numbers are for, two of them each. */
+/* The uses of the numbers, two numbers each. */
 typedef enum sample_dimension {
     SAMPLE_PIXEL, /* where in its pixel a sample lies, from the top left */
     SAMPLE_LENS,  /* where a ray leaves the lens */
@@ -17,7 +17,7 @@ typedef enum sample_dimension {
     SAMPLE_VERTEX /* the first of a path's vertices: see sample_at_vertex() */
 } sample_dimension;
 
-/* What a vertex of a path needs numbers for. */
+/* The uses of numbers at a vertex of a path. */
 typedef enum sample_purpose {
     SAMPLE_LIGHT,    /* a point on a light */
     SAMPLE_SCATTER,  /* a direction */

@@ -228,7 +228,7 @@ static void ask_block_ways(void *user, size_t begin, size_t end, unsigned worker
     trace_thread_end(state);
 }
 
-/* Of equal answers, the first way's comes first. */
+/* Equal answers stay in the order of their ways. */
 static int by_answer(const void *a, const void *b) {
     const ask_other *x = a, *y = b;
     if (x->ray != y->ray) return x->ray < y->ray ? -1 : 1;

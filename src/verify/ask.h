@@ -14,7 +14,7 @@ typedef struct ask_call {
     bool closest, any;
 } ask_call;
 
-/* What a tracer said to one ray. */
+/* A tracer's answer to one ray. */
 typedef struct ask_answer {
     verdict_answer hit; /* of the closest hit */
     double u, v;

@@ -68,7 +68,7 @@ static void add_fine(extremes_case *c, fathom_id group) {
     case_ball_of(c, group, vec_f64(0, 0, 0), 1, 366, 366);
 }
 
-/* What casts no shadow around and between what does. */
+/* Shapes that cast no shadow, around and between shapes that do. */
 static void add_masks(extremes_case *c, fathom_id group) {
     c->flags = FATHOM_CASTS_NO_SHADOW;
     case_ball_of(c, group, vec_f64(0, 0, 0), 1.4, 9, 16);

@@ -84,10 +84,10 @@ static void keep_failure(worker *w, const comparison *c, size_t ray, unsigned wa
 
 /* ---- judging ---- */
 
-/* Parts below 2^-126 are flushed to zero. Of a normal shorter than 2^-102 that is more than a roundoff. */
+/* Parts below 2^-126 are flushed to zero. A normal shorter than 2^-102 loses more than a roundoff by that. */
 static bool loses_parts(vec3_f32 n) { return fmaxf(fmaxf(fabsf(n.x), fabsf(n.y)), fabsf(n.z)) < 0x1p-102f; }
 
-/* What the answer says of the hit beyond its t, for the verdict. */
+/* Judges u, v and the normal of an answer whose t is right. */
 static verdict judge_details(const compare_subject *s, const oracle_ray *ray, const ask_answer *a,
                              verdict_report *report, error_report *errors) {
     const error_said said = {.t = a->hit.t, .normal = a->normal, .u = a->u, .v = a->v};
@@ -158,7 +158,7 @@ static void check_search(const comparison *c, worker *w, const oracle_ray *ray) 
     ++w->sampled, w->differ += !same;
 }
 
-/* What a render got is held against the same call once more; t is a float there. */
+/* Holds the answer that a render got against the same call once more; t is a float there. */
 static void judge_given(const comparison *c, worker *w, size_t ray, bool any) {
     ask_answer first = ask_answer_of(&c->batch, ray);
     const ask_answer *given = &c->given[ray];

@@ -1,5 +1,5 @@
-/* What many answers say that no single one does: errors too large on the whole or to one side, more leaks
- * than a tracer is known to have, a unit roundoff that is declared too large. */
+/* Faults that many answers show and no single one does: errors too large on the whole or to one side, more
+ * leaks than a tracer is known to have, a unit roundoff that is declared too large. */
 #ifndef VERIFY_STATISTICS_H
 #define VERIFY_STATISTICS_H
 

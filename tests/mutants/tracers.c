@@ -18,49 +18,38 @@
 static const char *mutant = "none";
 static bool is(const char *name) { return strcmp(mutant, name) == 0; }
 
+/* The faults, each the name of a mutant. */
+/* clang-format off */
+#define FAULTS(X) \
+    X(lose_last) X(lose_first) X(lose_far_index) X(short_index) X(lose_high) X(cull_back) \
+    X(cull_front) X(open_edge) X(thin) X(fat) X(first_found) X(farthest) X(near_closed) \
+    X(far_closed) X(any_near_closed) X(any_far_closed) X(no_near) X(no_far) X(any_no_near) \
+    X(any_no_far) X(epsilon) X(infinity_1e30) X(swap_uv) X(u_off) X(nan_v) X(turned_uv) X(bias_up) \
+    X(bias_down) X(unit_length) X(slab_nan) X(tiny_zero) X(minus_zero) X(short_stack) X(few_nodes) \
+    X(axis_miss) X(far_miss) X(long_t_miss) X(wrong_id) X(static_last) X(static_first) X(race_ray) \
+    X(race_any) X(lane_last) X(lane_swap) X(alone) X(partial) X(second_block) \
+    X(fifth_block) X(octant) X(shared_origin) X(coherent_lane) X(coherent_any) X(thread_bound) \
+    X(worn_out) X(build_threads) X(noise) X(any_misses) X(any_phantom) X(nan_t) X(negative_t) \
+    X(t_low_bits) X(shared_vertex) X(dies_with_other)
+/* clang-format on */
+
 /* Looked up once: a fault costs a comparison a ray. */
 static struct {
-    bool lose_last, lose_first, lose_far_index, short_index, lose_high, cull_back, cull_front, open_edge,
-        thin, fat, first_found, farthest, near_closed, far_closed, any_near_closed, any_far_closed, no_near,
-        no_far, any_no_near, any_no_far, epsilon, infinity_1e30, swap_uv, u_off, nan_v, turned_uv, bias_up,
-        bias_down, unit_length, slab_nan, tiny_zero, minus_zero, short_stack, few_nodes, axis_miss, far_miss,
-        long_t_miss, wrong_id, static_last, static_first, race_ray, race_any, mailbox, lane_last, lane_swap,
-        alone, partial, second_block, fifth_block, octant, shared_origin, coherent_lane, coherent_any,
-        thread_bound, worn_out, build_threads, noise, any_misses, any_phantom, nan_t, negative_t, t_low_bits,
-        shared_vertex, dies_with_other;
+#define DECLARE(name) bool name;
+    FAULTS(DECLARE)
     double miss, phantom;
 } f;
 
 static void choose(void) {
     const char *name = getenv("FATHOM_MUTANT");
     mutant = name ? name : "none";
-#define FAULT(x) f.x = is(#x);
-    FAULT(lose_last)
-    FAULT(lose_first)
-    FAULT(lose_far_index)
-    FAULT(short_index)
-    FAULT(lose_high)
-    FAULT(cull_back)
-    FAULT(cull_front) FAULT(open_edge) FAULT(thin) FAULT(fat) FAULT(first_found) FAULT(farthest)
-        FAULT(near_closed) FAULT(far_closed) FAULT(any_near_closed) FAULT(any_far_closed) FAULT(no_near)
-            FAULT(no_far) FAULT(any_no_near) FAULT(any_no_far) FAULT(epsilon) FAULT(infinity_1e30)
-                FAULT(swap_uv) FAULT(u_off) FAULT(nan_v) FAULT(turned_uv) FAULT(bias_up) FAULT(bias_down)
-                    FAULT(unit_length) FAULT(slab_nan) FAULT(tiny_zero) FAULT(minus_zero) FAULT(short_stack)
-                        FAULT(few_nodes) FAULT(axis_miss) FAULT(far_miss) FAULT(long_t_miss) FAULT(wrong_id)
-                            FAULT(static_last) FAULT(static_first) FAULT(race_ray) FAULT(race_any)
-                                FAULT(mailbox) FAULT(lane_last) FAULT(lane_swap) FAULT(alone) FAULT(partial)
-                                    FAULT(second_block) FAULT(fifth_block) FAULT(octant) FAULT(shared_origin)
-                                        FAULT(coherent_lane) FAULT(coherent_any) FAULT(thread_bound)
-                                            FAULT(worn_out) FAULT(build_threads) FAULT(noise)
-                                                FAULT(any_misses) FAULT(any_phantom) FAULT(nan_t)
-                                                    FAULT(negative_t) FAULT(t_low_bits) FAULT(shared_vertex)
-                                                        FAULT(dies_with_other)
-#undef FAULT
-                                                            f.miss = is("miss_1e-3")        ? 1e-3
-                                                                     : is("miss_1e-4")      ? 1e-4
-                                                                     : is("miss_1e-5")      ? 1e-5
-                                                                     : is("miss_1e-6_unit") ? 1e-6
-                                                                                            : 0;
+#define CHOOSE(name) f.name = is(#name);
+    FAULTS(CHOOSE)
+    f.miss = is("miss_1e-3")        ? 1e-3
+             : is("miss_1e-4")      ? 1e-4
+             : is("miss_1e-5")      ? 1e-5
+             : is("miss_1e-6_unit") ? 1e-6
+                                    : 0;
     f.phantom = is("phantom_1e-3") ? 1e-3 : is("phantom_1e-5") ? 1e-5 : 0;
 }
 
@@ -397,7 +386,6 @@ static ray load(const tree *t, const fathom_plugin_block *b, int i, bool any) {
 
 static hit answer(const tree *t, const fathom_plugin_block *b, int i, bool any) {
     static ray shared, shared_any;
-    static struct { uint32_t triangle; } seen[1]; /* a mailbox that threads share */
     ray r = load(t, b, i, any);
     hit none = {MISS, 0, 0, 0};
     if (f.race_ray && !any) shared = r, r = ((volatile ray *)&shared)[0];
@@ -417,13 +405,6 @@ static hit answer(const tree *t, const fathom_plugin_block *b, int i, bool any) 
     if (f.race_any && any) {
         ray now = ((volatile ray *)&shared_any)[0];
         if (memcmp(now.org, r.org, sizeof r.org) != 0) h = search(t, &now);
-    }
-    if (f.mailbox && h.triangle != MISS) {
-        volatile uint32_t *slot = &seen[0].triangle;
-        *slot = h.triangle;
-        for (volatile int wait = 0; wait < 2000; ++wait) {
-        }
-        h.triangle = *slot % t->mesh.triangle_count;
     }
     spoil(t, &r, &h);
     return h;

@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "verify/ask.h"
 
-/* What goes before the verdict of a ray that was asked for any hit. */
+/* The prefix of the verdict of a ray that was asked for any hit. */
 #define RAY_LINE_ANY "any-"
 
 typedef struct ray_line {

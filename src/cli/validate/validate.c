@@ -225,7 +225,7 @@ static uint64_t count_other(const validate_results *results, verdict v) {
     return sum;
 }
 
-/* What is found of each tracer as a whole goes with its first run. */
+/* A tracer's first run carries the findings about the tracer as a whole. */
 static bool check_tracers(validate_runs *runs) {
     for (size_t i = 0, end; i < runs->count; i = end) {
         validate_run *run = &runs->items[i];

@@ -1,4 +1,4 @@
-/* What the files of `fathom validate` share. */
+/* Shared by the files of `fathom validate`. */
 #ifndef CLI_VALIDATE_H
 #define CLI_VALIDATE_H
 

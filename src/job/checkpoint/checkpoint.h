@@ -11,7 +11,7 @@
 
 typedef struct checkpoint checkpoint;
 
-/* What can be told from the path alone, as checkpoint_open() does. */
+/* Checks the path alone, as checkpoint_open() does. */
 fathom_status checkpoint_check_path(fathom_context *context, const fathom_checkpoint *options, bool *exists);
 
 /* Fills the film with what the file holds when it is to be continued. FATHOM_BAD_USAGE: there is a file, and

@@ -70,7 +70,7 @@ void checkpoint_square_save(const wave_grid *grid, const fathom_film *film, uint
 void checkpoint_square_load(const wave_grid *grid, const fathom_film *film, uint32_t place, unsigned square,
                             uint32_t channel, const uint32_t in[LANES]);
 
-/* What a file's bytes say, into a film and a state that are made for this render. `name` is the file's, for
+/* Reads a file's bytes into a film and a state that are made for this render. `name` is the file's, for
  * messages; `tracer` gets what the file says of it. FATHOM_BAD_INPUT: no checkpoint, a damaged one, or one of
  * another render; then film and state may be half filled. Any bytes are safe. */
 fathom_status checkpoint_read(fathom_context *context, const char *name, const unsigned char *bytes,

@@ -117,7 +117,7 @@ static inline void add_ggx(const shader_block *b, const incidence *at, const lan
     }
 }
 
-/* What passes the clear coat twice, and what the coat reflects. */
+/* The light that passes the clear coat twice, and the light that it reflects. */
 static inline void add_coat(const shader_block *b, const incidence *at, const lanes3 h,
                             const float rise[LANES], float (*restrict f)[LANES], float *restrict density) {
     for (int i = 0; i < LANES; ++i) {

@@ -46,8 +46,8 @@ static inline void set_coat(const shader *m, int i, shader_block *restrict out) 
 
 #define CROSSING (SHADER_THIN | SHADER_REFRACT | SHADER_PASS | SHADER_SOLID)
 
-/* What the lobes of the block read. Most blocks see one material: loops over lanes that copy the same numbers
- * vectorise. */
+/* The constants that the block's lobes read. Most blocks see one material: loops over lanes that copy the
+ * same numbers vectorise. */
 static inline void set_parts(const surface_block *s, const shader *const at[LANES], uint32_t lobes,
                              shader_block *restrict out) {
     for (int i = 0; i < LANES; ++i) set_lane(at[i], i, out);

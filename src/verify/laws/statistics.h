@@ -21,7 +21,7 @@ double sidak_level(double level, double n);
 /* P of a difference from a value as large as this one, or larger. Differences up to `allowance`, which
  * rounding may make, do not count. */
 double mean_p(sample_mean a, double value, double allowance);
-/* Of two means with unequal errors (Welch 1947). */
+/* Compares two means with unequal errors (Welch 1947). */
 double welch_p(sample_mean a, sample_mean b, double allowance);
 
 #endif
