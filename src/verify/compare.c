@@ -84,9 +84,6 @@ static void keep_failure(worker *w, const comparison *c, size_t ray, unsigned wa
 
 /* ---- judging ---- */
 
-/* Parts below 2^-126 are flushed to zero. A normal shorter than 2^-102 loses more than a roundoff by that. */
-static bool loses_parts(vec3_f32 n) { return fmaxf(fmaxf(fabsf(n.x), fabsf(n.y)), fabsf(n.z)) < 0x1p-102f; }
-
 /* Judges u, v and the normal of an answer whose t is right. */
 static verdict judge_details(const compare_subject *s, const oracle_ray *ray, const ask_answer *a,
                              verdict_report *report, error_report *errors) {
@@ -94,8 +91,7 @@ static verdict judge_details(const compare_subject *s, const oracle_ray *ray, co
     error_measure(ray, &report->primitive, &report->exact, &said, errors);
     verdict_bound bound = verdict_bound_all(&s->precision, ray, &report->primitive, &report->exact);
     report->bound = bound.t;
-    bool uv = errors->uv * 0x1p-24 > bound.weight,
-         normal = errors->normal * 0x1p-24 > bound.normal && !loses_parts(a->normal);
+    bool uv = errors->uv * 0x1p-24 > bound.weight, normal = errors->normal * 0x1p-24 > bound.normal;
     bool none = isnan(a->u) || isnan(a->v) || (!finite_f32(a->normal) && isfinite(bound.normal));
     return uv || normal || none ? VERDICT_WRONG : report->verdict;
 }

@@ -225,9 +225,12 @@ static bool clamps_weights(const verdict_tracer *tracer, const oracle_primitive 
     return fabs(dot_f64(normal_of(p, answer, &a, &b, &c), dir)) < 2 * tracer->clamped;
 }
 
+/* The angle by which a vector may turn whose error is that share of its length. */
+static double turn_of(double share) { return share < 0.5 ? 2 * share : 4; }
+
 /* Sides are off by 2 u of their length or, seen from the ray's origin, of S, and the products and differences
  * of n = e × e' by as much again: 16 u L S / |n| holds both. Two products and their difference, flushed to
- * zero below 2^-126, leave 3 √3 2^-126 more. Where that is not small, any direction is as good. A normal
+ * zero below 2^-126, leave 3 √3 2^-126 more. A normal
  * above the largest float is not reported at all: infinite. A quad's normal may be either part's. */
 static double normal_bound(const verdict_tracer *tracer, const oracle_primitive *p,
                            const oracle_answer *answer, double size) {
@@ -236,7 +239,7 @@ static double normal_bound(const verdict_tracer *tracer, const oracle_primitive 
     double reach = tracer->seen >> p->shape & 1 ? size : side;
     if (2 * side * side > (double)FLT_MAX) return (double)INFINITY;
     double r = (16 * fmax(tracer->unit, 0x1p-24) * side * reach + 6 * (double)FLT_MIN) / length_f64(n);
-    return (r < 0.5 ? 2 * r : 4) + (p->shape == ORACLE_QUAD ? twist_of(p) : 0);
+    return turn_of(r) + (p->shape == ORACLE_QUAD ? twist_of(p) : 0);
 }
 
 /* Normals are reported in float, whatever computed them. */
@@ -244,14 +247,16 @@ verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *
                                 const oracle_primitive *p, const oracle_answer *answer) {
     verdict_bound bound = verdict_bound_of(tracer, ray, p, answer);
     const double unit = fmax(tracer->unit, 0x1p-24), least = 8 * unit;
+    const double flushed = 2 * (double)FLT_MIN; /* √3 of it: a part each */
     frame f = frame_of(tracer, ray, p->instance);
     double size = size_of(tracer, ray, p, &f, (double)answer->t.value);
     bound.weight = clamps_weights(tracer, p, answer, f.dir) ? 1 : bound.edge + 4 * tracer->unit;
     switch (p->shape) {
     case ORACLE_SPHERE:
-        bound.normal = least + 2 * (bound.t * length_f64(f.dir) + 8 * unit * size) / oracle_radius(p);
+        bound.normal = least + 2 * (bound.t * length_f64(f.dir) + 8 * unit * size) / oracle_radius(p) +
+                       turn_of(flushed / oracle_radius(p));
         break;
-    case ORACLE_PLANE: bound.normal = least; break;
+    case ORACLE_PLANE: bound.normal = least + turn_of(flushed / length_f64(widen(p->v[1]))); break;
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: bound.normal = least + normal_bound(tracer, p, answer, size); break;
     }
