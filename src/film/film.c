@@ -40,7 +40,7 @@ static void add_channels(fathom_film *film, unsigned aovs) {
     }
     if (aovs & FATHOM_AOV_ERROR) {
         add_three(film, film->error, "error.R", "error.G", "error.B", false);
-        film->largest = add_channel(film, "error.largest", false, false);
+        film->doubt = add_channel(film, "error.doubt", false, false);
     }
     if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples", "samples.V");
 }

@@ -21,9 +21,6 @@ static void deliver_finished(const even *e) {
         if (s->index * groups + s->group + 1 < e->job->plan->settings.spp) continue;
         const uint32_t at = wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
         result.squares |= 1ull << at;
-        if (groups > 1)
-            spread_sums_largest(&sums->spread, (const group_sums *)sums->rgb, groups,
-                                s->index * groups + s->group + 1, at, sums->largest);
     }
     if (result.squares) job_deliver(e->job, e->self, &result);
 }

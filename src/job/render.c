@@ -247,6 +247,7 @@ fathom_status render_film(fathom_context *context, const fathom_scene *scene, co
     }
     if (stats) *stats = film->stats;
     film->interrupted = status == FATHOM_INTERRUPTED;
+    film_settle_errors(film);
     const bool doubtful = changed != FATHOM_OK && request->keep_changed && film->stats.samples;
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED || doubtful)
         *out = film;

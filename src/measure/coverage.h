@@ -17,7 +17,7 @@ typedef struct coverage_row {
     double light; /* mean of the images over that of the reference */
     double t;     /* (mean - truth) / its standard error, over seeds */
     uint32_t seeds;
-    coverage_count trusted, doubtful, bounds; /* by error.largest: render.h */
+    coverage_count trusted, doubtful, bounds; /* by error.doubt: render.h */
 } coverage_row;
 
 #define COVERAGE_ROWS 4
