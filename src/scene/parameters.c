@@ -115,7 +115,7 @@ static const fathom_parameter classic_rows[] = {
     {"k_a", F32, MATERIAL(k_a), SOFT, 0, 1, -1, "R,G,B", "Surface", .help = "Reflectance for `ambient` light. Default: `kd`.",
      .count = 3},
     {"k_e", F32, MATERIAL(k_e), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
-     .help = "Radiance the surface sends out by itself; it is seen but lights nothing.", .count = 3},
+     .help = "Radiance the surface sends out by itself, as it is seen from outside of any glass around it. It lights other surfaces under path tracing.", .count = 3},
     {"lit_from_behind", BOOL, MATERIAL(lit_from_behind), HARD, 0, 1, false, NULL, "Surface",
      .help = "Whether lights on the far side of the surface count, as on thin cloth or paper."},
 };
@@ -128,7 +128,7 @@ static const fathom_parameter metallic_rows[] = {
     {"roughness", F32, MATERIAL(roughness), HARD, 0, 1, 0.5, NULL, "Surface",
      .help = "GGX's alpha is its square; below an alpha of 2⁻¹³ the surface is a mirror."},
     {"emissive", F32, MATERIAL(emissive), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
-     .help = "Radiance that both sides send out, times `emissiveStrength`.", .count = 3},
+     .help = "Radiance that both sides send out, as it is seen from outside of any glass around them, times `emissiveStrength`.", .count = 3},
     {"emissive_strength", F32, MATERIAL(emissive_strength), SOFT, 0, RADIANCE, 1, NULL, "Surface",
      .help = "Factor of `emissive`."},
     {"ior", F32, MATERIAL(ior), SOFT, 0, 1e3, 1.5, NULL, "Surface",
