@@ -129,7 +129,17 @@ static bool parse_short(parser *p, const char *typed) {
     return args_wrong(p->problem, "unknown option %.40s", typed);
 }
 
+static bool add_operand(parser *p, const char *text) {
+    args_many *all = (args_many *)(void *)(p->settings + p->spec->operand_offsets[0]);
+    if (!all->items) all->items = calloc((size_t)p->argc, sizeof *all->items);
+    if (!all->items) return args_wrong(p->problem, "out of memory");
+    all->items[all->count++] = text;
+    p->operands = 1;
+    return true;
+}
+
 static bool parse_operand(parser *p, const char *text) {
+    if (p->spec->many) return add_operand(p, text);
     if (p->operands == p->spec->operand_count)
         return args_wrong(p->problem, "unexpected argument \"%.300s\"", text);
     size_t offset = p->spec->operand_offsets[p->operands++];

@@ -22,6 +22,12 @@ typedef struct args_list {
     size_t count;
 } args_list;
 
+/* Operands of which there may be any number from one on. Release `items` with free(). */
+typedef struct args_many {
+    const char **items;
+    size_t count;
+} args_many;
+
 /* Counts of one option, separated by commas. */
 typedef struct args_counts {
     uint64_t items[ARGS_LIST_MAX];
@@ -60,6 +66,7 @@ typedef struct args_spec {
     size_t operand_count;
     size_t operands_optional;          /* of the last ones */
     const args_option *(*table)(void); /* makes the options, where they follow from another table; or NULL */
+    bool many;                         /* the only operand is an args_many */
 } args_spec;
 
 typedef enum args_result { ARGS_READY, ARGS_HELP, ARGS_WRONG } args_result;

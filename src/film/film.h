@@ -42,6 +42,9 @@ struct fathom_film {
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out);
 
+/* An empty film of the same image: the other one needs no pixels. */
+fathom_status film_create_like(fathom_context *context, const fathom_film *film, fathom_film **out);
+
 /* Its pixels as they are now, without statistics: from any thread. The pixels of a film are written under its
  * lock, as long as others may copy it. */
 fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom_film **out);
