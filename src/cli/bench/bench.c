@@ -273,7 +273,7 @@ const command command_bench = {
     .usage = "WHAT SCENE [options]",
     .summary = "Measure speed, and error against time.",
     .text = "WHAT is one of\n"
-            "  trace   rays a second of every tracer, also of a render's own rays by depth\n"
+            "  trace   rays a second of every tracer\n"
             "  render  the phases of a render, its distance from Embree's ceiling, and how\n"
             "          all of them grow with the triangles\n"
             "  error   image error against run time\n"
