@@ -129,33 +129,17 @@ static void leave_one_each(trace_crossings *list) {
     list->count = kept;
 }
 
-static void translate(const world *w, uint32_t group, trace_crossing *c) {
-    if (c->instance != RTC_INVALID_GEOMETRY_ID) {
-        c->instance -= w->groups.items[0].count;
-        group = w->instances.items[c->instance].group;
-    }
-    c->geometry += w->groups.items[group].first;
-}
-
 static bool crossings(const trace_tracer *base, uint32_t group, vec3_f32 org, vec3_f32 dir,
                       trace_crossings *out) {
     const embree_tracer *tracer = (const embree_tracer *)base;
-    struct RTCRayHit alone = {
-        .ray = {.org_x = org.x,
-                .org_y = org.y,
-                .org_z = org.z,
-                .dir_x = dir.x,
-                .dir_y = dir.y,
-                .dir_z = dir.z,
-                .tfar = INFINITY,
-                .mask = EMBREE_MESHES},
-        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    struct RTCRayHit alone = embree_alone(org, dir, 0, INFINITY, EMBREE_MESHES);
     gather to = {.list = out};
     out->count = 0;
     if (!tracer->scenes[group]) return true;
     embree_context_init(&to.context);
     embree_intersect(1, NULL, tracer->scenes[group], &to.context, false, gather_filter, &alone);
-    for (size_t i = 0; i < out->count; ++i) translate(base->world, group, &out->items[i]);
+    for (size_t i = 0; i < out->count; ++i)
+        embree_world_ids(base->world, group, &out->items[i].instance, &out->items[i].geometry);
     leave_one_each(out);
     return !to.out_of_memory;
 }

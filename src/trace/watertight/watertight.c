@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-KERNEL_DECLARE(watertight_kernels, watertight_kernels);
+KERNEL_BEST(watertight_kernels)
 
 struct watertight {
     const trace_tracer *tracer;
@@ -261,14 +261,13 @@ static bool has_mesh(const world *w) {
 }
 
 fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, watertight **out) {
-    static const watertight_kernels *const kernels[] = KERNEL_SETS(watertight_kernels);
     const world *scene = tracer->world;
     *out = NULL;
     if (!tracer->retry || !has_mesh(scene)) return FATHOM_OK;
     watertight *w = calloc(1, sizeof *w);
     if (!w) return fail_memory(context, sizeof *w);
     w->tracer = tracer;
-    w->kernels = kernels[kernel_levels() - 1];
+    w->kernels = watertight_kernels_best();
     bool fine = bodies_find(tracer, &w->bodies);
     if (fine && survey(w)) {
         *out = w;

@@ -51,5 +51,6 @@ typedef struct watertight_kernels {
      * placed by maps that turn, mirror or skew. */
     bool (*any_back)(const world *w, bool turned, const trace_block *block, unsigned lanes);
 } watertight_kernels;
+const watertight_kernels *watertight_kernels_best(void);
 
 #endif
