@@ -93,8 +93,6 @@ void converge_free(converge_result *result);
 
 /* Points, marks and slopes from runs and reference. */
 void converge_summarise(converge_result *result);
-/* Whether fits and tables count the point. */
-bool converge_point_counts(const converge_point *point, converge_metric metric);
 
 #define CONVERGE_ROWS 5
 /* The error that patterns reach in the same time, or the time they need for the same error: between the
