@@ -200,7 +200,7 @@ static converge_point point_of(const converge_result *result, fathom_pattern pat
     return point;
 }
 
-/* Whether fits and tables count the point. */
+/* True if fits and tables count the point. */
 static bool counts(const converge_point *point, converge_metric metric) {
     return point->errors[metric] > 0 && isfinite(point->errors[metric]) && !point->below[metric];
 }
@@ -243,9 +243,8 @@ void converge_summarise(converge_result *result) {
         curve->pattern = (fathom_pattern)p;
         for (unsigned step = 0; step < result->steps; ++step)
             curve->points[step] = point_of(result, curve->pattern, step);
-        for (int m = 0; m < CONVERGE_METRICS; ++m) {
+        for (int m = 0; m < CONVERGE_METRICS; ++m)
             for (int c = 0; c < BENCH_CLOCKS; ++c) curve->slopes[m][c] = slope_of(result, curve, m, c);
-        }
     }
 }
 

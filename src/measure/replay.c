@@ -27,9 +27,8 @@ static trace_rays *at(const record *r, size_t index) {
 
 uint64_t record_rays(const record *r, bare_query query) {
     uint64_t rays = 0;
-    for (size_t i = 0; i < r->calls.count; ++i) {
+    for (size_t i = 0; i < r->calls.count; ++i)
         if (r->calls.items[i].query == query) rays += r->calls.items[i].rays;
-    }
     return rays;
 }
 
@@ -54,9 +53,8 @@ static void keep(record *r, bare_query query, trace_coherence coherence, const v
         r->out_of_memory = true;
         return;
     }
-    for (size_t b = 0; b < blocks; ++b) {
+    for (size_t b = 0; b < blocks; ++b)
         *at(r, r->blocks++) = *(const trace_rays *)(const void *)((const char *)rays + b * stride);
-    }
 }
 
 /* ---- the tracer ---- */

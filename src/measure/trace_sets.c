@@ -119,9 +119,8 @@ static shade_light first_light(const world *w) {
 static bool make_others(const world *w, const seen_points *points, trace_set out[TRACE_SETS]) {
     const shade_light light = first_light(w);
     size_t blocks = points->count / LANES + !(points->count / LANES);
-    for (int s = TRACE_SET_CAMERA + 1; s < TRACE_SETS; ++s) {
+    for (int s = TRACE_SET_CAMERA + 1; s < TRACE_SETS; ++s)
         if (!set_create(blocks, &out[s])) return false;
-    }
     for (size_t i = 0; i < blocks * LANES; ++i) {
         const seen *from = &points->items[i % points->count];
         shadow_ray(&out[TRACE_SET_SHADOW], i, from, &light);

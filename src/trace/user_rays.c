@@ -33,11 +33,10 @@ static vec3_f64 weighted(const vec3_f64 v[3], double u, double w) {
 static local_hit sphere_hit(const world_sphere *s, vec3_f64 org, vec3_f64 dir, double t) {
     double roots[2], radius = world_sphere_radius(s);
     vec3_f64 center = world_sphere_center(s), from = sub_f64(org, center);
-    if (sphere_roots_f64(center, radius, org, dir, roots)) {
+    if (sphere_roots_f64(center, radius, org, dir, roots))
         t = fabs(roots[0] - t) <= fabs(roots[1] - t) ? roots[0] : roots[1];
-    } else {
+    else
         t = -dot_f64(from, dir) / dot_f64(dir, dir);
-    }
     vec3_f64 n = normalize_f64(madd_f64(from, t, dir));
     double phi = atan2(n.y, n.x);
     return (local_hit){.t = t,
@@ -92,9 +91,8 @@ static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hi
     if (mesh->normals) {
         const uint32_t *index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + first;
         vec3_f64 n[3];
-        for (int c = 0; c < 3; ++c) {
+        for (int c = 0; c < 3; ++c)
             n[c] = widen(load_f32(item(mesh->normals, mesh->normal_stride, index[c])));
-        }
         vec3_f64 shading = weighted(n, u, v);
         if (finite_f64(shading) && dot_f64(shading, shading) > 0) hit->shading = shading;
     }

@@ -249,9 +249,8 @@ static const command *const benches[] = {&command_bench_trace, &command_bench_re
                                          NULL};
 
 const command *bench_find(const char *name) {
-    for (size_t i = 0; benches[i]; ++i) {
+    for (size_t i = 0; benches[i]; ++i)
         if (strcmp(benches[i]->name + strlen("bench "), name) == 0) return benches[i];
-    }
     return NULL;
 }
 

@@ -142,9 +142,8 @@ static void print_rate(const json_t *rate, uint64_t most) {
 /* The most rays that any tracer was asked of a set. */
 static uint64_t most_rays(const field *f, size_t set) {
     uint64_t most = 0;
-    for (size_t i = 0; i < f->count; ++i) {
+    for (size_t i = 0; i < f->count; ++i)
         if (f->rates[i][set].rays > most) most = f->rates[i][set].rays;
-    }
     return most;
 }
 

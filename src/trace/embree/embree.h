@@ -62,9 +62,9 @@ RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_g
 
 /* ---- embree_native.c ---- */
 
-/* Whether Embree's own intersectors answer for the geometry. */
+/* True if Embree's own intersectors answer for the geometry. */
 bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry);
-/* Whether it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. Only
+/* True if it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. Only
  * in robust scenes: in others rays slip through where the halves meet. */
 bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry);
 
@@ -230,7 +230,7 @@ static inline struct RTCRayHit embree_alone(vec3_f32 org, vec3_f32 dir, float t_
                 .mask = mask},
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
 }
-/* Whether packets of 16 coherent shadow rays may hang Embree. */
+/* True if packets of 16 coherent shadow rays may hang Embree. */
 bool embree_may_hang(const embree_tracer *tracer);
 
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,

@@ -75,7 +75,7 @@ static void surround(const trace_rays *from, unsigned lane, unsigned round, trac
     }
 }
 
-/* Whether the lane's own ray meets any of the triangles around it. */
+/* True if the lane's own ray meets any of the triangles around it. */
 static bool look_around(const embree_tracer *tracer, const trace_rays *rays, unsigned lane, unsigned round,
                         uint32_t mask, embree_vote *vote) {
     trace_block around;
@@ -84,9 +84,8 @@ static bool look_around(const embree_tracer *tracer, const trace_rays *rays, uns
     embree_vote_begin(vote, tracer, rays, lane, rays->t_far[lane]);
     surround(rays, lane, round, &around.rays);
     tracer->kernels->prepare(tracer, &around.rays, LANES, mask, valid);
-    for (unsigned i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i)
         around.hits.geometry[i] = around.hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
-    }
     embree_context_init(&to.context);
     const embree_way way = {tracer->width, true};
     embree_closest_packets(tracer, &around, valid, LANES, &way, &to.context, gather_filter);
@@ -122,10 +121,9 @@ static int by_ids(const void *a, const void *b) {
 static void leave_one_each(trace_crossings *list) {
     size_t kept = 0;
     if (list->count) qsort(list->items, list->count, sizeof *list->items, by_ids);
-    for (size_t i = 0; i < list->count; ++i) {
+    for (size_t i = 0; i < list->count; ++i)
         if (!kept || by_ids(&list->items[kept - 1], &list->items[i]) != 0)
             list->items[kept++] = list->items[i];
-    }
     list->count = kept;
 }
 

@@ -51,12 +51,11 @@ static __attribute__((noinline)) void filter_any(const struct RTCFilterFunctionN
     float *ray = (float *)(void *)args->ray, *t_far = ray + EMBREE_ROW_T_FAR * n;
     const uint32_t *ids = (const uint32_t *)(const void *)(ray + EMBREE_ROW_ID * n);
     const float *hit = (const float *)(const void *)args->hit;
-    for (unsigned i = 0; i < n; ++i) {
+    for (unsigned i = 0; i < n; ++i)
         if (args->valid[i]) t_far[i] = embree_offer(call, ids[i], hit + i, n, t_far[i]);
-    }
 }
 
-/* Whether the rays of a packet are a run of the block's lanes in order, as they are unless Embree regrouped
+/* True if the rays of a packet are a run of the block's lanes in order, as they are unless Embree regrouped
  * them. */
 static inline __attribute__((always_inline)) bool in_order(const uint32_t *ids, unsigned n) {
     uint32_t first = ids[0] & (LANES - n), moved = 0;

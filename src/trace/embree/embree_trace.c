@@ -118,11 +118,10 @@ static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     embree_context context;
     embree_context_init(&context);
     const embree_way way = embree_way_any(tracer, coherence);
-    if (way.width == LANES) {
+    if (way.width == LANES)
         embree_occluded(LANES, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
-    } else {
+    else
         any_packets(tracer, rays, asked.valid, lanes, &way, &context);
-    }
     tracer->kernels->end_any(rays, lanes, &asked);
     if (tracer->few) embree_spheres_any(tracer, rays, lanes, &asked);
     return true;
@@ -134,9 +133,8 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
     stretch s;
     stretch_rays(&scaled, lanes, &s);
     any_block(tracer, &scaled, lanes, true, coherence);
-    for (unsigned i = 0; i < lanes; ++i) {
+    for (unsigned i = 0; i < lanes; ++i)
         if (scaled.t_far[i] == -INFINITY) rays->t_far[i] = -INFINITY;
-    }
 }
 
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {

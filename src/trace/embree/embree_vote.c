@@ -10,7 +10,7 @@ void embree_vote_begin(embree_vote *vote, const embree_tracer *tracer, const tra
     vote->met.any = vote->offered.any = false;
 }
 
-/* Whether it is the best so far. */
+/* True if the primitive is the best so far. */
 static bool try_primitive(search_f32 *s, const uint32_t ids[3]) {
     const world_geometry *geometry = &s->world->geometries.items[ids[1]];
     search_enter_f32(s, ids[0]);
