@@ -148,9 +148,8 @@ static bool parse_operand(parser *p, const char *text) {
 }
 
 bool args_ask_help(int argc, char **argv) {
-    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i) {
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i)
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) return true;
-    }
     return false;
 }
 
@@ -161,13 +160,12 @@ args_result args_parse(const args_spec *spec, int argc, char **argv, void *setti
     for (; p.at < argc; ++p.at) {
         const char *text = argv[p.at];
         bool fine;
-        if (options_end || text[0] != '-' || !text[1]) {
+        if (options_end || text[0] != '-' || !text[1])
             fine = parse_operand(&p, text);
-        } else if (strcmp(text, "--") == 0) {
+        else if (strcmp(text, "--") == 0)
             fine = options_end = true;
-        } else {
+        else
             fine = text[1] == '-' ? parse_long(&p, text) : parse_short(&p, text);
-        }
         if (!fine) return ARGS_WRONG;
     }
     if (p.operands + spec->operands_optional >= spec->operand_count) return ARGS_READY;

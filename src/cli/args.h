@@ -44,8 +44,7 @@ typedef struct args_problem {
 
 typedef struct args_option args_option;
 
-/* Reads `value` (NULL for a flag) into `field`; false, with what was expected in `problem`, when it is wrong.
- */
+/* Reads `value` (NULL for a flag) into `field`. False: `problem` says what was expected. */
 typedef bool (*args_take)(const args_option *option, const char *value, void *field, args_problem *problem);
 
 /* Without a name: a heading in the help. Without a help: the end of the table. */

@@ -38,9 +38,8 @@ static fathom_status render(work *k, const coverage_row *row, uint64_t seed, fat
 static double mean_of_film(const fathom_film *film) {
     const size_t pixels = (size_t)film->width * film->height;
     double sum = 0;
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3; ++c)
         for (size_t i = 0; i < pixels; ++i) sum += (double)film->rgb[c][i];
-    }
     return sum / (3.0 * (double)pixels);
 }
 

@@ -1,4 +1,4 @@
-/* Whether the errors that renders state are true: how often the stated 95 % interval of a pixel's channel
+/* Measures how true the stated errors of renders are: how often the 95 % interval of a pixel's channel
  * holds the true value, and whether the mean of images over seeds is the true image's. */
 #ifndef BENCH_COVERAGE_H
 #define BENCH_COVERAGE_H
