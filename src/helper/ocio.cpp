@@ -267,14 +267,13 @@ static OCIO::ConstTransformRcPtr way_from(const OCIO::ConstConfigRcPtr &config, 
 
 std::unique_ptr<image_space> space_open(const char *config_path, const char *name) {
     OCIO::ConstConfigRcPtr config = load_config(config_path);
-    OCIO::ConstColorSpaceRcPtr space = config->getColorSpace(name);
-    if (!space) {
-        std::string known = choose(name, "color space", config->getNumColorSpaces(),
-                                   [&](int i) { return config->getColorSpaceNameByIndex(i); });
-        space = config->getColorSpace(known.c_str());
+    std::string space = config->getColorSpace(name) ? name : "";
+    if (space.empty()) {
+        space = choose(name, "color space", config->getNumColorSpaces(),
+                       [&](int i) { return config->getColorSpaceNameByIndex(i); });
     }
     auto out = std::make_unique<ocio_space>();
-    out->processor = config->getProcessor(way_from(config, space->getName()), OCIO::TRANSFORM_DIR_FORWARD)
+    out->processor = config->getProcessor(way_from(config, space.c_str()), OCIO::TRANSFORM_DIR_FORWARD)
                          ->getDefaultCPUProcessor();
     return out;
 }

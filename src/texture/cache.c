@@ -351,8 +351,8 @@ static fathom_status open_image(texture_cache *cache, fathom_context *context, c
     img->texture = t;
     fathom_status status = open_source(cache, t, &img->source, &img->info, &why);
     if (status != FATHOM_OK)
-        return fail_file(context, status, name_of(t), "cannot be read as a texture: %s",
-                         why.text[0] ? why.text : "out of memory");
+        return fail_file(context, status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status, name_of(t),
+                         "cannot be read as a texture: %s", why.text[0] ? why.text : "out of memory");
     close_source(img);
     ++cache->image_count;
     check_mime(context, t, img->info.format);
