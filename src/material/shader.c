@@ -159,7 +159,7 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     prepare_absorption(m, out);
     prepare_coat(m, out);
     if (m->multiscatter) prepare_even(m, &x, alpha, out);
-    cover(m->opacity, out);
+    cover(material_opacity(m), out);
 }
 
 void shader_prepare(const fathom_material *m, shader *out) {

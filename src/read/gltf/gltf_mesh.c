@@ -186,7 +186,7 @@ static fathom_status add_primitive(gltf *g, const gltf_value *at, fathom_id grou
     status = read_indices(g, &p);
     if (status != FATHOM_OK || !p.mesh.triangle_count) return status;
     if (!g->options->flat) status = read_normals(g, &p);
-    if (status == FATHOM_OK && !g->scene->without_uvs) status = read_uvs(g, &p);
+    if (status == FATHOM_OK && scene_keeps_uvs(g->scene)) status = read_uvs(g, &p);
     if (status == FATHOM_OK) status = read_material(g, &p);
     if (status != FATHOM_OK) return status;
     return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));

@@ -139,7 +139,7 @@ static obj_run *run_for(obj_parser *s, unsigned parts) {
     const read_mesh_options *options = &s->r->options;
     obj_run run = {
         .first = piece->corners[OBJ_POSITION].count / 3, .slot = s->slot, .same = {true, true, true}};
-    run.has[OBJ_UV] = !s->r->scene->without_uvs && parts >> OBJ_UV & 1;
+    run.has[OBJ_UV] = scene_keeps_uvs(s->r->scene) && parts >> OBJ_UV & 1;
     run.has[OBJ_NORMAL] = !options->flat && parts >> OBJ_NORMAL & 1;
     if (!options->flat && !run.has[OBJ_NORMAL]) {
         run.group = s->group ? s->group : options->smooth ? OBJ_ALL_GROUPS : 0;
@@ -247,7 +247,7 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
         if (p) tally_behind(s, p);
         return p;
     case OBJ_S_UV:
-        if (!s->r->scene->without_uvs) return read_vector(s, OBJ_UV, p);
+        if (scene_keeps_uvs(s->r->scene)) return read_vector(s, OBJ_UV, p);
         ++s->seen[OBJ_UV]; /* indices may count back from it */
         return p;
     case OBJ_S_NORMAL: return read_vector(s, OBJ_NORMAL, p);
@@ -316,7 +316,7 @@ static void split_polygons(void *user, size_t begin, size_t end, unsigned worker
 
 static fathom_status allocate_values(obj_reader *r) {
     for (int k = 0; k < OBJ_KINDS; ++k) {
-        if (!r->total[k] || (k == OBJ_UV && r->scene->without_uvs)) continue;
+        if (!r->total[k] || (k == OBJ_UV && !scene_keeps_uvs(r->scene))) continue;
         size_t bytes = (size_t)r->total[k] * (size_t)components[k] * sizeof(float) + 16;
         r->values[k] = malloc(bytes);
         if (!r->values[k]) return fail_memory(r->scene->context, bytes);

@@ -79,7 +79,7 @@ static void choose_arrays(ply_reader *r) {
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         r->arrays[a] = kinds[a];
         r->arrays[a].present =
-            !((a == PLY_NORMALS && r->options.flat) || (a == PLY_UVS && r->scene->without_uvs));
+            !((a == PLY_NORMALS && r->options.flat) || (a == PLY_UVS && !scene_keeps_uvs(r->scene)));
         for (int k = 0; k < kinds[a].components; ++k) {
             if (r->role[kinds[a].first_role + k] < 0) r->arrays[a].present = false;
         }
