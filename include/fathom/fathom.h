@@ -11,6 +11,7 @@
 #include <fathom/scene.h>
 #include <fathom/session.h>
 #include <fathom/survey.h>
+#include <fathom/texture.h>
 #include <fathom/trace.h>
 
 #endif

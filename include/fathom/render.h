@@ -92,6 +92,7 @@ typedef struct fathom_settings {
     uint64_t memory_limit; /* bytes that the process may have in memory; 0 (default): what is free. Embree's
                               compact structures are taken where only they fit; FATHOM_OUT_OF_RESOURCES
                               before anything is built where not even they do */
+    uint64_t texture_memory; /* bytes of texture tiles in memory; the others are read again; default 1e9 */
 } fathom_settings;
 
 typedef enum fathom_loss {

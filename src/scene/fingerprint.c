@@ -45,6 +45,15 @@ static void hash_light(hash *h, const fathom_light *l) {
 /* Not where its file lies; that is hashed whole. */
 static void hash_environment(hash *h, const fathom_light *l) { PUT(h, l->intensity), PUT(h, l->rotation); }
 
+/* Nor where its image lies. */
+static void hash_texture(hash *h, const fathom_texture *t) {
+    const unsigned modes[] = {(unsigned)t->color_space, (unsigned)t->wrap_u, (unsigned)t->wrap_v,
+                              (unsigned)t->filter};
+    PUT(h, modes);
+    if (t->color_space_name) hash_put(h, t->color_space_name, strlen(t->color_space_name));
+    hash_put(h, t->bytes, t->byte_count);
+}
+
 static void hash_instance(hash *h, const fathom_instance *i) {
     PUT(h, i->group), PUT(h, i->parent), PUT(h, i->transform), PUT(h, i->material);
 }
@@ -91,6 +100,7 @@ static void hash_values(hash *h, const fathom_scene *scene) {
     }
     PUT_ALL(h, &scene->lights, hash_light);
     PUT_ALL(h, &scene->environments, hash_environment);
+    PUT_ALL(h, &scene->textures, hash_texture);
     PUT_ALL(h, &scene->objects, hash_object);
     PUT_ALL(h, &scene->instances, hash_instance);
     PUT_ALL(h, &scene->spheres, hash_sphere);
@@ -186,16 +196,23 @@ static bool hash_arrays(const fathom_scene *scene, pieces *p) {
     return true;
 }
 
+static fathom_status hash_file(const fathom_scene *scene, const char *path, hash *h) {
+    file_map map;
+    fathom_status status = file_open(scene->context, path, &map);
+    if (status != FATHOM_OK) return status;
+    hash_put(h, map.bytes, map.size);
+    return file_finish(scene->context, &map, FATHOM_OK);
+}
+
 static fathom_status hash_images(const fathom_scene *scene, hash *h) {
-    for (size_t i = 0; i < scene->environments.count; ++i) {
-        file_map map;
-        fathom_status status = file_open(scene->context, scene->environments.items[i].file, &map);
-        if (status != FATHOM_OK) return status;
-        hash_put(h, map.bytes, map.size);
-        status = file_finish(scene->context, &map, FATHOM_OK);
-        if (status != FATHOM_OK) return status;
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; status == FATHOM_OK && i < scene->environments.count; ++i)
+        status = hash_file(scene, scene->environments.items[i].file, h);
+    for (size_t i = 0; status == FATHOM_OK && i < scene->textures.count; ++i) {
+        const char *path = scene->textures.items[i].file;
+        if (path) status = hash_file(scene, path, h);
     }
-    return FATHOM_OK;
+    return status;
 }
 
 fathom_status scene_fingerprint(const fathom_scene *scene, uint64_t *out) {

@@ -92,6 +92,8 @@ static const fathom_parameter setting_rows[] = {
     {"memory_limit", U64, SETTING(memory_limit), COMMAND, 1e6, 1e15, 0, "BYTES", "Running",
      .help = "Most that may be in memory, such as 8G; auto: what is free. Where only Embree's compact structures fit they "
      "are taken, and nothing is begun where not even they do.", .zero = "auto"},
+    {"texture_memory", U64, SETTING(texture_memory), COMMAND, 1e6, 1e15, 1e9, "BYTES", "Running",
+     .help = "Most memory for texture tiles, such as 512M; the others are read again. No pixel depends on it."},
 };
 
 static const fathom_parameter classic_rows[] = {

@@ -47,6 +47,7 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->materials);
     array_free(&scene->lights);
     array_free(&scene->environments);
+    array_free(&scene->textures);
     array_free(&scene->groups);
     array_free(&scene->objects);
     array_free(&scene->spheres);

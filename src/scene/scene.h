@@ -9,6 +9,7 @@
 #include "scene/mesh/mesh_facts.h"
 
 #include <fathom/read.h>
+#include <fathom/texture.h>
 
 typedef enum scene_kind { SCENE_SPHERE, SCENE_QUAD, SCENE_PLANE, SCENE_MESH } scene_kind;
 
@@ -47,6 +48,7 @@ struct fathom_scene {
     ARRAY(scene_named_material) materials;
     ARRAY(fathom_light) lights;       /* all but environments */
     ARRAY(fathom_light) environments; /* their files' names belong to the scene */
+    ARRAY(fathom_texture) textures;   /* their texts and bytes belong to the scene */
     ARRAY(char *) groups;             /* names, NULL for none; group 0 is the root */
     ARRAY(scene_object) objects;
     ARRAY(fathom_sphere) spheres;

@@ -1,0 +1,62 @@
+/* Images that scenes use as textures. */
+#ifndef FATHOM_TEXTURE_H
+#define FATHOM_TEXTURE_H
+
+#include <fathom/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What the numbers of an image mean. Alpha is always linear. */
+typedef enum fathom_color_space {
+    FATHOM_COLOR_SRGB,   /* colours of Rec.709 through the curve of IEC 61966-2-1 */
+    FATHOM_COLOR_LINEAR, /* linear Rec.709, or data: the numbers are taken as they are */
+    FATHOM_COLOR_NAMED   /* color_space_name, a space of the OpenColorIO config */
+} fathom_color_space;
+
+/* What lies outside [0,1). */
+typedef enum fathom_wrap {
+    FATHOM_WRAP_REPEAT,
+    FATHOM_WRAP_MIRROR, /* every other repetition is mirrored */
+    FATHOM_WRAP_CLAMP   /* the texels of the edge go on */
+} fathom_wrap;
+
+typedef enum fathom_texture_filter {
+    FATHOM_TEXTURE_NEAREST,  /* the texel of the image that the place lies in */
+    FATHOM_TEXTURE_LINEAR,   /* between the four texels of the image around it */
+    FATHOM_TEXTURE_TRILINEAR /* so in the two mip levels whose texels are about as wide as the footprint, and
+                                between these */
+} fathom_texture_filter;
+
+/* Limits of an image. */
+#define FATHOM_TEXTURE_SIDE 65536u                /* texels on a side */
+#define FATHOM_TEXTURE_TEXELS (UINT64_C(1) << 32) /* in all */
+
+/* An image and how it is looked up. (u, v) = (0, 0) is the upper left corner of the image and (1, 1) the
+ * lower right one. Any format that OpenImageIO reads; its content decides, not its name. */
+typedef struct fathom_texture {
+    size_t size;
+    const char *file;  /* a path; NULL: `bytes` holds the image */
+    const void *bytes; /* the content of an image file */
+    size_t byte_count;
+    const char
+        *mime; /* the declared type of `bytes`, "image/png"; NULL: none. A warning says if it is wrong */
+    const char *name;               /* for messages; NULL: the file */
+    fathom_color_space color_space; /* default FATHOM_COLOR_SRGB */
+    const char *color_space_name;   /* of FATHOM_COLOR_NAMED */
+    fathom_wrap wrap_u, wrap_v;     /* default FATHOM_WRAP_REPEAT */
+    fathom_texture_filter filter;   /* default FATHOM_TEXTURE_TRILINEAR */
+} fathom_texture;
+
+FATHOM_DEFAULT(fathom_texture)
+
+/* Copies texts and bytes. Equal textures get one id. FATHOM_BAD_INPUT when the file is missing, unreadable or
+ * empty. What is in it is checked before anything is rendered. */
+FATHOM_API fathom_status fathom_scene_add_texture(fathom_scene *scene, const fathom_texture *texture,
+                                                  fathom_id *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
