@@ -57,7 +57,8 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     for (size_t i = 0; i < count; ++i) {
         shader *s = &plan->shaders[i];
         shader_prepare(&scene->materials.items[i].value, s);
-        plan->crosses |= s->transmits;
+        plan->crosses |=
+            s->transmits || (plan->texturing && texturing_may_cover(plan->texturing, (fathom_id)i));
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
     }
     return FATHOM_OK;
@@ -65,7 +66,7 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
 
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     fathom_status status = plan_shaders(context, plan);
-    if (status == FATHOM_OK) status = emitters_create(context, plan->world, &plan->emitters);
+    if (status == FATHOM_OK) status = emitters_create(context, plan->world, plan->texturing, &plan->emitters);
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
     plan->background = !emitters_none(plan->emitters);
@@ -81,6 +82,10 @@ static fathom_status plan_reference(fathom_context *context, render_plan *plan) 
     if (plan->first_hits)
         return fail_field(context, FATHOM_BAD_USAGE, "aovs",
                           "the reference integrator makes none but samples");
+    if (plan->texturing)
+        return fail_field(context, FATHOM_BAD_USAGE, "integrator",
+                          "the reference integrator knows neither textures nor vertex colours, which this "
+                          "scene has; use path");
     const reference_settings settings = {.width = s->width,
                                          .height = s->height,
                                          .region = settings_region_of(s),
@@ -116,6 +121,9 @@ static void plan_lights(render_plan *plan) {
 
 static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
     plan->background = parts_background(plan->scene);
+    for (size_t i = 0; plan->texturing && i < plan->scene->materials.count; ++i) {
+        if (texturing_may_cover(plan->texturing, (fathom_id)i)) plan->features |= MATERIAL_REFRACT;
+    }
     plan->crosses = (plan->features & MATERIAL_REFRACT) != 0;
     plan->max_depth = parts_bounces(plan->scene, &plan->settings) ? plan->settings.max_depth : 0;
     plan->lifts = plan->settings.terminator_fix && parts_smooth(plan->world);
@@ -154,6 +162,12 @@ static void choose_kernels(render_plan *plan) {
     plan->kernels = integrate_kernels_best();
 }
 
+/* Half a pixel in the middle of the image: the samples of a pixel do the other half of the filtering. */
+static float spread_of_pixels(const shade_camera *c) {
+    const double distance = fabs(dot_f64(c->corner, c->view));
+    return (float)(0.5 * length_f64(c->down) / distance);
+}
+
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out) {
     *out = NULL;
@@ -179,7 +193,9 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
     filter_prepare(settings, &plan->filter);
     plan->t_near = (float)settings->epsilon;
-    fathom_status status = plan_integrator(context, plan);
+    plan->pixel_spread = spread_of_pixels(&plan->camera);
+    fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
+    if (status == FATHOM_OK) status = plan_integrator(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
     else
@@ -197,5 +213,6 @@ void plan_destroy(render_plan *plan) {
     free(plan->shaders);
     emitters_destroy(plan->emitters);
     reference_close(plan->reference);
+    texturing_destroy(plan->texturing);
     free(plan);
 }

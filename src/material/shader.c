@@ -22,7 +22,6 @@ static void prepare_classic(const fathom_material *m, shader *out) {
         out->diffuse[c] = m->k_d[c];
         out->highlight[c] = shiny ? m->k_s[c] : 0;
         out->k_r[c] = m->k_r[c], out->k_t[c] = m->k_t[c];
-        out->emission[c] = limited(m->k_e[c]);
         out->albedo[c] = fminf(m->k_d[c] + out->highlight[c] * spread + m->k_r[c] + m->k_t[c], 1);
     }
     out->shininess = m->shininess;
@@ -127,7 +126,7 @@ static void scale(float factor, float rgb[3]) {
 static void cover(float opacity, shader *out) {
     if (opacity >= 1) return;
     float *const colours[] = {out->diffuse, out->f0,          out->mirror0, out->cross,
-                              out->again,   out->again_cross, out->albedo,  out->emission};
+                              out->again,   out->again_cross, out->albedo};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
     out->coat *= opacity, out->f90 *= opacity, out->mirror90 *= opacity, out->missing_share *= opacity;
     out->hole = 1 - opacity;
@@ -147,7 +146,6 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     for (int c = 0; c < 3; ++c) {
         out->diffuse[c] = base * (1 - m->transmission) * m->base_color[c];
         out->cross[c] = base * m->transmission * m->base_color[c];
-        out->emission[c] = limited(m->emissive_strength * m->emissive[c]);
         out->albedo[c] = fminf(x.f0[c] + (out->diffuse[c] + out->cross[c]) * (1 - out->layer0), 1);
     }
     memcpy(smooth ? out->mirror0 : out->f0, x.f0, sizeof x.f0);
@@ -162,8 +160,18 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     cover(material_opacity(m), out);
 }
 
+void shader_emission(const fathom_material *m, float out[3]) {
+    const bool classic = m->model == FATHOM_MODEL_CLASSIC;
+    const float opacity = classic ? 1 : material_opacity(m);
+    for (int c = 0; c < 3; ++c) {
+        out[c] = limited(classic ? m->k_e[c] : m->emissive_strength * m->emissive[c]);
+        if (opacity < 1) out[c] *= opacity;
+    }
+}
+
 void shader_prepare(const fathom_material *m, shader *out) {
     *out = (shader){.model = m->model, .alpha = 1, .ior = 1, .eta = 1};
+    shader_emission(m, out->emission);
     for (int k = 0; k < ENERGY_NODES; ++k) out->below_coat[k] = 1;
     switch (m->model) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;

@@ -133,6 +133,11 @@ fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const
                                     const fathom_material *classic, fathom_id *out) {
     fathom_status status = scene_check_material(scene->context, material);
     if (status == FATHOM_OK) status = scene_check_material(scene->context, classic);
+    for (int k = 0; k < FATHOM_MAPS && status == FATHOM_OK; ++k) {
+        const fathom_id texture = material->maps[k].texture;
+        if (texture != FATHOM_NONE && texture >= scene->textures.count)
+            status = fail(scene->context, FATHOM_BAD_INPUT, "maps[%d]: there is no texture %u", k, texture);
+    }
     if (status != FATHOM_OK) return status;
     scene_named_material entry = {.value = *material, .classic = *classic};
     status = copy_text(scene->context, name, &entry.name);

@@ -44,6 +44,19 @@ void surface_uv_of(const world *w, uint32_t geometry, uint32_t primitive, bool s
     mix_uvs(uv, weight, out);
 }
 
+bool surface_color_of(const world *w, uint32_t geometry, uint32_t primitive, const float weight[3],
+                      float rgba[4]) {
+    const fathom_mesh *m = mesh_of(w, geometry);
+    for (int c = 0; c < 4; ++c) rgba[c] = 1;
+    if (!m || !m->colors) return false;
+    for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        const float *at = entry(m->colors, m->color_stride, m->indices[3 * (size_t)primitive + k]);
+        for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] += weight[k] * at[c];
+    }
+    return true;
+}
+
 /* ---- a lane ---- */
 
 static vec3_f32 lane_f32(const float from[3][LANES], unsigned i) {
@@ -159,14 +172,6 @@ bool surface_tangent_at(const surface_gather *g, const world *w, unsigned i, vec
 }
 
 bool surface_color_at(const surface_gather *g, const world *w, unsigned i, float rgba[4]) {
-    const fathom_mesh *m = mesh_of(w, g->geometry[i]);
-    for (int c = 0; c < 4; ++c) rgba[c] = 1;
-    if (!m || !m->colors) return false;
-    for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] = 0;
-    for (int k = 0; k < 3; ++k) {
-        const float *at =
-            entry(m->colors, m->color_stride, m->indices[3 * (size_t)g->primitive[i] + (size_t)k]);
-        for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] += g->local.weight[k][i] * at[c];
-    }
-    return true;
+    const float weight[3] = {g->local.weight[0][i], g->local.weight[1][i], g->local.weight[2][i]};
+    return surface_color_of(w, g->geometry[i], g->primitive[i], weight, rgba);
 }

@@ -20,6 +20,9 @@ void surface_uv_of(const world *w, uint32_t geometry, uint32_t primitive, bool s
  */
 bool surface_tangent_at(const surface_gather *g, const world *w, unsigned lane, vec3_f32 *tangent,
                         float *sign);
+/* The colour of a primitive at these weights of its corners. False, and 1, where it has none. */
+bool surface_color_of(const world *w, uint32_t geometry, uint32_t primitive, const float weight[3],
+                      float rgba[4]);
 /* The colour between the vertices. False, and 1, where the shape has none. */
 bool surface_color_at(const surface_gather *g, const world *w, unsigned lane, float rgba[4]);
 
