@@ -71,7 +71,9 @@ typedef struct fathom_material {
     float k_s[3];       /* specular reflectance; default 0 */
     float k_r[3];       /* mirror reflectance; default 0 */
     float k_t[3];       /* transmittance; default 0 */
-    float k_e[3];       /* radiance the surface sends out by itself; lights nothing else; default 0 */
+    float k_e[3];       /* radiance the surface sends out by itself, as it is seen from outside of any glass
+                           around it: over the squared index there; lights others under path tracing;
+                           default 0 */
     float shininess;    /* the exponent n, [0, 1e9]; default 32 */
     float ior;          /* inside over outside, > 0; default 1.5 */
     fathom_specular specular; /* default FATHOM_SPECULAR_NONE */
@@ -83,7 +85,8 @@ typedef struct fathom_material {
     float base_color[3];     /* default 1 */
     float metallic;          /* default 0 */
     float roughness;         /* GGX's alpha is its square; default 0.5 */
-    float emissive[3];       /* radiance that both sides send out, times emissive_strength; default 0 */
+    float emissive[3];       /* radiance that both sides send out, times emissive_strength; seen as k_e;
+                                default 0 */
     float emissive_strength; /* >= 0; default 1 */
     float specular_factor;   /* of the dielectric's reflectance; default 1 */
     float specular_color[3]; /* of the dielectric's reflectance at normal incidence, >= 0; default 1 */
@@ -153,8 +156,9 @@ static inline fathom_status fathom_scene_add_light(fathom_scene *scene, const fa
  * Each shape belongs to a group. FATHOM_ROOT is the world; any other group appears where it is instanced. */
 
 enum {
-    FATHOM_CASTS_NO_SHADOW = 1u, /* shadow rays pass through; with a material of k_t 1, ior 1 and all else 0
-                                    the shape is not there: no ray meets it */
+    FATHOM_CASTS_NO_SHADOW = 1u, /* shadow rays pass through, under path tracing those to point, spot and
+                                    directional lights; with a material of k_t 1, ior 1 and all else 0 the
+                                    shape is not there: no ray meets it */
 };
 
 /* Texture coordinates are u = phi / 2 pi and v = theta / pi, with theta the angle from +z and phi the one

@@ -99,6 +99,7 @@ static void push_light(wave *w, size_t block, uint32_t index, bool first) {
     if (w->lost[0]) leave_out_faint(w, v, &sample, gain);
     shadow_depths depths;
     memcpy(depths.start, v->path.depth, sizeof depths.start);
+    memset(depths.sized, 0, sizeof depths.sized);
     memset(depths.end, plan->watertight ? plan->light_depths[index] : WATERTIGHT_UNSURE, sizeof depths.end);
     wave_push_shadows(w, block, index, &sample, &depths, gain, first);
 }

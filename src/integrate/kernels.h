@@ -18,6 +18,7 @@ typedef struct shadow_block {
     _Alignas(64) lanes3 gain; /* what the sample gains when nothing is in the way */
     uint32_t slot[LANES];
     uint8_t depth[LANES], end_depth[LANES]; /* closed meshes around the ray's two ends */
+    uint8_t sized[LANES];                   /* 1: rays can meet the light by chance */
 } shadow_block;
 
 typedef struct integrate_kernels {

@@ -20,8 +20,16 @@ typedef struct path_wave {
     float p[3][WAVE_SLOTS], n[3][WAVE_SLOTS], density[WAVE_SLOTS];
     /* The cone around the ray as it left that vertex: its width there, and its angle. */
     float width[WAVE_SLOTS], spread[WAVE_SLOTS];
+    /* Surfaces passed as if they were not there, and the way from the vertex to the last of them. */
+    uint32_t passes[WAVE_SLOTS];
+    float passed[WAVE_SLOTS];
     media *media; /* NULL: no volume absorbs light */
 } path_wave;
+
+/* The path may only pass what it meets: it has had its bounces. */
+static bool is_done(const path_wave *p, uint32_t slot) {
+    return p->depth - p->passes[slot] >= p->wave.run.plan->max_depth;
+}
 
 /* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
 static float power_heuristic(float a, float b) {
@@ -94,7 +102,7 @@ static void absorb(path_wave *p, vertex_block *v) {
         const uint32_t slot = v->path.slot[i];
         float left[3];
         const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
-        media_left(p->media, slot, sqrtf(dot_f32(way, way)), left);
+        media_left(p->media, slot, sqrtf(dot_f32(way, way)) - p->passed[slot], left);
         for (int c = 0; c < 3; ++c) v->path.weight[c][i] *= left[c];
     }
 }
@@ -165,10 +173,10 @@ static void aim(const surface_block *s, const emitter_sample *light, light_block
     }
 }
 
-static void weigh(const vertex_block *v, const emitter_sample *light, const lanes3 f,
+static void weigh(const path_wave *p, const vertex_block *v, const emitter_sample *light, const lanes3 f,
                   const float density[LANES], lanes3 gain) {
     for (int i = 0; i < LANES; ++i) {
-        const bool any = light->density[i] > 0;
+        const bool any = light->density[i] > 0 && !is_done(p, v->path.slot[i]);
         const float share = light->sized[i] && any ? power_heuristic(light->density[i], density[i]) : 1;
         const float scale = any ? share / light->density[i] : 0;
         for (int c = 0; c < 3; ++c)
@@ -191,11 +199,12 @@ static void dim_by_media(const path_wave *p, const vertex_block *v, const light_
 }
 
 /* Light from outside ends in no closed mesh. Where other lights lie is not known. */
-static void note_depths(const vertex_block *v, const light_block *ray, const uint32_t behind[LANES],
-                        shadow_depths *out) {
+static void note_depths(const vertex_block *v, const emitter_sample *light, const light_block *ray,
+                        const uint32_t behind[LANES], shadow_depths *out) {
     for (int i = 0; i < LANES; ++i) {
         out->start[i] = behind[i] ? v->depth_behind[i] : v->path.depth[i];
         out->end[i] = ray->distance[i] == INFINITY ? 0 : WATERTIGHT_UNSURE;
+        out->sized[i] = light->sized[i] != 0;
     }
 }
 
@@ -214,10 +223,10 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     ask(v, &query);
     emitters_sample(plan->emitters, &query, u, &light);
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
-    weigh(v, &light, f, density, gain);
+    weigh(p, v, &light, f, density, gain);
     aim(&v->surface, &light, &ray, behind);
     if (p->media) dim_by_media(p, v, &ray, behind, gain);
-    note_depths(v, &ray, behind, &depths);
+    note_depths(v, &light, &ray, behind, &depths);
     wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
 }
 
@@ -246,6 +255,24 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
     if (to->density[i] < INFINITY) p->spread[slot] += CONE_PART / sqrtf(to->density[i]);
 }
 
+/* The vertex that the ray leaves. One that the ray passes straight is none: what is met next is weighed as if
+ * the ray came from the vertex before. */
+static void leave_vertex(path_wave *p, const surface_block *s, const shader_sample *to, unsigned i, bool both,
+                         uint32_t slot) {
+    if (to->straight[i]) {
+        const vec3_f32 way = sub_f32(of_lane(s->p, i), of_slot(p->p, slot));
+        p->passed[slot] = sqrtf(dot_f32(way, way));
+        ++p->passes[slot];
+        return;
+    }
+    for (int c = 0; c < 3; ++c) {
+        p->p[c][slot] = s->p[c][i];
+        p->n[c][slot] = both ? 0 : s->ns[c][i];
+    }
+    p->density[slot] = to->density[i];
+    p->passed[slot] = 0;
+}
+
 static void push_path(path_wave *p, const vertex_block *v, const shader_sample *to, const float weight[3],
                       unsigned i) {
     wave *w = &p->wave;
@@ -264,30 +291,35 @@ static void push_path(path_wave *p, const vertex_block *v, const shader_sample *
     rays->dir_z[lane] = to->direction[2][i];
     rays->t_near[lane] = w->run.plan->t_near;
     rays->t_far[lane] = INFINITY;
-    if (w->run.plan->texturing) widen_cone(p, v, to, i);
-    for (int c = 0; c < 3; ++c) {
-        path->weight[c][lane] = weight[c];
-        p->p[c][slot] = s->p[c][i];
-        p->n[c][slot] = both ? 0 : s->ns[c][i];
-    }
-    p->density[slot] = to->density[i];
+    if (w->run.plan->texturing && !to->straight[i]) widen_cone(p, v, to, i);
+    for (int c = 0; c < 3; ++c) path->weight[c][lane] = weight[c];
+    leave_vertex(p, s, to, i, both, slot);
     path->slot[lane] = slot;
     path->depth[lane] = through ? v->depth_behind[i] : v->path.depth[i];
-    if (through && p->media && w->run.plan->shaders[s->material[i]].encloses)
+    if (through && !to->straight[i] && p->media && w->run.plan->shaders[s->material[i]].encloses)
         media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
     w->run.rays.refraction += through;
     w->run.rays.reflection += !through;
     ++w->next.count;
 }
 
+static void pass_alone(const path_wave *p, vertex_block *v) {
+    for (unsigned i = 0; i < LANES; ++i) {
+        if (!is_done(p, v->path.slot[i])) continue;
+        for (int k = 0; k < SHADER_TAKES; ++k)
+            v->shader.take[k][i] = k == SHADER_TAKE_STRAIGHT && v->shader.take[k][i] > 0 ? 1 : 0;
+    }
+}
+
 static void push_paths(path_wave *p, size_t block, const float choice[LANES]) {
-    const vertex_block *v = &p->wave.vertices[block];
+    vertex_block *v = &p->wave.vertices[block];
     lanes3 u;
     float roulette[2][LANES] = {{0}};
     shader_sample to;
     numbers(p, v, SAMPLE_SCATTER, u);
     if (p->depth >= ROULETTE_FROM) numbers(p, v, SAMPLE_ROULETTE, roulette);
     memcpy(u[2], choice, sizeof u[2]);
+    if (p->wave.run.plan->covered) pass_alone(p, v);
     p->wave.run.plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
     for (unsigned i = 0; i < v->surface.count; ++i) {
         float weight[3];
@@ -317,7 +349,7 @@ static bool scatter(path_wave *p) {
 
 static bool step(path_wave *p) {
     wave *w = &p->wave;
-    const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth;
+    const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !w->run.plan->covered;
     if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
     if (!wave_surfaces(w, first)) return false;
     w->next.count = 0;
@@ -338,6 +370,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->p[0][k] = plan->camera.eye.x, p->p[1][k] = plan->camera.eye.y, p->p[2][k] = plan->camera.eye.z;
         p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
         p->width[k] = 0, p->spread[k] = plan->pixel_spread;
+        p->passes[k] = 0, p->passed[k] = 0;
     }
     if (p->media) media_clear(p->media);
 }

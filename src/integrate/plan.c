@@ -57,11 +57,19 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     for (size_t i = 0; i < count; ++i) {
         shader *s = &plan->shaders[i];
         shader_prepare(&scene->materials.items[i].value, s);
-        plan->crosses |=
-            s->transmits || (plan->texturing && texturing_may_cover(plan->texturing, (fathom_id)i));
+        const bool holes = plan->texturing && texturing_may_cover(plan->texturing, (fathom_id)i);
+        plan->crosses |= s->transmits || holes;
+        plan->covered |= s->hole > 0 || holes;
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
     }
     return FATHOM_OK;
+}
+
+static bool casts_all_shadows(const world *w) {
+    unsigned flags = 0;
+    for (size_t i = 0; i < w->geometries.count; ++i) flags |= w->geometries.items[i].flags;
+    for (size_t i = 0; i < w->planes.count; ++i) flags |= w->planes.items[i].flags;
+    return !(flags & FATHOM_CASTS_NO_SHADOW);
 }
 
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
@@ -70,6 +78,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
     plan->background = !emitters_none(plan->emitters);
+    plan->unshadowed = !casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     if (plan->watertight) plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
     return FATHOM_OK;

@@ -58,10 +58,17 @@ bool wave_reserve_shadows(wave *w, size_t count) {
     const size_t before = queue->capacity;
     bool ok = grow_pair(w, &pair, &queue->capacity, 0, count);
     queue->rays = pair.items[0], queue->shadows = pair.items[1];
-    if (!ok || !w->run.plan->lifts || queue->capacity == before) return ok;
-    free(queue->sources);
-    queue->sources = malloc(queue->capacity * sizeof *queue->sources);
-    w->run.out_of_memory = !queue->sources;
+    if (!ok || queue->capacity == before) return ok;
+    if (w->run.plan->lifts) {
+        free(queue->sources);
+        queue->sources = malloc(queue->capacity * sizeof *queue->sources);
+        w->run.out_of_memory = !queue->sources;
+    }
+    if (w->run.plan->covered || w->run.plan->unshadowed) {
+        free(queue->ends);
+        queue->ends = malloc(queue->capacity * sizeof *queue->ends);
+        w->run.out_of_memory |= !queue->ends;
+    }
     return !w->run.out_of_memory;
 }
 
@@ -115,6 +122,7 @@ void wave_destroy(wave *w) {
     free(w->shadows.rays);
     free(w->shadows.shadows);
     free(w->shadows.sources);
+    free(w->shadows.ends);
     free(w->vertices);
     free(w->made);
     free(w->refracted);

@@ -33,6 +33,12 @@ typedef struct shadow_source {
     uint32_t vertex, light;
 } shadow_source;
 
+/* How long a shadow ray is, and whether rays can meet its light by chance. */
+typedef struct shadow_end {
+    float length;
+    bool sized;
+} shadow_end;
+
 /* Shadow rays. While it is filled, whole blocks and single rays come in turns: one block is open, wherever it
  * lies. */
 typedef struct shadow_queue {
@@ -43,11 +49,13 @@ typedef struct shadow_queue {
     size_t count;           /* of rays, once it is closed: all blocks but the last are full */
     size_t capacity;        /* in rays, a multiple of 16 */
     shadow_source *sources; /* by ray; NULL: no vertex is lifted off its facet */
+    shadow_end *ends;       /* by ray; NULL: no ray is walked */
 } shadow_queue;
 
-/* Closed meshes around the two ends of a block's shadow rays; see trace/watertight/watertight.h. */
+/* Closed meshes around the two ends of a block's shadow rays (see trace/watertight/watertight.h), and whether
+ * rays can meet their lights by chance. */
 typedef struct shadow_depths {
-    uint8_t start[LANES], end[LANES];
+    uint8_t start[LANES], end[LANES], sized[LANES];
 } shadow_depths;
 
 typedef struct wave wave;
@@ -112,6 +120,16 @@ bool wave_cast_shadows(wave *w, trace_coherence coherence);
 /* Looks again at the shadow rays that met something and began above a facet: the facet itself may see the
  * light. See wave_lifted.c. */
 void wave_look_from_facets(wave *w, trace_coherence coherence);
+
+/* Shadow rays that are walked; see wave_walk.c. Before they are cast: keeps their lengths. False: no memory.
+ */
+bool wave_note_ends(wave *w);
+/* Afterwards: takes those to walk, which from then on count as blocked, into `now`. */
+void wave_take_shadows(wave *w);
+/* Adds the gains of those that reach their light. False: stopped. */
+bool wave_walk_shadows(wave *w);
+/* The material that lane i of the gathered hits met. */
+fathom_id wave_hit_material(const wave *w, unsigned i);
 
 /* Rays of `now` by square, where they are counted. */
 void wave_count_rays(const wave *w);

@@ -24,6 +24,7 @@ static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex
     memcpy(shadows->slot, v->path.slot, sizeof shadows->slot);
     memcpy(shadows->depth, depths->start, sizeof shadows->depth);
     memcpy(shadows->end_depth, depths->end, sizeof shadows->end_depth);
+    memcpy(shadows->sized, depths->sized, sizeof shadows->sized);
 }
 
 static void push_lane(shadow_queue *queue, const trace_rays *rays, const vertex_block *v, size_t vertex,
@@ -36,7 +37,7 @@ static void push_lane(shadow_queue *queue, const trace_rays *rays, const vertex_
     for (int c = 0; c < 3; ++c) shadows->gain[c][lane] = gain[c][i];
     shadows->slot[lane] = v->path.slot[i];
     shadows->depth[lane] = depths->start[i];
-    shadows->end_depth[lane] = depths->end[i];
+    shadows->end_depth[lane] = depths->end[i], shadows->sized[lane] = depths->sized[i];
     queue->filled = (lane + 1) % LANES;
 }
 
@@ -104,7 +105,9 @@ static void add_seen(wave *w) {
 bool wave_cast_shadows(wave *w, trace_coherence coherence) {
     shadow_queue *queue = &w->shadows;
     const size_t piece = trace_piece(w->run.plan->tracer);
+    const bool walks = w->run.plan->covered || w->run.plan->unshadowed;
     close_queue(queue);
+    if (walks && !wave_note_ends(w)) return false;
     for (size_t done = 0; done < queue->count; done += piece) {
         if (atomic_load_explicit(w->run.stop, memory_order_relaxed)) return false;
         size_t left = queue->count - done;
@@ -113,6 +116,7 @@ bool wave_cast_shadows(wave *w, trace_coherence coherence) {
     if (w->run.plan->watertight) repair(w);
     w->run.rays.shadow += queue->count;
     if (w->run.plan->lifts) wave_look_from_facets(w, coherence);
+    if (walks) wave_take_shadows(w);
     add_seen(w);
-    return true;
+    return !walks || wave_walk_shadows(w);
 }

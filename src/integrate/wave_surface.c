@@ -3,8 +3,9 @@
 
 #include <string.h>
 
-/* The material that lane i of the gathered hits met. */
-static fathom_id hit_material(const world *scene, const surface_gather *g, unsigned i) {
+fathom_id wave_hit_material(const wave *w, unsigned i) {
+    const world *scene = w->run.plan->world;
+    const surface_gather *g = w->gather;
     if (g->geometry[i] == TRACE_PLANE) return scene->planes.items[g->primitive[i]].material;
     return world_material(scene, g->geometry[i], g->primitive[i], g->instance[i]);
 }
@@ -80,7 +81,7 @@ static void add_hit(wave *w, const trace_block *block, const path_block *path, s
     surface_gather_add(w->gather, w->run.plan->world, block, lane);
     for (int c = 0; c < 3; ++c) v->path.weight[c][i] = path->weight[c][lane];
     v->path.slot[i] = path->slot[lane];
-    v->surface.material[i] = hit_material(w->run.plan->world, w->gather, i);
+    v->surface.material[i] = wave_hit_material(w, i);
     if (w->run.plan->watertight) note_depths(w, block, path, lane, v, i);
 }
 
@@ -117,10 +118,9 @@ static void add_hits(wave *w, const trace_block *block, const path_block *path, 
 }
 
 static void find_materials(const wave *w, bool one, surface_block *s) {
-    fathom_id first = hit_material(w->run.plan->world, w->gather, 0);
+    fathom_id first = wave_hit_material(w, 0);
     for (unsigned i = 0; i < LANES; ++i) s->material[i] = first;
-    for (unsigned i = 1; !one && i < LANES; ++i)
-        s->material[i] = hit_material(w->run.plan->world, w->gather, i);
+    for (unsigned i = 1; !one && i < LANES; ++i) s->material[i] = wave_hit_material(w, i);
 }
 
 /* A block whose rays all met something is a block of vertices as it is. */

@@ -125,8 +125,8 @@ static void scale(float factor, float rgb[3]) {
 
 static void cover(float opacity, shader *out) {
     if (opacity >= 1) return;
-    float *const colours[] = {out->diffuse, out->f0,          out->mirror0, out->cross,
-                              out->again,   out->again_cross, out->albedo};
+    float *const colours[] = {out->diffuse, out->f0,          out->mirror0, out->cross,     out->again,
+                              out->k_r,     out->again_cross, out->albedo,  out->highlight, out->k_t};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
     out->coat *= opacity, out->f90 *= opacity, out->mirror90 *= opacity, out->missing_share *= opacity;
     out->hole = 1 - opacity;
@@ -157,12 +157,11 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     prepare_absorption(m, out);
     prepare_coat(m, out);
     if (m->multiscatter) prepare_even(m, &x, alpha, out);
-    cover(material_opacity(m), out);
 }
 
 void shader_emission(const fathom_material *m, float out[3]) {
     const bool classic = m->model == FATHOM_MODEL_CLASSIC;
-    const float opacity = classic ? 1 : material_opacity(m);
+    const float opacity = material_opacity(m);
     for (int c = 0; c < 3; ++c) {
         out[c] = limited(classic ? m->k_e[c] : m->emissive_strength * m->emissive[c]);
         if (opacity < 1) out[c] *= opacity;
@@ -177,6 +176,7 @@ void shader_prepare(const fathom_material *m, shader *out) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;
     case FATHOM_MODEL_METALLIC_ROUGHNESS: prepare_metallic(m, out); break;
     }
+    cover(material_opacity(m), out);
 }
 
 KERNEL_CHOICE(shader_kernels)

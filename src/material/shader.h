@@ -18,10 +18,11 @@
  *   f = (m S(c, 1) + (1 - m) S(F0, s)) D G2 / (4 n·v n·l) + (1 - m) (1 - L) c ((1 - T) / pi + T t)
  *
  * t transmits. thickness 0 is a thin wall: t is the reflecting D G2 / (4 n·v n·l) of l mirrored to the
- * viewer's side. thickness > 0 bounds a solid: t is Walter et al.'s (2007) refraction, radiance being divided
- * by the squared ratio of indices. In the denser medium, S takes the angle of the other side, and total
- * reflection has S = f90. Lobes whose facets turn transmitted light by less than 2^-13 radians (alpha |ior -
- * 1|) transmit smoothly.
+ * viewer's side. thickness > 0 bounds a solid: t is Walter et al.'s (2007) refraction. Radiance counts
+ * over the squared index of the medium that it is in, so that refraction does not scale it, and emission
+ * inside glass is what a viewer outside sees. In the denser medium, S takes the angle of the other side, and
+ * total reflection has S = f90. Lobes whose facets turn transmitted light by less than 2^-13 radians (alpha
+ * |ior - 1|) transmit smoothly.
  *
  * `multiscatter` gives back what leaves the facets after more scatterings (Kulla & Conty 2017), reciprocally.
  * With E(mu) the albedo of D G2 / (4…) and <> the mean over the cosine: metal and dielectric get
@@ -139,8 +140,9 @@ typedef struct shader_sample {
     _Alignas(64) lanes3 direction; /* unit */
     lanes3 weight; /* f |cosine| / density: what radiance along the ray counts at the point; 0: the path
                       ends (absorbed, or the direction left the side it was meant for) */
-    float density[LANES];    /* INFINITY: a smooth lobe's */
-    uint32_t through[LANES]; /* all ones: the ray leaves on the side that the viewer is not on; else 0 */
+    float density[LANES];     /* INFINITY: a smooth lobe's */
+    uint32_t through[LANES];  /* all ones: the ray leaves on the side that the viewer is not on; else 0 */
+    uint32_t straight[LANES]; /* all ones: past the surface, as if it were not there; through is set, too */
 } shader_sample;
 
 typedef struct shader_kernels {

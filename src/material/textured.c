@@ -136,7 +136,7 @@ static void multiply(fathom_material *m, int kind, const float *factor, bool inv
     }
 }
 
-/* Light passes straight through the part of a classic surface that is not there. */
+/* For the classic integrator: light passes straight through the part of the surface that is not there. */
 static void dissolve(fathom_material *m) {
     const float left = m->opacity;
     float *const colours[] = {m->k_a, m->k_d, m->k_s, m->k_r, m->k_e};
@@ -167,7 +167,6 @@ static void apply(const material_plan *p, const float (*values)[4], const float 
     multiply(m, sends_alone(m) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR, color, false);
     multiply(m, FATHOM_MAP_OPACITY, &color[3], false);
     m->opacity = material_opacity(m), m->opacity_cutoff = 0;
-    if (is_classic(m)) dissolve(m);
 }
 
 /* ---- lookups ---- */
@@ -344,7 +343,9 @@ void texturing_classic(const texturing *t, const surface_gather *g, const float 
         fathom_material m, classic;
         apply(p.plan[i], p.values[i], p.color[i], &m);
         classic = m;
-        if (!is_classic(&m)) {
+        if (is_classic(&m)) {
+            dissolve(&classic);
+        } else {
             const metallic_factors factors = metallic_factors_of(&m);
             metallic_to_classic(&factors, &classic);
         }

@@ -345,10 +345,10 @@ static void random_unit_vector(random_state *r, double out[3]) {
     out[0] = sqrt(1 - z * z) * cos(phi), out[1] = sqrt(1 - z * z) * sin(phi), out[2] = z;
 }
 
-/* f(a,b) = f(b,a), over the squared indices of the media where light refracts. Half vectors and dot products
- * have a few roundings of 2^-24; the power n <= 500 makes 500 of each, GGX 2 / alpha with alpha >= 0.04, and
- * a refracting half vector, of which eta - 1 >= 0.2 is left, 5. Cosines of grazing facets are known to a few
- * 2^-24 absolutely. */
+/* f(a,b) = f(b,a), over the squared indices of the media that the light comes from. Half vectors and dot
+ * products have a few roundings of 2^-24; the power n <= 500 makes 500 of each, GGX 2 / alpha with alpha >=
+ * 0.04, and a refracting half vector, of which eta - 1 >= 0.2 is left, 5. Cosines of grazing facets are known
+ * to a few 2^-24 absolutely. */
 static void scattering_is_reciprocal(void **state) {
     (void)state;
     random_state r = {9};
@@ -367,10 +367,10 @@ static void scattering_is_reciprocal(void **state) {
         random_unit_vector(&r, a), random_unit_vector(&r, b);
         value_between(&m, a, b, f), value_between(&m, b, a, g);
         const double index = k % 4 == 2 ? (double)ior : 1;
-        const double of_a = a[2] < 0 ? index * index : 1, of_b = b[2] < 0 ? index * index : 1;
+        const double from_a = a[2] < 0 ? index * index : 1, from_b = b[2] < 0 ? index * index : 1;
         for (int c = 0; c < 3; ++c) {
-            const double wrong = 8 * 0x1p-24 * (lectures ? 500 : 250 * f[c] / of_a + 1);
-            assert_near(f[c] / of_a, g[c] / of_b, wrong);
+            const double wrong = 8 * 0x1p-24 * (lectures ? 500 : 250 * f[c] / from_b + 1);
+            assert_near(f[c] / from_b, g[c] / from_a, wrong);
         }
     }
 }

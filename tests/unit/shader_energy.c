@@ -12,8 +12,7 @@ static void lattice(uint64_t block, lanes3 u) {
     }
 }
 
-/* The mean weight of samples whose last number is `choice`. Flux: radiance that crossed into another index
- * counts by its square. */
+/* The mean weight of samples whose last number is `choice`. */
 static double mean_weight(const shading *at, float choice, int blocks) {
     double sum = 0;
     for (int k = 0; k < blocks; ++k) {
@@ -22,10 +21,7 @@ static double mean_weight(const shading *at, float choice, int blocks) {
         lattice((uint64_t)k, u);
         for (int i = 0; i < LANES; ++i) u[2][i] = choice;
         at->kernels->sample(&at->surface, &at->block, u, &out);
-        for (int i = 0; i < LANES; ++i) {
-            const double eta = (double)at->block.eta[i];
-            sum += (double)out.weight[1][i] * (out.through[i] ? eta * eta : 1);
-        }
+        for (int i = 0; i < LANES; ++i) sum += (double)out.weight[1][i];
     }
     return sum / (16.0 * blocks);
 }

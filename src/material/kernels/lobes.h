@@ -170,7 +170,8 @@ static inline void add_thin(const shader_block *b, const incidence *at, float (*
     }
 }
 
-/* Walter et al. (2007), radiance over the squared index. h = ±(v + eta l), whose length is v·h + eta l·h. */
+/* Walter et al. (2007), of radiance over the squared index: times eta^2. h = ±(v + eta l), whose length is
+ * v·h + eta l·h. */
 static inline void add_refraction(const shader_block *b, const incidence *at, float (*restrict f)[LANES],
                                   float *restrict density) {
     for (int i = 0; i < LANES; ++i) {
@@ -188,11 +189,11 @@ static inline void add_refraction(const shader_block *b, const incidence *at, fl
         uint32_t open = at->cross[i] & (eta != 1 ? ~0u : 0) & (vh > 0 ? ~0u : 0) & (lh > 0 ? ~0u : 0);
         float z = b->v[2][i], lz = fabsf(at->l[2][i]);
         float to = smith(a2, b->v[0][i], b->v[1][i], z), from = smith(a2, at->l[0][i], at->l[1][i], lz);
-        float d = 2 * ggx(a2, h[0], h[1], h[2]) * vh * lh / square;
+        float d = 2 * ggx(a2, h[0], h[1], h[2]) * vh * lh * (eta * eta) / square;
         float rise = power5(1 - fminf(eta < 1 ? lh : vh, 1));
         float value = chosen(open, (1 - layer_share(b, i, rise)) * d * lz / (z * from + lz * to), 0);
         for (int c = 0; c < 3; ++c) f[c][i] += b->cross[c][i] * value;
-        density[i] += chosen(open, b->take[SHADER_TAKE_CROSS][i] * d * (eta * eta) / (z + to), 0);
+        density[i] += chosen(open, b->take[SHADER_TAKE_CROSS][i] * d / (z + to), 0);
     }
 }
 

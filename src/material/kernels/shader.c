@@ -140,7 +140,7 @@ static void set_flat(const surface_block *s, int i, shader_block *out) {
     for (int c = 0; c < 3; ++c) {
         const bool total = !(out->pass_share[c][i] > 0);
         out->mirror_share[c][i] = (m->mirror0[c] + (m->mirror90 - m->mirror0[c]) * rise) * coated * coated;
-        out->pass_share[c][i] = m->lobes & SHADER_PASS && !total ? m->cross[c] * open / (eta * eta) : 0;
+        out->pass_share[c][i] = m->lobes & SHADER_PASS && !total ? m->cross[c] * open : 0;
         if (eta == 1) out->pass[c][i] = -s->v[c][i];
     }
     if (m->lobes & SHADER_COATED) coat_flat(m, i, out);
@@ -197,7 +197,7 @@ static void weigh_lobes(shader_block *restrict out) {
     for (int i = 0; i < LANES; ++i) {
         out->take[SHADER_TAKE_STRAIGHT][i] = out->at[i]->hole;
         out->take[SHADER_TAKE_MIRROR][i] = mean(out->mirror_share, i);
-        out->take[SHADER_TAKE_PASS][i] = mean(out->pass_share, i) * out->eta[i] * out->eta[i];
+        out->take[SHADER_TAKE_PASS][i] = mean(out->pass_share, i);
     }
 }
 
@@ -385,6 +385,7 @@ static void take_smooth(const surface_block *s, const shader_block *b, const uin
         }
         out->density[i] = INFINITY;
         out->through[i] = cross || past ? ~0u : 0;
+        out->straight[i] = past ? ~0u : 0;
     }
 }
 
@@ -413,7 +414,7 @@ static void sample(const surface_block *s, const shader_block *b, const lanes3 u
         float inverse = chosen(some, 1 / (out->density[i] + 0x1p-126f), 0);
         out->density[i] = chosen(some, out->density[i], 0);
         for (int c = 0; c < 3; ++c) out->weight[c][i] = limited(out->weight[c][i] * inverse);
-        out->through[i] = at.cross[i];
+        out->through[i] = at.cross[i], out->straight[i] = 0;
     }
     if (b->lobes & SMOOTH) take_smooth(s, b, lobe, out);
 }

@@ -166,6 +166,12 @@ static fathom_material clear(double thickness) {
 static void thin_ball(law_room *room) { unseen_ball(room, clear(0)); }
 static void refracting_ball(law_room *room) { unseen_ball(room, clear(1)); }
 
+/* Black glows as brightly as the sky, within glass as outside: nothing is seen of either. */
+static void lamp_in_glass(law_room *room) {
+    law_sphere(room, vec_f64(0, 0.2, 0), 0.5, law_emitter(white));
+    unseen_ball(room, clear(1));
+}
+
 /* ---- glass ---- */
 
 /* Both surfaces reflect r; between them light bounces until it leaves. */
@@ -214,6 +220,54 @@ static void coverage(law_room *room) {
     law_value(room, scale_f64(0.75 * 0.75, albedo));
 }
 
+/* Passing what is not there counts as no bounce: two are enough for the sky. */
+static void sky_through_sheets(law_room *room) {
+    fathom_material m = law_metallic();
+    law_set(m.base_color, origin);
+    m.opacity = 0.25f;
+    law_plane(room, origin, up, law_lambert(albedo));
+    law_sphere(room, origin, 3, m);
+    law_plane(room, up, up, m);
+    law_plane(room, vec_f64(0, 0, 2), up, m);
+    law_background(room, white);
+    law_look(room, vec_f64(0.5, 0, 0.5), origin);
+    law_value(room, scale_f64(0.75 * 0.75 * 0.75, albedo));
+    room->depth = 1;
+}
+
+static void lamp_behind_sheets(law_room *room) {
+    const double R = 0.5, d = 2, angle = 0.6;
+    fathom_material m = law_metallic();
+    law_set(m.base_color, origin);
+    m.opacity = 0.25f;
+    law_plane(room, origin, up, law_lambert(albedo));
+    law_plane(room, vec_f64(0, 0, 0.5), up, m);
+    law_plane(room, vec_f64(0, 0, 0.75), up, m);
+    law_sphere(room, vec_f64(d * sin(angle), 0, d * cos(angle)), R, law_emitter(white));
+    law_look(room, vec_f64(-0.5, -0.4, 0.4), origin);
+    law_value(room, scale_f64(0.75 * 0.75 * R / d * (R / d) * cos(angle), albedo));
+}
+
+/* ---- shapes that cast no shadow hide the sky all the same ---- */
+
+static void no_shadow(law_room *room) {
+    fathom_plane plane;
+    fathom_plane_default(&plane);
+    const fathom_material black = law_black();
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_material(room->scene, NULL, &black, &plane.material);
+    plane.point[2] = 1, plane.flags = FATHOM_CASTS_NO_SHADOW;
+    plane.normal[0] = plane.normal[1] = 0, plane.normal[2] = 1;
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_plane(room->scene, FATHOM_ROOT, &plane, NULL);
+    law_plane(room, origin, up, law_lambert(albedo));
+    law_point_light(room, vec_f64(0, 0, 2), 4, 0.5);
+    law_sphere(room, vec_f64(0, 0, 3), 1, law_emitter(white));
+    law_background(room, white);
+    law_look(room, vec_f64(0.5, 0, 0.5), origin);
+    law_value(room, albedo);
+}
+
 /* ---- a lens: the edge of an emitting plane's half, out of focus ----
  * The image is one point of the plane of focus. Seen through the lens it is a disc on the plane of the edge:
  * its part beyond the edge at x radii is (acos x - x √(1-x²))/π. */
@@ -244,8 +298,12 @@ const law laws_of_matter[] = {{"floor under an even sky", "ρ L", even_sky},
                               {"glass ball in an even sky", "L", glass_ball},
                               {"thin-walled ball in an even sky", "L", thin_ball},
                               {"refracting ball in an even sky", "L", refracting_ball},
+                              {"lamp in a refracting ball", "L", lamp_in_glass},
                               {"glass slab", "2r/(1+r)", slab},
                               {"absorbing ball", "(1-(1+2σR)e^(-2σR))/(2σ²R²)", absorbing_ball},
                               {"coverage", "k_l (1-c)²", coverage},
+                              {"sky through sheets", "ρ L (1-c)³", sky_through_sheets},
+                              {"lamp behind sheets", "ρ (1-c)² (R/d)² cos θ", lamp_behind_sheets},
+                              {"shape that casts no shadow", "k_l cos θ/d²", no_shadow},
                               {"edge out of focus", "(acos x - x √(1-x²))/π", lens},
                               {NULL, NULL, NULL}};

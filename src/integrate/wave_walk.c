@@ -1,0 +1,132 @@
+/* Shadow rays whose answer any hit does not tell are walked from closest hit to closest hit, until they reach
+ * their light or nothing is left of their gain.
+ *
+ * Surfaces that are covered in part (`opacity` below 1) multiply the gain by the part of light that they let
+ * straight through: the mean of coverage by chance.
+ *
+ * Shapes that cast no shadow are passed on the way to lights that no ray can meet. They stand in the way of
+ * all others: rays by chance meet them there, too, and scatter. */
+#include "integrate/wave.h"
+
+#include <string.h>
+
+bool wave_note_ends(wave *w) {
+    shadow_queue *queue = &w->shadows;
+    if (!wave_reserve_paths(w, &w->now, queue->count)) return false;
+    for (size_t k = 0; k < queue->count; ++k)
+        queue->ends[k] = (shadow_end){queue->rays[k / LANES].t_far[k % LANES],
+                                      queue->shadows[k / LANES].sized[k % LANES] != 0};
+    return true;
+}
+
+static void take(wave *w, size_t k) {
+    const shadow_queue *queue = &w->shadows;
+    const shadow_block *shadows = &queue->shadows[k / LANES];
+    const size_t i = k % LANES, lane = w->now.count % LANES;
+    trace_rays *rays = &w->now.rays[w->now.count / LANES].rays;
+    path_block *path = &w->now.paths[w->now.count / LANES];
+    trace_rays_move(&queue->rays[k / LANES], i, rays, lane);
+    rays->t_far[lane] = queue->ends[k].length;
+    queue->ends[w->now.count++] = queue->ends[k];
+    for (int c = 0; c < 3; ++c) path->weight[c][lane] = shadows->gain[c][i];
+    path->slot[lane] = shadows->slot[i];
+    path->depth[lane] = shadows->depth[i];
+}
+
+/* They replace the paths in `now`, whose hits are vertices already. From then on `ends` are theirs. */
+void wave_take_shadows(wave *w) {
+    const render_plan *plan = w->run.plan;
+    w->now.count = 0;
+    for (size_t k = 0; k < w->shadows.count; ++k) {
+        float *t_far = &w->shadows.rays[k / LANES].t_far[k % LANES];
+        if (!(*t_far < 0 ? plan->covered : plan->unshadowed && w->shadows.ends[k].sized)) continue;
+        take(w, k);
+        *t_far = -INFINITY;
+    }
+}
+
+static void add_reached(wave *w, const path_block *path, size_t lane) {
+    for (int c = 0; c < 3; ++c) w->run.samples.radiance[c][path->slot[lane]] += path->weight[c][lane];
+}
+
+static float passed_part(const wave *w, unsigned i, bool sized) {
+    const world *scene = w->run.plan->world;
+    const surface_gather *g = w->gather;
+    const bool plane = g->geometry[i] == TRACE_PLANE;
+    const unsigned flags =
+        plane ? scene->planes.items[g->primitive[i]].flags : scene->geometries.items[g->geometry[i]].flags;
+    const render_plan *plan = w->run.plan;
+    if (flags & FATHOM_CASTS_NO_SHADOW && !sized) return 1;
+    if (plan->texturing) return 1 - texturing_opacity(plan->texturing, g, i, wave_hit_material(w, i));
+    return plan->shaders[wave_hit_material(w, i)].hole;
+}
+
+/* The way from `start` on. Its rounding is taken off: 5 units for the product, and 1 for the difference. */
+static float remaining(float end, const float start[3], vec3_f32 origin, vec3_f32 direction) {
+    const vec3_f32 way = sub_f32(load_f32(start), origin);
+    return end < INFINITY ? end - dot_f32(way, direction) - end * (8 * 0x1p-24f) : end;
+}
+
+/* Sends the ray `from` on behind lane i of the surfaces. */
+static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, float part) {
+    const watertight *closed = w->run.plan->watertight;
+    const trace_block *block = &w->now.rays[from / LANES];
+    const path_block *path = &w->now.paths[from / LANES];
+    const size_t old = from % LANES, lane = w->now.count % LANES;
+    uint8_t depth = path->depth[old];
+    float start[3];
+    if (closed) depth = watertight_sides_of(closed, block, (unsigned)old, depth).behind;
+    for (int c = 0; c < 3; ++c) start[c] = surface_start(s->p[c][i], -s->offset[i], s->ng[c][i]);
+    shadow_end end = w->shadows.ends[from];
+    end.length = remaining(end.length, start, trace_org(&block->rays, old), trace_dir(&block->rays, old));
+    path_block *to = &w->now.paths[w->now.count / LANES];
+    for (int c = 0; c < 3; ++c) to->weight[c][lane] = path->weight[c][old] * part;
+    to->slot[lane] = path->slot[old], to->depth[lane] = depth;
+    if (!(end.length > 0)) {
+        add_reached(w, to, lane);
+        return;
+    }
+    trace_rays *rays = &w->now.rays[w->now.count / LANES].rays;
+    trace_rays_move(&block->rays, old, rays, lane);
+    rays->org_x[lane] = start[0], rays->org_y[lane] = start[1], rays->org_z[lane] = start[2];
+    rays->t_far[lane] = end.length;
+    w->shadows.ends[w->now.count++] = end;
+}
+
+/* The lanes of a block that met something. Rays that go on move to the front: none over one that still waits.
+ */
+static void pass_surfaces(wave *w, size_t done, uint32_t met) {
+    const render_plan *plan = w->run.plan;
+    surface_block s;
+    unsigned lanes[LANES], count = 0;
+    surface_gather_begin(w->gather);
+    for (; met; met &= met - 1) {
+        lanes[count++] = (unsigned)__builtin_ctz(met);
+        surface_gather_add(w->gather, plan->world, &w->now.rays[done / LANES], lanes[count - 1]);
+    }
+    if (!count) return;
+    surface_gather_end(w->gather, plan->world, plan->surface_kernels, false, !(plan->settings.epsilon > 0),
+                       &s);
+    for (unsigned i = 0; i < count; ++i) {
+        const float part = passed_part(w, i, w->shadows.ends[done + lanes[i]].sized);
+        if (part > 0) move_on(w, done + lanes[i], &s, i, part);
+    }
+}
+
+bool wave_walk_shadows(wave *w) {
+    while (w->now.count) {
+        const size_t count = w->now.count;
+        w->run.rays.shadow += count;
+        if (!wave_trace(w, 0, count, TRACE_INCOHERENT)) return false;
+        w->now.count = 0;
+        for (size_t done = 0; done < count; done += LANES) {
+            const trace_block *block = &w->now.rays[done / LANES];
+            const uint32_t lanes = (1u << wave_lanes(count, done)) - 1,
+                           met = w->run.plan->kernels->met(&block->hits) & lanes;
+            for (uint32_t seen = lanes & ~met; seen; seen &= seen - 1)
+                add_reached(w, &w->now.paths[done / LANES], (size_t)__builtin_ctz(seen));
+            pass_surfaces(w, done, met);
+        }
+    }
+    return true;
+}
