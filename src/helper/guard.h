@@ -5,6 +5,7 @@
 #include "image/helper/module.h"
 
 #include <cstdio>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -33,5 +34,14 @@ fathom_status guarded(image_message *message, fathom_status status, Body body) n
     }
     return status;
 }
+
+/* Converts pixels of R, G, B and perhaps A from a color space to linear Rec.709, in place. */
+struct image_space {
+    virtual ~image_space() = default;
+    virtual void apply(float *pixels, size_t count, unsigned channels) const = 0;
+};
+/* Throws a failure when the config has no such space, or no linear Rec.709. config: NULL: the built-in one.
+ */
+std::unique_ptr<image_space> space_open(const char *config, const char *name);
 
 #endif

@@ -54,6 +54,18 @@ colorspaces:
         - !<BuiltinTransform> {style: ACES-OUTPUT - ACES2065-1_to_CIE-XYZ-D65 - SDR-VIDEO_1.0}
         - !<BuiltinTransform> {style: DISPLAY - CIE-XYZ-D65_to_sRGB}
   - !<ColorSpace>
+    name: ACEScg
+    isdata: false
+    to_scene_reference: !<BuiltinTransform> {style: UTILITY - ACES-AP1_to_LINEAR-REC709_BFD}
+  - !<ColorSpace>
+    name: ACES2065-1
+    isdata: false
+    to_scene_reference: !<GroupTransform>
+      children:
+        - !<BuiltinTransform> {style: UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD}
+        - !<BuiltinTransform> {style: UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD, direction: inverse}
+        - !<BuiltinTransform> {style: UTILITY - ACES-AP1_to_LINEAR-REC709_BFD}
+  - !<ColorSpace>
     name: Raw
     isdata: true
 )";
@@ -223,3 +235,45 @@ fathom_status image_view_apply(const image_view *view, unsigned threads, float *
 }
 
 void image_view_close(image_view *view) noexcept { delete view; }
+
+/* ---- spaces of textures ---- */
+
+struct ocio_space final : image_space {
+    OCIO::ConstCPUProcessorRcPtr processor;
+    void apply(float *pixels, size_t count, unsigned channels) const override {
+        OCIO::PackedImageDesc packed(pixels, static_cast<long>(count), 1, static_cast<long>(channels));
+        processor->apply(packed);
+    }
+};
+
+/* To linear Rec.709, through ACES2065-1 if the config has only that. */
+static OCIO::ConstTransformRcPtr way_from(const OCIO::ConstConfigRcPtr &config, const char *space) {
+    OCIO::ColorSpaceTransformRcPtr first = OCIO::ColorSpaceTransform::Create();
+    first->setSrc(space);
+    std::string goal = linear_rec709(config);
+    if (goal.empty() && config->hasRole(OCIO::ROLE_INTERCHANGE_SCENE)) {
+        OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
+        first->setDst(OCIO::ROLE_INTERCHANGE_SCENE);
+        group->appendTransform(first);
+        append_builtin(group, "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD", OCIO::TRANSFORM_DIR_FORWARD);
+        append_builtin(group, "UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD", OCIO::TRANSFORM_DIR_INVERSE);
+        append_builtin(group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", OCIO::TRANSFORM_DIR_FORWARD);
+        return group;
+    }
+    if (goal.empty()) goal = OCIO::ROLE_SCENE_LINEAR;
+    first->setDst(goal.c_str());
+    return first;
+}
+
+std::unique_ptr<image_space> space_open(const char *config_path, const char *name) {
+    OCIO::ConstConfigRcPtr config = load_config(config_path);
+    std::string space = config->getColorSpace(name) ? name : "";
+    if (space.empty()) {
+        space = choose(name, "color space", config->getNumColorSpaces(),
+                       [&](int i) { return config->getColorSpaceNameByIndex(i); });
+    }
+    auto out = std::make_unique<ocio_space>();
+    out->processor = config->getProcessor(way_from(config, space.c_str()), OCIO::TRANSFORM_DIR_FORWARD)
+                         ->getDefaultCPUProcessor();
+    return out;
+}

@@ -139,6 +139,43 @@ static void open_view(const wire_request *request, wire_reply *reply, image_mess
     reply->flag = srgb;
 }
 
+static void open_texture(const wire_request *request, int descriptor, wire_reply *reply,
+                         image_message *message) {
+    wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
+    wire_buffer b = {NULL, 0, 0, false};
+    image_texture_request wanted = {.descriptor = descriptor, .threads = request->threads};
+    wanted.path = wire_take_text(&c), wanted.config = wire_take_text(&c), wanted.space = wire_take_text(&c);
+    wanted.most_side = wire_take_u32(&c), wanted.most_texels = request->count;
+    image_texture *texture = NULL;
+    image_texture_info info;
+    reply->status = c.bad ? FATHOM_INTERNAL : module->texture.open(&wanted, &texture, &info, message);
+    if (reply->status != FATHOM_OK) return;
+    wire_put_texture(&b, &info);
+    reply->object = number_of(texture), reply->size = b.count;
+    if (!b.lost && wire_memory_reach(&memory, b.count, true)) {
+        memcpy(memory.bytes, b.items, b.count);
+    } else {
+        module->texture.close(texture);
+        say(reply, FATHOM_OUT_OF_RESOURCES, "out of memory");
+    }
+    free(b.items);
+}
+
+static void read_region(const wire_request *request, wire_reply *reply, image_message *message) {
+    wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
+    image_region region;
+    uint32_t *const numbers[] = {&region.level, &region.x0, &region.y0, &region.x1, &region.y1};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) *numbers[i] = wire_take_u32(&c);
+    if (!wire_memory_reach(&memory, request->count, true)) {
+        say(reply, FATHOM_OUT_OF_RESOURCES, "out of memory");
+        return;
+    }
+    reply->status =
+        c.bad ? FATHOM_INTERNAL
+              : module->texture.read(object_of(request), &region, memory.bytes, request->count, message);
+    reply->size = request->count;
+}
+
 /* ---- the loop ---- */
 
 static void serve(const wire_request *request, int descriptor, wire_reply *reply) {
@@ -163,6 +200,9 @@ static void serve(const wire_request *request, int descriptor, wire_reply *reply
                                            (float *)(void *)memory.bytes, request->count, &message);
         break;
     case WIRE_END_VIEW: module->view_close(object_of(request)); break;
+    case WIRE_TEXTURE: open_texture(request, descriptor, reply, &message); break;
+    case WIRE_REGION: read_region(request, reply, &message); break;
+    case WIRE_END_TEXTURE: module->texture.close(object_of(request)); break;
     }
     if (message.text[0]) snprintf(reply->text, sizeof reply->text, "%s", message.text);
 }

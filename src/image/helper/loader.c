@@ -137,7 +137,11 @@ static fathom_status take_image(void *user, const unsigned char *bytes, const wi
     return status;
 }
 
-/* The helper's working folder may differ, so it gets a whole path. */
+/* The working folder of the helper may differ, so it gets a whole path. */
+static const char *whole_path(const char *path, char whole[PATH_MAX]) {
+    return path && realpath(path, whole) ? whole : path;
+}
+
 static fathom_status read_image(const char *path, unsigned threads, const image **out,
                                 image_message *message) {
     char whole[PATH_MAX];
@@ -145,7 +149,7 @@ static fathom_status read_image(const char *path, unsigned threads, const image 
     helper_exchange e = {
         .request = {.op = WIRE_READ, .threads = threads}, .descriptor = -1, .take = take_image, .user = out};
     *out = NULL;
-    wire_put_text(&b, realpath(path, whole) ? whole : path);
+    wire_put_text(&b, whole_path(path, whole));
     fathom_status status = ask_with(&e, &b, message);
     return status != FATHOM_OK && !message->text[0] ? lacks_memory(message) : status;
 }
@@ -157,7 +161,7 @@ static fathom_status open_view(const image_view_request *request, image_view **o
     char whole[PATH_MAX];
     wire_buffer b = {NULL, 0, 0, false};
     helper_exchange e = {.request = {.op = WIRE_VIEW, .threads = 1}, .descriptor = -1};
-    wire_put_text(&b, request->config && realpath(request->config, whole) ? whole : request->config);
+    wire_put_text(&b, whole_path(request->config, whole));
     wire_put_text(&b, request->display);
     wire_put_text(&b, request->view);
     remote *r;
@@ -195,6 +199,62 @@ static void close_view(image_view *view) {
     free(view);
 }
 
+/* ---- textures ---- */
+
+static fathom_status take_info(void *user, const unsigned char *bytes, const wire_reply *reply) {
+    wire_cursor c = {bytes, bytes + reply->size, false};
+    return wire_take_texture(&c, user) ? FATHOM_OK : FATHOM_INTERNAL;
+}
+
+static fathom_status open_texture(const image_texture_request *request, image_texture **out,
+                                  image_texture_info *info, image_message *message) {
+    char file[PATH_MAX], config[PATH_MAX];
+    wire_buffer b = {NULL, 0, 0, false};
+    helper_exchange e = {
+        .request = {.op = WIRE_TEXTURE, .threads = request->threads, .count = request->most_texels},
+        .descriptor = request->descriptor,
+        .take = take_info,
+        .user = info};
+    wire_put_text(&b, whole_path(request->path, file));
+    wire_put_text(&b, whole_path(request->config, config));
+    wire_put_text(&b, request->space);
+    wire_put_u32(&b, (uint32_t)request->most_side);
+    remote *r;
+    fathom_status status = open_with(&e, &b, message, &r);
+    if (status == FATHOM_OK) *out = (image_texture *)(void *)r;
+    if (status != FATHOM_OK && !message->text[0])
+        snprintf(message->text, sizeof message->text, "the image helper gave a wrong description");
+    return status;
+}
+
+typedef struct taken_texels {
+    void *texels;
+    size_t bytes;
+} taken_texels;
+
+static fathom_status take_texels(void *user, const unsigned char *bytes, const wire_reply *reply) {
+    const taken_texels *to = user;
+    if (reply->size != to->bytes) return FATHOM_INTERNAL;
+    memcpy(to->texels, bytes, to->bytes);
+    return FATHOM_OK;
+}
+
+static fathom_status read_region(image_texture *texture, const image_region *region, void *texels,
+                                 size_t bytes, image_message *message) {
+    const uint32_t numbers[] = {region->level, region->x0, region->y0, region->x1, region->y1};
+    taken_texels to = {texels, bytes};
+    helper_exchange e = about((const remote *)(const void *)texture, WIRE_REGION);
+    e.bytes = numbers, e.request.size = sizeof numbers, e.request.count = bytes;
+    e.take = take_texels, e.user = &to;
+    return ask(&e, message);
+}
+
+static void close_texture(image_texture *texture) {
+    helper_exchange e = about((const remote *)(const void *)texture, WIRE_END_TEXTURE);
+    helper_ask(&e);
+    free(texture);
+}
+
 const image_module image_calls = {IMAGE_MODULE_VERSION,
                                   {open_writer, write_rows, close_writer},
                                   read_image,
@@ -202,6 +262,7 @@ const image_module image_calls = {IMAGE_MODULE_VERSION,
                                   open_view,
                                   apply_view,
                                   close_view,
+                                  {open_texture, read_region, close_texture},
                                   NULL};
 
 /* ---- reading ---- */

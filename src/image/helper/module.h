@@ -7,7 +7,7 @@
 #include "image/image.h"
 
 /* Grows with every change of this file: a module of another build is refused, not called. */
-#define IMAGE_MODULE_VERSION 6
+#define IMAGE_MODULE_VERSION 7
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -55,6 +55,58 @@ typedef struct image_writer_calls {
     fathom_status (*close)(image_writer *writer, bool finish, image_message *message);
 } image_writer_calls;
 
+/* ---- textures: images that are read in parts ---- */
+
+typedef enum image_texel { IMAGE_TEXEL_U8, IMAGE_TEXEL_U16, IMAGE_TEXEL_HALF, IMAGE_TEXEL_FLOAT } image_texel;
+
+static inline size_t image_texel_size(image_texel texel) {
+    return texel == IMAGE_TEXEL_U8 ? 1 : texel == IMAGE_TEXEL_FLOAT ? 4 : 2;
+}
+
+/* The tiles that are read where they are lie within these. */
+#define IMAGE_TILE 64u
+
+/* The content comes from `path`, or from `descriptor`, which the reader closes, if path is NULL. */
+typedef struct image_texture_request {
+    const char *path;
+    int descriptor;
+    const char *config; /* of OpenColorIO; NULL: the built-in one */
+    const char
+        *space; /* texels are converted from this space to linear Rec.709; NULL: they stay as they are */
+    uint64_t most_side, most_texels; /* larger images are refused */
+    unsigned threads;
+} image_texture_request;
+
+typedef struct image_texture_info {
+    uint32_t width, height;
+    uint32_t channels; /* 1: grey; 2: grey, alpha; 3: R, G, B; 4: R, G, B, alpha, not premultiplied */
+    image_texel sent;  /* the type of what is read */
+    image_texel kept;  /* the type that keeps its precision */
+    uint32_t band;     /* rows are read in multiples of this, or to the end */
+    bool
+        mipmapped; /* tiles within IMAGE_TILE, and each level half as large as the one before, rounded down */
+    bool opaque;   /* the file says that alpha is 1 everywhere */
+    char format[32]; /* "png", "openexr" */
+} image_texture_info;
+
+/* Texels [x0, x1) × [y0, y1). Level 0 unless the file is mip-mapped; then x0 and y0 are multiples of
+ * IMAGE_TILE, and x1 and y1 too, or the level ends there. Otherwise whole rows, from the top to the bottom.
+ */
+typedef struct image_region {
+    uint32_t level, x0, y0, x1, y1;
+} image_region;
+
+typedef struct image_texture image_texture;
+
+typedef struct image_texture_calls {
+    fathom_status (*open)(const image_texture_request *request, image_texture **out, image_texture_info *info,
+                          image_message *message);
+    /* Interleaved texels, as many bytes as the region has. */
+    fathom_status (*read)(image_texture *texture, const image_region *region, void *texels, size_t bytes,
+                          image_message *message);
+    void (*close)(image_texture *texture);
+} image_texture_calls;
+
 typedef struct image_module {
     unsigned version;
     image_writer_calls writer; /* for all formats but PNG */
@@ -71,6 +123,8 @@ typedef struct image_module {
                                 image_message *message);
     void (*view_close)(image_view *view);
 
+    image_texture_calls texture;
+
     const char *libraries; /* "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2" */
 } image_module;
 
@@ -80,6 +134,7 @@ fathom_status image_view_open(const image_view_request *request, image_view **ou
 fathom_status image_view_apply(const image_view *view, unsigned threads, float *rgba, size_t count,
                                image_message *message) noexcept;
 void image_view_close(image_view *view) noexcept;
+extern const image_texture_calls image_texture_table;
 #endif
 
 #endif

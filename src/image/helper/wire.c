@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -164,6 +165,30 @@ bool wire_take_image(wire_cursor *c, wire_image *out) {
 void wire_image_free(wire_image *w) {
     free(w->channels), free(w->storage), free(w->attributes), free(w->numbers);
     *w = (wire_image){.storage = NULL};
+}
+
+/* ---- a texture's description ---- */
+
+void wire_put_texture(wire_buffer *b, const image_texture_info *info) {
+    const uint32_t numbers[] = {info->width,          info->height, info->channels,  (uint32_t)info->sent,
+                                (uint32_t)info->kept, info->band,   info->mipmapped, info->opaque};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) wire_put_u32(b, numbers[i]);
+    wire_put_text(b, info->format);
+}
+
+bool wire_take_texture(wire_cursor *c, image_texture_info *out) {
+    *out = (image_texture_info){.width = wire_take_u32(c)};
+    out->height = wire_take_u32(c), out->channels = wire_take_u32(c);
+    const uint32_t sent = wire_take_u32(c), kept = wire_take_u32(c);
+    out->band = wire_take_u32(c);
+    out->mipmapped = wire_take_u32(c) != 0, out->opaque = wire_take_u32(c) != 0;
+    const char *format = wire_take_text(c);
+    if (c->bad || !format || !out->width || !out->height || !out->band || out->channels - 1 > 3 ||
+        sent > IMAGE_TEXEL_FLOAT || kept > IMAGE_TEXEL_FLOAT)
+        return false;
+    out->sent = (image_texel)sent, out->kept = (image_texel)kept;
+    snprintf(out->format, sizeof out->format, "%.31s", format);
+    return true;
 }
 
 /* ---- a message ---- */

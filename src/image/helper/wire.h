@@ -13,7 +13,7 @@
 #define WIRE_MEMORY 4
 
 /* Grows with every change of the protocol. */
-#define WIRE_VERSION 3u
+#define WIRE_VERSION 4u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* begins a file; the request carries its descriptor; the memory holds a wire image */
@@ -22,7 +22,10 @@ typedef enum wire_op {
     WIRE_READ,  /* the memory holds a path, and afterwards a wire image and its planes */
     WIRE_VIEW,  /* the memory holds config, display and view */
     WIRE_APPLY, /* the view `object`, on `count` pixels of four floats in the memory */
-    WIRE_END_VIEW
+    WIRE_END_VIEW,
+    WIRE_TEXTURE, /* opens a texture; the memory holds the request, and afterwards its info */
+    WIRE_REGION,  /* the memory holds a region of `object`, and afterwards its `count` bytes of texels */
+    WIRE_END_TEXTURE
 } wire_op;
 
 typedef struct wire_request {
@@ -87,6 +90,10 @@ typedef struct wire_image {
 /* False when the description is incomplete or memory runs out. */
 bool wire_take_image(wire_cursor *c, wire_image *out);
 void wire_image_free(wire_image *w);
+
+void wire_put_texture(wire_buffer *b, const image_texture_info *info);
+/* False when a number is out of range. */
+bool wire_take_texture(wire_cursor *c, image_texture_info *out);
 
 /* The planes of a read image follow its description from a multiple of this: width × height values of four
  * bytes each. */

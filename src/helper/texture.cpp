@@ -1,0 +1,189 @@
+/* Textures: images that are read in parts. */
+#include "helper/guard.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <memory>
+#include <unistd.h>
+#include <vector>
+
+using OIIO::TypeDesc;
+
+/* Closes what it holds. */
+struct owned_descriptor {
+    int number;
+    ~owned_descriptor() {
+        if (number >= 0) close(number);
+    }
+};
+
+struct image_texture {
+    owned_descriptor descriptor{-1}; /* outlives `input` */
+    std::unique_ptr<OIIO::ImageInput> input;
+    std::vector<OIIO::ImageSpec> levels; /* one, unless the file is mip-mapped */
+    image_texture_info info{};
+    int first_channel = 0;
+    std::unique_ptr<image_space> space;
+};
+
+static std::string names_of(const OIIO::ImageSpec &spec) {
+    std::string list;
+    for (const std::string &name : spec.channelnames) list += (list.empty() ? "" : ", ") + name;
+    return list;
+}
+
+/* R, G, B and perhaps A next to each other, as OpenImageIO sorts them; or up to four channels by their order.
+ */
+static void choose_channels(image_texture &t, const OIIO::ImageSpec &spec) {
+    const std::vector<std::string> &names = spec.channelnames;
+    auto is = [&](size_t i, const char *name) { return i < names.size() && names[i] == name; };
+    for (size_t i = 0; i < names.size(); ++i) {
+        if (!is(i, "R") || !is(i + 1, "G") || !is(i + 2, "B")) continue;
+        t.first_channel = static_cast<int>(i);
+        t.info.channels = is(i + 3, "A") ? 4 : 3;
+        return;
+    }
+    const bool alpha = names.size() == 2 && (is(1, "A") || spec.alpha_channel == 1);
+    if (names.size() > 4 || (names.size() == 2 && !alpha)) {
+        throw failure(FATHOM_BAD_INPUT,
+                      "expected the channels R, G, B, or up to four; found " + names_of(spec));
+    }
+    t.info.channels = static_cast<uint32_t>(names.size());
+}
+
+static TypeDesc widest(const OIIO::ImageSpec &spec, int first, int end) {
+    TypeDesc type = spec.channelformat(first);
+    for (int c = first + 1; c < end; ++c) {
+        TypeDesc other = spec.channelformat(c);
+        if (other != type) type = TypeDesc(TypeDesc::FLOAT);
+    }
+    return type;
+}
+
+static image_texel texel_of(TypeDesc type) {
+    switch (type.basetype) {
+    case TypeDesc::UINT8: return IMAGE_TEXEL_U8;
+    case TypeDesc::UINT16: return IMAGE_TEXEL_U16;
+    case TypeDesc::HALF: return IMAGE_TEXEL_HALF;
+    default: return IMAGE_TEXEL_FLOAT;
+    }
+}
+
+static TypeDesc type_of(image_texel texel) {
+    switch (texel) {
+    case IMAGE_TEXEL_U8: return TypeDesc::UINT8;
+    case IMAGE_TEXEL_U16: return TypeDesc::UINT16;
+    case IMAGE_TEXEL_HALF: return TypeDesc::HALF;
+    case IMAGE_TEXEL_FLOAT: break;
+    }
+    return TypeDesc::FLOAT;
+}
+
+static bool fits_tiles(const OIIO::ImageSpec &spec) {
+    auto fits = [](int side) { return side > 0 && static_cast<int>(IMAGE_TILE) % side == 0; };
+    return fits(spec.tile_width) && fits(spec.tile_height) && spec.tile_depth <= 1;
+}
+
+/* Whether all levels down to one texel are there; then t.levels holds them. */
+static void find_levels(image_texture &t) {
+    OIIO::ImageSpec level = t.input->spec();
+    t.levels = {level};
+    while (fits_tiles(level) && (level.width > 1 || level.height > 1)) {
+        const int width = std::max(level.width / 2, 1), height = std::max(level.height / 2, 1);
+        level = t.input->spec(0, static_cast<int>(t.levels.size()));
+        if (level.width != width || level.height != height) break;
+        t.levels.push_back(level);
+    }
+    t.input->geterror(); /* there is no such level */
+    t.info.mipmapped = fits_tiles(level) && level.width == 1 && level.height == 1;
+    if (!t.info.mipmapped) t.levels.resize(1);
+}
+
+static void check_size(const OIIO::ImageSpec &spec, const image_texture_request &request) {
+    const uint64_t width = static_cast<uint64_t>(spec.width), height = static_cast<uint64_t>(spec.height);
+    if (spec.depth > 1 || spec.deep) throw failure(FATHOM_BAD_INPUT, "expected a flat image");
+    if (spec.width < 1 || spec.height < 1) throw failure(FATHOM_BAD_INPUT, "expected at least one texel");
+    if (std::max(width, height) > request.most_side || width * height > request.most_texels) {
+        throw failure(FATHOM_BAD_INPUT, "expected at most " + std::to_string(request.most_side) +
+                                            " texels on a side and " + std::to_string(request.most_texels) +
+                                            " in all, found " + std::to_string(width) + " x " +
+                                            std::to_string(height));
+    }
+}
+
+static void describe(image_texture &t, const image_texture_request &request) {
+    const OIIO::ImageSpec spec = t.input->spec();
+    check_size(spec, request);
+    choose_channels(t, spec);
+    t.info.width = static_cast<uint32_t>(spec.width), t.info.height = static_cast<uint32_t>(spec.height);
+    const image_texel texel =
+        texel_of(widest(spec, t.first_channel, t.first_channel + static_cast<int>(t.info.channels)));
+    t.info.sent = t.info.kept = texel;
+    t.info.opaque = t.info.channels % 2 == 1 || spec.get_int_attribute("fathom:opaque") == 1;
+    std::snprintf(t.info.format, sizeof t.info.format, "%s", t.input->format_name());
+    t.info.band = static_cast<uint32_t>(std::max(spec.tile_height, 1));
+    if (!request.space) return;
+    if (t.info.channels < 3) {
+        throw failure(FATHOM_BAD_INPUT, std::string("expected the channels R, G and B for the color space ") +
+                                            request.space + ", found " + names_of(spec));
+    }
+    t.space = space_open(request.config, request.space);
+    t.info.sent = IMAGE_TEXEL_FLOAT;
+    t.info.kept = texel == IMAGE_TEXEL_U8 || texel == IMAGE_TEXEL_HALF ? IMAGE_TEXEL_HALF : IMAGE_TEXEL_FLOAT;
+}
+
+static fathom_status texture_open(const image_texture_request *request, image_texture **out,
+                                  image_texture_info *info, image_message *message) noexcept {
+    auto t = std::unique_ptr<image_texture>(new (std::nothrow) image_texture);
+    if (t) t->descriptor.number = request->path ? -1 : request->descriptor;
+    return guarded(message, FATHOM_BAD_INPUT, [&] {
+        if (!t) throw std::bad_alloc();
+        OIIO::ImageSpec config;
+        config.attribute("oiio:UnassociatedAlpha", 1);
+        OIIO::attribute("exr_threads", static_cast<int>(request->threads));
+        /* A name without an extension: OpenImageIO tries all formats. */
+        t->input = OIIO::ImageInput::open(
+            request->path ? request->path : "/proc/self/fd/" + std::to_string(request->descriptor), &config);
+        if (!t->input) throw failure(FATHOM_BAD_INPUT, OIIO::geterror());
+        t->input->threads(static_cast<int>(request->threads));
+        describe(*t, *request);
+        find_levels(*t);
+        *info = t->info;
+        *out = t.release();
+    });
+}
+
+static bool read_native(image_texture &t, const image_region &r, const OIIO::ImageSpec &spec, void *texels) {
+    const int level = static_cast<int>(r.level), end = t.first_channel + static_cast<int>(t.info.channels);
+    const int x0 = spec.x + static_cast<int>(r.x0), x1 = spec.x + static_cast<int>(r.x1);
+    const int y0 = spec.y + static_cast<int>(r.y0), y1 = spec.y + static_cast<int>(r.y1);
+    const TypeDesc type = type_of(t.info.sent);
+    if (!spec.tile_width)
+        return t.input->read_scanlines(0, level, y0, y1, 0, t.first_channel, end, type, texels);
+    return t.input->read_tiles(0, level, x0, x1, y0, y1, 0, 1, t.first_channel, end, type, texels);
+}
+
+static fathom_status texture_read(image_texture *t, const image_region *region, void *texels, size_t bytes,
+                                  image_message *message) noexcept {
+    return guarded(message, FATHOM_BAD_INPUT, [&] {
+        const image_region &r = *region;
+        if (r.level >= t->levels.size()) throw failure(FATHOM_INTERNAL, "there is no such level");
+        const OIIO::ImageSpec &spec = t->levels[r.level];
+        const size_t count = static_cast<size_t>(r.x1 - r.x0) * (r.y1 - r.y0);
+        if (r.x0 >= r.x1 || r.y0 >= r.y1 || r.x1 > static_cast<uint32_t>(spec.width) ||
+            r.y1 > static_cast<uint32_t>(spec.height) ||
+            bytes != count * t->info.channels * image_texel_size(t->info.sent)) {
+            throw failure(FATHOM_INTERNAL, "there is no such region");
+        }
+        /* Some readers succeed on a truncated file and keep the error aside. */
+        if (!read_native(*t, r, spec, texels) || t->input->has_error()) {
+            throw failure(FATHOM_BAD_INPUT, t->input->geterror());
+        }
+        if (t->space) t->space->apply(static_cast<float *>(texels), count, t->info.channels);
+    });
+}
+
+static void texture_close(image_texture *t) noexcept { delete t; }
+
+const image_texture_calls image_texture_table = {texture_open, texture_read, texture_close};

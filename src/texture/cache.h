@@ -1,0 +1,54 @@
+/* The parts of a texture cache that lookups read. */
+#ifndef TEXTURE_CACHE_H
+#define TEXTURE_CACHE_H
+
+#include "texture/store.h"
+#include "texture/texture.h"
+
+/* What several textures may share. */
+typedef struct cache_image {
+    const fathom_texture *texture; /* the first of them */
+    pyramid plan;
+    image_texture_info info;
+    pyramid_decoding decoding;
+    store *store;
+    uint64_t offset;            /* in the store */
+    image_texture *source;      /* a mip-mapped file that is open; guarded by the cache's lock */
+    bool decoded, broken;       /* atomic */
+    float mean[4], least_alpha; /* once it is decoded */
+} cache_image;
+
+/* A texture. */
+typedef struct cache_slot {
+    cache_image *image;
+    fathom_wrap wrap_u, wrap_v;
+    fathom_texture_filter filter;
+} cache_slot;
+
+#define CACHE_OPEN 64 /* mip-mapped files that are open at once, at most */
+
+struct texture_cache {
+    const char *config; /* of OpenColorIO; NULL: the built-in one */
+    unsigned threads;
+    size_t count, image_count;
+    cache_slot *slots;
+    cache_image *images;
+    store memory, disk;
+    float *tables[2][2];  /* of 8 and 16 bits; linear and sRGB; NULL: not needed */
+    pthread_mutex_t lock; /* held while an image is decoded; guards the members below */
+    cache_image *open[CACHE_OPEN];
+    unsigned next_open;
+    fathom_status status; /* of the first failure */
+    const char *failed;   /* the image's name */
+    image_message why;
+};
+
+/* Makes a chunk of the store readable that holds texels of the image; decodes the image if need be. False
+ * when it is broken. Any thread. */
+bool cache_touch(texture_cache *cache, cache_image *img, uint64_t chunk);
+
+/* One lookup; chance NULL: the weighted mean. */
+void cache_look_up(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
+                   const float *chance, float rgba[4]);
+
+#endif

@@ -1,0 +1,232 @@
+/* Texels by place and footprint. */
+#include "texture/cache.h"
+
+#include <math.h>
+#include <string.h>
+
+/* R, G, B and alpha. */
+typedef float rgba_f32 __attribute__((vector_size(16)));
+typedef uint32_t rgba_u32 __attribute__((vector_size(16)));
+
+#define INLINE static inline __attribute__((always_inline))
+
+/* ---- texels ---- */
+
+/* Finite halves. Denormals are built by a subtraction, so that no operand is denormal as a float. */
+INLINE rgba_f32 from_halves(rgba_u32 half) {
+    const rgba_u32 magnitude = (half & 0x7fff) << 13, sign = (half & 0x8000) << 16;
+    const rgba_u32 small = (rgba_u32)(magnitude < (1u << 23));
+    const rgba_u32 normal = magnitude + (112u << 23), shifted = magnitude + (113u << 23);
+    rgba_f32 lifted;
+    memcpy(&lifted, &shifted, sizeof lifted);
+    lifted -= 0x1p-14f;
+    rgba_u32 bits;
+    memcpy(&bits, &lifted, sizeof bits);
+    bits = (bits & small) | (normal & ~small) | sign;
+    rgba_f32 out;
+    memcpy(&out, &bits, sizeof out);
+    return out;
+}
+
+INLINE rgba_f32 grey(float value) { return (rgba_f32){value, value, value, 1}; }
+
+/* `type` and `channels` are constants where this is inlined. */
+INLINE rgba_f32 texel_at(const unsigned char *at, image_texel type, unsigned channels, const float *color,
+                         const float *alpha) {
+    switch (type) {
+    case IMAGE_TEXEL_U8:
+        if (channels == 1) return grey(color[*at]);
+        return (rgba_f32){color[at[0]], color[at[1]], color[at[2]], alpha[at[3]]};
+    case IMAGE_TEXEL_U16: {
+        const uint16_t *n = (const void *)at;
+        if (channels == 1) return grey(color[*n]);
+        return (rgba_f32){color[n[0]], color[n[1]], color[n[2]], alpha[n[3]]};
+    }
+    case IMAGE_TEXEL_HALF: {
+        const uint16_t *n = (const void *)at;
+        if (channels == 1) return grey(from_halves((rgba_u32){*n})[0]);
+        return from_halves((rgba_u32){n[0], n[1], n[2], n[3]});
+    }
+    case IMAGE_TEXEL_FLOAT: break;
+    }
+    const float *n = (const void *)at;
+    if (channels == 1) return grey(*n);
+    return (rgba_f32){n[0], n[1], n[2], n[3]};
+}
+
+/* ---- places ---- */
+
+/* In [0, 1], whatever u is. */
+INLINE float wrapped(float u, fathom_wrap mode) {
+    float t = u;
+    if (mode == FATHOM_WRAP_REPEAT) t = u - floorf(u);
+    if (mode == FATHOM_WRAP_MIRROR) {
+        t = u - 2 * floorf(0.5f * u);
+        t = t > 1 ? 2 - t : t;
+    }
+    t = t > 0 ? t : 0;
+    return t < 1 ? t : 1;
+}
+
+/* Two texels next to each other, the second of weight `share`. */
+typedef struct pair {
+    uint32_t first, second;
+    float share;
+} pair;
+
+INLINE pair pair_at(float t, uint32_t size, fathom_wrap mode) {
+    const float at = t * (float)size - 0.5f, low = floorf(at);
+    const int32_t i = (int32_t)low, last = (int32_t)size - 1;
+    const bool around = mode == FATHOM_WRAP_REPEAT;
+    pair p = {.share = at - low};
+    p.first = (uint32_t)(i >= 0 ? (i < last ? i : last) : (around ? last : 0));
+    p.second = (uint32_t)(i < last ? i + 1 : (around ? 0 : last));
+    return p;
+}
+
+INLINE uint64_t place_of(const pyramid_level *l, uint32_t x, uint32_t y) {
+    const uint32_t tile = y / PYRAMID_TILE * l->across + x / PYRAMID_TILE;
+    const uint32_t within = y % PYRAMID_TILE * l->stride + x % PYRAMID_TILE;
+    return l->offset + (((uint64_t)tile * PYRAMID_TILE_TEXELS + within) << l->shift);
+}
+
+/* Whether the chunks may be read; marks them as used. */
+INLINE bool readable(texture_cache *cache, cache_image *img, const uint64_t *places, unsigned count) {
+    const store *s = img->store;
+    unsigned used = STORE_USED;
+    for (unsigned i = 0; i < count; ++i)
+        used &= store_state(s, (img->offset + places[i]) >> PYRAMID_CHUNK_SHIFT);
+    if (__builtin_expect(used == STORE_USED, 1)) return true;
+    for (unsigned i = 0; i < count; ++i) {
+        if (!cache_touch(cache, img, (img->offset + places[i]) >> PYRAMID_CHUNK_SHIFT)) return false;
+    }
+    return true;
+}
+
+/* ---- filters ---- */
+
+typedef struct lookup {
+    texture_cache *cache;
+    const cache_slot *slot;
+    float u, v; /* wrapped */
+    bool broken;
+} lookup;
+
+INLINE rgba_f32 between(const unsigned char *base, const uint64_t p[4], const pair *x, const pair *y,
+                        const cache_image *img, image_texel type, unsigned channels) {
+    const float *color = img->decoding.color, *alpha = img->decoding.alpha;
+    const rgba_f32 a = texel_at(base + p[0], type, channels, color, alpha);
+    const rgba_f32 b = texel_at(base + p[1], type, channels, color, alpha);
+    const rgba_f32 c = texel_at(base + p[2], type, channels, color, alpha);
+    const rgba_f32 d = texel_at(base + p[3], type, channels, color, alpha);
+    const rgba_f32 top = a + x->share * (b - a), low = c + x->share * (d - c);
+    return top + y->share * (low - top);
+}
+
+/* Each type has its own loop-free code. */
+#define BY_TYPE(call, type, channels)                                                                        \
+    switch ((type)) {                                                                                        \
+    case IMAGE_TEXEL_U8: return (channels) == 1 ? call(IMAGE_TEXEL_U8, 1) : call(IMAGE_TEXEL_U8, 4);         \
+    case IMAGE_TEXEL_U16: return (channels) == 1 ? call(IMAGE_TEXEL_U16, 1) : call(IMAGE_TEXEL_U16, 4);      \
+    case IMAGE_TEXEL_HALF: return (channels) == 1 ? call(IMAGE_TEXEL_HALF, 1) : call(IMAGE_TEXEL_HALF, 4);   \
+    case IMAGE_TEXEL_FLOAT: break;                                                                           \
+    }                                                                                                        \
+    return (channels) == 1 ? call(IMAGE_TEXEL_FLOAT, 1) : call(IMAGE_TEXEL_FLOAT, 4)
+
+static rgba_f32 bilinear(lookup *at, unsigned level) {
+    cache_image *img = at->slot->image;
+    const pyramid_level *l = &img->plan.levels[level];
+    const pair x = pair_at(at->u, l->width, at->slot->wrap_u),
+               y = pair_at(at->v, l->height, at->slot->wrap_v);
+    const uint64_t p[4] = {place_of(l, x.first, y.first), place_of(l, x.second, y.first),
+                           place_of(l, x.first, y.second), place_of(l, x.second, y.second)};
+    if (!readable(at->cache, img, p, 4)) {
+        at->broken = true;
+        return grey(0);
+    }
+    const unsigned char *base = img->store->bytes + img->offset;
+#define CALL(type, channels) between(base, p, &x, &y, img, type, channels)
+    BY_TYPE(CALL, l->type, img->plan.channels);
+#undef CALL
+}
+
+static rgba_f32 single(lookup *at, unsigned level, uint32_t x, uint32_t y) {
+    cache_image *img = at->slot->image;
+    const pyramid_level *l = &img->plan.levels[level];
+    const uint64_t p = place_of(l, x, y);
+    if (!readable(at->cache, img, &p, 1)) {
+        at->broken = true;
+        return grey(0);
+    }
+    const unsigned char *from = img->store->bytes + img->offset + p;
+#define CALL(type, channels) texel_at(from, type, channels, img->decoding.color, img->decoding.alpha)
+    BY_TYPE(CALL, l->type, img->plan.channels);
+#undef CALL
+}
+
+static rgba_f32 nearest(lookup *at) {
+    const pyramid_level *l = &at->slot->image->plan.levels[0];
+    const uint32_t x = (uint32_t)(at->u * (float)l->width), y = (uint32_t)(at->v * (float)l->height);
+    return single(at, 0, x < l->width ? x : l->width - 1, y < l->height ? y : l->height - 1);
+}
+
+/* Takes the second of two with probability `share`; *chance is then uniform in [0,1) anew. */
+INLINE bool second_by(float *chance, float share) {
+    const bool second = *chance < share;
+    *chance = second ? *chance / share : (*chance - share) / (1 - share);
+    return second;
+}
+
+static rgba_f32 by_chance(lookup *at, unsigned level, float chance) {
+    const pyramid_level *l = &at->slot->image->plan.levels[level];
+    const pair x = pair_at(at->u, l->width, at->slot->wrap_u),
+               y = pair_at(at->v, l->height, at->slot->wrap_v);
+    const bool right = second_by(&chance, x.share), below = second_by(&chance, y.share);
+    return single(at, level, right ? x.second : x.first, below ? y.second : y.first);
+}
+
+/* The level whose texels are as wide as the footprint, and the share of the next one. log2 is taken as linear
+ * between powers of two, which is off by less than 0.09. */
+INLINE unsigned level_of(const cache_slot *slot, float width, float *share) {
+    const pyramid *p = &slot->image->plan;
+    const uint32_t w = p->levels[0].width, h = p->levels[0].height;
+    const float texels = width * (float)(w > h ? w : h);
+    *share = 0;
+    if (slot->filter != FATHOM_TEXTURE_TRILINEAR || !(texels > 1)) return 0;
+    uint32_t bits;
+    memcpy(&bits, &texels, sizeof bits);
+    const unsigned level = (bits >> 23) - 127;
+    if (level + 1 >= p->count) return p->count - 1;
+    *share = (float)(bits & 0x7fffff) * 0x1p-23f;
+    return level;
+}
+
+INLINE rgba_f32 filtered(lookup *at, float width, const float *chance) {
+    float share;
+    unsigned level = level_of(at->slot, width, &share);
+    if (at->slot->filter == FATHOM_TEXTURE_NEAREST) return nearest(at);
+    if (chance) {
+        float left = *chance;
+        if (second_by(&left, share)) ++level;
+        return by_chance(at, level, left);
+    }
+    const rgba_f32 fine = bilinear(at, level);
+    return share > 0 ? fine + share * (bilinear(at, level + 1) - fine) : fine;
+}
+
+void cache_look_up(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
+                   const float *chance, float rgba[4]) {
+    lookup at = {cache, slot, wrapped(u, slot->wrap_u), wrapped(v, slot->wrap_v), false};
+    rgba_f32 found = filtered(&at, width, chance);
+    if (__builtin_expect(at.broken, 0)) found = (rgba_f32){1, 0, 1, 1};
+    memcpy(rgba, &found, sizeof found);
+}
+
+void texture_lookup(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
+    for (unsigned i = 0; i < q->count; ++i) {
+        float found[4];
+        cache_look_up(cache, &cache->slots[q->texture[i]], q->u[i], q->v[i], q->width[i],
+                      q->stochastic ? &q->chance[i] : NULL, found);
+        for (int c = 0; c < 4; ++c) rgba[c][i] = found[c];
+    }
+}

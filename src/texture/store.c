@@ -1,0 +1,108 @@
+#include "texture/store.h"
+
+#include "base/memory.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+/* $TMPDIR; else a folder that is on a disk, as /tmp often is not. */
+static const char *folder(void) {
+    const char *named = getenv("TMPDIR");
+    if (named && *named) return named;
+    return access("/var/tmp", W_OK) == 0 ? "/var/tmp" : "/tmp";
+}
+
+static int open_nameless(void) {
+    char path[PATH_MAX];
+    const int descriptor = open(folder(), O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600);
+    if (descriptor >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT)) return descriptor;
+    snprintf(path, sizeof path, "%s/fathom-textures-XXXXXX", folder());
+    const int named = mkostemp(path, O_CLOEXEC);
+    if (named >= 0) unlink(path);
+    return named;
+}
+
+static fathom_status fail_file_size(fathom_context *context, uint64_t size) {
+    return fail_file(
+        context, FATHOM_OUT_OF_RESOURCES, folder(),
+        "cannot hold a temporary file of %.1f GB for textures: %s; name another folder in $TMPDIR",
+        (double)size * 1e-9, strerror(errno));
+}
+
+fathom_status store_open(fathom_context *context, uint64_t size, uint64_t limit, store *out) {
+    *out = (store){.descriptor = -1, .size = size, .limit = limit, .dropping = limit > 0};
+    pthread_mutex_init(&out->lock, NULL);
+    if (!size) return FATHOM_OK;
+    const size_t chunks = (size_t)(size >> PYRAMID_CHUNK_SHIFT);
+    out->states = calloc(chunks, 2);
+    if (!out->states) return fail_memory(context, 2 * chunks);
+    out->filled = out->states + chunks;
+    if (!limit && !memory_has(size)) return fail_memory(context, size);
+    out->descriptor = limit ? open_nameless() : memfd_create("fathom-textures", MFD_CLOEXEC);
+    if (out->descriptor < 0 || ftruncate(out->descriptor, (off_t)size) != 0)
+        return fail_file_size(context, size);
+    void *bytes = mmap(NULL, size, PROT_READ, MAP_SHARED | MAP_NORESERVE, out->descriptor, 0);
+    if (bytes == MAP_FAILED) return fail_file_size(context, size);
+    out->bytes = bytes;
+    return FATHOM_OK;
+}
+
+void store_close(store *s) {
+    if (s->bytes) munmap(s->bytes, s->size);
+    if (s->descriptor >= 0) close(s->descriptor);
+    free(s->states);
+    pthread_mutex_destroy(&s->lock);
+    *s = (store){.descriptor = -1};
+}
+
+bool store_write(store *s, uint64_t offset, const void *bytes, size_t size) {
+    const char *from = bytes;
+    while (size) {
+        const ssize_t n = pwrite(s->descriptor, from, size, (off_t)offset);
+        if (n < 0 && errno == EINTR) continue;
+        if (n == 0) errno = ENOSPC;
+        if (n <= 0) return false;
+        from += n, size -= (size_t)n, offset += (uint64_t)n;
+    }
+    return true;
+}
+
+void store_fill(store *s, uint64_t chunk) {
+    __atomic_store_n(&s->filled[chunk], 1, __ATOMIC_RELEASE);
+    if (!s->dropping) __atomic_store_n(&s->states[chunk], STORE_USED, __ATOMIC_RELEASE);
+}
+
+/* A chunk that was used since the hand came by gets another round. */
+static void pass_hand(store *s) {
+    const uint64_t chunk = s->hand;
+    unsigned char idle = STORE_IDLE, used = STORE_USED;
+    s->hand = s->hand + 1 < s->size >> PYRAMID_CHUNK_SHIFT ? s->hand + 1 : 0;
+    if (__atomic_compare_exchange_n(&s->states[chunk], &idle, STORE_ABSENT, false, __ATOMIC_RELAXED,
+                                    __ATOMIC_RELAXED)) {
+        madvise(s->bytes + (chunk << PYRAMID_CHUNK_SHIFT), PYRAMID_CHUNK, MADV_DONTNEED);
+        s->resident -= PYRAMID_CHUNK, ++s->dropped;
+    } else {
+        __atomic_compare_exchange_n(&s->states[chunk], &used, STORE_IDLE, false, __ATOMIC_RELAXED,
+                                    __ATOMIC_RELAXED);
+    }
+}
+
+void store_admit(store *s, uint64_t chunk) {
+    unsigned char idle = STORE_IDLE;
+    if (__atomic_compare_exchange_n(&s->states[chunk], &idle, STORE_USED, false, __ATOMIC_RELAXED,
+                                    __ATOMIC_RELAXED))
+        return;
+    pthread_mutex_lock(&s->lock);
+    if (store_state(s, chunk) == STORE_ABSENT) {
+        while (s->resident && s->resident + PYRAMID_CHUNK > s->limit) pass_hand(s);
+        s->resident += PYRAMID_CHUNK;
+        __atomic_store_n(&s->states[chunk], STORE_USED, __ATOMIC_RELEASE);
+    }
+    pthread_mutex_unlock(&s->lock);
+}
