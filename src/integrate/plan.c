@@ -130,9 +130,6 @@ static void plan_lights(render_plan *plan) {
 
 static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
     plan->background = parts_background(plan->scene);
-    for (size_t i = 0; plan->texturing && i < plan->scene->materials.count; ++i) {
-        if (texturing_may_cover(plan->texturing, (fathom_id)i)) plan->features |= MATERIAL_REFRACT;
-    }
     plan->crosses = (plan->features & MATERIAL_REFRACT) != 0;
     plan->max_depth = parts_bounces(plan->scene, &plan->settings) ? plan->settings.max_depth : 0;
     plan->lifts = plan->settings.terminator_fix && parts_smooth(plan->world);

@@ -30,7 +30,8 @@ typedef struct material_plan {
 struct texturing {
     const world *w;
     texture_cache *cache;
-    bool colors; /* some mesh has vertex colours */
+    bool colors; /* some mesh has vertex colours, */
+    bool alphas; /* and some with alpha */
     material_plan plans[];
 };
 
@@ -57,22 +58,22 @@ static void plan_map(material_plan *p, int kind) {
     p->sets |= 1u << map->uv_set;
 }
 
-static bool any_colors(const world *w) {
+static bool any_colors(const world *w, unsigned channels) {
     for (size_t i = 0; i < w->meshes.count; ++i) {
-        if (w->meshes.items[i].colors) return true;
+        if (w->meshes.items[i].colors && w->meshes.items[i].color_channels >= channels) return true;
     }
     return false;
 }
 
 fathom_status texturing_create(fathom_context *context, const world *w, uint64_t memory, texturing **out) {
     const fathom_scene *scene = w->scene;
-    const bool colors = any_colors(w);
+    const bool colors = any_colors(w, 3);
     *out = NULL;
     if (!scene->has_maps && !colors) return FATHOM_OK;
     const size_t bytes = sizeof **out + scene->materials.count * sizeof(material_plan);
     texturing *t = calloc(1, bytes);
     if (!t) return fail_memory(context, bytes);
-    t->w = w, t->colors = colors;
+    t->w = w, t->colors = colors, t->alphas = any_colors(w, 4);
     for (size_t i = 0; i < scene->materials.count; ++i) {
         t->plans[i].material = &scene->materials.items[i].value;
         for (int k = 0; k < FATHOM_MAPS; ++k) plan_map(&t->plans[i], k);
@@ -370,7 +371,7 @@ static const float *mapped_value(const texturing *t, const material_plan *p, int
 
 bool texturing_may_cover(const texturing *t, fathom_id material) {
     const material_plan *p = &t->plans[material];
-    return p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP || t->colors;
+    return p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP || t->alphas;
 }
 
 float texturing_opacity(const texturing *t, const surface_gather *g, unsigned i, fathom_id material) {
@@ -385,13 +386,14 @@ float texturing_opacity(const texturing *t, const surface_gather *g, unsigned i,
         const float *value = mapped_value(t, p, FATHOM_MAP_OPACITY, at.u, at.v, 0, rgba);
         multiply(&m, FATHOM_MAP_OPACITY, &value[map->channel], map->inverted);
     }
-    if (t->colors && surface_color_at(g, t->w, i, color)) multiply(&m, FATHOM_MAP_OPACITY, &color[3], false);
+    if (t->alphas && surface_color_at(g, t->w, i, color)) multiply(&m, FATHOM_MAP_OPACITY, &color[3], false);
     return material_opacity(&m);
 }
 
 bool texturing_varies_emission(const texturing *t, fathom_id material) {
     const material_plan *p = &t->plans[material];
-    return p->of[FATHOM_MAP_EMISSIVE] != NO_LOOKUP || p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP || t->colors;
+    return p->of[FATHOM_MAP_EMISSIVE] != NO_LOOKUP || p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP || t->alphas ||
+           (t->colors && sends_alone(p->material));
 }
 
 /* The root of the area that the place's triangle or half quad has in the image. */
