@@ -28,7 +28,8 @@ static inline void shading_open(shading *at, const fathom_material *m, double co
     shading_put(at->surface.v, sqrt((1 - cosine) * (1 + cosine)), 0, cosine);
     for (int i = 0; i < LANES; ++i) at->surface.entering[i] = entering ? ~0u : 0;
     shader_prepare(m, &at->material);
-    at->kernels->make(&at->material, &at->surface, &at->block);
+    for (int i = 0; i < LANES; ++i) at->block.at[i] = &at->material;
+    at->kernels->make(&at->surface, &at->block);
 }
 
 /* Lane 0 of light from one direction. */

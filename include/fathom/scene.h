@@ -37,6 +37,33 @@ typedef enum fathom_model {
                                        of its materials */
 } fathom_model;
 
+/* The parameters that an image may vary over a surface: its value there times the material's own. */
+typedef enum fathom_map_kind {
+    FATHOM_MAP_COLOR,        /* base_color; classic: k_d */
+    FATHOM_MAP_OPACITY,      /* opacity; classic: all but k_t counts by it, and k_t gets what is left */
+    FATHOM_MAP_METALLIC,     /* metallic */
+    FATHOM_MAP_ROUGHNESS,    /* roughness */
+    FATHOM_MAP_EMISSIVE,     /* emissive; classic: k_e */
+    FATHOM_MAP_NORMAL,       /* the shading normal: 2 rgb - 1 in the frame of tangent, bitangent and normal */
+    FATHOM_MAP_TRANSMISSION, /* transmission */
+    FATHOM_MAP_SPECULAR,     /* specular_factor */
+    FATHOM_MAP_SPECULAR_COLOR,      /* specular_color; classic: k_s */
+    FATHOM_MAP_CLEARCOAT,           /* clearcoat */
+    FATHOM_MAP_CLEARCOAT_ROUGHNESS, /* clearcoat_roughness */
+    FATHOM_MAP_SHININESS,           /* classic: shininess */
+    FATHOM_MAPS
+} fathom_map_kind;
+
+/* An image on a surface. Texture coordinates are glTF's: u to the right, v down, (0,0) the image's upper left
+ * corner. */
+typedef struct fathom_map {
+    fathom_id texture;  /* of fathom/texture.h; FATHOM_NONE (default): no image */
+    uint32_t uv_set;    /* of meshes, 0 (default) or 1; other shapes have one */
+    uint32_t channel;   /* of parameters that are one number: 0 (default) red to 3 alpha */
+    bool inverted;      /* of these: 1 - parameter is multiplied, not the parameter; default false */
+    float transform[6]; /* u' = t0 u + t1 v + t2, v' = t3 u + t4 v + t5; default u' = u, v' = v */
+} fathom_map;
+
 typedef struct fathom_material {
     fathom_model model; /* default FATHOM_MODEL_CLASSIC */
     float k_a[3];       /* ambient reflectance; a negative first entry (the default) means: same as k_d */
@@ -69,7 +96,10 @@ typedef struct fathom_material {
     float attenuation_distance; /* 0 (default): nothing is absorbed */
     float clearcoat, clearcoat_roughness; /* of a clear layer over everything; default 0 */
     float opacity;                        /* coverage by chance; default 1 */
-    bool multiscatter; /* rough lobes get back what they lose to multiple scattering; default true */
+    bool multiscatter;    /* rough lobes get back what they lose to multiple scattering; default true */
+    float opacity_cutoff; /* > 0: opacity below it is 0, other is 1; default 0: coverage by chance */
+    float normal_scale;   /* either model: factor of the x and y of FATHOM_MAP_NORMAL; default 1 */
+    fathom_map maps[FATHOM_MAPS];
 } fathom_material;
 
 FATHOM_DEFAULT(fathom_material)
@@ -131,6 +161,8 @@ enum {
                                     shape is not there: no ray meets it */
 };
 
+/* Texture coordinates are u = phi / 2 pi and v = theta / pi, with theta the angle from +z and phi the one
+ * about it, from +x towards +y. */
 typedef struct fathom_sphere {
     double center[3];
     double radius; /* > 0 */
@@ -138,15 +170,16 @@ typedef struct fathom_sphere {
     unsigned flags;
 } fathom_sphere;
 
-/* A planar convex quad, corners in order around it. The normal is (c1-c0)×(c3-c0); u runs from c0 to c1 and
- * v from c0 to c3. */
+/* A planar convex quad, corners in order around it. The normal is (c1-c0)×(c3-c0). An image stands on the
+ * edge from c0 to c1: its texture coordinates are (0,1) at c0, (1,1) at c1, (1,0) at c2 and (0,0) at c3. */
 typedef struct fathom_quad {
     double corners[4][3];
     fathom_id material;
     unsigned flags;
 } fathom_quad;
 
-/* The infinite plane through `point`. */
+/* The infinite plane through `point`. Texture coordinates grow by 1 for each unit of length, from `point` on,
+ * along two axes that the normal decides. */
 typedef struct fathom_plane {
     double point[3];
     double normal[3]; /* need not be unit */
@@ -174,6 +207,15 @@ typedef struct fathom_mesh {
     double origin[3];
     fathom_id material;
     unsigned flags;
+    /* An entry a vertex, by `indices`; NULL: none. Strides as above. */
+    const float *uvs_1; /* u v: the second uv set */
+    size_t uv_1_stride;
+    const float *colors; /* linear RGB or RGBA: factors of base_color or k_d, and of the opacity */
+    size_t color_stride;
+    unsigned color_channels; /* 3 (default) or 4 */
+    const float *tangents;   /* x y z w: the direction of u, and w = ±1 with bitangent = w normal × tangent.
+                                NULL: from how the first uv set lies on each triangle */
+    size_t tangent_stride;
 } fathom_mesh;
 
 FATHOM_DEFAULT(fathom_sphere)

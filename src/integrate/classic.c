@@ -10,8 +10,13 @@
 /* ---- what the rays met ---- */
 
 static void make_bsdfs(wave *w, vertex_block *v) {
+    static const float exact[LANES];
     const render_plan *plan = w->run.plan;
-    plan->material_kernels->make(plan->bsdfs, &v->surface, &v->bsdf);
+    const bsdf *at[LANES];
+    bsdf made[LANES];
+    for (int i = 0; i < LANES; ++i) at[i] = &plan->bsdfs[v->surface.material[i]];
+    if (plan->texturing) texturing_classic(plan->texturing, w->gather, exact, &v->surface, made, at);
+    plan->material_kernels->make(at, &v->bsdf);
 }
 
 static void add_background(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {

@@ -5,17 +5,30 @@
 
 #include <stdio.h>
 
+static bool any_vertex_alpha(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        if (scene->meshes.items[i].colors && scene->meshes.items[i].color_channels > 3) return true;
+    }
+    return false;
+}
+
+/* Light passes straight where a map takes opacity away. */
+static unsigned features_of(const fathom_scene *scene, fathom_id material) {
+    const scene_named_material *m = &scene->materials.items[material];
+    const bool mapped = m->value.maps[FATHOM_MAP_OPACITY].texture != FATHOM_NONE;
+    return material_features(&m->classic) | (mapped ? MATERIAL_REFRACT : 0u);
+}
+
 unsigned parts_features(const fathom_scene *scene) {
     const bool own = absent_by_own_material(scene);
-    unsigned features = 0;
+    unsigned features = any_vertex_alpha(scene) ? MATERIAL_REFRACT : 0;
     for (size_t i = 0; i < scene->objects.count; ++i) {
         if (own && absent_object(scene, (fathom_id)i)) continue;
-        fathom_id material = scene_object_material(scene, (fathom_id)i);
-        features |= material_features(&scene->materials.items[material].classic);
+        features |= features_of(scene, scene_object_material(scene, (fathom_id)i));
     }
     for (size_t i = 0; i < scene->instances.count; ++i) {
         fathom_id material = scene->instances.items[i].material;
-        if (material != FATHOM_NONE) features |= material_features(&scene->materials.items[material].classic);
+        if (material != FATHOM_NONE) features |= features_of(scene, material);
     }
     return features;
 }
@@ -23,6 +36,7 @@ unsigned parts_features(const fathom_scene *scene) {
 /* Passes all light, wherever it goes on. Fresnel's law takes a share of it at every surface that refracts. */
 static bool is_transparent(const fathom_scene *scene, fathom_id material) {
     const fathom_material *m = &scene->materials.items[material].classic;
+    if (material_has_maps(&scene->materials.items[material].value)) return false;
     if (material_features(m) != MATERIAL_REFRACT || (m->fresnel && m->ior != 1)) return false;
     for (int c = 0; c < 3; ++c) {
         if (!(m->k_t[c] >= 1) || m->k_a[c] * scene->ambient[c] > 0) return false;

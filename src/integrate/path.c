@@ -18,6 +18,8 @@ typedef struct path_wave {
     /* The vertex that the ray left: where lights were asked for, and the density of the ray's direction. A
      * camera ray's is infinite, as is that of a smooth lobe. */
     float p[3][WAVE_SLOTS], n[3][WAVE_SLOTS], density[WAVE_SLOTS];
+    /* The cone around the ray as it left that vertex: its width there, and its angle. */
+    float width[WAVE_SLOTS], spread[WAVE_SLOTS];
     /* Surfaces passed as if they were not there, and the way from the vertex to the last of them. */
     uint32_t passes[WAVE_SLOTS];
     float passed[WAVE_SLOTS];
@@ -105,13 +107,31 @@ static void absorb(path_wave *p, vertex_block *v) {
     }
 }
 
+static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
+    const uint32_t slot = v->path.slot[i];
+    const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
+    return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
+}
+
+/* The materials at the points. */
+static void find_shaders(path_wave *p, vertex_block *v) {
+    wave *w = &p->wave;
+    const render_plan *plan = w->run.plan;
+    float width[LANES];
+    for (int i = 0; i < LANES; ++i) v->shader.at[i] = &plan->shaders[v->surface.material[i]];
+    if (!plan->texturing) return;
+    for (unsigned i = 0; i < LANES; ++i) width[i] = width_at(p, v, i);
+    texturing_shade(plan->texturing, w->gather, width, &v->surface, w->made[v - w->vertices], v->shader.at);
+}
+
 static void begin_vertices(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     const render_plan *plan = w->run.plan;
     if (p->media) absorb(p, v);
-    plan->shader_kernels->make(plan->shaders, &v->surface, &v->shader);
+    find_shaders(p, v);
+    plan->shader_kernels->make(&v->surface, &v->shader);
     for (unsigned i = 0; i < v->surface.count; ++i) {
-        const shader *s = &plan->shaders[v->surface.material[i]];
+        const shader *s = v->shader.at[i];
         if (sends_light(s)) add_emission(p, v, i, s);
     }
 }
@@ -120,15 +140,13 @@ static const wave_stages path_stages = {begin_vertices, add_outside};
 
 /* ---- light that vertices ask for ---- */
 
-static bool lit_from_both_sides(const path_wave *p, const vertex_block *v, unsigned i) {
-    return p->wave.run.plan->shaders[v->surface.material[i]].transmits;
-}
+static bool lit_from_both_sides(const vertex_block *v, unsigned i) { return v->shader.at[i]->transmits; }
 
-static void ask(const path_wave *p, const vertex_block *v, emitter_query *out) {
+static void ask(const vertex_block *v, emitter_query *out) {
     memcpy(out->p, v->surface.p, sizeof out->p);
     memcpy(out->n, v->surface.ns, sizeof out->n);
     for (unsigned i = 0; i < LANES; ++i) {
-        if (!lit_from_both_sides(p, v, i)) continue;
+        if (!lit_from_both_sides(v, i)) continue;
         for (int c = 0; c < 3; ++c) out->n[c][i] = 0;
     }
 }
@@ -202,7 +220,7 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     shadow_depths depths;
     numbers(p, v, SAMPLE_LIGHT, u);
     memcpy(u[2], choice, sizeof u[2]);
-    ask(p, v, &query);
+    ask(v, &query);
     emitters_sample(plan->emitters, &query, u, &light);
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
     weigh(p, v, &light, f, density, gain);
@@ -225,6 +243,16 @@ static bool goes_on(const path_wave *p, float weight[3], float u) {
     if (p->depth < ROULETTE_FROM || most >= 1) return true;
     for (int c = 0; c < 3; ++c) weight[c] /= most;
     return u < most;
+}
+
+/* A direction of density d stands for others within about 1/sqrt(d) of it. A small part of that keeps what
+ * is looked up close to the point. */
+#define CONE_PART (1 / 16.0f)
+
+static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample *to, unsigned i) {
+    const uint32_t slot = v->path.slot[i];
+    p->width[slot] = width_at(p, v, i);
+    if (to->density[i] < INFINITY) p->spread[slot] += CONE_PART / sqrtf(to->density[i]);
 }
 
 /* The vertex that the ray leaves. One that the ray passes straight is none: what is met next is weighed as if
@@ -253,7 +281,7 @@ static void push_path(path_wave *p, const vertex_block *v, const shader_sample *
     trace_rays *rays = &w->next.rays[w->next.count / LANES].rays;
     path_block *path = &w->next.paths[w->next.count / LANES];
     const uint32_t slot = v->path.slot[i];
-    const bool through = to->through[i] != 0, both = lit_from_both_sides(p, v, i);
+    const bool through = to->through[i] != 0, both = lit_from_both_sides(v, i);
     const float off = through ? -s->offset[i] : s->offset[i];
     rays->org_x[lane] = surface_start(s->p[0][i], off, s->ng[0][i]);
     rays->org_y[lane] = surface_start(s->p[1][i], off, s->ng[1][i]);
@@ -263,6 +291,7 @@ static void push_path(path_wave *p, const vertex_block *v, const shader_sample *
     rays->dir_z[lane] = to->direction[2][i];
     rays->t_near[lane] = w->run.plan->t_near;
     rays->t_far[lane] = INFINITY;
+    if (w->run.plan->texturing && !to->straight[i]) widen_cone(p, v, to, i);
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = weight[c];
     leave_vertex(p, s, to, i, both, slot);
     path->slot[lane] = slot;
@@ -340,6 +369,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->density[k] = INFINITY;
         p->p[0][k] = plan->camera.eye.x, p->p[1][k] = plan->camera.eye.y, p->p[2][k] = plan->camera.eye.z;
         p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
+        p->width[k] = 0, p->spread[k] = plan->pixel_spread;
         p->passes[k] = 0, p->passed[k] = 0;
     }
     if (p->media) media_clear(p->media);

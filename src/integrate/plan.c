@@ -57,8 +57,9 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     for (size_t i = 0; i < count; ++i) {
         shader *s = &plan->shaders[i];
         shader_prepare(&scene->materials.items[i].value, s);
-        plan->crosses |= s->transmits;
-        plan->covered |= s->hole > 0;
+        const bool holes = plan->texturing && texturing_may_cover(plan->texturing, (fathom_id)i);
+        plan->crosses |= s->transmits || holes;
+        plan->covered |= s->hole > 0 || holes;
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
     }
     return FATHOM_OK;
@@ -73,7 +74,7 @@ static bool casts_all_shadows(const world *w) {
 
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     fathom_status status = plan_shaders(context, plan);
-    if (status == FATHOM_OK) status = emitters_create(context, plan->world, &plan->emitters);
+    if (status == FATHOM_OK) status = emitters_create(context, plan->world, plan->texturing, &plan->emitters);
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
     plan->background = !emitters_none(plan->emitters);
@@ -90,6 +91,10 @@ static fathom_status plan_reference(fathom_context *context, render_plan *plan) 
     if (plan->first_hits)
         return fail_field(context, FATHOM_BAD_USAGE, "aovs",
                           "the reference integrator makes none but samples");
+    if (plan->texturing)
+        return fail_field(context, FATHOM_BAD_USAGE, "integrator",
+                          "the reference integrator knows neither textures nor vertex colours, which this "
+                          "scene has; use path");
     const reference_settings settings = {.width = s->width,
                                          .height = s->height,
                                          .region = settings_region_of(s),
@@ -163,6 +168,12 @@ static void choose_kernels(render_plan *plan) {
     plan->kernels = integrate_kernels_best();
 }
 
+/* Half a pixel in the middle of the image: the samples of a pixel do the other half of the filtering. */
+static float spread_of_pixels(const shade_camera *c) {
+    const double distance = fabs(dot_f64(c->corner, c->view));
+    return (float)(0.5 * length_f64(c->down) / distance);
+}
+
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out) {
     *out = NULL;
@@ -188,7 +199,9 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
     filter_prepare(settings, &plan->filter);
     plan->t_near = (float)settings->epsilon;
-    fathom_status status = plan_integrator(context, plan);
+    plan->pixel_spread = spread_of_pixels(&plan->camera);
+    fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
+    if (status == FATHOM_OK) status = plan_integrator(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
     else
@@ -206,5 +219,6 @@ void plan_destroy(render_plan *plan) {
     free(plan->shaders);
     emitters_destroy(plan->emitters);
     reference_close(plan->reference);
+    texturing_destroy(plan->texturing);
     free(plan);
 }

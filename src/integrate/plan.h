@@ -8,7 +8,7 @@
 #include "integrate/kernels.h"
 #include "integrate/parts.h"
 #include "light/emitters.h"
-#include "material/shader.h"
+#include "material/textured.h"
 #include "sample/sample.h"
 #include "surface/kernels.h"
 #include "trace/watertight/watertight.h"
@@ -32,6 +32,8 @@ typedef struct render_plan {
     shade_camera camera;
     pixel_filter filter;
     shader *shaders;                   /* by material; path tracing */
+    texturing *texturing;              /* NULL: no material varies over a surface */
+    float pixel_spread;                /* angle of the cone around a camera ray */
     emitters *emitters;                /* path tracing */
     struct reference_scene *reference; /* the reference integrator */
     bsdf *bsdfs;                       /* by material; the classic integrator, and all that follows */

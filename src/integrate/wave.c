@@ -78,6 +78,11 @@ bool wave_reserve_vertices(wave *w, size_t count) {
     void *items = w->vertices;
     bool ok = grow_single(w, &items, sizeof *w->vertices, wave_blocks(w->vertex_count), room / LANES);
     w->vertices = items;
+    items = w->made;
+    const bool varies = w->run.plan->texturing && w->run.plan->shaders;
+    if (ok && varies)
+        ok = grow_single(w, &items, sizeof *w->made, wave_blocks(w->vertex_count), room / LANES);
+    w->made = items;
     if (ok) w->vertex_capacity = room;
     return ok;
 }
@@ -119,6 +124,7 @@ void wave_destroy(wave *w) {
     free(w->shadows.sources);
     free(w->shadows.ends);
     free(w->vertices);
+    free(w->made);
     free(w->refracted);
     free(w->gather);
     free(w->run.samples.radiance[0]);

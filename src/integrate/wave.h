@@ -79,7 +79,8 @@ struct wave {
     size_t vertex_count, vertex_capacity; /* in points */
     scatter_block *refracted;             /* of each block of vertices; NULL when nothing refracts */
     size_t refracted_capacity;            /* in blocks */
-    float *lost[3];                       /* by slot, what was left out; NULL: nothing may be */
+    shader (*made)[LANES]; /* by block of vertices, where materials vary over surfaces; else NULL */
+    float *lost[3];        /* by slot, what was left out; NULL: nothing may be */
 };
 
 bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_stages *stages, wave *out);

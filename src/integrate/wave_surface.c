@@ -27,15 +27,16 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     const world *scene = w->run.plan->world;
     const surface_gather *g = w->gather;
     const local_block *b = &g->local;
-    const uint32_t material = wave_hit_material(w, i);
-    const fathom_material *m = &w->run.plan->scene->materials.items[material].classic;
-    const shader *path = w->run.plan->shaders; /* NULL: not path tracing */
+    const bool path = w->run.plan->shaders != NULL;
+    const vertex_block *v = &w->vertices[w->vertex_count / LANES];
     first_hits *f = w->run.samples.first;
     vec3_f32 dir = {b->ray[0][i], b->ray[1][i], b->ray[2][i]};
-    bool plane = g->geometry[i] == TRACE_PLANE, specular = m->specular != FATHOM_SPECULAR_NONE;
+    bool plane = g->geometry[i] == TRACE_PLANE;
     vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]}, from_eye = sub_f64(p, widen(w->run.plan->camera.eye));
     vec3_f32 ng = {(float)b->n[0][i], (float)b->n[1][i], (float)b->n[2][i]};
     vec3_f32 ns = {b->ns[0][i], b->ns[1][i], b->ns[2][i]};
+    if (v->surface.mapped >> i & 1)
+        ns = (vec3_f32){v->surface.ns[0][i], v->surface.ns[1][i], v->surface.ns[2][i]};
     if (!(dot_f32(ns, ng) * dot_f32(ng, dir) < 0)) ns = neg_f32(ns);
     const float world_p[3] = {(float)(p.x + scene->origin.x), (float)(p.y + scene->origin.y),
                               (float)(p.z + scene->origin.z)};
@@ -45,7 +46,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     for (int c = 0; c < 3; ++c) {
         f->p[c][slot] = world_p[c];
         f->n[c][slot] = normal[c];
-        f->albedo[c][slot] = path ? path[material].albedo[c] : m->k_d[c] + (specular ? m->k_s[c] : 0);
+        f->albedo[c][slot] = path ? v->shader.at[i]->albedo[c] : v->bsdf.k_d[c][i] + v->bsdf.k_s[c][i];
     }
     f->object[slot] = plane ? scene->planes.items[g->primitive[i]].object
                             : world_object(scene, g->geometry[i], g->primitive[i]);

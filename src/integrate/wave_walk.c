@@ -55,7 +55,10 @@ static float passed_part(const wave *w, unsigned i, bool sized) {
     const bool plane = g->geometry[i] == TRACE_PLANE;
     const unsigned flags =
         plane ? scene->planes.items[g->primitive[i]].flags : scene->geometries.items[g->geometry[i]].flags;
-    return flags & FATHOM_CASTS_NO_SHADOW && !sized ? 1 : w->run.plan->shaders[wave_hit_material(w, i)].hole;
+    const render_plan *plan = w->run.plan;
+    if (flags & FATHOM_CASTS_NO_SHADOW && !sized) return 1;
+    if (plan->texturing) return 1 - texturing_opacity(plan->texturing, g, i, wave_hit_material(w, i));
+    return plan->shaders[wave_hit_material(w, i)].hole;
 }
 
 /* The way from `start` on. Its rounding is taken off: 5 units for the product, and 1 for the difference. */

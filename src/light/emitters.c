@@ -23,11 +23,12 @@ static void share(emitters *e) {
     for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
 }
 
-fathom_status emitters_create(fathom_context *context, const world *w, emitters **out) {
+fathom_status emitters_create(fathom_context *context, const world *w, const texturing *varied,
+                              emitters **out) {
     *out = NULL;
     emitters *e = calloc(1, sizeof *e);
     if (!e) return fail_memory(context, sizeof *e);
-    e->w = w;
+    e->w = w, e->texturing = varied;
     e->shapes = shape_kernels_best(), e->points = light_kernels_best();
     memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = emitters_collect(context, e);
@@ -136,6 +137,41 @@ static void take_answers(const lane_choices *c, unsigned lanes, const shape_answ
     }
 }
 
+/* The weights of the corners of the half of a face that the ray meets, which is where it is sampled. */
+static void find_place(const shape_face *f, vec3_f64 p, vec3_f64 direction, texturing_place *out) {
+    for (int half = 0; half < (f->quad ? 2 : 1); ++half) {
+        const vec3_f64 a = f->corner[half ? 2 : 0], b = sub_f64(f->corner[half ? 3 : 1], a),
+                       c = sub_f64(f->corner[half ? 1 : 3], a), from = sub_f64(p, a);
+        const vec3_f64 across = cross_f64(direction, c), along = cross_f64(from, b);
+        const double all = dot_f64(b, across), inverse = all != 0 ? 1 / all : 0;
+        const double u = fmin(fmax(dot_f64(from, across) * inverse, 0), 1),
+                     v = fmin(fmax(dot_f64(direction, along) * inverse, 0), 1);
+        const double over = fmax(u + v, 1);
+        out->second = half;
+        out->weight[1] = (float)(u / over), out->weight[2] = (float)(v / over);
+        out->weight[0] = 1 - out->weight[1] - out->weight[2];
+        if (u + v <= 1) return;
+    }
+}
+
+/* What the places that the lanes' rays reach send out, where that varies. */
+static void look_up_radiance(const emitters *e, const lane_choices *c, const lanes3 direction,
+                             float (*value)[3], const float *radiance[LANES]) {
+    for (unsigned left = c->faces; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        const emitter_run *run = emitters_run_of(e, c->emitter[i]);
+        const uint32_t primitive = c->emitter[i] - run->first;
+        texturing_place place = {.geometry = run->geometry, .primitive = primitive};
+        place.material = world_material(e->w, run->geometry, primitive, run->instance);
+        if (!texturing_varies_emission(e->texturing, place.material)) continue;
+        shape_face face;
+        emitters_face(e, run, primitive, &face);
+        find_place(&face, widen(lane_f32(c->from->p, i)), widen(lane_f32(direction, i)), &place);
+        texturing_emission(e->texturing, &place, value[i]);
+        radiance[i] = value[i];
+    }
+}
+
 static void put_face(shape_faces *to, int i, const shape_face *f) {
     for (int k = 0; k < 4; ++k) {
         const vec3_f64 corner = f->corner[k];
@@ -170,6 +206,8 @@ static void sample_faces(const emitters *e, const lane_choices *c, emitter_sampl
     }
     load_points(c, p);
     e->shapes->faces(&faces, p, c->u, quads, &answers, direction, distance);
+    float value[LANES][3];
+    if (e->texturing) look_up_radiance(e, c, direction, value, radiance);
     take_answers(c, c->faces, &answers, direction, distance, radiance, out);
 }
 

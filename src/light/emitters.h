@@ -9,10 +9,13 @@
 #include <stdbool.h>
 
 typedef struct emitters emitters;
+struct texturing;
 
-/* Release with emitters_destroy(). The world must outlive them. Fails when an environment's image cannot be
- * read, or holds a NaN or an infinity (the message names the file and the texel). */
-fathom_status emitters_create(fathom_context *context, const world *w, emitters **out);
+/* varied: materials whose emission varies; NULL: none does. Release with emitters_destroy(). Both must
+ * outlive them. Fails when an environment's image cannot be read, or holds a NaN or an infinity (the message
+ * names the file and the texel). */
+fathom_status emitters_create(fathom_context *context, const world *w, const struct texturing *varied,
+                              emitters **out);
 void emitters_destroy(emitters *e);
 
 /* Nothing sends out any light. */

@@ -4,10 +4,10 @@
 
 #include "base/memory.h"
 #include "light/light_surfaces.h"
-#include "material/shader.h"
 
 #include <float.h>
 #include <stdlib.h>
+#include <string.h>
 
 static float luminance(const float rgb[3]) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
 
@@ -17,9 +17,7 @@ static bool find_emission(emitters *e) {
     const fathom_scene *scene = e->w->scene;
     e->emission = calloc(scene->materials.count, sizeof *e->emission);
     for (size_t i = 0; e->emission && i < scene->materials.count; ++i) {
-        shader made;
-        shader_prepare(&scene->materials.items[i].value, &made);
-        for (int c = 0; c < 3; ++c) e->emission[i][c] = made.emission[c];
+        shader_emission(&scene->materials.items[i].value, e->emission[i]);
     }
     return e->emission != NULL;
 }
@@ -152,10 +150,36 @@ static bool within_reach(const tree_item *item) {
     return within;
 }
 
+/* The mean luminance of what varies: in the middle and towards each corner, with footprints that cover the
+ * face. Where it is 0 by mistake, rays still meet what light there is. */
+static float varied_power(const emitters *e, const emitter_run *run, uint32_t primitive) {
+    static const float weight[4][3] = {{1 / 3.0f, 1 / 3.0f, 1 / 3.0f},
+                                       {2 / 3.0f, 1 / 6.0f, 1 / 6.0f},
+                                       {1 / 6.0f, 2 / 3.0f, 1 / 6.0f},
+                                       {1 / 6.0f, 1 / 6.0f, 2 / 3.0f}};
+    const bool quad = e->w->geometries.items[run->geometry].kind == WORLD_QUADS;
+    texturing_place place = {.geometry = run->geometry, .primitive = primitive, .width = 0.5f};
+    place.material = world_material(e->w, run->geometry, primitive, run->instance);
+    float sum = 0;
+    for (int k = 0; k < (quad ? 8 : 4); ++k) {
+        float rgb[3];
+        place.second = k >= 4;
+        memcpy(place.weight, weight[k % 4], sizeof place.weight);
+        texturing_emission(e->texturing, &place, rgb);
+        sum += luminance(rgb);
+    }
+    return sum / (quad ? 8 : 4);
+}
+
+/* Spheres whose emission varies are left to rays that meet them. */
 static bool primitive_item(const emitters *e, const emitter_run *run, uint32_t primitive, tree_item *item) {
-    const float power = power_of(e, run->geometry, primitive, run->instance);
-    if (!(power > 0)) return false;
     const bool ball = e->w->geometries.items[run->geometry].kind == WORLD_SPHERES;
+    float power = power_of(e, run->geometry, primitive, run->instance);
+    if (power > 0 && e->texturing &&
+        texturing_varies_emission(e->texturing,
+                                  world_material(e->w, run->geometry, primitive, run->instance)))
+        power = ball ? 0 : varied_power(e, run, primitive);
+    if (!(power > 0)) return false;
     if (!(ball ? ball_item : face_item)(e, run, primitive, item)) return false;
     item->power = fmaxf(fminf(item->power * power, FLT_MAX), FLT_MIN);
     return within_reach(item);

@@ -7,6 +7,7 @@
 #include "light/light.h"
 #include "light/shape_block.h"
 #include "light/tree.h"
+#include "material/textured.h"
 
 /* Primitives of one geometry, where an instance or the root places it: emitters first, first + 1, … */
 typedef struct emitter_run {
@@ -45,8 +46,9 @@ typedef struct emitter_sky {
 
 struct emitters {
     const world *w;
-    float (*emission)[3]; /* by material: of both sides, on average over its coverage */
-    emitter_run *runs;    /* those of the root's geometries first, then of each instance that emits */
+    const texturing *texturing; /* NULL: no emission varies over a surface */
+    float (*emission)[3];       /* by material: of both sides, on average over its coverage; without images */
+    emitter_run *runs;          /* those of the root's geometries first, then of each instance that emits */
     uint32_t run_count;
     uint32_t *run_of;       /* by instance: the run of its group's first geometry; FATHOM_NONE: nothing */
     uint32_t surface_count; /* emitters below this are primitives, the others lamps */

@@ -9,6 +9,7 @@
 /* Curves at roughnesses (j / ROUGH_STEPS)^2; the first is a mirror's. */
 enum { ROUGH_STEPS = 72, AROUND = 12, ALONG = 32 };
 static float tables[ROUGH_STEPS + 1][2][ENERGY_NODES];
+static double parts[ENERGY_STEPS], slopes[ENERGY_STEPS]; /* of the mean */
 
 static float cosine_at(int k) {
     const float x = (float)k / ENERGY_STEPS, mu = x * x * (x * x);
@@ -56,7 +57,17 @@ static void albedo(float alpha, float mu, float *out_all, float *out_edge) {
     *out_all = sum / (AROUND * ALONG), *out_edge = rise / (AROUND * ALONG);
 }
 
+/* With mu = x^4: 8 ∫ f x^7 dx, exact for lines in x. */
+static void fill_parts(void) {
+    for (int k = 0; k < ENERGY_STEPS; ++k) {
+        const double a = (double)k / ENERGY_STEPS, b = (k + 1.0) / ENERGY_STEPS;
+        parts[k] = (pow(b, 8) - pow(a, 8)) / 8;
+        slopes[k] = (pow(b, 9) - pow(a, 9)) / 9 - a * parts[k];
+    }
+}
+
 static void fill(void) {
+    fill_parts();
     for (int j = 0; j <= ROUGH_STEPS; ++j) {
         const float y = (float)j / ROUGH_STEPS, alpha = y * y * (y * y);
         for (int k = 0; k < ENERGY_NODES; ++k) {
@@ -67,8 +78,9 @@ static void fill(void) {
     }
 }
 
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
 void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]) {
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
     pthread_once(&once, fill);
     const float x = alpha < SHADER_SMOOTH_ALPHA ? 0 : sqrtf(sqrtf(fminf(alpha, 1))) * ROUGH_STEPS;
     const int j = x < ROUGH_STEPS - 1 ? (int)x : ROUGH_STEPS - 1;
@@ -79,14 +91,12 @@ void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES
     }
 }
 
-/* With mu = x^4: 8 ∫ f x^7 dx, exact for lines in x. */
 float energy_mean(const float curve[ENERGY_NODES]) {
+    pthread_once(&once, fill);
     double sum = 0;
     for (int k = 0; k < ENERGY_STEPS; ++k) {
-        const double a = (double)k / ENERGY_STEPS, b = (k + 1.0) / ENERGY_STEPS;
-        const double eighth = (pow(b, 8) - pow(a, 8)) / 8, ninth = (pow(b, 9) - pow(a, 9)) / 9;
         const double slope = ((double)curve[k + 1] - (double)curve[k]) * ENERGY_STEPS;
-        sum += (double)curve[k] * eighth + slope * (ninth - a * eighth);
+        sum += (double)curve[k] * parts[k] + slope * slopes[k];
     }
     return (float)(8 * sum);
 }

@@ -50,8 +50,8 @@ typedef struct scatter_block {
 } scatter_block;
 
 typedef struct material_kernels {
-    /* The BSDFs of the points. `table` is indexed by material id. */
-    void (*make)(const bsdf *table, const surface_block *s, bsdf_block *out);
+    /* The BSDFs of the points, which are at[i]. */
+    void (*make)(const bsdf *const at[LANES], bsdf_block *out);
 
     /* Light from unit directions l. arriving: of each lane, 0 where none does; false, and f not set, where no
      * lane reflects any. */

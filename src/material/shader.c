@@ -22,7 +22,6 @@ static void prepare_classic(const fathom_material *m, shader *out) {
         out->diffuse[c] = m->k_d[c];
         out->highlight[c] = shiny ? m->k_s[c] : 0;
         out->k_r[c] = m->k_r[c], out->k_t[c] = m->k_t[c];
-        out->emission[c] = limited(m->k_e[c]);
         out->albedo[c] = fminf(m->k_d[c] + out->highlight[c] * spread + m->k_r[c] + m->k_t[c], 1);
     }
     out->shininess = m->shininess;
@@ -126,8 +125,8 @@ static void scale(float factor, float rgb[3]) {
 
 static void cover(float opacity, shader *out) {
     if (opacity >= 1) return;
-    float *const colours[] = {out->diffuse, out->f0,          out->mirror0, out->cross,
-                              out->again,   out->again_cross, out->albedo,  out->emission};
+    float *const colours[] = {out->diffuse, out->f0,          out->mirror0, out->cross,     out->again,
+                              out->k_r,     out->again_cross, out->albedo,  out->highlight, out->k_t};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
     out->coat *= opacity, out->f90 *= opacity, out->mirror90 *= opacity, out->missing_share *= opacity;
     out->hole = 1 - opacity;
@@ -147,7 +146,6 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     for (int c = 0; c < 3; ++c) {
         out->diffuse[c] = base * (1 - m->transmission) * m->base_color[c];
         out->cross[c] = base * m->transmission * m->base_color[c];
-        out->emission[c] = limited(m->emissive_strength * m->emissive[c]);
         out->albedo[c] = fminf(x.f0[c] + (out->diffuse[c] + out->cross[c]) * (1 - out->layer0), 1);
     }
     memcpy(smooth ? out->mirror0 : out->f0, x.f0, sizeof x.f0);
@@ -159,16 +157,26 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     prepare_absorption(m, out);
     prepare_coat(m, out);
     if (m->multiscatter) prepare_even(m, &x, alpha, out);
-    cover(m->opacity, out);
+}
+
+void shader_emission(const fathom_material *m, float out[3]) {
+    const bool classic = m->model == FATHOM_MODEL_CLASSIC;
+    const float opacity = material_opacity(m);
+    for (int c = 0; c < 3; ++c) {
+        out[c] = limited(classic ? m->k_e[c] : m->emissive_strength * m->emissive[c]);
+        if (opacity < 1) out[c] *= opacity;
+    }
 }
 
 void shader_prepare(const fathom_material *m, shader *out) {
     *out = (shader){.model = m->model, .alpha = 1, .ior = 1, .eta = 1};
+    shader_emission(m, out->emission);
     for (int k = 0; k < ENERGY_NODES; ++k) out->below_coat[k] = 1;
     switch (m->model) {
     case FATHOM_MODEL_CLASSIC: prepare_classic(m, out); break;
     case FATHOM_MODEL_METALLIC_ROUGHNESS: prepare_metallic(m, out); break;
     }
+    cover(material_opacity(m), out);
 }
 
 KERNEL_CHOICE(shader_kernels)

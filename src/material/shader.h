@@ -6,8 +6,10 @@
  *
  * Sides. n is the shading normal, or the geometric one where the viewer is below the shading normal's
  * horizon. Light is reflected where l·n > 0 and l·ng > 0, and crosses the surface where both are < 0; any
- * other direction carries nothing, in evaluate() and in sample(). Smooth lobes follow MODEL.md, which
- * scatters them about the geometric normal where the shading normal would send them through the surface.
+ * other direction carries nothing, in evaluate() and in sample(). Where a normal map has turned n, light has
+ * to be on the same side of the normal without the map as well (`base` in surface/surface.h). Smooth lobes
+ * follow MODEL.md, which scatters them about the geometric normal where the shading normal would send them
+ * through the surface.
  *
  * metallicRoughness. With m = metallic, c = baseColor, s = specular, T = transmission, F0 = s min(1, ((ior -
  * 1) / (ior + 1))^2 specularColor), h the half vector, S(f0, f90) = f0 + (f90 - f0) (1 - v·h)^5, L = S of the
@@ -97,6 +99,8 @@ enum {
 };
 
 void shader_prepare(const fathom_material *material, shader *out);
+/* shader.emission alone. */
+void shader_emission(const fathom_material *material, float out[3]);
 
 /* Lobes that sample() chooses from. */
 enum {
@@ -118,7 +122,7 @@ typedef struct shader_block {
     lanes3 b, n;
     lanes3 v;                        /* towards the viewer, in that frame; v[2] > 0 */
     float take[SHADER_TAKES][LANES]; /* chances of the lobes */
-    const shader *at[LANES];
+    const shader *at[LANES];         /* the materials */
     /* Constants of the materials; those that no lane's lobes read are not set. */
     lanes3 diffuse, highlight, f0, cross, again, again_cross;
     lanes3 mirror_share, pass_share; /* of the smooth lobes */
@@ -142,8 +146,8 @@ typedef struct shader_sample {
 } shader_sample;
 
 typedef struct shader_kernels {
-    /* `table` is indexed by material id. */
-    void (*make)(const shader *table, const surface_block *s, shader_block *out);
+    /* out->at is set. */
+    void (*make)(const surface_block *s, shader_block *out);
 
     /* For light from unit directions l: f |cosine|, and the density with which sample() takes l. */
     void (*evaluate)(const surface_block *s, const shader_block *b, const lanes3 l, float (*f)[LANES],

@@ -18,6 +18,13 @@ fathom_status read_beside(fathom_scene *scene, const char *base, const char *nam
     return status;
 }
 
+fathom_status read_colored_material(fathom_scene *scene, fathom_id *out) {
+    fathom_material material;
+    fathom_material_default(&material);
+    for (int c = 0; c < 3; ++c) material.k_d[c] = 1;
+    return fathom_scene_add_material(scene, "vertex colours", &material, out);
+}
+
 static double rounded_to(double x, double step) { return round(x / step) * step; }
 
 vec3_f64 origin_for(const scene_bounds *bounds) {

@@ -17,6 +17,15 @@ typedef struct read_mesh_options {
  * outside the allowed folder; the caller adds the place to the message. */
 fathom_status read_beside(fathom_scene *scene, const char *base, const char *name, char **out);
 
+/* The curve of sRGB, for a number in [0,1] of a vertex colour: files hold what screens show. */
+static inline float read_linear(double srgb) {
+    return (float)(srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4));
+}
+
+/* A material for a file that has colours and no materials: its diffuse reflectance is 1, times the colours.
+ */
+fathom_status read_colored_material(fathom_scene *scene, fathom_id *out);
+
 /* The origin of a mesh's float positions: zero, unless the vertices lie so far out for their extent that
  * float would lose digits that the file has.
  *

@@ -27,7 +27,8 @@ static void add_vectors(piece_list *list, const float *start, uint32_t count, si
     if (count) add(list, start, (uint64_t)(count - 1) * stride + floats * sizeof(float));
 }
 
-static void add_mesh(piece_list *list, const fathom_mesh *m, unsigned which) {
+/* mapped: shading reads texture coordinates. */
+static void add_mesh(piece_list *list, const fathom_mesh *m, unsigned which, bool mapped) {
     const uint64_t index_bytes = (uint64_t)m->triangle_count * 3 * sizeof(uint32_t);
     if (which & SCENE_TRACED) {
         add_vectors(list, m->positions, m->vertex_count, m->position_stride, 3);
@@ -37,9 +38,13 @@ static void add_mesh(piece_list *list, const fathom_mesh *m, unsigned which) {
         add_vectors(list, m->normals, m->normal_count, m->normal_stride, 3);
         add(list, m->normal_indices, index_bytes);
     }
-    if (which & SCENE_UNREAD) {
+    if (which & SCENE_SHADED && m->colors)
+        add_vectors(list, m->colors, m->vertex_count, m->color_stride, m->color_channels);
+    if (which & (mapped ? SCENE_SHADED : SCENE_UNREAD)) {
         add_vectors(list, m->uvs, m->uv_count, m->uv_stride, 2);
         add(list, m->uv_indices, index_bytes);
+        if (m->uvs_1) add_vectors(list, m->uvs_1, m->vertex_count, m->uv_1_stride, 2);
+        if (m->tangents) add_vectors(list, m->tangents, m->vertex_count, m->tangent_stride, 4);
     }
 }
 
@@ -60,10 +65,11 @@ static void merge(piece_list *list) {
 
 /* In order, apart from each other. Release the items with free(). */
 static fathom_status list_pieces(const fathom_scene *scene, unsigned which, piece_list *out) {
-    size_t room = scene->meshes.count * 6;
+    size_t room = scene->meshes.count * 9;
     *out = (piece_list){malloc((room + 1) * sizeof *out->items), 0};
     if (!out->items) return fail_memory(scene->context, room * sizeof *out->items);
-    for (size_t i = 0; i < scene->meshes.count; ++i) add_mesh(out, &scene->meshes.items[i], which);
+    for (size_t i = 0; i < scene->meshes.count; ++i)
+        add_mesh(out, &scene->meshes.items[i], which, scene->has_maps);
     merge(out);
     return FATHOM_OK;
 }

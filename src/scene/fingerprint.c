@@ -27,6 +27,12 @@ static void hash_material(hash *h, const fathom_material *m) {
             PUT(h, number);
         }
     }
+    for (int k = 0; k < FATHOM_MAPS; ++k) {
+        const fathom_map *map = &m->maps[k];
+        if (map->texture == FATHOM_NONE) continue;
+        PUT(h, k), PUT(h, map->texture), PUT(h, map->uv_set), PUT(h, map->channel), PUT(h, map->inverted),
+            PUT(h, map->transform);
+    }
 }
 
 static void hash_light(hash *h, const fathom_light *l) {
@@ -70,7 +76,8 @@ static void hash_plane(hash *h, const fathom_plane *p) {
 }
 
 static void hash_mesh(hash *h, const fathom_mesh *m) {
-    const unsigned has = (m->normals ? 1u : 0u) + (m->normal_indices ? 2u : 0u);
+    const unsigned has = (m->normals ? 1u : 0u) + (m->normal_indices ? 2u : 0u) +
+                         (m->colors ? 4u * m->color_channels : 0u) + (m->tangents ? 32u : 0u);
     PUT(h, m->vertex_count), PUT(h, m->triangle_count), PUT(h, m->normal_count), PUT(h, has);
     PUT(h, m->origin), PUT(h, m->material), PUT(h, m->flags);
 }
@@ -127,8 +134,21 @@ static bool add_array(pieces *p, const void *data, size_t rows, size_t row, size
     return true;
 }
 
+static bool add_rows(pieces *p, const float *data, size_t count, size_t stride, size_t numbers) {
+    return add_array(p, data, count, numbers * sizeof(float), stride ? stride : numbers * sizeof(float));
+}
+
 static bool add_vectors(pieces *p, const float *data, size_t count, size_t stride) {
-    return add_array(p, data, count, 3 * sizeof(float), stride ? stride : 3 * sizeof(float));
+    return add_rows(p, data, count, stride, 3);
+}
+
+/* What shading reads where materials take parameters from images. */
+static bool add_coordinates(pieces *p, const fathom_mesh *m) {
+    const size_t corners = (size_t)m->triangle_count * 3, each = sizeof(uint32_t);
+    return add_rows(p, m->uvs, m->uv_count, m->uv_stride, 2) &&
+           add_array(p, m->uvs ? m->uv_indices : NULL, corners, each, each) &&
+           add_rows(p, m->uvs_1, m->vertex_count, m->uv_1_stride, 2) &&
+           add_rows(p, m->tangents, m->vertex_count, m->tangent_stride, 4);
 }
 
 static bool add_mesh(pieces *p, const fathom_mesh *m) {
@@ -136,7 +156,8 @@ static bool add_mesh(pieces *p, const fathom_mesh *m) {
     return add_vectors(p, m->positions, m->vertex_count, m->position_stride) &&
            add_array(p, m->indices, corners, each, each) &&
            add_vectors(p, m->normals, m->normal_count, m->normal_stride) &&
-           add_array(p, m->normals ? m->normal_indices : NULL, corners, each, each);
+           add_array(p, m->normals ? m->normal_indices : NULL, corners, each, each) &&
+           add_rows(p, m->colors, m->vertex_count, m->color_stride, m->color_channels);
 }
 
 /* Rows with gaps are packed first: the bytes between them belong to another array, or to none. */
@@ -148,13 +169,12 @@ static uint64_t hash_piece(const piece *p) {
         return hash_end(&h);
     }
     enum { TOGETHER = 256 };
-    char near[TOGETHER * 3 * sizeof(float)];
+    char near[TOGETHER * 4 * sizeof(float)];
     for (size_t first = 0; first < p->rows; first += TOGETHER) {
         size_t count = p->rows - first < TOGETHER ? p->rows - first : TOGETHER;
         const char *from = p->data + first * p->stride;
-        for (size_t i = 0; i < count; ++i)
-            memcpy(near + i * 3 * sizeof(float), from + i * p->stride, 3 * sizeof(float));
-        hash_put(&h, near, count * 3 * sizeof(float));
+        for (size_t i = 0; i < count; ++i) memcpy(near + i * p->row, from + i * p->stride, p->row);
+        hash_put(&h, near, count * p->row);
     }
     return hash_end(&h);
 }
@@ -168,6 +188,7 @@ static void hash_pieces(void *user, size_t begin, size_t end, unsigned worker) {
 static bool hash_arrays(const fathom_scene *scene, pieces *p) {
     for (size_t i = 0; i < scene->meshes.count; ++i) {
         if (!add_mesh(p, &scene->meshes.items[i])) return false;
+        if (scene->has_maps && !add_coordinates(p, &scene->meshes.items[i])) return false;
     }
     p->hashes = malloc((p->list.count + 1) * sizeof *p->hashes);
     if (!p->hashes) return false;

@@ -30,6 +30,8 @@
  * - ior 0: F0 is the specular colour, no refraction. Older workflows are carried over so. */
 #include "scene/metallic.h"
 
+#include "scene/scene.h"
+
 #include <math.h>
 
 static double mirror_share(double alpha) {
@@ -91,7 +93,7 @@ void metallic_to_classic(const metallic_factors *f, fathom_material *out) {
 }
 
 metallic_factors metallic_factors_of(const fathom_material *m) {
-    metallic_factors f = {.cover = (double)m->opacity,
+    metallic_factors f = {.cover = (double)material_opacity(m),
                           .metallic = (double)m->metallic,
                           .roughness = (double)m->roughness,
                           .emissive_strength = (double)m->emissive_strength,

@@ -118,6 +118,8 @@ static const fathom_parameter classic_rows[] = {
      .count = 3},
     {"k_e", F32, MATERIAL(k_e), SOFT, 0, RADIANCE, 0, "R,G,B", "Surface",
      .help = "Radiance the surface sends out by itself, as it is seen from outside of any glass around it. It lights other surfaces under path tracing.", .count = 3},
+    {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
+     .help = "Factor of the slopes of `normalTexture`."},
     {"lit_from_behind", BOOL, MATERIAL(lit_from_behind), HARD, 0, 1, false, NULL, "Surface",
      .help = "Whether lights on the far side of the surface count, as on thin cloth or paper."},
 };
@@ -153,6 +155,10 @@ static const fathom_parameter metallic_rows[] = {
      .help = "The layer's `roughness`."},
     {"opacity", F32, MATERIAL(opacity), HARD, 0, 1, 1, NULL, "Surface",
      .help = "Share of the rays that meet the surface; the others pass."},
+    {"opacity_cutoff", F32, MATERIAL(opacity_cutoff), HARD, 0, 1e3, 0, NULL, "Surface",
+     .help = "Above 0: where `opacity` is below it there is no surface, and elsewhere all of it."},
+    {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
+     .help = "Factor of the slopes of `normalTexture`."},
     {"multiscatter", BOOL, MATERIAL(multiscatter), HARD, 0, 1, true, NULL, "Surface",
      .help = "Gives back what rough surfaces lose to light that scatters between their facets; without it, glTF's formulas alone."},
 };
@@ -189,7 +195,24 @@ void fathom_material_default_sized(fathom_material *out, size_t size) {
     memset(&material, 0, sizeof material);
     parameters_default(classic_table, &material);
     parameters_default(metallic_table, &material);
+    for (int k = 0; k < FATHOM_MAPS; ++k)
+        material.maps[k] = (fathom_map){.texture = FATHOM_NONE, .transform = {1, 0, 0, 0, 1, 0}};
     sized_give(out, size, &material, sizeof material);
+}
+
+static fathom_status check_maps(fathom_context *context, const fathom_material *m) {
+    for (int k = 0; k < FATHOM_MAPS; ++k) {
+        const fathom_map *map = &m->maps[k];
+        bool fine = map->uv_set <= 1 && map->channel <= 3;
+        if (map->texture == FATHOM_NONE) continue;
+        for (int i = 0; i < 6; ++i) fine &= isfinite(map->transform[i]) != 0;
+        if (!fine)
+            return fail(context, FATHOM_BAD_INPUT,
+                        "maps[%d]: expected uv_set 0 or 1, channel 0 to 3 and a finite transform; found %u "
+                        "and %u",
+                        k, map->uv_set, map->channel);
+    }
+    return FATHOM_OK;
 }
 
 /* The members of its own model. A negative first entry of k_a means k_d. */
@@ -199,7 +222,8 @@ fathom_status scene_check_material(fathom_context *context, const fathom_materia
         return fail_field(context, FATHOM_BAD_USAGE, "model", "expected a fathom_model, found %u",
                           (unsigned)m.model);
     if (m.k_a[0] < 0) memcpy(m.k_a, m.k_d, sizeof m.k_a);
-    return parameters_check(context, material_table(m.model), &m);
+    fathom_status status = parameters_check(context, material_table(m.model), &m);
+    return status == FATHOM_OK ? check_maps(context, &m) : status;
 }
 
 void settings_print(const fathom_settings *settings, char out[SETTINGS_TEXT]) {

@@ -118,10 +118,26 @@ static fathom_status check_color(fathom_context *context, const char *what, cons
     return FATHOM_OK;
 }
 
+bool material_has_maps(const fathom_material *m) {
+    for (int k = 0; k < FATHOM_MAPS; ++k) {
+        if (m->maps[k].texture != FATHOM_NONE) return true;
+    }
+    return false;
+}
+
+float material_opacity(const fathom_material *m) {
+    return m->opacity_cutoff > 0 ? (m->opacity >= m->opacity_cutoff ? 1.0f : 0.0f) : m->opacity;
+}
+
 fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const fathom_material *material,
                                     const fathom_material *classic, fathom_id *out) {
     fathom_status status = scene_check_material(scene->context, material);
     if (status == FATHOM_OK) status = scene_check_material(scene->context, classic);
+    for (int k = 0; k < FATHOM_MAPS && status == FATHOM_OK; ++k) {
+        const fathom_id texture = material->maps[k].texture;
+        if (texture != FATHOM_NONE && texture >= scene->textures.count)
+            status = fail(scene->context, FATHOM_BAD_INPUT, "maps[%d]: there is no texture %u", k, texture);
+    }
     if (status != FATHOM_OK) return status;
     scene_named_material entry = {.value = *material, .classic = *classic};
     status = copy_text(scene->context, name, &entry.name);
@@ -130,6 +146,7 @@ fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const
         free(entry.name);
         return fail_memory(scene->context, sizeof entry);
     }
+    scene->has_maps |= material_has_maps(material);
     if (out) *out = (fathom_id)(scene->materials.count - 1);
     return FATHOM_OK;
 }

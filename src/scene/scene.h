@@ -68,7 +68,8 @@ struct fathom_scene {
     float background[3], ambient[3];
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;
-    bool without_uvs; /* texture coordinates are not taken: rendering has no use for them */
+    bool without_uvs; /* texture coordinates are not taken where no material has a use for them */
+    bool has_maps;    /* some material takes parameters from images */
     fathom_settings settings;
     char *tracer; /* of the settings; NULL: none */
 };
@@ -101,6 +102,16 @@ fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const
 
 /* The material with this name, FATHOM_NONE when there is none. */
 fathom_id scene_find_material(const fathom_scene *scene, const char *name);
+
+/* Whether some parameter comes from an image. */
+bool material_has_maps(const fathom_material *material);
+/* The opacity, or with a cutoff 0 or 1. */
+float material_opacity(const fathom_material *material);
+
+/* Texture coordinates of what is added now are kept. Materials come before the shapes that wear them. */
+static inline bool scene_keeps_uvs(const fathom_scene *scene) {
+    return !scene->without_uvs || scene->has_maps;
+}
 
 /* The material of a shape. */
 fathom_id scene_object_material(const fathom_scene *scene, fathom_id object);

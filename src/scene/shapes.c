@@ -6,7 +6,7 @@
 
 SIZED_DEFAULT(fathom_sphere, {.radius = 1})
 SIZED_DEFAULT(fathom_plane, {.normal = {0, 0, 1}})
-SIZED_DEFAULT(fathom_mesh, {.material = 0})
+SIZED_DEFAULT(fathom_mesh, {.color_channels = 3})
 
 void fathom_quad_default_sized(fathom_quad *quad, size_t size) {
     fathom_quad_from_axes_sized((double[3]){0, 0, 0}, (double[3]){0.5, 0, 0}, (double[3]){0, 0.5, 0}, quad,
@@ -135,6 +135,28 @@ fathom_status fathom_scene_add_plane_sized(fathom_scene *scene, fathom_id group,
 
 /* ---- meshes ---- */
 
+/* Arrays with an entry a vertex. */
+static fathom_status check_vertex_arrays(fathom_context *context, const fathom_mesh *m) {
+    const struct {
+        const char *name;
+        const float *values;
+        size_t stride;
+        unsigned components;
+    } arrays[] = {{"uvs_1", m->uvs_1, m->uv_1_stride, 2},
+                  {"colors", m->colors, m->color_stride, m->color_channels},
+                  {"tangents", m->tangents, m->tangent_stride, 4}};
+    fathom_status status = FATHOM_OK;
+    if (m->color_channels < 3 || m->color_channels > 4)
+        return fail_field(context, FATHOM_BAD_INPUT, "color_channels", "expected 3 or 4, found %u",
+                          m->color_channels);
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == FATHOM_OK; ++i) {
+        if (arrays[i].values)
+            status = mesh_check_finite(context, arrays[i].name, arrays[i].values, arrays[i].stride,
+                                       arrays[i].components, m->vertex_count);
+    }
+    return status;
+}
+
 static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
     if (!m->positions || !m->vertex_count)
         return fail_field(context, FATHOM_BAD_INPUT, "positions", "the mesh has no vertices");
@@ -167,13 +189,16 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, m
             status = mesh_check_indices(context, "uv_indices", m->uv_indices, corners, m->uv_count);
         }
     }
-    return status;
+    return status == FATHOM_OK ? check_vertex_arrays(context, m) : status;
 }
 
 static void default_strides(fathom_mesh *mesh) {
     if (!mesh->position_stride) mesh->position_stride = 3 * sizeof(float);
     if (!mesh->normal_stride) mesh->normal_stride = 3 * sizeof(float);
     if (!mesh->uv_stride) mesh->uv_stride = 2 * sizeof(float);
+    if (!mesh->uv_1_stride) mesh->uv_1_stride = 2 * sizeof(float);
+    if (!mesh->color_stride) mesh->color_stride = mesh->color_channels * sizeof(float);
+    if (!mesh->tangent_stride) mesh->tangent_stride = 4 * sizeof(float);
     if (!mesh->normals) mesh->normal_indices = NULL;
     if (!mesh->uvs) mesh->uv_indices = NULL;
 }
@@ -234,24 +259,28 @@ fathom_status fathom_scene_add_mesh_sized(fathom_scene *scene, fathom_id group, 
     mesh_facts facts;
     fathom_status status = read_mesh(scene, mesh, size, &copy, &facts);
     if (status != FATHOM_OK) return status;
-    if (scene->without_uvs) copy.uvs = NULL, copy.uv_indices = NULL, copy.uv_count = 0;
+    if (!scene_keeps_uvs(scene)) copy.uvs = NULL, copy.uv_indices = NULL, copy.uv_count = 0;
     size_t corners = (size_t)copy.triangle_count * 3, word = sizeof(uint32_t);
     const struct {
         const void *from;
         size_t stride, size, count;
-    } arrays[6] = {{copy.positions, copy.position_stride, 12, copy.vertex_count},
+    } arrays[9] = {{copy.positions, copy.position_stride, 12, copy.vertex_count},
                    {copy.normals, copy.normal_stride, 12, copy.normal_count},
                    {copy.uvs, copy.uv_stride, 8, copy.uv_count},
                    {copy.indices, word, word, corners},
                    {copy.normal_indices, word, word, corners},
-                   {copy.uv_indices, word, word, corners}};
-    const void *copies[6];
-    for (int i = 0; i < 6; ++i) {
+                   {copy.uv_indices, word, word, corners},
+                   {copy.uvs_1, copy.uv_1_stride, 8, copy.vertex_count},
+                   {copy.colors, copy.color_stride, copy.color_channels * sizeof(float), copy.vertex_count},
+                   {copy.tangents, copy.tangent_stride, 16, copy.vertex_count}};
+    const void *copies[9];
+    for (int i = 0; i < 9; ++i) {
         status =
             copy_array(scene, arrays[i].from, arrays[i].stride, arrays[i].size, arrays[i].count, &copies[i]);
         if (status != FATHOM_OK) return status;
     }
     copy.positions = copies[0], copy.normals = copies[1], copy.uvs = copies[2];
     copy.indices = copies[3], copy.normal_indices = copies[4], copy.uv_indices = copies[5];
+    copy.uvs_1 = copies[6], copy.colors = copies[7], copy.tangents = copies[8];
     return add_mesh(scene, group, &copy, &facts, out);
 }

@@ -32,6 +32,7 @@ typedef struct local_block {
                     (Hanika 2021); else 0 */
     uint32_t smooth[LANES]; /* all ones: lift is set */
     lanes3 ray;             /* direction in the world */
+    lanes3 weight;          /* of a facet's corners at the point; of other shapes not set */
 } local_block;
 
 /* Corners of the triangle or half quad that a lane met, and the normals there. */

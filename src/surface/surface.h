@@ -17,6 +17,8 @@ typedef struct surface_block {
     uint32_t entering[LANES]; /* all ones: the viewer is outside, by the geometric normal; else 0 */
     uint32_t smooth[LANES];   /* all ones: the side of a light is judged by ns, not ng; else 0 */
     uint32_t count;           /* lanes [0, count) are points; the others repeat the last */
+    uint32_t mapped;          /* bits: lanes whose ns a normal map has turned */
+    lanes3 base; /* where some are: ns without the map. The side of a light is judged by it, too */
 } surface_block;
 
 /* A coordinate of where a ray begins that leaves p along ±n; offset is negative on the side away from n. */

@@ -69,12 +69,14 @@ static void run(unsigned k, const scene_named_material *table, const surface_blo
     static const float ambient[3] = {0.25f, 0.5f, 1};
     path_block path;
     bsdf bsdfs[4];
+    const bsdf *at[LANES];
     memset(out, 0, sizeof *out);
     for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < LANES; ++i) path.weight[c][i] = 1.0f / (float)(1 + c + i);
     }
     for (int i = 0; i < 4; ++i) bsdf_prepare(&table[i].value, ambient, &bsdfs[i]);
-    material_kernels_at(k)->make(bsdfs, s, &out->bsdf);
+    for (int i = 0; i < LANES; ++i) at[i] = &bsdfs[s->material[i]];
+    material_kernels_at(k)->make(at, &out->bsdf);
     for (int i = 0; i < 3; ++i) {
         shade_light light;
         light_block *lit = &out->lit[i];

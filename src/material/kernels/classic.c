@@ -27,13 +27,13 @@ static void set_lane(const bsdf *m, int i, bsdf_block *out) {
 }
 
 /* Most blocks see one material: a loop over lanes that copies the same numbers vectorises. */
-static void make(const bsdf *table, const surface_block *s, bsdf_block *restrict out) {
-    uint32_t differ = 0;
-    for (int i = 1; i < LANES; ++i) differ |= s->material[i] ^ s->material[0];
+static void make(const bsdf *const at[LANES], bsdf_block *restrict out) {
+    bool differ = false;
+    for (int i = 1; i < LANES; ++i) differ |= at[i] != at[0];
     if (differ) {
-        for (int i = 0; i < LANES; ++i) set_lane(&table[s->material[i]], i, out);
+        for (int i = 0; i < LANES; ++i) set_lane(at[i], i, out);
     } else {
-        const bsdf m = table[s->material[0]];
+        const bsdf m = *at[0];
         for (int i = 0; i < LANES; ++i) set_lane(&m, i, out);
     }
 }
@@ -41,7 +41,8 @@ static void make(const bsdf *table, const surface_block *s, bsdf_block *restrict
 /* ---- light from one direction ---- */
 
 /* Opaque: a light on the far side counts nothing. On smooth meshes the facets stand for a round surface,
- * whose side the shading normal tells (Hanika 2021); lit_from_behind takes either side. */
+ * whose side the shading normal tells (Hanika 2021); lit_from_behind takes either side. With a normal map
+ * both that normal and the mapped one have to face the light. */
 static void judge_sides(const surface_block *s, const bsdf_block *m, const lanes3 l, float n_dot_l[LANES],
                         bsdf_value *restrict out) {
     for (int i = 0; i < LANES; ++i) {
@@ -53,6 +54,11 @@ static void judge_sides(const surface_block *s, const bsdf_block *m, const lanes
         n_dot_l[i] = cosine;
         out->behind[i] = behind;
         out->cosine[i] = chosen(either, fabsf(cosine), facing);
+    }
+    for (uint32_t left = s->mapped; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        float side = l[0][i] * s->base[0][i] + l[1][i] * s->base[1][i] + l[2][i] * s->base[2][i];
+        if (!(side > 0) && !m->from_behind[i]) out->cosine[i] = 0;
     }
 }
 

@@ -24,6 +24,16 @@ typedef struct incidence {
     float missing[LANES], under[LANES], below_coat[LANES]; /* of the materials, at l */
 } incidence;
 
+/* Light and viewer are on the same side of the surface without its normal map, too. */
+static inline void judge_mapped(const surface_block *s, const lanes3 l, incidence *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        float side = s->base[0][i] * l[0][i] + s->base[1][i] * l[1][i] + s->base[2][i] * l[2][i];
+        uint32_t plain = s->mapped >> i & 1 ? 0 : ~0u;
+        out->reflected[i] &= plain | (side > 0 ? ~0u : 0);
+        out->cross[i] &= plain | (side < 0 ? ~0u : 0);
+    }
+}
+
 static inline void judge_sides(const surface_block *s, const shader_block *b, const lanes3 l,
                                incidence *restrict out) {
     for (int i = 0; i < LANES; ++i) {
@@ -36,6 +46,7 @@ static inline void judge_sides(const surface_block *s, const shader_block *b, co
         out->reflected[i] = (z > 0 ? ~0u : 0) & (side > 0 ? ~0u : 0);
         out->cross[i] = (z < 0 ? ~0u : 0) & (side < 0 ? ~0u : 0);
     }
+    if (s->mapped) judge_mapped(s, l, out);
 }
 
 static inline float curve_at(const float curve[ENERGY_NODES], float cosine) {

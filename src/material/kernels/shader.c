@@ -67,12 +67,10 @@ static inline void set_parts(const surface_block *s, const shader *const at[LANE
     }
 }
 
-static void set_materials(const shader *table, const surface_block *s, shader_block *restrict out) {
-    uint32_t lobes = 0, differ = 0;
-    for (int i = 0; i < LANES; ++i) {
-        out->at[i] = &table[s->material[i]];
-        differ |= s->material[i] ^ s->material[0];
-    }
+static void set_materials(const surface_block *s, shader_block *restrict out) {
+    uint32_t lobes = 0;
+    bool differ = false;
+    for (int i = 1; i < LANES; ++i) differ |= out->at[i] != out->at[0];
     if (differ) {
         const shader *at[LANES];
         for (int i = 0; i < LANES; ++i) at[i] = out->at[i], lobes |= at[i]->lobes;
@@ -203,8 +201,8 @@ static void weigh_lobes(shader_block *restrict out) {
     }
 }
 
-static void make(const shader *table, const surface_block *s, shader_block *out) {
-    set_materials(table, s, out);
+static void make(const surface_block *s, shader_block *out) {
+    set_materials(s, out);
     set_frames(s, out);
     for (int i = 0; i < LANES; ++i) out->missing[i] = out->under[i] = 0, out->below_coat[i] = 1;
     if (out->lobes & (SHADER_EVEN | SHADER_COATED))

@@ -1,8 +1,8 @@
 /* glTF 2.0 and GLB.
  *
  * Reads the nodes of the default scene (else the first scene, else all root nodes, else every mesh once),
- * triangles of any mode, materials, one perspective camera, and the extensions below. Skins, morph targets
- * and animations stay in the rest pose, textures and vertex colours are not used, and triangles are seen from
+ * triangles of any mode, materials with their textures and vertex colours, one perspective camera, and the
+ * extensions below. Skins, morph targets and animations stay in the rest pose, and triangles are seen from
  * both sides: each is noted. */
 #include "read/gltf/gltf.h"
 
@@ -27,15 +27,14 @@ static fathom_status check_version(gltf *g) {
     return FATHOM_OK;
 }
 
-/* Whether the extension is followed, or only changes how textures, which are not read, are stored. */
+/* Whether the extension is followed. */
 static bool is_known(const char *name) {
     static const char names[] =
         "KHR_lights_punctual|KHR_materials_ior|KHR_materials_transmission|KHR_materials_specular|"
         "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_materials_clearcoat|"
         "KHR_mesh_quantization|"
-        "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|KHR_texture_"
-        "transform|KHR_texture_basisu|"
-        "EXT_texture_webp|EXT_texture_avif";
+        "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|"
+        "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif";
     return words_find(names, name, strlen(name)) >= 0;
 }
 
@@ -157,7 +156,6 @@ fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
     if (status == FATHOM_OK) {
         note_animations(&g);
         note_extensions(&g, &g.root);
-        gltf_note_images(&g);
         notes_tell(&g.notes, g.context, path);
     }
     return finish(&g, status);

@@ -6,6 +6,7 @@
  * gltf_accessor.c   typed arrays in buffers, checked, as plain arrays; limits on memory
  * gltf_mesh.c       meshes to groups
  * gltf_material.c   materials to the model's
+ * gltf_texture.c    images and samplers, as maps of materials
  * gltf_node.c       the hierarchy, its instances
  * gltf_light.c      lights
  * gltf_camera.c     cameras, and which one is taken */
@@ -52,6 +53,7 @@ typedef struct gltf_elements {
 typedef struct gltf_material {
     fathom_id id;   /* FATHOM_NONE: not made yet */
     unsigned flags; /* of the meshes that wear it */
+    bool blends;    /* its alpha counts */
 } gltf_material;
 
 /* A camera of a node; one for each of the scene's cameras. */
@@ -143,8 +145,11 @@ fathom_status gltf_open(gltf *g);
 fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
 /* Gives the buffer's bytes to the scene. Call before anything of the scene points into them. */
 fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer);
-/* Notes missing image files. Images are not used, but the model is incomplete without them. */
-void gltf_note_images(gltf *g);
+/* Whether it is a data URI; its bytes, which belong to the scene. */
+bool gltf_is_data(const char *uri);
+fathom_status gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out);
+/* The path of the file that a uri names; release it with free(). NULL: there is no such file. */
+fathom_status gltf_file_path(gltf *g, const gltf_value *at, const char *uri, char **path);
 
 /* ---- gltf_accessor.c ---- */
 
@@ -168,10 +173,17 @@ fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint
 fathom_status gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components,
                               unsigned takes, bool *present, gltf_elements *out);
 
+/* The components of the accessor that member `key` of `user` names, 1 to 4; 0: there is no such member. */
+fathom_status gltf_components(gltf *g, const gltf_value *user, const char *key, unsigned *out);
+
 /* ---- what the document holds ---- */
 
 /* The group that holds mesh `index`, made when first asked for, or GLTF_EMPTY. */
 fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out);
+/* The texture that member `key` of `parent` describes; color: its numbers are sRGB. *there is false, and *out
+ * as it was, where there is none or it cannot be read, which is noted. */
+fathom_status gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, bool *there,
+                       fathom_map *out);
 /* Material `index`; GLTF_ABSENT is the file format's default one. */
 fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
 /* Walks the nodes of the scene. */

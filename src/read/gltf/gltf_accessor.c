@@ -287,6 +287,20 @@ static fathom_status open_accessor(gltf *g, const gltf_value *user, const char *
                      takes & GLTF_TAKES_UNSIGNED ? ", unsigned byte, unsigned short" : "");
 }
 
+fathom_status gltf_components(gltf *g, const gltf_value *user, const char *key, unsigned *out) {
+    uint32_t index = GLTF_ABSENT;
+    gltf_value at;
+    const char *type = "";
+    *out = 0;
+    fathom_status status = gltf_index(g, user, key, &g->accessors, &index);
+    if (status != FATHOM_OK || index == GLTF_ABSENT) return status;
+    status = gltf_item(g, &g->accessors, index, &at);
+    if (status == FATHOM_OK) status = gltf_text(g, &at, "type", &type);
+    *out = components_of(type);
+    if (status == FATHOM_OK && !*out) *out = 1;
+    return status;
+}
+
 /* ---- as arrays ---- */
 
 static bool is_aligned(const span *s) {

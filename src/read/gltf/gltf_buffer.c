@@ -140,7 +140,9 @@ static size_t decode_base64(const char *text, size_t length, unsigned char *out,
     return length;
 }
 
-static fathom_status load_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+bool gltf_is_data(const char *uri) { return strncasecmp(uri, "data:", 5) == 0; }
+
+fathom_status gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
     const char *comma = strchr(uri, ',');
     static const char mark[] = ";base64";
     const size_t mark_length = sizeof mark - 1;
@@ -182,21 +184,35 @@ static bool has_scheme(const char *uri) {
     return colon && (!slash || colon < slash);
 }
 
-static fathom_status load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+/* Wherever the file is. */
+static fathom_status path_of(gltf *g, const gltf_value *at, const char *uri, char **path) {
+    *path = NULL;
     if (has_scheme(uri)) {
         return gltf_fail(g, at, "uri", "is \"%.80s\"; expected a file next to this one or a data URI", uri);
     }
-    char *name = strdup(uri), *path = NULL;
-    gltf_source *source = calloc(1, sizeof *source);
-    if (!name || !source) {
-        free(name);
-        free(source);
-        return fail_memory(g->context, sizeof *source);
-    }
+    char *name = strdup(uri);
+    if (!name) return fail_memory(g->context, strlen(uri));
     decode_percent(name);
-    fathom_status status = read_beside(g->scene, g->path, name, &path);
-    if (status == FATHOM_OK) status = file_open(g->context, path, &source->map);
+    fathom_status status = read_beside(g->scene, g->path, name, path);
     free(name);
+    return gltf_within(g, at, "uri", status);
+}
+
+fathom_status gltf_file_path(gltf *g, const gltf_value *at, const char *uri, char **path) {
+    fathom_status status = path_of(g, at, uri, path);
+    if (status == FATHOM_OK && access(*path, F_OK) != 0) {
+        free(*path);
+        *path = NULL;
+    }
+    return status;
+}
+
+static fathom_status load_file(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+    char *path;
+    fathom_status status = path_of(g, at, uri, &path);
+    if (status != FATHOM_OK) return status;
+    gltf_source *source = calloc(1, sizeof *source);
+    status = source ? file_open(g->context, path, &source->map) : fail_memory(g->context, sizeof *source);
     free(path);
     if (status != FATHOM_OK) {
         free(source);
@@ -211,9 +227,7 @@ static fathom_status load(gltf *g, const gltf_value *at, gltf_buffer *out) {
     const char *uri = NULL;
     fathom_status status = gltf_text(g, at, "uri", &uri);
     if (status != FATHOM_OK) return status;
-    if (uri)
-        return strncasecmp(uri, "data:", 5) == 0 ? load_data_uri(g, at, uri, out)
-                                                 : load_file(g, at, uri, out);
+    if (uri) return gltf_is_data(uri) ? gltf_data_uri(g, at, uri, out) : load_file(g, at, uri, out);
     if (at->index || !g->binary) {
         return gltf_fail(g, at, NULL, "has no uri%s",
                          at->index ? "; only the first buffer may lack one, as the GLB's BIN chunk"
@@ -253,24 +267,4 @@ fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer) {
     buffer->bytes = NULL;
     if (!buffer->owns_source) g->source = NULL;
     return status;
-}
-
-/* Whether the file that the uri names is missing; false if it may not be looked at. */
-static bool is_missing(gltf *g, const char *uri) {
-    char *name = has_scheme(uri) ? NULL : strdup(uri), *path = NULL;
-    if (!name) return false;
-    decode_percent(name);
-    bool missing = read_beside(g->scene, g->path, name, &path) == FATHOM_OK && access(path, F_OK) != 0;
-    free(name);
-    free(path);
-    return missing;
-}
-
-void gltf_note_images(gltf *g) {
-    const gltf_value images = gltf_member(&g->root, "images");
-    for (size_t i = 0; i < gltf_count(&images); ++i) {
-        const gltf_value at = {.json = json_array_get(images.json, i), .parent = &images, .index = i};
-        const char *uri = json_string_value(json_object_get(at.json, "uri"));
-        if (uri && is_missing(g, uri)) gltf_note(g, &at, "uri", "there is no such file");
-    }
 }

@@ -9,15 +9,10 @@
  * - KHR_materials_pbrSpecularGlossiness: an ior of 0 with the specular colour, a dielectric with the diffuse
  *   colour as b, and r = 1 - glossiness.
  *
- * Textures are not read. Their factors are mostly 1 and mean little alone, so each texture is replaced by the
- * least wrong even value:
- *
- * - base colour and diffuse: grey 0.5, alpha 1. White would be brighter than any texture.
- * - an unlit material with a base colour texture is lit: an even colour would show only an outline.
- * - metallic and roughness: 0 and 1. Most surfaces are no metals, and a metal without its colour is white.
- * - specular and glossiness: 0.04 and 0, for the same reason.
- * - emission and transmission: 0. They are spots on most models; everywhere they would hide the model.
- * - specular factors, normals, occlusion: 1, flat, none.
+ * Textures multiply the factors, point by point (FATHOM_MAP_ in fathom/scene.h); so do the colours of
+ * vertices. Occlusion textures are left out without a word: what they show is computed. With MASK or BLEND,
+ * the alpha of the base colour texture is a map of the opacity. The thickness of a volume is what its mesh
+ * has; that of the factor and the texture do not matter, but for 0.
  *
  * A mesh whose material lets more than half of the light through casts no shadow, because shadow rays are all
  * or nothing. */
@@ -35,6 +30,8 @@ typedef struct factors {
     double thickness, attenuation_color[3], attenuation_distance; /* path tracing alone, */
     double clearcoat, clearcoat_roughness;                        /* these, too */
     alpha_mode alpha;
+    fathom_map maps[FATHOM_MAPS];
+    float normal_scale;
 } factors;
 
 static const factors default_factors = {.to = {.metallic = 1,
@@ -47,62 +44,66 @@ static const factors default_factors = {.to = {.metallic = 1,
                                         .attenuation_color = {1, 1, 1},
                                         .cutoff = 0.5};
 
-/* The part of the surface that is there; light passes straight through the remaining part. */
-static double coverage_of(const factors *f) {
-    switch (f->alpha) {
-    case ALPHA_OPAQUE: return 1;
-    case ALPHA_MASK: return f->base[3] >= f->cutoff ? 1 : 0;
-    case ALPHA_BLEND: return f->base[3];
-    }
-    return 1;
-}
-
 static unsigned flags_of(const fathom_material *m) {
     return m->k_t[0] + m->k_t[1] + m->k_t[2] > 1.5f ? FATHOM_CASTS_NO_SHADOW : 0;
 }
 
 /* ---- reading ---- */
 
-/* Whether there is such a texture; then notes that it is not read, and its replacement. */
-static bool lacks_texture(gltf *g, const gltf_value *at, const char *key, const char *taken) {
-    if (!json_object_get(at->json, key)) return false;
-    gltf_note(g, at, NULL, "%s is not read, and taken as %s", key, taken);
-    return true;
+/* A map of one parameter, and where `second` is another, one more of the same texture. */
+typedef struct use {
+    int kind, channel;
+    bool color, inverted;
+} use;
+
+static fathom_status read_maps(gltf *g, const gltf_value *at, const char *key, const use *uses, int count,
+                               factors *f) {
+    bool there;
+    fathom_map map;
+    fathom_status status = gltf_map(g, at, key, uses[0].color, &there, &map);
+    for (int k = 0; k < count && status == FATHOM_OK && there; ++k) {
+        fathom_map *to = &f->maps[uses[k].kind];
+        *to = map;
+        to->channel = (uint32_t)uses[k].channel, to->inverted = uses[k].inverted;
+    }
+    return status;
 }
 
-static void without_base(factors *f) {
-    for (int i = 0; i < 3; ++i) f->base[i] *= 0.5;
-    f->to.unlit = false;
+static fathom_status read_map(gltf *g, const gltf_value *at, const char *key, use one, factors *f) {
+    return read_maps(g, at, key, &one, 1, f);
+}
+
+/* The colour and, where alpha counts, the opacity; of an unlit material, what it sends out. */
+static fathom_status read_base_map(gltf *g, const gltf_value *at, const char *key, factors *f) {
+    const use uses[2] = {{.kind = f->to.unlit ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR, .color = true},
+                         {.kind = FATHOM_MAP_OPACITY, .channel = 3}};
+    return read_maps(g, at, key, uses, f->alpha == ALPHA_OPAQUE ? 1 : 2, f);
 }
 
 static fathom_status read_metallic_roughness(gltf *g, const gltf_value *at, factors *f) {
+    static const use uses[2] = {{.kind = FATHOM_MAP_METALLIC, .channel = 2},
+                                {.kind = FATHOM_MAP_ROUGHNESS, .channel = 1}};
     gltf_value pbr;
     fathom_status status = gltf_object(g, at, "pbrMetallicRoughness", &pbr);
     if (status == FATHOM_OK) status = gltf_numbers(g, &pbr, "baseColorFactor", 4, 0, 1, f->base);
     if (status == FATHOM_OK) status = gltf_number(g, &pbr, "metallicFactor", 0, 1, &f->to.metallic);
     if (status == FATHOM_OK) status = gltf_number(g, &pbr, "roughnessFactor", 0, 1, &f->to.roughness);
-    if (lacks_texture(g, &pbr, "baseColorTexture",
-                      f->to.unlit ? "grey 0.5, and the material as lit" : "grey 0.5"))
-        without_base(f);
-    if (lacks_texture(g, &pbr, "metallicRoughnessTexture", "no metal, and rough")) f->to.metallic = 0;
-    return status;
+    if (status == FATHOM_OK) status = read_base_map(g, &pbr, "baseColorTexture", f);
+    return status == FATHOM_OK ? read_maps(g, &pbr, "metallicRoughnessTexture", uses, 2, f) : status;
 }
 
 /* The older workflow, instead of metallic and roughness. */
 static fathom_status read_specular_glossiness(gltf *g, const gltf_value *pbr, factors *f) {
+    static const use uses[2] = {{.kind = FATHOM_MAP_SPECULAR_COLOR, .color = true},
+                                {.kind = FATHOM_MAP_ROUGHNESS, .channel = 3, .inverted = true}};
     double glossiness = 1;
     fathom_status status = gltf_numbers(g, pbr, "diffuseFactor", 4, 0, 1, f->base);
     if (status == FATHOM_OK) status = gltf_numbers(g, pbr, "specularFactor", 3, 0, 1, f->to.specular_color);
     if (status == FATHOM_OK) status = gltf_number(g, pbr, "glossinessFactor", 0, 1, &glossiness);
-    if (lacks_texture(g, pbr, "diffuseTexture",
-                      f->to.unlit ? "grey 0.5, and the material as lit" : "grey 0.5"))
-        without_base(f);
+    if (status == FATHOM_OK) status = read_base_map(g, pbr, "diffuseTexture", f);
+    if (status == FATHOM_OK) status = read_maps(g, pbr, "specularGlossinessTexture", uses, 2, f);
     f->to.metallic = f->to.ior = 0;
     f->to.roughness = 1 - glossiness;
-    if (lacks_texture(g, pbr, "specularGlossinessTexture", "specular 0.04, and rough")) {
-        for (int i = 0; i < 3; ++i) f->to.specular_color[i] *= 0.04;
-        f->to.roughness = 1;
-    }
     return status;
 }
 
@@ -137,8 +138,11 @@ static fathom_status read_specular(gltf *g, const gltf_value *extensions, factor
     if (status == FATHOM_OK) status = gltf_number(g, &specular, "specularFactor", 0, 1, &f->to.specular);
     if (status == FATHOM_OK)
         status = gltf_numbers(g, &specular, "specularColorFactor", 3, 0, 1e6, f->to.specular_color);
-    lacks_texture(g, &specular, "specularTexture", "1");
-    lacks_texture(g, &specular, "specularColorTexture", "white");
+    if (status == FATHOM_OK)
+        status = read_map(g, &specular, "specularTexture", (use){FATHOM_MAP_SPECULAR, 3, false, false}, f);
+    if (status == FATHOM_OK)
+        status = read_map(g, &specular, "specularColorTexture",
+                          (use){.kind = FATHOM_MAP_SPECULAR_COLOR, .color = true}, f);
     return status;
 }
 
@@ -151,7 +155,6 @@ static fathom_status read_volume(gltf *g, const gltf_value *extensions, factors 
         status = gltf_numbers(g, &volume, "attenuationColor", 3, 0, 1, f->attenuation_color);
     if (status == FATHOM_OK)
         status = gltf_number(g, &volume, "attenuationDistance", 0, 1e30, &f->attenuation_distance);
-    lacks_texture(g, &volume, "thicknessTexture", "1");
     return status;
 }
 
@@ -161,9 +164,13 @@ static fathom_status read_clearcoat(gltf *g, const gltf_value *extensions, facto
     if (status == FATHOM_OK) status = gltf_number(g, &coat, "clearcoatFactor", 0, 1, &f->clearcoat);
     if (status == FATHOM_OK)
         status = gltf_number(g, &coat, "clearcoatRoughnessFactor", 0, 1, &f->clearcoat_roughness);
-    lacks_texture(g, &coat, "clearcoatTexture", "1");
-    lacks_texture(g, &coat, "clearcoatRoughnessTexture", "1");
-    lacks_texture(g, &coat, "clearcoatNormalTexture", "flat");
+    if (status == FATHOM_OK)
+        status = read_map(g, &coat, "clearcoatTexture", (use){.kind = FATHOM_MAP_CLEARCOAT}, f);
+    if (status == FATHOM_OK)
+        status = read_map(g, &coat, "clearcoatRoughnessTexture",
+                          (use){.kind = FATHOM_MAP_CLEARCOAT_ROUGHNESS, .channel = 1}, f);
+    if (json_object_get(coat.json, "clearcoatNormalTexture"))
+        gltf_note(g, &coat, "clearcoatNormalTexture", "a clear coat has the normal of what it covers");
     return status;
 }
 
@@ -178,7 +185,8 @@ static fathom_status read_extensions(gltf *g, const gltf_value *at, factors *f) 
         status = gltf_object(g, &extensions, "KHR_materials_transmission", &transmission);
     if (status != FATHOM_OK) return status;
     status = gltf_number(g, &transmission, "transmissionFactor", 0, 1, &f->to.transmission);
-    if (lacks_texture(g, &transmission, "transmissionTexture", "opaque")) f->to.transmission = 0;
+    if (status == FATHOM_OK)
+        status = read_map(g, &transmission, "transmissionTexture", (use){.kind = FATHOM_MAP_TRANSMISSION}, f);
     if (status == FATHOM_OK)
         status = gltf_object(g, &extensions, "KHR_materials_emissive_strength", &emissive);
     if (status == FATHOM_OK)
@@ -203,24 +211,38 @@ static fathom_status read_sides(gltf *g, const gltf_value *at) {
     return status;
 }
 
+static fathom_status read_normal(gltf *g, const gltf_value *at, factors *f) {
+    gltf_value info;
+    double scale = 1;
+    fathom_status status = gltf_object(g, at, "normalTexture", &info);
+    if (status == FATHOM_OK) status = gltf_number(g, &info, "scale", -1e3, 1e3, &scale);
+    f->normal_scale = (float)scale;
+    return status == FATHOM_OK ? read_map(g, at, "normalTexture", (use){.kind = FATHOM_MAP_NORMAL}, f)
+                               : status;
+}
+
+/* An unlit material sends out its base colour, and has no emission besides. */
 static fathom_status read_factors(gltf *g, const gltf_value *at, factors *f) {
     fathom_status status = read_unlit(g, at, f);
+    if (status == FATHOM_OK) status = read_alpha(g, at, f);
     if (status == FATHOM_OK) status = read_extensions(g, at, f);
     if (status == FATHOM_OK) status = gltf_numbers(g, at, "emissiveFactor", 3, 0, 1, f->to.emissive);
-    if (status == FATHOM_OK) status = read_alpha(g, at, f);
-    if (status == FATHOM_OK) status = read_sides(g, at);
-    if (lacks_texture(g, at, "emissiveTexture", "black")) memset(f->to.emissive, 0, sizeof f->to.emissive);
-    lacks_texture(g, at, "normalTexture", "flat");
-    lacks_texture(g, at, "occlusionTexture", "none");
-    return status;
+    if (status == FATHOM_OK && !f->to.unlit)
+        status = read_map(g, at, "emissiveTexture", (use){.kind = FATHOM_MAP_EMISSIVE, .color = true}, f);
+    if (status == FATHOM_OK) status = read_normal(g, at, f);
+    return status == FATHOM_OK ? read_sides(g, at) : status;
 }
 
 /* The material of path tracing, and its classic equivalent. */
 static void make(factors *f, fathom_material *material, fathom_material *classic) {
     memcpy(f->to.base, f->base, sizeof f->to.base);
-    f->to.cover = coverage_of(f);
-    metallic_to_classic(&f->to, classic);
+    f->to.cover = f->alpha == ALPHA_OPAQUE ? 1 : f->base[3];
     metallic_to_material(&f->to, material);
+    if (f->alpha == ALPHA_MASK) material->opacity_cutoff = (float)fmax(f->cutoff, 1e-6);
+    f->to.cover = (double)material_opacity(material);
+    metallic_to_classic(&f->to, classic);
+    memcpy(material->maps, f->maps, sizeof material->maps);
+    material->normal_scale = f->normal_scale;
     material->thickness = (float)f->thickness;
     material->clearcoat = (float)f->clearcoat;
     material->clearcoat_roughness = (float)f->clearcoat_roughness;
@@ -235,13 +257,15 @@ fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
         gltf_value at = {.json = NULL};
         const char *name = NULL;
         factors f = default_factors;
+        for (int k = 0; k < FATHOM_MAPS; ++k) f.maps[k].texture = FATHOM_NONE;
         fathom_material material, classic;
         fathom_status status = given ? gltf_item(g, &g->materials, index, &at) : FATHOM_OK;
         if (status == FATHOM_OK) status = gltf_text(g, &at, "name", &name);
         if (status == FATHOM_OK) status = read_factors(g, &at, &f);
         if (status != FATHOM_OK) return status;
         make(&f, &material, &classic);
-        kept->flags = flags_of(&classic);
+        kept->flags = material_has_maps(&material) ? 0 : flags_of(&classic);
+        kept->blends = f.alpha != ALPHA_OPAQUE;
         status = scene_add_material_as(g->scene, name, &material, &classic, &kept->id);
         if (status != FATHOM_OK) return gltf_within(g, &at, NULL, status);
     }

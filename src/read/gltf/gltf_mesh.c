@@ -8,6 +8,7 @@ typedef struct primitive {
     const gltf_value *at;
     const gltf_value *attributes;
     uint32_t mode;
+    bool blends; /* the material's alpha counts */
     fathom_mesh mesh;
     mesh_facts facts;
 } primitive;
@@ -129,15 +130,37 @@ static fathom_status read_normals(gltf *g, primitive *p) {
     return FATHOM_OK;
 }
 
-static fathom_status read_uvs(gltf *g, primitive *p) {
+/* Both sets, and tangents. */
+static fathom_status read_coordinates(gltf *g, primitive *p) {
+    const unsigned takes = GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED;
     gltf_elements floats;
     bool present;
-    fathom_status status = read_attribute(
-        g, p, "TEXCOORD_0", 2, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, &present, &floats);
-    if (status != FATHOM_OK || !present) return status;
-    p->mesh.uvs = floats.values;
-    p->mesh.uv_stride = floats.stride;
-    p->mesh.uv_count = floats.count;
+    fathom_status status = read_attribute(g, p, "TEXCOORD_0", 2, takes, &present, &floats);
+    if (status == FATHOM_OK && present)
+        p->mesh.uvs = floats.values, p->mesh.uv_stride = floats.stride, p->mesh.uv_count = floats.count;
+    if (status == FATHOM_OK) status = read_attribute(g, p, "TEXCOORD_1", 2, takes, &present, &floats);
+    if (status == FATHOM_OK && present) p->mesh.uvs_1 = floats.values, p->mesh.uv_1_stride = floats.stride;
+    if (status == FATHOM_OK)
+        status = read_attribute(g, p, "TANGENT", 4, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
+    if (status == FATHOM_OK && present && p->mesh.normals)
+        p->mesh.tangents = floats.values, p->mesh.tangent_stride = floats.stride;
+    return status;
+}
+
+/* Alpha counts for materials alone whose alphaMode lets it. */
+static fathom_status read_colors(gltf *g, primitive *p) {
+    const unsigned takes = GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED;
+    gltf_elements floats;
+    bool present;
+    unsigned components = 0;
+    fathom_status status = gltf_components(g, p->attributes, "COLOR_0", &components);
+    if (status != FATHOM_OK || !components) return status;
+    if (components < 3) components = 3; /* refused below */
+    status = read_attribute(g, p, "COLOR_0", components, takes, &present, &floats);
+    if (status != FATHOM_OK) return status;
+    p->mesh.colors = floats.values;
+    p->mesh.color_stride = floats.stride;
+    p->mesh.color_channels = p->blends ? components : 3;
     return FATHOM_OK;
 }
 
@@ -151,6 +174,7 @@ static fathom_status read_material(gltf *g, primitive *p) {
     if (status == FATHOM_OK) status = gltf_material_make(g, index, &material);
     if (status != FATHOM_OK) return status;
     p->mesh.material = material.id;
+    p->blends = material.blends;
     p->mesh.flags |= material.flags;
     return FATHOM_OK;
 }
@@ -181,13 +205,12 @@ static fathom_status add_primitive(gltf *g, const gltf_value *at, fathom_id grou
         gltf_note(g, at, NULL, "a mesh without POSITION is left out");
         return FATHOM_OK;
     }
-    if (json_object_get(attributes.json, "COLOR_0"))
-        gltf_note(g, &attributes, "COLOR_0", "vertex colours are not used");
     status = read_indices(g, &p);
     if (status != FATHOM_OK || !p.mesh.triangle_count) return status;
     if (!g->options->flat) status = read_normals(g, &p);
-    if (status == FATHOM_OK && !g->scene->without_uvs) status = read_uvs(g, &p);
     if (status == FATHOM_OK) status = read_material(g, &p);
+    if (status == FATHOM_OK && scene_keeps_uvs(g->scene)) status = read_coordinates(g, &p);
+    if (status == FATHOM_OK && g->options->material == FATHOM_NONE) status = read_colors(g, &p);
     if (status != FATHOM_OK) return status;
     return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }

@@ -76,22 +76,6 @@ static fathom_status set_image(const object_reader *r, json_t *root, form_scene_
 
 /* ---- materials and lights ---- */
 
-static fathom_status add_material(const object_reader *r, const where *at, const char *name, json_t *value) {
-    fathom_material material;
-    fathom_id id;
-    const form *f;
-    fathom_material_default(&material);
-    fathom_status status = doc_choose(r->doc, at, value, &form_material, &f);
-    if (status == FATHOM_OK) status = doc_read(r->doc, at, value, f, &material);
-    if (status != FATHOM_OK) return status;
-    material.model = (fathom_model)f->id;
-    status = fathom_scene_add_material(r->scene, name, &material, &id);
-    if (status != FATHOM_OK) return doc_within(r->doc, at, status);
-    if (json_object_set_new(r->materials, name, json_integer(id)) != 0)
-        return fail_memory(r->scene->context, strlen(name));
-    return FATHOM_OK;
-}
-
 static fathom_status add_materials(const object_reader *r, json_t *materials) {
     const where at = {NULL, "materials", 0};
     fathom_status status = FATHOM_OK;
@@ -99,7 +83,7 @@ static fathom_status add_materials(const object_reader *r, json_t *materials) {
     json_t *value;
     json_object_foreach(materials, name, value) {
         const where item = {&at, name, 0};
-        if (status == FATHOM_OK) status = add_material(r, &item, name, value);
+        if (status == FATHOM_OK) status = material_add(r, &item, name, value);
     }
     return status;
 }

@@ -95,6 +95,55 @@ const form form_image = {.name = "image", .parts = {image_keys}};
 
 /* ---- materials ---- */
 
+/* In the order of fathom_wrap and of fathom_texture_filter. */
+static const char wrap_words[] = "repeat|mirror|clamp", filter_words[] = "nearest|linear|trilinear";
+
+static const form_key texture_keys[] = {
+    {"file", FORM_TEXT, AT(form_texture_values, file), .required = true},
+    {"colorSpace", FORM_TEXT, AT(form_texture_values, color_space)},
+    {"channel", FORM_WORD, AT(form_texture_values, channel), .words = "r|g|b|a"},
+    {"uvSet", FORM_U32, AT(form_texture_values, uv_set), UNIT},
+    {"scale", FORM_F64, AT(form_texture_values, scale), .count = 2, .range = {-1e6, 1e6, 0}},
+    {"rotation", FORM_F64, AT(form_texture_values, rotation)},
+    {"offset", FORM_F64, AT(form_texture_values, offset), .count = 2, .range = {-1e6, 1e6, 0}},
+    {"wrapU", FORM_WORD, AT(form_texture_values, wrap_u), .words = wrap_words},
+    {"wrapV", FORM_WORD, AT(form_texture_values, wrap_v), .words = wrap_words},
+    {"filter", FORM_WORD, AT(form_texture_values, filter), .words = filter_words},
+    END_KEYS,
+};
+const form form_texture = {.name = "texture", .parts = {texture_keys}};
+
+#define TEXTURE(key, kind)                                                                                   \
+    { key, FORM_OBJECT, AT(form_material_values, textures[kind]), .form = &form_texture }
+static const form_key classic_textures[] = {
+    TEXTURE("kdTexture", FATHOM_MAP_COLOR),
+    TEXTURE("ksTexture", FATHOM_MAP_SPECULAR_COLOR),
+    TEXTURE("keTexture", FATHOM_MAP_EMISSIVE),
+    TEXTURE("shininessTexture", FATHOM_MAP_SHININESS),
+    TEXTURE("opacityTexture", FATHOM_MAP_OPACITY),
+    TEXTURE("normalTexture", FATHOM_MAP_NORMAL),
+    END_KEYS,
+};
+static const form_key metallic_textures[] = {
+    TEXTURE("baseColorTexture", FATHOM_MAP_COLOR),
+    TEXTURE("metallicTexture", FATHOM_MAP_METALLIC),
+    TEXTURE("roughnessTexture", FATHOM_MAP_ROUGHNESS),
+    TEXTURE("metallicRoughnessTexture", FORM_METALLIC_ROUGHNESS),
+    TEXTURE("emissiveTexture", FATHOM_MAP_EMISSIVE),
+    TEXTURE("normalTexture", FATHOM_MAP_NORMAL),
+    TEXTURE("transmissionTexture", FATHOM_MAP_TRANSMISSION),
+    TEXTURE("specularTexture", FATHOM_MAP_SPECULAR),
+    TEXTURE("specularColorTexture", FATHOM_MAP_SPECULAR_COLOR),
+    TEXTURE("clearcoatTexture", FATHOM_MAP_CLEARCOAT),
+    TEXTURE("clearcoatRoughnessTexture", FATHOM_MAP_CLEARCOAT_ROUGHNESS),
+    TEXTURE("opacityTexture", FATHOM_MAP_OPACITY),
+    END_KEYS,
+};
+static const form_rule metallic_rules[] = {
+    {FORM_EXCLUDES, "metallicRoughnessTexture", {"metallicTexture", "roughnessTexture"}},
+    END_RULES,
+};
+
 /* Without a lobe, k_s and its exponent would be dropped in silence. */
 static const form_rule classic_rules[] = {
     {FORM_NEEDS, "ks", {"specular"}},
@@ -104,10 +153,12 @@ static const form_rule classic_rules[] = {
 static const form_key model_keys[] = {{"model", FORM_TAG, .required = false}, END_KEYS};
 static const form classic_form = {.name = "classic",
                                   .id = FATHOM_MODEL_CLASSIC,
-                                  .parts = {model_keys, classic_keys},
+                                  .parts = {model_keys, classic_keys, classic_textures},
                                   .rules = {classic_rules}};
-static const form metallic_form = {
-    .name = "metallicRoughness", .id = FATHOM_MODEL_METALLIC_ROUGHNESS, .parts = {model_keys, metallic_keys}};
+static const form metallic_form = {.name = "metallicRoughness",
+                                   .id = FATHOM_MODEL_METALLIC_ROUGHNESS,
+                                   .parts = {model_keys, metallic_keys, metallic_textures},
+                                   .rules = {metallic_rules}};
 static const form *const material_forms[] = {&classic_form, &metallic_form, NULL};
 const form form_material = {.name = "material", .variants = material_forms, .tag = "model"};
 
@@ -222,13 +273,16 @@ static const form_key mesh_keys[] = {
     {"indices", FORM_ROWS, OBJECT(as.mesh.indices), .count = 3, .whole = true, .range = {0, UINT32_MAX, 0}},
     {"normals", FORM_ROWS, OBJECT(as.mesh.normals), FLOATS, .count = 3},
     {"uvs", FORM_ROWS, OBJECT(as.mesh.uvs), FLOATS, .count = 2},
+    {"uvs1", FORM_ROWS, OBJECT(as.mesh.uvs_1), FLOATS, .count = 2},
+    {"colors", FORM_ROWS, OBJECT(as.mesh.colors), .count = 3, .range = {0, 1, 0}},
     {"shading", FORM_WORD, OBJECT(as.mesh.shading), .words = shading_words},
     END_KEYS,
 };
 static const form_rule mesh_rules[] = {
     {FORM_ONE_OF, NULL, {"file", "positions"}}, {FORM_NEEDS, "positions", {"indices"}},
     {FORM_NEEDS, "indices", {"positions"}},     {FORM_NEEDS, "normals", {"positions"}},
-    {FORM_NEEDS, "uvs", {"positions"}},         END_RULES,
+    {FORM_NEEDS, "uvs", {"positions"}},         {FORM_NEEDS, "uvs1", {"positions"}},
+    {FORM_NEEDS, "colors", {"positions"}},      END_RULES,
 };
 
 /* In the order of fathom_generator. */

@@ -74,8 +74,8 @@ struct form {
 /* The whole document, and what it is made of. form_prepare() before the first use fills in the image and the
  * materials, whose keys are the settings and the material parameters that files may have. */
 void form_prepare(void);
-extern const form form_scene, form_camera, form_image, form_material, form_light, form_object, form_frame,
-    form_turn;
+extern const form form_scene, form_camera, form_image, form_material, form_texture, form_light, form_object,
+    form_frame, form_turn;
 
 /* NULL when the form knows no such key. */
 const form_key *form_find(const form *f, const char *name);
@@ -92,6 +92,22 @@ typedef struct form_camera_values {
     double fovy, d, w, h; /* fovy in degrees */
     double lens_radius, f_stop, focal_length, focus_distance;
 } form_camera_values;
+
+/* An image that a material names. */
+typedef struct form_texture_values {
+    const char *file, *color_space;
+    int wrap_u, wrap_v, filter, channel; /* fathom_wrap, fathom_texture_filter */
+    uint32_t uv_set;
+    double scale[2], offset[2], rotation; /* degrees */
+} form_texture_values;
+
+/* The kinds of maps, and metal and roughness in one image, as glTF has them. */
+#define FORM_METALLIC_ROUGHNESS ((int)FATHOM_MAPS)
+
+typedef struct form_material_values {
+    fathom_material material; /* first: its parameters are keys */
+    form_texture_values textures[FATHOM_MAPS + 1];
+} form_material_values;
 
 typedef enum form_light_id {
     FORM_POINT,
@@ -146,7 +162,7 @@ typedef struct form_object_values {
         } triangle;
         struct {
             const char *file;
-            json_t *positions, *indices, *normals, *uvs;
+            json_t *positions, *indices, *normals, *uvs, *uvs_1, *colors;
             int shading; /* form_shading */
         } mesh;
         struct {

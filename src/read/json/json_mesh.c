@@ -7,7 +7,7 @@
 #include <string.h>
 
 typedef struct mesh_arrays {
-    double *positions, *normals, *uvs; /* for each vertex; normals and uvs may be NULL */
+    double *positions, *normals, *uvs, *uvs_1, *colors; /* for each vertex; all but the first may be NULL */
     uint32_t *indices;
     size_t vertices, triangles;
     bool smooth; /* make normals if there are none */
@@ -36,13 +36,15 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
     if (a->vertices >= UINT32_MAX || a->triangles >= UINT32_MAX)
         return fail(r->scene->context, FATHOM_BAD_INPUT, "more than 2^32 - 2 vertices or triangles");
     static const double zero[3] = {0, 0, 0};
-    float *positions = NULL, *normals = NULL, *uvs = NULL;
+    float *positions = NULL, *normals = NULL, *uvs = NULL, *uvs_1 = NULL, *colors = NULL;
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     store_f64(mesh.origin, choose_origin(a));
     fathom_status status = narrow_all(r, a->positions, a->vertices, 3, mesh.origin, &positions);
     if (status == FATHOM_OK) status = narrow_all(r, a->normals, a->vertices, 3, zero, &normals);
     if (status == FATHOM_OK) status = narrow_all(r, a->uvs, a->vertices, 2, zero, &uvs);
+    if (status == FATHOM_OK) status = narrow_all(r, a->uvs_1, a->vertices, 2, zero, &uvs_1);
+    if (status == FATHOM_OK) status = narrow_all(r, a->colors, a->vertices, 3, zero, &colors);
     mesh.positions = positions, mesh.indices = a->indices;
     mesh.position_stride = 3 * sizeof *positions;
     mesh.vertex_count = (uint32_t)a->vertices, mesh.triangle_count = (uint32_t)a->triangles;
@@ -54,11 +56,12 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
     if (status == FATHOM_OK) {
         mesh.normals = normals, mesh.normal_count = normals ? mesh.vertex_count : 0;
         mesh.uvs = uvs, mesh.uv_count = uvs ? mesh.vertex_count : 0;
+        mesh.uvs_1 = uvs_1, mesh.colors = colors;
         mesh.material = material;
         mesh.flags = flags;
         status = fathom_scene_add_mesh(r->scene, group, &mesh, NULL);
     }
-    free(positions), free(normals), free(uvs);
+    free(positions), free(normals), free(uvs), free(uvs_1), free(colors);
     return status;
 }
 
@@ -154,9 +157,13 @@ static fathom_status load_inline(const object_reader *r, const where *at, const 
                          .smooth = o->as.mesh.shading == FORM_SMOOTH};
     fathom_status status = check_same_count(r, at, "normals", o->as.mesh.normals, vertices);
     if (status == FATHOM_OK) status = check_same_count(r, at, "uvs", o->as.mesh.uvs, vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "uvs1", o->as.mesh.uvs_1, vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "colors", o->as.mesh.colors, vertices);
     if (status == FATHOM_OK) status = load_rows(r, o->as.mesh.positions, 3, &out->positions);
     if (status == FATHOM_OK && normals) status = load_rows(r, normals, 3, &out->normals);
     if (status == FATHOM_OK && o->as.mesh.uvs) status = load_rows(r, o->as.mesh.uvs, 2, &out->uvs);
+    if (status == FATHOM_OK && o->as.mesh.uvs_1) status = load_rows(r, o->as.mesh.uvs_1, 2, &out->uvs_1);
+    if (status == FATHOM_OK && o->as.mesh.colors) status = load_rows(r, o->as.mesh.colors, 3, &out->colors);
     if (status == FATHOM_OK) status = load_indices(r, at, o->as.mesh.indices, vertices, &out->indices);
     return status;
 }
@@ -170,5 +177,6 @@ fathom_status mesh_inline(const object_reader *r, const where *at, const form_ob
         if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
     }
     free(arrays.positions), free(arrays.normals), free(arrays.uvs), free(arrays.indices);
+    free(arrays.uvs_1), free(arrays.colors);
     return status;
 }

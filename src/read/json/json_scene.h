@@ -16,6 +16,10 @@ typedef struct object_reader {
 /* Adds the objects of `list` to `group`, in their order. */
 fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group);
 
+/* ---- materials (json_material.c) ---- */
+
+fathom_status material_add(const object_reader *r, const where *at, const char *name, json_t *value);
+
 /* ---- frames and transforms (json_object.c) ---- */
 
 /* `value` is the "frame" object that was read into `values`. */

@@ -25,24 +25,47 @@
  * times 1 - the largest of k_t; highlights stay. Without Fresnel's law k_r is limited to 1 - k_t, which
  * conserves energy. Fresnel's law needs ior != 1; with Ni 1 the mirror is a plain one.
  *
- * Textures are not read. Each is replaced by the least wrong even colour: map_Kd by grey 0.5, because its
- * factor is mostly white; map_Ks and map_Ke by black, because a highlight, mirror or emission everywhere
- * hides the model; map_d by opaque. */
+ * Pr, Pm, Pc and Pcr (roughness, metal, clear coat and its roughness) make it metallic-roughness: Kd is the
+ * base colour, d the opacity, Ni the index; the remaining values above have no meaning there.
+ *
+ * Images (map_Kd map_Ks map_Ke map_Ns map_d map_Pr map_Pm map_Pc norm) multiply their values, which are 1
+ * where the file gives an image alone. Single numbers are the image's red, those of map_d its alpha where it
+ * is the image of map_Kd; -imfchan says otherwise. -s, -o and -clamp are followed; v grows upwards in this
+ * format. map_Bump is mostly a normal map, as exporters of today write it, where its name says so; heights
+ * are not followed. */
 #include "read/mesh/number.h"
 #include "read/obj/obj.h"
 
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* A material's values as the file gives them. */
 typedef struct mtl_entry {
-    double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum;
-    unsigned given;  /* bits of the kinds below */
-    unsigned mapped; /* the same bits: kinds with a texture */
-    const char *at[10];
+    double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum, pr, pm, pc, pcr;
+    unsigned given; /* bits of the kinds below */
+    double bump;    /* of the normal map */
+    const char *at[14];
 } mtl_entry;
 
-enum { MTL_KA, MTL_KD, MTL_KS, MTL_KE, MTL_TF, MTL_NS, MTL_NI, MTL_D, MTL_TR, MTL_ILLUM, MTL_KINDS };
+enum {
+    MTL_KA,
+    MTL_KD,
+    MTL_KS,
+    MTL_KE,
+    MTL_TF,
+    MTL_NS,
+    MTL_NI,
+    MTL_D,
+    MTL_TR,
+    MTL_ILLUM,
+    MTL_PR,
+    MTL_PM,
+    MTL_PC,
+    MTL_PCR,
+    MTL_KINDS
+};
 _Static_assert(sizeof(((mtl_entry *)0)->at) == MTL_KINDS * sizeof(char *), "a place for each kind");
 
 static bool given(const mtl_entry *m, int kind) { return m->given >> kind & 1; }
@@ -92,6 +115,25 @@ static void make_surface(const mtl_entry *m, int illum, fathom_material *out) {
 
 static void scale(float rgb[3], double factor) {
     for (int k = 0; k < 3; ++k) rgb[k] = (float)(factor * (double)rgb[k]);
+}
+
+static bool is_metallic(const mtl_entry *m) {
+    return given(m, MTL_PR) || given(m, MTL_PM) || given(m, MTL_PC);
+}
+
+static fathom_material metallic_from(const mtl_entry *m) {
+    fathom_material out;
+    fathom_material_default(&out);
+    out.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    set(out.base_color, m->kd, 1);
+    for (int k = 0; k < 3; ++k) out.base_color[k] = out.base_color[k] < 1 ? out.base_color[k] : 1;
+    set(out.emissive, m->ke, 1);
+    if (given(m, MTL_PR)) out.roughness = (float)m->pr;
+    out.metallic = (float)m->pm;
+    out.clearcoat = (float)m->pc, out.clearcoat_roughness = (float)m->pcr;
+    out.opacity = (float)m->d;
+    if (m->ni >= 1) out.ior = (float)m->ni;
+    return out;
 }
 
 static fathom_material material_from(const mtl_entry *m) {
@@ -147,18 +189,21 @@ static void note_unused(mtl_reader *r) {
     if (illum == 10) note_at(r, m->at[MTL_ILLUM], "illum 10 is read as 2");
 }
 
-static void without_textures(mtl_entry *m) {
-    if (m->mapped >> MTL_KA & 1) m->given &= ~(1u << MTL_KA);
-    if (m->mapped >> MTL_KS & 1) memset(m->ks, 0, sizeof m->ks);
-    if (m->mapped >> MTL_KE & 1) memset(m->ke, 0, sizeof m->ke);
-    for (int k = 0; k < 3 && m->mapped >> MTL_KD & 1; ++k) m->kd[k] *= 0.5;
-}
-
 static void finish_material(mtl_reader *r) {
     if (!r->begun) return;
-    without_textures(&r->entry);
+    mtl_material *m = &r->library->materials.items[r->current];
+    mtl_image *opacity = &m->images[FATHOM_MAP_OPACITY], *color = &m->images[FATHOM_MAP_COLOR];
+    if (opacity->file && color->file && opacity->map.channel > 3)
+        opacity->map.channel = strcmp(opacity->file, color->file) == 0 ? 3 : 0;
+    for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
     note_unused(r);
-    r->library->materials.items[r->current].value = material_from(&r->entry);
+    m->value = is_metallic(&r->entry) ? metallic_from(&r->entry) : material_from(&r->entry);
+    m->value.normal_scale = (float)r->entry.bump;
+}
+
+static void free_images(mtl_material *m) {
+    for (int k = 0; k < FATHOM_MAPS; ++k) free(m->images[k].file);
+    memset(m->images, 0, sizeof m->images);
 }
 
 static bool begin_material(mtl_reader *r, const char *p) {
@@ -167,9 +212,10 @@ static bool begin_material(mtl_reader *r, const char *p) {
     if (!length) note_at(r, p, "newmtl: expected a name; only usemtl without a name finds this material");
     uint32_t known = names_find(&r->library->names, p, length);
     if (known == UINT32_MAX) {
-        mtl_material material = {.name = strndup(p, length)};
-        if (!material.name || !array_push(&r->library->materials, material)) {
+        mtl_material material = {.name = strndup(p, length), .library = strdup(r->file.path)};
+        if (!material.name || !material.library || !array_push(&r->library->materials, material)) {
             free(material.name);
+            free(material.library);
             return text_no_memory(&r->fault);
         }
         known = names_add(&r->library->names, material.name, length);
@@ -179,7 +225,8 @@ static bool begin_material(mtl_reader *r, const char *p) {
     r->begun = true;
     fathom_material plain;
     fathom_material_default(&plain);
-    r->entry = (mtl_entry){.ns = 0, .d = 1};
+    free_images(&r->library->materials.items[known]);
+    r->entry = (mtl_entry){.ns = 0, .d = 1, .bump = 1};
     for (int k = 0; k < 3; ++k) r->entry.kd[k] = (double)plain.k_d[k];
     return true;
 }
@@ -200,26 +247,43 @@ static const struct mtl_field {
     [MTL_D] = {"d", offsetof(mtl_entry, d), 1, 0, 1},
     [MTL_TR] = {"Tr", offsetof(mtl_entry, d), 1, 0, 1},
     [MTL_ILLUM] = {"illum", offsetof(mtl_entry, illum), 1, 0, 10},
+    [MTL_PR] = {"Pr", offsetof(mtl_entry, pr), 1, 0, 1},
+    [MTL_PM] = {"Pm", offsetof(mtl_entry, pm), 1, 0, 1},
+    [MTL_PC] = {"Pc", offsetof(mtl_entry, pc), 1, 0, 1},
+    [MTL_PCR] = {"Pcr", offsetof(mtl_entry, pcr), 1, 0, 1},
 };
 
-/* Textures: the kind whose value they change, and what is said. */
+/* Images: the map that each makes, and the value that is 1 where the file gives none; -1: none. */
 static const struct mtl_map {
     const char *keyword;
-    int kind; /* -1: nothing changes */
-    const char *text;
+    int map, kind;
+    bool color;
+    const char *text; /* why it is left out */
 } mtl_maps[] = {
-    {"map_Kd", MTL_KD, "map_Kd is not read; the texture is taken as an even grey of 0.5"},
-    {"map_Ka", MTL_KA, "map_Ka is not read; Ka is left out with it"},
-    {"map_Ks", MTL_KS, "map_Ks is not read; Ks is left out with it: no highlight, no mirror"},
-    {"map_Ke", MTL_KE, "map_Ke is not read; Ke is left out with it: nothing is emitted"},
-    {"map_d", -1, "map_d is not read; d applies alone"},
-    {"map_Ns", -1, "map_Ns is not read; Ns applies alone"},
-    {"map_bump", -1, "map_bump is not read; the surface is smooth"},
-    {"map_Bump", -1, "map_bump is not read; the surface is smooth"},
-    {"bump", -1, "map_bump is not read; the surface is smooth"},
-    {"norm", -1, "norm is not read; the surface is smooth"},
-    {"disp", -1, "disp is not read; the surface is not displaced"},
-    {"refl", -1, "refl is not read; mirrors show the scene alone"},
+    {"map_Kd", FATHOM_MAP_COLOR, MTL_KD, true, NULL},
+    {"map_Ks", FATHOM_MAP_SPECULAR_COLOR, MTL_KS, true, NULL},
+    {"map_Ke", FATHOM_MAP_EMISSIVE, MTL_KE, true, NULL},
+    {"map_Ns", FATHOM_MAP_SHININESS, -1, false, NULL},
+    {"map_d", FATHOM_MAP_OPACITY, -1, false, NULL},
+    {"map_Pr", FATHOM_MAP_ROUGHNESS, MTL_PR, false, NULL},
+    {"map_Pm", FATHOM_MAP_METALLIC, MTL_PM, false, NULL},
+    {"map_Pc", FATHOM_MAP_CLEARCOAT, MTL_PC, false, NULL},
+    {"map_Pcr", FATHOM_MAP_CLEARCOAT_ROUGHNESS, MTL_PCR, false, NULL},
+    {"norm", FATHOM_MAP_NORMAL, -1, false, NULL},
+    {"map_Kn", FATHOM_MAP_NORMAL, -1, false, NULL},
+    {"map_bump", FATHOM_MAP_NORMAL, -1, false,
+     "map_bump is left out where its name does not say that it is a normal map"},
+    {"map_Bump", FATHOM_MAP_NORMAL, -1, false,
+     "map_bump is left out where its name does not say that it is a normal map"},
+    {"bump", FATHOM_MAP_NORMAL, -1, false,
+     "map_bump is left out where its name does not say that it is a normal map"},
+    {"map_Ka", -1, -1, false, "map_Ka is not read; ambient light is reflected as by Kd"},
+    {"disp", -1, -1, false, "disp is not read; the surface is not displaced"},
+    {"refl", -1, -1, false, "refl is not read; mirrors show the scene alone"},
+    {"Ps", -1, -1, false, "Ps (sheen) is not read"},
+    {"map_Ps", -1, -1, false, "Ps (sheen) is not read"},
+    {"aniso", -1, -1, false, "aniso and anisor are not read; highlights are round"},
+    {"anisor", -1, -1, false, "aniso and anisor are not read; highlights are round"},
 };
 
 /* The value, or the nearest one in the field's range; `before` for NaN. */
@@ -283,15 +347,100 @@ static bool read_field(mtl_reader *r, int kind, const char *at) {
     return true;
 }
 
-static bool read_map(mtl_reader *r, const char *at) {
+/* "-s 2 2" and the like: up to three numbers; those that are missing stay. */
+static const char *read_option_numbers(const char *p, double out[3]) {
+    for (int i = 0; i < 3; ++i) {
+        const char *next = text_skip(p);
+        double value;
+        if (!number_read(&next, &value) || !text_is_break(*next) || !isfinite(value)) break;
+        out[i] = value;
+        p = next;
+    }
+    return p;
+}
+
+static const char *skip_word(const char *p) {
+    while (!text_is_break(*p)) ++p;
+    return p;
+}
+
+/* Options before the name of a file. */
+static const char *read_options(mtl_reader *r, const char *p, mtl_image *image) {
+    double offset[3] = {0, 0, 0}, size[3] = {1, 1, 1}, unused[3];
+    for (p = text_skip(p); *p == '-'; p = text_skip(p)) {
+        const char *at = p, *value = text_skip(skip_word(p));
+        p = skip_word(value);
+        if (is_word(at, "-o")) {
+            p = read_option_numbers(value, offset);
+        } else if (is_word(at, "-s")) {
+            p = read_option_numbers(value, size);
+        } else if (is_word(at, "-bm")) {
+            p = number_read(&value, &r->entry.bump) ? value : p;
+        } else if (is_word(at, "-clamp")) {
+            image->clamp = is_word(value, "on");
+        } else if (is_word(at, "-imfchan")) {
+            image->map.channel = *value == 'g' ? 1 : *value == 'b' ? 2 : *value == 'm' ? 3 : 0;
+        } else if (is_word(at, "-mm") || is_word(at, "-t")) {
+            p = read_option_numbers(value, unused);
+            note_at(r, at, "the options -mm and -t of images are not read");
+        }
+    }
+    const float transform[6] = {(float)size[0],        0, (float)offset[0], 0, (float)-size[1],
+                                (float)(1 - offset[1])};
+    memcpy(image->map.transform, transform, sizeof transform);
+    return p;
+}
+
+static bool says_normal(const char *name) {
+    static const char *const words[] = {"normal", "norm", "nrm", "_nor", "_n."};
+    char lower[256] = "";
+    for (size_t i = 0; name[i] && i + 1 < sizeof lower; ++i)
+        lower[i] = (char)tolower((unsigned char)name[i]), lower[i + 1] = 0;
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
+        if (strstr(lower, words[i])) return true;
+    }
+    return false;
+}
+
+/* Values that the file gives later are kept. */
+static void set_one(mtl_reader *r, int kind) {
+    if (kind < 0 || given(&r->entry, kind)) return;
+    const struct mtl_field *field = &mtl_fields[kind];
+    double *out = (double *)(void *)((char *)&r->entry + field->offset);
+    for (int k = 0; k < field->numbers; ++k) out[k] = 1;
+    r->entry.given |= 1u << kind;
+}
+
+static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at) {
+    mtl_image image = {.color = map->color,
+                       .map = {.texture = FATHOM_NONE, .channel = map->map == FATHOM_MAP_OPACITY ? 4 : 0}};
+    const char *p = read_options(r, at + strlen(map->keyword), &image);
+    const size_t length = text_rest(&p, r->file.end);
+    image.file = strndup(p, length);
+    if (!image.file) return text_no_memory(&r->fault);
+    if (!length || (map->text && !says_normal(image.file))) {
+        note_at(r, at, length ? map->text : "an image without the name of a file is left out");
+        free(image.file);
+        return true;
+    }
+    mtl_image *to = &r->library->materials.items[r->current].images[map->map];
+    free(to->file);
+    *to = image;
+    set_one(r, map->kind);
+    return true;
+}
+
+/* *known: whether the line is one of them. False without memory. */
+static bool read_map(mtl_reader *r, const char *at, bool *known) {
     for (size_t i = 0; i < sizeof mtl_maps / sizeof *mtl_maps; ++i) {
         const struct mtl_map *map = &mtl_maps[i];
         if (!is_word(at, map->keyword)) continue;
-        note_at(r, at, map->text);
-        if (map->kind >= 0) r->entry.mapped |= 1u << map->kind;
+        *known = true;
+        if (map->map >= 0 && r->begun) return read_image(r, map, at);
+        note_at(r, at, map->map < 0 ? map->text : "expected newmtl first; statements before it are left out");
         return true;
     }
-    return false;
+    return true;
 }
 
 static bool read_line(mtl_reader *r, const char *at) {
@@ -300,7 +449,9 @@ static bool read_line(mtl_reader *r, const char *at) {
     for (int kind = 0; kind < MTL_KINDS; ++kind) {
         if (is_word(at, mtl_fields[kind].keyword)) return read_field(r, kind, at);
     }
-    if (!read_map(r, at)) note_word(r, at, "statements that are not read are left out");
+    bool known = false;
+    if (!read_map(r, at, &known)) return false;
+    if (!known) note_word(r, at, "statements that are not read are left out");
     return true;
 }
 
@@ -337,8 +488,42 @@ fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *l
 }
 
 void mtl_free(mtl_library *library) {
-    for (size_t i = 0; i < library->materials.count; ++i) free(library->materials.items[i].name);
+    for (size_t i = 0; i < library->materials.count; ++i) {
+        free(library->materials.items[i].name);
+        free(library->materials.items[i].library);
+        free_images(&library->materials.items[i]);
+    }
     array_free(&library->materials);
     names_free(&library->names);
     *library = (mtl_library){0};
+}
+
+fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, fathom_material *out) {
+    fathom_status status = FATHOM_OK;
+    for (int k = 0; k < FATHOM_MAPS && status == FATHOM_OK; ++k) {
+        const mtl_image *image = &material->images[k];
+        char *path = NULL;
+        fathom_texture t;
+        if (!image->file) continue;
+        fathom_texture_default(&t);
+        status = read_beside(scene, material->library, image->file, &path);
+        for (char *c = path; status == FATHOM_OK && access(path, F_OK) != 0 && (c = strchr(c, '\\')) != NULL;)
+            *c = '/';
+        if (status == FATHOM_BAD_INPUT || (status == FATHOM_OK && access(path, F_OK) != 0)) {
+            warn(scene->context,
+                 "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left out",
+                 material->library, material->name, image->file);
+            free(path);
+            status = FATHOM_OK;
+            continue;
+        }
+        if (status != FATHOM_OK) return status;
+        t.file = path;
+        t.color_space = image->color ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+        if (image->clamp) t.wrap_u = t.wrap_v = FATHOM_WRAP_CLAMP;
+        out->maps[k] = image->map;
+        status = fathom_scene_add_texture(scene, &t, &out->maps[k].texture);
+        free(path);
+    }
+    return status;
 }

@@ -150,7 +150,6 @@ static void note_tallies(obj_reader *r) {
     static const char *const texts[OBJ_TALLIES] = {
         [OBJ_T_LINES] = "lines and points are not rendered",
         [OBJ_T_SMALL] = "faces of less than 3 corners are left out",
-        [OBJ_T_COLORS] = "vertex colours are not used",
         [OBJ_T_BEHIND] = "what follows x y z of a vertex is not read",
         [OBJ_T_NO_UV] = "vt: a face names texture coordinates that the file does not have; it gets none",
         [OBJ_T_NO_NORMAL] = "vn: a face names normals that the file does not have; it gets none",

@@ -35,9 +35,17 @@ void names_free(name_table *table);
 
 /* ---- materials (mtl.c) ---- */
 
+/* An image that a material names. */
+typedef struct mtl_image {
+    char *file; /* next to the library; NULL: none */
+    bool color, clamp;
+    fathom_map map; /* without its texture */
+} mtl_image;
+
 typedef struct mtl_material {
-    char *name;
+    char *name, *library; /* the path of its file */
     fathom_material value;
+    mtl_image images[FATHOM_MAPS];
 } mtl_material;
 
 /* Zero it to start with; release with mtl_free(). */
@@ -50,6 +58,8 @@ typedef struct mtl_library {
  * are not used, and of a file that cannot be opened. FATHOM_BAD_INPUT names the line. */
 fathom_status mtl_read(fathom_context *context, const char *path, mtl_library *library);
 void mtl_free(mtl_library *library);
+/* Adds the material's images to the scene, and makes them its maps. Warns of those that are missing. */
+fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, fathom_material *out);
 
 /* ---- meshes ---- */
 
@@ -79,7 +89,6 @@ typedef struct obj_run {
 enum {
     OBJ_T_LINES,  /* l and p */
     OBJ_T_SMALL,  /* faces of less than 3 corners */
-    OBJ_T_COLORS, /* of vertices */
     OBJ_T_BEHIND, /* other words after the numbers of a vertex */
     OBJ_T_NO_UV,  /* faces that name texture coordinates the file does not have */
     OBJ_T_NO_NORMAL,
@@ -108,6 +117,7 @@ typedef struct obj_piece {
     ARRAY(polygon_fan) polygons;
     double lower[3], upper[3]; /* of the positions */
     obj_tally tallies[OBJ_TALLIES];
+    bool colored; /* some vertex has a colour */
 } obj_piece;
 
 /* A material name, or none (slot 0). */
@@ -131,6 +141,7 @@ typedef struct obj_reader {
     ARRAY(obj_slot) slots;    /* 1 + index into names */
     float *values[OBJ_KINDS]; /* total[] of them, then 16 bytes of padding */
     bool adopted[OBJ_KINDS];  /* values[] belong to the scene */
+    float *colors;            /* linear RGB of each vertex, white where it has none; NULL: none has */
     vec3_f64 origin;
     bool moving; /* vertices are stored a second time, from the origin */
 } obj_reader;

@@ -18,6 +18,7 @@ typedef struct obj_builder {
     obj_reader *r;
     ARRAY(obj_mesh) meshes; /* in order of appearance */
     uint32_t *mesh_of;      /* slot × has uvs × has normals -> mesh + 1 */
+    fathom_id colored;      /* the material where vertices have colours and faces no material */
 } obj_builder;
 
 static uint32_t *mesh_slot(const obj_builder *b, const obj_run *run) {
@@ -135,6 +136,9 @@ static fathom_status add_mesh(const obj_builder *b, const obj_mesh *from, mesh_f
     store_f64(mesh.origin, r->origin);
     mesh.material = r->slots.items[from->slot].material;
     mesh.flags = r->options.flags;
+    mesh.colors = r->colors;
+    mesh.color_stride = 3 * sizeof(float);
+    if (r->colors && !mesh.material) mesh.material = b->colored;
     if (absent_material(&r->scene->materials.items[mesh.material].classic))
         mesh.flags |= FATHOM_CASTS_NO_SHADOW;
     fathom_status status = mesh_look_at_triangles(r->scene->context, r->file.path, &mesh, &facts);
@@ -152,6 +156,7 @@ static fathom_status add_meshes(obj_builder *b) {
     if (status != FATHOM_OK) return status;
     loop_parallel(b->r->threads, b->r->piece_count, 1, copy_pieces, b);
     status = adopt_values(b);
+    if (status == FATHOM_OK && b->r->colors) status = read_colored_material(b->r->scene, &b->colored);
     mesh_facts facts;
     if (status == FATHOM_OK)
         status = mesh_look_at_vertices(b->r->scene->context, b->r->file.path, b->r->values[OBJ_POSITION],

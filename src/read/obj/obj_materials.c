@@ -175,7 +175,10 @@ static fathom_status fill_slots(obj_reader *r, const mtl_library *library) {
         fathom_id material = r->slots.items[0].material;
         if (found != UINT32_MAX) {
             const mtl_material *from = &library->materials.items[found];
-            fathom_status status = fathom_scene_add_material(r->scene, from->name, &from->value, &material);
+            fathom_material value = from->value;
+            fathom_status status = mtl_open_images(r->scene, from, &value);
+            if (status == FATHOM_OK)
+                status = fathom_scene_add_material(r->scene, from->name, &value, &material);
             if (status != FATHOM_OK)
                 return fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
         } else if (!missing++) {

@@ -73,8 +73,14 @@ static void tally(obj_parser *s, int kind, const char *at) {
     if (!t->count++) t->first = text_skip(at);
 }
 
+/* Of the vertex read last. */
+static void put_color(const obj_parser *s, const double v[3]) {
+    float *out = s->r->colors + 3 * (s->seen[OBJ_POSITION] - 1);
+    for (int k = 0; k < 3; ++k) out[k] = read_linear(v[k] > 0 ? (v[k] < 1 ? v[k] : 1) : 0);
+}
+
 /* After x, y and z there may be a weight, which only curves use, or a colour. */
-static void tally_behind(obj_parser *s, const char *at) {
+static void read_behind(obj_parser *s, const char *at) {
     const char *p = text_skip(at);
     double v[3], weight = 0;
     int count = 0;
@@ -83,8 +89,10 @@ static void tally_behind(obj_parser *s, const char *at) {
         if (!count++) weight = v[0];
         p = text_skip(p);
     }
-    if (count == 3)
-        tally(s, OBJ_T_COLORS, at);
+    if (count == 3 && s->r->colors)
+        put_color(s, v);
+    else if (count == 3)
+        s->piece->colored = true;
     else if (weight != 1)
         tally(s, OBJ_T_BEHIND, at);
 }
@@ -139,7 +147,7 @@ static obj_run *run_for(obj_parser *s, unsigned parts) {
     const read_mesh_options *options = &s->r->options;
     obj_run run = {
         .first = piece->corners[OBJ_POSITION].count / 3, .slot = s->slot, .same = {true, true, true}};
-    run.has[OBJ_UV] = !s->r->scene->without_uvs && parts >> OBJ_UV & 1;
+    run.has[OBJ_UV] = scene_keeps_uvs(s->r->scene) && parts >> OBJ_UV & 1;
     run.has[OBJ_NORMAL] = !options->flat && parts >> OBJ_NORMAL & 1;
     if (!options->flat && !run.has[OBJ_NORMAL]) {
         run.group = s->group ? s->group : options->smooth ? OBJ_ALL_GROUPS : 0;
@@ -244,10 +252,10 @@ static const char *read_statement(obj_parser *s, obj_statement statement, const 
     switch (statement) {
     case OBJ_S_POSITION:
         p = read_vector(s, OBJ_POSITION, p);
-        if (p) tally_behind(s, p);
+        if (p) read_behind(s, p);
         return p;
     case OBJ_S_UV:
-        if (!s->r->scene->without_uvs) return read_vector(s, OBJ_UV, p);
+        if (scene_keeps_uvs(s->r->scene)) return read_vector(s, OBJ_UV, p);
         ++s->seen[OBJ_UV]; /* indices may count back from it */
         return p;
     case OBJ_S_NORMAL: return read_vector(s, OBJ_NORMAL, p);
@@ -316,12 +324,43 @@ static void split_polygons(void *user, size_t begin, size_t end, unsigned worker
 
 static fathom_status allocate_values(obj_reader *r) {
     for (int k = 0; k < OBJ_KINDS; ++k) {
-        if (!r->total[k] || (k == OBJ_UV && r->scene->without_uvs)) continue;
+        if (!r->total[k] || (k == OBJ_UV && !scene_keeps_uvs(r->scene))) continue;
         size_t bytes = (size_t)r->total[k] * (size_t)components[k] * sizeof(float) + 16;
         r->values[k] = malloc(bytes);
         if (!r->values[k]) return fail_memory(r->scene->context, bytes);
     }
     return FATHOM_OK;
+}
+
+/* Vertices once more, for their colours alone. */
+static void color_pieces(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    obj_reader *r = user;
+    for (size_t i = begin; i < end; ++i) {
+        obj_piece *piece = &r->pieces[i];
+        obj_parser s = {.r = r, .piece = piece};
+        memcpy(s.seen, piece->base, sizeof s.seen);
+        for (const char *p = piece->begin; p && p < piece->end;) {
+            obj_statement statement = obj_classify(&p);
+            if (statement == OBJ_S_POSITION) p = read_vector(&s, OBJ_POSITION, p);
+            if (p && statement == OBJ_S_POSITION) read_behind(&s, p);
+            if (p) p = obj_next(statement, p, piece->end);
+        }
+    }
+}
+
+/* They take memory only where some vertex has one. */
+static fathom_status parse_colors(obj_reader *r) {
+    bool any = false;
+    void *memory;
+    for (size_t i = 0; i < r->piece_count; ++i) any |= r->pieces[i].colored;
+    if (!any) return FATHOM_OK;
+    fathom_status status = scene_allocate_items(r->scene, r->total[OBJ_POSITION], 3 * sizeof(float), &memory);
+    if (status != FATHOM_OK) return status;
+    r->colors = memory;
+    for (uint64_t i = 0; i < 3 * r->total[OBJ_POSITION]; ++i) r->colors[i] = 1;
+    loop_parallel(r->threads, r->piece_count, 1, color_pieces, r);
+    return text_status(&r->file, &r->fault);
 }
 
 static vec3_f64 choose_origin(const obj_reader *r) {
@@ -338,6 +377,7 @@ fathom_status obj_parse(obj_reader *r) {
     if (status != FATHOM_OK) return status;
     loop_parallel(r->threads, r->piece_count, 1, parse_pieces, r);
     status = text_status(&r->file, &r->fault);
+    if (status == FATHOM_OK) status = parse_colors(r);
     if (status != FATHOM_OK) return status;
     r->origin = choose_origin(r);
     r->moving = length_f64(r->origin) > 0;

@@ -24,9 +24,17 @@ static void put_array(const ply_array *array, uint32_t i, const double values[PL
     for (int k = 0; k < array->components; ++k) out[k] = (float)values[array->first_role + k];
 }
 
+static void put_color(const ply_reader *r, uint32_t i, const double values[PLY_ROLES]) {
+    double linear[PLY_ROLES];
+    for (int role = PLY_R; role <= PLY_B; ++role)
+        linear[role] = (double)read_linear(values[role] / r->whole_color);
+    put_array(&r->arrays[PLY_COLORS], i, linear);
+}
+
 bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], const void *at,
                     scene_bounds *bounds) {
-    static const char *const names[PLY_ROLES] = {"x", "y", "z", "nx", "ny", "nz", "u", "v"};
+    static const char *const names[PLY_ROLES] = {"x", "y", "z",   "nx",    "ny",  "nz",
+                                                 "u", "v", "red", "green", "blue"};
     if (r->moving) {
         const double moved[PLY_ROLES] = {values[PLY_X] - r->origin.x, values[PLY_Y] - r->origin.y,
                                          values[PLY_Z] - r->origin.z};
@@ -45,7 +53,10 @@ bool ply_put_vertex(ply_reader *r, uint32_t i, const double values[PLY_ROLES], c
     bounds->upper.y = values[PLY_Y] > bounds->upper.y ? values[PLY_Y] : bounds->upper.y;
     bounds->upper.z = values[PLY_Z] > bounds->upper.z ? values[PLY_Z] : bounds->upper.z;
     for (int a = 0; a < PLY_ARRAYS; ++a) {
-        if (r->arrays[a].own) put_array(&r->arrays[a], i, values);
+        if (a == PLY_COLORS && r->arrays[a].own && r->whole_color > 0)
+            put_color(r, i, values);
+        else if (r->arrays[a].own)
+            put_array(&r->arrays[a], i, values);
     }
     return true;
 }
@@ -72,14 +83,30 @@ fathom_status ply_read_vertices(ply_reader *r, size_t count, size_t grain, loop_
     return status;
 }
 
+/* Whole numbers are as screens show them, of their type's range. */
+static double whole_color(const ply_reader *r) {
+    switch (r->header.elements.items[r->vertex_element].properties.items[r->role[PLY_R]].type) {
+    case PLY_INT8:
+    case PLY_UINT8: return 255;
+    case PLY_INT16:
+    case PLY_UINT16: return 65535;
+    case PLY_INT32:
+    case PLY_UINT32: return 4294967295.0;
+    case PLY_FLOAT32:
+    case PLY_FLOAT64: break;
+    }
+    return 0;
+}
+
 static void choose_arrays(ply_reader *r) {
     const ply_array kinds[PLY_ARRAYS] = {{.first_role = PLY_X, .components = 3},
                                          {.first_role = PLY_NX, .components = 3},
-                                         {.first_role = PLY_U, .components = 2}};
+                                         {.first_role = PLY_U, .components = 2},
+                                         {.first_role = PLY_R, .components = 3}};
     for (int a = 0; a < PLY_ARRAYS; ++a) {
         r->arrays[a] = kinds[a];
         r->arrays[a].present =
-            !((a == PLY_NORMALS && r->options.flat) || (a == PLY_UVS && r->scene->without_uvs));
+            !((a == PLY_NORMALS && r->options.flat) || (a == PLY_UVS && !scene_keeps_uvs(r->scene)));
         for (int k = 0; k < kinds[a].components; ++k) {
             if (r->role[kinds[a].first_role + k] < 0) r->arrays[a].present = false;
         }
@@ -91,6 +118,7 @@ static void choose_arrays(ply_reader *r) {
             *property = -1;
         }
     }
+    if (r->arrays[PLY_COLORS].present) r->whole_color = whole_color(r);
 }
 
 static void release_map(void *data) {
@@ -138,6 +166,14 @@ static fathom_status add_mesh(ply_reader *r) {
     }
     store_f64(mesh.origin, r->origin);
     mesh.material = r->options.material == FATHOM_NONE ? 0 : r->options.material;
+    if (r->arrays[PLY_COLORS].present) {
+        mesh.colors = r->arrays[PLY_COLORS].values;
+        mesh.color_stride = r->arrays[PLY_COLORS].stride;
+        if (r->options.material == FATHOM_NONE) {
+            fathom_status status = read_colored_material(r->scene, &mesh.material);
+            if (status != FATHOM_OK) return status;
+        }
+    }
     mesh.flags = r->options.flags;
     mesh_facts facts;
     fathom_context *context = r->scene->context;

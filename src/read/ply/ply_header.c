@@ -192,8 +192,17 @@ static int find_property(const ply_element *element, const char *names) {
 }
 
 static bool find_roles(ply_reader *r) {
-    static const char *const names[PLY_ROLES] = {
-        "x", "y", "z", "nx", "ny", "nz", "u|s|texture_u|texture_s", "v|t|texture_v|texture_t"};
+    static const char *const names[PLY_ROLES] = {"x",
+                                                 "y",
+                                                 "z",
+                                                 "nx",
+                                                 "ny",
+                                                 "nz",
+                                                 "u|s|texture_u|texture_s",
+                                                 "v|t|texture_v|texture_t",
+                                                 "red|diffuse_red|r",
+                                                 "green|diffuse_green|g",
+                                                 "blue|diffuse_blue|b"};
     r->vertex_element = find_element(&r->header, "vertex");
     if (r->vertex_element == SIZE_MAX)
         return text_wrong(&r->fault, r->file.begin, "element vertex", "the header has none");
@@ -303,8 +312,8 @@ static void note_properties(ply_reader *r, const ply_element *element, bool vert
                          "element %.40s: the property %s is not used", element->name, name);
     }
     if (colors)
-        notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
-                     "%s colours are not used", vertices ? "vertex" : "face");
+        notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false, "%s",
+                     vertices ? "the alpha of vertex colours is not used" : "face colours are not used");
 }
 
 void ply_note_unused(ply_reader *r) {

@@ -2,8 +2,6 @@
 #include "math/inverse_root.h"
 #include "surface/kernels/kernel.h"
 
-typedef float corner_weights[3][LANES];
-
 static inline double clamp_unit(double x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
 static inline float larger(float a, float b) { return a > b ? a : b; }
 static inline float largest(vec3_f32 v) { return larger(fabsf(v.x), larger(fabsf(v.y), fabsf(v.z))); }
@@ -102,14 +100,14 @@ static void set_self_hit(const facet_block *f, bool all, double *restrict out) {
     }
 }
 
-static void find_points(const facet_block *f, local_block *restrict b, float (*restrict weight)[LANES]) {
+static void find_points(const facet_block *f, local_block *restrict b) {
     facet_points points;
     uint32_t others = 0;
     for (int i = 0; i < LANES; ++i) others |= ~f->facet[i];
     find_sides(f, &points);
     find_normals(&points);
     weigh(b, &points);
-    set_weights(&points, weight);
+    set_weights(&points, b->weight);
     if (others) {
         set_points(&points, false, f->facet, b);
         set_self_hit(f, false, b->self_hit);
@@ -165,11 +163,10 @@ static void make_unit(const float from[3][LANES], float (*restrict to)[LANES]) {
 }
 
 /* Normals that cancel say nothing: the facet is then as flat as it looks, and not `smooth`. */
-static void mix_normals(const facet_block *f, const corner_weights weight, const float (*normal)[3][LANES],
-                        local_block *restrict b) {
+static void mix_normals(const facet_block *f, const float (*normal)[3][LANES], local_block *restrict b) {
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 sum = {0, 0, 0};
-        for (int k = 0; k < 3; ++k) sum = madd_f32(sum, weight[k][i], lane_f32(normal[k], i));
+        for (int k = 0; k < 3; ++k) sum = madd_f32(sum, b->weight[k][i], lane_f32(normal[k], i));
         float square = dot_f32(sum, sum);
         uint32_t mine = f->has_normals[i] & (square > 0x1p-40f ? ~0u : 0);
         put_f32(b->ns, i, mine, scale_f32(1 / sqrtf(square), sum));
@@ -180,8 +177,7 @@ static void mix_normals(const facet_block *f, const corner_weights weight, const
 /* Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II (2021): p plus the weighted mean of its
  * distances to the tangent planes at the corners, where those lie above it on the viewer's side. Windings and
  * normals may disagree on the outside, and the normals' own counts. */
-static void lift(const facet_block *f, const corner_weights weight, const float (*normal)[3][LANES],
-                 local_block *restrict b) {
+static void lift(const facet_block *f, const float (*normal)[3][LANES], local_block *restrict b) {
     for (int i = 0; i < LANES; ++i) {
         vec3_f32 p = narrow(lane_f64(b->p, i)), sum = {0, 0, 0};
         float along = (float)dot_f64(widen(lane_f32(b->ns, i)), lane_f64(b->n, i));
@@ -190,7 +186,7 @@ static void lift(const facet_block *f, const corner_weights weight, const float 
         for (int k = 0; k < 3; ++k) {
             vec3_f32 n = lane_f32(normal[k], i);
             float above = side * dot_f32(sub_f32(p, lane_f32(f->corner[k], i)), n);
-            float by = -weight[k][i] * above * side;
+            float by = -b->weight[k][i] * above * side;
             sum = madd_f32(sum, above < 0 ? by : 0, n);
         }
         put_f32(b->lift, i, b->smooth[i], sum);
@@ -204,26 +200,25 @@ static void leave_flat(const facet_block *f, local_block *restrict b) {
     }
 }
 
-static void smoothen(const facet_block *f, const corner_weights weight, const float (*normal)[3][LANES],
-                     bool lifted, local_block *restrict b) {
-    mix_normals(f, weight, normal, b);
+static void smoothen(const facet_block *f, const float (*normal)[3][LANES], bool lifted,
+                     local_block *restrict b) {
+    mix_normals(f, normal, b);
     if (lifted)
-        lift(f, weight, normal, b);
+        lift(f, normal, b);
     else
         leave_flat(f, b);
 }
 
 void KERNEL(facets)(const facet_block *f, bool lifted, local_block *restrict b) {
-    corner_weights weight;
     float normal[3][3][LANES];
-    find_points(f, b, weight);
+    find_points(f, b);
     for (int i = 0; i < LANES; ++i) put_f32(b->ns, i, f->facet[i], narrow(lane_f64(b->n, i)));
     leave_flat(f, b);
     if (!f->smooth) return;
     if (all_unit(f)) {
-        smoothen(f, weight, f->normal, lifted, b);
+        smoothen(f, f->normal, lifted, b);
         return;
     }
     for (int k = 0; k < 3; ++k) make_unit(f->normal[k], normal[k]);
-    smoothen(f, weight, normal, lifted, b);
+    smoothen(f, normal, lifted, b);
 }

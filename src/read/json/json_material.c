@@ -1,0 +1,97 @@
+/* Materials, and the images that they take parameters from. */
+#include "read/json/json_scene.h"
+#include "read/read.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_color(int kind) {
+    return kind == FATHOM_MAP_COLOR || kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_SPECULAR_COLOR;
+}
+
+/* sRGB for colours and linear for numbers, unless it is said. */
+static void set_space(const form_texture_values *v, int kind, fathom_texture *out) {
+    out->color_space = is_color(kind) ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+    if (!v->color_space) return;
+    out->color_space = FATHOM_COLOR_NAMED;
+    out->color_space_name = v->color_space;
+    if (strcmp(v->color_space, "srgb") == 0) out->color_space = FATHOM_COLOR_SRGB;
+    if (strcmp(v->color_space, "linear") == 0) out->color_space = FATHOM_COLOR_LINEAR;
+}
+
+/* As glTF's KHR_texture_transform: scale, then rotation, then offset. */
+static void set_transform(const form_texture_values *v, float out[6]) {
+    const double turn = place_radians(v->rotation), c = cos(turn), s = sin(turn);
+    out[0] = (float)(c * v->scale[0]), out[1] = (float)(s * v->scale[1]), out[2] = (float)v->offset[0];
+    out[3] = (float)(-s * v->scale[0]), out[4] = (float)(c * v->scale[1]), out[5] = (float)v->offset[1];
+}
+
+static fathom_status add_texture(const object_reader *r, const where *at, const form_texture_values *v,
+                                 int kind, fathom_map *out) {
+    const where file = {at, "file", 0};
+    fathom_texture t;
+    char *path;
+    fathom_texture_default(&t);
+    if (!*v->file) return doc_fail(r->doc, &file, "expected the name of a file, found \"\"");
+    fathom_status status = read_beside(r->scene, r->doc->path, v->file, &path);
+    if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
+    t.file = path;
+    t.wrap_u = (fathom_wrap)v->wrap_u, t.wrap_v = (fathom_wrap)v->wrap_v;
+    t.filter = (fathom_texture_filter)v->filter;
+    set_space(v, kind, &t);
+    out->uv_set = v->uv_set, out->channel = (uint32_t)v->channel;
+    set_transform(v, out->transform);
+    status = fathom_scene_add_texture(r->scene, &t, &out->texture);
+    free(path);
+    return status == FATHOM_OK ? status : doc_within(r->doc, &file, status);
+}
+
+/* The key of a map in the form. */
+static const char *key_of(const form *f, int kind) {
+    const size_t offset =
+        offsetof(form_material_values, textures) + (size_t)kind * sizeof(form_texture_values);
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            if (key->kind == FORM_OBJECT && key->offset == offset) return key->name;
+        }
+    }
+    return NULL;
+}
+
+static fathom_status add_textures(const object_reader *r, const where *at, json_t *value, const form *f,
+                                  form_material_values *v) {
+    fathom_map *maps = v->material.maps, both;
+    fathom_status status = FATHOM_OK;
+    for (int kind = 0; kind <= FORM_METALLIC_ROUGHNESS && status == FATHOM_OK; ++kind) {
+        const char *key = key_of(f, kind);
+        if (!key || !doc_has(value, key)) continue;
+        const where texture = {at, key, 0};
+        status = add_texture(r, &texture, &v->textures[kind], kind,
+                             kind == FORM_METALLIC_ROUGHNESS ? &both : &maps[kind]);
+        if (status != FATHOM_OK || kind != FORM_METALLIC_ROUGHNESS) continue;
+        both.inverted = false;
+        maps[FATHOM_MAP_METALLIC] = maps[FATHOM_MAP_ROUGHNESS] = both;
+        maps[FATHOM_MAP_METALLIC].channel = 2, maps[FATHOM_MAP_ROUGHNESS].channel = 1;
+    }
+    return status;
+}
+
+fathom_status material_add(const object_reader *r, const where *at, const char *name, json_t *value) {
+    form_material_values v;
+    fathom_id id;
+    const form *f;
+    memset(&v, 0, sizeof v);
+    fathom_material_default(&v.material);
+    for (int k = 0; k <= FORM_METALLIC_ROUGHNESS; ++k)
+        v.textures[k] = (form_texture_values){.scale = {1, 1}, .filter = FATHOM_TEXTURE_TRILINEAR};
+    fathom_status status = doc_choose(r->doc, at, value, &form_material, &f);
+    if (status == FATHOM_OK) status = doc_read(r->doc, at, value, f, &v);
+    if (status == FATHOM_OK) status = add_textures(r, at, value, f, &v);
+    if (status != FATHOM_OK) return status;
+    v.material.model = (fathom_model)f->id;
+    status = fathom_scene_add_material(r->scene, name, &v.material, &id);
+    if (status != FATHOM_OK) return doc_within(r->doc, at, status);
+    if (json_object_set_new(r->materials, name, json_integer(id)) != 0)
+        return fail_memory(r->scene->context, strlen(name));
+    return FATHOM_OK;
+}
