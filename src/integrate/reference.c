@@ -216,11 +216,10 @@ static fathom_status lacking(const fathom_scene *scene, const char *array, size_
 
 static fathom_status check(const reference_scene *r) {
     const fathom_scene *scene = r->scene;
+    if (scene->in_studio) return lacking(scene, "lights", 0, "the built-in studio");
+    if (scene->environments.count && !r->settings.environment)
+        return lacking(scene, "lights", 0, "environment images");
     if (largest(color_of(scene->ambient)) > 0) return lacking(scene, "ambient", 0, "ambient light");
-    for (size_t i = 0; i < scene->lights.count && !r->settings.environment; ++i) {
-        if (scene->lights.items[i].type == FATHOM_LIGHT_ENVIRONMENT)
-            return lacking(scene, "lights", i, "environment images");
-    }
     for (size_t i = 0; i < r->places.count; ++i) {
         const fathom_material *m = &scene->materials.items[r->places.items[i].material].value;
         const char *lacks = reference_lacks(m);

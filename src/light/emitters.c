@@ -30,7 +30,7 @@ fathom_status emitters_create(fathom_context *context, const world *w, const tex
     if (!e) return fail_memory(context, sizeof *e);
     e->w = w, e->texturing = varied;
     e->shapes = shape_kernels_best(), e->points = light_kernels_best();
-    memcpy(e->background, w->scene->background, sizeof e->background);
+    if (!w->scene->in_studio) memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = emitters_collect(context, e);
     if (status == FATHOM_OK) status = emitters_open_skies(context, e);
     if (status != FATHOM_OK) {

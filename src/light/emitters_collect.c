@@ -217,7 +217,7 @@ static uint32_t list_items(emitters *e, tree_item *items) {
 
 static bool sort_lights(emitters *e) {
     const fathom_scene *scene = e->w->scene;
-    const size_t count = scene->lights.count;
+    const size_t count = scene->in_studio ? 0 : scene->lights.count;
     e->lamps = calloc(count + 1, sizeof *e->lamps);
     e->suns = calloc(count + 1, sizeof *e->suns);
     if (!e->lamps || !e->suns) return false;
@@ -280,6 +280,10 @@ fathom_status emitters_open_skies(fathom_context *context, emitters *e) {
     fathom_status status = FATHOM_OK;
     e->skies = calloc(scene->environments.count + 1, sizeof *e->skies);
     if (!e->skies) return fail_memory(context, sizeof *e->skies);
+    if (scene->in_studio) {
+        status = environment_studio(context, load_f64(scene->camera.z), scene->studio_up, &e->skies[0].image);
+        e->sky_count += status == FATHOM_OK;
+    }
     for (size_t i = 0; i < scene->environments.count && status == FATHOM_OK; ++i) {
         status = environment_create(context, &scene->environments.items[i], &e->skies[i].image);
         e->sky_count += status == FATHOM_OK;

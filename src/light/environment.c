@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "image/image.h"
 #include "light/shape.h"
+#include "light/studio.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +16,8 @@ typedef struct texel {
 
 struct environment {
     uint32_t width, height;
-    double cosine, sine; /* of the rotation */
-    double total;        /* luminance times solid angle */
+    vec3_f64 axes[3]; /* right, up and back of the image, in the world */
+    double total;     /* luminance times solid angle */
     texel texels[];
 };
 
@@ -134,6 +135,12 @@ static bool build_aliases(environment *e) {
     return fine;
 }
 
+static fathom_status prepare_choice(fathom_context *context, environment *e) {
+    const size_t count = (size_t)e->width * e->height;
+    for (size_t i = 0; i < count; ++i) e->total += weight_of(e, i);
+    return e->total > 0 && !build_aliases(e) ? fail_memory(context, 12 * count) : FATHOM_OK;
+}
+
 static fathom_status prepare(fathom_context *context, const fathom_light *light, const image *img,
                              environment **out) {
     const size_t count = (size_t)img->width * img->height, bytes = sizeof **out + count * sizeof(texel);
@@ -143,10 +150,11 @@ static fathom_status prepare(fathom_context *context, const fathom_light *light,
     environment *e = calloc(1, bytes);
     if (!e) return fail_memory(context, bytes);
     e->width = img->width, e->height = img->height;
-    e->cosine = cos(light->rotation), e->sine = sin(light->rotation);
+    const double cosine = cos(light->rotation), sine = sin(light->rotation);
+    e->axes[0] = (vec3_f64){cosine, 0, -sine}, e->axes[1] = (vec3_f64){0, 1, 0};
+    e->axes[2] = (vec3_f64){sine, 0, cosine};
     fathom_status status = load_texels(context, light, img, e);
-    for (size_t i = 0; status == FATHOM_OK && i < count; ++i) e->total += weight_of(e, i);
-    if (status == FATHOM_OK && e->total > 0 && !build_aliases(e)) status = fail_memory(context, 12 * count);
+    if (status == FATHOM_OK) status = prepare_choice(context, e);
     if (status == FATHOM_OK)
         *out = e;
     else
@@ -169,11 +177,54 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
     return status;
 }
 
+/* ---- the studio ---- */
+
+/* A texel is a third of a degree wide: less than the soft edges of the panels show. */
+#define STUDIO_WIDTH 1024u
+#define STUDIO_HEIGHT 512u
+
+static vec3_f64 texel_centre(const environment *e, uint32_t x, uint32_t y) {
+    const double v = SHAPE_PI * (y + 0.5) / e->height;
+    double c, s;
+    shape_turn((x + 0.5) / e->width, &c, &s);
+    return (vec3_f64){sin(v) * s, cos(v), -sin(v) * c};
+}
+
+/* A viewer who looks along `up` sees the studio from where the image's z points. */
+static void stand(environment *e, vec3_f64 z, vec3_f64 up) {
+    vec3_f64 back = sub_f64(z, scale_f64(dot_f64(z, up), up));
+    if (!(length_f64(back) > 0x1p-10)) back = fabs(up.z) < 0.9 ? vec_f64(0, 0, 1) : vec_f64(0, -1, 0);
+    e->axes[1] = up;
+    e->axes[0] = normalize_f64(cross_f64(up, back));
+    e->axes[2] = cross_f64(e->axes[0], up);
+}
+
+fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out) {
+    const size_t bytes = sizeof **out + (size_t)STUDIO_WIDTH * STUDIO_HEIGHT * sizeof(texel);
+    environment *e = calloc(1, bytes);
+    *out = NULL;
+    if (!e) return fail_memory(context, bytes);
+    e->width = STUDIO_WIDTH, e->height = STUDIO_HEIGHT;
+    stand(e, z, up);
+    for (uint32_t i = 0; i < STUDIO_WIDTH * STUDIO_HEIGHT; ++i)
+        studio_radiance(texel_centre(e, i % STUDIO_WIDTH, i / STUDIO_WIDTH), e->texels[i].radiance);
+    fathom_status status = prepare_choice(context, e);
+    if (status == FATHOM_OK)
+        *out = e;
+    else
+        environment_destroy(e);
+    return status;
+}
+
 /* ---- directions ---- */
 
-/* The image's centre lies towards -z, its right half towards +x. */
-static vec3_f64 turned(const environment *e, vec3_f64 d, double sine) {
-    return (vec3_f64){d.x * e->cosine + d.z * sine, d.y, d.z * e->cosine - d.x * sine};
+/* From the world to the image: its centre lies towards -z, its right half towards +x. */
+static vec3_f64 to_image(const environment *e, vec3_f64 d) {
+    return (vec3_f64){dot_f64(d, e->axes[0]), dot_f64(d, e->axes[1]), dot_f64(d, e->axes[2])};
+}
+
+static vec3_f64 to_world(const environment *e, vec3_f64 d) {
+    return madd_f64(madd_f64(scale_f64(d.x, e->axes[0]), d.y, e->axes[1]), d.z, e->axes[2]);
 }
 
 static uint32_t cell(double u, uint32_t count) {
@@ -182,7 +233,7 @@ static uint32_t cell(double u, uint32_t count) {
 }
 
 double environment_at(const environment *e, vec3_f64 direction, float radiance[3]) {
-    const vec3_f64 d = turned(e, direction, -e->sine);
+    const vec3_f64 d = to_image(e, direction);
     const double half = shape_angle(fabs(d.x), -d.z) / (2 * SHAPE_PI), u = d.x < 0 ? 0.5 - half : 0.5 + half;
     const double v = shape_angle(sqrt(d.x * d.x + d.z * d.z), d.y) / SHAPE_PI;
     const uint32_t column = cell(u, e->width), row = cell(v, e->height);
@@ -208,5 +259,5 @@ vec3_f64 environment_sample(const environment *e, double choice, double u, doubl
     const double y = top + (bottom - top) * inside(v, SHAPE_PI / e->height), r = sqrt(fmax(1 - y * y, 0));
     double c, s;
     shape_turn(place, &c, &s);
-    return turned(e, (vec3_f64){r * s, y, -r * c}, e->sine);
+    return to_world(e, (vec3_f64){r * s, y, -r * c});
 }

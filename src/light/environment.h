@@ -14,6 +14,8 @@ typedef struct environment environment;
  * holds a NaN or an infinity. Negative texels count as 0, with a warning. Release with environment_destroy().
  */
 fathom_status environment_create(fathom_context *context, const fathom_light *light, environment **out);
+/* The built-in studio (studio.h), for a viewer who looks along -z of these axes; `up` is a unit vector. */
+fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out);
 void environment_destroy(environment *e);
 
 /* Luminance times solid angle, over all directions. */

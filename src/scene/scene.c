@@ -245,6 +245,7 @@ fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_lig
     fathom_light item;
     fathom_status status = SIZED_ITEM(context, fathom_light, light, size, &item);
     if (status != FATHOM_OK) return status;
+    scene->in_studio = false;
     if ((unsigned)item.type > FATHOM_LIGHT_ENVIRONMENT)
         return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)item.type);
     status = check_color(context, "intensity", item.intensity, 0);
@@ -316,6 +317,7 @@ static fathom_status set_color(fathom_scene *scene, const char *what, const floa
     if (status != FATHOM_OK) return status;
     memcpy(out, rgb, 3 * sizeof *out);
     *given = true;
+    scene->in_studio = false;
     return FATHOM_OK;
 }
 

@@ -68,6 +68,10 @@ struct fathom_scene {
     float background[3], ambient[3];
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;
+    /* Its lights, ambient light and background were made by fathom_scene_complete(). Under path tracing the
+     * studio is there in their place; this is the way up in it. */
+    bool in_studio;
+    vec3_f64 studio_up;
     bool without_uvs; /* texture coordinates are not taken where no material has a use for them */
     bool has_maps;    /* some material takes parameters from images */
     fathom_settings settings;

@@ -88,9 +88,15 @@ static frame_f64 default_view(fathom_up up) {
     return frame_from(origin, (vec3_f64){0, 0, 1}, (vec3_f64){0, 1, 0});
 }
 
+static fathom_up asked_up(const fathom_scene *scene) { return scene->asked ? scene->asked->up : FATHOM_UP_Y; }
+
+static vec3_f64 way_up(const fathom_scene *scene) {
+    return asked_up(scene) == FATHOM_UP_Z ? vec_f64(0, 0, 1) : vec_f64(0, 1, 0);
+}
+
 static fathom_status frame_everything(fathom_scene *scene) {
     const image_size size = scene_image_size(scene);
-    frame_f64 view = default_view(scene->asked ? scene->asked->up : FATHOM_UP_Y);
+    frame_f64 view = default_view(asked_up(scene));
     const double up = filled * tan(default_fovy / 2);
     bool empty;
     fathom_status status =
@@ -104,7 +110,8 @@ static fathom_status frame_everything(fathom_scene *scene) {
 
 /* A key light from above the camera's left, and a weak one from its right that keeps shadowed sides readable.
  * Directional, so that no scale enters. Some ambient light and a dark grey behind, where the file says
- * nothing of them, keep the shadowed side apart from the background. */
+ * nothing of them, keep the shadowed side apart from the background. Path tracing has the studio instead
+ * (light/studio.h). */
 static fathom_status light_everything(fathom_scene *scene) {
     vec3_f64 x = load_f64(scene->camera.x), y = load_f64(scene->camera.y), z = load_f64(scene->camera.z);
     const struct {
@@ -122,10 +129,14 @@ static fathom_status light_everything(fathom_scene *scene) {
         if (status != FATHOM_OK) return status;
     }
     fathom_status status = FATHOM_OK;
+    const bool in_studio = !scene->has_background && !scene->has_ambient;
     if (!scene->has_background)
         status = fathom_scene_set_background(scene, (float[3]){0.05f, 0.055f, 0.065f});
-    if (status != FATHOM_OK || scene->has_ambient) return status;
-    return fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
+    if (status == FATHOM_OK && !scene->has_ambient)
+        status = fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
+    scene->in_studio = in_studio;
+    scene->studio_up = way_up(scene);
+    return status;
 }
 
 static bool emits(const fathom_material *m) {
