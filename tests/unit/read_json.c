@@ -45,7 +45,7 @@ static void surroundings(void **state) {
                             "\"aovs\": [\"id\", \"alpha\"]}, \"lights\": [], \"objects\": []}");
     fathom_settings expected;
     fathom_settings_default(&expected);
-    expected.width = 11, expected.height = 12, expected.spp = 5, expected.pattern = FATHOM_PATTERN_SOBOL;
+    expected.width = 11, expected.height = 12, expected.spp = 5, expected.target_error = 0;
     expected.seed = 9007199254740991, expected.max_depth = 0, expected.min_weight = 0.5f;
     expected.epsilon = 1e-5, expected.terminator_fix = false,
     expected.aovs = FATHOM_AOV_ID | FATHOM_AOV_ALPHA;
