@@ -403,12 +403,13 @@ static bool says_normal(const char *name) {
 }
 
 /* Values that the file gives later are kept. */
-static void set_one(mtl_reader *r, int kind) {
+static void set_one(mtl_reader *r, int kind, const char *at) {
     if (kind < 0 || given(&r->entry, kind)) return;
     const struct mtl_field *field = &mtl_fields[kind];
     double *out = (double *)(void *)((char *)&r->entry + field->offset);
     for (int k = 0; k < field->numbers; ++k) out[k] = 1;
     r->entry.given |= 1u << kind;
+    r->entry.at[kind] = at;
 }
 
 static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at) {
@@ -426,7 +427,7 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
     mtl_image *to = &r->library->materials.items[r->current].images[map->map];
     free(to->file);
     *to = image;
-    set_one(r, map->kind);
+    set_one(r, map->kind, at);
     return true;
 }
 
