@@ -26,7 +26,7 @@ scene() {
     }'
 }
 
-echo "| triangles | lights | spp | rays: closest, any | bare calls, one thread | through the tracer | render phase (quartiles) | two threads, by the clock: render, bare |"
+echo "| triangles | lights | spp | rays: closest, any | bare calls, one thread | through the tracer | render phase (quartiles) | two threads, by the clock |"
 echo "|---|---|---|---|---|---|---|---|"
 for mesh in ${MESHES:-360k 8M}; do
     "$fathom" generate sphere --triangles "$mesh" -o "$folder/$mesh.glb" -q
@@ -40,7 +40,7 @@ for mesh in ${MESHES:-360k 8M}; do
             awk -F, -v mesh="$mesh" -v lights="$lights" '
                 /^#/ || $1 == "spp" { next }
                 { row = sprintf("| %s | %s | %s | %.2f M, %.2f M | %.4f s | %.3f | %.3f (%.3f–%.3f) |", mesh, lights, $1,
-                                ($10 + $12 + $13) / 1e6, $11 / 1e6, $14, $18, $16, $15, $17); speedup = sprintf("%.2f, %.2f", $9, $19) }
+                                ($10 + $12 + $13) / 1e6, $11 / 1e6, $14, $18, $16, $15, $17); speedup = sprintf("%.2f", $9) }
                 END { printf "%s %s |\n", row, speedup }' "$folder/result.csv"
         done
     done

@@ -6,6 +6,7 @@
 #include <fathom/file.h>
 #include <fathom/image.h>
 #include <fathom/parameter.h>
+#include <fathom/part.h>
 #include <fathom/read.h>
 #include <fathom/render.h>
 #include <fathom/scene.h>

@@ -41,11 +41,12 @@ enum {
     FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel. In files
                                      these four end in ".V", since Blender reads single letters alone */
     /* error.R error.G error.B: standard error of R, G and B, by four groups of samples with independent
-     * scrambles: the mean ± 3.18 of it holds the true value in 95 % of pixels (Student's t, 3 degrees of
-     * freedom). Infinite below 4 samples. Where all samples are alike: by the rule of three, what the
-     * brightest emission of the scene could add unseen, over 3.18. error.largest, [0, 1]: the part of the
-     * squared deviations that the largest one has; above 1/4 the error is not to be trusted, and 1 says that
-     * it is such a bound. Needs the pattern Sobol, and path tracing, target_error or max_time */
+     * scrambles, and by those of the neighbours in a square of 4 x 4 pixels. The mean ± 2.09 of it (Student's
+     * t with 19 degrees of freedom) is meant to hold the true value in 95 % of pixels. Infinite below 4
+     * samples. Where all samples of a square are alike: by the rule of three, what the brightest emission of
+     * the scene could add unseen, over 2.09. error.doubt, [0, 1]: above 0.98 the error is not to be trusted,
+     * because few of the 32 x 32 pixels around carry nearly all variance; 1 says that it is such a bound.
+     * Needs the pattern Sobol, and path tracing, target_error or max_time */
     FATHOM_AOV_ERROR = 1u << 7,
     FATHOM_AOVS = (1u << 8) - 1
 };

@@ -3,6 +3,7 @@
 #define FATHOM_SESSION_H
 
 #include <fathom/image.h>
+#include <fathom/part.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -57,6 +58,10 @@ typedef struct fathom_session_options {
     /* With FATHOM_BAD_INPUT, because a file of the scene was changed meanwhile, there is a film, too, as far
      * as it got: some of its pixels may be wrong. Default false: there is none. */
     bool keep_changed;
+    /* Renders this part alone. FATHOM_BAD_USAGE together with a checkpoint, when the render cannot be split
+     * so, or when another render writes the file; FATHOM_BAD_INPUT: there is a file that is no part, or one
+     * of another render: the message says what differs; FATHOM_OUT_OF_RESOURCES: it cannot be written. */
+    const fathom_part *part;
 } fathom_session_options;
 
 FATHOM_DEFAULT(fathom_session_options)

@@ -56,6 +56,13 @@ FATHOM_DEFAULT(fathom_texture)
 FATHOM_API fathom_status fathom_scene_add_texture(fathom_scene *scene, const fathom_texture *texture,
                                                   fathom_id *out);
 
+/* Writes the image as a TIFF file of tiles in all mip levels, which is read in parts, where it is. Its texels
+ * have the type and the color space of the image, those of a named space linear Rec.709. Alpha that is 1
+ * everywhere is left out. FATHOM_BAD_USAGE unless `path` ends in .tx, .tif or .tiff; else as
+ * fathom_scene_add_texture() and fathom_film_write(). */
+FATHOM_API fathom_status fathom_texture_write(fathom_context *context, const fathom_texture *texture,
+                                              const char *path);
+
 #ifdef __cplusplus
 }
 #endif

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Makes room for `more` items of `size` bytes. items: the address of the array's pointer, of any type. False,
- * array unchanged, when out of memory. */
+/* Makes room for `more` items of `size` bytes. items: the address of the array's pointer. False: no memory.
+ */
 bool array_reserve(void *items, size_t *capacity, size_t count, size_t more, size_t size);
 
 /* ARRAY(type) name; then array_push(&name, value) -> false when out of memory. */

@@ -108,7 +108,7 @@ void fathom_guard_files(void) {
 
 /* ---- mapping ---- */
 
-/* Whether a call failed for lack of memory or descriptors, or because of the file. */
+/* FATHOM_OUT_OF_RESOURCES for lack of memory or descriptors, else FATHOM_BAD_INPUT. */
 static fathom_status status_of(int error) {
     bool exhausted = error == ENOMEM || error == EMFILE || error == ENFILE;
     return exhausted ? FATHOM_OUT_OF_RESOURCES : FATHOM_BAD_INPUT;
@@ -120,8 +120,7 @@ struct file_record {
     char path[];
 };
 
-/* The file is laid over an anonymous mapping that is one page longer: the bytes after it are zero and
- * readable even when it ends with a page. */
+/* Maps the file over a longer anonymous mapping, so that zeros follow it even when it ends with a page. */
 static fathom_status map_bytes(fathom_context *context, const char *path, int descriptor,
                                const struct stat *info, slot *guarded, file_map *map) {
     size_t length = strlen(path) + 1;
@@ -183,7 +182,7 @@ static fathom_status open_descriptor(fathom_context *context, const char *path, 
 
 fathom_status file_open(fathom_context *context, const char *path, file_map *out) {
     *out = (file_map){0};
-    /* A pipe is not waited for, and a terminal does not become ours. */
+    /* Does not wait for a pipe, and takes no terminal. */
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor < 0) return fail_file(context, status_of(errno), path, "%s", strerror(errno));
     fathom_status status = open_descriptor(context, path, descriptor, out);

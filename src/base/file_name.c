@@ -19,9 +19,8 @@ size_t file_stem_length(const char *path) {
 void file_extension(const char *path, char out[16]) {
     const char *dot = strrchr(file_name(path), '.');
     size_t length = 0;
-    if (dot && strlen(dot + 1) < 16) {
+    if (dot && strlen(dot + 1) < 16)
         for (const char *c = dot + 1; *c; ++c) out[length++] = (char)tolower((unsigned char)*c);
-    }
     out[length] = '\0';
 }
 
@@ -52,7 +51,7 @@ static bool holds(const char *folder, const char *path) {
     return strncmp(folder, path, length) == 0 && path[length] == '/';
 }
 
-/* Whether the ".." of a path climb above its start: for missing files, whose links cannot be followed. */
+/* True if the ".." of a path climb above its start: for missing files, whose links cannot be followed. */
 static bool climbs_out(const char *path) {
     long depth = 0;
     for (const char *part = path; *part && depth >= 0; part += strspn(part, "/")) {

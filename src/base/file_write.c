@@ -29,8 +29,7 @@ struct file_writer {
 
 /* ---- for a signal handler ---- */
 
-/* The temporary files that exist now, for fathom_file_abandon_all(), which does not know of any beyond these.
- */
+/* The temporary files that exist now; fathom_file_abandon_all() removes no others. */
 #define TEMPORARIES_MAX 16
 static _Atomic(char *) temporaries[TEMPORARIES_MAX];
 
@@ -80,7 +79,7 @@ static char *temporary_name(const char *path, unsigned attempt) {
     return out;
 }
 
-/* Whether `name` is that of a temporary file for `target`; both without folders. */
+/* True if `name` is that of a temporary file for `target`; both without folders. */
 static bool temporary_is_of(const char *name, const char *target) {
     const char *extension;
     const size_t kept = split(target, &extension);
@@ -97,8 +96,8 @@ static bool temporary_is_of(const char *name, const char *target) {
 
 /* ---- temporary files ---- */
 
-/* Locks the file, and checks that nobody removed it before it was locked. A file system without locks counts
- * as locked: there, no file is ever taken for left over. */
+/* Locks the file, and checks that nobody removed it before. Without locks in the file system it counts as
+ * locked, and no file is ever taken for left over. */
 static bool lock_named(int descriptor) {
     struct stat info;
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
@@ -120,9 +119,8 @@ void fathom_file_remove_left_over(const char *path) {
     DIR *folder = beside ? opendir(beside) : NULL;
     free(beside);
     if (!folder) return;
-    for (const struct dirent *entry; (entry = readdir(folder));) {
+    for (const struct dirent *entry; (entry = readdir(folder));)
         if (temporary_is_of(entry->d_name, file_name(path))) remove_unlocked(dirfd(folder), entry->d_name);
-    }
     closedir(folder);
 }
 
@@ -148,8 +146,7 @@ static int open_new(const char *name, mode_t mode) {
     return -1;
 }
 
-/* -1 and errno on failure. A file that replaces another gets its rights, and is private until they are set.
- */
+/* -1 and errno on failure. A file that replaces another is private until it gets that one's rights. */
 static int open_temporary(file_writer *writer) {
     struct stat old;
     const bool replaces = lstat(writer->path, &old) == 0 && S_ISREG(old.st_mode);
@@ -235,8 +232,7 @@ static int sync_descriptor(int descriptor) {
     return errno;
 }
 
-/* Puts the new name on the disk. A folder that may be written to but not read cannot be opened, and is left
- * to the system. */
+/* Puts the new name on the disk, if the folder can be read. */
 static int sync_folder(const char *path) {
     char *beside = file_beside(path, ".");
     int descriptor = beside ? open(beside, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
@@ -333,9 +329,8 @@ static fathom_status check_folder(fathom_context *context, const char *path, con
 fathom_status fathom_file_check(fathom_context *context, const char *path) {
     struct stat info;
     if (!context || !path) return fail_null(context, "path");
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
         return fail_file(context, FATHOM_OUT_OF_RESOURCES, path, "cannot be written: is not a regular file");
-    }
     char *folder = file_beside(path, ".");
     if (!folder) return fail_memory(context, strlen(path) + 2);
     fathom_status status = check_folder(context, path, folder);

@@ -1,19 +1,15 @@
-/* A 64-bit hash of bytes at the speed of memory, the same on every machine: against accidents, not against
- * forgers. A change within eight bytes at a multiple of eight always changes it; any other change with odds
- * of 1 in 2^64 does not. */
+/* A 64-bit hash of bytes, the same on every machine: against accidents, not against forgers. A change within
+ * eight bytes at a multiple of eight always changes it; any other change with odds of 1 in 2^64 does not. */
 #ifndef BASE_HASH_H
 #define BASE_HASH_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#define HASH_LANES 4
-
 typedef struct hash {
-    uint64_t lane[HASH_LANES];
-    uint64_t length;
-    unsigned char rest[8 * HASH_LANES]; /* bytes of an incomplete row of lanes */
-    size_t waiting;
+    uint64_t state, length;
+    uint64_t word;    /* an incomplete one */
+    unsigned waiting; /* bytes in it */
 } hash;
 
 void hash_begin(hash *h);

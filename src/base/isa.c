@@ -9,9 +9,8 @@ static const char *const words[] = {"", "sse2", "sse4.2", "avx", "avx2", "avx512
 const char *isa_word(isa_set set) { return set < SETS ? words[set] : ""; }
 
 static isa_set named(const char *text) {
-    for (size_t i = 1; text && i < SETS; ++i) {
+    for (size_t i = 1; text && i < SETS; ++i)
         if (strcmp(text, words[i]) == 0) return (isa_set)i;
-    }
     return ISA_BEST;
 }
 

@@ -1,5 +1,4 @@
-/* The instruction sets that kernels and Embree may use: the processor's, up to $FATHOM_ISA if that is set. A
- * machine can so run what an older one would. */
+/* The instruction sets that kernels and Embree may use: the processor's, up to $FATHOM_ISA if that is set. */
 #ifndef BASE_ISA_H
 #define BASE_ISA_H
 
@@ -12,7 +11,7 @@ typedef enum isa_set { ISA_BEST, ISA_SSE2, ISA_SSE42, ISA_AVX, ISA_AVX2, ISA_AVX
 const char *isa_word(isa_set set);
 /* The older of `most` and $FATHOM_ISA; ISA_BEST leaves it to the processor. */
 isa_set isa_limit(isa_set most);
-/* Whether the processor has the set and $FATHOM_ISA allows it. Never ISA_BEST. */
+/* True if the processor has the set and $FATHOM_ISA allows it. */
 bool isa_usable(isa_set set);
 /* The value of $FATHOM_ISA if it names no set, else NULL. */
 const char *isa_unknown(void);

@@ -5,11 +5,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Bytes that can be used before the machine swaps or a container's limit ends the process; SIZE_MAX if
- * unknown. malloc() does not tell: Linux grants more memory than it has, and kills the process that uses it.
- */
+/* Bytes free before the machine swaps or a container's limit ends the process; SIZE_MAX if unknown. Linux's
+ * malloc() grants more memory than there is. */
 size_t memory_free(void);
-/* Whether so many bytes are free; small amounts are granted without a check. */
+/* True if the bytes are free. Small amounts are not checked. */
 bool memory_has(size_t bytes);
 
 /* The program with its libraries before it holds a scene, and the working memory of a thread (0.55 MB were

@@ -13,9 +13,8 @@
 /* ---- names ---- */
 
 const fathom_parameter *parameter_find(parameter_table table, const char *name) {
-    for (size_t i = 0; i < table.count; ++i) {
+    for (size_t i = 0; i < table.count; ++i)
         if (strcmp(table.rows[i].name, name) == 0) return &table.rows[i];
-    }
     return NULL;
 }
 
@@ -160,7 +159,7 @@ static void describe(const fathom_parameter *p, char *out, size_t room) {
         snprintf(out, room, "%s%s%s", p->zero ? p->zero : "", p->zero ? " or " : "", number);
 }
 
-/* Values that no enumerator or bit stands for are the program's fault, no file's. */
+/* A value without a word is a fault of the program, not of a file. */
 static bool is_worded(const fathom_parameter *p, unsigned value) {
     unsigned count = 0;
     size_t length;
@@ -207,8 +206,7 @@ bool text_read_u64(const char **text, char end, uint64_t *out) {
     return true;
 }
 
-/* A finite decimal number. The spelling is checked first, because strtod() also takes spaces, hexadecimal and
- * "nan". */
+/* A finite decimal number: strtod() also takes spaces, hexadecimal and "nan". */
 static bool text_read_f64(const char **text, char end, double *out) {
     size_t length = strspn(*text, "+-.0123456789eE");
     if (length == 0 || (*text)[length] != end) return false;
@@ -266,7 +264,7 @@ static bool read_number(const fathom_parameter *p, const char **text, char end, 
     return true;
 }
 
-/* The word for 0 is the only way to say it: a 0 may have been meant as a number. */
+/* 0 is written as its word: the digit may have been meant as a number. */
 static bool read_numbers(const fathom_parameter *p, const char *text, void *base) {
     if (p->zero && strcmp(text, p->zero) == 0) {
         parameter_set_number(p, base, 0, 0);

@@ -1,5 +1,4 @@
-/* Members of plain structs, by their rows in a table: defaults, checks, text and numbers. `base` is the
- * struct.
+/* Members of plain structs by their rows in a table: defaults, checks, text, numbers. `base` is the struct.
  */
 #ifndef BASE_PARAMETER_H
 #define BASE_PARAMETER_H
@@ -13,12 +12,8 @@ typedef struct parameter_table {
     size_t count;
 } parameter_table;
 
-enum {
-    PARAMETER_COUNT = 4,
-    /* numbers in a member, at most */ PARAMETER_NAME = 32,
-    PARAMETER_TEXT = 160,
-    PARAMETER_WRONG = 480
-};
+/* COUNT: numbers in a member; the others: bytes. */
+enum { PARAMETER_COUNT = 4, PARAMETER_NAME = 32, PARAMETER_TEXT = 160, PARAMETER_WRONG = 480 };
 
 /* NULL when there is none. */
 const fathom_parameter *parameter_find(parameter_table table, const char *name);
@@ -31,7 +26,7 @@ void parameter_name(const fathom_parameter *p, char between, char out[PARAMETER_
 unsigned parameter_count(const fathom_parameter *p);
 double parameter_number(const fathom_parameter *p, const void *base, unsigned i);
 void parameter_set_number(const fathom_parameter *p, void *base, unsigned i, double number);
-/* Whether it is made of numbers, of which there are parameter_count(). */
+/* True if the member is made of numbers. */
 bool parameter_is_number(const fathom_parameter *p);
 /* Copies the member from one struct to another. */
 void parameter_copy(const fathom_parameter *p, const void *from, void *to);
@@ -39,12 +34,11 @@ void parameter_copy(const fathom_parameter *p, const void *from, void *to);
 /* Every member gets its default; texts get NULL. */
 void parameters_default(parameter_table table, void *base);
 
-/* FATHOM_BAD_INPUT names the member, what is allowed and what was found; FATHOM_BAD_USAGE when no word stands
- * for the value. */
+/* FATHOM_BAD_INPUT: a number is not allowed. FATHOM_BAD_USAGE: a value has no word. */
 fathom_status parameters_check(fathom_context *context, parameter_table table, const void *base);
 
-/* From text. False when that is wrong: `wrong` is then "expected …, found …", and the member is as it was. A
- * text is kept as the pointer. */
+/* From text, which the member keeps by its pointer. False: the member is as it was, and `wrong` holds
+ * "expected …, found …". */
 bool parameter_read(const fathom_parameter *p, const char *text, void *base, char wrong[PARAMETER_WRONG]);
 /* As text that parameter_read() takes. Returns the length without the limit of `room`. */
 size_t parameter_print(const fathom_parameter *p, const void *base, char *out, size_t room);
@@ -52,8 +46,7 @@ size_t parameter_print(const fathom_parameter *p, const void *base, char *out, s
 /* The same of numbers that are in no struct. */
 size_t parameter_print_numbers(const fathom_parameter *p, const double *values, char *out, size_t room);
 
-/* Whole strings only, digits only; false when `text` is not a number, is too large, or is not followed by
- * `end`. On success *text is moved past `end`. */
+/* Digits up to `end`; moves *text past it. False: no number, too large, or followed by something else. */
 bool text_read_u64(const char **text, char end, uint64_t *out);
 
 #endif

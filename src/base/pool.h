@@ -14,8 +14,7 @@ typedef struct pool_task {
     struct pool_task *next;
 } pool_task;
 
-/* Starts task->run(task->user) on another thread at once; false, and nothing starts, if there is no thread.
- */
+/* Starts task->run(task->user) on another thread at once. False: there is no thread, and nothing starts. */
 bool pool_run(pool_task *task);
 /* Waits until the task has ended, for at most `seconds` unless negative; returns whether it has. */
 bool pool_wait(pool_task *task, double seconds);

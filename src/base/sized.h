@@ -14,7 +14,7 @@ fathom_status sized_read(fathom_context *context, const char *name, const void *
 /* The same for structs that begin with their size. `full` then has the size of this version. */
 fathom_status sized_read_own(fathom_context *context, const char *name, const void *from, void *full,
                              size_t known);
-/* Whether sized_write() may write to `out`, which begins with its size. */
+/* True if sized_write() may write to `out`, which begins with its size. */
 fathom_status sized_check(fathom_context *context, const char *name, const void *out, size_t known);
 void sized_write(void *out, const void *full, size_t known);
 /* For structs without a size of their own, and for defaults. */
@@ -26,8 +26,7 @@ void sized_give(void *out, size_t size, const void *full, size_t known);
 #define SIZED_OWN(context, type, from, full)                                                                 \
     (type##_default(full), sized_read_own(context, #from, from, full, sizeof(type)))
 
-/* Defines TYPE_default_sized() by an initializer; SIZED_DEFAULT_OWN() for structs that begin with their size.
- */
+/* Defines TYPE_default_sized(); SIZED_DEFAULT_OWN() is for structs that begin with their size. */
 #define SIZED_DEFAULT(type, ...)                                                                             \
     void type##_default_sized(type *out, size_t size) {                                                      \
         const type value = __VA_ARGS__;                                                                      \

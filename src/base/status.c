@@ -119,8 +119,7 @@ static const char *keep(error_store *store, const char *text) {
     return copy;
 }
 
-/* Texts and fields quote files, and are shown on terminals: no byte of a file may steer one, or pass for a
- * line of its own. */
+/* Texts quote files and are shown on terminals: no byte of a file may steer one or look like a new line. */
 static const char *keep_disarmed(error_store *store, const char *text) {
     const size_t begin = store->used;
     const char *kept = keep(store, text);
@@ -246,7 +245,7 @@ fathom_status fathom_context_fail(fathom_context *context, const fathom_error *e
 }
 
 fathom_status fail_memory(fathom_context *context, size_t bytes) {
-    return fail(context, FATHOM_OUT_OF_RESOURCES, "out of memory: %zu bytes could not be had", bytes);
+    return fail(context, FATHOM_OUT_OF_RESOURCES, "out of memory: %zu bytes are not available", bytes);
 }
 
 fathom_status fail_null(fathom_context *context, const char *argument) {

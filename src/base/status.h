@@ -6,9 +6,8 @@
 #include <stdarg.h>
 #include <sys/stat.h>
 
-/* These store an error and return the status, so that a failure is one line: return fail(context,
- * FATHOM_BAD_INPUT, …). The text says what was found and what was expected; the place says where. NULL for a
- * string of the place means "". Without a context they only return the status. */
+/* Each stores an error and returns the status: return fail(context, FATHOM_BAD_INPUT, …). The text says what
+ * was found and expected, the place where; NULL in it means "". Without a context nothing is stored. */
 fathom_status fail(fathom_context *context, fathom_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 fathom_status fail_at(fathom_context *context, fathom_status status, const fathom_place *place,
@@ -31,15 +30,13 @@ fathom_status fail_memory(fathom_context *context, size_t bytes);
 bool context_allows_outside(const fathom_context *context);
 bool context_copies_files(const fathom_context *context);
 
-/* Whether fathom_file_protect() was given it: file_open() refuses those. */
+/* True if fathom_file_protect() was given it: file_open() refuses those. */
 bool context_is_output(const fathom_context *context, const struct stat *file);
 
-/* FATHOM_BAD_USAGE: this argument of a public call is NULL and must not be. The context may be NULL too.
- */
+/* FATHOM_BAD_USAGE: this argument of a public call is NULL. The context may be NULL too. */
 fathom_status fail_null(fathom_context *context, const char *argument);
 
-/* A warning for the user; see fathom_context_on_warning(). Only from the calling thread, once for each kind.
- */
+/* A warning for the user (fathom_context_on_warning()), only from the calling thread. */
 void warn(fathom_context *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -22,7 +22,7 @@ size_t text_character(const char *at, unsigned *code) {
     return *code < least[length] || *code > 0x10ffff || surrogate ? 0 : length;
 }
 
-/* Whether the character could steer a terminal or reorder text. */
+/* True if the character could steer a terminal or reorder text. */
 static bool steers(unsigned code) {
     return code < ' ' || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e || code == 0x200f ||
            (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
@@ -51,8 +51,7 @@ const char *words_at(const char *words, unsigned i, size_t *length) {
 int words_find(const char *words, const char *word, size_t length) {
     size_t found;
     const char *at;
-    for (unsigned i = 0; (at = words_at(words, i, &found)); ++i) {
+    for (unsigned i = 0; (at = words_at(words, i, &found)); ++i)
         if (found == length && strncmp(at, word, length) == 0) return (int)i;
-    }
     return -1;
 }

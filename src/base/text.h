@@ -7,8 +7,8 @@
 /* The length in bytes of the UTF-8 character at `text`, and its code; 0 when there is none. */
 size_t text_character(const char *text, unsigned *code);
 
-/* Puts '?' for each byte that could steer a terminal or pass for other text: control characters, those of C1
- * (U+0080 to U+009F) among them, line ends and direction marks of Unicode, and bytes that are not UTF-8. */
+/* Puts '?' for each byte that could steer a terminal or look like other text: control characters (C0 and C1),
+ * Unicode's line ends and direction marks, and bytes that are not UTF-8. */
 void text_disarm(char *text);
 
 /* The part of "a|b|c" that is `word`, or -1. */

@@ -6,8 +6,8 @@
 
 unsigned processor_count(void);
 
-/* How many of `wanted` further threads the system grants, found by creating them: for schedulers that end the
- * process if they get fewer than they were told to use. The result is remembered. */
+/* Creates `wanted` more threads to find how many the system grants, for schedulers that end the process if
+ * they get fewer than they were told to use. */
 unsigned threads_granted(unsigned wanted);
 
 /* Body of a parallel loop: handles items [begin, end). `worker` is in [0, threads). */

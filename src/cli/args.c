@@ -129,7 +129,17 @@ static bool parse_short(parser *p, const char *typed) {
     return args_wrong(p->problem, "unknown option %.40s", typed);
 }
 
+static bool add_operand(parser *p, const char *text) {
+    args_many *all = (args_many *)(void *)(p->settings + p->spec->operand_offsets[0]);
+    if (!all->items) all->items = calloc((size_t)p->argc, sizeof *all->items);
+    if (!all->items) return args_wrong(p->problem, "out of memory");
+    all->items[all->count++] = text;
+    p->operands = 1;
+    return true;
+}
+
 static bool parse_operand(parser *p, const char *text) {
+    if (p->spec->many) return add_operand(p, text);
     if (p->operands == p->spec->operand_count)
         return args_wrong(p->problem, "unexpected argument \"%.300s\"", text);
     size_t offset = p->spec->operand_offsets[p->operands++];
@@ -138,9 +148,8 @@ static bool parse_operand(parser *p, const char *text) {
 }
 
 bool args_ask_help(int argc, char **argv) {
-    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i) {
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i)
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) return true;
-    }
     return false;
 }
 
@@ -151,13 +160,12 @@ args_result args_parse(const args_spec *spec, int argc, char **argv, void *setti
     for (; p.at < argc; ++p.at) {
         const char *text = argv[p.at];
         bool fine;
-        if (options_end || text[0] != '-' || !text[1]) {
+        if (options_end || text[0] != '-' || !text[1])
             fine = parse_operand(&p, text);
-        } else if (strcmp(text, "--") == 0) {
+        else if (strcmp(text, "--") == 0)
             fine = options_end = true;
-        } else {
+        else
             fine = text[1] == '-' ? parse_long(&p, text) : parse_short(&p, text);
-        }
         if (!fine) return ARGS_WRONG;
     }
     if (p.operands + spec->operands_optional >= spec->operand_count) return ARGS_READY;

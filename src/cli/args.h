@@ -22,6 +22,12 @@ typedef struct args_list {
     size_t count;
 } args_list;
 
+/* Operands of which there may be any number from one on. Release `items` with free(). */
+typedef struct args_many {
+    const char **items;
+    size_t count;
+} args_many;
+
 /* Counts of one option, separated by commas. */
 typedef struct args_counts {
     uint64_t items[ARGS_LIST_MAX];
@@ -38,8 +44,7 @@ typedef struct args_problem {
 
 typedef struct args_option args_option;
 
-/* Reads `value` (NULL for a flag) into `field`; false, with what was expected in `problem`, when it is wrong.
- */
+/* Reads `value` (NULL for a flag) into `field`. False: `problem` says what was expected. */
 typedef bool (*args_take)(const args_option *option, const char *value, void *field, args_problem *problem);
 
 /* Without a name: a heading in the help. Without a help: the end of the table. */
@@ -60,6 +65,7 @@ typedef struct args_spec {
     size_t operand_count;
     size_t operands_optional;          /* of the last ones */
     const args_option *(*table)(void); /* makes the options, where they follow from another table; or NULL */
+    bool many;                         /* the only operand is an args_many */
 } args_spec;
 
 typedef enum args_result { ARGS_READY, ARGS_HELP, ARGS_WRONG } args_result;

@@ -17,13 +17,13 @@ typedef struct command {
     fathom_status (*run)(int argc, char **argv);
 } command;
 
-extern const command command_render, command_info, command_generate, command_compare, command_validate,
-    command_bench, command_help;
+extern const command command_render, command_merge, command_info, command_generate, command_texture,
+    command_compare, command_validate, command_bench, command_help;
 
 extern const command *const commands[];
 extern const size_t command_count;
 
-/* NULL: none of that name; `problem` then says so and names the nearest. */
+/* NULL: `problem` says that there is none, and names the nearest. */
 const command *command_find(const char *name, args_problem *problem);
 
 /* "error" for `fathom bench error`; NULL: none. */
@@ -35,14 +35,12 @@ void help_command(const command *c, FILE *out);
 /* Prints a name that may come from a file, with '?' for bytes that could steer a terminal. */
 void print_name(FILE *out, const char *name);
 
-/* One line on stderr; others than errors by log_line(). */
+/* One line on stderr. */
 void say_error(const char *text);
-/* The same for wrong usage: adds where help is, and returns FATHOM_BAD_USAGE. c: NULL when no command was
- * found. */
+/* The same for wrong usage, with where help is; returns FATHOM_BAD_USAGE. c: NULL if no command was found. */
 fathom_status say_usage(const command *c, const char *text);
 
-/* Says the context's message when `status` is a failure, as say_usage() or say_error(), and hands the status
- * on. */
+/* Says the context's message if `status` is a failure, and returns the status. */
 fathom_status say_status(const command *c, const fathom_context *context, fathom_status status);
 
 /* Reads the command line into `settings`. False when the command is done: *status is then its exit code. */

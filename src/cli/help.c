@@ -7,9 +7,8 @@
 
 void help_overview(FILE *out) {
     fputs("Fathom renders scenes by ray tracing.\n\nUsage: fathom COMMAND ...\n\nCommands:\n", out);
-    for (size_t i = 0; i < command_count; ++i) {
+    for (size_t i = 0; i < command_count; ++i)
         fprintf(out, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
-    }
     fputs("\nfathom COMMAND --help tells more, and fathom --version -v which Fathom this is.\n"
           "The first image:  fathom render model.glb -o image.png\n",
           out);

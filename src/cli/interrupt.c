@@ -11,8 +11,8 @@
 static volatile sig_atomic_t asked, keep_work, save;
 static struct timespec first;
 
-/* timeout(1) and some shells send a signal to the process and again to its group. A second signal that comes
- * faster than a person could send it is such a repetition. */
+/* timeout(1) and some shells send a signal to the process and again to its group: the second one comes faster
+ * than a person could send it. */
 #define SAME_SIGNAL_SECONDS 0.1
 
 static bool is_echo(void) {
@@ -54,8 +54,7 @@ static void install(int number, void (*handler)(int)) {
     struct sigaction old, action = {.sa_handler = handler, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof ending / sizeof *ending; ++i) sigaddset(&action.sa_mask, ending[i]);
-    /* nohup, and shells that start a program in the background, make it ignore the signal. It stays ignored.
-     * */
+    /* A signal that nohup, or a shell for programs in the background, made ignored stays so. */
     if (sigaction(number, NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(number, &action, NULL);
 }
 

@@ -17,9 +17,8 @@ json_t *json_text(const char *string) {
     if (value) return value;
     char *plain = strdup(string);
     if (!plain) return NULL;
-    for (char *c = plain; *c; ++c) {
+    for (char *c = plain; *c; ++c)
         if ((unsigned char)*c >= 128) *c = '?';
-    }
     value = json_string(plain);
     free(plain);
     return value;

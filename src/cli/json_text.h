@@ -9,8 +9,7 @@
 
 /* ---- values ---- */
 
-/* JSON must be UTF-8; file names and messages need not be. In a text that is not UTF-8, each byte beyond
- * ASCII becomes '?'. NULL is null. */
+/* In a text that is not UTF-8, each byte beyond ASCII becomes '?'. NULL is null. */
 json_t *json_text(const char *string);
 json_t *json_count(uint64_t number);
 /* null unless it is finite. */
@@ -60,19 +59,17 @@ const char *json_text_at(const json_t *object, const char *path);
 
 /* ---- printing ---- */
 
-/* Prints `form`, in which "{path:9.4g}" stands for a number of the object, "{path:-8s}" for a text, and "-"
- * for one that is missing. A number ending in M is divided by a million, one ending in % multiplied by 100.
- */
+/* Prints `form`, with a number of the object for "{path:9.4g}" and a text for "{path:-8s}"; "-" where it is
+ * missing. Formats that end in M divide by a million, in % multiply by 100. */
 void json_print(const json_t *object, const char *form);
 
 /* ---- writing ---- */
 
 /* The whole text, indented; real numbers with `digits` digits, 0: with all they need. Release with free().
- * NULL when memory ran out, also while the values were made, because some are missing then. */
+ * NULL when memory ran out, also earlier: then values are missing. */
 char *json_dump_text(const json_t *root, unsigned digits);
 
-/* Writes the text of json_dump_text() with 9 digits, and a line end. The file is whole or not there at all.
- */
+/* Writes the text with 9 digits, and a line end: a whole file or none. */
 fathom_status json_write_file(fathom_context *context, const char *path, const json_t *root);
 
 #endif

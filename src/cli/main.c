@@ -18,8 +18,7 @@ static void ignore_signals(void) {
     signal(SIGXFSZ, SIG_IGN);
 }
 
-/* The standard streams may be closed. The next files opened would get their numbers, and printed text would
- * go into an image. Streams opened here for the wrong direction prevent that. */
+/* Opens standard streams that are closed: the next file, an image, would get their number and their text. */
 static void hold_streams(void) {
     for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
         if (fcntl(stream, F_GETFD) >= 0) continue;

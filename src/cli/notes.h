@@ -10,7 +10,7 @@
 /* Warnings in the order in which they came; the strings are its own. Zero it to start with. */
 typedef ARRAY(char *) warning_list;
 
-/* Two fathom_warning_fn; `user` is the list. A warning is dropped when there is no memory for it. */
+/* Two fathom_warning_fn; `user` is the list. */
 void warnings_keep(void *user, const char *message);
 /* Writes it to stderr as well; without a list, only there. */
 void warnings_say(void *user, const char *message);

@@ -65,9 +65,8 @@ static const char *name_of(const char *value) {
 }
 
 static bool is_name(const char *item) {
-    for (size_t i = 0; i < NAMES; ++i) {
+    for (size_t i = 0; i < NAMES; ++i)
         if (item == names[i]) return true;
-    }
     return false;
 }
 
@@ -100,9 +99,8 @@ fathom_status standard_output_begin(fathom_context *context, args_list *images, 
                                     size_t count) {
     size_t named = 0;
     out.name = NULL;
-    for (size_t i = 0; i < images->count; ++i) {
+    for (size_t i = 0; i < images->count; ++i)
         if (is_name(images->items[i])) ++named, out.index = i, out.name = images->items[i];
-    }
     for (size_t i = 0; i < count; ++i) named += outputs_is_standard(files[i]);
     if (!named) return FATHOM_OK;
     if (named > 1)

@@ -14,7 +14,7 @@
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input);
 
-/* Whether both paths lead to one file, or would. */
+/* True if both paths lead to one file, or would. */
 bool outputs_are_same(const char *a, const char *b);
 
 /* A file that is no image: whole or not at all. "-" is standard output. */
@@ -22,7 +22,7 @@ fathom_status outputs_write(fathom_context *context, const char *path, const cha
 
 /* ---- standard output: "-o -", "-o exr:-", "--stats -" ---- */
 
-/* "-". Whatever else is printed there, by this program or by a library, then goes to stderr. */
+/* "-". Everything else printed there then goes to stderr. */
 bool outputs_is_standard(const char *path);
 
 /* Reader of an option's values as take_list(). "-", which is PNG, and "png:-", "exr:-" and so on become names

@@ -41,12 +41,11 @@ static bool is_plain(const char *text) {
 /* Between single quotes, of which each inside becomes '\''. */
 static void put_quoted(command_text *t, const char *text) {
     put(t, "'", 1);
-    for (; *text; ++text) {
+    for (; *text; ++text)
         if (*text == '\'')
             put(t, "'\\''", 4);
         else
             put(t, text, 1);
-    }
     put(t, "'", 1);
 }
 

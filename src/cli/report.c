@@ -56,9 +56,8 @@ static int run_script(char *const arguments[], bool silent) {
     int failed = posix_spawn(&child, FATHOM_PYTHON, &actions, NULL, arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     if (failed) return -1;
-    while (waitpid(child, &status, 0) < 0) {
+    while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR) return -1;
-    }
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
@@ -132,9 +131,8 @@ fathom_status report_check_files(fathom_context *context, const char *const *fil
     const char *paths[REPORT_OTHERS + REPORT_FILES];
     size_t found = 0;
     fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, files, count);
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < count; ++i)
         if (files[i] && !outputs_is_standard(files[i])) paths[found++] = files[i];
-    }
     for (size_t i = 0; i < found && status == FATHOM_OK; ++i) status = fathom_file_check(context, paths[i]);
     if (status == FATHOM_OK && report) status = check_report(context, report);
     if (status != FATHOM_OK) return status;

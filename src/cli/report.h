@@ -5,11 +5,10 @@
 #include <fathom/base.h>
 #include <jansson.h>
 
-/* Before any work is done, for the files of a command that writes results: each of `files` (at most 4) may be
- * NULL, or "-" for standard output; `report`, a folder, and `input` may be NULL. FATHOM_BAD_USAGE when two of
- * them are the same file; FATHOM_OUT_OF_RESOURCES when one cannot be written, `report` is no folder and
- * cannot become one, holds an index.html that no report has written, or when a package that draws pages is
- * missing: the message says which. */
+/* Checks the files of a command that writes results before any work is done. Each of `files` (at most 4) may
+ * be NULL, or "-" for standard output; `report`, a folder, and `input` may be NULL. FATHOM_BAD_USAGE when two
+ * are the same file; FATHOM_OUT_OF_RESOURCES when one cannot be written, `report` cannot become a folder or
+ * holds an index.html of something else, or a package that draws pages is missing. */
 fathom_status report_check_files(fathom_context *context, const char *const *files, size_t count,
                                  const char *report, const char *input);
 

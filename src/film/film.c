@@ -40,7 +40,7 @@ static void add_channels(fathom_film *film, unsigned aovs) {
     }
     if (aovs & FATHOM_AOV_ERROR) {
         add_three(film, film->error, "error.R", "error.G", "error.B", false);
-        film->largest = add_channel(film, "error.largest", false, false);
+        film->doubt = add_channel(film, "error.doubt", false, false);
     }
     if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples", "samples.V");
 }
@@ -109,7 +109,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     return take_pixels(context, film, scene->name, out);
 }
 
-fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom_film **out) {
+fathom_status film_create_like(fathom_context *context, const fathom_film *film, fathom_film **out) {
     *out = NULL;
     fathom_film *copy = calloc(1, sizeof *copy);
     if (!copy) return fail_memory(context, sizeof *copy);
@@ -120,11 +120,15 @@ fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom
     copy->camera = film->camera;
     memcpy(copy->background, film->background, sizeof copy->background);
     memcpy(copy->brightest, film->brightest, sizeof copy->brightest);
-    fathom_status status = take_pixels(context, copy, film->scene_name, out);
+    return take_pixels(context, copy, film->scene_name, out);
+}
+
+fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom_film **out) {
+    fathom_status status = film_create_like(context, film, out);
     if (status != FATHOM_OK) return status;
     pthread_mutex_t *lock = (pthread_mutex_t *)(uintptr_t)&film->lock;
     pthread_mutex_lock(lock);
-    memcpy(copy->pixels, film->pixels, film_bytes(film));
+    memcpy((*out)->pixels, film->pixels, film_bytes(film));
     pthread_mutex_unlock(lock);
     return FATHOM_OK;
 }

@@ -26,7 +26,7 @@ struct fathom_film {
     uint32_t channel_count;
     float *pixels; /* of all channels */
     /* The same memory by meaning; NULL when not asked for. */
-    float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3], *error[3], *largest;
+    float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3], *error[3], *doubt;
     uint32_t *object, *primitive, *instance, *samples;
     /* For the header of image files. */
     fathom_settings settings;
@@ -41,6 +41,9 @@ struct fathom_film {
 
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out);
+
+/* An empty film of the same image: the other one needs no pixels. */
+fathom_status film_create_like(fathom_context *context, const fathom_film *film, fathom_film **out);
 
 /* Its pixels as they are now, without statistics: from any thread. The pixels of a film are written under its
  * lock, as long as others may copy it. */
@@ -66,13 +69,20 @@ double film_write_seconds(fathom_context *context, const fathom_film *film, cons
 /* The error of the whole image, from its error channels. */
 typedef struct film_error {
     double error;    /* as fathom_settings has target_error, of the pixels whose samples are not all alike */
-    double doubtful; /* share of these of which error.largest is above FILM_DOUBTFUL */
+    double doubtful; /* share of these of which error.doubt is above FILM_DOUBTFUL */
     double unseen;   /* the most that a pixel whose samples are all alike may lack, at 95 % */
 } film_error;
 
-#define FILM_DOUBTFUL 0.25f
-/* Student's t of 95 % with 3 degrees of freedom. */
-#define FILM_ERROR_T 3.1824463052842624
+#define FILM_DOUBTFUL 0.98f
+/* Student's t of 95 % with FILM_OWN + FILM_NEAR degrees of freedom. */
+#define FILM_ERROR_T 2.0930240544083
+/* Degrees of freedom of a pixel's own variance, and of that of its square. */
+#define FILM_OWN 3
+#define FILM_NEAR 16
+
+/* Once all pixels are in: turns the errors of pixels, each by its own groups of samples, into those that the
+ * film promises (film_error.c). */
+void film_settle_errors(fathom_film *film);
 
 /* False: the film has no error channels, or not yet an error. */
 bool film_error_of(const fathom_film *film, film_error *out);

@@ -28,7 +28,6 @@ void hit_sums_clear(hit_sums *hits) {
 
 void pixel_sums_clear(pixel_sums *sums) {
     memset(sums->rgb, 0, sums->groups * sizeof *sums->rgb);
-    if (sums->groups > 1) memset(&sums->spread, 0, sizeof sums->spread);
     if (sums->hits) hit_sums_clear(sums->hits);
 }
 
@@ -81,32 +80,10 @@ void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_re
     const uint32_t from = place * LANES, to = slot_of(region, square);
     for (int c = 0; c < 3; ++c)
         sums->kernels->add_samples(samples->radiance[c] + from, LANES, sums->rgb[square->group][c] + to);
-    if (sums->groups > 1) spread_sums_add(&sums->spread, samples, from, to);
     if (sums->hits) hit_sums_add(sums->hits, &sums->sampler, samples->first, region, batch, place);
 }
 
 /* ---- the error ---- */
-
-void spread_sums_add(spread_sums *spread, const wave_samples *samples, uint32_t from, uint32_t to) {
-    for (uint32_t k = 0; k < LANES; ++k) {
-        double sum = 0;
-        for (int c = 0; c < 3; ++c) sum += (double)samples->radiance[c][from + k];
-        spread->most[to + k] = fmax(spread->most[to + k], sum);
-        spread->squares[to + k] += sum * sum;
-    }
-}
-
-void spread_sums_largest(const spread_sums *spread, const group_sums *rgb, uint32_t groups, uint32_t samples,
-                         uint32_t square, double largest[WAVE_SLOTS]) {
-    for (uint32_t slot = square * LANES; slot < (square + 1) * LANES; ++slot) {
-        double sum = 0;
-        for (uint32_t g = 0; g < groups; ++g) sum += rgb[g][0][slot] + rgb[g][1][slot] + rgb[g][2][slot];
-        const double mean = sum / samples, most = spread->most[slot] - mean,
-                     all = spread->squares[slot] - mean * sum;
-        const bool alike = !(all > 0x1p-40 * spread->squares[slot]); /* but for rounding */
-        largest[slot] = alike ? 0 : fmin(most * most / all, 1 - 0x1p-20);
-    }
-}
 
 static double samples_of_group(const pixel_sums *sums, uint32_t samples, uint32_t group) {
     return sums->equal ? samples / (double)sums->groups : wave_group_count(samples, group, sums->groups);
@@ -156,22 +133,27 @@ static void store_hits(const hit_sums *hits, uint32_t slot, double scale, size_t
  */
 static void store_bound(uint32_t samples, size_t pixel, fathom_film *film) {
     const double share = 1 - pow(0.05, 1.0 / samples);
-    film->largest[pixel] = 0;
+    film->doubt[pixel] = 0;
     for (int c = 0; c < 3; ++c) {
         const double more = fmax((double)film->brightest[c] - (double)film->rgb[c][pixel], 0);
         film->error[c][pixel] = (float)(share * more / FILM_ERROR_T);
-        if (more > 0) film->largest[pixel] = 1;
+        if (more > 0) film->doubt[pixel] = 1;
     }
+}
+
+/* Means of equal samples differ by roundings of double. */
+static bool are_alike(const double squared[3], double grey) {
+    return squared[0] + squared[1] + squared[2] <= 0x1p-80 * grey * grey;
 }
 
 static void store_error(const pixel_sums *sums, uint32_t slot, uint32_t samples, size_t pixel,
                         fathom_film *film) {
     double squared[3];
-    pixel_sums_error(sums, slot, samples, squared);
+    const double grey = pixel_sums_error(sums, slot, samples, squared);
     const bool known = isfinite(squared[0]);
-    film->largest[pixel] = known ? (float)sums->largest[slot] : 1;
+    film->doubt[pixel] = known ? 0 : 1;
     for (int c = 0; c < 3; ++c) film->error[c][pixel] = (float)sqrt(squared[c]);
-    if (known && !(sums->largest[slot] > 0)) store_bound(samples, pixel, film);
+    if (known && are_alike(squared, grey)) store_bound(samples, pixel, film);
 }
 
 static void store_pixel(const pixel_sums *sums, uint32_t slot, sums_count count, uint32_t x, uint32_t y,
@@ -180,7 +162,7 @@ static void store_pixel(const pixel_sums *sums, uint32_t slot, sums_count count,
     double scale = 1.0 / count.samples;
     for (int c = 0; c < 3; ++c) film->rgb[c][pixel] = (float)(sum_of(sums, c, slot) * scale);
     if (sums->hits) store_hits(sums->hits, slot, 1.0 / count.hits, pixel, film);
-    if (film->largest) store_error(sums, slot, count.samples, pixel, film);
+    if (film->doubt) store_error(sums, slot, count.samples, pixel, film);
     if (film->samples) film->samples[pixel] = count.samples;
 }
 
@@ -203,8 +185,7 @@ static void store_pixels(const pixel_sums *sums, const wave_region *r, const wav
 void pixel_sums_store_square(const pixel_sums *sums, const wave_region *r, const wave_square *square,
                              sums_count count, fathom_film *film) {
     uint32_t slot = slot_of(r, square);
-    if (wave_square_is_whole(r, square) && sums->groups == 1 && !sums->hits && !film->samples &&
-        !film->largest)
+    if (wave_square_is_whole(r, square) && sums->groups == 1 && !sums->hits && !film->samples && !film->doubt)
         store_square(sums, slot, count.samples, square->left, square->top, film);
     else
         store_pixels(sums, r, square, slot, count, film);

@@ -24,19 +24,12 @@ typedef struct hit_sums {
     first_hits centre;
 } hit_sums;
 
-/* How the samples of a pixel differ, by R + G + B of each. */
-typedef struct spread_sums {
-    double most[WAVE_SLOTS], squares[WAVE_SLOTS];
-} spread_sums;
-
 /* The sums of a wave's pixels, by slot. */
 typedef struct pixel_sums {
     uint32_t groups;                          /* 1 or SAMPLE_GROUPS */
     bool equal;                               /* scaled so that all groups have the same number of samples */
     double rgb[SAMPLE_GROUPS][3][WAVE_SLOTS]; /* of the groups that there are */
     hit_sums *hits;                           /* NULL: no AOV wants them */
-    spread_sums spread;                       /* with several groups */
-    double largest[WAVE_SLOTS];               /* once told: see pixel_sums_tell_largest() */
     sampler sampler;                          /* which made the samples */
     const film_kernels *kernels;
 } pixel_sums;
@@ -63,13 +56,6 @@ typedef struct sums_count {
 /* The means of the pixels of a square to the film, as far as they lie in the region. */
 void pixel_sums_store_square(const pixel_sums *sums, const wave_region *region, const wave_square *square,
                              sums_count count, fathom_film *film);
-
-void spread_sums_add(spread_sums *spread, const wave_samples *samples, uint32_t from, uint32_t to);
-typedef double group_sums[3][WAVE_SLOTS];
-/* The part that the brightest of all samples of a pixel has in the sum of squared deviations from their mean;
- * 0 where all are alike. rgb: their sums. Both for the square's 16 pixels. */
-void spread_sums_largest(const spread_sums *spread, const group_sums *rgb, uint32_t groups, uint32_t samples,
-                         uint32_t square, double largest[WAVE_SLOTS]);
 
 /* The squared standard error of a pixel's mean of R, G and B, by the differences between the means of its
  * groups: unbiased, with 3 degrees of freedom. Returns the mean's grey. Infinite below a sample of each

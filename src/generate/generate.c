@@ -76,15 +76,12 @@ static fathom_status check_options(const fathom_scene *scene, fathom_id group,
                                    const fathom_generate_options *options) {
     fathom_context *context = scene->context;
     size_t kind = (size_t)options->kind;
-    if (kind >= sizeof generators / sizeof *generators) {
+    if (kind >= sizeof generators / sizeof *generators)
         return fail(context, FATHOM_BAD_USAGE, "generate: there is no kind %zu", kind);
-    }
-    if (group >= scene->groups.count) {
+    if (group >= scene->groups.count)
         return fail(context, FATHOM_BAD_USAGE, "generate: there is no group %u", group);
-    }
-    if (options->material != FATHOM_NONE && options->material >= scene->materials.count) {
+    if (options->material != FATHOM_NONE && options->material >= scene->materials.count)
         return fail(context, FATHOM_BAD_USAGE, "generate: there is no material %u", options->material);
-    }
     if (options->triangles < 1 || options->triangles > generators[kind].most) {
         return fail(context, FATHOM_BAD_USAGE,
                     "generate %s: triangles: expected 1 to %" PRIu64 ", found %" PRIu64,

@@ -1,6 +1,7 @@
 #include "generate/generate_noise.h"
 
-uint32_t noise_hash(uint32_t seed, uint32_t x, uint32_t y, uint32_t z) {
+/* 32 well-mixed bits of a lattice point. */
+static uint32_t noise_hash(uint32_t seed, uint32_t x, uint32_t y, uint32_t z) {
     uint32_t h = seed ^ x * 0x8da6b343u ^ y * 0xd8163841u ^ z * 0xcb1ab31fu;
     h = (h ^ h >> 16) * 0x7feb352du;
     h = (h ^ h >> 15) * 0x846ca68bu;
@@ -40,8 +41,7 @@ typedef struct noise_place {
     int axes;
 } noise_place;
 
-/* Inlined by force: the number of axes is constant in each caller, so loops over axes unroll and unused
- * results are not computed. Twice as fast as loops over the corners. */
+/* The number of axes is constant in each caller: inlined, loops over axes unroll. Twice as fast. */
 #define INLINE static inline __attribute__((always_inline))
 
 INLINE noise_place noise_locate(uint32_t seed, const double *point, int axes) {
@@ -168,29 +168,21 @@ double random_between(noise_random *random, double low, double high) {
     return low + (high - low) * random_unit(random);
 }
 
-/* Unit vectors by rejection from the cube around the ball, without sine or cosine; flat: in the plane y = 0.
- */
-static vec3_f64 random_unit_vector(noise_random *random, bool flat) {
+/* A point of the unit ball, or of its disc in the plane y = 0, with a squared length above `least`: by
+ * rejection, without sine or cosine. */
+static vec3_f64 random_inside(noise_random *random, bool flat, double least) {
     for (;;) {
         vec3_f64 p = {0};
         p.x = random_between(random, -1, 1);
         if (!flat) p.y = random_between(random, -1, 1);
         p.z = random_between(random, -1, 1);
-        double square = dot_f64(p, p);
-        if (square <= 1 && square > 1e-4) return scale_f64(1 / sqrt(square), p);
+        const double square = dot_f64(p, p);
+        if (square <= 1 && square > least) return p;
     }
 }
 
-vec3_f64 random_direction(noise_random *random) { return random_unit_vector(random, false); }
+static vec3_f64 unit(vec3_f64 p) { return scale_f64(1 / sqrt(dot_f64(p, p)), p); }
 
-vec3_f64 random_turn(noise_random *random) { return random_unit_vector(random, true); }
-
-vec3_f64 random_in_ball(noise_random *random) {
-    for (;;) {
-        vec3_f64 p;
-        p.x = random_between(random, -1, 1);
-        p.y = random_between(random, -1, 1);
-        p.z = random_between(random, -1, 1);
-        if (dot_f64(p, p) <= 1) return p;
-    }
-}
+vec3_f64 random_direction(noise_random *random) { return unit(random_inside(random, false, 1e-4)); }
+vec3_f64 random_turn(noise_random *random) { return unit(random_inside(random, true, 1e-4)); }
+vec3_f64 random_in_ball(noise_random *random) { return random_inside(random, false, -1); }

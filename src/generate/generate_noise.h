@@ -14,9 +14,6 @@ typedef struct noise_value {
 /* Octaves of one noise: each doubles the frequency and turns the lattice, so that no axis shows. */
 #define NOISE_MAX_OCTAVES 24
 
-/* 32 well-mixed bits of a lattice point. */
-uint32_t noise_hash(uint32_t seed, uint32_t x, uint32_t y, uint32_t z);
-
 /* Perlin's gradient noise with the quintic fade (Improving Noise, 2002) and its exact gradient: about [-1,1],
  * zero on the integer lattice, for coordinates below 2^31. The gradient in the plane is in x and y. */
 noise_value noise_3d(uint32_t seed, vec3_f64 p);

@@ -39,9 +39,8 @@ static sponge nearest_sponge(uint64_t triangles) {
 
 /* A cell is hollow when at some depth it lies in the middle of its parent along two axes. */
 static bool solid(unsigned depth, uint32_t x, uint32_t y, uint32_t z) {
-    for (unsigned d = 0; d < depth; ++d, x /= 3, y /= 3, z /= 3) {
+    for (unsigned d = 0; d < depth; ++d, x /= 3, y /= 3, z /= 3)
         if ((x % 3 == 1) + (y % 3 == 1) + (z % 3 == 1) >= 2) return false;
-    }
     return true;
 }
 
@@ -97,9 +96,8 @@ static void mesh_pass(sponge_mesher *m) {
     m->vertices = m->triangles = 0;
     for (c[2] = 0; c[2] < m->cells; ++c[2]) {
         for (c[1] = 0; c[1] < m->cells; ++c[1]) {
-            for (c[0] = 0; c[0] < m->cells; ++c[0]) {
+            for (c[0] = 0; c[0] < m->cells; ++c[0])
                 if (solid(m->depth, c[0], c[1], c[2])) add_cell(m, c);
-            }
         }
     }
 }

@@ -83,8 +83,7 @@ static void tree_cone(tree_part *part, vec3_f64 from, vec3_f64 to, double from_r
     }
 }
 
-/* ---- conifers: fronds of needles around a straight trunk, or a stack of cones when triangles are few ----
- */
+/* ---- conifers: fronds of needles around a straight trunk; of few triangles: a stack of cones ---- */
 
 /* Tiers overlap, each narrower than the one below; between them they use up all triangles. */
 static void make_tiers(tree_maker *m, uint32_t triangles) {
@@ -155,8 +154,7 @@ static void tree_conifer(tree_maker *m, uint32_t triangles) {
     }
 }
 
-/* ---- broadleaf trees: each branch ends in three, the last ones in clouds of leaves; or a round crown ----
- */
+/* ---- broadleaf trees: each branch ends in three, the last in clouds of leaves; or a round crown ---- */
 
 /* A closed, uneven ball of rings of `sides` vertices, each turned by half a side: 2 sides rings triangles. */
 static void make_crown(tree_maker *m, uint32_t sides, uint32_t rings) {

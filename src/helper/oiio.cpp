@@ -52,6 +52,7 @@ struct image_writer {
     descriptor_output proxy;
     std::unique_ptr<OIIO::ImageOutput> output;
     uint32_t next_row = 0;
+    OIIO::ImageSpec next_level; /* of a mip-mapped file */
     const int descriptor;
     const bool exr;
     image_writer(const image_target &target)
@@ -73,6 +74,7 @@ static OIIO::TypeDesc type_of(image_storage storage) {
     case IMAGE_STORE_HALF: return OIIO::TypeDesc::HALF;
     case IMAGE_STORE_FLOAT: return OIIO::TypeDesc::FLOAT;
     case IMAGE_STORE_UINT: return OIIO::TypeDesc::UINT32;
+    case IMAGE_STORE_U16: return OIIO::TypeDesc::UINT16;
     }
     return OIIO::TypeDesc::UNKNOWN;
 }
@@ -181,6 +183,10 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
          * name. */
         spec.attribute("tiff:write_exif", 0);
         if (target.srgb) add_profile(spec);
+        if (target.mipmapped) {
+            spec.tile_width = spec.tile_height = static_cast<int>(IMAGE_TILE);
+            spec.attribute("textureformat", "Plain Texture");
+        }
         break;
     case IMAGE_PNG: break; /* write_png.c */
     }
@@ -228,6 +234,7 @@ static fathom_status writer_open(const image_target *target, image_writer **out,
         writer->output->threads(static_cast<int>(target->threads));
         writer->output->set_ioproxy(&writer->proxy);
         check(*writer, writer->output->open(target->path, spec));
+        writer->next_level = spec;
         *out = writer.release();
     });
 }
@@ -239,8 +246,22 @@ static fathom_status writer_rows(image_writer *writer, uint32_t count, const voi
         int begin = spec.y + static_cast<int>(writer->next_row), end = begin + static_cast<int>(count);
         /* UNKNOWN means the file's types, for mixtures. */
         OIIO::TypeDesc type = spec.channelformats.empty() ? spec.format : OIIO::TypeDesc::UNKNOWN;
-        check(*writer, writer->output->write_scanlines(begin, end, 0, type, pixels));
+        check(*writer, spec.tile_width ? writer->output->write_tiles(spec.x, spec.x + spec.width, begin, end,
+                                                                     0, 1, type, pixels)
+                                       : writer->output->write_scanlines(begin, end, 0, type, pixels));
         writer->next_row += count;
+    });
+}
+
+static fathom_status writer_level(image_writer *writer, uint32_t width, uint32_t height,
+                                  image_message *message) noexcept {
+    return guarded(message, FATHOM_OUT_OF_RESOURCES, [&] {
+        OIIO::ImageSpec &spec = writer->next_level;
+        spec.width = spec.full_width = static_cast<int>(width);
+        spec.height = spec.full_height = static_cast<int>(height);
+        writer->next_row = 0;
+        check(*writer,
+              writer->output->open(writer->proxy.filename(), spec, OIIO::ImageOutput::AppendMIPLevel));
     });
 }
 
@@ -398,12 +419,8 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
 static void image_file_release(const image *img) noexcept { delete static_cast<const file_image *>(img); }
 
 extern "C" __attribute__((visibility("default"))) const image_module fathom_image_module = {
-    IMAGE_MODULE_VERSION,
-    {writer_open, writer_rows, writer_close},
-    image_file_read,
-    image_file_release,
-    image_view_open,
-    image_view_apply,
-    image_view_close,
-    image_texture_table,
-    "OpenImageIO " OIIO_VERSION_STRING ", OpenColorIO " OCIO_VERSION_FULL_STR};
+    IMAGE_MODULE_VERSION, {writer_open, writer_rows, writer_close},
+    image_file_read,      image_file_release,
+    image_view_open,      image_view_apply,
+    image_view_close,     image_texture_table,
+    writer_level,         "OpenImageIO " OIIO_VERSION_STRING ", OpenColorIO " OCIO_VERSION_FULL_STR};

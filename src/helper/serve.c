@@ -86,6 +86,7 @@ static void open_file(const wire_request *request, int descriptor, wire_reply *r
     image_target target = {.path = wire_take_text(&c), .descriptor = descriptor, .threads = request->threads};
     target.format = (image_format)wire_take_u32(&c);
     target.srgb = wire_take_u32(&c);
+    target.mipmapped = wire_take_u32(&c);
     target.date = wire_take_text(&c);
     wire_image w;
     image_writer *writer = NULL;
@@ -189,6 +190,10 @@ static void serve(const wire_request *request, int descriptor, wire_reply *reply
     case WIRE_ROWS:
         reply->status =
             module->writer.rows(object_of(request), (uint32_t)request->count, memory.bytes, &message);
+        break;
+    case WIRE_LEVEL:
+        reply->status = module->writer_level(object_of(request), (uint32_t)(request->count >> 32),
+                                             (uint32_t)request->count, &message);
         break;
     case WIRE_CLOSE:
         reply->status = module->writer.close(object_of(request), request->count != 0, &message);

@@ -120,7 +120,6 @@ static void describe(image_texture &t, const image_texture_request &request) {
     const image_texel texel =
         texel_of(widest(spec, t.first_channel, t.first_channel + static_cast<int>(t.info.channels)));
     t.info.sent = t.info.kept = texel;
-    t.info.opaque = t.info.channels % 2 == 1 || spec.get_int_attribute("fathom:opaque") == 1;
     std::snprintf(t.info.format, sizeof t.info.format, "%s", t.input->format_name());
     t.info.band = static_cast<uint32_t>(std::max(spec.tile_height, 1));
     if (!request.space) return;

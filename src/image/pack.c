@@ -54,6 +54,7 @@ void srgb_codes_fill(srgb_codes *out) {
 size_t pack_storage_size(image_storage storage) {
     switch (storage) {
     case IMAGE_STORE_U8: return 1;
+    case IMAGE_STORE_U16:
     case IMAGE_STORE_HALF: return 2;
     case IMAGE_STORE_FLOAT:
     case IMAGE_STORE_UINT: return 4;

@@ -50,10 +50,13 @@ static double far_cosine(double cosine, double ratio) {
 
 static vec3_f64 mirrored(vec3_f64 v, vec3_f64 n) { return sub_f64(scale_f64(2 * dot_f64(n, v), n), v); }
 
-/* A direction that would enter the surface is mirrored at the geometric normal instead. */
+/* The normal of smooth lobes: the geometric one where a mirrored direction would enter the surface. */
+static vec3_f64 beam_normal(const reference_surface *s) {
+    return dot_f64(mirrored(s->to_viewer, s->normal), s->geometric) > 0 ? s->normal : s->geometric;
+}
+
 static vec3_f64 mirror_direction(const reference_surface *s) {
-    const vec3_f64 r = mirrored(s->to_viewer, s->normal);
-    return dot_f64(r, s->geometric) > 0 ? r : mirrored(s->to_viewer, s->geometric);
+    return mirrored(s->to_viewer, beam_normal(s));
 }
 
 static vec3_f64 refracted(vec3_f64 v, vec3_f64 n, double ratio) {
@@ -61,10 +64,10 @@ static vec3_f64 refracted(vec3_f64 v, vec3_f64 n, double ratio) {
     return normalize_f64(madd_f64(scale_f64(near / ratio - far, n), -1 / ratio, v));
 }
 
-/* A direction that would come back out is refracted at the geometric normal instead. */
+/* A direction that would come back out is turned to the far side. */
 static vec3_f64 refracted_direction(const reference_surface *s) {
-    const vec3_f64 t = refracted(s->to_viewer, s->normal, ratio_of(s));
-    return dot_f64(t, s->geometric) < 0 ? t : refracted(s->to_viewer, s->geometric, ratio_of(s));
+    const vec3_f64 t = refracted(s->to_viewer, beam_normal(s), ratio_of(s));
+    return madd_f64(t, -2 * fmax(dot_f64(t, s->geometric), 0), s->geometric);
 }
 
 static void add_beam(reference_scatter *out, vec3_f64 direction, vec3_f64 weight) {
@@ -83,7 +86,7 @@ static double fresnel(double near, double far, double ratio) {
 static reference_scatter classic_scatter(const reference_surface *s) {
     const fathom_material *m = s->material;
     const vec3_f64 k_r = color_of(m->k_r), k_t = color_of(m->k_t);
-    const double near = dot_f64(s->normal, s->to_viewer), far = far_cosine(near, ratio_of(s));
+    const double near = dot_f64(beam_normal(s), s->to_viewer), far = far_cosine(near, ratio_of(s));
     const double share = far < 0 ? 1 : m->fresnel ? fresnel(near, far, ratio_of(s)) : 0;
     const double rough = largest(color_of(m->k_d)) + (m->specular ? largest(color_of(m->k_s)) : 0);
     reference_scatter out = {.front = rough, .back = m->lit_from_behind ? rough : 0};
@@ -96,7 +99,7 @@ static vec3_f64 classic_evaluate(const reference_surface *s, vec3_f64 l) {
     const fathom_material *m = s->material;
     const double nl = dot_f64(s->normal, l);
     double base = 0;
-    if (!m->lit_from_behind && !(nl > 0 && dot_f64(s->geometric, l) > 0)) return gray(0);
+    if (!(nl * dot_f64(s->geometric, l) > 0) || (nl < 0 && !m->lit_from_behind)) return gray(0);
     switch (m->specular) {
     case FATHOM_SPECULAR_NONE: break;
     case FATHOM_SPECULAR_PHONG: base = dot_f64(s->to_viewer, mirrored(l, s->normal)); break;

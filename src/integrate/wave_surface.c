@@ -100,7 +100,7 @@ static void end_block(wave *w, bool first) {
     surface_block *s = &v->surface;
     if (!w->gather->count) return;
     s->count = w->gather->count;
-    surface_gather_end(w->gather, plan->world, plan->surface_kernels, plan->settings.terminator_fix,
+    surface_gather_end(w->gather, plan->world, plan->surface_kernels, plan->lifts,
                        !(plan->settings.epsilon > 0), s);
     pad(v);
     w->stages->vertices(w, v);

@@ -176,8 +176,6 @@ static void copy_square(const adaptive_run *from, uint32_t s, adaptive_run *to) 
         for (int c = 0; c < 3; ++c)
             memcpy(to->rgb[g][c] + s * LANES, from->rgb[g][c] + s * LANES, LANES * sizeof(double));
     }
-    memcpy(to->spread.most + s * LANES, from->spread.most + s * LANES, LANES * sizeof(double));
-    memcpy(to->spread.squares + s * LANES, from->spread.squares + s * LANES, LANES * sizeof(double));
     for (int half = 0; half < 2; ++half) to->rays[half][s] = from->rays[half][s];
     to->taken[s] = from->taken[s];
 }
@@ -204,7 +202,6 @@ static void add_square(pass *p, uint32_t place) {
         a->kernels->add_samples(p->work->samples.radiance[c] + place * LANES, LANES,
                                 r->rgb[group][c] + s * LANES);
     }
-    spread_sums_add(&r->spread, &p->work->samples, place * LANES, s * LANES);
     r->rays[group % 2][s] += p->rays[place];
     if (r->taken[s]++ < a->seen[s]) return;
     ++a->seen[s];
@@ -333,8 +330,6 @@ unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film, adapt
             show_few(most, s, view);
         else
             show_means(a, s, view);
-        spread_sums_largest(&most->spread, (const group_sums *)most->rgb, SAMPLE_GROUPS,
-                            max_u32(most->taken[s], 1), s, view->sums.largest);
         sum += image_error(a, view, s);
     }
     return (unit_result){.region = {max_u32(r->x0, film->x), max_u32(r->y0, film->y),

@@ -98,7 +98,6 @@ typedef struct adaptive_goal {
 /* Run r decides by groups r and r + 2; groups 1 - r and 3 - r are for the image. */
 typedef struct adaptive_run {
     double rgb[SAMPLE_GROUPS][3][WAVE_SLOTS]; /* slot: square * 16 + place in the square */
-    spread_sums spread;                       /* of the samples in the sums */
     uint32_t done[WAVE_SQUARES];              /* samples that the error is of: 0 or a power of two */
     uint32_t taken[WAVE_SQUARES];             /* in the sums: more than done where a pass was cut short */
     uint64_t rays[2][WAVE_SQUARES];           /* of either half: the camera's, mirrored and refracted */

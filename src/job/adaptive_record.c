@@ -11,11 +11,10 @@ typedef struct squares_record {
 typedef struct runs_record {
     squares_record squares[ADAPTIVE_RUNS];
     double rgb[ADAPTIVE_RUNS][SAMPLE_GROUPS][3][WAVE_SLOTS];
-    spread_sums spread[ADAPTIVE_RUNS];
 } runs_record;
 
 _Static_assert(sizeof(squares_record) == WAVE_SQUARES * 28, "no bytes between the fields");
-_Static_assert(sizeof(runs_record) == 2 * (WAVE_SQUARES * 28 + 14 * WAVE_SLOTS * 8), "nor between these");
+_Static_assert(sizeof(runs_record) == 2 * (WAVE_SQUARES * 28 + 12 * WAVE_SLOTS * 8), "nor between these");
 _Static_assert(sizeof(hit_sums) == WAVE_SLOTS * (8 * 8 + 14 * 4), "nor between these");
 
 size_t adaptive_record_bytes(bool hits) { return sizeof(runs_record) + (hits ? sizeof(hit_sums) : 0); }
@@ -29,7 +28,6 @@ void adaptive_record_save(const adaptive_wave *a, bool hits, unsigned char *out)
         memcpy(squares.done, r->done, sizeof r->done);
         memcpy(out + run * sizeof squares, &squares, sizeof squares);
         memcpy(out + offsetof(runs_record, rgb) + run * sizeof r->rgb, r->rgb, sizeof r->rgb);
-        memcpy(out + offsetof(runs_record, spread) + run * sizeof r->spread, &r->spread, sizeof r->spread);
     }
     if (hits) memcpy(out + sizeof(runs_record), a->hits, sizeof *a->hits);
 }
@@ -58,7 +56,6 @@ void adaptive_record_load(const fathom_settings *settings, const unsigned char *
         memcpy(r->done, squares.done, sizeof r->done);
         memcpy(r->taken, squares.done, sizeof r->taken);
         memcpy(r->rgb, record + offsetof(runs_record, rgb) + run * sizeof r->rgb, sizeof r->rgb);
-        memcpy(&r->spread, record + offsetof(runs_record, spread) + run * sizeof r->spread, sizeof r->spread);
     }
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->seen[s] = max_u32(a->runs[0].done[s], a->runs[1].done[s]);
     if (hits) memcpy(a->hits, record + sizeof(runs_record), sizeof *a->hits);

@@ -7,34 +7,85 @@ typedef struct even {
     job *job;
     worker *self;
     const wave_region *region;
+    sum_range range; /* of the samples of a pixel */
     uint32_t samples[WAVE_SQUARES];
     wave_batch batch;
+    uint8_t stack[WAVE_SQUARES]; /* of the square at each place of the batch */
+    sum_stack stacks[WAVE_SQUARES];
 } even;
 
-/* Squares whose last sample was in the batch are done. */
-static void deliver_finished(const even *e) {
-    pixel_sums *sums = e->self->sums;
-    const uint32_t groups = sums->groups;
-    unit_result result = {.region = *e->region, .sums = sums, .samples = e->samples, .hits = e->samples};
-    for (uint32_t place = 0; place < e->batch.count; ++place) {
-        const wave_square *s = &e->batch.squares[place];
-        if (s->index * groups + s->group + 1 < e->job->plan->settings.spp) continue;
-        const uint32_t at = wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
-        result.squares |= 1ull << at;
-        if (groups > 1)
-            spread_sums_largest(&sums->spread, (const group_sums *)sums->rgb, groups,
-                                s->index * groups + s->group + 1, at, sums->largest);
+static sum_range range_of(const job *j) {
+    const wave_share *share = j->options->share;
+    return share && share->sums ? share->range : (sum_range){0, j->plan->settings.spp};
+}
+
+/* Squares whose samples follow each other in batches. */
+static uint32_t squares_together(sum_range range) {
+    const uint32_t samples = range.end - range.begin;
+    return samples < WAVE_SQUARES ? WAVE_SQUARES / samples : 1;
+}
+
+static uint32_t square_slot(const even *e, uint32_t place) {
+    const wave_square *s = &e->batch.squares[place];
+    return wave_slot(s->left - e->region->left, s->top - e->region->top) / LANES;
+}
+
+static void keep_share(const even *e, const sum_stack *stack) {
+    worker *self = e->self;
+    const uint32_t groups = self->sums->groups;
+    const bool hits = self->sums->hits;
+    for (uint32_t i = 0; i < stack->count; ++i) {
+        sum_save(&stack->nodes[i].sums, groups, hits, self->share + self->share_bytes);
+        self->share_bytes += sum_bytes(groups, hits);
     }
-    if (result.squares) job_deliver(e->job, e->self, &result);
+}
+
+/* The sum of all samples in the end; of a share's, the nodes are kept. */
+static void finish_square(const even *e, uint32_t place) {
+    pixel_sums *sums = e->self->sums;
+    sum_stack *stack = (sum_stack *)&e->stacks[e->stack[place]];
+    if (e->self->share) {
+        keep_share(e, stack);
+    } else {
+        sum_fold(sums, stack);
+        sum_give(&stack->nodes[0].sums, square_slot(e, place), sums);
+    }
+    stack->count = 0;
+}
+
+/* Returns whether the sample at this place was the square's last. */
+static bool add_sample(even *e, uint32_t place) {
+    const wave_square *s = &e->batch.squares[place];
+    pixel_sums *sums = e->self->sums;
+    const uint32_t n = s->index * sums->groups + s->group;
+    const bool last = n + 1 == e->range.end;
+    pixel_sums_add(sums, &e->self->integration->samples, e->region, &e->batch, place);
+    if (!e->self->nodes || (!last && (n + 1) % SUM_LEAF)) return last;
+    sum_stack *stack = &e->stacks[e->stack[place]];
+    sum_node *leaf = &stack->nodes[stack->count];
+    leaf->first = n / SUM_LEAF, leaf->level = 0;
+    sum_take(sums, square_slot(e, place), &leaf->sums);
+    sum_push(sums, stack);
+    if (last) finish_square(e, place);
+    return last;
+}
+
+/* Squares whose last sample was in the batch are done. */
+static void deliver_finished(const even *e, uint64_t squares) {
+    pixel_sums *sums = e->self->sums;
+    const unit_result result = {
+        .region = *e->region, .squares = squares, .sums = sums, .samples = e->samples, .hits = e->samples};
+    job_deliver(e->job, e->self, &result);
 }
 
 static bool run_batch(even *e) {
     integration *work = e->self->integration;
     const ray_counts before = work->rays;
+    uint64_t finished = 0;
     if (!e->job->plan->integrator->run(work, e->region, &e->batch)) return false;
     for (uint32_t place = 0; place < e->batch.count; ++place)
-        pixel_sums_add(e->self->sums, &work->samples, e->region, &e->batch, place);
-    deliver_finished(e);
+        finished |= (uint64_t)add_sample(e, place) << square_slot(e, place);
+    if (finished) deliver_finished(e, finished);
     job_count_rays(e->job, work, &before);
     e->batch.count = 0;
     return true;
@@ -43,11 +94,12 @@ static bool run_batch(even *e) {
 /* All samples of as many squares as a batch holds follow each other: in heavy meshes they meet the same boxes
  * and triangles, while the processor's caches hold those. */
 static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
-    uint32_t spp = e->job->plan->settings.spp, together = spp < WAVE_SQUARES ? WAVE_SQUARES / spp : 1;
+    const uint32_t together = squares_together(e->range);
     for (uint32_t first = 0; first < count; first += together) {
         uint32_t end = first + together < count ? first + together : count;
-        for (uint32_t index = 0; index < spp; ++index) {
+        for (uint32_t index = e->range.begin; index < e->range.end; ++index) {
             for (uint32_t i = first; i < end; ++i) {
+                e->stack[e->batch.count] = (uint8_t)(i - first);
                 e->batch.squares[e->batch.count++] =
                     wave_square_sample(squares[i], index, e->self->sums->groups);
                 if (e->batch.count == WAVE_SQUARES && !run_batch(e)) return false;
@@ -59,19 +111,37 @@ static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
 
 static bool render(job *j, worker *self, const wave_region *r) {
     const checkpoint *saving = j->options->saving;
-    even e = {.job = j, .self = self, .region = r};
+    even e = {.job = j, .self = self, .region = r, .range = range_of(j)};
     wave_square squares[WAVE_SQUARES];
     uint64_t left = wave_region_bits(r);
     if (saving) left &= ~checkpoint_finished(saving, checkpoint_wave(saving, r->left, r->top));
-    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) e.samples[s] = j->plan->settings.spp;
+    for (uint32_t s = 0; s < WAVE_SQUARES; ++s) e.samples[s] = e.range.end - e.range.begin;
+    for (uint32_t i = 0; self->nodes && i < squares_together(e.range); ++i)
+        e.stacks[i].nodes = self->nodes + i * sum_stack_depth(e.range);
+    self->share_bytes = 0;
     pixel_sums_clear(self->sums);
     return take_samples(&e, squares, wave_list_squares(r, left, squares));
 }
 
+/* A single leaf is summed in place. */
+static bool prepare_nodes(const job *j, worker *self) {
+    const sum_range range = range_of(j);
+    const bool sums = j->options->share && j->options->share->sums;
+    if (!sums && sum_leaves(range.end) == 1) return true;
+    self->nodes = malloc((size_t)squares_together(range) * sum_stack_depth(range) * sizeof *self->nodes);
+    if (sums) {
+        self->share = malloc(WAVE_SQUARES * sum_list_nodes(range, NULL) *
+                             sum_bytes(self->sums->groups, self->sums->hits));
+    }
+    return self->nodes && (self->share || !sums);
+}
+
 static bool prepare(const job *j, worker *self) {
     self->sums = malloc(sizeof *self->sums);
-    return self->sums && pixel_sums_create(&j->plan->sampler, unit_groups(&j->plan->settings),
-                                           j->plan->first_hits, self->sums);
+    return self->sums &&
+           pixel_sums_create(&j->plan->sampler, unit_groups(&j->plan->settings), j->plan->first_hits,
+                             self->sums) &&
+           prepare_nodes(j, self);
 }
 
 static void run(job *j) { job_run_tiles(j, render); }

@@ -25,6 +25,7 @@ void job_deliver(job *j, worker *self, const unit_result *result) {
     for (unsigned i = 0; i < j->sink_count; ++i) j->sinks[i].take(j->sinks[i].user, result);
     self->samples += unit_samples(result);
     self->error = fmax(self->error, result->error);
+    self->wave_error = fmax(self->wave_error, result->error);
     atomic_fetch_add_explicit(&j->pixels_done, unit_pixels(result), memory_order_relaxed);
 }
 
@@ -43,6 +44,41 @@ typedef struct tiles {
     uint32_t across, down;
 } tiles;
 
+static ray_counts rays_since(const ray_counts *before, const ray_counts *now) {
+    return (ray_counts){now->camera - before->camera,
+                        now->shadow - before->shadow,
+                        now->reflection - before->reflection,
+                        now->refraction - before->refraction,
+                        now->repaired - before->repaired,
+                        now->unlit - before->unlit,
+                        now->faint - before->faint};
+}
+
+static bool hand_over(job *j, const worker *self, wave_result *done, double began, const ray_counts *before) {
+    const wave_share *share = j->options->share;
+    done->error = self->wave_error;
+    done->seconds = clock_seconds() - began;
+    done->rays = rays_since(before, &self->integration->rays);
+    done->sums = self->share, done->bytes = self->share_bytes;
+    if (share->take(share->user, done)) return true;
+    atomic_store(&j->lost, true);
+    return false;
+}
+
+static bool render_wave(job *j, render_wave_fn render, worker *self, const wave_region *region) {
+    const wave_share *share = j->options->share;
+    if (!share) return render(j, self, region);
+    wave_result done = {.wave = wave_grid_at(&j->grid, region->left, region->top)};
+    if (!share->next && !share->wants(share->user, done.wave)) return true;
+    const double began = clock_seconds();
+    const ray_counts before = self->integration->rays;
+    const uint64_t samples = self->samples;
+    self->wave_error = 0;
+    if (!render(j, self, region)) return false;
+    done.samples = self->samples - samples;
+    return hand_over(j, self, &done, began, &before);
+}
+
 static void render_tile(const tiles *t, worker *self, size_t tile) {
     const fathom_film *film = t->job->film;
     const uint32_t size = t->job->plan->settings.tile_size;
@@ -53,7 +89,7 @@ static void render_tile(const tiles *t, worker *self, size_t tile) {
                                          min_u32(top + size, film->y + film->height));
     for (uint32_t i = 0; i < waves.count; ++i) {
         const wave_region region = wave_grid_region(&waves, i);
-        if (t->render(t->job, self, &region)) continue;
+        if (render_wave(t->job, t->render, self, &region)) continue;
         job_stop(t->job, self->integration);
         return;
     }
@@ -70,8 +106,26 @@ static void run_tiles(void *user, size_t begin, size_t end, unsigned index) {
     trace_thread_end(state);
 }
 
+static void run_handed_out(void *user, size_t begin, size_t end, unsigned index) {
+    const tiles *t = user;
+    const wave_share *share = t->job->options->share;
+    unsigned state = trace_thread_begin();
+    uint32_t wave;
+    (void)begin, (void)end;
+    for (worker *self; (self = job_worker(t->job, index)) && share->next(share->user, &wave);) {
+        const wave_region region = wave_grid_region(&t->job->grid, wave);
+        if (!render_wave(t->job, t->render, self, &region)) job_stop(t->job, self->integration);
+    }
+    trace_thread_end(state);
+}
+
 void job_run_tiles(job *j, render_wave_fn render) {
     const fathom_film *film = j->film;
+    if (j->options->share && j->options->share->next) {
+        tiles handed_out = {.job = j, .render = render};
+        loop_parallel(j->threads, j->threads, 1, run_handed_out, &handed_out);
+        return;
+    }
     const uint32_t size = j->plan->settings.tile_size;
     tiles t = {
         .job = j, .render = render, .first_x = film->x / size * size, .first_y = film->y / size * size};
@@ -116,11 +170,13 @@ static void collect(job *j) {
         free(self->adaptive);
         free(self->view);
         free(self->sums);
+        free(self->nodes);
+        free(self->share);
     }
 }
 
 static void show_preview(job *j) {
-    if (j->schedule != &schedule_even || j->plan->settings.spp == 1) return;
+    if (j->schedule != &schedule_even || j->plan->settings.spp == 1 || j->options->share) return;
     preview_run(j->plan, j->threads, &j->stop, j->options->saving, j->film);
 }
 
@@ -142,7 +198,9 @@ static void run(void *user) {
 static double fraction_done(const job *j, double now) {
     double deadline = atomic_load(&j->deadline);
     if (deadline > 0) return fmin(fmax((now - j->began) / (deadline - j->began), 0), 1);
-    return (double)atomic_load(&j->pixels_done) / ((double)j->film->width * (double)j->film->height);
+    const wave_share *share = j->options->share;
+    const double pixels = share ? (double)share->pixels : (double)j->film->width * (double)j->film->height;
+    return pixels > 0 ? (double)atomic_load(&j->pixels_done) / pixels : 1;
 }
 
 /* Everything finished more than a second ago used the files' old contents. */
@@ -162,6 +220,7 @@ static void report(void *user) {
     bool complete = j->deadline > 0 ? atomic_load(&j->complete) : now.fraction >= 1;
     const job_options *o = j->options;
     if (!complete && !j->interrupted) watch_files(j);
+    if (o->share && o->share->tick) o->share->tick(o->share->user);
     if (o->saving && j->files == FATHOM_OK && !complete && !j->interrupted)
         checkpoint_tick(o->saving, now.fraction, atomic_load(&j->rays_done));
     if (!o->progress || j->interrupted || o->progress(o->user, &now) || complete) return;
@@ -185,6 +244,7 @@ static fathom_status job_status(fathom_context *context, const job *j) {
                     "out of memory while rendering; lower the depth limit or the threads");
     }
     if (j->files != FATHOM_OK) return j->files;
+    if (atomic_load(&j->lost)) return FATHOM_OUT_OF_RESOURCES;
     if (j->interrupted) return fail(context, FATHOM_INTERRUPTED, "stopped; what was finished is kept");
     if (!(j->sampled < 1)) return FATHOM_OK;
     return fail_field(context, FATHOM_BAD_USAGE, "max time",
@@ -195,8 +255,9 @@ static fathom_status job_status(fathom_context *context, const job *j) {
 
 /* The film holds what is finished already, and its samples are counted with it. */
 static void continue_before(job *j) {
-    if (!j->options->saving) return;
-    const checkpoint_past before = checkpoint_before(j->options->saving);
+    checkpoint_past before = {.seconds = 0};
+    if (j->options->share) before = j->options->share->before;
+    if (j->options->saving) before = checkpoint_before(j->options->saving);
     j->began -= before.seconds;
     j->rays_before = before.rays;
     atomic_store(&j->pixels_done, before.pixels);
@@ -212,6 +273,7 @@ fathom_status job_run(fathom_context *context, const render_plan *plan, const jo
              .threads = fathom_context_threads(context),
              .options = options ? options : &none,
              .began = clock_seconds(),
+             .grid = film_waves(film),
              .sampled = 1};
     j.deadline = plan->settings.max_time > 0 ? j.options->deadline : 0;
     j.schedule = j.deadline > 0                    ? &schedule_to_time
@@ -219,7 +281,7 @@ fathom_status job_run(fathom_context *context, const render_plan *plan, const jo
                                                    : &schedule_even;
     fathom_status status = check_memory(context, &j);
     if (status != FATHOM_OK) return status;
-    j.sinks[j.sink_count++] = unit_film_sink(film);
+    if (!j.options->share || !j.options->share->sums) j.sinks[j.sink_count++] = unit_film_sink(film);
     if (j.options->saving) j.sinks[j.sink_count++] = checkpoint_sink(j.options->saving);
     continue_before(&j);
     static const watch_calls calls = {run, report};

@@ -2,6 +2,7 @@
 #ifndef JOB_JOB_H
 #define JOB_JOB_H
 
+#include "film/sum_tree.h"
 #include "job/checkpoint/checkpoint.h"
 
 typedef struct job_result {
@@ -18,10 +19,36 @@ typedef struct job_reserve {
     void *user;
 } job_reserve;
 
+/* A wave that is done as far as this process does it. */
+typedef struct wave_result {
+    uint32_t wave; /* of the film's grid */
+    uint64_t samples;
+    double error, seconds;
+    ray_counts rays;
+    const unsigned char *sums; /* of a share of all samples (film/sum_tree.h), square after square; NULL: the
+                                  film has its pixels */
+    size_t bytes;
+} wave_result;
+
+/* The work of this process, where it is a part of the image. All calls but tick() come from any thread. */
+typedef struct wave_share {
+    void *user;
+    bool sums; /* of the samples in `range`: the film gets no pixels */
+    sum_range range;
+    uint64_t pixels;        /* of its waves that the film shows */
+    checkpoint_past before; /* what earlier calls did of it */
+    bool (*wants)(void *user, uint32_t wave);
+    /* Waits for the next wave to do; false: there is none. NULL: all waves that it wants, tile by tile. */
+    bool (*next)(void *user, uint32_t *wave);
+    bool (*take)(void *user, const wave_result *result); /* false: it cannot, and the job ends */
+    void (*tick)(void *user);                            /* about ten times a second, on the calling thread */
+} wave_share;
+
 /* All may be 0. */
 typedef struct job_options {
     double deadline;            /* of clock_seconds(), for settings with a time */
     const job_reserve *reserve; /* comes off it */
+    const wave_share *share;    /* NULL: the whole image is this process's */
     checkpoint *saving;         /* begun; the film holds what it has finished */
     bool live;                  /* others look at the film: it gets what passes have sampled, too */
     fathom_progress_fn progress;
@@ -31,7 +58,8 @@ typedef struct job_options {
 /* FATHOM_INTERRUPTED: progress said stop. The film holds the squares of 4 × 4 pixels that were finished; with
  * a target error, the waves of 32 × 32. The other pixels show the preview (preview.h); with a target error,
  * and where there was no time for a preview, they are black. FATHOM_BAD_INPUT: a file of the scene was
- * changed, which stops the job. FATHOM_BAD_USAGE: the deadline came before each pixel had a sample. */
+ * changed, which stops the job. FATHOM_OUT_OF_RESOURCES without a message: the share could not take a wave.
+ * FATHOM_BAD_USAGE: the deadline came before each pixel had a sample. */
 fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
                       fathom_film *film, job_result *out);
 

@@ -2,6 +2,7 @@
 #ifndef JOB_JOB_INNER_H
 #define JOB_JOB_INNER_H
 
+#include "film/sum_tree.h"
 #include "job/adaptive.h"
 #include "job/job.h"
 
@@ -10,11 +11,15 @@ typedef struct worker {
     integration *integration;
     adaptive_wave *adaptive; /* NULL: every pixel gets the same samples, or waves keep their own */
     adaptive_view *view;     /* of adaptive waves */
-    pixel_sums *sums;        /* of other waves */
+    pixel_sums *sums;        /* of other waves, as the next */
+    sum_node *nodes;         /* of the squares under way; NULL: a single leaf of samples */
+    unsigned char *share;    /* the wave's sums, where the job is a share of all samples; else NULL */
+    size_t share_bytes;
     adaptive_limit limit;
     double kept;      /* clock_seconds() when its adaptive wave was last saved, or began */
     uint64_t samples; /* in the film */
     double error;     /* the largest of its waves */
+    double wave_error;
 } worker;
 
 typedef struct job job;
@@ -34,6 +39,7 @@ struct job {
     fathom_film *film;
     worker *workers;
     atomic_bool stop, failed;
+    atomic_bool lost; /* the share could not take a wave */
     _Atomic uint64_t pixels_done, rays_done;
     job_result result;
     const job_options *options;
@@ -44,6 +50,7 @@ struct job {
     bool interrupted;
     fathom_status files; /* of the scene: not FATHOM_OK once one was found changed, which ends the job */
     double next_look;    /* at them */
+    wave_grid grid;      /* of the film */
     double sampled;      /* part of the waves that have samples, when time ended before all had */
     unsigned threads;
     const job_schedule *schedule;

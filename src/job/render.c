@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "job/checkpoint/checkpoint.h"
 #include "job/job.h"
+#include "job/part/part.h"
 #include "job/watch.h"
 #include "scene/scene.h"
 
@@ -122,6 +123,12 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
     return scene_buffer_bytes(scene, SCENE_BUFFERS, &stats->mesh_bytes);
 }
 
+/* Where finished work goes besides the film; each may be NULL. */
+typedef struct keeping {
+    checkpoint *saving;
+    part *part;
+} keeping;
+
 static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
                                   const fathom_settings *settings, const job_options *options,
                                   fathom_film *film) {
@@ -159,20 +166,22 @@ static fathom_status render_world(fathom_context *context, const world *w, const
 
 /* Seconds that calls before this one spent come off the time. */
 static fathom_status render_traced(fathom_context *context, const world *w, const trace_tracer *tracer,
-                                   const fathom_settings *settings, job_options *options, fathom_film *film) {
-    checkpoint *saving = options->saving;
-    if (saving) {
-        char name[128];
-        trace_identity(tracer, name);
-        fathom_status status = checkpoint_begin(saving, name);
-        if (status != FATHOM_OK) return status;
-        options->deadline -= checkpoint_before(saving).seconds;
+                                   const fathom_settings *settings, keeping *keep, job_options *options,
+                                   fathom_film *film) {
+    char name[128];
+    fathom_status status = FATHOM_OK;
+    trace_identity(tracer, name);
+    if (keep->part) status = part_begin(keep->part, name, &options->share);
+    if (keep->saving) {
+        status = checkpoint_begin(keep->saving, name);
+        options->deadline -= checkpoint_before(keep->saving).seconds;
+        options->saving = keep->saving;
     }
-    return render_world(context, w, tracer, settings, options, film);
+    return status == FATHOM_OK ? render_world(context, w, tracer, settings, options, film) : status;
 }
 
 static fathom_status render_scene(fathom_context *context, const fathom_scene *scene,
-                                  const fathom_settings *settings, const vec3_f64 *origin,
+                                  const fathom_settings *settings, const vec3_f64 *origin, keeping *keep,
                                   job_options *options, fathom_film *film) {
     double began = clock_seconds();
     world *w;
@@ -202,7 +211,7 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
     if (status == FATHOM_OK) status = fathom_scene_check_files(scene);
     if (status == FATHOM_OK) status = count_scene(w, tracer, film, &film->stats);
     options->deadline = began + settings->max_time;
-    if (status == FATHOM_OK) status = render_traced(context, w, tracer, settings, options, film);
+    if (status == FATHOM_OK) status = render_traced(context, w, tracer, settings, keep, options, film);
     trace_destroy(tracer);
     world_destroy(w);
     return status;
@@ -224,14 +233,18 @@ static fathom_status fill(fathom_context *context, const fathom_scene *scene, co
                            .live = request->on_film,
                            .progress = request->progress,
                            .user = request->user};
+    keeping keep = {.saving = NULL};
     fathom_status status = scene_fingerprint(scene, &film->stats.scene_fingerprint);
     if (status == FATHOM_OK && request->saving)
-        status = checkpoint_open(context, request->saving, scene, settings, film, &options.saving);
+        status = checkpoint_open(context, request->saving, scene, settings, film, &keep.saving);
+    if (status == FATHOM_OK && request->part)
+        status = part_open(context, request->part, settings, film, &keep.part);
     if (status == FATHOM_OK && request->on_film) request->on_film(request->user, film);
-    if (status == FATHOM_OK) status = render_scene(context, scene, settings, request->origin, &options, film);
+    if (status == FATHOM_OK)
+        status = render_scene(context, scene, settings, request->origin, &keep, &options, film);
     if (request->on_film) request->on_film(request->user, NULL);
-    checkpoint_close(options.saving);
-    return status;
+    checkpoint_close(keep.saving);
+    return part_close(keep.part, status);
 }
 
 fathom_status render_film(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
@@ -251,6 +264,7 @@ fathom_status render_film(fathom_context *context, const fathom_scene *scene, co
     }
     if (stats) *stats = film->stats;
     film->interrupted = status == FATHOM_INTERRUPTED;
+    film_settle_errors(film);
     const bool doubtful = changed != FATHOM_OK && request->keep_changed && film->stats.samples;
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED || doubtful)
         *out = film;

@@ -18,6 +18,7 @@ typedef struct render_request {
                                         world_create_from(), to show what is lost elsewhere than near the view */
     const job_reserve *reserve;      /* the part of max_time that is kept for the work after rendering */
     const fathom_checkpoint *saving; /* complete */
+    const fathom_part *part;         /* likewise; not with `saving` */
     bool keep_changed;               /* as fathom_session_options says */
 } render_request;
 

@@ -16,6 +16,7 @@ struct fathom_session {
     fathom_settings settings;
     fathom_session_options options;
     fathom_checkpoint saving;
+    fathom_part part;
     fathom_write_options write;
     char *tracer; /* the settings' own text; NULL: the caller's is used */
     pool_task task;
@@ -46,6 +47,10 @@ static fathom_status read_options(fathom_session *s, const fathom_session_option
     fathom_status status = SIZED_OWN(context, fathom_session_options, options, &s->options);
     if (status != FATHOM_OK) return status;
     if (s->options.checkpoint) status = read_checkpoint(context, s->options.checkpoint, &s->saving);
+    if (status == FATHOM_OK && s->options.part)
+        status = SIZED_OWN(context, fathom_part, s->options.part, &s->part);
+    if (status == FATHOM_OK && s->options.part && s->options.checkpoint)
+        status = fail(context, FATHOM_BAD_USAGE, "a part is its own checkpoint; expected one of the two");
     const fathom_write_options *write = s->options.write;
     if (status == FATHOM_OK && write) status = SIZED_OWN(context, fathom_write_options, write, &s->write);
     if (status == FATHOM_OK && !s->options.outputs && s->options.output_count)
@@ -114,6 +119,7 @@ static void run(void *user) {
                                     .user = s,
                                     .reserve = s->options.output_count ? &writing : NULL,
                                     .saving = s->options.checkpoint ? &s->saving : NULL,
+                                    .part = s->options.part ? &s->part : NULL,
                                     .keep_changed = s->options.keep_changed};
     s->status = render_film(s->context, s->scene, &s->settings, &request, &s->stats, &s->result);
     if (s->status == FATHOM_INTERRUPTED && s->helper != FATHOM_OK) {

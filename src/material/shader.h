@@ -6,10 +6,10 @@
  *
  * Sides. n is the shading normal, or the geometric one where the viewer is below the shading normal's
  * horizon. Light is reflected where l·n > 0 and l·ng > 0, and crosses the surface where both are < 0; any
- * other direction carries nothing, in evaluate() and in sample(). Smooth meshes stand for round surfaces:
- * there n alone judges. Where a normal map has turned n, light has to be on the same side of the normal
- * without the map as well (`base` in surface/surface.h). Smooth lobes follow MODEL.md, which scatters them
- * about the geometric normal where the shading normal would send them through the surface.
+ * other direction carries nothing, in evaluate() and in sample(). Where a normal map has turned n, light has
+ * to be on the same side of the normal without the map as well (`base` in surface/surface.h). Smooth lobes
+ * follow MODEL.md, which scatters them about the geometric normal where the shading normal would send them
+ * through the surface.
  *
  * metallicRoughness. With m = metallic, c = baseColor, s = specular, T = transmission, F0 = s min(1, ((ior -
  * 1) / (ior + 1))^2 specularColor), h the half vector, S(f0, f90) = f0 + (f90 - f0) (1 - v·h)^5, L = S of the

@@ -39,9 +39,8 @@ affine_f64 affine_compose(const affine_f64 *a, const affine_f64 *b) {
     return out;
 }
 
-/* By cofactors. Columns, then rows are scaled to unit size first: the scales of a map that turns and
- * stretches are taken out, whichever it does first, and nothing underflows or overflows in the determinant.
- */
+/* By cofactors. Columns, then rows are scaled to unit size first, so that the determinant of a map that turns
+ * and stretches neither underflows nor overflows. */
 bool affine_invert(const affine_f64 *a, affine_f64 *out) {
     double column[3], row[3];
     vec3_f64 r[3];
@@ -74,9 +73,8 @@ bool affine_invert(const affine_f64 *a, affine_f64 *out) {
 
 bool affine_is_identity(const affine_f64 *a) {
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 4; ++j) {
+        for (int j = 0; j < 4; ++j)
             if (a->m[i][j] != (i == j ? 1.0 : 0.0)) return false;
-        }
     }
     return true;
 }

@@ -1,4 +1,4 @@
-/* Where radiance and the weights of paths end: whatever a scene asks for, each pixel is a finite number. */
+/* Limits radiance and the weights of paths, so that each pixel is a finite number in any scene. */
 #ifndef MATH_LIMIT_H
 #define MATH_LIMIT_H
 

@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Of the angle 2 pi u, u in [0,1]. The quarter turn next to u is taken off; Taylor's series of what is left,
- * at most pi/4, are cut off at 4e-9 for the sine and 3e-8 for the cosine: below float's roundoff. */
+/* cos and sin of 2 pi u, u in [0,1]. Taylor's series of the angle to the nearest quarter turn, at most pi/4,
+ * are cut off at 4e-9 for the sine and 3e-8 for the cosine: below float's roundoff. */
 static inline void turn_by(float u, float *cosine, float *sine) {
     float quarters = 4 * u;
     int32_t k = (int32_t)(quarters + 0.5f);

@@ -200,7 +200,8 @@ static converge_point point_of(const converge_result *result, fathom_pattern pat
     return point;
 }
 
-bool converge_point_counts(const converge_point *point, converge_metric metric) {
+/* True if fits and tables count the point. */
+static bool counts(const converge_point *point, converge_metric metric) {
     return point->errors[metric] > 0 && isfinite(point->errors[metric]) && !point->below[metric];
 }
 
@@ -212,7 +213,7 @@ static size_t take_round(const converge_result *result, const converge_curve *cu
     size_t count = 0;
     for (unsigned step = 0; step < result->steps; ++step) {
         const converge_run *runs[CONVERGE_SEEDS_MAX];
-        if (!converge_point_counts(&curve->points[step], (converge_metric)metric)) continue;
+        if (!counts(&curve->points[step], (converge_metric)metric)) continue;
         size_t there = runs_of(result, curve->pattern, step, runs);
         for (size_t i = 0; i < there; ++i) {
             if (runs[i]->round != round) continue;
@@ -242,9 +243,8 @@ void converge_summarise(converge_result *result) {
         curve->pattern = (fathom_pattern)p;
         for (unsigned step = 0; step < result->steps; ++step)
             curve->points[step] = point_of(result, curve->pattern, step);
-        for (int m = 0; m < CONVERGE_METRICS; ++m) {
+        for (int m = 0; m < CONVERGE_METRICS; ++m)
             for (int c = 0; c < BENCH_CLOCKS; ++c) curve->slopes[m][c] = slope_of(result, curve, m, c);
-        }
     }
 }
 
@@ -259,7 +259,7 @@ static size_t places_of(const converge_result *result, const converge_curve *cur
     size_t count = 0;
     for (unsigned step = 0; step < result->steps; ++step) {
         const converge_point *point = &curve->points[step];
-        if (converge_point_counts(point, metric))
+        if (counts(point, metric))
             out[count++] = (place){point->seconds.by[BENCH_CPU], point->errors[metric]};
     }
     return count;

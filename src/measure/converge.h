@@ -27,13 +27,12 @@ typedef struct converge_run {
     double errors[CONVERGE_METRICS];
 } converge_run;
 
-/* The mean of two halves of the Sobol pattern with seeds that nothing else has. The halves are independent:
- * with a variance of v each, they differ by 2v, and their mean has v/2. So its RMSE is half of that between
- * them, and its relative MSE a quarter. FLIP is not linear; there the difference between the halves is a
- * bound.
+/* The mean of two halves of the Sobol pattern with seeds that nothing else has. Each half has a variance v,
+ * so they differ by 2v and their mean has v/2: its RMSE is half of that between them, its relative MSE a
+ * quarter. For FLIP, which is not linear, the difference between the halves is a bound.
  *
- * An image closer to the reference than the halves are to each other says little: more than half of its RMSE
- * is the reference's own. Such values are marked and left out of fits and tables. */
+ * An image closer to the reference than the halves are to each other is marked and left out of fits and
+ * tables: more than half of its RMSE is the reference's own. */
 typedef struct converge_reference {
     uint32_t spp; /* of each half */
     bench_seconds seconds;
@@ -84,17 +83,15 @@ typedef struct converge_options {
 const char *converge_metric_name(converge_metric metric);
 const char *converge_pattern_name(fathom_pattern pattern);
 
-/* Renders all, the patterns in turn, so that a machine that slows down slows all. The stage is built. Release
- * with converge_free() whatever comes back. FATHOM_INTERRUPTED keeps the rounds that are whole, or of the
- * first one the steps that all patterns have: there are no runs when there are none of these. */
+/* Renders the patterns in turn, so that a machine that slows down slows all. The stage is built. Always
+ * release with converge_free(). FATHOM_INTERRUPTED keeps the whole rounds, or the steps of the first one that
+ * all patterns have. */
 fathom_status converge_measure(fathom_context *context, const bench_stage *stage,
                                const converge_options *options, converge_result *out);
 void converge_free(converge_result *result);
 
 /* Points, marks and slopes from runs and reference. */
 void converge_summarise(converge_result *result);
-/* Whether fits and tables count the point. */
-bool converge_point_counts(const converge_point *point, converge_metric metric);
 
 #define CONVERGE_ROWS 5
 /* The error that patterns reach in the same time, or the time they need for the same error: between the
@@ -103,8 +100,7 @@ typedef struct converge_row {
     double at; /* seconds of processor time, or the error */
     double values[CONVERGE_PATTERNS];
 } converge_row;
-/* Rows where all patterns have values, evenly over the logarithm; 0 when there are none, else CONVERGE_ROWS.
- */
+/* Rows where all patterns have values, evenly over the logarithm: 0 or CONVERGE_ROWS. */
 size_t converge_equal_time(const converge_result *result, converge_metric metric,
                            converge_row out[CONVERGE_ROWS]);
 size_t converge_equal_error(const converge_result *result, converge_metric metric,

@@ -38,9 +38,8 @@ static fathom_status render(work *k, const coverage_row *row, uint64_t seed, fat
 static double mean_of_film(const fathom_film *film) {
     const size_t pixels = (size_t)film->width * film->height;
     double sum = 0;
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3; ++c)
         for (size_t i = 0; i < pixels; ++i) sum += (double)film->rgb[c][i];
-    }
     return sum / (3.0 * (double)pixels);
 }
 
@@ -48,18 +47,18 @@ static double mean_of_film(const fathom_film *film) {
 static double variance_of_film(const fathom_film *film) {
     const size_t pixels = (size_t)film->width * film->height;
     double sum = 0;
-    for (size_t i = 0; i < pixels && film->largest; ++i) {
+    for (size_t i = 0; i < pixels && film->doubt; ++i) {
         double error = 0;
         for (int c = 0; c < 3; ++c) error += (double)film->error[c][i] / 3;
-        sum += film->largest[i] < 1 ? error * error : 0;
+        sum += film->doubt[i] < 1 ? error * error : 0;
     }
     return sum / ((double)pixels * (double)pixels);
 }
 
 static void count_pixel(const fathom_film *film, const fathom_film *truth, size_t i, coverage_row *row) {
-    coverage_count *to = film->largest[i] >= 1              ? &row->bounds
-                         : film->largest[i] > FILM_DOUBTFUL ? &row->doubtful
-                                                            : &row->trusted;
+    coverage_count *to = film->doubt[i] >= 1              ? &row->bounds
+                         : film->doubt[i] > FILM_DOUBTFUL ? &row->doubtful
+                                                          : &row->trusted;
     for (int c = 0; c < 3; ++c) {
         const double off = fabs((double)film->rgb[c][i] - (double)truth->rgb[c][i]);
         /* Equal floats round differently, as means of other numbers of samples. */

@@ -1,4 +1,4 @@
-/* Whether the errors that renders state are true: how often the stated 95 % interval of a pixel's channel
+/* Measures how true the stated errors of renders are: how often the 95 % interval of a pixel's channel
  * holds the true value, and whether the mean of images over seeds is the true image's. */
 #ifndef BENCH_COVERAGE_H
 #define BENCH_COVERAGE_H
@@ -17,7 +17,7 @@ typedef struct coverage_row {
     double light; /* mean of the images over that of the reference */
     double t;     /* (mean - truth) / its standard error, over seeds */
     uint32_t seeds;
-    coverage_count trusted, doubtful, bounds; /* by error.largest: render.h */
+    coverage_count trusted, doubtful, bounds; /* by error.doubt: render.h */
 } coverage_row;
 
 #define COVERAGE_ROWS 4

@@ -5,8 +5,8 @@
 #include "measure/render_time.h"
 #include "measure/stage.h"
 
-/* Reading and building run once more than they are counted: the first time warms up. They are not repeated
- * once they took longer than `seconds`. */
+/* Reading and building are not repeated once they took longer than `seconds`. The first time is not counted.
+ */
 typedef struct phases_options {
     unsigned repeats; /* [1, RENDER_TIME_REPEATS_MAX] */
     double seconds;

@@ -1,7 +1,6 @@
 #include "measure/render_time.h"
 
 #include "base/clock.h"
-#include "base/threads.h"
 #include "job/job.h"
 #include "measure/replay.h"
 
@@ -49,19 +48,7 @@ static fathom_status render_once(const bench *b, const trace_tracer *tracer, con
 
 typedef struct sums {
     double render[RENDER_TIME_REPEATS_MAX], traced[RENDER_TIME_REPEATS_MAX], bare[RENDER_TIME_REPEATS_MAX];
-    double together[RENDER_TIME_THREADS_MAX][RENDER_TIME_REPEATS_MAX]; /* bare, by the clock */
 } sums;
-
-/* By so many threads as rendered. */
-static bool time_together(const bench *b, const record *r, unsigned repeat, sums *s) {
-    const render_time_options *options = b->options;
-    for (unsigned t = 0; t < options->thread_counts && options->thread_counts > 1; ++t) {
-        replay_result bare;
-        if (!replay_together(r, b->tracer, options->threads[t], &bare)) return false;
-        s->together[t][repeat] += bare.seconds;
-    }
-    return true;
-}
 
 /* Each in turn, and the other way round every other time, so that what changes with the time favours none. */
 static fathom_status time_band(bench *b, const record *r, const fathom_settings *settings,
@@ -69,14 +56,12 @@ static fathom_status time_band(bench *b, const record *r, const fathom_settings 
     for (unsigned k = 0; k < b->options->repeats; ++k) {
         timing render;
         replay_result bare, traced;
-        const replay_way calls = {b->tracer, true}, tracer = {b->tracer, false};
         bool first = k % 2, ok = true;
-        if (first) ok = replay(r, &calls, &bare);
+        if (first) ok = replay(r, b->tracer, true, &bare);
         fathom_status status = render_once(b, b->tracer, settings, 1, &render);
         if (status != FATHOM_OK) return status;
-        if (!first) ok = replay(r, &calls, &bare);
-        if (!ok || !replay(r, &tracer, &traced) || !time_together(b, r, k, s))
-            return fail_memory(b->context, sizeof *r);
+        if (!first) ok = replay(r, b->tracer, true, &bare);
+        if (!ok || !replay(r, b->tracer, false, &traced)) return fail_memory(b->context, sizeof *r);
         s->render[k] += render.cpu, s->bare[k] += bare.cpu_seconds, s->traced[k] += traced.cpu_seconds;
         bench_watch_tell(watch, k + 1, b->options->repeats);
     }
@@ -84,7 +69,7 @@ static fathom_status time_band(bench *b, const record *r, const fathom_settings 
 }
 
 static fathom_status record_band(const bench *b, const fathom_settings *settings, record *r) {
-    trace_tracer *recorder = record_tracer(b->tracer, r, r);
+    trace_tracer *recorder = record_tracer(b->tracer, r);
     if (!recorder) return fail_memory(b->context, sizeof *r);
     record_clear(r);
     timing render;
@@ -136,17 +121,6 @@ static void set_ratio(render_ratio *ratio, sums *s, unsigned repeats) {
     ratio->bare = quartiles_of(s->bare, repeats);
 }
 
-static void set_bare_speeds(const bench *b, sums *s) {
-    const render_time_options *options = b->options;
-    double gain[RENDER_TIME_REPEATS_MAX];
-    for (unsigned t = 0; t < options->thread_counts && options->thread_counts > 1; ++t) {
-        double more = (double)options->threads[t] / options->threads[0];
-        for (unsigned k = 0; k < options->repeats; ++k)
-            gain[k] = more * s->together[0][k] / s->together[t][k];
-        b->out->speeds[t].bare_speedup = quartiles_of(gain, options->repeats);
-    }
-}
-
 static fathom_status measure_ratio(bench *b) {
     if (!embree_bare_possible(b->tracer)) return FATHOM_OK;
     sums *s = calloc(1, sizeof *s);
@@ -155,10 +129,7 @@ static fathom_status measure_ratio(bench *b) {
     fathom_status status = time_bands(b, &r, s);
     record_free(&r);
     b->out->has_ratio = status == FATHOM_OK;
-    if (b->out->has_ratio) {
-        set_ratio(&b->out->ratio, s, b->options->repeats);
-        set_bare_speeds(b, s);
-    }
+    if (b->out->has_ratio) set_ratio(&b->out->ratio, s, b->options->repeats);
     free(s);
     return status;
 }

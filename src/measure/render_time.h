@@ -21,8 +21,6 @@ typedef struct render_speed {
     unsigned threads;
     quartiles seconds, cpu_seconds; /* by the clock; of all threads together */
     quartiles speedup;              /* the first row's seconds over this one's, repetition by repetition */
-    /* The machine's limit: as many threads that make Embree's calls alone at once. 0 without has_ratio. */
-    quartiles bare_speedup;
 } render_speed;
 
 typedef struct render_time {

@@ -26,12 +26,10 @@ typedef struct bench_stage {
     bench_seconds build; /* of the tracer alone */
 } bench_stage;
 
-/* Takes the scene, whatever comes back: release with stage_close(). The whole image is rendered, without
- * AOVs.
- */
+/* Takes the scene in any case: release with stage_close(). The whole image is rendered, without AOVs. */
 fathom_status stage_open(fathom_context *context, fathom_scene *scene, const fathom_settings *settings,
                          bench_stage *out);
-/* Builds by the words, NULL for the settings' tracer, as for so many rays; what was built before goes. */
+/* Builds the tracer of these words (NULL: the settings') for so many rays, and releases the one before. */
 fathom_status stage_build(fathom_context *context, bench_stage *stage, const char *words, uint64_t rays);
 void stage_close(bench_stage *stage);
 

@@ -21,9 +21,8 @@ quartiles quartiles_of(double *values, size_t count) {
                        quantile_of(values, count, 0.75)};
 }
 
-/* Up to 30 from the usual table; beyond, the first two terms of the expansion about the normal distribution's
- * z = 1.95996, z + (z³ + z) / (4 n) (Abramowitz and Stegun 26.7.5): the next is 5z⁵ + 16z³ + 3z over 96 n²,
- * which is below 0.004 at 30, so it stands here too. */
+/* A table up to 30; then the expansion about the normal distribution's z = 1.95996 (Abramowitz and Stegun
+ * 26.7.5), whose third term is below 0.004. */
 double student_95(size_t freedom) {
     static const double table[31] = {INFINITY, 12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365,
                                      2.306,    2.262,  2.228, 2.201, 2.179, 2.160, 2.145, 2.131,

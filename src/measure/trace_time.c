@@ -5,34 +5,56 @@
 
 #include <stdlib.h>
 
+/* Blocks between two looks at the clocks: 4096 rays fit the second-level cache. Reading the clocks takes
+ * under a microsecond, tracing so many rays more than a hundred. */
+#define PIECE 256
+
+typedef union piece {
+    trace_block closest[PIECE];
+    trace_rays any[PIECE];
+} piece;
+
 /* One thread's state; no two share a cache line. */
 typedef struct worker {
-    _Alignas(64) replay_piece *piece;
+    _Alignas(64) piece *piece;
     double seconds, cpu;
     uint64_t met;
 } worker;
 
 /* One tracer over `blocks` of the set's blocks. */
 typedef struct turn {
-    const replay_way *way;
+    const trace_tracer *tracer;
     const trace_set *set;
     size_t blocks;
     worker *workers;
 } turn;
 
+static uint64_t count_met(bool any, const piece *p, size_t rays) {
+    uint64_t met = 0;
+    for (size_t i = 0; i < rays; ++i)
+        met += any ? p->any[i / LANES].t_far[i % LANES] < 0
+                   : p->closest[i / LANES].hits.geometry[i % LANES] != FATHOM_NONE;
+    return met;
+}
+
 static void run_piece(void *user, size_t begin, size_t end, unsigned index) {
     const turn *t = user;
+    const trace_set *set = t->set;
     worker *w = &t->workers[index];
-    const replay_part part = {t->set->query, t->set->coherence, 0, (end - begin) * LANES};
+    const size_t rays = (end - begin) * LANES;
     unsigned state = trace_thread_begin();
     for (size_t b = begin; b < end; ++b)
-        replay_load(t->way, &part, b - begin, &t->set->blocks[b * t->set->count / t->blocks], w->piece);
+        *(set->any ? &w->piece->any[b - begin] : &w->piece->closest[b - begin].rays) =
+            set->blocks[b * set->count / t->blocks];
     double cpu = clock_thread_seconds(), began = clock_seconds();
-    replay_trace(t->way, &part, w->piece);
+    if (set->any)
+        trace_any(t->tracer, w->piece->any, rays, set->coherence);
+    else
+        trace_closest(t->tracer, w->piece->closest, rays, set->coherence);
     w->seconds += clock_seconds() - began;
     w->cpu += clock_thread_seconds() - cpu;
     trace_thread_end(state);
-    w->met += replay_met(t->way, &part, w->piece);
+    w->met += count_met(set->any, w->piece, rays);
 }
 
 typedef struct outcome {
@@ -45,7 +67,7 @@ static outcome take_turn(const turn *t, unsigned threads) {
     for (unsigned i = 0; i < threads; ++i)
         t->workers[i].seconds = t->workers[i].cpu = 0, t->workers[i].met = 0;
     size_t share = (t->blocks + threads - 1) / threads;
-    loop_parallel(threads, t->blocks, share < REPLAY_PIECE ? share : REPLAY_PIECE, run_piece, &now);
+    loop_parallel(threads, t->blocks, share < PIECE ? share : PIECE, run_piece, &now);
     outcome sum = {0, 0, 0};
     for (unsigned i = 0; i < threads; ++i) {
         sum.seconds += t->workers[i].seconds, sum.cpu += t->workers[i].cpu;
@@ -73,17 +95,17 @@ static size_t fitting_blocks(turn t, const trace_time_options *options) {
 #define FITTING 2.0
 
 typedef struct contest {
-    const replay_way *ways;
-    size_t count, all; /* of ways; of ways and sets together */
+    trace_tracer *const *tracers;
+    size_t count, all; /* of tracers; of tracers and sets together */
     const trace_sets *sets;
     const trace_time_options *options;
     worker *workers;
-    size_t *blocks;     /* by way and set, like the next */
+    size_t *blocks;     /* by tracer and set, like the next */
     double *samples[2]; /* rays a second by the clock, and of processor time: `repeats` of each */
 } contest;
 
-static turn turn_of(const contest *c, size_t way, size_t set) {
-    return (turn){&c->ways[way], &c->sets->items[set], c->blocks[way * c->sets->count + set], c->workers};
+static turn turn_of(const contest *c, size_t i) {
+    return (turn){c->tracers[i / TRACE_SETS], &c->sets->items[i % TRACE_SETS], c->blocks[i], c->workers};
 }
 
 /* turns: that are done. */
@@ -91,27 +113,28 @@ static void tell(const contest *c, double turns) {
     bench_watch_tell(c->options->watch, turns, (c->options->repeats + FITTING) * (double)c->all);
 }
 
-static void measure(const contest *c, trace_rate (*out)[TRACE_SETS_MAX]) {
-    const size_t sets = c->sets->count, repeats = c->options->repeats;
+static void measure(const contest *c, trace_rate (*out)[TRACE_SETS]) {
+    const size_t repeats = c->options->repeats;
     for (size_t i = 0; i < c->all; ++i) {
-        c->blocks[i] = fitting_blocks(turn_of(c, i / sets, i % sets), c->options);
+        c->blocks[i] = fitting_blocks(turn_of(c, i), c->options);
         tell(c, FITTING * (double)(i + 1));
     }
     for (size_t k = 0; k < repeats; ++k) {
         for (size_t i = 0; i < c->all; ++i) {
-            const size_t way = (i + k) % c->count, set = i / c->count, at = way * sets + set;
-            const turn t = turn_of(c, way, set);
+            const size_t tracer = (i + k) % c->count, set = i / c->count, at = tracer * TRACE_SETS + set;
+            const turn t = turn_of(c, at);
             const outcome o = take_turn(&t, c->options->threads);
             const double rays = (double)(t.blocks * LANES);
             c->samples[0][at * repeats + k] = rays * c->options->threads / o.seconds;
             c->samples[1][at * repeats + k] = rays / o.cpu;
-            out[way][set].rays = t.blocks * LANES, out[way][set].met = o.met;
+            out[tracer][set].rays = t.blocks * LANES, out[tracer][set].met = o.met;
             tell(c, FITTING * (double)c->all + (double)(k * c->all + i + 1));
         }
     }
     for (size_t i = 0; i < c->all; ++i) {
-        out[i / sets][i % sets].per_second = quartiles_of(&c->samples[0][i * repeats], repeats);
-        out[i / sets][i % sets].per_cpu_second = quartiles_of(&c->samples[1][i * repeats], repeats);
+        trace_rate *rate = &out[i / TRACE_SETS][i % TRACE_SETS];
+        rate->per_second = quartiles_of(&c->samples[0][i * repeats], repeats);
+        rate->per_cpu_second = quartiles_of(&c->samples[1][i * repeats], repeats);
     }
 }
 
@@ -126,10 +149,11 @@ static bool workers_create(unsigned threads, worker **out) {
     return ok;
 }
 
-fathom_status trace_time_measure(fathom_context *context, const replay_way *ways, size_t count,
+fathom_status trace_time_measure(fathom_context *context, trace_tracer *const *tracers, size_t count,
                                  const trace_sets *sets, const trace_time_options *options,
-                                 trace_rate (*out)[TRACE_SETS_MAX]) {
-    contest c = {.ways = ways, .count = count, .all = count * sets->count, .sets = sets, .options = options};
+                                 trace_rate (*out)[TRACE_SETS]) {
+    contest c = {
+        .tracers = tracers, .count = count, .all = count * TRACE_SETS, .sets = sets, .options = options};
     bool ok = workers_create(options->threads, &c.workers);
     c.blocks = calloc(c.all + 1, sizeof *c.blocks);
     for (int i = 0; i < 2; ++i) c.samples[i] = calloc(c.all * options->repeats + 1, sizeof *c.samples[i]);
@@ -140,5 +164,5 @@ fathom_status trace_time_measure(fathom_context *context, const replay_way *ways
     free(c.blocks);
     free(c.samples[0]);
     free(c.samples[1]);
-    return ok ? FATHOM_OK : fail_memory(context, sizeof(replay_piece));
+    return ok ? FATHOM_OK : fail_memory(context, sizeof(piece));
 }

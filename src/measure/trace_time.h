@@ -2,7 +2,6 @@
 #ifndef BENCH_TRACE_TIME_H
 #define BENCH_TRACE_TIME_H
 
-#include "measure/replay.h"
 #include "measure/statistics.h"
 #include "measure/trace_sets.h"
 
@@ -10,10 +9,10 @@
 #define TRACE_TIME_TRACERS_MAX 32
 
 typedef struct trace_rate {
-    uint64_t rays; /* in each repetition: a slow tracer gets fewer, evenly out of the set */
-    uint64_t met;  /* of them */
-    quartiles per_second,
-        per_cpu_second; /* by the clock, of all threads together; by one thread's processor time */
+    uint64_t rays;        /* in each repetition: a slow tracer gets fewer, evenly out of the set */
+    uint64_t met;         /* of them */
+    quartiles per_second; /* by the clock, of all threads together */
+    quartiles per_cpu_second;
 } trace_rate;
 
 typedef struct trace_time_options {
@@ -23,9 +22,9 @@ typedef struct trace_time_options {
     const bench_watch *watch; /* may be NULL */
 } trace_time_options;
 
-/* Tracers take turns, each repetition beginning with another one. out: for each way, for each set. */
-fathom_status trace_time_measure(fathom_context *context, const replay_way *ways, size_t count,
+/* Tracers take turns, each repetition beginning with another one. out: for each tracer, for each set. */
+fathom_status trace_time_measure(fathom_context *context, trace_tracer *const *tracers, size_t count,
                                  const trace_sets *sets, const trace_time_options *options,
-                                 trace_rate (*out)[TRACE_SETS_MAX]);
+                                 trace_rate (*out)[TRACE_SETS]);
 
 #endif

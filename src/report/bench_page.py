@@ -139,7 +139,7 @@ def render_ceiling(runs):
 def render_speeds(runs):
     columns = {**SOURCE, "#threads": "threads", "#seconds": "seconds.median", "#lower quartile": "seconds.low",
                "#upper quartile": "seconds.high", "#processor seconds": "cpuSeconds.median", "#million rays a second": "millionRaysPerSecond",
-               "#speedup": "speedup.median", "#speedup of bare calls": "bareSpeedup.median"}
+               "#speedup": "speedup.median"}
     speeds = [{**{key: run.get(key) for key in SOURCE.values()}, **speed} for run in runs for speed in run.get("speeds", [])]
     return listing("Seconds by the clock, medians and quartiles", columns, speeds)
 

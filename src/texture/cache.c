@@ -458,7 +458,7 @@ fathom_status texture_average(texture_cache *cache, fathom_context *context, fat
 
 fathom_status texture_is_opaque(texture_cache *cache, fathom_context *context, fathom_id texture, bool *out) {
     cache_image *img = cache->slots[texture].image;
-    *out = img->info.opaque;
+    *out = img->info.channels % 2 == 1;
     if (*out || img->info.mipmapped) return FATHOM_OK;
     const fathom_status status = be_decoded(cache, context, img);
     if (status == FATHOM_OK) *out = img->least_alpha >= 1;

@@ -47,6 +47,9 @@ struct texture_cache {
  * when it is broken. Any thread. */
 bool cache_touch(texture_cache *cache, cache_image *img, uint64_t chunk);
 
+/* One texel of a level. False when the image is broken. */
+bool cache_texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
+                 float rgba[4]);
 /* One lookup; chance NULL: the weighted mean. */
 void cache_look_up(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
                    const float *chance, float rgba[4]);

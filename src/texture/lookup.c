@@ -214,6 +214,14 @@ INLINE rgba_f32 filtered(lookup *at, float width, const float *chance) {
     return share > 0 ? fine + share * (bilinear(at, level + 1) - fine) : fine;
 }
 
+bool cache_texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
+                 float rgba[4]) {
+    lookup at = {.cache = cache, .slot = slot};
+    const rgba_f32 found = single(&at, level, x, y);
+    memcpy(rgba, &found, sizeof found);
+    return !at.broken;
+}
+
 void cache_look_up(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
                    const float *chance, float rgba[4]) {
     lookup at = {cache, slot, wrapped(u, slot->wrap_u), wrapped(v, slot->wrap_v), false};

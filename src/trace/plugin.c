@@ -101,9 +101,8 @@ static void copy_mesh(plugin_part *part, const fathom_mesh *mesh) {
     for (uint32_t i = 0; i < mesh->vertex_count; ++i)
         memcpy(to + 3 * (size_t)i, mesh_vertex(mesh, i), 3 * sizeof *to);
     uint32_t *index = part->indices + 3 * (size_t)part->triangle_count;
-    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i) {
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i)
         index[i] = mesh->indices[i] + part->vertex_count;
-    }
     part->vertex_count += mesh->vertex_count;
     part->triangle_count += mesh->triangle_count;
 }
@@ -124,9 +123,8 @@ static fathom_status gather(fathom_context *context, const world *w, bool shadow
     part->indices = malloc(triangles * 3 * sizeof(uint32_t) + 1);
     part->first = malloc((w->geometries.count + 1) * sizeof *part->first);
     part->geometry = malloc((w->geometries.count + 1) * sizeof *part->geometry);
-    if (!part->positions || !part->indices || !part->first || !part->geometry) {
+    if (!part->positions || !part->indices || !part->first || !part->geometry)
         return fail_memory(context, (vertices + triangles) * 3 * sizeof(float));
-    }
     for (uint32_t g = 0; g < w->geometries.count; ++g) {
         const fathom_mesh *mesh = world_mesh(w, g);
         if (!chosen(w, g, shadows) || !mesh->triangle_count) continue;
@@ -214,15 +212,12 @@ static void plugin_closest(const trace_tracer *base, trace_block *blocks, trace_
     fathom_plugin_block batch[BATCH];
     for (size_t first = 0; first < total; first += BATCH) {
         size_t n = total - first < BATCH ? total - first : BATCH;
-        for (size_t b = 0; b < n; ++b) {
+        for (size_t b = 0; b < n; ++b)
             block_load(&blocks[first + b].rays, trace_lanes(count, first + b), &batch[b]);
-        }
         tracer->plugin->closest(tracer->all.data, batch, n);
-        for (size_t b = 0; b < n; ++b) {
-            for (unsigned i = 0; i < trace_lanes(count, first + b); ++i) {
+        for (size_t b = 0; b < n; ++b)
+            for (unsigned i = 0; i < trace_lanes(count, first + b); ++i)
                 lane_store(tracer, &batch[b], i, &blocks[first + b], fine ? &fine[first + b] : NULL);
-            }
-        }
     }
 }
 
@@ -235,9 +230,8 @@ static void plugin_any(const trace_tracer *base, trace_rays *blocks, size_t coun
     fathom_plugin_block batch[BATCH];
     for (size_t first = 0; first < total; first += BATCH) {
         size_t n = total - first < BATCH ? total - first : BATCH;
-        for (size_t b = 0; b < n; ++b) {
+        for (size_t b = 0; b < n; ++b)
             block_load(&blocks[first + b], trace_lanes(count, first + b), &batch[b]);
-        }
         tracer->plugin->any(part->data, batch, n);
         for (size_t b = 0; b < n; ++b) {
             for (unsigned i = 0; i < LANES; ++i) {

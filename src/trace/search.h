@@ -1,5 +1,5 @@
-/* One ray on its way through the world, in the precision of its choice: what the hand-written tracers share.
- * search_f32, search_f64 and search_f128; see search_text.h. */
+/* One ray through the world in each precision, search_f32, search_f64 and search_f128, for the hand-written
+ * tracers; see search_text.h. */
 #ifndef TRACE_SEARCH_H
 #define TRACE_SEARCH_H
 

@@ -45,9 +45,8 @@ static inline bool FN(search_comes_before)(const uint32_t a[3], const uint32_t b
 static inline void FN(search_offer)(FN(search) * s, uint32_t primitive, const FN(reference_hit) * hit) {
     s->at[2] = primitive;
     if (s->met &&
-        (hit->t > s->best.t || (hit->t == s->best.t && !FN(search_comes_before)(s->at, s->best_ids)))) {
+        (hit->t > s->best.t || (hit->t == s->best.t && !FN(search_comes_before)(s->at, s->best_ids))))
         return;
-    }
     s->met = true;
     s->best = *hit;
     s->best_ids[0] = s->at[0], s->best_ids[1] = s->at[1], s->best_ids[2] = primitive;

@@ -1,7 +1,5 @@
-/* A tracer's specification in words: "linear:robust:f64", "bvh:f32", "embree:user:robust:high:16",
- * "./mine.so".
- *
- * A kind, then options in any order, at most one of each sort. Missing options have their defaults. */
+/* A tracer's specification in words: "linear:robust:f64", "embree:user:high:16", "./mine.so". A kind, then
+ * options in any order, at most one of each sort. */
 #ifndef TRACE_SPEC_H
 #define TRACE_SPEC_H
 
@@ -51,7 +49,7 @@ typedef enum trace_calls {
 
 typedef enum trace_ties {
     TRACE_SETTLED, /* one answer, however rays are grouped: embree_settle.c */
-    TRACE_RAW      /* whatever Embree says */
+    TRACE_RAW      /* Embree's answers as they are */
 } trace_ties;
 
 typedef struct trace_spec {

@@ -18,7 +18,7 @@
 
 static inline int stretch_tiny(float size) { return (size < STRETCH_TINY) & (size > 0); }
 
-/* Whether the largest component of some direction is not within [STRETCH_LOW, STRETCH_HIGH], or one is tiny.
+/* True if the largest component of some direction is not within [STRETCH_LOW, STRETCH_HIGH], or one is tiny.
  * A loop without branches, for every block. */
 static inline bool stretch_needed(const trace_rays *rays, unsigned lanes) {
     int odd = 0;

@@ -23,8 +23,7 @@ void trace_thread_end(unsigned state) { (void)state; }
 
 /* ---- infinite planes: they have no bounds, so they are tested next to the tracer's own structure ---- */
 
-/* Where the plane meets each line: first in a loop without branches, then the few lanes whose sign is in
- * doubt. */
+/* Finds t for each line without branches, then again for the few lanes whose sign is in doubt. */
 static void planes_distances(const world_plane *plane, const trace_rays *rays, unsigned lanes,
                              float t[LANES]) {
     int doubt[LANES], any = 0;
@@ -54,8 +53,7 @@ static void set_hit(trace_block *block, unsigned lane, const world_plane *plane,
     hits->instance[lane] = FATHOM_NONE;
 }
 
-/* Planes nearer than t_far replace the hit; on equal t the earlier hit stays, so geometry wins over planes
- * and a plane over those after it. */
+/* On equal t the earlier hit stays: geometry wins over planes, and a plane over those after it. */
 static void planes_closest(const world *w, trace_block *blocks, size_t count) {
     if (!w->planes.count) return;
     for (size_t b = 0; b * LANES < count; ++b) {
@@ -65,10 +63,9 @@ static void planes_closest(const world *w, trace_block *blocks, size_t count) {
             const trace_rays *rays = &blocks[b].rays;
             float t[LANES];
             planes_distances(plane, rays, lanes, t);
-            for (unsigned i = 0; i < lanes; ++i) {
+            for (unsigned i = 0; i < lanes; ++i)
                 if (t[i] > rays->t_near[i] && t[i] < rays->t_far[i])
                     set_hit(&blocks[b], i, plane, (uint32_t)p, t[i]);
-            }
         }
     }
 }
@@ -83,9 +80,8 @@ static void planes_any(const world *w, trace_rays *blocks, size_t count) {
             unsigned lanes = trace_lanes(count, b);
             float t[LANES];
             planes_distances(plane, rays, lanes, t);
-            for (unsigned i = 0; i < lanes; ++i) {
+            for (unsigned i = 0; i < lanes; ++i)
                 if (t[i] > rays->t_near[i] && t[i] < rays->t_far[i]) rays->t_far[i] = -INFINITY;
-            }
         }
     }
 }

@@ -33,11 +33,10 @@ static vec3_f64 weighted(const vec3_f64 v[3], double u, double w) {
 static local_hit sphere_hit(const world_sphere *s, vec3_f64 org, vec3_f64 dir, double t) {
     double roots[2], radius = world_sphere_radius(s);
     vec3_f64 center = world_sphere_center(s), from = sub_f64(org, center);
-    if (sphere_roots_f64(center, radius, org, dir, roots)) {
+    if (sphere_roots_f64(center, radius, org, dir, roots))
         t = fabs(roots[0] - t) <= fabs(roots[1] - t) ? roots[0] : roots[1];
-    } else {
+    else
         t = -dot_f64(from, dir) / dot_f64(dir, dir);
-    }
     vec3_f64 n = normalize_f64(madd_f64(from, t, dir));
     double phi = atan2(n.y, n.x);
     return (local_hit){.t = t,
@@ -92,9 +91,8 @@ static void mesh_attributes(const fathom_mesh *mesh, uint32_t triangle, local_hi
     if (mesh->normals) {
         const uint32_t *index = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + first;
         vec3_f64 n[3];
-        for (int c = 0; c < 3; ++c) {
+        for (int c = 0; c < 3; ++c)
             n[c] = widen(load_f32(item(mesh->normals, mesh->normal_stride, index[c])));
-        }
         vec3_f64 shading = weighted(n, u, v);
         if (finite_f64(shading) && dot_f64(shading, shading) > 0) hit->shading = shading;
     }
@@ -250,18 +248,14 @@ typedef struct user_ray {
     int exponent;
 } user_ray;
 
-static fathom_status refuse(const fathom_tracer *tracer, size_t index, const char *what) {
+/* what: of ray `index`; NULL: an argument of this name is. */
+static fathom_status refuse(const fathom_tracer *tracer, const char *what, size_t index, const char *null) {
     fathom_tracer *own = (fathom_tracer *)(uintptr_t)tracer;
     pthread_mutex_lock(&own->message);
-    fail_item(tracer->context, FATHOM_BAD_USAGE, "rays", index, "%s", what);
-    pthread_mutex_unlock(&own->message);
-    return FATHOM_BAD_USAGE;
-}
-
-static fathom_status refuse_null(const fathom_tracer *tracer, const char *argument) {
-    fathom_tracer *own = (fathom_tracer *)(uintptr_t)tracer;
-    pthread_mutex_lock(&own->message);
-    fail_null(tracer->context, argument);
+    if (what)
+        fail_item(tracer->context, FATHOM_BAD_USAGE, "rays", index, "%s", what);
+    else
+        fail_null(tracer->context, null);
     pthread_mutex_unlock(&own->message);
     return FATHOM_BAD_USAGE;
 }
@@ -346,13 +340,15 @@ static void closest_block(const fathom_tracer *tracer, const user_ray *rays, uns
 
 static fathom_status trace_user(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                 fathom_hit *hits, bool *met) {
+    if (!tracer) return FATHOM_BAD_USAGE;
+    if (count && !(rays && (hits || met))) return refuse(tracer, NULL, 0, rays ? "hits" : "rays");
     for (size_t first = 0; first < count; first += LANES) {
         unsigned lanes = count - first < LANES ? (unsigned)(count - first) : LANES;
         user_ray own[LANES];
         fathom_hit found[LANES];
         for (unsigned i = 0; i < lanes; ++i) {
             const char *wrong = ray_prepare(tracer->world, &rays[first + i], &own[i]);
-            if (wrong) return refuse(tracer, first + i, wrong);
+            if (wrong) return refuse(tracer, wrong, first + i, NULL);
         }
         unsigned mode = trace_thread_begin();
         closest_block(tracer, own, lanes, hits ? &hits[first] : found);
@@ -364,15 +360,11 @@ static fathom_status trace_user(const fathom_tracer *tracer, const fathom_ray *r
 
 fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                     fathom_hit *hits) {
-    if (!tracer) return FATHOM_BAD_USAGE;
-    if (count && !(rays && hits)) return refuse_null(tracer, rays ? "hits" : "rays");
     return trace_user(tracer, rays, count, hits, NULL);
 }
 
 /* By closest hits: shadow rays would pass through what casts none. */
 fathom_status fathom_tracer_any(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                 bool *hits) {
-    if (!tracer) return FATHOM_BAD_USAGE;
-    if (count && !(rays && hits)) return refuse_null(tracer, rays ? "hits" : "rays");
     return trace_user(tracer, rays, count, NULL, hits);
 }

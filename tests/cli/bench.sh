@@ -105,18 +105,6 @@ done
 awk -F, '!/^#/ { if (n++ && NF != columns) exit 1; columns = NF }' g.csv || die 'rows of different length'
 for plot in Reading Building 'The render phase over the bare calls'; do said growth/index.html ">$plot<"; done
 
-# The rays of a render by depth: mirrors and shadows are in the scene, and every tracer is asked all of them.
-refused 2 'expected an Embree after bare:' bench trace scene.json --of-render --tracer bare:bvh
-run 0 bench trace scene.json --of-render --rays 200 --repeats 2 --json s.json --csv s.csv --report secondary
-for set in '0 camera' '0 shadow' '1 mirrored' '1 shadow'; do
-    said out.txt "$set"
-    [ "$(grep -c "\"set\": \"$set\"" s.json)" -eq 5 ] || die "expected $set once for each tracer"
-    grep -q ",$set," s.csv || die "no row of $set"
-done
-said secondary/index.html '1 mirrored'
-run 0 bench trace scene.json --of-render --tracer bare:embree:4 --rays 200 --repeats 1 --quiet
-silent out.txt
-
 # bench/growth.sh at small size: every size, and more instanced triangles than 32 bits count.
 SIZES='1k,2k' REPEATS=1 BILLIONS=430k OPTIONS='--size 64x36 --spp 1' sh "$SOURCE/bench/growth.sh" plots >out.txt ||
     die 'bench/growth.sh'

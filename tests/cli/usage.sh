@@ -24,7 +24,7 @@ for arguments in --help -h help 'help help'; do
     said out.txt 'Usage: fathom'
     silent err.txt
 done
-for command in render info generate compare validate bench help; do
+for command in render merge info generate compare validate bench help; do
     run 0 help
     said out.txt "  $command "
     run 0 help $command
@@ -53,7 +53,7 @@ done
 run 0 help render
 for option in --output --size --spp --pattern --crop --threads --seed --max-depth --min-weight --epsilon --no-terminator-fix \
     --leave-out-below --tracer --aov --exposure --view --display --ocio --exr-float --background --block-width --tile-size --quiet \
-    --verbose --stats; do
+    --verbose --stats --part --split; do
     said out.txt " $option"
 done
 rm -f help.txt

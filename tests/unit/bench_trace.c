@@ -81,17 +81,16 @@ static void whole(void **state) {
     stage s;
     open_scene(&s);
     static const char *const words[] = {"embree:16", "embree:1", "bvh", "linear"};
-    replay_way ways[4];
     trace_tracer *made[4];
-    for (int i = 0; i < 4; ++i) ways[i] = (replay_way){made[i] = stage_spec(&s, words[i]), false};
+    for (int i = 0; i < 4; ++i) made[i] = stage_spec(&s, words[i]);
     trace_sets sets;
     assert_ok(s.context, trace_sets_create(s.context, s.world, made[0], 5000, &sets));
     for (unsigned threads = 1; threads < 4; threads += 2) {
         told far;
         const bench_watch watch = told_watch(&far);
         trace_time_options options = {.repeats = 2, .threads = threads, .seconds = 1e6, .watch = &watch};
-        static trace_rate rates[4][TRACE_SETS_MAX];
-        assert_ok(s.context, trace_time_measure(s.context, ways, 4, &sets, &options, rates));
+        static trace_rate rates[4][TRACE_SETS];
+        assert_ok(s.context, trace_time_measure(s.context, made, 4, &sets, &options, rates));
         told_all(&far, 3 * 4 * TRACE_SETS);
         for (int k = 0; k < TRACE_SETS; ++k) {
             for (int i = 0; i < 4; ++i) {
@@ -104,8 +103,8 @@ static void whole(void **state) {
     }
     /* With none, one block. */
     trace_time_options options = {.repeats = 1, .threads = 1, .seconds = 1e-12};
-    static trace_rate rates[4][TRACE_SETS_MAX];
-    assert_ok(s.context, trace_time_measure(s.context, ways, 4, &sets, &options, rates));
+    static trace_rate rates[4][TRACE_SETS];
+    assert_ok(s.context, trace_time_measure(s.context, made, 4, &sets, &options, rates));
     assert_int_equal(rates[3][0].rays, LANES);
     trace_sets_free(&sets);
     for (int i = 0; i < 4; ++i) trace_destroy(made[i]);

@@ -294,16 +294,16 @@ static void errors_are_stated(void **state) {
     s.settings.target_error = 0.05;
     film = render(&s, NULL);
     const float *error = fathom_film_channel(film, "error.G"),
-                *largest = fathom_film_channel(film, "error.largest");
+                *doubt = fathom_film_channel(film, "error.doubt");
     uint32_t bounds = 0, estimates = 0;
     for (size_t i = 0; i < WIDTH * HEIGHT; ++i) {
-        assert_true(isfinite(error[i]) && error[i] >= 0 && largest[i] >= 0 && largest[i] <= 1);
-        if (largest[i] < 1) ++estimates;
-        if (largest[i] < 1) continue;
+        assert_true(isfinite(error[i]) && error[i] >= 0 && doubt[i] >= 0 && doubt[i] <= 1);
+        if (doubt[i] < 1) ++estimates;
+        if (doubt[i] < 1) continue;
         ++bounds;
         /* From 4 to 64 samples: 1 - 0.05^(1/n) of a star of 4 over the background of 0.01, or over a pale
          * star of 0.5, over Student's t. */
-        assert_true((double)error[i] < 0.5272 * 3.99 / 3.1824 && (double)error[i] > 0.0457 * 3.5 / 3.1825);
+        assert_true((double)error[i] < 0.5272 * 3.99 / 2.0930 && (double)error[i] > 0.0457 * 3.5 / 2.0931);
     }
     assert_true(bounds > estimates && estimates > 0);
     fathom_film_destroy(film);

@@ -135,8 +135,6 @@ static void measuring(void **state) {
     exhaust_command(&command_bench_trace,
                     "--triangles 100 --tracer bvh --rays 64 --repeats 1 --seconds 1e-4 --csv >a.csv");
     exhaust_command(&command_bench_render, "@scene.json --spp 1 --threads 1 --repeats 1 --json >a.json");
-    exhaust_command(&command_bench_trace,
-                    "@scene.json --of-render --tracer bare:embree --rays 64 --repeats 1 --seconds 1e-4 -q");
     exhaust_command(&command_bench_error,
                     "@scene.json --max-spp 4 --reference-spp 4 --seeds 1 --tracer linear --json >a.json");
     exhaust_command(&command_bench_render,

@@ -1,5 +1,4 @@
 /* Memory that runs out, requests.h says how: while measuring, and over the extreme cases. */
-#include "integrate/plan.h"
 #include "measure/converge.h"
 #include "measure/phases.h"
 #include "measure/trace_time.h"
@@ -129,41 +128,20 @@ static fathom_status measure_error(fathom_context *context, const char *file, ou
     return status;
 }
 
-static fathom_status measure_recorded(fathom_context *context, const char *file, outcome *out) {
-    const trace_time_options options = {.repeats = 1, .threads = 1, .seconds = 1e-4};
-    trace_sets sets = {.count = 0};
-    static trace_rate rates[2][TRACE_SETS_MAX];
-    bench_stage stage;
-    render_plan *plan = NULL;
-    fathom_status status = open_stage(context, file, &stage);
-    if (status == FATHOM_OK) status = stage_build(context, &stage, "embree", 0);
-    if (status == FATHOM_OK) status = plan_create(context, stage.world, stage.tracer, &stage.settings, &plan);
-    if (status == FATHOM_OK) status = trace_sets_record(context, plan, 1000, &sets);
-    const replay_way ways[2] = {{stage.tracer, false}, {stage.tracer, true}};
-    if (status == FATHOM_OK) status = trace_time_measure(context, ways, 2, &sets, &options, rates);
-    for (size_t i = 0; i < sets.count && status == FATHOM_OK; ++i)
-        add(out, &sets.items[i].count, sizeof sets.items[i].count);
-    trace_sets_free(&sets);
-    plan_destroy(plan);
-    stage_close(&stage);
-    return status;
-}
-
 static fathom_status measure_trace(fathom_context *context, const char *file, outcome *out) {
     const trace_time_options options = {.repeats = 1, .threads = 2, .seconds = 1e-4};
-    trace_sets sets = {.count = 0};
-    static trace_rate rates[1][TRACE_SETS_MAX];
+    trace_sets sets = {{{.count = 0}}};
+    static trace_rate rates[1][TRACE_SETS];
     bench_stage stage;
     fathom_status status = open_stage(context, file, &stage);
     if (status == FATHOM_OK) status = stage_build(context, &stage, "bvh", 0);
     if (status == FATHOM_OK) status = trace_sets_create(context, stage.world, stage.tracer, 300, &sets);
-    for (size_t s = 0; s < sets.count && status == FATHOM_OK; ++s) {
+    for (size_t s = 0; s < TRACE_SETS && status == FATHOM_OK; ++s) {
         const trace_set *set = &sets.items[s];
         add(out, &set->count, sizeof set->count);
         add(out, set->blocks, set->count * sizeof *set->blocks);
     }
-    const replay_way way = {stage.tracer, false};
-    if (status == FATHOM_OK) status = trace_time_measure(context, &way, 1, &sets, &options, rates);
+    if (status == FATHOM_OK) status = trace_time_measure(context, &stage.tracer, 1, &sets, &options, rates);
     trace_sets_free(&sets);
     stage_close(&stage);
     return status;
@@ -196,7 +174,6 @@ static fathom_status measure_phases(fathom_context *context, const char *file, o
 static void measuring(void **state) {
     (void)state;
     exhaust(measure_error, "scene.json");
-    exhaust(measure_recorded, "scene.json");
     exhaust(measure_trace, "scene.json");
     exhaust(measure_phases, "scene.json");
 }

@@ -243,7 +243,7 @@ static void check_sample(const surface_block *s, const shader *table, const shad
     assert_near(length, 1, 1e-6); /* a few roundings of 2^-24 */
     assert_true(out->density[i] >= 0 && density[i] >= 0 && isfinite(density[i]));
     const bool carries = out->weight[0][i] + out->weight[1][i] + out->weight[2][i] > 0;
-    if (carries && !s->smooth[i]) assert_true(out->through[i] ? up <= 0 : up >= 0);
+    if (carries) assert_true(out->through[i] ? up <= 0 : up >= 0);
     if (out->through[i] && carries) assert_true(table[s->material[i]].transmits);
     if (isinf(out->density[i])) return;
     if (out->density[i] == 0) {
@@ -291,7 +291,7 @@ static void any_material_gives_finite_numbers_and_no_light_through_what_is_opaqu
         for (int i = 0; i < LANES; ++i) {
             assert_true(isfinite(density[i]) && density[i] >= 0);
             for (int c = 0; c < 3; ++c) assert_true(isfinite(f[c][i]) && f[c][i] >= 0);
-            const bool below = s.smooth[i] ? false : u[2][i] < 0; /* ng is +z */
+            const bool below = u[2][i] < 0; /* ng is +z */
             if (below && !table[s.material[i]].transmits) assert_true(f[0][i] + f[1][i] + f[2][i] == 0);
         }
     }

@@ -249,9 +249,8 @@ static const command *const benches[] = {&command_bench_trace, &command_bench_re
                                          NULL};
 
 const command *bench_find(const char *name) {
-    for (size_t i = 0; benches[i]; ++i) {
+    for (size_t i = 0; benches[i]; ++i)
         if (strcmp(benches[i]->name + strlen("bench "), name) == 0) return benches[i];
-    }
     return NULL;
 }
 
@@ -273,7 +272,7 @@ const command command_bench = {
     .usage = "WHAT SCENE [options]",
     .summary = "Measure speed, and error against time.",
     .text = "WHAT is one of\n"
-            "  trace   rays a second of every tracer, also of a render's own rays by depth\n"
+            "  trace   rays a second of every tracer\n"
             "  render  the phases of a render, its distance from Embree's ceiling, and how\n"
             "          all of them grow with the triangles\n"
             "  error   image error against run time\n"

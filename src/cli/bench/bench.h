@@ -18,8 +18,8 @@ typedef struct bench_csv {
     const char *rows, *inner, *columns;
 } bench_csv;
 
-/* Adds results to `root` and prints them, unless it is quiet. FATHOM_INTERRUPTED with root.interrupted true:
- * what there is gets written. */
+/* Adds results to `root` and prints them unless quiet. If FATHOM_INTERRUPTED comes with root.interrupted
+ * true, the results are written. */
 typedef fathom_status (*bench_measure)(fathom_context *context, const void *settings, json_t *root);
 
 typedef struct bench_kind {
@@ -61,12 +61,10 @@ extern const size_t bench_operand_offsets[1];
 
 /* ---- running ---- */
 
-/* Reads the command line over `settings`, which begin with bench_settings, checks the files that will be
- * written, measures, writes them, and reports errors. */
+/* Runs the whole command. `settings` begin with bench_settings. */
 fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settings);
 
-/* Shows the progress of a measurement that is this part of the whole and, once it is known, the time of the
- * whole. */
+/* Shows the progress of a measurement that is this part of the whole, and an estimate of the time. */
 bench_watch bench_progress_part(double from, double to);
 void bench_progress_tell(void *unused, double fraction);
 

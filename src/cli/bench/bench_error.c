@@ -49,10 +49,9 @@ static json_t *pack_run(const converge_run *run, uint64_t seed) {
 
 static json_t *pack_point(const converge_point *point) {
     json_t *below = json_array();
-    for (int m = 0; m < CONVERGE_METRICS; ++m) {
+    for (int m = 0; m < CONVERGE_METRICS; ++m)
         if (point->below[m])
             json_array_append_new(below, json_string(converge_metric_name((converge_metric)m)));
-    }
     json_t *object = json_of(JSON("spp", point->spp), JSON("belowReference", below));
     add_seconds(object, &point->seconds);
     return add_errors(object, point->errors);

@@ -64,11 +64,10 @@ static json_t *pack_speeds(const render_time *t) {
     uint64_t rays = t->rays.camera + t->rays.shadow + t->rays.reflection + t->rays.refraction;
     for (unsigned i = 0; i < t->speed_count; ++i) {
         const render_speed *s = &t->speeds[i];
-        json_t *bare = s->bare_speedup.median > 0 ? bench_quartiles(s->bare_speedup) : json_null();
         json_array_append_new(
             speeds, json_of(JSON("threads", s->threads), JSON("seconds", bench_quartiles(s->seconds)),
                             JSON("cpuSeconds", bench_quartiles(s->cpu_seconds)),
-                            JSON("speedup", bench_quartiles(s->speedup)), JSON("bareSpeedup", bare),
+                            JSON("speedup", bench_quartiles(s->speedup)),
                             JSON("millionRaysPerSecond", 1e-6 * (double)rays / s->seconds.median)));
     }
     return speeds;
@@ -105,10 +104,7 @@ static void print_run(const json_t *run) {
                json_number_at(s, "threads") > 1 ? "s" : " ");
         json_print(s, "  {seconds.median:.4f} s ({seconds.low:.4f} to {seconds.high:.4f}), "
                       "{millionRaysPerSecond:.1f} Mrays/s, {speedup.median:.2f} times the first; cpu "
-                      "{cpuSeconds.median:.4f} s");
-        if (i > 0 && json_number_at(s, "bareSpeedup.median") > 0)
-            json_print(s, "; bare calls {bareSpeedup.median:.2f} times");
-        putchar('\n');
+                      "{cpuSeconds.median:.4f} s\n");
     }
     if (json_is_object(json_object_get(run, "ceiling")))
         json_print(run,
@@ -133,7 +129,7 @@ static const bench_csv csv = {
                "render_to_bare_low=ceiling.renderToBare.low, "
                "render_to_bare_median=ceiling.renderToBare.median, "
                "render_to_bare_high=ceiling.renderToBare.high, "
-               "traced_to_bare_median=ceiling.tracedToBare.median, bare_speedup_median=bareSpeedup.median, "
+               "traced_to_bare_median=ceiling.tracedToBare.median, "
                "scene, triangles, "
                "tracer=spec, file_bytes=fileBytes, bvh_bytes=bvhBytes, bvh_peak_bytes=bvhPeakBytes, "
                "read_cpu_seconds=readSeconds.cpu.median, read_seconds=readSeconds.wall.median, "
@@ -394,9 +390,7 @@ const command command_bench_render = {
             "Embree's calls, with the same scene, packets, flags and masks. The time that the\n"
             "render phase takes beyond that is the renderer's own: it makes rays, shades\n"
             "surfaces and fills the film. Render and bare calls take turns, and the\n"
-            "ratio is of the processor time of one thread, of each turn by itself. Next to\n"
-            "the speedup of threads stands the speedup of as many threads that make only the\n"
-            "bare calls: the machine allows no more.\n"
+            "ratio is of the processor time of one thread, of each turn by itself.\n"
             "Files are read from the system's cache. With meshes of several sizes, also\n"
             "prints the exponents b of seconds = a * triangles^b with their 95 % intervals:\n"
             "1 is linear. If that of render over bare is 0 or less, the renderer slows down\n"

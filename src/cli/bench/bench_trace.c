@@ -15,29 +15,27 @@ typedef struct bench_trace_settings {
     uint64_t rays;
     uint32_t tracing; /* threads */
     double seconds;
-    bool of_render;
 } bench_trace_settings;
 
 /* ---- which tracers ---- */
 
 typedef struct contestant {
-    const char *text; /* "embree:16", "bare:embree:1" */
+    const char *text; /* "embree:16" */
     trace_spec spec;
-    trace_tracer *tracer;
-    bool bare; /* by Embree's calls alone */
     double build, build_cpu;
-    trace_rate rates[TRACE_SETS_MAX];
 } contestant;
 
 typedef struct field {
     contestant items[TRACE_TIME_TRACERS_MAX];
+    trace_tracer *tracers[TRACE_TIME_TRACERS_MAX];
+    trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS];
     size_t count;
 } field;
 
 static fathom_status enter(fathom_context *context, field *f, const char *text) {
     contestant *c = &f->items[f->count];
-    *c = (contestant){.text = text, .bare = strncmp(text, "bare:", 5) == 0};
-    fathom_status status = trace_spec_parse(context, c->bare ? text + 5 : text, &c->spec);
+    *c = (contestant){.text = text};
+    fathom_status status = trace_spec_parse(context, text, &c->spec);
     if (status == FATHOM_OK) ++f->count;
     return status;
 }
@@ -53,13 +51,6 @@ static void enter_all(fathom_context *context, field *f, const fathom_scene *sce
     if (scene->quads.count) enter(context, f, "embree:quad:16");
     if (scene->spheres.count) enter(context, f, "embree:sphere:16");
     if (primitives <= LINEAR_MOST) enter(context, f, "linear");
-}
-
-/* The render's own way, and Embree's calls alone, ray by ray and in packets. */
-static void enter_ways(fathom_context *context, field *f) {
-    static const char *const ways[] = {"embree", "bare:embree:1", "bare:embree:4", "bare:embree:8",
-                                       "bare:embree:16"};
-    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) enter(context, f, ways[i]);
 }
 
 static fathom_status enter_given(fathom_context *context, field *f, const args_list *tracers) {
@@ -89,55 +80,29 @@ static fathom_status open_sphere(fathom_context *context, uint64_t triangles, be
     return stage_open(context, scene, &settings, out);
 }
 
-static fathom_status build(fathom_context *context, const world *w, contestant *c, unsigned threads) {
+static fathom_status build(fathom_context *context, const world *w, contestant *c, unsigned threads,
+                           trace_tracer **out) {
     trace_options options = {.spec = &c->spec, .width = LANES, .threads = threads};
     double began = clock_seconds(), cpu = clock_process_seconds();
-    fathom_status status = trace_create(context, w, &options, &c->tracer);
+    fathom_status status = trace_create(context, w, &options, out);
     c->build = clock_seconds() - began, c->build_cpu = clock_process_seconds() - cpu;
     return status == FATHOM_OK ? status : fail_within(context, status, &(fathom_place){.field = c->text});
 }
 
 /* The rays come from the first tracer's hits. */
-static fathom_status make_sets(fathom_context *context, const arena *s, const bench_trace_settings *asked,
-                               const trace_tracer *tracer, trace_sets *out) {
-    if (!asked->of_render) return trace_sets_create(context, s->stage.world, tracer, asked->rays, out);
-    render_plan *plan;
-    out->count = 0;
-    fathom_status status = plan_create(context, s->stage.world, tracer, &s->stage.settings, &plan);
-    if (status == FATHOM_OK) status = trace_sets_record(context, plan, asked->rays, out);
-    plan_destroy(plan);
-    if (status != FATHOM_OK || out->count) return status;
-    return fail(context, FATHOM_BAD_INPUT, "the render has fewer than 16 rays of every kind");
-}
-
-static fathom_status build_all(fathom_context *context, const arena *s, unsigned threads, field *f,
-                               replay_way *ways) {
-    fathom_status status = FATHOM_OK;
-    for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
-        contestant *c = &f->items[i];
-        status = build(context, s->stage.world, c, threads);
-        if (status == FATHOM_OK && c->bare && !embree_bare_possible(c->tracer))
-            status = fail(context, FATHOM_BAD_USAGE, "--tracer: %s: expected an Embree after bare:", c->text);
-        ways[i] = (replay_way){c->tracer, c->bare};
-    }
-    return status;
-}
-
 static fathom_status race(fathom_context *context, const arena *s, const bench_trace_settings *asked,
                           field *f, trace_sets *sets) {
-    replay_way ways[TRACE_TIME_TRACERS_MAX];
-    static trace_rate rates[TRACE_TIME_TRACERS_MAX][TRACE_SETS_MAX];
+    const world *w = s->stage.world;
     const bench_watch watch = bench_progress_part(s->from, s->to);
     const trace_time_options options = {asked->all.repeats, asked->tracing, asked->seconds, &watch};
-    fathom_status status = build_all(context, s, asked->tracing, f, ways);
-    if (status == FATHOM_OK) {
-        status = make_sets(context, s, asked, ways[0].tracer, sets);
-        if (status == FATHOM_BAD_INPUT) fail_within(context, status, &(fathom_place){.file = s->name});
-    }
-    if (status == FATHOM_OK) status = trace_time_measure(context, ways, f->count, sets, &options, rates);
+    fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i)
-        memcpy(f->items[i].rates, rates[i], sizeof rates[i]);
-    return status;
+        status = build(context, w, &f->items[i], asked->tracing, &f->tracers[i]);
+    if (status != FATHOM_OK) return status;
+    status = trace_sets_create(context, w, f->tracers[0], asked->rays, sets);
+    if (status == FATHOM_BAD_INPUT) fail_within(context, status, &(fathom_place){.file = s->name});
+    if (status != FATHOM_OK) return status;
+    return trace_time_measure(context, f->tracers, f->count, sets, &options, f->rates);
 }
 
 /* ---- results ---- */
@@ -147,20 +112,21 @@ static json_t *millions(quartiles q) {
 }
 
 static json_t *pack_rate(const trace_set *set, const trace_rate *r) {
-    return json_of(JSON("set", set->name), JSON("query", set->query == BARE_ANY ? "any" : "closest"),
+    return json_of(JSON("set", set->name), JSON("query", set->any ? "any" : "closest"),
                    JSON("coherent", (bool)(set->coherence == TRACE_COHERENT)), JSON("rays", r->rays),
                    JSON("met", r->met), JSON("millionRaysPerSecond", millions(r->per_second)),
                    JSON("millionRaysPerCpuSecond", millions(r->per_cpu_second)));
 }
 
-static json_t *pack_run(const arena *s, const contestant *c, const trace_sets *sets) {
+static json_t *pack_run(const arena *s, const field *f, size_t i, const trace_sets *sets) {
+    const contestant *c = &f->items[i];
     json_t *rates = json_array();
-    for (size_t k = 0; k < sets->count; ++k)
-        json_array_append_new(rates, pack_rate(&sets->items[k], &c->rates[k]));
+    for (size_t k = 0; k < TRACE_SETS; ++k)
+        json_array_append_new(rates, pack_rate(&sets->items[k], &f->rates[i][k]));
     return json_of(JSON("scene", s->name), JSON("triangles", s->triangles), JSON("primitives", s->primitives),
-                   JSON("spec", c->text), JSON("tracer", trace_name(c->tracer)),
+                   JSON("spec", c->text), JSON("tracer", trace_name(f->tracers[i])),
                    JSON("buildSeconds", c->build), JSON("buildCpuSeconds", c->build_cpu),
-                   JSON("bvhBytes", trace_bvh_bytes(c->tracer)), JSON("rates", rates));
+                   JSON("bvhBytes", trace_bvh_bytes(f->tracers[i])), JSON("rates", rates));
 }
 
 static void print_rate(const json_t *rate, uint64_t most) {
@@ -176,51 +142,40 @@ static void print_rate(const json_t *rate, uint64_t most) {
 /* The most rays that any tracer was asked of a set. */
 static uint64_t most_rays(const field *f, size_t set) {
     uint64_t most = 0;
-    for (size_t i = 0; i < f->count; ++i) {
-        if (f->items[i].rates[set].rays > most) most = f->items[i].rates[set].rays;
-    }
+    for (size_t i = 0; i < f->count; ++i)
+        if (f->rates[i][set].rays > most) most = f->rates[i][set].rays;
     return most;
 }
 
 static void print_fewer(const field *f, const trace_sets *sets) {
     bool any = false;
     for (size_t i = 0; i < f->count; ++i) {
-        for (size_t s = 0; s < sets->count; ++s) {
-            const trace_rate *r = &f->items[i].rates[s];
-            if (r->rays >= most_rays(f, s)) continue;
+        for (size_t s = 0; s < TRACE_SETS; ++s) {
+            if (f->rates[i][s].rays >= most_rays(f, s)) continue;
             printf("%s%s %s %llu", any ? ", " : "* fewer rays: ", f->items[i].text, sets->items[s].name,
-                   (unsigned long long)r->rays);
+                   (unsigned long long)f->rates[i][s].rays);
             any = true;
         }
     }
     if (any) putchar('\n');
 }
 
-#define COLUMNS 4
-
-/* The sets from `set` on, up to COLUMNS of them. */
-static void print_table(const field *f, const trace_sets *sets, const json_t *runs, size_t first,
-                        size_t set) {
-    const size_t end = set + COLUMNS < sets->count ? set + COLUMNS : sets->count;
-    printf("%-17s %8s %8s", "Mrays/s", "build s", "BVH MB");
-    for (size_t k = set; k < end; ++k) printf(" %-15s", sets->items[k].name);
+/* The scene's runs begin with `first`. */
+static void print_scene(const arena *s, const field *f, const trace_sets *sets, const json_t *runs,
+                        size_t first) {
+    print_name(stdout, s->name);
+    printf(": %llu primitives, of them %llu triangles\n%-17s %8s %8s", (unsigned long long)s->primitives,
+           (unsigned long long)s->triangles, "Mrays/s", "build s", "BVH MB");
+    for (size_t k = 0; k < TRACE_SETS; ++k) printf(" %-15s", sets->items[k].name);
     printf("\n%-35s", "rays");
-    for (size_t k = set; k < end; ++k) printf(" %-15llu", (unsigned long long)most_rays(f, k));
+    for (size_t k = 0; k < TRACE_SETS; ++k) printf(" %-15llu", (unsigned long long)most_rays(f, k));
     putchar('\n');
     for (size_t i = 0; i < f->count; ++i) {
         const json_t *run = json_array_get(runs, first + i), *rates = json_object_get(run, "rates");
         json_print(run, "{spec:-17s} {buildSeconds:8.3f} {bvhBytes:8.1fM}");
-        for (size_t k = set; k < end; ++k) print_rate(json_array_get(rates, k), most_rays(f, k));
+        for (size_t k = 0; k < TRACE_SETS; ++k) print_rate(json_array_get(rates, k), most_rays(f, k));
         putchar('\n');
     }
-}
-
-static void print_scene(const arena *s, const field *f, const trace_sets *sets, const json_t *runs,
-                        size_t first) {
-    print_name(stdout, s->name);
-    printf(": %llu primitives, of them %llu triangles\n", (unsigned long long)s->primitives,
-           (unsigned long long)s->triangles);
-    for (size_t k = 0; k < sets->count; k += COLUMNS) print_table(f, sets, runs, first, k);
     print_fewer(f, sets);
     fflush(stdout);
 }
@@ -244,22 +199,20 @@ static fathom_status run_arena(fathom_context *context, const arena *s, const be
     field *f = calloc(1, sizeof *f);
     if (!f) return fail_memory(context, sizeof *f);
     fathom_status status = FATHOM_OK;
-    trace_sets sets = {.count = 0};
+    trace_sets sets = {{{.count = 0}}};
     if (asked->tracers.count)
         status = enter_given(context, f, &asked->tracers);
-    else if (asked->of_render)
-        enter_ways(context, f);
     else
         enter_all(context, f, s->stage.scene, s->primitives);
     if (status == FATHOM_OK) status = race(context, s, asked, f, &sets);
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
-        bench_add_tracer(root, trace_name(f->items[i].tracer));
-        json_array_append_new(runs, pack_run(s, &f->items[i], &sets));
+        bench_add_tracer(root, trace_name(f->tracers[i]));
+        json_array_append_new(runs, pack_run(s, f, i, &sets));
     }
     progress_clear_line();
     if (status == FATHOM_OK && !asked->all.common.quiet) print_scene(s, f, &sets, runs, first);
     trace_sets_free(&sets);
-    for (size_t i = 0; i < f->count; ++i) trace_destroy(f->items[i].tracer);
+    for (size_t i = 0; i < f->count; ++i) trace_destroy(f->tracers[i]);
     free(f);
     return status;
 }
@@ -315,10 +268,8 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     {"tracer", 0, "SPEC", take_list, FIELD(tracers), 0, 0,
-     "what is measured, or bare:SPEC for Embree's calls alone; may be given several times (all there are, "
-     "with linear search up to a million primitives)"},
-    {"of-render", 0, NULL, take_true, FIELD(of_render), 0, 0,
-     "the rays of a render by depth and kind; without --tracer, Embree as renders ask it and its bare calls"},
+     "what is measured; may be given several times (all there are, with linear search up to a million "
+     "primitives)"},
     {"triangles", 0, "N,N", take_counts, FIELD(triangles), 1, 4e9,
      "generated spheres of so many triangles, such as 10k,100k,1M, after SCENE or instead of it"},
     {"rays", 0, "N", take_count, FIELD(rays), 16, 1e9, "of the camera, or of each kind (262144)"},
@@ -339,15 +290,13 @@ const command command_bench_trace = {
             "  bounce   closest hit, incoherent: from visible points, anywhere\n"
             "  shadow   any hit, coherent: from visible points to the first light\n"
             "  between  any hit, incoherent: between any two visible points\n"
-            "With --of-render, instead: the camera, mirrored, refracted and shadow rays of a\n"
-            "render's first samples by depth, from all over the image.\n"
             "Tracers take turns, so that a machine that slows down favours none. All of them\n"
             "are in memory together. Prints million rays for each second of a thread's\n"
             "processor time: medians, and half the distance of the quartiles. --json and\n"
             "--csv also have rays a second by the clock. SPEC is as for render.\n",
     .examples = "  fathom bench trace --triangles 10k,100k,1M --report results\n"
-                "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n"
-                "  fathom bench trace scenes/first-render.json --of-render --rays 50k\n",
+                "  fathom bench trace heavy.glb --tracer embree:8 --tracer embree:16\n",
+
     .args = {options, bench_operands, bench_operand_offsets, 1, 1},
     .run = run,
 };

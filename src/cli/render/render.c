@@ -46,11 +46,13 @@ static fathom_status check_outputs(task *s) {
     for (; count < o->outputs.count; ++count) all[count] = o->outputs.items[count];
     if (stats_file) all[count++] = o->stats;
     if (o->checkpoint) all[count++] = o->checkpoint;
+    if (o->part.path) all[count++] = o->part.path;
     status = outputs_check_distinct(s->context, all, count, o->scene);
     if (status == FATHOM_OK) status = images_check_partial(s->context, &o->outputs, all, count);
     for (size_t i = 0; i < o->outputs.count && status == FATHOM_OK; ++i)
         status = fathom_write_check(s->context, o->outputs.items[i], &o->write);
     if (status == FATHOM_OK && stats_file) status = fathom_file_check(s->context, o->stats);
+    if (status == FATHOM_OK && o->part.path) status = fathom_file_check(s->context, o->part.path);
     if (status == FATHOM_OK) status = saving_check(s->context, o);
     for (size_t i = 0; i < count && status == FATHOM_OK; ++i) fathom_file_remove_left_over(all[i]);
     if (status == FATHOM_OK) images_remove_left_over(&o->outputs);
@@ -126,11 +128,8 @@ static void list_left_out(task *s) {
     list->no_helper = !images_need_helper(&s->options);
 }
 
-static fathom_status write_all(task *s) {
-    progress_phase(FATHOM_PHASE_WRITE);
-    list_left_out(s);
-    const double began = clock_seconds();
-    fathom_status status = images_write(s->context, s->film, &s->options);
+/* After writing, which began then. */
+static fathom_status tell_stats(task *s, double began, fathom_status status) {
     const double end = clock_seconds();
     s->report.write_seconds = end - began;
     s->report.total_seconds = end - s->start;
@@ -142,6 +141,13 @@ static fathom_status write_all(task *s) {
     }
     if (status == FATHOM_OK) stats_print(&s->report, &s->options);
     return status;
+}
+
+static fathom_status write_all(task *s) {
+    progress_phase(FATHOM_PHASE_WRITE);
+    list_left_out(s);
+    const double began = clock_seconds();
+    return tell_stats(s, began, images_write(s->context, s->film, &s->options));
 }
 
 static void tell_interrupted(const render_options *options) {
@@ -177,6 +183,18 @@ static fathom_status finish(task *s) {
     return status;
 }
 
+static fathom_status finish_part(task *s) {
+    list_left_out(s);
+    fathom_status status = tell_stats(s, clock_seconds(), FATHOM_OK);
+    if (!s->report.interrupted || status != FATHOM_OK) return status;
+    char text[8192];
+    snprintf(text, sizeof text,
+             "interrupted; what is finished is in %s, and the same command goes on from it",
+             s->options.part.path);
+    say_error(text);
+    return FATHOM_INTERRUPTED;
+}
+
 /* ---- rendering ---- */
 
 static bool on_progress(void *user, const fathom_progress *progress) {
@@ -210,7 +228,8 @@ static fathom_status render(task *s) {
                                             .outputs = o->outputs.items,
                                             .output_count = o->outputs.count,
                                             .write = &o->write,
-                                            .keep_changed = true};
+                                            .part = o->part.path ? &o->part : NULL,
+                                            .keep_changed = !o->part.path};
     s->report.stats.size = sizeof s->report.stats;
     fathom_status status =
         fathom_session_run(s->context, s->scene, &o->settings, &options, &s->report.stats, &s->film);
@@ -219,7 +238,7 @@ static fathom_status render(task *s) {
     s->report.interrupted = status == FATHOM_INTERRUPTED;
     s->report.finished = s->report.stats.finished;
     s->report.scene = fathom_scene_name(s->scene);
-    return finish(s);
+    return o->part.path ? finish_part(s) : finish(s);
 }
 
 static fathom_status prepare(task *s) {
@@ -278,14 +297,17 @@ const command command_render = {
             "If an image cannot be written, its pixels go to NAME.rescue.exr next to it, or\n"
             "to the working folder, $TMPDIR or /tmp, and a message says where. The same holds\n"
             "for a scene whose files were changed while it was rendered: exit code 3.\n"
-            "With --checkpoint FILE it can be continued, and so can what was killed.\n",
+            "With --checkpoint FILE it can be continued, and so can what was killed.\n"
+            "-o FILE.part renders a part of the image, on one of many machines; fathom merge\n"
+            "makes the image of all parts, to the bits that one machine would have rendered.\n",
     .examples = "  fathom render bunny.obj -o bunny.png\n"
                 "  fathom render scan.ply -o scan.png --up z --size 1080x1920\n"
                 "  fathom render scene.json -o out.exr -o out.png --size 1920x1080 --spp 16\n"
                 "  fathom render scene.json -o out.exr --aov Z,N,id --stats out.json\n"
                 "  fathom render scene.json -o out.png --target-error 0.01\n"
                 "  fathom render scene.json -o out.png --max-time 60\n"
-                "  fathom render scene.json -o out.exr --checkpoint out.part --resume\n",
+                "  fathom render scene.json -o out.exr --checkpoint out.save --resume\n"
+                "  fathom render scene.json -o p3.part --part 3/16\n",
     .args = {NULL, operands, operand_offsets, 1, 0, render_option_table},
     .run = run,
 };

@@ -9,6 +9,7 @@
 #include <fathom/image.h>
 #include <fathom/trace.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool take_exposure(const args_option *option, const char *value, void *field, args_problem *problem) {
@@ -82,21 +83,67 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
     return false;
 }
 
+/* "3/16". */
+static bool take_part(const args_option *option, const char *value, void *field, args_problem *problem) {
+    fathom_part *part = field;
+    char end;
+    if (strspn(value, "0123456789/") == strlen(value) &&
+        sscanf(value, "%9u/%9u%c", &part->index, &part->count, &end) == 2 && part->index &&
+        part->index <= part->count && part->count <= 65536)
+        return true;
+    return args_wrong(problem, "expected %s with 1 <= K <= N <= 65536, such as 3/16, found \"%.60s\"",
+                      option->value, value);
+}
+
 #define FIELD(name) offsetof(render_options, name)
+
+/* Those that `fathom merge` has, too. */
+#define OUTPUT_OPTION                                                                                        \
+    {                                                                                                        \
+        "output", 'o', "IMAGE", take_output, FIELD(outputs), 0, 0,                                           \
+            ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); - is PNG to standard "        \
+            "output, and "                                                                                   \
+            "exr:- "                                                                                         \
+            "another format; give it again for more images of the same render"                               \
+    }
+#define FLOAT_OPTION                                                                                         \
+    {                                                                                                        \
+        "exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,                                     \
+            "colours in the .exr as 32-bit float rather than half"                                           \
+    }
+#define COLOUR_OPTIONS                                                                                       \
+    {"exposure",                                                                                             \
+     0,                                                                                                      \
+     "STOPS|auto",                                                                                           \
+     take_exposure,                                                                                          \
+     0,                                                                                                      \
+     -64,                                                                                                    \
+     64,                                                                                                     \
+     "each doubles the light (0); auto: 99 of 100 lit pixels are at most white"},                            \
+        {"display",                                                                                          \
+         0,                                                                                                  \
+         "NAME",                                                                                             \
+         take_text,                                                                                          \
+         FIELD(write.display),                                                                               \
+         0,                                                                                                  \
+         0,                                                                                                  \
+         "of the OpenColorIO config (its default)"},                                                         \
+        {"view", 0, "NAME", take_text, FIELD(write.view), 0, 0, "of the display (its default)"}, {           \
+        "ocio", 0, "FILE", take_text, FIELD(write.ocio), 0, 0,                                               \
+            "OpenColorIO config ($OCIO, else a built-in one for sRGB)"                                       \
+    }
+#define QUIET_OPTION                                                                                         \
+    { "quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings" }
 
 /* Settings with an option are listed after these, under the heading of their group. */
 static const args_option own_options[] = {
     {.help = "Output"},
-    {"output", 'o', "IMAGE", take_output, FIELD(outputs), 0, 0,
-     ".exr (scene-linear), .png, .jpg or .tif (8 bit, for the display); - is PNG to standard output, and "
-     "exr:- "
-     "another format; give it again for more images of the same render"},
+    OUTPUT_OPTION,
     {"aov", 0, "LIST", take_aovs, 0, 0, 0,
      "further channels: any of alpha,Z,N,P,albedo,id,samples, or none; alpha makes the background "
      "transparent, "
      "and the others need an .exr; all: the others, without alpha"},
-    {"exr-float", 0, NULL, take_true, FIELD(write.float_color), 0, 0,
-     "colours in the .exr as 32-bit float rather than half"},
+    FLOAT_OPTION,
     {"stats", 0, "FILE.json", take_text, FIELD(stats), 0, 0,
      "write counts, times, rays and memory as JSON, with the command line and the scene's fingerprint; - is "
      "standard output"},
@@ -124,6 +171,16 @@ static const args_option own_options[] = {
      "any "
      "number of threads; without it a FILE that is there is an error"},
 
+    {.help = "A part of the image (-o FILE.part), to be merged by fathom merge"},
+    {"part", 0, "K/N", take_part, FIELD(part), 0, 0,
+     "render part K of N, from 1 to N, to FILE.part; the same command goes on where it was killed (task and "
+     "count of a "
+     "Slurm array: $SLURM_ARRAY_TASK_ID and the like)"},
+    {"split", 0, "auto|samples|tiles", take_choice, FIELD(part.split), 0, 0,
+     "what a part has: some samples of all pixels, or all samples of some tiles; auto: samples, or tiles "
+     "where there are "
+     "fewer than 4 samples for each part, or a target error (auto)"},
+
     {.help = "Light transport"},
     {"leave-out-below", 0, "none|8bit|half", take_choice, FIELD(loss), 0, 0,
      "cast no shadow rays whose light would not show: a pixel of a .png or .tif (8bit) changes by at most "
@@ -131,20 +188,20 @@ static const args_option own_options[] = {
      "of 255 levels, of an .exr (half) by one unit in the last place (none)"},
 
     {.help = "Colour of .png, .jpg and .tif"},
-    {"exposure", 0, "STOPS|auto", take_exposure, 0, -64, 64,
-     "each doubles the light (0); auto: 99 of 100 lit pixels are at most white"},
-    {"display", 0, "NAME", take_text, FIELD(write.display), 0, 0, "of the OpenColorIO config (its default)"},
-    {"view", 0, "NAME", take_text, FIELD(write.view), 0, 0, "of the display (its default)"},
-    {"ocio", 0, "FILE", take_text, FIELD(write.ocio), 0, 0,
-     "OpenColorIO config ($OCIO, else a built-in one for sRGB)"},
+    COLOUR_OPTIONS,
 
     {.help = "Running"},
     {"threads", 0, "N", take_u32, FIELD(threads), 1, 1024, "1 to 1024 (one a processor)"},
     COMMAND_ALLOW_OUTSIDE(render_options),
-    {"quiet", 'q', NULL, take_true, FIELD(quiet), 0, 0, "only errors and warnings"},
+    QUIET_OPTION,
     {"verbose", 'v', NULL, take_true, FIELD(verbose), 0, 0,
      "tell what was traced and how long each step took"},
     {.help = NULL},
+};
+
+const args_option merge_option_table[] = {
+    {.help = "Options"}, OUTPUT_OPTION,       FLOAT_OPTION, {.help = "Colour of .png, .jpg and .tif"},
+    COLOUR_OPTIONS,      {.help = "Running"}, QUIET_OPTION, {.help = NULL},
 };
 
 /* ---- the whole table ---- */
@@ -214,6 +271,7 @@ void render_options_default(render_options *options) {
     *options = (render_options){.checkpoint_every = -1};
     fathom_settings_default(&options->asked);
     fathom_write_options_default(&options->write);
+    fathom_part_default(&options->part);
 }
 
 /* The AOVs that at least one of the outputs can hold: .exr all, .png and .tif alpha, .jpg none. */
@@ -275,8 +333,65 @@ static bool merge(render_options *options, const fathom_settings *scene, args_pr
     return true;
 }
 
+/* ---- a part ---- */
+
+static bool number_of(const char *variable, uint32_t *out) {
+    const char *text = getenv(variable);
+    char end;
+    return text && sscanf(text, "%9u%c", out, &end) == 1;
+}
+
+/* Of the tasks least, least + step, … this one. */
+static bool take_slurm(fathom_part *part, args_problem *problem) {
+    uint32_t task, least = 0, step = 1;
+    if (!number_of("SLURM_ARRAY_TASK_ID", &task) || !number_of("SLURM_ARRAY_TASK_COUNT", &part->count))
+        return args_wrong(problem,
+                          "-o %.300s: --part K/N is missing, and there is no SLURM_ARRAY_TASK_ID with "
+                          "SLURM_ARRAY_TASK_COUNT",
+                          part->path);
+    number_of("SLURM_ARRAY_TASK_MIN", &least);
+    number_of("SLURM_ARRAY_TASK_STEP", &step);
+    part->index = step && task >= least ? (task - least) / step + 1 : 0;
+    if (part->index && part->index <= part->count && part->count <= 65536 && (task - least) % step == 0)
+        return true;
+    return args_wrong(
+        problem,
+        "-o %.300s: task %u is none of an array of %u tasks from %u on in steps of %u; expected "
+        "such an array, or --part K/N",
+        part->path, task, part->count, least, step);
+}
+
+static bool is_part(const char *path) {
+    char extension[16];
+    file_extension(path, extension);
+    return strcmp(extension, "part") == 0;
+}
+
+static bool finish_part(render_options *options, args_problem *problem) {
+    fathom_part *part = &options->part;
+    args_list *outputs = &options->outputs;
+    if (part->path) return true;
+    size_t i = 0;
+    while (i < outputs->count && !is_part(outputs->items[i])) ++i;
+    if (i == outputs->count) {
+        return (!part->count && part->split == FATHOM_SPLIT_AUTO) ||
+               args_wrong(problem, "--%s: only with -o FILE.part", part->count ? "part" : "split");
+    }
+    if (outputs->count > 1)
+        return args_wrong(problem,
+                          "-o %.300s: a part is the only output; expected fathom merge to write the images",
+                          outputs->items[i]);
+    if (options->checkpoint)
+        return args_wrong(problem,
+                          "--checkpoint: a part is its own checkpoint; expected the same command without it");
+    part->path = outputs->items[i];
+    outputs->count = 0;
+    return part->count || take_slurm(part, problem);
+}
+
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem) {
-    if (!options->outputs.count) return args_wrong(problem, "-o IMAGE is missing");
+    if (!finish_part(options, problem)) return false;
+    if (!options->outputs.count && !options->part.path) return args_wrong(problem, "-o IMAGE is missing");
     if (!merge(options, scene, problem)) return false;
     if (options->quiet && options->verbose)
         return args_wrong(problem, "--quiet and --verbose exclude each other");
@@ -285,7 +400,7 @@ bool render_options_finish(render_options *options, const fathom_settings *scene
                           options->resume ? "resume" : "checkpoint-every");
     }
     if (!finish_adaptive(options, scene, problem) || !finish_loss(options, problem)) return false;
-    unsigned held = held_aovs(&options->outputs);
+    unsigned held = options->part.path ? ~0u : held_aovs(&options->outputs);
     if (render_options_give(options, "aovs") && options->settings.aovs & ~held)
         return args_wrong(problem, "--aov: only .exr holds these channels; expected one more -o FILE.exr");
     options->settings.aovs &= held;

@@ -32,6 +32,8 @@ typedef struct render_options {
     const char *checkpoint;  /* NULL: none */
     double checkpoint_every; /* seconds; < 0: not given */
     bool resume;
+    fathom_part part; /* path NULL: the whole image */
+    args_many parts;  /* files of `fathom merge` */
     bool quiet, verbose, allow_outside;
 } render_options;
 
@@ -43,5 +45,7 @@ bool render_options_finish(render_options *options, const fathom_settings *scene
 bool render_options_give(const render_options *options, const char *name);
 
 const args_option *render_option_table(void);
+/* The options of `fathom merge`, for the same struct. */
+extern const args_option merge_option_table[];
 
 #endif

@@ -73,11 +73,20 @@ static json_t *pack_image(const render_report *r, const render_options *options)
                    JSON("errorEstimate", error > 0 ? json_number(error) : json_null()));
 }
 
+static const char *saved_to(const render_options *options) {
+    return options->part.path ? options->part.path : options->checkpoint;
+}
+
 static json_t *pack_checkpoint(const fathom_stats *s, const char *path) {
     if (!path) return json_null();
     return json_of(JSON("file", path), JSON("saved", s->checkpoints), JSON("seconds", s->checkpoint_seconds),
                    JSON("resumed", (bool)(s->resumed_seconds > 0)),
                    JSON("resumedSeconds", s->resumed_seconds), JSON("resumedSamples", s->resumed_samples));
+}
+
+static json_t *pack_part(const fathom_part *part) {
+    if (!part->path) return json_null();
+    return json_of(JSON("index", part->index), JSON("count", part->count));
 }
 
 static json_t *pack_outputs(const args_list *outputs) {
@@ -96,12 +105,13 @@ static json_t *pack(const render_report *r, const render_options *options) {
         JSON("command", provenance_arguments()), JSON("scene", r->scene),
         JSON("sceneFingerprint", fingerprint), JSON("image", pack_image(r, options)),
         JSON("outputs", pack_outputs(&options->outputs)), JSON("exposure", options->write.exposure),
-        JSON("interrupted", r->interrupted), JSON("checkpoint", pack_checkpoint(s, options->checkpoint)),
-        JSON("triangles", s->triangles), JSON("placedTriangles", s->placed_triangles),
-        JSON("primitives", s->primitives), JSON("instances", s->instances),
-        JSON("degenerateTriangles", s->degenerate_triangles), JSON("seconds", pack_seconds(r)),
-        JSON("rays", pack_rays(r)), JSON("raysPerSecond", rays_per_second(r)),
-        JSON("peakMemoryBytes", peak_bytes()), JSON("bvhBytes", s->bvh_bytes), JSON("memory", pack_memory(r)),
+        JSON("interrupted", r->interrupted), JSON("checkpoint", pack_checkpoint(s, saved_to(options))),
+        JSON("part", pack_part(&options->part)), JSON("triangles", s->triangles),
+        JSON("placedTriangles", s->placed_triangles), JSON("primitives", s->primitives),
+        JSON("instances", s->instances), JSON("degenerateTriangles", s->degenerate_triangles),
+        JSON("seconds", pack_seconds(r)), JSON("rays", pack_rays(r)),
+        JSON("raysPerSecond", rays_per_second(r)), JSON("peakMemoryBytes", peak_bytes()),
+        JSON("bvhBytes", s->bvh_bytes), JSON("memory", pack_memory(r)),
         JSON("leftOut", left_out_json(&r->left_out)), JSON("warnings", warnings_json(&r->warnings)));
     add_tracer(root, s->tracer);
     return json_add(root, JSON("threads", s->threads));
@@ -129,9 +139,10 @@ static void print_memory(const render_report *r) {
 
 static void print_checkpoint(const fathom_stats *s, const char *path) {
     if (!path) return;
-    printf("saved    %u times to ", s->checkpoints);
+    fputs("saved    to ", stdout);
     print_name(stdout, path);
-    printf(", in %.3f s, while rendering went on", s->checkpoint_seconds);
+    if (s->checkpoints)
+        printf(", %u times, in %.3f s, while rendering went on", s->checkpoints, s->checkpoint_seconds);
     if (s->resumed_seconds > 0) printf("; resumed after %.1f s of rendering", s->resumed_seconds);
     putchar('\n');
 }
@@ -155,7 +166,7 @@ static void print_details(const render_report *r, const render_options *options)
     printf("         shadow rays not cast: %llu unlit, %llu too faint\n",
            (unsigned long long)s->unlit_shadow_rays, (unsigned long long)s->faint_shadow_rays);
     print_memory(r);
-    print_checkpoint(s, options->checkpoint);
+    print_checkpoint(s, saved_to(options));
     left_out_print(&r->left_out, "left out ");
 }
 
@@ -178,6 +189,10 @@ void stats_print(const render_report *report, const render_options *options) {
     for (size_t i = 0; i < options->outputs.count; ++i) {
         if (i) fputs(", ", stdout);
         print_name(stdout, standard_output_shown(&options->outputs, i));
+    }
+    if (options->part.path) {
+        print_name(stdout, options->part.path);
+        printf(": part %u of %u", options->part.index, options->part.count);
     }
     printf(": %ux%u, ", report->width, report->height);
     print_sampling(report, options);

@@ -60,6 +60,7 @@ static fathom_status open_writer(const image_target *target, image_writer **out,
     wire_put_text(&b, target->path);
     wire_put_u32(&b, target->format);
     wire_put_u32(&b, target->srgb);
+    wire_put_u32(&b, target->mipmapped);
     wire_put_text(&b, target->date);
     wire_put_image(&b, target->img, target->storage);
     remote *r;
@@ -77,6 +78,15 @@ static fathom_status write_rows(image_writer *writer, uint32_t count, const void
     const remote *r = (const remote *)(const void *)writer;
     helper_exchange e = about(r, WIRE_ROWS);
     e.bytes = pixels, e.request.count = count, e.request.size = r->pixel_bytes * r->width * count;
+    return ask(&e, message);
+}
+
+static fathom_status next_level(image_writer *writer, uint32_t width, uint32_t height,
+                                image_message *message) {
+    remote *r = (remote *)(void *)writer;
+    helper_exchange e = about(r, WIRE_LEVEL);
+    e.request.count = (uint64_t)width << 32 | height;
+    r->width = width;
     return ask(&e, message);
 }
 
@@ -263,6 +273,7 @@ const image_module image_calls = {IMAGE_MODULE_VERSION,
                                   apply_view,
                                   close_view,
                                   {open_texture, read_region, close_texture},
+                                  next_level,
                                   NULL};
 
 /* ---- reading ---- */

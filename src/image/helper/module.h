@@ -19,7 +19,8 @@ typedef enum image_storage {
     IMAGE_STORE_U8,
     IMAGE_STORE_HALF,
     IMAGE_STORE_FLOAT,
-    IMAGE_STORE_UINT
+    IMAGE_STORE_UINT,
+    IMAGE_STORE_U16 /* of mip-mapped files alone */
 } image_storage;
 
 /* A file to be written: its bytes go to `file` in order, or to `descriptor` by offset, which the writer
@@ -32,10 +33,12 @@ typedef struct image_target {
     int descriptor;
     image_format format;
     unsigned threads;
-    bool srgb;                    /* mark the pixels as sRGB */
-    const char *date;             /* "2026:11:22 16:45:33", for formats that hold one; NULL: now */
-    const image *img;             /* sizes, attributes, names of channels; not their pixels */
-    const image_storage *storage; /* of each channel; EXR takes a mixture, the other formats bytes */
+    bool srgb;        /* mark the pixels as sRGB */
+    const char *date; /* "2026:11:22 16:45:33", for formats that hold one; NULL: now */
+    bool mipmapped;   /* TIFF alone: tiles of IMAGE_TILE; smaller levels follow */
+    const image *img; /* sizes, attributes, names of channels; not their pixels */
+    const image_storage
+        *storage; /* of each channel; EXR takes a mixture, mip-mapped files any one, others bytes */
 } image_target;
 
 /* A display and view of a config. NULL: the built-in config, the config's default display, the display's
@@ -85,7 +88,6 @@ typedef struct image_texture_info {
     uint32_t band;     /* rows are read in multiples of this, or to the end */
     bool
         mipmapped; /* tiles within IMAGE_TILE, and each level half as large as the one before, rounded down */
-    bool opaque;   /* the file says that alpha is 1 everywhere */
     char format[32]; /* "png", "openexr" */
 } image_texture_info;
 
@@ -124,6 +126,10 @@ typedef struct image_module {
     void (*view_close)(image_view *view);
 
     image_texture_calls texture;
+    /* Begins the next level of a mip-mapped file, when the last one has all its rows. Its rows, but for the
+     * last, come in multiples of IMAGE_TILE. */
+    fathom_status (*writer_level)(image_writer *writer, uint32_t width, uint32_t height,
+                                  image_message *message);
 
     const char *libraries; /* "OpenImageIO 2.4.7.1, OpenColorIO 2.1.2" */
 } image_module;

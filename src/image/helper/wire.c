@@ -118,7 +118,7 @@ static bool take_channels(wire_cursor *c, wire_image *out) {
         channel->type = wire_take_u32(c) == IMAGE_UINT ? IMAGE_UINT : IMAGE_FLOAT;
         channel->color = wire_take_u32(c) != 0;
         uint32_t storage = wire_take_u32(c);
-        out->storage[i] = storage <= IMAGE_STORE_UINT ? (image_storage)storage : IMAGE_STORE_FLOAT;
+        out->storage[i] = storage <= IMAGE_STORE_U16 ? (image_storage)storage : IMAGE_STORE_FLOAT;
         if (c->bad || !channel->name) return false;
     }
     return true;
@@ -170,8 +170,8 @@ void wire_image_free(wire_image *w) {
 /* ---- a texture's description ---- */
 
 void wire_put_texture(wire_buffer *b, const image_texture_info *info) {
-    const uint32_t numbers[] = {info->width,          info->height, info->channels,  (uint32_t)info->sent,
-                                (uint32_t)info->kept, info->band,   info->mipmapped, info->opaque};
+    const uint32_t numbers[] = {info->width,          info->height, info->channels, (uint32_t)info->sent,
+                                (uint32_t)info->kept, info->band,   info->mipmapped};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) wire_put_u32(b, numbers[i]);
     wire_put_text(b, info->format);
 }
@@ -181,7 +181,7 @@ bool wire_take_texture(wire_cursor *c, image_texture_info *out) {
     out->height = wire_take_u32(c), out->channels = wire_take_u32(c);
     const uint32_t sent = wire_take_u32(c), kept = wire_take_u32(c);
     out->band = wire_take_u32(c);
-    out->mipmapped = wire_take_u32(c) != 0, out->opaque = wire_take_u32(c) != 0;
+    out->mipmapped = wire_take_u32(c) != 0;
     const char *format = wire_take_text(c);
     if (c->bad || !format || !out->width || !out->height || !out->band || out->channels - 1 > 3 ||
         sent > IMAGE_TEXEL_FLOAT || kept > IMAGE_TEXEL_FLOAT)

@@ -18,6 +18,7 @@
 typedef enum wire_op {
     WIRE_OPEN,  /* begins a file; the request carries its descriptor; the memory holds a wire image */
     WIRE_ROWS,  /* `count` rows of `object`; the memory holds their `size` bytes */
+    WIRE_LEVEL, /* the next level of `object`: its width times 2^32, and its height, are `count` */
     WIRE_CLOSE, /* ends `object`; count 0: the file is abandoned */
     WIRE_READ,  /* the memory holds a path, and afterwards a wire image and its planes */
     WIRE_VIEW,  /* the memory holds config, display and view */

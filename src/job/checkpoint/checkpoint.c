@@ -8,7 +8,6 @@
 #include "job/checkpoint/checkpoint_write.h"
 
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -122,14 +121,11 @@ void checkpoint_close(checkpoint *c) {
 }
 
 fathom_status checkpoint_begin(checkpoint *c, const char *tracer) {
-    char saved[sizeof c->key.tracer];
-    memcpy(saved, c->key.tracer, sizeof saved);
-    memset(c->key.tracer, 0, sizeof c->key.tracer);
-    snprintf(c->key.tracer, sizeof c->key.tracer, "%s", tracer);
+    const checkpoint_key saved = c->key;
+    checkpoint_key_set_tracer(&c->key, tracer);
     c->began = clock_seconds();
     c->next = c->began + c->options.every;
-    if (!saved[0]) return FATHOM_OK;
-    return checkpoint_tracer_compare(c->context, c->options.path, saved, c->key.tracer);
+    return checkpoint_key_compare(c->context, c->options.path, &saved, &c->key);
 }
 
 checkpoint_past checkpoint_before(const checkpoint *c) { return c->before; }

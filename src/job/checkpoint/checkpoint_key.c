@@ -15,12 +15,16 @@ void checkpoint_key_of(const fathom_settings *settings, uint64_t scene, checkpoi
     settings_print(&s, out->settings);
 }
 
-static fathom_status differs(fathom_context *context, const char *path, const char *name, const char *saved,
-                             const char *now) {
-    return fail_file(context, FATHOM_BAD_INPUT, path,
-                     "the checkpoint was saved with %s %s, and this render has %s; expected the same render, "
-                     "or another checkpoint file",
-                     name, saved, now);
+void checkpoint_key_set_tracer(checkpoint_key *key, const char *tracer) {
+    memset(key->tracer, 0, sizeof key->tracer);
+    snprintf(key->tracer, sizeof key->tracer, "%s", tracer);
+}
+
+static bool differs(const char *name, const char *saved, const char *now, key_difference *out) {
+    snprintf(out->name, sizeof out->name, "%s", name);
+    snprintf(out->saved, sizeof out->saved, "%s", saved);
+    snprintf(out->now, sizeof out->now, "%s", now);
+    return true;
 }
 
 typedef struct line {
@@ -38,29 +42,33 @@ static line take_line(const char **text) {
     return l;
 }
 
-static fathom_status compare_settings(fathom_context *context, const char *path, const char *saved,
-                                      const char *now) {
+static bool settings_differ(const char *saved, const char *now, key_difference *out) {
     while (*saved || *now) {
         const line a = take_line(&saved), b = take_line(&now);
-        if (strcmp(a.name, b.name) != 0)
-            return differs(context, path, "another list of settings:", a.name, b.name);
-        if (strcmp(a.value, b.value) != 0) return differs(context, path, a.name, a.value, b.value);
+        if (strcmp(a.name, b.name) != 0) return differs("another list of settings:", a.name, b.name, out);
+        if (strcmp(a.value, b.value) != 0) return differs(a.name, a.value, b.value, out);
     }
-    return FATHOM_OK;
+    return false;
+}
+
+bool checkpoint_key_differs(const checkpoint_key *saved, const checkpoint_key *now, key_difference *out) {
+    char texts[2][32];
+    if (strcmp(saved->version, now->version) != 0)
+        return differs("Fathom", saved->version, now->version, out);
+    snprintf(texts[0], sizeof texts[0], "%#llx", (unsigned long long)saved->scene);
+    snprintf(texts[1], sizeof texts[1], "%#llx", (unsigned long long)now->scene);
+    if (saved->scene != now->scene) return differs("a scene of contents", texts[0], texts[1], out);
+    if (settings_differ(saved->settings, now->settings, out)) return true;
+    return saved->tracer[0] && now->tracer[0] && strcmp(saved->tracer, now->tracer) != 0 &&
+           differs("the tracer", saved->tracer, now->tracer, out);
 }
 
 fathom_status checkpoint_key_compare(fathom_context *context, const char *path, const checkpoint_key *saved,
                                      const checkpoint_key *now) {
-    char texts[2][32];
-    if (strcmp(saved->version, now->version) != 0)
-        return differs(context, path, "Fathom", saved->version, now->version);
-    snprintf(texts[0], sizeof texts[0], "%#llx", (unsigned long long)saved->scene);
-    snprintf(texts[1], sizeof texts[1], "%#llx", (unsigned long long)now->scene);
-    if (saved->scene != now->scene) return differs(context, path, "a scene of contents", texts[0], texts[1]);
-    return compare_settings(context, path, saved->settings, now->settings);
-}
-
-fathom_status checkpoint_tracer_compare(fathom_context *context, const char *path, const char *saved,
-                                        const char *now) {
-    return strcmp(saved, now) == 0 ? FATHOM_OK : differs(context, path, "the tracer", saved, now);
+    key_difference d;
+    if (!checkpoint_key_differs(saved, now, &d)) return FATHOM_OK;
+    return fail_file(context, FATHOM_BAD_INPUT, path,
+                     "the checkpoint was saved with %s %s, and this render has %s; expected the same render, "
+                     "or another checkpoint file",
+                     d.name, d.saved, d.now);
 }

@@ -28,7 +28,7 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "checkpoints are written as memory has them");
 
-#define CHECKPOINT_FORMAT 3u
+#define CHECKPOINT_FORMAT 4u
 #define CHECKPOINT_MAGIC "FTHMCKPT"
 
 typedef struct checkpoint_key {
@@ -49,12 +49,15 @@ typedef struct checkpoint_state {
 
 /* scene: its fingerprint. The tracer is not in it yet. */
 void checkpoint_key_of(const fathom_settings *settings, uint64_t scene, checkpoint_key *out);
-/* FATHOM_BAD_INPUT names the first thing that differs, and both values. path: of the file that `saved` is
- * from. */
+void checkpoint_key_set_tracer(checkpoint_key *key, const char *tracer);
+/* The first thing that differs, and both values. Tracers are compared where both are known. */
+typedef struct key_difference {
+    char name[64], saved[192], now[192];
+} key_difference;
+bool checkpoint_key_differs(const checkpoint_key *saved, const checkpoint_key *now, key_difference *out);
+/* FATHOM_BAD_INPUT names it. path: of the file that `saved` is from. */
 fathom_status checkpoint_key_compare(fathom_context *context, const char *path, const checkpoint_key *saved,
                                      const checkpoint_key *now);
-fathom_status checkpoint_tracer_compare(fathom_context *context, const char *path, const char *saved,
-                                        const char *now);
 
 /* Nothing is finished yet. False when out of memory. */
 bool checkpoint_state_create(const fathom_settings *settings, const fathom_film *film, bool hits,

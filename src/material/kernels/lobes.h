@@ -42,7 +42,6 @@ static inline void judge_sides(const surface_block *s, const shader_block *b, co
             x += b->t[c][i] * l[c][i], y += b->b[c][i] * l[c][i], z += b->n[c][i] * l[c][i];
             side += s->ng[c][i] * l[c][i];
         }
-        side = chosen(s->smooth[i], z, side);
         out->l[0][i] = x, out->l[1][i] = y, out->l[2][i] = z;
         out->reflected[i] = (z > 0 ? ~0u : 0) & (side > 0 ? ~0u : 0);
         out->cross[i] = (z < 0 ? ~0u : 0) & (side < 0 ? ~0u : 0);

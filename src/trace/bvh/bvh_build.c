@@ -7,8 +7,7 @@
 #include <string.h>
 
 #define BINS 16
-/* Below this level items are halved: at most 48 + log2(2^32 / 4) levels, which the traversal's stack holds.
- */
+/* Below this level items are halved: the traversal's stack holds 48 + log2(2^32 / 4) levels. */
 #define SPLIT_LEVELS 48
 
 /* ---- boxes ---- */

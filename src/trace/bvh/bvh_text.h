@@ -63,7 +63,7 @@ static inline REAL FN(bvh_limit)(const FN(search) * s, const FN(bvh_view) * v) {
     return (s->met ? s->best.t : s->t_max) * v->length * (1 + 8 * UNIT);
 }
 
-/* Whether anything in the box can be met before `limit`; *depth: no nearer than that. Comparisons are such
+/* True if anything in the box can be met before `limit`; *depth: no nearer than that. Comparisons are such
  * that a NaN, from infinities, never hides a box. */
 static inline bool FN(bvh_meets)(const FN(bvh_view) * v, const bvh_node *node, REAL limit, REAL *depth) {
     REAL x0 = (REAL)node->lower[v->x] - v->ox, x1 = (REAL)node->upper[v->x] - v->ox;
@@ -100,12 +100,11 @@ static void FN(bvh_part)(FN(search) * s, const bvh_tracer *tracer, uint32_t part
 
 static inline void FN(bvh_leaf)(FN(search) * s, const bvh_tracer *tracer, const bvh_tree *tree,
                                 const bvh_node *node) {
-    for (uint32_t i = node->first; i < node->first + node->count && !(s->any && s->met); ++i) {
+    for (uint32_t i = node->first; i < node->first + node->count && !(s->any && s->met); ++i)
         if (tree->geometry)
             FN(search_primitive)(s, tree->geometry, tree->items[i]);
         else
             FN(bvh_part)(s, tracer, tree->items[i]);
-    }
 }
 
 /* Depth first, the nearer child first. A child that begins exactly at the best hit is still visited: what is

@@ -1,8 +1,7 @@
 #include "trace/bvh/bvh.h"
 #include "trace/search.h"
 
-/* A waiting node for each level: 48 of bvh_build.c's splits, then halvings of at most 2^32 items to leaves.
- */
+/* A waiting node for each level: 48 splits of bvh_build.c, then halvings of at most 2^32 items. */
 #define BVH_STACK 80
 
 /* Flushed denormals move a depth by a few smallest normal floats; the lengths of scenes are above. */

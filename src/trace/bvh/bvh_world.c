@@ -65,9 +65,8 @@ static fathom_status build_geometry(const bvh_build *build, const world *w, uint
     /* The point of a reported hit on a sphere lies within 256 units of the distance of it (bvh_text.h). */
     if (geometry->kind == WORLD_SPHERES) tree->spread = 512;
     item_array items = {0};
-    if (!array_room(&items, geometry->count)) {
+    if (!array_room(&items, geometry->count))
         return fail_memory(build->context, geometry->count * sizeof(bvh_item));
-    }
     for (uint32_t k = 0; k < geometry->count; ++k) {
         bvh_item *item = &items.items[items.count];
         item_empty(item);
@@ -85,9 +84,8 @@ static fathom_status build_geometry(const bvh_build *build, const world *w, uint
 /* The largest sum of a row: how much longer the linear part can make the largest coordinate of a vector. */
 static double norm(const affine_f64 *map) {
     double most = 0;
-    for (int r = 0; r < 3; ++r) {
+    for (int r = 0; r < 3; ++r)
         most = fmax(most, fabs(map->m[r][0]) + fabs(map->m[r][1]) + fabs(map->m[r][2]));
-    }
     return most;
 }
 
@@ -148,9 +146,8 @@ static bool add_geometries(const bvh_tracer *tracer, const world_group *group, i
         const bvh_tree *part = &tracer->geometries[g];
         if (!part->node_count) continue;
         bvh_item item = {.id = g};
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 3; ++k)
             item.lower[k] = part->nodes[0].lower[k], item.upper[k] = part->nodes[0].upper[k];
-        }
         tree->spread = fmax(tree->spread, part->spread);
         if (!array_push(items, item)) return false;
     }
@@ -163,9 +160,8 @@ static fathom_status build_group(const bvh_build *build, bvh_tracer *tracer, uin
     item_array items = {0};
     fathom_status status = FATHOM_OK;
     if (!add_geometries(tracer, &tracer->base.world->groups.items[index], &items, tree) ||
-        (index == 0 && !add_instances(tracer, &items, tree))) {
+        (index == 0 && !add_instances(tracer, &items, tree)))
         status = fail_memory(build->context, (items.count + 1) * sizeof *items.items);
-    }
     if (status == FATHOM_OK) status = bvh_tree_build(build, items.items, (uint32_t)items.count, tree);
     if (status == FATHOM_OK && items.count) status = fill_items(build, &items, tree);
     array_free(&items);
@@ -178,17 +174,14 @@ static fathom_status build_world(const bvh_build *build, bvh_tracer *tracer) {
     const world *w = tracer->base.world;
     tracer->geometries = calloc(w->geometries.count + 1, sizeof *tracer->geometries);
     tracer->groups = calloc(w->groups.count, sizeof *tracer->groups);
-    if (!tracer->geometries || !tracer->groups) {
+    if (!tracer->geometries || !tracer->groups)
         return fail_memory(build->context, (w->geometries.count + w->groups.count) * sizeof(bvh_tree));
-    }
     fathom_status status = FATHOM_OK;
-    for (uint32_t g = 0; g < w->geometries.count && status == FATHOM_OK; ++g) {
+    for (uint32_t g = 0; g < w->geometries.count && status == FATHOM_OK; ++g)
         status = build_geometry(build, w, g, &tracer->geometries[g]);
-    }
     /* The root's group is the first and holds the others. */
-    for (uint32_t g = (uint32_t)w->groups.count; g-- > 0 && status == FATHOM_OK;) {
+    for (uint32_t g = (uint32_t)w->groups.count; g-- > 0 && status == FATHOM_OK;)
         status = build_group(build, tracer, g);
-    }
     return status;
 }
 

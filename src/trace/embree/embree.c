@@ -57,8 +57,8 @@ static enum RTCBuildQuality build_quality(const trace_spec *spec, const trace_op
     return RTC_BUILD_QUALITY_MEDIUM;
 }
 
-/* Embree 3 takes a packet apart that is wider than its kernels, and then traces the lanes that are not valid
- * too: whatever they hold, which it can abort on. So calls are no wider than the kernels. */
+/* Embree 3 splits a packet wider than its kernels and then traces lanes that are not valid, on whose numbers
+ * it can abort. So calls are no wider than the kernels. */
 unsigned embree_call_width(const embree_tracer *tracer, unsigned asked) {
     RTCDevice device = tracer->device;
     if (asked >= 16 && rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return 16;
@@ -67,14 +67,13 @@ unsigned embree_call_width(const embree_tracer *tracer, unsigned asked) {
     return 1;
 }
 
-/* Embree does not report which kernels it picked. Their native widths tell pairs of instruction sets apart,
- * and the processor decides within a pair. */
+/* Embree does not report its kernels: their widths tell pairs of instruction sets apart, the processor which
+ * of the two. */
 static const char *isa_name(RTCDevice device, isa_set most) {
 #if defined(__x86_64__)
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return "AVX-512";
-    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) {
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED))
         return most != ISA_AVX && isa_usable(ISA_AVX2) ? "AVX2" : "AVX";
-    }
     return most != ISA_SSE2 && isa_usable(ISA_SSE42) ? "SSE4.2" : "SSE2";
 #elif defined(__aarch64__)
     (void)device, (void)most;
@@ -106,9 +105,8 @@ static void release_device(RTCDevice device) {
 
 static void destroy(trace_tracer *base) {
     embree_tracer *tracer = (embree_tracer *)base;
-    for (size_t g = 0; tracer->scenes && g < base->world->groups.count; ++g) {
+    for (size_t g = 0; tracer->scenes && g < base->world->groups.count; ++g)
         if (tracer->scenes[g]) rtcReleaseScene(tracer->scenes[g]);
-    }
     free(tracer->scenes);
     free(tracer->halved);
     free(tracer->few);
@@ -116,8 +114,7 @@ static void destroy(trace_tracer *base) {
     free(tracer);
 }
 
-/* Where Embree was built without a kind of geometry it builds nothing of that kind, says nothing, and every
- * ray misses. */
+/* An Embree without a kind of geometry reports nothing: every ray misses. */
 static fathom_status check_device(const embree_tracer *tracer) {
     static const struct {
         enum RTCDeviceProperty property;

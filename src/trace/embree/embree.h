@@ -62,9 +62,9 @@ RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_g
 
 /* ---- embree_native.c ---- */
 
-/* Whether Embree's own intersectors answer for the geometry. */
+/* True if Embree's own intersectors answer for the geometry. */
 bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry);
-/* Whether it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. Only
+/* True if it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. Only
  * in robust scenes: in others rays slip through where the halves meet. */
 bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry);
 
@@ -87,9 +87,6 @@ typedef struct embree_call {
     struct embree_vote *vote;       /* not NULL: the call settles one tied ray */
     bool raw;                       /* nothing is noted: the nearest stays, or the last of those */
 } embree_call;
-
-/* Arms a call, or several in a row, for the lanes whose t_far these are. */
-void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far);
 
 /* The filter for triangles in calls of this width. */
 RTCFilterFunctionN embree_filter(unsigned width);
@@ -200,13 +197,40 @@ const embree_kernels *embree_kernels_best(void);
 /* Closest hits of a prepared block, in packets of the way's width. */
 void embree_closest_packets(const embree_tracer *tracer, trace_block *block, const int *valid, unsigned lanes,
                             const embree_way *way, embree_context *context, RTCFilterFunctionN filter);
-/* Whether a geometry of the world is quads that are traced as triangles. */
-static inline bool embree_in_halves(const embree_tracer *tracer, uint32_t geometry) {
-    return tracer->halved && tracer->halved[geometry];
+/* Turns Embree's ids of an instance and a geometry of the group's scene into the world's. */
+static inline void embree_world_ids(const world *w, uint32_t group, uint32_t *instance, uint32_t *geometry) {
+    if (*instance != RTC_INVALID_GEOMETRY_ID) {
+        *instance -= w->groups.items[0].count;
+        group = w->instances.items[*instance].group;
+    }
+    *geometry += w->groups.items[group].first;
 }
-/* Embree's ids, and a quad's u and v, to the world's. */
-void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane);
-/* Whether packets of 16 coherent shadow rays may hang Embree. */
+/* A hit of the world's geometry: where that is quads in halves, its primitive, u and v become the quad's.
+ * Returns the half, else 0. */
+static inline uint32_t embree_join_half(const embree_tracer *tracer, uint32_t geometry, uint32_t *primitive,
+                                        float *u, float *v) {
+    if (!tracer->halved || !tracer->halved[geometry]) return 0;
+    const uint32_t half = *primitive & 1;
+    if (half) *u = 1 - *u, *v = 1 - *v;
+    *primitive /= 2;
+    return half;
+}
+/* One ray, and no hit yet. */
+static inline struct RTCRayHit embree_alone(vec3_f32 org, vec3_f32 dir, float t_near, float t_far,
+                                            uint32_t mask) {
+    return (struct RTCRayHit){
+        .ray = {.org_x = org.x,
+                .org_y = org.y,
+                .org_z = org.z,
+                .tnear = t_near,
+                .dir_x = dir.x,
+                .dir_y = dir.y,
+                .dir_z = dir.z,
+                .tfar = t_far,
+                .mask = mask},
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+}
+/* True if packets of 16 coherent shadow rays may hang Embree. */
 bool embree_may_hang(const embree_tracer *tracer);
 
 void embree_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,

@@ -53,9 +53,7 @@ void embree_bare_trace(const trace_tracer *base, bare_query query, bare_block *b
     memset(&call, 0, sizeof call);
     embree_context_init(&call.context);
     call.raw = true;
-    for (size_t b = 0; b < count; ++b) {
-        trace_block_bare(tracer, query, &call.context, &blocks[b]);
-    }
+    for (size_t b = 0; b < count; ++b) trace_block_bare(tracer, query, &call.context, &blocks[b]);
 }
 
 unsigned embree_bare_met(bare_query query, const bare_block *block) {

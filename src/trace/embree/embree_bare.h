@@ -5,8 +5,7 @@
 
 #include "trace/trace.h"
 
-/* Numbers for each ray in packets of fewer than 16: 12 of the ray, 9 of the hit at most, and what keeps every
- * packet aligned as Embree wants it. */
+/* Numbers for each ray in packets of fewer than 16: 12 of the ray, at most 9 of the hit, and padding. */
 #define EMBREE_BARE_ROWS 24
 
 /* Up to 16 rays: one packet, or several narrower ones in a row. */
@@ -22,7 +21,7 @@ typedef struct bare_block {
 
 typedef enum bare_query { BARE_CLOSEST, BARE_ANY } bare_query;
 
-/* Whether the tracer is Embree's, asked by packets or single rays: others have no bare form. */
+/* True for Embree's tracers: others have no bare form. */
 bool embree_bare_possible(const trace_tracer *tracer);
 /* The first `lanes` rays as the tracer would hand them over: masks, valid lanes, t_far, width and kernels. */
 void embree_bare_load(const trace_tracer *tracer, bare_query query, trace_coherence coherence,

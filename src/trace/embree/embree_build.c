@@ -18,9 +18,8 @@ static fathom_status device_status(embree_tracer *tracer) {
     int error = atomic_load(&tracer->error);
     if (error == RTC_ERROR_NONE) error = (int)rtcGetDeviceError(tracer->device);
     if (error == RTC_ERROR_NONE) return FATHOM_OK;
-    if (error == RTC_ERROR_CANCELLED) {
+    if (error == RTC_ERROR_CANCELLED)
         return fail(tracer->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
-    }
     return fail(tracer->context,
                 lacked_memory(error, tracer->error_text) ? FATHOM_OUT_OF_RESOURCES : FATHOM_INTERNAL,
                 "Embree, while building: error %d: %s", error, tracer->error_text);
@@ -55,7 +54,7 @@ static unsigned geometry_mask(const embree_tracer *tracer, const world_geometry 
     return mask | EMBREE_SHADOWS | (mesh ? EMBREE_MESH_SHADOWS : 0);
 }
 
-/* Whether a geometry of the group is tested next to the scene. */
+/* True if a geometry of the group is tested next to the scene. */
 static bool is_few(const embree_tracer *tracer, const world_group *group, const world_geometry *geometry) {
     return tracer->few && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
 }
@@ -139,13 +138,11 @@ static fathom_status build_scene(embree_tracer *tracer, uint32_t index) {
 static fathom_status build_all(embree_tracer *tracer, const bool *placed) {
     const world *w = tracer->base.world;
     tracer->work = (double)w->instances.count;
-    for (size_t g = 0; g < w->groups.count; ++g) {
+    for (size_t g = 0; g < w->groups.count; ++g)
         if (placed[g]) tracer->work += group_work(w, &w->groups.items[g]);
-    }
     for (uint32_t g = (uint32_t)w->groups.count; g-- > 0;) {
-        if (!go_on(tracer, 0)) {
+        if (!go_on(tracer, 0))
             return fail(tracer->context, FATHOM_INTERRUPTED, "building was stopped by the caller");
-        }
         fathom_status status = placed[g] ? build_scene(tracer, g) : FATHOM_OK;
         if (status != FATHOM_OK) return status;
     }

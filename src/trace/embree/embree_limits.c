@@ -94,7 +94,7 @@ static bool any_sphere(const world_sphere *spheres, uint32_t count) {
     return false;
 }
 
-/* Whether anything in the geometry can be hit. */
+/* True if anything in the geometry can be hit. */
 static bool any_usable(const world *w, const world_geometry *geometry) {
     if (geometry->kind == WORLD_SPHERES)
         return any_sphere(&w->spheres.items[geometry->first], geometry->count);
@@ -116,9 +116,8 @@ bool *reach_placed(const world *w) {
     for (size_t g = 1; g < w->groups.count; ++g) {
         bool something = false;
         const world_group *group = &w->groups.items[g];
-        for (uint32_t i = 0; i < group->count && placed[g] && !something; ++i) {
+        for (uint32_t i = 0; i < group->count && placed[g] && !something; ++i)
             something = any_usable(w, &w->geometries.items[group->first + i]);
-        }
         placed[g] = something;
     }
     placed[0] = true;
@@ -130,9 +129,8 @@ bool *reach_placed(const world *w) {
 static float group_size(const world *w, uint32_t index) {
     const world_group *group = &w->groups.items[index];
     float size = 0;
-    for (uint32_t g = group->first; g < group->first + group->count; ++g) {
+    for (uint32_t g = group->first; g < group->first + group->count; ++g)
         size = fmaxf(size, w->geometries.items[g].largest);
-    }
     return size;
 }
 

@@ -82,8 +82,7 @@ static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh, bool
     return geometry;
 }
 
-/* The triangle of three corners of a quad, by index; of none where it has no area or the quad is never met.
- */
+/* The triangle of three corners of a quad; it names no vertex if it has no area or the quad is never met. */
 static void set_half(const world_quad *quad, bool met, const uint32_t corner[3], uint32_t first,
                      uint32_t out[3]) {
     const vec3_f32 *v = quad->corner;

@@ -75,7 +75,7 @@ static void surround(const trace_rays *from, unsigned lane, unsigned round, trac
     }
 }
 
-/* Whether the lane's own ray meets any of the triangles around it. */
+/* True if the lane's own ray meets any of the triangles around it. */
 static bool look_around(const embree_tracer *tracer, const trace_rays *rays, unsigned lane, unsigned round,
                         uint32_t mask, embree_vote *vote) {
     trace_block around;
@@ -84,9 +84,8 @@ static bool look_around(const embree_tracer *tracer, const trace_rays *rays, uns
     embree_vote_begin(vote, tracer, rays, lane, rays->t_far[lane]);
     surround(rays, lane, round, &around.rays);
     tracer->kernels->prepare(tracer, &around.rays, LANES, mask, valid);
-    for (unsigned i = 0; i < LANES; ++i) {
+    for (unsigned i = 0; i < LANES; ++i)
         around.hits.geometry[i] = around.hits.instance[i] = RTC_INVALID_GEOMETRY_ID;
-    }
     embree_context_init(&to.context);
     const embree_way way = {tracer->width, true};
     embree_closest_packets(tracer, &around, valid, LANES, &way, &to.context, gather_filter);
@@ -122,40 +121,23 @@ static int by_ids(const void *a, const void *b) {
 static void leave_one_each(trace_crossings *list) {
     size_t kept = 0;
     if (list->count) qsort(list->items, list->count, sizeof *list->items, by_ids);
-    for (size_t i = 0; i < list->count; ++i) {
+    for (size_t i = 0; i < list->count; ++i)
         if (!kept || by_ids(&list->items[kept - 1], &list->items[i]) != 0)
             list->items[kept++] = list->items[i];
-    }
     list->count = kept;
-}
-
-static void translate(const world *w, uint32_t group, trace_crossing *c) {
-    if (c->instance != RTC_INVALID_GEOMETRY_ID) {
-        c->instance -= w->groups.items[0].count;
-        group = w->instances.items[c->instance].group;
-    }
-    c->geometry += w->groups.items[group].first;
 }
 
 static bool crossings(const trace_tracer *base, uint32_t group, vec3_f32 org, vec3_f32 dir,
                       trace_crossings *out) {
     const embree_tracer *tracer = (const embree_tracer *)base;
-    struct RTCRayHit alone = {
-        .ray = {.org_x = org.x,
-                .org_y = org.y,
-                .org_z = org.z,
-                .dir_x = dir.x,
-                .dir_y = dir.y,
-                .dir_z = dir.z,
-                .tfar = INFINITY,
-                .mask = EMBREE_MESHES},
-        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    struct RTCRayHit alone = embree_alone(org, dir, 0, INFINITY, EMBREE_MESHES);
     gather to = {.list = out};
     out->count = 0;
     if (!tracer->scenes[group]) return true;
     embree_context_init(&to.context);
     embree_intersect(1, NULL, tracer->scenes[group], &to.context, false, gather_filter, &alone);
-    for (size_t i = 0; i < out->count; ++i) translate(base->world, group, &out->items[i]);
+    for (size_t i = 0; i < out->count; ++i)
+        embree_world_ids(base->world, group, &out->items[i].instance, &out->items[i].geometry);
     leave_one_each(out);
     return !to.out_of_memory;
 }

@@ -36,15 +36,6 @@
 
 /* ---- every ray: noting candidates ---- */
 
-void embree_call_begin(embree_call *call, unsigned lanes, const float *t_far) {
-    embree_context_init(&call->context);
-    for (unsigned i = 0; i < lanes; ++i) call->best[i] = INFINITY;
-    for (unsigned i = 0; i < lanes; ++i) call->far[i] = t_far[i];
-    for (unsigned i = 0; i < lanes; ++i) call->tied[i] = 0;
-    call->vote = NULL;
-    call->raw = false;
-}
-
 float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned n, float t) {
     if (call->vote) embree_vote_consider(call->vote, hit, n, t);
     float best = call->best[lane], nearest = t < best ? t : best, reach = nearest * EMBREE_WINDOW;
@@ -60,12 +51,11 @@ static __attribute__((noinline)) void filter_any(const struct RTCFilterFunctionN
     float *ray = (float *)(void *)args->ray, *t_far = ray + EMBREE_ROW_T_FAR * n;
     const uint32_t *ids = (const uint32_t *)(const void *)(ray + EMBREE_ROW_ID * n);
     const float *hit = (const float *)(const void *)args->hit;
-    for (unsigned i = 0; i < n; ++i) {
+    for (unsigned i = 0; i < n; ++i)
         if (args->valid[i]) t_far[i] = embree_offer(call, ids[i], hit + i, n, t_far[i]);
-    }
 }
 
-/* Whether the rays of a packet are a run of the block's lanes in order, as they are unless Embree regrouped
+/* True if the rays of a packet are a run of the block's lanes in order, as they are unless Embree regrouped
  * them. */
 static inline __attribute__((always_inline)) bool in_order(const uint32_t *ids, unsigned n) {
     uint32_t first = ids[0] & (LANES - n), moved = 0;
@@ -130,22 +120,12 @@ static void announce(trace_block *block, unsigned lane, float t_far, const embre
 }
 
 /* Puts to the vote what the lane's ray meets in a direction of its own. */
-static void ask(const embree_tracer *tracer, const trace_rays *r, unsigned lane, const float dir[3],
-                float t_far, embree_vote *vote) {
-    struct RTCRayHit alone = {
-        .ray = {.org_x = r->org_x[lane],
-                .org_y = r->org_y[lane],
-                .org_z = r->org_z[lane],
-                .tnear = embree_t_near(r->t_near[lane]),
-                .dir_x = dir[0],
-                .dir_y = dir[1],
-                .dir_z = dir[2],
-                .tfar = t_far,
-                .mask = EMBREE_SEEN},
-        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
-    embree_call call;
-    embree_call_begin(&call, 1, &alone.ray.tfar);
-    call.vote = vote;
+static void ask(const embree_tracer *tracer, const trace_rays *r, unsigned lane, vec3_f32 dir, float t_far,
+                embree_vote *vote) {
+    struct RTCRayHit alone =
+        embree_alone(trace_org(r, lane), dir, embree_t_near(r->t_near[lane]), t_far, EMBREE_SEEN);
+    embree_call call = {.best[0] = INFINITY, .far[0] = t_far, .vote = vote};
+    embree_context_init(&call.context);
     embree_intersect(1, NULL, tracer->scenes[0], &call.context, false, filter_any, &alone);
 }
 
@@ -163,7 +143,7 @@ void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lan
             dir[k] = !kept ? straight[k] : (below ? -EMBREE_LEAST_DIRECTION : EMBREE_LEAST_DIRECTION);
             other &= kept || !below;
         }
-        if (other) ask(tracer, r, lane, dir, t_far, &vote);
+        if (other) ask(tracer, r, lane, load_f32(dir), t_far, &vote);
     }
     bool near = vote.met.any && vote.search.best.t <= vote.offered.t * EMBREE_HALF_WINDOW;
     if (vote.offered.any) announce(block, lane, t_far, near ? &vote.met : &vote.offered);

@@ -156,19 +156,17 @@ ALWAYS_INLINE void packet_closest(const struct RTCIntersectFunctionNArguments *a
     const shape s = shape_of(kind, args->geometryUserPtr, args->primID);
     packet p = {(float *)(void *)args->rayhit, args->N};
     reference_hit_f32 hit;
-    for (unsigned i = 0; i < p.n; ++i) {
+    for (unsigned i = 0; i < p.n; ++i)
         if (args->valid[i] && shape_met(&s, p, i, &hit))
             packet_record(args, p, i, &hit, shape_normal(&s, p, i, hit.t));
-    }
 }
 
 ALWAYS_INLINE void packet_any(const struct RTCOccludedFunctionNArguments *args, world_kind kind) {
     const shape s = shape_of(kind, args->geometryUserPtr, args->primID);
     packet p = {(float *)(void *)args->ray, args->N};
     reference_hit_f32 hit;
-    for (unsigned i = 0; i < p.n; ++i) {
+    for (unsigned i = 0; i < p.n; ++i)
         if (args->valid[i] && shape_met(&s, p, i, &hit)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
-    }
 }
 
 #define CALLBACKS(name, kind)                                                                                \

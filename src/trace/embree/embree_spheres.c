@@ -73,7 +73,7 @@ static bool lane_t(const world_sphere *sphere, const trace_rays *rays, const few
 
 /* ---- closest ---- */
 
-/* Whether the sphere, met at t, comes before what the lane met until now: where both are about equally near,
+/* True if the sphere, met at t, comes before what the lane met until now: where both are about equally near,
  * by the reference's t of both, as embree_settle.c has it. */
 static bool comes_first(const embree_tracer *tracer, const trace_block *block, unsigned lane, float t_far,
                         const uint32_t ids[3], float t) {

@@ -27,36 +27,14 @@ void embree_closest_packets(const embree_tracer *tracer, trace_block *block, con
     tracer->kernels->join(&packets, width, &block->rays, &block->hits);
 }
 
-/* A hit of the world's geometry: where that is quads in halves, its primitive, u and v become the quad's. */
-static inline void join_halves(const embree_tracer *tracer, trace_hits *hits, unsigned lane) {
-    if (!embree_in_halves(tracer, hits->geometry[lane])) return;
-    bool second = hits->primitive[lane] & 1;
-    hits->u[lane] = second ? 1 - hits->u[lane] : hits->u[lane];
-    hits->v[lane] = second ? 1 - hits->v[lane] : hits->v[lane];
-    hits->primitive[lane] /= 2;
-}
-
-void embree_translate(const embree_tracer *tracer, trace_hits *hits, unsigned lane) {
-    const world *w = tracer->base.world;
-    uint32_t group = 0, roots = w->groups.items[0].count;
-    if (hits->instance[lane] != RTC_INVALID_GEOMETRY_ID) {
-        hits->instance[lane] -= roots;
-        group = w->instances.items[hits->instance[lane]].group;
-    }
-    hits->geometry[lane] += w->groups.items[group].first;
-    join_halves(tracer, hits, lane);
-}
-
 /* Turns Embree's ids of hits into the world's. Without instances there is one group, whose geometries come
  * first. */
 static void translate(const embree_tracer *tracer, trace_hits *hits, unsigned lanes) {
-    const bool instances = tracer->base.world->instances.count > 0;
-    for (unsigned i = 0; (instances || tracer->halved) && i < lanes; ++i) {
+    const world *w = tracer->base.world;
+    for (unsigned i = 0; (w->instances.count || tracer->halved) && i < lanes; ++i) {
         if (hits->geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
-        if (instances)
-            embree_translate(tracer, hits, i);
-        else
-            join_halves(tracer, hits, i);
+        if (w->instances.count) embree_world_ids(w, 0, &hits->instance[i], &hits->geometry[i]);
+        embree_join_half(tracer, hits->geometry[i], &hits->primitive[i], &hits->u[i], &hits->v[i]);
     }
 }
 
@@ -140,11 +118,10 @@ static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     embree_context context;
     embree_context_init(&context);
     const embree_way way = embree_way_any(tracer, coherence);
-    if (way.width == LANES) {
+    if (way.width == LANES)
         embree_occluded(LANES, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
-    } else {
+    else
         any_packets(tracer, rays, asked.valid, lanes, &way, &context);
-    }
     tracer->kernels->end_any(rays, lanes, &asked);
     if (tracer->few) embree_spheres_any(tracer, rays, lanes, &asked);
     return true;
@@ -156,9 +133,8 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
     stretch s;
     stretch_rays(&scaled, lanes, &s);
     any_block(tracer, &scaled, lanes, true, coherence);
-    for (unsigned i = 0; i < lanes; ++i) {
+    for (unsigned i = 0; i < lanes; ++i)
         if (scaled.t_far[i] == -INFINITY) rays->t_far[i] = -INFINITY;
-    }
 }
 
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {

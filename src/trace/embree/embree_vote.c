@@ -10,22 +10,7 @@ void embree_vote_begin(embree_vote *vote, const embree_tracer *tracer, const tra
     vote->met.any = vote->offered.any = false;
 }
 
-/* Embree's ids, and a quad's u and v, to the world's. */
-static void take_ids(const embree_tracer *tracer, const uint32_t ids[3], embree_offered *out) {
-    const world *w = tracer->base.world;
-    uint32_t group = 0;
-    out->ids[0] = ids[0], out->ids[2] = ids[2];
-    if (ids[0] != RTC_INVALID_GEOMETRY_ID) {
-        out->ids[0] -= w->groups.items[0].count;
-        group = w->instances.items[out->ids[0]].group;
-    }
-    out->ids[1] = ids[1] + w->groups.items[group].first;
-    if (!embree_in_halves(tracer, out->ids[1])) return;
-    out->half = ids[2] & 1, out->ids[2] = ids[2] / 2;
-    if (out->half) out->u = 1 - out->u, out->v = 1 - out->v;
-}
-
-/* Whether it is the best so far. */
+/* True if the primitive is the best so far. */
 static bool try_primitive(search_f32 *s, const uint32_t ids[3]) {
     const world_geometry *geometry = &s->world->geometries.items[ids[1]];
     search_enter_f32(s, ids[0]);
@@ -53,15 +38,15 @@ static bool is_nearer(const embree_offered *a, const embree_offered *b) {
 
 void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float t) {
     const uint32_t *id = (const uint32_t *)(const void *)hit;
-    const uint32_t from[3] = {id[EMBREE_ROW_INSTANCE * n], id[EMBREE_ROW_GEOMETRY * n],
-                              id[EMBREE_ROW_PRIMITIVE * n]};
     embree_offered c = {
         .any = true,
         .t = t,
         .normal = {hit[EMBREE_ROW_NG * n], hit[(EMBREE_ROW_NG + 1) * n], hit[(EMBREE_ROW_NG + 2) * n]},
         .u = hit[EMBREE_ROW_U * n],
-        .v = hit[EMBREE_ROW_V * n]};
-    take_ids(vote->tracer, from, &c);
+        .v = hit[EMBREE_ROW_V * n],
+        .ids = {id[EMBREE_ROW_INSTANCE * n], id[EMBREE_ROW_GEOMETRY * n], id[EMBREE_ROW_PRIMITIVE * n]}};
+    embree_world_ids(vote->tracer->base.world, 0, &c.ids[0], &c.ids[1]);
+    c.half = embree_join_half(vote->tracer, c.ids[1], &c.ids[2], &c.u, &c.v);
     if (!vote->offered.any || is_nearer(&c, &vote->offered)) vote->offered = c;
     /* Embree offers both roots of its own spheres, and both halves of a quad. */
     bool farther =

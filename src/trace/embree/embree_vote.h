@@ -1,5 +1,5 @@
-/* Candidates put to the reference intersector in its own arithmetic: the smallest t wins, the first in world
- * order where that is equal, which is the definition of the linear search. */
+/* Candidates judged by the reference intersector: the smallest t wins, then the first in world order, as in
+ * linear search. */
 #ifndef TRACE_EMBREE_VOTE_H
 #define TRACE_EMBREE_VOTE_H
 

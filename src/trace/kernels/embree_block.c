@@ -26,9 +26,8 @@ static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restr
         rays->t_near[i] = embree_t_near(rays->t_near[i]);
         rays->t_far[i] = embree_last_inside(rays->t_far[i]);
     }
-    for (unsigned i = 0; i < lanes; ++i) {
+    for (unsigned i = 0; i < lanes; ++i)
         rays->time[i] = 0, rays->mask[i] = mask, rays->id[i] = i, rays->flags[i] = 0;
-    }
 }
 
 static void prepare_lanes(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
@@ -39,9 +38,7 @@ static void prepare_lanes(const embree_tracer *tracer, trace_rays *rays, unsigne
 static ALWAYS_INLINE bool begin(const embree_tracer *tracer, trace_rays *restrict rays, unsigned lanes,
                                 uint32_t mask, bool scaled, embree_asked *restrict asked) {
     if (!scaled && stretch_needed(rays, lanes)) return false;
-    for (unsigned i = 0; i < lanes; ++i) {
-        asked->t_near[i] = rays->t_near[i], asked->t_far[i] = rays->t_far[i];
-    }
+    for (unsigned i = 0; i < lanes; ++i) asked->t_near[i] = rays->t_near[i], asked->t_far[i] = rays->t_far[i];
     prepare(tracer, rays, lanes, mask, asked->valid);
     return true;
 }
@@ -71,7 +68,6 @@ static bool begin_any(const embree_tracer *tracer, trace_rays *rays, unsigned la
                           : begin(tracer, rays, lanes, EMBREE_SHADOWS, scaled, asked);
 }
 
-/* Whether all directions are within a limit of the first. */
 static ALWAYS_INLINE embree_spread spread_lanes(const trace_rays *restrict rays, unsigned lanes) {
     const float x = rays->dir_x[0], y = rays->dir_y[0], z = rays->dir_z[0];
     const float length = fabsf(x) + fabsf(y) + fabsf(z);

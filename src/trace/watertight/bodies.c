@@ -50,10 +50,9 @@ static void set_piece_samples(finder *f, uint32_t geometry) {
     for (uint32_t i = 0; i < mesh->triangle_count; ++i) ++sizes[pieces_of(of->of_vertex, mesh, i)];
     for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
         uint32_t piece = pieces_of(of->of_vertex, mesh, i), n = seen[piece]++;
-        for (uint32_t k = 0; k < SAMPLES; ++k) {
+        for (uint32_t k = 0; k < SAMPLES; ++k)
             if (n == (uint64_t)k * sizes[piece] / SAMPLES)
                 f->samples[of->first + piece][k] = (sample){geometry, i};
-        }
     }
 }
 
@@ -106,13 +105,12 @@ static bool number_bodies(finder *f) {
 static void sample_bodies(finder *f) {
     for (uint32_t g = 0; g < f->world->geometries.count; ++g) {
         const geometry_bodies *of = &f->out->of[g];
-        if (of->of_vertex) {
+        if (of->of_vertex)
             set_piece_samples(f, g);
-        } else if (of->count == 1) {
+        else if (of->count == 1)
             set_samples(f, g, of->first, 0, f->world->geometries.items[g].count);
-        } else {
+        else
             for (uint32_t k = 0; k < of->count; ++k) set_samples(f, g, of->first + k, k, 1);
-        }
     }
 }
 
@@ -191,9 +189,8 @@ body_counts bodies_around(const bodies *b, const trace_crossings *list) {
 /* ---- life ---- */
 
 static bool any_closed(const finder *f) {
-    for (size_t i = 0; i < f->world->geometries.count; ++i) {
+    for (size_t i = 0; i < f->world->geometries.count; ++i)
         if (f->closed[i] != CLOSED_NOT) return true;
-    }
     return false;
 }
 

@@ -6,10 +6,10 @@
 #include "scene/mesh/closed.h"
 #include "trace/tracer.h"
 
-/* Which side of a body is out, by the way its corners go round. */
+/* The outer side of a body, by the order of its corners. */
 typedef enum facing { FACING_NONE, FACING_OUT, FACING_IN } facing;
 
-/* At least and at most so many closed bodies lie around it. */
+/* The least and the largest number of closed bodies around something. */
 #define BODIES_ANY 255
 typedef struct depth_span {
     uint8_t low, high;
@@ -49,8 +49,8 @@ typedef struct bodies {
     unsigned box_count;
 } bodies;
 
-/* For tracers with `retry`, which must outlive it. `all` is NULL where nothing is closed (unless `always`).
- * False when out of memory; release in any case. */
+/* For tracers with `retry`, which must outlive it. `all` is NULL where nothing is closed. False when out of
+ * memory; release in any case. */
 bool bodies_find(const trace_tracer *tracer, bodies *out);
 void bodies_release(bodies *b);
 

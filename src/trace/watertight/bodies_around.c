@@ -130,9 +130,8 @@ static bool find_boxes(finder *f, uint32_t group) {
     const world_group *g = &f->world->groups.items[group];
     const uint32_t geometries = (uint32_t)f->world->geometries.count;
     f->boxes.count = 0;
-    for (uint32_t i = g->first; i < g->first + g->count; ++i) {
+    for (uint32_t i = g->first; i < g->first + g->count; ++i)
         if (closed_bodies(f, i) && !push_box(f, mesh_box(f, i), i, closed_bodies(f, i))) return false;
-    }
     if (group || !f->out->around) return true;
     for (uint32_t k = 0; k < f->world->instances.count; ++k) {
         uint8_t count = group_bodies(f, f->world->instances.items[k].group);
@@ -158,7 +157,7 @@ static void keep_boxes(finder *f) {
     for (unsigned i = 0; i < b->box_count; ++i) b->boxes[i] = f->boxes.items[i].box;
 }
 
-/* Whether closed bodies of another owner may be around it. */
+/* True if closed bodies of another owner may be around it. */
 static bool may_lie_in(const finder *f, const body_box *box, uint32_t owner) {
     for (size_t i = 0; i < f->boxes.count; ++i) {
         const owned_box *other = &f->boxes.items[i];

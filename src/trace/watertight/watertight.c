@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-KERNEL_DECLARE(watertight_kernels, watertight_kernels);
+KERNEL_BEST(watertight_kernels)
 
 struct watertight {
     const trace_tracer *tracer;
@@ -63,7 +63,7 @@ static const trace_body *body_met(const watertight *w, const trace_block *block,
     return bodies_at(&w->bodies, geometry, block->hits.primitive[lane]);
 }
 
-/* Whether the lane's ray goes through its hit to the outside of the closed body. The normal is in the space
+/* True if the lane's ray goes through its hit to the outside of the closed body. The normal is in the space
  * of the instance. */
 static bool leaves(const watertight *w, const trace_block *block, unsigned lane, facing face) {
     const trace_hits *h = &block->hits;
@@ -93,7 +93,7 @@ static int most_around(const watertight *w, const trace_block *block, unsigned l
     return most;
 }
 
-/* Whether a ray from inside `depth` bodies can have met what the lane says first: as many have to be around a
+/* True if a ray from inside `depth` bodies can have met what the lane says first: as many have to be around a
  * point just in front of it. */
 static bool is_possible(const watertight *w, const trace_block *block, unsigned lane, int depth) {
     const trace_hits *h = &block->hits;
@@ -115,7 +115,7 @@ static bool is_possible(const watertight *w, const trace_block *block, unsigned 
     return depth == 0 || low == high || depth <= most_around(w, block, lane);
 }
 
-/* Whether any lane meets something that lies inside of a body, or (back) something closed. */
+/* True if any lane meets something that lies inside of a body, or (back) something closed. */
 static bool any_in_doubt(const watertight *w, const trace_block *block, unsigned lanes, bool back) {
     const trace_hits *h = &block->hits;
     const bodies *b = &w->bodies;
@@ -167,7 +167,7 @@ watertight_sides watertight_sides_of(const watertight *w, const trace_block *blo
 
 /* ---- asking again ---- */
 
-/* Whether everything that the lane's line crosses agrees with its depth. Then the answer may be right after
+/* True if everything that the lane's line crosses agrees with its depth. Then the answer may be right after
  * all: where bodies cross or touch, a surface's surroundings vary. */
 static bool is_explained(const watertight *w, const trace_block *block, unsigned lane, uint8_t depth) {
     const trace_rays *r = &block->rays;
@@ -197,9 +197,8 @@ unsigned watertight_closest(const watertight *w, trace_block *block, const uint8
     unsigned changed = 0, wrong = wrong_lanes(w, block, depth, lanes);
     for (unsigned k = 0; wrong && k < ROUNDS; ++k) {
         if (k == ROUNDS_FIRST) wrong &= ~explained_lanes(w, block, depth, wrong);
-        for (unsigned i = 0; i < lanes; ++i) {
+        for (unsigned i = 0; i < lanes; ++i)
             if (wrong >> i & 1 && w->tracer->retry->closest(w->tracer->self, block, i, k)) changed |= 1u << i;
-        }
         wrong &= wrong_lanes(w, block, depth, lanes);
     }
     return (unsigned)__builtin_popcount(changed);
@@ -221,7 +220,7 @@ unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t dep
 
 /* ---- life ---- */
 
-/* Whether normals in the instance's space stand to the world's rays as they do to its own. */
+/* True if normals in the instance's space stand to the world's rays as they do to its own. */
 static bool is_straight(const world_instance *instance) {
     const float(*m)[4] = instance->to_object;
     bool diagonal =
@@ -236,7 +235,7 @@ static bool is_turned(const watertight *w, const world_instance *instance) {
     return closed && !is_straight(instance);
 }
 
-/* Whether anything is closed. */
+/* Returns true if anything is closed. */
 static bool survey(watertight *w) {
     const world *scene = w->tracer->world;
     bool any = false;
@@ -254,21 +253,19 @@ static bool survey(watertight *w) {
 }
 
 static bool has_mesh(const world *w) {
-    for (size_t i = 0; i < w->geometries.count; ++i) {
+    for (size_t i = 0; i < w->geometries.count; ++i)
         if (w->geometries.items[i].kind == WORLD_MESH) return true;
-    }
     return false;
 }
 
 fathom_status watertight_create(fathom_context *context, const trace_tracer *tracer, watertight **out) {
-    static const watertight_kernels *const kernels[] = KERNEL_SETS(watertight_kernels);
     const world *scene = tracer->world;
     *out = NULL;
     if (!tracer->retry || !has_mesh(scene)) return FATHOM_OK;
     watertight *w = calloc(1, sizeof *w);
     if (!w) return fail_memory(context, sizeof *w);
     w->tracer = tracer;
-    w->kernels = kernels[kernel_levels() - 1];
+    w->kernels = watertight_kernels_best();
     bool fine = bodies_find(tracer, &w->bodies);
     if (fine && survey(w)) {
         *out = w;

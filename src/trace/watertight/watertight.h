@@ -47,9 +47,10 @@ unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t dep
 
 /* The test that watertight.c makes of every block; kernels/watertight.c. */
 typedef struct watertight_kernels {
-    /* Whether any lane's ray meets the back of what it meets, closed or not. turned: some instances are
+    /* True if any lane's ray meets the back of what it meets, closed or not. turned: some instances are
      * placed by maps that turn, mirror or skew. */
     bool (*any_back)(const world *w, bool turned, const trace_block *block, unsigned lanes);
 } watertight_kernels;
+const watertight_kernels *watertight_kernels_best(void);
 
 #endif

@@ -1,0 +1,88 @@
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/outputs.h"
+#include "cli/provenance.h"
+#include "cli/render/brightness.h"
+#include "cli/render/images.h"
+
+#include "base/clock.h"
+
+#include <fathom/file.h>
+#include <stdlib.h>
+
+static fathom_status check_outputs(fathom_context *context, render_options *o) {
+    fathom_status status = standard_output_begin(context, &o->outputs, NULL, 0);
+    for (size_t i = 0; i < o->parts.count && status == FATHOM_OK; ++i)
+        status = outputs_check_distinct(context, o->outputs.items, o->outputs.count, o->parts.items[i]);
+    for (size_t i = 0; i < o->outputs.count && status == FATHOM_OK; ++i)
+        status = fathom_write_check(context, o->outputs.items[i], &o->write);
+    for (size_t i = 0; i < o->outputs.count && status == FATHOM_OK; ++i)
+        fathom_file_remove_left_over(o->outputs.items[i]);
+    return status;
+}
+
+static void tell(const render_options *o, const fathom_film *film, const fathom_stats *stats, double began) {
+    uint32_t width, height;
+    if (o->quiet) return;
+    fathom_film_size(film, &width, &height);
+    for (size_t i = 0; i < o->outputs.count; ++i) {
+        if (i) fputs(", ", stdout);
+        print_name(stdout, standard_output_shown(&o->outputs, i));
+    }
+    printf(": %ux%u, %.1f spp, of %zu parts, %.2f s\n", width, height,
+           (double)stats->samples / ((double)width * height), o->parts.count, clock_seconds() - began);
+}
+
+static fathom_status merge(fathom_context *context, render_options *o) {
+    const double began = clock_seconds();
+    fathom_film *film = NULL;
+    fathom_stats stats = {.size = sizeof stats};
+    fathom_status status = check_outputs(context, o);
+    if (status == FATHOM_OK && images_need_helper(o)) fathom_image_prefetch();
+    if (status == FATHOM_OK)
+        status = fathom_parts_merge(context, o->parts.items, o->parts.count, &stats, &film);
+    say_status(&command_merge, context, status);
+    if (status == FATHOM_OK) {
+        brightness_expose(film, o);
+        status = images_write(context, film, o);
+    }
+    if (status == FATHOM_OK) tell(o, film, &stats, began);
+    fathom_film_destroy(film);
+    return status;
+}
+
+static fathom_status run(int argc, char **argv) {
+    render_options options;
+    fathom_status status;
+    fathom_context *context;
+    render_options_default(&options);
+    bool fine = command_parse(&command_merge, argc, argv, &options, &status);
+    if (fine && !options.outputs.count) {
+        status = say_usage(&command_merge, "-o IMAGE is missing");
+        fine = false;
+    }
+    if (fine) status = command_context(options.threads, &context);
+    if (fine && status == FATHOM_OK) {
+        options.write.command = provenance_command();
+        interrupt_install();
+        status = merge(context, &options);
+        standard_output_end();
+        fathom_context_destroy(context);
+    }
+    free(options.parts.items);
+    return status;
+}
+
+static const char *const operands[] = {"PART"};
+static const size_t operand_offsets[] = {offsetof(render_options, parts)};
+
+const command command_merge = {
+    .name = "merge",
+    .usage = "PART ... -o IMAGE [-o IMAGE2 ...] [options]",
+    .summary = "Make the image of all parts that fathom render --part wrote.",
+    .text = "The image is the one that a single machine would have rendered, to the last bit.\n"
+            "All parts have to be finished, of the same render, and each there once.\n",
+    .examples = "  fathom merge p*.part -o final.exr -o final.png\n",
+    .args = {merge_option_table, operands, operand_offsets, 1, .many = true},
+    .run = run,
+};

@@ -1,0 +1,70 @@
+#include "cli/command.h"
+
+#include "base/clock.h"
+
+#include <fathom/file.h>
+#include <fathom/texture.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct texture_settings {
+    command_common common;
+    const char *input, *output, *color;
+} texture_settings;
+
+static fathom_texture describe(const texture_settings *settings) {
+    fathom_texture t;
+    fathom_texture_default(&t);
+    t.file = settings->input;
+    t.color_space = strcmp(settings->color, "srgb") == 0     ? FATHOM_COLOR_SRGB
+                    : strcmp(settings->color, "linear") == 0 ? FATHOM_COLOR_LINEAR
+                                                             : FATHOM_COLOR_NAMED;
+    t.color_space_name = settings->color;
+    return t;
+}
+
+static fathom_status check_and_write(fathom_context *context, void *user) {
+    const texture_settings *settings = user;
+    if (!settings->output) return say_usage(&command_texture, "-o FILE is missing");
+    const fathom_texture texture = describe(settings);
+    const double start = clock_seconds();
+    fathom_status status = fathom_file_check(context, settings->output);
+    if (status == FATHOM_OK) status = fathom_texture_write(context, &texture, settings->output);
+    if (status != FATHOM_OK || settings->common.quiet) return say_status(&command_texture, context, status);
+    struct stat info;
+    const double bytes = stat(settings->output, &info) == 0 ? (double)info.st_size : 0;
+    print_name(stdout, settings->output);
+    printf(": %.1f MB, written in %.2f s\n", 1e-6 * bytes, clock_seconds() - start);
+    return FATHOM_OK;
+}
+
+static fathom_status run(int argc, char **argv) {
+    texture_settings settings = {.color = "srgb"};
+    return command_run(&command_texture, argc, argv, &settings, check_and_write);
+}
+
+static const args_option options[] = {
+    {.help = "Options"},
+    {"output", 'o', "FILE", take_text, offsetof(texture_settings, output), 0, 0, ".tx, .tif or .tiff"},
+    {"color", 0, "SPACE", take_text, offsetof(texture_settings, color), 0, 0,
+     "what the numbers mean: srgb, linear (also data such as normals), or a color space of the OpenColorIO "
+     "config, which becomes linear Rec.709 (srgb)"},
+    COMMAND_THREADS,
+    COMMAND_QUIET("only errors and warnings"),
+    {.help = NULL},
+};
+static const char *const operands[] = {"IMAGE"};
+static const size_t operand_offsets[] = {offsetof(texture_settings, input)};
+
+const command command_texture = {
+    .name = "texture",
+    .usage = "IMAGE -o FILE.tx [--color SPACE]",
+    .summary = "Make a tiled, mip-mapped texture of an image.",
+    .text = "A render reads the parts of such a file that it needs, and needs no time to make\n"
+            "the smaller levels. They are means of linear light. The file keeps the type of\n"
+            "the image's numbers, and takes its place in a scene.\n",
+    .examples = "  fathom texture wood.png -o wood.tx\n"
+                "  fathom texture normals.png -o normals.tx --color linear\n",
+    .args = {options, operands, operand_offsets, 1},
+    .run = run,
+};

@@ -1,0 +1,161 @@
+#include "film/sum_tree.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* ---- a square of a wave's sums ---- */
+
+/* Sums in the wave, those of a square, and what is left behind. */
+typedef struct move {
+    uint32_t slot;
+    bool out;
+} move;
+
+static void move_doubles(const move *m, double *wave, double *square) {
+    if (m->out) {
+        memcpy(square, wave + m->slot, LANES * sizeof *square);
+        memset(wave + m->slot, 0, LANES * sizeof *square);
+    } else {
+        memcpy(wave + m->slot, square, LANES * sizeof *square);
+    }
+}
+
+static void move_words(const move *m, void *wave, void *square) {
+    char *at = (char *)wave + m->slot * sizeof(uint32_t);
+    memcpy(m->out ? square : (void *)at, m->out ? (void *)at : square, LANES * sizeof(uint32_t));
+}
+
+static void move_hits(const move *m, hit_sums *hits, square_sums *square) {
+    move_doubles(m, hits->alpha, square->alpha);
+    move_doubles(m, hits->nearest, square->nearest);
+    for (int c = 0; c < 3; ++c) {
+        move_doubles(m, hits->n[c], square->n[c]);
+        move_doubles(m, hits->albedo[c], square->albedo[c]);
+        move_words(m, hits->centre.p[c], square->p[c]);
+    }
+    move_words(m, hits->centre.z, square->z);
+    move_words(m, hits->centre.object, square->object);
+    move_words(m, hits->centre.primitive, square->primitive);
+    move_words(m, hits->centre.instance, square->instance);
+}
+
+static void move_sums(const move *m, pixel_sums *sums, square_sums *square) {
+    for (uint32_t g = 0; g < sums->groups; ++g) {
+        for (int c = 0; c < 3; ++c) move_doubles(m, sums->rgb[g][c], square->rgb[g][c]);
+    }
+    if (sums->hits) move_hits(m, sums->hits, square);
+}
+
+void sum_take(pixel_sums *from, uint32_t square, square_sums *out) {
+    const uint32_t slot = square * LANES;
+    move_sums(&(move){slot, true}, from, out);
+    for (uint32_t k = 0; k < LANES && from->hits; ++k) from->hits->nearest[slot + k] = INFINITY;
+}
+
+void sum_give(const square_sums *from, uint32_t square, pixel_sums *to) {
+    move_sums(&(move){square * LANES, false}, to, (square_sums *)(uintptr_t)from);
+}
+
+/* ---- adding ---- */
+
+static void add(const double *from, double *to) {
+    for (int k = 0; k < LANES; ++k) to[k] += from[k];
+}
+
+/* At equal distances the first sample stays. */
+static void keep_nearest(const square_sums *from, square_sums *to) {
+    for (int k = 0; k < LANES; ++k) {
+        if (from->nearest[k] >= to->nearest[k]) continue;
+        to->nearest[k] = from->nearest[k];
+        to->z[k] = from->z[k];
+        for (int c = 0; c < 3; ++c) to->p[c][k] = from->p[c][k];
+        to->object[k] = from->object[k];
+        to->primitive[k] = from->primitive[k];
+        to->instance[k] = from->instance[k];
+    }
+}
+
+static void add_node(const pixel_sums *like, const square_sums *from, square_sums *to) {
+    for (uint32_t g = 0; g < like->groups; ++g) {
+        for (int c = 0; c < 3; ++c) add(from->rgb[g][c], to->rgb[g][c]);
+    }
+    if (!like->hits) return;
+    add(from->alpha, to->alpha);
+    for (int c = 0; c < 3; ++c) {
+        add(from->n[c], to->n[c]);
+        add(from->albedo[c], to->albedo[c]);
+    }
+    keep_nearest(from, to);
+}
+
+/* Whether the node at the top completes the one below. */
+static bool is_pair(const sum_stack *s) {
+    if (s->count < 2) return false;
+    const sum_node *left = &s->nodes[s->count - 2], *right = left + 1;
+    return left->level == right->level && !(left->first >> left->level & 1) &&
+           right->first == left->first + (1u << left->level);
+}
+
+/* like: NULL where there are no sums. */
+static void push(const pixel_sums *like, sum_stack *s) {
+    for (++s->count; is_pair(s); --s->count) {
+        sum_node *left = &s->nodes[s->count - 2];
+        if (like) add_node(like, &left[1].sums, &left->sums);
+        ++left->level;
+    }
+}
+
+void sum_push(const pixel_sums *like, sum_stack *stack) { push(like, stack); }
+
+void sum_fold(const pixel_sums *like, sum_stack *s) {
+    for (; s->count > 1; --s->count)
+        add_node(like, &s->nodes[s->count - 1].sums, &s->nodes[s->count - 2].sums);
+}
+
+/* ---- which nodes there are ---- */
+
+#define SUM_LEVELS 16u /* of 65536 samples */
+
+uint32_t sum_list_nodes(sum_range range, sum_node *out) {
+    const uint32_t end = sum_leaves(range.end);
+    uint32_t count = 0;
+    for (uint32_t first = range.begin / SUM_LEAF, level; first < end; first += 1u << level, ++count) {
+        for (level = 0; level < SUM_LEVELS; ++level) {
+            if (first >> level & 1 || first + (2u << level) > end) break;
+        }
+        if (out) out[count].first = first, out[count].level = level;
+    }
+    return count;
+}
+
+/* Before a node of level l is whole, nodes of the levels below are waiting. */
+uint32_t sum_stack_depth(sum_range range) {
+    uint32_t depth = 2;
+    for (uint32_t leaves = sum_leaves(range.end) - range.begin / SUM_LEAF; leaves > 1; leaves /= 2)
+        depth += 2;
+    return depth;
+}
+
+/* ---- as bytes ---- */
+
+#define RGB_BYTES (3 * LANES * sizeof(double))
+
+_Static_assert(offsetof(square_sums, alpha) == SAMPLE_GROUPS * RGB_BYTES, "no bytes between the fields");
+_Static_assert(sizeof(square_sums) == offsetof(square_sums, alpha) + LANES * (8 * 8 + 7 * 4),
+               "nor at the end");
+
+#define HITS_AT offsetof(square_sums, alpha)
+#define HIT_BYTES (sizeof(square_sums) - HITS_AT)
+
+/* The groups that there are, then the hits if there are any. */
+size_t sum_bytes(uint32_t groups, bool hits) { return groups * RGB_BYTES + (hits ? HIT_BYTES : 0); }
+
+void sum_save(const square_sums *from, uint32_t groups, bool hits, unsigned char *out) {
+    memcpy(out, from->rgb, groups * RGB_BYTES);
+    if (hits) memcpy(out + groups * RGB_BYTES, (const char *)from + HITS_AT, HIT_BYTES);
+}
+
+void sum_load(const unsigned char *in, uint32_t groups, bool hits, square_sums *to) {
+    memcpy(to->rgb, in, groups * RGB_BYTES);
+    if (hits) memcpy((char *)to + HITS_AT, in + groups * RGB_BYTES, HIT_BYTES);
+}

@@ -1,0 +1,24 @@
+/* A part of a render, written to its file while it is rendered: see fathom/part.h and part_file.h. */
+#ifndef JOB_PART_H
+#define JOB_PART_H
+
+#include "job/job.h"
+
+typedef struct part part;
+
+/* Finds what can be wrong before the scene is read: FATHOM_BAD_USAGE when the numbers make no sense,
+ * FATHOM_OUT_OF_RESOURCES when the file could not be written. */
+fathom_status part_check(fathom_context *context, const fathom_part *options);
+/* Reads the file if there is one. FATHOM_BAD_USAGE: the render cannot be split so, or another one writes the
+ * file; FATHOM_BAD_INPUT: it is of another render, or no part. On FATHOM_OK end with part_close(). */
+fathom_status part_open(fathom_context *context, const fathom_part *options, const fathom_settings *settings,
+                        fathom_film *film, part **out);
+/* Once the tracer and the film's statistics of the scene are known, before anything is rendered:
+ * FATHOM_BAD_INPUT, the file was of another tracer; FATHOM_OUT_OF_RESOURCES. *share is the part's work, until
+ * part_close(). */
+fathom_status part_begin(part *p, const char *tracer, const wave_share **share);
+/* Writes what is finished, and ends the part, after its render ended with `status`. Returns that, or
+ * FATHOM_OUT_OF_RESOURCES when it could not be written. NULL is fine. */
+fathom_status part_close(part *p, fathom_status status);
+
+#endif

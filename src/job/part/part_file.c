@@ -1,0 +1,153 @@
+#include "job/part/part_file.h"
+
+#include "base/hash.h"
+#include "integrate/parts.h"
+
+#include <string.h>
+
+_Static_assert(sizeof(part_record) == 12 * 8, "no bytes between the fields");
+
+uint64_t part_hash(const void *bytes, size_t size) {
+    hash h;
+    hash_begin(&h);
+    hash_put(&h, bytes, size);
+    return hash_end(&h);
+}
+
+/* ---- the shape ---- */
+
+static uint32_t common_divisor(uint32_t a, uint32_t b) {
+    while (b) {
+        const uint32_t remainder = a % b;
+        a = b, b = remainder;
+    }
+    return a;
+}
+
+/* Every tile has a place of its own only where the stride has no divisor in common with their number. */
+static uint32_t stride_of(uint32_t count) {
+    uint32_t stride = (uint32_t)(0.618033988749895 * count);
+    while (common_divisor(stride, count) != 1) ++stride;
+    return stride;
+}
+
+bool part_owns(const part_shape *s, uint32_t wave) {
+    const uint64_t place = (uint64_t)wave * s->stride % s->grid.count;
+    return s->sums || place * s->count / s->grid.count == s->index;
+}
+
+part_shape part_shape_of(const part_head *head) {
+    const fathom_settings *settings = &head->settings;
+    const settings_region r = settings_region_of(settings);
+    const bool hits = parts_first_hits(settings);
+    part_shape s = {.index = head->index - 1,
+                    .count = head->count,
+                    .sums = head->split == FATHOM_SPLIT_SAMPLES,
+                    .grid = wave_grid_of(r.x, r.y, r.x + r.width, r.y + r.height)};
+    s.range = s.sums ? sum_part(settings->spp, s.index, s.count) : (sum_range){0, settings->spp};
+    s.stride = stride_of(s.grid.count);
+    s.square_bytes = s.sums ? sum_list_nodes(s.range, NULL) * sum_bytes(unit_groups(settings), hits)
+                            : film_channels(settings->aovs) * LANES * sizeof(uint32_t);
+    return s;
+}
+
+static uint64_t shown_squares(const wave_grid *grid, uint32_t wave) {
+    const wave_region r = wave_grid_region(grid, wave);
+    return wave_region_bits(&r);
+}
+
+size_t part_wave_bytes(const part_shape *s, uint32_t wave) {
+    return (size_t)__builtin_popcountll(shown_squares(&s->grid, wave)) * s->square_bytes;
+}
+
+/* ---- the head ---- */
+
+static bool ends(const char *text, size_t size) { return memchr(text, 0, size); }
+
+static bool is_whole(const part_head *h) {
+    return ends(h->key.version, sizeof h->key.version) && ends(h->key.tracer, sizeof h->key.tracer) &&
+           ends(h->key.settings, sizeof h->key.settings) && ends(h->scene, sizeof h->scene) &&
+           ends(h->stats.tracer, sizeof h->stats.tracer);
+}
+
+/* What a hash of its own does not make sure of: that this program's checks hold for it. */
+static bool makes_sense(const part_head *h) {
+    const bool split = h->split == FATHOM_SPLIT_SAMPLES || h->split == FATHOM_SPLIT_TILES;
+    if (!split || !h->index || h->index > h->count || h->settings.tracer ||
+        h->settings.size != sizeof h->settings)
+        return false;
+    if (scene_check_settings(NULL, &h->settings) != FATHOM_OK || h->settings.max_time > 0) return false;
+    return h->split == FATHOM_SPLIT_TILES ||
+           (!(h->settings.target_error > 0) && h->count <= sum_leaves(h->settings.spp));
+}
+
+static fathom_status damaged(fathom_context *context, const char *path) {
+    return fail_file(context, FATHOM_BAD_INPUT, path,
+                     "the part is damaged at its beginning; remove it, and render it again");
+}
+
+fathom_status part_head_read(fathom_context *context, const char *path, const unsigned char *bytes,
+                             size_t size, part_head *out) {
+    uint64_t sum;
+    if (size < sizeof out->magic || memcmp(bytes, PART_MAGIC, sizeof out->magic) != 0) {
+        return fail_file(context, FATHOM_BAD_INPUT, path,
+                         "is not a part of an image; expected a file that fathom render --part wrote");
+    }
+    if (size < sizeof *out + sizeof sum) return damaged(context, path);
+    memcpy(out, bytes, sizeof *out);
+    memcpy(&sum, bytes + sizeof *out, sizeof sum);
+    const char *now = fathom_version();
+    if (out->format != PART_FORMAT || out->bytes != sizeof *out || strcmp(out->key.version, now) != 0) {
+        return fail_file(
+            context, FATHOM_BAD_INPUT, path,
+            "the part is of Fathom %.31s, format %u, and this is Fathom %s, format %u; expected the "
+            "same version for all parts and for merging them",
+            out->key.version, out->format, now, PART_FORMAT);
+    }
+    if (part_hash(bytes, sizeof *out) != sum || !is_whole(out) || !makes_sense(out))
+        return damaged(context, path);
+    return FATHOM_OK;
+}
+
+/* ---- records ---- */
+
+const part_record *part_record_next(const part_shape *shape, const unsigned char *bytes, size_t size,
+                                    size_t *at, bool *done, const unsigned char **payload) {
+    uint64_t sum;
+    const part_record *r = (const part_record *)(const void *)(bytes + *at);
+    if (size - *at < sizeof *r || r->magic != PART_RECORD || r->wave >= shape->grid.count || done[r->wave] ||
+        !part_owns(shape, r->wave) || r->bytes != part_wave_bytes(shape, r->wave) ||
+        size - *at - sizeof *r < r->bytes + sizeof sum || !(r->error >= 0) || !(r->seconds >= 0))
+        return NULL;
+    memcpy(&sum, bytes + *at + sizeof *r + r->bytes, sizeof sum);
+    if (part_hash(r, sizeof *r + r->bytes) != sum) return NULL;
+    *payload = bytes + *at + sizeof *r;
+    *at += sizeof *r + r->bytes + sizeof sum;
+    done[r->wave] = true;
+    return r;
+}
+
+/* ---- pixels ---- */
+
+void part_pixels_save(const wave_grid *grid, const fathom_film *film, uint32_t wave, unsigned char *out) {
+    for (uint64_t left = shown_squares(grid, wave); left; left &= left - 1) {
+        for (uint32_t channel = 0; channel < film->channel_count; ++channel) {
+            uint32_t values[LANES];
+            checkpoint_square_save(grid, film, wave, (unsigned)__builtin_ctzll(left), channel, values);
+            memcpy(out, values, sizeof values);
+            out += sizeof values;
+        }
+    }
+}
+
+void part_pixels_load(const wave_grid *grid, const fathom_film *film, uint32_t wave,
+                      const unsigned char *in) {
+    for (uint64_t left = shown_squares(grid, wave); left; left &= left - 1) {
+        for (uint32_t channel = 0; channel < film->channel_count; ++channel) {
+            uint32_t values[LANES];
+            memcpy(values, in, sizeof values);
+            checkpoint_square_load(grid, film, wave, (unsigned)__builtin_ctzll(left), channel, values);
+            in += sizeof values;
+        }
+    }
+}

@@ -1,0 +1,366 @@
+/* Parts of a render: merged, they are the render to the last bit; and nothing else is ever merged. */
+#include "film/sum_tree.h"
+#include "job/part/part_file.h"
+
+#include "random.h"
+#include "render.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define PARTS_MAX 16
+
+typedef struct place {
+    stage s;
+    char folder[32], paths[PARTS_MAX][64];
+    const char *names[PARTS_MAX];
+} place;
+
+static int set_up(void **state) {
+    static const double eye[3] = {0, 1, 4}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0}, center[3] = {0, -1, 0},
+                        u[3] = {3, 0, 0}, v[3] = {0, 0, -3};
+    place *p = calloc(1, sizeof *p);
+    *state = p;
+    strcpy(p->folder, "/tmp/fathom-test-XXXXXX");
+    if (!mkdtemp(p->folder)) return -1;
+    for (int i = 0; i < PARTS_MAX; ++i) {
+        snprintf(p->paths[i], sizeof p->paths[i], "%s/%d.part", p->folder, i + 1);
+        p->names[i] = p->paths[i];
+    }
+    p->s = stage_open(106, 70);
+    fathom_material mirror;
+    fathom_material_default(&mirror);
+    for (int c = 0; c < 3; ++c) mirror.k_r[c] = 0.6f, mirror.k_d[c] = 0.2f;
+    stage_camera(&p->s, eye, target, up, 0.8);
+    stage_sphere(&p->s, -1, 0, 0, 0.8, stage_material(&p->s, &mirror));
+    stage_sphere(&p->s, 1, 1, 0, 0.4, stage_emitter(&p->s, 3));
+    stage_quad(&p->s, center, u, v, stage_lambert(&p->s, 0.7f));
+    stage_point_light(&p->s, 2, 4, 3, 20);
+    return 0;
+}
+
+static void remove_parts(const place *p) {
+    for (int i = 0; i < PARTS_MAX; ++i) unlink(p->paths[i]);
+}
+
+static int tear_down(void **state) {
+    place *p = *state;
+    stage_close(&p->s);
+    remove_parts(p);
+    const int left = rmdir(p->folder);
+    free(p);
+    return left;
+}
+
+static fathom_status render_to(place *p, const char *path, uint32_t index, uint32_t count,
+                               fathom_split split) {
+    fathom_part part;
+    fathom_part_default(&part);
+    part.path = path, part.index = index, part.count = count, part.split = split;
+    fathom_session_options options;
+    fathom_session_options_default(&options);
+    options.part = &part;
+    fathom_film *film;
+    fathom_context_set_threads(p->s.context, 1 + index % 3);
+    fathom_status status =
+        fathom_session_run(p->s.context, p->s.scene, &p->s.settings, &options, NULL, &film);
+    fathom_film_destroy(film);
+    return status;
+}
+
+static void render_parts(place *p, uint32_t count, fathom_split split) {
+    for (uint32_t i = 1; i <= count; ++i)
+        assert_ok(p->s.context, render_to(p, p->paths[i - 1], i, count, split));
+}
+
+static void assert_same_film(const fathom_film *a, const fathom_film *b) {
+    assert_int_equal(a->channel_count, b->channel_count);
+    assert_int_equal(a->width, b->width);
+    assert_int_equal(a->height, b->height);
+    size_t bytes = (size_t)a->width * a->height * sizeof(float);
+    for (uint32_t i = 0; i < a->channel_count; ++i)
+        assert_memory_equal(a->channels[i].data, b->channels[i].data, bytes);
+}
+
+static void assert_parts_make(place *p, const fathom_film *whole, uint32_t count, fathom_split split) {
+    fathom_film *merged;
+    fathom_stats stats = {.size = sizeof stats};
+    render_parts(p, count, split);
+    /* In any order. */
+    const char *first = p->names[0];
+    p->names[0] = p->names[count - 1], p->names[count - 1] = first;
+    assert_ok(p->s.context, fathom_parts_merge(p->s.context, p->names, count, &stats, &merged));
+    p->names[count - 1] = p->names[0], p->names[0] = first;
+    assert_same_film(whole, merged);
+    assert_int_equal(stats.samples, whole->stats.samples);
+    assert_int_equal(stats.camera_rays, whole->stats.camera_rays);
+    assert_true(stats.error_estimate == whole->stats.error_estimate);
+    fathom_film_destroy(merged);
+    remove_parts(p);
+}
+
+/* ---- the same bits ---- */
+
+static void samples_make_the_whole(void **state) {
+    static const uint32_t spp[] = {1, 4, 5, 16, 37, 64};
+    static const uint32_t crop[] = {3, 5, 102, 69};
+    place *p = *state;
+    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
+    for (uint32_t i = 0; i < 12; ++i) {
+        p->s.settings.integrator = i % 2 ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC;
+        p->s.settings.spp = spp[i / 2];
+        p->s.settings.aovs = i % 3 ? FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR : 0;
+        if (i % 4 == 3) p->s.settings.aovs = FATHOM_AOV_ERROR;
+        if (i == 6) memcpy(p->s.settings.crop, crop, sizeof crop);
+        const uint32_t leaves = sum_leaves(spp[i / 2]);
+        fathom_film *whole = stage_render(&p->s);
+        assert_parts_make(p, whole, 1, FATHOM_SPLIT_SAMPLES);
+        if (leaves > 1) assert_parts_make(p, whole, 2, FATHOM_SPLIT_SAMPLES);
+        assert_parts_make(p, whole, leaves < 7 ? leaves : 7, FATHOM_SPLIT_SAMPLES);
+        fathom_film_destroy(whole);
+    }
+}
+
+static void tiles_make_the_whole(void **state) {
+    place *p = *state;
+    for (uint32_t i = 0; i < 4; ++i) {
+        p->s.settings.spp = i % 2 ? 9 : 1;
+        p->s.settings.pattern = FATHOM_PATTERN_GRID;
+        p->s.settings.aovs = i % 2 ? FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR : 0;
+        if (i > 1) p->s.settings.crop[2] = 70, p->s.settings.crop[3] = 41;
+        fathom_film *whole = stage_render(&p->s);
+        assert_parts_make(p, whole, 1, FATHOM_SPLIT_TILES);
+        assert_parts_make(p, whole, 5, FATHOM_SPLIT_TILES);
+        assert_parts_make(p, whole, PARTS_MAX, FATHOM_SPLIT_AUTO); /* more parts than tiles: some are empty */
+        fathom_film_destroy(whole);
+    }
+}
+
+static void tiles_to_an_error_make_the_whole(void **state) {
+    place *p = *state;
+    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
+    p->s.settings.target_error = 0.02, p->s.settings.spp = 64;
+    p->s.settings.aovs = FATHOM_AOVS;
+    for (int i = 0; i < 2; ++i) {
+        p->s.settings.integrator = i ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC;
+        fathom_film *whole = stage_render(&p->s);
+        assert_parts_make(p, whole, 3, FATHOM_SPLIT_AUTO);
+        fathom_film_destroy(whole);
+    }
+}
+
+/* ---- the sums ---- */
+
+static square_sums random_leaf(uint64_t seed) {
+    square_sums s;
+    memset(&s, 0, sizeof s);
+    for (int k = 0; k < LANES; ++k)
+        s.rgb[0][0][k] =
+            ldexp(1 + (double)(seed * 0x9e3779b97f4a7c15u >> 11) * 0x1p-53, (int)(seed % 90) - 45 + k);
+    return s;
+}
+
+static void push_leaves(const pixel_sums *like, uint32_t begin, uint32_t end, sum_stack *stack) {
+    for (uint32_t i = begin; i < end; ++i) {
+        stack->nodes[stack->count].first = i, stack->nodes[stack->count].level = 0;
+        stack->nodes[stack->count].sums = random_leaf(i + 1);
+        sum_push(like, stack);
+    }
+}
+
+/* Over 90 powers of two, nearly every other order of additions rounds to other bits. */
+static void sums_do_not_depend_on_where_samples_are_cut(void **state) {
+    (void)state;
+    const pixel_sums like = {.groups = 1};
+    sum_node whole[64], part[64], merged[64];
+    for (uint32_t leaves = 1; leaves < 70; ++leaves) {
+        sum_stack all = {0, whole};
+        push_leaves(&like, 0, leaves, &all);
+        sum_fold(&like, &all);
+        for (uint32_t count = 1; count <= leaves; ++count) {
+            sum_stack sum = {0, merged};
+            for (uint32_t i = 0; i < count; ++i) {
+                const sum_range range = sum_part(leaves * SUM_LEAF, i, count);
+                sum_node listed[64];
+                sum_stack own = {0, part};
+                push_leaves(&like, range.begin / SUM_LEAF, range.end / SUM_LEAF, &own);
+                assert_int_equal(own.count, sum_list_nodes(range, listed));
+                assert_true(own.count < sum_stack_depth(range));
+                for (uint32_t k = 0; k < own.count; ++k) {
+                    assert_int_equal(own.nodes[k].first, listed[k].first);
+                    assert_int_equal(own.nodes[k].level, listed[k].level);
+                    merged[sum.count] = own.nodes[k];
+                    sum_push(&like, &sum);
+                }
+            }
+            sum_fold(&like, &sum);
+            assert_memory_equal(merged[0].sums.rgb, whole[0].sums.rgb, sizeof whole[0].sums.rgb);
+        }
+    }
+}
+
+static void each_tile_is_of_one_part(void **state) {
+    (void)state;
+    part_head head = {.index = 1, .split = FATHOM_SPLIT_TILES};
+    fathom_settings_default(&head.settings);
+    for (uint32_t width = 32; width < 1400; width += 171) {
+        head.settings.width = width, head.settings.height = 300;
+        for (head.count = 1; head.count < 40; head.count += 6) {
+            part_shape s = part_shape_of(&head);
+            uint32_t all = 0;
+            for (s.index = 0; s.index < s.count; ++s.index) {
+                uint32_t own = 0;
+                for (uint32_t i = 0; i < s.grid.count; ++i) own += part_owns(&s, i);
+                assert_true(own >= s.grid.count / s.count && own <= s.grid.count / s.count + 1);
+                all += own;
+            }
+            assert_int_equal(all, s.grid.count);
+        }
+    }
+}
+
+/* ---- files that are cut off, damaged, missing, of another render ---- */
+
+static void small(place *p) {
+    p->s.settings.width = 64, p->s.settings.height = 64, p->s.settings.spp = 8;
+    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
+}
+
+static unsigned char *read_all(const char *path, size_t *size) {
+    struct stat info;
+    assert_int_equal(stat(path, &info), 0);
+    *size = (size_t)info.st_size;
+    unsigned char *bytes = malloc(*size);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(bytes, 1, *size, file), *size);
+    fclose(file);
+    return bytes;
+}
+
+static fathom_status merge(place *p, uint32_t count, fathom_film **out) {
+    return fathom_parts_merge(p->s.context, p->names, count, NULL, out);
+}
+
+/* Wherever a file ends, or a bit of it is turned: merging says so, and the same render mends it, unless it is
+ * the head that is damaged. */
+static void assert_mended(place *p, fathom_split split) {
+    fathom_film *whole = stage_render(&p->s), *merged;
+    size_t size;
+    random_state random = {7};
+    render_parts(p, 2, split);
+    unsigned char *bytes = read_all(p->paths[1], &size);
+    for (int i = 0; i < 24; ++i) {
+        const size_t at = i < 2 ? (size_t)i : random_bits(&random) % size;
+        const bool cut = i % 2 == 0, head = at < sizeof(part_head) + sizeof(uint64_t);
+        bytes[at] ^= 16;
+        unit_write_file(p->paths[1], bytes, cut ? at : size);
+        bytes[at] ^= 16;
+        assert_int_equal(merge(p, 2, &merged), FATHOM_BAD_INPUT);
+        fathom_status status = render_to(p, p->paths[1], 2, 2, split);
+        if (status != FATHOM_OK) {
+            assert_int_equal(status, FATHOM_BAD_INPUT);
+            assert_true(head && !cut);
+            continue;
+        }
+        assert_ok(p->s.context, merge(p, 2, &merged));
+        assert_same_film(whole, merged);
+        fathom_film_destroy(merged);
+    }
+    free(bytes);
+    fathom_film_destroy(whole);
+}
+
+static void cut_or_damaged_parts_are_mended(void **state) {
+    place *p = *state;
+    small(p);
+    assert_mended(p, FATHOM_SPLIT_SAMPLES);
+    remove_parts(p);
+    assert_mended(p, FATHOM_SPLIT_TILES);
+}
+
+static void parts_of_different_renders_are_refused(void **state) {
+    place *p = *state;
+    fathom_context *context = p->s.context;
+    fathom_film *film;
+    small(p);
+    render_parts(p, 2, FATHOM_SPLIT_SAMPLES);
+    p->s.settings.seed = 9;
+    assert_fails(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
+                 "2.part: the part that is there was rendered with seed 0, and this one has 9");
+    unlink(p->paths[1]);
+    assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
+    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT,
+                 "2.part: the part was rendered with seed 9, and ");
+    p->s.settings.seed = 0;
+    assert_fails(
+        context, render_to(p, p->paths[0], 2, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
+        "1.part: the part that is there was rendered with the number 1 of 2, by samples, and this one has 2 "
+        "of 2, by samples");
+    unlink(p->paths[1]);
+    p->s.settings.tracer = "linear";
+    assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
+    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT,
+                 "2.part: the part was rendered with the tracer ");
+    assert_fails(context, render_to(p, p->paths[0], 1, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
+                 "1.part: the part that is there was rendered with the tracer ");
+    p->s.settings.tracer = NULL;
+    unlink(p->paths[1]);
+    assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_TILES));
+    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT, "rendered with a split by tiles, and ");
+    unlink(p->paths[1]);
+    stage_point_light(&p->s, 0, 4, 3, 20);
+    assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
+    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT, "rendered with a scene of contents ");
+}
+
+static void missing_and_double_parts_are_named(void **state) {
+    place *p = *state;
+    fathom_context *context = p->s.context;
+    fathom_film *film;
+    small(p);
+    for (uint32_t i = 1; i <= 5; i += 2)
+        assert_ok(context, render_to(p, p->paths[i / 2], i, 6, FATHOM_SPLIT_TILES));
+    assert_fails(context, merge(p, 3, &film), FATHOM_BAD_INPUT,
+                 "1.part: is one of 6 parts, and missing are: 2, 4, 6");
+    assert_ok(context, render_to(p, p->paths[3], 3, 6, FATHOM_SPLIT_TILES));
+    assert_fails(context, merge(p, 4, &film), FATHOM_BAD_INPUT, "4.part: is part 3 of 6, and so is ");
+    unit_write_file(p->paths[1], "nothing", 7);
+    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT, "2.part: is not a part of an image");
+    assert_fails(context, render_to(p, p->paths[1], 3, 6, FATHOM_SPLIT_TILES), FATHOM_BAD_INPUT,
+                 "2.part: is not a part of an image");
+}
+
+static void what_cannot_be_split_is_refused(void **state) {
+    place *p = *state;
+    fathom_context *context = p->s.context;
+    small(p);
+    assert_fails(context, render_to(p, p->paths[0], 1, 3, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_USAGE,
+                 "8 samples a pixel cannot be split into 3 parts");
+    assert_fails(context, render_to(p, p->paths[0], 3, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
+                 "found part 3 of 2");
+    assert_fails(context, render_to(p, p->paths[0], 0, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
+                 "found part 0 of 2");
+    assert_fails(context, render_to(p, NULL, 1, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE, "path");
+    p->s.settings.target_error = 0.1;
+    assert_fails(context, render_to(p, p->paths[0], 1, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_USAGE,
+                 "a render to an error cannot be split by samples");
+    p->s.settings.target_error = 0, p->s.settings.max_time = 1;
+    assert_fails(context, render_to(p, p->paths[0], 1, 2, FATHOM_SPLIT_TILES), FATHOM_BAD_USAGE,
+                 "a render to a time cannot be split");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(samples_make_the_whole, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(tiles_make_the_whole, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(tiles_to_an_error_make_the_whole, set_up, tear_down),
+        cmocka_unit_test(sums_do_not_depend_on_where_samples_are_cut),
+        cmocka_unit_test(each_tile_is_of_one_part),
+        cmocka_unit_test_setup_teardown(cut_or_damaged_parts_are_mended, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(parts_of_different_renders_are_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(missing_and_double_parts_are_named, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_cannot_be_split_is_refused, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

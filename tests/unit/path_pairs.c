@@ -1,0 +1,116 @@
+/* The path integrator and the reference render one image. Each pair of renders alarms falsely once in 100,000
+ * seeds, which are fixed; sums in float err by the allowance of `fathom validate --light`. */
+#include "render.h"
+#include "verify/laws/laws.h"
+
+static const laws_pair options = {
+    .across = 4, .down = 4, .depth = 6, .samples = 1 << 17, .seed = 1, .threads = 2, .allowance = 2e-5};
+
+static fathom_material metallic(float metal, float roughness) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.metallic = metal, m.roughness = roughness, m.multiscatter = false;
+    m.base_color[1] = 0.5f;
+    return m;
+}
+
+static fathom_material classic_glass(void) {
+    fathom_material m;
+    fathom_material_default(&m);
+    for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_r[c] = m.k_t[c] = 1;
+    m.fresnel = true;
+    return m;
+}
+
+/* A floor under a sky and a wide lamp. */
+static stage room_open(void) {
+    stage s = stage_open(32, 32);
+    const float sky[3] = {0.2f, 0.3f, 0.4f};
+    assert_ok(s.context, fathom_scene_set_background(s.scene, sky));
+    stage_plane(&s, (double[3]){0, -1.2, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.6f));
+    stage_quad(&s, (double[3]){0, 4, 0}, (double[3]){3, 0, 0}, (double[3]){0, 0.5, 2}, stage_emitter(&s, 1));
+    stage_camera(&s, (double[3]){0, 0.5, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7);
+    return s;
+}
+
+static void compare(stage *s, const char *what) {
+    laws_difference d;
+    assert_ok(s->context, fathom_scene_check(s->scene));
+    assert_ok(s->context, laws_pair_run(s->context, s->scene, &options, &d));
+    if (d.p < 1e-5)
+        fail_msg("%s: p %g, path less reference %g +- %g", what, d.p, d.relative, d.relative_error);
+    stage_close(s);
+}
+
+/* Coarse, so that many directions lie between the shading normal's horizon and the facet's. */
+static void smooth_meshes_follow_one_rule_of_sides(void **state) {
+    (void)state;
+    fathom_material lambert, behind, thin = metallic(0, 0.8f), solid = metallic(0, 0);
+    fathom_material_default(&lambert);
+    fathom_material_default(&behind);
+    behind.lit_from_behind = true;
+    thin.transmission = solid.transmission = solid.thickness = 1;
+    const struct {
+        const char *name;
+        fathom_material m;
+    } cases[] = {{"Lambert", lambert},         {"lit from behind", behind},
+                 {"metal", metallic(1, 0.8f)}, {"dielectric", metallic(0, 0.7f)},
+                 {"thin wall", thin},          {"classic glass", classic_glass()},
+                 {"solid glass", solid}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        stage s = room_open();
+        stage_mesh_sphere(&s, FATHOM_ROOT, 6, 8, stage_material(&s, &cases[i].m));
+        compare(&s, cases[i].name);
+    }
+}
+
+/* Lamps, the sky and a point light through sheets that are there in part, one of which sends out light. */
+static void coverage_is_a_matter_of_chance(void **state) {
+    (void)state;
+    stage s = room_open();
+    fathom_material sheet = metallic(0, 0.7f);
+    sheet.opacity = 0.4f;
+    stage_point_light(&s, 1, 3, 1, 2);
+    stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &sheet));
+    stage_sphere(&s, 0, 0, 0, 0.4, stage_lambert(&s, 0.7f));
+    sheet.emissive[0] = 1;
+    stage_quad(&s, (double[3]){0, 2, 0}, (double[3]){1, 0, 0}, (double[3]){0, 0, 1},
+               stage_material(&s, &sheet));
+    compare(&s, "coverage");
+}
+
+static void shapes_that_cast_no_shadow_may_send_out_light(void **state) {
+    (void)state;
+    stage s = room_open();
+    fathom_material lamp = metallic(0, 0.7f);
+    fathom_sphere sphere;
+    fathom_sphere_default(&sphere);
+    lamp.emissive[1] = 1;
+    sphere.radius = 0.7, sphere.material = stage_material(&s, &lamp), sphere.flags = FATHOM_CASTS_NO_SHADOW;
+    stage_point_light(&s, 0, 3, 0, 2);
+    assert_ok(s.context, fathom_scene_add_sphere(s.scene, FATHOM_ROOT, &sphere, NULL));
+    compare(&s, "no shadow");
+}
+
+static void emission_in_glass_is_as_bright_as_seen_from_outside(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; ++k) {
+        stage s = room_open();
+        fathom_material glass = metallic(0, k ? 0.8f : 0);
+        glass.transmission = glass.thickness = 1;
+        stage_sphere(&s, 0, 0, 0, 1, stage_material(&s, &glass));
+        stage_sphere(&s, 0.2, 0, 0, 0.4, stage_emitter(&s, 2));
+        compare(&s, k ? "lamp in rough glass" : "lamp in glass");
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(smooth_meshes_follow_one_rule_of_sides),
+        cmocka_unit_test(coverage_is_a_matter_of_chance),
+        cmocka_unit_test(shapes_that_cast_no_shadow_may_send_out_light),
+        cmocka_unit_test(emission_in_glass_is_as_bright_as_seen_from_outside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
