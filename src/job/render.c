@@ -145,6 +145,10 @@ static fathom_status render_world(fathom_context *context, const world *w, const
     job_result result = {.samples = 0};
     began = clock_seconds();
     status = job_run(context, plan, options, film, &result);
+    if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
+        const fathom_status looked_up = texturing_check(plan->texturing, context);
+        if (looked_up != FATHOM_OK) status = looked_up;
+    }
     plan_destroy(plan);
     film->stats.render_seconds = clock_seconds() - began;
     film->stats.camera_rays = result.rays.camera;

@@ -9,6 +9,7 @@
 /* Curves at roughnesses (j / ROUGH_STEPS)^2; the first is a mirror's. */
 enum { ROUGH_STEPS = 72, AROUND = 12, ALONG = 32 };
 static float tables[ROUGH_STEPS + 1][2][ENERGY_NODES];
+static float means[ROUGH_STEPS + 1][2];
 static double parts[ENERGY_STEPS], slopes[ENERGY_STEPS]; /* of the mean */
 
 static float cosine_at(int k) {
@@ -66,6 +67,15 @@ static void fill_parts(void) {
     }
 }
 
+static float mean_of(const float curve[ENERGY_NODES]) {
+    double sum = 0;
+    for (int k = 0; k < ENERGY_STEPS; ++k) {
+        const double slope = ((double)curve[k + 1] - (double)curve[k]) * ENERGY_STEPS;
+        sum += (double)curve[k] * parts[k] + slope * slopes[k];
+    }
+    return (float)(8 * sum);
+}
+
 static void fill(void) {
     fill_parts();
     for (int j = 0; j <= ROUGH_STEPS; ++j) {
@@ -75,28 +85,38 @@ static void fill(void) {
             if (alpha > 0.5f * SHADER_SMOOTH_ALPHA)
                 albedo(alpha, cosine_at(k), &tables[j][0][k], &tables[j][1][k]);
         }
+        for (int c = 0; c < 2; ++c) means[j][c] = mean_of(tables[j][c]);
     }
 }
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
-void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]) {
+/* The row of the tables, and the part of the way to the next one. */
+static int row_of(float alpha, float *part) {
     pthread_once(&once, fill);
     const float x = alpha < SHADER_SMOOTH_ALPHA ? 0 : sqrtf(sqrtf(fminf(alpha, 1))) * ROUGH_STEPS;
     const int j = x < ROUGH_STEPS - 1 ? (int)x : ROUGH_STEPS - 1;
-    const float t = x - (float)j;
+    *part = x - (float)j;
+    return j;
+}
+
+void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]) {
+    float t;
+    const int j = row_of(alpha, &t);
     for (int k = 0; k < ENERGY_NODES; ++k) {
         all[k] = tables[j][0][k] + t * (tables[j + 1][0][k] - tables[j][0][k]);
         edge[k] = tables[j][1][k] + t * (tables[j + 1][1][k] - tables[j][1][k]);
     }
 }
 
+void energy_means(float alpha, float *all, float *edge) {
+    float t;
+    const int j = row_of(alpha, &t);
+    *all = means[j][0] + t * (means[j + 1][0] - means[j][0]);
+    *edge = means[j][1] + t * (means[j + 1][1] - means[j][1]);
+}
+
 float energy_mean(const float curve[ENERGY_NODES]) {
     pthread_once(&once, fill);
-    double sum = 0;
-    for (int k = 0; k < ENERGY_STEPS; ++k) {
-        const double slope = ((double)curve[k + 1] - (double)curve[k]) * ENERGY_STEPS;
-        sum += (double)curve[k] * parts[k] + slope * slopes[k];
-    }
-    return (float)(8 * sum);
+    return mean_of(curve);
 }

@@ -11,6 +11,9 @@ enum { ENERGY_STEPS = 64, ENERGY_NODES = ENERGY_STEPS + 1 };
  * Within 5e-4 for roughnesses from 0.03 on; below SHADER_SMOOTH_ALPHA those of a mirror. */
 void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES]);
 
+/* The means of these curves. */
+void energy_means(float alpha, float *all, float *edge);
+
 /* The mean over a hemisphere, weighted by the cosine: 2 ∫ f mu dmu. */
 float energy_mean(const float curve[ENERGY_NODES]);
 

@@ -77,17 +77,21 @@ static void prepare_coat(const fathom_material *m, shader *out) {
 static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
     float all[ENERGY_NODES], edge[ENERGY_NODES];
     energy_curves(alpha, all, edge);
-    const float mean = energy_mean(all), lost = 1 - mean;
-    const float layer_again = again(out->layer0, out->layer90, mean);
+    float mean, mean_edge;
+    energy_means(alpha, &mean, &mean_edge);
+    const float lost = 1 - mean, layer_again = again(out->layer0, out->layer90, mean);
     for (int k = 0; k < ENERGY_NODES; ++k) {
         out->missing[k] = 1 - all[k];
         out->under[k] =
             1 - (out->layer0 * (all[k] - edge[k]) + out->layer90 * edge[k] + layer_again * (1 - all[k]));
     }
     const float scale = lost > 1e-6f ? 1 / (3.14159265f * lost) : 0;
-    float base[ENERGY_NODES];
-    for (int k = 0; k < ENERGY_NODES; ++k) base[k] = out->under[k] * out->below_coat[k];
-    const float below = energy_mean(base);
+    float below = 1 - (out->layer0 * (mean - mean_edge) + out->layer90 * mean_edge + layer_again * lost);
+    if (out->lobes & SHADER_COATED) {
+        float base[ENERGY_NODES];
+        for (int k = 0; k < ENERGY_NODES; ++k) base[k] = out->under[k] * out->below_coat[k];
+        below = energy_mean(base);
+    }
     for (int c = 0; c < 3; ++c) {
         const float q =
             mixed(again(x->layer[c], m->specular_factor, mean), again(m->base_color[c], 1, mean), x->metal);

@@ -162,31 +162,71 @@ static void specular_glossiness_keeps_its_colour(void **state) {
     assert_int_equal(f->warnings, 0);
 }
 
-/* A texture that is not read is taken as one even value: no silhouette, no mirror, no glass all over. */
-static void textures_become_even_values(void **state) {
+/* A texture without its image is taken as one even value: no silhouette, no mirror, no glass all over. */
+static void textures_without_images_become_even_values(void **state) {
     fixture *f = *state;
+    char json[8192];
     const char *all =
         "'pbrMetallicRoughness':{'baseColorTexture':{'index':0},'metallicRoughnessTexture':{'index':0}},"
         "'emissiveFactor':[1,1,1],'emissiveTexture':{'index':0},'occlusionTexture':{'index':0},"
-        "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1,'transmissionTexture':{}},"
-        "'KHR_materials_specular':{'specularTexture':{},'specularColorTexture':{}}}";
-    fathom_material grey = read_factors(f, 0.5, 0, 1, ""), m = read_material(f, all);
+        "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1,'transmissionTexture':{'index':0}"
+        "}}";
+    fathom_material grey = read_factors(f, 0.5, 0, 1, "");
+    snprintf(
+        json, sizeof json,
+        SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{%s}],"
+              "'textures':[{'source':0}],'images':[{'uri':'no.png'}]"),
+        all);
+    fathom_scene *scene = read_triangle(f, json);
+    const fathom_material m = scene->materials.items[1].classic;
     for (int c = 0; c < 3; ++c) {
         assert_near(m.k_d[c], grey.k_d[0], 0);
         assert_near(m.k_s[c], grey.k_s[0], 0);
         assert_near(m.k_e[c] + m.k_t[c] + m.k_r[c], 0, 0);
     }
-    assert_int_equal(f->warnings, 7);
-    m = read_material(f, "'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseTexture':{},"
-                         "'specularGlossinessTexture':{}}}");
-    assert_near(m.k_d[0], 0.96 * 0.5, 0x1p-24);
-    assert_near(m.k_r[0], 0, 0);
-    assert_near(m.shininess, 1, 0);
-    /* Unlit and of one colour, it would be an outline. */
-    m = read_material(f, "'extensions':{'KHR_materials_unlit':{}},'pbrMetallicRoughness':{'metallicFactor':0,"
-                         "'baseColorTexture':{'index':0}}");
-    assert_near(m.k_e[0], 0, 0);
-    assert_near(m.k_d[0], 0.96 * 0.5, 0x1p-24);
+    assert_false(material_has_maps(&scene->materials.items[1].value));
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(strstr(f->warning, "images[0].uri: there is no such file"));
+    fathom_scene_destroy(scene);
+}
+
+/* A PPM of one texel as a data URI, which is enough to be named: what is in it is checked before rendering.
+ */
+#define TEXEL "'images':[{'uri':'data:image/x-portable-pixmap;base64,UDYKMSAxCjI1NQoAAAA='}]"
+
+static void textures_become_maps(void **state) {
+    fixture *f = *state;
+    char json[8192];
+    snprintf(
+        json, sizeof json,
+        SHOWN(
+            "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}]," TEXEL
+            ",'samplers':[{'wrapS':33071,'wrapT':33648,'magFilter':9728}],'textures':[{'source':0},{'source':"
+            "0,"
+            "'sampler':0}],'materials':[{'alphaMode':'MASK','alphaCutoff':0.25,'pbrMetallicRoughness':{"
+            "'baseColorTexture':{'index':0,'texCoord':1},'metallicRoughnessTexture':{'index':0}},"
+            "'normalTexture':{'index':1,'scale':0.5},'emissiveTexture':{'index':0,'extensions':{"
+            "'KHR_texture_transform':{'offset':[0,1],'rotation':1.5707963267948966,'scale':[0.5,0.5]}}}}]"));
+    fathom_scene *scene = read_triangle(f, json);
+    const fathom_material *m = &scene->materials.items[1].value;
+    const fathom_map *maps = m->maps;
+    assert_int_equal(scene->textures.count, 3); /* sRGB, linear, and with the sampler */
+    assert_true(m->opacity_cutoff == 0.25f && m->normal_scale == 0.5f && m->opacity == 1);
+    assert_true(maps[FATHOM_MAP_COLOR].uv_set == 1 && maps[FATHOM_MAP_OPACITY].channel == 3);
+    assert_int_equal(maps[FATHOM_MAP_COLOR].texture, maps[FATHOM_MAP_OPACITY].texture);
+    assert_int_equal(scene->textures.items[maps[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_SRGB);
+    assert_true(maps[FATHOM_MAP_METALLIC].channel == 2 && maps[FATHOM_MAP_ROUGHNESS].channel == 1);
+    const fathom_texture *numbers = &scene->textures.items[maps[FATHOM_MAP_METALLIC].texture],
+                         *normal = &scene->textures.items[maps[FATHOM_MAP_NORMAL].texture];
+    assert_int_equal(numbers->color_space, FATHOM_COLOR_LINEAR);
+    assert_int_equal(normal->wrap_u, FATHOM_WRAP_CLAMP);
+    assert_int_equal(normal->wrap_v, FATHOM_WRAP_MIRROR);
+    assert_int_equal(normal->filter, FATHOM_TEXTURE_NEAREST);
+    /* The extension's own example: the lower left quadrant of the image. */
+    const float *t = maps[FATHOM_MAP_EMISSIVE].transform, expected[6] = {0, 0.5f, 0, -0.5f, 0, 1};
+    for (int i = 0; i < 6; ++i) assert_near(t[i], expected[i], 1e-7);
+    assert_int_equal(f->warnings, 0);
+    fathom_scene_destroy(scene);
 }
 
 static void emission_is_scaled_by_its_strength(void **state) {
@@ -282,7 +322,7 @@ static void factors_are_kept_for_path_tracing(void **state) {
     m = read_both(f, "'extensions':{'KHR_materials_unlit':{}}").value;
     assert_true(m.emissive[0] == 1 && m.base_color[0] == 0 && m.specular_factor == 0 && m.metallic == 0);
     m = read_both(f, "'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}").value;
-    assert_true(m.opacity == 0);
+    assert_true(material_opacity(&m) == 0);
 }
 
 static void extensions_that_are_not_read_are_told(void **state) {
@@ -320,7 +360,8 @@ int main(void) {
         TEST(glass_transmits_its_colour),
         TEST(ior_zero_takes_the_specular_colour),
         TEST(specular_glossiness_keeps_its_colour),
-        TEST(textures_become_even_values),
+        TEST(textures_without_images_become_even_values),
+        TEST(textures_become_maps),
         TEST(emission_is_scaled_by_its_strength),
         TEST(alpha_modes_cover_their_part),
         TEST(clear_materials_cast_no_shadow),

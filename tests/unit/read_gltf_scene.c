@@ -116,11 +116,10 @@ static void each_omission_is_reported_once(void **state) {
         {"'meshes':[{'primitives':[{'attributes':{}},{'attributes':{}},{'attributes':{'POSITION':0}}]}]",
          "without POSITION"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0},{'attributes':{'POSITION':0},"
-         "'material':1}]}],'materials':[{'normalTexture':{'index':0}},{'normalTexture':{'index':0}}]",
-         "materials[0]: normalTexture is not read, and taken as flat (2 such)"},
-        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':7},'material':0}]}],'materials':[{}"
-         "]",
-         "meshes[0].primitives[0].attributes.COLOR_0: vertex colours are not used (1 such)"},
+         "'material':1}]}],'textures':[{}],'materials':[{'normalTexture':{'index':0}},{'normalTexture':{'"
+         "index':0}"
+         "}]",
+         "textures[0]: a texture without an image that can be read is left out (2 such)"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{'doubleSided':"
          "false}]",
          "materials[0].doubleSided: back faces are seen"},

@@ -161,8 +161,8 @@ static void expect_warning(const char *text) {
 
 static void omissions_are_reported(void **state) {
     (void)state;
-    material_of("Kd 1 1 1\nPr 0.5\nKs spectral x.rfl\nPm 1\nTf 0.5 1 1\nd -halo 1\nillum 10\n");
-    expect_warning("m.mtl:3: statements that are not read are left out (2 such, the first here: \"Pr\")");
+    material_of("Kd 1 1 1\nfoo 0.5\nKs spectral x.rfl\nbar 1\nTf 0.5 1 1\nd -halo 1\nillum 10\n");
+    expect_warning("m.mtl:3: statements that are not read are left out (2 such, the first here: \"foo\")");
     expect_warning("m.mtl:4: colours as spectra or in xyz are not read (1 such");
     expect_warning("m.mtl:6: Tf is left out where illum is not glass");
     expect_warning("m.mtl:7: d -halo is read as d");
@@ -171,24 +171,63 @@ static void omissions_are_reported(void **state) {
     expect_warning("m.mtl:2: there is no highlight where Ns is missing or less than 1");
 }
 
-/* The factor of a texture that is not read is mostly 1: it would make a mirror, a lamp or a white wall. */
-static void textures_replace_their_factors(void **state) {
+/* What a map of the material names, with its options. */
+static void expect_map(const char *body, fathom_map_kind kind, const char *file, uint32_t channel,
+                       const float transform[6]) {
+    char text[512];
+    mtl_library library = {0};
+    snprintf(text, sizeof text, "newmtl m\n%s", body);
+    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+    const mtl_image *image = &library.materials.items[0].images[kind];
+    assert_non_null(image->file);
+    assert_string_equal(image->file, file);
+    assert_int_equal(image->map.channel, channel);
+    for (int i = 0; i < 6; ++i) assert_near(image->map.transform[i], transform[i], 0);
+    mtl_free(&library);
+}
+
+/* v grows upwards in the format, and downwards in maps. */
+static void images_become_maps(void **state) {
     (void)state;
-    const char *body = "Kd 1 0.5 0\nmap_Kd a b.png\nKs 1 1 1\nmap_Ks c\nKe 1 1 1\nmap_Ke d\nKa 0.1 0.1 0.1\n"
-                       "map_Ka e\nNs 9\nmap_Ns f\nd 1\nmap_d g\nbump h\nillum 3\n";
+    const float plain[6] = {1, 0, 0, 0, -1, 1}, moved[6] = {2, 0, 0.5f, 0, -3, 0.75f};
+    expect_map("map_Kd a b.png\n", FATHOM_MAP_COLOR, "a b.png", 0, plain);
+    expect_map("map_Kd -s 2 3 1 -o 0.5 0.25 -clamp on a.png\n", FATHOM_MAP_COLOR, "a.png", 0, moved);
+    expect_map("map_Ks c\n", FATHOM_MAP_SPECULAR_COLOR, "c", 0, plain);
+    expect_map("map_Ke d\n", FATHOM_MAP_EMISSIVE, "d", 0, plain);
+    expect_map("map_Ns -imfchan g f\n", FATHOM_MAP_SHININESS, "f", 1, plain);
+    expect_map("map_d g.png\n", FATHOM_MAP_OPACITY, "g.png", 0, plain);
+    expect_map("map_d g.png\nmap_Kd g.png\n", FATHOM_MAP_OPACITY, "g.png", 3, plain);
+    expect_map("map_Pr r\n", FATHOM_MAP_ROUGHNESS, "r", 0, plain);
+    expect_map("norm n\n", FATHOM_MAP_NORMAL, "n", 0, plain);
+    expect_map("map_Bump -bm 0.5 wall_normal.png\n", FATHOM_MAP_NORMAL, "wall_normal.png", 0, plain);
+}
+
+static void an_image_alone_has_factors_of_one(void **state) {
+    (void)state;
+    const char *body = "map_Kd a\nmap_Ke d\nKe 0.5 0.5 0.5\n";
     fathom_material m = material_of(body);
-    expect_color(body, "k_d", m.k_d, 0.5, 0.25, 0);
-    expect_color(body, "k_s", m.k_s, 0, 0, 0);
-    expect_color(body, "k_r", m.k_r, 0, 0, 0);
-    expect_color(body, "k_e", m.k_e, 0, 0, 0);
-    expect_color(body, "k_t", m.k_t, 0, 0, 0);
-    assert_true(m.k_a[0] < 0);
-    const char *expected[] = {":3: map_Kd",  ":5: map_Ks", ":7: map_Ke",   ":9: map_Ka",
-                              ":11: map_Ns", ":13: map_d", ":14: map_bump"};
-    for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) expect_warning(expected[i]);
-    /* Wherever the factor stands. */
-    m = material_of("map_Ke d\nKe 1 1 1\n");
-    expect_color("map_Ke first", "k_e", m.k_e, 0, 0, 0);
+    expect_color(body, "k_d", m.k_d, 1, 1, 1);
+    expect_color(body, "k_e", m.k_e, 0.5, 0.5, 0.5);
+    assert_true(material_of("norm -bm 0.25 n\n").normal_scale == 0.25f);
+    material_of("map_Ka e\nbump h\nmap_Kd\n");
+    expect_warning(":2: map_Ka");
+    expect_warning(":3: map_bump is left out");
+    expect_warning(":4: an image without the name");
+}
+
+static void pbr_keys_make_a_metallic_roughness_material(void **state) {
+    (void)state;
+    const char *body = "Kd 0.5 0.25 1\nPr 0.125\nPm 0.75\nPc 0.5\nPcr 0.25\nd 0.5\nNi 1.25\nKe 1 2 3\n";
+    fathom_material m = material_of(body);
+    assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
+    expect_color(body, "base colour", m.base_color, 0.5, 0.25, 1);
+    expect_color(body, "emissive", m.emissive, 1, 2, 3);
+    assert_true(m.roughness == 0.125f && m.metallic == 0.75f && m.opacity == 0.5f && m.ior == 1.25f);
+    assert_true(m.clearcoat == 0.5f && m.clearcoat_roughness == 0.25f);
+    assert_int_equal(material_of("Kd 1 1 1\n").model, FATHOM_MODEL_CLASSIC);
+    material_of("Ps 1\naniso 1\n");
+    expect_warning(":2: Ps (sheen) is not read");
+    expect_warning(":3: aniso");
 }
 
 static void numbers_out_of_range_become_the_nearest(void **state) {
@@ -246,7 +285,9 @@ int main(void) {
         cmocka_unit_test(glass_follows_its_formulas),
         cmocka_unit_test(omissions_are_reported),
         cmocka_unit_test(names_may_hold_blanks),
-        cmocka_unit_test(textures_replace_their_factors),
+        cmocka_unit_test(images_become_maps),
+        cmocka_unit_test(an_image_alone_has_factors_of_one),
+        cmocka_unit_test(pbr_keys_make_a_metallic_roughness_material),
         cmocka_unit_test(numbers_out_of_range_become_the_nearest),
         cmocka_unit_test(materials_without_a_name_have_the_empty_one),
     };

@@ -139,8 +139,20 @@ static void faces_lose_parts_without_data(void **state) {
 static void words_after_a_vertex_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = read_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0 1\nv 1 1 0 1.0\nv 0 1 0 0.5\nf 1 2 3\n");
-    expect_warning(":1: vertex colours are not used (2 such");
     expect_warning(":4: what follows x y z of a vertex is not read (1 such");
+    fathom_scene_destroy(scene);
+}
+
+/* As screens show them, and white where a vertex has none. */
+static void vertex_colours_are_read(void **state) {
+    (void)state;
+    fathom_scene *scene = read_text("v 0 0 0 1 0 0.5\nv 1 0 0\nv 1 1 0 0 2 0\nf 1 2 3\n");
+    const fathom_mesh *mesh = mesh_at(scene, 0);
+    const float expected[9] = {1, 0, 0.21404114f, 1, 1, 1, 0, 1, 0};
+    assert_int_equal(mesh->color_channels, 3);
+    for (int i = 0; i < 9; ++i) assert_near(mesh->colors[i], expected[i], 1e-7);
+    assert_true(scene->materials.items[mesh->material].value.k_d[0] == 1);
+    assert_string_equal(mesh_warnings, "");
     fathom_scene_destroy(scene);
 }
 
@@ -441,6 +453,7 @@ int main(void) {
         cmocka_unit_test(any_line_end_counts_a_line),
         cmocka_unit_test(faces_lose_parts_without_data),
         cmocka_unit_test(words_after_a_vertex_are_reported),
+        cmocka_unit_test(vertex_colours_are_read),
         cmocka_unit_test(a_library_without_a_name_is_reported),
         cmocka_unit_test(many_smoothing_groups_are_read),
         cmocka_unit_test(meshes_do_not_depend_on_thread_count),

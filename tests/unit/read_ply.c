@@ -325,6 +325,37 @@ static void unused_properties_are_reported(void **state) {
     }
 }
 
+/* Whole numbers are as screens show them; floats are linear. */
+static void vertex_colours_are_read(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < 2 * FLAVOURS; ++flavour) {
+        const bool whole = flavour < FLAVOURS;
+        ply_maker m;
+        ply_header(&m, (ply_flavour)(flavour % FLAVOURS),
+                   whole ? XYZ "property uchar red\nproperty uchar green\nproperty uchar blue\n" FACES(1)
+                         : XYZ "property float red\nproperty float green\nproperty float blue\n" FACES(1),
+                   0);
+        const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        for (int i = 0; i < 4; ++i) {
+            if (whole)
+                ROW(&m, "fffbbb", corners[i][0], corners[i][1], 0, 255, 0, 188);
+            else
+                ROW(&m, "ffffff", corners[i][0], corners[i][1], 0, 1, 0, 0.5);
+        }
+        ROW(&m, "biiii", 4, 0, 1, 2, 3);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        for (uint32_t i = 0; i < 4; ++i) {
+            const float *rgb =
+                (const float *)(const void *)((const char *)mesh->colors + mesh->color_stride * i);
+            assert_true(rgb[0] == 1 && rgb[1] == 0);
+            assert_near(rgb[2], whole ? 0.50288653 : 0.5, 1e-7);
+        }
+        assert_true(scene->materials.items[mesh->material].value.k_d[0] == 1);
+        fathom_scene_destroy(scene);
+    }
+}
+
 /* Behind the last row, and behind the last number of a row of text. */
 static void extra_rows_are_reported(void **state) {
     (void)state;
@@ -427,6 +458,7 @@ int main(void) {
         cmocka_unit_test(blanks_in_text_change_nothing),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
         cmocka_unit_test(unused_properties_are_reported),
+        cmocka_unit_test(vertex_colours_are_read),
         cmocka_unit_test(extra_rows_are_reported),
         cmocka_unit_test(meshes_do_not_depend_on_thread_count),
     };

@@ -56,13 +56,30 @@ typedef struct use {
     bool color, inverted;
 } use;
 
+/* A texture that cannot be read is noted. Its factor is mostly 1 and means little alone, so the least wrong
+ * even value stands in: grey, no metal and rough, no emission, no transmission. */
+static void without_image(int kind, factors *f) {
+    if (kind == FATHOM_MAP_METALLIC) f->to.metallic = 0;
+    if (kind == FATHOM_MAP_ROUGHNESS) f->to.roughness = 1;
+    if (kind == FATHOM_MAP_TRANSMISSION) f->to.transmission = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (kind == FATHOM_MAP_COLOR) f->base[c] *= 0.5;
+        if (kind == FATHOM_MAP_SPECULAR_COLOR) f->to.specular_color[c] *= 0.04;
+        if (kind == FATHOM_MAP_EMISSIVE) f->to.emissive[c] = 0;
+    }
+}
+
 static fathom_status read_maps(gltf *g, const gltf_value *at, const char *key, const use *uses, int count,
                                factors *f) {
     bool there;
     fathom_map map;
     fathom_status status = gltf_map(g, at, key, uses[0].color, &there, &map);
-    for (int k = 0; k < count && status == FATHOM_OK && there; ++k) {
+    for (int k = 0; k < count && status == FATHOM_OK && json_object_get(at->json, key); ++k) {
         fathom_map *to = &f->maps[uses[k].kind];
+        if (!there) {
+            without_image(uses[k].kind, f);
+            continue;
+        }
         *to = map;
         to->channel = (uint32_t)uses[k].channel, to->inverted = uses[k].inverted;
     }
@@ -101,10 +118,9 @@ static fathom_status read_specular_glossiness(gltf *g, const gltf_value *pbr, fa
     if (status == FATHOM_OK) status = gltf_numbers(g, pbr, "specularFactor", 3, 0, 1, f->to.specular_color);
     if (status == FATHOM_OK) status = gltf_number(g, pbr, "glossinessFactor", 0, 1, &glossiness);
     if (status == FATHOM_OK) status = read_base_map(g, pbr, "diffuseTexture", f);
-    if (status == FATHOM_OK) status = read_maps(g, pbr, "specularGlossinessTexture", uses, 2, f);
     f->to.metallic = f->to.ior = 0;
     f->to.roughness = 1 - glossiness;
-    return status;
+    return status == FATHOM_OK ? read_maps(g, pbr, "specularGlossinessTexture", uses, 2, f) : status;
 }
 
 static fathom_status read_alpha(gltf *g, const gltf_value *at, factors *f) {

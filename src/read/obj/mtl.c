@@ -403,12 +403,13 @@ static bool says_normal(const char *name) {
 }
 
 /* Values that the file gives later are kept. */
-static void set_one(mtl_reader *r, int kind) {
+static void set_one(mtl_reader *r, int kind, const char *at) {
     if (kind < 0 || given(&r->entry, kind)) return;
     const struct mtl_field *field = &mtl_fields[kind];
     double *out = (double *)(void *)((char *)&r->entry + field->offset);
     for (int k = 0; k < field->numbers; ++k) out[k] = 1;
     r->entry.given |= 1u << kind;
+    r->entry.at[kind] = at;
 }
 
 static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at) {
@@ -426,7 +427,7 @@ static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at)
     mtl_image *to = &r->library->materials.items[r->current].images[map->map];
     free(to->file);
     *to = image;
-    set_one(r, map->kind);
+    set_one(r, map->kind, at);
     return true;
 }
 
@@ -498,6 +499,17 @@ void mtl_free(mtl_library *library) {
     *library = (mtl_library){0};
 }
 
+/* An image that cannot be read is told of. Its value is mostly 1, which would make a mirror, a lamp or a
+ * white wall: none, or grey, is the least wrong. */
+static void without_image(int kind, fathom_material *m) {
+    if (kind == FATHOM_MAP_METALLIC) m->metallic = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (kind == FATHOM_MAP_COLOR) m->k_d[c] *= 0.5f, m->base_color[c] *= 0.5f;
+        if (kind == FATHOM_MAP_SPECULAR_COLOR) m->k_s[c] = m->k_r[c] = 0;
+        if (kind == FATHOM_MAP_EMISSIVE) m->k_e[c] = m->emissive[c] = 0;
+    }
+}
+
 fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, fathom_material *out) {
     fathom_status status = FATHOM_OK;
     for (int k = 0; k < FATHOM_MAPS && status == FATHOM_OK; ++k) {
@@ -513,6 +525,7 @@ fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material,
             warn(scene->context,
                  "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left out",
                  material->library, material->name, image->file);
+            without_image(k, out);
             free(path);
             status = FATHOM_OK;
             continue;

@@ -93,7 +93,7 @@ static void read_behind(obj_parser *s, const char *at) {
         put_color(s, v);
     else if (count == 3)
         s->piece->colored = true;
-    else if (weight != 1)
+    else if (weight != 1 && !s->r->colors)
         tally(s, OBJ_T_BEHIND, at);
 }
 

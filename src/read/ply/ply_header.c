@@ -191,6 +191,15 @@ static int find_property(const ply_element *element, const char *names) {
     return found;
 }
 
+/* Two of three make no colour. */
+static void drop_partial_colors(ply_reader *r, const ply_element *vertex) {
+    if (r->role[PLY_R] >= 0 && r->role[PLY_G] >= 0 && r->role[PLY_B] >= 0) return;
+    for (int role = PLY_R; role <= PLY_B; ++role) {
+        if (r->role[role] >= 0) vertex->properties.items[r->role[role]].role = -1;
+        r->role[role] = -1;
+    }
+}
+
 static bool find_roles(ply_reader *r) {
     static const char *const names[PLY_ROLES] = {"x",
                                                  "y",
@@ -224,6 +233,7 @@ static bool find_roles(ply_reader *r) {
                               "it has no number %s; expected x, y and z", names[role]);
         }
     }
+    drop_partial_colors(r, vertex);
     return true;
 }
 
@@ -312,8 +322,9 @@ static void note_properties(ply_reader *r, const ply_element *element, bool vert
                          "element %.40s: the property %s is not used", element->name, name);
     }
     if (colors)
-        notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false, "%s",
-                     vertices ? "the alpha of vertex colours is not used" : "face colours are not used");
+        notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
+                     "%s colours are not used%s", vertices ? "vertex" : "face",
+                     vertices && r->role[PLY_R] >= 0 ? " for opacity: alpha" : "");
 }
 
 void ply_note_unused(ply_reader *r) {
