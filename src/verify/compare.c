@@ -1,7 +1,6 @@
 #include "verify/compare.h"
 #include "base/clock.h"
 #include "base/threads.h"
-#include "trace/watertight/watertight.h"
 #include "verify/recorded.h"
 
 #include <stdlib.h>
@@ -31,7 +30,6 @@ typedef struct comparison {
     ask_batch batch;
     ask_others others;
     const ask_answer *given; /* by the render, parallel to the batch's rays; NULL: none */
-    watertight *repair;      /* NULL: nothing to repair, or not a render's rays */
     worker *workers;
 } comparison;
 
@@ -134,6 +132,7 @@ static void judge_other(const comparison *c, worker *w, const ask_other *other) 
     verdict_report report;
     error_report errors;
     if (!judge(c, w, other->ray, &other->answer, other->any, &report, &errors)) return;
+    w->family.repaired += other->way == ASK_REPAIRED;
     ++w->family.others, ++w->family.other_counts[report.verdict];
     if (is_failure(report.verdict))
         keep_failure(w, c, other->ray, other->way, other->any, report.verdict, &other->answer);
@@ -167,31 +166,6 @@ static void judge_given(const comparison *c, worker *w, size_t ray, bool any) {
     if (!same) judge_other(c, w, &other);
 }
 
-/* Answers that closed meshes rule out are repaired as a render does; what comes of it is judged as well. */
-static void judge_repaired(const comparison *c, worker *w, size_t block, unsigned lanes) {
-    trace_block repaired = c->batch.closest[block];
-    uint8_t depth[LANES];
-    for (unsigned i = 0; i < lanes; ++i) depth[i] = watertight_depth(c->repair, trace_org(&repaired.rays, i));
-    unsigned state = trace_thread_begin();
-    unsigned changed = watertight_closest(c->repair, &repaired, depth, lanes);
-    trace_thread_end(state);
-    w->family.repaired += changed;
-    for (unsigned i = 0; i < lanes && changed; ++i) {
-        const trace_hits *h = &repaired.hits;
-        ask_other other = {block * LANES + i, COMPARE_REPAIRED, false,
-                           ask_answer_of(&c->batch, block * LANES + i)};
-        verdict_answer *hit = &other.answer.hit;
-        bool same = hit->geometry == h->geometry[i] &&
-                    (hit->geometry == FATHOM_NONE || (float)hit->t == repaired.rays.t_far[i]);
-        if (same) continue;
-        *hit = (verdict_answer){h->geometry[i], h->primitive[i], h->instance[i],
-                                (double)repaired.rays.t_far[i], 0};
-        other.answer.u = (double)h->u[i], other.answer.v = (double)h->v[i];
-        other.answer.normal = (vec3_f32){h->ng_x[i], h->ng_y[i], h->ng_z[i]};
-        judge_other(c, w, &other);
-    }
-}
-
 static void judge_blocks(void *user, size_t begin, size_t end, unsigned index) {
     const comparison *c = user;
     worker *w = &c->workers[index];
@@ -205,7 +179,6 @@ static void judge_blocks(void *user, size_t begin, size_t end, unsigned index) {
             if (c->given) judge_given(c, w, ray, call->any);
             if (index_of(c, ray) < c->options->sample) check_search(c, w, &c->batch.rays[ray]);
         }
-        if (c->repair && call->closest && !w->failed) judge_repaired(c, w, block, lanes);
     }
 }
 
@@ -303,6 +276,18 @@ static void end_in_hits(const comparison *c) {
     }
 }
 
+/* What a render's repair made of this batch's answers is judged with the others. */
+static bool add_repaired(comparison *c) {
+    const recorded *r = c->options->rendered;
+    for (size_t i = 0; c->given && i < r->repaired.count; ++i) {
+        ask_other other = r->repaired.items[i];
+        if (other.ray < c->first || other.ray - c->first >= c->batch.blocks * LANES) continue;
+        other.ray -= c->first;
+        if (!array_push(&c->others, other)) return false;
+    }
+    return true;
+}
+
 static fathom_status judge_batch(fathom_context *context, comparison *c, compare_result *out,
                                  size_t family_begin) {
     const compare_options *o = c->options;
@@ -313,7 +298,7 @@ static fathom_status judge_batch(fathom_context *context, comparison *c, compare
         out->nanoseconds += ask_all(tracer, &c->batch, o->threads);
     }
     c->others.count = 0;
-    if (!ask_others_find(tracer, &c->batch, o->threads, o->once, &c->others))
+    if (!ask_others_find(tracer, &c->batch, o->threads, o->once, &c->others) || !add_repaired(c))
         return fail_memory(context, sizeof(ask_other));
     loop_parallel(o->threads, c->batch.blocks, 2, judge_blocks, c);
     loop_parallel(o->threads, c->others.count, 1, judge_others, c);
@@ -387,7 +372,7 @@ static fathom_status run_recorded(fathom_context *context, comparison *c, uint64
                                   compare_result *out) {
     const recorded *r = c->options->rendered;
     const size_t family_begin = out->failures.count;
-    fathom_status status = watertight_create(context, c->subject->tracer, &c->repair);
+    fathom_status status = FATHOM_OK;
     c->family = RAYS_RENDERED;
     for (size_t call = 0, first; call < r->calls.count && status == FATHOM_OK;) {
         if (!fill_recorded(c, r, &call, &first)) return fail_memory(context, sizeof(oracle_ray));
@@ -395,24 +380,38 @@ static fathom_status run_recorded(fathom_context *context, comparison *c, uint64
         status = judge_batch(context, c, out, family_begin);
         if (status == FATHOM_OK) status = tell(context, c->options, done);
     }
-    watertight_destroy(c->repair);
-    c->repair = NULL, c->given = NULL;
+    c->given = NULL;
     return status;
 }
 
 /* ---- rays that two tracers are asked ---- */
 
-/* Units of a float by which two tracers may differ without being judged. */
+/* Units of a float by which two tracers may differ without being judged, at the size of the world at least:
+ * their errors are relative to that. */
 #define SCREEN_ULPS 64
+/* Rays begin this far from their origin, over the world's radius: what two tracers say of the surface that a
+ * ray begins on is rounding, which the families judge. */
+#define SCREEN_NEAR 0x1p-12
 /* A thread that found so many errors among 2^17 rays asks no more of them. */
 #define SCREEN_ENOUGH 100
 
-static bool agree(const ask_answer *a, const ask_answer *b) {
+static bool agree(const ask_answer *a, const ask_answer *b, double size) {
     const verdict_answer *h = &a->hit, *k = &b->hit;
     bool same = a->met == b->met && h->geometry == k->geometry;
     if (!same || h->geometry == FATHOM_NONE) return same;
     same = h->primitive == k->primitive && h->instance == k->instance;
-    return same && fabs(h->t - k->t) <= SCREEN_ULPS * error_ulp(k->t);
+    return same && fabs(h->t - k->t) <= SCREEN_ULPS * error_ulp(fmax(k->t, size));
+}
+
+/* The world's radius in units of the ray's t. */
+static double size_along(const comparison *c, const oracle_ray *ray) {
+    return rays_world_radius(c->subject->source) / length_f64(widen(ray->dir));
+}
+
+static void start_off_surfaces(const comparison *c, oracle_ray *ray) {
+    oracle_ray off = *ray;
+    off.t_near = fmaxf(off.t_near, (float)(SCREEN_NEAR * size_along(c, ray)));
+    if (rays_allowed(c->subject->source, &off)) *ray = off;
 }
 
 static void screen_call(const comparison *c, worker *w, uint64_t first, size_t count) {
@@ -426,6 +425,7 @@ static void screen_call(const comparison *c, worker *w, uint64_t first, size_t c
     own.batch = w->batch;
     ask_answer others[CALL];
     make_rays(&own, 0, count, 0);
+    for (size_t i = 0; i < count; ++i) start_off_surfaces(c, &own.batch.rays[i]);
     (void)ask_all(c->options->second, &w->batch, 1);
     for (size_t i = 0; i < count; ++i) others[i] = ask_answer_of(&w->batch, i);
     (void)ask_all(c->subject->tracer, &w->batch, 1);
@@ -433,7 +433,7 @@ static void screen_call(const comparison *c, worker *w, uint64_t first, size_t c
     for (size_t i = 0; i < count && !w->failed; ++i) {
         const ask_answer a = ask_answer_of(&w->batch, i);
         ++w->screened;
-        if (agree(&a, &others[i])) continue;
+        if (agree(&a, &others[i], size_along(c, &own.batch.rays[i]))) continue;
         ++w->unequal;
         for (int any = 0; any < 2; ++any) {
             const ask_other other = {i, COMPARE_FIRST, any != 0, a};

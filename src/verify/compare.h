@@ -44,7 +44,7 @@ typedef struct compare_family {
     uint64_t rays, counts[VERDICT_COUNT];
     uint64_t any_rays, any_counts[VERDICT_COUNT]; /* of the same rays, asked for any hit */
     uint64_t others, other_counts[VERDICT_COUNT]; /* answers that depend on the way of asking */
-    uint64_t repaired;                            /* answers that closed meshes rule out, by watertight.h */
+    uint64_t repaired;                            /* answers that a render's repair of leaks replaced */
     compare_error errors[COMPARE_MEASURES];
     histogram constants;   /* errors over (unit roundoff times condition number) */
     compare_most constant; /* the largest of them */
@@ -58,13 +58,12 @@ typedef struct compare_failure {
     rays_family family;
     uint64_t index;
     verdict verdict;
-    unsigned way; /* ask.h; COMPARE_FIRST: the first one; COMPARE_REPAIRED: by watertight.h */
+    unsigned way; /* ask.h; COMPARE_FIRST: the first one */
     ask_block block;
     ask_answer answer;
 } compare_failure;
 
-#define COMPARE_FIRST (UINT32_MAX - 1)
-#define COMPARE_REPAIRED (UINT32_MAX - 2)
+#define COMPARE_FIRST (UINT32_MAX - 2)
 
 /* The tracer to judge and what that needs; borrowed. */
 typedef struct compare_subject {

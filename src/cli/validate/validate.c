@@ -451,6 +451,7 @@ const command command_validate = {
             "repair of leaks. Statistics are held against limits: errors in units of their\n"
             "condition (median 1, 99.9th percentile 64), the mean of signed errors (2\n"
             "roundoffs, at 6 standard errors, level 1e-9), leaks against known rates (the\n"
+            "same), rays of a render that meet the surface they start on (0.1 %; the\n"
             "same), and the unit roundoff that a library declares (64 times the measured\n"
             "one). Without SCENE built-in scenes of every shape are used: spheres, quads,\n"
             "triangles, planes, instances, boxes, squares, masks, masked-shapes and fine, as\n"
