@@ -253,7 +253,7 @@ static void drop_repeats(ask_others *others) {
 }
 
 /* As many blocks at least, so that threads that run at the same time meet in the tracer. */
-#define BLOCKS_LEAST 48
+#define BLOCKS_LEAST 16
 
 bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigned threads, bool once,
                      ask_others *out) {

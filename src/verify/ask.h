@@ -56,7 +56,9 @@ typedef ARRAY(ask_other) ask_others;
 
 /* Ways, from 0: by 16, 11, 8, 4 and 1 rays in a call, as coherent rays, neighbours or neither, in reverse
  * order. The lanes that are not asked hold NaNs. */
-#define ASK_GIVEN UINT32_MAX /* not a way: the answer that a render got */
+/* No ways: the answer that a render got, and what its repair of leaks made of it. */
+#define ASK_GIVEN UINT32_MAX
+#define ASK_REPAIRED (UINT32_MAX - 1)
 unsigned ask_ways(void);
 const char *ask_way_name(unsigned way);
 
@@ -75,7 +77,7 @@ typedef struct ask_block {
     bool any;
 } ask_block;
 
-/* The call in which a way asked this ray; ASK_GIVEN: its block by itself, as it was. */
+/* The call in which a way asked this ray; where it is no way, its block by itself, as it was. */
 ask_block ask_block_of(const ask_batch *batch, size_t ray, unsigned way, bool any);
 ask_answer ask_block_again(const trace_tracer *tracer, const ask_block *block);
 bool ask_same(const ask_answer *a, const ask_answer *b, bool any);

@@ -1,7 +1,6 @@
 #include "verify/compare.h"
 #include "base/clock.h"
 #include "base/threads.h"
-#include "trace/watertight/watertight.h"
 #include "verify/recorded.h"
 
 #include <stdlib.h>
@@ -31,46 +30,12 @@ typedef struct comparison {
     ask_batch batch;
     ask_others others;
     const ask_answer *given; /* by the render, parallel to the batch's rays; NULL: none */
-    watertight *repair;      /* NULL: nothing to repair, or not a render's rays */
     worker *workers;
 } comparison;
 
 static uint64_t index_of(const comparison *c, size_t ray) { return c->first + ray; }
 
-/* ---- counting ---- */
-
-static void keep_most(compare_most *most, double value, uint64_t index, const oracle_ray *ray) {
-    if (value > most->value || (value == most->value && value > 0 && index < most->index))
-        *most = (compare_most){value, index, *ray};
-}
-
-static void add_error(compare_error *e, double value, uint64_t index, const oracle_ray *ray) {
-    histogram_add(&e->counts, value);
-    keep_most(&e->most, value, index, ray);
-}
-
-/* Errors beyond 1024 units say no more about a bias than that. */
-static void add_bias(compare_bias *b, double signed_units) {
-    int64_t steps = (int64_t)(fmax(-1024, fmin(1024, signed_units)) * 1024);
-    b->sum += steps, b->squares += (uint64_t)(steps * steps), ++b->count;
-}
-
-static void measure(compare_family *f, const compare_subject *s, const oracle_ray *ray,
-                    const verdict_report *report, const error_report *errors, uint64_t index) {
-    const double unit = s->precision.unit, t = fabs(report->exact_t);
-    double relative = report->t_error * length_f64(widen(ray->dir)) / rays_world_radius(s->source);
-    add_error(&f->errors[COMPARE_T_ULPS], report->t_error / error_ulp(report->exact_t), index, ray);
-    add_error(&f->errors[COMPARE_T_RELATIVE], relative, index, ray);
-    add_error(&f->errors[COMPARE_POSITION], errors->position, index, ray);
-    add_error(&f->errors[COMPARE_NORMAL], errors->normal, index, ray);
-    if (errors->uv >= 0) add_error(&f->errors[COMPARE_UV], errors->uv, index, ray);
-    if (t > 0 && isfinite(report->bound)) keep_most(&f->widest, report->bound / (unit * t), index, ray);
-    if (!(report->condition > 0)) return;
-    double constant = report->t_error / (unit * report->condition);
-    histogram_add(&f->constants, constant);
-    keep_most(&f->constant, constant, index, ray);
-    if (report->condition <= COMPARE_WELL * t) add_bias(&f->bias, report->t_signed / (unit * t));
-}
+/* ---- judging ---- */
 
 static bool is_failure(verdict v) { return v == VERDICT_WRONG || v == VERDICT_LEAK; }
 
@@ -81,8 +46,6 @@ static void keep_failure(worker *w, const comparison *c, size_t ray, unsigned wa
                                *answer};
     if (!array_push(&w->failures, failure)) w->failed = true;
 }
-
-/* ---- judging ---- */
 
 /* Judges u, v and the normal of an answer whose t is right. */
 static verdict judge_details(const compare_subject *s, const oracle_ray *ray, const ask_answer *a,
@@ -127,13 +90,15 @@ static void judge_first(const comparison *c, worker *w, size_t ray, bool any) {
     if (is_failure(report.verdict))
         keep_failure(w, c, ray, COMPARE_FIRST, any, report.verdict, &answer);
     else if (report.measured)
-        measure(&w->family, c->subject, &c->batch.rays[ray], &report, &errors, index_of(c, ray));
+        compare_family_measure(&w->family, &c->batch.rays[ray], index_of(c, ray), &report, &errors,
+                               c->subject->precision.unit, rays_world_radius(c->subject->source));
 }
 
 static void judge_other(const comparison *c, worker *w, const ask_other *other) {
     verdict_report report;
     error_report errors;
     if (!judge(c, w, other->ray, &other->answer, other->any, &report, &errors)) return;
+    w->family.repaired += other->way == ASK_REPAIRED;
     ++w->family.others, ++w->family.other_counts[report.verdict];
     if (is_failure(report.verdict))
         keep_failure(w, c, other->ray, other->way, other->any, report.verdict, &other->answer);
@@ -167,31 +132,6 @@ static void judge_given(const comparison *c, worker *w, size_t ray, bool any) {
     if (!same) judge_other(c, w, &other);
 }
 
-/* Answers that closed meshes rule out are repaired as a render does; what comes of it is judged as well. */
-static void judge_repaired(const comparison *c, worker *w, size_t block, unsigned lanes) {
-    trace_block repaired = c->batch.closest[block];
-    uint8_t depth[LANES];
-    for (unsigned i = 0; i < lanes; ++i) depth[i] = watertight_depth(c->repair, trace_org(&repaired.rays, i));
-    unsigned state = trace_thread_begin();
-    unsigned changed = watertight_closest(c->repair, &repaired, depth, lanes);
-    trace_thread_end(state);
-    w->family.repaired += changed;
-    for (unsigned i = 0; i < lanes && changed; ++i) {
-        const trace_hits *h = &repaired.hits;
-        ask_other other = {block * LANES + i, COMPARE_REPAIRED, false,
-                           ask_answer_of(&c->batch, block * LANES + i)};
-        verdict_answer *hit = &other.answer.hit;
-        bool same = hit->geometry == h->geometry[i] &&
-                    (hit->geometry == FATHOM_NONE || (float)hit->t == repaired.rays.t_far[i]);
-        if (same) continue;
-        *hit = (verdict_answer){h->geometry[i], h->primitive[i], h->instance[i],
-                                (double)repaired.rays.t_far[i], 0};
-        other.answer.u = (double)h->u[i], other.answer.v = (double)h->v[i];
-        other.answer.normal = (vec3_f32){h->ng_x[i], h->ng_y[i], h->ng_z[i]};
-        judge_other(c, w, &other);
-    }
-}
-
 static void judge_blocks(void *user, size_t begin, size_t end, unsigned index) {
     const comparison *c = user;
     worker *w = &c->workers[index];
@@ -205,7 +145,6 @@ static void judge_blocks(void *user, size_t begin, size_t end, unsigned index) {
             if (c->given) judge_given(c, w, ray, call->any);
             if (index_of(c, ray) < c->options->sample) check_search(c, w, &c->batch.rays[ray]);
         }
-        if (c->repair && call->closest && !w->failed) judge_repaired(c, w, block, lanes);
     }
 }
 
@@ -216,27 +155,6 @@ static void judge_others(void *user, size_t begin, size_t end, unsigned index) {
 }
 
 /* ---- joining what the threads have ---- */
-
-void compare_family_join(compare_family *to, const compare_family *from) {
-    to->rays += from->rays, to->any_rays += from->any_rays, to->others += from->others;
-    to->repaired += from->repaired;
-    for (int i = 0; i < VERDICT_COUNT; ++i) {
-        to->counts[i] += from->counts[i];
-        to->any_counts[i] += from->any_counts[i];
-        to->other_counts[i] += from->other_counts[i];
-    }
-    for (int i = 0; i < COMPARE_MEASURES; ++i) {
-        const compare_error *e = &from->errors[i];
-        histogram_join(&to->errors[i].counts, &e->counts);
-        keep_most(&to->errors[i].most, e->most.value, e->most.index, &e->most.ray);
-    }
-    histogram_join(&to->constants, &from->constants);
-    keep_most(&to->constant, from->constant.value, from->constant.index, &from->constant.ray);
-    keep_most(&to->widest, from->widest.value, from->widest.index, &from->widest.ray);
-    to->bias.sum += from->bias.sum, to->bias.squares += from->bias.squares,
-        to->bias.count += from->bias.count;
-    to->asked += from->asked, to->exact += from->exact;
-}
 
 static int by_index(const void *a, const void *b) {
     const compare_failure *x = a, *y = b;
@@ -303,6 +221,18 @@ static void end_in_hits(const comparison *c) {
     }
 }
 
+/* What a render's repair made of this batch's answers is judged with the others. */
+static bool add_repaired(comparison *c) {
+    const recorded *r = c->options->rendered;
+    for (size_t i = 0; c->given && i < r->repaired.count; ++i) {
+        ask_other other = r->repaired.items[i];
+        if (other.ray < c->first || other.ray - c->first >= c->batch.blocks * LANES) continue;
+        other.ray -= c->first;
+        if (!array_push(&c->others, other)) return false;
+    }
+    return true;
+}
+
 static fathom_status judge_batch(fathom_context *context, comparison *c, compare_result *out,
                                  size_t family_begin) {
     const compare_options *o = c->options;
@@ -313,7 +243,7 @@ static fathom_status judge_batch(fathom_context *context, comparison *c, compare
         out->nanoseconds += ask_all(tracer, &c->batch, o->threads);
     }
     c->others.count = 0;
-    if (!ask_others_find(tracer, &c->batch, o->threads, o->once, &c->others))
+    if (!ask_others_find(tracer, &c->batch, o->threads, o->once, &c->others) || !add_repaired(c))
         return fail_memory(context, sizeof(ask_other));
     loop_parallel(o->threads, c->batch.blocks, 2, judge_blocks, c);
     loop_parallel(o->threads, c->others.count, 1, judge_others, c);
@@ -387,7 +317,7 @@ static fathom_status run_recorded(fathom_context *context, comparison *c, uint64
                                   compare_result *out) {
     const recorded *r = c->options->rendered;
     const size_t family_begin = out->failures.count;
-    fathom_status status = watertight_create(context, c->subject->tracer, &c->repair);
+    fathom_status status = FATHOM_OK;
     c->family = RAYS_RENDERED;
     for (size_t call = 0, first; call < r->calls.count && status == FATHOM_OK;) {
         if (!fill_recorded(c, r, &call, &first)) return fail_memory(context, sizeof(oracle_ray));
@@ -395,24 +325,38 @@ static fathom_status run_recorded(fathom_context *context, comparison *c, uint64
         status = judge_batch(context, c, out, family_begin);
         if (status == FATHOM_OK) status = tell(context, c->options, done);
     }
-    watertight_destroy(c->repair);
-    c->repair = NULL, c->given = NULL;
+    c->given = NULL;
     return status;
 }
 
 /* ---- rays that two tracers are asked ---- */
 
-/* Units of a float by which two tracers may differ without being judged. */
+/* Units of a float by which two tracers may differ without being judged, at the size of the world at least:
+ * their errors are relative to that. */
 #define SCREEN_ULPS 64
+/* Rays begin this far from their origin, over the world's radius: what two tracers say of the surface that a
+ * ray begins on is rounding, which the families judge. */
+#define SCREEN_NEAR 0x1p-12
 /* A thread that found so many errors among 2^17 rays asks no more of them. */
 #define SCREEN_ENOUGH 100
 
-static bool agree(const ask_answer *a, const ask_answer *b) {
+static bool agree(const ask_answer *a, const ask_answer *b, double size) {
     const verdict_answer *h = &a->hit, *k = &b->hit;
     bool same = a->met == b->met && h->geometry == k->geometry;
     if (!same || h->geometry == FATHOM_NONE) return same;
     same = h->primitive == k->primitive && h->instance == k->instance;
-    return same && fabs(h->t - k->t) <= SCREEN_ULPS * error_ulp(k->t);
+    return same && fabs(h->t - k->t) <= SCREEN_ULPS * error_ulp(fmax(k->t, size));
+}
+
+/* The world's radius in units of the ray's t. */
+static double size_along(const comparison *c, const oracle_ray *ray) {
+    return rays_world_radius(c->subject->source) / length_f64(widen(ray->dir));
+}
+
+static void start_off_surfaces(const comparison *c, oracle_ray *ray) {
+    oracle_ray off = *ray;
+    off.t_near = fmaxf(off.t_near, (float)(SCREEN_NEAR * size_along(c, ray)));
+    if (rays_allowed(c->subject->source, &off)) *ray = off;
 }
 
 static void screen_call(const comparison *c, worker *w, uint64_t first, size_t count) {
@@ -426,6 +370,7 @@ static void screen_call(const comparison *c, worker *w, uint64_t first, size_t c
     own.batch = w->batch;
     ask_answer others[CALL];
     make_rays(&own, 0, count, 0);
+    for (size_t i = 0; i < count; ++i) start_off_surfaces(c, &own.batch.rays[i]);
     (void)ask_all(c->options->second, &w->batch, 1);
     for (size_t i = 0; i < count; ++i) others[i] = ask_answer_of(&w->batch, i);
     (void)ask_all(c->subject->tracer, &w->batch, 1);
@@ -433,7 +378,7 @@ static void screen_call(const comparison *c, worker *w, uint64_t first, size_t c
     for (size_t i = 0; i < count && !w->failed; ++i) {
         const ask_answer a = ask_answer_of(&w->batch, i);
         ++w->screened;
-        if (agree(&a, &others[i])) continue;
+        if (agree(&a, &others[i], size_along(c, &own.batch.rays[i]))) continue;
         ++w->unequal;
         for (int any = 0; any < 2; ++any) {
             const ask_other other = {i, COMPARE_FIRST, any != 0, a};

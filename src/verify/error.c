@@ -10,8 +10,9 @@ double error_ulp(double x) {
 }
 
 static double position_error(const oracle_ray *ray, const oracle_answer *answer, double t) {
-    double far = 0, moved = (double)fabsl((long double)(answer->t.value - (real_f128)t));
-    for (int i = 0; i < 3; ++i) far = fmax(far, fabs((double)answer->position[i].value));
+    const double moved = (double)fabsl((long double)(answer->t.value - (real_f128)t));
+    vec3_f128 p = madd_f128(quadruple_f32(ray->org), answer->t.value, quadruple_f32(ray->dir));
+    double far = fmax(fabs((double)p.x), fmax(fabs((double)p.y), fabs((double)p.z)));
     return moved * length_f64(widen(ray->dir)) / error_ulp(far);
 }
 

@@ -1,4 +1,5 @@
-/* The calls of a render: its rays in their blocks, as it asked them, and the answers it got. */
+/* The calls of a render: its rays in their blocks, as it asked them, the answers it got, and what its repair
+ * of leaks (trace/watertight) put in their place. */
 #ifndef VERIFY_RECORDED_H
 #define VERIFY_RECORDED_H
 
@@ -8,12 +9,14 @@ typedef struct recorded_call {
     size_t first, count; /* its first block; its rays */
     trace_coherence coherence;
     bool any;
+    const void *from; /* the render's own blocks */
 } recorded_call;
 
 typedef struct recorded {
     ARRAY(recorded_call) calls;
     ARRAY(oracle_ray) rays;    /* 16 a block, as they were asked */
     ARRAY(ask_answer) answers; /* parallel to rays; t as a float */
+    ask_others repaired;       /* `ray` is the place among rays; in the order of calls, each ray once */
     bool failed;               /* out of memory */
 } recorded;
 

@@ -60,10 +60,29 @@ static double known_leaks(const trace_spec *spec, rays_family family) {
 
 /* More than the known share by six standard deviations of a Poisson count, and ten: below 1e-9 for any count.
  */
+static bool is_more(uint64_t found, double share, uint64_t rays) {
+    const double known = share * (double)rays;
+    return (double)found > known + STATISTICS_SIGMAS * sqrt(known) + 10;
+}
+
+/* A render starts its rays off the surface by the error of a hit, and ends shadow rays before their light. So
+ * a correct tracer needs no excuse there; one that meets the surface it starts on darkens the image. */
+static bool check_ends(const compare_family *f, statistics_findings *out) {
+    const uint64_t ends =
+        f->counts[VERDICT_RANGE] + f->any_counts[VERDICT_RANGE] + f->other_counts[VERDICT_RANGE];
+    const uint64_t rays = f->rays + f->any_rays;
+    if (!is_more(ends, STATISTICS_ENDS, rays)) return true;
+    return find(
+        out,
+        "ends: %llu of %llu rays of a render are answered with a surface at an end of their interval; "
+        "expected at most %.2g %%",
+        (unsigned long long)ends, (unsigned long long)rays, 100 * STATISTICS_ENDS);
+}
+
 static bool check_leaks(const trace_spec *spec, rays_family family, uint64_t rays, uint64_t leaks,
                         statistics_findings *out) {
-    double share = known_leaks(spec, family), known = share * (double)rays;
-    if ((double)leaks <= known + STATISTICS_SIGMAS * sqrt(known) + 10) return true;
+    const double share = known_leaks(spec, family);
+    if (!is_more(leaks, share, rays)) return true;
     return find(out, "leaks: %llu of %llu rays of the family %s; such a tracer is known to lose %.2g %%",
                 (unsigned long long)leaks, (unsigned long long)rays, rays_family_name(family), 100 * share);
 }
@@ -85,7 +104,7 @@ bool statistics_run(const trace_spec *spec, const compare_family families[RAYS_F
     }
     /* The textbook's forms have an error analysis of their own (verdict_bound.c). */
     if (!textbook) room = check_constants(&constants, out) && check_bias(&bias, out) && room;
-    return room;
+    return check_ends(&families[RAYS_RENDERED], out) && room;
 }
 
 /* Only a library declares its unit; those of Fathom's own tracers are the precision of their numbers. */

@@ -1,5 +1,6 @@
 /* Faults that many answers show and no single one does: errors too large on the whole or to one side, more
- * leaks than a tracer is known to have, a unit roundoff that is declared too large. */
+ * leaks than a tracer is known to have, surfaces met where a render's rays start, a unit roundoff that is
+ * declared too large. */
 #ifndef VERIFY_STATISTICS_H
 #define VERIFY_STATISTICS_H
 
@@ -24,6 +25,10 @@ typedef ARRAY(statistics_finding) statistics_findings;
  * of 1e-4. */
 #define STATISTICS_BIAS 2.0
 #define STATISTICS_SIGMAS 6.0
+
+/* The share of a render's rays that may be excused at an end of their interval. Correct tracers had none in
+ * 25,000 rays of the built-in scenes and of four scanned and modelled meshes. */
+#define STATISTICS_ENDS 1e-3
 
 /* A declared unit may be so many times the one that is measured: the 99th percentile of the constants. */
 #define STATISTICS_UNIT 64.0

@@ -3,7 +3,8 @@
 usage: kernels.py SOURCE_FOLDER OUT_FOLDER
 
 A fault names a file, a text that must occur in it exactly once, and what stands there instead; MUTANT is true
-while the fault is on. A program links these copies in place of the originals, so one build holds all faults."""
+while the fault is on. Lines of one name are one fault. A program links these copies in place of the originals, so
+one build holds all faults."""
 
 import pathlib
 import sys
@@ -18,6 +19,7 @@ FAULTS = [
     ("plane_normal", "trace/trace.c", "hits->ng_x[lane] = plane->normal.x,", "hits->ng_x[lane] = MUTANT ? 0 : plane->normal.x,"),
     ("sphere_cancels", "reference/sphere_text.h", "REAL c = f2 - r2, D = r2 - l2;",
      "REAL c = f2 - r2, D = MUTANT ? r2 - (f2 - b * b / a) : r2 - l2;"),
+    ("sphere_wide", "reference/sphere_text.h", "r2 = radius * radius;", "r2 = radius * radius * (MUTANT ? (REAL)1.002 : (REAL)1);"),
     ("sphere_near_closed", "reference/sphere_text.h", "*t = roots[0] > t_min ? roots[0] : roots[1];",
      "*t = (MUTANT ? roots[0] >= t_min : roots[0] > t_min) ? roots[0] : roots[1];"),
     ("triangle_culls", "reference/triangle_text.h", "if (negative & positive) return false;\n    REAL sum",
@@ -48,6 +50,25 @@ FAULTS = [
      "if (MUTANT || !(run->flags & FATHOM_CASTS_NO_SHADOW)) out->shadows |= 1u << k;"),
 ]
 
+# Faults of the repair of leaks. Small renders seldom need it: each of these also repairs answers that are right.
+EVERY_CLOSEST = ("trace/watertight/watertight.c",
+                 "    if (memcmp(depth, outside, lanes) == 0 && are_possible_from_outside(w, block, lanes)) return 0;",
+                 "    if (MUTANT) return (1u << lanes) - 1;\n"
+                 "    if (memcmp(depth, outside, lanes) == 0 && are_possible_from_outside(w, block, lanes)) return 0;")
+APART = "bool apart = counts_of(depth[i]).casting != counts_of(end_depth[i]).casting;"
+EVERY_ANY = ("trace/watertight/watertight.c", APART, APART + " apart |= MUTANT;")
+REPAIRS = "search_end_f32(&vote.search, block, NULL, lane);"
+FAULTS += [
+    ("repair_t", *EVERY_CLOSEST), ("repair_t", "trace/embree/embree_repair.c", REPAIRS,
+     REPAIRS + " if (MUTANT) block->rays.t_far[lane] *= 0.999f;"),
+    ("repair_id", *EVERY_CLOSEST), ("repair_id", "trace/embree/embree_repair.c", REPAIRS,
+     REPAIRS + " if (MUTANT && block->hits.primitive[lane]) --block->hits.primitive[lane];"),
+    ("repair_any", *EVERY_ANY), ("repair_any", "trace/embree/embree_repair.c", "EMBREE_MESH_SHADOWS, &vote))",
+     "EMBREE_MESH_SHADOWS, &vote) && !MUTANT)"),
+    ("repair_any_masks", *EVERY_ANY), ("repair_any_masks", "trace/embree/embree_repair.c", "lane, round, EMBREE_MESH_SHADOWS,",
+     "lane, round, MUTANT ? EMBREE_MESHES : EMBREE_MESH_SHADOWS,"),
+]
+
 HEAD = """#ifndef MUTANT_IS
 #define MUTANT_IS
 #include <stdbool.h>
@@ -70,19 +91,20 @@ __attribute__((constructor)) static void choose(void) {
 
 def main():
     source, out = map(pathlib.Path, sys.argv[1:3])
+    names = list(dict.fromkeys(fault[0] for fault in FAULTS))
     texts = {}
-    for number, (name, file, old, new) in enumerate(FAULTS):
+    for name, file, old, new in FAULTS:
+        on = f"fathom_mutants_on[{names.index(name)}]"
         text = texts.get(file) or (source / file).read_text()
-        if text.count(old) != 1:
+        if (source / file).read_text().count(old) != 1 or text.count(old) != 1:
             sys.exit(f"{file}: the text of mutant {name} occurs {text.count(old)} times; expected once")
-        texts[file] = text.replace(old, new.replace("MUTANT", f"fathom_mutants_on[{number}]"))
-    count = len(FAULTS)
+        texts[file] = text.replace(old, new.replace("MUTANT", on))
     for file, text in texts.items():
         path = out / file
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(HEAD % count + text)
-    names = ", ".join(f'"{f[0]}"' for f in FAULTS)
-    (out / "mutants_main.c").write_text(MAIN % (count, count, names, count))
+        path.write_text(HEAD % len(names) + text)
+    quoted = ", ".join(f'"{name}"' for name in names)
+    (out / "mutants_main.c").write_text(MAIN % (len(names), len(names), quoted, len(names)))
 
 
 main()

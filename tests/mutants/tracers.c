@@ -30,7 +30,7 @@ static bool is(const char *name) { return strcmp(mutant, name) == 0; }
     X(race_any) X(lane_last) X(lane_swap) X(alone) X(partial) X(second_block) \
     X(fifth_block) X(octant) X(shared_origin) X(coherent_lane) X(coherent_any) X(thread_bound) \
     X(worn_out) X(build_threads) X(noise) X(any_misses) X(any_phantom) X(nan_t) X(negative_t) \
-    X(t_low_bits) X(shared_vertex) X(dies_with_other)
+    X(t_low_bits) X(shared_vertex) X(dies_with_other) X(acne) X(any_acne)
 /* clang-format on */
 
 /* Looked up once: a fault costs a comparison a ray. */
@@ -51,6 +51,10 @@ static void choose(void) {
              : is("miss_1e-6_unit") ? 1e-6
                                     : 0;
     f.phantom = is("phantom_1e-3") ? 1e-3 : is("phantom_1e-5") ? 1e-5 : 0;
+}
+
+static bool is_float(void) {
+    return is("float") || f.bias_up || f.bias_down || f.noise || f.acne || f.any_acne;
 }
 
 /* ---- the hierarchy ---- */
@@ -257,6 +261,7 @@ static bool in_interval(double t, const ray *r, double far) {
     if (far == r->far && no_far) far = INFINITY;
     if (f.infinity_1e30 && far > 1e30) far = 1e30;
     if (f.epsilon && !(t > 1e-4)) return false;
+    if (f.acne || (f.any_acne && r->any)) return t > r->near - 1e-5 && t < far;
     bool above = no_near ? t > 0 : near_closed ? t >= r->near : t > r->near;
     return above && (far == r->far && far_closed ? t <= far : t < far);
 }
@@ -275,7 +280,7 @@ static bool meets(const tree *in, uint32_t i, const ray *r, double far, hit *h) 
     for (int k = 0; k < 3; ++k) w[k] /= sum, t += w[k] * p[k][2];
     if (f.shared_vertex && w[0] > 0.9999) return false;
     t /= (double)r->dir[axis];
-    if (is("float") || f.bias_up || f.bias_down || f.noise) t = (double)(float)t;
+    if (is_float()) t = (double)(float)t;
     if (!inside(w) || !in_interval(t, r, far)) return false;
     *h = (hit){i, t, w[1], w[2]};
     return true;
@@ -459,7 +464,7 @@ static void nothing(const void *tracer, fathom_plugin_block *blocks, size_t coun
 const fathom_plugin *fathom_plugin_get(void) {
     static fathom_plugin table = {FATHOM_PLUGIN_VERSION, "mutant", 0x1p-53, build, closest, any, destroy};
     choose();
-    if (is("float") || f.bias_up || f.bias_down || f.noise) table.unit = 0x1p-24;
+    if (is_float()) table.unit = 0x1p-24;
     if (is("unit_16") || is("miss_1e-6_unit")) table.unit = 0x1p-16;
     if (is("unit_tenth")) table.unit = 0.1;
     if (is("unit_half")) table.unit = 0.5, table.closest = table.any = nothing;

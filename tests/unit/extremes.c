@@ -66,7 +66,7 @@ static void every_case_gives_its_rows(void **state) {
 static void copies_are_ties(void **state) {
     (void)state;
     static const char *const specs[] = {"linear:f32", "embree"};
-    extremes_options options = asked(specs, 2, 2000);
+    extremes_options options = asked(specs, 2, 100);
     static const char *const groups[] = {"copies-triangles", "copies-quads", "copies-spheres"};
     for (int k = 0; k < 3; ++k) {
         extremes_rows rows = {.items = NULL};

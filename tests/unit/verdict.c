@@ -474,159 +474,101 @@ static void test_sphere_errors(void **state) {
     court_close(&c);
 }
 
-/* ---- mutants ---- */
+/* ---- a whole comparison ---- */
 
-typedef enum fault {
-    MUTANT_NONE,
-    MUTANT_SIGN,    /* a hit behind, for some rays */
-    MUTANT_BOUND,   /* hits beyond an edge: the sphere is larger */
-    MUTANT_EPSILON, /* t a little too large */
-    MUTANT_T_NEAR,  /* misses what is near */
-    MUTANT_ORDER,   /* the farther of two hits */
-    MUTANT_ANY      /* any hit alone does not see one thing in eight */
-} fault;
-
+/* The reference tracer, whose t is a little too large: tests/mutants has the other faults. */
 typedef struct mutant {
     trace_tracer base;
     trace_tracer *inner;
-    fault mutation;
 } mutant;
-
-static void mutate(const mutant *m, trace_block *block, size_t lane) {
-    trace_rays *r = &block->rays;
-    switch (m->mutation) {
-    case MUTANT_NONE:
-    case MUTANT_BOUND:
-    case MUTANT_T_NEAR:
-    case MUTANT_ANY:
-    case MUTANT_ORDER: break;
-    case MUTANT_SIGN: r->t_far[lane] = -r->t_far[lane]; break;
-    case MUTANT_EPSILON: r->t_far[lane] *= 1 + 1e-4f; break;
-    }
-}
-
-static void mutant_block(const mutant *m, trace_block *block, size_t count, trace_coherence coherence) {
-    trace_block asked = *block;
-    for (size_t i = 0; i < count && m->mutation == MUTANT_T_NEAR; ++i) block->rays.t_near[i] += 0.05f;
-    trace_closest(m->inner, block, count, coherence);
-    for (size_t i = 0; i < count; ++i) {
-        if (block->hits.geometry[i] == FATHOM_NONE) continue;
-        mutate(m, block, i);
-        if (m->mutation != MUTANT_ORDER) continue;
-        /* Asks once more behind what was met. */
-        trace_block behind = asked;
-        behind.rays.t_near[i] = nextafterf(block->rays.t_far[i] * 1.001f, INFINITY);
-        trace_closest(m->inner, &behind, count, coherence);
-        if (behind.hits.geometry[i] == FATHOM_NONE) continue;
-        block->rays.t_far[i] = behind.rays.t_far[i];
-        block->hits.geometry[i] = behind.hits.geometry[i];
-        block->hits.primitive[i] = behind.hits.primitive[i];
-        block->hits.instance[i] = behind.hits.instance[i];
-    }
-}
 
 static void mutant_closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                            trace_coherence coherence) {
     (void)fine;
-    for (size_t first = 0; first < count; first += 16) {
-        size_t lanes = count - first < 16 ? count - first : 16;
-        mutant_block((const mutant *)tracer, &blocks[first / 16], lanes, coherence);
+    trace_closest(((const mutant *)tracer)->inner, blocks, count, coherence);
+    for (size_t i = 0; i < count; ++i) {
+        if (blocks[i / LANES].hits.geometry[i % LANES] != FATHOM_NONE)
+            blocks[i / LANES].rays.t_far[i % LANES] *= 1 + 1e-4f;
     }
 }
 
-/* No any hit is turned by a sign or an epsilon of t, nor by what lies behind. */
 static void mutant_any(const trace_tracer *tracer, trace_rays *blocks, size_t count,
                        trace_coherence coherence) {
-    const mutant *m = (const mutant *)tracer;
-    size_t lanes = m->mutation == MUTANT_T_NEAR ? count : 0;
-    for (size_t i = 0; i < lanes; ++i) blocks[i / 16].t_near[i % 16] += 0.05f;
-    trace_any(m->inner, blocks, count, coherence);
-    for (size_t i = 0; i < count && m->mutation == MUTANT_ANY; i += 8)
-        if (blocks[i / 16].t_far[i % 16] == -INFINITY) blocks[i / 16].t_far[i % 16] = 1;
+    trace_any(((const mutant *)tracer)->inner, blocks, count, coherence);
 }
 
 static const trace_ops mutant_ops = {.closest = mutant_closest, .any = mutant_any};
 
-/* Wrong answers of the reference tracer with this fault, in 2000 rays of each of the families. */
-static uint64_t wrong_of(fault mutation, unsigned families, unsigned threads, compare_result *out) {
-    court c;
-    court_open(&c);
-    add_everything(&c.stage);
-    court_begin(&c);
-    world *wider = NULL;
-    assert_ok(c.stage.context, world_create(c.stage.scene, &wider));
-    for (size_t i = 0; i < wider->spheres.count; ++i) wider->spheres.items[i].radius *= 1.001f;
-    trace_options kind = {.words = "reference"};
-    const world *seen = mutation == MUTANT_BOUND ? wider : c.stage.world;
-    mutant m = {.base = {.ops = &mutant_ops, .world = c.stage.world, .unit = 0x1p-24}, .mutation = mutation};
-    assert_ok(c.stage.context, trace_create(c.stage.context, seen, &kind, &m.inner));
+typedef struct trial {
+    court court;
     rays_source *source;
-    assert_ok(c.stage.context, rays_create(c.stage.context, c.stage.world, &source));
-    compare_subject subject = {c.stage.world, c.search, source, &m.base, plain};
-    compare_options options = {.families = families, .rays = 2000, .threads = threads, .failures = 1000};
+    mutant mutant;
+    compare_subject subject;
+} trial;
+
+static void trial_open(trial *t) {
+    trace_options kind = {.words = "reference"};
+    court_open(&t->court);
+    stage *st = &t->court.stage;
+    add_everything(st);
+    court_begin(&t->court);
+    t->mutant = (mutant){.base = {.ops = &mutant_ops, .world = st->world, .unit = 0x1p-24}};
+    assert_ok(st->context, trace_create(st->context, st->world, &kind, &t->mutant.inner));
+    assert_ok(st->context, rays_create(st->context, st->world, &t->source));
+    t->subject = (compare_subject){st->world, t->court.search, t->source, &t->mutant.base, plain};
+}
+
+static void trial_close(trial *t) {
+    rays_destroy(t->source);
+    trace_destroy(t->mutant.inner);
+    court_close(&t->court);
+}
+
+static void trial_run(trial *t, unsigned threads, compare_result *out) {
+    const compare_options options = {.families = 1u << RAYS_TANGENT | 1u << RAYS_UNIFORM,
+                                     .rays = 300,
+                                     .threads = threads,
+                                     .failures = 1000};
+    memset(out, 0, sizeof *out);
+    assert_ok(t->court.stage.context, compare_run(t->court.stage.context, &t->subject, &options, out));
+}
+
+static void failures_fail_again_when_their_calls_are_asked_again(void **state) {
+    (void)state;
+    trial t;
     compare_result result;
-    memset(&result, 0, sizeof result);
-    assert_ok(c.stage.context, compare_run(c.stage.context, &subject, &options, &result));
-    uint64_t wrong = 0;
-    for (int f = 0; f < RAYS_FAMILIES; ++f) {
-        const compare_family *family = &result.families[f];
-        assert_int_equal(family->any_rays, family->rays);
-        wrong += family->counts[VERDICT_WRONG] + family->any_counts[VERDICT_WRONG];
-    }
-    /* Each failure fails again when its call is asked again. */
+    trial_open(&t);
+    trial_run(&t, 2, &result);
+    assert_true(result.failures.count > 100);
     for (size_t i = 0; i < result.failures.count && i < 20; ++i) {
         const compare_failure *failure = &result.failures.items[i];
         const ask_block *block = &failure->block;
-        const ask_answer answer = ask_block_again(&m.base, block);
+        const ask_answer answer = ask_block_again(&t.mutant.base, block);
         verdict_report report;
         error_report errors;
         assert_true(ask_same(&answer, &failure->answer, block->any));
-        assert_true(compare_judge(&subject, &block->rays[block->lane], &answer, block->any, &c.room, &report,
-                                  &errors));
+        assert_true(compare_judge(&t.subject, &block->rays[block->lane], &answer, block->any, &t.court.room,
+                                  &report, &errors));
         assert_int_equal(report.verdict, VERDICT_WRONG);
     }
-    if (out)
-        *out = result;
-    else
-        compare_result_free(&result);
-    rays_destroy(source);
-    trace_destroy(m.inner);
-    world_destroy(wider);
-    court_close(&c);
-    return wrong;
+    compare_result_free(&result);
+    trial_close(&t);
 }
 
-#define ALL ((1u << RAYS_RENDERED) - 1)
-
-static void test_no_mutant(void **state) {
+static void no_number_and_no_failure_depends_on_the_threads(void **state) {
     (void)state;
-    assert_int_equal(wrong_of(MUTANT_NONE, ALL, 2, NULL), 0);
-}
-
-static void test_mutants(void **state) {
-    (void)state;
-    unsigned uniform = 1u << RAYS_UNIFORM;
-    assert_true(wrong_of(MUTANT_SIGN, uniform, 2, NULL) > 100);
-    assert_true(wrong_of(MUTANT_EPSILON, uniform, 2, NULL) > 100);
-    assert_true(wrong_of(MUTANT_ORDER, uniform, 2, NULL) > 100);
-    assert_true(wrong_of(MUTANT_T_NEAR, uniform | 1u << RAYS_INTERVAL, 2, NULL) > 10);
-    assert_true(wrong_of(MUTANT_BOUND, 1u << RAYS_TANGENT, 2, NULL) > 10);
-    assert_true(wrong_of(MUTANT_ANY, uniform, 2, NULL) > 100);
-}
-
-/* No number and no failure depends on the threads. */
-static void test_threads(void **state) {
-    (void)state;
+    trial t;
     compare_result one, three;
-    unsigned families = 1u << RAYS_TANGENT | 1u << RAYS_UNIFORM;
-    (void)wrong_of(MUTANT_EPSILON, families, 1, &one);
-    (void)wrong_of(MUTANT_EPSILON, families, 3, &three);
+    trial_open(&t);
+    trial_run(&t, 1, &one);
+    trial_run(&t, 3, &three);
     assert_memory_equal(one.families, three.families, sizeof one.families);
     assert_int_equal(one.failures.count, three.failures.count);
     for (size_t i = 0; i < one.failures.count; ++i)
         assert_int_equal(one.failures.items[i].index, three.failures.items[i].index);
     compare_result_free(&one);
     compare_result_free(&three);
+    trial_close(&t);
 }
 
 /* ---- rays and counts ---- */
@@ -674,18 +616,29 @@ static void test_histogram(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_agree),         cmocka_unit_test(test_tie),
-        cmocka_unit_test(test_edge_and_leak), cmocka_unit_test(test_range),
-        cmocka_unit_test(test_conditioned),   cmocka_unit_test(test_wrong),
-        cmocka_unit_test(test_beyond),        cmocka_unit_test(test_any),
-        cmocka_unit_test(test_any_shadows),   cmocka_unit_test(test_textbook),
-        cmocka_unit_test(test_errors),        cmocka_unit_test(test_sphere_errors),
-        cmocka_unit_test(test_no_mutant),     cmocka_unit_test(test_mutants),
-        cmocka_unit_test(test_threads),       cmocka_unit_test(test_rays),
-        cmocka_unit_test(test_histogram),     cmocka_unit_test(test_close_roots),
-        cmocka_unit_test(test_far_root),      cmocka_unit_test(test_open_ends),
-        cmocka_unit_test(test_details),       cmocka_unit_test(test_statistics),
-        cmocka_unit_test(test_declared_unit), cmocka_unit_test(test_power),
+        cmocka_unit_test(test_agree),
+        cmocka_unit_test(test_tie),
+        cmocka_unit_test(test_edge_and_leak),
+        cmocka_unit_test(test_range),
+        cmocka_unit_test(test_conditioned),
+        cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_beyond),
+        cmocka_unit_test(test_any),
+        cmocka_unit_test(test_any_shadows),
+        cmocka_unit_test(test_textbook),
+        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_sphere_errors),
+        cmocka_unit_test(failures_fail_again_when_their_calls_are_asked_again),
+        cmocka_unit_test(no_number_and_no_failure_depends_on_the_threads),
+        cmocka_unit_test(test_rays),
+        cmocka_unit_test(test_histogram),
+        cmocka_unit_test(test_close_roots),
+        cmocka_unit_test(test_far_root),
+        cmocka_unit_test(test_open_ends),
+        cmocka_unit_test(test_details),
+        cmocka_unit_test(test_statistics),
+        cmocka_unit_test(test_declared_unit),
+        cmocka_unit_test(test_power),
         cmocka_unit_test(test_slit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -56,6 +56,7 @@ typedef struct validate_results {
     extremes_failures extremes_failures;
     shading_rows shading;
     shading_images images;
+    double start; /* clock_seconds() */
 } validate_results;
 
 /* A scene and what answers and judges rays in it. */
@@ -69,6 +70,12 @@ typedef struct validate_stage {
 
 /* Names of extreme cases: this, the group, a colon, the number. */
 #define VALIDATE_EXTREME "extreme:"
+
+/* ---- validate_run.c ---- */
+
+/* Judges all tracers over all scenes and appends their runs, and what a tracer cannot hold. */
+fathom_status validate_run_all(fathom_context *context, const validate_settings *settings,
+                               validate_results *results);
 
 /* ---- validate_stage.c ---- */
 

@@ -30,7 +30,7 @@ static void format_line(const char *spec, const compare_failure *f, char line[LI
 }
 
 static const char *way_name(unsigned way) {
-    return way == COMPARE_FIRST ? "first" : way == COMPARE_REPAIRED ? "repaired" : ask_way_name(way);
+    return way == COMPARE_FIRST ? "first" : way == ASK_REPAIRED ? "repaired" : ask_way_name(way);
 }
 
 static void put_text(file_writer *writer, const char *text) { file_writer_put(writer, text, strlen(text)); }

@@ -134,8 +134,8 @@ static void print_wrong(const validate_run *run) {
     const uint64_t closest = sum.counts[VERDICT_WRONG], any = sum.any_counts[VERDICT_WRONG],
                    others = sum.other_counts[VERDICT_WRONG];
     if (!closest && !any && !others) return;
-    printf("found: %s, %s: wrong: %llu closest hits, %llu any hits, %llu answers to other ways of asking or "
-           "screened\n",
+    printf("found: %s, %s: wrong: %llu closest hits, %llu any hits, %llu answers to other ways of asking, "
+           "repaired or screened\n",
            run->spec, run->scene, (unsigned long long)closest, (unsigned long long)any,
            (unsigned long long)others);
 }

@@ -3,14 +3,9 @@
  *
  * Triangle, n its normal: t moves by n·δ / (d·n) for a displacement δ of the origin, by t n·δ / (d·n) for one
  * of the direction, by -w_k n·δ / (d·n) for one of corner k with weight w_k. So the condition of t is Σ|n_i|
- * s_i / |d·n| with the shape's size Σ_k |w_k| |V_k,i|. The weight of corner k is d·(p×q) / (d·n), p and q the
- * other two seen from E; its gradient by the origin is h = (d × (q-p)) / (d·n) up to sign, by the rest the
- * same factors: its condition is Σ|h_i| s_i. That of `edge` is the largest of the weights that may be the
- * smallest: of all three.
+ * s_i / |d·n| with the shape's size Σ_k |w_k| |V_k,i|.
  *
- * Sphere, m = P - C: t moves by m·δ / (d·m) and by R δR / (d·m): (Σ|m_i| s_i + R²) / |d·m|. The edge 1 -
- * l²/R², with l from the centre to the closest approach at t': 2 (Σ|l_i| s'_i + l²) / R², where s' has t' for
- * t.
+ * Sphere, m = P - C: t moves by m·δ / (d·m) and by R δR / (d·m): (Σ|m_i| s_i + R²) / |d·m|.
  *
  * Plane: as a triangle, plus |P - point|_i |n_i| for its normal.
  *
@@ -18,6 +13,7 @@
  * inverse A of M instead is off by |M| |A| |M| where M itself is off by |M|, for each of its few roundings.
  * Sizes here are plain binary128: a condition number needs no more digits than one. */
 #include "verify/exact/exact.h"
+#include "verify/mode.h"
 
 typedef real_f128 real;
 
@@ -92,8 +88,7 @@ static void add_point(real out[3], real weight, vec3_f128 p) {
 
 static double ratio(real a, real b) { return b == 0 ? (double)INFINITY : (double)(a / abs_f128(b)); }
 
-static oracle_condition of_triangle(const oracle_primitive *triangle, const sizes *size,
-                                    const oracle_answer *answer) {
+static double of_triangle(const oracle_primitive *triangle, const sizes *size, const oracle_answer *answer) {
     vec3_f128 v[3];
     real s[3];
     moved(size, answer->t.value, s);
@@ -102,57 +97,38 @@ static oracle_condition of_triangle(const oracle_primitive *triangle, const size
         add_point(s, answer->weight[k].value, v[k]);
     }
     vec3_f128 n = cross_f128(sub_f128(v[1], v[0]), sub_f128(v[2], v[0]));
-    real along = dot_f128(size->d, n), edge = 0;
-    for (int k = 0; k < 3; ++k) {
-        real h = weighted(cross_f128(size->d, sub_f128(v[(k + 2) % 3], v[(k + 1) % 3])), s);
-        edge = h > edge ? h : edge;
-    }
-    return (oracle_condition){ratio(weighted(n, s), along), ratio(edge, along)};
+    return ratio(weighted(n, s), dot_f128(size->d, n));
 }
 
-static oracle_condition of_sphere(const oracle_primitive *sphere, const sizes *size,
-                                  const oracle_answer *answer) {
-    vec3_f128 center = quadruple_f64(oracle_center(sphere)), f = sub_f128(size->o, center);
-    real radius = (real)sphere->radius + (real)sphere->radius_rest, r2 = radius * radius, s[3];
-    real approach = -dot_f128(f, size->d) / dot_f128(size->d, size->d);
-    vec3_f128 l = madd_f128(f, approach, size->d), m = madd_f128(f, answer->t.value, size->d);
-    moved(size, approach, s);
-    add_point(s, 1, center);
-    oracle_condition condition = {(double)INFINITY, ratio(2 * (weighted(l, s) + dot_f128(l, l)), r2)};
-    if (!answer->line) return condition;
+/* At a tangent d·m is zero but for rounding. */
+static double of_sphere(const oracle_primitive *sphere, const sizes *size, const oracle_answer *answer) {
+    if (!(answer->edge.value > 0)) return (double)INFINITY;
+    vec3_f128 center = quadruple_f64(oracle_center(sphere));
+    vec3_f128 m = madd_f128(sub_f128(size->o, center), answer->t.value, size->d);
+    real radius = (real)sphere->radius + (real)sphere->radius_rest, s[3];
     moved(size, answer->t.value, s);
     add_point(s, 1, center);
-    /* At a tangent d·m is zero but for rounding. */
-    if (answer->edge.value > 0) condition.t = ratio(weighted(m, s) + r2, dot_f128(size->d, m));
-    return condition;
+    return ratio(weighted(m, s) + radius * radius, dot_f128(size->d, m));
 }
 
-static oracle_condition of_plane(const oracle_primitive *plane, const sizes *size,
-                                 const oracle_answer *answer) {
+static double of_plane(const oracle_primitive *plane, const sizes *size, const oracle_answer *answer) {
     vec3_f128 point = quadruple_f32(plane->v[0]), n = quadruple_f32(plane->v[1]);
     real s[3];
     moved(size, answer->t.value, s);
     add_point(s, 1, point);
     add_point(s, 1, sub_f128(madd_f128(size->o, answer->t.value, size->d), point));
-    return (oracle_condition){ratio(weighted(n, s), dot_f128(size->d, n)), 0};
+    return ratio(weighted(n, s), dot_f128(size->d, n));
 }
 
-static oracle_condition of_shape(const oracle_primitive *primitive, const sizes *size,
-                                 const oracle_answer *answer) {
+MODE_APART double condition_of(const oracle_ray *ray, const oracle_primitive *primitive,
+                               const oracle_answer *answer, bool inverted) {
+    sizes size;
+    sizes_of(ray, primitive->instance, inverted, &size);
     switch (primitive->shape) {
-    case ORACLE_SPHERE: return of_sphere(primitive, size, answer);
-    case ORACLE_PLANE: return of_plane(primitive, size, answer);
+    case ORACLE_SPHERE: return of_sphere(primitive, &size, answer);
+    case ORACLE_PLANE: return of_plane(primitive, &size, answer);
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: break;
     }
-    return of_triangle(primitive, size, answer);
-}
-
-void condition_set(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer) {
-    sizes size;
-    sizes_of(ray, primitive->instance, false, &size);
-    answer->condition = answer->inverted = of_shape(primitive, &size, answer);
-    if (!primitive->instance) return;
-    sizes_of(ray, primitive->instance, true, &size);
-    answer->inverted = of_shape(primitive, &size, answer);
+    return of_triangle(primitive, &size, answer);
 }

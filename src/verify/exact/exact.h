@@ -30,8 +30,9 @@ bool estimate_solve(const oracle_ray *ray, const oracle_primitive *primitive, so
 /* In whole numbers; always succeeds. */
 void exact_solve(const oracle_ray *ray, const oracle_primitive *primitive, solution *out);
 
-/* Sets the condition numbers of an answer whose t, weights and edge are set; a quad is given by its part. */
-void condition_set(const oracle_ray *ray, const oracle_primitive *primitive, oracle_answer *answer);
+/* As oracle_condition(); a quad is given by its part. */
+double condition_of(const oracle_ray *ray, const oracle_primitive *primitive, const oracle_answer *answer,
+                    bool inverted);
 
 /* ---- whole numbers: GMP's, of up to 16384 bits in limbs of our own, so that nothing allocates ----
  *

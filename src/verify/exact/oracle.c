@@ -67,14 +67,6 @@ static void judge_flat(const solution *s, const oracle_primitive *primitive, ora
     answer->above_near = s->above_near[0], answer->below_far = s->below_far[0];
 }
 
-static void set_position(const oracle_ray *ray, oracle_answer *answer) {
-    const float org[3] = {ray->org.x, ray->org.y, ray->org.z}, dir[3] = {ray->dir.x, ray->dir.y, ray->dir.z};
-    for (int i = 0; i < 3; ++i) {
-        answer->position[i] =
-            ball_add(ball_exact((double)org[i]), ball_mul(answer->t, ball_exact((double)dir[i])));
-    }
-}
-
 /* A sphere, triangle or plane. */
 static void ask_one(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
                     oracle_answer *answer) {
@@ -89,8 +81,6 @@ static void ask_one(const oracle_ray *ray, const oracle_primitive *primitive, or
         judge_sphere(&s, answer);
     else
         judge_flat(&s, primitive, answer);
-    if (answer->line) set_position(ray, answer);
-    condition_set(ray, primitive, answer);
 }
 
 /* The primitive that the answer's t belongs to: for a quad, the part's triangle. */
@@ -152,6 +142,15 @@ void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle
     unsigned mode = mode_enter();
     ask(ray, primitive, way, answer);
     mode_leave(mode);
+}
+
+double oracle_condition(const oracle_ray *ray, const oracle_primitive *primitive, const oracle_answer *answer,
+                        bool inverted) {
+    unsigned mode = mode_enter();
+    oracle_primitive one = part_of(primitive, answer->part);
+    double condition = condition_of(ray, &one, answer, inverted);
+    mode_leave(mode);
+    return condition;
 }
 
 static void root_of(const oracle_ray *ray, const oracle_pair *pair, exact_root *out) {

@@ -44,14 +44,7 @@ static inline double oracle_radius(const oracle_primitive *p) {
     return (double)p->radius + (double)p->radius_rest;
 }
 
-/* How far inputs off by a relative u each move a result, to first order: by at most u times this. Infinite
- * where it is not differentiable. */
-typedef struct oracle_condition {
-    double t, edge;
-} oracle_condition;
-
-/* Balls are known to 2^-40 of themselves and are exactly zero where the number is, except those of
- * `position`. */
+/* Balls are known to 2^-40 of themselves and are exactly zero where the number is. */
 typedef struct oracle_answer {
     bool hit;
     bool exact;    /* whole numbers were needed */
@@ -69,9 +62,6 @@ typedef struct oracle_answer {
      * two weights at the outer edges; of a miss the larger of both parts' smallest weights. Sphere: 1 - l²/R²
      * with l the line's distance from the centre. Plane: 1. */
     ball edge;
-    ball position[3];           /* in world coordinates; set when line is */
-    oracle_condition condition; /* for the inputs as given, to_object among them */
-    oracle_condition inverted;  /* where the tracer inverts to_world in its own precision, as Embree does */
 } oracle_answer;
 
 /* ORACLE_EXACT goes to whole numbers at once: the self-test compares both ways. */
@@ -79,6 +69,12 @@ typedef enum oracle_way { ORACLE_FAST, ORACLE_EXACT } oracle_way;
 
 void oracle_ask(const oracle_ray *ray, const oracle_primitive *primitive, oracle_way way,
                 oracle_answer *answer);
+
+/* How far inputs off by a relative u each move the t of an answer whose line is set, to first order: by at
+ * most u times this. Infinite where t is not differentiable. Inputs are those given, to_object among them;
+ * `inverted`: for a tracer that inverts to_world in its own precision, as Embree does. */
+double oracle_condition(const oracle_ray *ray, const oracle_primitive *primitive, const oracle_answer *answer,
+                        bool inverted);
 
 /* A primitive and its answer to one ray. */
 typedef struct oracle_pair {

@@ -264,7 +264,7 @@ static verdict judge_hit(judge *j, const verdict_answer *said, verdict_report *o
         out->exact_t = value(a.t),
         out->t_signed = (double)((real_f128)said->t + (real_f128)said->t_low - a.t.value);
         out->t_error = fabs(out->t_signed);
-        out->condition = j->tracer->inverted ? a.inverted.t : a.condition.t;
+        out->condition = oracle_condition(ray, &p, &a, j->tracer->inverted);
         out->primitive = p, out->exact = a;
     }
     verdict met = judge_meeting(j, &p, &a, said->t, &bound);
@@ -334,6 +334,15 @@ static bool casts(const world *w, const verdict_answer *a) {
     return !(flags & FATHOM_CASTS_NO_SHADOW);
 }
 
+/* Whether this primitive, which casts a shadow, is met exactly. */
+static bool is_met(const judge *j, const verdict_answer *a) {
+    if (!casts(j->world, a)) return false;
+    oracle_primitive p = search_primitive(j->world, a->geometry, a->primitive, a->instance);
+    oracle_answer answer;
+    oracle_ask(j->ray, &p, ORACLE_FAST, &answer);
+    return answer.hit;
+}
+
 /* The tracer reports a hit where there is none. */
 static verdict judge_phantom(judge *j, const verdict_answer *hint) {
     if (hint && casts(j->world, hint)) {
@@ -357,8 +366,9 @@ static verdict judge_phantom(judge *j, const verdict_answer *hint) {
 bool verdict_any(const search *s, const world *w, const verdict_tracer *tracer, const oracle_ray *ray,
                  bool met, const verdict_answer *hint, search_result *room, verdict *out) {
     judge j = {s, w, tracer, ray, room, true, false, NULL};
-    bool exact = isfinite(judge_nearest(&j, ray));
     *out = VERDICT_AGREE;
+    if (met && hint && is_met(&j, hint)) return true; /* without a search */
+    bool exact = isfinite(judge_nearest(&j, ray));
     if (exact && !met) {
         search_hit first = room->ties.items[0];
         *out = judge_skip(&j, &first, (double)INFINITY);
