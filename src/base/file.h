@@ -17,18 +17,16 @@ typedef struct file_map {
     struct file_record *record; /* of the mapped file; NULL: a copy, or nothing */
 } file_map;
 
-/* FATHOM_BAD_INPUT when the file is missing, unreadable, empty, or a folder, pipe or device; the message
- * names it. FATHOM_OUT_OF_RESOURCES when memory or descriptors ran out. FATHOM_BAD_USAGE: it is an output
- * (fathom_file_protect()). */
+/* FATHOM_BAD_INPUT when the file is missing, unreadable, empty, or a folder, pipe or device;
+ * FATHOM_OUT_OF_RESOURCES without memory or descriptors; FATHOM_BAD_USAGE when it is an output. */
 fathom_status file_open(fathom_context *context, const char *path, file_map *out);
 void file_close(file_map *map);
-/* FATHOM_BAD_INPUT when the file was truncated, or its size or modification time changed, since it was
- * opened: what was read from it cannot be trusted. Any thread may call it. */
+/* FATHOM_BAD_INPUT when the file's size or modification time changed since it was opened. Any thread may call
+ * it. */
 fathom_status file_check(fathom_context *context, const file_map *map);
 /* file_close() after reading ended with `status`. Returns it, or the failure of file_check(). */
 fathom_status file_finish(fathom_context *context, file_map *map, fathom_status status);
-/* Releases the memory under the bytes from `begin` to `end`, in whole pages. The next read brings them back
- * from the file. */
+/* Releases the memory under the bytes, in whole pages, until they are read again. */
 void file_rest(const file_map *map, size_t begin, size_t end);
 
 /* Writes a whole file or none, even if the process is killed or the machine stops: bytes go to a temporary
@@ -54,8 +52,8 @@ void file_writer_sync(file_writer *writer);
 fathom_status file_writer_commit(file_writer *writer);
 void file_writer_abort(file_writer *writer);
 
-/* Locks a file against others that take its lock, in any process: they get FATHOM_BAD_USAGE. On FATHOM_OK end
- * with file_lock_release(), which takes NULL too. */
+/* Locks a file in all processes: others get FATHOM_BAD_USAGE. End with file_lock_release(), which takes NULL.
+ */
 typedef struct file_lock file_lock;
 fathom_status file_lock_take(fathom_context *context, const char *path, file_lock **out);
 void file_lock_release(file_lock *lock);

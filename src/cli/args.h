@@ -70,9 +70,9 @@ typedef struct args_spec {
 
 typedef enum args_result { ARGS_READY, ARGS_HELP, ARGS_WRONG } args_result;
 
-/* argv[0] is the command's own name and is passed over. Takes --name value, --name=value, -n value, -nvalue,
- * and "--" before operands that begin with a dash. --help or -h anywhere before "--" is ARGS_HELP, whatever
- * else is wrong. The strings stay argv's. */
+/* Skips argv[0]. Takes --name value, --name=value, -n value, -nvalue, and "--" before operands that begin
+ * with a dash. --help or -h before "--" is ARGS_HELP, even if something else is wrong. The strings stay
+ * argv's. */
 args_result args_parse(const args_spec *spec, int argc, char **argv, void *settings, args_problem *problem);
 
 const args_option *args_options(const args_spec *spec);

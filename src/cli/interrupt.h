@@ -1,8 +1,6 @@
-/* Signals that end a process: Ctrl-C and SIGTERM, a closed terminal (SIGHUP), a limit on processor time
- * (SIGXCPU). And SIGUSR1, which saves.
- *
- * The first one stops at once while there is nothing to save; afterwards it sets a flag, and what is finished
- * gets saved. A second Ctrl-C or SIGTERM ends the process on the spot. */
+/* Signals that end a process: Ctrl-C, SIGTERM, a closed terminal (SIGHUP), a limit on processor time
+ * (SIGXCPU). The first one ends it at once while there is nothing to save; later it sets a flag, and the
+ * finished work is saved. A second Ctrl-C or SIGTERM ends it at once. SIGUSR1 saves. */
 #ifndef CLI_INTERRUPT_H
 #define CLI_INTERRUPT_H
 

@@ -8,9 +8,8 @@
 
 /* ---- files ---- */
 
-/* Before any work is done: FATHOM_BAD_USAGE when two of the outputs, or one of them and `input` (may be
- * NULL), are the same file, however they are spelled. From then on reading one of them is FATHOM_BAD_USAGE,
- * whatever scene names it. */
+/* FATHOM_BAD_USAGE when two of the outputs, or one of them and `input` (may be NULL), are the same file.
+ * Reading one of them is FATHOM_BAD_USAGE afterwards. */
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input);
 
@@ -29,9 +28,9 @@ bool outputs_is_standard(const char *path);
  * of the program's own with that extension, until standard_output_begin(). */
 bool take_output(const args_option *option, const char *value, void *field, args_problem *problem);
 
-/* FATHOM_BAD_USAGE when two of the images and the `count` other files (of which some may be NULL) are to go
- * there, or an image and it is a terminal. Puts the path of a temporary file in place of the image's name; it
- * may be called again for a list that was read again. Ends with standard_output_end(). */
+/* Puts the path of a temporary file in place of the name of the image that goes there. FATHOM_BAD_USAGE when
+ * two of the images and the `count` other files (NULL: none) go there, or an image and it is a terminal. May
+ * be called again for a list that was read again. Ends with standard_output_end(). */
 fathom_status standard_output_begin(fathom_context *context, args_list *images, const char *const *files,
                                     size_t count);
 /* Once image `index` is written to `path`: copies the file if it is the one for standard output, and removes

@@ -204,42 +204,40 @@ static void lane_store(const plugin_tracer *tracer, const fathom_plugin_block *f
     fine->t[i] = from->t[i], fine->t_low[i] = 0, fine->u[i] = from->u[i], fine->v[i] = from->v[i];
 }
 
-static void plugin_closest(const trace_tracer *base, trace_block *blocks, trace_fine *fine, size_t count,
-                           trace_coherence coherence) {
-    (void)coherence;
-    const plugin_tracer *tracer = (const plugin_tracer *)base;
+/* Closest hits of `blocks`, or any hits of `rays` where those are NULL. */
+static void ask(const plugin_tracer *tracer, const plugin_part *part, trace_block *blocks, trace_rays *rays,
+                trace_fine *fine, size_t count) {
     size_t total = (count + LANES - 1) / LANES;
     fathom_plugin_block batch[BATCH];
     for (size_t first = 0; first < total; first += BATCH) {
         size_t n = total - first < BATCH ? total - first : BATCH;
-        for (size_t b = 0; b < n; ++b)
-            block_load(&blocks[first + b].rays, trace_lanes(count, first + b), &batch[b]);
-        tracer->plugin->closest(tracer->all.data, batch, n);
-        for (size_t b = 0; b < n; ++b)
-            for (unsigned i = 0; i < trace_lanes(count, first + b); ++i)
-                lane_store(tracer, &batch[b], i, &blocks[first + b], fine ? &fine[first + b] : NULL);
+        for (size_t b = first; b < first + n; ++b)
+            block_load(blocks ? &blocks[b].rays : &rays[b], trace_lanes(count, b), &batch[b - first]);
+        (blocks ? tracer->plugin->closest : tracer->plugin->any)(part->data, batch, n);
+        for (size_t b = first; b < first + n; ++b) {
+            const fathom_plugin_block *from = &batch[b - first];
+            for (unsigned i = 0; i < trace_lanes(count, b); ++i) {
+                if (blocks)
+                    lane_store(tracer, from, i, &blocks[b], fine ? &fine[b] : NULL);
+                else if (from->active >> i & 1 && from->primitive[i] < part->triangle_count)
+                    rays[b].t_far[i] = -INFINITY;
+            }
+        }
     }
+}
+
+static void plugin_closest(const trace_tracer *base, trace_block *blocks, trace_fine *fine, size_t count,
+                           trace_coherence coherence) {
+    (void)coherence;
+    const plugin_tracer *tracer = (const plugin_tracer *)base;
+    ask(tracer, &tracer->all, blocks, NULL, fine, count);
 }
 
 static void plugin_any(const trace_tracer *base, trace_rays *blocks, size_t count,
                        trace_coherence coherence) {
     (void)coherence;
     const plugin_tracer *tracer = (const plugin_tracer *)base;
-    const plugin_part *part = tracer->own_shadows ? &tracer->shadows : &tracer->all;
-    size_t total = (count + LANES - 1) / LANES;
-    fathom_plugin_block batch[BATCH];
-    for (size_t first = 0; first < total; first += BATCH) {
-        size_t n = total - first < BATCH ? total - first : BATCH;
-        for (size_t b = 0; b < n; ++b)
-            block_load(&blocks[first + b], trace_lanes(count, first + b), &batch[b]);
-        tracer->plugin->any(part->data, batch, n);
-        for (size_t b = 0; b < n; ++b) {
-            for (unsigned i = 0; i < LANES; ++i) {
-                bool met = batch[b].active >> i & 1 && batch[b].primitive[i] < part->triangle_count;
-                if (met) blocks[first + b].t_far[i] = -INFINITY;
-            }
-        }
-    }
+    ask(tracer, tracer->own_shadows ? &tracer->shadows : &tracer->all, NULL, blocks, NULL, count);
 }
 
 /* ---- life ---- */

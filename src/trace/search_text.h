@@ -178,33 +178,6 @@ static inline void FN(search_end)(FN(search) * s, trace_block *block, trace_fine
     fine->u[lane] = (double)s->best.u, fine->v[lane] = (double)s->best.v;
 }
 
-/* Traces lane by lane. `walk` looks for hits in everything but the planes. */
-static inline void FN(search_closest)(const trace_tracer *tracer, trace_form form, trace_block *blocks,
-                                      trace_fine *fine, size_t count,
-                                      void (*walk)(FN(search) * s, const trace_tracer *tracer)) {
-    for (size_t i = 0; i < count; ++i) {
-        trace_block *block = &blocks[i / LANES];
-        FN(search) s;
-        if (FN(search_begin)(&s, tracer->world, form, &block->rays, i % LANES, false)) {
-            walk(&s, tracer);
-            FN(search_planes)(&s);
-        }
-        FN(search_end)(&s, block, fine ? &fine[i / LANES] : NULL, i % LANES);
-    }
-}
-
-static inline void FN(search_any)(const trace_tracer *tracer, trace_form form, trace_rays *blocks,
-                                  size_t count, void (*walk)(FN(search) * s, const trace_tracer *tracer)) {
-    for (size_t i = 0; i < count; ++i) {
-        trace_rays *rays = &blocks[i / LANES];
-        FN(search) s;
-        if (!FN(search_begin)(&s, tracer->world, form, rays, i % LANES, true)) continue;
-        walk(&s, tracer);
-        FN(search_planes)(&s);
-        if (s.met) rays->t_far[i % LANES] = -INFINITY;
-    }
-}
-
 #undef REAL
 #undef VEC3
 #undef FN

@@ -53,37 +53,29 @@ static void set_hit(trace_block *block, unsigned lane, const world_plane *plane,
     hits->instance[lane] = FATHOM_NONE;
 }
 
-/* On equal t the earlier hit stays: geometry wins over planes, and a plane over those after it. */
-static void planes_closest(const world *w, trace_block *blocks, size_t count) {
-    if (!w->planes.count) return;
-    for (size_t b = 0; b * LANES < count; ++b) {
-        unsigned lanes = trace_lanes(count, b);
-        for (size_t p = 0; p < w->planes.count; ++p) {
-            const world_plane *plane = &w->planes.items[p];
-            const trace_rays *rays = &blocks[b].rays;
-            float t[LANES];
-            planes_distances(plane, rays, lanes, t);
-            for (unsigned i = 0; i < lanes; ++i)
-                if (t[i] > rays->t_near[i] && t[i] < rays->t_far[i])
-                    set_hit(&blocks[b], i, plane, (uint32_t)p, t[i]);
+/* Closest hits of `block`, or any hits of `rays` where that is NULL. On equal t the earlier hit stays:
+ * geometry wins over planes, and a plane over those after it. */
+static void trace_planes(const world *w, trace_rays *rays, trace_block *block, unsigned lanes) {
+    for (size_t p = 0; p < w->planes.count; ++p) {
+        const world_plane *plane = &w->planes.items[p];
+        if (!block && plane->flags & FATHOM_CASTS_NO_SHADOW) continue;
+        float t[LANES];
+        planes_distances(plane, rays, lanes, t);
+        for (unsigned i = 0; i < lanes; ++i) {
+            if (!(t[i] > rays->t_near[i] && t[i] < rays->t_far[i])) continue;
+            if (block)
+                set_hit(block, i, plane, (uint32_t)p, t[i]);
+            else
+                rays->t_far[i] = -INFINITY;
         }
     }
 }
 
-/* Sets t_far = -infinity where a plane that casts shadows is met. */
-static void planes_any(const world *w, trace_rays *blocks, size_t count) {
-    for (size_t p = 0; p < w->planes.count; ++p) {
-        const world_plane *plane = &w->planes.items[p];
-        if (plane->flags & FATHOM_CASTS_NO_SHADOW) continue;
-        for (size_t b = 0; b * LANES < count; ++b) {
-            trace_rays *rays = &blocks[b];
-            unsigned lanes = trace_lanes(count, b);
-            float t[LANES];
-            planes_distances(plane, rays, lanes, t);
-            for (unsigned i = 0; i < lanes; ++i)
-                if (t[i] > rays->t_near[i] && t[i] < rays->t_far[i]) rays->t_far[i] = -INFINITY;
-        }
-    }
+static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
+                    trace_coherence coherence) {
+    tracer->ops->closest(tracer, blocks, fine, count, coherence);
+    for (size_t b = 0; !tracer->ops->planes && b * LANES < count; ++b)
+        trace_planes(tracer->world, &blocks[b].rays, &blocks[b], trace_lanes(count, b));
 }
 
 /* ---- tracers ---- */
@@ -119,14 +111,12 @@ void trace_destroy(trace_tracer *tracer) {
 }
 
 void trace_closest(const trace_tracer *tracer, trace_block *blocks, size_t count, trace_coherence coherence) {
-    tracer->ops->closest(tracer, blocks, NULL, count, coherence);
-    if (!tracer->ops->planes) planes_closest(tracer->world, blocks, count);
+    closest(tracer, blocks, NULL, count, coherence);
 }
 
 void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                         trace_coherence coherence) {
-    tracer->ops->closest(tracer, blocks, fine, count, coherence);
-    if (!tracer->ops->planes) planes_closest(tracer->world, blocks, count);
+    closest(tracer, blocks, fine, count, coherence);
     for (size_t i = 0; i < count; ++i) {
         const trace_block *block = &blocks[i / LANES];
         trace_fine *to = &fine[i / LANES];
@@ -140,7 +130,8 @@ void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_f
 
 void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
     tracer->ops->any(tracer, blocks, count, coherence);
-    if (!tracer->ops->planes) planes_any(tracer->world, blocks, count);
+    for (size_t b = 0; !tracer->ops->planes && b * LANES < count; ++b)
+        trace_planes(tracer->world, &blocks[b], NULL, trace_lanes(count, b));
 }
 
 const char *trace_name(const trace_tracer *tracer) { return tracer->name; }

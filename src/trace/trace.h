@@ -39,7 +39,7 @@ static inline void trace_rays_move(const trace_rays *from, size_t i, trace_rays 
     to->t_near[k] = from->t_near[i], to->t_far[k] = from->t_far[i];
 }
 
-/* Hits, laid out as Embree's RTCHit16 in either version. After trace_closest() the ids are the world's. */
+/* Hits, laid out as Embree's RTCHit16. After trace_closest() the ids are the world's. */
 typedef struct trace_hits {
     _Alignas(64) float ng_x[16];
     float ng_y[16], ng_z[16], u[16], v[16]; /* as the tracer computed them; the renderer makes its own */
@@ -97,8 +97,8 @@ fathom_status trace_create(fathom_context *context, const world *w, const trace_
                            trace_tracer **out);
 void trace_destroy(trace_tracer *tracer);
 
-/* Each rendering thread calls this before its first ray: Embree wants denormals flushed to zero, and every
- * tracer gets the same arithmetic. Returns the state for trace_thread_end(). */
+/* Each rendering thread calls this before its first ray: denormals are flushed to zero, as Embree wants it.
+ * Returns the state for trace_thread_end(). */
 unsigned trace_thread_begin(void);
 void trace_thread_end(unsigned state);
 
@@ -124,8 +124,7 @@ const char *trace_name(const trace_tracer *tracer);
 size_t trace_piece(const trace_tracer *tracer);
 /* The name that Embree's tracer has on this machine, by default. */
 void trace_embree_name(char *out, size_t size);
-/* The name, and everything else that answers may depend on: "Embree 3.13.5, AVX-512, triangles, robust,
- * settled". */
+/* The name, and all that answers depend on: "Embree 3.13.5, AVX-512, triangles, robust, settled". */
 void trace_identity(const trace_tracer *tracer, char out[128]);
 uint64_t trace_bvh_bytes(const trace_tracer *tracer);
 /* The most memory held while building, and the expected figure; 0: unknown. */

@@ -17,9 +17,8 @@ typedef ARRAY(trace_crossing) trace_crossings;
 typedef struct trace_ops {
     /* Releases the tracer and everything it owns. */
     void (*destroy)(trace_tracer *tracer);
-    /* As trace_closest() and trace_any(), without the world's planes, which trace.c adds afterwards. For
-     * each of the first `count` lanes closest() sets the ids of the hit and t_far, or geometry = FATHOM_NONE
-     * and leaves t_far. `fine` may be NULL, and stays as it is where `fine` below is false. */
+    /* As trace_closest() and trace_any(); trace.c adds planes. closest() sets the ids of the hit and t_far,
+     * or geometry = FATHOM_NONE. `fine` may be NULL, and is not set where `fine` below is false. */
     void (*closest)(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                     trace_coherence coherence);
     void (*any)(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
@@ -29,9 +28,9 @@ typedef struct trace_ops {
 
 /* For watertight.c. */
 typedef struct trace_retry {
-    /* Looks again, thoroughly and slowly, for what the lane's ray meets by the reference intersector nearer
-     * than its t_far (any: inside its interval). `round` counts up from 0 as long as nothing helps. Whether
-     * anything was found: then the lane is as closest() leaves it, or its t_far -infinity. */
+    /* Looks again, slowly, for what the lane's ray meets by the reference intersector nearer than its t_far
+     * (any: inside its interval). `round` counts up from 0. True if anything was found: then the lane is as
+     * after closest() or any(). */
     bool (*closest)(const trace_tracer *tracer, trace_block *block, unsigned lane, unsigned round);
     bool (*any)(const trace_tracer *tracer, trace_rays *rays, unsigned lane, unsigned round);
     /* Adds all triangles of a group, and for group 0 of the instances, on the way from org along dir, each

@@ -1,8 +1,6 @@
-/* The public API for rays of one's own.
- *
- * Rays are moved near the world's origin in double before they become float, and t, point and normals of
- * what they hit are computed in double. So that a hit is in the interval exactly when its double t is, the
- * float ray's interval is a little wider, and a hit outside the user's is passed by. */
+/* The public API for the user's own rays. They are moved near the world's origin in double before they become
+ * float, and t, point and normals of hits are computed in double. A hit is in the interval exactly when its
+ * double t is: the float ray's interval is a little wider, and hits outside the user's are passed by. */
 #include "reference/reference.h"
 #include "trace/trace.h"
 
@@ -163,8 +161,8 @@ static void set_out(const world *w, const local_hit *hit, fathom_hit *out) {
     out->u = (float)hit->u, out->v = (float)hit->v;
 }
 
-/* The hit of lane `lane` on the ray org + t dir (in the world's coordinates, in double). t is computed anew
- * from the primitive; where the exact ray just passes it by, the nearest point of the primitive stands in. */
+/* The lane's hit on the ray org + t dir in the world's coordinates. Where the exact ray just misses the
+ * primitive, its nearest point is taken. */
 static void resolve_hit(const world *w, const trace_block *block, unsigned lane, vec3_f64 org, vec3_f64 dir,
                         fathom_hit *out) {
     uint32_t geometry = block->hits.geometry[lane], primitive = block->hits.primitive[lane];
@@ -264,8 +262,7 @@ static bool in_range(vec3_f64 p) {
     return fabs(p.x) < WORLD_REACH && fabs(p.y) < WORLD_REACH && fabs(p.z) < WORLD_REACH;
 }
 
-/* Scales the direction by a power of two, exactly, so that any length is good. Moves the origin to a negative
- * t_min, so that the traced interval begins at 0. */
+/* Scales the direction by a power of two, and moves the origin to a negative t_min. */
 static const char *ray_prepare(const world *w, const fathom_ray *ray, user_ray *out) {
     vec3_f64 org = load_f64(ray->origin), dir = load_f64(ray->direction);
     if (!finite_f64(org)) return "origin: is not finite";

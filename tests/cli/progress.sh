@@ -8,11 +8,12 @@ silent err.txt
 
 # Long enough, by linear search over some thousand triangles: samples until it takes more than two seconds.
 run 0 generate sphere -t 2k -o slow.glb
-spp=1
+spp=8
 while :; do
     run 0 render slow.glb -o a.exr --size 160x120 --tracer reference --threads 1 --pattern sobol --spp $spp --stats s.json
-    awk "BEGIN { exit !($(number s.json render) > 2) }" && break
-    spp=$((spp + spp))
+    seconds=$(number s.json render)
+    awk "BEGIN { exit !($seconds > 2) }" && break
+    spp=$(awk "BEGIN { n = 2.6 * $spp / ($seconds + 1e-3); print int(n < 2 * $spp ? 2 * $spp : n) }")
 done
 grep -qE '^fathom: render [0-9]+ %, [0-9.]+ [kM]rays/s, [0-9]+:[0-9][0-9] left$' err.txt || die 'no percent lines'
 grep -vqE '^fathom: (render|build) [0-9]+ %(, .*)?$' err.txt && die 'something else on stderr'

@@ -84,8 +84,11 @@ static fathom_status ask_shading(fathom_context *context, const char *name, outc
 
 static void extreme_shading(void **state) {
     (void)state;
-    refused_each = 100; /* one image or two */
-    for (size_t i = 0; i < sizeof shading / sizeof *shading; ++i) exhaust(ask_shading, shading[i]);
+    for (size_t i = 0; i < sizeof shading / sizeof *shading; ++i) {
+        /* One image or two; the two of the Earth take long, and render as the others do. */
+        refused_each = strcmp(shading[i], "earth") == 0 ? 24 : 100;
+        exhaust(ask_shading, shading[i]);
+    }
     refused_each = ULONG_MAX;
 }
 

@@ -1,9 +1,6 @@
-/* The hand-written bounding volume hierarchy gives exactly the answers of linear search, for scenes where
- * that would take days. Boxes and leaves are float, as the world's numbers are, so one structure serves every
- * precision.
- *
- * One tree for each geometry, and one for each group over its geometries; the root's also holds the
- * instances. */
+/* The hand-written BVH gives exactly the answers of linear search. Boxes and leaves are float, as the world's
+ * numbers are, so one structure serves every precision: a tree for each geometry, and one for each group over
+ * its geometries; the root's also holds the instances. */
 #ifndef TRACE_BVH_H
 #define TRACE_BVH_H
 
@@ -40,8 +37,7 @@ typedef struct bvh_item {
     uint32_t id;
 } bvh_item;
 
-/* Fills the nodes from items in any order, which it reorders. `go_on` (or NULL) is asked now and then; false:
- * FATHOM_INTERRUPTED. */
+/* Fills the nodes from the items, which it reorders. `go_on` may be NULL; false: FATHOM_INTERRUPTED. */
 typedef struct bvh_build {
     fathom_context *context;
     bool (*go_on)(void *user, double fraction);

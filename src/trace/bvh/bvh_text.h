@@ -144,22 +144,35 @@ static void FN(bvh_walk)(FN(search) * s, const bvh_tracer *tracer, const bvh_tre
 
 /* ---- blocks ---- */
 
-static void FN(bvh_root)(FN(search) * s, const trace_tracer *base) {
+static void FN(bvh_lane)(FN(search) * s, const trace_tracer *base) {
     const bvh_tracer *tracer = (const bvh_tracer *)base;
     FN(search_enter)(s, FATHOM_NONE);
     FN(bvh_walk)(s, tracer, &tracer->groups[0]);
+    FN(search_planes)(s);
 }
 
 static void FN(bvh_closest)(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                             trace_coherence coherence) {
     (void)coherence;
-    FN(search_closest)(tracer, TRACE_ROBUST, blocks, fine, count, FN(bvh_root));
+    for (size_t i = 0; i < count; ++i) {
+        trace_block *block = &blocks[i / LANES];
+        FN(search) s;
+        if (FN(search_begin)(&s, tracer->world, TRACE_ROBUST, &block->rays, i % LANES, false))
+            FN(bvh_lane)(&s, tracer);
+        FN(search_end)(&s, block, fine ? &fine[i / LANES] : NULL, i % LANES);
+    }
 }
 
 static void FN(bvh_any)(const trace_tracer *tracer, trace_rays *blocks, size_t count,
                         trace_coherence coherence) {
     (void)coherence;
-    FN(search_any)(tracer, TRACE_ROBUST, blocks, count, FN(bvh_root));
+    for (size_t i = 0; i < count; ++i) {
+        trace_rays *rays = &blocks[i / LANES];
+        FN(search) s;
+        if (!FN(search_begin)(&s, tracer->world, TRACE_ROBUST, rays, i % LANES, true)) continue;
+        FN(bvh_lane)(&s, tracer);
+        if (s.met) rays->t_far[i % LANES] = -INFINITY;
+    }
 }
 
 #undef REAL

@@ -11,8 +11,8 @@
 #include <stdatomic.h>
 #include <string.h>
 
-/* Ray and geometry masks: a ray meets what shares a bit with it. Camera and mirrored rays ask for the first,
- * shadow rays for the second, and the rays of embree_repair.c for Embree's own triangles alone. */
+/* Ray and geometry masks: for camera and mirrored rays, for shadow rays, and for the rays of embree_repair.c,
+ * which meet Embree's own triangles alone. */
 #define EMBREE_SEEN 1u
 #define EMBREE_SHADOWS 2u
 #define EMBREE_MESHES 4u
@@ -46,8 +46,8 @@ typedef struct embree_tracer {
 
 /* ---- embree_limits.c ---- */
 
-/* Takes compact structures where the usual ones do not fit into options->memory and the caller did not name
- * any; FATHOM_OUT_OF_RESOURCES where nothing fits. Also sets what the device may allocate at all. */
+/* Takes compact structures where the usual ones do not fit into options->memory and the caller named none.
+ * FATHOM_OUT_OF_RESOURCES where nothing fits. */
 fathom_status embree_fit_memory(embree_tracer *tracer);
 
 /* ---- embree_build.c ---- */
@@ -64,8 +64,8 @@ RTCGeometry embree_user_geometry(RTCDevice device, const world *w, const world_g
 
 /* True if Embree's own intersectors answer for the geometry. */
 bool embree_is_native(const trace_spec *spec, const world *w, const world_geometry *geometry);
-/* True if it is one of quads, and they are traced as triangles: primitives 2 k and 2 k + 1 for quad k. Only
- * in robust scenes: in others rays slip through where the halves meet. */
+/* True for quads that are traced as triangles, primitives 2 k and 2 k + 1 for quad k: only in robust scenes,
+ * since in others rays slip through where the halves meet. */
 bool embree_is_halved(const trace_spec *spec, const world *w, const world_geometry *geometry);
 
 /* Embree's own triangles, quads or spheres; NULL when Embree is out of memory. */
@@ -97,14 +97,12 @@ float embree_offer(embree_call *call, unsigned lane, const float *hit, unsigned 
 /* Embree takes no component of a direction for less than 1e-18 where it tests boxes. */
 #define EMBREE_LEAST_DIRECTION 0x1p-58f
 
-/* Decides a tied lane anew, with the t_far that it was asked for. The ids of its hit, Embree's until now,
- * become the world's. */
+/* Decides a tied lane anew, with its t_far as asked. */
 void embree_settle(const embree_tracer *tracer, trace_block *block, unsigned lane, float t_far);
 
 /* ---- embree_way.c ---- */
 
-/* The width of the packets in which a block goes to Embree, and whether the kernels for coherent packets
- * answer. */
+/* How a block goes to Embree: rays in a packet, and whether to its kernels for coherent packets. */
 typedef struct embree_way {
     unsigned width;
     bool coherent;
@@ -127,10 +125,10 @@ typedef struct embree_asked {
 } embree_asked;
 
 /* Our intervals are open, Embree's may be closed. The far end becomes the last float inside (infinity and
- * numbers that are not positive stay). At the near end a triangle may be met at t_near itself, so the t that
- * comes back is moved inside. Embree's t is off by more than that, except for a ray that starts in a
- * triangle, whose t is exactly 0. That is no hit, so t_near is at least the smallest number that is positive
- * on tracing threads, which flush denormals to zero. */
+ * numbers that are not positive stay). A triangle may be met at t_near itself, so the t that comes back is
+ * moved inside; Embree's t is off by more than that. A ray that starts in a triangle has a t of exactly 0,
+ * which is no hit: so t_near is at least the smallest positive number on threads that flush denormals to
+ * zero. */
 static inline float embree_last_inside(float t_far) {
     uint32_t bits;
     memcpy(&bits, &t_far, sizeof bits);
@@ -150,8 +148,7 @@ static inline float embree_move_inside(float t, float t_near, float last) {
     return t > last ? last : t;
 }
 
-/* A block once more, for calls that take fewer than 16: packets one after the other, each aligned as Embree
- * wants it. */
+/* A block as aligned packets of fewer than 16 rays, one after the other. */
 #define EMBREE_PACKET_ROWS 24
 typedef struct embree_packets {
     _Alignas(64) uint32_t rows[EMBREE_PACKET_ROWS * LANES];
@@ -178,8 +175,8 @@ struct embree_kernels {
      * intervals Embree's. */
     void (*prepare)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,
                     int valid[LANES]);
-    /* The same, and prepares the call except its context, vote and raw. Returns false and does nothing where
-     * stretch.h must scale directions first. scaled: it has done so. */
+    /* The same, and prepares the call except its context, vote and raw. False: nothing is done, because
+     * stretch.h must scale directions first. scaled: it has. */
     bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           embree_asked *asked, embree_call *call);
     /* Sets t_far, and t_near as it was. Whether lanes are tied. */
@@ -188,8 +185,7 @@ struct embree_kernels {
                       embree_asked *asked);
     void (*end_any)(trace_rays *rays, unsigned lanes, const embree_asked *asked);
     embree_spread (*spread)(const trace_rays *rays, unsigned lanes);
-    /* To packets of 1, 4 or 8, and t_far and the hits back. All sixteen lanes, so that those that are not
-     * traced stay as they are. hits may be NULL. */
+    /* To packets of 1, 4 or 8, and t_far and the hits back, for all sixteen lanes. hits may be NULL. */
     void (*split)(const trace_rays *rays, const trace_hits *hits, unsigned width, embree_packets *out);
     void (*join)(const embree_packets *from, unsigned width, trace_rays *rays, trace_hits *hits);
 };
@@ -241,8 +237,7 @@ void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tr
 
 /* Sets tracer->few where few spheres are to be tested there. */
 fathom_status embree_spheres_choose(embree_tracer *tracer);
-/* The spheres after Embree's answer for a block: hits with the world's ids, the interval and t_far as the
- * tracer's callers have them. Needs tracer->few. */
+/* Tests the spheres after Embree's answer, whose hits have the world's ids. Needs tracer->few. */
 void embree_spheres_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
                             const embree_asked *asked);
 void embree_spheres_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes,

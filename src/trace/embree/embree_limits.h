@@ -26,13 +26,12 @@ typedef struct trace_reach {
 
 bool reach_usable(vec3_f32 p);
 
-/* Returns a flag for each group: it is placed and holds something that can be hit; always set for the root.
- * Release with free(). NULL when out of memory. */
+/* A flag for each group that is placed and holds something that can be hit; set for the root. Release with
+ * free(). NULL when out of memory. */
 bool *reach_placed(const world *w);
 
-/* FATHOM_BAD_INPUT where an instance takes rays that the scene needs out of the range, or has a frame that
- * Embree cannot invert in float; a warning where instances are too far out to be seen. placed: from
- * reach_placed(). */
+/* FATHOM_BAD_INPUT where an instance takes rays out of the range, or has a frame that Embree cannot invert in
+ * float; warns of instances too far out to be seen. placed: from reach_placed(). */
 fathom_status reach_find(fathom_context *context, const world *w, const bool *placed, trace_reach *out);
 
 /* The same check without building anything. */

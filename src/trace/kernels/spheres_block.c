@@ -32,8 +32,8 @@ static ALWAYS_INLINE float of_bits(int32_t bits) {
     return x;
 }
 
-/* Floats that are not negative stand in the order of their bits, NaN last, and integers have a largest that
- * the compiler vectorises. All negative: some of them. */
+/* Floats that are not negative have the order of their bits, NaN last: the compiler vectorises a largest of
+ * integers. All negative: some of them. */
 static ALWAYS_INLINE beam beam_of(const trace_rays *rays) {
     beam b = {.org = {rays->org_x[0], rays->org_y[0], rays->org_z[0]},
               .dir = {rays->dir_x[0], rays->dir_y[0], rays->dir_z[0]}};

@@ -1,11 +1,10 @@
 /* Makes closed meshes watertight over a tracer that can miss their vertices.
  *
- * Every connected piece of a closed mesh is a body: a point lies inside or outside, whichever way its
- * triangles face. Where bodies do not cross, the same number of other bodies lies around every point of a
- * body, and of any other surface; bodies.h finds these numbers. So a ray's first hit tells how many bodies
- * lie around the ray just before it. There must be as many around the ray's origin, or the answer is wrong
- * and the ray is traced again, more thoroughly. A shadow ray whose ends lie inside different numbers of
- * bodies that cast shadows is blocked. Answers that are possible cost a few instructions a ray.
+ * Every connected piece of a closed mesh is a body: a point lies inside or outside. Where bodies do not
+ * cross, the same number of other bodies lies around every point of a surface; bodies.h finds it. So a ray's
+ * first hit tells how many bodies lie around the ray just before it. If there are not as many around the
+ * ray's origin, the answer is wrong and the ray is traced again, more thoroughly. A shadow ray whose ends lie
+ * inside different numbers of bodies that cast shadows is blocked.
  *
  * This does not detect
  * - a ray that misses two surfaces in a row, one going in and one going out, at two vertices within rounding;
