@@ -52,11 +52,12 @@ struct image_writer {
     descriptor_output proxy;
     std::unique_ptr<OIIO::ImageOutput> output;
     uint32_t next_row = 0;
+    std::string name;
     OIIO::ImageSpec next_level; /* of a mip-mapped file */
     const int descriptor;
     const bool exr;
     image_writer(const image_target &target)
-        : proxy(target.path, target.descriptor), descriptor(target.descriptor),
+        : proxy(target.path, target.descriptor), name(target.path), descriptor(target.descriptor),
           exr(target.format == IMAGE_EXR) {}
     ~image_writer() { close(descriptor); }
 };
@@ -186,6 +187,7 @@ static void add_format(OIIO::ImageSpec &spec, const image_target &target) {
         if (target.mipmapped) {
             spec.tile_width = spec.tile_height = static_cast<int>(IMAGE_TILE);
             spec.attribute("textureformat", "Plain Texture");
+            OIIO::attribute("tiff:half", 1);
         }
         break;
     case IMAGE_PNG: break; /* write_png.c */
@@ -232,9 +234,14 @@ static fathom_status writer_open(const image_target *target, image_writer **out,
         OIIO::ImageSpec spec = describe(*target);
         add_format(spec, *target);
         writer->output->threads(static_cast<int>(target->threads));
-        writer->output->set_ioproxy(&writer->proxy);
-        check(*writer, writer->output->open(target->path, spec));
-        writer->next_level = spec;
+        /* TIFF adds further levels to named files alone. */
+        if (target->mipmapped) {
+            writer->name = "/proc/self/fd/" + std::to_string(target->descriptor);
+            writer->next_level = spec;
+        } else {
+            writer->output->set_ioproxy(&writer->proxy);
+        }
+        check(*writer, writer->output->open(writer->name, spec));
         *out = writer.release();
     });
 }
@@ -260,8 +267,8 @@ static fathom_status writer_level(image_writer *writer, uint32_t width, uint32_t
         spec.width = spec.full_width = static_cast<int>(width);
         spec.height = spec.full_height = static_cast<int>(height);
         writer->next_row = 0;
-        check(*writer,
-              writer->output->open(writer->proxy.filename(), spec, OIIO::ImageOutput::AppendMIPLevel));
+        /* The levels of a TIFF texture are its images. */
+        check(*writer, writer->output->open(writer->name, spec, OIIO::ImageOutput::AppendSubimage));
     });
 }
 

@@ -24,6 +24,7 @@ struct image_texture {
     std::vector<OIIO::ImageSpec> levels; /* one, unless the file is mip-mapped */
     image_texture_info info{};
     int first_channel = 0;
+    bool premultiplied = false;
     std::unique_ptr<image_space> space;
 };
 
@@ -122,14 +123,19 @@ static void describe(image_texture &t, const image_texture_request &request) {
     t.info.sent = t.info.kept = texel;
     std::snprintf(t.info.format, sizeof t.info.format, "%s", t.input->format_name());
     t.info.band = static_cast<uint32_t>(std::max(spec.tile_height, 1));
+    /* Other formats with alpha are not premultiplied, by their definition or as OpenImageIO was asked. */
+    const std::string format = t.input->format_name();
+    t.premultiplied = t.info.channels % 2 == 0 && (format == "openexr" || format == "tiff") &&
+                      !spec.get_int_attribute("oiio:UnassociatedAlpha");
+    if (!request.space && !t.premultiplied) return;
+    t.info.sent = IMAGE_TEXEL_FLOAT;
+    t.info.kept = texel == IMAGE_TEXEL_U8 || texel == IMAGE_TEXEL_HALF ? IMAGE_TEXEL_HALF : IMAGE_TEXEL_FLOAT;
     if (!request.space) return;
     if (t.info.channels < 3) {
         throw failure(FATHOM_BAD_INPUT, std::string("expected the channels R, G and B for the color space ") +
                                             request.space + ", found " + names_of(spec));
     }
     t.space = space_open(request.config, request.space);
-    t.info.sent = IMAGE_TEXEL_FLOAT;
-    t.info.kept = texel == IMAGE_TEXEL_U8 || texel == IMAGE_TEXEL_HALF ? IMAGE_TEXEL_HALF : IMAGE_TEXEL_FLOAT;
 }
 
 static fathom_status texture_open(const image_texture_request *request, image_texture **out,
@@ -163,6 +169,14 @@ static bool read_native(image_texture &t, const image_region &r, const OIIO::Ima
     return t.input->read_tiles(0, level, x0, x1, y0, y1, 0, 1, t.first_channel, end, type, texels);
 }
 
+/* Colours by alpha. */
+static void divide(float *texels, size_t count, size_t channels) {
+    for (float *t = texels, *end = texels + count * channels; t != end; t += channels) {
+        const float alpha = t[channels - 1];
+        for (size_t c = 0; c + 1 < channels && alpha != 0; ++c) t[c] /= alpha;
+    }
+}
+
 static fathom_status texture_read(image_texture *t, const image_region *region, void *texels, size_t bytes,
                                   image_message *message) noexcept {
     return guarded(message, FATHOM_BAD_INPUT, [&] {
@@ -179,6 +193,7 @@ static fathom_status texture_read(image_texture *t, const image_region *region, 
         if (!read_native(*t, r, spec, texels) || t->input->has_error()) {
             throw failure(FATHOM_BAD_INPUT, t->input->geterror());
         }
+        if (t->premultiplied) divide(static_cast<float *>(texels), count, t->info.channels);
         if (t->space) t->space->apply(static_cast<float *>(texels), count, t->info.channels);
     });
 }

@@ -24,7 +24,7 @@ for arguments in --help -h help 'help help'; do
     said out.txt 'Usage: fathom'
     silent err.txt
 done
-for command in render merge info generate compare validate bench help; do
+for command in render merge info generate texture compare validate bench help; do
     run 0 help
     said out.txt "  $command "
     run 0 help $command
@@ -136,6 +136,10 @@ refused 2 'SCENE is missing' info
 refused 2 'unknown option --jsn; did you mean --json?; see fathom help info' info a.json --jsn
 refused 2 'KIND is missing' generate
 refused 2 'expected sphere, terrain, sponge or forest, found "spere"; did you mean sphere?' generate spere -t 9 -o a.glb
+refused 2 'IMAGE is missing' texture
+refused 2 '-o FILE is missing' texture a.png
+refused 2 'ends in .tx, .tif or .tiff' texture "$SOURCE/tests/cli/usage.sh" -o a.png
+refused 2 '--texture-memory: expected a whole number from 1000000' render a.glb -o a.png --texture-memory 9
 refused 2 '--triangles N is missing' generate sphere -o a.glb
 refused 2 '-o FILE is missing' generate sphere --triangles 100
 refused 2 'ends in .glb, .ply or .obj, found "a.stl"' generate sphere --triangles 100 -o a.stl

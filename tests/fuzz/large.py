@@ -231,9 +231,21 @@ def checkpoint():
     }
 
 
+def wire():
+    size = struct.pack("<6I", 2, 2, 0, 0, 2, 2)
+    channel = struct.pack("<I2s3I", 2, b"R", 0, 1, 1)
+    count = MEGABYTE // len(channel)
+    number = struct.pack("<I2sII", 2, b"a", 0, MEGABYTE // 8) + bytes(MEGABYTE)
+    return {
+        "channels": size + struct.pack("<2I", count, 0) + channel * count,
+        "numbers": size + struct.pack("<2I", 0, 1) + number,
+        "name": struct.pack("<8I", 4, 4, 1, 0, 0, 1, 0, MEGABYTE) + b"p" * (MEGABYTE - 1) + b"\0",
+    }
+
+
 def main(folder):
     targets = {"scene_json": scene_json, "gltf": gltf, "glb": glb_files, "obj": obj, "ply": ply, "rays": rays,
-               "command_line": command_line, "checkpoint": checkpoint}
+               "command_line": command_line, "checkpoint": checkpoint, "wire": wire}
     for target, make in targets.items():
         os.makedirs(f"{folder}/{target}", exist_ok=True)
         for name, content in make().items():

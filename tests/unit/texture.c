@@ -509,6 +509,100 @@ static void places_that_are_not_finite_give_some_texel(void **state) {
     unlink(in_folder("n.ppm"));
 }
 
+/* ---- mip-mapped files ---- */
+
+static void write_texture(const char *from, fathom_color_space space, const char *to) {
+    const fathom_texture t = texture_of(from, space);
+    assert_ok(context, fathom_texture_write(context, &t, in_folder(to)));
+}
+
+static void mip_mapped_files_keep_texels_and_means(void **state) {
+    (void)state;
+    put_noise("n.ppm", 300, 200, 7);
+    write_texture("n.ppm", FATHOM_COLOR_SRGB, "n.tx");
+    const fathom_texture t[2] = {texture_of("n.tx", FATHOM_COLOR_SRGB),
+                                 texture_of("n.ppm", FATHOM_COLOR_SRGB)};
+    opened o = open_textures(t, 2, ALL);
+    assert_true(o.cache->images[0].info.mipmapped && !o.cache->images[1].info.mipmapped);
+    assert_int_equal(o.cache->images[0].plan.count, o.cache->images[1].plan.count);
+    for (unsigned i = 0; i < 300 * 200; ++i) {
+        float ours[4], expected[4];
+        texel(o.cache, 0, 0, i % 300, i / 300, ours);
+        texel(o.cache, 1, 0, i % 300, i / 300, expected);
+        assert_memory_equal(ours, expected, sizeof ours);
+    }
+    /* A byte is off by half a level, and the curve is nowhere steeper than 2.4 / 1.055. */
+    check_means(&o, 0.5 / 255 * 2.4 / 1.055);
+    close_textures(&o);
+    unlink(in_folder("n.ppm")), unlink(in_folder("n.tx"));
+}
+
+static void mip_mapped_files_are_read_in_parts(void **state) {
+    (void)state;
+    put_noise("n.ppm", 300, 300, 8);
+    write_texture("n.ppm", FATHOM_COLOR_SRGB, "n.tx");
+    const fathom_texture t = texture_of("n.tx", FATHOM_COLOR_SRGB);
+    opened o = open_textures(&t, 1, ALL);
+    const cache_image *img = &o.cache->images[0];
+    float rgba[4];
+    uint64_t filled = 0;
+    look(o.cache, 0, 0.01f, 0.01f, 0, rgba);
+    for (uint64_t i = 0; i < img->plan.bytes >> PYRAMID_CHUNK_SHIFT; ++i) filled += img->store->filled[i];
+    assert_int_equal(filled, 1);
+    close_textures(&o);
+    unlink(in_folder("n.ppm")), unlink(in_folder("n.tx"));
+}
+
+/* Halves, 16 bits and alpha, with texels of colour that alpha hides. */
+static void mip_mapped_files_keep_the_type_and_what_alpha_hides(void **state) {
+    (void)state;
+    uint16_t grey[70];
+    float planes[4 * 70];
+    for (unsigned i = 0; i < 70; ++i) grey[i] = (uint16_t)(i * 900 + 1);
+    for (unsigned i = 0; i < 4 * 70; ++i) planes[i] = (float)(i % 19) / 255;
+    put_tiff16("g.tif", 70, grey);
+    put_image("a.png", 70, 1, planes, 4, true);
+    put_image("h.exr", 70, 1, planes, 3, true);
+    static const char *const names[][2] = {{"g.tif", "g.tx"}, {"a.png", "a.tx"}, {"h.exr", "h.tx"}};
+    static const image_texel types[] = {IMAGE_TEXEL_U16, IMAGE_TEXEL_U8, IMAGE_TEXEL_HALF};
+    for (unsigned k = 0; k < 3; ++k) {
+        write_texture(names[k][0], FATHOM_COLOR_LINEAR, names[k][1]);
+        const fathom_texture t[2] = {texture_of(names[k][0], FATHOM_COLOR_LINEAR),
+                                     texture_of(names[k][1], FATHOM_COLOR_LINEAR)};
+        opened o = open_textures(t, 2, ALL);
+        assert_int_equal(o.cache->images[1].info.kept, types[k]);
+        for (unsigned i = 0; i < 70; ++i) {
+            float ours[4], expected[4];
+            texel(o.cache, 0, 0, i, 0, expected);
+            texel(o.cache, 1, 0, i, 0, ours);
+            assert_memory_equal(ours, expected, sizeof ours);
+        }
+        close_textures(&o);
+        unlink(in_folder(names[k][0])), unlink(in_folder(names[k][1]));
+    }
+    put_noise("n.ppm", 2, 2, 9);
+    const fathom_texture t = texture_of("n.ppm", FATHOM_COLOR_SRGB);
+    assert_fails(context, fathom_texture_write(context, &t, in_folder("n.png")), FATHOM_BAD_USAGE,
+                 "expected a name that ends in .tx, .tif or .tiff");
+    unlink(in_folder("n.ppm"));
+}
+
+/* OpenEXR's colours are multiplied by alpha. */
+static void premultiplied_colors_are_divided_by_alpha(void **state) {
+    (void)state;
+    const float planes[4][2] = {{0.25f, 0}, {0.125f, 0}, {0, 0}, {0.5f, 0}};
+    put_image("p.exr", 2, 1, planes[0], 4, true);
+    const fathom_texture t = texture_of("p.exr", FATHOM_COLOR_LINEAR);
+    opened o = open_textures(&t, 1, ALL);
+    float rgba[4];
+    texel(o.cache, 0, 0, 0, 0, rgba);
+    assert_true(rgba[0] == 0.5f && rgba[1] == 0.25f && rgba[2] == 0 && rgba[3] == 0.5f);
+    texel(o.cache, 0, 0, 1, 0, rgba);
+    assert_true(rgba[0] == 0 && rgba[3] == 0);
+    close_textures(&o);
+    unlink(in_folder("p.exr"));
+}
+
 /* ---- limits and threads ---- */
 
 enum { IMAGES = 16, LOOKUPS = 60000 };
@@ -735,6 +829,10 @@ int main(void) {
         cmocka_unit_test(trilinear_filters_lie_between_two_levels),
         cmocka_unit_test(filters_by_chance_keep_the_expectation),
         cmocka_unit_test(places_that_are_not_finite_give_some_texel),
+        cmocka_unit_test(mip_mapped_files_keep_texels_and_means),
+        cmocka_unit_test(mip_mapped_files_are_read_in_parts),
+        cmocka_unit_test(mip_mapped_files_keep_the_type_and_what_alpha_hides),
+        cmocka_unit_test(premultiplied_colors_are_divided_by_alpha),
         cmocka_unit_test(no_result_depends_on_what_was_dropped),
         cmocka_unit_test(no_result_depends_on_threads),
         cmocka_unit_test(files_that_are_no_textures_are_named),

@@ -1,0 +1,21 @@
+# fathom texture: files that are read again, what is refused, nothing left behind.
+. "$SOURCE/tests/cli/check.inc"
+write_scene
+
+run 0 render scene.json -o a.png -o a.exr
+run 0 texture a.png -o a.tx
+said out.txt 'a.tx: '
+run 0 texture a.exr -o linear.tx --color linear --quiet
+silent out.txt
+run 0 texture a.exr -o aces.tx --color ACEScg
+run 0 texture a.tx -o again.tif
+# Level 0 has the bytes of the image.
+cp a.tx level.tif
+run 0 compare a.png level.tif
+
+refused 3 'scene.json: cannot be read as a texture' texture scene.json -o b.tx
+refused 3 'absent.png: ' texture absent.png -o b.tx
+refused 3 'no color space "mauve"; expected one of: "Linear Rec.709"' texture a.png -o b.tx --color mauve
+refused 2 'expected a name that ends in .tx, .tif or .tiff' texture a.png -o b.png
+head -c 3000 a.png >cut.png
+refused 3 'cut.png: cannot be read as a texture' texture cut.png -o b.tx
