@@ -1,7 +1,8 @@
 #!/bin/sh
-# Kills renders at random moments, many of them while a checkpoint is written, and resumes them until they finish; each
-# has to give the pixels of a render that nobody disturbed. Prints how often it hit what.
-# usage: sh tests/kill.sh BUILD [KILLS [SEED]]     (default: 100 kills, seed 1)
+# Kills renders at random moments, many of them while a checkpoint is written, and resumes them until they finish; so it
+# does with parts of renders, which are merged then. Each has to give the pixels of a render that nobody disturbed.
+# Prints how often it hit what.
+# usage: sh tests/kill.sh BUILD [KILLS [SEED]]     (default: 100 kills of either, seed 1)
 set -eu
 SOURCE=$(cd "$(dirname "$0")/.." && pwd)
 BUILD=$(cd "$1" && pwd)
@@ -23,3 +24,11 @@ kills=0 writing=0 finished=0
 # shellcheck disable=SC2086
 survive $((count - count / 2)) $((seed + 1000)) 1200 scene.json --size 160x120 $error
 echo "to an error:                 $kills kills, $writing while a file was written, $finished renders finished"
+kills=0 finished=0
+# shellcheck disable=SC2086
+survive_parts $((count / 2)) $((seed + 2000)) samples scene.json --size 160x120 $even
+echo "parts by samples:            $kills kills, $finished images merged"
+kills=0 finished=0
+# shellcheck disable=SC2086
+survive_parts $((count - count / 2)) $((seed + 3000)) tiles scene.json --size 160x120 $error
+echo "parts by tiles, to an error: $kills kills, $finished images merged"

@@ -7,6 +7,7 @@
 #include <fathom/image.h>
 #include <fathom/parameter.h>
 #include <fathom/part.h>
+#include <fathom/ranks.h>
 #include <fathom/read.h>
 #include <fathom/render.h>
 #include <fathom/scene.h>

@@ -4,6 +4,7 @@
 
 #include <fathom/image.h>
 #include <fathom/part.h>
+#include <fathom/ranks.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -62,6 +63,11 @@ typedef struct fathom_session_options {
      * so, or when another render writes the file; FATHOM_BAD_INPUT: there is a file that is no part, or one
      * of another render: the message says what differs; FATHOM_OUT_OF_RESOURCES: it cannot be written. */
     const fathom_part *part;
+    /* Renders together with other processes. The film of rank 0 is the image, and rank 0 alone saves it. The
+     * others' films are of no use; they return once rank 0 has no more work for them. FATHOM_BAD_USAGE
+     * together with a part or max_time; FATHOM_BAD_INPUT: a rank renders something else, and the message of
+     * rank 0 says what differs. */
+    const fathom_ranks *ranks;
 } fathom_session_options;
 
 FATHOM_DEFAULT(fathom_session_options)

@@ -112,7 +112,8 @@ static void run_handed_out(void *user, size_t begin, size_t end, unsigned index)
     unsigned state = trace_thread_begin();
     uint32_t wave;
     (void)begin, (void)end;
-    for (worker *self; (self = job_worker(t->job, index)) && share->next(share->user, &wave);) {
+    for (worker *self;
+         (self = job_worker(t->job, index)) && share->next(share->user, &t->job->stop, &wave);) {
         const wave_region region = wave_grid_region(&t->job->grid, wave);
         if (!render_wave(t->job, t->render, self, &region)) job_stop(t->job, self->integration);
     }
@@ -159,6 +160,12 @@ static void add_rays(const ray_counts *from, ray_counts *to) {
 
 static void collect(job *j) {
     job_result *to = &j->result;
+    if (j->options->share) {
+        const wave_result *others = &j->options->share->others;
+        to->samples += others->samples;
+        to->error = fmax(to->error, others->error);
+        add_rays(&others->rays, &to->rays);
+    }
     for (unsigned i = 0; i < j->threads; ++i) {
         worker *self = &j->workers[i];
         to->samples += self->samples;
@@ -200,7 +207,8 @@ static double fraction_done(const job *j, double now) {
     if (deadline > 0) return fmin(fmax((now - j->began) / (deadline - j->began), 0), 1);
     const wave_share *share = j->options->share;
     const double pixels = share ? (double)share->pixels : (double)j->film->width * (double)j->film->height;
-    return pixels > 0 ? (double)atomic_load(&j->pixels_done) / pixels : 1;
+    const uint64_t done = atomic_load(&j->pixels_done) + (share ? atomic_load(&share->others_pixels) : 0);
+    return pixels > 0 ? (double)done / pixels : 1;
 }
 
 /* Everything finished more than a second ago used the files' old contents. */

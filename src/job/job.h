@@ -38,17 +38,21 @@ typedef struct wave_share {
     uint64_t pixels;        /* of its waves that the film shows */
     checkpoint_past before; /* what earlier calls did of it */
     bool (*wants)(void *user, uint32_t wave);
-    /* Waits for the next wave to do; false: there is none. NULL: all waves that it wants, tile by tile. */
-    bool (*next)(void *user, uint32_t *wave);
+    /* Waits for the next wave to do; false: there is none, or *stop. NULL: all waves that it wants, tile by
+     * tile. */
+    bool (*next)(void *user, const atomic_bool *stop, uint32_t *wave);
     bool (*take)(void *user, const wave_result *result); /* false: it cannot, and the job ends */
-    void (*tick)(void *user);                            /* about ten times a second, on the calling thread */
+    void (*tick)(void *user); /* NULL, or: about ten times a second, on the calling thread */
+    /* Of other processes, but in this one's film: the sums, until the job has ended, and their pixels. */
+    wave_result others;
+    _Atomic uint64_t others_pixels;
 } wave_share;
 
 /* All may be 0. */
 typedef struct job_options {
     double deadline;            /* of clock_seconds(), for settings with a time */
     const job_reserve *reserve; /* comes off it */
-    const wave_share *share;    /* NULL: the whole image is this process's */
+    wave_share *share;          /* NULL: the whole image is this process's */
     checkpoint *saving;         /* begun; the film holds what it has finished */
     bool live;                  /* others look at the film: it gets what passes have sampled, too */
     fathom_progress_fn progress;

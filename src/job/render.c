@@ -5,6 +5,7 @@
 #include "job/checkpoint/checkpoint.h"
 #include "job/job.h"
 #include "job/part/part.h"
+#include "job/ranks/ranks.h"
 #include "job/watch.h"
 #include "scene/scene.h"
 
@@ -127,6 +128,7 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
 typedef struct keeping {
     checkpoint *saving;
     part *part;
+    ranks *ranks;
 } keeping;
 
 static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
@@ -177,6 +179,8 @@ static fathom_status render_traced(fathom_context *context, const world *w, cons
         options->deadline -= checkpoint_before(keep->saving).seconds;
         options->saving = keep->saving;
     }
+    if (status == FATHOM_OK && keep->ranks)
+        status = ranks_begin(keep->ranks, name, keep->saving, &options->share);
     return status == FATHOM_OK ? render_world(context, w, tracer, settings, options, film) : status;
 }
 
@@ -243,10 +247,13 @@ static fathom_status fill(fathom_context *context, const fathom_scene *scene, co
         status = checkpoint_open(context, request->saving, scene, settings, film, &keep.saving);
     if (status == FATHOM_OK && request->part)
         status = part_open(context, request->part, settings, film, &keep.part);
+    if (status == FATHOM_OK && request->ranks)
+        status = ranks_open(context, request->ranks, settings, film, &keep.ranks);
     if (status == FATHOM_OK && request->on_film) request->on_film(request->user, film);
     if (status == FATHOM_OK)
         status = render_scene(context, scene, settings, request->origin, &keep, &options, film);
     if (request->on_film) request->on_film(request->user, NULL);
+    status = ranks_close(keep.ranks, status);
     checkpoint_close(keep.saving);
     return part_close(keep.part, status);
 }

@@ -19,6 +19,7 @@ typedef struct render_request {
     const job_reserve *reserve;      /* the part of max_time that is kept for the work after rendering */
     const fathom_checkpoint *saving; /* complete */
     const fathom_part *part;         /* likewise; not with `saving` */
+    const fathom_ranks *ranks;       /* likewise; not with `part` */
     bool keep_changed;               /* as fathom_session_options says */
 } render_request;
 

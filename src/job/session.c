@@ -17,6 +17,7 @@ struct fathom_session {
     fathom_session_options options;
     fathom_checkpoint saving;
     fathom_part part;
+    fathom_ranks ranks;
     fathom_write_options write;
     char *tracer; /* the settings' own text; NULL: the caller's is used */
     pool_task task;
@@ -51,6 +52,11 @@ static fathom_status read_options(fathom_session *s, const fathom_session_option
         status = SIZED_OWN(context, fathom_part, s->options.part, &s->part);
     if (status == FATHOM_OK && s->options.part && s->options.checkpoint)
         status = fail(context, FATHOM_BAD_USAGE, "a part is its own checkpoint; expected one of the two");
+    if (status == FATHOM_OK && s->options.ranks)
+        status = SIZED_OWN(context, fathom_ranks, s->options.ranks, &s->ranks);
+    if (status == FATHOM_OK && s->options.part && s->options.ranks)
+        status =
+            fail(context, FATHOM_BAD_USAGE, "a part is one process's work; expected it without other ranks");
     const fathom_write_options *write = s->options.write;
     if (status == FATHOM_OK && write) status = SIZED_OWN(context, fathom_write_options, write, &s->write);
     if (status == FATHOM_OK && !s->options.outputs && s->options.output_count)
@@ -118,8 +124,9 @@ static void run(void *user) {
                                     .on_film = s->in_background ? on_film : NULL,
                                     .user = s,
                                     .reserve = s->options.output_count ? &writing : NULL,
-                                    .saving = s->options.checkpoint ? &s->saving : NULL,
+                                    .saving = s->options.checkpoint && !s->ranks.rank ? &s->saving : NULL,
                                     .part = s->options.part ? &s->part : NULL,
+                                    .ranks = s->options.ranks ? &s->ranks : NULL,
                                     .keep_changed = s->options.keep_changed};
     s->status = render_film(s->context, s->scene, &s->settings, &request, &s->stats, &s->result);
     if (s->status == FATHOM_INTERRUPTED && s->helper != FATHOM_OK) {

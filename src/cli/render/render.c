@@ -12,6 +12,7 @@
 #include "base/clock.h"
 
 #include <fathom/file.h>
+#include <fathom/ranks.h>
 #include <fathom/session.h>
 #include <fathom/survey.h>
 #include <stdlib.h>
@@ -28,7 +29,11 @@ typedef struct task {
     fathom_film *film;
     render_report report;
     saving saving;
+    fathom_ranks ranks; /* without --mpi a single one */
 } task;
+
+/* Of an MPI job: it renders, and rank 0 does all else. */
+static bool is_other(const task *s) { return s->ranks.rank; }
 
 static fathom_status say(const task *s, fathom_status status) {
     return say_status(&command_render, s->context, status);
@@ -228,14 +233,16 @@ static fathom_status render(task *s) {
                                             .user = s,
                                             .checkpoint = saving_request(&s->saving),
                                             .outputs = o->outputs.items,
-                                            .output_count = o->outputs.count,
+                                            .output_count = is_other(s) ? 0 : o->outputs.count,
                                             .write = &o->write,
                                             .part = o->part.path ? &o->part : NULL,
-                                            .keep_changed = !o->part.path};
+                                            .ranks = o->mpi ? &s->ranks : NULL,
+                                            .keep_changed = !o->part.path && !is_other(s)};
     s->report.stats.size = sizeof s->report.stats;
     fathom_status status =
         fathom_session_run(s->context, s->scene, &o->settings, &options, &s->report.stats, &s->film);
     if (status != FATHOM_OK && status != FATHOM_INTERRUPTED) return say_failure(s, status);
+    if (is_other(s)) return status;
     interrupt_keep_work(true);
     s->report.interrupted = status == FATHOM_INTERRUPTED;
     s->report.finished = s->report.stats.finished;
@@ -243,13 +250,19 @@ static fathom_status render(task *s) {
     return o->part.path ? finish_part(s) : finish(s);
 }
 
+static fathom_status join_ranks(task *s) {
+    fathom_ranks_default(&s->ranks);
+    return s->options.mpi ? fathom_mpi_open(s->context, &s->ranks) : FATHOM_OK;
+}
+
 static fathom_status prepare(task *s) {
-    fathom_status status = check_outputs(s);
+    fathom_status status = join_ranks(s);
+    if (status == FATHOM_OK && !is_other(s)) status = check_outputs(s);
     if (status != FATHOM_OK) return status;
-    if (images_need_helper(&s->options)) fathom_image_prefetch();
-    progress_begin(s->options.quiet);
+    if (!is_other(s) && images_need_helper(&s->options)) fathom_image_prefetch();
+    progress_begin(s->options.quiet || is_other(s));
     progress_phase(FATHOM_PHASE_READ);
-    fathom_context_on_warning(s->context, warnings_say, &s->report.warnings);
+    fathom_context_on_warning(s->context, is_other(s) ? warnings_keep : warnings_say, &s->report.warnings);
     status = read_scene(s);
     if (status == FATHOM_OK) status = merge_settings(s);
     if (status == FATHOM_OK && s->options.background.given)
@@ -276,6 +289,7 @@ static fathom_status run(int argc, char **argv) {
     status = say(&s, prepare(&s));
     if (status == FATHOM_OK) status = render(&s);
     fathom_film_destroy(s.film);
+    fathom_mpi_close(status == FATHOM_OK);
     warnings_free(&s.report.warnings);
     fathom_scene_destroy(s.scene);
     standard_output_end();
@@ -309,7 +323,8 @@ const command command_render = {
                 "  fathom render scene.json -o out.png --target-error 0.01\n"
                 "  fathom render scene.json -o out.png --max-time 60\n"
                 "  fathom render scene.json -o out.exr --checkpoint out.save --resume\n"
-                "  fathom render scene.json -o p3.part --part 3/16\n",
+                "  fathom render scene.json -o p3.part --part 3/16\n"
+                "  mpirun -n 8 fathom render scene.json -o out.exr --mpi\n",
     .args = {NULL, operands, operand_offsets, 1, 0, render_option_table},
     .run = run,
 };

@@ -181,6 +181,10 @@ static const args_option own_options[] = {
      "where there are "
      "fewer than 4 samples for each part, or a target error (auto)"},
 
+    {.help = "Many processes at the same time"},
+    {"mpi", 0, NULL, take_true, FIELD(mpi), 0, 0,
+     "render together with all that mpirun has started; rank 0 writes the image, and saves the checkpoint"},
+
     {.help = "Light transport"},
     {"leave-out-below", 0, "none|8bit|half", take_choice, FIELD(loss), 0, 0,
      "cast no shadow rays whose light would not show: a pixel of a .png or .tif (8bit) changes by at most "
@@ -392,6 +396,8 @@ static bool finish_part(render_options *options, args_problem *problem) {
         return args_wrong(problem,
                           "-o %.300s: a part is the only output; expected fathom merge to write the images",
                           outputs->items[i]);
+    if (options->mpi)
+        return args_wrong(problem, "--mpi: a part is one process's work; expected one of the two");
     if (options->checkpoint)
         return args_wrong(problem,
                           "--checkpoint: a part is its own checkpoint; expected the same command without it");

@@ -34,6 +34,7 @@ typedef struct render_options {
     bool resume;
     fathom_part part; /* path NULL: the whole image */
     args_many parts;  /* files of `fathom merge` */
+    bool mpi;
     bool quiet, verbose, allow_outside;
 } render_options;
 

@@ -58,14 +58,21 @@ static bool own_file(char path[PATH_MAX]) {
     return realpath(map->l_name[0] ? map->l_name : "/proc/self/exe", path) != NULL;
 }
 
-static bool find_program(char path[PATH_MAX], char text[1024]) {
+bool helper_find_file(const char *name, char path[PATH_MAX]) {
     char own[PATH_MAX];
-    bool known = own_file(own);
+    const bool known = own_file(own);
     for (size_t i = 0; known && i < sizeof places / sizeof *places; ++i) {
         const char *slash = strrchr(own, '/');
-        int length = snprintf(path, PATH_MAX, "%.*s/%s" HELPER_FILE, (int)(slash - own), own, places[i]);
-        if (length < PATH_MAX && access(path, X_OK) == 0) return true;
+        int length = snprintf(path, PATH_MAX, "%.*s/%s%s", (int)(slash - own), own, places[i], name);
+        if (length < PATH_MAX && access(path, R_OK) == 0) return true;
     }
+    return false;
+}
+
+static bool find_program(char path[PATH_MAX], char text[1024]) {
+    char own[PATH_MAX];
+    if (helper_find_file(HELPER_FILE, path) && access(path, X_OK) == 0) return true;
+    const bool known = own_file(own);
     say(text,
         "%s was found neither next to %s nor in the library folders near it; install Fathom again, "
         "or write .png in the sRGB view, which needs no helper",

@@ -4,6 +4,8 @@
 
 #include "image/helper/wire.h"
 
+#include <limits.h>
+
 /* The most seconds for the helper's start and for each request (16 MB of rows, or an image to read), enough
  * for a slow disk. $FATHOM_IMAGE_SECONDS overrides it. */
 #define HELPER_SECONDS 300
@@ -25,6 +27,9 @@ typedef struct helper_exchange {
  * reason. FATHOM_OUT_OF_RESOURCES: there is no helper, or it ended, or took too long; then it is ended, and
  * the next call starts a new one. Sets e->process on FATHOM_OK. */
 fathom_status helper_ask(helper_exchange *e);
+
+/* The path of a file of the installation's library folder, "fathom/fathom_mpi.so". */
+bool helper_find_file(const char *name, char path[PATH_MAX]);
 
 /* FATHOM_OUT_OF_RESOURCES when the helper's program is missing, with a message. Starts nothing. */
 fathom_status helper_find(fathom_context *context);

@@ -201,17 +201,26 @@ bool checkpoint_is_finished(const checkpoint *c, uint32_t place) {
     return !(wave_region_bits(&r) & ~c->state.squares[place]);
 }
 
-static void finish(void *user, const unit_result *result) {
-    checkpoint *c = user;
-    const uint32_t place = checkpoint_wave(c, result->region.left, result->region.top);
+static void note(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error) {
     pthread_mutex_lock(&c->lock);
     unsigned char *record = c->state.records[place];
     c->state.records[place] = NULL;
-    c->state.squares[place] |= result->squares & wave_region_bits(&result->region);
-    c->state.samples += unit_samples(result);
-    c->state.error = fmax(c->state.error, result->error);
+    c->state.squares[place] |= squares;
+    c->state.samples += samples;
+    c->state.error = fmax(c->state.error, error);
     pthread_mutex_unlock(&c->lock);
     free(record);
+}
+
+static void finish(void *user, const unit_result *result) {
+    checkpoint *c = user;
+    note(c, checkpoint_wave(c, result->region.left, result->region.top),
+         result->squares & wave_region_bits(&result->region), unit_samples(result), result->error);
+}
+
+void checkpoint_take(checkpoint *c, uint32_t place, uint64_t samples, double error) {
+    const wave_region r = wave_grid_region(&c->state.grid, place);
+    note(c, place, wave_region_bits(&r), samples, error);
 }
 
 unit_sink checkpoint_sink(checkpoint *c) { return (unit_sink){finish, c}; }

@@ -50,6 +50,8 @@ uint64_t checkpoint_finished(const checkpoint *c, uint32_t place);
 bool checkpoint_is_finished(const checkpoint *c, uint32_t place);
 /* Notes the squares that are in the film: after the film's own sink. */
 unit_sink checkpoint_sink(checkpoint *c);
+/* All of the wave's pixels are in the film; samples: of those that were not there before. */
+void checkpoint_take(checkpoint *c, uint32_t place, uint64_t samples, double error);
 /* Calls before this one have begun the wave, and not finished it. */
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place);
 /* Loads what earlier calls sampled of a wave; false when they had not begun it. a: after adaptive_begin(). */

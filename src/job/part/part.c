@@ -266,7 +266,7 @@ static uint64_t count_pixels(const part_shape *s) {
     return pixels;
 }
 
-fathom_status part_begin(part *p, const char *tracer, const wave_share **share) {
+fathom_status part_begin(part *p, const char *tracer, wave_share **share) {
     part_head theirs = p->head;
     checkpoint_key_set_tracer(&p->head.key, tracer);
     fathom_status status = compare(p, &theirs);

@@ -16,7 +16,7 @@ fathom_status part_open(fathom_context *context, const fathom_part *options, con
 /* Once the tracer and the film's statistics of the scene are known, before anything is rendered:
  * FATHOM_BAD_INPUT, the file was of another tracer; FATHOM_OUT_OF_RESOURCES. *share is the part's work, until
  * part_close(). */
-fathom_status part_begin(part *p, const char *tracer, const wave_share **share);
+fathom_status part_begin(part *p, const char *tracer, wave_share **share);
 /* Writes what is finished, and ends the part, after its render ended with `status`. Returns that, or
  * FATHOM_OUT_OF_RESOURCES when it could not be written. NULL is fine. */
 fathom_status part_close(part *p, fathom_status status);
