@@ -5,7 +5,7 @@ import sys
 # Name, file below src, a law that breaks (part of its name), the text, and the fault in its place. Each text is in its file
 # once, or the script stops: whoever changes the code moves the fault along.
 PATH, EMITTERS, SHAPES = "integrate/path.c", "light/emitters.c", "light/emitters_shapes.c"
-SHAPE, TREE, LOBES = "light/shape.h", "light/tree.c", "material/kernels/lobes.h"
+SHAPE, TREE, PICK, LOBES = "light/shape.h", "light/tree.c", "light/kernels/tree.c", "material/kernels/lobes.h"
 MUTANTS = [
     ("MIS weights add up to 0.99", PATH, "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
     ("emission counts whole where lights were asked for, too", PATH, "rectangle",
@@ -24,7 +24,7 @@ MUTANTS = [
     ("one bounce too few", PATH, "four bounces",
      "last = p->depth >= w->run.plan->max_depth", "last = p->depth + 1 >= w->run.plan->max_depth"),
     ("light's samples forget the chance of the light", EMITTERS, "disk of",
-     "density_f32(a->density * chance)", "density_f32(a->density * (chance > 0 ? 1 : 0))"),
+     "answers->density[i] * c->chance[i]", "answers->density[i] * (c->chance[i] > 0 ? 1 : 0)"),
     ("a light met by a ray forgets the chance to be asked", EMITTERS, "four kinds",
      "return density_f32(density * e->chance[EMITTER_FINITE]);", "return density_f32(density);"),
     ("the outside met by a ray forgets the chance to be asked", EMITTERS, "four kinds",
@@ -32,22 +32,22 @@ MUTANTS = [
     ("the sun forgets the chance to be asked", EMITTERS, "four kinds",
      "(float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance)", "(float)sun->chance"),
     ("lamps send 3.1 instead of pi", EMITTERS, "point light",
-     "(float)SHAPE_PI * (seen.radiance[c][i]", "3.1f * (seen.radiance[c][i]"),
-    ("spots have no falloff", EMITTERS, "spot light", "(seen.radiance[c][i] * seen.falloff[i])", "seen.radiance[c][i]"),
+     "(float)SHAPE_PI * (seen.radiance[k][i]", "3.1f * (seen.radiance[k][i]"),
+    ("spots have no falloff", EMITTERS, "spot light", "(seen.radiance[k][i] * seen.falloff[i])", "seen.radiance[k][i]"),
     ("a lamp's radius changes its light", EMITTERS, "point light with a radius",
      "(SHAPE_PI * r * r) * dot_f64(from, from);", "(SHAPE_PI * r * r) * (dot_f64(from, from) - r * r);"),
-    ("the light tree chooses with another probability", TREE, "forty", "*chance *= (double)weight[i] / sum;",
+    ("the light tree chooses with another probability", PICK, "forty", "*chance *= (double)weight[found] / sum;",
      "*chance *= 1.0 / TREE_WIDE + 0 * sum;"),
     ("the light tree tells rays another probability", TREE, "disk of",
      "(double)weight[slot % TREE_WIDE] / sum : 0;", "0.25 * (double)weight[slot % TREE_WIDE] / sum : 0;"),
-    ("the tree picks the child before", TREE, "forty", "last = i;", "last = i > 0 && weight[i - 1] > 0 ? i - 1 : i;"),
+    ("the tree picks the child before", PICK, "forty", "return found;", "return found > 0 && weight[found - 1] > 0 ? found - 1 : found;"),
     ("directions by the cosine, density even", SHAPE, "even sky",
      "along > 0 ? along / SHAPE_PI : 0", "along > 0 ? 0.5 / SHAPE_PI : 0"),
     ("a hundredth of a triangle's solid angle lost", SHAPE, "tilted triangle",
      "double angle = 2 * shape_angle(", "double angle = 1.98 * shape_angle("),
     ("directions over a triangle are not even", SHAPE, "tilted triangle", "0.5 * u * s->angle", "0.5 * u * u * s->angle"),
-    ("a quad is twice its first triangle", "light/kernels/face.c", "rectangle",
-     "first.angle + q->quad[i] * other.angle", "first.angle + q->quad[i] * first.angle"),
+    ("a quad is twice its first triangle", "light/kernels/shapes.c", "rectangle",
+     "all += other.angle;", "all += first;"),
     ("a sphere's cone is flat", SHAPE, "sphere cut", "square / (1 + sqrt(1 - square))", "square / 2"),
     ("directions over a cone are not even", SHAPE, "sphere above", "x = u * cone->cap", "x = u * u * cone->cap"),
     ("a squeezed sphere's Jacobian lacks a factor", SHAPES, "squeezed", "density * (k * k * k / fabs(", "density * (k * k / fabs("),

@@ -17,6 +17,7 @@ static inline stage stage_open(uint32_t width, uint32_t height) {
     assert_int_equal(fathom_context_create(&s.context), FATHOM_OK);
     assert_ok(s.context, fathom_scene_create(s.context, &s.scene));
     fathom_settings_default(&s.settings);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_CLASSIC);
     s.settings.width = width, s.settings.height = height;
     return s;
 }

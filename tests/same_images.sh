@@ -2,10 +2,11 @@
 # Shows that two builds render the same images, to the last bit of every channel.
 # usage: sh tests/same_images.sh OLD NEW [FOLDER]     OLD and NEW are `fathom` programs; FOLDER keeps the images
 # Renders the tour, the example, the first render and the variations below with both programs and compares each
-# pair with tolerance 0. Colours are written as 32-bit floats, so that no rounding hides a difference.
+# pair with tolerance 0. Both render by the integrator classic, whose name an old program may not know. Colours are
+# written as 32-bit floats, so that no rounding hides a difference.
 # Exit code 0: all images agree. 1: some differ; their names are printed.
 set -eu
-[ $# -ge 2 ] || { sed -n '2,5p' "$0" >&2; exit 2; }
+[ $# -ge 2 ] || { sed -n '2,6p' "$0" >&2; exit 2; }
 cd "$(dirname "$0")/.."
 old=$1
 new=$2
@@ -26,13 +27,29 @@ compare() { # name extension: the pair of images that both programs made
     echo "$1.$2: $(cat "$work/$1.difference")"
 }
 
+# The scenes as a program reads them: an old one knows no integrators.
+cp -r scenes "$work/scenes"
+classic="--integrator classic"
+"$old" help render | grep -q -e --integrator && old_classic=$classic || old_classic=
+[ -n "$old_classic" ] || find "$work/scenes" -name '*.json' -exec sed -i 's/"integrator": "classic", //' {} +
+
+# which arguments…: renders by the integrator classic.
+rendered() {
+    if [ "$1" = old ]; then program=$old scenes=$work/scenes by=$old_classic; else program=$new scenes=scenes by=$classic; fi
+    scene=$2
+    shift 2
+    case $scene in scenes/*) scene=$scenes/${scene#scenes/} ;; esac
+    # $by is two words or none.
+    # shellcheck disable=SC2086
+    $limit "$program" render "$scene" $by "$@"
+}
+
 # name extension scene options…: renders with both programs. What a program says goes to a file beside its image.
 try() {
     name=$1 extension=$2
     shift 2
     for which in old new; do
-        eval "program=\$$which"
-        "$program" render "$@" -o "$work/$which/$name.$extension" --quiet 2>"$work/$which/$name.log" ||
+        limit= rendered $which "$@" -o "$work/$which/$name.$extension" --quiet 2>"$work/$which/$name.log" ||
             echo "$name: the $which program ended with code $?: $(tail -n 1 "$work/$which/$name.log")"
     done
     compare "$name" "$extension"
@@ -48,12 +65,11 @@ resumed() {
     name=$1
     shift
     for which in old new; do
-        eval "program=\$$which"
         part="$work/$which/$name.part"
         code=5
         while [ "$code" = 5 ] || [ "$code" = 130 ]; do # 130: stopped before it listened
             code=0
-            timeout --preserve-status -s INT 0.4 "$program" render "$@" --exr-float --quiet -o "$work/$which/$name.exr" \
+            limit="timeout --preserve-status -s INT 0.4" rendered $which "$@" --exr-float --quiet -o "$work/$which/$name.exr" \
                 --checkpoint "$part" --resume 2>"$work/$which/$name.log" || code=$?
         done
         [ "$code" = 0 ] || echo "$name: the $which program ended with code $code: $(tail -n 1 "$work/$which/$name.log")"

@@ -104,6 +104,7 @@ static bool render_ill(soak *s, unsigned index, unsigned which) {
     fathom_film *film = NULL;
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = settings.height = 16;
     if (which == 0)
         return expect(s, fathom_scene_read(s->context, in_folder(s, "none.json"), &scene), FATHOM_BAD_INPUT,

@@ -10,7 +10,8 @@ extern "C" {
 
 /* Reads scene JSON, .glb, .gltf, .obj or .ply, told apart by the extension. The scene is completed with a
  * camera and lights where the file has none, and checked. The settings of scene JSON are what it says, else
- * the defaults; models get 16 samples a pixel. The image takes the shape that the file's camera is made for
+ * the defaults, which models have, too; those read for the integrator classic get 16 samples a pixel. The
+ * image takes the shape that the file's camera is made for
  * (glTF's aspectRatio, w and h of scene JSON) unless its size is given; its longer side is then 1280 pixels.
  * FATHOM_BAD_INPUT names the file with its line, field or byte offset. */
 FATHOM_API fathom_status fathom_scene_read(fathom_context *context, const char *path, fathom_scene **out);
@@ -34,6 +35,10 @@ typedef struct fathom_read_options {
     /* The size of the image that will be rendered, which the automatic camera fits. Both 0 (default): the
      * size in the settings of the scene that is read. */
     uint32_t width, height;
+    /* With choose_integrator the scene is read for this integrator, whatever its file says: settings that the
+     * file does not give follow it, and so do automatic lights. Default: the file's, else path tracing. */
+    bool choose_integrator;
+    fathom_integrator integrator;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

@@ -104,7 +104,7 @@ typedef enum fathom_loss {
 
 FATHOM_DEFAULT(fathom_settings)
 /* Chooses an integrator, and what suits it. Path: the pattern Sobol, 16 bounces, and samples to an error of
- * 0.02 or until a pixel has 1024. Classic: the grid, 8 bounces and one sample. */
+ * 0.02 or until a pixel has 1024. Classic: the grid, 8 bounces and one sample. The default is path's. */
 FATHOM_API fathom_status fathom_settings_set_integrator(fathom_settings *settings,
                                                         fathom_integrator integrator);
 /* Sets max_loss and max_relative_loss to what such a file can hardly show. exposure: as it will be written

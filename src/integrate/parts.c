@@ -109,6 +109,10 @@ light_use parts_light(const parts_extent *extent, const world *w, const fathom_l
 
 /* ---- stages ---- */
 
+bool parts_ambient(const fathom_scene *scene) {
+    return scene->ambient[0] > 0 || scene->ambient[1] > 0 || scene->ambient[2] > 0;
+}
+
 bool parts_background(const fathom_scene *scene) {
     const float *rgb = scene->background;
     return rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0;

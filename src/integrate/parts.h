@@ -28,6 +28,7 @@ typedef enum light_use { LIGHT_USED, LIGHT_BLACK, LIGHT_ASIDE } light_use;
 light_use parts_light(const parts_extent *extent, const world *w, const fathom_light *light);
 
 bool parts_background(const fathom_scene *scene); /* it is not black */
+bool parts_ambient(const fathom_scene *scene);    /* the same of the ambient light */
 bool parts_smooth(const world *w);                /* a mesh has shading normals */
 bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings);
 bool parts_first_hits(const fathom_settings *settings); /* AOVs are made of them */

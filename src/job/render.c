@@ -200,6 +200,9 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
     if (status == FATHOM_OK && scene->environments.count && settings->integrator == FATHOM_INTEGRATOR_CLASSIC)
         warn(context, "environments are left out, which only the integrator `path` renders: %zu",
              scene->environments.count);
+    if (status == FATHOM_OK && parts_ambient(scene) && settings->integrator == FATHOM_INTEGRATOR_PATH)
+        warn(context, "ambient light is left out, which only the integrator `classic` has; paths find the "
+                      "light of a background");
     trace_tracer *tracer = NULL;
     if (status == FATHOM_OK)
         status = run_build(context, w, film, settings, options->progress, options->user, &tracer);

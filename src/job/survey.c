@@ -152,10 +152,6 @@ static material_uses materials_in_use(const fathom_scene *scene) {
     return uses;
 }
 
-static bool has_ambient(const fathom_scene *scene) {
-    return scene->ambient[0] > 0 || scene->ambient[1] > 0 || scene->ambient[2] > 0;
-}
-
 static void find_features(const fathom_scene *scene, survey *out) {
     bool nested = false, smooth = false;
     for (size_t i = 0; i < scene->meshes.count; ++i) smooth |= scene->meshes.items[i].normals != NULL;
@@ -176,7 +172,7 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {out->lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},
                     {out->lights[FATHOM_LIGHT_SPOT], "spot lights"},
                     {scene->environments.count, "environments"},
-                    {has_ambient(scene), "ambient"},
+                    {parts_ambient(scene), "ambient"},
                     {uses.phong, "Phong"},
                     {uses.blinn, "Blinn"},
                     {uses.bits & MATERIAL_MIRROR, "mirrors"},
@@ -231,7 +227,7 @@ static void find_problems(const fathom_scene *scene, const world *w, survey *out
         add_problem(out, "shapes and triangles beyond %g from the origin, which Embree leaves out: %llu",
                     WORLD_REACH, (unsigned long long)w->beyond_reach);
     const bool emits = materials_in_use(scene).bits & MATERIAL_EMIT;
-    if (!scene->lights.count && !scene->environments.count && !emits && !has_ambient(scene))
+    if (!scene->lights.count && !scene->environments.count && !emits && !parts_ambient(scene))
         add_problem(out, "no light, no ambient light and nothing that emits: every surface is black");
 }
 

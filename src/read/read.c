@@ -41,7 +41,7 @@ vec3_f64 origin_for(const scene_bounds *bounds) {
     return (vec3_f64){rounded_to(center.x, step), rounded_to(center.y, step), rounded_to(center.z, step)};
 }
 
-/* Samples per pixel of models, which bring no settings; with 1 every edge would be a staircase. */
+/* Samples per pixel of models under the integrator classic; with 1 every edge would be a staircase. */
 #define MODEL_SPP 16
 
 static const struct format {
@@ -74,6 +74,11 @@ fathom_status read_mesh(fathom_scene *scene, fathom_id group, const char *path,
     return format->read(scene, group, path, options);
 }
 
+fathom_integrator read_integrator(const fathom_scene *scene, fathom_integrator own) {
+    const fathom_read_options *asked = scene->asked;
+    return asked && asked->choose_integrator ? asked->integrator : own;
+}
+
 static fathom_status read_any(fathom_scene *scene, const char *path) {
     char extension[16];
     file_extension(path, extension);
@@ -81,7 +86,9 @@ static fathom_status read_any(fathom_scene *scene, const char *path) {
     if (!format_find(extension))
         return fail_extension(scene->context, path, extension, ".json, .obj, .ply, .gltf or .glb");
     const read_mesh_options options = {.material = FATHOM_NONE, .surroundings = true};
-    scene->settings.spp = MODEL_SPP;
+    const fathom_integrator integrator = read_integrator(scene, FATHOM_INTEGRATOR_PATH);
+    fathom_settings_set_integrator(&scene->settings, integrator);
+    if (integrator == FATHOM_INTEGRATOR_CLASSIC) scene->settings.spp = MODEL_SPP;
     return read_mesh(scene, FATHOM_ROOT, path, &options);
 }
 
@@ -131,6 +138,9 @@ static fathom_status read_whole(fathom_scene *scene, const char *path, const fat
 static fathom_status check_options(fathom_context *context, const fathom_read_options *options) {
     if ((unsigned)options->up > FATHOM_UP_Z)
         return fail_field(context, FATHOM_BAD_USAGE, "up", "there is no axis %u", (unsigned)options->up);
+    if (options->choose_integrator && (unsigned)options->integrator > FATHOM_INTEGRATOR_REFERENCE)
+        return fail_field(context, FATHOM_BAD_USAGE, "integrator", "expected a fathom_integrator, found %u",
+                          (unsigned)options->integrator);
     if (!options->width != !options->height) {
         return fail(context, FATHOM_BAD_USAGE, "width, height: expected both or none, found %u and %u",
                     options->width, options->height);

@@ -26,6 +26,9 @@ static inline float read_linear(double srgb) {
  */
 fathom_status read_colored_material(fathom_scene *scene, fathom_id *out);
 
+/* The integrator that the scene is read for; `own`: the file's. */
+fathom_integrator read_integrator(const fathom_scene *scene, fathom_integrator own);
+
 /* The origin of a mesh's float positions: zero, unless the vertices lie so far out for their extent that
  * float would lose digits that the file has.
  *

@@ -38,14 +38,15 @@ static const fathom_parameter setting_rows[] = {
      .help = "Pixels across. Left out, it follows from `height` and the camera's `w` and `h`."},
     {"height", U32, SETTING(height), PIXELS | IN_FILE, 1, 65536, 720, "PIXELS", "Image",
      .help = "Pixels down. Left out, it follows from `width` and the camera's `w` and `h`."},
-    {"integrator", WORD, SETTING(integrator), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_INTEGRATOR_CLASSIC, NULL, "Light transport",
+    {"integrator", WORD, SETTING(integrator), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_INTEGRATOR_PATH, NULL, "Light transport",
      .help = "How light moves: `classic` recursive ray tracing with lights of no size, mirrors and glass; `path` global "
      "illumination by path tracing; `reference` the same by a second, plain implementation in double.", .words = "classic|path|reference"},
-    {"spp", U32, SETTING(spp), PIXELS | IN_FILE | COMMAND, 1, 65536, 1, "N", "Image",
-     .help = "Samples a pixel. A square number unless `pattern` is `sobol`. A model given on the command line takes 16."},
-    {"pattern", WORD, SETTING(pattern), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_PATTERN_GRID, NULL, "Image",
+    {"spp", U32, SETTING(spp), PIXELS | IN_FILE | COMMAND, 1, 65536, 1024, "N", "Image",
+     .help = "Samples of each pixel; where it is not given, the most of a pixel on the way to `targetError`. A square number "
+     "unless `pattern` is `sobol`. `classic` takes 1, and 16 of a model."},
+    {"pattern", WORD, SETTING(pattern), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_PATTERN_SOBOL, NULL, "Image",
      .help = "Where in the pixel the samples lie: `grid` n x n, regular; `stratified` n x n, jittered; `sobol` an "
-     "Owen-scrambled Sobol sequence.", .words = "grid|stratified|sobol"},
+     "Owen-scrambled Sobol sequence. `classic` takes `grid`.", .words = "grid|stratified|sobol"},
     {"filter", WORD, SETTING(filter), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_FILTER_BOX, NULL, "Image",
      .help = "How a pixel weighs what lies in and around it, by placing its samples: `box`, `gaussian` or the window of "
      "`blackmanHarris`. See `filterWidth`.", .words = "box|gaussian|blackmanHarris"},
@@ -56,18 +57,18 @@ static const fathom_parameter setting_rows[] = {
     {"crop", U32, SETTING(crop), PIXELS | IN_FILE | COMMAND, 0, 65536, 0, "X0,Y0,X1,Y1", "Image",
      .help = "Part to render: x0, y0, x1, y1 in pixels, from the upper left corner, x1 and y1 left out. All 0: the "
      "whole image.", .count = 4},
-    {"target_error", F64, SETTING(target_error), PIXELS | IN_FILE | COMMAND | ABOVE, 0, INFINITY, 0, "E", SAMPLING,
+    {"target_error", F64, SETTING(target_error), PIXELS | IN_FILE | COMMAND | ABOVE, 0, INFINITY, 0.02, "E", SAMPLING,
      .help = "Samples until the estimated error of each tile of 32 x 32 pixels is at most this, and beyond it where few "
      "more lower the error; 0: as many everywhere. The unit is that of Cycles' noise threshold: 0.01 is about 1 of "
      "255 display levels. Needs `pattern` `sobol`; `spp` is then the most samples of a pixel, a power of two from "
-     "4.", .zero = "off"},
+     "4. A number of samples, other patterns and `classic` turn it off.", .zero = "off"},
     {"max_time", F64, SETTING(max_time), PIXELS | SWITCH | COMMAND | ABOVE, 0, INFINITY, 0, "SECONDS", SAMPLING,
      .help = "Time that the whole command takes, from reading to writing; samples go where they lower the error most.",
      .zero = "off"},
     {"min_spp", U32, SETTING(min_spp), PIXELS | IN_FILE | COMMAND, 4, 65536, 0, "N", SAMPLING,
      .help = "Samples of each pixel before an error is trusted, a power of two from 4; 0: 4.", .zero = "auto"},
-    {"max_depth", U32, SETTING(max_depth), PIXELS | IN_FILE | COMMAND, 0, 1024, 8, "N", "Light transport",
-     .help = "Bounces that are followed: mirrored and refracted ones, of paths all. Default: 8, of paths 16."},
+    {"max_depth", U32, SETTING(max_depth), PIXELS | IN_FILE | COMMAND, 0, 1024, 16, "N", "Light transport",
+     .help = "Bounces that are followed; `classic` follows mirrored and refracted ones alone, and takes 8."},
     {"min_weight", F32, SETTING(min_weight), PIXELS | IN_FILE | COMMAND | BELOW, 0, 1, 1.0 / 65536, "W", "Light transport",
      .help = "A path ends when it can change no channel of its pixel by more than this."},
     {"max_loss", F32, SETTING(max_loss), PIXELS, 0, 1, 0, NULL, NULL, .help = "Light that a pixel may lose."},

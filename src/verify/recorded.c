@@ -102,6 +102,7 @@ fathom_status recorded_render(fathom_context *context, const world *w, const tra
     recorder recording = recorder_of(tracer, out);
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = width, settings.height = width * 3 / 4, settings.spp = 1;
     unsigned threads = fathom_context_threads(context);
     fathom_context_set_threads(context, 1);

@@ -116,6 +116,7 @@ static void read(const uint8_t *bytes, size_t size, unsigned how) {
     checkpoint_state state;
     char tracer[128] = "";
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = settings.height = 2 * WAVE_SIDE;
     make_film(&film);
     checkpoint_key_of(&settings, 7, &key);

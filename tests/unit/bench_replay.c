@@ -128,6 +128,7 @@ static void measures(void **state) {
     trace_tracer *real = stage_spec(&s, "embree");
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = 70, settings.height = 100;
     const uint64_t room[] = {UINT64_C(1) << 30, 1};
     const unsigned bands[] = {1, 4};

@@ -66,6 +66,7 @@ static void write_text(const char *path, const char *mode, const char *text) {
 static fathom_settings small(void) {
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = settings.height = 64;
     return settings;
 }

@@ -11,6 +11,7 @@ static void fill(stage *s) {
 static fathom_film *rendered(stage *s, const char *spec, fathom_stats *stats) {
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = 48, settings.height = 32, settings.tracer = spec;
     fathom_film *film;
     assert_ok(s->context, fathom_render(s->context, s->scene, &settings, NULL, NULL, stats, &film));
@@ -45,6 +46,7 @@ static void wrong_words_are_refused(void **state) {
     fill(&s);
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.tracer = "cuda";
     fathom_film *film;
     assert_fails(s.context, fathom_render(s.context, s.scene, &settings, NULL, NULL, NULL, &film),
@@ -61,6 +63,7 @@ static void the_scene_copies_the_words(void **state) {
     char words[] = "bvh:f64";
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     assert_null(settings.tracer);
     settings.tracer = words;
     assert_ok(s.context, fathom_scene_set_settings(s.scene, &settings));

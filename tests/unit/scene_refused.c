@@ -22,6 +22,7 @@ static size_t content(void) {
 #define SETTINGS(...)                                                                                        \
     fathom_settings s;                                                                                       \
     fathom_settings_default(&s);                                                                             \
+    fathom_settings_set_integrator(&s, FATHOM_INTEGRATOR_CLASSIC);                                           \
     __VA_ARGS__
 
 #define WRONG(words, ...)                                                                                    \

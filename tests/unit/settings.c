@@ -54,7 +54,7 @@ static void defaults_are_allowed(void **state) {
     fathom_settings_default(&s), fathom_material_default(&m);
     assert_ok(context, scene_check_settings(context, &s));
     assert_ok(context, scene_check_material(context, &m));
-    assert_true(s.width == 1280 && s.height == 720 && s.spp == 1 && s.max_depth == 8 && s.terminator_fix);
+    assert_true(s.width == 1280 && s.height == 720 && s.spp == 1024 && s.max_depth == 16 && s.terminator_fix);
     assert_true(s.min_weight == 1.0f / 65536 && s.block_width == 16 && s.tile_size == 32 && !s.tracer);
 }
 

@@ -70,6 +70,7 @@ static void older_settings_render_the_same(void **state) {
     fathom_settings older;
     memset(&older, beyond, sizeof older);
     fathom_settings_default_sized(&older, UP_TO(fathom_settings, block_width));
+    fathom_settings_set_integrator(&older, FATHOM_INTEGRATOR_CLASSIC);
     older.width = older.height = 32;
     fathom_stats stats;
     memset(&stats, beyond, sizeof stats);

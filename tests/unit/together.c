@@ -42,6 +42,7 @@ static void fill(stage *s, unsigned index) {
 static fathom_settings settings_of(unsigned index) {
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = settings.height = SIDE;
     settings.spp = 4, settings.aovs = FATHOM_AOV_Z | FATHOM_AOV_N;
     settings.tracer = tracers[index % 3];

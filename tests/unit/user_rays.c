@@ -251,6 +251,7 @@ static void ids_in_images_are_those_of_hits(void **state) {
     add_surfaces(&s);
     fathom_settings settings;
     fathom_settings_default(&settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     settings.width = 64, settings.height = 48, settings.aovs = FATHOM_AOV_ID | FATHOM_AOV_P;
     const double eye[3] = {1, -9, 7}, target[3] = {0, 0, 0}, up[3] = {0, 0, 1};
     fathom_camera camera;

@@ -218,12 +218,17 @@ fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settin
 
 /* ---- scenes ---- */
 
-fathom_status bench_open(fathom_context *context, const bench_settings *asked, bench_stage *out) {
+fathom_status bench_open(fathom_context *context, const bench_settings *asked, bool classic,
+                         bench_stage *out) {
     fathom_scene *scene;
     fathom_settings settings;
     const args_size size = asked->size;
     *out = (bench_stage){.scene = NULL};
-    const fathom_read_options read = {.size = sizeof read, .width = size.width, .height = size.height};
+    const fathom_read_options read = {.size = sizeof read,
+                                      .width = size.width,
+                                      .height = size.height,
+                                      .choose_integrator = classic,
+                                      .integrator = FATHOM_INTEGRATOR_CLASSIC};
     fathom_status status = fathom_scene_read_with(context, asked->scene, &read, &scene);
     if (status != FATHOM_OK) return status;
     fathom_scene_settings(scene, &settings);

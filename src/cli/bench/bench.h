@@ -68,9 +68,11 @@ fathom_status bench_run(const bench_kind *b, int argc, char **argv, void *settin
 bench_watch bench_progress_part(double from, double to);
 void bench_progress_tell(void *unused, double fraction);
 
-/* The file's scene with its settings, except one sample a pixel and neither a target error nor a time.
+/* The file's scene with its settings, except one sample a pixel and neither a target error nor a time;
+ * classic: for that integrator.
  * Release with stage_close(), whatever comes back. */
-fathom_status bench_open(fathom_context *context, const bench_settings *asked, bench_stage *out);
+fathom_status bench_open(fathom_context *context, const bench_settings *asked, bool classic,
+                         bench_stage *out);
 
 /* A sphere as `fathom generate sphere` makes it. Release with fathom_scene_destroy(), whatever comes back. */
 fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_scene **out);

@@ -296,7 +296,7 @@ static bool on_progress(void *user, double fraction) {
 static fathom_status open_stage(fathom_context *context, const bench_settings *asked, bench_stage *stage) {
     trace_spec spec;
     fathom_status status = asked->tracer ? trace_spec_parse(context, asked->tracer, &spec) : FATHOM_OK;
-    if (status == FATHOM_OK) status = bench_open(context, asked, stage);
+    if (status == FATHOM_OK) status = bench_open(context, asked, false, stage);
     /* Built as for a long render, as it is one. */
     return status == FATHOM_OK ? stage_build(context, stage, asked->tracer, 0) : status;
 }
@@ -331,7 +331,7 @@ static fathom_status measure_coverage(fathom_context *context, const bench_error
         .progress = on_progress};
     if (asked->all.csv || asked->all.report)
         return fail(context, FATHOM_BAD_USAGE, "--adaptive: no --csv or --report; expected --json");
-    fathom_status status = bench_open(context, &asked->all, &stage);
+    fathom_status status = bench_open(context, &asked->all, false, &stage);
     interrupt_keep_work(true);
     if (status == FATHOM_OK) status = coverage_measure(context, &stage, &options, rows, &count);
     interrupt_keep_work(false);

@@ -280,6 +280,7 @@ static fathom_status measure_source(fathom_context *context, const bench_render_
     fathom_read_options read;
     fathom_read_options_default(&read);
     read.width = asked->all.size.width, read.height = asked->all.size.height;
+    read.choose_integrator = true, read.integrator = FATHOM_INTEGRATOR_CLASSIC; /* whose rays are recorded */
     const phases_options options = {asked->all.repeats, asked->seconds, NULL};
     struct stat info;
     source from = {.name = name, .file_bytes = stat(path, &info) == 0 ? (uint64_t)info.st_size : 0};

@@ -77,6 +77,7 @@ static fathom_status open_sphere(fathom_context *context, uint64_t triangles, be
     *out = (bench_stage){.scene = scene};
     if (status != FATHOM_OK) return status;
     fathom_scene_settings(scene, &settings);
+    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
     return stage_open(context, scene, &settings, out);
 }
 
@@ -225,7 +226,7 @@ static fathom_status open_arena(fathom_context *context, const bench_trace_setti
                    .from = (double)i / (double)all,
                    .to = (double)(i + 1) / (double)all};
     const fathom_status status = i < given
-                                     ? bench_open(context, &asked->all, &out->stage)
+                                     ? bench_open(context, &asked->all, true, &out->stage)
                                      : open_sphere(context, asked->triangles.items[i - given], &out->stage);
     if (status != FATHOM_OK) return status;
     const fathom_scene *scene = out->stage.scene;

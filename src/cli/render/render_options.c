@@ -286,6 +286,13 @@ static unsigned held_aovs(const args_list *outputs) {
     return held;
 }
 
+/* The settings that nobody gave. */
+static bool is_preset(const fathom_settings *scene) {
+    fathom_settings preset = *scene;
+    fathom_settings_set_integrator(&preset, scene->integrator);
+    return scene->target_error == preset.target_error && scene->spp == preset.spp && !(scene->max_time > 0);
+}
+
 /* A file without a target means the same number of samples everywhere. */
 static bool finish_adaptive(render_options *options, const fathom_settings *scene, args_problem *problem) {
     fathom_settings *s = &options->settings;
@@ -296,7 +303,9 @@ static bool finish_adaptive(render_options *options, const fathom_settings *scen
             problem, "--pattern: --target-error and --max-time need --pattern sobol, whose samples can be "
                      "added to");
     }
-    if (scene->target_error > 0 || scene->max_time > 0) return true;
+    const bool asked =
+        render_options_give(options, "target_error") || render_options_give(options, "max_time");
+    if (!asked || ((scene->target_error > 0 || scene->max_time > 0) && !is_preset(scene))) return true;
     s->pattern = FATHOM_PATTERN_SOBOL;
     if (!render_options_give(options, "spp")) s->spp = 65536;
     return true;
@@ -319,10 +328,12 @@ static bool finish_loss(render_options *options, args_problem *problem) {
 static bool merge(render_options *options, const fathom_settings *scene, args_problem *problem) {
     fathom_settings *s = &options->settings;
     *s = *scene;
-    if (render_options_give(options, "integrator"))
-        fathom_settings_set_integrator(s, options->asked.integrator);
-    if (render_options_give(options, "spp") && s->integrator != FATHOM_INTEGRATOR_CLASSIC)
+    /* A number of samples means so many everywhere, and a time the best that it buys. */
+    const bool grid =
+        render_options_give(options, "pattern") && options->asked.pattern != FATHOM_PATTERN_SOBOL;
+    if ((render_options_give(options, "spp") || grid) && s->integrator != FATHOM_INTEGRATOR_CLASSIC)
         s->target_error = 0;
+    if (render_options_give(options, "max_time") && is_preset(scene)) s->target_error = 0;
     for (size_t i = 0; i < settings_table().count; ++i) {
         if (options->given >> i & 1) parameter_copy(&settings_table().rows[i], &options->asked, s);
     }

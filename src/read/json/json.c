@@ -51,15 +51,18 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
 }
 
-/* The integrator decides what the other settings are where the file does not give them; so many samples are
- * taken everywhere where it gives them alone. */
-static void choose_integrator(json_t *root, fathom_settings *image) {
+/* The integrator decides what the other settings are where the file does not give them. A number of samples,
+ * or a pattern whose samples cannot be added to, means the same samples everywhere. */
+static fathom_integrator choose_integrator(const fathom_scene *scene, json_t *root, fathom_settings *image) {
     json_t *from = json_object_get(root, "image");
-    const char *word = json_string_value(json_object_get(from, "integrator"));
-    const bool path = word && strcmp(word, "path") == 0, reference = word && strcmp(word, "reference") == 0;
-    if (!path && !reference) return;
-    fathom_settings_set_integrator(image, path ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_REFERENCE);
-    if (doc_has(from, "spp")) image->target_error = 0;
+    const char *word = json_string_value(json_object_get(from, "integrator")),
+               *pattern = json_string_value(json_object_get(from, "pattern"));
+    fathom_integrator own = FATHOM_INTEGRATOR_PATH;
+    if (word && strcmp(word, "classic") == 0) own = FATHOM_INTEGRATOR_CLASSIC;
+    if (word && strcmp(word, "reference") == 0) own = FATHOM_INTEGRATOR_REFERENCE;
+    fathom_settings_set_integrator(image, read_integrator(scene, own));
+    if (doc_has(from, "spp") || (pattern && strcmp(pattern, "sobol") != 0)) image->target_error = 0;
+    return image->integrator;
 }
 
 /* The camera decides the image's size where the file does not give it. */
@@ -249,9 +252,10 @@ static fathom_status read_root(const doc *d, json_t *root, fathom_scene *scene) 
     form_prepare();
     form_scene_values values = {.camera = {.up = {0, 1, 0}, .fovy = 45}};
     fathom_settings_default(&values.image);
-    choose_integrator(root, &values.image);
+    const fathom_integrator integrator = choose_integrator(scene, root, &values.image);
     fathom_status status = doc_read(d, NULL, root, &form_scene, &values);
     if (status != FATHOM_OK) return status;
+    values.image.integrator = integrator;
     const object_reader reader = {d, scene, json_object(), json_object()};
     if (reader.materials && reader.groups)
         status = build(&reader, root, &values);

@@ -124,7 +124,8 @@ static fathom_status light_everything(fathom_scene *scene) {
     fathom_status status = FATHOM_OK;
     if (!scene->has_background)
         status = fathom_scene_set_background(scene, (float[3]){0.05f, 0.055f, 0.065f});
-    if (status != FATHOM_OK || scene->has_ambient) return status;
+    const bool classic = scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC;
+    if (status != FATHOM_OK || scene->has_ambient || !classic) return status;
     return fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
 }
 

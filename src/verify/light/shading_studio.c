@@ -42,6 +42,7 @@ void studio_begin(studio *s, uint32_t width) {
     studio_end(s);
     memset(s->worst, 0, sizeof s->worst);
     fathom_settings_default(&s->settings);
+    fathom_settings_set_integrator(&s->settings, FATHOM_INTEGRATOR_CLASSIC);
     s->settings.width = width, s->settings.height = 1;
     s->settings.max_depth = 64;
     s->settings.min_weight = 0;
