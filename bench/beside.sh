@@ -39,7 +39,7 @@ scenes="alone sphere-around sphere-inside sphere-behind quad-around quad-inside 
 round=0
 while [ $round -lt "$rounds" ]; do
     for name in $scenes; do
-        "$fathom" render "$folder/$name.json" -o "$folder/a.png" --threads 1 --spp 1 --tracer "${TRACER:-embree}" -q \
+        "$fathom" render "$folder/$name.json" --integrator classic -o "$folder/a.png" --threads 1 --spp 1 --tracer "${TRACER:-embree}" -q \
             --stats "$folder/stats.json"
         sed -n 's/.*"render": \([0-9.]*\).*/'"$name"' \1/p' "$folder/stats.json" >>"$folder/times"
     done

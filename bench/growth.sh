@@ -39,5 +39,5 @@ field() {
 [ "${BILLIONS:-1M}" != 0 ] || exit 0
 field "$(echo "${BILLIONS:-1M}" | sed 's/k$/000/; s/M$/000000/')" >"$folder/field.json"
 "$fathom" info "$folder/field.json" | sed -n '/^triangles\|^instances\|^memory/p'
-"$fathom" render "$folder/field.json" -o "${IMAGE:-$folder/field.png}" --spp 4 -v ${OPTIONS:-} 2>"$folder/err.txt" |
+"$fathom" render "$folder/field.json" --integrator classic -o "${IMAGE:-$folder/field.png}" --spp 4 -v ${OPTIONS:-} 2>"$folder/err.txt" |
     sed -n '/^scene\|^seconds\|^rays\|^memory/p'

@@ -53,12 +53,12 @@ rays() {
 "$fathom" generate sphere --triangles 70k -o "$folder/light.glb" -q
 arguments=$(rays "$folder/heavy.glb")
 for _ in $(seq "$repeats"); do
-    timed fathom "$fathom" render "$folder/heavy.glb" -o "$folder/heavy.png" --spp 1 -q
+    timed fathom "$fathom" render "$folder/heavy.glb" --integrator classic -o "$folder/heavy.png" --spp 1 -q
     for quality in ${QUALITIES:-low}; do
         # shellcheck disable=SC2086
         timed "bare-$quality" "$bare" trace "$folder/heavy.glb" "$(nproc)" "$quality" robust $arguments
     done
-    timed light "$fathom" render "$folder/light.glb" -o "$folder/light.png" --spp 1 -q
+    timed light "$fathom" render "$folder/light.glb" --integrator classic -o "$folder/light.png" --spp 1 -q
     timed load "$bare" load "$module"
 done
 

@@ -65,7 +65,7 @@ CASES
 render_seconds() {
     name=$1
     shift
-    "$fathom" render "$name.json" --size "${SIZE:-960x540}" --threads 1 -o out.exr --stats s.json -q "$@"
+    "$fathom" render "$name.json" --integrator classic --size "${SIZE:-960x540}" --threads 1 -o out.exr --stats s.json -q "$@"
     sed -n '/"seconds"/,/}/s/^ *"render": \([-+.e0-9]*\),*$/\1/p' s.json
 }
 
@@ -79,7 +79,7 @@ render_instructions() {
     name=$1
     shift
     valgrind --tool=callgrind --callgrind-out-file=calls.txt --collect-atstart=no --toggle-collect=run_tiles \
-        "$fathom" render "$name.json" --size 160x90 --threads 1 -o out.exr -q "$@" >log.txt 2>&1
+        "$fathom" render "$name.json" --integrator classic --size 160x90 --threads 1 -o out.exr -q "$@" >log.txt 2>&1
     count=$(sed -n 's/^totals: \([0-9]*\).*/\1/p' calls.txt)
     printf '%s\n%s\n' "$asked" "$count" >>counted.txt
     echo "$count"

@@ -35,7 +35,7 @@ with() {
     code=0
     (
         [ "$1" != --memory-limit ] || [ "$2" = "${2%G}" ] || [ "${2%G}" -lt 4 ] || ulimit -v $((${2%G} * 1000000000 / 1024))
-        exec "$fathom" render "$meshes/$mesh.glb" -o "$folder/out.png" --size 1280x720 --spp 1 --quiet \
+        exec "$fathom" render "$meshes/$mesh.glb" --integrator classic -o "$folder/out.png" --size 1280x720 --spp 1 --quiet \
             --stats "$folder/stats.json" "$@"
     ) 2>"$folder/err.txt" || code=$?
     if [ $code -eq 0 ]; then

@@ -23,7 +23,7 @@ measure() {
 
 # From the signal to the end of the process, with the images written.
 interrupted() {
-    env --default-signal=INT "$fathom" render "$folder/m.glb" --spp 65536 -o "$folder/i.exr" -o "$folder/i.png" "$@" \
+    env --default-signal=INT "$fathom" render "$folder/m.glb" --integrator classic --spp 65536 -o "$folder/i.exr" -o "$folder/i.png" "$@" \
         >"$folder/out.txt" 2>&1 &
     sleep 2
     begin=$(now)
@@ -34,7 +34,7 @@ interrupted() {
 
 "$fathom" generate sphere --triangles 70000 -o "$folder/m.glb" >"$folder/out.txt"
 measure "help" "$fathom" help
-measure "70 k triangles, 1 spp, to PNG" "$fathom" render "$folder/m.glb" -o "$folder/o.png" --spp 1 --quiet
-measure "70 k triangles, 1 spp, to EXR" "$fathom" render "$folder/m.glb" -o "$folder/o.exr" --spp 1 --quiet
+measure "70 k triangles, 1 spp, to PNG" "$fathom" render "$folder/m.glb" --integrator classic -o "$folder/o.png" --spp 1 --quiet
+measure "70 k triangles, 1 spp, to EXR" "$fathom" render "$folder/m.glb" --integrator classic -o "$folder/o.exr" --spp 1 --quiet
 echo "interrupted, to EXR and PNG: $(interrupted) ms, $(interrupted) ms, $(interrupted) ms"
 echo "interrupted, linear search:  $(interrupted --tracer reference) ms, $(interrupted --tracer reference) ms"

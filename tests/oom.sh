@@ -46,7 +46,7 @@ done
     for kind in glb obj ply; do
         # Loading libraries and writing EXR were tried above.
         try_known "render ball.$kind, exr" -x ld-linux -c "$fathom" -o a.exr \
-            $lib "$fathom" render ball.$kind -o a.exr $small
+            $lib "$fathom" render ball.$kind --integrator classic -o a.exr $small
         try "info ball.$kind" -t $lib "$fathom" info ball.$kind
         try "info ball.$kind, every request" -n -t $lib "$fathom" info ball.$kind
     done

@@ -17,6 +17,13 @@ holds "$(number b.json meanSpp) > $(number a.json meanSpp)"
 run 0 render scene.json -o b.exr --target-error 0.01 --min-spp 32 --stats b.json
 holds "$(number b.json meanSpp) >= 32"
 
+# Paths go to an error of their own; a number of samples means so many everywhere.
+run 0 render scene.json -o b.exr --integrator path --stats b.json
+holds "$(number b.json errorEstimate) > 0 && $(number b.json errorEstimate) <= 0.02"
+[ "$(number b.json spp)" = 1024 ] || die 'the most samples of paths'
+run 0 render scene.json -o b.exr --integrator path --spp 7 --stats b.json
+[ "$(number b.json meanSpp)" = 7.0 ] || die 'as many samples as are asked for'
+
 # Few samples at most: the target is missed, and that is told.
 run 0 render scene.json -o b.exr --target-error 0.0001 --spp 16 --stats b.json
 said out.txt '(above the target)'

@@ -21,36 +21,36 @@ write_model wide.gltf '"aspectRatio": 2,'
 write_model any.gltf ''
 
 # The image has the camera's shape unless its size is given.
-run 0 render wide.gltf -o a.png --camera Front --spp 1 --stats a.json
+run 0 render wide.gltf --integrator classic -o a.png --camera Front --spp 1 --stats a.json
 [ "$(number a.json width)x$(number a.json height)" = 1280x640 ] || die 'the shape of the camera'
-run 0 render any.gltf -o a.png --camera Front --spp 1 --stats a.json
+run 0 render any.gltf --integrator classic -o a.png --camera Front --spp 1 --stats a.json
 [ "$(number a.json width)x$(number a.json height)" = 1280x720 ] || die 'no shape'
 
 # With a size aspectRatio changes no pixel; where it cuts something off, that is said.
 for size in 64x64 128x64 128x32 40x96; do
-    run 0 render wide.gltf -o a.png --camera Front --size $size
+    run 0 render wide.gltf --integrator classic -o a.png --camera Front --size $size
     case $size in
     128x*) not_said err.txt warning ;;
     *) said err.txt "% of the camera's view are not seen: its aspectRatio is 2" ;;
     esac
-    run 0 render any.gltf -o b.png --camera Front --size $size
+    run 0 render any.gltf --integrator classic -o b.png --camera Front --size $size
     silent err.txt
     same a.png b.png
 done
 
 # By the name of its node, by number; the first perspective one where none is asked for, and that is said.
-run 0 render any.gltf -o a.png --size 64x64 --camera Far
-run 0 render any.gltf -o b.png --size 64x64 --camera 1
+run 0 render any.gltf --integrator classic -o a.png --size 64x64 --camera Far
+run 0 render any.gltf --integrator classic -o b.png --size 64x64 --camera 1
 same a.png b.png
-run 0 render any.gltf -o b.png --size 64x64 --camera 0
+run 0 render any.gltf --integrator classic -o b.png --size 64x64 --camera 0
 differ a.png b.png
-run 0 render any.gltf -o a.png --size 64x64
+run 0 render any.gltf --integrator classic -o a.png --size 64x64
 said err.txt 'fathom: warning: any.gltf: holds 3 cameras, 1 of them orthographic, which are not rendered; 0 "Front" is taken'
 same a.png b.png
 refused 2 'any.gltf: there is no camera "Side"; expected one of 0 "Front", 1 "Far", 2 "Plan" (orthographic)' \
-    render any.gltf -o c.png --camera Side
-refused 2 '2 cameras are called "lens"' render any.gltf -o c.png --camera lens
-refused 2 'camera "Plan" is orthographic' render any.gltf -o c.png --camera Plan
+    render any.gltf --integrator classic -o c.png --camera Side
+refused 2 '2 cameras are called "lens"' render any.gltf --integrator classic -o c.png --camera lens
+refused 2 'camera "Plan" is orthographic' render any.gltf --integrator classic -o c.png --camera Plan
 write_scene
 refused 2 'scene.json: has no cameras to choose "Front" from' render scene.json -o c.png --camera Front
 
@@ -64,19 +64,19 @@ run 0 info any.gltf --camera Far --json
 said out.txt '"node": "Plan"'
 [ "$(grep -c '"taken": true' out.txt)" = 1 ] || die 'info --json: one camera is taken'
 run 0 info wide.gltf
-said out.txt 'image     1280x640, 16 spp'
+said out.txt 'image     1280x640, 1024 spp'
 
 # The automatic camera looks at CAD's parts from ahead, which is -y, with z up. A file's own camera stays.
 run 0 generate sphere --triangles 200 -o ball.ply
-run 0 render ball.ply -o a.png --size 32x48 --up y
-run 0 render ball.ply -o b.png --size 32x48
+run 0 render ball.ply --integrator classic -o a.png --size 32x48 --up y
+run 0 render ball.ply --integrator classic -o b.png --size 32x48
 same a.png b.png
-run 0 render ball.ply -o b.png --size 32x48 --up z
+run 0 render ball.ply --integrator classic -o b.png --size 32x48 --up z
 differ a.png b.png
-refused 2 '--up: expected' render ball.ply -o c.png --up x
+refused 2 '--up: expected' render ball.ply --integrator classic -o c.png --up x
 run 0 render scene.json -o c.png --size 8x8 --up z
 said err.txt 'fathom: warning: scene.json: has a camera of its own'
 
 # 16 samples a pixel for models.
-run 0 render ball.ply -o a.png --size 32x48 --stats a.json
+run 0 render ball.ply --integrator classic -o a.png --size 32x48 --stats a.json
 [ "$(number a.json spp)" = 16 ] || die '16 samples'

@@ -11,7 +11,7 @@ for kind in sphere terrain sponge forest; do
         silent out.txt
         cmp one/a.$format three/a.$format || die "$kind.$format depends on the threads"
     done
-    run 0 render one/a.glb -o $kind.png --size 64x64
+    run 0 render one/a.glb --integrator classic -o $kind.png --size 64x64
 done
 for kind in sphere terrain forest; do
     run 0 generate $kind -t 5k --seed 1 -o a.ply

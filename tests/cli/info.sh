@@ -29,7 +29,7 @@ refused 3 'fathom: n?[2J????.obj: No such file' info "$name.obj"
 
 # A film of every AOV has 18 channels, 4 bytes a pixel each.
 cat >aovs.json <<'JSON'
-{ "image": { "width": 640, "height": 480, "aovs": ["alpha", "Z", "N", "P", "albedo", "id", "samples"] },
+{ "image": { "integrator": "classic", "width": 640, "height": 480, "aovs": ["alpha", "Z", "N", "P", "albedo", "id", "samples"] },
   "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] }
 JSON
 run 0 info aovs.json --json
@@ -70,7 +70,7 @@ fi
 # A floor without end has no bounds; light that is blue alone is light; what is cropped away takes no film; shapes that
 # Embree cannot reach are a problem, and what gives off light is a feature.
 cat >floor.json <<'JSON'
-{ "image": { "width": 640, "height": 480, "crop": [10, 20, 30, 60] }, "ambient": [0, 0, 0.5],
+{ "image": { "integrator": "classic", "width": 640, "height": 480, "crop": [10, 20, 30, 60] }, "ambient": [0, 0, 0.5],
   "lights": [ { "type": "spot", "position": [0, 5, 0], "direction": [0, -1, 0], "intensity": 3 } ],
   "objects": [ { "type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0] } ] }
 JSON
@@ -115,7 +115,7 @@ refused 3 'nothing.glb: No such file' info nothing.glb
 # What only Embree cannot do, in the words of a render; what it leaves out is a problem and no more.
 placed() { # radius of the group's sphere, scale
     cat <<JSON
-{ "camera": { "eye": [0, 0, 5], "target": [0, 0, 0] }, "ambient": [1, 1, 1],
+{ "image": { "integrator": "classic" }, "camera": { "eye": [0, 0, 5], "target": [0, 0, 0] }, "ambient": [1, 1, 1],
   "groups": { "g": [ { "type": "sphere", "center": [0, 0, 0], "radius": $1 } ] },
   "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 },
                { "type": "instance", "of": "g", "scale": [$2, $2, $2] } ] }
@@ -141,7 +141,7 @@ said err.txt 'warning: instances beyond 1e+18 from the origin, which Embree leav
 run 0 generate sphere --triangles 1M -o big.glb
 run 0 info big.glb --json
 estimate=$(number out.txt total)
-run 0 render big.glb -o big.exr --spp 1 --stats stats.json
+run 0 render big.glb --integrator classic -o big.exr --spp 1 --stats stats.json
 peak=$(number stats.json peakMemoryBytes)
 [ -n "$SANITIZE" ] || awk "BEGIN { exit !($estimate >= $peak && $estimate <= $peak + 60e6) }" ||
     die "info expects $estimate bytes, the render took $peak"

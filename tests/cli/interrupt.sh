@@ -2,7 +2,7 @@
 . "$SOURCE/tests/cli/check.inc"
 # Small enough to be built long before the signal, however busy the machine; sampled long enough to never end.
 run 0 generate sphere -t 20k -o heavy.glb
-run 0 render heavy.glb -o finished.exr --size 40x30
+run 0 render heavy.glb --integrator classic -o finished.exr --size 40x30
 long='heavy.glb -o i.exr --spp 65536 --threads 1'
 
 # interrupt SECONDS ARGUMENT…: fathom gets SIGINT after so many seconds, once, as from a terminal. (A shell has its background
@@ -42,8 +42,8 @@ done
 
 # Nothing that is written to may be where a partial image goes.
 refused 2 'i.partial.exr: an interrupted render puts i.exr there' \
-    render heavy.glb -o i.exr --checkpoint i.partial.exr
-refused 2 'i.partial.png: an interrupted render puts i.png there' render heavy.glb -o i.png -o i.partial.png
+    render heavy.glb --integrator classic -o i.exr --checkpoint i.partial.exr
+refused 2 'i.partial.png: an interrupted render puts i.png there' render heavy.glb --integrator classic -o i.png -o i.partial.png
 ls -A | grep tmp && die 'a temporary file was left behind'
 
 # timeout without --foreground sends the signal to the process and to its group: twice at once is once.
@@ -56,7 +56,7 @@ timeout --preserve-status -s INT 1 "$FATHOM" render $long >out.txt 2>err.txt || 
 run 0 generate terrain -t 500k -o large.obj
 rm -f i.exr i.partial.exr
 phase=read
-start render large.obj -o i.exr --stats i2.json
+start render large.obj --integrator classic -o i.exr --stats i2.json
 kill -TERM $child
 end 5
 said err.txt 'interrupted; nothing was written'
@@ -72,7 +72,7 @@ done
 # A second one ends it on the spot, by the signal itself, and leaves nothing half-written. Large images keep it
 # writing for a while after the first.
 phase=render
-start render heavy.glb -o i.png -o i.tif -o i.exr -o j.png --spp 65536 --size 5000x5000
+start render heavy.glb --integrator classic -o i.png -o i.tif -o i.exr -o j.png --spp 65536 --size 5000x5000
 kill -TERM $child
 sleep 0.4
 kill -TERM $child
@@ -80,6 +80,6 @@ end 143
 ls -A | grep tmp && die 'a second signal: a temporary file was left behind'
 
 # What was started with SIGINT ignored, as a shell starts its background jobs, goes on ignoring it.
-start render heavy.glb -o i.exr --size 640x360 --spp 16
+start render heavy.glb --integrator classic -o i.exr --size 640x360 --spp 16
 kill -INT $child
 end 0

@@ -60,8 +60,8 @@ done
 
 # Warnings.
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n' >mesh.obj
-run_log render mesh.obj -o a.png --size 8x8 --log json --quiet
+run_log render mesh.obj --integrator classic -o a.png --size 8x8 --log json --quiet
 lines_are_objects
 said err.txt '"level": "warning", "message": "'
-run_log render mesh.obj -o a.png --size 8x8 --log text --quiet
+run_log render mesh.obj --integrator classic -o a.png --size 8x8 --log text --quiet
 said err.txt 'fathom: warning: '

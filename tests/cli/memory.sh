@@ -1,18 +1,18 @@
 # --memory-limit: compact structures where only they fit, refusal before anything is built where not even they do.
 . "$SOURCE/tests/cli/check.inc"
-refused 2 'memory-limit: expected auto or a whole number from 1000000' render ball.glb -o none.exr --memory-limit 10
+refused 2 'memory-limit: expected auto or a whole number from 1000000' render ball.glb --integrator classic -o none.exr --memory-limit 10
 # Sanitizers hold memory of their own.
 [ -z "$SANITIZE" ] || exit 0
 
 run 0 generate sphere -t 1200k -o ball.glb
-run 0 render ball.glb -o usual.exr --size 64x48 --memory-limit 8G
+run 0 render ball.glb --integrator classic -o usual.exr --size 64x48 --memory-limit 8G
 not_said err.txt warning
 
 # What was foreseen is never less than what it comes to, nor more by as much as the program's share.
 foreseen() { # image, most that may be foreseen in vain, further arguments…
     image=$1 vain=$2
     shift 2
-    run 0 render ball.glb -o "$image" --size 64x48 --stats m.json "$@"
+    run 0 render ball.glb --integrator classic -o "$image" --size 64x48 --stats m.json "$@"
     peak=$(number m.json peakBytes) all=$(number m.json foreseenBytes)
     [ "$peak" -le "$all" ] || die "$*: $peak bytes at most, $all were foreseen"
     [ "$((all - peak))" -le "$vain" ] || die "$*: only $peak bytes at most, $all were foreseen"
@@ -25,36 +25,36 @@ foreseen seen.exr 60000000
 needed=$(($(number m.json meshBytes) + $(number m.json bvhBytes) + $(number m.json filmBytes)))
 awk "BEGIN { d = $(number m.json peakToNeeded) * $needed / $(number m.json peakBytes) - 1; exit !(d < 1e-6 && d > -1e-6) }" ||
     die 'peakToNeeded'
-run 0 render ball.glb -o seen.exr --size 64x48 -v
+run 0 render ball.glb --integrator classic -o seen.exr --size 64x48 -v
 said out.txt 'times meshes 28.8, BVH '
 
 # 20 MB of program, 2 of threads, 29 of mesh; the usual structures take 125 MB, compact ones 49.
-run 0 render ball.glb -o compact.exr --size 64x48 --threads 2 --memory-limit 110M --stats s.json
+run 0 render ball.glb --integrator classic -o compact.exr --size 64x48 --threads 2 --memory-limit 110M --stats s.json
 said err.txt 'warning: the usual acceleration structure would take about 0.12 GB, and 0.06 GB are left after program, meshes and image: a compact'
 [ "$(number s.json peakMemoryBytes)" -le 110000000 ] || die "beyond the limit: $(number s.json peakMemoryBytes)"
 run 0 compare usual.exr compact.exr --tolerance 1e-3
 
 refused 4 'out of memory: building takes about 0.05 GB, and' \
-    render ball.glb -o none.exr --size 64x48 --threads 2 --memory-limit 60M --quiet
+    render ball.glb --integrator classic -o none.exr --size 64x48 --threads 2 --memory-limit 60M --quiet
 
 # Who names the structures gets them or nothing.
 refused 4 'out of memory: building takes about 0.12 GB' \
-    render ball.glb -o none.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:medium --quiet
-run 0 render ball.glb -o named.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:compact
+    render ball.glb --integrator classic -o none.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:medium --quiet
+run 0 render ball.glb --integrator classic -o named.exr --size 64x48 --threads 2 --memory-limit 110M --tracer embree:compact
 not_said err.txt warning
 
 # Every limit, from what nothing fits to what all does, ends with code 4, a line and no file, or with the pixels that there
 # are without one, in so much memory; and what fits one limit fits all that are higher.
 run 0 generate sphere -t 150k -o ball.glb
-run 0 render ball.glb -o usual.exr --size 64x48
-run 0 render ball.glb -o usual.png --size 64x48
-run 0 render ball.glb -o compact.exr --size 64x48 --tracer embree:compact
+run 0 render ball.glb --integrator classic -o usual.exr --size 64x48
+run 0 render ball.glb --integrator classic -o usual.png --size 64x48
+run 0 render ball.glb --integrator classic -o compact.exr --size 64x48 --tracer embree:compact
 limits() { # image, what it is without a limit, limits, further arguments…
     image=$1 whole=$2 tried=$3 fits=no refused=no
     shift 3
     for limit in $tried; do
         code=0
-        "$FATHOM" render ball.glb -o "$image" --size 64x48 --threads 2 --memory-limit $limit --stats l.json --quiet "$@" \
+        "$FATHOM" render ball.glb --integrator classic -o "$image" --size 64x48 --threads 2 --memory-limit $limit --stats l.json --quiet "$@" \
             >out.txt 2>err.txt || code=$?
         case $code in
         0)
@@ -81,7 +81,7 @@ limits() { # image, what it is without a limit, limits, further arguments…
     done
     [ $fits$refused = yesyes ] || die "$image: all limits are alike"
 }
-run 0 render ball.glb -o l.png --size 64x48 --threads 2 --memory-limit 80M
+run 0 render ball.glb --integrator classic -o l.png --size 64x48 --threads 2 --memory-limit 80M
 rm l.png
 limits l.png usual.png '1M 20M 25M 30M 35M 40M 45M 50M 55M 60M 65M 70M 90M 120M 1G'
 limits l.exr usual.exr '1M 50M 70M 90M 120M 1G'

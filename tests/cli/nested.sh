@@ -55,5 +55,5 @@ refused 3 'children within children, more than 512 levels' render children-513.j
 refused 3 'children within children, more than 512 levels' info children-513.json
 refused 3 'brackets stand within brackets too deep; expected at most 2048 levels' info children-10000.json
 refused 3 'arrays.json:1:2057: brackets stand within brackets too deep' info arrays.json
-refused 3 'nodes-cycle.gltf:1: nodes[0].children: leads back to nodes[0]' render nodes-cycle.gltf -o a.exr
+refused 3 'nodes-cycle.gltf:1: nodes[0].children: leads back to nodes[0]' render nodes-cycle.gltf --integrator classic -o a.exr
 refused 3 'brackets stand within brackets too deep' info extras.gltf

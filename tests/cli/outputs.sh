@@ -49,7 +49,7 @@ rm -r folder a.png
 
 # What a scene names is no output either, which shows while it is read; a checkpoint may be both.
 run 0 generate sphere -t 20 -o ball.obj
-printf '{ "objects": [ { "type": "mesh", "file": "ball.obj" } ] }' >mesh.json
+printf '{ "image": { "integrator": "classic" }, "objects": [ { "type": "mesh", "file": "ball.obj" } ] }' >mesh.json
 cat ball.obj ball.mtl >before.txt
 for file in ball.obj ball.mtl; do
     clash="$file: would be read and written; expected another output"
@@ -75,14 +75,14 @@ printf '{ "camera": { "eye": [0, 0, 1e20], "target": [0, 0, 0] },
 refused 3 'bad.json: camera: it stands 1e+20 from the scene' render bad.json -o a.png
 refused 3 'bad.json: camera: it stands 1e+20 from the scene' info bad.json
 printf 'v 0 0 0\nv 1 0 0\nf 1 2 2\n' >bad.obj
-refused 3 'bad.obj: the scene holds no geometry with an area' render bad.obj -o a.png
+refused 3 'bad.obj: the scene holds no geometry with an area' render bad.obj --integrator classic -o a.png
 refused 3 'bad.obj: the scene holds no geometry with an area' info bad.obj
 printf 'v 0 0 0\nv 1 0 0\nf 1 2 3\n' >bad.obj
-refused 3 'bad.obj:3' render bad.obj -o a.png
+refused 3 'bad.obj:3' render bad.obj --integrator classic -o a.png
 printf 'glTF' >bad.glb
-refused 3 'bad.glb' render bad.glb -o a.png
+refused 3 'bad.glb' render bad.glb --integrator classic -o a.png
 : >bad.ply
-refused 3 'bad.ply: the file is empty' render bad.ply -o a.png
+refused 3 'bad.ply: the file is empty' render bad.ply --integrator classic -o a.png
 refused 3 'scene.txt' render scene.txt -o a.png
 refused 3 'no extension' render scene -o a.png
 mkdir folder.json

@@ -16,7 +16,7 @@ out='leads outside; expected a file in the folder of'
 absolute='is an absolute path; expected a file in the folder of'
 
 # scene FILE: box/scene.json shows the mesh.
-scene() { printf '{ "objects": [\n  { "type": "mesh", "file": "%s" } ] }\n' "$1" >box/scene.json; }
+scene() { printf '{ "image": { "integrator": "classic" }, "objects": [\n  { "type": "mesh", "file": "%s" } ] }\n' "$1" >box/scene.json; }
 # everywhere CODE TEXT SCENE: all that read scenes say so.
 everywhere() {
     refused 3 "$2" info "$3"

@@ -10,7 +10,7 @@ silent err.txt
 run 0 generate sphere -t 2k -o slow.glb
 spp=8
 while :; do
-    run 0 render slow.glb -o a.exr --size 160x120 --tracer reference --threads 1 --pattern sobol --spp $spp --stats s.json
+    run 0 render slow.glb --integrator classic -o a.exr --size 160x120 --tracer reference --threads 1 --pattern sobol --spp $spp --stats s.json
     seconds=$(number s.json render)
     awk "BEGIN { exit !($seconds > 2) }" && break
     spp=$(awk "BEGIN { n = 2.6 * $spp / ($seconds + 1e-3); print int(n < 2 * $spp ? 2 * $spp : n) }")
@@ -23,7 +23,7 @@ sort -n -c percents.txt || die 'percents go back'
 [ "$(awk '{ print int($1 / 10) }' percents.txt | uniq -d | wc -l)" -eq 0 ] || die 'two lines for the same 10 %'
 grep -q "$(printf '[\r\033]')" err.txt && die 'terminal codes in a file'
 
-run 0 render slow.glb -o a.exr --size 160x120 --tracer reference --threads 1 --pattern sobol --spp $spp --quiet
+run 0 render slow.glb --integrator classic -o a.exr --size 160x120 --tracer reference --threads 1 --pattern sobol --spp $spp --quiet
 silent err.txt
 silent out.txt
 
@@ -32,7 +32,7 @@ command -v script >/dev/null || { echo 'script is not installed: the bar is not 
 TERM=xterm
 export TERM
 bar() {
-    script -qec "stty cols $1; '$FATHOM' render slow.glb -o a.exr --size 160x120 --tracer reference --threads 1 --pattern sobol \
+    script -qec "stty cols $1; '$FATHOM' render slow.glb --integrator classic -o a.exr --size 160x120 --tracer reference --threads 1 --pattern sobol \
         --spp $((spp / 3 + 1)) $2" \
         /dev/null </dev/null >tty.txt
     tr '\r' '\n' <tty.txt | sed "s/$(printf '\033')\\[K//g" >lines.txt

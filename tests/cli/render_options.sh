@@ -144,7 +144,7 @@ refused 2 '--exposure: expected a number' render scene.json -o c.png --exposure 
 # What MeshLab writes for opaque is invisible.
 printf 'newmtl a\nKd 0.6 0.6 0.6\nTr 1.0\n' >clear.mtl
 printf 'mtllib clear.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >clear.obj
-run 0 render clear.obj -o a.png
+run 0 render clear.obj --integrator classic -o a.png
 said err.txt 'all surfaces are fully transparent'
 
 refused 2 'No Such View' render scene.json -o c.png --view 'No Such View'
@@ -159,8 +159,8 @@ same base.exr c.exr
 
 # The facets of a coarse smooth mesh shadow themselves only when asked to.
 run 0 generate sphere --triangles 200 -o coarse.glb
-run 0 render coarse.glb -o a.png --size 96x64 --spp 1
-run 0 render coarse.glb -o b.png --size 96x64 --spp 1 --no-terminator-fix
+run 0 render coarse.glb --integrator classic -o a.png --size 96x64 --spp 1
+run 0 render coarse.glb --integrator classic -o b.png --size 96x64 --spp 1 --no-terminator-fix
 differ a.png b.png
 
 # The tracers agree but where rounding moves an edge: 1 pixel in 100 at most, and those are few of 6144.

@@ -45,7 +45,7 @@ v 2 0 0
 f 1 2 3
 f 1 2 4
 OBJ
-run 0 render mesh.obj -o a.exr --size 32x32 --stats s.json
+run 0 render mesh.obj --integrator classic -o a.exr --size 32x32 --stats s.json
 [ "$(number s.json triangles) $(number s.json degenerateTriangles)" = '2 1' ] || die 'degenerate triangles'
 [ "$(grep -c 'fathom: warning: triangles without area that are left out: 1' err.txt)" = 1 ] || die 'one warning'
 said s.json '    "triangles without area that are left out: 1"'

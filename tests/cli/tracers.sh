@@ -30,21 +30,21 @@ done
 # Tracers from outside. A ray that comes from within meets the far side from behind.
 plugins=$BUILD/tests/plugin
 run 0 generate sphere --triangles 200 -o ball.ply
-run 0 render ball.ply -o linear.exr --exr-float --size 48x32 --spp 1 --tracer linear:f64
-run 0 render ball.ply -o a.exr --exr-float --size 48x32 --spp 1 --tracer "$plugins/correct.so" --stats a.json
+run 0 render ball.ply --integrator classic -o linear.exr --exr-float --size 48x32 --spp 1 --tracer linear:f64
+run 0 render ball.ply --integrator classic -o a.exr --exr-float --size 48x32 --spp 1 --tracer "$plugins/correct.so" --stats a.json
 run 0 compare linear.exr a.exr --tolerance 1e-4
 said a.json '"tracer": "example: correct"'
-run 0 render ball.ply -o b.exr --exr-float --size 48x32 --spp 1 --tracer "$plugins/culls.so"
+run 0 render ball.ply --integrator classic -o b.exr --exr-float --size 48x32 --spp 1 --tracer "$plugins/culls.so"
 cp "$plugins/correct.so" near.so
-run 0 render ball.ply -o b.exr --exr-float --size 48x32 --spp 1 --tracer near.so
+run 0 render ball.ply --integrator classic -o b.exr --exr-float --size 48x32 --spp 1 --tracer near.so
 same a.exr b.exr
 rm near.so
 refused 2 'takes triangles alone, and the scene has' render scene.json -o c.exr --tracer "$plugins/correct.so"
-refused 3 'tracer ./none.so: cannot be loaded' render ball.ply -o c.exr --tracer none.so
+refused 3 'tracer ./none.so: cannot be loaded' render ball.ply --integrator classic -o c.exr --tracer none.so
 mkfifo pipe.so
-refused 3 'tracer ./pipe.so: cannot be loaded: is not a regular file' render ball.ply -o c.exr --tracer pipe.so
+refused 3 'tracer ./pipe.so: cannot be loaded: is not a regular file' render ball.ply --integrator classic -o c.exr --tracer pipe.so
 rm pipe.so
-refused 3 'is of version 0; expected 1' render ball.ply -o c.exr --tracer "$plugins/faulty.so"
+refused 3 'is of version 0; expected 1' render ball.ply --integrator classic -o c.exr --tracer "$plugins/faulty.so"
 
 # $FATHOM_ISA limits the instruction set, and a word that names none is refused, whatever traces.
 if [ "$(uname -m)" = x86_64 ]; then

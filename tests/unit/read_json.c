@@ -79,6 +79,32 @@ static void absent_parts(void **state) {
     fathom_scene_destroy(scene);
 }
 
+static fathom_settings settings_of(const char *image) {
+    char text[256];
+    snprintf(text, sizeof text, "{\"image\": {%s}, \"lights\": [], \"objects\": []}", image);
+    fathom_scene *scene = json_scene_good(&s, text);
+    const fathom_settings found = scene->settings;
+    fathom_scene_destroy(scene);
+    return found;
+}
+
+static void the_integrator_decides_what_is_not_given(void **state) {
+    (void)state;
+    fathom_settings found = settings_of("");
+    assert_true(found.integrator == FATHOM_INTEGRATOR_PATH && found.pattern == FATHOM_PATTERN_SOBOL);
+    assert_true(found.spp == 1024 && found.target_error == 0.02 && found.max_depth == 16);
+    found = settings_of("\"integrator\": \"classic\"");
+    assert_true(found.integrator == FATHOM_INTEGRATOR_CLASSIC && found.pattern == FATHOM_PATTERN_GRID);
+    assert_true(found.spp == 1 && !(found.target_error > 0) && found.max_depth == 8);
+    /* So many samples everywhere. */
+    found = settings_of("\"spp\": 9");
+    assert_true(found.spp == 9 && !(found.target_error > 0));
+    found = settings_of("\"pattern\": \"grid\"");
+    assert_true(found.pattern == FATHOM_PATTERN_GRID && !(found.target_error > 0));
+    found = settings_of("\"spp\": 64, \"targetError\": 0.1");
+    assert_true(found.spp == 64 && found.target_error == 0.1);
+}
+
 static fathom_camera camera_of(const char *camera) {
     char text[1024];
     snprintf(text, sizeof text, "{\"camera\": %s, \"objects\": []}", camera);
@@ -336,10 +362,19 @@ static void example(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(surroundings),    cmocka_unit_test(absent_parts), cmocka_unit_test(cameras),
-        cmocka_unit_test(materials),       cmocka_unit_test(lights),       cmocka_unit_test(shapes),
-        cmocka_unit_test(loose_triangles), cmocka_unit_test(meshes),       cmocka_unit_test(far_mesh),
-        cmocka_unit_test(generated),       cmocka_unit_test(placements),   cmocka_unit_test(groups),
+        cmocka_unit_test(surroundings),
+        cmocka_unit_test(absent_parts),
+        cmocka_unit_test(the_integrator_decides_what_is_not_given),
+        cmocka_unit_test(cameras),
+        cmocka_unit_test(materials),
+        cmocka_unit_test(lights),
+        cmocka_unit_test(shapes),
+        cmocka_unit_test(loose_triangles),
+        cmocka_unit_test(meshes),
+        cmocka_unit_test(far_mesh),
+        cmocka_unit_test(generated),
+        cmocka_unit_test(placements),
+        cmocka_unit_test(groups),
         cmocka_unit_test(example),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
