@@ -30,8 +30,9 @@ typedef struct material_plan {
 struct texturing {
     const world *w;
     texture_cache *cache;
-    bool colors; /* some mesh has vertex colours, */
-    bool alphas; /* and some with alpha */
+    bool colors;                 /* some mesh has vertex colours, */
+    bool alphas;                 /* and some with alpha */
+    surface_tangents **tangents; /* by mesh of the world; NULL: it has its own, or needs none */
     material_plan plans[];
 };
 
@@ -65,6 +66,27 @@ static bool any_colors(const world *w, unsigned channels) {
     return false;
 }
 
+static const fathom_mesh *mesh_of(const world *w, uint32_t geometry) {
+    const bool mesh = geometry < w->geometries.count && w->geometries.items[geometry].kind == WORLD_MESH;
+    return mesh ? world_mesh(w, geometry) : NULL;
+}
+
+/* Of meshes whose own material has a normal map; those that an instance gives one get the frames of their
+ * triangles. */
+static fathom_status make_tangents(fathom_context *context, texturing *t) {
+    const world *w = t->w;
+    fathom_status status = FATHOM_OK;
+    t->tangents = calloc(w->meshes.count + 1, sizeof *t->tangents);
+    if (!t->tangents) return fail_memory(context, w->meshes.count * sizeof *t->tangents);
+    for (size_t i = 0; i < w->meshes.count && status == FATHOM_OK; ++i) {
+        const fathom_mesh *m = &w->meshes.items[i];
+        const fathom_map *map = &t->plans[m->material].material->maps[FATHOM_MAP_NORMAL];
+        if (map->texture == FATHOM_NONE || (m->tangents && map->uv_set == 0)) continue;
+        status = surface_tangents_make(context, m, map->uv_set, &t->tangents[i]);
+    }
+    return status;
+}
+
 fathom_status texturing_create(fathom_context *context, const world *w, uint64_t memory, texturing **out) {
     const fathom_scene *scene = w->scene;
     const bool colors = any_colors(w, 3);
@@ -78,17 +100,20 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
         t->plans[i].material = &scene->materials.items[i].value;
         for (int k = 0; k < FATHOM_MAPS; ++k) plan_map(&t->plans[i], k);
     }
-    fathom_status status = texture_cache_open(context, scene, memory, &t->cache);
+    fathom_status status = make_tangents(context, t);
+    if (status == FATHOM_OK) status = texture_cache_open(context, scene, memory, &t->cache);
     if (status == FATHOM_OK)
         *out = t;
     else
-        free(t);
+        texturing_destroy(t);
     return status;
 }
 
 void texturing_destroy(texturing *t) {
     if (!t) return;
     texture_cache_close(t->cache);
+    for (size_t i = 0; t->tangents && i < t->w->meshes.count; ++i) surface_tangents_free(t->tangents[i]);
+    free(t->tangents);
     free(t);
 }
 
@@ -256,6 +281,14 @@ static bool make_unit(vec3_f32 *v) {
     return true;
 }
 
+/* The way of u on the triangle, for maps that do not turn the image; else that of the image itself. */
+static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 *t) {
+    const world *w = p->t->w;
+    if (l->m[1] != 0 || l->m[3] != 0 || !(l->m[0] > 0) || !mesh_of(w, p->g->geometry[i])) return false;
+    const surface_tangents *made = p->t->tangents[w->geometries.items[p->g->geometry[i]].first];
+    return made && surface_made_tangent_at(p->g, w, i, made, t);
+}
+
 /* The image's frame about the outside normal n. False: the image does not lie on the surface. */
 static bool find_frame(const points *p, unsigned i, vec3_f32 n, vec3_f32 *t, vec3_f32 *b) {
     const lookup *l = &p->plan[i]->lookups[p->plan[i]->of[FATHOM_MAP_NORMAL]];
@@ -263,9 +296,10 @@ static bool find_frame(const points *p, unsigned i, vec3_f32 n, vec3_f32 *t, vec
     const float turn = l->m[0] * l->m[4] - l->m[1] * l->m[3] < 0 ? -1 : 1;
     float sign;
     if (l->uv_set != 0 || !surface_tangent_at(p->g, p->t->w, i, t, &sign)) {
-        const vec3_f32 up = sub_f32(scale_f32(l->m[1], at->du), scale_f32(l->m[0], at->dv));
+        const vec3_f32 up = scale_f32(turn, sub_f32(scale_f32(l->m[1], at->du), scale_f32(l->m[0], at->dv)));
         *t = scale_f32(turn, sub_f32(scale_f32(l->m[4], at->du), scale_f32(l->m[3], at->dv)));
-        sign = turn * dot_f32(cross_f32(n, *t), up) < 0 ? -1 : 1;
+        sign = dot_f32(cross_f32(n, *t), up) < 0 ? -1 : 1;
+        made_tangent(p, i, l, t);
     }
     if (!make_unit(t)) return false;
     *t = sub_f32(*t, scale_f32(dot_f32(n, *t), n));

@@ -6,10 +6,11 @@
  * 2019). Emission and opacity are looked up without a footprint: lights, shadow rays and paths that meet a
  * point then agree on it.
  *
- * Normal maps turn the shading normal in the frame of the mesh's tangents. Without these the frame is that of
- * the image on the triangle: the way of u, made orthogonal to the shading normal, and the one across it
- * against v. A turned normal that faces away from the viewer is turned back until it does not. Light stays on
- * its side of the surface without the map: see `base` in surface/surface.h. */
+ * Normal maps turn the shading normal in the frame of the mesh's tangents. Smooth meshes without any get
+ * those of surface/tangents.h. Elsewhere the frame is that of the image on the surface: the way of u, made
+ * orthogonal to the shading normal, and the one across it against v. A turned normal that faces away from the
+ * viewer is turned back until it does not. Light stays on its side of the surface without the map: see `base`
+ * in surface/surface.h. */
 #ifndef MATERIAL_TEXTURED_H
 #define MATERIAL_TEXTURED_H
 

@@ -171,6 +171,15 @@ bool surface_tangent_at(const surface_gather *g, const world *w, unsigned i, vec
     return true;
 }
 
+bool surface_made_tangent_at(const surface_gather *g, const world *w, unsigned i,
+                             const surface_tangents *made, vec3_f32 *tangent) {
+    const float weight[3] = {g->local.weight[0][i], g->local.weight[1][i], g->local.weight[2][i]};
+    vec3_f32 at;
+    if (!surface_tangents_at(made, world_mesh(w, g->geometry[i]), g->primitive[i], weight, &at)) return false;
+    *tangent = to_world(instance_of(g, w, i), at);
+    return true;
+}
+
 bool surface_color_at(const surface_gather *g, const world *w, unsigned i, float rgba[4]) {
     const float weight[3] = {g->local.weight[0][i], g->local.weight[1][i], g->local.weight[2][i]};
     return surface_color_of(w, g->geometry[i], g->primitive[i], weight, rgba);

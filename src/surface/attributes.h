@@ -4,6 +4,7 @@
 #define SURFACE_ATTRIBUTES_H
 
 #include "surface/gather.h"
+#include "surface/tangents.h"
 
 /* Texture coordinates of one uv set. Where these do not vary over the surface, du and dv are 0. */
 typedef struct surface_uv {
@@ -20,6 +21,9 @@ void surface_uv_of(const world *w, uint32_t geometry, uint32_t primitive, bool s
  */
 bool surface_tangent_at(const surface_gather *g, const world *w, unsigned lane, vec3_f32 *tangent,
                         float *sign);
+/* The same of tangents that were made for the lane's mesh; the sign is not theirs. */
+bool surface_made_tangent_at(const surface_gather *g, const world *w, unsigned lane,
+                             const surface_tangents *made, vec3_f32 *tangent);
 /* The colour of a primitive at these weights of its corners. False, and 1, where it has none. */
 bool surface_color_of(const world *w, uint32_t geometry, uint32_t primitive, const float weight[3],
                       float rgba[4]);

@@ -227,6 +227,19 @@ static fathom_status check_shapes(const fathom_scene *scene, const scene_graph *
     return fail_file(scene->context, FATHOM_BAD_USAGE, path, "the scene holds no triangles to write");
 }
 
+/* What surfaces wear beyond the factors of their materials is not written. */
+static void tell_appearance(const fathom_scene *scene, const char *path) {
+    size_t mapped = 0, colored = 0;
+    for (size_t i = 0; i < scene->materials.count; ++i)
+        mapped += material_has_maps(&scene->materials.items[i].value);
+    for (size_t i = 0; i < scene->meshes.count; ++i) colored += scene->meshes.items[i].colors != NULL;
+    if (mapped)
+        warn(scene->context, "%s: textures are not written; materials keep their factors alone (%zu of them)",
+             path, mapped);
+    if (colored)
+        warn(scene->context, "%s: vertex colours are not written (%zu meshes have some)", path, colored);
+}
+
 fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *path) {
     if (!scene) return FATHOM_BAD_USAGE;
     if (!path) return fail_null(scene->context, "path");
@@ -242,6 +255,7 @@ fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *pat
     fathom_status status = graph_create(scene, &graph);
     if (status != FATHOM_OK) return status;
     status = check_shapes(scene, &graph, path);
+    if (status == FATHOM_OK) tell_appearance(scene, path);
     /* Numbers have a dot, whatever the user's locale. */
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
     if (status == FATHOM_OK) status = formats[format].write(scene, &graph, path);

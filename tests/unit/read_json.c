@@ -360,6 +360,42 @@ static void example(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Any file will do: what is in it is looked at before rendering. */
+#define IMAGE "\"file\": \"triangle.obj\""
+
+static void textures(void **state) {
+    (void)state;
+    fathom_scene *scene = json_scene_good(
+        &s,
+        "{\"materials\": {\"m\": {\"model\": \"metallicRoughness\", \"baseColorTexture\": {" IMAGE
+        ", \"scale\": [2, 3], \"rotation\": 90, \"offset\": [0.25, 0.5], \"uvSet\": 1, \"wrapU\": \"clamp\","
+        " \"wrapV\": \"mirror\", \"filter\": \"nearest\"}, \"metallicRoughnessTexture\": {" IMAGE
+        "}, \"opacityTexture\": {" IMAGE ", \"channel\": \"a\"}, \"normalScale\": 0.5},"
+        "\"n\": {\"kdTexture\": {" IMAGE ", \"colorSpace\": \"linear\"}, \"keTexture\": {" IMAGE
+        ", \"colorSpace\": \"ACEScg\"}}}, \"objects\": [" SPHERE "]}");
+    const fathom_map *m = scene->materials.items[1].value.maps, *n = scene->materials.items[2].value.maps;
+    const fathom_texture *t = scene->textures.items;
+    assert_floats(m[FATHOM_MAP_COLOR].transform + 1, (double[]){3, 0.25, -2}, 3);
+    assert_near(m[FATHOM_MAP_COLOR].transform[0], 0, 1e-6);
+    assert_near(m[FATHOM_MAP_COLOR].transform[5], 0.5, 0);
+    assert_int_equal(m[FATHOM_MAP_COLOR].uv_set, 1);
+    assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_SRGB);
+    assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].wrap_u, FATHOM_WRAP_CLAMP);
+    assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].wrap_v, FATHOM_WRAP_MIRROR);
+    assert_int_equal(t[m[FATHOM_MAP_COLOR].texture].filter, FATHOM_TEXTURE_NEAREST);
+    assert_true(m[FATHOM_MAP_METALLIC].channel == 2 && m[FATHOM_MAP_ROUGHNESS].channel == 1);
+    assert_int_equal(m[FATHOM_MAP_METALLIC].texture, m[FATHOM_MAP_ROUGHNESS].texture);
+    assert_int_equal(t[m[FATHOM_MAP_METALLIC].texture].color_space, FATHOM_COLOR_LINEAR);
+    assert_int_equal(m[FATHOM_MAP_OPACITY].channel, 3);
+    assert_true(scene->materials.items[1].value.normal_scale == 0.5f);
+    assert_int_equal(t[n[FATHOM_MAP_COLOR].texture].color_space, FATHOM_COLOR_LINEAR);
+    assert_int_equal(t[n[FATHOM_MAP_EMISSIVE].texture].color_space, FATHOM_COLOR_NAMED);
+    assert_string_equal(t[n[FATHOM_MAP_EMISSIVE].texture].color_space_name, "ACEScg");
+    fathom_scene_destroy(scene);
+    json_scene_bad(&s, "{\"materials\": {\"m\": {\"kdTexture\": {\"file\": \"no.png\"}}}, \"objects\": []}",
+                   "materials.m.kdTexture.file");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surroundings),
@@ -376,6 +412,7 @@ int main(void) {
         cmocka_unit_test(placements),
         cmocka_unit_test(groups),
         cmocka_unit_test(example),
+        cmocka_unit_test(textures),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -86,7 +86,8 @@ static fathom_status open_arrays(gltf *g) {
         gltf_value *out;
     } arrays[] = {{"accessors", &g->accessors}, {"bufferViews", &g->views}, {"buffers", &g->buffers},
                   {"materials", &g->materials}, {"meshes", &g->meshes},     {"nodes", &g->nodes},
-                  {"scenes", &g->scenes},       {"cameras", &g->cameras}};
+                  {"scenes", &g->scenes},       {"cameras", &g->cameras},   {"images", &g->images},
+                  {"textures", &g->textures},   {"samplers", &g->samplers}};
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == FATHOM_OK; ++i) {
         status = gltf_array(g, &g->root, arrays[i].key, arrays[i].out);
@@ -102,10 +103,11 @@ static fathom_status make_tables(gltf *g) {
     size_t buffers = gltf_count(&g->buffers), materials = gltf_count(&g->materials) + 1,
            meshes = gltf_count(&g->meshes), accessors = gltf_count(&g->accessors);
     g->buffer_table = calloc(buffers + 1, sizeof *g->buffer_table);
+    g->image_table = calloc(gltf_count(&g->images) + 1, sizeof *g->image_table);
     g->material_table = calloc(materials, sizeof *g->material_table);
     g->mesh_table = calloc(meshes + 1, sizeof *g->mesh_table);
     g->array_table = calloc(accessors + 1, sizeof *g->array_table);
-    if (!g->buffer_table || !g->material_table || !g->mesh_table || !g->array_table)
+    if (!g->buffer_table || !g->image_table || !g->material_table || !g->mesh_table || !g->array_table)
         return fail_memory(g->context, (buffers + materials + meshes + accessors) * sizeof *g->array_table);
     for (size_t i = 0; i < materials; ++i) g->material_table[i].id = FATHOM_NONE;
     for (size_t i = 0; i < meshes; ++i) g->mesh_table[i] = FATHOM_NONE;
@@ -135,6 +137,7 @@ static fathom_status finish(gltf *g, fathom_status status) {
     }
     status = close_source(g, g->source, status);
     free(g->buffer_table);
+    free(g->image_table);
     free(g->material_table);
     free(g->mesh_table);
     free(g->array_table);

@@ -74,9 +74,11 @@ typedef struct gltf {
     const char *text; /* the JSON */
     size_t text_at;   /* the byte of a .glb at which it begins; 0 in .gltf files */
     json_arena arena; /* of all values */
-    gltf_value root, accessors, views, buffers, materials, meshes, nodes, scenes, cameras;
+    gltf_value root, accessors, views, buffers, images, textures, samplers, materials, meshes, nodes, scenes,
+        cameras;
     gltf_value extensions, punctual, lights; /* of the document */
     gltf_buffer *buffer_table;               /* for each buffer */
+    gltf_buffer *image_table;                /* for each image that is a data URI: its bytes, once decoded */
     gltf_material *material_table;           /* for each material, then the default one */
     gltf_elements (*array_table)[2];         /* for each accessor: floats, indices */
     fathom_id *mesh_table; /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */

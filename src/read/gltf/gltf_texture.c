@@ -46,9 +46,9 @@ static fathom_status open_image(gltf *g, const gltf_value *image, fathom_texture
         return FATHOM_OK;
     }
     if (gltf_is_data(uri)) {
-        gltf_buffer bytes = {.bytes = NULL};
-        status = gltf_data_uri(g, image, uri, &bytes);
-        out->bytes = bytes.bytes, out->byte_count = (size_t)bytes.size;
+        gltf_buffer *bytes = &g->image_table[image->index];
+        if (!bytes->bytes) status = gltf_data_uri(g, image, uri, bytes);
+        out->bytes = bytes->bytes, out->byte_count = (size_t)bytes->size;
         return status;
     }
     status = gltf_file_path(g, image, uri, path);
@@ -74,10 +74,9 @@ static fathom_status read_wrap(gltf *g, const gltf_value *sampler, const char *k
 
 /* What is magnified to squares stays squares; a minification filter without mip levels does without them. */
 static fathom_status read_sampler(gltf *g, uint32_t index, fathom_texture *out) {
-    const gltf_value samplers = gltf_member(&g->root, "samplers");
     gltf_value at;
     uint64_t larger = GL_LINEAR, smaller = 0;
-    fathom_status status = gltf_item(g, &samplers, index, &at);
+    fathom_status status = gltf_item(g, &g->samplers, index, &at);
     if (status == FATHOM_OK) status = read_wrap(g, &at, "wrapS", &out->wrap_u);
     if (status == FATHOM_OK) status = read_wrap(g, &at, "wrapT", &out->wrap_v);
     if (status == FATHOM_OK) status = gltf_integer(g, &at, "magFilter", 0, UINT32_MAX, &larger);
@@ -92,24 +91,21 @@ static fathom_status read_sampler(gltf *g, uint32_t index, fathom_texture *out) 
 /* ---- textures ---- */
 
 /* The image of a texture: an extension's, where it has one that is understood, else its own. */
-static fathom_status find_source(gltf *g, const gltf_value *texture, const gltf_value *images,
-                                 uint32_t *source) {
+static fathom_status find_source(gltf *g, const gltf_value *texture, uint32_t *source) {
     static const char *const extensions[] = {"EXT_texture_webp", "EXT_texture_avif"};
-    fathom_status status = gltf_index(g, texture, "source", images, source);
+    fathom_status status = gltf_index(g, texture, "source", &g->images, source);
     for (size_t i = 0; i < 2 && status == FATHOM_OK; ++i) {
         gltf_value holder, extension;
         status = gltf_extension(g, texture, extensions[i], &holder, &extension);
         if (status != FATHOM_OK || !extension.json) continue;
         gltf_value place = {.json = extension.json, .parent = &holder, .key = extensions[i]};
-        status = gltf_index(g, &place, "source", images, source);
+        status = gltf_index(g, &place, "source", &g->images, source);
     }
     return status;
 }
 
 /* FATHOM_NONE, and noted, where it has no image that can be read. */
 static fathom_status read_texture(gltf *g, uint32_t index, bool color, fathom_id *out) {
-    const gltf_value textures = gltf_member(&g->root, "textures"), images = gltf_member(&g->root, "images"),
-                     samplers = gltf_member(&g->root, "samplers");
     gltf_value at, image;
     uint32_t source = GLTF_ABSENT, sampler = GLTF_ABSENT;
     char *path = NULL;
@@ -117,19 +113,23 @@ static fathom_status read_texture(gltf *g, uint32_t index, bool color, fathom_id
     fathom_texture_default(&t);
     t.color_space = color ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
     *out = FATHOM_NONE;
-    fathom_status status = gltf_item(g, &textures, index, &at);
-    if (status == FATHOM_OK) status = find_source(g, &at, &images, &source);
-    if (status == FATHOM_OK) status = gltf_index(g, &at, "sampler", &samplers, &sampler);
+    fathom_status status = gltf_item(g, &g->textures, index, &at);
+    if (status == FATHOM_OK) status = find_source(g, &at, &source);
+    if (status == FATHOM_OK) status = gltf_index(g, &at, "sampler", &g->samplers, &sampler);
     if (status == FATHOM_OK && sampler != GLTF_ABSENT) status = read_sampler(g, sampler, &t);
     if (status != FATHOM_OK) return status;
     if (source == GLTF_ABSENT) {
         gltf_note(g, &at, NULL, "a texture without an image that can be read is left out");
         return FATHOM_OK;
     }
-    status = gltf_item(g, &images, source, &image);
+    status = gltf_item(g, &g->images, source, &image);
     if (status == FATHOM_OK) status = open_image(g, &image, &t, &path);
+    const size_t before = g->scene->textures.count;
     if (status == FATHOM_OK && (t.file || t.bytes))
         status = gltf_within(g, &image, NULL, fathom_scene_add_texture(g->scene, &t, out));
+    /* Each way to look an image up has a copy of its bytes. */
+    if (status == FATHOM_OK && t.bytes && g->scene->textures.count > before)
+        status = gltf_charge(g, &at, NULL, t.byte_count);
     free(path);
     return status;
 }
@@ -155,7 +155,6 @@ static fathom_status read_transform(gltf *g, const gltf_value *info, double *set
 
 fathom_status gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, bool *there,
                        fathom_map *out) {
-    const gltf_value textures = gltf_member(&g->root, "textures");
     gltf_value info;
     uint32_t index = GLTF_ABSENT;
     double set = 0;
@@ -163,7 +162,7 @@ fathom_status gltf_map(gltf *g, const gltf_value *parent, const char *key, bool 
     *there = false;
     fathom_status status = gltf_object(g, parent, key, &info);
     if (status != FATHOM_OK || !info.json) return status;
-    status = gltf_index(g, &info, "index", &textures, &index);
+    status = gltf_index(g, &info, "index", &g->textures, &index);
     if (status == FATHOM_OK && index == GLTF_ABSENT)
         return gltf_fail(g, &info, "index", "is missing; expected an index into textures");
     if (status == FATHOM_OK) status = gltf_number(g, &info, "texCoord", 0, 1e6, &set);
