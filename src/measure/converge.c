@@ -112,7 +112,8 @@ static fathom_status run_one(work *k, const picture *reference, picture *test, c
     stage_cost cost;
     fathom_status status = take(k, &shot, test, &cost);
     if (status != FATHOM_OK) return status;
-    run.seconds = cost.seconds, run.rays = cost.rays;
+    const ray_counts *rays = &cost.rays;
+    run.seconds = cost.seconds, run.rays = rays->camera + rays->shadow + rays->reflection + rays->refraction;
     run.nonfinite = metric_nonfinite(&test->image, &test->image);
     measure_errors(reference, test, run.errors);
     return array_push(&k->result->runs, run) ? FATHOM_OK : fail_memory(k->context, sizeof run);

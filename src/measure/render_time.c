@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "job/job.h"
 #include "measure/replay.h"
+#include "measure/stage.h"
 
 #include <stdlib.h>
 
@@ -16,30 +17,14 @@ typedef struct bench {
     bench_watch speeds, ratio; /* each a part of options->watch */
 } bench;
 
-typedef struct timing {
-    double plan, seconds, cpu;
-    ray_counts rays;
-} timing;
-
 /* One render phase, with a plan and a film of its own as any render has. */
 static fathom_status render_once(const bench *b, const trace_tracer *tracer, const fathom_settings *settings,
-                                 unsigned threads, timing *out) {
-    fathom_film *film;
-    render_plan *plan = NULL;
+                                 unsigned threads, stage_cost *out) {
+    fathom_film *film = NULL;
     fathom_context_set_threads(b->context, threads);
     fathom_status status = film_create(b->context, b->world->scene, settings, &film);
-    if (status != FATHOM_OK) return status;
-    double start = clock_seconds();
-    status = plan_create(b->context, b->world, tracer, settings, &plan);
-    double began = clock_seconds(), cpu = clock_process_seconds();
-    job_result result = {.samples = 0};
-    const job_options options = {.deadline = began + settings->max_time};
-    if (status == FATHOM_OK) status = job_run(b->context, plan, &options, film, &result);
-    out->rays = result.rays;
-    out->seconds = clock_seconds() - began;
-    out->cpu = clock_process_seconds() - cpu;
-    out->plan = began - start;
-    plan_destroy(plan);
+    const job_options options = {.deadline = clock_seconds() + settings->max_time};
+    if (status == FATHOM_OK) status = stage_film(b->context, b->world, tracer, settings, &options, film, out);
     fathom_film_destroy(film);
     return status;
 }
@@ -54,7 +39,7 @@ typedef struct sums {
 static fathom_status time_band(bench *b, const record *r, const fathom_settings *settings,
                                const bench_watch *watch, sums *s) {
     for (unsigned k = 0; k < b->options->repeats; ++k) {
-        timing render;
+        stage_cost render;
         replay_result bare, traced;
         bool first = k % 2, ok = true;
         if (first) ok = replay(r, b->tracer, true, &bare);
@@ -62,7 +47,8 @@ static fathom_status time_band(bench *b, const record *r, const fathom_settings 
         if (status != FATHOM_OK) return status;
         if (!first) ok = replay(r, b->tracer, true, &bare);
         if (!ok || !replay(r, b->tracer, false, &traced)) return fail_memory(b->context, sizeof *r);
-        s->render[k] += render.cpu, s->bare[k] += bare.cpu_seconds, s->traced[k] += traced.cpu_seconds;
+        s->render[k] += render.seconds.by[BENCH_CPU], s->bare[k] += bare.cpu_seconds,
+            s->traced[k] += traced.cpu_seconds;
         bench_watch_tell(watch, k + 1, b->options->repeats);
     }
     return FATHOM_OK;
@@ -72,7 +58,7 @@ static fathom_status record_band(const bench *b, const fathom_settings *settings
     trace_tracer *recorder = record_tracer(b->tracer, r);
     if (!recorder) return fail_memory(b->context, sizeof *r);
     record_clear(r);
-    timing render;
+    stage_cost render;
     fathom_status status = render_once(b, recorder, settings, 1, &render);
     trace_destroy(recorder);
     if (status != FATHOM_OK || !r->out_of_memory) return status;
@@ -163,9 +149,10 @@ static fathom_status measure_speeds(bench *b) {
     fathom_status status = FATHOM_OK;
     for (unsigned k = 0; k < b->options->repeats; ++k) {
         for (unsigned t = 0; t < b->options->thread_counts && status == FATHOM_OK; ++t) {
-            timing render = {.plan = 0};
+            stage_cost render = {.plan = 0};
             status = render_once(b, b->tracer, b->settings, b->options->threads[t], &render);
-            s->plan[k] = render.plan, s->seconds[t][k] = render.seconds, s->cpu[t][k] = render.cpu;
+            s->plan[k] = render.plan;
+            s->seconds[t][k] = render.seconds.by[BENCH_WALL], s->cpu[t][k] = render.seconds.by[BENCH_CPU];
             b->out->rays = render.rays;
         }
         bench_watch_tell(&b->speeds, k + 1, b->options->repeats);

@@ -45,18 +45,17 @@ void stage_close(bench_stage *stage) {
     memset(stage, 0, sizeof *stage);
 }
 
-static fathom_status render_film(fathom_context *context, const bench_stage *stage,
-                                 const fathom_settings *settings, fathom_progress_fn progress, void *user,
-                                 fathom_film *film, stage_cost *cost) {
+fathom_status stage_film(fathom_context *context, const world *w, const trace_tracer *tracer,
+                         const fathom_settings *settings, const job_options *options, fathom_film *film,
+                         stage_cost *cost) {
     render_plan *plan;
     job_result result = {.samples = 0};
-    fathom_status status = plan_create(context, stage->world, stage->tracer, settings, &plan);
+    const double began = clock_seconds();
+    fathom_status status = plan_create(context, w, tracer, settings, &plan);
     if (status != FATHOM_OK) return status;
-    bench_seconds start = bench_now();
-    status = job_run(context, plan, &(job_options){.progress = progress, .user = user}, film, &result);
-    cost->seconds = bench_since(&start);
-    const ray_counts rays = result.rays;
-    cost->rays = rays.camera + rays.shadow + rays.reflection + rays.refraction;
+    const bench_seconds start = bench_now();
+    status = job_run(context, plan, options, film, &result);
+    *cost = (stage_cost){start.by[BENCH_WALL] - began, bench_since(&start), result.rays};
     plan_destroy(plan);
     return status;
 }
@@ -70,7 +69,8 @@ fathom_status stage_render(fathom_context *context, const bench_stage *stage, co
     fathom_status status = scene_check_settings(context, &settings);
     if (status == FATHOM_OK) status = film_create(context, stage->scene, &settings, &film);
     if (status != FATHOM_OK) return status;
-    status = render_film(context, stage, &settings, progress, user, film, cost);
+    const job_options options = {.progress = progress, .user = user};
+    status = stage_film(context, stage->world, stage->tracer, &settings, &options, film, cost);
     size_t pixels = (size_t)film->width * film->height;
     for (size_t c = 0; c < 3 && rgb; ++c) memcpy(rgb + c * pixels, film->rgb[c], pixels * sizeof *rgb);
     fathom_film_destroy(film);

@@ -2,6 +2,7 @@
 #ifndef BENCH_STAGE_H
 #define BENCH_STAGE_H
 
+#include "integrate/integrator.h"
 #include "scene/world/world.h"
 #include "trace/trace.h"
 
@@ -40,9 +41,16 @@ typedef struct stage_shot {
 } stage_shot;
 
 typedef struct stage_cost {
+    double plan;           /* seconds by the clock before the first ray */
     bench_seconds seconds; /* rays made, traced, shaded and summed: nothing else */
-    uint64_t rays;
+    ray_counts rays;
 } stage_cost;
+
+/* One render of the whole, with a plan of its own, into a film that fits the settings. */
+struct job_options;
+fathom_status stage_film(fathom_context *context, const world *w, const trace_tracer *tracer,
+                         const fathom_settings *settings, const struct job_options *options,
+                         fathom_film *film, stage_cost *cost);
 
 /* rgb: room for three planes of the image; may be NULL. progress as in fathom_render(). */
 fathom_status stage_render(fathom_context *context, const bench_stage *stage, const stage_shot *shot,

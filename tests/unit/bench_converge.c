@@ -132,8 +132,10 @@ static void same_image(void **state) {
     static const char *const names[3] = {"R", "G", "B"};
     for (size_t c = 0; c < 3; ++c)
         assert_memory_equal(rgb[c], fathom_film_channel(film, names[c]), sizeof rgb[c]);
-    assert_true(cost.rays ==
-                stats.camera_rays + stats.shadow_rays + stats.reflection_rays + stats.refraction_rays);
+    assert_int_equal(cost.rays.camera, stats.camera_rays);
+    assert_int_equal(cost.rays.shadow, stats.shadow_rays);
+    assert_int_equal(cost.rays.reflection, stats.reflection_rays);
+    assert_int_equal(cost.rays.refraction, stats.refraction_rays);
     fathom_film_destroy(film);
     stage_close(&stage);
 }

@@ -71,7 +71,7 @@ static bool lane_t(const world_sphere *sphere, const trace_rays *rays, const few
     return sphere_choose_f32(both, rays->t_near[i], t_far, t);
 }
 
-/* ---- closest ---- */
+/* ---- a hit ---- */
 
 /* True if the sphere, met at t, comes before what the lane met until now: where both are about equally near,
  * by the reference's t of both, as embree_settle.c has it. */
@@ -98,45 +98,39 @@ static void set_hit(trace_block *block, unsigned lane, const few_spheres *s, uns
     r->t_far[lane] = t;
 }
 
-void embree_spheres_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
-                            const embree_asked *asked) {
+/* ---- a block ---- */
+
+/* The spheres `close` of a whole block, or of each lane: closest hits, or any where `block` is NULL. */
+static void test_spheres(const embree_tracer *tracer, uint32_t close, trace_rays *rays, trace_block *block,
+                         unsigned lanes, const embree_asked *asked) {
     const few_spheres *s = tracer->few;
     const bool whole = lanes == LANES;
-    uint32_t close = (1u << s->count) - 1;
-    if (whole) close = tracer->few_kernels->close(s, &block->rays);
+    if (whole && close) close &= tracer->few_kernels->close(s, rays);
     const unsigned valid = close ? lanes_of(asked->valid) : 0;
     for (; close; close &= close - 1) {
         unsigned k = (unsigned)__builtin_ctz(close);
         const uint32_t ids[3] = {FATHOM_NONE, s->geometry[k], s->primitive[k]};
         few_roots roots;
-        unsigned left = candidates(tracer, k, &block->rays, valid, whole, &roots);
+        unsigned left = candidates(tracer, k, rays, valid, whole, &roots);
         for (; left; left &= left - 1) {
             unsigned i = (unsigned)__builtin_ctz(left);
+            const float t_far = block ? asked->t_far[i] : rays->t_far[i];
             float t;
-            if (lane_t(s->sphere[k], &block->rays, &roots, i, asked->t_far[i], &t) &&
-                comes_first(tracer, block, i, asked->t_far[i], ids, t))
+            if (!lane_t(s->sphere[k], rays, &roots, i, t_far, &t)) continue;
+            if (!block)
+                rays->t_far[i] = -INFINITY;
+            else if (comes_first(tracer, block, i, t_far, ids, t))
                 set_hit(block, i, s, k, t);
         }
     }
 }
 
-/* ---- any ---- */
+void embree_spheres_closest(const embree_tracer *tracer, trace_block *block, unsigned lanes,
+                            const embree_asked *asked) {
+    test_spheres(tracer, (1u << tracer->few->count) - 1, &block->rays, block, lanes, asked);
+}
 
 void embree_spheres_any(const embree_tracer *tracer, trace_rays *rays, unsigned lanes,
                         const embree_asked *asked) {
-    const few_spheres *s = tracer->few;
-    const bool whole = lanes == LANES;
-    uint32_t close = s->shadows;
-    if (whole && close) close &= tracer->few_kernels->close(s, rays);
-    const unsigned valid = close ? lanes_of(asked->valid) : 0;
-    for (; close; close &= close - 1) {
-        unsigned k = (unsigned)__builtin_ctz(close);
-        few_roots roots;
-        unsigned left = candidates(tracer, k, rays, valid, whole, &roots);
-        for (; left; left &= left - 1) {
-            unsigned i = (unsigned)__builtin_ctz(left);
-            float t;
-            if (lane_t(s->sphere[k], rays, &roots, i, rays->t_far[i], &t)) rays->t_far[i] = -INFINITY;
-        }
-    }
+    test_spheres(tracer, tracer->few->shadows, rays, NULL, lanes, asked);
 }
