@@ -25,17 +25,27 @@ enum { BLOCK = TEXTURE_BLOCK, PLACES = 1 << 18 };
 static unsigned next(unsigned &state) { return state = state * 1664525u + 1013904223u; }
 static float uniform(unsigned &state) { return static_cast<float>(next(state) >> 8) * 0x1p-24f; }
 
-/* Neighbouring pixels of squares of 64 × 64, each square somewhere in one texture. */
-static std::vector<place> coherent(unsigned textures, unsigned seed) {
-    std::vector<place> list(PLACES);
-    for (unsigned i = 0; i < PLACES; i += 4096) {
+/* Neighbouring pixels of squares of 64 × 64, each square somewhere in one texture. A step is 2^-finest or up
+ * to 2^range as wide. */
+static std::vector<place> squares(unsigned textures, unsigned seed, size_t count, float finest, float range) {
+    std::vector<place> list(count);
+    for (size_t i = 0; i < count; i += 4096) {
         const unsigned t = (next(seed) >> 8) % textures;
-        const float u = uniform(seed), v = uniform(seed), step = std::exp2(-8 - 3 * uniform(seed));
+        const float u = uniform(seed), v = uniform(seed), step = std::exp2(range * uniform(seed) - finest);
         for (unsigned k = 0; k < 4096; ++k)
             list[i + k] = {t, u + step * static_cast<float>(k % 64), v + step * static_cast<float>(k / 64),
                            step};
     }
     return list;
+}
+
+/* Small parts again and again, as a close surface shows; and parts at full resolution all over the textures.
+ */
+static std::vector<place> coherent(unsigned textures, unsigned seed) {
+    return squares(textures, seed, PLACES, 11, 3);
+}
+static std::vector<place> spread(unsigned textures, unsigned seed) {
+    return squares(textures, seed, 16 * PLACES, 12, 0);
 }
 
 static std::vector<place> incoherent(unsigned textures, unsigned seed) {
@@ -102,7 +112,7 @@ static double rate(unsigned threads, const std::vector<std::vector<place>> &plac
     const std::clock_t start = std::clock();
     do all(), ++rounds;
     while (seconds(start) < 2);
-    return 1e-6 * rounds * threads * threads * PLACES / seconds(start);
+    return 1e-6 * rounds * threads * threads * static_cast<double>(places[0].size()) / seconds(start);
 }
 
 static texture_cache *open_cache(fathom_context *context, fathom_scene *scene, double limit, int count,
@@ -133,13 +143,17 @@ int main(int argc, char **argv) {
     files.system->attribute("max_memory_MB", static_cast<float>(limit * 1e-6));
     for (int i = 0; i < count; ++i)
         files.handles.push_back(files.system->get_texture_handle(OIIO::ustring(argv[3 + i])));
-    for (bool near : {true, false}) {
+    const struct {
+        const char *name;
+        std::vector<place> (*make)(unsigned textures, unsigned seed);
+    } patterns[] = {{"coherent", coherent}, {"spread", spread}, {"incoherent", incoherent}};
+    for (const auto &pattern : patterns) {
         std::vector<std::vector<place>> places;
         for (unsigned t = 0; t < threads; ++t)
-            places.push_back((near ? coherent : incoherent)(static_cast<unsigned>(count), t));
+            places.push_back(pattern.make(static_cast<unsigned>(count), t));
         const double ours = rate(threads, places, [&](auto &list) { return look_fathom(cache, list); });
         const double theirs = rate(threads, places, [&](auto &list) { return look_system(files, list); });
-        std::printf("| %s | %u | %.1f | %.1f | %.1f |\n", near ? "coherent" : "incoherent", threads, ours,
+        std::printf("| %s | %u | %.0f MB | %.1f | %.1f | %.1f |\n", pattern.name, threads, limit * 1e-6, ours,
                     theirs, ours / theirs);
     }
     const fathom_status status = texture_cache_check(cache, context);

@@ -109,6 +109,9 @@ typedef struct lookup {
     texture_cache *cache;
     const cache_slot *slot;
     float u, v; /* wrapped */
+    unsigned level;
+    float share;  /* of the next level */
+    float chance; /* negative: none */
     bool broken;
 } lookup;
 
@@ -177,12 +180,13 @@ INLINE bool second_by(float *chance, float share) {
     return second;
 }
 
-static rgba_f32 by_chance(lookup *at, unsigned level, float chance) {
-    const pyramid_level *l = &at->slot->image->plan.levels[level];
+static rgba_f32 by_chance(lookup *at) {
+    float chance = at->chance;
+    const pyramid_level *l = &at->slot->image->plan.levels[at->level];
     const pair x = pair_at(at->u, l->width, at->slot->wrap_u),
                y = pair_at(at->v, l->height, at->slot->wrap_v);
     const bool right = second_by(&chance, x.share), below = second_by(&chance, y.share);
-    return single(at, level, right ? x.second : x.first, below ? y.second : y.first);
+    return single(at, at->level, right ? x.second : x.first, below ? y.second : y.first);
 }
 
 /* The level whose texels are as wide as the footprint, and the share of the next one. log2 is taken as linear
@@ -201,17 +205,38 @@ INLINE unsigned level_of(const cache_slot *slot, float width, float *share) {
     return level;
 }
 
-INLINE rgba_f32 filtered(lookup *at, float width, const float *chance) {
-    float share;
-    unsigned level = level_of(at->slot, width, &share);
-    if (at->slot->filter == FATHOM_TEXTURE_NEAREST) return nearest(at);
-    if (chance) {
-        float left = *chance;
-        if (second_by(&left, share)) ++level;
-        return by_chance(at, level, left);
-    }
-    const rgba_f32 fine = bilinear(at, level);
-    return share > 0 ? fine + share * (bilinear(at, level + 1) - fine) : fine;
+INLINE lookup begin(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
+                    const float *chance) {
+    lookup at = {cache, slot, wrapped(u, slot->wrap_u), wrapped(v, slot->wrap_v), 0, 0, -1, false};
+    at.level = level_of(slot, width, &at.share);
+    if (!chance || slot->filter == FATHOM_TEXTURE_NEAREST) return at;
+    at.chance = *chance;
+    if (second_by(&at.chance, at.share)) ++at.level;
+    at.share = 0;
+    return at;
+}
+
+INLINE rgba_f32 finish(lookup *at) {
+    rgba_f32 found;
+    if (at->slot->filter == FATHOM_TEXTURE_NEAREST)
+        found = nearest(at);
+    else if (at->chance >= 0)
+        found = by_chance(at);
+    else
+        found = bilinear(at, at->level);
+    if (at->share > 0) found += at->share * (bilinear(at, at->level + 1) - found);
+    return __builtin_expect(at->broken, 0) ? (rgba_f32){1, 0, 1, 1} : found;
+}
+
+/* Asks for the memory of the texels at the place, and of those below. */
+INLINE void fetch_ahead(const lookup *at, unsigned level) {
+    const cache_image *img = at->slot->image;
+    const pyramid_level *l = &img->plan.levels[level];
+    const uint32_t x = (uint32_t)(at->u * (float)(l->width - 1)),
+                   y = (uint32_t)(at->v * (float)(l->height - 1));
+    const unsigned char *from = img->store->bytes + img->offset + place_of(l, x, y);
+    __builtin_prefetch(from);
+    __builtin_prefetch(from + ((size_t)l->stride << l->shift));
 }
 
 bool cache_texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
@@ -224,17 +249,21 @@ bool cache_texel(texture_cache *cache, const cache_slot *slot, unsigned level, u
 
 void cache_look_up(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
                    const float *chance, float rgba[4]) {
-    lookup at = {cache, slot, wrapped(u, slot->wrap_u), wrapped(v, slot->wrap_v), false};
-    rgba_f32 found = filtered(&at, width, chance);
-    if (__builtin_expect(at.broken, 0)) found = (rgba_f32){1, 0, 1, 1};
+    lookup at = begin(cache, slot, u, v, width, chance);
+    const rgba_f32 found = finish(&at);
     memcpy(rgba, &found, sizeof found);
 }
 
 void texture_lookup(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
+    lookup at[TEXTURE_BLOCK];
     for (unsigned i = 0; i < q->count; ++i) {
-        float found[4];
-        cache_look_up(cache, &cache->slots[q->texture[i]], q->u[i], q->v[i], q->width[i],
-                      q->stochastic ? &q->chance[i] : NULL, found);
+        at[i] = begin(cache, &cache->slots[q->texture[i]], q->u[i], q->v[i], q->width[i],
+                      q->stochastic ? &q->chance[i] : NULL);
+        fetch_ahead(&at[i], at[i].level);
+        if (at[i].share > 0) fetch_ahead(&at[i], at[i].level + 1);
+    }
+    for (unsigned i = 0; i < q->count; ++i) {
+        const rgba_f32 found = finish(&at[i]);
         for (int c = 0; c < 4; ++c) rgba[c][i] = found[c];
     }
 }

@@ -1,6 +1,7 @@
 /* In place of the image module: a library that ends the process, or waits for itself, in the way that
  * $FAULT_LOST names, as some of the image module's do when memory is lacking; while it is loaded, or where
- * the name begins with "rows-", when rows are written. Its views fail, and what it reads is broken. */
+ * the name begins with "rows-" or "texture-", when rows are written or texels read. Its views fail, and what
+ * it reads is broken. */
 #include "image/helper/module.h"
 
 #include <pthread.h>
@@ -84,6 +85,24 @@ static fathom_status fail_view(const image_view *view, unsigned threads, float *
 
 static void close_view(image_view *view) { (void)view; }
 
+static fathom_status open_texture(const image_texture_request *request, image_texture **out,
+                                  image_texture_info *info, image_message *message) {
+    (void)request, (void)message;
+    *out = (image_texture *)&own_view;
+    *info = (image_texture_info){.width = 1, .height = 1, .channels = 3, .band = 1};
+    return FATHOM_OK;
+}
+
+static fathom_status lose_texels(image_texture *texture, const image_region *region, void *texels,
+                                 size_t bytes, image_message *message) {
+    (void)texture, (void)region, (void)message;
+    if (strncmp(way(), "texture-", 8) == 0) lose(way() + 8);
+    memset(texels, 0, bytes);
+    return FATHOM_OK;
+}
+
+static void close_texture(image_texture *texture) { (void)texture; }
+
 __attribute__((visibility("default")))
 const image_module fathom_image_module = {.version = IMAGE_MODULE_VERSION,
                                           .writer = {open_nothing, lose_rows, close_nothing},
@@ -91,4 +110,5 @@ const image_module fathom_image_module = {.version = IMAGE_MODULE_VERSION,
                                           .view_open = open_view,
                                           .view_apply = fail_view,
                                           .view_close = close_view,
+                                          .texture = {open_texture, lose_texels, close_texture},
                                           .libraries = "none"};

@@ -1,5 +1,6 @@
 /* Failures with images get a message and leave nothing behind. */
 #include "image/image.h"
+#include "texture/texture.h"
 #include "unit_folder.h"
 
 #include <dirent.h>
@@ -153,6 +154,41 @@ static void libraries_that_end_their_process_end_only_a_call(void **state) {
                                        "hang",       "rows-exit", "rows-abort", "rows-null",
                                        "rows-fault", "rows-hang", "rows-thread"};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) in_child(survives, (void *)(uintptr_t)ways[i]);
+}
+
+/* A texture whose file ends the helper is reported after a lookup, which gives a colour that is seen. */
+static bool texture_survives(void *user) {
+    const texture_queries q = {.count = 1};
+    float rgba[4][TEXTURE_BLOCK];
+    fathom_texture t;
+    fathom_scene *scene;
+    texture_cache *cache;
+    setenv("FAULT_LOST", user, 1);
+    setenv("FATHOM_IMAGE_MODULE", LOST_MODULE, 1);
+    setenv("FATHOM_IMAGE_SECONDS", "0.5", 1);
+    write_text(in_folder("a.png"), "a");
+    fathom_texture_default(&t);
+    t.file = in_folder("a.png");
+    bool ok = fathom_scene_create(context, &scene) == FATHOM_OK &&
+              fathom_scene_add_texture(scene, &t, NULL) == FATHOM_OK &&
+              texture_cache_open(context, scene, 1000000, &cache) == FATHOM_OK;
+    if (!ok) return false;
+    texture_lookup(cache, &q, rgba);
+    ok = rgba[0][0] == 1 && rgba[1][0] == 0 && rgba[2][0] == 1 &&
+         fails_with(texture_cache_check(cache, context), FATHOM_OUT_OF_RESOURCES,
+                    "a.png: cannot be read as a texture: the image helper");
+    texture_cache_close(cache);
+    fathom_scene_destroy(scene);
+    unlink(in_folder("a.png"));
+    return ok;
+}
+
+static void a_texture_that_ends_the_helper_is_reported(void **state) {
+    (void)state;
+    static const char *const ways[] = {"texture-exit", "texture-abort", "texture-null", "texture-fault",
+                                       "texture-hang"};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i)
+        in_child(texture_survives, (void *)(uintptr_t)ways[i]);
 }
 
 static bool prefetch_and_leave(void *user) {
@@ -327,6 +363,7 @@ int main(void) {
         cmocka_unit_test(png_needs_no_helper),
         cmocka_unit_test(a_helper_that_ends_while_loading_is_reported),
         cmocka_unit_test(a_forked_child_writes_too),
+        cmocka_unit_test(a_texture_that_ends_the_helper_is_reported),
         cmocka_unit_test(libraries_that_end_their_process_end_only_a_call),
         cmocka_unit_test(module_failures_are_reported),
         cmocka_unit_test(writing_waits_for_the_helper),
