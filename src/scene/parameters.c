@@ -42,8 +42,8 @@ static const fathom_parameter setting_rows[] = {
      .help = "How light moves: `classic` recursive ray tracing with lights of no size, mirrors and glass; `path` global "
      "illumination by path tracing; `reference` the same by a second, plain implementation in double.", .words = "classic|path|reference"},
     {"spp", U32, SETTING(spp), PIXELS | IN_FILE | COMMAND, 1, 65536, 1024, "N", "Image",
-     .help = "Samples of each pixel; where it is not given, the most of a pixel on the way to `targetError`. A square number "
-     "unless `pattern` is `sobol`. `classic` takes 1, and 16 of a model."},
+     .help = "Samples of each pixel. Left out, at most 1024 on the way to `targetError`. A square number unless "
+     "`pattern` is `sobol`. `classic` takes 1, and 16 of a model."},
     {"pattern", WORD, SETTING(pattern), PIXELS | IN_FILE | COMMAND, 0, 0, FATHOM_PATTERN_SOBOL, NULL, "Image",
      .help = "Where in the pixel the samples lie: `grid` n x n, regular; `stratified` n x n, jittered; `sobol` an "
      "Owen-scrambled Sobol sequence. `classic` takes `grid`.", .words = "grid|stratified|sobol"},

@@ -317,13 +317,11 @@ static void the_key_has_every_setting_that_pixels_depend_on(void **state) {
     fathom_settings plain, changed;
     checkpoint_key before, after;
     fathom_settings_default(&plain);
-    fathom_settings_set_integrator(&plain, FATHOM_INTEGRATOR_CLASSIC);
     checkpoint_key_of(&plain, 1, &before);
     for (size_t i = 0; i < settings_table.count; ++i) {
         const fathom_parameter *p = &settings_table.rows[i];
         if (p->type == FATHOM_PARAMETER_TEXT) continue; /* the tracer has a place of its own */
         fathom_settings_default(&changed);
-        fathom_settings_set_integrator(&changed, FATHOM_INTEGRATOR_CLASSIC);
         parameter_set_number(p, &changed, parameter_count(p) / 2, p->fallback == 1 ? 0 : 1);
         checkpoint_key_of(&changed, 1, &after);
         const bool same = memcmp(&before, &after, sizeof before) == 0;

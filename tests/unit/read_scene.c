@@ -99,13 +99,13 @@ static uint32_t spp_of(const char *path) {
     return settings.spp;
 }
 
-static void models_take_16_samples_and_scene_files_their_own(void **state) {
+static void scene_files_may_say_how_many_samples(void **state) {
     (void)state;
     static const char
         bare[] = "{\"objects\":[{\"type\":\"mesh\",\"file\":\"thing.v2.obj\"}]}",
         four[] = "{\"image\":{\"spp\":4},\"objects\":[{\"type\":\"mesh\",\"file\":\"thing.v2.obj\"}]}";
-    assert_int_equal(spp_of(mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID))), 16);
-    assert_int_equal(spp_of(mesh_write("a.json", bare, strlen(bare))), 1);
+    assert_int_equal(spp_of(mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID))), 1024);
+    assert_int_equal(spp_of(mesh_write("a.json", bare, strlen(bare))), 1024);
     assert_int_equal(spp_of(mesh_write("a.json", four, strlen(four))), 4);
 }
 
@@ -160,7 +160,7 @@ int main(void) {
         cmocka_unit_test(bare_model),
         cmocka_unit_test(what_a_file_lacks_is_not_passed_over),
         cmocka_unit_test(the_camera_fits_the_size_asked_for),
-        cmocka_unit_test(models_take_16_samples_and_scene_files_their_own),
+        cmocka_unit_test(scene_files_may_say_how_many_samples),
         cmocka_unit_test(scene_files_shape_their_image),
         cmocka_unit_test(meshes),
     };
