@@ -57,7 +57,7 @@ static ray_counts rays_since(const ray_counts *before, const ray_counts *now) {
 static bool hand_over(job *j, const worker *self, wave_result *done, double began, const ray_counts *before) {
     const wave_share *share = j->options->share;
     done->error = self->wave_error;
-    done->seconds = clock_seconds() - began;
+    done->seconds = clock_thread_seconds() - began;
     done->rays = rays_since(before, &self->integration->rays);
     done->sums = self->share, done->bytes = self->share_bytes;
     if (share->take(share->user, done)) return true;
@@ -70,7 +70,7 @@ static bool render_wave(job *j, render_wave_fn render, worker *self, const wave_
     if (!share) return render(j, self, region);
     wave_result done = {.wave = wave_grid_at(&j->grid, region->left, region->top)};
     if (!share->next && !share->wants(share->user, done.wave)) return true;
-    const double began = clock_seconds();
+    const double began = clock_thread_seconds();
     const ray_counts before = self->integration->rays;
     const uint64_t samples = self->samples;
     self->wave_error = 0;

@@ -23,7 +23,7 @@ typedef struct job_reserve {
 typedef struct wave_result {
     uint32_t wave; /* of the film's grid */
     uint64_t samples;
-    double error, seconds;
+    double error, seconds; /* the second: of one thread's processor time */
     ray_counts rays;
     const unsigned char *sums; /* of a share of all samples (film/sum_tree.h), square after square; NULL: the
                                   film has its pixels */

@@ -337,6 +337,16 @@ static void null_for_renders(void **state) {
     names("checkpoint: path", fathom_session_run(s.context, s.scene, &s.settings, &options, NULL, &film));
     options.checkpoint = NULL, options.output_count = 1;
     names("outputs", fathom_session_run(s.context, s.scene, &s.settings, &options, NULL, &film));
+    const char *part_path = "a.part";
+    refuses(fathom_parts_merge(NULL, &part_path, 1, &stats, &film));
+    names("paths", fathom_parts_merge(s.context, NULL, 1, &stats, &film));
+    names("paths", fathom_parts_merge(s.context, &part_path, 0, &stats, &film));
+    names("out", fathom_parts_merge(s.context, &part_path, 1, &stats, NULL));
+    fathom_part_default(NULL);
+    fathom_ranks_default(NULL);
+    refuses(fathom_mpi_open(NULL, NULL));
+    names("ranks", fathom_mpi_open(s.context, NULL));
+    fathom_mpi_close(true);
     refuses(fathom_checkpoint_check(NULL, &saving));
     names("checkpoint", fathom_checkpoint_check(s.context, NULL));
     names("checkpoint: path", fathom_checkpoint_check(s.context, &nowhere));
@@ -436,8 +446,9 @@ static void null_for_tracers(void **state) {
 /* No call is forgotten here: each that the headers declare is in this file's text. */
 static void every_call_is_here(void **state) {
     (void)state;
-    static const char *const headers[] = {"base.h",   "file.h",  "image.h",   "parameter.h", "read.h",
-                                          "render.h", "scene.h", "session.h", "survey.h",    "trace.h"};
+    static const char *const headers[] = {"base.h",  "file.h",    "image.h",  "parameter.h",
+                                          "part.h",  "ranks.h",   "read.h",   "render.h",
+                                          "scene.h", "session.h", "survey.h", "trace.h"};
     FILE *f = fopen(SOURCE_DIR "/tests/unit/misuse.c", "r");
     assert_non_null(f);
     static char text[1 << 16], header[1 << 16], path[512];

@@ -44,6 +44,8 @@ static void defaults_end_where_the_struct_of_the_caller_does(void **state) {
     CHECK_OWN_DEFAULT(fathom_read_options, UP_TO(fathom_read_options, width));
     CHECK_OWN_DEFAULT(fathom_generate_options, UP_TO(fathom_generate_options, seed));
     CHECK_OWN_DEFAULT(fathom_checkpoint, UP_TO(fathom_checkpoint, wanted));
+    CHECK_OWN_DEFAULT(fathom_part, UP_TO(fathom_part, split));
+    CHECK_OWN_DEFAULT(fathom_ranks, UP_TO(fathom_ranks, user));
     CHECK_OWN_DEFAULT(fathom_texture, UP_TO(fathom_texture, filter));
     CHECK_OWN_DEFAULT(fathom_session_options, UP_TO(fathom_session_options, outputs));
     CHECK_DEFAULT(fathom_material, UP_TO(fathom_material, shininess), 0);

@@ -36,7 +36,7 @@ typedef struct part_head {
 typedef struct part_record {
     uint32_t magic, wave;
     uint64_t samples, bytes;
-    double error, seconds; /* seconds of one thread */
+    double error, seconds; /* the second: of one thread's processor time */
     ray_counts rays;
 } part_record;
 
