@@ -1,0 +1,43 @@
+/* The values of an MTL material, and what they become: what the mtl*.c files share. */
+#ifndef READ_OBJ_MTL_H
+#define READ_OBJ_MTL_H
+
+#include "read/obj/obj.h"
+
+/* A material's values as the file gives them. */
+typedef struct mtl_entry {
+    double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum, pr, pm, pc, pcr;
+    unsigned given; /* bits of the kinds below */
+    double bump;    /* of the normal map */
+    const char *at[14];
+} mtl_entry;
+
+enum {
+    MTL_KA,
+    MTL_KD,
+    MTL_KS,
+    MTL_KE,
+    MTL_TF,
+    MTL_NS,
+    MTL_NI,
+    MTL_D,
+    MTL_TR,
+    MTL_ILLUM,
+    MTL_PR,
+    MTL_PM,
+    MTL_PC,
+    MTL_PCR,
+    MTL_KINDS
+};
+_Static_assert(sizeof(((mtl_entry *)0)->at) == MTL_KINDS * sizeof(char *), "a place for each kind");
+
+static inline bool mtl_given(const mtl_entry *m, int kind) { return m->given >> kind & 1; }
+static inline bool mtl_is_white(const double rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
+static inline bool mtl_is_black(const double rgb[3]) { return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0; }
+
+int mtl_illum(const mtl_entry *m);
+bool mtl_is_glass(int illum);
+/* Without its maps. */
+fathom_material mtl_material_from(const mtl_entry *m);
+
+#endif

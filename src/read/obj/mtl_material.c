@@ -1,0 +1,175 @@
+/* Wavefront MTL to Fathom's materials.
+ *
+ *   Kd      k_d
+ *   Ka      k_a; none, or white, means k_d: exporters without an ambient colour write white, which would make
+ *           every material reflect the ambient light alike
+ *   Ks, Ns  k_s and shininess of Blinn's highlight, as the format defines it ((N·H)^Ns); no highlight if Ns <
+ * 1, which exporters write for rough surfaces and which would add Ks to everything that faces a light Ke k_e
+ *   Ni      ior for refraction and Fresnel's law; none or 0: 1.5
+ *   d, Tr   opacity and 1 - opacity; the last one in the file counts
+ *   Tf      filter of the glass models; the others ignore it, because exporters write white everywhere
+ *
+ *   illum   none: 2 if there is a Ks that is not black, else 1
+ *   0       Lambert without ambient light
+ *   1       Lambert
+ *   2, 10   with highlights
+ *   3, 8    and a mirror: k_r = Ks
+ *   5       and a mirror by Fresnel's law
+ *   4, 9    glass that does not refract (ior 1): k_t, k_r
+ *   6       glass: k_t, k_r, ior
+ *   7       glass by Fresnel's law
+ *
+ * Models other than glass dissolve if d < 1: their light is scaled by d, and k_t = 1 - d passes straight on
+ * (ior 1). Authors mean this by "illum 2, d 0.3, Ni 1.45". Glass has k_t = 1 - d if d < 1, times Tf if given;
+ * else Tf; else 1 - Ks, the format's own formula. Its diffuse part fades as it clears: times d if d < 1, else
+ * times 1 - the largest of k_t; highlights stay. Without Fresnel's law k_r is limited to 1 - k_t, which
+ * conserves energy. Fresnel's law needs ior != 1; with Ni 1 the mirror is a plain one.
+ *
+ * Pr, Pm, Pc and Pcr (roughness, metal, clear coat and its roughness) make it metallic-roughness: Kd is the
+ * base colour, d the opacity, Ni the index; the remaining values above have no meaning there.
+ *
+ * Images (map_Kd map_Ks map_Ke map_Ns map_d map_Pr map_Pm map_Pc norm) multiply their values, which are 1
+ * where the file gives an image alone. Single numbers are the image's red, those of map_d its alpha where it
+ * is the image of map_Kd; -imfchan says otherwise. -s, -o and -clamp are followed; v grows upwards in this
+ * format. map_Bump is mostly a normal map, as exporters of today write it, where its name says so; heights
+ * are not followed. */
+#include "read/obj/mtl.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void set(float out[3], const double rgb[3], double factor) {
+    for (int k = 0; k < 3; ++k) out[k] = (float)(factor * rgb[k]);
+}
+
+static double largest(const float rgb[3]) {
+    return fmax((double)rgb[0], fmax((double)rgb[1], (double)rgb[2]));
+}
+
+/* Sets k_t and k_r of the glass models; returns the factor of the diffuse part. */
+static double make_glass(const mtl_entry *m, bool fresnel, fathom_material *out) {
+    const double white[3] = {1, 1, 1}, clear[3] = {1 - m->ks[0], 1 - m->ks[1], 1 - m->ks[2]};
+    bool dissolves = m->d < 1, filters = mtl_given(m, MTL_TF);
+    set(out->k_t, filters ? m->tf : dissolves || fresnel ? white : clear, dissolves ? 1 - m->d : 1);
+    for (int k = 0; k < 3; ++k) {
+        if (out->k_t[k] < 0) out->k_t[k] = 0;
+        float left = out->k_t[k] < 1 ? 1 - out->k_t[k] : 0;
+        if (!fresnel && out->k_r[k] > left) out->k_r[k] = left;
+    }
+    return dissolves ? m->d : fmax(0, 1 - largest(out->k_t));
+}
+
+int mtl_illum(const mtl_entry *m) {
+    return mtl_given(m, MTL_ILLUM) ? (int)m->illum : mtl_is_black(m->ks) ? 1 : 2;
+}
+bool mtl_is_glass(int illum) { return illum == 4 || illum == 6 || illum == 7 || illum == 9; }
+
+static void make_surface(const mtl_entry *m, int illum, fathom_material *out) {
+    const double black[3] = {0, 0, 0};
+    set(out->k_d, m->kd, 1);
+    if (mtl_given(m, MTL_KA) && !mtl_is_white(m->ka)) set(out->k_a, m->ka, 1);
+    if (illum == 0) set(out->k_a, black, 1);
+    set(out->k_e, m->ke, 1);
+    if (illum >= 2 && m->ns >= 1) {
+        out->specular = FATHOM_SPECULAR_BLINN;
+        out->shininess = (float)m->ns;
+        set(out->k_s, m->ks, 1);
+    }
+    if (illum >= 3 && illum <= 9) set(out->k_r, m->ks, 1);
+}
+
+static void scale(float rgb[3], double factor) {
+    for (int k = 0; k < 3; ++k) rgb[k] = (float)(factor * (double)rgb[k]);
+}
+
+static bool is_metallic(const mtl_entry *m) {
+    return mtl_given(m, MTL_PR) || mtl_given(m, MTL_PM) || mtl_given(m, MTL_PC);
+}
+
+static fathom_material metallic_from(const mtl_entry *m) {
+    fathom_material out;
+    fathom_material_default(&out);
+    out.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    set(out.base_color, m->kd, 1);
+    for (int k = 0; k < 3; ++k) out.base_color[k] = out.base_color[k] < 1 ? out.base_color[k] : 1;
+    set(out.emissive, m->ke, 1);
+    if (mtl_given(m, MTL_PR)) out.roughness = (float)m->pr;
+    out.metallic = (float)m->pm;
+    out.clearcoat = (float)m->pc, out.clearcoat_roughness = (float)m->pcr;
+    out.opacity = (float)m->d;
+    if (m->ni >= 1) out.ior = (float)m->ni;
+    return out;
+}
+
+static fathom_material classic_from(const mtl_entry *m) {
+    fathom_material out;
+    fathom_material_default(&out);
+    int illum = mtl_illum(m);
+    bool glass = mtl_is_glass(illum), dissolves = !glass && m->d < 1;
+    bool straight = illum == 4 || illum == 9 || dissolves;
+    make_surface(m, illum, &out);
+    out.ior = straight ? 1 : m->ni > 0 ? (float)m->ni : 1.5f;
+    out.fresnel = (illum == 5 || illum == 7) && out.ior != 1;
+    double left = glass ? make_glass(m, out.fresnel, &out) : m->d;
+    scale(out.k_d, left);
+    if (out.k_a[0] >= 0) scale(out.k_a, left);
+    if (dissolves) {
+        const double white[3] = {1, 1, 1};
+        set(out.k_t, white, 1 - m->d);
+        scale(out.k_s, left);
+        scale(out.k_r, left);
+        scale(out.k_e, left);
+    }
+    return out;
+}
+
+fathom_material mtl_material_from(const mtl_entry *m) {
+    fathom_material out = is_metallic(m) ? metallic_from(m) : classic_from(m);
+    out.normal_scale = (float)m->bump;
+    return out;
+}
+
+/* ---- images ---- */
+
+/* An image that cannot be read is told of. Its value is mostly 1, which would make a mirror, a lamp or a
+ * white wall: none, or grey, is the least wrong. */
+static void without_image(int kind, fathom_material *m) {
+    if (kind == FATHOM_MAP_METALLIC) m->metallic = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (kind == FATHOM_MAP_COLOR) m->k_d[c] *= 0.5f, m->base_color[c] *= 0.5f;
+        if (kind == FATHOM_MAP_SPECULAR_COLOR) m->k_s[c] = m->k_r[c] = 0;
+        if (kind == FATHOM_MAP_EMISSIVE) m->k_e[c] = m->emissive[c] = 0;
+    }
+}
+
+fathom_status mtl_open_images(fathom_scene *scene, const mtl_material *material, fathom_material *out) {
+    fathom_status status = FATHOM_OK;
+    for (int k = 0; k < FATHOM_MAPS && status == FATHOM_OK; ++k) {
+        const mtl_image *image = &material->images[k];
+        char *path = NULL;
+        fathom_texture t;
+        if (!image->file) continue;
+        fathom_texture_default(&t);
+        status = read_beside(scene, material->library, image->file, &path);
+        for (char *c = path; status == FATHOM_OK && access(path, F_OK) != 0 && (c = strchr(c, '\\')) != NULL;)
+            *c = '/';
+        if (status == FATHOM_BAD_INPUT || (status == FATHOM_OK && access(path, F_OK) != 0)) {
+            warn(scene->context,
+                 "%s: material \"%.80s\": there is no image \"%.200s\" that may be read; it is left out",
+                 material->library, material->name, image->file);
+            without_image(k, out);
+            free(path);
+            status = FATHOM_OK;
+            continue;
+        }
+        if (status != FATHOM_OK) return status;
+        t.file = path;
+        t.color_space = image->color ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+        if (image->clamp) t.wrap_u = t.wrap_v = FATHOM_WRAP_CLAMP;
+        out->maps[k] = image->map;
+        status = fathom_scene_add_texture(scene, &t, &out->maps[k].texture);
+        free(path);
+    }
+    return status;
+}
