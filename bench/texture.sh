@@ -12,7 +12,7 @@ mkdir -p "$folder"
 
 includes="-I$source/include"
 for module in base scene math image texture; do includes="$includes -I$build/modules/$module"; done
-# shellcheck disable=SC2086 # several words each
+# shellcheck disable=SC2046,SC2086 # several words each
 c++ -std=c++17 -O2 -Wno-array-bounds $includes $(pkg-config --cflags OpenImageIO) "$source/bench/texture.cpp" \
     "$build/src/libfathom_core.a" $(pkg-config --libs OpenImageIO) -ljansson -lpng -lpthread -ldl -lm \
     -o "$build/bin/bench_texture"
