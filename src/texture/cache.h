@@ -47,6 +47,17 @@ struct texture_cache {
  * when it is broken. Any thread. */
 bool cache_touch(texture_cache *cache, cache_image *img, uint64_t chunk);
 
+/* Opens the image's file, or bytes, in the helper. On failure `why` says why; "": memory is lacking. */
+fathom_status cache_open_source(const texture_cache *cache, const fathom_texture *t, image_texture **out,
+                                image_texture_info *info, image_message *why);
+/* Closes the file that an image keeps open, if any. */
+void cache_close_source(cache_image *img);
+
+/* For messages. */
+static inline const char *cache_name(const fathom_texture *t) {
+    return t->name ? t->name : t->file ? t->file : "(texture in memory)";
+}
+
 /* One texel of a level. False when the image is broken. */
 bool cache_texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
                  float rgba[4]);
