@@ -12,7 +12,7 @@ mkdir -p "$folder"
 
 includes="-I$source/include"
 for module in base scene math image texture; do includes="$includes -I$build/modules/$module"; done
-# shellcheck disable=SC2086 # several words each
+# shellcheck disable=SC2046,SC2086 # several words each
 c++ -std=c++17 -O2 -Wno-array-bounds $includes $(pkg-config --cflags OpenImageIO) "$source/bench/texture.cpp" \
     "$build/src/libfathom_core.a" $(pkg-config --libs OpenImageIO) -ljansson -lpng -lpthread -ldl -lm \
     -o "$build/bin/bench_texture"
@@ -29,7 +29,7 @@ while [ $i -lt "$count" ]; do
     i=$((i + 1))
 done
 # As many names of these files as make four gigabytes of tiles.
-while [ $((i * side / 1000 * side / 1000 * 4)) -lt 2650 ]; do
+while [ $((i * side * side / 250000)) -lt 2650 ]; do
     ln -sf $((i % count)).tx "$folder/link$i.tx"
     set -- "$@" "$folder/link$i.tx"
     i=$((i + 1))
