@@ -29,7 +29,7 @@ while [ $i -lt "$count" ]; do
     i=$((i + 1))
 done
 # As many names of these files as make four gigabytes of tiles.
-while [ $((i * side / 1000 * side / 1000 * 4)) -lt 2650 ]; do
+while [ $((i * side * side / 250000)) -lt 2650 ]; do
     ln -sf $((i % count)).tx "$folder/link$i.tx"
     set -- "$@" "$folder/link$i.tx"
     i=$((i + 1))
