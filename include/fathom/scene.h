@@ -212,7 +212,7 @@ typedef struct fathom_mesh {
     size_t uv_1_stride;
     const float *colors; /* linear RGB or RGBA: factors of base_color or k_d, and of the opacity */
     size_t color_stride;
-    unsigned color_channels; /* 3 (default) or 4 */
+    unsigned color_channels; /* 3 (default) or 4; not read without colors */
     const float *tangents;   /* x y z w: the direction of u, and w = ±1 with bitangent = w normal × tangent.
                                 NULL: from how the first uv set lies on each triangle */
     size_t tangent_stride;

@@ -146,7 +146,7 @@ static fathom_status check_vertex_arrays(fathom_context *context, const fathom_m
                   {"colors", m->colors, m->color_stride, m->color_channels},
                   {"tangents", m->tangents, m->tangent_stride, 4}};
     fathom_status status = FATHOM_OK;
-    if (m->color_channels < 3 || m->color_channels > 4)
+    if (m->colors && (m->color_channels < 3 || m->color_channels > 4))
         return fail_field(context, FATHOM_BAD_INPUT, "color_channels", "expected 3 or 4, found %u",
                           m->color_channels);
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == FATHOM_OK; ++i) {

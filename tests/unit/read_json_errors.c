@@ -21,7 +21,7 @@ static const char whole[] =
     "  \"na\\u006de\": \"\\n\\u0041\", \"camera\": {\"eye\": [0, 0, 5],\n"                            /* 3 */
     "    \"target\": [0, 0, 0]},\n"                                                                   /* 4 */
     "  \"image\": {\"width\": 64, \"height\": 64,\n"                                                  /* 5 */
-    "    \"spp\": 4, \"integrator\": \"classic\", \"aovs\": [\"Z\", \"N\"]},\n"                                                    /* 6 */
+    "    \"spp\": 4, \"integrator\": \"classic\", \"aovs\": [\"Z\", \"N\"]},\n"                       /* 6 */
     "  \"background\": [0.1, 0.2, 0.3], \"ambient\": [0, 0, 0],\n"                                    /* 7 */
     "  \"materials\": {\"dark \\\"red\": {\"kd\": [0.5, 0, 0], \"specular\": \"blinn\",\n"            /* 8 */
     "    \"ks\": [1, 1, 1], \"kr\": [0, 0, 1], \"fresnel\": true}},\n"                                /* 9 */
