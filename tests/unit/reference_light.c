@@ -48,7 +48,8 @@ static void add_ball_mesh(void) {
             count += 2;
         }
     }
-    const fathom_mesh mesh = {.positions = p[0],
+    const fathom_mesh mesh = {.color_channels = 3,
+                              .positions = p[0],
                               .vertex_count = RINGS * AROUND,
                               .indices = t[0],
                               .triangle_count = count,

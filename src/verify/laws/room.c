@@ -92,11 +92,11 @@ void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_mat
         const uint32_t triangle[3] = {0, i + 1, i + 2};
         memcpy(indices + 3 * (size_t)i, triangle, sizeof triangle);
     }
-    const fathom_mesh mesh = {.positions = positions,
-                              .vertex_count = count,
-                              .indices = indices,
-                              .triangle_count = count - 2,
-                              .material = add_material(room, &m)};
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = positions, mesh.vertex_count = count;
+    mesh.indices = indices, mesh.triangle_count = count - 2;
+    mesh.material = add_material(room, &m);
     if (room->status == FATHOM_OK)
         room->status = fathom_scene_add_mesh(room->scene, FATHOM_ROOT, &mesh, NULL);
     free(positions);
