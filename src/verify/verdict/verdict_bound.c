@@ -225,13 +225,15 @@ static bool clamps_weights(const verdict_tracer *tracer, const oracle_primitive 
     return fabs(dot_f64(normal_of(p, answer, &a, &b, &c), dir)) < 2 * tracer->clamped;
 }
 
-/* The angle by which a vector may turn whose error is that share of its length. */
-static double turn_of(double share) { return share < 0.5 ? 2 * share : 4; }
+/* The angle by which a vector may turn whose error is that share of its length: asin(share) <= 2 share. From
+ * 1 on it may be zero or point anywhere. */
+static double turn_of(double share) { return share < 1 ? 2 * share : 4; }
 
 /* Sides are off by 2 u of their length or, seen from the ray's origin, of S, and the products and differences
  * of n = e × e' by as much again: 16 u L S / |n| holds both. Two products and their difference, flushed to
- * zero below 2^-126, leave 3 √3 2^-126 more. A normal
- * above the largest float is not reported at all: infinite. A quad's normal may be either part's. */
+ * zero below 2^-126, leave 3 √3 2^-126 more; a side so flushed moves n by less than 16 u L² as long as L is
+ * above 2^-104, and all of n is flushed below. A normal above the largest float is not reported at all:
+ * infinite. A quad's normal may be either part's. */
 static double normal_bound(const verdict_tracer *tracer, const oracle_primitive *p,
                            const oracle_answer *answer, double size) {
     vec3_f64 a, b, c, n = normal_of(p, answer, &a, &b, &c);
@@ -256,7 +258,7 @@ verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *
         bound.normal = least + 2 * (bound.t * length_f64(f.dir) + 8 * unit * size) / oracle_radius(p) +
                        turn_of(flushed / oracle_radius(p));
         break;
-    case ORACLE_PLANE: bound.normal = least + turn_of(flushed / length_f64(widen(p->v[1]))); break;
+    case ORACLE_PLANE: bound.normal = least; break; /* a copy of the world's, denormals and all */
     case ORACLE_TRIANGLE:
     case ORACLE_QUAD: bound.normal = least + normal_bound(tracer, p, answer, size); break;
     }
