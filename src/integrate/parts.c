@@ -154,7 +154,7 @@ static bool tell_shapes(const world *w, left_out_list *list) {
                              {w->planes.count, "planes", "there is none"},
                              {w->instances.count, "instances", "all shapes lie in the world's own frame"},
                              {parts_smooth(w), "shading normals", "no mesh has any"},
-                             {false, "texture coordinates", "textures are not read"}};
+                             {w->scene->has_maps, "textures", "no material takes an image"}};
     return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 

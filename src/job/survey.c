@@ -158,6 +158,7 @@ static void find_features(const fathom_scene *scene, survey *out) {
     for (size_t i = 0; i < scene->instances.count; ++i)
         nested |= scene->instances.items[i].parent != FATHOM_ROOT;
     const material_uses uses = materials_in_use(scene);
+    const bool studio = scene->in_studio && scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC;
     const struct {
         bool used;
         const char *name;
@@ -169,10 +170,12 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {scene->instances.count, "instances"},
                     {nested, "nested groups"},
                     {out->lights[FATHOM_LIGHT_POINT], "point lights"},
-                    {out->lights[FATHOM_LIGHT_DIRECTIONAL], "directional lights"},
+                    {out->lights[FATHOM_LIGHT_DIRECTIONAL] && !studio, "directional lights"},
                     {out->lights[FATHOM_LIGHT_SPOT], "spot lights"},
                     {scene->environments.count, "environments"},
-                    {parts_ambient(scene), "ambient"},
+                    {parts_ambient(scene) && !studio, "ambient"},
+                    {studio, "the built-in studio"},
+                    {scene->has_maps, "textures"},
                     {uses.phong, "Phong"},
                     {uses.blinn, "Blinn"},
                     {uses.bits & MATERIAL_MIRROR, "mirrors"},

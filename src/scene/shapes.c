@@ -197,6 +197,7 @@ static void default_strides(fathom_mesh *mesh) {
     if (!mesh->normal_stride) mesh->normal_stride = 3 * sizeof(float);
     if (!mesh->uv_stride) mesh->uv_stride = 2 * sizeof(float);
     if (!mesh->uv_1_stride) mesh->uv_1_stride = 2 * sizeof(float);
+    if (!mesh->colors) mesh->color_channels = 3;
     if (!mesh->color_stride) mesh->color_stride = mesh->color_channels * sizeof(float);
     if (!mesh->tangent_stride) mesh->tangent_stride = 4 * sizeof(float);
     if (!mesh->normals) mesh->normal_indices = NULL;

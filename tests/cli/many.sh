@@ -29,7 +29,7 @@ lights >lights.json
 for scene in spheres:64x48 lights:8x6; do
     name=${scene%:*}
     for tracer in embree bvh; do
-        run 0 render $name.json -o $name-$tracer.exr --exr-float --tracer $tracer --size ${scene#*:} --stats $tracer.json
+        run 0 render $name.json --integrator classic -o $name-$tracer.exr --exr-float --tracer $tracer --size ${scene#*:} --stats $tracer.json
     done
     same $name-embree.exr $name-bvh.exr
     # Something is to be seen: shadow rays were cast, to every light from where one was.

@@ -18,10 +18,10 @@ for extension in ply glb; do
     TRUNCATE_WHEN=build TRUNCATE=ball.$extension
     run 0 generate sphere --triangles 2k -o ball.$extension
     refused 3 "fathom: ball.$extension: was truncated while it was read: 0 bytes are left of " \
-        render ball.$extension -o a.exr -o b.png --size 16x16 --tracer "$plugin" --stats a.json
+        render ball.$extension -o a.exr -o b.png --integrator classic --size 16x16 --tracer "$plugin" --stats a.json
     TRUNCATE_WHEN=trace
     run 0 generate sphere --triangles 2k -o ball.$extension
-    run 3 render ball.$extension -o a.exr -o b.png --size 16x16 --tracer "$plugin" --stats a.json
+    run 3 render ball.$extension -o a.exr -o b.png --integrator classic --size 16x16 --tracer "$plugin" --stats a.json
     rescued "fathom: ball.$extension: was truncated while it was read: 0 bytes are left of "
     rm a.rescue.exr
     # The answers that the truncated scene gave are no verdict either.
@@ -35,11 +35,11 @@ for extension in ply glb; do
 
     run 0 generate sphere --triangles 100 -o ball.$extension
     TRUNCATE_WHEN=never
-    run 0 render ball.$extension -o good.exr --exr-float --size 16x16 --tracer "$plugin"
+    run 0 render ball.$extension -o good.exr --exr-float --integrator classic --size 16x16 --tracer "$plugin"
     TRUNCATE_WHEN=trace
     # Another byte somewhere: nobody knows which pixels it is in.
     TRUNCATE_HOW=write
-    run 3 render ball.$extension -o a.exr --size 16x16 --tracer "$plugin"
+    run 3 render ball.$extension -o a.exr --integrator classic --size 16x16 --tracer "$plugin"
     rescued "fathom: ball.$extension: was changed while it was read; try again when nothing writes to it"
     run 0 compare a.rescue.exr good.exr --tolerance 1
     rm a.rescue.exr

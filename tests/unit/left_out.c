@@ -135,7 +135,7 @@ static void assert_read_without(const char *path) {
     without.settings = with.settings;
     fathom_film *x = render(&with, NULL), *y = render(&without, NULL);
     assert_same(x, y);
-    assert_true(says(y, "texture coordinates"));
+    assert_true(says(y, "textures"));
     fathom_film_destroy(x);
     fathom_film_destroy(y);
     stage_close(&with);
