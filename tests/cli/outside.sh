@@ -84,12 +84,19 @@ refused 3 "scene.json:2: objects[0].file: box/models/b.gltf:1: buffers[0].uri: \
 gltf box/a.gltf none.bin
 refused 3 'fathom: box/a.gltf:1: buffers[0].uri: box/none.bin: No such file' info box/a.gltf
 
-# Images are not used; those that are missing are told, those outside not looked for.
-gltf box/a.gltf data.bin
-sed -i 's|^{|{ "images": [ { "uri": "data.bin" }, { "uri": "no%20ne.png" }, { "uri": "../none.png" }, { "uri": "data:," } ],|' \
-    box/a.gltf
+# Images that a material uses: a missing one is left out and told, one outside is refused.
+image() {
+    gltf box/a.gltf data.bin
+    sed -i "s|^{|{ \"images\": [ { \"uri\": \"$1\" } ], \"textures\": [ { \"source\": 0 } ], \"materials\": [ { \"pbrMetallicRoughness\": { \"baseColorTexture\": { \"index\": 0 } } } ],|; s|\"attributes\"|\"material\": 0, \"attributes\"|" \
+        box/a.gltf
+}
+image no%20ne.png
 run 0 info box/a.gltf
-said out.txt 'box/a.gltf: images[1].uri: there is no such file (1 such)'
+said out.txt 'box/a.gltf: images[0].uri: there is no such file; it is left out (1 such)'
+for bad in ../none.png ../secret/ball.ply; do
+    image $bad
+    refused 3 "fathom: box/a.gltf:1: images[0].uri: \"$bad\" $out box/a.gltf" info box/a.gltf
+done
 
 # MTL libraries: a model is shown without those that may not be read.
 sed 's|^mtllib .*|mtllib ../secret/ball.mtl|' secret/ball.obj >box/c.obj

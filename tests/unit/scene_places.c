@@ -284,6 +284,7 @@ static void completing_keeps_what_is_set(void **state) {
     mesh.positions = point, mesh.vertex_count = 2, mesh.indices = (const uint32_t[3]){0, 1, 0};
     mesh.triangle_count = 1;
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    scene->settings.integrator = FATHOM_INTEGRATOR_CLASSIC; /* paths are lit by the background */
     assert_ok(context, fathom_scene_set_background(scene, dark));
     assert_ok(context, fathom_scene_set_ambient(scene, dim));
     assert_ok(context, fathom_scene_complete(scene));
