@@ -29,6 +29,23 @@ bool embree_vote_reference(const embree_tracer *tracer, const trace_rays *rays, 
     return true;
 }
 
+/* Whether the reference meets a sphere well before the t that Embree offers. Then Embree, by its own
+ * rounding, has lost the near root to the near end of the interval. What it offers is the far root: another
+ * hit. */
+static bool is_far_root(const embree_vote *vote, const embree_offered *c) {
+    return vote->tracer->base.world->geometries.items[c->ids[1]].kind == WORLD_SPHERES &&
+           vote->search.best.t * EMBREE_HALF_WINDOW < c->t;
+}
+
+static void put_to_reference(embree_vote *vote, const embree_offered *c) {
+    const search_f32 before = vote->search;
+    if (!try_primitive(&vote->search, c->ids)) return;
+    if (is_far_root(vote, c))
+        vote->search = before;
+    else
+        vote->met = *c;
+}
+
 /* On equal t the first in world order, so that the order of the visits decides nothing. */
 static bool is_nearer(const embree_offered *a, const embree_offered *b) {
     if (a->t != b->t) return a->t < b->t;
@@ -51,5 +68,5 @@ void embree_vote_consider(embree_vote *vote, const float *hit, unsigned n, float
     /* Embree offers both roots of its own spheres, and both halves of a quad. */
     bool farther =
         vote->met.any && memcmp(vote->met.ids, c.ids, sizeof c.ids) == 0 && !is_nearer(&c, &vote->met);
-    if (!farther && try_primitive(&vote->search, c.ids)) vote->met = c;
+    if (!farther) put_to_reference(vote, &c);
 }
