@@ -202,12 +202,14 @@ static void stand(environment *e, vec3_f64 z, vec3_f64 up) {
 fathom_status environment_studio(fathom_context *context, vec3_f64 z, vec3_f64 up, environment **out) {
     const size_t bytes = sizeof **out + (size_t)STUDIO_WIDTH * STUDIO_HEIGHT * sizeof(texel);
     environment *e = calloc(1, bytes);
+    studio made;
     *out = NULL;
     if (!e) return fail_memory(context, bytes);
     e->width = STUDIO_WIDTH, e->height = STUDIO_HEIGHT;
     stand(e, z, up);
+    studio_open(&made);
     for (uint32_t i = 0; i < STUDIO_WIDTH * STUDIO_HEIGHT; ++i)
-        studio_radiance(texel_centre(e, i % STUDIO_WIDTH, i / STUDIO_WIDTH), e->texels[i].radiance);
+        studio_radiance(&made, texel_centre(e, i % STUDIO_WIDTH, i / STUDIO_WIDTH), e->texels[i].radiance);
     fathom_status status = prepare_choice(context, e);
     if (status == FATHOM_OK)
         *out = e;

@@ -45,8 +45,8 @@ static fathom_status render(fathom_context *context, const fathom_scene *scene, 
     fathom_write_options options;
     fathom_film *film;
     fathom_settings_default(&settings);
-    settings.width = 640, settings.height = 360, settings.spp = 64;
-    settings.target_error = 0; /* 64 samples of each pixel */
+    settings.width = 640, settings.height = 360, settings.spp = 16;
+    settings.target_error = 0; /* 16 samples of each pixel */
     fathom_write_options_default(&options);
     TRY(fathom_render(context, scene, &settings, on_progress, stderr, NULL, &film));
     printf("red in the middle: %g\n", (double)fathom_film_channel(film, "R")[180 * 640 + 320]);

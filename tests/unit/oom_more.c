@@ -104,7 +104,7 @@ static const char all_json[] =
 static fathom_settings settings_of(const fathom_scene *scene) {
     fathom_settings settings;
     fathom_scene_settings(scene, &settings);
-    settings.width = 8, settings.height = 6, settings.spp = 4;
+    settings.width = 8, settings.height = 6, settings.spp = 4, settings.target_error = 0;
     settings.aovs = FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR;
     return settings;
 }
@@ -213,6 +213,7 @@ static void writing(void **state) {
 
 static const char meshes_json[] =
     "{ \"camera\": { \"eye\": [0, 0, 5], \"target\": [0, 0, 0], \"fovy\": 40 },\n"
+    "  \"lights\": [ { \"type\": \"directional\", \"direction\": [0, -1, -1] } ],\n"
     "  \"image\": { \"width\": 8, \"height\": 6, \"spp\": 4 },\n"
     "  \"materials\": { \"m\": { \"kd\": [0.2, 0.2, 0.2], \"kr\": [0.4, 0.4, 0.4] } },\n"
     "  \"objects\": [ { \"type\": \"generate\", \"kind\": \"sphere\", \"triangles\": 64, \"material\": \"m\" "

@@ -23,10 +23,12 @@ static void texels_hold_the_rule(void **state) {
     (void)state;
     environment *e = open_studio(vec_f64(0, 0, 1), vec_f64(0, 1, 0));
     random_state r = {1};
+    studio made;
+    studio_open(&made);
     for (int i = 0; i < 20000; ++i) {
         const vec3_f64 d = direction(&r);
         float rule[3], texel[3];
-        studio_radiance(d, rule);
+        studio_radiance(&made, d, rule);
         environment_at(e, d, texel);
         for (int c = 0; c < 3; ++c) {
             assert_true(rule[c] > 0.01f);
@@ -86,16 +88,16 @@ static void only_models_without_light_stand_in_it(void **state) {
     (void)state;
     fathom_scene *scene = open_ball();
     assert_ok(context, fathom_scene_complete(scene));
-    const float studio = mean_of(scene);
-    assert_true(studio > 0.1f && studio < 1);
+    const float lit = mean_of(scene);
+    assert_true(lit > 0.1f && lit < 1);
     assert_ok(context, fathom_scene_set_background(scene, (float[3]){0, 0, 0}));
-    assert_true(mean_of(scene) < studio / 2);
+    assert_true(mean_of(scene) < lit / 2);
     fathom_scene_destroy(scene);
 
     scene = open_ball();
     assert_ok(context, fathom_scene_set_background(scene, (float[3]){0, 0, 0}));
     assert_ok(context, fathom_scene_complete(scene));
-    assert_true(mean_of(scene) < studio / 2);
+    assert_true(mean_of(scene) < lit / 2);
     fathom_scene_destroy(scene);
 }
 
