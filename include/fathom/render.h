@@ -56,7 +56,11 @@ enum {
     FATHOM_AOV_DIRECT = 1u << 8,
     FATHOM_AOV_INDIRECT = 1u << 9,
     FATHOM_AOV_EMISSION = 1u << 10,
-    FATHOM_AOVS = (1u << 11) - 1
+    /* light_NAME.R…: what a light group sends out, by all ways (fathom_scene_set_light_group()), the groups
+     * in the order in which the scene names them after "rest", which has all else. They add up to R, G and B.
+     */
+    FATHOM_AOV_LIGHT_GROUPS = 1u << 11,
+    FATHOM_AOVS = (1u << 12) - 1
 };
 
 typedef struct fathom_settings {

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,16 +27,26 @@ static uint32_t *add_id(fathom_film *film, const char *name, const char *name_in
     return data;
 }
 
+static uint32_t group_count(const light_group_names *groups) { return groups->count ? groups->count : 1; }
+
 /* In the order of film_parts. */
 static void add_layers(fathom_film *film, unsigned aovs) {
     static const char *const names[LIGHT_KINDS][3] = {{"emission.R", "emission.G", "emission.B"},
                                                       {"direct.R", "direct.G", "direct.B"},
                                                       {"indirect.R", "indirect.G", "indirect.B"}};
-    const film_parts parts = film_parts_of(aovs);
+    const film_parts parts = film->parts = film_parts_of(aovs, &film->light_groups);
     float *layer[3];
     film->layers = film->pixels + film->channel_count * (size_t)film->width * film->height;
     for (int k = 0; k < LIGHT_KINDS; ++k) {
         if (parts.kinds[k] >= 0) add_three(film, layer, names[k][0], names[k][1], names[k][2], true);
+    }
+    for (uint32_t g = 0; parts.groups >= 0 && g < group_count(&film->light_groups); ++g) {
+        const char *name = g ? film->light_groups.names[g] : LIGHT_GROUP_REST;
+        for (int c = 0; c < 3; ++c)
+            snprintf(film->group_channels[g][c], sizeof film->group_channels[g][c], "light_%s.%c", name,
+                     "RGB"[c]);
+        add_three(film, layer, film->group_channels[g][0], film->group_channels[g][1],
+                  film->group_channels[g][2], true);
     }
 }
 
@@ -59,7 +70,7 @@ static void add_channels(fathom_film *film, unsigned aovs) {
     add_layers(film, aovs);
 }
 
-film_parts film_parts_of(unsigned aovs) {
+film_parts film_parts_of(unsigned aovs, const light_group_names *groups) {
     static const unsigned of_kind[LIGHT_KINDS] = {[LIGHT_EMISSION] = FATHOM_AOV_EMISSION,
                                                   [LIGHT_DIRECT] = FATHOM_AOV_DIRECT,
                                                   [LIGHT_INDIRECT] = FATHOM_AOV_INDIRECT};
@@ -67,19 +78,23 @@ film_parts film_parts_of(unsigned aovs) {
         FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
     film_parts parts = {.hits = aovs & of_hits};
     for (int k = 0; k < LIGHT_KINDS; ++k) parts.kinds[k] = aovs & of_kind[k] ? (int8_t)parts.layers++ : -1;
+    parts.groups = aovs & FATHOM_AOV_LIGHT_GROUPS ? (int8_t)parts.layers : -1;
+    if (parts.groups >= 0) parts.layers += group_count(groups);
     return parts;
 }
 
-uint32_t film_channels(unsigned aovs) {
+uint32_t film_channels(unsigned aovs, const light_group_names *groups) {
     const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
                    three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID |
                            FATHOM_AOV_DIRECT | FATHOM_AOV_INDIRECT | FATHOM_AOV_EMISSION;
-    return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) + (uint32_t)__builtin_popcount(aovs & one) +
-           3 * (uint32_t)__builtin_popcount(aovs & three);
+    return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) +
+           (aovs & FATHOM_AOV_LIGHT_GROUPS ? 3 * group_count(groups) : 0) +
+           (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
 }
 
 uint64_t film_bytes(const fathom_film *film) {
-    return (uint64_t)film->width * film->height * sizeof(float) * film_channels(film->settings.aovs);
+    return (uint64_t)film->width * film->height * sizeof(float) *
+           film_channels(film->settings.aovs, &film->light_groups);
 }
 
 static fathom_status check_memory(fathom_context *context, const fathom_film *film) {
@@ -98,7 +113,8 @@ static fathom_status take_pixels(fathom_context *context, fathom_film *film, con
     film->scene_name = strdup(scene_name);
     fathom_status status = check_memory(context, film);
     if (status == FATHOM_OK) film->pixels = memory_take(film_bytes(film));
-    if (status == FATHOM_OK && (!film->scene_name || !film->pixels))
+    film->group_channels = calloc(LIGHT_GROUPS, sizeof *film->group_channels);
+    if (status == FATHOM_OK && (!film->scene_name || !film->pixels || !film->group_channels))
         status = fail_memory(context, film_bytes(film));
     if (status != FATHOM_OK) {
         fathom_film_destroy(film);
@@ -109,6 +125,7 @@ static fathom_status take_pixels(fathom_context *context, fathom_film *film, con
     return FATHOM_OK;
 }
 
+/* Of what the scene itself says; environments are read later. */
 static void find_brightest(const fathom_scene *scene, float out[3]) {
     memcpy(out, scene->background, 3 * sizeof *out);
     for (size_t i = 0; i < scene->materials.count; ++i) {
@@ -132,6 +149,7 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->camera = scene->camera;
     memcpy(film->background, scene->background, sizeof film->background);
     find_brightest(scene, film->brightest);
+    film->light_groups = scene->light_groups;
     return take_pixels(context, film, scene->name, out);
 }
 
@@ -144,6 +162,7 @@ fathom_status film_create_like(fathom_context *context, const fathom_film *film,
     copy->full_width = film->full_width, copy->full_height = film->full_height;
     copy->settings = film->settings;
     copy->camera = film->camera;
+    copy->light_groups = film->light_groups;
     memcpy(copy->background, film->background, sizeof copy->background);
     memcpy(copy->brightest, film->brightest, sizeof copy->brightest);
     return take_pixels(context, copy, film->scene_name, out);
@@ -163,6 +182,7 @@ void fathom_film_destroy(fathom_film *film) {
     if (!film) return;
     memory_return(film->pixels, film_bytes(film));
     free(film->scene_name);
+    free(film->group_channels);
     pthread_mutex_destroy(&film->lock);
     array_free(&film->left_out);
     free(film);

@@ -61,16 +61,23 @@ static vec3_f32 of_lane(const lanes3 from, unsigned i) {
     return (vec3_f32){from[0][i], from[1][i], from[2][i]};
 }
 
-static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i,
-                      const float radiance[3], float density) {
-    const float share = power_heuristic(p->density[slot], density);
+/* Light that a ray met by chance. */
+typedef struct met_light {
+    float radiance[3], density; /* the second: of its direction among those that ask for light */
+    uint8_t group;
+    vec3_f32 direction;
+} met_light;
+
+static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i, const met_light *met) {
+    const float share = power_heuristic(p->density[slot], met->density);
     float rgb[3];
     for (int c = 0; c < 3; ++c) {
-        rgb[c] = limited(path->weight[c][i] * (radiance[c] * share));
+        rgb[c] = limited(path->weight[c][i] * (met->radiance[c] * share));
         p->wave.run.samples.radiance[c][slot] += rgb[c];
     }
-    if (p->wave.run.samples.layers)
-        wave_add_layers(&p->wave, slot, (light_tag){(uint8_t)light_kind_of(scattered(p, slot))}, rgb);
+    if (!p->wave.run.samples.layers) return;
+    const light_tag tag = {(uint8_t)light_kind_of(scattered(p, slot)), met->group};
+    wave_add_layers(&p->wave, slot, tag, met->direction, rgb);
 }
 
 static void add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
@@ -78,11 +85,12 @@ static void add_outside(wave *w, const trace_block *block, const path_block *pat
     for (; missed; missed &= missed - 1) {
         const unsigned i = (unsigned)__builtin_ctz(missed);
         const uint32_t slot = path->slot[i];
-        float radiance[3], density = 0;
-        emitters_outside(w->run.plan->emitters, of_slot(p->p, slot), of_slot(p->n, slot),
-                         trace_dir(&block->rays, i), radiance, &density);
+        const emitters *e = w->run.plan->emitters;
+        met_light met = {.group = emitters_outside_group(e), .direction = trace_dir(&block->rays, i)};
+        emitters_outside(e, of_slot(p->p, slot), of_slot(p->n, slot), met.direction, met.radiance,
+                         &met.density);
         if (p->media && media_absorbs(p->media, slot)) continue;
-        add_light(p, slot, path, i, radiance, density);
+        add_light(p, slot, path, i, &met);
     }
 }
 
@@ -98,11 +106,12 @@ static void add_emission(path_wave *p, const vertex_block *v, unsigned i, const 
                              .instance = g->instance[i],
                              .p = of_lane(v->surface.p, i),
                              .ng = of_lane(v->surface.ng, i)};
-    float density = 0;
+    met_light met = {.group = wave_hit_group(&p->wave, i)};
+    memcpy(met.radiance, s->emission, sizeof met.radiance);
     if (p->density[slot] < INFINITY)
-        density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot), of_slot(p->n, slot),
-                                       neg_f32(of_lane(v->surface.v, i)), &hit);
-    add_light(p, slot, &v->path, i, s->emission, density);
+        met.density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot),
+                                           of_slot(p->n, slot), neg_f32(of_lane(v->surface.v, i)), &hit);
+    add_light(p, slot, &v->path, i, &met);
 }
 
 static void absorb(path_wave *p, vertex_block *v) {
@@ -216,9 +225,14 @@ static void note_depths(const vertex_block *v, const emitter_sample *light, cons
     }
 }
 
-static void note_tags(const path_wave *p, const vertex_block *v, shadow_depths *out) {
-    for (unsigned i = 0; i < LANES; ++i)
-        out->tag[i].kind = (uint8_t)light_kind_of(scattered(p, v->path.slot[i]) + 1);
+static void note_tags(const path_wave *p, const vertex_block *v, const emitter_sample *light,
+                      shadow_depths *out) {
+    const bool groups = p->wave.run.plan->groups.count;
+    for (unsigned i = 0; i < LANES; ++i) {
+        const bool any = groups && light->density[i] > 0;
+        out->tag[i] = (light_tag){(uint8_t)light_kind_of(scattered(p, v->path.slot[i]) + 1),
+                                  any ? light->group[i] : (uint8_t)0};
+    }
 }
 
 static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
@@ -240,7 +254,7 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     aim(&v->surface, &light, &ray, behind);
     if (p->media) dim_by_media(p, v, &ray, behind, gain);
     note_depths(v, &light, &ray, behind, &depths);
-    if (p->wave.run.samples.layers) note_tags(p, v, &depths);
+    if (p->wave.run.samples.layers) note_tags(p, v, &light, &depths);
     wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
 }
 

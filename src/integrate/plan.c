@@ -74,7 +74,9 @@ static bool casts_all_shadows(const world *w) {
 
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     fathom_status status = plan_shaders(context, plan);
-    if (status == FATHOM_OK) status = emitters_create(context, plan->world, plan->texturing, &plan->emitters);
+    if (status == FATHOM_OK)
+        status = emitters_create(context, plan->world, plan->texturing,
+                                 plan->groups.count ? &plan->groups : NULL, &plan->emitters);
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
     plan->background = !emitters_none(plan->emitters);
@@ -117,15 +119,19 @@ static fathom_status plan_bsdfs(fathom_context *context, render_plan *plan) {
 }
 
 /* Only lights that can send something to a surface. */
-static void plan_lights(render_plan *plan) {
+static bool plan_lights(render_plan *plan) {
     const fathom_scene *scene = plan->scene;
     const parts_extent extent = parts_extent_of(plan->world, &plan->settings);
-    if (!(plan->features & MATERIAL_LIT)) return;
+    plan->light_group_of = calloc(scene->lights.count + 1, 1);
+    if (!(plan->features & MATERIAL_LIT)) return plan->light_group_of;
     for (size_t i = 0; i < scene->lights.count; ++i) {
         const fathom_light *light = &scene->lights.items[i];
-        if (parts_light(&extent, plan->world, light) == LIGHT_USED)
-            light_prepare(light, plan->world->origin, &plan->lights[plan->light_count++]);
+        if (parts_light(&extent, plan->world, light) != LIGHT_USED) continue;
+        if (plan->groups.count && plan->light_group_of)
+            plan->light_group_of[plan->light_count] = plan->groups.of[FATHOM_SOURCE_LIGHT][i];
+        light_prepare(light, plan->world->origin, &plan->lights[plan->light_count++]);
     }
+    return plan->light_group_of;
 }
 
 static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
@@ -133,8 +139,9 @@ static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
     plan->crosses = (plan->features & MATERIAL_REFRACT) != 0;
     plan->max_depth = parts_bounces(plan->scene, &plan->settings) ? plan->settings.max_depth : 0;
     plan->lifts = plan->settings.terminator_fix && parts_smooth(plan->world);
-    plan_lights(plan);
-    fathom_status status = plan_bsdfs(context, plan);
+    fathom_status status = FATHOM_OK;
+    if (!plan_lights(plan)) status = fail_memory(context, plan->scene->lights.count);
+    if (status == FATHOM_OK) status = plan_bsdfs(context, plan);
     return status == FATHOM_OK ? plan_surroundings(context, plan) : status;
 }
 
@@ -193,7 +200,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);
-    plan->parts = film_parts_of(settings->aovs);
+    plan->parts = film_parts_of(settings->aovs, &scene->light_groups);
     camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
     plan->sampler =
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
@@ -201,6 +208,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->t_near = (float)settings->epsilon;
     plan->pixel_spread = spread_of_pixels(&plan->camera);
     fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
+    if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);
     if (status == FATHOM_OK) status = plan_integrator(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
@@ -215,6 +223,8 @@ void plan_destroy(render_plan *plan) {
     free(plan->light_depths);
     free(plan->light_surfaces);
     free(plan->lights);
+    free(plan->light_group_of);
+    light_groups_destroy(&plan->groups);
     free(plan->bsdfs);
     free(plan->shaders);
     emitters_destroy(plan->emitters);

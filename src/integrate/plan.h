@@ -10,6 +10,7 @@
 #include "light/emitters.h"
 #include "material/textured.h"
 #include "sample/sample.h"
+#include "scene/light_groups.h"
 #include "surface/kernels.h"
 #include "trace/watertight/watertight.h"
 
@@ -47,6 +48,8 @@ typedef struct render_plan {
     unsigned features;             /* MATERIAL_ bits of the materials in use */
     bool background;               /* it is not black */
     film_parts parts;              /* what the AOVs are made of */
+    light_groups groups;           /* none unless AOVs ask for them */
+    uint8_t *light_group_of;       /* by light; the classic integrator */
     uint32_t max_depth;            /* 0 when nothing mirrors or refracts */
     float t_near;                  /* 0, or the fixed epsilon */
     bool lifts;                    /* shadow rays of smooth meshes begin above their facets */

@@ -168,9 +168,38 @@ void wave_begin_samples(wave *w) {
     if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
 }
 
-void wave_add_layers(wave *w, uint32_t slot, light_tag tag, const float rgb[3]) {
-    const int layer = w->run.plan->parts.kinds[tag.kind];
+static void add_layer(wave *w, int layer, uint32_t slot, const float rgb[3]) {
     for (int c = 0; layer >= 0 && c < 3; ++c) w->run.samples.layers[3 * layer + c][slot] += rgb[c];
+}
+
+static void add_shares(wave *w, uint32_t slot, vec3_f32 direction, const float rgb[3]) {
+    const render_plan *plan = w->run.plan;
+    float shares[LIGHT_GROUPS][3];
+    emitters_outside_shares(plan->emitters, direction, shares);
+    for (uint32_t g = 0; g < plan->groups.count; ++g) {
+        for (int c = 0; c < 3; ++c) shares[g][c] *= rgb[c];
+        add_layer(w, plan->parts.groups + (int)g, slot, shares[g]);
+    }
+}
+
+void wave_add_layers(wave *w, uint32_t slot, light_tag tag, vec3_f32 direction, const float rgb[3]) {
+    const film_parts *parts = &w->run.plan->parts;
+    add_layer(w, parts->kinds[tag.kind], slot, rgb);
+    if (parts->groups < 0) return;
+    if (tag.group == LIGHT_GROUP_OUTSIDE)
+        add_shares(w, slot, direction, rgb);
+    else
+        add_layer(w, parts->groups + tag.group, slot, rgb);
+}
+
+uint8_t wave_hit_group(const wave *w, unsigned i) {
+    const world *scene = w->run.plan->world;
+    const surface_gather *g = w->gather;
+    if (!w->run.plan->groups.count) return 0;
+    const fathom_id object = g->geometry[i] == TRACE_PLANE
+                                 ? scene->planes.items[g->primitive[i]].object
+                                 : world_object(scene, g->geometry[i], g->primitive[i]);
+    return light_group_at(&w->run.plan->groups, object, wave_hit_material(w, i));
 }
 
 void wave_count_rays(const wave *w) {

@@ -35,7 +35,8 @@ typedef struct shadow_source {
 
 /* Where light counts besides in its sample: see film_parts. */
 typedef struct light_tag {
-    uint8_t kind; /* light_kind */
+    uint8_t kind;  /* light_kind */
+    uint8_t group; /* of light_groups; LIGHT_GROUP_OUTSIDE */
 } light_tag;
 
 /* How long a shadow ray is, and whether rays can meet its light by chance. */
@@ -138,8 +139,11 @@ void wave_look_from_facets(wave *w, trace_coherence coherence);
 static inline light_kind light_kind_of(uint32_t scattered) {
     return scattered > 1 ? LIGHT_INDIRECT : scattered ? LIGHT_DIRECT : LIGHT_EMISSION;
 }
-/* Only where there are layers: adds to them what samples.radiance gets, in the same order. */
-void wave_add_layers(wave *w, uint32_t slot, light_tag tag, const float rgb[3]);
+/* Only where there are layers: adds to them what samples.radiance gets, in the same order. direction: towards
+ * the light, which matters for light from outside alone. */
+void wave_add_layers(wave *w, uint32_t slot, light_tag tag, vec3_f32 direction, const float rgb[3]);
+/* The light group of lane i of the gathered hits; 0 where nobody asks for groups. */
+uint8_t wave_hit_group(const wave *w, unsigned i);
 
 /* Shadow rays that are walked; see wave_walk.c. Before they are cast: keeps their lengths. False: no memory.
  */

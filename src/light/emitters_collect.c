@@ -223,14 +223,16 @@ static bool sort_lights(emitters *e) {
     if (!e->lamps || !e->suns) return false;
     for (size_t i = 0; i < count; ++i) {
         const fathom_light *light = &scene->lights.items[i];
+        const uint8_t group = e->groups ? e->groups->of[FATHOM_SOURCE_LIGHT][i] : 0;
         shade_light made;
         if (!(luminance(light->intensity) > 0)) continue;
         light_prepare(light, e->w->origin, &made);
         if (light->type != FATHOM_LIGHT_DIRECTIONAL) {
-            e->lamps[e->lamp_count++] = (emitter_lamp){made, light->radius};
+            e->lamps[e->lamp_count++] = (emitter_lamp){made, light->radius, group};
             continue;
         }
         emitter_sun *sun = &e->suns[e->sun_count++];
+        sun->group = group;
         const double half = sin((double)light->angular_radius / 2);
         sun->to_light = made.to_light, sun->cap = 2 * half * half;
         for (int c = 0; c < 3; ++c) sun->irradiance[c] = (float)SHAPE_PI * light->intensity[c];
@@ -290,6 +292,16 @@ fathom_status emitters_open_skies(fathom_context *context, emitters *e) {
     }
     share_outside(e);
     return status;
+}
+
+/* Environments and background add up. */
+void emitters_brightest_outside(const emitters *e, float out[3]) {
+    memcpy(out, e->background, sizeof e->background);
+    for (uint32_t i = 0; i < e->sky_count; ++i) {
+        float more[3];
+        environment_brightest(e->skies[i].image, more);
+        for (int c = 0; c < 3; ++c) out[c] += more[c];
+    }
 }
 
 /* ---- the whole ---- */

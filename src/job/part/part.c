@@ -162,8 +162,8 @@ static void fill_head(part *p, const fathom_part *options, const fathom_settings
     h->settings = *settings;
     h->settings.tracer = NULL;
     h->camera = p->film->camera;
+    h->light_groups = p->film->light_groups;
     memcpy(h->background, p->film->background, sizeof h->background);
-    memcpy(h->brightest, p->film->brightest, sizeof h->brightest);
     snprintf(h->scene, sizeof h->scene, "%s", p->film->scene_name);
 }
 
@@ -279,6 +279,7 @@ fathom_status part_begin(part *p, const char *tracer, wave_share **share) {
     if (ftruncate(p->file, p->size) != 0) return cannot_write(p, errno);
     if (p->size) return FATHOM_OK;
     p->head.stats = p->film->stats;
+    memcpy(p->head.brightest, p->film->brightest, sizeof p->head.brightest);
     const uint64_t sum = part_hash(&p->head, sizeof p->head);
     if (write_all(p, &p->head, sizeof p->head) && write_all(p, &sum, sizeof sum)) return FATHOM_OK;
     return cannot_write(p, p->error);

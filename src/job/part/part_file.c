@@ -45,9 +45,10 @@ part_shape part_shape_of(const part_head *head) {
                     .grid = wave_grid_of(r.x, r.y, r.x + r.width, r.y + r.height)};
     s.range = s.sums ? sum_part(settings->spp, s.index, s.count) : (sum_range){0, settings->spp};
     s.stride = stride_of(s.grid.count);
-    s.square_bytes = s.sums ? sum_list_nodes(s.range, NULL) *
-                                  sum_bytes(unit_groups(settings), film_parts_of(settings->aovs))
-                            : film_channels(settings->aovs) * LANES * sizeof(uint32_t);
+    s.square_bytes =
+        s.sums ? sum_list_nodes(s.range, NULL) *
+                     sum_bytes(unit_groups(settings), film_parts_of(settings->aovs, &head->light_groups))
+               : film_channels(settings->aovs, &head->light_groups) * LANES * sizeof(uint32_t);
     return s;
 }
 
@@ -76,6 +77,10 @@ static bool makes_sense(const part_head *h) {
     if (!split || !h->index || h->index > h->count || h->settings.tracer ||
         h->settings.size != sizeof h->settings)
         return false;
+    if (h->light_groups.count > LIGHT_GROUPS) return false;
+    for (uint32_t i = 0; i < h->light_groups.count; ++i) {
+        if (!ends(h->light_groups.names[i], LIGHT_GROUP_NAME)) return false;
+    }
     if (scene_check_settings(NULL, &h->settings) != FATHOM_OK || h->settings.max_time > 0) return false;
     return h->split == FATHOM_SPLIT_TILES ||
            (!(h->settings.target_error > 0) && h->count <= sum_leaves(h->settings.spp));

@@ -30,6 +30,7 @@ typedef struct part_head {
     fathom_camera camera;
     fathom_stats stats; /* of the scene; what is counted while rendering is in the records */
     float background[3], brightest[3];
+    light_group_names light_groups;
     char scene[1024]; /* its name, cut */
 } part_head;
 
