@@ -175,7 +175,7 @@ static void collect(job *j) {
         if (self->adaptive) adaptive_destroy(self->adaptive);
         if (self->sums) pixel_sums_destroy(self->sums);
         free(self->adaptive);
-        free(self->view);
+        adaptive_view_destroy(self->view);
         free(self->sums);
         free(self->nodes);
         free(self->share);

@@ -58,8 +58,7 @@ static fathom_settings coarse_settings(const render_plan *plan, const fathom_fil
 static bool make_worker(const preview *p, preview_worker *self) {
     if (self->ready) return true;
     self->integration = p->plan.integrator->create(&p->plan, p->stop);
-    self->ready =
-        self->integration && pixel_sums_create(&p->plan.sampler, 1, p->plan.first_hits, &self->sums);
+    self->ready = self->integration && pixel_sums_create(&p->plan.sampler, 1, p->plan.parts, &self->sums);
     return self->ready;
 }
 
