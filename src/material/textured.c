@@ -32,11 +32,20 @@ static bool any_colors(const world *w, unsigned channels) {
     }
     return false;
 }
+static bool is_directed(const fathom_material *m) { return !is_classic(m) && m->anisotropy > 0; }
+
+static bool any_directed(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        if (is_directed(&scene->materials.items[i].value)) return true;
+    }
+    return false;
+}
+
 fathom_status texturing_create(fathom_context *context, const world *w, uint64_t memory, texturing **out) {
     const fathom_scene *scene = w->scene;
     const bool colors = any_colors(w, 3);
     *out = NULL;
-    if (!scene->has_maps && !colors) return FATHOM_OK;
+    if (!scene->has_maps && !colors && !any_directed(scene)) return FATHOM_OK;
     const size_t bytes = sizeof **out + scene->materials.count * sizeof(material_plan);
     texturing *t = calloc(1, bytes);
     if (!t) return fail_memory(context, bytes);
@@ -44,6 +53,8 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
     for (size_t i = 0; i < scene->materials.count; ++i) {
         t->plans[i].material = &scene->materials.items[i].value;
         for (int k = 0; k < FATHOM_MAPS; ++k) plan_map(&t->plans[i], k);
+        t->plans[i].directed = is_directed(t->plans[i].material);
+        if (t->plans[i].directed) t->plans[i].sets |= 1;
     }
     fathom_status status = texturing_make_tangents(context, t);
     if (status == FATHOM_OK) status = texture_cache_open(context, scene, memory, &t->cache);
@@ -90,8 +101,9 @@ static bool add_point(points *p, unsigned i, fathom_id material, const surface_b
     p->plan[i] = &p->t->plans[material];
     memcpy(p->color[i], white, sizeof white);
     const bool coloured = p->t->colors && surface_color_at(p->g, p->t->w, i, p->color[i]);
-    if (!coloured && !p->plan[i]->count) return false;
+    if (!coloured && !p->plan[i]->count && !p->plan[i]->directed) return false;
     find_uvs(p, i, s, width);
+    p->varies[i] = coloured || p->plan[i]->count;
     p->lanes |= 1u << i;
     return true;
 }
@@ -140,18 +152,31 @@ static void find_points(const texturing *t, const surface_gather *g, const float
     }
 }
 
-void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES], surface_block *s,
-                     shader made[LANES], const shader *at[LANES]) {
+static void repeat_last(surface_block *s, const shader *at[LANES]) {
+    const unsigned last = s->count - 1;
+    for (unsigned i = s->count; i < LANES; ++i) {
+        at[i] = at[last];
+        for (int c = 0; c < 3; ++c) s->along[c][i] = s->along[c][last];
+        s->directed |= (s->directed >> last & 1) << i;
+    }
+}
+
+void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES],
+                     const float around[LANES], surface_block *s, shader made[LANES],
+                     const shader *at[LANES]) {
     points p;
     find_points(t, g, width, s, &p);
     for (uint32_t left = p.lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         fathom_material m;
         texturing_apply(p.plan[i], p.values[i], p.color[i], &m);
+        if (p.plan[i]->directed) texturing_direct(&p, i, &m, s);
+        if (!p.varies[i]) continue;
+        if (around) m.ior /= around[i];
         shader_prepare(&m, &made[i]);
         at[i] = &made[i];
     }
-    for (unsigned i = s->count; i < LANES; ++i) at[i] = at[s->count - 1];
+    repeat_last(s, at);
 }
 
 void texturing_classic(const texturing *t, const surface_gather *g, const float width[LANES],
@@ -161,6 +186,7 @@ void texturing_classic(const texturing *t, const surface_gather *g, const float 
     for (uint32_t left = p.lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         fathom_material m, classic;
+        if (!p.varies[i]) continue;
         texturing_apply(p.plan[i], p.values[i], p.color[i], &m);
         classic = m;
         if (is_classic(&m)) {

@@ -22,6 +22,14 @@ static const struct {
     [FATHOM_MAP_CLEARCOAT] = {offsetof(fathom_material, clearcoat), NONE, 1, true},
     [FATHOM_MAP_CLEARCOAT_ROUGHNESS] = {offsetof(fathom_material, clearcoat_roughness), NONE, 1, true},
     [FATHOM_MAP_SHININESS] = {NONE, offsetof(fathom_material, shininess), 1, false},
+    [FATHOM_MAP_SHEEN_COLOR] = {offsetof(fathom_material, sheen_color), NONE, 3, true},
+    [FATHOM_MAP_SHEEN_ROUGHNESS] = {offsetof(fathom_material, sheen_roughness), NONE, 1, true},
+    [FATHOM_MAP_ANISOTROPY] = {NONE, NONE, 0, false},
+    [FATHOM_MAP_IRIDESCENCE] = {offsetof(fathom_material, iridescence), NONE, 1, true},
+    [FATHOM_MAP_IRIDESCENCE_THICKNESS] = {NONE, NONE, 0, false},
+    [FATHOM_MAP_DIFFUSE_TRANSMISSION] = {offsetof(fathom_material, diffuse_transmission), NONE, 1, true},
+    [FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR] = {offsetof(fathom_material, diffuse_transmission_color), NONE, 3,
+                                               true},
 };
 
 static float *member(fathom_material *m, int kind) {
@@ -54,6 +62,21 @@ bool texturing_sends_alone(const fathom_material *m) {
     return !is_classic(m) && !(b[0] > 0 || b[1] > 0 || b[2] > 0) && !(m->specular_factor > 0);
 }
 
+/* The images that are no factors of one parameter. */
+static void apply_others(const material_plan *p, const float (*values)[4], fathom_material *m) {
+    const uint8_t way = p->of[FATHOM_MAP_ANISOTROPY], thickness = p->of[FATHOM_MAP_IRIDESCENCE_THICKNESS];
+    if (way != NO_LOOKUP) {
+        m->anisotropy *= fminf(fmaxf(values[way][2], 0), 1);
+        m->anisotropy_rotation += atan2f(2 * values[way][1] - 1, 2 * values[way][0] - 1);
+    }
+    if (thickness != NO_LOOKUP) {
+        const float t = fminf(
+            fmaxf(values[thickness][p->material->maps[FATHOM_MAP_IRIDESCENCE_THICKNESS].channel], 0), 1);
+        m->iridescence_thickness_max =
+            (1 - t) * m->iridescence_thickness_min + t * m->iridescence_thickness_max;
+    }
+}
+
 void texturing_apply(const material_plan *p, const float (*values)[4], const float color[4],
                      fathom_material *m) {
     *m = *p->material;
@@ -63,6 +86,7 @@ void texturing_apply(const material_plan *p, const float (*values)[4], const flo
         const float *rgba = values[p->of[kind]];
         texturing_multiply(m, kind, members[kind].count == 1 ? &rgba[map->channel] : rgba, map->inverted);
     }
+    apply_others(p, values, m);
     texturing_multiply(m, texturing_sends_alone(m) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR, color, false);
     texturing_multiply(m, FATHOM_MAP_OPACITY, &color[3], false);
     m->opacity = material_opacity(m), m->opacity_cutoff = 0;

@@ -26,6 +26,7 @@ typedef struct material_plan {
     lookup lookups[FATHOM_MAPS];
     uint8_t of[FATHOM_MAPS]; /* which of them serves a parameter, or NO_LOOKUP */
     unsigned sets;           /* uv sets that are needed, as bits */
+    bool directed;           /* it asks for a tangent */
 } material_plan;
 
 struct texturing {
@@ -43,7 +44,8 @@ static inline bool is_classic(const fathom_material *m) { return m->model == FAT
 typedef struct points {
     const texturing *t;
     const surface_gather *g;
-    uint32_t lanes; /* bits */
+    uint32_t lanes;     /* bits */
+    bool varies[LANES]; /* else the lane is there for its tangent alone */
     const material_plan *plan[LANES];
     surface_uv uv[2][LANES];
     float width[2][LANES]; /* of the footprint, in u and v */
@@ -69,6 +71,8 @@ bool texturing_sends_alone(const fathom_material *m);
  * triangles. */
 fathom_status texturing_make_tangents(fathom_context *context, texturing *t);
 void texturing_turn_normals(const points *p, surface_block *s);
+/* The tangent of a point whose material asks for one, turned by the material as it is there. */
+void texturing_direct(const points *p, unsigned i, const fathom_material *m, surface_block *s);
 
 /* ---- lookups ---- */
 

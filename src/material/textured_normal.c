@@ -8,6 +8,14 @@ static const fathom_mesh *mesh_of(const world *w, uint32_t geometry) {
     return mesh ? world_mesh(w, geometry) : NULL;
 }
 
+/* The map whose image gives the frame. */
+static const fathom_map *map_of_frame(const material_plan *p) {
+    const fathom_map *maps = p->material->maps;
+    const bool own = p->directed && maps[FATHOM_MAP_ANISOTROPY].texture != FATHOM_NONE;
+    return &maps[own && maps[FATHOM_MAP_NORMAL].texture == FATHOM_NONE ? FATHOM_MAP_ANISOTROPY
+                                                                       : FATHOM_MAP_NORMAL];
+}
+
 fathom_status texturing_make_tangents(fathom_context *context, texturing *t) {
     const world *w = t->w;
     fathom_status status = FATHOM_OK;
@@ -15,8 +23,9 @@ fathom_status texturing_make_tangents(fathom_context *context, texturing *t) {
     if (!t->tangents) return fail_memory(context, w->meshes.count * sizeof *t->tangents);
     for (size_t i = 0; i < w->meshes.count && status == FATHOM_OK; ++i) {
         const fathom_mesh *m = &w->meshes.items[i];
-        const fathom_map *map = &t->plans[m->material].material->maps[FATHOM_MAP_NORMAL];
-        if (map->texture == FATHOM_NONE || (m->tangents && map->uv_set == 0)) continue;
+        const material_plan *plan = &t->plans[m->material];
+        const fathom_map *map = map_of_frame(plan);
+        if ((map->texture == FATHOM_NONE && !plan->directed) || (m->tangents && map->uv_set == 0)) continue;
         status = surface_tangents_make(context, m, map->uv_set, &t->tangents[i]);
     }
     return status;
@@ -39,8 +48,7 @@ static bool made_tangent(const points *p, unsigned i, const lookup *l, vec3_f32 
 }
 
 /* The image's frame about the outside normal n. False: the image does not lie on the surface. */
-static bool find_frame(const points *p, unsigned i, vec3_f32 n, vec3_f32 *t, vec3_f32 *b) {
-    const lookup *l = &p->plan[i]->lookups[p->plan[i]->of[FATHOM_MAP_NORMAL]];
+static bool find_frame(const points *p, unsigned i, const lookup *l, vec3_f32 n, vec3_f32 *t, vec3_f32 *b) {
     const surface_uv *at = &p->uv[l->uv_set][i];
     const float turn = l->m[0] * l->m[4] - l->m[1] * l->m[3] < 0 ? -1 : 1;
     float sign;
@@ -64,7 +72,7 @@ static void turn_normal(const points *p, unsigned i, surface_block *s) {
     const material_plan *plan = p->plan[i];
     const float *rgb = p->values[i][plan->of[FATHOM_MAP_NORMAL]], scale = plan->material->normal_scale;
     vec3_f32 outside = lane(p->g->local.ns, i), t, b;
-    if (!find_frame(p, i, outside, &t, &b)) return;
+    if (!find_frame(p, i, &plan->lookups[plan->of[FATHOM_MAP_NORMAL]], outside, &t, &b)) return;
     const float side = dot_f32(outside, lane(s->ns, i)) < 0 ? -1 : 1, z = 2 * rgb[2] - 1;
     vec3_f32 n = scale_f32(z > 0x1p-6f ? z : 0x1p-6f, outside);
     n = madd_f32(madd_f32(n, scale * (2 * rgb[0] - 1), t), scale * (2 * rgb[1] - 1), b);
@@ -88,4 +96,16 @@ void texturing_turn_normals(const points *p, surface_block *s) {
     memcpy(s->base, s->ns, sizeof s->base);
     s->mapped = mapped;
     for (; mapped; mapped &= mapped - 1) turn_normal(p, (unsigned)__builtin_ctz(mapped), s);
+}
+
+void texturing_direct(const points *p, unsigned i, const fathom_material *m, surface_block *s) {
+    const fathom_map *map = map_of_frame(p->plan[i]);
+    lookup l = {.uv_set = map->texture == FATHOM_NONE ? 0 : map->uv_set};
+    memcpy(l.m, map->transform, sizeof l.m);
+    vec3_f32 t, b;
+    if (!p->plan[i]->directed || !find_frame(p, i, &l, lane(p->g->local.ns, i), &t, &b)) return;
+    const float cosine = cosf(m->anisotropy_rotation), sine = sinf(m->anisotropy_rotation);
+    const vec3_f32 along = madd_f32(scale_f32(cosine, t), sine, b);
+    s->along[0][i] = along.x, s->along[1][i] = along.y, s->along[2][i] = along.z;
+    s->directed |= 1u << i;
 }
