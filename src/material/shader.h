@@ -68,7 +68,7 @@
  * wide: less than a pixel, where 8,000 of them see a right angle. */
 #define SHADER_SMOOTH_ALPHA 0x1p-13f
 
-/* Curves of films are given at cosines (k / FILM_STEPS)^2, and are linear in its root between. */
+/* Curves of films are given at cosines (k / FILM_STEPS)^2, and cubic in its root between. */
 enum { FILM_STEPS = 64 };
 
 /* A material's constants, made once before rendering. */

@@ -15,8 +15,14 @@ static inline float film_cosine(float cosine, float eta) {
 static inline float film_at(const shader_block *b, int i, int c, float cosine) {
     float x = sqrtf(film_cosine(cosine, b->eta[i])) * FILM_STEPS;
     int k = (int)x < FILM_STEPS - 1 ? (int)x : FILM_STEPS - 1;
-    const float *curve = b->at[i]->film[c];
-    return curve[k] + (x - (float)k) * (curve[k + 1] - curve[k]);
+    const float *curve = b->at[i]->film[c] + k, t = x - (float)k;
+    /* Catmull and Rom's cubic; past the ends, the line goes on. */
+    float before = k > 0 ? curve[-1] : 2 * curve[0] - curve[1];
+    float after = k < FILM_STEPS - 1 ? curve[2] : 2 * curve[1] - curve[0];
+    float first = curve[1] - before, third = 3 * (curve[0] - curve[1]) + after - before;
+    float value =
+        curve[0] + 0.5f * t * (first + t * (2 * before - 5 * curve[0] + 4 * curve[1] - after + t * third));
+    return value < 1 ? (value > 0 ? value : 0) : 1;
 }
 
 /* `plain`, unless the lane has a film. rare: some may have. */

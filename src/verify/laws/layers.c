@@ -182,12 +182,24 @@ static void fire(law_room *room) { dispersive(room, 0); }
 
 static double both(double r, double s) { return r + square(1 - r) * s / (1 - r * s); }
 
+/* Both planes are of one material: what is entered by one is left by the other. */
+static void slab(law_room *room, double top, double bottom, fathom_material m) {
+    fathom_plane plane;
+    fathom_plane_default(&plane);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_material(room->scene, NULL, &m, &plane.material);
+    for (int k = 0; k < 2; ++k) {
+        store_f64(plane.point, vec_f64(0, 0, k ? bottom : top));
+        store_f64(plane.normal, k ? down : up);
+        if (room->status == FATHOM_OK)
+            room->status = fathom_scene_add_plane(room->scene, FATHOM_ROOT, &plane, NULL);
+    }
+}
+
 /* Two slabs that overlap: the higher priority ends where it ends, and the other one begins there. */
 static void overlap(law_room *room, double first, double second, double reflected) {
-    law_plane(room, vec_f64(0, 0, -1), up, clear(first, 2));
-    law_plane(room, vec_f64(0, 0, -2), down, clear(first, 2));
-    law_plane(room, vec_f64(0, 0, -1.5), up, clear(second, 1));
-    law_plane(room, vec_f64(0, 0, -3), down, clear(second, 1));
+    slab(room, -1, -2, clear(first, 2));
+    slab(room, -1.5, -3, clear(second, 1));
     law_plane(room, vec_f64(0, 0, 2), down, law_emitter(white));
     law_look(room, origin, down);
     law_value(room, scale_f64(reflected, white));
