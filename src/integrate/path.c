@@ -28,9 +28,12 @@ typedef struct path_wave {
     shader hidden;               /* a surface inside a volume of a higher priority */
 } path_wave;
 
+/* How often the path was scattered before the vertex it is at. */
+static uint32_t scattered(const path_wave *p, uint32_t slot) { return p->depth - p->passes[slot]; }
+
 /* The path may only pass what it meets: it has had its bounces. */
 static bool is_done(const path_wave *p, uint32_t slot) {
-    return p->depth - p->passes[slot] >= p->wave.run.plan->max_depth;
+    return scattered(p, slot) >= p->wave.run.plan->max_depth;
 }
 
 /* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
@@ -63,8 +66,13 @@ static vec3_f32 of_lane(const lanes3 from, unsigned i) {
 static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i,
                       const float radiance[3], float density) {
     const float share = power_heuristic(p->density[slot], density);
-    for (int c = 0; c < 3; ++c)
-        p->wave.run.samples.radiance[c][slot] += limited(path->weight[c][i] * (radiance[c] * share));
+    float rgb[3];
+    for (int c = 0; c < 3; ++c) {
+        rgb[c] = limited(path->weight[c][i] * (radiance[c] * share));
+        p->wave.run.samples.radiance[c][slot] += rgb[c];
+    }
+    if (p->wave.run.samples.layers)
+        wave_add_layers(&p->wave, slot, (light_tag){(uint8_t)light_kind_of(scattered(p, slot))}, rgb);
 }
 
 static void add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
@@ -272,6 +280,11 @@ static void part_gains(const path_wave *p, const vertex_block *v, const uint32_t
     }
 }
 
+static void note_tags(const path_wave *p, const vertex_block *v, shadow_depths *out) {
+    for (unsigned i = 0; i < LANES; ++i)
+        out->tag[i].kind = (uint8_t)light_kind_of(scattered(p, v->path.slot[i]) + 1);
+}
+
 static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     const render_plan *plan = p->wave.run.plan;
     const vertex_block *v = &p->wave.vertices[block];
@@ -292,6 +305,7 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     if (p->media) dim_by_media(p, v, &ray, behind, gain);
     if (plan->dispersive) part_gains(p, v, behind, gain);
     note_depths(v, &light, &ray, behind, &depths);
+    if (p->wave.run.samples.layers) note_tags(p, v, &depths);
     wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
 }
 
@@ -450,8 +464,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     path_wave *p = (path_wave *)state;
     wave *w = &p->wave;
-    memset(w->run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
-    if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
+    wave_begin_samples(w);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
     for (p->depth = 0; w->now.count; ++p->depth) {

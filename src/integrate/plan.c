@@ -90,7 +90,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
 
 static fathom_status plan_reference(fathom_context *context, render_plan *plan) {
     const fathom_settings *s = &plan->settings;
-    if (plan->first_hits)
+    if (plan->parts.hits || plan->parts.layers)
         return fail_field(context, FATHOM_BAD_USAGE, "aovs",
                           "the reference integrator makes none but samples");
     if (plan->texturing)
@@ -195,7 +195,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);
-    plan->first_hits = parts_first_hits(settings);
+    plan->parts = film_parts_of(settings->aovs);
     camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
     plan->sampler =
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};

@@ -212,10 +212,10 @@ static void end_in_hits(const comparison *c) {
         float low = (double)t > a.hit.t ? nextafterf(t, 0) : t,
               high = (double)t < a.hit.t ? nextafterf(t, INFINITY) : t;
         switch (ray / 4 % 4) {
-        case 0: ended.t_far = low; break;
-        case 1: ended.t_near = high; break;
-        case 2: ended.t_far = nextafterf(high, INFINITY); break;
-        default: ended.t_near = nextafterf(low, 0); break;
+        case 0: ended.t_far = rays_normal((double)low); break;
+        case 1: ended.t_near = rays_normal((double)high); break;
+        case 2: ended.t_far = rays_normal((double)nextafterf(high, INFINITY)); break;
+        default: ended.t_near = rays_normal((double)nextafterf(low, 0)); break;
         }
         if (rays_allowed(c->subject->source, &ended)) *r = ended;
     }

@@ -432,7 +432,7 @@ typedef struct file {
     fathom_film *film;
     checkpoint_key key;
     fathom_context *context;
-    bool hits;
+    film_parts parts;
 } file;
 
 /* A small checkpoint with finished squares and a record. */
@@ -442,17 +442,17 @@ static void make_file(place *p, file *f) {
     memset(s->settings.crop, 0, sizeof s->settings.crop);
     s->settings.target_error = 0.1, s->settings.spp = 64;
     s->settings.aovs = FATHOM_AOV_Z;
-    *f = (file){.film = stage_render(s), .context = s->context, .hits = true};
+    *f = (file){.film = stage_render(s), .context = s->context, .parts = {.hits = true}};
     checkpoint_key_of(&s->settings, 1234, &f->key);
     strcpy(f->key.tracer, "a tracer");
     checkpoint_state state;
     checkpoint_write room;
-    assert_true(checkpoint_state_create(&s->settings, f->film, f->hits, &state));
+    assert_true(checkpoint_state_create(&s->settings, f->film, f->parts, &state));
     assert_true(checkpoint_write_create(&state, f->film, &room));
     assert_int_equal(state.grid.count, 2);
     const wave_region shown = wave_grid_region(&state.grid, 1);
     state.squares[1] = wave_region_bits(&shown);
-    state.records[0] = calloc(1, adaptive_record_bytes(f->hits));
+    state.records[0] = calloc(1, adaptive_record_bytes(f->parts));
     for (size_t k = 0; k < WAVE_SQUARES; ++k) {
         double *errors = (double *)(void *)state.records[0];
         errors[k] = errors[SQUARES_RECORD / sizeof *errors + k] = INFINITY;
@@ -481,7 +481,7 @@ static void free_file(file *f) {
 static fathom_status read_state(const file *f, const unsigned char *bytes, size_t size,
                                 checkpoint_state *state) {
     char tracer[128];
-    assert_true(checkpoint_state_create(&f->film->settings, f->film, f->hits, state));
+    assert_true(checkpoint_state_create(&f->film->settings, f->film, f->parts, state));
     return checkpoint_read(f->context, "file", bytes, size, &f->key, f->film, state, tracer);
 }
 
@@ -565,7 +565,7 @@ static void forged_bytes_do_no_harm(void **state) {
     file f;
     random_state random = {2};
     make_file(*state, &f);
-    const size_t head = 12 + sizeof(checkpoint_key), after = head + 8 + adaptive_record_bytes(f.hits);
+    const size_t head = 12 + sizeof(checkpoint_key), after = head + 8 + adaptive_record_bytes(f.parts);
     const struct {
         size_t at;
         uint64_t value;
