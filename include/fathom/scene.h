@@ -305,6 +305,11 @@ static inline fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fa
     return fathom_scene_add_mesh_shared_sized(scene, group, mesh, sizeof *mesh, out);
 }
 
+/* The name of a shape in mattes (FATHOM_AOV_CRYPTO_OBJECT); the text is copied. Shapes of one name are one
+ * matte. Without one, the group's name counts, and in the root the kind and its number: "sphere 3".
+ * FATHOM_BAD_USAGE: there is no such shape. */
+FATHOM_API fathom_status fathom_scene_name_object(fathom_scene *scene, fathom_id object, const char *name);
+
 /* ---- groups and instances ---- */
 
 /* Places `group` inside `parent` (FATHOM_ROOT, or another group: frames nest). */

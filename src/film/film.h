@@ -3,6 +3,7 @@
 #define FILM_FILM_H
 
 #include "base/array.h"
+#include "film/mattes.h"
 #include "scene/scene.h"
 
 #include <fathom/image.h>
@@ -12,7 +13,7 @@
 /* The stages that a render left out. */
 typedef ARRAY(fathom_left_out) left_out_list;
 
-#define FILM_CHANNELS (40 + 3 * LIGHT_GROUPS)
+#define FILM_CHANNELS (40 + 3 * LIGHT_GROUPS + MATTE_KINDS * 2 * MATTE_RANKS)
 
 /* Light by how often it was scattered. */
 typedef enum light_kind { LIGHT_EMISSION, LIGHT_DIRECT, LIGHT_INDIRECT, LIGHT_KINDS } light_kind;
@@ -23,6 +24,8 @@ typedef struct film_parts {
     uint32_t layers;           /* parts of the light, of three channels each */
     int8_t kinds[LIGHT_KINDS]; /* the layer of each; -1: it is not asked for */
     int8_t groups;             /* the layer of the first light group, likewise */
+    uint32_t matte_count;
+    int8_t mattes[MATTE_KINDS]; /* the place of each among those that are asked for, likewise */
 } film_parts;
 
 film_parts film_parts_of(unsigned aovs, const light_group_names *groups);
@@ -45,6 +48,8 @@ struct fathom_film {
     film_parts parts;
     light_group_names light_groups;
     char (*group_channels)[3][LIGHT_GROUP_NAME + 8]; /* names */
+    float *mattes;                                   /* of film_parts: 2 * MATTE_RANKS channels each */
+    char *manifests[MATTE_KINDS];                    /* NULL: not asked for */
     /* For the header of image files. */
     fathom_settings settings;
     fathom_camera camera;

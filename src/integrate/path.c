@@ -23,6 +23,10 @@ typedef struct path_wave {
     /* Surfaces passed as if they were not there, and the way from the vertex to the last of them. */
     uint32_t passes[WAVE_SLOTS];
     float passed[WAVE_SLOTS];
+    /* Where first hits are kept: whether the path has met smooth surfaces alone, and what is left of white
+     * light by them. */
+    bool smooth[WAVE_SLOTS];
+    float tint[3][WAVE_SLOTS];
     media *media;                /* NULL: no volume absorbs light or has a priority */
     uint8_t channel[WAVE_SLOTS]; /* that the path carries alone, from 1; 0: all three */
     shader hidden;               /* a surface inside a volume of a higher priority */
@@ -197,6 +201,25 @@ static void find_shaders(path_wave *p, vertex_block *v) {
     if (plan->dispersive) choose_channels(p, v);
 }
 
+/* A path shows what it meets behind surfaces that it passes by their opacity. */
+static void show_through(path_wave *p, const vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        if (!scattered(p, slot)) wave_keep_mattes(&p->wave, slot, i);
+    }
+}
+
+/* Denoisers want normals and albedo of what smooth mirrors and glass show (Open Image Denoise, "Albedos" and
+ * "Normals"): of the first vertex that scatters otherwise. Fresnel's law mixes them over the samples, as it
+ * mixes the light. */
+static void show_features(path_wave *p, const vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        const float tint[3] = {p->tint[0][slot], p->tint[1][slot], p->tint[2][slot]};
+        if (p->smooth[slot]) wave_keep_features(&p->wave, v, i, tint);
+    }
+}
+
 static void begin_vertices(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     const render_plan *plan = w->run.plan;
@@ -207,6 +230,8 @@ static void begin_vertices(wave *w, vertex_block *v) {
         const shader *s = v->shader.at[i];
         if (sends_light(s)) add_emission(p, v, i, s);
     }
+    if (w->run.samples.mattes && p->depth) show_through(p, v);
+    if (w->run.samples.first && p->depth) show_features(p, v);
 }
 
 static const wave_stages path_stages = {begin_vertices, add_outside};
@@ -348,13 +373,21 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
     if (to->density[i] < INFINITY) p->spread[slot] += CONE_PART / sqrtf(to->density[i]);
 }
 
+/* A coloured mirror tints what it shows. */
+static void leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot) {
+    p->smooth[slot] &= to->straight[i] || isinf(to->density[i]);
+    for (int c = 0; c < 3 && p->smooth[slot]; ++c) p->tint[c][slot] *= fminf(to->weight[c][i], 1);
+}
+
 /* The vertex that the ray leaves. One that the ray passes straight is none: what is met next is weighed as if
  * the ray came from the vertex before. */
 static void leave_vertex(path_wave *p, const surface_block *s, const shader_sample *to, unsigned i, bool both,
                          bool hidden, uint32_t slot) {
+    if (p->wave.run.samples.first) leave_features(p, to, i, slot);
     if (to->straight[i]) {
         const vec3_f32 way = sub_f32(of_lane(s->p, i), of_slot(p->p, slot));
         p->passed[slot] = sqrtf(dot_f32(way, way));
+        if (p->wave.run.samples.mattes && !scattered(p, slot)) wave_lose_mattes(&p->wave, slot);
         ++p->passes[slot];
         /* Lights asked for at the vertex before are not seen past a hidden surface. */
         if (hidden) p->density[slot] = INFINITY;
@@ -470,6 +503,8 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
         p->width[k] = 0, p->spread[k] = plan->pixel_spread;
         p->passes[k] = 0, p->passed[k] = 0;
+        p->smooth[k] = true;
+        p->tint[0][k] = p->tint[1][k] = p->tint[2][k] = 1;
     }
     if (p->media) media_clear(p->media);
     if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);

@@ -92,7 +92,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
 
 static fathom_status plan_reference(fathom_context *context, render_plan *plan) {
     const fathom_settings *s = &plan->settings;
-    if (plan->parts.hits || plan->parts.layers)
+    if (plan->parts.hits || plan->parts.layers || plan->parts.matte_count)
         return fail_field(context, FATHOM_BAD_USAGE, "aovs",
                           "the reference integrator makes none but samples");
     if (plan->texturing)
@@ -183,6 +183,15 @@ static float spread_of_pixels(const shade_camera *c) {
     return (float)(0.5 * length_f64(c->down) / distance);
 }
 
+static fathom_status plan_mattes(fathom_context *context, render_plan *plan) {
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        if (plan->parts.mattes[k] < 0) continue;
+        plan->matte_ids[k] = matte_ids(plan->scene, (matte_kind)k);
+        if (!plan->matte_ids[k]) return fail_memory(context, plan->scene->objects.count);
+    }
+    return FATHOM_OK;
+}
+
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out) {
     *out = NULL;
@@ -211,6 +220,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->pixel_spread = spread_of_pixels(&plan->camera);
     fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
     if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);
+    if (status == FATHOM_OK) status = plan_mattes(context, plan);
     if (status == FATHOM_OK) status = plan_integrator(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
@@ -227,6 +237,7 @@ void plan_destroy(render_plan *plan) {
     free(plan->lights);
     free(plan->light_group_of);
     light_groups_destroy(&plan->groups);
+    for (int k = 0; k < MATTE_KINDS; ++k) free(plan->matte_ids[k]);
     free(plan->bsdfs);
     free(plan->shaders);
     emitters_destroy(plan->emitters);

@@ -110,12 +110,14 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_st
     for (int c = 0; c < 3; ++c) samples->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
     for (int c = 0; c < 3; ++c) out->lost[c] = radiance && loses ? radiance + (3 + c) * WAVE_SLOTS : NULL;
     if (plan->parts.hits) samples->first = malloc(sizeof *samples->first);
+    if (plan->parts.matte_count) samples->mattes = malloc(plan->parts.matte_count * sizeof *samples->mattes);
     if (plan->parts.layers) samples->layers = malloc(3 * plan->parts.layers * sizeof *samples->layers);
     void *gather = NULL;
     if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
     bool ok = radiance && out->gather && (samples->first || !plan->parts.hits) &&
-              (samples->layers || !plan->parts.layers) && wave_reserve_paths(out, &out->now, WAVE_SLOTS) &&
-              wave_reserve_vertices(out, WAVE_SLOTS) && wave_reserve_shadows(out, WAVE_SLOTS);
+              (samples->layers || !plan->parts.layers) && (samples->mattes || !plan->parts.matte_count) &&
+              wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_vertices(out, WAVE_SLOTS) &&
+              wave_reserve_shadows(out, WAVE_SLOTS);
     if (!ok) wave_destroy(out);
     return ok;
 }
@@ -137,6 +139,7 @@ void wave_destroy(wave *w) {
     free(w->run.samples.radiance[0]);
     free(w->run.samples.first);
     free(w->run.samples.layers);
+    free(w->run.samples.mattes);
     *w = (wave){.run = {.plan = NULL}};
 }
 
@@ -164,6 +167,7 @@ bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence) {
 void wave_begin_samples(wave *w) {
     wave_samples *samples = &w->run.samples;
     memset(samples->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    if (samples->mattes) memset(samples->mattes, 0, w->run.plan->parts.matte_count * sizeof *samples->mattes);
     if (samples->layers) memset(samples->layers, 0, 3 * w->run.plan->parts.layers * sizeof *samples->layers);
     if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
 }
@@ -193,13 +197,21 @@ void wave_add_layers(wave *w, uint32_t slot, light_tag tag, vec3_f32 direction, 
 }
 
 uint8_t wave_hit_group(const wave *w, unsigned i) {
-    const world *scene = w->run.plan->world;
-    const surface_gather *g = w->gather;
     if (!w->run.plan->groups.count) return 0;
-    const fathom_id object = g->geometry[i] == TRACE_PLANE
-                                 ? scene->planes.items[g->primitive[i]].object
-                                 : world_object(scene, g->geometry[i], g->primitive[i]);
-    return light_group_at(&w->run.plan->groups, object, wave_hit_material(w, i));
+    return light_group_at(&w->run.plan->groups, wave_hit_object(w, i), wave_hit_material(w, i));
+}
+
+void wave_keep_mattes(wave *w, uint32_t slot, unsigned i) {
+    const render_plan *plan = w->run.plan;
+    const fathom_id met[MATTE_KINDS] = {wave_hit_object(w, i), wave_hit_material(w, i)};
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        if (plan->parts.mattes[k] >= 0)
+            w->run.samples.mattes[plan->parts.mattes[k]][slot] = plan->matte_ids[k][met[k]];
+    }
+}
+
+void wave_lose_mattes(wave *w, uint32_t slot) {
+    for (uint32_t m = 0; m < w->run.plan->parts.matte_count; ++m) w->run.samples.mattes[m][slot] = 0;
 }
 
 void wave_count_rays(const wave *w) {

@@ -18,6 +18,7 @@ typedef struct scene_object {
     scene_kind kind;
     uint32_t index;
     fathom_id group;
+    const char *name; /* the scene's; NULL: none */
 } scene_object;
 
 /* Memory that lives as long as the scene: copied arrays, mapped files. */

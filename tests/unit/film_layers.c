@@ -280,12 +280,46 @@ static void groups_with_a_name_that_no_channel_can_have_are_refused(void **state
     stage_close(&s);
 }
 
+/* ---- for denoisers ---- */
+
+/* A mirror of half of the light shows a wall of albedo 0.6 behind the camera; a glass pane with an index of 1
+ * shows the wall behind it. Z and P stay with what is in view. */
+static void normals_and_albedo_follow_smooth_surfaces(void **state) {
+    (void)state;
+    stage s = open_paths(4, 4);
+    s.settings.aovs = FATHOM_AOV_N | FATHOM_AOV_ALBEDO | FATHOM_AOV_Z;
+    fathom_material mirror, pane;
+    fathom_material_default(&mirror);
+    fathom_material_default(&pane);
+    for (int c = 0; c < 3; ++c) mirror.k_d[c] = pane.k_d[c] = 0, mirror.k_r[c] = 0.5f, pane.k_t[c] = 1;
+    pane.ior = 1;
+    const fathom_id wall = stage_lambert(&s, 0.6f);
+    stage_plane(&s, (double[3]){0, 0, -2}, (double[3]){0, 0, 1}, stage_material(&s, &mirror));
+    stage_plane(&s, (double[3]){0, 0, 3}, (double[3]){0, 0, 1}, wall);
+    stage_quad(&s, (double[3]){0, 0, -1}, (double[3]){5, 0, 0}, (double[3]){0, 5, 0},
+               stage_material(&s, &pane));
+    stage_camera(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, -1}, up, 0.1);
+    fathom_film *film = stage_render(&s);
+    for (int i = 0; i < SIDE * SIDE; ++i) {
+        assert_near((double)channel(film, "albedo", 'R')[i], 0.3, 1e-6);
+        assert_near((double)channel(film, "N", 'Z')[i], -1, 1e-6); /* the wall behind, towards the mirror */
+        assert_near((double)fathom_film_channel(film, "Z")[i], 1, 1e-5);
+    }
+    s.settings.max_depth = 0; /* no further than what is in view */
+    fathom_film *near = stage_render(&s);
+    for (int i = 0; i < SIDE * SIDE; ++i) assert_near((double)channel(near, "N", 'Z')[i], 1, 1e-6);
+    fathom_film_destroy(film);
+    fathom_film_destroy(near);
+    stage_close(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_bounce_of_a_furnace_is_where_it_belongs),
         cmocka_unit_test(the_parts_add_up_to_the_image),
         cmocka_unit_test(light_through_a_hole_is_not_scattered),
         cmocka_unit_test(mirrors_scatter),
+        cmocka_unit_test(normals_and_albedo_follow_smooth_surfaces),
         cmocka_unit_test(groups_add_up_to_the_image),
         cmocka_unit_test(a_group_is_the_image_with_its_lights_alone),
         cmocka_unit_test(groups_with_a_name_that_no_channel_can_have_are_refused),

@@ -31,7 +31,8 @@ typedef struct part_head {
     fathom_stats stats; /* of the scene; what is counted while rendering is in the records */
     float background[3], brightest[3];
     light_group_names light_groups;
-    char scene[1024]; /* its name, cut */
+    uint32_t manifests[MATTE_KINDS]; /* bytes of these texts, their ends included, which follow the head */
+    char scene[1024];                /* its name, cut */
 } part_head;
 
 typedef struct part_record {
@@ -56,6 +57,12 @@ part_shape part_shape_of(const part_head *head);
  * golden section apart. With samples every tile is of every part. */
 bool part_owns(const part_shape *shape, uint32_t wave);
 size_t part_wave_bytes(const part_shape *shape, uint32_t wave);
+
+/* The head with what follows it; behind all that is its hash, and then the records. */
+size_t part_head_bytes(const part_head *head);
+uint64_t part_head_hash(const part_head *head, const char *const manifests[MATTE_KINDS]);
+/* Where a manifest is, in the bytes of a file whose head was read; NULL: there is none. */
+const char *part_manifest(const part_head *head, const unsigned char *bytes, matte_kind kind);
 
 /* FATHOM_BAD_INPUT: the bytes do not begin with the whole head of a part that this version reads. */
 fathom_status part_head_read(fathom_context *context, const char *path, const unsigned char *bytes,

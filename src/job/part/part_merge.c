@@ -136,7 +136,7 @@ static fathom_status check_whole(const merging *m, const source *s, size_t end) 
 
 static fathom_status read_part(merging *m, source *s) {
     const unsigned char *payload;
-    size_t at = sizeof(part_head) + sizeof(uint64_t);
+    size_t at = part_head_bytes(s->head) + sizeof(uint64_t);
     memset(m->done, 0, s->shape.grid.count * sizeof *m->done);
     for (const part_record *r;
          (r = part_record_next(&s->shape, s->map.bytes, s->map.size, &at, m->done, &payload));) {
@@ -244,6 +244,9 @@ static fathom_status make_film(merging *m) {
                         .scene_name = head->scene};
     memcpy(like.background, head->background, sizeof like.background);
     memcpy(like.brightest, head->brightest, sizeof like.brightest);
+    for (int k = 0; k < MATTE_KINDS; ++k)
+        like.manifests[k] =
+            (char *)(uintptr_t)part_manifest(head, m->sources[0].map.bytes, (matte_kind)k); /* is copied */
     fathom_status status = film_create_like(m->context, &like, &m->film);
     if (status != FATHOM_OK) return status;
     m->film->stats = head->stats;

@@ -279,6 +279,10 @@ static fathom_status add_object(const object_reader *r, const where *at, json_t 
         status = light_group_find(r->scene, o.values.light_group, &found);
         return status == FATHOM_OK ? status : doc_within(r->doc, &named, status);
     }
+    for (size_t i = first; o.kind != FORM_GROUP && o.values.name && i < r->scene->objects.count; ++i) {
+        status = fathom_scene_name_object(r->scene, (fathom_id)i, o.values.name);
+        if (status != FATHOM_OK) return status;
+    }
     return light_group_set(r, at, "group", FATHOM_SOURCE_OBJECT, first, r->scene->objects.count,
                            o.values.light_group);
 }

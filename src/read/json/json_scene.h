@@ -40,7 +40,7 @@ typedef struct mesh_batch {
     ARRAY(double) positions, normals, uvs;
     fathom_id group, material;
     unsigned flags;
-    const char *light_group; /* of the document; NULL: none */
+    const char *light_group, *name; /* of the document; NULL: none */
 } mesh_batch;
 
 /* Adds a triangle; first flushes the batch if its triangles differ from this one. */
