@@ -4,7 +4,7 @@
  * Little endian, structs as memory has them on this machine: only the same version reads them. Each piece
  * ends with the hash (base/hash.h) of its bytes.
  *
- *     part_head, u64 hash
+ *     part_head, the manifests of mattes, u64 hash
  *     part_record, its bytes, u64 hash     of each tile
  *
  * The bytes of a tile are, square after square of those that the film shows, of 4 × 4 pixels each:
@@ -17,7 +17,7 @@
 #include "job/job.h"
 
 #define PART_MAGIC "FTHMPART"
-#define PART_FORMAT 2u
+#define PART_FORMAT 3u
 #define PART_RECORD 0x45564157u /* "WAVE" */
 
 typedef struct part_head {
