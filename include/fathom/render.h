@@ -144,8 +144,9 @@ typedef struct fathom_progress {
 } fathom_progress;
 
 /* Called about ten times a second from the calling thread. Return false to stop: the render then returns
- * FATHOM_INTERRUPTED with the film as far as it got. Where all pixels get the same samples, those that
- * have none yet show a coarse preview, with 0 in the channel "samples". */
+ * FATHOM_INTERRUPTED with the film as far as it got. Pixels that have no samples yet show a coarse preview,
+ * with 0 in the channel "samples"; in a render to a time every pixel has its first sample before any has
+ * more. */
 typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
 
 typedef struct fathom_stats {

@@ -183,7 +183,7 @@ static void collect(job *j) {
 }
 
 static void show_preview(job *j) {
-    if (j->schedule != &schedule_even || j->plan->settings.spp == 1 || j->options->share) return;
+    if (j->schedule == &schedule_to_time || j->plan->settings.spp == 1 || j->options->share) return;
     preview_run(j->plan, j->threads, &j->stop, j->options->saving, j->film);
 }
 
