@@ -119,8 +119,8 @@ static inline bool scene_keeps_uvs(const fathom_scene *scene) {
     return !scene->without_uvs || scene->has_maps;
 }
 
-/* Whether paths meet none of the lights, because they were made, and the studio or a background that shines is
- * there in their place. */
+/* Whether paths meet none of the lights, because they were made, and the studio or a background that shines
+ * is there in their place. */
 bool scene_replaces_lights(const fathom_scene *scene);
 
 /* The material of a shape. */
