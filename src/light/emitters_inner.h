@@ -75,8 +75,6 @@ struct emitters {
     double chance[EMITTER_PARTS]; /* to be asked for; they add up to 1, or are all 0 */
 };
 
-/* Finds emissive surfaces and lamps, and builds the tree over them. */
-fathom_status emitters_collect(fathom_context *context, emitters *e);
 /* After all have been found. */
 void emitters_note_groups(emitters *e, const light_groups *groups);
 uint8_t emitters_group_of(const emitters *e, uint32_t emitter);
