@@ -59,7 +59,9 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
         shader_prepare(&scene->materials.items[i].value, s);
         const bool holes = plan->texturing && texturing_may_cover(plan->texturing, (fathom_id)i);
         plan->crosses |= s->transmits || holes;
-        plan->covered |= s->hole > 0 || holes;
+        plan->nested |= s->encloses && s->priority;
+        plan->dispersive |= (s->lobes & SHADER_DISPERSIVE) != 0;
+        plan->covered |= s->hole > 0 || holes || plan->nested;
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
     }
     return FATHOM_OK;

@@ -52,6 +52,8 @@ typedef struct render_plan {
     bool lifts;                    /* shadow rays of smooth meshes begin above their facets */
     bool crosses;                  /* paths may go on behind a surface */
     bool absorbs;                  /* some volume does */
+    bool nested;                   /* some volume has a priority */
+    bool dispersive;               /* some volume parts the colours */
     bool covered;                  /* path tracing: some surface is there in part */
     bool unshadowed;               /* path tracing: some shape casts no shadow */
 } render_plan;

@@ -84,7 +84,7 @@ bool wave_reserve_vertices(wave *w, size_t count) {
     bool ok = grow_single(w, &items, sizeof *w->vertices, wave_blocks(w->vertex_count), room / LANES);
     w->vertices = items;
     items = w->made;
-    const bool varies = w->run.plan->texturing && w->run.plan->shaders;
+    const bool varies = (w->run.plan->texturing || w->run.plan->nested) && w->run.plan->shaders;
     if (ok && varies)
         ok = grow_single(w, &items, sizeof *w->made, wave_blocks(w->vertex_count), room / LANES);
     w->made = items;

@@ -40,7 +40,9 @@ static bool is_known(const char *name) {
     static const char names[] =
         "KHR_lights_punctual|KHR_materials_ior|KHR_materials_transmission|KHR_materials_specular|"
         "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_materials_clearcoat|"
-        "EXT_meshopt_compression|KHR_draco_mesh_compression|KHR_mesh_quantization|KHR_materials_variants|"
+        "KHR_materials_sheen|KHR_materials_anisotropy|KHR_materials_iridescence|KHR_materials_dispersion|"
+        "KHR_materials_diffuse_transmission|KHR_mesh_quantization|KHR_materials_variants|"
+        "EXT_meshopt_compression|KHR_draco_mesh_compression|"
         "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|"
         "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif";
     return words_find(names, name, strlen(name)) >= 0;
