@@ -40,7 +40,8 @@ static void read_otherwise(const char *path) {
     fathom_scene *scene;
     if (fathom_scene_create(fuzz_context(), &scene) != FATHOM_OK) abort();
     const read_mesh_options options = {.material = FATHOM_NONE, .smooth = true};
-    const fathom_read_options asked = {.size = sizeof asked, .choose_time = true, .time = 0.25, .variant = "0"};
+    const fathom_read_options asked = {
+        .size = sizeof asked, .choose_time = true, .time = 0.25, .variant = "0"};
     scene->asked = &asked;
     fuzz_judge(read_mesh(scene, FATHOM_ROOT, path, &options));
     fathom_scene_destroy(scene);

@@ -61,7 +61,8 @@ static void assert_all_rejected(fixture *f, const bad_file *files, size_t count)
 static void broken_documents_are_refused(void **state) {
     const bad_file files[] = {
         {"{}", "asset.version: is missing"},
-        {"{'asset':{'version':'1.0'}}", "asset.version: the file is glTF 1.0, which is not read; expected glTF 2.0"},
+        {"{'asset':{'version':'1.0'}}",
+         "asset.version: the file is glTF 1.0, which is not read; expected glTF 2.0"},
         {"{'asset':{'version':'2.1','minVersion':'2.1'}}", "asset.minVersion: "},
         {"{'asset':[]}", "asset: is an array; expected an object"},
         {"{" ASSET ",'extensionsRequired':['KHR_texture_basisu']}",
