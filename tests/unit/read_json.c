@@ -216,11 +216,11 @@ static void shapes(void **state) {
 /* Triangles that follow each other become one mesh, as long as nothing about them differs. */
 static void loose_triangles(void **state) {
     (void)state;
-    fathom_scene *scene = with_objects(
-        TRIANGLE "}, " TRIANGLE ", \"name\": \"second\"}, " TRIANGLE ", \"material\": \"m\"}, " TRIANGLE
-                 ", \"material\": \"m\", \"castsShadow\": false}," SPHERE "," TRIANGLE "}, " TRIANGLE
-                 ", \"uvs\": [[0, 0], [1, 0], [0, 1]]}, " TRIANGLE
-                 ", \"normals\": [[0, 0, 1], [0, 1, 0], [1, 0, 0]]}");
+    fathom_scene *scene =
+        with_objects(TRIANGLE "}, " TRIANGLE "}, " TRIANGLE ", \"material\": \"m\"}, " TRIANGLE
+                              ", \"material\": \"m\", \"castsShadow\": false}," SPHERE "," TRIANGLE
+                              "}, " TRIANGLE ", \"uvs\": [[0, 0], [1, 0], [0, 1]]}, " TRIANGLE
+                              ", \"normals\": [[0, 0, 1], [0, 1, 0], [1, 0, 0]]}");
     const uint32_t triangles[] = {2, 1, 1, 1, 1, 1};
     assert_int_equal(scene->meshes.count, 6);
     for (size_t i = 0; i < 6; ++i) assert_int_equal(scene->meshes.items[i].triangle_count, triangles[i]);
