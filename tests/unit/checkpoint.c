@@ -105,30 +105,29 @@ static void assert_same_film(const fathom_film *a, const fathom_film *b) {
 
 /* ---- what is saved comes back ---- */
 
-/* Some tenths of a second on one thread; try_parts() gives more to a machine on which it is less. */
-#define LONG_SPP 256u
+/* Too few samples on most machines; try_parts() gives as many as it takes to be stopped so often. */
+#define FIRST_SPP 16u
+#define LEAST_STOPS 2
 /* Minutes on any machine: for renders that are always stopped. */
 #define ENDLESS_SPP 65536u
 
-/* How often the render was stopped; 0: it ended before the first tick came, and gets more samples for another
- * try. */
-static int try_parts(place *p, fathom_film **whole, fathom_film **parts) {
+/* Whether the render was stopped often enough; if it ended before, another try gets more samples. */
+static bool try_parts(place *p, fathom_film **whole, fathom_film **parts) {
     const bool resume = p->saving.resume;
     *whole = stage_render(&p->s);
-    int stops = render_in_parts(p, parts);
-    if (stops > 0) return stops;
+    if (render_in_parts(p, parts) >= LEAST_STOPS) return true;
     fathom_film_destroy(*whole);
     fathom_film_destroy(*parts);
     unlink(p->path);
     p->saving.resume = resume;
     p->s.settings.spp *= 2;
-    return 0;
+    return false;
 }
 
 static fathom_film *assert_parts_make_the_whole(place *p) {
     fathom_film *whole, *parts;
-    p->s.settings.spp = LONG_SPP;
-    while (try_parts(p, &whole, &parts) == 0) assert_true(p->s.settings.spp < ENDLESS_SPP);
+    p->s.settings.spp = FIRST_SPP;
+    while (!try_parts(p, &whole, &parts)) assert_true(p->s.settings.spp < ENDLESS_SPP);
     assert_same_film(whole, parts);
     assert_int_equal(parts->stats.samples, whole->stats.samples);
     assert_true(parts->stats.error_estimate == whole->stats.error_estimate);
