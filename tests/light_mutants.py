@@ -93,7 +93,9 @@ MUTANTS = [
     ("red never has its turn", VOLUMES, "dispersive", "(p->pixel[slot] >> 40)) % 3)", "(p->pixel[slot] >> 40)) % 2 + 1)"),
     ("hidden surfaces are seen", VOLUMES, "overlap", "hidden |= 1u << i;", "hidden |= 0u << i;"),
     ("volumes know no index but their own", "integrate/media.c", "two indices that overlap", "*around = other->ior;", "*around = 1;"),
-    ("the lower priority wins", "integrate/media.c", "overlap", "return other->priority <= priority &&", "return other->priority >= priority &&"),
+    ("the lower priority wins", "integrate/media.c", "two indices that overlap", "return other->priority <= priority &&", "return other->priority >= priority &&"),
+    ("the lower priority fills the space", "integrate/media.c", "one absorbing",
+     "priority >= m->shaders[m->in[slot][best]].priority", "priority < m->shaders[m->in[slot][best]].priority"),
     ("a lens of half the radius", "camera/camera.c", "out of focus",
      "out->lens_radius = camera->lens_radius,", "out->lens_radius = camera->lens_radius / 2,"),
 ]
