@@ -3,32 +3,18 @@
  * of the samples is the light that arrives.
  *
  * A path has a slot of its own and never splits, so what it carries from vertex to vertex lies there. */
-#include "integrate/media.h"
-#include "integrate/wave.h"
+#include "integrate/path.h"
 #include "math/limit.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct path_wave {
-    wave wave; /* first: the integrator's interface points to it */
-    uint32_t depth;
-    uint64_t pixel[WAVE_SLOTS]; /* of the sample's key; see sample_pixel_hash() */
-    uint32_t index[WAVE_SLOTS];
-    /* The vertex that the ray left: where lights were asked for, and the density of the ray's direction. A
-     * camera ray's is infinite, as is that of a smooth lobe. */
-    float p[3][WAVE_SLOTS], n[3][WAVE_SLOTS], density[WAVE_SLOTS];
-    /* The cone around the ray as it left that vertex: its width there, and its angle. */
-    float width[WAVE_SLOTS], spread[WAVE_SLOTS];
-    /* Surfaces passed as if they were not there, and the way from the vertex to the last of them. */
-    uint32_t passes[WAVE_SLOTS];
-    float passed[WAVE_SLOTS];
-    media *media; /* NULL: no volume absorbs light */
-} path_wave;
+/* How often the path was scattered before the vertex it is at. */
+static uint32_t scattered(const path_wave *p, uint32_t slot) { return p->depth - p->passes[slot]; }
 
 /* The path may only pass what it meets: it has had its bounces. */
 static bool is_done(const path_wave *p, uint32_t slot) {
-    return p->depth - p->passes[slot] >= p->wave.run.plan->max_depth;
+    return scattered(p, slot) >= p->wave.run.plan->max_depth;
 }
 
 /* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
@@ -50,19 +36,16 @@ static void numbers(const path_wave *p, const vertex_block *v, sample_purpose pu
 
 /* ---- light that the rays met ---- */
 
-static vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {
-    return (vec3_f32){from[0][slot], from[1][slot], from[2][slot]};
-}
-
-static vec3_f32 of_lane(const lanes3 from, unsigned i) {
-    return (vec3_f32){from[0][i], from[1][i], from[2][i]};
-}
-
 static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i,
                       const float radiance[3], float density) {
     const float share = power_heuristic(p->density[slot], density);
-    for (int c = 0; c < 3; ++c)
-        p->wave.run.samples.radiance[c][slot] += limited(path->weight[c][i] * (radiance[c] * share));
+    float rgb[3];
+    for (int c = 0; c < 3; ++c) {
+        rgb[c] = limited(path->weight[c][i] * (radiance[c] * share));
+        p->wave.run.samples.radiance[c][slot] += rgb[c];
+    }
+    if (p->wave.run.samples.layers)
+        wave_add_layers(&p->wave, slot, (light_tag){(uint8_t)light_kind_of(scattered(p, slot))}, rgb);
 }
 
 static void add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
@@ -97,16 +80,6 @@ static void add_emission(path_wave *p, const vertex_block *v, unsigned i, const 
     add_light(p, slot, &v->path, i, s->emission, density);
 }
 
-static void absorb(path_wave *p, vertex_block *v) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        const uint32_t slot = v->path.slot[i];
-        float left[3];
-        const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
-        media_left(p->media, slot, sqrtf(dot_f32(way, way)) - p->passed[slot], left);
-        for (int c = 0; c < 3; ++c) v->path.weight[c][i] *= left[c];
-    }
-}
-
 static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     const uint32_t slot = v->path.slot[i];
     const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
@@ -117,17 +90,22 @@ static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
 static void find_shaders(path_wave *p, vertex_block *v) {
     wave *w = &p->wave;
     const render_plan *plan = w->run.plan;
-    float width[LANES];
+    float width[LANES], around[LANES];
     for (int i = 0; i < LANES; ++i) v->shader.at[i] = &plan->shaders[v->surface.material[i]];
-    if (!plan->texturing) return;
-    for (unsigned i = 0; i < LANES; ++i) width[i] = width_at(p, v, i);
-    texturing_shade(plan->texturing, w->gather, width, &v->surface, w->made[v - w->vertices], v->shader.at);
+    const uint32_t hidden = plan->nested ? path_meet_volumes(p, v, around) : 0;
+    if (plan->texturing) {
+        for (unsigned i = 0; i < LANES; ++i) width[i] = width_at(p, v, i);
+        texturing_shade(plan->texturing, w->gather, width, plan->nested ? around : NULL, &v->surface,
+                        w->made[v - w->vertices], v->shader.at);
+    }
+    if (plan->nested) path_hide_surfaces(p, v, around, hidden);
+    if (plan->dispersive) path_choose_channels(p, v);
 }
 
 static void begin_vertices(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     const render_plan *plan = w->run.plan;
-    if (p->media) absorb(p, v);
+    if (p->media) path_absorb(p, v);
     find_shaders(p, v);
     plan->shader_kernels->make(&v->surface, &v->shader);
     for (unsigned i = 0; i < v->surface.count; ++i) {
@@ -185,19 +163,6 @@ static void weigh(const path_wave *p, const vertex_block *v, const emitter_sampl
     }
 }
 
-static void dim_by_media(const path_wave *p, const vertex_block *v, const light_block *ray,
-                         const uint32_t behind[LANES], lanes3 gain) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        float left[3];
-        if (behind[i] && p->wave.run.plan->shaders[v->surface.material[i]].encloses)
-            media_left_behind(p->media, v->path.slot[i], v->surface.material[i], v->surface.entering[i] != 0,
-                              ray->distance[i], left);
-        else
-            media_left(p->media, v->path.slot[i], ray->distance[i], left);
-        for (int c = 0; c < 3; ++c) gain[c][i] *= left[c];
-    }
-}
-
 /* Light from outside ends in no closed mesh. Where other lights lie is not known. */
 static void note_depths(const vertex_block *v, const emitter_sample *light, const light_block *ray,
                         const uint32_t behind[LANES], shadow_depths *out) {
@@ -206,6 +171,11 @@ static void note_depths(const vertex_block *v, const emitter_sample *light, cons
         out->end[i] = ray->distance[i] == INFINITY ? 0 : WATERTIGHT_UNSURE;
         out->sized[i] = light->sized[i] != 0;
     }
+}
+
+static void note_tags(const path_wave *p, const vertex_block *v, shadow_depths *out) {
+    for (unsigned i = 0; i < LANES; ++i)
+        out->tag[i].kind = (uint8_t)light_kind_of(scattered(p, v->path.slot[i]) + 1);
 }
 
 static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
@@ -225,8 +195,10 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
     weigh(p, v, &light, f, density, gain);
     aim(&v->surface, &light, &ray, behind);
-    if (p->media) dim_by_media(p, v, &ray, behind, gain);
+    if (p->media) path_dim_lights(p, v, &ray, behind, gain);
+    if (plan->dispersive) path_part_lights(p, v, behind, gain);
     note_depths(v, &light, &ray, behind, &depths);
+    if (p->wave.run.samples.layers) note_tags(p, v, &depths);
     wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
 }
 
@@ -258,11 +230,13 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
 /* The vertex that the ray leaves. One that the ray passes straight is none: what is met next is weighed as if
  * the ray came from the vertex before. */
 static void leave_vertex(path_wave *p, const surface_block *s, const shader_sample *to, unsigned i, bool both,
-                         uint32_t slot) {
+                         bool hidden, uint32_t slot) {
     if (to->straight[i]) {
         const vec3_f32 way = sub_f32(of_lane(s->p, i), of_slot(p->p, slot));
         p->passed[slot] = sqrtf(dot_f32(way, way));
         ++p->passes[slot];
+        /* Lights asked for at the vertex before are not seen past a hidden surface. */
+        if (hidden) p->density[slot] = INFINITY;
         return;
     }
     for (int c = 0; c < 3; ++c) {
@@ -293,10 +267,11 @@ static void push_path(path_wave *p, const vertex_block *v, const shader_sample *
     rays->t_far[lane] = INFINITY;
     if (w->run.plan->texturing && !to->straight[i]) widen_cone(p, v, to, i);
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = weight[c];
-    leave_vertex(p, s, to, i, both, slot);
+    const bool hidden = v->shader.at[i] == &p->hidden;
+    leave_vertex(p, s, to, i, both, hidden, slot);
     path->slot[lane] = slot;
     path->depth[lane] = through ? v->depth_behind[i] : v->path.depth[i];
-    if (through && !to->straight[i] && p->media && w->run.plan->shaders[s->material[i]].encloses)
+    if (through && (!to->straight[i] || hidden) && p->media && w->run.plan->shaders[s->material[i]].encloses)
         media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
     w->run.rays.refraction += through;
     w->run.rays.reflection += !through;
@@ -324,6 +299,9 @@ static void push_paths(path_wave *p, size_t block, const float choice[LANES]) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         float weight[3];
         for (int c = 0; c < 3; ++c) weight[c] = limited(v->path.weight[c][i] * to.weight[c][i]);
+        if (p->wave.run.plan->dispersive && !to.straight[i] &&
+            path_part_channels(p, v, i, to.through[i] != 0, weight))
+            p->channel[v->path.slot[i]] = (uint8_t)v->shader.channel[i];
         if (goes_on(p, weight, roulette[0][i])) push_path(p, v, &to, weight, i);
     }
 }
@@ -373,13 +351,13 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->passes[k] = 0, p->passed[k] = 0;
     }
     if (p->media) media_clear(p->media);
+    if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
 }
 
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     path_wave *p = (path_wave *)state;
     wave *w = &p->wave;
-    memset(w->run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
-    if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
+    wave_begin_samples(w);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
     for (p->depth = 0; w->now.count; ++p->depth) {
@@ -403,7 +381,8 @@ static integration *create(const render_plan *plan, const atomic_bool *stop) {
         free(p);
         return NULL;
     }
-    if (plan->absorbs && !(p->media = media_create(plan->shaders))) {
+    shader_prepare_hole(&p->hidden);
+    if ((plan->absorbs || plan->nested) && !(p->media = media_create(plan->shaders))) {
         destroy(&p->wave.run);
         return NULL;
     }

@@ -62,15 +62,17 @@ struct fathom_scene {
     bool has_camera;
     double camera_aspect; /* the width over the height of the images that the file's camera is made for, where
                              the camera itself has no width; 0: any */
-    ARRAY(scene_camera) cameras;      /* that the file has to choose from */
-    uint32_t camera_taken;            /* of them; FATHOM_NONE: none */
-    const fathom_read_options *asked; /* while it is read: what was asked for; or NULL */
+    ARRAY(scene_camera) cameras;       /* that the file has to choose from */
+    uint32_t camera_taken;             /* of them; FATHOM_NONE: none */
+    const fathom_read_options *asked;  /* while it is read: what was asked for; or NULL */
+    bool has_animations, has_variants; /* some file has them */
     float background[3], ambient[3];
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;
     /* Its lights, ambient light and background were made by fathom_scene_complete(). Under path tracing the
      * studio is there in their place; this is the way up in it. */
     bool in_studio;
+    bool lights_made; /* and ambient light, by fathom_scene_complete(); none were added */
     vec3_f64 studio_up;
     bool without_uvs; /* texture coordinates are not taken where no material has a use for them */
     bool has_maps;    /* some material takes parameters from images */
@@ -116,6 +118,10 @@ float material_opacity(const fathom_material *material);
 static inline bool scene_keeps_uvs(const fathom_scene *scene) {
     return !scene->without_uvs || scene->has_maps;
 }
+
+/* Whether paths meet none of the lights, because they were made, and the studio or a background that shines
+ * is there in their place. */
+bool scene_replaces_lights(const fathom_scene *scene);
 
 /* The material of a shape. */
 fathom_id scene_object_material(const fathom_scene *scene, fathom_id object);

@@ -1,12 +1,16 @@
 /* Meshes to groups, a mesh of the scene for each primitive. */
 #include "read/gltf/gltf.h"
 #include "read/mesh/normals.h"
+#include "read/mesh/strokes.h"
 
-enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
+#include <stdlib.h>
+
+enum { MODE_POINTS, MODE_LINES, MODE_LOOP, MODE_LINE_STRIP, MODE_TRIANGLES, MODE_STRIP, MODE_FAN };
 
 typedef struct primitive {
     const gltf_value *at;
     const gltf_value *attributes;
+    const gltf_shape *shape;
     uint32_t mode;
     bool blends; /* the material's alpha counts */
     fathom_mesh mesh;
@@ -80,17 +84,31 @@ static fathom_status read_indices(gltf *g, primitive *p) {
     return gltf_within(g, p->at, "indices", status);
 }
 
+/* What the shape makes of an attribute. */
+static fathom_status deform(gltf *g, const primitive *p, const char *key, gltf_kind kind,
+                            gltf_elements *floats) {
+    fathom_status status = gltf_morph(g, p->at, p->shape, key, kind == GLTF_TANGENT ? 4 : 3, floats);
+    if (status != FATHOM_OK || !p->shape->joints) return status;
+    return gltf_skin_carry(g, p->attributes, p->shape->joints, kind, floats);
+}
+
 static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
     gltf_elements floats;
     fathom_status status =
         gltf_array_read(g, p->attributes, "POSITION", 3,
                         GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, present, &floats);
     if (status != FATHOM_OK || !*present) return status;
+    const void *stored = floats.values;
+    status = deform(g, p, "POSITION", GLTF_POINT, &floats);
+    if (status == FATHOM_OK && floats.values != stored)
+        status = gltf_within(g, p->attributes, "POSITION",
+                             mesh_look_at_vertices(g->context, "deformed entry", floats.values, floats.stride,
+                                                   floats.count, &floats.facts));
     p->mesh.positions = floats.values;
     p->mesh.position_stride = floats.stride;
     p->mesh.vertex_count = floats.count;
     p->facts = floats.facts;
-    return FATHOM_OK;
+    return status;
 }
 
 /* Reads an attribute that has as many entries as POSITION. */
@@ -124,10 +142,11 @@ static fathom_status read_normals(gltf *g, primitive *p) {
         read_attribute(g, p, "NORMAL", 3, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
     if (status != FATHOM_OK) return status;
     if (!present) return g->options->smooth ? make_normals(g, p) : FATHOM_OK;
+    status = deform(g, p, "NORMAL", GLTF_NORMAL, &floats);
     p->mesh.normals = floats.values;
     p->mesh.normal_stride = floats.stride;
     p->mesh.normal_count = floats.count;
-    return FATHOM_OK;
+    return status;
 }
 
 /* Both sets, and tangents. */
@@ -142,8 +161,9 @@ static fathom_status read_coordinates(gltf *g, primitive *p) {
     if (status == FATHOM_OK && present) p->mesh.uvs_1 = floats.values, p->mesh.uv_1_stride = floats.stride;
     if (status == FATHOM_OK)
         status = read_attribute(g, p, "TANGENT", 4, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
-    if (status == FATHOM_OK && present && p->mesh.normals)
-        p->mesh.tangents = floats.values, p->mesh.tangent_stride = floats.stride;
+    if (status != FATHOM_OK || !present || !p->mesh.normals) return status;
+    status = deform(g, p, "TANGENT", GLTF_TANGENT, &floats);
+    p->mesh.tangents = floats.values, p->mesh.tangent_stride = floats.stride;
     return status;
 }
 
@@ -171,6 +191,7 @@ static fathom_status read_material(gltf *g, primitive *p) {
     uint32_t index = GLTF_ABSENT;
     gltf_material material;
     fathom_status status = gltf_index(g, p->at, "material", &g->materials, &index);
+    if (status == FATHOM_OK) status = gltf_variant_material(g, p->at, &index);
     if (status == FATHOM_OK) status = gltf_material_make(g, index, &material);
     if (status != FATHOM_OK) return status;
     p->mesh.material = material.id;
@@ -179,58 +200,117 @@ static fathom_status read_material(gltf *g, primitive *p) {
     return FATHOM_OK;
 }
 
-/* *mode is 0 for points and lines, which have no surface. */
 static fathom_status read_mode(gltf *g, const gltf_value *at, uint32_t *mode) {
     uint64_t value = MODE_TRIANGLES;
     fathom_status status = gltf_integer(g, at, "mode", 0, MODE_FAN, &value);
-    *mode = value < MODE_TRIANGLES ? 0 : (uint32_t)value;
-    if (status == FATHOM_OK && !*mode) gltf_note(g, at, "mode", "points and lines are left out");
+    *mode = (uint32_t)value;
     return status;
 }
 
-static fathom_status add_primitive(gltf *g, const gltf_value *at, fathom_id group) {
-    gltf_value attributes, targets;
-    primitive p = {.at = at, .attributes = &attributes};
+/* Each line's two ends, of a strip or a loop. */
+static fathom_status unroll_lines(gltf *g, const primitive *p, const uint32_t *from, strokes *s) {
+    void *memory;
+    const uint32_t corners = s->count;
+    s->count = p->mode == MODE_LINES ? corners / 2 : corners < 2 ? 0 : corners - (p->mode == MODE_LINE_STRIP);
+    s->indices = from;
+    if (p->mode == MODE_LINES || !s->count) return FATHOM_OK;
+    fathom_status status = gltf_allocate(g, p->at, NULL, (uint64_t)s->count * 2 * sizeof(uint32_t), &memory);
+    if (status != FATHOM_OK) return status;
+    uint32_t *to = memory;
+    for (uint32_t i = 0; i < s->count; ++i) to[2 * i] = from[i], to[2 * i + 1] = from[(i + 1) % corners];
+    s->indices = to;
+    return FATHOM_OK;
+}
+
+/* Makes triangles of points and lines. */
+static fathom_status read_strokes(gltf *g, primitive *p) {
+    const uint32_t *corners = NULL;
+    strokes s = {.positions = p->mesh.positions,
+                 .position_stride = p->mesh.position_stride,
+                 .colors = p->mesh.colors,
+                 .color_stride = p->mesh.color_stride,
+                 .color_channels = p->mesh.color_channels,
+                 .lines = p->mode != MODE_POINTS};
+    fathom_status status = read_corners(g, p, &corners, &s.count);
+    if (status != FATHOM_OK) return status;
+    s.indices = corners;
+    if (s.lines) status = unroll_lines(g, p, corners, &s);
+    if (status == FATHOM_OK) status = gltf_charge(g, p->at, NULL, (uint64_t)s.count * STROKES_BYTES);
+    if (status == FATHOM_OK) status = gltf_within(g, p->at, NULL, strokes_make(g->scene, &s, &p->mesh));
+    if (status != FATHOM_OK) return status;
+    gltf_note(g, p->at, "mode",
+              s.lines ? "lines have no width, and are shown as thin rods"
+                      : "points have no size, and are shown as small balls");
+    if (!p->mesh.triangle_count) return FATHOM_OK;
+    status = mesh_look_at_vertices(g->context, "entry", p->mesh.positions, p->mesh.position_stride,
+                                   p->mesh.vertex_count, &p->facts);
+    if (status == FATHOM_OK) status = mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts);
+    return gltf_within(g, p->at, NULL, status);
+}
+
+static fathom_status read_surface(gltf *g, primitive *p) {
+    fathom_status status = read_indices(g, p);
+    if (status != FATHOM_OK || !p->mesh.triangle_count) return status;
+    if (!g->options->flat) status = read_normals(g, p);
+    if (status == FATHOM_OK) status = read_material(g, p);
+    if (status == FATHOM_OK && scene_keeps_uvs(g->scene)) status = read_coordinates(g, p);
+    if (status == FATHOM_OK && g->options->material == FATHOM_NONE) status = read_colors(g, p);
+    return status;
+}
+
+static fathom_status add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape, fathom_id group) {
+    gltf_value attributes;
+    primitive p = {.at = at, .attributes = &attributes, .shape = shape};
     fathom_mesh_default(&p.mesh);
     bool present = false;
     fathom_status status = gltf_object(g, at, "attributes", &attributes);
-    if (status == FATHOM_OK) status = gltf_array(g, at, "targets", &targets);
     if (status == FATHOM_OK) status = read_mode(g, at, &p.mode);
-    if (status != FATHOM_OK || !p.mode) return status;
-    if (gltf_count(&targets))
-        gltf_note(g, at, "targets", "morph targets are not applied; meshes have their base shape");
+    if (status != FATHOM_OK) return status;
+    status = gltf_draco_read(g, at);
+    if (status != FATHOM_OK) return status;
     status = read_positions(g, &p, &present);
     if (status != FATHOM_OK) return status;
     if (!present) {
         gltf_note(g, at, NULL, "a mesh without POSITION is left out");
         return FATHOM_OK;
     }
-    status = read_indices(g, &p);
+    if (p.mode < MODE_TRIANGLES) {
+        status = read_material(g, &p);
+        if (status == FATHOM_OK && g->options->material == FATHOM_NONE) status = read_colors(g, &p);
+        if (status == FATHOM_OK) status = read_strokes(g, &p);
+    } else {
+        status = read_surface(g, &p);
+    }
     if (status != FATHOM_OK || !p.mesh.triangle_count) return status;
-    if (!g->options->flat) status = read_normals(g, &p);
-    if (status == FATHOM_OK) status = read_material(g, &p);
-    if (status == FATHOM_OK && scene_keeps_uvs(g->scene)) status = read_coordinates(g, &p);
-    if (status == FATHOM_OK && g->options->material == FATHOM_NONE) status = read_colors(g, &p);
-    if (status != FATHOM_OK) return status;
     return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }
 
-fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out) {
-    *out = g->mesh_table[index];
-    if (*out != FATHOM_NONE) return FATHOM_OK;
-    gltf_value mesh, primitives, at;
+static fathom_status make_group(gltf *g, const gltf_value *mesh, const gltf_shape *shape, fathom_id *out) {
+    gltf_value primitives, at;
     const char *name = NULL;
-    fathom_status status = gltf_item(g, &g->meshes, index, &mesh);
-    if (status == FATHOM_OK) status = gltf_text(g, &mesh, "name", &name);
-    if (status == FATHOM_OK) status = gltf_array(g, &mesh, "primitives", &primitives);
+    fathom_status status = gltf_text(g, mesh, "name", &name);
+    if (status == FATHOM_OK) status = gltf_array(g, mesh, "primitives", &primitives);
     if (status == FATHOM_OK) status = fathom_scene_add_group(g->scene, name, out);
     if (status != FATHOM_OK) return status;
     size_t before = g->scene->meshes.count;
     for (size_t i = 0; i < gltf_count(&primitives) && status == FATHOM_OK; ++i) {
         status = gltf_item(g, &primitives, i, &at);
-        if (status == FATHOM_OK) status = add_primitive(g, &at, *out);
+        if (status == FATHOM_OK) status = add_primitive(g, &at, shape, *out);
     }
     if (g->scene->meshes.count == before) *out = GLTF_EMPTY;
+    return status;
+}
+
+fathom_status gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shape, fathom_id *out) {
+    gltf_value mesh;
+    gltf_shape own = {.weights = NULL};
+    *out = g->mesh_table[index];
+    if (!shape && *out != FATHOM_NONE) return FATHOM_OK;
+    fathom_status status = gltf_item(g, &g->meshes, index, &mesh);
+    if (status == FATHOM_OK && shape) return make_group(g, &mesh, shape, out);
+    if (status == FATHOM_OK) status = gltf_weights_read(g, NULL, NULL, &mesh, &own);
+    if (status == FATHOM_OK) status = make_group(g, &mesh, &own, out);
+    free(own.weights);
     g->mesh_table[index] = *out;
     return status;
 }
