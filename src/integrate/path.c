@@ -366,6 +366,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
         const sample_key key = wave_square_key(&batch->squares[k / LANES], k % LANES);
         p->pixel[k] = sample_pixel_hash(&plan->sampler, key.x, key.y);
         p->index[k] = key.index;
+        if (p->wave.times) p->wave.times[k] = wave_time_of(plan, key);
         p->density[k] = INFINITY;
         p->p[0][k] = plan->camera.eye.x, p->p[1][k] = plan->camera.eye.y, p->p[2][k] = plan->camera.eye.z;
         p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
@@ -375,6 +376,16 @@ static void begin(path_wave *p, const wave_batch *batch) {
     if (p->media) media_clear(p->media);
 }
 
+/* Paths of a camera that moves begin where it was. */
+static void begin_at_eyes(path_wave *p) {
+    const path_queue *now = &p->wave.now;
+    for (size_t k = 0; k < now->count; ++k) {
+        const uint32_t slot = now->paths[k / LANES].slot[k % LANES];
+        const vec3_f32 org = trace_org(&now->rays[k / LANES].rays, k % LANES);
+        p->p[0][slot] = org.x, p->p[1][slot] = org.y, p->p[2][slot] = org.z;
+    }
+}
+
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     path_wave *p = (path_wave *)state;
     wave *w = &p->wave;
@@ -382,6 +393,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
+    if (w->run.plan->camera_moves) begin_at_eyes(p);
     for (p->depth = 0; w->now.count; ++p->depth) {
         wave_count_rays(w);
         if (!step(p)) return false;

@@ -53,6 +53,8 @@ typedef struct render_plan {
     bool crosses;                  /* paths may go on behind a surface */
     bool absorbs;                  /* some volume does */
     bool covered;                  /* path tracing: some surface is there in part */
+    bool moves;                    /* path tracing: something moves while the shutter is open, */
+    bool camera_moves;             /* the camera, too */
     bool unshadowed;               /* path tracing: some shape casts no shadow */
 } render_plan;
 

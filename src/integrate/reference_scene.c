@@ -4,6 +4,7 @@
 #include "reference/reference.h"
 #include "scene/graph.h"
 #include "scene/mesh/absent.h"
+#include "scene/motion/motion.h"
 
 #include <stdlib.h>
 
@@ -69,8 +70,7 @@ static bool add_group(reference_scene *r, const scene_graph *graph, uint32_t gro
     }
     for (uint32_t i = graph->instances.first[group]; i < graph->instances.first[group + 1]; ++i) {
         const fathom_instance *inner = &r->scene->instances.items[graph->instances.items[i]];
-        affine_f64 map;
-        affine_load(&map, inner->transform);
+        affine_f64 map = motion_place(inner, r->scene->camera.shutter[0]);
         map = affine_compose(to_world, &map);
         if (!add_group(r, graph, inner->group, &map, material != FATHOM_NONE ? material : inner->material))
             return false;

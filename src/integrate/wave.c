@@ -105,11 +105,12 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_st
     for (int c = 0; c < 3; ++c) samples->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
     for (int c = 0; c < 3; ++c) out->lost[c] = radiance && loses ? radiance + (3 + c) * WAVE_SLOTS : NULL;
     if (plan->first_hits) samples->first = malloc(sizeof *samples->first);
+    if (plan->moves) out->times = calloc(WAVE_SLOTS, sizeof *out->times);
     void *gather = NULL;
     if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
-    bool ok = radiance && out->gather && (samples->first || !plan->first_hits) &&
-              wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_vertices(out, WAVE_SLOTS) &&
-              wave_reserve_shadows(out, WAVE_SLOTS);
+    bool ok = radiance && out->gather && (out->times || !plan->moves) &&
+              (samples->first || !plan->first_hits) && wave_reserve_paths(out, &out->now, WAVE_SLOTS) &&
+              wave_reserve_vertices(out, WAVE_SLOTS) && wave_reserve_shadows(out, WAVE_SLOTS);
     if (!ok) wave_destroy(out);
     return ok;
 }
@@ -127,6 +128,7 @@ void wave_destroy(wave *w) {
     free(w->made);
     free(w->refracted);
     free(w->gather);
+    free(w->times);
     free(w->run.samples.radiance[0]);
     free(w->run.samples.first);
     *w = (wave){.run = {.plan = NULL}};
@@ -142,7 +144,13 @@ static void repair(wave *w, size_t first, size_t count) {
     }
 }
 
+static void set_times(const wave *w, size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k)
+        w->now.rays[k / LANES].rays.time[k % LANES] = w->times[w->now.paths[k / LANES].slot[k % LANES]];
+}
+
 bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence) {
+    if (w->times) set_times(w, begin, end);
     for (size_t done = begin; done < end; done += trace_piece(w->run.plan->tracer)) {
         if (atomic_load_explicit(w->run.stop, memory_order_relaxed)) return false;
         size_t left = end - done, piece = trace_piece(w->run.plan->tracer);
