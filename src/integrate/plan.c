@@ -93,11 +93,6 @@ static fathom_status plan_reference(fathom_context *context, render_plan *plan) 
     if (plan->first_hits)
         return fail_field(context, FATHOM_BAD_USAGE, "aovs",
                           "the reference integrator makes none but samples");
-    if (plan->world->moves || motion_camera_moves(&plan->scene->camera))
-        return fail_field(
-            context, FATHOM_BAD_USAGE, "integrator",
-            "the reference integrator knows no motion, and something moves while the shutter is "
-            "open; use path, or a shutter that opens and closes at one time");
     if (plan->texturing)
         return fail_field(context, FATHOM_BAD_USAGE, "integrator",
                           "the reference integrator knows neither textures nor vertex colours, which this "
