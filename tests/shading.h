@@ -32,6 +32,13 @@ static inline void shading_open(shading *at, const fathom_material *m, double co
     at->kernels->make(&at->surface, &at->block);
 }
 
+/* Gives the surface a tangent. */
+static inline void shading_direct(shading *at, double x, double y, double z) {
+    shading_put(at->surface.along, x, y, z);
+    at->surface.directed = 0xffff;
+    at->kernels->make(&at->surface, &at->block);
+}
+
 /* Lane 0 of light from one direction. */
 static inline double shading_value(const shading *at, const double l[3], double f[3]) {
     lanes3 to, value;

@@ -39,6 +39,20 @@ typedef struct fathom_read_options {
      * file does not give follow it, and so do automatic lights. Default: the file's, else path tracing. */
     bool choose_integrator;
     fathom_integrator integrator;
+    /* The time, in seconds, at which glTF files stand, their animations posed by it; without choose_time they
+     * rest, as their nodes say, or stand at 0 with an animation. A file without animations rests;
+     * FATHOM_BAD_USAGE where no file of the scene has one. */
+    bool choose_time;
+    double time;
+    /* The animation to pose: its name, else its number, counted from 0. FATHOM_BAD_USAGE, with a list of what
+     * there is, when there is none such. NULL (default): the first. */
+    const char *animation;
+    /* Of glTF's KHR_materials_variants, by name or number likewise. NULL (default): the materials that hold
+     * without a variant. */
+    const char *variant;
+    /* Metres in a unit of a model's lengths: it is scaled to metres. 0 (default): as it is. FATHOM_BAD_USAGE
+     * for scene JSON, which scales its models itself. */
+    double unit;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

@@ -48,7 +48,15 @@ enum {
      * because few of the 32 x 32 pixels around carry nearly all variance; 1 says that it is such a bound.
      * Needs the pattern Sobol, and path tracing, target_error or max_time */
     FATHOM_AOV_ERROR = 1u << 7,
-    FATHOM_AOVS = (1u << 8) - 1
+    /* The light of a pixel in three parts, R G B each: emission.R… is what reaches the camera without being
+     * scattered, of surfaces and of the surroundings; direct.R… what was scattered once, and indirect.R…
+     * more than once. Mirrors and glass scatter, and a surface that a path passes by its opacity does not.
+     * Each sample's R, G and B are their sum. The classic integrator counts ambient light with the emission
+     * of the surface that reflects it. */
+    FATHOM_AOV_DIRECT = 1u << 8,
+    FATHOM_AOV_INDIRECT = 1u << 9,
+    FATHOM_AOV_EMISSION = 1u << 10,
+    FATHOM_AOVS = (1u << 11) - 1
 };
 
 typedef struct fathom_settings {
@@ -136,8 +144,9 @@ typedef struct fathom_progress {
 } fathom_progress;
 
 /* Called about ten times a second from the calling thread. Return false to stop: the render then returns
- * FATHOM_INTERRUPTED with the film as far as it got. Where all pixels get the same samples, those that
- * have none yet show a coarse preview, with 0 in the channel "samples". */
+ * FATHOM_INTERRUPTED with the film as far as it got. Pixels that have no samples yet show a coarse preview,
+ * with 0 in the channel "samples"; in a render to a time every pixel has its first sample before any has
+ * more. */
 typedef bool (*fathom_progress_fn)(void *user, const fathom_progress *progress);
 
 typedef struct fathom_stats {

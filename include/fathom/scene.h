@@ -51,6 +51,14 @@ typedef enum fathom_map_kind {
     FATHOM_MAP_CLEARCOAT,           /* clearcoat */
     FATHOM_MAP_CLEARCOAT_ROUGHNESS, /* clearcoat_roughness */
     FATHOM_MAP_SHININESS,           /* classic: shininess */
+    FATHOM_MAP_SHEEN_COLOR,         /* sheen_color */
+    FATHOM_MAP_SHEEN_ROUGHNESS,     /* sheen_roughness */
+    FATHOM_MAP_ANISOTROPY, /* 2 rg - 1: the way of anisotropy in the frame of tangent and bitangent, turned by
+                              anisotropy_rotation; blue: anisotropy */
+    FATHOM_MAP_IRIDESCENCE,
+    FATHOM_MAP_IRIDESCENCE_THICKNESS, /* from iridescence_thickness_min, at 0, to _max, at 1 */
+    FATHOM_MAP_DIFFUSE_TRANSMISSION,
+    FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR,
     FATHOM_MAPS
 } fathom_map_kind;
 
@@ -94,9 +102,21 @@ typedef struct fathom_material {
     float thickness;         /* > 0: the mesh bounds a volume, and light refracts; 0: thin walls; default 0 */
     float attenuation_color[3]; /* what is left of white light after attenuation_distance; default 1 */
     float attenuation_distance; /* 0 (default): nothing is absorbed */
-    float clearcoat, clearcoat_roughness; /* of a clear layer over everything; default 0 */
-    float opacity;                        /* coverage by chance; default 1 */
-    bool multiscatter;    /* rough lobes get back what they lose to multiple scattering; default true */
+    float clearcoat, clearcoat_roughness;  /* of a clear layer over everything; default 0 */
+    float sheen_color[3], sheen_roughness; /* of a layer of fibres over everything but the coat; default 0 */
+    float anisotropy, anisotropy_rotation; /* how much longer reflections are along the tangent, turned by so
+                                              many radians towards the bitangent; default 0 */
+    float iridescence;                     /* strength of a thin film; default 0 */
+    float iridescence_ior;                 /* its index, [1, 5]; default 1.3 */
+    float iridescence_thickness_min, iridescence_thickness_max; /* nanometres; without a map the latter
+                                                                   counts; default 100 and 400 */
+    float dispersion;                                           /* 20 over Abbe's number, >= 0; default 0 */
+    float diffuse_transmission;          /* part of Lambert's lobe that leaves on the other side; default 0 */
+    float diffuse_transmission_color[3]; /* default 1 */
+    uint32_t priority; /* of overlapping volumes the highest fills the space, [0, 255]; 0 (default): takes no
+                          part, and its index counts over empty space */
+    float opacity;     /* coverage by chance; default 1 */
+    bool multiscatter; /* rough lobes get back what they lose to multiple scattering; default true */
     float opacity_cutoff; /* > 0: opacity below it is 0, other is 1; default 0: coverage by chance */
     float normal_scale;   /* either model: factor of the x and y of FATHOM_MAP_NORMAL; default 1 */
     fathom_map maps[FATHOM_MAPS];

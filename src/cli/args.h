@@ -38,6 +38,12 @@ typedef struct args_size {
     uint32_t width, height;
 } args_size;
 
+/* A number that need not be given. */
+typedef struct args_f64 {
+    bool given;
+    double value;
+} args_f64;
+
 typedef struct args_problem {
     char text[512];
 } args_problem;
@@ -102,6 +108,7 @@ bool take_counts(const args_option *option, const char *value, void *field, args
 /* "1280x720", each within [least, most]; an args_size. */
 bool take_size(const args_option *option, const char *value, void *field, args_problem *problem);
 bool take_f32(const args_option *option, const char *value, void *field, args_problem *problem);
+bool take_given_f64(const args_option *option, const char *value, void *field, args_problem *problem);
 bool take_f64(const args_option *option, const char *value, void *field, args_problem *problem);
 /* The option's `value` lists the words, "grid|sobol"; an unsigned or an enum gets the word's place. */
 bool take_choice(const args_option *option, const char *value, void *field, args_problem *problem);

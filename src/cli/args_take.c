@@ -91,6 +91,12 @@ bool take_f64(const args_option *option, const char *value, void *field, args_pr
     return take_as(FATHOM_PARAMETER_F64, option, value, field, problem);
 }
 
+bool take_given_f64(const args_option *option, const char *value, void *field, args_problem *problem) {
+    args_f64 *number = field;
+    number->given = true;
+    return take_f64(option, value, &number->value, problem);
+}
+
 bool take_f32(const args_option *option, const char *value, void *field, args_problem *problem) {
     return take_as(FATHOM_PARAMETER_F32, option, value, field, problem);
 }

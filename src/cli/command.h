@@ -4,7 +4,7 @@
 
 #include "cli/args.h"
 
-#include <fathom/base.h>
+#include <fathom/read.h>
 #include <stdio.h>
 
 typedef struct command {
@@ -53,19 +53,39 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
             "files that SCENE names may lie outside its folder"                                              \
     }
 
-/* Rows for settings with a const char *camera and a fathom_up up. */
-#define COMMAND_CAMERA(settings)                                                                             \
-    {                                                                                                        \
-        "camera", 0, "NAME|N", take_text, offsetof(settings, camera), 0, 0,                                  \
-            "which camera of a .gltf or .glb file: the name of its node, its own, or its number from 0 in "  \
-            "the list that fathom info prints (the first perspective one)"                                   \
-    }
-#define COMMAND_UP(settings)                                                                                 \
-    {                                                                                                        \
-        "up", 0, "y|z", take_choice, offsetof(settings, up), 0, 0,                                           \
+/* What to take of a file, and how. */
+typedef struct command_model {
+    const char *camera, *animation, *variant; /* NULL: the first, or none */
+    fathom_up up;
+    unsigned unit; /* its place in COMMAND_UNITS */
+    args_f64 time;
+} command_model;
+
+#define COMMAND_UNITS "m|mm|cm|dm|km|in|ft"
+fathom_read_options command_read_options(const command_model *model);
+
+/* Rows for settings with a command_model called model. */
+#define COMMAND_MODEL_ROW(settings, name, word, take, field, ...)                                            \
+    { name, 0, word, take, offsetof(settings, model.field), __VA_ARGS__ }
+#define COMMAND_MODEL(settings)                                                                              \
+    COMMAND_MODEL_ROW(                                                                                       \
+        settings, "camera", "NAME|N", take_text, camera, 0, 0,                                               \
+        "which camera of a .gltf or .glb file: the name of its node, its own, or its number from 0 in "      \
+        "the list that fathom info prints (the first perspective one)"),                                     \
+        COMMAND_MODEL_ROW(settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                      \
+                          "pose the animation of .gltf and .glb files at this time (at rest)"),              \
+        COMMAND_MODEL_ROW(settings, "animation", "NAME|N", take_text, animation, 0, 0,                       \
+                          "which animation, by its name or its number from 0 (0, the first)"),               \
+        COMMAND_MODEL_ROW(settings, "variant", "NAME|N", take_text, variant, 0, 0,                           \
+                          "which variant of the materials of a .gltf or .glb file, by its name or its "      \
+                          "number from 0 (none)"),                                                           \
+        COMMAND_MODEL_ROW(                                                                                   \
+            settings, "up", "y|z", take_choice, up, 0, 0,                                                    \
             "the axis that the automatic camera and its lights take as up (y); z is what CAD and scanners "  \
-            "mostly write"                                                                                   \
-    }
+            "mostly write"),                                                                                 \
+        COMMAND_MODEL_ROW(settings, "unit", COMMAND_UNITS, take_choice, unit, 0, 0,                          \
+                          "the unit of a model's lengths: it is scaled to metres, which lamps, depths and "  \
+                          "positions in channels count in (m)")
 
 /* Options that most commands share. All commands but render have them first in their settings. */
 typedef struct command_common {

@@ -13,8 +13,8 @@
 
 typedef struct info_settings {
     command_common common;
-    const char *scene, *camera;
-    fathom_up up;
+    const char *scene;
+    command_model model;
     bool json;
 } info_settings;
 
@@ -199,7 +199,7 @@ static fathom_status describe(fathom_context *context, const info_settings *sett
                               warning_list *problems) {
     fathom_scene *scene = NULL;
     json_t *facts = json_object();
-    const fathom_read_options read = {.size = sizeof read, .camera = settings->camera, .up = settings->up};
+    const fathom_read_options read = command_read_options(&settings->model);
     fathom_status status = fathom_scene_read_with(context, settings->scene, &read, &scene);
     if (status == FATHOM_OK) {
         status = gather(scene, facts, problems);
@@ -237,8 +237,7 @@ static fathom_status run(int argc, char **argv) {
 
 static const args_option options[] = {
     {.help = "Options"},
-    COMMAND_CAMERA(info_settings),
-    COMMAND_UP(info_settings),
+    COMMAND_MODEL(info_settings),
     {"json", 0, NULL, take_true, offsetof(info_settings, json), 0, 0, "as JSON"},
     COMMAND_ALLOW_OUTSIDE(command_common),
     COMMAND_THREADS,

@@ -26,6 +26,19 @@ static uint32_t *add_id(fathom_film *film, const char *name, const char *name_in
     return data;
 }
 
+/* In the order of film_parts. */
+static void add_layers(fathom_film *film, unsigned aovs) {
+    static const char *const names[LIGHT_KINDS][3] = {{"emission.R", "emission.G", "emission.B"},
+                                                      {"direct.R", "direct.G", "direct.B"},
+                                                      {"indirect.R", "indirect.G", "indirect.B"}};
+    const film_parts parts = film_parts_of(aovs);
+    float *layer[3];
+    film->layers = film->pixels + film->channel_count * (size_t)film->width * film->height;
+    for (int k = 0; k < LIGHT_KINDS; ++k) {
+        if (parts.kinds[k] >= 0) add_three(film, layer, names[k][0], names[k][1], names[k][2], true);
+    }
+}
+
 static void add_channels(fathom_film *film, unsigned aovs) {
     add_three(film, film->rgb, "R", "G", "B", true);
     if (aovs & FATHOM_AOV_ALPHA) film->alpha = add_channel(film, "A", false, true);
@@ -43,11 +56,24 @@ static void add_channels(fathom_film *film, unsigned aovs) {
         film->doubt = add_channel(film, "error.doubt", false, false);
     }
     if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples", "samples.V");
+    add_layers(film, aovs);
+}
+
+film_parts film_parts_of(unsigned aovs) {
+    static const unsigned of_kind[LIGHT_KINDS] = {[LIGHT_EMISSION] = FATHOM_AOV_EMISSION,
+                                                  [LIGHT_DIRECT] = FATHOM_AOV_DIRECT,
+                                                  [LIGHT_INDIRECT] = FATHOM_AOV_INDIRECT};
+    const unsigned of_hits =
+        FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
+    film_parts parts = {.hits = aovs & of_hits};
+    for (int k = 0; k < LIGHT_KINDS; ++k) parts.kinds[k] = aovs & of_kind[k] ? (int8_t)parts.layers++ : -1;
+    return parts;
 }
 
 uint32_t film_channels(unsigned aovs) {
     const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
-                   three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
+                   three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID |
+                           FATHOM_AOV_DIRECT | FATHOM_AOV_INDIRECT | FATHOM_AOV_EMISSION;
     return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) + (uint32_t)__builtin_popcount(aovs & one) +
            3 * (uint32_t)__builtin_popcount(aovs & three);
 }

@@ -12,7 +12,19 @@
 /* The stages that a render left out. */
 typedef ARRAY(fathom_left_out) left_out_list;
 
-#define FILM_CHANNELS 24
+#define FILM_CHANNELS 40
+
+/* Light by how often it was scattered. */
+typedef enum light_kind { LIGHT_EMISSION, LIGHT_DIRECT, LIGHT_INDIRECT, LIGHT_KINDS } light_kind;
+
+/* What is summed for the AOVs besides radiance. */
+typedef struct film_parts {
+    bool hits;                 /* the first hits of samples */
+    uint32_t layers;           /* parts of the light, of three channels each */
+    int8_t kinds[LIGHT_KINDS]; /* the layer of each; -1: it is not asked for */
+} film_parts;
+
+film_parts film_parts_of(unsigned aovs);
 
 typedef struct film_channel {
     const char *name, *name_in_file;
@@ -28,6 +40,7 @@ struct fathom_film {
     /* The same memory by meaning; NULL when not asked for. */
     float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3], *error[3], *doubt;
     uint32_t *object, *primitive, *instance, *samples;
+    float *layers; /* of film_parts: three channels each, one after the other */
     /* For the header of image files. */
     fathom_settings settings;
     fathom_camera camera;

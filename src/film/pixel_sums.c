@@ -7,18 +7,23 @@
 
 KERNEL_CHOICE(film_kernels)
 
-bool pixel_sums_create(const sampler *from, uint32_t groups, bool hits, pixel_sums *out) {
+bool pixel_sums_create(const sampler *from, uint32_t groups, film_parts parts, pixel_sums *out) {
     out->groups = groups;
     out->equal = false;
     out->sampler = *from;
     out->kernels = film_kernels_best();
-    out->hits = hits ? malloc(sizeof *out->hits) : NULL;
-    return out->hits || !hits;
+    out->parts = parts;
+    out->hits = parts.hits ? malloc(sizeof *out->hits) : NULL;
+    out->layers = parts.layers ? malloc(3 * parts.layers * sizeof *out->layers) : NULL;
+    if ((out->hits || !parts.hits) && (out->layers || !parts.layers)) return true;
+    pixel_sums_destroy(out);
+    return false;
 }
 
 void pixel_sums_destroy(pixel_sums *sums) {
     free(sums->hits);
-    sums->hits = NULL;
+    free(sums->layers);
+    sums->hits = NULL, sums->layers = NULL;
 }
 
 void hit_sums_clear(hit_sums *hits) {
@@ -29,6 +34,7 @@ void hit_sums_clear(hit_sums *hits) {
 void pixel_sums_clear(pixel_sums *sums) {
     memset(sums->rgb, 0, sums->groups * sizeof *sums->rgb);
     if (sums->hits) hit_sums_clear(sums->hits);
+    if (sums->layers) memset(sums->layers, 0, 3 * sums->parts.layers * sizeof *sums->layers);
 }
 
 static double distance_to_centre(const sampler *from, sample_key key) {
@@ -80,6 +86,8 @@ void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_re
     const uint32_t from = place * LANES, to = slot_of(region, square);
     for (int c = 0; c < 3; ++c)
         sums->kernels->add_samples(samples->radiance[c] + from, LANES, sums->rgb[square->group][c] + to);
+    for (uint32_t k = 0; sums->layers && k < 3 * sums->parts.layers; ++k)
+        sums->kernels->add_samples(samples->layers[k] + from, LANES, sums->layers[k] + to);
     if (sums->hits) hit_sums_add(sums->hits, &sums->sampler, samples->first, region, batch, place);
 }
 
@@ -129,6 +137,13 @@ static void store_hits(const hit_sums *hits, uint32_t slot, double scale, size_t
     }
 }
 
+static void store_layers(const pixel_sums *sums, uint32_t slot, double scale, size_t pixel,
+                         fathom_film *film) {
+    const size_t pixels = (size_t)film->width * film->height;
+    for (uint32_t k = 0; k < 3 * sums->parts.layers; ++k)
+        film->layers[k * pixels + pixel] = (float)(sums->layers[k][slot] * scale);
+}
+
 /* All of n samples alike: with a chance of 5 %, what has a share of 1 - 0.05^(1/n) of the pixel was missed.
  */
 static void store_bound(uint32_t samples, size_t pixel, fathom_film *film) {
@@ -162,6 +177,7 @@ static void store_pixel(const pixel_sums *sums, uint32_t slot, sums_count count,
     double scale = 1.0 / count.samples;
     for (int c = 0; c < 3; ++c) film->rgb[c][pixel] = (float)(sum_of(sums, c, slot) * scale);
     if (sums->hits) store_hits(sums->hits, slot, 1.0 / count.hits, pixel, film);
+    if (sums->layers) store_layers(sums, slot, scale, pixel, film);
     if (film->doubt) store_error(sums, slot, count.samples, pixel, film);
     if (film->samples) film->samples[pixel] = count.samples;
 }
@@ -185,7 +201,8 @@ static void store_pixels(const pixel_sums *sums, const wave_region *r, const wav
 void pixel_sums_store_square(const pixel_sums *sums, const wave_region *r, const wave_square *square,
                              sums_count count, fathom_film *film) {
     uint32_t slot = slot_of(r, square);
-    if (wave_square_is_whole(r, square) && sums->groups == 1 && !sums->hits && !film->samples && !film->doubt)
+    if (wave_square_is_whole(r, square) && sums->groups == 1 && !sums->hits && !sums->layers &&
+        !film->samples && !film->doubt)
         store_square(sums, slot, count.samples, square->left, square->top, film);
     else
         store_pixels(sums, r, square, slot, count, film);

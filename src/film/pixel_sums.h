@@ -30,12 +30,13 @@ typedef struct pixel_sums {
     bool equal;                               /* scaled so that all groups have the same number of samples */
     double rgb[SAMPLE_GROUPS][3][WAVE_SLOTS]; /* of the groups that there are */
     hit_sums *hits;                           /* NULL: no AOV wants them */
-    sampler sampler;                          /* which made the samples */
+    double (*layers)[WAVE_SLOTS];             /* three of each layer; NULL: there are none */
+    film_parts parts;
+    sampler sampler; /* which made the samples */
     const film_kernels *kernels;
 } pixel_sums;
 
-/* hits: whether AOVs want first hits. */
-bool pixel_sums_create(const sampler *from, uint32_t groups, bool hits, pixel_sums *out);
+bool pixel_sums_create(const sampler *from, uint32_t groups, film_parts parts, pixel_sums *out);
 void pixel_sums_destroy(pixel_sums *sums);
 void pixel_sums_clear(pixel_sums *sums);
 void hit_sums_clear(hit_sums *hits);

@@ -134,7 +134,8 @@ typedef struct first_hits {
 /* The samples of a batch, by slot. */
 typedef struct wave_samples {
     float *radiance[3];
-    first_hits *first; /* NULL when no AOV wants it */
+    first_hits *first;           /* NULL when no AOV wants it */
+    float (*layers)[WAVE_SLOTS]; /* three of each layer of film_parts; NULL when there are none */
 } wave_samples;
 
 #endif

@@ -1,6 +1,7 @@
 #include "film/sum_tree.h"
 
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- a square of a wave's sums ---- */
@@ -44,6 +45,7 @@ static void move_sums(const move *m, pixel_sums *sums, square_sums *square) {
         for (int c = 0; c < 3; ++c) move_doubles(m, sums->rgb[g][c], square->rgb[g][c]);
     }
     if (sums->hits) move_hits(m, sums->hits, square);
+    for (uint32_t k = 0; k < 3 * sums->parts.layers; ++k) move_doubles(m, sums->layers[k], square->layers[k]);
 }
 
 void sum_take(pixel_sums *from, uint32_t square, square_sums *out) {
@@ -79,6 +81,7 @@ static void add_node(const pixel_sums *like, const square_sums *from, square_sum
     for (uint32_t g = 0; g < like->groups; ++g) {
         for (int c = 0; c < 3; ++c) add(from->rgb[g][c], to->rgb[g][c]);
     }
+    for (uint32_t k = 0; k < 3 * like->parts.layers; ++k) add(from->layers[k], to->layers[k]);
     if (!like->hits) return;
     add(from->alpha, to->alpha);
     for (int c = 0; c < 3; ++c) {
@@ -112,6 +115,14 @@ void sum_fold(const pixel_sums *like, sum_stack *s) {
         add_node(like, &s->nodes[s->count - 1].sums, &s->nodes[s->count - 2].sums);
 }
 
+sum_node *sum_nodes_create(film_parts parts, size_t count) {
+    const size_t each = 3 * parts.layers;
+    sum_node *nodes = calloc(count, sizeof *nodes + each * LANES * sizeof(double));
+    double(*layers)[LANES] = (double(*)[LANES])(void *)(nodes + count);
+    for (size_t i = 0; nodes && i < count; ++i) nodes[i].sums.layers = layers + i * each;
+    return nodes;
+}
+
 /* ---- which nodes there are ---- */
 
 #define SUM_LEVELS 16u /* of 65536 samples */
@@ -141,21 +152,29 @@ uint32_t sum_stack_depth(sum_range range) {
 #define RGB_BYTES (3 * LANES * sizeof(double))
 
 _Static_assert(offsetof(square_sums, alpha) == SAMPLE_GROUPS * RGB_BYTES, "no bytes between the fields");
-_Static_assert(sizeof(square_sums) == offsetof(square_sums, alpha) + LANES * (8 * 8 + 7 * 4),
-               "nor at the end");
+_Static_assert(offsetof(square_sums, layers) == offsetof(square_sums, alpha) + LANES * (8 * 8 + 7 * 4),
+               "nor behind the hits");
 
 #define HITS_AT offsetof(square_sums, alpha)
-#define HIT_BYTES (sizeof(square_sums) - HITS_AT)
+#define HIT_BYTES (offsetof(square_sums, layers) - HITS_AT)
 
-/* The groups that there are, then the hits if there are any. */
-size_t sum_bytes(uint32_t groups, bool hits) { return groups * RGB_BYTES + (hits ? HIT_BYTES : 0); }
+static size_t hit_bytes(film_parts parts) { return parts.hits ? HIT_BYTES : 0; }
 
-void sum_save(const square_sums *from, uint32_t groups, bool hits, unsigned char *out) {
-    memcpy(out, from->rgb, groups * RGB_BYTES);
-    if (hits) memcpy(out + groups * RGB_BYTES, (const char *)from + HITS_AT, HIT_BYTES);
+/* The groups that there are, then the hits if there are any, then the layers. */
+size_t sum_bytes(uint32_t groups, film_parts parts) {
+    return groups * RGB_BYTES + hit_bytes(parts) + parts.layers * RGB_BYTES;
 }
 
-void sum_load(const unsigned char *in, uint32_t groups, bool hits, square_sums *to) {
+void sum_save(const square_sums *from, uint32_t groups, film_parts parts, unsigned char *out) {
+    memcpy(out, from->rgb, groups * RGB_BYTES);
+    out += groups * RGB_BYTES;
+    memcpy(out, (const char *)from + HITS_AT, hit_bytes(parts));
+    if (parts.layers) memcpy(out + hit_bytes(parts), from->layers, parts.layers * RGB_BYTES);
+}
+
+void sum_load(const unsigned char *in, uint32_t groups, film_parts parts, square_sums *to) {
     memcpy(to->rgb, in, groups * RGB_BYTES);
-    if (hits) memcpy((char *)to + HITS_AT, in + groups * RGB_BYTES, HIT_BYTES);
+    in += groups * RGB_BYTES;
+    memcpy((char *)to + HITS_AT, in, hit_bytes(parts));
+    if (parts.layers) memcpy(to->layers, in + hit_bytes(parts), parts.layers * RGB_BYTES);
 }

@@ -19,6 +19,7 @@ typedef struct square_sums {
     double alpha[LANES], n[3][LANES], albedo[3][LANES], nearest[LANES]; /* hits */
     float z[LANES], p[3][LANES];                                        /* of the nearest, as the next */
     uint32_t object[LANES], primitive[LANES], instance[LANES];
+    double (*layers)[LANES]; /* where there are any */
 } square_sums;
 
 /* Of leaves first to first + 2^level - 1, or fewer at the end of all. */
@@ -46,6 +47,9 @@ static inline sum_range sum_part(uint32_t spp, uint32_t index, uint32_t count) {
     return (sum_range){begin, end < spp ? end : spp};
 }
 
+/* Zeros, with their layers; release with free(). NULL: out of memory. */
+sum_node *sum_nodes_create(film_parts parts, size_t count);
+
 /* The most nodes that a stack of these samples ever has. */
 uint32_t sum_stack_depth(sum_range range);
 /* The nodes that are left of these samples: their firsts and levels in order, of which `out` may be NULL. */
@@ -62,8 +66,8 @@ void sum_push(const pixel_sums *like, sum_stack *stack);
 void sum_fold(const pixel_sums *like, sum_stack *stack);
 
 /* Bytes of a node's sums in a file; room for these. */
-size_t sum_bytes(uint32_t groups, bool hits);
-void sum_save(const square_sums *from, uint32_t groups, bool hits, unsigned char *out);
-void sum_load(const unsigned char *in, uint32_t groups, bool hits, square_sums *to);
+size_t sum_bytes(uint32_t groups, film_parts parts);
+void sum_save(const square_sums *from, uint32_t groups, film_parts parts, unsigned char *out);
+void sum_load(const unsigned char *in, uint32_t groups, film_parts parts, square_sums *to);
 
 #endif

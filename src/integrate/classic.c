@@ -19,15 +19,20 @@ static void make_bsdfs(wave *w, vertex_block *v) {
     plan->material_kernels->make(at, &v->bsdf);
 }
 
+static light_tag tag_after(uint32_t bounces) { return (light_tag){(uint8_t)light_kind_of(bounces)}; }
+
 static void add_background(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
     (void)block;
     const float *background = w->run.plan->scene->background;
     for (; missed; missed &= missed - 1) {
         int i = __builtin_ctz(missed);
         uint32_t slot = path->slot[i];
-        w->run.samples.radiance[0][slot] += limited(path->weight[0][i] * background[0]);
-        w->run.samples.radiance[1][slot] += limited(path->weight[1][i] * background[1]);
-        w->run.samples.radiance[2][slot] += limited(path->weight[2][i] * background[2]);
+        float rgb[3];
+        for (int c = 0; c < 3; ++c) {
+            rgb[c] = limited(path->weight[c][i] * background[c]);
+            w->run.samples.radiance[c][slot] += rgb[c];
+        }
+        if (w->run.samples.layers) wave_add_layers(w, slot, tag_after(w->bounces), rgb);
     }
 }
 
@@ -44,12 +49,17 @@ static bool emits(const bsdf_block *b) {
 }
 
 /* Ambient and emitted light. */
-static void add_emission(const vertex_block *v, float *const radiance[3]) {
+static void add_emission(wave *w, const vertex_block *v) {
+    lanes3 value;
     if (!emits(&v->bsdf)) return;
     for (int c = 0; c < 3; ++c) {
-        float value[LANES];
-        for (int i = 0; i < LANES; ++i) value[i] = limited(v->path.weight[c][i] * v->bsdf.emission[c][i]);
-        for (uint32_t i = 0; i < v->surface.count; ++i) radiance[c][v->path.slot[i]] += value[i];
+        for (int i = 0; i < LANES; ++i) value[c][i] = limited(v->path.weight[c][i] * v->bsdf.emission[c][i]);
+        for (uint32_t i = 0; i < v->surface.count; ++i)
+            w->run.samples.radiance[c][v->path.slot[i]] += value[c][i];
+    }
+    for (uint32_t i = 0; w->run.samples.layers && i < v->surface.count; ++i) {
+        const float rgb[3] = {value[0][i], value[1][i], value[2][i]};
+        wave_add_layers(w, v->path.slot[i], tag_after(w->bounces), rgb);
     }
 }
 
@@ -101,6 +111,7 @@ static void push_light(wave *w, size_t block, uint32_t index, bool first) {
     memcpy(depths.start, v->path.depth, sizeof depths.start);
     memset(depths.sized, 0, sizeof depths.sized);
     memset(depths.end, plan->watertight ? plan->light_depths[index] : WATERTIGHT_UNSURE, sizeof depths.end);
+    for (int i = 0; w->run.samples.layers && i < LANES; ++i) depths.tag[i] = tag_after(w->bounces + 1);
     wave_push_shadows(w, block, index, &sample, &depths, gain, first);
 }
 
@@ -115,8 +126,7 @@ static bool add_light(wave *w, uint32_t index, bool first) {
 }
 
 static bool add_lights(wave *w, bool first) {
-    for (size_t b = 0; b < wave_blocks(w->vertex_count); ++b)
-        add_emission(&w->vertices[b], w->run.samples.radiance);
+    for (size_t b = 0; b < wave_blocks(w->vertex_count); ++b) add_emission(w, &w->vertices[b]);
     for (uint32_t i = 0; i < w->run.plan->light_count; ++i) {
         if (!add_light(w, i, first)) return false;
     }
@@ -199,6 +209,7 @@ static bool trace_paths(wave *w, uint32_t depth) {
 }
 
 bool classic_step(wave *w, uint32_t depth) {
+    w->bounces = depth;
     if (!trace_paths(w, depth)) return false;
     if (!wave_surfaces(w, depth == 0) || !add_lights(w, depth == 0)) return false;
     w->next.count = 0;
@@ -211,9 +222,8 @@ bool classic_step(wave *w, uint32_t depth) {
 
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     wave *w = (wave *)state;
-    memset(w->run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    wave_begin_samples(w);
     if (w->lost[0]) memset(w->lost[0], 0, 3 * WAVE_SLOTS * sizeof(float));
-    if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
     if (!wave_camera_rays(w, region, batch)) return false;
     for (uint32_t depth = 0; w->now.count; ++depth) {
         wave_count_rays(w);

@@ -26,12 +26,18 @@ static void enter(media *m, uint32_t slot, uint32_t material) {
     in[m->count[slot]++] = material;
 }
 
-/* The innermost of that material; a path that began inside leaves what it never entered. */
+/* The innermost of that material; MOST: none. */
+static uint32_t place_of(const media *m, uint32_t slot, uint32_t material) {
+    uint32_t k = m->count[slot];
+    while (k && m->in[slot][k - 1] != material) --k;
+    return k ? k - 1 : MOST;
+}
+
+/* A path that began inside leaves what it never entered. */
 static void leave(media *m, uint32_t slot, uint32_t material) {
-    uint32_t *in = m->in[slot], k = m->count[slot];
-    while (k && in[k - 1] != material) --k;
-    if (!k) return;
-    memmove(in + k - 1, in + k, (m->count[slot] - k) * sizeof *in);
+    uint32_t *in = m->in[slot], k = place_of(m, slot, material);
+    if (k == MOST) return;
+    memmove(in + k, in + k + 1, (m->count[slot] - k - 1) * sizeof *in);
     --m->count[slot];
 }
 
@@ -42,13 +48,39 @@ void media_cross(media *m, uint32_t slot, uint32_t material, bool entering) {
         leave(m, slot, material);
 }
 
+/* Of the volumes but the one at `skip`: the highest priority fills the space, and of equals the innermost.
+ * The count: none. */
+static uint32_t filling(const media *m, uint32_t slot, uint32_t skip) {
+    const uint32_t count = m->count[slot];
+    uint32_t best = count;
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t priority = m->shaders[m->in[slot][k]].priority;
+        if (k != skip && (best == count || priority >= m->shaders[m->in[slot][best]].priority)) best = k;
+    }
+    return best;
+}
+
+static const shader *shader_at(const media *m, uint32_t slot, uint32_t at) {
+    return at < m->count[slot] ? &m->shaders[m->in[slot][at]] : NULL;
+}
+
 /* NULL: empty space. */
-static const shader *innermost(const media *m, uint32_t slot) {
-    return m->count[slot] ? &m->shaders[m->in[slot][m->count[slot] - 1]] : NULL;
+static const shader *filled_by(const media *m, uint32_t slot) {
+    return shader_at(m, slot, filling(m, slot, MOST));
+}
+
+bool media_meet(const media *m, uint32_t slot, uint32_t material, bool entering, float *around) {
+    const uint32_t own = entering ? MOST : place_of(m, slot, material);
+    const uint32_t at = filling(m, slot, own), priority = m->shaders[material].priority;
+    const shader *other = shader_at(m, slot, at);
+    *around = 1;
+    if (!other || !other->priority) return true;
+    *around = other->ior;
+    return other->priority <= priority && m->in[slot][at] != material;
 }
 
 bool media_absorbs(const media *m, uint32_t slot) {
-    const shader *s = innermost(m, slot);
+    const shader *s = filled_by(m, slot);
     return s && (s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0);
 }
 
@@ -57,7 +89,7 @@ static void left_in(const shader *s, float length, float left[3]) {
 }
 
 void media_left(const media *m, uint32_t slot, float length, float left[3]) {
-    left_in(innermost(m, slot), length, left);
+    left_in(filled_by(m, slot), length, left);
 }
 
 void media_left_behind(const media *m, uint32_t slot, uint32_t material, bool entering, float length,
@@ -66,9 +98,5 @@ void media_left_behind(const media *m, uint32_t slot, uint32_t material, bool en
         left_in(&m->shaders[material], length, left);
         return;
     }
-    uint32_t k = m->count[slot];
-    while (k && m->in[slot][k - 1] != material) --k;
-    const bool innermost_left = k == m->count[slot];
-    const uint32_t behind = innermost_left && k ? k - 1 : m->count[slot];
-    left_in(behind ? &m->shaders[m->in[slot][behind - 1]] : NULL, length, left);
+    left_in(shader_at(m, slot, filling(m, slot, place_of(m, slot, material))), length, left);
 }

@@ -1,4 +1,6 @@
-/* The absorbing volumes around each path of a wave: closed surfaces that it has entered and not left. */
+/* The volumes around each path of a wave: closed surfaces that it has entered and not left. Where they
+ * overlap the one of the highest priority fills the space (Schmidt & Budge, "Simple Nested Dielectrics in Ray
+ * Traced Images", 2002); of equals, and without priorities, the one that was entered last. */
 #ifndef INTEGRATE_MEDIA_H
 #define INTEGRATE_MEDIA_H
 
@@ -13,6 +15,9 @@ media *media_create(const shader *shaders);
 void media_clear(media *m);
 /* The path crosses a surface of this material. */
 void media_cross(media *m, uint32_t slot, uint32_t material, bool entering);
+/* The path meets a surface of a material that has a priority. False: the surface is not there, because
+ * another volume fills the space on both of its sides. around: the index of what fills it on the outside. */
+bool media_meet(const media *m, uint32_t slot, uint32_t material, bool entering, float *around);
 /* The volume that it is in absorbs light. */
 bool media_absorbs(const media *m, uint32_t slot);
 /* Part of the light that is left after a way through the volume: exp(-sigma length) (Beer and Lambert). */

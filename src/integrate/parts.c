@@ -122,10 +122,6 @@ bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings) {
     return settings->max_depth && parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT);
 }
 
-bool parts_first_hits(const fathom_settings *settings) {
-    return settings->aovs & ~(unsigned)(FATHOM_AOV_SAMPLES | FATHOM_AOV_ERROR);
-}
-
 /* ---- in words ---- */
 
 bool left_out_tell(left_out_list *list, const char *what, const char *why) {
@@ -159,8 +155,10 @@ static bool tell_shapes(const world *w, left_out_list *list) {
 }
 
 static bool tell_stages(const fathom_settings *s, bool repair, left_out_list *list) {
+    const film_parts parts = film_parts_of(s->aovs);
     const wording words[] = {
-        {parts_first_hits(s), "buffers of AOVs", "no AOV of first hits is asked for"},
+        {parts.hits, "buffers of AOVs", "no AOV of first hits is asked for"},
+        {parts.layers, "layers of light", "no AOV asks for a part of the light"},
         {repair, "watertight repair", "there is no closed mesh that the tracer could leak"},
         {s->target_error > 0 || s->max_time > 0, "error estimates", "every pixel gets as many samples"}};
     return tell_unneeded(words, sizeof words / sizeof *words, list);

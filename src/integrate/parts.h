@@ -31,7 +31,6 @@ bool parts_background(const fathom_scene *scene); /* it is not black */
 bool parts_ambient(const fathom_scene *scene);    /* the same of the ambient light */
 bool parts_smooth(const world *w);                /* a mesh has shading normals */
 bool parts_bounces(const fathom_scene *scene, const fathom_settings *settings);
-bool parts_first_hits(const fathom_settings *settings); /* AOVs are made of them */
 
 /* Adds a line. Both: false when out of memory. */
 bool left_out_tell(left_out_list *list, const char *what, const char *why);

@@ -23,12 +23,17 @@ typedef struct path_wave {
     /* Surfaces passed as if they were not there, and the way from the vertex to the last of them. */
     uint32_t passes[WAVE_SLOTS];
     float passed[WAVE_SLOTS];
-    media *media; /* NULL: no volume absorbs light */
+    media *media;                /* NULL: no volume absorbs light or has a priority */
+    uint8_t channel[WAVE_SLOTS]; /* that the path carries alone, from 1; 0: all three */
+    shader hidden;               /* a surface inside a volume of a higher priority */
 } path_wave;
+
+/* How often the path was scattered before the vertex it is at. */
+static uint32_t scattered(const path_wave *p, uint32_t slot) { return p->depth - p->passes[slot]; }
 
 /* The path may only pass what it meets: it has had its bounces. */
 static bool is_done(const path_wave *p, uint32_t slot) {
-    return p->depth - p->passes[slot] >= p->wave.run.plan->max_depth;
+    return scattered(p, slot) >= p->wave.run.plan->max_depth;
 }
 
 /* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
@@ -61,8 +66,13 @@ static vec3_f32 of_lane(const lanes3 from, unsigned i) {
 static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i,
                       const float radiance[3], float density) {
     const float share = power_heuristic(p->density[slot], density);
-    for (int c = 0; c < 3; ++c)
-        p->wave.run.samples.radiance[c][slot] += limited(path->weight[c][i] * (radiance[c] * share));
+    float rgb[3];
+    for (int c = 0; c < 3; ++c) {
+        rgb[c] = limited(path->weight[c][i] * (radiance[c] * share));
+        p->wave.run.samples.radiance[c][slot] += rgb[c];
+    }
+    if (p->wave.run.samples.layers)
+        wave_add_layers(&p->wave, slot, (light_tag){(uint8_t)light_kind_of(scattered(p, slot))}, rgb);
 }
 
 static void add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
@@ -113,15 +123,69 @@ static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
 }
 
+/* The lanes, as bits, whose surfaces are not there, and the indices around the others. */
+static uint32_t meet_volumes(const path_wave *p, const vertex_block *v, float around[LANES]) {
+    uint32_t hidden = 0;
+    for (unsigned i = 0; i < LANES; ++i) {
+        const shader *s = v->shader.at[i];
+        around[i] = 1;
+        if (!s->encloses || !s->priority) continue;
+        if (!media_meet(p->media, v->path.slot[i], v->surface.material[i], v->surface.entering[i] != 0,
+                        &around[i]))
+            hidden |= 1u << i;
+    }
+    return hidden;
+}
+
+static void hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES], uint32_t hidden) {
+    wave *w = &p->wave;
+    for (unsigned i = 0; i < LANES; ++i) {
+        const uint32_t material = v->surface.material[i];
+        shader *made = &w->made[v - w->vertices][i];
+        if (hidden >> i & 1) {
+            v->shader.at[i] = &p->hidden;
+        } else if (around[i] != 1 && v->shader.at[i] != made) {
+            fathom_material m = w->run.plan->scene->materials.items[material].value;
+            m.ior /= around[i];
+            shader_prepare(&m, made);
+            v->shader.at[i] = made;
+        }
+    }
+}
+
+/* Neighbouring samples of a pixel take the channels in turns; which one begins is a matter of chance. */
+static void choose_channels(const path_wave *p, vertex_block *v) {
+    for (unsigned i = 0; i < LANES; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        const uint32_t turn = (uint32_t)((p->index[slot] + (p->pixel[slot] >> 40)) % 3);
+        v->shader.channel[i] = p->channel[slot] ? p->channel[slot] : 1 + turn;
+    }
+}
+
+/* Light that is another one for each channel counts three times in one of them. crosses: the surface. True:
+ * from there on the path carries that channel alone. */
+static bool part_channels(const path_wave *p, const vertex_block *v, unsigned i, bool crosses, float rgb[3]) {
+    const bool inside = !v->surface.entering[i];
+    if (!(v->shader.at[i]->lobes & SHADER_DISPERSIVE) || p->channel[v->path.slot[i]]) return false;
+    if (!crosses && !inside) return false;
+    for (uint32_t c = 0; c < 3; ++c) rgb[c] *= c + 1 == v->shader.channel[i] ? 3 : 0;
+    return true;
+}
+
 /* The materials at the points. */
 static void find_shaders(path_wave *p, vertex_block *v) {
     wave *w = &p->wave;
     const render_plan *plan = w->run.plan;
-    float width[LANES];
+    float width[LANES], around[LANES];
     for (int i = 0; i < LANES; ++i) v->shader.at[i] = &plan->shaders[v->surface.material[i]];
-    if (!plan->texturing) return;
-    for (unsigned i = 0; i < LANES; ++i) width[i] = width_at(p, v, i);
-    texturing_shade(plan->texturing, w->gather, width, &v->surface, w->made[v - w->vertices], v->shader.at);
+    const uint32_t hidden = plan->nested ? meet_volumes(p, v, around) : 0;
+    if (plan->texturing) {
+        for (unsigned i = 0; i < LANES; ++i) width[i] = width_at(p, v, i);
+        texturing_shade(plan->texturing, w->gather, width, plan->nested ? around : NULL, &v->surface,
+                        w->made[v - w->vertices], v->shader.at);
+    }
+    if (plan->nested) hide_surfaces(p, v, around, hidden);
+    if (plan->dispersive) choose_channels(p, v);
 }
 
 static void begin_vertices(wave *w, vertex_block *v) {
@@ -208,6 +272,19 @@ static void note_depths(const vertex_block *v, const emitter_sample *light, cons
     }
 }
 
+static void part_gains(const path_wave *p, const vertex_block *v, const uint32_t behind[LANES], lanes3 gain) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        float rgb[3] = {gain[0][i], gain[1][i], gain[2][i]};
+        if (!part_channels(p, v, i, behind[i] != 0, rgb)) continue;
+        for (int c = 0; c < 3; ++c) gain[c][i] = rgb[c];
+    }
+}
+
+static void note_tags(const path_wave *p, const vertex_block *v, shadow_depths *out) {
+    for (unsigned i = 0; i < LANES; ++i)
+        out->tag[i].kind = (uint8_t)light_kind_of(scattered(p, v->path.slot[i]) + 1);
+}
+
 static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     const render_plan *plan = p->wave.run.plan;
     const vertex_block *v = &p->wave.vertices[block];
@@ -226,7 +303,9 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     weigh(p, v, &light, f, density, gain);
     aim(&v->surface, &light, &ray, behind);
     if (p->media) dim_by_media(p, v, &ray, behind, gain);
+    if (plan->dispersive) part_gains(p, v, behind, gain);
     note_depths(v, &light, &ray, behind, &depths);
+    if (p->wave.run.samples.layers) note_tags(p, v, &depths);
     wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
 }
 
@@ -258,11 +337,13 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
 /* The vertex that the ray leaves. One that the ray passes straight is none: what is met next is weighed as if
  * the ray came from the vertex before. */
 static void leave_vertex(path_wave *p, const surface_block *s, const shader_sample *to, unsigned i, bool both,
-                         uint32_t slot) {
+                         bool hidden, uint32_t slot) {
     if (to->straight[i]) {
         const vec3_f32 way = sub_f32(of_lane(s->p, i), of_slot(p->p, slot));
         p->passed[slot] = sqrtf(dot_f32(way, way));
         ++p->passes[slot];
+        /* Lights asked for at the vertex before are not seen past a hidden surface. */
+        if (hidden) p->density[slot] = INFINITY;
         return;
     }
     for (int c = 0; c < 3; ++c) {
@@ -293,10 +374,11 @@ static void push_path(path_wave *p, const vertex_block *v, const shader_sample *
     rays->t_far[lane] = INFINITY;
     if (w->run.plan->texturing && !to->straight[i]) widen_cone(p, v, to, i);
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = weight[c];
-    leave_vertex(p, s, to, i, both, slot);
+    const bool hidden = v->shader.at[i] == &p->hidden;
+    leave_vertex(p, s, to, i, both, hidden, slot);
     path->slot[lane] = slot;
     path->depth[lane] = through ? v->depth_behind[i] : v->path.depth[i];
-    if (through && !to->straight[i] && p->media && w->run.plan->shaders[s->material[i]].encloses)
+    if (through && (!to->straight[i] || hidden) && p->media && w->run.plan->shaders[s->material[i]].encloses)
         media_cross(p->media, slot, s->material[i], s->entering[i] != 0);
     w->run.rays.refraction += through;
     w->run.rays.reflection += !through;
@@ -324,6 +406,9 @@ static void push_paths(path_wave *p, size_t block, const float choice[LANES]) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         float weight[3];
         for (int c = 0; c < 3; ++c) weight[c] = limited(v->path.weight[c][i] * to.weight[c][i]);
+        if (p->wave.run.plan->dispersive && !to.straight[i] &&
+            part_channels(p, v, i, to.through[i] != 0, weight))
+            p->channel[v->path.slot[i]] = (uint8_t)v->shader.channel[i];
         if (goes_on(p, weight, roulette[0][i])) push_path(p, v, &to, weight, i);
     }
 }
@@ -374,6 +459,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->passes[k] = 0, p->passed[k] = 0;
     }
     if (p->media) media_clear(p->media);
+    if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
 }
 
 /* Paths of a camera that moves begin where it was. */
@@ -389,8 +475,7 @@ static void begin_at_eyes(path_wave *p) {
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     path_wave *p = (path_wave *)state;
     wave *w = &p->wave;
-    memset(w->run.samples.radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
-    if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
+    wave_begin_samples(w);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
     if (w->run.plan->camera_moves) begin_at_eyes(p);
@@ -415,7 +500,8 @@ static integration *create(const render_plan *plan, const atomic_bool *stop) {
         free(p);
         return NULL;
     }
-    if (plan->absorbs && !(p->media = media_create(plan->shaders))) {
+    shader_prepare_hole(&p->hidden);
+    if ((plan->absorbs || plan->nested) && !(p->media = media_create(plan->shaders))) {
         destroy(&p->wave.run);
         return NULL;
     }

@@ -59,7 +59,9 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
         shader_prepare(&scene->materials.items[i].value, s);
         const bool holes = plan->texturing && texturing_may_cover(plan->texturing, (fathom_id)i);
         plan->crosses |= s->transmits || holes;
-        plan->covered |= s->hole > 0 || holes;
+        plan->nested |= s->encloses && s->priority;
+        plan->dispersive |= (s->lobes & SHADER_DISPERSIVE) != 0;
+        plan->covered |= s->hole > 0 || holes || plan->nested;
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
     }
     return FATHOM_OK;
@@ -90,7 +92,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
 
 static fathom_status plan_reference(fathom_context *context, render_plan *plan) {
     const fathom_settings *s = &plan->settings;
-    if (plan->first_hits)
+    if (plan->parts.hits || plan->parts.layers)
         return fail_field(context, FATHOM_BAD_USAGE, "aovs",
                           "the reference integrator makes none but samples");
     if (plan->texturing)
@@ -199,7 +201,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);
-    plan->first_hits = parts_first_hits(settings);
+    plan->parts = film_parts_of(settings->aovs);
     camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
     plan->sampler =
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};

@@ -46,12 +46,14 @@ typedef struct render_plan {
     light_surface *light_surfaces; /* what lights[].surfaces point to */
     unsigned features;             /* MATERIAL_ bits of the materials in use */
     bool background;               /* it is not black */
-    bool first_hits;               /* AOVs are made of them */
+    film_parts parts;              /* what the AOVs are made of */
     uint32_t max_depth;            /* 0 when nothing mirrors or refracts */
     float t_near;                  /* 0, or the fixed epsilon */
     bool lifts;                    /* shadow rays of smooth meshes begin above their facets */
     bool crosses;                  /* paths may go on behind a surface */
     bool absorbs;                  /* some volume does */
+    bool nested;                   /* some volume has a priority */
+    bool dispersive;               /* some volume parts the colours */
     bool covered;                  /* path tracing: some surface is there in part */
     bool moves;                    /* path tracing: something moves while the shutter is open, */
     bool camera_moves;             /* the camera, too */

@@ -14,6 +14,12 @@ const char *reference_lacks(const fathom_material *m) {
     const bool plain = m->specular_factor == 1 && s[0] == 1 && s[1] == 1 && s[2] == 1;
     if (m->model == FATHOM_MODEL_CLASSIC) return NULL;
     if (m->clearcoat > 0) return "clearcoat";
+    if (largest(color_of(m->sheen_color)) > 0) return "sheen_color";
+    if (m->anisotropy > 0) return "anisotropy";
+    if (m->iridescence > 0) return "iridescence";
+    if (m->diffuse_transmission > 0) return "diffuse_transmission";
+    if (reference_refracts(m) && m->dispersion > 0) return "dispersion";
+    if (reference_refracts(m) && m->priority > 0) return "priority";
     if (m->multiscatter && m->roughness > 0 &&
         (m->metallic > 0 || m->specular_factor > 0 || m->transmission > 0))
         return "multiscatter";

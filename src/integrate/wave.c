@@ -69,6 +69,11 @@ bool wave_reserve_shadows(wave *w, size_t count) {
         queue->ends = malloc(queue->capacity * sizeof *queue->ends);
         w->run.out_of_memory |= !queue->ends;
     }
+    if (w->run.samples.layers) {
+        free(queue->tags);
+        queue->tags = malloc(queue->capacity * sizeof *queue->tags);
+        w->run.out_of_memory |= !queue->tags;
+    }
     return !w->run.out_of_memory;
 }
 
@@ -79,7 +84,7 @@ bool wave_reserve_vertices(wave *w, size_t count) {
     bool ok = grow_single(w, &items, sizeof *w->vertices, wave_blocks(w->vertex_count), room / LANES);
     w->vertices = items;
     items = w->made;
-    const bool varies = w->run.plan->texturing && w->run.plan->shaders;
+    const bool varies = (w->run.plan->texturing || w->run.plan->nested) && w->run.plan->shaders;
     if (ok && varies)
         ok = grow_single(w, &items, sizeof *w->made, wave_blocks(w->vertex_count), room / LANES);
     w->made = items;
@@ -104,13 +109,15 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_st
     float *radiance = calloc((loses ? 6 : 3) * WAVE_SLOTS, sizeof *radiance);
     for (int c = 0; c < 3; ++c) samples->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
     for (int c = 0; c < 3; ++c) out->lost[c] = radiance && loses ? radiance + (3 + c) * WAVE_SLOTS : NULL;
-    if (plan->first_hits) samples->first = malloc(sizeof *samples->first);
+    if (plan->parts.hits) samples->first = malloc(sizeof *samples->first);
+    if (plan->parts.layers) samples->layers = malloc(3 * plan->parts.layers * sizeof *samples->layers);
     if (plan->moves) out->times = calloc(WAVE_SLOTS, sizeof *out->times);
     void *gather = NULL;
     if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
     bool ok = radiance && out->gather && (out->times || !plan->moves) &&
-              (samples->first || !plan->first_hits) && wave_reserve_paths(out, &out->now, WAVE_SLOTS) &&
-              wave_reserve_vertices(out, WAVE_SLOTS) && wave_reserve_shadows(out, WAVE_SLOTS);
+              (samples->first || !plan->parts.hits) && (samples->layers || !plan->parts.layers) &&
+              wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_vertices(out, WAVE_SLOTS) &&
+              wave_reserve_shadows(out, WAVE_SLOTS);
     if (!ok) wave_destroy(out);
     return ok;
 }
@@ -124,6 +131,7 @@ void wave_destroy(wave *w) {
     free(w->shadows.shadows);
     free(w->shadows.sources);
     free(w->shadows.ends);
+    free(w->shadows.tags);
     free(w->vertices);
     free(w->made);
     free(w->refracted);
@@ -131,6 +139,7 @@ void wave_destroy(wave *w) {
     free(w->times);
     free(w->run.samples.radiance[0]);
     free(w->run.samples.first);
+    free(w->run.samples.layers);
     *w = (wave){.run = {.plan = NULL}};
 }
 
@@ -159,6 +168,18 @@ bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence) {
         repair(w, done, piece);
     }
     return true;
+}
+
+void wave_begin_samples(wave *w) {
+    wave_samples *samples = &w->run.samples;
+    memset(samples->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    if (samples->layers) memset(samples->layers, 0, 3 * w->run.plan->parts.layers * sizeof *samples->layers);
+    if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
+}
+
+void wave_add_layers(wave *w, uint32_t slot, light_tag tag, const float rgb[3]) {
+    const int layer = w->run.plan->parts.kinds[tag.kind];
+    for (int c = 0; layer >= 0 && c < 3; ++c) w->run.samples.layers[3 * layer + c][slot] += rgb[c];
 }
 
 void wave_count_rays(const wave *w) {

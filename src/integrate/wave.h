@@ -33,10 +33,16 @@ typedef struct shadow_source {
     uint32_t vertex, light;
 } shadow_source;
 
+/* Where light counts besides in its sample: see film_parts. */
+typedef struct light_tag {
+    uint8_t kind; /* light_kind */
+} light_tag;
+
 /* How long a shadow ray is, and whether rays can meet its light by chance. */
 typedef struct shadow_end {
     float length;
     bool sized;
+    light_tag tag;
 } shadow_end;
 
 /* Shadow rays. While it is filled, whole blocks and single rays come in turns: one block is open, wherever it
@@ -50,12 +56,14 @@ typedef struct shadow_queue {
     size_t capacity;        /* in rays, a multiple of 16 */
     shadow_source *sources; /* by ray; NULL: no vertex is lifted off its facet */
     shadow_end *ends;       /* by ray; NULL: no ray is walked */
+    light_tag *tags;        /* by ray; NULL: there are no layers */
 } shadow_queue;
 
-/* Closed meshes around the two ends of a block's shadow rays (see trace/watertight/watertight.h), and whether
- * rays can meet their lights by chance. */
+/* Closed meshes around the two ends of a block's shadow rays (see trace/watertight/watertight.h), whether
+ * rays can meet their lights by chance, and where there are layers the tags of their light. */
 typedef struct shadow_depths {
     uint8_t start[LANES], end[LANES], sized[LANES];
+    light_tag tag[LANES];
 } shadow_depths;
 
 typedef struct wave wave;
@@ -82,6 +90,7 @@ struct wave {
     shader (*made)[LANES]; /* by block of vertices, where materials vary over surfaces; else NULL */
     float *times;          /* by slot, of the shutter; NULL: nothing moves */
     float *lost[3];        /* by slot, what was left out; NULL: nothing may be */
+    uint32_t bounces;      /* the classic integrator's: of the rays of `now` */
 };
 
 bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_stages *stages, wave *out);
@@ -102,6 +111,8 @@ static inline unsigned wave_lanes(size_t count, size_t done) {
 
 /* ---- the stages, in order ---- */
 
+/* No light in any sample, and no rays counted. */
+void wave_begin_samples(wave *w);
 /* Fills `now` with the camera's rays of a batch. */
 bool wave_camera_rays(wave *w, const wave_region *region, const wave_batch *batch);
 /* The time of a sample, in [0, 1) of the shutter, and the camera as it is then. */
@@ -124,6 +135,15 @@ bool wave_cast_shadows(wave *w, trace_coherence coherence);
 /* Looks again at the shadow rays that met something and began above a facet: the facet itself may see the
  * light. See wave_lifted.c. */
 void wave_look_from_facets(wave *w, trace_coherence coherence);
+
+/* ---- layers: parts of the light that AOVs ask for ---- */
+
+/* Light that was scattered so often. */
+static inline light_kind light_kind_of(uint32_t scattered) {
+    return scattered > 1 ? LIGHT_INDIRECT : scattered ? LIGHT_DIRECT : LIGHT_EMISSION;
+}
+/* Only where there are layers: adds to them what samples.radiance gets, in the same order. */
+void wave_add_layers(wave *w, uint32_t slot, light_tag tag, const float rgb[3]);
 
 /* Shadow rays that are walked; see wave_walk.c. Before they are cast: keeps their lengths. False: no memory.
  */

@@ -9,7 +9,7 @@ bool wave_begin_shadows(wave *w) {
     return wave_reserve_shadows(w, w->vertex_count + LANES);
 }
 
-static void note_source(shadow_queue *queue, size_t ray, size_t vertex, uint32_t light) {
+static void note_source(const shadow_queue *queue, size_t ray, size_t vertex, uint32_t light) {
     if (queue->sources) queue->sources[ray] = (shadow_source){(uint32_t)vertex, light};
 }
 
@@ -19,6 +19,7 @@ static void push_block(shadow_queue *queue, const vertex_block *v, size_t vertex
     shadow_block *shadows = &queue->shadows[queue->blocks];
     for (unsigned i = 0; queue->sources && i < LANES; ++i)
         note_source(queue, queue->blocks * LANES + i, vertex + i, light);
+    if (queue->tags) memcpy(queue->tags + queue->blocks * LANES, depths->tag, sizeof depths->tag);
     ++queue->blocks;
     memcpy(shadows->gain, gain, sizeof shadows->gain);
     memcpy(shadows->slot, v->path.slot, sizeof shadows->slot);
@@ -38,6 +39,7 @@ static void push_lane(shadow_queue *queue, const trace_rays *rays, const vertex_
     shadows->slot[lane] = v->path.slot[i];
     shadows->depth[lane] = depths->start[i];
     shadows->end_depth[lane] = depths->end[i], shadows->sized[lane] = depths->sized[i];
+    if (queue->tags) queue->tags[queue->open * LANES + lane] = depths->tag[i];
     queue->filled = (lane + 1) % LANES;
 }
 
@@ -68,6 +70,13 @@ static void swap_sources(shadow_source *sources, size_t a, size_t b) {
     memcpy(sources + b * LANES, kept, sizeof kept);
 }
 
+static void swap_tags(light_tag *tags, size_t a, size_t b) {
+    light_tag kept[LANES];
+    memcpy(kept, tags + a * LANES, sizeof kept);
+    memcpy(tags + a * LANES, tags + b * LANES, sizeof kept);
+    memcpy(tags + b * LANES, kept, sizeof kept);
+}
+
 /* The open block becomes the last one. */
 static void close_queue(shadow_queue *queue) {
     queue->count = queue->blocks * LANES;
@@ -79,6 +88,7 @@ static void close_queue(shadow_queue *queue) {
         queue->rays[last] = queue->rays[open], queue->shadows[last] = queue->shadows[open];
         queue->rays[open] = rays, queue->shadows[open] = shadows;
         if (queue->sources) swap_sources(queue->sources, last, open);
+        if (queue->tags) swap_tags(queue->tags, last, open);
     }
     queue->count -= LANES - queue->filled;
 }
@@ -102,6 +112,16 @@ static void add_seen(wave *w) {
                                        wave_lanes(queue->count, done), w->run.samples.radiance);
 }
 
+static void add_seen_layers(wave *w) {
+    const shadow_queue *queue = &w->shadows;
+    for (size_t k = 0; k < queue->count; ++k) {
+        const shadow_block *s = &queue->shadows[k / LANES];
+        const size_t i = k % LANES;
+        const float gain[3] = {s->gain[0][i], s->gain[1][i], s->gain[2][i]};
+        if (!(queue->rays[k / LANES].t_far[i] < 0)) wave_add_layers(w, s->slot[i], queue->tags[k], gain);
+    }
+}
+
 bool wave_cast_shadows(wave *w, trace_coherence coherence) {
     shadow_queue *queue = &w->shadows;
     const size_t piece = trace_piece(w->run.plan->tracer);
@@ -120,5 +140,6 @@ bool wave_cast_shadows(wave *w, trace_coherence coherence) {
     if (w->run.plan->lifts) wave_look_from_facets(w, coherence);
     if (walks) wave_take_shadows(w);
     add_seen(w);
+    if (queue->tags) add_seen_layers(w);
     return !walks || wave_walk_shadows(w);
 }

@@ -15,7 +15,8 @@ bool wave_note_ends(wave *w) {
     if (!wave_reserve_paths(w, &w->now, queue->count)) return false;
     for (size_t k = 0; k < queue->count; ++k)
         queue->ends[k] = (shadow_end){queue->rays[k / LANES].t_far[k % LANES],
-                                      queue->shadows[k / LANES].sized[k % LANES] != 0};
+                                      queue->shadows[k / LANES].sized[k % LANES] != 0,
+                                      queue->tags ? queue->tags[k] : (light_tag){0}};
     return true;
 }
 
@@ -45,8 +46,10 @@ void wave_take_shadows(wave *w) {
     }
 }
 
-static void add_reached(wave *w, const path_block *path, size_t lane) {
-    for (int c = 0; c < 3; ++c) w->run.samples.radiance[c][path->slot[lane]] += path->weight[c][lane];
+static void add_reached(wave *w, const path_block *path, size_t lane, light_tag tag) {
+    const float gain[3] = {path->weight[0][lane], path->weight[1][lane], path->weight[2][lane]};
+    for (int c = 0; c < 3; ++c) w->run.samples.radiance[c][path->slot[lane]] += gain[c];
+    if (w->run.samples.layers) wave_add_layers(w, path->slot[lane], tag, gain);
 }
 
 static float passed_part(const wave *w, unsigned i, bool sized) {
@@ -83,7 +86,7 @@ static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, fl
     for (int c = 0; c < 3; ++c) to->weight[c][lane] = path->weight[c][old] * part;
     to->slot[lane] = path->slot[old], to->depth[lane] = depth;
     if (!(end.length > 0)) {
-        add_reached(w, to, lane);
+        add_reached(w, to, lane, end.tag);
         return;
     }
     trace_rays *rays = &w->now.rays[w->now.count / LANES].rays;
@@ -123,8 +126,10 @@ bool wave_walk_shadows(wave *w) {
             const trace_block *block = &w->now.rays[done / LANES];
             const uint32_t lanes = (1u << wave_lanes(count, done)) - 1,
                            met = w->run.plan->kernels->met(&block->hits) & lanes;
-            for (uint32_t seen = lanes & ~met; seen; seen &= seen - 1)
-                add_reached(w, &w->now.paths[done / LANES], (size_t)__builtin_ctz(seen));
+            for (uint32_t seen = lanes & ~met; seen; seen &= seen - 1) {
+                const size_t i = (size_t)__builtin_ctz(seen);
+                add_reached(w, &w->now.paths[done / LANES], i, w->shadows.ends[done + i].tag);
+            }
             pass_surfaces(w, done, met);
         }
     }

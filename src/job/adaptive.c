@@ -11,13 +11,39 @@ static const double rounding = 0x1p-48;
 bool adaptive_create(const render_plan *plan, adaptive_wave *out) {
     out->sampler = plan->sampler;
     out->kernels = film_kernels_best();
-    out->hits = plan->first_hits ? malloc(sizeof *out->hits) : NULL;
-    return out->hits || !plan->first_hits;
+    out->parts = plan->parts;
+    out->hits = plan->parts.hits ? malloc(sizeof *out->hits) : NULL;
+    const size_t layers = adaptive_layer_count(plan->parts);
+    out->layers = layers ? malloc(layers * sizeof *out->layers) : NULL;
+    if ((out->hits || !plan->parts.hits) && (out->layers || !layers)) return true;
+    adaptive_destroy(out);
+    return false;
 }
 
 void adaptive_destroy(adaptive_wave *a) {
     free(a->hits);
-    a->hits = NULL;
+    free(a->layers);
+    a->hits = NULL, a->layers = NULL;
+}
+
+size_t adaptive_bytes(film_parts parts) {
+    return adaptive_layer_count(parts) * WAVE_SLOTS * sizeof(double) + (parts.hits ? sizeof(hit_sums) : 0);
+}
+
+adaptive_view *adaptive_view_create(const render_plan *plan) {
+    adaptive_view *view = malloc(sizeof *view);
+    film_parts parts = plan->parts;
+    parts.hits = false;
+    if (view && pixel_sums_create(&plan->sampler, SAMPLE_GROUPS, parts, &view->sums)) return view;
+    free(view);
+    return NULL;
+}
+
+void adaptive_view_destroy(adaptive_view *view) {
+    if (!view) return;
+    view->sums.hits = NULL; /* a wave's */
+    pixel_sums_destroy(&view->sums);
+    free(view);
 }
 
 void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adaptive_wave *a) {
@@ -30,6 +56,7 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
     memset(a->runs, 0, sizeof a->runs);
     memset(a->seen, 0, sizeof a->seen);
     if (a->hits) hit_sums_clear(a->hits);
+    if (a->layers) memset(a->layers, 0, adaptive_layer_count(a->parts) * sizeof *a->layers);
     for (uint32_t r = 0; r < ADAPTIVE_RUNS; ++r) {
         for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->runs[r].square_error[s] = INFINITY;
         a->runs[r].error = a->runs[r].priority = INFINITY;
@@ -162,6 +189,7 @@ typedef struct pass {
     integration *work;
     adaptive_wave *a;
     adaptive_run *r;
+    uint32_t run; /* which one `r` is */
     adaptive_limit *limit;
     wave_batch batch;
     uint8_t square[WAVE_SQUARES]; /* of the wave, by place in the batch */
@@ -170,8 +198,20 @@ typedef struct pass {
 
 static uint32_t doubled(uint32_t done) { return done ? 2 * done : 1; }
 
+static void copy_layers(const pass *p, uint32_t s) {
+    for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
+        double(*from)[WAVE_SLOTS] = adaptive_layers(p->a, 1 - p->run, g),
+        (*to)[WAVE_SLOTS] = adaptive_layers(p->a, p->run, g);
+        for (uint32_t k = 0; k < 3 * p->a->parts.layers; ++k)
+            memcpy(to[k] + s * LANES, from[k] + s * LANES, LANES * sizeof(double));
+    }
+}
+
 /* Sums in the same order of samples are the same bits. */
-static void copy_square(const adaptive_run *from, uint32_t s, adaptive_run *to) {
+static void copy_square(const pass *p, uint32_t s) {
+    const adaptive_run *from = &p->a->runs[1 - p->run];
+    adaptive_run *to = p->r;
+    if (p->a->layers) copy_layers(p, s);
     for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
         for (int c = 0; c < 3; ++c)
             memcpy(to->rgb[g][c] + s * LANES, from->rgb[g][c] + s * LANES, LANES * sizeof(double));
@@ -181,12 +221,13 @@ static void copy_square(const adaptive_run *from, uint32_t s, adaptive_run *to) 
 }
 
 /* Returns how many are left to sample, in front. */
-static uint32_t copy_squares(const adaptive_run *other, adaptive_run *r, uint8_t *squares, uint32_t count) {
+static uint32_t copy_squares(const pass *p, uint8_t *squares, uint32_t count) {
+    const adaptive_run *other = &p->a->runs[1 - p->run];
     uint32_t left = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t s = squares[i];
-        if (other->done[s] == doubled(r->done[s]))
-            copy_square(other, s, r);
+        if (other->done[s] == doubled(p->r->done[s]))
+            copy_square(p, s);
         else
             squares[left++] = (uint8_t)s;
     }
@@ -201,6 +242,10 @@ static void add_square(pass *p, uint32_t place) {
     for (int c = 0; c < 3; ++c) {
         a->kernels->add_samples(p->work->samples.radiance[c] + place * LANES, LANES,
                                 r->rgb[group][c] + s * LANES);
+    }
+    for (uint32_t k = 0; a->layers && k < 3 * a->parts.layers; ++k) {
+        a->kernels->add_samples(p->work->samples.layers[k] + place * LANES, LANES,
+                                adaptive_layers(a, p->run, group)[k] + s * LANES);
     }
     r->rays[group % 2][s] += p->rays[place];
     if (r->taken[s]++ < a->seen[s]) return;
@@ -265,9 +310,9 @@ adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adap
     const uint32_t count = list_chosen(chosen, all);
     if (!count) return ADAPTIVE_FINISHED;
     memcpy(squares, all, sizeof squares);
-    pass p = {.work = work, .a = a, .r = r, .limit = limit};
+    pass p = {.work = work, .a = a, .r = r, .run = run, .limit = limit};
     work->square_rays = p.rays;
-    adaptive_result result = take_samples(&p, squares, copy_squares(&a->runs[1 - run], r, squares, count));
+    adaptive_result result = take_samples(&p, squares, copy_squares(&p, squares, count));
     work->square_rays = NULL;
     if (result != ADAPTIVE_PASSED) return result;
     for (uint32_t i = 0; i < count; ++i) {
@@ -280,6 +325,16 @@ adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adap
 }
 
 /* ---- the image ---- */
+
+static void show_layers(const adaptive_wave *a, uint32_t run, uint32_t group, uint32_t s, double scale,
+                        const adaptive_view *v) {
+    double(*from)[WAVE_SLOTS] = adaptive_layers(a, run, group);
+    for (uint32_t i = 0; i < 3 * a->parts.layers; ++i) {
+        double *to = v->sums.layers[i] + s * LANES;
+        for (int k = 0; k < LANES; ++k)
+            to[k] = (group ? to[k] : 0) + from[i][s * LANES + (uint32_t)k] * scale;
+    }
+}
 
 /* Groups of the image's two means, scaled to as many samples each: their mean is the mean of both means. A
  * group is of the run that the other half decides for. */
@@ -296,15 +351,18 @@ static void show_means(const adaptive_wave *a, uint32_t s, adaptive_view *v) {
             const double *from = a->runs[1 - g % 2].rgb[g][c] + s * LANES;
             for (int k = 0; k < LANES; ++k) v->sums.rgb[g][c][s * LANES + (uint32_t)k] = from[k] * scale;
         }
+        show_layers(a, 1 - g % 2, g, s, scale, v);
     }
 }
 
 /* Before every group has a sample nothing was decided: all that there is. */
-static void show_few(const adaptive_run *r, uint32_t s, adaptive_view *v) {
+static void show_few(const adaptive_wave *a, uint32_t run, uint32_t s, adaptive_view *v) {
+    const adaptive_run *r = &a->runs[run];
     v->samples[s] = r->taken[s];
     for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
         for (int c = 0; c < 3; ++c)
             memcpy(v->sums.rgb[g][c] + s * LANES, r->rgb[g][c] + s * LANES, LANES * sizeof(double));
+        show_layers(a, run, g, s, 1, v);
     }
 }
 
@@ -322,12 +380,10 @@ static double image_error(const adaptive_wave *a, const adaptive_view *v, uint32
 unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film, adaptive_view *view) {
     const wave_region *r = &a->region;
     double sum = 0;
-    view->sums.groups = SAMPLE_GROUPS, view->sums.equal = true;
-    view->sums.hits = a->hits, view->sums.sampler = a->sampler, view->sums.kernels = a->kernels;
+    view->sums.equal = true, view->sums.hits = a->hits;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        const adaptive_run *most = &a->runs[a->runs[1].taken[s] > a->runs[0].taken[s]];
         if (min_u32(a->runs[0].taken[s], a->runs[1].taken[s]) < SAMPLE_GROUPS)
-            show_few(most, s, view);
+            show_few(a, a->runs[1].taken[s] > a->runs[0].taken[s], s, view);
         else
             show_means(a, s, view);
         sum += image_error(a, view, s);

@@ -111,8 +111,10 @@ typedef struct adaptive_wave {
     sampler sampler;
     const film_kernels *kernels;
     adaptive_run runs[ADAPTIVE_RUNS];
-    hit_sums *hits;              /* NULL: no AOV wants them */
-    uint32_t seen[WAVE_SQUARES]; /* samples of which the first hits are there: the most of both runs */
+    film_parts parts;
+    double (*layers)[WAVE_SLOTS]; /* of adaptive_layers(); NULL: there are none */
+    hit_sums *hits;               /* NULL: no AOV wants them */
+    uint32_t seen[WAVE_SQUARES];  /* samples of which the first hits are there: the most of both runs */
 } adaptive_wave;
 
 /* The part of a wave that the film shows. */
@@ -120,6 +122,10 @@ typedef struct adaptive_view {
     pixel_sums sums;                /* without hits of its own */
     uint32_t samples[WAVE_SQUARES]; /* that are in the image */
 } adaptive_view;
+
+/* Release with adaptive_view_destroy(). NULL: out of memory. */
+adaptive_view *adaptive_view_create(const render_plan *plan);
+void adaptive_view_destroy(adaptive_view *view);
 
 /* When to stop by the clock. */
 typedef struct adaptive_limit {
@@ -136,6 +142,15 @@ typedef enum adaptive_result {
 
 bool adaptive_create(const render_plan *plan, adaptive_wave *out);
 void adaptive_destroy(adaptive_wave *a);
+/* What a wave holds besides its struct. */
+size_t adaptive_bytes(film_parts parts);
+static inline size_t adaptive_layer_count(film_parts parts) {
+    return (size_t)ADAPTIVE_RUNS * SAMPLE_GROUPS * 3 * parts.layers;
+}
+/* The layers' sums of a group of a run: three each. */
+static inline double (*adaptive_layers(const adaptive_wave *a, uint32_t run, uint32_t group))[WAVE_SLOTS] {
+    return a->layers + (run * SAMPLE_GROUPS + group) * 3 * a->parts.layers;
+}
 
 adaptive_goal adaptive_goal_of(double target);
 

@@ -17,9 +17,14 @@ _Static_assert(sizeof(squares_record) == WAVE_SQUARES * 28, "no bytes between th
 _Static_assert(sizeof(runs_record) == 2 * (WAVE_SQUARES * 28 + 12 * WAVE_SLOTS * 8), "nor between these");
 _Static_assert(sizeof(hit_sums) == WAVE_SLOTS * (8 * 8 + 14 * 4), "nor between these");
 
-size_t adaptive_record_bytes(bool hits) { return sizeof(runs_record) + (hits ? sizeof(hit_sums) : 0); }
+static size_t layer_bytes(film_parts parts) {
+    return adaptive_layer_count(parts) * WAVE_SLOTS * sizeof(double);
+}
 
-void adaptive_record_save(const adaptive_wave *a, bool hits, unsigned char *out) {
+/* The runs, the layers, the first hits. */
+size_t adaptive_record_bytes(film_parts parts) { return sizeof(runs_record) + adaptive_bytes(parts); }
+
+void adaptive_record_save(const adaptive_wave *a, unsigned char *out) {
     for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run) {
         const adaptive_run *r = &a->runs[run];
         squares_record squares;
@@ -29,7 +34,9 @@ void adaptive_record_save(const adaptive_wave *a, bool hits, unsigned char *out)
         memcpy(out + run * sizeof squares, &squares, sizeof squares);
         memcpy(out + offsetof(runs_record, rgb) + run * sizeof r->rgb, r->rgb, sizeof r->rgb);
     }
-    if (hits) memcpy(out + sizeof(runs_record), a->hits, sizeof *a->hits);
+    out += sizeof(runs_record);
+    if (a->layers) memcpy(out, a->layers, layer_bytes(a->parts));
+    if (a->hits) memcpy(out + layer_bytes(a->parts), a->hits, sizeof *a->hits);
 }
 
 bool adaptive_record_check(const unsigned char *record, uint32_t spp) {
@@ -45,8 +52,7 @@ bool adaptive_record_check(const unsigned char *record, uint32_t spp) {
     return true;
 }
 
-void adaptive_record_load(const fathom_settings *settings, const unsigned char *record, bool hits,
-                          adaptive_wave *a) {
+void adaptive_record_load(const fathom_settings *settings, const unsigned char *record, adaptive_wave *a) {
     for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run) {
         adaptive_run *r = &a->runs[run];
         squares_record squares;
@@ -58,6 +64,8 @@ void adaptive_record_load(const fathom_settings *settings, const unsigned char *
         memcpy(r->rgb, record + offsetof(runs_record, rgb) + run * sizeof r->rgb, sizeof r->rgb);
     }
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->seen[s] = max_u32(a->runs[0].done[s], a->runs[1].done[s]);
-    if (hits) memcpy(a->hits, record + sizeof(runs_record), sizeof *a->hits);
+    record += sizeof(runs_record);
+    if (a->layers) memcpy(a->layers, record, layer_bytes(a->parts));
+    if (a->hits) memcpy(a->hits, record + layer_bytes(a->parts), sizeof *a->hits);
     adaptive_rate(settings, a);
 }

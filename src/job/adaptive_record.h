@@ -4,13 +4,12 @@
 
 #include "job/adaptive.h"
 
-size_t adaptive_record_bytes(bool hits);
-/* a: after adaptive_pass() said ADAPTIVE_PASSED. hits: also what its first hits left; it has them. */
-void adaptive_record_save(const adaptive_wave *a, bool hits, unsigned char *out);
+size_t adaptive_record_bytes(film_parts parts);
+/* a: after adaptive_pass() said ADAPTIVE_PASSED. */
+void adaptive_record_save(const adaptive_wave *a, unsigned char *out);
 /* Whether the bytes can be of a wave whose pixels have at most `spp` samples: then any are safe to load. */
 bool adaptive_record_check(const unsigned char *record, uint32_t spp);
 /* a: after adaptive_begin(). */
-void adaptive_record_load(const fathom_settings *settings, const unsigned char *record, bool hits,
-                          adaptive_wave *a);
+void adaptive_record_load(const fathom_settings *settings, const unsigned char *record, adaptive_wave *a);
 
 #endif

@@ -33,10 +33,10 @@ static uint32_t square_slot(const even *e, uint32_t place) {
 static void keep_share(const even *e, const sum_stack *stack) {
     worker *self = e->self;
     const uint32_t groups = self->sums->groups;
-    const bool hits = self->sums->hits;
+    const film_parts parts = self->sums->parts;
     for (uint32_t i = 0; i < stack->count; ++i) {
-        sum_save(&stack->nodes[i].sums, groups, hits, self->share + self->share_bytes);
-        self->share_bytes += sum_bytes(groups, hits);
+        sum_save(&stack->nodes[i].sums, groups, parts, self->share + self->share_bytes);
+        self->share_bytes += sum_bytes(groups, parts);
     }
 }
 
@@ -128,10 +128,11 @@ static bool prepare_nodes(const job *j, worker *self) {
     const sum_range range = range_of(j);
     const bool sums = j->options->share && j->options->share->sums;
     if (!sums && sum_leaves(range.end) == 1) return true;
-    self->nodes = malloc((size_t)squares_together(range) * sum_stack_depth(range) * sizeof *self->nodes);
+    self->nodes =
+        sum_nodes_create(self->sums->parts, (size_t)squares_together(range) * sum_stack_depth(range));
     if (sums) {
         self->share = malloc(WAVE_SQUARES * sum_list_nodes(range, NULL) *
-                             sum_bytes(self->sums->groups, self->sums->hits));
+                             sum_bytes(self->sums->groups, self->sums->parts));
     }
     return self->nodes && (self->share || !sums);
 }
@@ -139,7 +140,7 @@ static bool prepare_nodes(const job *j, worker *self) {
 static bool prepare(const job *j, worker *self) {
     self->sums = malloc(sizeof *self->sums);
     return self->sums &&
-           pixel_sums_create(&j->plan->sampler, unit_groups(&j->plan->settings), j->plan->first_hits,
+           pixel_sums_create(&j->plan->sampler, unit_groups(&j->plan->settings), j->plan->parts,
                              self->sums) &&
            prepare_nodes(j, self);
 }

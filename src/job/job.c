@@ -175,7 +175,7 @@ static void collect(job *j) {
         if (self->adaptive) adaptive_destroy(self->adaptive);
         if (self->sums) pixel_sums_destroy(self->sums);
         free(self->adaptive);
-        free(self->view);
+        adaptive_view_destroy(self->view);
         free(self->sums);
         free(self->nodes);
         free(self->share);
@@ -183,7 +183,7 @@ static void collect(job *j) {
 }
 
 static void show_preview(job *j) {
-    if (j->schedule != &schedule_even || j->plan->settings.spp == 1 || j->options->share) return;
+    if (j->schedule == &schedule_to_time || j->plan->settings.spp == 1 || j->options->share) return;
     preview_run(j->plan, j->threads, &j->stop, j->options->saving, j->film);
 }
 

@@ -25,6 +25,15 @@ typedef struct preview {
     preview_worker *workers;
 } preview;
 
+/* Samples a pixel that a render to an error is expected to take on the mean; with ADAPTIVE_MIN_SPP, the
+ * fewest, the preview is one of 256 samples. */
+#define USUAL_SPP 16u
+
+static uint32_t expected_spp(const fathom_settings *settings) {
+    return settings->target_error > 0 ? min_u32(settings->spp, max_u32(settings->min_spp, USUAL_SPP))
+                                      : settings->spp;
+}
+
 /* Not 1: the coarse image would take as much memory as the film. */
 static uint32_t block_for(uint32_t spp) {
     uint32_t block = 2;
@@ -40,6 +49,7 @@ static fathom_settings coarse_settings(const render_plan *plan, const fathom_fil
     out.crop[0] = film->x / block, out.crop[1] = film->y / block;
     out.crop[2] = blocks(film->x + film->width, block), out.crop[3] = blocks(film->y + film->height, block);
     out.spp = 1, out.pattern = FATHOM_PATTERN_GRID;
+    out.target_error = 0, out.min_spp = 0;
     return out;
 }
 
@@ -48,8 +58,7 @@ static fathom_settings coarse_settings(const render_plan *plan, const fathom_fil
 static bool make_worker(const preview *p, preview_worker *self) {
     if (self->ready) return true;
     self->integration = p->plan.integrator->create(&p->plan, p->stop);
-    self->ready =
-        self->integration && pixel_sums_create(&p->plan.sampler, 1, p->plan.first_hits, &self->sums);
+    self->ready = self->integration && pixel_sums_create(&p->plan.sampler, 1, p->plan.parts, &self->sums);
     return self->ready;
 }
 
@@ -124,7 +133,7 @@ static void destroy_workers(preview *p, unsigned threads) {
 void preview_run(const render_plan *plan, unsigned threads, const atomic_bool *stop, const checkpoint *saving,
                  fathom_film *film) {
     preview p = {.plan = *plan, .stop = stop, .saving = saving, .film = film};
-    p.block = block_for(plan->settings.spp);
+    p.block = block_for(expected_spp(&plan->settings));
     p.plan.settings = coarse_settings(plan, film, p.block);
     p.plan.sampler = (sampler){FATHOM_PATTERN_GRID, 1, 0};
     p.plan.camera.across = scale_f64(p.block, plan->camera.across);

@@ -37,10 +37,9 @@ typedef struct timed {
 } timed;
 
 size_t timed_bytes(const job *j) {
-    bool hits = j->plan->first_hits;
     const size_t count = film_waves(j->film).count;
     size_t kept = j->options->saving ? checkpoint_wave_bytes(j->options->saving) : 0;
-    return count * (sizeof(adaptive_wave) + (hits ? sizeof(hit_sums) : 0) + kept);
+    return count * (sizeof(adaptive_wave) + adaptive_bytes(j->plan->parts) + kept);
 }
 
 /* Best first; in an order without a pattern where nothing is known. */
@@ -187,7 +186,7 @@ static void destroy_waves(timed *t) {
     }
     free(t->waves);
     for (unsigned run = 0; run < ADAPTIVE_RUNS; ++run) free(t->finished[run]);
-    free(t->view);
+    adaptive_view_destroy(t->view);
     free(t->order);
 }
 
@@ -196,7 +195,7 @@ static void run(job *j) {
     t.count = t.grid.count;
     t.waves = calloc(t.count, sizeof(adaptive_wave *));
     for (unsigned run = 0; run < ADAPTIVE_RUNS; ++run) t.finished[run] = calloc(t.count, sizeof **t.finished);
-    t.view = malloc(sizeof *t.view);
+    t.view = adaptive_view_create(j->plan);
     t.order = malloc(t.count * sizeof *t.order);
     if (t.waves && t.finished[0] && t.finished[1] && t.order && t.view && take_up_waves(&t)) {
         run_rounds(&t);
@@ -211,8 +210,7 @@ static void run(job *j) {
 
 /* Waves have memory of their own, for as long as there is time. */
 static bool prepare(const job *j, worker *self) {
-    (void)j;
-    self->view = malloc(sizeof *self->view);
+    self->view = adaptive_view_create(j->plan);
     return self->view;
 }
 

@@ -48,7 +48,7 @@ static bool render(job *j, worker *self, const wave_region *region) {
 
 static bool prepare(const job *j, worker *self) {
     self->adaptive = calloc(1, sizeof *self->adaptive);
-    self->view = malloc(sizeof *self->view);
+    self->view = adaptive_view_create(j->plan);
     return self->view && self->adaptive && adaptive_create(j->plan, self->adaptive);
 }
 

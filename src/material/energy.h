@@ -14,6 +14,24 @@ void energy_curves(float alpha, float all[ENERGY_NODES], float edge[ENERGY_NODES
 /* The means of these curves. */
 void energy_means(float alpha, float *all, float *edge);
 
+/* The same of lobes with two alphas, over the cosine and the turn about the normal: nodes at |sin| / (|sin| +
+ * |cos|) = j / ENERGY_TURNS of the angle to the larger alpha's way, linear between. Tables are made when they
+ * are first asked for, and stay. */
+enum { ENERGY_TURNS = 8 };
+typedef struct energy_table {
+    float albedo[2][ENERGY_TURNS + 1][ENERGY_NODES]; /* all, and edge */
+    float around[2][ENERGY_NODES];                   /* their means about the normal */
+} energy_table;
+/* The four tables around a pair of alphas, and their parts. Within 4e-3. */
+typedef struct energy_stretch {
+    const energy_table *table[4];
+    float weight[4];
+} energy_stretch;
+/* along >= across. */
+void energy_stretched(float along, float across, energy_stretch *out);
+/* Their means about the normal. */
+void energy_stretched_curves(const energy_stretch *s, float all[ENERGY_NODES], float edge[ENERGY_NODES]);
+
 /* The mean over a hemisphere, weighted by the cosine: 2 ∫ f mu dmu. */
 float energy_mean(const float curve[ENERGY_NODES]);
 

@@ -1,5 +1,7 @@
 #include "material/shader.h"
 
+#include "material/layers.h"
+
 #include "base/kernel.h"
 #include "math/limit.h"
 
@@ -74,12 +76,30 @@ static void prepare_coat(const fathom_material *m, shader *out) {
     out->lobes |= SHADER_COATED | (alpha < SHADER_SMOOTH_ALPHA ? SHADER_MIRROR : SHADER_COAT);
 }
 
+/* Albedos of the base's facets, and their means. */
+static void find_albedos(float alpha, shader *out, float all[ENERGY_NODES], float edge[ENERGY_NODES],
+                         float *mean, float *mean_edge) {
+    if (!(out->lobes & SHADER_STRETCHED)) {
+        energy_curves(alpha, all, edge);
+        energy_means(alpha, mean, mean_edge);
+        return;
+    }
+    energy_stretched(out->along, out->alpha, &out->stretch);
+    energy_stretched_curves(&out->stretch, all, edge);
+    *mean = energy_mean(all), *mean_edge = energy_mean(edge);
+}
+
+/* <S> of a channel, of metal and dielectric together where a film covers both. */
+static float again_film(const shader *out, int c, float mean) {
+    const float reflected = film_mean(out->film[c]);
+    return reflected * reflected * mean / (1 - reflected * (1 - mean));
+}
+
 static void prepare_even(const fathom_material *m, const mixture *x, float alpha, shader *out) {
-    float all[ENERGY_NODES], edge[ENERGY_NODES];
-    energy_curves(alpha, all, edge);
-    float mean, mean_edge;
-    energy_means(alpha, &mean, &mean_edge);
+    float all[ENERGY_NODES], edge[ENERGY_NODES], mean, mean_edge;
+    find_albedos(alpha, out, all, edge, &mean, &mean_edge);
     const float lost = 1 - mean, layer_again = again(out->layer0, out->layer90, mean);
+    out->layer_again = layer_again;
     for (int k = 0; k < ENERGY_NODES; ++k) {
         out->missing[k] = 1 - all[k];
         out->under[k] =
@@ -93,12 +113,14 @@ static void prepare_even(const fathom_material *m, const mixture *x, float alpha
         below = energy_mean(base);
     }
     for (int c = 0; c < 3; ++c) {
-        const float q =
+        const float plain =
             mixed(again(x->layer[c], m->specular_factor, mean), again(m->base_color[c], 1, mean), x->metal);
+        const float q = out->lobes & SHADER_FILM ? again_film(out, c, mean) : plain;
         out->again[c] = q * scale;
         out->missing_share += q * (1 / 3.0f);
         if (out->lobes & SHADER_THIN) out->again_cross[c] = out->cross[c] * (1 - layer_again) * scale;
         out->diffuse[c] = below > 1e-4f ? out->diffuse[c] / below : 0;
+        out->leaf[c] = below > 1e-4f ? out->leaf[c] / below : 0;
     }
     out->even = ~0u;
     out->lobes |= SHADER_EVEN;
@@ -114,6 +136,11 @@ static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out
         return alpha < SHADER_SMOOTH_ALPHA ? SHADER_PASS : (m->thickness > 0 ? SHADER_PASS : SHADER_THIN);
     out->eta = fminf(fmaxf(m->ior, 1e-3f), 1e3f);
     const bool clear = alpha * fminf(fabsf(out->eta - 1), 1) < SHADER_SMOOTH_ALPHA;
+    /* Only where the facets turn light: without, the colours do not part. */
+    if (m->dispersion > 0 && out->eta > 1) {
+        out->eta_spread = 0.025f * (out->eta - 1) * fminf(m->dispersion, 40);
+        return (clear ? SHADER_PASS : SHADER_REFRACT) | SHADER_SOLID | SHADER_DISPERSIVE;
+    }
     return (clear ? SHADER_PASS : SHADER_REFRACT) | SHADER_SOLID;
 }
 
@@ -129,10 +156,14 @@ static void scale(float factor, float rgb[3]) {
 
 static void cover(float opacity, shader *out) {
     if (opacity >= 1) return;
-    float *const colours[] = {out->diffuse, out->f0,          out->mirror0, out->cross,     out->again,
-                              out->k_r,     out->again_cross, out->albedo,  out->highlight, out->k_t};
+    float *const colours[] = {out->diffuse,   out->f0,  out->mirror0,     out->cross,
+                              out->again,     out->k_r, out->again_cross, out->albedo,
+                              out->highlight, out->k_t, out->leaf,        out->sheen};
     for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) scale(opacity, colours[i]);
     out->coat *= opacity, out->f90 *= opacity, out->mirror90 *= opacity, out->missing_share *= opacity;
+    for (int c = 0; c < 3 && out->lobes & SHADER_FILM; ++c) {
+        for (int k = 0; k <= FILM_STEPS; ++k) out->film[c][k] *= opacity;
+    }
     out->hole = 1 - opacity;
     out->lobes |= SHADER_STRAIGHT;
     out->transmits = true;
@@ -143,22 +174,36 @@ static void cover(float opacity, shader *out) {
  * mixed once. The base under the dielectric is told by the largest channel (KHR_materials_specular). */
 static void prepare_metallic(const fathom_material *m, shader *out) {
     const mixture x = mixture_of(m);
-    const float alpha = m->roughness * m->roughness, base = 1 - x.metal;
-    const bool shiny = x.f90 > 0 || any(x.f0), smooth = alpha < SHADER_SMOOTH_ALPHA;
+    const float alpha = m->roughness * m->roughness, base = 1 - x.metal, film = m->iridescence;
+    const float along = mixed(alpha, 1, m->anisotropy * m->anisotropy);
+    const bool shiny = x.f90 > 0 || any(x.f0) || film > 0, smooth = along < SHADER_SMOOTH_ALPHA;
     out->layer0 = largest(x.layer);
     out->layer90 = m->specular_factor;
     for (int c = 0; c < 3; ++c) {
-        out->diffuse[c] = base * (1 - m->transmission) * m->base_color[c];
+        const float solid = base * (1 - m->transmission);
+        out->diffuse[c] = solid * (1 - m->diffuse_transmission) * m->base_color[c];
+        out->leaf[c] = solid * m->diffuse_transmission * m->diffuse_transmission_color[c];
         out->cross[c] = base * m->transmission * m->base_color[c];
-        out->albedo[c] = fminf(x.f0[c] + (out->diffuse[c] + out->cross[c]) * (1 - out->layer0), 1);
+        out->albedo[c] =
+            fminf(x.f0[c] + (out->diffuse[c] + out->cross[c] + out->leaf[c]) * (1 - out->layer0), 1);
     }
     memcpy(smooth ? out->mirror0 : out->f0, x.f0, sizeof x.f0);
     *(smooth ? &out->mirror90 : &out->f90) = x.f90;
-    out->alpha = smooth ? SHADER_SMOOTH_ALPHA : alpha;
+    out->alpha = fmaxf(alpha, SHADER_SMOOTH_ALPHA);
+    out->along = along;
+    out->ior = m->ior, out->priority = m->priority;
     out->lobes = (any(out->diffuse) ? SHADER_DIFFUSE : 0u) | (out->layer90 > 0 ? SHADER_LAYER : 0u) |
                  (shiny && !smooth ? SHADER_GGX : 0u) | (shiny && smooth ? SHADER_MIRROR : 0u);
-    out->lobes |= crossing_lobe(m, alpha, out);
+    if (along > out->alpha && shiny) out->lobes |= SHADER_STRETCHED;
+    if (film > 0) prepare_film(m, x.layer, out);
+    out->lobes |= crossing_lobe(m, along, out);
+    if (any(out->leaf)) {
+        out->lobes |= SHADER_LEAF;
+        out->transmits = true;
+        out->encloses |= m->thickness > 0;
+    }
     prepare_absorption(m, out);
+    if (any(m->sheen_color)) prepare_sheen(m, out);
     prepare_coat(m, out);
     if (m->multiscatter) prepare_even(m, &x, alpha, out);
 }
@@ -173,7 +218,8 @@ void shader_emission(const fathom_material *m, float out[3]) {
 }
 
 void shader_prepare(const fathom_material *m, shader *out) {
-    *out = (shader){.model = m->model, .alpha = 1, .ior = 1, .eta = 1};
+    memset(out, 0, offsetof(shader, stretch));
+    out->model = m->model, out->alpha = out->ior = out->eta = 1;
     shader_emission(m, out->emission);
     for (int k = 0; k < ENERGY_NODES; ++k) out->below_coat[k] = 1;
     switch (m->model) {
@@ -181,6 +227,13 @@ void shader_prepare(const fathom_material *m, shader *out) {
     case FATHOM_MODEL_METALLIC_ROUGHNESS: prepare_metallic(m, out); break;
     }
     cover(material_opacity(m), out);
+}
+
+void shader_prepare_hole(shader *out) {
+    memset(out, 0, sizeof *out);
+    out->alpha = out->ior = out->eta = out->hole = 1;
+    out->transmits = true;
+    out->lobes = SHADER_STRAIGHT;
 }
 
 KERNEL_CHOICE(shader_kernels)

@@ -37,6 +37,23 @@
  * albedo. With `multiscatter`, Lambert's part is over <(1 - R) C> instead of <1 - R>; the others lose what
  * goes round under the coat.
  *
+ * Fibres (KHR_materials_sheen) lie between these and the coat: sheenColor D / (4 n·v n·l (1 + Λ(v) + Λ(l)))
+ * with α = max(sheenRoughness, 0.07)², see kernels/sheen.h. All below counts by min(s(n·v), s(n·l)), s(mu) =
+ * 1 - max(sheenColor) E(mu), E the fibres' albedo: light between fibres and base is lost, none is gained.
+ * Where E > 1 the fibres count by the smaller 1 / E of both directions.
+ *
+ * anisotropy: GGX's alpha is mix(α, 1, anisotropy²) along the tangent, turned by anisotropyRotation, and α
+ * across it; surfaces without texture coordinates take any tangent. iridescence: S is mixed with the
+ * reflectance of a thin film on it (film.c), whose largest channel does not reach the base; where the base
+ * gets 1 - R, R is that of a layer that reflects at least as much as the film at every angle.
+ *
+ * diffuseTransmission moves that part of Lambert's lobe to the other side, with its own colour: the same
+ * both ways, for a thin wall as for a solid.
+ *
+ * dispersion: refraction of the three channels by ior - d, ior and ior + d, d = 0.025 (ior - 1) dispersion,
+ * but no less than 1.0001. A path that crosses such a surface carries one of them from then on, three times
+ * (integrate/path.c). Reflectances are those of ior.
+ *
  * opacity is coverage: a smooth lobe takes light straight past the surface, and all else counts by opacity.
  */
 #ifndef MATERIAL_SHADER_H
@@ -51,6 +68,9 @@
  * wide: less than a pixel, where 8,000 of them see a right angle. */
 #define SHADER_SMOOTH_ALPHA 0x1p-13f
 
+/* Curves of films are given at cosines (k / FILM_STEPS)^2, and cubic in its root between. */
+enum { FILM_STEPS = 64 };
+
 /* A material's constants, made once before rendering. */
 typedef struct shader {
     fathom_model model;
@@ -63,7 +83,7 @@ typedef struct shader {
     uint32_t lobes;                 /* SHADER_ bits */
     float diffuse[3];               /* Lambert's reflectance; with SHADER_EVEN over the mean of `under` */
     float highlight[3], shininess;  /* classic */
-    float k_r[3], k_t[3], ior;      /* classic */
+    float k_r[3], k_t[3], ior;      /* classic; ior: of either model */
     uint32_t blinn, fresnel;        /* all ones or 0; highlights are Phong's or Blinn's */
     uint32_t from_behind, even;     /* the same; even: with SHADER_EVEN */
     float alpha, f0[3], f90;        /* of the GGX lobe, dielectric and metal mixed */
@@ -78,6 +98,17 @@ typedef struct shader {
     float missing[ENERGY_NODES];    /* 1 - E(mu): what the first scattering leaves */
     float under[ENERGY_NODES];      /* 1 - R(mu): what the layer lets through to the base */
     float below_coat[ENERGY_NODES]; /* what the clear coat lets through; 1 without one */
+    float leaf[3];                  /* Lambert's reflectance of light from the other side; as `diffuse` */
+    float along;                    /* alpha along the tangent; `alpha` is across it */
+    float layer_again;              /* what the layer reflects of light that scatters more than once */
+    uint32_t priority;              /* of the volume; 0: it takes no part */
+    float eta_spread;               /* of dispersion, between neighbouring channels */
+    float sheen[3], sheen_most, sheen_alpha;
+    /* From here on set only where the lobes have a use for it. */
+    energy_stretch stretch;
+    float sheen_fit[6]; /* of Λ; see kernels/sheen.h */
+    float sheen_albedo[ENERGY_NODES];
+    float film[4][FILM_STEPS + 1]; /* reflectances by channel, and what does not reach the base */
 } shader;
 
 enum {
@@ -96,9 +127,16 @@ enum {
     SHADER_STRAIGHT = 1u << 12, /* an opacity below 1 */
     SHADER_COATED = 1u << 13,   /* all but the clear coat passes through it */
     SHADER_COAT = 1u << 14,     /* a rough clear coat; a smooth one is part of SHADER_MIRROR */
+    SHADER_SHEEN = 1u << 15,
+    SHADER_STRETCHED = 1u << 16,  /* GGX has two alphas */
+    SHADER_FILM = 1u << 17,       /* reflectances are those of a thin film */
+    SHADER_LEAF = 1u << 18,       /* diffuse transmission */
+    SHADER_DISPERSIVE = 1u << 19, /* refraction depends on the channel */
 };
 
 void shader_prepare(const fathom_material *material, shader *out);
+/* A surface that is not there: rays pass straight. */
+void shader_prepare_hole(shader *out);
 /* shader.emission alone. */
 void shader_emission(const fathom_material *material, float out[3]);
 
@@ -110,6 +148,7 @@ enum {
     SHADER_TAKE_GGX,
     SHADER_TAKE_CROSS, /* rough transmission */
     SHADER_TAKE_COAT,
+    SHADER_TAKE_SHEEN,
     SHADER_TAKE_MIRROR,
     SHADER_TAKE_PASS,     /* smooth transmission */
     SHADER_TAKE_STRAIGHT, /* past the surface */
@@ -131,8 +170,10 @@ typedef struct shader_block {
     float eta[LANES]; /* of the side that the viewer is not on over that of the viewer */
     float missing[LANES], under[LANES], below_coat[LANES]; /* at the viewer's cosine */
     float coat[LANES], coat_alpha[LANES];
+    float below_sheen[LANES], sheen_part[LANES], sheen_lambda[LANES]; /* at the viewer's cosine */
     uint32_t blinn[LANES], from_behind[LANES], even[LANES];
-    uint32_t lobes; /* of all lanes */
+    uint32_t lobes;          /* of all lanes */
+    uint32_t channel[LANES]; /* of the path, 1 to 3, or 0; read where some material is dispersive */
 } shader_block;
 
 /* One direction a lane that continues a path. */
@@ -146,7 +187,7 @@ typedef struct shader_sample {
 } shader_sample;
 
 typedef struct shader_kernels {
-    /* out->at is set. */
+    /* out->at is set, and out->channel where it is read. */
     void (*make)(const surface_block *s, shader_block *out);
 
     /* For light from unit directions l: f |cosine|, and the density with which sample() takes l. */

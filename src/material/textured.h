@@ -1,5 +1,5 @@
-/* Materials that vary over a surface: at a point, a material's parameters are what images and the colours of
- * vertices say there.
+/* Materials that vary over a surface, or have a way along it: at a point, a material's parameters are what
+ * images and the colours of vertices say there.
  *
  * Each image is looked up once a point, however many parameters it serves, with the footprint of a cone
  * around the ray (Akenine-Möller et al., "Texture Level of Detail Strategies for Real-Time Ray Tracing",
@@ -28,9 +28,11 @@ void texturing_destroy(texturing *t);
 fathom_status texturing_check(const texturing *t, fathom_context *context);
 
 /* Of a block of points whose hits are in g: turns s->ns, and replaces at[i] by &made[i] in lanes whose
- * materials vary. width: of the rays' cones at the points. */
-void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES], surface_block *s,
-                     shader made[LANES], const shader *at[LANES]);
+ * materials vary. width: of the rays' cones at the points. around: what indices are divided by; NULL: 1. Sets
+ * s->along where materials ask for it. */
+void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES],
+                     const float around[LANES], surface_block *s, shader made[LANES],
+                     const shader *at[LANES]);
 /* The same for the classic integrator. */
 void texturing_classic(const texturing *t, const surface_gather *g, const float width[LANES],
                        surface_block *s, bsdf made[LANES], const bsdf *at[LANES]);

@@ -79,17 +79,36 @@ fathom_integrator read_integrator(const fathom_scene *scene, fathom_integrator o
     return asked && asked->choose_integrator ? asked->integrator : own;
 }
 
+/* A model in metres. */
+static fathom_status read_scaled(fathom_scene *scene, const char *path, const read_mesh_options *options) {
+    const double unit = scene->asked->unit;
+    fathom_instance all;
+    if (!(unit > 0) || unit == 1) return read_mesh(scene, FATHOM_ROOT, path, options);
+    fathom_instance_default(&all);
+    for (int i = 0; i < 3; ++i) all.transform[i * 5] = unit;
+    read_mesh_options scaled = *options;
+    scaled.unit = unit;
+    fathom_status status = fathom_scene_add_group(scene, scene->name, &all.group);
+    if (status == FATHOM_OK) status = read_mesh(scene, all.group, path, &scaled);
+    return status == FATHOM_OK ? fathom_scene_add_instance(scene, &all, NULL) : status;
+}
+
 static fathom_status read_any(fathom_scene *scene, const char *path) {
     char extension[16];
     file_extension(path, extension);
-    if (strcmp(extension, "json") == 0) return read_json(scene, path);
+    if (strcmp(extension, "json") == 0) {
+        if (scene->asked->unit > 0)
+            return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                             "has a scale for each model; expected no unit for the whole scene");
+        return read_json(scene, path);
+    }
     if (!format_find(extension))
         return fail_extension(scene->context, path, extension, ".json, .obj, .ply, .gltf or .glb");
     const read_mesh_options options = {.material = FATHOM_NONE, .surroundings = true};
     const fathom_integrator integrator = read_integrator(scene, FATHOM_INTEGRATOR_PATH);
     fathom_settings_set_integrator(&scene->settings, integrator);
     if (integrator == FATHOM_INTEGRATOR_CLASSIC) scene->settings.spp = MODEL_SPP;
-    return read_mesh(scene, FATHOM_ROOT, path, &options);
+    return read_scaled(scene, path, &options);
 }
 
 /* "models/bunny.obj" -> "bunny" */
@@ -109,6 +128,17 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
                          "has no cameras to choose \"%.60s\" from; nodes of .gltf and .glb files have",
                          asked->camera);
+    }
+    if (asked->variant && !scene->has_variants) {
+        return fail_file(
+            scene->context, FATHOM_BAD_USAGE, path,
+            "has no variants of materials to choose \"%.60s\" from; .gltf and .glb files may have "
+            "them",
+            asked->variant);
+    }
+    if ((asked->choose_time || asked->animation) && !scene->has_animations) {
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "has no animations to pose; .gltf and .glb files may have them");
     }
     if (asked->up != FATHOM_UP_Y && scene->has_camera) {
         warn(scene->context, "%s: has a camera of its own, so nothing follows from which axis is up", path);
@@ -141,6 +171,10 @@ static fathom_status check_options(fathom_context *context, const fathom_read_op
     if (options->choose_integrator && (unsigned)options->integrator > FATHOM_INTEGRATOR_REFERENCE)
         return fail_field(context, FATHOM_BAD_USAGE, "integrator", "expected a fathom_integrator, found %u",
                           (unsigned)options->integrator);
+    if (options->choose_time && !isfinite(options->time))
+        return fail_field(context, FATHOM_BAD_USAGE, "time", "is %g; expected seconds", options->time);
+    if (!(options->unit >= 0 && options->unit <= 1e15))
+        return fail_field(context, FATHOM_BAD_USAGE, "unit", "is %g; expected metres, or 0", options->unit);
     if (!options->width != !options->height) {
         return fail(context, FATHOM_BAD_USAGE, "width, height: expected both or none, found %u and %u",
                     options->width, options->height);

@@ -11,6 +11,7 @@ typedef struct read_mesh_options {
     bool flat;          /* ignore the file's normals and smoothing groups */
     bool smooth;        /* make smooth vertex normals where the file has none */
     bool surroundings;  /* take the file's camera and lights too; only into the root */
+    double unit;        /* scale of the group's instance, which cameras and lights follow; 0: none */
 } read_mesh_options;
 
 /* The path of a file that the file `base` names; release it with free(). FATHOM_BAD_INPUT when it lies

@@ -63,7 +63,8 @@ class Plot:
         """high: the end of an interval above the point."""
         if not self._shown(x, y):
             return
-        colour, marker = COLOURS[series % len(COLOURS)], MARKERS[series % len(MARKERS)]
+        colour = COLOURS[series % len(COLOURS)]
+        marker = MARKERS[(series + series // len(COLOURS)) % len(MARKERS)]  # a hundred pairs
         if self._shown(x, high):
             self.axes.plot([x, x], [y, high], color=colour, linewidth=1.2)
             self.axes.plot([x], [high], marker=marker, color=colour, markerfacecolor=PAPER, markersize=6)

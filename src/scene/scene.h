@@ -62,9 +62,10 @@ struct fathom_scene {
     bool has_camera;
     double camera_aspect; /* the width over the height of the images that the file's camera is made for, where
                              the camera itself has no width; 0: any */
-    ARRAY(scene_camera) cameras;      /* that the file has to choose from */
-    uint32_t camera_taken;            /* of them; FATHOM_NONE: none */
-    const fathom_read_options *asked; /* while it is read: what was asked for; or NULL */
+    ARRAY(scene_camera) cameras;       /* that the file has to choose from */
+    uint32_t camera_taken;             /* of them; FATHOM_NONE: none */
+    const fathom_read_options *asked;  /* while it is read: what was asked for; or NULL */
+    bool has_animations, has_variants; /* some file has them */
     float background[3], ambient[3];
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;

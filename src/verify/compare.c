@@ -1,4 +1,5 @@
-#include "verify/compare.h"
+#include "verify/compare_inner.h"
+
 #include "base/clock.h"
 #include "base/threads.h"
 #include "verify/recorded.h"
@@ -6,32 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CALL (8 * LANES) /* rays in a call of a family */
 /* Rays between two reports of progress: as many as take about a tenth of a second. */
 #define BATCH_LEAST 1024
 #define BATCH_MOST 16384
 #define BATCH_SECONDS 0.1
-
-/* One thread's counts. */
-typedef struct worker {
-    search_result room, linear; /* linear: of the sample */
-    compare_family family;
-    ARRAY(compare_failure) failures;
-    ask_batch batch; /* for rays that two tracers are asked */
-    uint64_t sampled, differ, screened, unequal;
-    bool failed; /* out of memory */
-} worker;
-
-typedef struct comparison {
-    const compare_subject *subject;
-    const compare_options *options;
-    rays_family family;
-    uint64_t first; /* ray of the batch, in its family */
-    ask_batch batch;
-    ask_others others;
-    const ask_answer *given; /* by the render, parallel to the batch's rays; NULL: none */
-    worker *workers;
-} comparison;
 
 static uint64_t index_of(const comparison *c, size_t ray) { return c->first + ray; }
 
@@ -39,8 +18,8 @@ static uint64_t index_of(const comparison *c, size_t ray) { return c->first + ra
 
 static bool is_failure(verdict v) { return v == VERDICT_WRONG || v == VERDICT_LEAK; }
 
-static void keep_failure(worker *w, const comparison *c, size_t ray, unsigned way, bool any, verdict v,
-                         const ask_answer *answer) {
+static void keep_failure(compare_worker *w, const comparison *c, size_t ray, unsigned way, bool any,
+                         verdict v, const ask_answer *answer) {
     if (!c->options->failures) return;
     compare_failure failure = {c->family, index_of(c, ray), v, way, ask_block_of(&c->batch, ray, way, any),
                                *answer};
@@ -71,14 +50,14 @@ bool compare_judge(const compare_subject *s, const oracle_ray *ray, const ask_an
     return true;
 }
 
-static bool judge(const comparison *c, worker *w, size_t ray, const ask_answer *answer, bool any,
+static bool judge(const comparison *c, compare_worker *w, size_t ray, const ask_answer *answer, bool any,
                   verdict_report *report, error_report *errors) {
     const oracle_ray *r = &c->batch.rays[ray];
     if (!compare_judge(c->subject, r, answer, any, &w->room, report, errors)) w->failed = true;
     return !w->failed;
 }
 
-static void judge_first(const comparison *c, worker *w, size_t ray, bool any) {
+static void judge_first(const comparison *c, compare_worker *w, size_t ray, bool any) {
     const ask_answer answer = ask_answer_of(&c->batch, ray);
     verdict_report report;
     error_report errors = {.uv = -1};
@@ -94,7 +73,7 @@ static void judge_first(const comparison *c, worker *w, size_t ray, bool any) {
                                c->subject->precision.unit, rays_world_radius(c->subject->source));
 }
 
-static void judge_other(const comparison *c, worker *w, const ask_other *other) {
+void compare_judge_other(const comparison *c, compare_worker *w, const ask_other *other) {
     verdict_report report;
     error_report errors;
     if (!judge(c, w, other->ray, &other->answer, other->any, &report, &errors)) return;
@@ -105,7 +84,7 @@ static void judge_other(const comparison *c, worker *w, const ask_other *other) 
 }
 
 /* The exact answer by the tree of spheres against that by every primitive: the same ties. */
-static void check_search(const comparison *c, worker *w, const oracle_ray *ray) {
+static void check_search(const comparison *c, compare_worker *w, const oracle_ray *ray) {
     const search *s = c->subject->search;
     if (!search_closest(s, ray, &w->room) || !search_exhaustive(s, ray, &w->linear)) {
         w->failed = true;
@@ -120,7 +99,7 @@ static void check_search(const comparison *c, worker *w, const oracle_ray *ray) 
 }
 
 /* Holds the answer that a render got against the same call once more; t is a float there. */
-static void judge_given(const comparison *c, worker *w, size_t ray, bool any) {
+static void judge_given(const comparison *c, compare_worker *w, size_t ray, bool any) {
     ask_answer first = ask_answer_of(&c->batch, ray);
     const ask_answer *given = &c->given[ray];
     bool same = any ? first.met == given->met
@@ -129,12 +108,12 @@ static void judge_given(const comparison *c, worker *w, size_t ray, bool any) {
                           first.hit.instance == given->hit.instance;
     if (!any && same && given->hit.geometry != FATHOM_NONE) same = (float)first.hit.t == (float)given->hit.t;
     ask_other other = {ray, ASK_GIVEN, any, *given};
-    if (!same) judge_other(c, w, &other);
+    if (!same) compare_judge_other(c, w, &other);
 }
 
 static void judge_blocks(void *user, size_t begin, size_t end, unsigned index) {
     const comparison *c = user;
-    worker *w = &c->workers[index];
+    compare_worker *w = &c->workers[index];
     for (size_t block = begin; block < end; ++block) {
         const ask_call *call = &c->batch.calls.items[c->batch.call_of[block]];
         unsigned lanes = ask_lanes(&c->batch, block);
@@ -151,7 +130,7 @@ static void judge_blocks(void *user, size_t begin, size_t end, unsigned index) {
 static void judge_others(void *user, size_t begin, size_t end, unsigned index) {
     const comparison *c = user;
     for (size_t i = begin; i < end && !c->workers[index].failed; ++i)
-        judge_other(c, &c->workers[index], &c->others.items[i]);
+        compare_judge_other(c, &c->workers[index], &c->others.items[i]);
 }
 
 /* ---- joining what the threads have ---- */
@@ -167,7 +146,7 @@ static int by_index(const void *a, const void *b) {
 static bool join_failures(const comparison *c, compare_result *out, size_t family_begin) {
     size_t begin = out->failures.count;
     for (unsigned i = 0; i < c->options->threads; ++i) {
-        worker *w = &c->workers[i];
+        compare_worker *w = &c->workers[i];
         for (size_t k = 0; k < w->failures.count; ++k) {
             if (!array_push(&out->failures, w->failures.items[k])) return false;
         }
@@ -181,11 +160,11 @@ static bool join_failures(const comparison *c, compare_result *out, size_t famil
     return true;
 }
 
-static fathom_status join_workers(fathom_context *context, const comparison *c, compare_result *out,
-                                  size_t family_begin) {
+fathom_status compare_join_workers(fathom_context *context, const comparison *c, compare_result *out,
+                                   size_t family_begin) {
     bool fine = join_failures(c, out, family_begin);
     for (unsigned i = 0; i < c->options->threads; ++i) {
-        worker *w = &c->workers[i];
+        compare_worker *w = &c->workers[i];
         fine = fine && !w->failed;
         w->family.asked = w->room.asked, w->family.exact = w->room.exact;
         w->room.asked = w->room.exact = 0;
@@ -212,10 +191,10 @@ static void end_in_hits(const comparison *c) {
         float low = (double)t > a.hit.t ? nextafterf(t, 0) : t,
               high = (double)t < a.hit.t ? nextafterf(t, INFINITY) : t;
         switch (ray / 4 % 4) {
-        case 0: ended.t_far = low; break;
-        case 1: ended.t_near = high; break;
-        case 2: ended.t_far = nextafterf(high, INFINITY); break;
-        default: ended.t_near = nextafterf(low, 0); break;
+        case 0: ended.t_far = rays_normal((double)low); break;
+        case 1: ended.t_near = rays_normal((double)high); break;
+        case 2: ended.t_far = rays_normal((double)nextafterf(high, INFINITY)); break;
+        default: ended.t_near = rays_normal((double)nextafterf(low, 0)); break;
         }
         if (rays_allowed(c->subject->source, &ended)) *r = ended;
     }
@@ -249,10 +228,10 @@ static fathom_status judge_batch(fathom_context *context, comparison *c, compare
     loop_parallel(o->threads, c->others.count, 1, judge_others, c);
     for (size_t i = 0; i < c->batch.calls.count; ++i)
         out->rays += c->batch.calls.items[i].closest ? c->batch.calls.items[i].count : 0;
-    return join_workers(context, c, out, family_begin);
+    return compare_join_workers(context, c, out, family_begin);
 }
 
-static void make_rays(void *user, size_t begin, size_t end, unsigned index) {
+void compare_make_rays(void *user, size_t begin, size_t end, unsigned index) {
     const comparison *c = user;
     (void)index;
     for (size_t i = begin; i < end; ++i)
@@ -261,11 +240,12 @@ static void make_rays(void *user, size_t begin, size_t end, unsigned index) {
 
 static bool fill_batch(comparison *c, size_t count) {
     if (!ask_batch_clear(&c->batch, (count + LANES - 1) / LANES)) return false;
-    for (size_t at = 0; at < count; at += CALL) {
-        if (!ask_batch_add(&c->batch, count - at < CALL ? count - at : CALL, TRACE_INCOHERENT, true, true))
+    for (size_t at = 0; at < count; at += COMPARE_CALL) {
+        if (!ask_batch_add(&c->batch, count - at < COMPARE_CALL ? count - at : COMPARE_CALL, TRACE_INCOHERENT,
+                           true, true))
             return false;
     }
-    loop_parallel(c->options->threads, count, 64, make_rays, c);
+    loop_parallel(c->options->threads, count, 64, compare_make_rays, c);
     return true;
 }
 
@@ -275,7 +255,7 @@ static uint64_t next_batch(uint64_t batch, double seconds) {
     return seconds > 2 * BATCH_SECONDS && batch > BATCH_LEAST ? batch / 2 : batch;
 }
 
-static fathom_status tell(fathom_context *context, const compare_options *o, uint64_t done) {
+fathom_status compare_tell(fathom_context *context, const compare_options *o, uint64_t done) {
     if (!o->progress || o->progress(o->user, done)) return FATHOM_OK;
     return fail(context, FATHOM_INTERRUPTED, "validation stopped after %llu rays", (unsigned long long)done);
 }
@@ -292,7 +272,7 @@ static fathom_status run_family(fathom_context *context, comparison *c, uint64_t
         status = judge_batch(context, c, out, family_begin);
         batch = next_batch(batch, clock_seconds() - start);
         c->first += count, *done += count;
-        if (status == FATHOM_OK) status = tell(context, o, *done);
+        if (status == FATHOM_OK) status = compare_tell(context, o, *done);
     }
     return status;
 }
@@ -323,101 +303,9 @@ static fathom_status run_recorded(fathom_context *context, comparison *c, uint64
         if (!fill_recorded(c, r, &call, &first)) return fail_memory(context, sizeof(oracle_ray));
         c->first = first * LANES, c->given = &r->answers.items[first * LANES];
         status = judge_batch(context, c, out, family_begin);
-        if (status == FATHOM_OK) status = tell(context, c->options, done);
+        if (status == FATHOM_OK) status = compare_tell(context, c->options, done);
     }
     c->given = NULL;
-    return status;
-}
-
-/* ---- rays that two tracers are asked ---- */
-
-/* Units of a float by which two tracers may differ without being judged, at the size of the world at least:
- * their errors are relative to that. */
-#define SCREEN_ULPS 64
-/* Rays begin this far from their origin, over the world's radius: what two tracers say of the surface that a
- * ray begins on is rounding, which the families judge. */
-#define SCREEN_NEAR 0x1p-12
-/* A thread that found so many errors among 2^17 rays asks no more of them. */
-#define SCREEN_ENOUGH 100
-
-static bool agree(const ask_answer *a, const ask_answer *b, double size) {
-    const verdict_answer *h = &a->hit, *k = &b->hit;
-    bool same = a->met == b->met && h->geometry == k->geometry;
-    if (!same || h->geometry == FATHOM_NONE) return same;
-    same = h->primitive == k->primitive && h->instance == k->instance;
-    return same && fabs(h->t - k->t) <= SCREEN_ULPS * error_ulp(fmax(k->t, size));
-}
-
-/* The world's radius in units of the ray's t. */
-static double size_along(const comparison *c, const oracle_ray *ray) {
-    return rays_world_radius(c->subject->source) / length_f64(widen(ray->dir));
-}
-
-static void start_off_surfaces(const comparison *c, oracle_ray *ray) {
-    oracle_ray off = *ray;
-    off.t_near = fmaxf(off.t_near, (float)(SCREEN_NEAR * size_along(c, ray)));
-    if (rays_allowed(c->subject->source, &off)) *ray = off;
-}
-
-static void screen_call(const comparison *c, worker *w, uint64_t first, size_t count) {
-    comparison own = *c;
-    own.first = first;
-    if (!ask_batch_clear(&w->batch, CALL / LANES) ||
-        !ask_batch_add(&w->batch, count, TRACE_COHERENT, true, true)) {
-        w->failed = true;
-        return;
-    }
-    own.batch = w->batch;
-    ask_answer others[CALL];
-    make_rays(&own, 0, count, 0);
-    for (size_t i = 0; i < count; ++i) start_off_surfaces(c, &own.batch.rays[i]);
-    (void)ask_all(c->options->second, &w->batch, 1);
-    for (size_t i = 0; i < count; ++i) others[i] = ask_answer_of(&w->batch, i);
-    (void)ask_all(c->subject->tracer, &w->batch, 1);
-    own.batch = w->batch;
-    for (size_t i = 0; i < count && !w->failed; ++i) {
-        const ask_answer a = ask_answer_of(&w->batch, i);
-        ++w->screened;
-        if (agree(&a, &others[i], size_along(c, &own.batch.rays[i]))) continue;
-        ++w->unequal;
-        for (int any = 0; any < 2; ++any) {
-            const ask_other other = {i, COMPARE_FIRST, any != 0, a};
-            judge_other(&own, w, &other);
-        }
-    }
-}
-
-static void screen_calls(void *user, size_t begin, size_t end, unsigned index) {
-    const comparison *c = user;
-    const worker *w = &c->workers[index];
-    for (size_t at = begin; at < end && !w->failed && w->family.other_counts[VERDICT_WRONG] < SCREEN_ENOUGH;
-         at += CALL)
-        screen_call(c, &c->workers[index], c->first + at, end - at < CALL ? end - at : CALL);
-}
-
-/* The first of these families that is asked for at all: half of the rays of RAYS_SURFACE miss. */
-static rays_family screening_family(unsigned families) {
-    static const rays_family usual[] = {RAYS_SURFACE, RAYS_UNIFORM, RAYS_CAMERA, RAYS_INTERVAL, RAYS_FAR};
-    for (size_t i = 0; i < sizeof usual / sizeof *usual; ++i) {
-        if (families >> usual[i] & 1) return usual[i];
-    }
-    return RAYS_UNIFORM;
-}
-
-/* Their indices are past those of the family, so no ray is asked twice. */
-static fathom_status run_screening(fathom_context *context, comparison *c, uint64_t done,
-                                   compare_result *out) {
-    const compare_options *o = c->options;
-    const size_t family_begin = out->failures.count;
-    fathom_status status = FATHOM_OK;
-    c->family = screening_family(o->families);
-    for (uint64_t at = 0; at < o->screened && status == FATHOM_OK; at += 1u << 17) {
-        uint64_t left = o->screened - at;
-        c->first = o->rays + at;
-        loop_parallel(o->threads, left < 1u << 17 ? (size_t)left : 1u << 17, CALL, screen_calls, c);
-        status = join_workers(context, c, out, family_begin);
-        if (status == FATHOM_OK) status = tell(context, o, done);
-    }
     return status;
 }
 
@@ -446,7 +334,7 @@ fathom_status compare_run(fathom_context *context, const compare_subject *subjec
         if (options->families >> f & 1) status = run_family(context, &c, &done, out);
     }
     if (status == FATHOM_OK && options->rendered) status = run_recorded(context, &c, done, out);
-    if (status == FATHOM_OK && options->second) status = run_screening(context, &c, done, out);
+    if (status == FATHOM_OK && options->second) status = compare_screen(context, &c, done, out);
     free_comparison(&c);
     return status;
 }

@@ -1,6 +1,6 @@
 /* A tracer against the oracle, family by family. */
-#ifndef PARITY_COMPARE_H
-#define PARITY_COMPARE_H
+#ifndef VERIFY_COMPARE_H
+#define VERIFY_COMPARE_H
 
 #include "trace/trace.h"
 #include "verify/ask.h"

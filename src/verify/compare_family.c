@@ -29,8 +29,9 @@ void compare_family_measure(compare_family *f, const oracle_ray *ray, uint64_t i
     if (t > 0 && isfinite(report->bound)) keep_most(&f->widest, report->bound / (unit * t), index, ray);
     if (!(report->condition > 0)) return;
     double constant = report->t_error / (unit * report->condition);
-    histogram_add(&f->constants, constant);
     keep_most(&f->constant, constant, index, ray);
+    if (!(report->bound <= COMPARE_SHAPED * unit * report->condition)) return;
+    histogram_add(&f->constants, constant);
     if (report->condition <= COMPARE_WELL * t) add_bias(&f->bias, report->t_signed / (unit * t));
 }
 

@@ -28,6 +28,11 @@ typedef struct compare_error {
     compare_most most;
 } compare_error;
 
+/* Slivers and surfaces seen from very far have errors far above their condition, which their bounds allow
+ * (verdict_bound.c): a triangle's bound is 32 L² / |n| times its condition. Hits whose bound is wider than so
+ * many units of condition take no part in statistics of errors: those of triangles with L² > 8 |n|. */
+#define COMPARE_SHAPED 256.0
+
 /* Signed errors of t in units of the tracer's roundoff times t, of hits whose condition is at most
  * COMPARE_WELL |t|; in steps of 1/1024, so that sums do not depend on their order. */
 #define COMPARE_WELL 32
@@ -43,8 +48,8 @@ typedef struct compare_family {
     uint64_t others, other_counts[VERDICT_COUNT]; /* answers that depend on the way of asking */
     uint64_t repaired;                            /* answers that a render's repair of leaks replaced */
     compare_error errors[COMPARE_MEASURES];
-    histogram constants;   /* errors over (unit roundoff times condition number) */
-    compare_most constant; /* the largest of them */
+    histogram constants;   /* errors over (unit roundoff times condition number), of hits with such a bound */
+    compare_most constant; /* the largest of all hits */
     compare_most widest;   /* the widest bound that t was held against, over unit roundoff times t */
     compare_bias bias;
     uint64_t asked, exact; /* questions to the oracle, and those that took whole numbers */

@@ -3,7 +3,7 @@
 write_scene
 
 # The hand-written intersectors and Embree are right on every shape and family, Embree's known faults apart.
-run 0 validate --rays 100 --power 1e-5 --seed 7 --json all.json
+run 0 validate --rays 40 --power 1e-5 --seed 7 --json all.json
 said out.txt 'embree (Embree'
 said out.txt 'reference (reference)'
 grep -q '^0 wrong, ' out.txt || die 'no sum'
@@ -17,7 +17,7 @@ for family in camera uniform edge vertex grazing tangent surface far axis scaled
     tiny bundle lattice ends rendered; do
     said all.json "\"family\": \"$family\""
 done
-[ "$(number all.json raysPerFamily)" = 100 ] || die 'rays in the JSON'
+[ "$(number all.json raysPerFamily)" = 40 ] || die 'rays in the JSON'
 ! grep -q '"wrong": [1-9]' all.json || die 'something is wrong in the JSON'
 for key in machine cpu compiler date nsPerRay isa any tUlps tRelative position normal uv histogram bins; do
     said all.json "\"$key\": "
@@ -41,9 +41,15 @@ run 0 validate far.json --power 1e-4 --rays 3000 --families far,tangent --tracer
 grep -q '^far.json .* [1-9][0-9.]*e+0[3-9]$' out.txt || die 'no large constant'
 said far-figures.json '"isa": null'
 
+# Plates a million times as long as wide: errors that slivers allow are no fault of a tracer's.
+awk 'BEGIN { for (i = 0; i < 60; ++i) { w = 10 ^ -(i % 5 + 2); x = sin(7 * i); y = cos(5 * i)
+    printf "v %.9g %.9g %.9g\nv %.9g %.9g %.9g\nv %.9g %.9g %.9g\n", x, y, sin(i), x + 0.7, y + sin(3 * i), cos(i), x + w, y - w, sin(i) + w
+    printf "f -3 -2 -1\n" } }' >plates.obj
+run 0 validate plates.obj --power 0 --rays 1000 --tracer bvh --tracer embree:user
+
 # A library with a deliberate bug: its wrong answers are found, written, and found again by asking again.
 plugins=$BUILD/tests/plugin
-run 0 validate triangles --power 1e-4 --rays 500 --tracer "$plugins/correct.so"
+run 0 validate triangles --power 1e-4 --rays 100 --tracer "$plugins/correct.so"
 run 1 validate triangles --power 1e-4 --rays 500 --tracer "$plugins/gap.so" --families edge,vertex -q
 run 1 validate triangles --power 1e-4 --rays 500 --tracer "$plugins/culls.so" --families uniform,edge --failures bad.txt
 grep -q 'culls.so \(uniform\|edge\) [0-9]* wrong .*0x.* triangles$' bad.txt || die 'no failing ray'

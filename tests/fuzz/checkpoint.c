@@ -97,11 +97,11 @@ static void resume(const fathom_settings *settings, const checkpoint_state *stat
     static hit_sums hits;
     static adaptive_wave a;
     const render_plan plan = {.settings = *settings};
-    a.hits = state->hits ? &hits : NULL;
+    a.hits = state->parts.hits ? &hits : NULL;
     for (uint32_t i = 0; i < state->grid.count; ++i) {
         if (!state->records[i]) continue;
         adaptive_begin(&plan, i % 2 * WAVE_SIDE, i / 2 * WAVE_SIDE, &a);
-        adaptive_record_load(settings, state->records[i], state->hits, &a);
+        adaptive_record_load(settings, state->records[i], &a);
         for (unsigned run = 0; run < ADAPTIVE_RUNS; ++run) {
             if (isnan(a.runs[run].error) || isnan(a.runs[run].priority))
                 fuzz_wrong("wave %u without an error", i);
@@ -121,7 +121,7 @@ static void read(const uint8_t *bytes, size_t size, unsigned how) {
     make_film(&film);
     checkpoint_key_of(&settings, 7, &key);
     if (!(how & OF_ANOTHER)) adopt_key(bytes, size, &key);
-    if (!checkpoint_state_create(&settings, &film, how & WITH_HITS, &state)) abort();
+    if (!checkpoint_state_create(&settings, &film, (film_parts){.hits = how & WITH_HITS}, &state)) abort();
     if (state.grid.count != WAVES) abort();
     fuzz_put_file(0, "a.checkpoint", bytes, size);
     fathom_status status =
@@ -137,7 +137,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     static uint8_t room[INPUT_MOST + WAVES * RECORD_MOST];
     if (size > INPUT_MOST) return 0;
     const unsigned how = size < SUM_BYTES ? AS_SUMMED : data[size - 1];
-    const size_t sums = adaptive_record_bytes(how & WITH_HITS) - WAVE_SQUARES * SQUARE_BYTES;
+    const size_t sums =
+        adaptive_record_bytes((film_parts){.hits = how & WITH_HITS}) - WAVE_SQUARES * SQUARE_BYTES;
     const size_t records = how & WHOLE_RECORDS ? 0 : count_records(data, size);
     const size_t length = size + records * (sums - SUM_BYTES);
     if (length > sizeof room) abort();

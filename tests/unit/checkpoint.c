@@ -105,30 +105,29 @@ static void assert_same_film(const fathom_film *a, const fathom_film *b) {
 
 /* ---- what is saved comes back ---- */
 
-/* Some tenths of a second on one thread; try_parts() gives more to a machine on which it is less. */
-#define LONG_SPP 256u
+/* Too few samples on most machines; try_parts() gives as many as it takes to be stopped so often. */
+#define FIRST_SPP 16u
+#define LEAST_STOPS 2
 /* Minutes on any machine: for renders that are always stopped. */
 #define ENDLESS_SPP 65536u
 
-/* How often the render was stopped; 0: it ended before the first tick came, and gets more samples for another
- * try. */
-static int try_parts(place *p, fathom_film **whole, fathom_film **parts) {
+/* Whether the render was stopped often enough; if it ended before, another try gets more samples. */
+static bool try_parts(place *p, fathom_film **whole, fathom_film **parts) {
     const bool resume = p->saving.resume;
     *whole = stage_render(&p->s);
-    int stops = render_in_parts(p, parts);
-    if (stops > 0) return stops;
+    if (render_in_parts(p, parts) >= LEAST_STOPS) return true;
     fathom_film_destroy(*whole);
     fathom_film_destroy(*parts);
     unlink(p->path);
     p->saving.resume = resume;
     p->s.settings.spp *= 2;
-    return 0;
+    return false;
 }
 
 static fathom_film *assert_parts_make_the_whole(place *p) {
     fathom_film *whole, *parts;
-    p->s.settings.spp = LONG_SPP;
-    while (try_parts(p, &whole, &parts) == 0) assert_true(p->s.settings.spp < ENDLESS_SPP);
+    p->s.settings.spp = FIRST_SPP;
+    while (!try_parts(p, &whole, &parts)) assert_true(p->s.settings.spp < ENDLESS_SPP);
     assert_same_film(whole, parts);
     assert_int_equal(parts->stats.samples, whole->stats.samples);
     assert_true(parts->stats.error_estimate == whole->stats.error_estimate);
@@ -432,7 +431,7 @@ typedef struct file {
     fathom_film *film;
     checkpoint_key key;
     fathom_context *context;
-    bool hits;
+    film_parts parts;
 } file;
 
 /* A small checkpoint with finished squares and a record. */
@@ -442,17 +441,17 @@ static void make_file(place *p, file *f) {
     memset(s->settings.crop, 0, sizeof s->settings.crop);
     s->settings.target_error = 0.1, s->settings.spp = 64;
     s->settings.aovs = FATHOM_AOV_Z;
-    *f = (file){.film = stage_render(s), .context = s->context, .hits = true};
+    *f = (file){.film = stage_render(s), .context = s->context, .parts = {.hits = true}};
     checkpoint_key_of(&s->settings, 1234, &f->key);
     strcpy(f->key.tracer, "a tracer");
     checkpoint_state state;
     checkpoint_write room;
-    assert_true(checkpoint_state_create(&s->settings, f->film, f->hits, &state));
+    assert_true(checkpoint_state_create(&s->settings, f->film, f->parts, &state));
     assert_true(checkpoint_write_create(&state, f->film, &room));
     assert_int_equal(state.grid.count, 2);
     const wave_region shown = wave_grid_region(&state.grid, 1);
     state.squares[1] = wave_region_bits(&shown);
-    state.records[0] = calloc(1, adaptive_record_bytes(f->hits));
+    state.records[0] = calloc(1, adaptive_record_bytes(f->parts));
     for (size_t k = 0; k < WAVE_SQUARES; ++k) {
         double *errors = (double *)(void *)state.records[0];
         errors[k] = errors[SQUARES_RECORD / sizeof *errors + k] = INFINITY;
@@ -481,7 +480,7 @@ static void free_file(file *f) {
 static fathom_status read_state(const file *f, const unsigned char *bytes, size_t size,
                                 checkpoint_state *state) {
     char tracer[128];
-    assert_true(checkpoint_state_create(&f->film->settings, f->film, f->hits, state));
+    assert_true(checkpoint_state_create(&f->film->settings, f->film, f->parts, state));
     return checkpoint_read(f->context, "file", bytes, size, &f->key, f->film, state, tracer);
 }
 
@@ -565,7 +564,7 @@ static void forged_bytes_do_no_harm(void **state) {
     file f;
     random_state random = {2};
     make_file(*state, &f);
-    const size_t head = 12 + sizeof(checkpoint_key), after = head + 8 + adaptive_record_bytes(f.hits);
+    const size_t head = 12 + sizeof(checkpoint_key), after = head + 8 + adaptive_record_bytes(f.parts);
     const struct {
         size_t at;
         uint64_t value;

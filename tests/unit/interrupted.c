@@ -43,24 +43,25 @@ static size_t alike(const fathom_film *a, const fathom_film *b, size_t pixels) {
     return count;
 }
 
-static void assert_whole_frame(stage *s, const uint32_t crop[4]) {
+static void assert_whole_frame(stage *s, const uint32_t crop[4], size_t block) {
     memcpy(s->settings.crop, crop, sizeof s->settings.crop);
     fathom_film *stopped = render_and_stop(s, ENDLESS_SPP);
-    s->settings.spp = 1;
+    const double target = s->settings.target_error;
+    s->settings.spp = 1, s->settings.target_error = 0;
     fathom_film *one = stage_render(s);
+    s->settings.target_error = target;
     uint32_t width, height;
     fathom_film_size(one, &width, &height);
     const size_t pixels = (size_t)width * height;
     const uint32_t *samples = fathom_film_channel_id(stopped, "samples");
     size_t shown = 0;
     for (size_t i = 0; i < pixels; ++i) {
-        assert_true(samples[i] == 0 || samples[i] == ENDLESS_SPP);
+        assert_true(samples[i] == 0 || samples[i] == ENDLESS_SPP || s->settings.target_error > 0);
         shown += samples[i] == 0 && fathom_film_channel(stopped, "A")[i] > 0;
     }
-    /* Blocks are 2 pixels wide for so many samples: only outlines can differ, a few times the width of the
-     * image in length. */
+    /* Only outlines can differ, a few times the width of the image in length, by at most a block's width. */
     assert_true(shown > 0);
-    assert_true(pixels - alike(stopped, one, pixels) < 6 * (size_t)(width + height));
+    assert_true(pixels - alike(stopped, one, pixels) < 3 * block * (size_t)(width + height));
     fathom_film_destroy(stopped);
     fathom_film_destroy(one);
 }
@@ -70,9 +71,19 @@ static void a_stopped_render_shows_the_whole_frame(void **state) {
     stage s = two_balls();
     for (unsigned threads = 1; threads <= 3; threads += 2) {
         fathom_context_set_threads(s.context, threads);
-        assert_whole_frame(&s, (uint32_t[4]){0, 0, 0, 0});
-        assert_whole_frame(&s, (uint32_t[4]){7, 5, 93, 71});
+        assert_whole_frame(&s, (uint32_t[4]){0, 0, 0, 0}, 2);
+        assert_whole_frame(&s, (uint32_t[4]){7, 5, 93, 71}, 2);
     }
+    stage_close(&s);
+}
+
+/* No wave reaches this error. */
+static void a_render_to_an_error_that_is_stopped_shows_the_whole_frame(void **state) {
+    (void)state;
+    stage s = two_balls();
+    s.settings.target_error = 1e-7;
+    fathom_context_set_threads(s.context, 2);
+    assert_whole_frame(&s, (uint32_t[4]){0, 0, 0, 0}, 8);
     stage_close(&s);
 }
 
@@ -95,6 +106,7 @@ static void a_finished_render_holds_samples_alone(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stopped_render_shows_the_whole_frame),
+        cmocka_unit_test(a_render_to_an_error_that_is_stopped_shows_the_whole_frame),
         cmocka_unit_test(a_finished_render_holds_samples_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -325,9 +325,32 @@ static void factors_are_kept_for_path_tracing(void **state) {
     assert_true(material_opacity(&m) == 0);
 }
 
+static void layers_are_kept_for_path_tracing(void **state) {
+    fixture *f = *state;
+    const fathom_material m =
+        read_both(f,
+                  "'extensions':{'KHR_materials_sheen':{'sheenColorFactor':[0.5,0.25,1],"
+                  "'sheenRoughnessFactor':0.75},'KHR_materials_anisotropy':{'anisotropyStrength':0.5,"
+                  "'anisotropyRotation':1.5},'KHR_materials_iridescence':{'iridescenceFactor':0.25,"
+                  "'iridescenceIor':1.75,'iridescenceThicknessMinimum':50,'iridescenceThicknessMaximum':800},"
+                  "'KHR_materials_dispersion':{'dispersion':0.25},'KHR_materials_diffuse_transmission':{"
+                  "'diffuseTransmissionFactor':0.75,'diffuseTransmissionColorFactor':[1,0.5,0.25]}}")
+            .value;
+    assert_true(m.sheen_color[1] == 0.25f && m.sheen_roughness == 0.75f);
+    assert_true(m.anisotropy == 0.5f && m.anisotropy_rotation == 1.5f);
+    assert_true(m.iridescence == 0.25f && m.iridescence_ior == 1.75f);
+    assert_true(m.iridescence_thickness_min == 50 && m.iridescence_thickness_max == 800);
+    assert_true(m.dispersion == 0.25f && m.diffuse_transmission == 0.75f);
+    assert_true(m.diffuse_transmission_color[2] == 0.25f);
+    assert_int_equal(f->warnings, 0);
+    const fathom_material plain = read_both(f, "'extensions':{'KHR_materials_iridescence':{}}").value;
+    assert_true(plain.iridescence == 0 && plain.iridescence_ior == 1.3f && plain.sheen_color[0] == 0);
+    assert_true(plain.iridescence_thickness_max == 400 && plain.diffuse_transmission_color[0] == 1);
+}
+
 static void extensions_that_are_not_read_are_told(void **state) {
     fixture *f = *state;
-    read_material(f, "'extensions':{'KHR_materials_sheen':{},'KHR_materials_dispersion':{'dispersion':1}}");
+    read_material(f, "'extensions':{'EXT_no_such_thing':{},'KHR_materials_unknown':{'dispersion':1}}");
     assert_int_equal(f->warnings, 2);
 }
 
@@ -367,6 +390,7 @@ int main(void) {
         TEST(clear_materials_cast_no_shadow),
         TEST(masked_surfaces_are_absent),
         TEST(factors_are_kept_for_path_tracing),
+        TEST(layers_are_kept_for_path_tracing),
         TEST(extensions_that_are_not_read_are_told),
         TEST(materials_keep_names_and_have_a_default),
     };

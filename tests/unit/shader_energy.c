@@ -134,11 +134,76 @@ static void rough_metal_seen_from_above_reflects_one_less_ln_2(void **state) {
     assert_near(sent_on(&m, 1, true, 1 << 14), 1 - log(2), 1e-4);
 }
 
+/* Over all directions of the viewer about the normal; what fibres, films and leaves send on is at most all.
+ */
+static double sent_on_directed(const fathom_material *m, double cosine, double turn, int blocks) {
+    shading at;
+    double sum = 0, start = 0;
+    shading_open(&at, m, cosine, true);
+    shading_direct(&at, cos(turn), sin(turn), 0);
+    for (int k = 0; k < SHADER_TAKES; ++k) {
+        const double chance = (double)at.block.take[k][0];
+        if (chance > 0) sum += chance * mean_weight(&at, (float)(start + chance / 2), blocks);
+        start += chance;
+    }
+    return sum;
+}
+
+/* The tables' own error of 4e-3, and that of the means. */
+static void brushed_surfaces_send_on_all_light(void **state) {
+    (void)state;
+    for (int k = 0; k < 4 * 3 * 4 * 3; ++k) {
+        fathom_material m = white((float)(k % 2), (const float[]){0.1f, 0.3f, 0.6f}[k / 4 % 3], 1.5f);
+        m.anisotropy = k / 2 % 2 ? 1 : 0.5f;
+        const double cosine = cosines[k / 12 % 4], turn = (k / 48) * 0.7;
+        const double all = sent_on_directed(&m, cosine, turn, 1024);
+        if (!(fabs(all - 1) <= 0.006))
+            fail_msg("metallic %d, roughness %g, anisotropy %g, cosine %g, turn %g: %g", k % 2,
+                     (double)m.roughness, (double)m.anisotropy, cosine, turn, all);
+    }
+}
+
+static void leaves_send_on_all_light(void **state) {
+    (void)state;
+    for (int k = 0; k < 4 * 3 * 4; ++k) {
+        fathom_material m = white(0, (const float[]){0, 0.3f, 0.6f, 1}[k % 4], 1.5f);
+        m.diffuse_transmission = (const float[]){0.25f, 0.5f, 1}[k / 4 % 3];
+        m.transmission = k % 5 ? 0 : 0.5f;
+        const double all = sent_on(&m, cosines[k / 12], true, 512);
+        if (!(fabs(all - 1) <= 0.005))
+            fail_msg("roughness %g, diffuse transmission %g: %g", (double)m.roughness,
+                     (double)m.diffuse_transmission, all);
+    }
+}
+
+/* Fibres lose what goes between them and the base: the most where both are white. */
+static void fibres_and_films_gain_nothing(void **state) {
+    (void)state;
+    for (int k = 0; k < 4 * 4 * COUNT(cosines) * 3; ++k) {
+        fathom_material m = white((float)(k / 4 % 2), (const float[]){0, 0.2f, 0.5f, 1}[k % 4], 1.5f);
+        const double cosine = cosines[k / 16 % COUNT(cosines)];
+        const int which = k / 16 / COUNT(cosines);
+        if (which != 1) {
+            for (int c = 0; c < 3; ++c) m.sheen_color[c] = which ? 0.5f : 1;
+            m.sheen_roughness = (const float[]){0, 0.2f, 0.5f, 1}[k / 4 % 4];
+        }
+        if (which) m.iridescence = 1, m.iridescence_thickness_max = (float)(100 + 150 * (k / 4 % 4));
+        const double all = sent_on(&m, cosine, true, 256);
+        if (!(all <= 1.006) || !(all > 0.3))
+            fail_msg("metallic %g, roughness %g, sheen %g of %g, iridescence %g, cosine %g: %g",
+                     (double)m.metallic, (double)m.roughness, (double)m.sheen_color[0],
+                     (double)m.sheen_roughness, (double)m.iridescence, cosine, all);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(white_surfaces_and_thin_walls_send_on_all_light),
         cmocka_unit_test(solids_gain_nothing_and_clear_ones_lose_nothing),
         cmocka_unit_test(coats_gain_nothing_and_lose_little),
+        cmocka_unit_test(brushed_surfaces_send_on_all_light),
+        cmocka_unit_test(leaves_send_on_all_light),
+        cmocka_unit_test(fibres_and_films_gain_nothing),
         cmocka_unit_test(fresnel_means_are_those_of_theory),
         cmocka_unit_test(rough_metal_seen_from_above_reflects_one_less_ln_2),
     };

@@ -66,14 +66,10 @@ static fathom_status check_outputs(task *s) {
 
 static fathom_status read_scene(task *s) {
     const render_options *o = &s->options;
-    const fathom_read_options read = {.size = sizeof read,
-                                      .without_uvs = true,
-                                      .camera = o->camera,
-                                      .up = o->up,
-                                      .width = o->size.width,
-                                      .height = o->size.height,
-                                      .choose_integrator = render_options_give(o, "integrator"),
-                                      .integrator = o->asked.integrator};
+    fathom_read_options read = command_read_options(&o->model);
+    read.without_uvs = true;
+    read.width = o->size.width, read.height = o->size.height;
+    read.choose_integrator = render_options_give(o, "integrator"), read.integrator = o->asked.integrator;
     const double began = clock_seconds();
     fathom_status status = fathom_scene_read_with(s->context, o->scene, &read, &s->scene);
     s->report.read_seconds = clock_seconds() - began;
@@ -270,6 +266,43 @@ static fathom_status prepare(task *s) {
     return status == FATHOM_OK ? set_time_left(s) : status;
 }
 
+static fathom_status run_once(task *s) {
+    fathom_status status = command_context(s->options.threads, &s->context);
+    if (status != FATHOM_OK) return status;
+    fathom_context_allow_outside(s->context, s->options.allow_outside);
+    s->options.write.command = provenance_command();
+    interrupt_install();
+    interrupt_install_save();
+    status = say(s, prepare(s));
+    if (status == FATHOM_OK) status = render(s);
+    fathom_film_destroy(s->film);
+    fathom_mpi_close(status == FATHOM_OK);
+    warnings_free(&s->report.warnings);
+    fathom_scene_destroy(s->scene);
+    standard_output_end();
+    fathom_context_destroy(s->context);
+    return status;
+}
+
+static fathom_status run_frames(const task *all) {
+    const render_frames *frames = &all->options.frames;
+    frame_names room;
+    fathom_status status = FATHOM_OK;
+    for (uint32_t frame = frames->first; frame <= frames->last && status == FATHOM_OK; ++frame) {
+        fathom_settings settings;
+        args_problem problem;
+        task s = *all;
+        s.start = clock_seconds();
+        fathom_settings_default(&settings);
+        interrupt_keep_work(false);
+        if (!render_options_frame(&s.options, frame, &room, &problem) ||
+            !render_options_finish(&s.options, &settings, &problem))
+            status = say_usage(&command_render, problem.text);
+        if (status == FATHOM_OK) status = run_once(&s);
+    }
+    return status;
+}
+
 static fathom_status run(int argc, char **argv) {
     task s = {.argc = argc, .argv = argv, .start = clock_seconds()};
     fathom_settings settings;
@@ -278,23 +311,10 @@ static fathom_status run(int argc, char **argv) {
     fathom_settings_default(&settings);
     render_options_default(&s.options);
     if (!command_parse(&command_render, argc, argv, &s.options, &status)) return status;
+    if (frames_asked(&s.options.frames)) return run_frames(&s);
     if (!render_options_finish(&s.options, &settings, &problem))
         return say_usage(&command_render, problem.text);
-    status = command_context(s.options.threads, &s.context);
-    if (status != FATHOM_OK) return status;
-    fathom_context_allow_outside(s.context, s.options.allow_outside);
-    s.options.write.command = provenance_command();
-    interrupt_install();
-    interrupt_install_save();
-    status = say(&s, prepare(&s));
-    if (status == FATHOM_OK) status = render(&s);
-    fathom_film_destroy(s.film);
-    fathom_mpi_close(status == FATHOM_OK);
-    warnings_free(&s.report.warnings);
-    fathom_scene_destroy(s.scene);
-    standard_output_end();
-    fathom_context_destroy(s.context);
-    return status;
+    return run_once(&s);
 }
 
 static const char *const operands[] = {"SCENE"};
@@ -323,6 +343,7 @@ const command command_render = {
                 "  fathom render scene.json -o out.png --target-error 0.01\n"
                 "  fathom render scene.json -o out.png --max-time 60\n"
                 "  fathom render scene.json -o out.exr --checkpoint out.save --resume\n"
+                "  fathom render walk.glb -o walk.####.exr --frames 1-48 --fps 24\n"
                 "  fathom render scene.json -o p3.part --part 3/16\n"
                 "  mpirun -n 8 fathom render scene.json -o out.exr --mpi\n",
     .args = {NULL, operands, operand_offsets, 1, 0, render_option_table},

@@ -149,8 +149,7 @@ static const args_option own_options[] = {
      "standard output"},
 
     {.help = "Image"},
-    COMMAND_CAMERA(render_options),
-    COMMAND_UP(render_options),
+    COMMAND_MODEL(render_options),
     {"size", 0, "WxH", take_size, FIELD(size), 1, 65536,
      "pixels (the scene's, else the shape its camera is made for, 1280 along the longer side, else "
      "1280x720)"},
@@ -170,6 +169,12 @@ static const args_option own_options[] = {
      "continue from the checkpoint, or begin where there is none: the image is the same to the last bit, on "
      "any "
      "number of threads; without it a FILE that is there is an error"},
+
+    {.help = "Frames of an animation"},
+    {"frames", 0, "FIRST-LAST", take_frames, FIELD(frames), 0, 0,
+     "render one image after another: frame N shows the time N / fps, from --time on; all files that are "
+     "written have #### in their names, which becomes the number"},
+    {"fps", 0, "N", take_f64, FIELD(frames.fps), 1e-3, 1e6, "frames a second (24)"},
 
     {.help = "A part of the image (-o FILE.part), to be merged by fathom merge"},
     {"part", 0, "K/N", take_part, FIELD(part), 0, 0,
@@ -210,7 +215,7 @@ const args_option merge_option_table[] = {
 
 /* ---- the whole table ---- */
 
-enum { OPTIONS_MAX = 64, SETTINGS_MAX = 32, HELP_MAX = 640 };
+enum { OPTIONS_MAX = 96, SETTINGS_MAX = 32, HELP_MAX = 640 };
 
 /* Room for the texts of the options that set settings. */
 static struct setting_texts { char name[PARAMETER_NAME + 3], help[HELP_MAX]; } texts[SETTINGS_MAX];
@@ -272,7 +277,7 @@ const args_option *render_option_table(void) {
 /* ---- all options together ---- */
 
 void render_options_default(render_options *options) {
-    *options = (render_options){.checkpoint_every = -1};
+    *options = (render_options){.checkpoint_every = -1, .frames = FRAMES_NONE};
     fathom_settings_default(&options->asked);
     fathom_write_options_default(&options->write);
     fathom_part_default(&options->part);
@@ -406,8 +411,39 @@ static bool finish_part(render_options *options, args_problem *problem) {
     return part->count || take_slurm(part, problem);
 }
 
+/* ---- frames ---- */
+
+/* The files that are written, besides the outputs. */
+enum { OTHERS = 3 };
+static void others_of(render_options *options, const char **others[OTHERS]) {
+    others[0] = &options->stats, others[1] = &options->checkpoint, others[2] = &options->part.path;
+}
+
+bool render_options_frame(render_options *options, uint32_t frame, frame_names *room, args_problem *problem) {
+    const char **others[OTHERS];
+    others_of(options, others);
+    for (size_t i = 0; i < options->outputs.count + OTHERS; ++i) {
+        const char **path = i < OTHERS ? others[i] : &options->outputs.items[i - OTHERS];
+        if (!*path) continue;
+        if (!frames_name(*path, frame, room->names[i]))
+            return args_wrong(problem,
+                              "--frames: expected a name with #### for the number, found \"%.300s\"%s", *path,
+                              strchr(*path, '#') ? ", which is too long" : "");
+        *path = room->names[i];
+    }
+    options->model.time =
+        (args_f64){.given = true, .value = options->model.time.value + frames_time(&options->frames, frame)};
+    return true;
+}
+
+static bool check_frames(const render_options *options, args_problem *problem) {
+    if (!frames_asked(&options->frames))
+        return !(options->frames.fps > 0) || args_wrong(problem, "--fps: only with --frames FIRST-LAST");
+    return !options->mpi || args_wrong(problem, "--mpi: renders one image; expected no --frames");
+}
+
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem) {
-    if (!finish_part(options, problem)) return false;
+    if (!check_frames(options, problem) || !finish_part(options, problem)) return false;
     if (!options->outputs.count && !options->part.path) return args_wrong(problem, "-o IMAGE is missing");
     if (!merge(options, scene, problem)) return false;
     if (options->quiet && options->verbose)

@@ -2,7 +2,8 @@
 #ifndef CLI_RENDER_OPTIONS_H
 #define CLI_RENDER_OPTIONS_H
 
-#include "cli/args.h"
+#include "cli/command.h"
+#include "cli/render/frames.h"
 
 #include <fathom/read.h>
 #include <fathom/session.h>
@@ -19,8 +20,8 @@ typedef struct render_options {
         asked; /* by the command line; of these, those in `given`: bits by their place in the table */
     uint64_t given;
     fathom_settings settings; /* the scene's, with those put over them: see render_options_finish() */
-    const char *camera;       /* NULL: the scene's first */
-    fathom_up up;
+    command_model model;
+    render_frames frames;
     double max_time;  /* seconds of the whole command; 0: none */
     args_size size;   /* 0 × 0: the settings' own */
     unsigned threads; /* 0: all processors */
@@ -42,6 +43,13 @@ void render_options_default(render_options *options);
 /* The settings, once parsed: the scene's, with those that the command line gives. Called with the defaults to
  * find wrong usage before anything is read, and with the scene's. False: wrong usage. */
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem);
+/* Room for the names of a frame's files. */
+typedef struct frame_names {
+    char names[ARGS_LIST_MAX + 3][PATH_MAX];
+} frame_names;
+
+/* Makes them the options of one frame, before they are finished. False: wrong usage. */
+bool render_options_frame(render_options *options, uint32_t frame, frame_names *room, args_problem *problem);
 /* Whether the command line has the setting of this name. */
 bool render_options_give(const render_options *options, const char *name);
 

@@ -166,7 +166,7 @@ static void print_wrong(const extremes_rows *rows) {
         const extremes_row *row = &rows->items[i];
         uint64_t any = row->any_counts[VERDICT_WRONG];
         if (!row->counts[VERDICT_WRONG] && !any) continue;
-        printf("wrong: %s %g, %s: %llu of %llu", row->group, row->parameter, row->spec,
+        printf("found: %s, extreme case %s %g: wrong: %llu of %llu", row->spec, row->group, row->parameter,
                (unsigned long long)row->counts[VERDICT_WRONG], (unsigned long long)row->rays);
         if (any) printf(", and %llu of any hit", (unsigned long long)any);
         printf(": %s\n", row->words);

@@ -71,14 +71,13 @@ static void count_before(checkpoint *c) {
 }
 
 static fathom_status prepare(checkpoint *c) {
-    const bool hits = c->settings.aovs & ~(unsigned)(FATHOM_AOV_SAMPLES | FATHOM_AOV_ERROR);
     bool exists = false;
     fathom_status status = checkpoint_check_path(c->context, &c->options, &exists);
     if (status == FATHOM_OK) status = file_lock_take(c->context, c->options.path, &c->file);
     if (status != FATHOM_OK) return status;
     fathom_file_remove_left_over(c->options.path);
     checkpoint_key_of(&c->settings, c->film->stats.scene_fingerprint, &c->key);
-    if (!checkpoint_state_create(&c->settings, c->film, hits, &c->state) ||
+    if (!checkpoint_state_create(&c->settings, c->film, film_parts_of(c->settings.aovs), &c->state) ||
         !checkpoint_write_create(&c->state, c->film, &c->write) ||
         fathom_context_create(&c->saving) != FATHOM_OK)
         return fail_memory(c->context, c->state.grid.count * sizeof(uint64_t));
@@ -230,7 +229,7 @@ bool checkpoint_is_begun(const checkpoint *c, uint32_t place) { return c->state.
 /* Threads that render alone put records there, each for its own waves. */
 bool checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a) {
     const unsigned char *record = c->state.records[place];
-    if (record) adaptive_record_load(&c->settings, record, c->state.hits, a);
+    if (record) adaptive_record_load(&c->settings, record, a);
     return record;
 }
 
@@ -238,10 +237,10 @@ void checkpoint_keep(checkpoint *c, uint32_t place, const adaptive_wave *a) {
     unsigned char **record = &c->state.records[place];
     pthread_mutex_lock(&c->lock);
     if (!*record) *record = malloc(checkpoint_wave_bytes(c));
-    if (*record) adaptive_record_save(a, c->state.hits, *record);
+    if (*record) adaptive_record_save(a, *record);
     pthread_mutex_unlock(&c->lock);
 }
 
 double checkpoint_keep_seconds(const checkpoint *c) { return fmin(0.5, c->options.every); }
 
-size_t checkpoint_wave_bytes(const checkpoint *c) { return adaptive_record_bytes(c->state.hits); }
+size_t checkpoint_wave_bytes(const checkpoint *c) { return adaptive_record_bytes(c->state.parts); }

@@ -74,7 +74,7 @@ static fathom_status read_key(reading *r, checkpoint_key *out) {
 
 static fathom_status read_record(reading *r, uint32_t place) {
     checkpoint_state *state = r->state;
-    const size_t bytes = adaptive_record_bytes(state->hits);
+    const size_t bytes = adaptive_record_bytes(state->parts);
     const unsigned char *from = take(r, bytes);
     if (!from) return damaged(r, "a wave's record is not whole");
     if (!adaptive_record_check(from, state->spp)) return damaged(r, "a wave's record makes no sense");

@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool checkpoint_state_create(const fathom_settings *settings, const fathom_film *film, bool hits,
+bool checkpoint_state_create(const fathom_settings *settings, const fathom_film *film, film_parts parts,
                              checkpoint_state *out) {
-    *out = (checkpoint_state){.hits = hits, .spp = settings->spp};
+    *out = (checkpoint_state){.parts = parts, .spp = settings->spp};
     out->grid = film_waves(film);
     out->squares = calloc(out->grid.count, sizeof *out->squares);
     out->records = calloc(out->grid.count, sizeof *out->records);

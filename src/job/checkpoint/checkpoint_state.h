@@ -28,7 +28,7 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "checkpoints are written as memory has them");
 
-#define CHECKPOINT_FORMAT 4u
+#define CHECKPOINT_FORMAT 5u
 #define CHECKPOINT_MAGIC "FTHMCKPT"
 
 typedef struct checkpoint_key {
@@ -41,7 +41,7 @@ typedef struct checkpoint_state {
     wave_grid grid;          /* that the film is made of */
     uint64_t *squares;       /* of each wave: those that are finished, bit y / 4 * 8 + x / 4 */
     unsigned char **records; /* of each wave; NULL: it is not begun, or finished */
-    bool hits;               /* in the records */
+    film_parts parts;        /* in the records */
     uint32_t spp;            /* the most of a pixel in a record */
     uint64_t samples, rays;
     double error, seconds;
@@ -60,7 +60,7 @@ fathom_status checkpoint_key_compare(fathom_context *context, const char *path, 
                                      const checkpoint_key *now);
 
 /* Nothing is finished yet. False when out of memory. */
-bool checkpoint_state_create(const fathom_settings *settings, const fathom_film *film, bool hits,
+bool checkpoint_state_create(const fathom_settings *settings, const fathom_film *film, film_parts parts,
                              checkpoint_state *out);
 void checkpoint_state_destroy(checkpoint_state *state);
 

@@ -10,7 +10,7 @@
 
 bool checkpoint_write_create(const checkpoint_state *state, const fathom_film *film, checkpoint_write *out) {
     const size_t pixels = film->channel_count * sizeof(uint32_t) * WAVE_SLOTS,
-                 record = adaptive_record_bytes(state->hits);
+                 record = adaptive_record_bytes(state->parts);
     *out = (checkpoint_write){.squares = malloc(state->grid.count * sizeof *out->squares),
                               .wave = malloc(pixels > record ? pixels : record)};
     if (out->squares && out->wave) return true;
@@ -59,7 +59,7 @@ static bool copy_record(output *o, uint32_t place, size_t bytes) {
 }
 
 static void put_records(output *o) {
-    const size_t bytes = adaptive_record_bytes(o->state->hits);
+    const size_t bytes = adaptive_record_bytes(o->state->parts);
     static const uint32_t last[] = {UINT32_MAX, 0};
     for (uint32_t i = 0; i < o->state->grid.count && !atomic_load(o->give_up); ++i) {
         if (!copy_record(o, i, bytes)) continue;

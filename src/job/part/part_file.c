@@ -39,14 +39,14 @@ bool part_owns(const part_shape *s, uint32_t wave) {
 part_shape part_shape_of(const part_head *head) {
     const fathom_settings *settings = &head->settings;
     const settings_region r = settings_region_of(settings);
-    const bool hits = parts_first_hits(settings);
     part_shape s = {.index = head->index - 1,
                     .count = head->count,
                     .sums = head->split == FATHOM_SPLIT_SAMPLES,
                     .grid = wave_grid_of(r.x, r.y, r.x + r.width, r.y + r.height)};
     s.range = s.sums ? sum_part(settings->spp, s.index, s.count) : (sum_range){0, settings->spp};
     s.stride = stride_of(s.grid.count);
-    s.square_bytes = s.sums ? sum_list_nodes(s.range, NULL) * sum_bytes(unit_groups(settings), hits)
+    s.square_bytes = s.sums ? sum_list_nodes(s.range, NULL) *
+                                  sum_bytes(unit_groups(settings), film_parts_of(settings->aovs))
                             : film_channels(settings->aovs) * LANES * sizeof(uint32_t);
     return s;
 }

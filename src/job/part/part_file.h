@@ -17,7 +17,7 @@
 #include "job/job.h"
 
 #define PART_MAGIC "FTHMPART"
-#define PART_FORMAT 1u
+#define PART_FORMAT 2u
 #define PART_RECORD 0x45564157u /* "WAVE" */
 
 typedef struct part_head {

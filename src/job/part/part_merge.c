@@ -174,13 +174,13 @@ typedef struct adding {
 } adding;
 
 static void add_part(const source *s, uint32_t wave, adding *a) {
-    const bool hits = a->sums.hits;
+    const film_parts parts = a->sums.parts;
     const uint32_t count = sum_list_nodes(s->shape.range, a->nodes);
     const unsigned char *from = s->map.bytes + s->tiles[wave] + a->square_at * s->shape.square_bytes;
-    for (uint32_t i = 0; i < count; ++i, from += sum_bytes(a->sums.groups, hits)) {
+    for (uint32_t i = 0; i < count; ++i, from += sum_bytes(a->sums.groups, parts)) {
         sum_node *top = &a->stack.nodes[a->stack.count];
         top->first = a->nodes[i].first, top->level = a->nodes[i].level;
-        sum_load(from, a->sums.groups, hits, &top->sums);
+        sum_load(from, a->sums.groups, parts, &top->sums);
         sum_push(&a->sums, &a->stack);
     }
 }
@@ -208,9 +208,9 @@ static bool prepare_adding(const fathom_settings *s, adding *a) {
     const sampler none = {FATHOM_PATTERN_GRID, 1, 0};
     const uint32_t depth = sum_stack_depth((sum_range){0, s->spp});
     for (uint32_t i = 0; i < WAVE_SQUARES; ++i) a->samples[i] = s->spp;
-    a->nodes = calloc(2 * depth, sizeof *a->nodes);
+    a->nodes = sum_nodes_create(film_parts_of(s->aovs), 2 * depth);
     a->stack.nodes = a->nodes + depth;
-    return a->nodes && pixel_sums_create(&none, unit_groups(s), parts_first_hits(s), &a->sums);
+    return a->nodes && pixel_sums_create(&none, unit_groups(s), film_parts_of(s->aovs), &a->sums);
 }
 
 static fathom_status add_samples(const merging *m) {

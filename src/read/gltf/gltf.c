@@ -1,9 +1,9 @@
 /* glTF 2.0 and GLB.
  *
  * Reads the nodes of the default scene (else the first scene, else all root nodes, else every mesh once),
- * triangles of any mode, materials with their textures and vertex colours, one perspective camera, and the
- * extensions below. Skins, morph targets and animations stay in the rest pose, and triangles are seen from
- * both sides: each is noted. */
+ * triangles of any mode, materials with their textures and vertex colours, skins, morph targets and one
+ * animation posed at the time that is asked for, one perspective camera, and the extensions below. Triangles
+ * are seen from both sides, which is noted. */
 #include "read/gltf/gltf.h"
 
 #include "base/text.h"
@@ -32,7 +32,8 @@ static bool is_known(const char *name) {
     static const char names[] =
         "KHR_lights_punctual|KHR_materials_ior|KHR_materials_transmission|KHR_materials_specular|"
         "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_materials_clearcoat|"
-        "KHR_mesh_quantization|"
+        "KHR_materials_sheen|KHR_materials_anisotropy|KHR_materials_iridescence|KHR_materials_dispersion|"
+        "KHR_materials_diffuse_transmission|KHR_mesh_quantization|KHR_materials_variants|"
         "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|"
         "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif";
     return words_find(names, name, strlen(name)) >= 0;
@@ -84,10 +85,11 @@ static fathom_status open_arrays(gltf *g) {
     const struct {
         const char *key;
         gltf_value *out;
-    } arrays[] = {{"accessors", &g->accessors}, {"bufferViews", &g->views}, {"buffers", &g->buffers},
-                  {"materials", &g->materials}, {"meshes", &g->meshes},     {"nodes", &g->nodes},
-                  {"scenes", &g->scenes},       {"cameras", &g->cameras},   {"images", &g->images},
-                  {"textures", &g->textures},   {"samplers", &g->samplers}};
+    } arrays[] = {{"accessors", &g->accessors},  {"bufferViews", &g->views}, {"buffers", &g->buffers},
+                  {"materials", &g->materials},  {"meshes", &g->meshes},     {"nodes", &g->nodes},
+                  {"scenes", &g->scenes},        {"cameras", &g->cameras},   {"images", &g->images},
+                  {"textures", &g->textures},    {"samplers", &g->samplers}, {"skins", &g->skins},
+                  {"animations", &g->animations}};
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == FATHOM_OK; ++i) {
         status = gltf_array(g, &g->root, arrays[i].key, arrays[i].out);
@@ -107,19 +109,13 @@ static fathom_status make_tables(gltf *g) {
     g->material_table = calloc(materials, sizeof *g->material_table);
     g->mesh_table = calloc(meshes + 1, sizeof *g->mesh_table);
     g->array_table = calloc(accessors + 1, sizeof *g->array_table);
-    if (!g->buffer_table || !g->image_table || !g->material_table || !g->mesh_table || !g->array_table)
+    g->skin_table = calloc(gltf_count(&g->skins) + 1, sizeof *g->skin_table);
+    if (!g->buffer_table || !g->image_table || !g->material_table || !g->mesh_table || !g->array_table ||
+        !g->skin_table)
         return fail_memory(g->context, (buffers + materials + meshes + accessors) * sizeof *g->array_table);
     for (size_t i = 0; i < materials; ++i) g->material_table[i].id = FATHOM_NONE;
     for (size_t i = 0; i < meshes; ++i) g->mesh_table[i] = FATHOM_NONE;
     return FATHOM_OK;
-}
-
-static void note_animations(gltf *g) {
-    const gltf_value animations = gltf_member(&g->root, "animations");
-    for (size_t i = 0; i < gltf_count(&animations); ++i) {
-        const gltf_value at = {.parent = &animations, .index = i};
-        gltf_note(g, &at, NULL, "animations are not followed; everything rests where its node is");
-    }
 }
 
 static fathom_status close_source(gltf *g, gltf_source *source, fathom_status status) {
@@ -136,6 +132,10 @@ static fathom_status finish(gltf *g, fathom_status status) {
         if (buffer->owns_source) status = close_source(g, buffer->source, status);
     }
     status = close_source(g, g->source, status);
+    for (size_t i = 0; g->skin_table && i < gltf_count(&g->skins); ++i) free(g->skin_table[i].matrices);
+    gltf_moment_close(&g->moment);
+    free(g->skin_table);
+    free(g->parents);
     free(g->buffer_table);
     free(g->image_table);
     free(g->material_table);
@@ -154,10 +154,10 @@ fathom_status read_gltf(fathom_scene *scene, fathom_id group, const char *path,
     if (status == FATHOM_OK) status = check_extensions(&g);
     if (status == FATHOM_OK) status = open_arrays(&g);
     if (status == FATHOM_OK) status = make_tables(&g);
+    if (status == FATHOM_OK) status = gltf_variant_choose(&g);
     if (status == FATHOM_OK) status = gltf_nodes_place(&g);
     if (status == FATHOM_OK && options->surroundings) status = gltf_camera_take(&g);
     if (status == FATHOM_OK) {
-        note_animations(&g);
         note_extensions(&g, &g.root);
         notes_tell(&g.notes, g.context, path);
     }

@@ -5,6 +5,12 @@
  * gltf_buffer.c     GLB chunks, the JSON text, buffers
  * gltf_accessor.c   typed arrays in buffers, checked, as plain arrays; limits on memory
  * gltf_mesh.c       meshes to groups
+ * gltf_morph.c      morph targets
+ * gltf_skin.c       skins
+ * gltf_animation.c  animations, posed at a time
+ * gltf_transform.c  where nodes are
+ * gltf_variant.c    variants of materials
+ * gltf_choice.c     what there is to choose from by name
  * gltf_material.c   materials to the model's
  * gltf_texture.c    images and samplers, as maps of materials
  * gltf_node.c       the hierarchy, its instances
@@ -56,6 +62,45 @@ typedef struct gltf_material {
     bool blends;    /* its alpha counts */
 } gltf_material;
 
+/* The parts of a node's transform. */
+enum { GLTF_TRANSLATION, GLTF_ROTATION, GLTF_SCALE, GLTF_PARTS };
+extern const char *const gltf_part_names[GLTF_PARTS];
+
+/* What an animation gives a node. */
+typedef struct gltf_pose {
+    double parts[GLTF_PARTS][4];
+    bool given[GLTF_PARTS];
+    double *weights; /* of morph targets; NULL: not animated */
+    size_t weight_count;
+} gltf_pose;
+
+typedef struct gltf_world {
+    bool known;
+    affine_f64 to_world;
+} gltf_world;
+
+/* The nodes at a time. */
+typedef struct gltf_moment {
+    double time; /* seconds */
+    ARRAY(gltf_pose) poses;
+    uint32_t *pose_of;  /* for each node its place in poses, counted from 1; NULL: no animation is posed */
+    gltf_world *worlds; /* for each node */
+} gltf_moment;
+
+/* The matrices of a skin's joints, from meshes to the world, less `origin`. */
+typedef struct gltf_joints {
+    affine_f64 *matrices; /* NULL: not made yet */
+    uint32_t count;
+    vec3_f64 origin;
+} gltf_joints;
+
+/* How a node shapes its mesh. */
+typedef struct gltf_shape {
+    double *weights; /* of morph targets; owned */
+    size_t weight_count;
+    const gltf_joints *joints; /* NULL: no skin */
+} gltf_shape;
+
 /* A camera of a node; one for each of the scene's cameras. */
 typedef struct gltf_camera {
     uint32_t node, index; /* of nodes and of cameras */
@@ -75,15 +120,20 @@ typedef struct gltf {
     size_t text_at;   /* the byte of a .glb at which it begins; 0 in .gltf files */
     json_arena arena; /* of all values */
     gltf_value root, accessors, views, buffers, images, textures, samplers, materials, meshes, nodes, scenes,
-        cameras;
-    gltf_value extensions, punctual, lights; /* of the document */
-    gltf_buffer *buffer_table;               /* for each buffer */
-    gltf_buffer *image_table;                /* for each image that is a data URI: its bytes, once decoded */
-    gltf_material *material_table;           /* for each material, then the default one */
-    gltf_elements (*array_table)[2];         /* for each accessor: floats, indices */
-    fathom_id *mesh_table; /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
-    uint64_t file_bytes;   /* of the files opened */
-    uint64_t charged;      /* bytes: gltf_charge() */
+        cameras, skins, animations;
+    gltf_value extensions, punctual, lights, varying, variants; /* of the document */
+    gltf_buffer *buffer_table;                                  /* for each buffer */
+    gltf_buffer *image_table;        /* for each image that is a data URI: its bytes, once decoded */
+    gltf_material *material_table;   /* for each material, then the default one */
+    gltf_elements (*array_table)[2]; /* for each accessor: floats, indices */
+    fathom_id *mesh_table;           /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
+    gltf_joints *skin_table;         /* for each skin */
+    uint32_t *parents;               /* for each node; beyond all nodes: a root */
+    uint32_t animation;              /* that is posed; GLTF_ABSENT: none */
+    uint32_t variant;                /* of materials, likewise */
+    gltf_moment moment;
+    uint64_t file_bytes; /* of the files opened */
+    uint64_t charged;    /* bytes: gltf_charge() */
     ARRAY(gltf_camera) seen_cameras;
     note_list notes;
 } gltf;
@@ -112,6 +162,10 @@ fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom
 /* Notes something that is left out or read differently; see notes.h. */
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+
+/* The same for all items of an array at once. */
+void gltf_note_all(gltf *g, const gltf_value *array, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 gltf_value gltf_member(const gltf_value *parent, const char *key);
 fathom_status gltf_object(gltf *g, const gltf_value *parent, const char *key, gltf_value *out);
@@ -175,13 +229,67 @@ fathom_status gltf_allocate(gltf *g, const gltf_value *at, const char *key, uint
 fathom_status gltf_array_read(gltf *g, const gltf_value *user, const char *key, unsigned components,
                               unsigned takes, bool *present, gltf_elements *out);
 
+/* ---- gltf_choice.c ---- */
+
+#define GLTF_LIST 192 /* bytes */
+/* 0 "Walk", 1 "Run" and 7 more */
+void gltf_print_names(const gltf_value *array, char out[GLTF_LIST]);
+/* The item with this name, else this number. FATHOM_BAD_USAGE, with a list of what there is, where there is
+ * none such or there are several. what: "animation". */
+fathom_status gltf_choose(gltf *g, const gltf_value *array, const char *what, const char *wanted,
+                          uint32_t *out);
+
+/* ---- gltf_variant.c ---- */
+
+/* Sets g->variant by what is asked for. */
+fathom_status gltf_variant_choose(gltf *g);
+/* *material, the primitive's own, becomes that of the variant if it has one for it. */
+fathom_status gltf_variant_material(gltf *g, const gltf_value *primitive, uint32_t *material);
+
+/* ---- gltf_transform.c ---- */
+
+/* Close it even when it could not be opened. */
+fathom_status gltf_moment_open(gltf *g, double time, gltf_moment *m);
+void gltf_moment_close(gltf_moment *m);
+/* NULL: no animation poses it. */
+const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node);
+/* g->parents must have no cycle. */
+fathom_status gltf_node_world(gltf *g, gltf_moment *m, uint32_t node, const affine_f64 **out);
+affine_f64 gltf_compose(double parts[GLTF_PARTS][4]);
+/* Whether a quaternion is not zero. */
+bool gltf_is_rotation(const double r[4]);
+
+/* ---- gltf_animation.c ---- */
+
+/* Sets g->animation by what is asked for. */
+fathom_status gltf_animation_choose(gltf *g);
+/* Poses the nodes by g->animation at the moment's time. */
+fathom_status gltf_animation_pose(gltf *g, gltf_moment *m);
+/* The unit quaternion at the part u in [0,1] of the shorter arc from a to b, which become unit. */
+void gltf_slerp(double a[4], double b[4], double u, double out[4]);
+
+/* ---- gltf_morph.c, gltf_skin.c ---- */
+
+/* Weights: posed, else the node's, else the mesh's. node may be NULL. */
+fathom_status gltf_weights_read(gltf *g, const gltf_pose *pose, const gltf_value *node,
+                                const gltf_value *mesh, gltf_shape *out);
+/* Each replaces the floats of an attribute by new ones, in memory of the scene, if the shape moves them. */
+fathom_status gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
+                         unsigned components, gltf_elements *floats);
+typedef enum gltf_kind { GLTF_POINT, GLTF_NORMAL, GLTF_TANGENT } gltf_kind;
+fathom_status gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints,
+                              gltf_kind kind, gltf_elements *floats);
+/* The joints of skin `index`; they live as long as g. */
+fathom_status gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, const gltf_joints **out);
+
 /* The components of the accessor that member `key` of `user` names, 1 to 4; 0: there is no such member. */
 fathom_status gltf_components(gltf *g, const gltf_value *user, const char *key, unsigned *out);
 
 /* ---- what the document holds ---- */
 
-/* The group that holds mesh `index`, made when first asked for, or GLTF_EMPTY. */
-fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out);
+/* The group that holds mesh `index`, made when first asked for, or GLTF_EMPTY. With a shape: one of its own.
+ */
+fathom_status gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shape, fathom_id *out);
 /* The texture that member `key` of `parent` describes; color: its numbers are sRGB. *there is false, and *out
  * as it was, where there is none or it cannot be read, which is noted. */
 fathom_status gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, bool *there,

@@ -27,7 +27,7 @@ typedef struct span {
 
 typedef struct accessor {
     component type;
-    unsigned components; /* of an element: 1 to 4 */
+    unsigned components; /* of an element: 1 to 4, or 16 */
     bool normalized;
     uint32_t count; /* elements */
     span elements;
@@ -77,7 +77,7 @@ typedef struct conversion {
         (void)worker;                                                                                        \
         const conversion *c = user;                                                                          \
         for (size_t i = begin; i < end; ++i) {                                                               \
-            T element[4];                                                                                    \
+            T element[16];                                                                                   \
             memcpy(element, c->from + i * c->stride, c->components * sizeof(T));                             \
             for (unsigned k = 0; k < c->components; ++k) {                                                   \
                 float value = (float)element[k] / c->divisor;                                                \
@@ -236,9 +236,10 @@ static fathom_status open_sparse(gltf *g, const gltf_value *at, accessor *out) {
     return check_sparse_indices(g, &sparse, out);
 }
 
-/* "SCALAR" 1, "VEC2" 2…; 0 for matrices and anything else. */
+/* "SCALAR" 1, "VEC2" 2…, "MAT4" 16; 0 for other matrices and anything else. */
 static unsigned components_of(const char *type) {
     if (strcmp(type, "SCALAR") == 0) return 1;
+    if (strcmp(type, "MAT4") == 0) return 16;
     return strncmp(type, "VEC", 3) == 0 && type[3] >= '2' && type[3] <= '4' && !type[4]
                ? (unsigned)(type[3] - '0')
                : 0;
@@ -257,7 +258,7 @@ static fathom_status open_at(gltf *g, const gltf_value *at, accessor *out) {
     out->count = (uint32_t)count;
     out->components = components_of(type);
     if (!out->components)
-        return gltf_fail(g, at, "type", "is \"%.40s\"; expected SCALAR, VEC2, VEC3 or VEC4", type);
+        return gltf_fail(g, at, "type", "is \"%.40s\"; expected SCALAR, VEC2, VEC3, VEC4 or MAT4", type);
     status = open_span(g, at, count, component_size(out->type) * out->components, true, &out->elements);
     if (status == FATHOM_OK && !out->elements.bytes && count > ZEROS_MAX)
         return gltf_fail(

@@ -48,6 +48,15 @@ void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *forma
     notes_add(&g->notes, 1, place[2] ? place : "", "%s", text);
 }
 
+void gltf_note_all(gltf *g, const gltf_value *array, const char *format, ...) {
+    char text[320];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    notes_add(&g->notes, gltf_count(array), "", "%s", text);
+}
+
 static const char *kind_name(const json_t *json) {
     switch (json_typeof(json)) {
     case JSON_OBJECT: return "an object";

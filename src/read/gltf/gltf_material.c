@@ -5,6 +5,8 @@
  * - alphaMode BLEND: base alpha is coverage.
  * - KHR_materials_clearcoat and KHR_materials_volume: path tracing alone; without a volume transmission is a
  * thin wall there, and solid for the classic model.
+ * - KHR_materials_sheen, _anisotropy, _iridescence, _dispersion and _diffuse_transmission: path tracing alone
+ *   (gltf_layers.c).
  * - KHR_materials_unlit: emission of the base colour, nothing else.
  * - KHR_materials_pbrSpecularGlossiness: an ior of 0 with the specular colour, a dielectric with the diffuse
  *   colour as b, and r = 1 - glossiness.
@@ -16,7 +18,7 @@
  *
  * A mesh whose material lets more than half of the light through casts no shadow, because shadow rays are all
  * or nothing. */
-#include "read/gltf/gltf.h"
+#include "read/gltf/gltf_layers.h"
 #include "scene/metallic.h"
 
 #include <math.h>
@@ -29,6 +31,7 @@ typedef struct factors {
     double base[4], cutoff;
     double thickness, attenuation_color[3], attenuation_distance; /* path tracing alone, */
     double clearcoat, clearcoat_roughness;                        /* these, too */
+    gltf_layers layers;                                           /* and these */
     alpha_mode alpha;
     fathom_map maps[FATHOM_MAPS];
     float normal_scale;
@@ -197,6 +200,7 @@ static fathom_status read_extensions(gltf *g, const gltf_value *at, factors *f) 
     if (status == FATHOM_OK) status = read_specular(g, &extensions, f);
     if (status == FATHOM_OK) status = read_volume(g, &extensions, f);
     if (status == FATHOM_OK) status = read_clearcoat(g, &extensions, f);
+    if (status == FATHOM_OK) status = gltf_layers_read(g, &extensions, f->maps, &f->layers);
     if (status == FATHOM_OK)
         status = gltf_object(g, &extensions, "KHR_materials_transmission", &transmission);
     if (status != FATHOM_OK) return status;
@@ -260,6 +264,7 @@ static void make(factors *f, fathom_material *material, fathom_material *classic
     memcpy(material->maps, f->maps, sizeof material->maps);
     material->normal_scale = f->normal_scale;
     material->thickness = (float)f->thickness;
+    if (!f->to.unlit) gltf_layers_set(&f->layers, material);
     material->clearcoat = (float)f->clearcoat;
     material->clearcoat_roughness = (float)f->clearcoat_roughness;
     material->attenuation_distance = (float)f->attenuation_distance;
@@ -274,6 +279,7 @@ fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out) {
         const char *name = NULL;
         factors f = default_factors;
         for (int k = 0; k < FATHOM_MAPS; ++k) f.maps[k].texture = FATHOM_NONE;
+        f.layers = gltf_layers_default();
         fathom_material material, classic;
         fathom_status status = given ? gltf_item(g, &g->materials, index, &at) : FATHOM_OK;
         if (status == FATHOM_OK) status = gltf_text(g, &at, "name", &name);

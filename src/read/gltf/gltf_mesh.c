@@ -2,11 +2,14 @@
 #include "read/gltf/gltf.h"
 #include "read/mesh/normals.h"
 
+#include <stdlib.h>
+
 enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
 
 typedef struct primitive {
     const gltf_value *at;
     const gltf_value *attributes;
+    const gltf_shape *shape;
     uint32_t mode;
     bool blends; /* the material's alpha counts */
     fathom_mesh mesh;
@@ -80,17 +83,31 @@ static fathom_status read_indices(gltf *g, primitive *p) {
     return gltf_within(g, p->at, "indices", status);
 }
 
+/* What the shape makes of an attribute. */
+static fathom_status deform(gltf *g, const primitive *p, const char *key, gltf_kind kind,
+                            gltf_elements *floats) {
+    fathom_status status = gltf_morph(g, p->at, p->shape, key, kind == GLTF_TANGENT ? 4 : 3, floats);
+    if (status != FATHOM_OK || !p->shape->joints) return status;
+    return gltf_skin_carry(g, p->attributes, p->shape->joints, kind, floats);
+}
+
 static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
     gltf_elements floats;
     fathom_status status =
         gltf_array_read(g, p->attributes, "POSITION", 3,
                         GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, present, &floats);
     if (status != FATHOM_OK || !*present) return status;
+    const void *stored = floats.values;
+    status = deform(g, p, "POSITION", GLTF_POINT, &floats);
+    if (status == FATHOM_OK && floats.values != stored)
+        status = gltf_within(g, p->attributes, "POSITION",
+                             mesh_look_at_vertices(g->context, "deformed entry", floats.values, floats.stride,
+                                                   floats.count, &floats.facts));
     p->mesh.positions = floats.values;
     p->mesh.position_stride = floats.stride;
     p->mesh.vertex_count = floats.count;
     p->facts = floats.facts;
-    return FATHOM_OK;
+    return status;
 }
 
 /* Reads an attribute that has as many entries as POSITION. */
@@ -124,10 +141,11 @@ static fathom_status read_normals(gltf *g, primitive *p) {
         read_attribute(g, p, "NORMAL", 3, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
     if (status != FATHOM_OK) return status;
     if (!present) return g->options->smooth ? make_normals(g, p) : FATHOM_OK;
+    status = deform(g, p, "NORMAL", GLTF_NORMAL, &floats);
     p->mesh.normals = floats.values;
     p->mesh.normal_stride = floats.stride;
     p->mesh.normal_count = floats.count;
-    return FATHOM_OK;
+    return status;
 }
 
 /* Both sets, and tangents. */
@@ -142,8 +160,9 @@ static fathom_status read_coordinates(gltf *g, primitive *p) {
     if (status == FATHOM_OK && present) p->mesh.uvs_1 = floats.values, p->mesh.uv_1_stride = floats.stride;
     if (status == FATHOM_OK)
         status = read_attribute(g, p, "TANGENT", 4, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
-    if (status == FATHOM_OK && present && p->mesh.normals)
-        p->mesh.tangents = floats.values, p->mesh.tangent_stride = floats.stride;
+    if (status != FATHOM_OK || !present || !p->mesh.normals) return status;
+    status = deform(g, p, "TANGENT", GLTF_TANGENT, &floats);
+    p->mesh.tangents = floats.values, p->mesh.tangent_stride = floats.stride;
     return status;
 }
 
@@ -171,6 +190,7 @@ static fathom_status read_material(gltf *g, primitive *p) {
     uint32_t index = GLTF_ABSENT;
     gltf_material material;
     fathom_status status = gltf_index(g, p->at, "material", &g->materials, &index);
+    if (status == FATHOM_OK) status = gltf_variant_material(g, p->at, &index);
     if (status == FATHOM_OK) status = gltf_material_make(g, index, &material);
     if (status != FATHOM_OK) return status;
     p->mesh.material = material.id;
@@ -188,17 +208,14 @@ static fathom_status read_mode(gltf *g, const gltf_value *at, uint32_t *mode) {
     return status;
 }
 
-static fathom_status add_primitive(gltf *g, const gltf_value *at, fathom_id group) {
-    gltf_value attributes, targets;
-    primitive p = {.at = at, .attributes = &attributes};
+static fathom_status add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape, fathom_id group) {
+    gltf_value attributes;
+    primitive p = {.at = at, .attributes = &attributes, .shape = shape};
     fathom_mesh_default(&p.mesh);
     bool present = false;
     fathom_status status = gltf_object(g, at, "attributes", &attributes);
-    if (status == FATHOM_OK) status = gltf_array(g, at, "targets", &targets);
     if (status == FATHOM_OK) status = read_mode(g, at, &p.mode);
     if (status != FATHOM_OK || !p.mode) return status;
-    if (gltf_count(&targets))
-        gltf_note(g, at, "targets", "morph targets are not applied; meshes have their base shape");
     status = read_positions(g, &p, &present);
     if (status != FATHOM_OK) return status;
     if (!present) {
@@ -215,22 +232,32 @@ static fathom_status add_primitive(gltf *g, const gltf_value *at, fathom_id grou
     return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }
 
-fathom_status gltf_mesh_group(gltf *g, uint32_t index, fathom_id *out) {
-    *out = g->mesh_table[index];
-    if (*out != FATHOM_NONE) return FATHOM_OK;
-    gltf_value mesh, primitives, at;
+static fathom_status make_group(gltf *g, const gltf_value *mesh, const gltf_shape *shape, fathom_id *out) {
+    gltf_value primitives, at;
     const char *name = NULL;
-    fathom_status status = gltf_item(g, &g->meshes, index, &mesh);
-    if (status == FATHOM_OK) status = gltf_text(g, &mesh, "name", &name);
-    if (status == FATHOM_OK) status = gltf_array(g, &mesh, "primitives", &primitives);
+    fathom_status status = gltf_text(g, mesh, "name", &name);
+    if (status == FATHOM_OK) status = gltf_array(g, mesh, "primitives", &primitives);
     if (status == FATHOM_OK) status = fathom_scene_add_group(g->scene, name, out);
     if (status != FATHOM_OK) return status;
     size_t before = g->scene->meshes.count;
     for (size_t i = 0; i < gltf_count(&primitives) && status == FATHOM_OK; ++i) {
         status = gltf_item(g, &primitives, i, &at);
-        if (status == FATHOM_OK) status = add_primitive(g, &at, *out);
+        if (status == FATHOM_OK) status = add_primitive(g, &at, shape, *out);
     }
     if (g->scene->meshes.count == before) *out = GLTF_EMPTY;
+    return status;
+}
+
+fathom_status gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shape, fathom_id *out) {
+    gltf_value mesh;
+    gltf_shape own = {.weights = NULL};
+    *out = g->mesh_table[index];
+    if (!shape && *out != FATHOM_NONE) return FATHOM_OK;
+    fathom_status status = gltf_item(g, &g->meshes, index, &mesh);
+    if (status == FATHOM_OK && shape) return make_group(g, &mesh, shape, out);
+    if (status == FATHOM_OK) status = gltf_weights_read(g, NULL, NULL, &mesh, &own);
+    if (status == FATHOM_OK) status = make_group(g, &mesh, &own, out);
+    free(own.weights);
     g->mesh_table[index] = *out;
     return status;
 }

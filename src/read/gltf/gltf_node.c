@@ -8,14 +8,10 @@
 
 typedef struct step {
     uint32_t node;
-    bool hidden;         /* the node's parent is */
-    affine_f64 to_world; /* of the node's parent */
+    bool hidden; /* the node's parent is */
 } step;
 
-typedef struct walk {
-    uint32_t *parents; /* GLTF_ABSENT: a root */
-    ARRAY(step) stack;
-} walk;
+typedef ARRAY(step) walk;
 
 /* ---- the graph ---- */
 
@@ -61,49 +57,6 @@ static fathom_status find_cycle(gltf *g, const uint32_t *parents) {
     if (at == GLTF_ABSENT) return FATHOM_OK;
     gltf_value node = {.parent = &g->nodes, .index = at};
     return gltf_fail(g, &node, "children", "leads back to nodes[%u]: a node may not hold itself", at);
-}
-
-/* ---- transforms ---- */
-
-static fathom_status read_matrix(gltf *g, const gltf_value *node, affine_f64 *out) {
-    double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    fathom_status status = gltf_numbers(g, node, "matrix", 16, -INFINITY, INFINITY, m);
-    if (status != FATHOM_OK) return status;
-    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-        return gltf_fail(g, node, "matrix", "has the last row %g %g %g %g; expected 0 0 0 1", m[3], m[7],
-                         m[11], m[15]);
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 4; ++column) out->m[row][column] = m[column * 4 + row];
-    }
-    return FATHOM_OK;
-}
-
-static affine_f64 compose_parts(const double t[3], const double r[4], const double s[3]) {
-    affine_f64 scaling = affine_scaling(load_f64(s)), rotation = affine_rotation(r);
-    affine_f64 out = affine_compose(&rotation, &scaling);
-    for (int i = 0; i < 3; ++i) out.m[i][3] = t[i];
-    return out;
-}
-
-static fathom_status read_transform(gltf *g, const gltf_value *node, affine_f64 *out) {
-    static const char *const parts[] = {"translation", "rotation", "scale"};
-    if (json_object_get(node->json, "matrix")) {
-        for (int i = 0; i < 3; ++i) {
-            if (json_object_get(node->json, parts[i]))
-                return gltf_fail(g, node, parts[i],
-                                 "is given together with a matrix; expected one or the other");
-        }
-        return read_matrix(g, node, out);
-    }
-    double t[3] = {0, 0, 0}, r[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
-    fathom_status status = gltf_numbers(g, node, parts[0], 3, -INFINITY, INFINITY, t);
-    if (status == FATHOM_OK) status = gltf_numbers(g, node, parts[1], 4, -1e30, 1e30, r);
-    if (status == FATHOM_OK) status = gltf_numbers(g, node, parts[2], 3, -INFINITY, INFINITY, s);
-    if (status != FATHOM_OK) return status;
-    if (!(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] > 0))
-        return gltf_fail(g, node, parts[1], "is zero; expected a unit quaternion x, y, z, w");
-    *out = compose_parts(t, r, s);
-    return FATHOM_OK;
 }
 
 /* ---- placing ---- */
@@ -170,15 +123,30 @@ static fathom_status add_many(gltf *g, const gltf_value *node, const gltf_value 
     if (status == FATHOM_OK)
         status = read_part(g, &attributes, "SCALE", 3, GLTF_TAKES_FLOAT, &p.scales, &p.count);
     for (uint32_t i = 0; i < p.count && status == FATHOM_OK; ++i) {
-        double t[3] = {0, 0, 0}, r[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
-        part_at(&p.translations, i, 3, t);
-        part_at(&p.rotations, i, 4, r);
-        part_at(&p.scales, i, 3, s);
-        if (!(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] > 0))
+        double parts[GLTF_PARTS][4] = {{0, 0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1, 0}};
+        part_at(&p.translations, i, 3, parts[GLTF_TRANSLATION]);
+        part_at(&p.rotations, i, 4, parts[GLTF_ROTATION]);
+        part_at(&p.scales, i, 3, parts[GLTF_SCALE]);
+        if (!gltf_is_rotation(parts[GLTF_ROTATION]))
             return gltf_fail(g, &attributes, "ROTATION", "entry %u is zero; expected unit quaternions", i);
-        affine_f64 one = compose_parts(t, r, s), map = affine_compose(to_world, &one);
+        affine_f64 one = gltf_compose(parts), map = affine_compose(to_world, &one);
         status = add_instance(g, node, group, &map);
     }
+    return status;
+}
+
+/* A node with a skin, or with weights of its own, has a copy of its mesh. */
+static fathom_status read_shape(gltf *g, const gltf_value *node, uint32_t mesh, bool *own, gltf_shape *out) {
+    uint32_t skin = GLTF_ABSENT;
+    gltf_value at;
+    const gltf_pose *pose = gltf_pose_of(&g->moment, (uint32_t)node->index);
+    fathom_status status = gltf_index(g, node, "skin", &g->skins, &skin);
+    if (status == FATHOM_OK) status = gltf_item(g, &g->meshes, mesh, &at);
+    *own = skin != GLTF_ABSENT || json_object_get(node->json, "weights") || (pose && pose->weights);
+    if (status != FATHOM_OK || !*own) return status;
+    status = gltf_weights_read(g, pose, node, &at, out);
+    if (status == FATHOM_OK && skin != GLTF_ABSENT)
+        status = gltf_skin_read(g, &g->moment, skin, &out->joints);
     return status;
 }
 
@@ -186,26 +154,33 @@ static fathom_status place_mesh(gltf *g, const gltf_value *node, const affine_f6
     uint32_t mesh = GLTF_ABSENT;
     fathom_id group = GLTF_EMPTY;
     gltf_value extensions, instancing;
+    gltf_shape shape = {.weights = NULL};
+    bool own = false;
     fathom_status status = gltf_index(g, node, "mesh", &g->meshes, &mesh);
     if (status != FATHOM_OK || mesh == GLTF_ABSENT) return status;
-    if (json_object_get(node->json, "skin"))
-        gltf_note(g, node, "skin", "skins are not applied; meshes keep the shape they are stored in");
-    status = gltf_mesh_group(g, mesh, &group);
+    status = read_shape(g, node, mesh, &own, &shape);
+    if (status == FATHOM_OK) status = gltf_mesh_group(g, mesh, own ? &shape : NULL, &group);
+    free(shape.weights);
     if (status != FATHOM_OK || group == GLTF_EMPTY) return status;
     status = gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
     if (status != FATHOM_OK) return status;
+    if (shape.joints) {
+        const affine_f64 moved = affine_translation(shape.joints->origin);
+        if (instancing.json)
+            gltf_note(g, node, NULL, "the instances of a mesh with a skin are left out but one");
+        return add_instance(g, node, group, &moved);
+    }
     if (instancing.json) return add_many(g, node, &instancing, group, to_world);
     return add_instance(g, node, group, to_world);
 }
 
 /* Pushes children last to first, so that nodes come in the order of the file. */
-static fathom_status stack_children(gltf *g, walk *w, const gltf_value *list, bool hidden,
-                                    const affine_f64 *to_world) {
+static fathom_status stack_children(gltf *g, walk *w, const gltf_value *list, bool hidden) {
     for (size_t i = gltf_count(list); i-- > 0;) {
-        step next = {.hidden = hidden, .to_world = *to_world};
+        step next = {.hidden = hidden};
         fathom_status status = gltf_index_item(g, list, i, &g->nodes, &next.node);
         if (status != FATHOM_OK) return status;
-        if (!array_push(&w->stack, next)) return fail_memory(g->context, sizeof next);
+        if (!array_push(w, next)) return fail_memory(g->context, sizeof next);
     }
     return FATHOM_OK;
 }
@@ -223,26 +198,28 @@ static fathom_status read_visibility(gltf *g, const gltf_value *node, bool *hidd
 
 static fathom_status visit(gltf *g, walk *w, const step *at) {
     gltf_value node, children;
-    affine_f64 local;
+    const affine_f64 *to_world;
     bool hidden = at->hidden;
     fathom_status status = gltf_item(g, &g->nodes, at->node, &node);
-    if (status == FATHOM_OK) status = read_transform(g, &node, &local);
+    if (status == FATHOM_OK) status = gltf_node_world(g, &g->moment, at->node, &to_world);
     if (status == FATHOM_OK) status = read_visibility(g, &node, &hidden);
     if (status != FATHOM_OK) return status;
-    affine_f64 to_world = affine_compose(&at->to_world, &local);
-    if (!hidden) status = place_mesh(g, &node, &to_world);
+    if (!hidden) status = place_mesh(g, &node, to_world);
     if (status == FATHOM_OK && g->options->surroundings) {
-        status = gltf_camera_note(g, &node, &to_world);
-        if (status == FATHOM_OK && !hidden) status = gltf_light_place(g, &node, &to_world);
+        const double unit = g->options->unit > 0 ? g->options->unit : 1;
+        const affine_f64 scale = affine_scaling((vec3_f64){unit, unit, unit}),
+                         placed = affine_compose(&scale, to_world);
+        status = gltf_camera_note(g, &node, &placed);
+        if (status == FATHOM_OK && !hidden) status = gltf_light_place(g, &node, &placed);
     }
     if (status == FATHOM_OK) status = gltf_array(g, &node, "children", &children);
-    return status == FATHOM_OK ? stack_children(g, w, &children, hidden, &to_world) : status;
+    return status == FATHOM_OK ? stack_children(g, w, &children, hidden) : status;
 }
 
 static fathom_status walk_down(gltf *g, walk *w) {
     fathom_status status = FATHOM_OK;
-    while (w->stack.count && status == FATHOM_OK) {
-        step at = w->stack.items[--w->stack.count];
+    while (w->count && status == FATHOM_OK) {
+        step at = w->items[--w->count];
         status = visit(g, w, &at);
     }
     return status;
@@ -252,16 +229,16 @@ static fathom_status walk_down(gltf *g, walk *w) {
 
 #define IN_SCENE (GLTF_ABSENT - 1) /* as a parent: none, and the scene's list names the node */
 
-static fathom_status check_scene_roots(gltf *g, walk *w, const gltf_value *list) {
+static fathom_status check_scene_roots(gltf *g, const gltf_value *list) {
     for (size_t i = 0; i < gltf_count(list); ++i) {
         uint32_t node = GLTF_ABSENT;
         fathom_status status = gltf_index_item(g, list, i, &g->nodes, &node);
         if (status != FATHOM_OK) return status;
-        if (w->parents[node] == IN_SCENE) return gltf_fail(g, list, NULL, "names nodes[%u] twice", node);
-        if (w->parents[node] != GLTF_ABSENT)
+        if (g->parents[node] == IN_SCENE) return gltf_fail(g, list, NULL, "names nodes[%u] twice", node);
+        if (g->parents[node] != GLTF_ABSENT)
             return gltf_fail(g, list, NULL, "names nodes[%u], a child of nodes[%u]; expected root nodes",
-                             node, w->parents[node]);
-        w->parents[node] = IN_SCENE;
+                             node, g->parents[node]);
+        g->parents[node] = IN_SCENE;
     }
     return FATHOM_OK;
 }
@@ -269,20 +246,19 @@ static fathom_status check_scene_roots(gltf *g, walk *w, const gltf_value *list)
 static fathom_status walk_scene(gltf *g, walk *w) {
     uint32_t index = 0;
     gltf_value scene, list;
-    affine_f64 identity = affine_identity();
     fathom_status status = gltf_index(g, &g->root, "scene", &g->scenes, &index);
     if (status == FATHOM_OK) status = gltf_item(g, &g->scenes, index, &scene);
     if (status == FATHOM_OK) status = gltf_array(g, &scene, "nodes", &list);
-    if (status == FATHOM_OK) status = check_scene_roots(g, w, &list);
-    if (status == FATHOM_OK) status = stack_children(g, w, &list, false, &identity);
+    if (status == FATHOM_OK) status = check_scene_roots(g, &list);
+    if (status == FATHOM_OK) status = stack_children(g, w, &list, false);
     return status == FATHOM_OK ? walk_down(g, w) : status;
 }
 
 static fathom_status walk_roots(gltf *g, walk *w) {
     fathom_status status = FATHOM_OK;
     for (uint32_t i = 0; i < gltf_count(&g->nodes) && status == FATHOM_OK; ++i) {
-        step root = {i, false, affine_identity()};
-        if (w->parents[i] == GLTF_ABSENT) status = visit(g, w, &root);
+        step root = {i, false};
+        if (g->parents[i] == GLTF_ABSENT) status = visit(g, w, &root);
         if (status == FATHOM_OK) status = walk_down(g, w);
     }
     return status;
@@ -295,25 +271,35 @@ static fathom_status place_all_meshes(gltf *g) {
     for (uint32_t i = 0; i < gltf_count(&g->meshes) && status == FATHOM_OK; ++i) {
         fathom_id group = GLTF_EMPTY;
         gltf_value mesh = {.parent = &g->meshes, .index = i};
-        status = gltf_mesh_group(g, i, &group);
+        status = gltf_mesh_group(g, i, NULL, &group);
         if (status == FATHOM_OK && group != GLTF_EMPTY) status = add_instance(g, &mesh, group, &identity);
     }
     return status;
 }
 
+/* The moment that is rendered. */
+static fathom_status pose(gltf *g) {
+    const fathom_read_options *asked = g->scene->asked;
+    fathom_status status = gltf_animation_choose(g);
+    if (status == FATHOM_OK) status = gltf_moment_open(g, asked ? asked->time : 0, &g->moment);
+    if (status != FATHOM_OK || g->animation == GLTF_ABSENT) return status;
+    return gltf_animation_pose(g, &g->moment);
+}
+
 static fathom_status place_all(gltf *g, walk *w) {
-    if (!gltf_count(&g->nodes)) return place_all_meshes(g);
-    fathom_status status = find_parents(g, w->parents);
-    if (status == FATHOM_OK) status = find_cycle(g, w->parents);
+    fathom_status status = find_parents(g, g->parents);
+    if (status == FATHOM_OK) status = find_cycle(g, g->parents);
+    if (status == FATHOM_OK) status = pose(g);
     if (status != FATHOM_OK) return status;
+    if (!gltf_count(&g->nodes)) return place_all_meshes(g);
     return gltf_count(&g->scenes) ? walk_scene(g, w) : walk_roots(g, w);
 }
 
 fathom_status gltf_nodes_place(gltf *g) {
-    size_t count = gltf_count(&g->nodes);
-    walk w = {.parents = malloc((count + 1) * sizeof *w.parents)};
-    fathom_status status = w.parents ? place_all(g, &w) : fail_memory(g->context, count * sizeof *w.parents);
-    free(w.parents);
-    array_free(&w.stack);
+    const size_t bytes = (gltf_count(&g->nodes) + 1) * sizeof *g->parents;
+    walk w = {NULL, 0, 0};
+    g->parents = malloc(bytes);
+    fathom_status status = g->parents ? place_all(g, &w) : fail_memory(g->context, bytes);
+    array_free(&w);
     return status;
 }

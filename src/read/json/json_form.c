@@ -173,11 +173,20 @@ static const form_key metallic_textures[] = {
     TEXTURE("specularColorTexture", FATHOM_MAP_SPECULAR_COLOR),
     TEXTURE("clearcoatTexture", FATHOM_MAP_CLEARCOAT),
     TEXTURE("clearcoatRoughnessTexture", FATHOM_MAP_CLEARCOAT_ROUGHNESS),
+    TEXTURE("sheenColorTexture", FATHOM_MAP_SHEEN_COLOR),
+    TEXTURE("sheenRoughnessTexture", FATHOM_MAP_SHEEN_ROUGHNESS),
+    TEXTURE("anisotropyTexture", FATHOM_MAP_ANISOTROPY),
+    TEXTURE("iridescenceTexture", FATHOM_MAP_IRIDESCENCE),
+    TEXTURE("iridescenceThicknessTexture", FATHOM_MAP_IRIDESCENCE_THICKNESS),
+    TEXTURE("diffuseTransmissionTexture", FATHOM_MAP_DIFFUSE_TRANSMISSION),
+    TEXTURE("diffuseTransmissionColorTexture", FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR),
     TEXTURE("opacityTexture", FATHOM_MAP_OPACITY),
     END_KEYS,
 };
 static const form_rule metallic_rules[] = {
     {FORM_EXCLUDES, "metallicRoughnessTexture", {"metallicTexture", "roughnessTexture"}},
+    {FORM_NEEDS, "dispersion", {"thickness"}},
+    {FORM_NEEDS, "priority", {"thickness"}},
     END_RULES,
 };
 

@@ -6,7 +6,8 @@
 #include <string.h>
 
 static bool is_color(int kind) {
-    return kind == FATHOM_MAP_COLOR || kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_SPECULAR_COLOR;
+    return kind == FATHOM_MAP_COLOR || kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_SPECULAR_COLOR ||
+           kind == FATHOM_MAP_SHEEN_COLOR || kind == FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
 }
 
 /* sRGB for colours and linear for numbers, unless it is said. */

@@ -223,10 +223,9 @@ static const struct {
 
 const char *rays_family_name(rays_family family) { return families[family].name; }
 
-/* Tracers flush denormals, the oracle does not: parts that would be denormal are 0 for both. */
-static float normal_f32(double x) { return fabs(x) < (double)FLT_MIN ? (float)copysign(0, x) : (float)x; }
+float rays_normal(double x) { return fabs(x) < (double)FLT_MIN ? (float)copysign(0, x) : (float)x; }
 
-static vec3_f32 rounded(vec3_f64 v) { return vec_f32(normal_f32(v.x), normal_f32(v.y), normal_f32(v.z)); }
+static vec3_f32 rounded(vec3_f64 v) { return vec_f32(rays_normal(v.x), rays_normal(v.y), rays_normal(v.z)); }
 
 bool rays_allowed(const rays_source *source, const oracle_ray *ray) {
     bool moves = ray->dir.x != 0 || ray->dir.y != 0 || ray->dir.z != 0;
@@ -245,7 +244,7 @@ oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t see
     for (int attempt = 0; attempt < 64; ++attempt) {
         draft d =
             source->own ? source->own(source->own_user, &r, index) : families[family].make(source, &r, index);
-        ray = (oracle_ray){rounded(d.org), rounded(d.dir), normal_f32(d.t_near), (float)d.t_far};
+        ray = (oracle_ray){rounded(d.org), rounded(d.dir), rays_normal(d.t_near), rays_normal(d.t_far)};
         if (rays_allowed(source, &ray)) return ray;
     }
     /* Nothing in this world can be aimed at in float. */

@@ -44,6 +44,8 @@ void rays_destroy(rays_source *source);
 #define RAYS_LONGEST 1e37
 /* Whether a ray may be handed to a tracer: it is within these limits, in the space of any instance too. */
 bool rays_allowed(const rays_source *source, const oracle_ray *ray);
+/* Tracers flush denormals, the oracle does not: parts of rays that would be denormal are 0 for both. */
+float rays_normal(double x);
 
 /* Any number of threads at once. */
 oracle_ray rays_make(const rays_source *source, rays_family family, uint64_t seed, uint64_t index);

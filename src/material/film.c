@@ -1,0 +1,102 @@
+/* Thin films: Belcour & Barla (2017) as KHR_materials_iridescence has them. Light goes to and fro in the
+ * film; what leaves it has phases, whose interference is integrated over the colour matching functions as
+ * Gaussians in Fourier space. Reflectances of both interfaces are Schlick's; phases are 0 or pi. */
+#include "material/layers.h"
+
+#include <math.h>
+
+#define PI 3.14159265358979323846
+
+static double schlick(double f0, double cosine) { return f0 + (1 - f0) * pow(1 - cosine, 5); }
+
+static double square(double x) { return x * x; }
+
+/* The colour matching functions at an optical path difference in nanometres, each with its own phase shift.
+ */
+static void sensitivity(double difference, const double shift[3], double rgb[3]) {
+    static const double value[3] = {5.4856e-13, 4.4201e-13, 5.2481e-13},
+                        place[3] = {1.6810e6, 1.7953e6, 2.2084e6};
+    static const double width[3] = {4.3278e9, 9.3046e9, 6.6121e9}, all = 1.0685e-7;
+    static const double to_rgb[3][3] = {{3.2404542, -1.5371385, -0.4985314},
+                                        {-0.9692660, 1.8760108, 0.0415560},
+                                        {0.0556434, -0.2040259, 1.0572252}};
+    const double phase = 2 * PI * difference * 1e-9;
+    double xyz[3];
+    for (int c = 0; c < 3; ++c)
+        xyz[c] = value[c] * sqrt(2 * PI * width[c]) * cos(place[c] * phase + shift[c]) *
+                 exp(-square(phase) * width[c]);
+    xyz[0] += 9.7470e-14 * sqrt(2 * PI * 4.5282e9) * cos(2.2399e6 * phase + shift[0]) *
+              exp(-square(phase) * 4.5282e9);
+    for (int c = 0; c < 3; ++c)
+        rgb[c] = (to_rgb[c][0] * xyz[0] + to_rgb[c][1] * xyz[1] + to_rgb[c][2] * xyz[2]) / all;
+}
+
+/* Of a film over a base of reflectance f0. */
+static void reflectance(const fathom_material *m, const float f0[3], double cosine, double rgb[3]) {
+    const double thickness = (double)m->iridescence_thickness_max;
+    const double index = thickness > 0 ? (double)m->iridescence_ior : 1;
+    const double inner = sqrt(1 - (1 - cosine * cosine) / (index * index));
+    const double r12 = schlick(square((index - 1) / (index + 1)), cosine), t121 = 1 - r12;
+    double r23[3], shift[3], term[3];
+    for (int c = 0; c < 3; ++c) {
+        const double root = sqrt(fmin((double)f0[c], 0.9999)), base = (1 + root) / (1 - root);
+        r23[c] = schlick(square((base - index) / (base + index)), inner);
+        shift[c] = PI + (base < index ? PI : 0);
+    }
+    for (int c = 0; c < 3; ++c) {
+        const double rs = t121 * t121 * r23[c] / (1 - fmin(fmax(r12 * r23[c], 1e-5), 0.9999));
+        rgb[c] = r12 + rs;
+        term[c] = rs - t121;
+    }
+    for (int k = 1; k <= 2; ++k) {
+        double s[3], shifts[3] = {k * shift[0], k * shift[1], k * shift[2]};
+        sensitivity(2 * index * thickness * inner * k, shifts, s);
+        for (int c = 0; c < 3; ++c) {
+            term[c] *= sqrt(fmin(fmax(r12 * r23[c], 1e-5), 0.9999));
+            rgb[c] += term[c] * 2 * s[c];
+        }
+    }
+    for (int c = 0; c < 3; ++c) rgb[c] = fmin(fmax(rgb[c], 0), 1);
+}
+
+/* The least f0 whose f0 + (1 - f0) (1 - cosine)^5 is nowhere below the film. */
+static float bound(const float film[FILM_STEPS + 1]) {
+    float most = 0;
+    for (int k = 1; k <= FILM_STEPS; ++k) {
+        const float x = (float)k / FILM_STEPS, less = 1 - x * x, rise = less * less * (less * less) * less;
+        most = fmaxf(most, (film[k] - rise) / (1 - rise));
+    }
+    return fminf(most, 1);
+}
+
+void prepare_film(const fathom_material *m, const float layer[3], shader *out) {
+    const float part = m->iridescence, metal = m->metallic, base = 1 - metal, s = m->specular_factor;
+    for (int k = 0; k <= FILM_STEPS; ++k) {
+        const double x = (double)k / FILM_STEPS, rise = pow(1 - x * x, 5);
+        double over_metal[3], over_base[3], most = 0;
+        reflectance(m, m->base_color, x * x, over_metal);
+        reflectance(m, layer, x * x, over_base);
+        for (int c = 0; c < 3; ++c) {
+            const double dielectric =
+                (double)part * over_base[c] +
+                (1 - (double)part) * ((double)layer[c] + ((double)s - (double)layer[c]) * rise);
+            const double b = (double)m->base_color[c];
+            const double conductor = (double)part * over_metal[c] + (1 - (double)part) * (b + (1 - b) * rise);
+            out->film[c][k] = (float)((double)base * dielectric + (double)metal * conductor);
+            most = fmax(most, dielectric);
+        }
+        out->film[3][k] = (float)most;
+    }
+    out->layer0 = bound(out->film[3]), out->layer90 = 1;
+    out->lobes |= SHADER_FILM | SHADER_LAYER;
+}
+
+/* With mu = x^2: 4 ∫ f x^3 dx, by Simpson's rule. */
+float film_mean(const float curve[FILM_STEPS + 1]) {
+    float sum = 0;
+    for (int k = 0; k <= FILM_STEPS; ++k) {
+        const float x = (float)k / FILM_STEPS, weight = k == 0 || k == FILM_STEPS ? 1 : (k % 2 ? 4 : 2);
+        sum += weight * curve[k] * x * x * x;
+    }
+    return sum * 4 / (3.0f * FILM_STEPS);
+}

@@ -1,0 +1,304 @@
+/* From surface points and materials to a block of BSDFs. */
+#ifndef MATERIAL_KERNELS_BLOCK_H
+#define MATERIAL_KERNELS_BLOCK_H
+
+#include "material/kernels/glass.h"
+#include "material/kernels/lobes.h"
+
+static inline float mean(const lanes3 x, int i) { return (x[0][i] + x[1][i] + x[2][i]) * (1 / 3.0f); }
+
+/* ---- the block ---- */
+
+static inline void set_colour(const float from[3], int i, float (*restrict to)[LANES]) {
+    for (int c = 0; c < 3; ++c) to[c][i] = from[c];
+}
+
+static inline void set_lane(const shader *m, int i, shader_block *restrict out) {
+    set_colour(m->diffuse, i, out->diffuse);
+    set_colour(m->f0, i, out->f0);
+    out->alpha[i] = m->alpha;
+    out->f90[i] = m->f90;
+    out->layer0[i] = m->layer0;
+    out->layer90[i] = m->layer90;
+    out->from_behind[i] = m->from_behind;
+}
+
+static inline void set_highlight(const shader *m, int i, shader_block *restrict out) {
+    set_colour(m->highlight, i, out->highlight);
+    out->shininess[i] = m->shininess;
+    out->blinn[i] = m->blinn;
+}
+
+static inline void set_again(const shader *m, int i, shader_block *restrict out) {
+    set_colour(m->again, i, out->again);
+    set_colour(m->again_cross, i, out->again_cross);
+}
+
+/* A viewer inside a solid sees its base as without what scatters again. */
+static inline void set_cross(const shader *m, int i, uint32_t entering, shader_block *restrict out) {
+    set_colour(m->cross, i, out->cross);
+    out->eta[i] = chosen(entering, m->eta, 1 / m->eta);
+    out->even[i] = m->even & (out->eta[i] == m->eta ? ~0u : 0);
+}
+
+/* The index of the path's channel; 1 would be a thin wall. */
+static inline float dispersed_eta(const shader *m, uint32_t channel) {
+    float eta = m->eta + ((float)channel - 2) * m->eta_spread;
+    return m->lobes & SHADER_DISPERSIVE && channel ? fmaxf(eta, 1.0001f) : m->eta;
+}
+
+static inline void set_dispersion(const shader *m, int i, uint32_t entering, shader_block *restrict out) {
+    float eta = dispersed_eta(m, out->channel[i]);
+    out->eta[i] = chosen(m->lobes & SHADER_DISPERSIVE ? ~0u : 0, chosen(entering, eta, 1 / eta), out->eta[i]);
+}
+
+static inline void set_coat(const shader *m, int i, shader_block *restrict out) {
+    out->coat[i] = m->coat;
+    out->coat_alpha[i] = m->coat_alpha;
+}
+
+#define CROSSING (SHADER_THIN | SHADER_REFRACT | SHADER_PASS | SHADER_SOLID)
+
+/* The constants that the block's lobes read. Most blocks see one material: loops over lanes that copy the
+ * same numbers vectorise. */
+static inline void set_parts(const surface_block *s, const shader *const at[LANES], uint32_t lobes,
+                             shader_block *restrict out) {
+    for (int i = 0; i < LANES; ++i) set_lane(at[i], i, out);
+    if (lobes & SHADER_HIGHLIGHT) {
+        for (int i = 0; i < LANES; ++i) set_highlight(at[i], i, out);
+    }
+    if (lobes & SHADER_EVEN) {
+        for (int i = 0; i < LANES; ++i) set_again(at[i], i, out);
+    }
+    if (lobes & SHADER_COATED) {
+        for (int i = 0; i < LANES; ++i) set_coat(at[i], i, out);
+    }
+    if (lobes & CROSSING) {
+        for (int i = 0; i < LANES; ++i) set_cross(at[i], i, s->entering[i], out);
+    } else {
+        for (int i = 0; i < LANES; ++i) out->eta[i] = 1, out->even[i] = at[i]->even;
+    }
+    if (lobes & SHADER_DISPERSIVE) {
+        for (int i = 0; i < LANES; ++i) set_dispersion(at[i], i, s->entering[i], out);
+    }
+}
+
+static void set_materials(const surface_block *s, shader_block *restrict out) {
+    uint32_t lobes = 0;
+    bool differ = false;
+    for (int i = 1; i < LANES; ++i) differ |= out->at[i] != out->at[0];
+    if (differ) {
+        const shader *at[LANES];
+        for (int i = 0; i < LANES; ++i) at[i] = out->at[i], lobes |= at[i]->lobes;
+        set_parts(s, at, lobes, out);
+    } else {
+        const shader *m = out->at[0];
+        const shader *const at[LANES] = {m, m, m, m, m, m, m, m, m, m, m, m, m, m, m, m};
+        lobes = m->lobes;
+        set_parts(s, at, lobes, out);
+    }
+    out->lobes = lobes;
+}
+
+/* Two axes across n (Duff et al., JCGT 2017). */
+static inline void across(float x, float y, float z, float t[3], float b[3]) {
+    float sign = copysignf(1, z), a = -1 / (sign + z), xy = x * y * a;
+    t[0] = 1 + sign * x * x * a, t[1] = sign * xy, t[2] = -sign * x;
+    b[0] = xy, b[1] = sign + y * y * a, b[2] = -y;
+}
+
+/* A viewer on the very horizon is lifted off it by float's roundoff. */
+static void set_frames(const surface_block *s, shader_block *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        float up = 0, t[3], b[3];
+        for (int c = 0; c < 3; ++c) up += s->ns[c][i] * s->v[c][i];
+        uint32_t seen = up > 0 ? ~0u : 0;
+        for (int c = 0; c < 3; ++c) out->n[c][i] = chosen(seen, s->ns[c][i], s->ng[c][i]);
+        across(out->n[0][i], out->n[1][i], out->n[2][i], t, b);
+        float x = 0, y = 0, z = 0;
+        for (int c = 0; c < 3; ++c) {
+            out->t[c][i] = t[c], out->b[c][i] = b[c];
+            x += t[c] * s->v[c][i], y += b[c] * s->v[c][i], z += out->n[c][i] * s->v[c][i];
+        }
+        out->v[0][i] = x, out->v[1][i] = y, out->v[2][i] = z > 0x1p-23f ? z : 0x1p-23f;
+    }
+}
+
+/* Along the surface's tangent, in lanes that are stretched and have one. */
+static void stretch_frames(const surface_block *s, shader_block *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        float t[3], n[3] = {out->n[0][i], out->n[1][i], out->n[2][i]}, square = 0, x = 0, y = 0;
+        if (!(out->at[i]->lobes & SHADER_STRETCHED) || !(s->directed >> i & 1)) continue;
+        const float up = dot_lane(s->along, out->n, i);
+        for (int c = 0; c < 3; ++c) {
+            t[c] = s->along[c][i] - up * n[c];
+            square += t[c] * t[c];
+        }
+        if (!(square > 0x1p-40f)) continue;
+        const float unit = 1 / sqrtf(square);
+        for (int c = 0; c < 3; ++c) out->t[c][i] = t[c] * unit;
+        for (int c = 0; c < 3; ++c) {
+            const int d = (c + 1) % 3, e = (c + 2) % 3;
+            out->b[c][i] = n[d] * out->t[e][i] - n[e] * out->t[d][i];
+        }
+        for (int c = 0; c < 3; ++c) {
+            x += out->t[c][i] * s->v[c][i], y += out->b[c][i] * s->v[c][i];
+        }
+        out->v[0][i] = x, out->v[1][i] = y;
+    }
+}
+
+/* Glass of the classic model: as MODEL.md has it. */
+static void set_classic(const surface_block *s, int i, shader_block *out) {
+    const shader *m = out->at[i];
+    const glass g = {
+        {m->k_r[0], m->k_r[1], m->k_r[2]}, {m->k_t[0], m->k_t[1], m->k_t[2]}, m->ior, m->fresnel};
+    glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
+}
+
+/* Light through the coat, and the mirror of a smooth one. */
+static void coat_flat(const shader *m, int i, shader_block *out) {
+    const float rise = schlick(out->v[2][i], 1), far = dot_lane(out->n, out->pass, i);
+    const float coat = m->lobes & SHADER_COAT ? 0 : m->coat * (0.04f + 0.96f * rise);
+    for (int c = 0; c < 3; ++c) {
+        out->mirror_share[c][i] += coat;
+        out->pass_share[c][i] *= out->below_coat[i] * curve_at(m->below_coat, fminf(fabsf(far), 1));
+    }
+}
+
+/* Light between the fibres. */
+static void sheen_flat(const shader *m, int i, shader_block *out) {
+    float unused;
+    const float far = sheen_left(m, dot_lane(out->n, out->pass, i), &unused);
+    for (int c = 0; c < 3; ++c) {
+        out->mirror_share[c][i] *= out->below_sheen[i];
+        out->pass_share[c][i] *= fminf(out->below_sheen[i], far);
+    }
+}
+
+/* A facet that lies in the surface. Rough surfaces that transmit smoothly let through what their layer does
+ * not reflect in all. */
+static void set_flat(const surface_block *s, int i, shader_block *out) {
+    const shader *m = out->at[i];
+    const glass g = {.k_r = {1, 1, 1}, .k_t = {1, 1, 1}, .ior = dispersed_eta(m, out->channel[i])};
+    const float eta = out->eta[i], up = out->v[2][i], rise = schlick(up, eta);
+    const bool film = m->lobes & SHADER_FILM;
+    const bool rough = m->lobes & SHADER_GGX;
+    const float coated = out->below_coat[i];
+    float open = 1 - layer_of(out, film, i, up, rise);
+    if (rough && out->even[i]) open = out->under[i];
+    glass_scatter(s, i, &g, out->mirror, out->mirror_share, out->pass, out->pass_share);
+    for (int c = 0; c < 3; ++c) {
+        const bool total = !(out->pass_share[c][i] > 0);
+        const float plain = m->mirror0[c] + (m->mirror90 - m->mirror0[c]) * rise;
+        out->mirror_share[c][i] = (rough ? plain : film_or(out, film, i, c, up, plain)) * coated * coated;
+        out->pass_share[c][i] = m->lobes & SHADER_PASS && !total ? m->cross[c] * open : 0;
+        if (eta == 1) out->pass[c][i] = -s->v[c][i];
+    }
+    if (m->lobes & SHADER_SHEEN) sheen_flat(m, i, out);
+    if (m->lobes & SHADER_COATED) coat_flat(m, i, out);
+}
+
+static void set_smooth(const surface_block *s, shader_block *out) {
+    memset(out->mirror_share, 0, sizeof out->mirror_share);
+    memset(out->pass_share, 0, sizeof out->pass_share);
+    if (!(out->lobes & (SHADER_CLASSIC | SHADER_MIRROR | SHADER_PASS))) return;
+    for (int i = 0; i < LANES; ++i) {
+        if (out->at[i]->lobes & SHADER_CLASSIC) set_classic(s, i, out);
+        if (out->at[i]->lobes & (SHADER_MIRROR | SHADER_PASS)) set_flat(s, i, out);
+    }
+}
+
+/* About what each lobe sends to the viewer. None that carries light has a chance of 0, and rough transmission
+ * keeps a tenth of its own where a facet along the surface would send nothing through. */
+static void weigh_lobes(shader_block *restrict out) {
+    for (int k = 0; k < SHADER_TAKES; ++k) {
+        for (int i = 0; i < LANES; ++i) out->take[k][i] = 0;
+    }
+    for (int i = 0; i < LANES; ++i) {
+        float d = mean(out->diffuse, i), open = chosen(out->even[i], out->under[i], 1);
+        out->take[SHADER_TAKE_DIFFUSE][i] = d * (open > 0.1f ? open : 0.1f);
+        out->take[SHADER_TAKE_BEHIND][i] = chosen(out->from_behind[i], d, 0);
+        float f0 = mean(out->f0, i), rise = schlick(out->v[2][i], out->eta[i]);
+        out->take[SHADER_TAKE_GGX][i] = f0 + (out->f90[i] - f0) * rise;
+    }
+    if (out->lobes & SHADER_FILM) {
+        for (int i = 0; i < LANES; ++i) {
+            if ((out->at[i]->lobes & (SHADER_FILM | SHADER_GGX)) != (SHADER_FILM | SHADER_GGX)) continue;
+            const float up = out->v[2][i];
+            const float sum = film_at(out, i, 0, up) + film_at(out, i, 1, up) + film_at(out, i, 2, up);
+            out->take[SHADER_TAKE_GGX][i] = fmaxf(sum * (1 / 3.0f), 0.02f); /* other angles may have more */
+        }
+    }
+    if (out->lobes & SHADER_LEAF) {
+        for (int i = 0; i < LANES; ++i) {
+            const shader *m = out->at[i];
+            float open = chosen(out->even[i], fmaxf(out->under[i], 0.1f), 1);
+            if (m->lobes & SHADER_LEAF)
+                out->take[SHADER_TAKE_BEHIND][i] +=
+                    (m->leaf[0] + m->leaf[1] + m->leaf[2]) * (1 / 3.0f) * open;
+        }
+    }
+    if (out->lobes & SHADER_SHEEN) {
+        for (int i = 0; i < LANES; ++i) {
+            const shader *m = out->at[i];
+            if (m->lobes & SHADER_SHEEN) out->take[SHADER_TAKE_SHEEN][i] = 1.02f - out->below_sheen[i];
+        }
+    }
+    if (out->lobes & SHADER_HIGHLIGHT) {
+        for (int i = 0; i < LANES; ++i) {
+            float n = out->shininess[i], spread = chosen(out->blinn[i], 8 / (n + 8), 2 / (n + 2));
+            out->take[SHADER_TAKE_HIGHLIGHT][i] = mean(out->highlight, i) * spread;
+        }
+    }
+    if (out->lobes & SHADER_EVEN) {
+        for (int i = 0; i < LANES; ++i) {
+            out->take[SHADER_TAKE_DIFFUSE][i] += out->at[i]->missing_share * out->missing[i];
+            out->take[SHADER_TAKE_BEHIND][i] += out->at[i]->again_cross[1] > 0 ? out->missing[i] : 0;
+        }
+    }
+    if (out->lobes & (SHADER_THIN | SHADER_REFRACT)) {
+        for (int i = 0; i < LANES; ++i) {
+            float open = 1 - layer_share(out, i, schlick(out->v[2][i], out->eta[i]));
+            uint32_t rough = out->at[i]->lobes & (SHADER_THIN | SHADER_REFRACT) ? ~0u : 0;
+            out->take[SHADER_TAKE_CROSS][i] = chosen(rough, mean(out->cross, i) * fmaxf(open, 0.1f), 0);
+        }
+    }
+    if (out->lobes & SHADER_COAT) {
+        for (int i = 0; i < LANES; ++i) {
+            float coat = out->at[i]->lobes & SHADER_COAT ? out->coat[i] : 0;
+            out->take[SHADER_TAKE_COAT][i] = coat * (0.04f + 0.96f * schlick(out->v[2][i], 1));
+        }
+    }
+    for (int i = 0; i < LANES; ++i) {
+        out->take[SHADER_TAKE_STRAIGHT][i] = out->at[i]->hole;
+        out->take[SHADER_TAKE_MIRROR][i] = mean(out->mirror_share, i);
+        out->take[SHADER_TAKE_PASS][i] = mean(out->pass_share, i);
+    }
+}
+
+static void make(const surface_block *s, shader_block *out) {
+    set_materials(s, out);
+    set_frames(s, out);
+    if (out->lobes & SHADER_STRETCHED) stretch_frames(s, out);
+    for (int i = 0; i < LANES; ++i) out->missing[i] = out->under[i] = 0, out->below_coat[i] = 1;
+    if (out->lobes & (SHADER_EVEN | SHADER_COATED))
+        read_curves(out, out->v[2], out->missing, out->under, out->below_coat);
+    if (out->lobes & SHADER_STRETCHED) stretch_curves(out, out->v, out->missing, out->under);
+    if (out->lobes & SHADER_SHEEN) {
+        for (int i = 0; i < LANES; ++i) {
+            const bool fibres = out->at[i]->lobes & SHADER_SHEEN;
+            out->below_sheen[i] = sheen_left(out->at[i], out->v[2][i], &out->sheen_part[i]);
+            out->sheen_lambda[i] = fibres ? sheen_lambda(out->at[i], out->v[2][i]) : 0;
+        }
+    }
+    set_smooth(s, out);
+    weigh_lobes(out);
+    for (int i = 0; i < LANES; ++i) {
+        float sum = 0x1p-126f;
+        for (int k = 0; k < SHADER_TAKES; ++k) sum += out->take[k][i];
+        for (int k = 0; k < SHADER_TAKES; ++k) out->take[k][i] /= sum;
+    }
+}
+
+#endif

@@ -1,0 +1,44 @@
+/* Lambert's lobes, on either side. */
+#ifndef MATERIAL_KERNELS_DIFFUSE_H
+#define MATERIAL_KERNELS_DIFFUSE_H
+
+#include "material/kernels/facets.h"
+
+/* Lambert's lobe under what the dielectric layer leaves. */
+static inline void add_diffuse(const shader_block *b, bool rare, const incidence *at, const lanes3 h,
+                               const float rise[LANES], float (*restrict f)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        uint32_t lit = at->reflected[i] | (at->cross[i] & b->from_behind[i]);
+        float cosine = chosen(lit, fabsf(at->l[2][i]) * (1 / PI), 0);
+        float left = chosen(b->even[i], b->under[i] * at->under[i],
+                            1 - layer_of(b, rare, i, along_half(b, h, i), rise[i]));
+        for (int c = 0; c < 3; ++c) f[c][i] += b->diffuse[c][i] * left * cosine;
+    }
+}
+
+/* The same of light that crosses the surface: the layer is that of l mirrored to the viewer's side. */
+static inline void add_leaf(const shader_block *b, const incidence *at, float (*restrict f)[LANES]) {
+    lanes3 l, h;
+    float rise[LANES];
+    for (int i = 0; i < LANES; ++i)
+        l[0][i] = at->l[0][i], l[1][i] = at->l[1][i], l[2][i] = fabsf(at->l[2][i]);
+    set_half(b, l, h, rise);
+    for (int i = 0; i < LANES; ++i) {
+        const shader *m = b->at[i];
+        if (!(m->lobes & SHADER_LEAF)) continue;
+        float left = chosen(b->even[i], b->under[i] * at->under[i],
+                            1 - layer_of(b, true, i, along_half(b, h, i), rise[i]));
+        float value = chosen(at->cross[i], left * l[2][i] * (1 / PI), 0);
+        for (int c = 0; c < 3; ++c) f[c][i] += m->leaf[c] * value;
+    }
+}
+
+static inline void add_cosines(const shader_block *b, const incidence *at, float *restrict density) {
+    for (int i = 0; i < LANES; ++i) {
+        float take = chosen(at->reflected[i], b->take[SHADER_TAKE_DIFFUSE][i],
+                            chosen(at->cross[i], b->take[SHADER_TAKE_BEHIND][i], 0));
+        density[i] += take * fabsf(at->l[2][i]) * (1 / PI);
+    }
+}
+
+#endif

@@ -1,0 +1,140 @@
+/* GGX: reflection, transmission through walls, refraction, and what scatters more than once. */
+#ifndef MATERIAL_KERNELS_FACETS_H
+#define MATERIAL_KERNELS_FACETS_H
+
+#include "material/kernels/film.h"
+#include "material/kernels/stretch.h"
+
+/* sqrt(cos^2 + alpha^2 sin^2): Smith's masking is G1 = 2 cos / (cos + it), and of both directions together
+ * G2 / (4 cos cos') = 1 / (2 (cos it' + cos' it)) (Heitz 2014). */
+static inline float smith(float a2, float x, float y, float z) { return sqrtf(a2 * (x * x + y * y) + z * z); }
+
+/* Trowbridge & Reitz's distribution, from the sine of h, which keeps its digits where alpha is small. */
+static inline float ggx(float a2, float hx, float hy, float hz) {
+    float t = hx * hx + hy * hy + a2 * (hz * hz);
+    return a2 / (PI * t * t);
+}
+
+/* The half vector, and Schlick's factor there. Opposite directions have none, and get a zero vector. */
+static inline void set_half(const shader_block *b, const lanes3 l, lanes3 h, float *restrict rise) {
+    for (int i = 0; i < LANES; ++i) {
+        float x = b->v[0][i] + l[0][i], y = b->v[1][i] + l[1][i], z = b->v[2][i] + l[2][i];
+        float square = x * x + y * y + z * z, unit = 1 / sqrtf(square > 0x1p-60f ? square : 0x1p-60f);
+        h[0][i] = x * unit, h[1][i] = y * unit, h[2][i] = z * unit;
+        float cosine = b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
+        rise[i] = power5(1 - (cosine < 1 ? (cosine > 0 ? cosine : 0) : 1));
+    }
+    if (!(b->lobes & SHADER_SOLID)) return;
+    for (int i = 0; i < LANES; ++i) {
+        float cosine = b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
+        rise[i] = schlick(cosine, b->eta[i]);
+    }
+}
+
+/* D G2 / (4 n·v n·l) times n·l, and the density of l by visible normals: D G1 / (4 n·v). */
+static inline float mirrored_facets(const shader_block *b, float alpha, int i, const lanes3 l, const lanes3 h,
+                                    float *density) {
+    float a2 = alpha * alpha, z = b->v[2][i], lz = l[2][i];
+    float to = smith(a2, b->v[0][i], b->v[1][i], z), from = smith(a2, l[0][i], l[1][i], lz);
+    float d = ggx(a2, h[0][i], h[1][i], h[2][i]);
+    *density = d / (2 * (z + to));
+    return d * lz / (2 * (z * from + lz * to));
+}
+
+/* smith() and mirrored_facets() of the base. rare: some lane may be stretched. */
+static inline float smith_of(const shader_block *b, bool rare, int i, float x, float y, float z) {
+    if (is_stretched(b, rare, i)) return smith_stretched(b, i, x, y, z);
+    return smith(b->alpha[i] * b->alpha[i], x, y, z);
+}
+
+static inline float ggx_of(const shader_block *b, bool rare, int i, float hx, float hy, float hz) {
+    if (is_stretched(b, rare, i)) return ggx_stretched(b, i, hx, hy, hz);
+    return ggx(b->alpha[i] * b->alpha[i], hx, hy, hz);
+}
+
+static inline float facets_of(const shader_block *b, bool rare, int i, const lanes3 l, const lanes3 h,
+                              float *density) {
+    if (!is_stretched(b, rare, i)) return mirrored_facets(b, b->alpha[i], i, l, h, density);
+    float z = b->v[2][i], lz = l[2][i], to = smith_stretched(b, i, b->v[0][i], b->v[1][i], z);
+    float from = smith_stretched(b, i, l[0][i], l[1][i], lz);
+    float d = ggx_stretched(b, i, h[0][i], h[1][i], h[2][i]);
+    *density = d / (2 * (z + to));
+    return d * lz / (2 * (z * from + lz * to));
+}
+
+static inline float along_half(const shader_block *b, const lanes3 h, int i) {
+    return b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
+}
+
+static inline void add_ggx(const shader_block *b, bool rare, const incidence *at, const lanes3 h,
+                           const float rise[LANES], float (*restrict f)[LANES], float *restrict density) {
+    for (int i = 0; i < LANES; ++i) {
+        float d, value = facets_of(b, rare, i, at->l, h, &d);
+        value = chosen(at->reflected[i], value, 0);
+        for (int c = 0; c < 3; ++c) {
+            float plain = b->f0[c][i] + (b->f90[i] - b->f0[c][i]) * rise[i];
+            f[c][i] += film_or(b, rare, i, c, along_half(b, h, i), plain) * value;
+        }
+        density[i] += chosen(at->reflected[i], b->take[SHADER_TAKE_GGX][i] * d, 0);
+    }
+}
+
+/* Light that left the facets after more than one scattering. */
+static inline void add_again(const shader_block *b, const incidence *at, float (*restrict f)[LANES]) {
+    for (int i = 0; i < LANES; ++i) {
+        float value = b->missing[i] * at->missing[i] * fabsf(at->l[2][i]);
+        for (int c = 0; c < 3; ++c) {
+            float factor =
+                chosen(at->reflected[i], b->again[c][i], chosen(at->cross[i], b->again_cross[c][i], 0));
+            f[c][i] += factor * value;
+        }
+    }
+}
+
+/* Through a thin wall: what l mirrored to the viewer's side would reflect, times what the layer lets
+ * through. */
+static inline void add_thin(const shader_block *b, bool rare, const incidence *at, float (*restrict f)[LANES],
+                            float *restrict density) {
+    lanes3 l, h;
+    float rise[LANES];
+    for (int i = 0; i < LANES; ++i)
+        l[0][i] = at->l[0][i], l[1][i] = at->l[1][i], l[2][i] = fabsf(at->l[2][i]);
+    set_half(b, l, h, rise);
+    for (int i = 0; i < LANES; ++i) {
+        uint32_t open = at->cross[i] & (b->eta[i] == 1 ? ~0u : 0);
+        float d, value = facets_of(b, rare, i, l, h, &d);
+        value = chosen(open, value * (1 - layer_of(b, rare, i, along_half(b, h, i), rise[i])), 0);
+        for (int c = 0; c < 3; ++c) f[c][i] += b->cross[c][i] * value;
+        density[i] += chosen(open, b->take[SHADER_TAKE_CROSS][i] * d, 0);
+    }
+}
+
+/* Walter et al. (2007), of radiance over the squared index: times eta^2. h = ±(v + eta l), whose length is
+ * v·h + eta l·h. */
+static inline void add_refraction(const shader_block *b, bool rare, const incidence *at,
+                                  float (*restrict f)[LANES], float *restrict density) {
+    for (int i = 0; i < LANES; ++i) {
+        float eta = b->eta[i], h[3], square = 0, vh = 0, lh = 0;
+        for (int c = 0; c < 3; ++c) {
+            h[c] = b->v[c][i] + eta * at->l[c][i];
+            square += h[c] * h[c];
+        }
+        square = square > 0x1p-40f ? square : 0x1p-40f;
+        float unit = copysignf(1 / sqrtf(square), h[2]);
+        for (int c = 0; c < 3; ++c) {
+            h[c] *= unit;
+            vh += b->v[c][i] * h[c], lh -= at->l[c][i] * h[c];
+        }
+        uint32_t open = at->cross[i] & (eta != 1 ? ~0u : 0) & (vh > 0 ? ~0u : 0) & (lh > 0 ? ~0u : 0);
+        float z = b->v[2][i], lz = fabsf(at->l[2][i]);
+        float to = smith_of(b, rare, i, b->v[0][i], b->v[1][i], z);
+        float from = smith_of(b, rare, i, at->l[0][i], at->l[1][i], lz);
+        float d = 2 * ggx_of(b, rare, i, h[0], h[1], h[2]) * vh * lh * (eta * eta) / square;
+        float rise = power5(1 - fminf(eta < 1 ? lh : vh, 1));
+        float value = chosen(open, (1 - layer_of(b, rare, i, vh, rise)) * d * lz / (z * from + lz * to), 0);
+        for (int c = 0; c < 3; ++c) f[c][i] += b->cross[c][i] * value;
+        density[i] += chosen(open, b->take[SHADER_TAKE_CROSS][i] * d / (z + to), 0);
+    }
+}
+
+#endif

@@ -1,0 +1,80 @@
+/* Where light comes from, what the materials' curves say there, and Schlick's factor. */
+#ifndef MATERIAL_KERNELS_INCIDENCE_H
+#define MATERIAL_KERNELS_INCIDENCE_H
+
+#include "base/kernel.h"
+#include "material/shader.h"
+
+#include <math.h>
+
+#define PI 3.14159265f
+
+static inline float power5(float x) {
+    float x2 = x * x;
+    return x2 * x2 * x;
+}
+
+/* ---- the direction ---- */
+
+typedef struct incidence {
+    _Alignas(64) lanes3 l;                   /* in the block's frame */
+    uint32_t reflected[LANES], cross[LANES]; /* all ones: l is on the viewer's side, or on the other */
+    float missing[LANES], under[LANES], below_coat[LANES]; /* of the materials, at l */
+} incidence;
+
+/* Light and viewer are on the same side of the surface without its normal map, too. */
+static inline void judge_mapped(const surface_block *s, const lanes3 l, incidence *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        float side = s->base[0][i] * l[0][i] + s->base[1][i] * l[1][i] + s->base[2][i] * l[2][i];
+        uint32_t plain = s->mapped >> i & 1 ? 0 : ~0u;
+        out->reflected[i] &= plain | (side > 0 ? ~0u : 0);
+        out->cross[i] &= plain | (side < 0 ? ~0u : 0);
+    }
+}
+
+static inline void judge_sides(const surface_block *s, const shader_block *b, const lanes3 l,
+                               incidence *restrict out) {
+    for (int i = 0; i < LANES; ++i) {
+        float x = 0, y = 0, z = 0, side = 0;
+        for (int c = 0; c < 3; ++c) {
+            x += b->t[c][i] * l[c][i], y += b->b[c][i] * l[c][i], z += b->n[c][i] * l[c][i];
+            side += s->ng[c][i] * l[c][i];
+        }
+        out->l[0][i] = x, out->l[1][i] = y, out->l[2][i] = z;
+        out->reflected[i] = (z > 0 ? ~0u : 0) & (side > 0 ? ~0u : 0);
+        out->cross[i] = (z < 0 ? ~0u : 0) & (side < 0 ? ~0u : 0);
+    }
+    if (s->mapped) judge_mapped(s, l, out);
+}
+
+static inline float curve_at(const float curve[ENERGY_NODES], float cosine) {
+    float x = sqrtf(sqrtf(fabsf(cosine))) * ENERGY_STEPS;
+    int k = (int)x < ENERGY_STEPS - 1 ? (int)x : ENERGY_STEPS - 1;
+    return curve[k] + (x - (float)k) * (curve[k + 1] - curve[k]);
+}
+
+/* The materials' curves at the cosines. */
+static inline void read_curves(const shader_block *b, const float cosine[LANES], float *restrict missing,
+                               float *restrict under, float *restrict below_coat) {
+    for (int i = 0; i < LANES; ++i) {
+        missing[i] = curve_at(b->at[i]->missing, cosine[i]);
+        under[i] = curve_at(b->at[i]->under, cosine[i]);
+        below_coat[i] = curve_at(b->at[i]->below_coat, cosine[i]);
+    }
+}
+
+/* ---- Schlick ---- */
+
+/* (1 - cos)^5, of the angle in the thinner medium: 1 at total reflection. eta: of the far side over the near
+ * one. */
+static inline float schlick(float cosine, float eta) {
+    float near = cosine < 1 ? (cosine > 0 ? cosine : 0) : 1;
+    float far2 = 1 - (1 - near) * (1 + near) / (eta * eta), far = sqrtf(far2 > 0 ? far2 : 0);
+    return power5(1 - (eta < 1 ? far : near));
+}
+
+static inline float layer_share(const shader_block *b, int i, float rise) {
+    return b->layer0[i] + (b->layer90[i] - b->layer0[i]) * rise;
+}
+
+#endif

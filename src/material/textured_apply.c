@@ -1,0 +1,93 @@
+/* Parameters of materials at a point. */
+#include "material/textured_inner.h"
+
+#define NONE ((size_t)-1)
+
+/* Members of fathom_material by kind, of each model. */
+static const struct {
+    size_t metallic, classic;
+    int count;
+    bool bounded; /* by 1 */
+} members[FATHOM_MAPS] = {
+    [FATHOM_MAP_COLOR] = {offsetof(fathom_material, base_color), offsetof(fathom_material, k_d), 3, true},
+    [FATHOM_MAP_OPACITY] = {offsetof(fathom_material, opacity), offsetof(fathom_material, opacity), 1, true},
+    [FATHOM_MAP_METALLIC] = {offsetof(fathom_material, metallic), NONE, 1, true},
+    [FATHOM_MAP_ROUGHNESS] = {offsetof(fathom_material, roughness), NONE, 1, true},
+    [FATHOM_MAP_EMISSIVE] = {offsetof(fathom_material, emissive), offsetof(fathom_material, k_e), 3, false},
+    [FATHOM_MAP_NORMAL] = {NONE, NONE, 0, false},
+    [FATHOM_MAP_TRANSMISSION] = {offsetof(fathom_material, transmission), NONE, 1, true},
+    [FATHOM_MAP_SPECULAR] = {offsetof(fathom_material, specular_factor), NONE, 1, true},
+    [FATHOM_MAP_SPECULAR_COLOR] = {offsetof(fathom_material, specular_color), offsetof(fathom_material, k_s),
+                                   3, false},
+    [FATHOM_MAP_CLEARCOAT] = {offsetof(fathom_material, clearcoat), NONE, 1, true},
+    [FATHOM_MAP_CLEARCOAT_ROUGHNESS] = {offsetof(fathom_material, clearcoat_roughness), NONE, 1, true},
+    [FATHOM_MAP_SHININESS] = {NONE, offsetof(fathom_material, shininess), 1, false},
+    [FATHOM_MAP_SHEEN_COLOR] = {offsetof(fathom_material, sheen_color), NONE, 3, true},
+    [FATHOM_MAP_SHEEN_ROUGHNESS] = {offsetof(fathom_material, sheen_roughness), NONE, 1, true},
+    [FATHOM_MAP_ANISOTROPY] = {NONE, NONE, 0, false},
+    [FATHOM_MAP_IRIDESCENCE] = {offsetof(fathom_material, iridescence), NONE, 1, true},
+    [FATHOM_MAP_IRIDESCENCE_THICKNESS] = {NONE, NONE, 0, false},
+    [FATHOM_MAP_DIFFUSE_TRANSMISSION] = {offsetof(fathom_material, diffuse_transmission), NONE, 1, true},
+    [FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR] = {offsetof(fathom_material, diffuse_transmission_color), NONE, 3,
+                                               true},
+};
+
+static float *member(fathom_material *m, int kind) {
+    const size_t offset = is_classic(m) ? members[kind].classic : members[kind].metallic;
+    return offset == NONE ? NULL : (float *)(void *)((char *)m + offset);
+}
+
+void texturing_multiply(fathom_material *m, int kind, const float *factor, bool inverted) {
+    float *to = member(m, kind);
+    for (int c = 0; to && c < members[kind].count; ++c) {
+        float value = inverted ? 1 - (1 - to[c]) * factor[c] : to[c] * factor[c];
+        value = value > 0 ? value : 0;
+        to[c] = members[kind].bounded && value > 1 ? 1 : value;
+    }
+}
+
+void texturing_dissolve(fathom_material *m) {
+    const float left = m->opacity;
+    float *const colours[] = {m->k_a, m->k_d, m->k_s, m->k_r, m->k_e};
+    if (left >= 1) return;
+    if (!(m->k_t[0] > 0 || m->k_t[1] > 0 || m->k_t[2] > 0)) m->ior = 1, m->fresnel = false;
+    for (int c = 0; c < 3; ++c) {
+        for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) colours[i][c] *= left;
+        m->k_t[c] = m->k_t[c] * left + (1 - left);
+    }
+}
+
+bool texturing_sends_alone(const fathom_material *m) {
+    const float *b = m->base_color;
+    return !is_classic(m) && !(b[0] > 0 || b[1] > 0 || b[2] > 0) && !(m->specular_factor > 0);
+}
+
+/* The images that are no factors of one parameter. */
+static void apply_others(const material_plan *p, const float (*values)[4], fathom_material *m) {
+    const uint8_t way = p->of[FATHOM_MAP_ANISOTROPY], thickness = p->of[FATHOM_MAP_IRIDESCENCE_THICKNESS];
+    if (way != NO_LOOKUP) {
+        m->anisotropy *= fminf(fmaxf(values[way][2], 0), 1);
+        m->anisotropy_rotation += atan2f(2 * values[way][1] - 1, 2 * values[way][0] - 1);
+    }
+    if (thickness != NO_LOOKUP) {
+        const float t = fminf(
+            fmaxf(values[thickness][p->material->maps[FATHOM_MAP_IRIDESCENCE_THICKNESS].channel], 0), 1);
+        m->iridescence_thickness_max =
+            (1 - t) * m->iridescence_thickness_min + t * m->iridescence_thickness_max;
+    }
+}
+
+void texturing_apply(const material_plan *p, const float (*values)[4], const float color[4],
+                     fathom_material *m) {
+    *m = *p->material;
+    for (int kind = 0; kind < FATHOM_MAPS; ++kind) {
+        if (p->of[kind] == NO_LOOKUP) continue;
+        const fathom_map *map = &p->material->maps[kind];
+        const float *rgba = values[p->of[kind]];
+        texturing_multiply(m, kind, members[kind].count == 1 ? &rgba[map->channel] : rgba, map->inverted);
+    }
+    apply_others(p, values, m);
+    texturing_multiply(m, texturing_sends_alone(m) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR, color, false);
+    texturing_multiply(m, FATHOM_MAP_OPACITY, &color[3], false);
+    m->opacity = material_opacity(m), m->opacity_cutoff = 0;
+}

@@ -1,0 +1,76 @@
+/* Opacity and emission of a point, by themselves. */
+#include "material/textured_inner.h"
+
+static const float *mapped_value(const texturing *t, const material_plan *p, int kind, float u, float v,
+                                 float width, float rgba[4][TEXTURE_BLOCK]) {
+    texture_queries q = {.count = 0};
+    lookup l = p->lookups[p->of[kind]];
+    l.exact = !(width > 0);
+    texturing_place_lookup(&l, u, v, width, &q);
+    texture_lookup(t->cache, &q, rgba);
+    for (int c = 1; c < 4; ++c) rgba[0][c] = rgba[c][0];
+    return rgba[0];
+}
+
+bool texturing_may_cover(const texturing *t, fathom_id material) {
+    const material_plan *p = &t->plans[material];
+    return p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP || t->alphas;
+}
+
+float texturing_opacity(const texturing *t, const surface_gather *g, unsigned i, fathom_id material) {
+    const material_plan *p = &t->plans[material];
+    fathom_material m = {.model = p->material->model, .opacity = p->material->opacity};
+    float color[4], rgba[4][TEXTURE_BLOCK];
+    m.opacity_cutoff = p->material->opacity_cutoff;
+    if (p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP) {
+        const fathom_map *map = &p->material->maps[FATHOM_MAP_OPACITY];
+        surface_uv at;
+        surface_uv_at(g, t->w, i, map->uv_set, &at);
+        const float *value = mapped_value(t, p, FATHOM_MAP_OPACITY, at.u, at.v, 0, rgba);
+        texturing_multiply(&m, FATHOM_MAP_OPACITY, &value[map->channel], map->inverted);
+    }
+    if (t->alphas && surface_color_at(g, t->w, i, color))
+        texturing_multiply(&m, FATHOM_MAP_OPACITY, &color[3], false);
+    return material_opacity(&m);
+}
+
+bool texturing_varies_emission(const texturing *t, fathom_id material) {
+    const material_plan *p = &t->plans[material];
+    return p->of[FATHOM_MAP_EMISSIVE] != NO_LOOKUP || p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP || t->alphas ||
+           (t->colors && texturing_sends_alone(p->material));
+}
+
+/* The root of the area that the place's triangle or half quad has in the image. */
+static float image_side(const texturing *t, const texturing_place *place, unsigned set) {
+    float uv[3][2];
+    for (int k = 0; k < 3; ++k) {
+        const float corner[3] = {k == 0, k == 1, k == 2};
+        surface_uv_of(t->w, place->geometry, place->primitive, place->second, corner, set, uv[k]);
+    }
+    const float bu = uv[1][0] - uv[0][0], bv = uv[1][1] - uv[0][1];
+    const float cu = uv[2][0] - uv[0][0], cv = uv[2][1] - uv[0][1];
+    return sqrtf(0.5f * fabsf(bu * cv - cu * bv));
+}
+
+/* Those lookups that emission needs. */
+void texturing_emission(const texturing *t, const texturing_place *place, float rgb[3]) {
+    static const int kinds[] = {FATHOM_MAP_EMISSIVE, FATHOM_MAP_OPACITY};
+    const material_plan *p = &t->plans[place->material];
+    float values[FATHOM_MAPS][4], color[4] = {1, 1, 1, 1};
+    material_plan few = {.material = p->material};
+    memset(few.of, NO_LOOKUP, sizeof few.of);
+    for (size_t k = 0; k < 2; ++k) {
+        const int kind = kinds[k];
+        float rgba[4][TEXTURE_BLOCK], uv[2];
+        if (p->of[kind] == NO_LOOKUP) continue;
+        const fathom_map *map = &p->material->maps[kind];
+        surface_uv_of(t->w, place->geometry, place->primitive, place->second, place->weight, map->uv_set, uv);
+        few.of[kind] = (uint8_t)k;
+        const float width = place->width > 0 ? place->width * image_side(t, place, map->uv_set) : 0;
+        memcpy(values[k], mapped_value(t, p, kind, uv[0], uv[1], width, rgba), sizeof values[k]);
+    }
+    surface_color_of(t->w, place->geometry, place->primitive, place->weight, color);
+    fathom_material m;
+    texturing_apply(&few, values, color, &m);
+    shader_emission(&m, rgb);
+}

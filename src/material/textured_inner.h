@@ -1,0 +1,81 @@
+/* What the files of textured.h share. */
+#ifndef MATERIAL_TEXTURED_INNER_H
+#define MATERIAL_TEXTURED_INNER_H
+
+#include "material/textured.h"
+#include "surface/attributes.h"
+#include "texture/texture.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { NO_LOOKUP = 0xff };
+
+/* One image in one place of the surface, for one or several parameters. */
+typedef struct lookup {
+    fathom_id texture;
+    uint32_t uv_set;
+    bool exact;  /* without a footprint */
+    float m[6];  /* fathom_map.transform */
+    float scale; /* by which it stretches lengths, as the root of areas */
+} lookup;
+
+typedef struct material_plan {
+    const fathom_material *material;
+    unsigned count;
+    lookup lookups[FATHOM_MAPS];
+    uint8_t of[FATHOM_MAPS]; /* which of them serves a parameter, or NO_LOOKUP */
+    unsigned sets;           /* uv sets that are needed, as bits */
+    bool directed;           /* it asks for a tangent */
+} material_plan;
+
+struct texturing {
+    const world *w;
+    texture_cache *cache;
+    bool colors;                 /* some mesh has vertex colours, */
+    bool alphas;                 /* and some with alpha */
+    surface_tangents **tangents; /* by mesh of the world; NULL: it has its own, or needs none */
+    material_plan plans[];
+};
+
+static inline bool is_classic(const fathom_material *m) { return m->model == FATHOM_MODEL_CLASSIC; }
+
+/* The points of a block that vary. */
+typedef struct points {
+    const texturing *t;
+    const surface_gather *g;
+    uint32_t lanes;     /* bits */
+    bool varies[LANES]; /* else the lane is there for its tangent alone */
+    const material_plan *plan[LANES];
+    surface_uv uv[2][LANES];
+    float width[2][LANES]; /* of the footprint, in u and v */
+    float color[LANES][4];
+    float values[LANES][FATHOM_MAPS][4];
+} points;
+
+/* ---- textured_apply.c: parameters of a point ---- */
+
+/* Times the factors of an image; see fathom_map.inverted. */
+void texturing_multiply(fathom_material *m, int kind, const float *factor, bool inverted);
+/* values: of the lookups. The material's parameters become those of the point. */
+void texturing_apply(const material_plan *p, const float (*values)[4], const float color[4],
+                     fathom_material *m);
+/* For the classic integrator: light passes straight through the part of the surface that is not there. */
+void texturing_dissolve(fathom_material *m);
+/* An unlit material: the colours of vertices are those of its emission. */
+bool texturing_sends_alone(const fathom_material *m);
+
+/* ---- textured_normal.c: frames and normals ---- */
+
+/* Of meshes whose own material needs them; those that an instance gives one get the frames of their
+ * triangles. */
+fathom_status texturing_make_tangents(fathom_context *context, texturing *t);
+void texturing_turn_normals(const points *p, surface_block *s);
+/* The tangent of a point whose material asks for one, turned by the material as it is there. */
+void texturing_direct(const points *p, unsigned i, const fathom_material *m, surface_block *s);
+
+/* ---- lookups ---- */
+
+void texturing_place_lookup(const lookup *l, float u, float v, float width, texture_queries *q);
+
+#endif

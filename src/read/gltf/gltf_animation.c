@@ -1,0 +1,253 @@
+/* Animations, posed at a time: their samplers evaluated as the specification's appendix C says. Before the
+ * first key and after the last one, things rest at that key. */
+#include "read/gltf/gltf.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const gltf_part_names[GLTF_PARTS] = {"translation", "rotation", "scale"};
+
+typedef enum interpolation { STEP, LINEAR, CUBICSPLINE } interpolation;
+
+/* `per_key` numbers for each key: an element of a vector, or as many scalars as there are weights. */
+typedef struct sampler {
+    gltf_value at; /* for messages; its parent is the caller's */
+    interpolation way;
+    gltf_elements times, values;
+    size_t per_key;
+    bool scalars; /* a number is an element of its own */
+    bool turns;   /* quaternions */
+} sampler;
+
+/* ---- values ---- */
+
+static double time_of(const sampler *s, size_t key) {
+    float time;
+    memcpy(&time, (const char *)s->times.values + s->times.stride * key, sizeof time);
+    return (double)time;
+}
+
+/* part: of a cubic spline 0 for the tangent that comes in, 1 the value, 2 the tangent that goes out. */
+static double number_of(const sampler *s, size_t key, size_t part, size_t c) {
+    const size_t item = s->way == CUBICSPLINE ? key * 3 + part : key;
+    const size_t element = s->scalars ? item * s->per_key + c : item;
+    float value;
+    const char *values = s->values.values;
+    memcpy(&value, values + s->values.stride * element + (s->scalars ? 0 : c * sizeof value), sizeof value);
+    return (double)value;
+}
+
+static void normalize_turn(double q[4]) {
+    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int i = 0; i < 4 && length > 0; ++i) q[i] /= length;
+}
+
+/* The part u of the shorter arc from a to b, which become unit. The arc is halved 24 times: sums, products
+ * and roots are the same bits on every processor, sines are not. What is left is below 1e-7 radians, where
+ * chord and arc differ by less than a double shows. */
+void gltf_slerp(double a[4], double b[4], double u, double out[4]) {
+    normalize_turn(a);
+    normalize_turn(b);
+    const bool far = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] < 0;
+    for (int i = 0; i < 4; ++i) b[i] = far ? -b[i] : b[i];
+    for (int halving = 0; halving < 24; ++halving) {
+        double middle[4];
+        for (int i = 0; i < 4; ++i) middle[i] = a[i] + b[i];
+        normalize_turn(middle);
+        u *= 2;
+        memcpy(u < 1 ? b : a, middle, sizeof middle);
+        if (u >= 1) u -= 1;
+    }
+    for (int i = 0; i < 4; ++i) out[i] = a[i] + u * (b[i] - a[i]);
+}
+
+/* Between a key and the next one, u in [0,1), `seconds` apart. */
+static double hermite(const sampler *s, size_t key, double u, double seconds, size_t c) {
+    const double u2 = u * u, u3 = u2 * u;
+    return (2 * u3 - 3 * u2 + 1) * number_of(s, key, 1, c) +
+           seconds * (u3 - 2 * u2 + u) * number_of(s, key, 2, c) +
+           (3 * u2 - 2 * u3) * number_of(s, key + 1, 1, c) +
+           seconds * (u3 - u2) * number_of(s, key + 1, 0, c);
+}
+
+/* The last key that is not after t. */
+static size_t find_key(const sampler *s, double t) {
+    size_t low = 0, high = s->times.count;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        *(time_of(s, middle) <= t ? &low : &high) = middle;
+    }
+    return low;
+}
+
+static void evaluate(const sampler *s, double t, double *out) {
+    const size_t key = find_key(s, t), last = s->times.count - 1u;
+    const double from = time_of(s, key);
+    if (s->way == STEP || key == last || t <= from) {
+        for (size_t c = 0; c < s->per_key; ++c) out[c] = number_of(s, key, 1, c);
+        return;
+    }
+    const double seconds = time_of(s, key + 1) - from, u = (t - from) / seconds;
+    if (s->turns && s->way == LINEAR) {
+        double a[4], b[4];
+        for (size_t c = 0; c < 4; ++c) a[c] = number_of(s, key, 1, c), b[c] = number_of(s, key + 1, 1, c);
+        gltf_slerp(a, b, u, out);
+        return;
+    }
+    for (size_t c = 0; c < s->per_key; ++c) {
+        const double a = number_of(s, key, 1, c), b = number_of(s, s->way == LINEAR ? key + 1 : key, 1, c);
+        out[c] = s->way == LINEAR ? a + u * (b - a) : hermite(s, key, u, seconds, c);
+    }
+}
+
+/* ---- samplers ---- */
+
+static fathom_status read_interpolation(gltf *g, sampler *s) {
+    static const char *const names[] = {"STEP", "LINEAR", "CUBICSPLINE"};
+    const char *name = names[LINEAR];
+    fathom_status status = gltf_text(g, &s->at, "interpolation", &name);
+    if (status != FATHOM_OK) return status;
+    for (unsigned i = 0; i < 3; ++i) {
+        s->way = (interpolation)i;
+        if (strcmp(name, names[i]) == 0) return FATHOM_OK;
+    }
+    return gltf_fail(g, &s->at, "interpolation", "is \"%.40s\"; expected LINEAR, STEP or CUBICSPLINE", name);
+}
+
+static fathom_status check_times(gltf *g, const sampler *s) {
+    for (uint32_t k = 1; k < s->times.count; ++k) {
+        if (!(time_of(s, k) > time_of(s, k - 1)))
+            return gltf_fail(g, &s->at, "input", "has %g s after %g s, at key %u; expected times that rise",
+                             time_of(s, k), time_of(s, k - 1), k);
+    }
+    return FATHOM_OK;
+}
+
+/* As many values as the keys ask for; of weights, a whole number for each key. */
+static fathom_status check_values(gltf *g, sampler *s) {
+    const uint64_t items = s->times.count * (uint64_t)(s->way == CUBICSPLINE ? 3 : 1);
+    if (s->scalars) s->per_key = (size_t)(s->values.count / items);
+    if (s->per_key && s->values.count == items * (s->scalars ? s->per_key : 1)) return FATHOM_OK;
+    return gltf_fail(g, &s->at, "output", "has %u entries; expected %llu%s for %u keys%s", s->values.count,
+                     (unsigned long long)items,
+                     s->scalars ? ", or that times the number of morph targets," : "", s->times.count,
+                     s->way == CUBICSPLINE ? " of a cubic spline, three for each" : "");
+}
+
+static fathom_status read_sampler(gltf *g, const gltf_value *samplers, uint32_t index, int part, sampler *s) {
+    const unsigned whole = GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED;
+    bool times = false, values = false;
+    s->turns = part == GLTF_ROTATION, s->scalars = part == GLTF_PARTS;
+    s->per_key = s->scalars ? 1 : s->turns ? 4 : 3;
+    fathom_status status = gltf_item(g, samplers, index, &s->at);
+    if (status == FATHOM_OK) status = read_interpolation(g, s);
+    if (status == FATHOM_OK)
+        status = gltf_array_read(g, &s->at, "input", 1, GLTF_TAKES_FLOAT, &times, &s->times);
+    if (status == FATHOM_OK)
+        status = gltf_array_read(g, &s->at, "output", (unsigned)s->per_key, whole, &values, &s->values);
+    if (status != FATHOM_OK) return status;
+    if (!times || !values)
+        return gltf_fail(g, &s->at, NULL, "is not whole; expected input and output, indices into accessors");
+    status = check_times(g, s);
+    return status == FATHOM_OK ? check_values(g, s) : status;
+}
+
+/* ---- channels ---- */
+
+static gltf_pose *pose_for(gltf *g, gltf_moment *m, uint32_t node) {
+    if (!m->pose_of) m->pose_of = calloc(gltf_count(&g->nodes) + 1, sizeof *m->pose_of);
+    if (!m->pose_of) return NULL;
+    if (!m->pose_of[node]) {
+        if (!array_push(&m->poses, (gltf_pose){.weights = NULL})) return NULL;
+        m->pose_of[node] = (uint32_t)m->poses.count;
+    }
+    return &m->poses.items[m->pose_of[node] - 1];
+}
+
+static fathom_status pose_weights(gltf *g, const sampler *s, double t, gltf_pose *pose) {
+    const size_t bytes = s->per_key * sizeof(double);
+    fathom_status status = gltf_charge(g, &s->at, NULL, bytes);
+    if (status != FATHOM_OK) return status;
+    free(pose->weights);
+    pose->weights = malloc(bytes);
+    pose->weight_count = pose->weights ? s->per_key : 0;
+    if (!pose->weights) return fail_memory(g->context, bytes);
+    evaluate(s, t, pose->weights);
+    return FATHOM_OK;
+}
+
+static fathom_status pose_part(gltf *g, const sampler *s, double t, int part, gltf_pose *pose) {
+    evaluate(s, t, pose->parts[part]);
+    pose->given[part] = true;
+    if (part != GLTF_ROTATION || gltf_is_rotation(pose->parts[part])) return FATHOM_OK;
+    return gltf_fail(g, &s->at, "output", "is a rotation of zero at %g s; expected unit quaternions", t);
+}
+
+/* GLTF_PARTS: weights; -1, and noted: nothing that is followed. */
+static int find_path(gltf *g, const gltf_value *target, const char *path) {
+    for (int i = 0; i < GLTF_PARTS; ++i) {
+        if (strcmp(path, gltf_part_names[i]) == 0) return i;
+    }
+    if (strcmp(path, "weights") == 0) return GLTF_PARTS;
+    gltf_note(g, target, "path", "the animation of \"%.40s\" is not followed", path);
+    return -1;
+}
+
+static fathom_status pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers,
+                                  const gltf_value *channel) {
+    gltf_value target;
+    const char *path = "";
+    uint32_t node = GLTF_ABSENT, index = GLTF_ABSENT;
+    fathom_status status = gltf_object(g, channel, "target", &target);
+    if (status == FATHOM_OK) status = gltf_text(g, &target, "path", &path);
+    if (status == FATHOM_OK) status = gltf_index(g, &target, "node", &g->nodes, &node);
+    if (status == FATHOM_OK) status = gltf_index(g, channel, "sampler", samplers, &index);
+    if (status != FATHOM_OK) return status;
+    if (index == GLTF_ABSENT)
+        return gltf_fail(g, channel, "sampler", "is missing; expected an index into samplers");
+    const int part = find_path(g, &target, path);
+    /* Without a node it is an extension's. */
+    if (part < 0 || node == GLTF_ABSENT) return FATHOM_OK;
+    sampler s;
+    status = read_sampler(g, samplers, index, part, &s);
+    if (status != FATHOM_OK) return status;
+    gltf_pose *pose = pose_for(g, m, node);
+    if (!pose) return fail_memory(g->context, sizeof *pose);
+    return part == GLTF_PARTS ? pose_weights(g, &s, m->time, pose) : pose_part(g, &s, m->time, part, pose);
+}
+
+fathom_status gltf_animation_pose(gltf *g, gltf_moment *m) {
+    gltf_value animation, channels, samplers;
+    fathom_status status = gltf_item(g, &g->animations, g->animation, &animation);
+    if (status == FATHOM_OK) status = gltf_array(g, &animation, "channels", &channels);
+    if (status == FATHOM_OK) status = gltf_array(g, &animation, "samplers", &samplers);
+    for (size_t i = 0; i < gltf_count(&channels) && status == FATHOM_OK; ++i) {
+        gltf_value channel;
+        status = gltf_item(g, &channels, i, &channel);
+        if (status == FATHOM_OK) status = pose_channel(g, m, &samplers, &channel);
+    }
+    return status;
+}
+
+/* ---- which one ---- */
+
+fathom_status gltf_animation_choose(gltf *g) {
+    const fathom_read_options *asked = g->scene->asked;
+    const size_t count = gltf_count(&g->animations);
+    g->animation = GLTF_ABSENT;
+    if (!count) return FATHOM_OK;
+    g->scene->has_animations = true;
+    if (asked && asked->animation)
+        return gltf_choose(g, &g->animations, "animation", asked->animation, &g->animation);
+    if (asked && asked->choose_time) g->animation = 0;
+    char list[GLTF_LIST];
+    gltf_print_names(&g->animations, list);
+    if (g->animation == GLTF_ABSENT)
+        gltf_note_all(g, &g->animations, "animations are not played; --time SECONDS poses one of %s", list);
+    else if (count > 1)
+        gltf_note_all(g, &g->animations,
+                      "animations, of which the first is posed; --animation NAME|N takes another of %s",
+                      list);
+    return FATHOM_OK;
+}

@@ -1,0 +1,193 @@
+/* Skins: each vertex is carried by the weighted sum of its joints' matrices, from the mesh to the world. The
+ * node that holds the mesh does not move it (specification, 3.7.3.2).
+ *
+ * Positions become float here, so they are counted from the first joint: a figure far from the origin keeps
+ * its digits. Normals follow by the cofactors, which keep them at right angles to the surface however joints
+ * scale. */
+#include "base/threads.h"
+#include "read/gltf/gltf.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static affine_f64 affine_of(const float *m) {
+    affine_f64 out;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) out.m[row][column] = (double)m[column * 4 + row];
+    }
+    return out;
+}
+
+static const float *element(const gltf_elements *e, size_t i) {
+    return (const float *)(const void *)((const char *)e->values + e->stride * i);
+}
+
+/* ---- joints ---- */
+
+static fathom_status read_inverse(gltf *g, const gltf_value *skin, uint32_t joints, gltf_elements *out) {
+    bool present;
+    fathom_status status =
+        gltf_array_read(g, skin, "inverseBindMatrices", 16, GLTF_TAKES_FLOAT, &present, out);
+    if (status != FATHOM_OK || !present) return status;
+    if (out->count < joints)
+        return gltf_fail(g, skin, "inverseBindMatrices", "has %u entries; expected one for each of %u joints",
+                         out->count, joints);
+    for (uint32_t i = 0; i < joints; ++i) {
+        const float *m = element(out, i);
+        if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+            return gltf_fail(g, skin, "inverseBindMatrices",
+                             "entry %u has the last row %g %g %g %g; expected 0 0 0 1", i, (double)m[3],
+                             (double)m[7], (double)m[11], (double)m[15]);
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin, const gltf_value *list,
+                                 gltf_joints *out) {
+    gltf_elements inverse = {.values = NULL};
+    fathom_status status = read_inverse(g, skin, out->count, &inverse);
+    for (uint32_t i = 0; i < out->count && status == FATHOM_OK; ++i) {
+        uint32_t node = GLTF_ABSENT;
+        const affine_f64 *world;
+        status = gltf_index_item(g, list, i, &g->nodes, &node);
+        if (status == FATHOM_OK) status = gltf_node_world(g, m, node, &world);
+        if (status != FATHOM_OK) break;
+        if (i == 0) out->origin = affine_point(world, (vec3_f64){0, 0, 0});
+        affine_f64 moved = *world,
+                   bind = inverse.values ? affine_of(element(&inverse, i)) : affine_identity();
+        moved.m[0][3] -= out->origin.x, moved.m[1][3] -= out->origin.y, moved.m[2][3] -= out->origin.z;
+        out->matrices[i] = affine_compose(&moved, &bind);
+    }
+    return status;
+}
+
+fathom_status gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, const gltf_joints **out) {
+    gltf_joints *joints = &g->skin_table[index];
+    *out = joints;
+    if (joints->matrices) return FATHOM_OK;
+    gltf_value skin, list;
+    fathom_status status = gltf_item(g, &g->skins, index, &skin);
+    if (status == FATHOM_OK) status = gltf_array(g, &skin, "joints", &list);
+    if (status != FATHOM_OK) return status;
+    if (!gltf_count(&list)) return gltf_fail(g, &skin, "joints", "is empty; expected at least one node");
+    joints->count = (uint32_t)gltf_count(&list);
+    joints->matrices = malloc(joints->count * sizeof *joints->matrices);
+    if (!joints->matrices) return fail_memory(g->context, joints->count * sizeof *joints->matrices);
+    return fill_joints(g, m, &skin, &list, joints);
+}
+
+/* ---- vertices ---- */
+
+enum { SETS = 8 }; /* of four joints each, that one vertex may have */
+
+typedef struct skinning {
+    const gltf_joints *joints;
+    gltf_elements places[SETS], weights[SETS];
+    unsigned sets, components;
+    gltf_kind kind;
+    gltf_elements from;
+    float *to;
+} skinning;
+
+/* The matrix of vertex i. Weights count by their sum; without any, the first joint carries the vertex. */
+static affine_f64 blend(const skinning *s, size_t i) {
+    affine_f64 out = {{{0}}};
+    double sum = 0;
+    for (unsigned k = 0; k < s->sets * 4; ++k) sum += (double)element(&s->weights[k / 4], i)[k % 4];
+    if (!(sum > 0)) return s->joints->matrices[(uint32_t)element(&s->places[0], i)[0]];
+    for (unsigned k = 0; k < s->sets * 4; ++k) {
+        const double weight = (double)element(&s->weights[k / 4], i)[k % 4] / sum;
+        if (weight == 0) continue;
+        const affine_f64 *m = &s->joints->matrices[(uint32_t)element(&s->places[k / 4], i)[k % 4]];
+        for (int e = 0; e < 12; ++e) out.m[e / 4][e % 4] += weight * m->m[e / 4][e % 4];
+    }
+    return out;
+}
+
+static vec3_f64 carry_normal(const affine_f64 *a, vec3_f64 n) {
+    const vec3_f64 x = load_f64(a->m[0]), y = load_f64(a->m[1]), z = load_f64(a->m[2]);
+    return normalize_f64(
+        (vec3_f64){dot_f64(cross_f64(y, z), n), dot_f64(cross_f64(z, x), n), dot_f64(cross_f64(x, y), n)});
+}
+
+static void carry(void *user, size_t begin, size_t end, unsigned worker) {
+    (void)worker;
+    const skinning *s = user;
+    for (size_t i = begin; i < end; ++i) {
+        const float *from = element(&s->from, i);
+        float *to = s->to + i * s->components;
+        const affine_f64 map = blend(s, i);
+        vec3_f64 v = widen(load_f32(from));
+        switch (s->kind) {
+        case GLTF_POINT: v = affine_point(&map, v); break;
+        case GLTF_NORMAL: v = carry_normal(&map, v); break;
+        case GLTF_TANGENT: v = normalize_f64(affine_vector(&map, v)); break;
+        }
+        memcpy(to, from, s->components * sizeof *to);
+        store_f32(to, narrow(v));
+    }
+}
+
+static fathom_status check_places(gltf *g, const gltf_value *attributes, const char *key,
+                                  const gltf_elements *e, uint32_t joints) {
+    for (size_t i = 0; i < e->count; ++i) {
+        for (int k = 0; k < 4; ++k) {
+            if (!(element(e, i)[k] < (float)joints))
+                return gltf_fail(g, attributes, key, "entry %zu names joint %g; the skin has %u", i,
+                                 (double)element(e, i)[k], joints);
+        }
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status check_count(gltf *g, const gltf_value *attributes, const char *key,
+                                 const gltf_elements *e, uint32_t vertices) {
+    if (e->count == vertices) return FATHOM_OK;
+    return gltf_fail(g, attributes, key, "has %u entries; expected as many as POSITION has, %u", e->count,
+                     vertices);
+}
+
+/* JOINTS_0 and WEIGHTS_0, and so on as long as there are both. */
+static fathom_status read_sets(gltf *g, const gltf_value *attributes, uint32_t vertices, skinning *s) {
+    for (unsigned n = 0;; ++n) {
+        char places[32], weights[32];
+        bool has_places = false, has_weights = false;
+        snprintf(places, sizeof places, "JOINTS_%u", n);
+        snprintf(weights, sizeof weights, "WEIGHTS_%u", n);
+        if (!json_object_get(attributes->json, places) || !json_object_get(attributes->json, weights)) break;
+        if (n == SETS) {
+            gltf_note(g, attributes, places, "joints beyond the first %d of a vertex are left out", SETS * 4);
+            break;
+        }
+        fathom_status status =
+            gltf_array_read(g, attributes, places, 4, GLTF_TAKES_UNSIGNED, &has_places, &s->places[n]);
+        if (status == FATHOM_OK)
+            status = gltf_array_read(g, attributes, weights, 4, GLTF_TAKES_FLOAT | GLTF_TAKES_UNSIGNED,
+                                     &has_weights, &s->weights[n]);
+        if (status == FATHOM_OK) status = check_count(g, attributes, places, &s->places[n], vertices);
+        if (status == FATHOM_OK) status = check_count(g, attributes, weights, &s->weights[n], vertices);
+        if (status == FATHOM_OK)
+            status = check_places(g, attributes, places, &s->places[n], s->joints->count);
+        if (status != FATHOM_OK) return status;
+        s->sets = n + 1;
+    }
+    if (s->sets) return FATHOM_OK;
+    return gltf_fail(g, attributes, NULL, "lacks JOINTS_0 or WEIGHTS_0; expected both in a mesh with a skin");
+}
+
+fathom_status gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints,
+                              gltf_kind kind, gltf_elements *floats) {
+    skinning s = {
+        .joints = joints, .kind = kind, .from = *floats, .components = kind == GLTF_TANGENT ? 4 : 3};
+    void *memory;
+    fathom_status status = read_sets(g, attributes, floats->count, &s);
+    if (status == FATHOM_OK)
+        status = gltf_allocate(g, attributes, NULL, (uint64_t)floats->count * s.components * sizeof(float),
+                               &memory);
+    if (status != FATHOM_OK) return status;
+    s.to = memory;
+    loop_parallel(fathom_context_threads(g->context), floats->count, 1u << 12, carry, &s);
+    floats->values = memory, floats->stride = s.components * sizeof(float);
+    return FATHOM_OK;
+}

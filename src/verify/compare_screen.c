@@ -1,0 +1,92 @@
+/* Rays that two tracers are asked: only those that they answer otherwise are judged. */
+#include "verify/compare_inner.h"
+
+#include "base/threads.h"
+
+/* Units of a float by which two tracers may differ without being judged, at the size of the world at least:
+ * their errors are relative to that. */
+#define SCREEN_ULPS 64
+/* Rays begin this far from their origin, over the world's radius: what two tracers say of the surface that a
+ * ray begins on is rounding, which the families judge. */
+#define SCREEN_NEAR 0x1p-12
+/* A thread that found so many errors among 2^17 rays asks no more of them. */
+#define SCREEN_ENOUGH 100
+
+static bool agree(const ask_answer *a, const ask_answer *b, double size) {
+    const verdict_answer *h = &a->hit, *k = &b->hit;
+    bool same = a->met == b->met && h->geometry == k->geometry;
+    if (!same || h->geometry == FATHOM_NONE) return same;
+    same = h->primitive == k->primitive && h->instance == k->instance;
+    return same && fabs(h->t - k->t) <= SCREEN_ULPS * error_ulp(fmax(k->t, size));
+}
+
+/* The world's radius in units of the ray's t. */
+static double size_along(const comparison *c, const oracle_ray *ray) {
+    return rays_world_radius(c->subject->source) / length_f64(widen(ray->dir));
+}
+
+static void start_off_surfaces(const comparison *c, oracle_ray *ray) {
+    oracle_ray off = *ray;
+    off.t_near = fmaxf(off.t_near, (float)(SCREEN_NEAR * size_along(c, ray)));
+    if (rays_allowed(c->subject->source, &off)) *ray = off;
+}
+
+static void screen_call(const comparison *c, compare_worker *w, uint64_t first, size_t count) {
+    comparison own = *c;
+    own.first = first;
+    if (!ask_batch_clear(&w->batch, COMPARE_CALL / LANES) ||
+        !ask_batch_add(&w->batch, count, TRACE_COHERENT, true, true)) {
+        w->failed = true;
+        return;
+    }
+    own.batch = w->batch;
+    ask_answer others[COMPARE_CALL];
+    compare_make_rays(&own, 0, count, 0);
+    for (size_t i = 0; i < count; ++i) start_off_surfaces(c, &own.batch.rays[i]);
+    (void)ask_all(c->options->second, &w->batch, 1);
+    for (size_t i = 0; i < count; ++i) others[i] = ask_answer_of(&w->batch, i);
+    (void)ask_all(c->subject->tracer, &w->batch, 1);
+    own.batch = w->batch;
+    for (size_t i = 0; i < count && !w->failed; ++i) {
+        const ask_answer a = ask_answer_of(&w->batch, i);
+        ++w->screened;
+        if (agree(&a, &others[i], size_along(c, &own.batch.rays[i]))) continue;
+        ++w->unequal;
+        for (int any = 0; any < 2; ++any) {
+            const ask_other other = {i, COMPARE_FIRST, any != 0, a};
+            compare_judge_other(&own, w, &other);
+        }
+    }
+}
+
+static void screen_calls(void *user, size_t begin, size_t end, unsigned index) {
+    const comparison *c = user;
+    const compare_worker *w = &c->workers[index];
+    for (size_t at = begin; at < end && !w->failed && w->family.other_counts[VERDICT_WRONG] < SCREEN_ENOUGH;
+         at += COMPARE_CALL)
+        screen_call(c, &c->workers[index], c->first + at, end - at < COMPARE_CALL ? end - at : COMPARE_CALL);
+}
+
+/* The first of these families that is asked for at all: half of the rays of RAYS_SURFACE miss. */
+static rays_family screening_family(unsigned families) {
+    static const rays_family usual[] = {RAYS_SURFACE, RAYS_UNIFORM, RAYS_CAMERA, RAYS_INTERVAL, RAYS_FAR};
+    for (size_t i = 0; i < sizeof usual / sizeof *usual; ++i) {
+        if (families >> usual[i] & 1) return usual[i];
+    }
+    return RAYS_UNIFORM;
+}
+
+fathom_status compare_screen(fathom_context *context, comparison *c, uint64_t done, compare_result *out) {
+    const compare_options *o = c->options;
+    const size_t family_begin = out->failures.count;
+    fathom_status status = FATHOM_OK;
+    c->family = screening_family(o->families);
+    for (uint64_t at = 0; at < o->screened && status == FATHOM_OK; at += 1u << 17) {
+        uint64_t left = o->screened - at;
+        c->first = o->rays + at;
+        loop_parallel(o->threads, left < 1u << 17 ? (size_t)left : 1u << 17, COMPARE_CALL, screen_calls, c);
+        status = compare_join_workers(context, c, out, family_begin);
+        if (status == FATHOM_OK) status = compare_tell(context, o, done);
+    }
+    return status;
+}

@@ -1,0 +1,225 @@
+/* Layers and lobes of metallicRoughness that glTF's extensions add. */
+#include "verify/laws/room.h"
+
+#define PI 3.14159265358979323846
+
+static const vec3_f64 origin = {0, 0, 0}, up = {0, 0, 1}, down = {0, 0, -1}, white = {1, 1, 1};
+static const vec3_f64 eye = {0, 0, 1}, aside = {0.8, 0, 0.6}, across = {0, 0.8, 0.6};
+
+static double square(double x) { return x * x; }
+
+/* A dielectric of which the base alone is left, and that is black. */
+static fathom_material bare(void) {
+    fathom_material m = law_metallic();
+    m.specular_factor = 0;
+    law_set(m.base_color, origin);
+    return m;
+}
+
+/* The reflectance under an even sky. */
+static void lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value) {
+    law_quad(room, origin, vec_f64(9, 0, 0), vec_f64(0, 9, 0), m);
+    law_background(room, white);
+    law_look(room, from, origin);
+    law_value(room, value);
+}
+
+/* ---- diffuse transmission ---- */
+
+static const vec3_f64 base = {0.8, 0.5, 0.2}, through = {0.3, 0.9, 0.6};
+
+static fathom_material leaf_material(void) {
+    fathom_material m = bare();
+    law_set(m.base_color, base);
+    m.diffuse_transmission = 0.75f;
+    law_set(m.diffuse_transmission_color, through);
+    return m;
+}
+
+static void leaf(law_room *room) {
+    lobe(room, leaf_material(), eye, add_f64(scale_f64(0.25, base), scale_f64(0.75, through)));
+}
+
+static void leaf_from_behind(law_room *room) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = FATHOM_LIGHT_DIRECTIONAL;
+    store_f64(light.direction, up);
+    law_light(room, &light);
+    lobe(room, leaf_material(), eye, scale_f64(0.75, through));
+    law_background(room, origin);
+}
+
+/* White leaves under a dielectric layer lose nothing. */
+static void white_leaf(law_room *room) {
+    fathom_material m = law_metallic();
+    m.diffuse_transmission = m.roughness = 0.5f, m.specular_factor = 1, m.multiscatter = true;
+    law_sphere(room, origin, 1, m);
+    law_background(room, white);
+    law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
+    law_value(room, white);
+}
+
+/* ---- sheen: KHR_materials_sheen's formulas, by midpoints over the hemisphere ---- */
+
+static double fit(double x, double alpha) {
+    const double t = square(1 - alpha), s = 1 - t;
+    return (21.5473 * s + 25.3245 * t) /
+               (1 + (3.82987 * s + 3.32435 * t) * pow(x, 0.19823 * s + 0.16801 * t)) -
+           (1.97760 * s + 1.27393 * t) * x - (4.32054 * s + 4.85967 * t);
+}
+
+static double lambda(double z, double alpha) {
+    return exp(z < 0.5 ? fit(z, alpha) : 2 * fit(0.5, alpha) - fit(1 - z, alpha));
+}
+
+static double sheen_reflectance(double alpha, double nv) {
+    enum { RINGS = 2000, AROUND = 200 };
+    double sum = 0;
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const double nl = (i / AROUND + 0.5) / RINGS, phi = PI * (i % AROUND + 0.5) / AROUND;
+        const double cosine = nv * nl + sqrt((1 - nv * nv) * (1 - nl * nl)) * cos(phi);
+        const double sine2 = 1 - square(nv + nl) / (2 + 2 * cosine);
+        const double d = (2 + 1 / alpha) * pow(sine2, 0.5 / alpha) / (2 * PI);
+        sum += d / (4 * nv * (1 + lambda(nv, alpha) + lambda(nl, alpha)));
+    }
+    return sum * 2 * PI / (RINGS * AROUND);
+}
+
+static void sheen(law_room *room) {
+    fathom_material m = bare();
+    law_set(m.sheen_color, through);
+    m.sheen_roughness = 0.5f;
+    lobe(room, m, aside, scale_f64(sheen_reflectance(0.25, 0.6), through));
+}
+
+/* ---- anisotropy: GGX of two alphas with F = 1; see ggx_aslant() in matter.c ---- */
+
+static double stretched_albedo(double ax, double ay, vec3_f64 v) {
+    enum { RINGS = 1500, AROUND = 1000 };
+    double sum = 0;
+    const double lv = sqrt(square(ax * v.x) + square(ay * v.y) + square(v.z));
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const double theta = PI / 2 * (i / AROUND + 0.5) / RINGS, phi = 2 * PI * (i % AROUND + 0.5) / AROUND;
+        const vec3_f64 h = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
+        const double vh = dot_f64(v, h);
+        const vec3_f64 l = sub_f64(scale_f64(2 * vh, h), v);
+        if (!(vh > 0 && l.z > 0)) continue;
+        const double ll = sqrt(square(ax * l.x) + square(ay * l.y) + square(l.z));
+        const double d = 1 / (PI * ax * ay * square(square(h.x / ax) + square(h.y / ay) + square(h.z)));
+        sum += d * 2 * l.z / (l.z * lv + v.z * ll) * vh * sin(theta);
+    }
+    return sum * (PI / 2 / RINGS) * (2 * PI / AROUND);
+}
+
+static void brushed(law_room *room, vec3_f64 from) {
+    fathom_material m = law_metallic();
+    m.metallic = 1, m.roughness = m.anisotropy = 0.6f;
+    lobe(room, m, from, scale_f64(stretched_albedo(0.36 * 0.64 + 0.36, 0.36, from), white));
+}
+
+static void brushed_along(law_room *room) { brushed(room, aside); }
+static void brushed_across(law_room *room) { brushed(room, across); }
+
+/* ---- a thin film on smooth metal, at a cosine of 9/16: Belcour & Barla's (2017) sum, term by term ---- */
+
+static double airy(double f0, double index, double nanometres, double cosine, int channel) {
+    static const double fits[4][3] = {{5.4856e-13, 1.6810e6, 4.3278e9},
+                                      {4.4201e-13, 1.7953e6, 9.3046e9},
+                                      {5.2481e-13, 2.2084e6, 6.6121e9},
+                                      {9.7470e-14, 2.2399e6, 4.5282e9}};
+    static const double rgb[3][4] = {{3.2404542, -1.5371385, -0.4985314, 3.2404542},
+                                     {-0.9692660, 1.8760108, 0.0415560, -0.9692660},
+                                     {0.0556434, -0.2040259, 1.0572252, 0.0556434}};
+    const double inside = sqrt(1 - (1 - cosine * cosine) / (index * index)),
+                 metal = (1 + sqrt(f0)) / (1 - sqrt(f0));
+    const double f1 = square((index - 1) / (index + 1)), f2 = square((metal - index) / (metal + index));
+    const double r1 = f1 + (1 - f1) * pow(1 - cosine, 5), r2 = f2 + (1 - f2) * pow(1 - inside, 5);
+    const double again = square(1 - r1) * r2 / (1 - r1 * r2);
+    double sum = r1 + again;
+    for (int order = 1; order <= 2; ++order) {
+        const double way = 2 * PI * 1e-9 * order * 2 * index * nanometres * inside;
+        double seen = 0;
+        for (int k = 0; k < 4; ++k)
+            seen += rgb[channel][k] * fits[k][0] * sqrt(2 * PI * fits[k][2]) *
+                    cos(fits[k][1] * way + order * (metal < index ? 2 : 1) * PI) *
+                    exp(-fits[k][2] * way * way);
+        sum += 2 * (again - (1 - r1)) * pow(r1 * r2, order / 2.0) * seen / 1.0685e-7;
+    }
+    return sum;
+}
+
+static void film(law_room *room) {
+    const double cosine = 0.5625;
+    const vec3_f64 color = {0.9, 0.6, 0.2};
+    fathom_material m = law_metallic();
+    m.metallic = m.iridescence = 1, m.iridescence_ior = 1.5f, m.iridescence_thickness_max = 450;
+    law_set(m.base_color, color);
+    lobe(room, m, vec_f64(sqrt(1 - cosine * cosine), 0, cosine),
+         vec_f64(airy(color.x, 1.5, 450, cosine, 0), airy(color.y, 1.5, 450, cosine, 1),
+                 airy(color.z, 1.5, 450, cosine, 2)));
+}
+
+/* ---- volumes ---- */
+
+static fathom_material clear(double index, unsigned priority) {
+    fathom_material m = law_metallic();
+    m.transmission = m.thickness = m.specular_factor = 1, m.ior = (float)index, m.priority = priority;
+    return m;
+}
+
+/* What loses no light is not seen in an even sky, whatever its colours do. */
+static void dispersive(law_room *room, double roughness) {
+    fathom_material m = clear(1.5, 0);
+    m.dispersion = 5, m.roughness = (float)roughness;
+    law_sphere(room, origin, 1, m);
+    law_background(room, white);
+    law_look(room, vec_f64(0, 0.3, 3), vec_f64(0.5, 0.3, 0));
+    law_value(room, white);
+}
+
+static void fire(law_room *room) { dispersive(room, 0); }
+
+static double both(double r, double s) { return r + square(1 - r) * s / (1 - r * s); }
+
+/* Both planes are of one material: what is entered by one is left by the other. */
+static void slab(law_room *room, double top, double bottom, fathom_material m) {
+    fathom_plane plane;
+    fathom_plane_default(&plane);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_material(room->scene, NULL, &m, &plane.material);
+    for (int k = 0; k < 2; ++k) {
+        store_f64(plane.point, vec_f64(0, 0, k ? bottom : top));
+        store_f64(plane.normal, k ? down : up);
+        if (room->status == FATHOM_OK)
+            room->status = fathom_scene_add_plane(room->scene, FATHOM_ROOT, &plane, NULL);
+    }
+}
+
+/* Two slabs that overlap: the higher priority ends where it ends, and the other one begins there. */
+static void overlap(law_room *room, double first, double second, double reflected) {
+    slab(room, -1, -2, clear(first, 2));
+    slab(room, -1.5, -3, clear(second, 1));
+    law_plane(room, vec_f64(0, 0, 2), down, law_emitter(white));
+    law_look(room, origin, down);
+    law_value(room, scale_f64(reflected, white));
+}
+
+static void overlap_even(law_room *room) { overlap(room, 1.5, 1.5, both(0.04, 0.04)); }
+
+static void overlap_uneven(law_room *room) {
+    const double r = 0.04, between = square((2 - 1.5) / (2 + 1.5)), last = square((2.0 - 1) / (2 + 1));
+    overlap(room, 1.5, 2, both(both(r, between), last));
+}
+
+const law laws_of_layers[] = {{"leaf under an even sky", "(1-t) ρ + t τ", leaf},
+                              {"leaf lit from behind", "k_l t τ", leaf_from_behind},
+                              {"white leaf in an even sky", "L", white_leaf},
+                              {"sheen", "∫ D V cos", sheen},
+                              {"brushed metal, along", "∫ D G₂ v·h / n·v", brushed_along},
+                              {"brushed metal, across", "∫ D G₂ v·h / n·v", brushed_across},
+                              {"thin film on metal", "Belcour & Barla's sum", film},
+                              {"dispersive ball in an even sky", "L", fire},
+                              {"slabs of one index that overlap", "2r/(1+r)", overlap_even},
+                              {"slabs of two indices that overlap", "r₁ ⊕ r₁₂ ⊕ r₂", overlap_uneven},
+                              {NULL, NULL, NULL}};

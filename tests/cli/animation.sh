@@ -1,0 +1,66 @@
+# Animations, variants and units of models, as options say; frames.
+. "$SOURCE/tests/cli/check.inc"
+# Equal PNG files need no other judge, and no image helper writes them.
+export SOURCE_DATE_EPOCH=1700000000
+
+# A triangle that moves by half its width in a second, and a camera.
+cat >moving.gltf <<JSON
+{ "asset": { "version": "2.0" },
+  "buffers": [ { "byteLength": 68, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAA/AAAAAAAAAAA=" } ],
+  "bufferViews": [ { "buffer": 0, "byteLength": 36 }, { "buffer": 0, "byteOffset": 36, "byteLength": 8 },
+                   { "buffer": 0, "byteOffset": 44, "byteLength": 24 } ],
+  "accessors": [ { "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3 },
+                 { "bufferView": 1, "componentType": 5126, "type": "SCALAR", "count": 2 },
+                 { "bufferView": 2, "componentType": 5126, "type": "VEC3", "count": 2 } ],
+  "meshes": [ { "primitives": [ { "attributes": { "POSITION": 0 } } ] } ],
+  "cameras": [ { "type": "perspective", "perspective": { "yfov": 0.8, "znear": 0.1 } } ],
+  "nodes": [ { "mesh": 0 }, { "camera": 0, "translation": [0.4, 0.4, 2] } ],
+  "animations": [ { "name": "slide", "samplers": [ { "input": 1, "output": 2 } ],
+                    "channels": [ { "sampler": 0, "target": { "node": 0, "path": "translation" } } ] } ] }
+JSON
+small='--size 48x48 --integrator classic --spp 1'
+
+# At rest, and at each time another image; before the first key and after the last one it rests.
+render() { # options, image
+    # shellcheck disable=SC2086 # options are words
+    run 0 render moving.gltf $small $1 -o "$2"
+}
+render '' rest.png
+said err.txt 'animations are not played; --time SECONDS poses one of 0 "slide" (1 such)'
+render '--time 0' a.png
+not_said err.txt animation
+same rest.png a.png
+render '--animation slide' a.png
+same rest.png a.png
+render '--time -3' a.png
+same rest.png a.png
+render '--time 0.5' half.png
+differ rest.png half.png
+render '--time 1' end.png
+differ half.png end.png
+render '--time 7' a.png
+same end.png a.png
+render '--time 0.5 --threads 1' a.png
+same half.png a.png
+refused 2 'there is no animation "walk"; expected one of 0 "slide"' render moving.gltf -o a.png --animation walk
+write_scene
+refused 2 'has no animations to pose' render scene.json -o a.png --time 1
+
+# Frames are the images of their times.
+# shellcheck disable=SC2086
+run 0 render moving.gltf $small -o 'f.####.png' --frames 0-2 --fps 2 --stats 'f##.json'
+same rest.png f.0000.png
+same half.png f.0001.png
+same end.png f.0002.png
+[ "$(number f02.json width)" = 48 ] || die 'a file of statistics for each frame'
+# shellcheck disable=SC2086
+run 0 render moving.gltf $small -o 'g#.png' --frames 12 --time 0.5 --fps 24
+same end.png g12.png
+refused 2 'expected a name with #### for the number, found "a.png"' render moving.gltf -o a.png --frames 1-3
+refused 2 '--frames: expected FIRST-LAST with FIRST <= LAST, such as 1-24, found "3-1"' render moving.gltf -o 'a#.png' --frames 3-1
+refused 2 '--fps: only with --frames' render moving.gltf -o a.png --fps 25
+
+# Units scale the scene; an image without lamps looks the same.
+run 0 info moving.gltf --unit cm --json
+grep -q '0\.01' out.txt || die '--unit cm'
+refused 2 'has a scale for each model' render scene.json -o a.png --unit mm

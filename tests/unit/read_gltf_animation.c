@@ -1,0 +1,325 @@
+/* glTF that moves: animations, skins, morph targets, each against its closed form. */
+#include "gltf_build.h"
+#include "read/gltf/gltf.h"
+
+#include <math.h>
+
+#define TRIANGLE 0, 0, 0, 1, 0, 0, 0, 1, 0
+
+/* ---- animations of nodes ---- */
+
+/* A node with a triangle and one channel. */
+static void write_channel(fixture *f, build *b, const char *path, const char *way, int input, int output) {
+    const int positions = PUT_FLOATS(b, "VEC3", 3, TRIANGLE);
+    build_write(
+        f, b,
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[{'mesh':0}],'animations':[{"
+        "'name':'go','samplers':[{'input':%d,'output':%d,'interpolation':'%s'}],'channels':[{'sampler':0,"
+        "'target':{'node':0,'path':'%s'}}]}]",
+        positions, input, output, way, path);
+}
+
+static void assert_moved(fixture *f, double time, double x) {
+    fathom_scene *scene = read_at(f, time);
+    assert_vec(placed_corner(scene, 0, 0, 0), x, 0, 0, 1e-12);
+    fathom_scene_destroy(scene);
+}
+
+static void translations_follow_their_interpolation(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int times = PUT_FLOATS(&b, "SCALAR", 2, 1, 3), values = PUT_FLOATS(&b, "VEC3", 2, 2, 0, 0, 6, 0, 0);
+    build linear = b, step = b;
+    write_channel(f, &linear, "translation", "LINEAR", times, values);
+    const double at[][2] = {{-1, 2}, {0, 2}, {1, 2}, {2, 4}, {2.5, 5}, {3, 6}, {9, 6}};
+    for (size_t i = 0; i < sizeof at / sizeof *at; ++i) assert_moved(f, at[i][0], at[i][1]);
+    write_channel(f, &step, "translation", "STEP", times, values);
+    assert_moved(f, 2.999, 2);
+    assert_moved(f, 3, 6);
+}
+
+/* Three values a key; the spline through (0, 1) and (2, 5) with slopes 3 and -1. Hermite's cubic has these
+ * values and slopes at its ends, and no other cubic does. */
+static void cubic_splines_have_the_slopes_of_their_tangents(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 2),
+              values = PUT_FLOATS(&b, "VEC3", 6, 9, 9, 9, 1, 0, 0, 3, 0, 0, -1, 0, 0, 5, 0, 0, 9, 9, 9);
+    write_channel(f, &b, "translation", "CUBICSPLINE", times, values);
+    assert_moved(f, 0, 1);
+    assert_moved(f, 2, 5);
+    /* x(t) = 1 + 3 t + c t^2 + d t^3 with x(2) = 5 and x'(2) = -1: c = 1/2, d = -1/2. */
+    for (double t = 0.25; t < 2; t += 0.25) assert_moved(f, t, 1 + 3 * t + (t * t - t * t * t) / 2);
+}
+
+/* Equal times turn by equal angles, the shorter way even where a file has the other sign. */
+static void rotations_turn_evenly_the_shorter_way(void **state) {
+    fixture *f = *state;
+    const double half = 0.75, quarter = half / 2; /* radians: of the whole turn's half angle */
+    for (int sign = -1; sign <= 1; sign += 2) {
+        build b = {.size = 0};
+        const float s = (float)(sign * sin(half)), c = (float)(sign * cos(half));
+        const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 4),
+                  turns = PUT_FLOATS(&b, "VEC4", 2, 0, 0, 0, 1, 0, 0, s, c);
+        write_channel(f, &b, "rotation", "LINEAR", times, turns);
+        for (int k = 0; k <= 8; ++k) {
+            fathom_scene *scene = read_at(f, k / 2.0);
+            const double angle = 4 * quarter * k / 8;
+            /* The keys are floats. */
+            assert_vec(placed_corner(scene, 0, 0, 1), cos(angle), sin(angle), 0, 1e-7);
+            fathom_scene_destroy(scene);
+        }
+    }
+}
+
+static void halving_an_arc_is_slerp_to_the_last_bits(void **state) {
+    (void)state;
+    for (int i = 0; i <= 100; ++i) {
+        double a[4] = {0, 0, 0, 2}, b[4] = {sin(1.4), 0, 0, cos(1.4)}, out[4];
+        gltf_slerp(a, b, i / 100.0, out);
+        assert_near(out[0], sin(1.4 * i / 100), 4e-15);
+        assert_near(out[3], cos(1.4 * i / 100), 4e-15);
+    }
+}
+
+static void without_a_time_everything_rests_and_it_is_said(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int times = PUT_FLOATS(&b, "SCALAR", 2, 1, 3), values = PUT_FLOATS(&b, "VEC3", 2, 2, 0, 0, 6, 0, 0);
+    write_channel(f, &b, "translation", "LINEAR", times, values);
+    fathom_scene *scene = read_file(f);
+    assert_vec(placed_corner(scene, 0, 0, 0), 0, 0, 0, 0);
+    assert_int_equal(f->warnings, 1);
+    assert_non_null(
+        strstr(f->warning, "animations are not played; --time SECONDS poses one of 0 \"go\" (1 such)"));
+    fathom_scene_destroy(scene);
+}
+
+/* ---- morph targets ---- */
+
+#define MORPHED                                                                                              \
+    "'meshes':[{%s'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d},'targets':[{'POSITION':%d},{"      \
+    "'POSITION':%d,'NORMAL':%d}]}]}],'nodes':[{'mesh':0%s},{'mesh':0}]%s"
+
+/* Targets add up by their weights: the node's, else the mesh's, else none. */
+static void targets_add_up_by_weight(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
+              normals = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 1, 0, 0, 1, 0, 0, 1),
+              first = PUT_FLOATS(&b, "VEC3", 3, 4, 0, 0, 0, 0, 0, 0, 0, 0),
+              second = PUT_FLOATS(&b, "VEC3", 3, 0, 8, 0, 0, 0, 0, 0, 0, 0),
+              turned = PUT_FLOATS(&b, "VEC3", 3, 1, 0, 0, 0, 0, 0, 0, 0, 0);
+    build_write(f, &b, MORPHED, "'weights':[0.5,0],", positions, normals, first, second, turned,
+                ",'weights':[0.25,-1]", "");
+    fathom_scene *scene = read_file(f);
+    assert_int_equal(scene->meshes.count, 2);
+    assert_vec(corner(scene, 0, 0, 0), 1, -8, 0, 0);
+    assert_vec(corner(scene, 0, 0, 1), 1, 0, 0, 0);
+    assert_vec(widen(load_f32(scene->meshes.items[0].normals)), -1, 0, 1, 0);
+    assert_vec(corner(scene, 1, 0, 0), 2, 0, 0, 0);
+    assert_vec(widen(load_f32(scene->meshes.items[1].normals)), 0, 0, 1, 0);
+    assert_int_equal(f->warnings, 0);
+    fathom_scene_destroy(scene);
+}
+
+static void weights_are_animated_together(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
+              normals = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 1, 0, 0, 1, 0, 0, 1),
+              first = PUT_FLOATS(&b, "VEC3", 3, 4, 0, 0, 0, 0, 0, 0, 0, 0),
+              second = PUT_FLOATS(&b, "VEC3", 3, 0, 8, 0, 0, 0, 0, 0, 0, 0),
+              times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), weights = PUT_FLOATS(&b, "SCALAR", 4, 0, 1, 1, 0);
+    build_write(
+        f, &b, MORPHED, "", positions, normals, first, second, normals, "",
+        ",'animations':[{'samplers':[{'input':4,'output':5}],'channels':[{'sampler':0,'target':{'node':0,"
+        "'path':'weights'}}]}]");
+    assert_int_equal(times, 4);
+    assert_int_equal(weights, 5);
+    fathom_scene *scene = read_at(f, 0.25);
+    assert_vec(corner(scene, 0, 0, 0), 1, 6, 0, 0);
+    assert_vec(corner(scene, 1, 0, 0), 0, 0, 0, 0);
+    fathom_scene_destroy(scene);
+}
+
+/* ---- skins ---- */
+
+/* Two joints, the second one 2 above the first; `more` goes into the attributes, `where` into the mesh's
+ * node, which must not matter. */
+static void write_skin(fixture *f, build *b, int joints, int weights, const char *more, const char *where) {
+    const int positions = PUT_FLOATS(b, "VEC3", 3, TRIANGLE),
+              normals = PUT_FLOATS(b, "VEC3", 3, 0, 0, 1, 0, 0, 1, 0, 0, 1),
+              bind = PUT_FLOATS(b, "MAT4", 2, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0,
+                                1, 0, 0, 0, 0, 1, 0, 0, -2, 0, 1);
+    build_write(
+        f, b,
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d,'JOINTS_0':%d,'WEIGHTS_0':%d%s}}]}"
+        "],"
+        "'skins':[{'joints':[1,2],'inverseBindMatrices':%d}],'nodes':[{'mesh':0,'skin':0%s},{'translation':["
+        "10,0,0],'children':[2]},{'translation':[0,2,0],'rotation':[0,0,1,0]}]",
+        positions, normals, joints, weights, more, bind, where);
+}
+
+static void vertices_follow_their_joints_and_no_node(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int joints = PUT_BYTES(&b, "VEC4", 3, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0),
+              weights = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0, 0, 1, 0, 0, 0, 0.75f, 0.25f, 0, 0);
+    write_skin(f, &b, joints, weights, "", ",'translation':[5,5,5],'scale':[3,3,3]");
+    fathom_scene *scene = read_file(f);
+    /* Joint 0 moves by (10,0,0); joint 1 turns by half a turn about (10,2) what its bind pose has at (0,2).
+     */
+    assert_vec(placed_corner(scene, 0, 0, 0), 10, 0, 0, 1e-6);
+    assert_vec(placed_corner(scene, 0, 0, 1), 9, 4, 0, 1e-6);
+    assert_vec(placed_corner(scene, 0, 0, 2), 10, 0.75 * 1 + 0.25 * 3, 0, 1e-6);
+    assert_vec(widen(load_f32(scene->meshes.items[0].normals)), 0, 0, 1, 0);
+    assert_int_equal(f->warnings, 0);
+    fathom_scene_destroy(scene);
+}
+
+/* Weights count by their sum over all sets, whatever it is; without any, the first joint has the vertex. */
+static void weights_of_all_sets_count_by_their_sum(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int joints = PUT_BYTES(&b, "VEC4", 3, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0),
+              weights = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0),
+              others = PUT_BYTES(&b, "VEC4", 3, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0),
+              more = PUT_FLOATS(&b, "VEC4", 3, 0, 0, 0, 0, 1, 1, 0.5f, 0.5f, 0, 0, 0, 0);
+    char sets[64];
+    snprintf(sets, sizeof sets, ",'JOINTS_1':%d,'WEIGHTS_1':%d", others, more);
+    write_skin(f, &b, joints, weights, sets, "");
+    fathom_scene *scene = read_file(f);
+    assert_vec(placed_corner(scene, 0, 0, 0), 10, 0, 0, 1e-6);
+    assert_vec(placed_corner(scene, 0, 0, 1), 0.25 * 11 + 0.75 * 9, 3, 0, 1e-6);
+    assert_vec(placed_corner(scene, 0, 0, 2), 10, 3, 0, 1e-6);
+    fathom_scene_destroy(scene);
+}
+
+/* ---- what is refused ---- */
+
+static void assert_refused(fixture *f, fathom_status expected, const fathom_read_options *asked,
+                           const char *text) {
+    fathom_scene *scene;
+    assert_int_equal(read_asked(f, asked, &scene), expected);
+    if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
+}
+
+static void wrong_animations_are_refused(void **state) {
+    fixture *f = *state;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    asked.choose_time = true, asked.time = 1;
+    build good = {.size = 0};
+    const int times = PUT_FLOATS(&good, "SCALAR", 2, 1, 3),
+              values = PUT_FLOATS(&good, "VEC3", 2, 2, 0, 0, 6, 0, 0),
+              falling = PUT_FLOATS(&good, "SCALAR", 2, 3, 3),
+              zero = PUT_FLOATS(&good, "VEC4", 2, 0, 0, 0, 0, 0, 0, 0, 1);
+    const struct {
+        const char *path, *way;
+        int input, output;
+        const char *text;
+    } cases[] = {
+        {"translation", "LINEAR", falling, values,
+         "samplers[0].input: has 3 s after 3 s, at key 1; expected times that rise"},
+        {"translation", "CUBICSPLINE", times, values,
+         "has 2 entries; expected 6 for 2 keys of a cubic spline, three for each"},
+        {"translation", "BEZIER", times, values, "is \"BEZIER\"; expected LINEAR, STEP or CUBICSPLINE"},
+        {"rotation", "LINEAR", times, values, "is accessors[1] of 3 × float; expected 4 × float"},
+        {"rotation", "LINEAR", times, zero, "is a rotation of zero at 1 s; expected unit quaternions"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        build b = good;
+        write_channel(f, &b, cases[i].path, cases[i].way, cases[i].input, cases[i].output);
+        assert_refused(f, FATHOM_BAD_INPUT, &asked, cases[i].text);
+    }
+    build b = good;
+    write_channel(f, &b, "translation", "LINEAR", times, values);
+    asked.animation = "run";
+    assert_refused(f, FATHOM_BAD_USAGE, &asked, "there is no animation \"run\"; expected one of 0 \"go\"");
+    write_triangle(f, SHOWN(TRIANGLE_MESH));
+    assert_refused(f, FATHOM_BAD_USAGE, &asked, "has no animations to pose");
+}
+
+static void wrong_skins_are_refused(void **state) {
+    fixture *f = *state;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    build b = {.size = 0}, bare = b;
+    const int joints = PUT_BYTES(&b, "VEC4", 3, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0),
+              weights = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0, 0, 1, 0, 0, 0, 0.75f, 0.25f, 0, 0);
+    write_skin(f, &b, joints, weights, "", "");
+    assert_refused(f, FATHOM_BAD_INPUT, &asked, "JOINTS_0: entry 1 names joint 2; the skin has 2");
+    const int positions = PUT_FLOATS(&bare, "VEC3", 3, TRIANGLE);
+    build_write(f, &bare,
+                "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'skins':[{'joints':[0]}],'nodes':"
+                "[{'mesh':"
+                "0,'skin':0}]",
+                positions);
+    assert_refused(f, FATHOM_BAD_INPUT, &asked, "lacks JOINTS_0 or WEIGHTS_0; expected both");
+}
+
+/* ---- variants, units ---- */
+
+static void variants_replace_materials(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    write_triangle(
+        f, WITH_DATA("'extensions':{'KHR_materials_variants':{'variants':[{'name':'day'},{'name':'night'}]}},"
+                     "'materials':[{'name':'a'},{'name':'b'}],'meshes':[{'primitives':[{'attributes':{"
+                     "'POSITION':0},'material':0,'extensions':{'KHR_materials_variants':{'mappings':[{"
+                     "'material':1,'variants':[1]}]}}}]}],'nodes':[{'mesh':0}]"));
+    const char *const names[] = {NULL, "day", "night", "1"}, *const shown[] = {"a", "a", "b", "b"};
+    for (int i = 0; i < 4; ++i) {
+        asked.variant = names[i];
+        assert_ok(f->context, read_asked(f, &asked, &scene));
+        assert_int_equal(scene->meshes.items[0].material, scene_find_material(scene, shown[i]));
+        assert_int_equal(f->warnings > 0, !names[i]);
+        fathom_scene_destroy(scene);
+    }
+    asked.variant = "dusk";
+    assert_refused(f, FATHOM_BAD_USAGE, &asked,
+                   "there is no variant \"dusk\"; expected one of 0 \"day\", 1 \"night\"");
+}
+
+static void units_scale_models_cameras_and_lamps_alike(void **state) {
+    fixture *f = *state;
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    asked.unit = 0.01;
+    write_triangle(f, WITH_DATA(TRIANGLE_MESH
+                                ",'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"
+                                "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point'}]}},"
+                                "'nodes':[{'mesh':0},{'camera':0,'translation':[0,0,5],'extensions':{"
+                                "'KHR_lights_punctual':{'light':0}}}]"));
+    assert_ok(f->context, read_asked(f, &asked, &scene));
+    scene_bounds bounds;
+    assert_ok(f->context, scene_world_bounds(scene, &bounds));
+    assert_vec(bounds.upper, 0.01, 0.01, 0.005, 1e-15);
+    assert_near(scene->camera.origin[2], 0.05, 1e-15);
+    assert_near(scene->lights.items[0].position[2], 0.05, 1e-15);
+    fathom_scene_destroy(scene);
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(translations_follow_their_interpolation),
+        TEST(cubic_splines_have_the_slopes_of_their_tangents),
+        TEST(rotations_turn_evenly_the_shorter_way),
+        TEST(halving_an_arc_is_slerp_to_the_last_bits),
+        TEST(without_a_time_everything_rests_and_it_is_said),
+        TEST(targets_add_up_by_weight),
+        TEST(weights_are_animated_together),
+        TEST(vertices_follow_their_joints_and_no_node),
+        TEST(weights_of_all_sets_count_by_their_sum),
+        TEST(wrong_animations_are_refused),
+        TEST(wrong_skins_are_refused),
+        TEST(variants_replace_materials),
+        TEST(units_scale_models_cameras_and_lamps_alike),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
