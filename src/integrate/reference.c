@@ -57,7 +57,7 @@ static arrival from_afar(const fathom_light *light, reference_random *random) {
 /* What one light, chosen evenly, sends to the viewer by this surface alone. medium: in between, or NULL. */
 static vec3_f64 light_at(const reference_scene *r, const reference_surface *s, const fathom_material *medium,
                          reference_random *random) {
-    const size_t count = r->scene->lights.count;
+    const size_t count = scene_replaces_lights(r->scene) ? 0 : r->scene->lights.count;
     if (!count) return gray(0);
     const fathom_light *light = &r->scene->lights.items[(size_t)(reference_uniform(random) * (double)count)];
     if (light->type == FATHOM_LIGHT_ENVIRONMENT) return gray(0);

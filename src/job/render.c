@@ -209,7 +209,7 @@ static fathom_status render_scene(fathom_context *context, const fathom_scene *s
     if (status == FATHOM_OK && scene->environments.count && settings->integrator == FATHOM_INTEGRATOR_CLASSIC)
         warn(context, "environments are left out, which only the integrator `path` renders: %zu",
              scene->environments.count);
-    if (status == FATHOM_OK && parts_ambient(scene) && !scene->in_studio &&
+    if (status == FATHOM_OK && parts_ambient(scene) && !scene->lights_made &&
         settings->integrator == FATHOM_INTEGRATOR_PATH)
         warn(context, "ambient light is left out, which only the integrator `classic` has; paths find the "
                       "light of a background");

@@ -158,7 +158,8 @@ static void find_features(const fathom_scene *scene, survey *out) {
     for (size_t i = 0; i < scene->instances.count; ++i)
         nested |= scene->instances.items[i].parent != FATHOM_ROOT;
     const material_uses uses = materials_in_use(scene);
-    const bool studio = scene->in_studio && scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC;
+    const bool classic = scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC;
+    const bool studio = scene->in_studio && !classic, replaced = scene_replaces_lights(scene) && !classic;
     const struct {
         bool used;
         const char *name;
@@ -170,10 +171,10 @@ static void find_features(const fathom_scene *scene, survey *out) {
                     {scene->instances.count, "instances"},
                     {nested, "nested groups"},
                     {out->lights[FATHOM_LIGHT_POINT], "point lights"},
-                    {out->lights[FATHOM_LIGHT_DIRECTIONAL] && !studio, "directional lights"},
+                    {out->lights[FATHOM_LIGHT_DIRECTIONAL] && !replaced, "directional lights"},
                     {out->lights[FATHOM_LIGHT_SPOT], "spot lights"},
                     {scene->environments.count, "environments"},
-                    {parts_ambient(scene) && !studio, "ambient"},
+                    {parts_ambient(scene) && !replaced, "ambient"},
                     {studio, "the built-in studio"},
                     {scene->has_maps, "textures"},
                     {uses.phong, "Phong"},

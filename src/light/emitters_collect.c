@@ -229,7 +229,7 @@ static uint32_t list_items(emitters *e, tree_item *items) {
 
 static bool sort_lights(emitters *e) {
     const fathom_scene *scene = e->w->scene;
-    const size_t count = scene->in_studio ? 0 : scene->lights.count;
+    const size_t count = scene_replaces_lights(scene) ? 0 : scene->lights.count;
     e->lamps = calloc(count + 1, sizeof *e->lamps);
     e->suns = calloc(count + 1, sizeof *e->suns);
     if (!e->lamps || !e->suns) return false;

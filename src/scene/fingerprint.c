@@ -114,7 +114,7 @@ static void hash_values(hash *h, const fathom_scene *scene) {
     }
     PUT_ALL(h, &scene->lights, hash_light);
     PUT_ALL(h, &scene->environments, hash_environment);
-    PUT(h, scene->in_studio), PUT(h, scene->studio_up);
+    PUT(h, scene->in_studio), PUT(h, scene->lights_made), PUT(h, scene->studio_up);
     PUT_ALL(h, &scene->textures, hash_texture);
     PUT_ALL(h, &scene->objects, hash_object);
     PUT_ALL(h, &scene->instances, hash_instance);

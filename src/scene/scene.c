@@ -246,7 +246,7 @@ fathom_status fathom_scene_add_light_sized(fathom_scene *scene, const fathom_lig
     fathom_light item;
     fathom_status status = SIZED_ITEM(context, fathom_light, light, size, &item);
     if (status != FATHOM_OK) return status;
-    scene->in_studio = false;
+    scene->in_studio = scene->lights_made = false;
     if ((unsigned)item.type > FATHOM_LIGHT_ENVIRONMENT)
         return fail(context, FATHOM_BAD_USAGE, "light: there is no type %u", (unsigned)item.type);
     status = check_color(context, "intensity", item.intensity, 0);

@@ -72,6 +72,7 @@ struct fathom_scene {
     /* Its lights, ambient light and background were made by fathom_scene_complete(). Under path tracing the
      * studio is there in their place; this is the way up in it. */
     bool in_studio;
+    bool lights_made; /* and ambient light, by fathom_scene_complete(); none were added */
     vec3_f64 studio_up;
     bool without_uvs; /* texture coordinates are not taken where no material has a use for them */
     bool has_maps;    /* some material takes parameters from images */
@@ -117,6 +118,10 @@ float material_opacity(const fathom_material *material);
 static inline bool scene_keeps_uvs(const fathom_scene *scene) {
     return !scene->without_uvs || scene->has_maps;
 }
+
+/* Whether paths meet none of the lights, because they were made, and the studio or a background that shines
+ * is there in their place. */
+bool scene_replaces_lights(const fathom_scene *scene);
 
 /* The material of a shape. */
 fathom_id scene_object_material(const fathom_scene *scene, fathom_id object);

@@ -83,6 +83,24 @@ static float mean_of(fathom_scene *scene) {
     return sum;
 }
 
+/* Those that complete() made for the classic integrator would light the ball from two sides. */
+static void a_background_alone_lights_a_model_without_lights(void **state) {
+    (void)state;
+    const float sky[3] = {0.3f, 0.3f, 0.3f};
+    float before, after;
+    fathom_scene *scene = open_ball();
+    assert_ok(context, fathom_scene_set_background(scene, sky));
+    assert_ok(context, fathom_scene_complete(scene));
+    before = mean_of(scene);
+    fathom_scene_destroy(scene);
+    scene = open_ball();
+    assert_ok(context, fathom_scene_complete(scene));
+    assert_ok(context, fathom_scene_set_background(scene, sky));
+    after = mean_of(scene);
+    fathom_scene_destroy(scene);
+    assert_float_equal(after, before, 0);
+}
+
 /* A light, a background or ambient light of the caller's own leaves no studio. */
 static void only_models_without_light_stand_in_it(void **state) {
     (void)state;
@@ -105,6 +123,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(texels_hold_the_rule),
         cmocka_unit_test(it_turns_with_the_viewer),
+        cmocka_unit_test(a_background_alone_lights_a_model_without_lights),
         cmocka_unit_test(only_models_without_light_stand_in_it),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);

@@ -170,12 +170,13 @@ static fathom_status light_everything(fathom_scene *scene) {
         if (status != FATHOM_OK) return status;
     }
     fathom_status status = FATHOM_OK;
-    const bool in_studio = !scene->has_background && !scene->has_ambient;
+    const bool in_studio = !scene->has_background && !scene->has_ambient, lights_made = !scene->has_ambient;
     if (!scene->has_background)
         status = fathom_scene_set_background(scene, (float[3]){0.05f, 0.055f, 0.065f});
     if (status == FATHOM_OK && !scene->has_ambient)
         status = fathom_scene_set_ambient(scene, (float[3]){0.12f, 0.13f, 0.15f});
     scene->in_studio = in_studio;
+    scene->lights_made = lights_made;
     scene->studio_up = way_up(scene);
     return status;
 }
@@ -186,11 +187,19 @@ static bool emits(const fathom_material *m) {
     return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0;
 }
 
+static bool background_shines(const fathom_scene *scene) {
+    const float *behind = scene->background;
+    return scene->has_background && (behind[0] > 0 || behind[1] > 0 || behind[2] > 0);
+}
+
+bool scene_replaces_lights(const fathom_scene *scene) {
+    return scene->in_studio || (scene->lights_made && background_shines(scene));
+}
+
 /* Path tracing lights a scene by its surfaces and its background. */
 static bool lights_itself(const fathom_scene *scene) {
-    const float *behind = scene->background;
     if (scene->settings.integrator == FATHOM_INTEGRATOR_CLASSIC) return false;
-    if (scene->has_background && (behind[0] > 0 || behind[1] > 0 || behind[2] > 0)) return true;
+    if (background_shines(scene)) return true;
     for (size_t i = 0; i < scene->objects.count; ++i) {
         if (emits(&scene->materials.items[scene_object_material(scene, (fathom_id)i)].value)) return true;
     }
