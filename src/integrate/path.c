@@ -432,11 +432,25 @@ static bool scatter(path_wave *p) {
 
 /* ---- the way of the paths ---- */
 
+/* Depths of the first hits along the view of a camera that moves. */
+static void find_depths(path_wave *p) {
+    wave *w = &p->wave;
+    for (size_t k = 0; k < w->vertex_count; ++k) {
+        const vertex_block *v = &w->vertices[k / LANES];
+        const uint32_t slot = v->path.slot[k % LANES];
+        shade_camera camera;
+        wave_camera_when(w->run.plan, w->times[slot], &camera);
+        const vec3_f32 way = sub_f32(of_lane(v->surface.p, k % LANES), camera.eye);
+        w->run.samples.first->z[slot] = (float)dot_f64(widen(way), camera.view);
+    }
+}
+
 static bool step(path_wave *p) {
     wave *w = &p->wave;
     const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !w->run.plan->covered;
     if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
     if (!wave_surfaces(w, first)) return false;
+    if (first && w->run.samples.first && w->run.plan->camera_moves) find_depths(p);
     w->next.count = 0;
     if (!last && !scatter(p)) return false;
     const path_queue kept = w->now;
@@ -502,6 +516,10 @@ static integration *create(const render_plan *plan, const atomic_bool *stop) {
     }
     shader_prepare_hole(&p->hidden);
     if ((plan->absorbs || plan->nested) && !(p->media = media_create(plan->shaders))) {
+        destroy(&p->wave.run);
+        return NULL;
+    }
+    if (plan->moves && !(p->wave.times = calloc(WAVE_SLOTS, sizeof *p->wave.times))) {
         destroy(&p->wave.run);
         return NULL;
     }

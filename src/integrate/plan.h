@@ -33,6 +33,7 @@ typedef struct render_plan {
     pixel_filter filter;
     shader *shaders;                   /* by material; path tracing */
     texturing *texturing;              /* NULL: no material varies over a surface */
+    bool moves, camera_moves;          /* path tracing, while the shutter is open: something; the camera */
     float pixel_spread;                /* angle of the cone around a camera ray */
     emitters *emitters;                /* path tracing */
     struct reference_scene *reference; /* the reference integrator */
@@ -55,8 +56,6 @@ typedef struct render_plan {
     bool nested;                   /* some volume has a priority */
     bool dispersive;               /* some volume parts the colours */
     bool covered;                  /* path tracing: some surface is there in part */
-    bool moves;                    /* path tracing: something moves while the shutter is open, */
-    bool camera_moves;             /* the camera, too */
     bool unshadowed;               /* path tracing: some shape casts no shadow */
 } render_plan;
 

@@ -111,13 +111,11 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_st
     for (int c = 0; c < 3; ++c) out->lost[c] = radiance && loses ? radiance + (3 + c) * WAVE_SLOTS : NULL;
     if (plan->parts.hits) samples->first = malloc(sizeof *samples->first);
     if (plan->parts.layers) samples->layers = malloc(3 * plan->parts.layers * sizeof *samples->layers);
-    if (plan->moves) out->times = calloc(WAVE_SLOTS, sizeof *out->times);
     void *gather = NULL;
     if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
-    bool ok = radiance && out->gather && (out->times || !plan->moves) &&
-              (samples->first || !plan->parts.hits) && (samples->layers || !plan->parts.layers) &&
-              wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_vertices(out, WAVE_SLOTS) &&
-              wave_reserve_shadows(out, WAVE_SLOTS);
+    bool ok = radiance && out->gather && (samples->first || !plan->parts.hits) &&
+              (samples->layers || !plan->parts.layers) && wave_reserve_paths(out, &out->now, WAVE_SLOTS) &&
+              wave_reserve_vertices(out, WAVE_SLOTS) && wave_reserve_shadows(out, WAVE_SLOTS);
     if (!ok) wave_destroy(out);
     return ok;
 }

@@ -32,13 +32,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     first_hits *f = w->run.samples.first;
     vec3_f32 dir = {b->ray[0][i], b->ray[1][i], b->ray[2][i]};
     bool plane = g->geometry[i] == TRACE_PLANE;
-    shade_camera moved;
-    const shade_camera *camera = &w->run.plan->camera;
-    if (w->run.plan->camera_moves) {
-        wave_camera_when(w->run.plan, w->times[slot], &moved);
-        camera = &moved;
-    }
-    vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]}, from_eye = sub_f64(p, widen(camera->eye));
+    vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]}, from_eye = sub_f64(p, widen(w->run.plan->camera.eye));
     vec3_f32 ng = {(float)b->n[0][i], (float)b->n[1][i], (float)b->n[2][i]};
     vec3_f32 ns = {b->ns[0][i], b->ns[1][i], b->ns[2][i]};
     if (v->surface.mapped >> i & 1)
@@ -48,7 +42,7 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
                               (float)(p.z + scene->origin.z)};
     const float normal[3] = {ns.x, ns.y, ns.z};
     f->alpha[slot] = 1;
-    f->z[slot] = (float)dot_f64(from_eye, camera->view);
+    f->z[slot] = (float)dot_f64(from_eye, w->run.plan->camera.view);
     for (int c = 0; c < 3; ++c) {
         f->p[c][slot] = world_p[c];
         f->n[c][slot] = normal[c];
