@@ -1,67 +1,7 @@
+/* Samples emitters, and gives densities of what rays meet. */
 #include "light/emitters_inner.h"
 
-#include "base/kernel.h"
-
-#include <stdlib.h>
 #include <string.h>
-
-KERNEL_BEST(shape_kernels)
-
-/* ---- the whole ---- */
-
-static bool from_outside(const emitters *e) {
-    double sum = e->background_chance;
-    for (uint32_t i = 0; i < e->sky_count; ++i) sum += e->skies[i].chance;
-    return sum > 0;
-}
-
-/* Each part that is there is asked for equally often. */
-static void share(emitters *e) {
-    const bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
-    int parts = 0;
-    for (int k = 0; k < EMITTER_PARTS; ++k) parts += there[k];
-    for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
-}
-
-fathom_status emitters_create(fathom_context *context, const world *w, const texturing *varied,
-                              emitters **out) {
-    *out = NULL;
-    emitters *e = calloc(1, sizeof *e);
-    if (!e) return fail_memory(context, sizeof *e);
-    e->w = w, e->texturing = varied;
-    e->shapes = shape_kernels_best(), e->points = light_kernels_best();
-    if (!w->scene->in_studio) memcpy(e->background, w->scene->background, sizeof e->background);
-    fathom_status status = emitters_collect(context, e);
-    if (status == FATHOM_OK) status = emitters_open_skies(context, e);
-    if (status != FATHOM_OK) {
-        emitters_destroy(e);
-        return status;
-    }
-    share(e);
-    *out = e;
-    return FATHOM_OK;
-}
-
-void emitters_destroy(emitters *e) {
-    if (!e) return;
-    tree_destroy(&e->lights);
-    if (e->run_of) free(e->run_of - 1);
-    free(e->emission);
-    free(e->runs);
-    free(e->slot_of);
-    free(e->lamps);
-    free(e->surfaces);
-    free(e->suns);
-    for (uint32_t i = 0; i < e->sky_count; ++i) environment_destroy(e->skies[i].image);
-    free(e->skies);
-    free(e);
-}
-
-bool emitters_none(const emitters *e) {
-    double sum = 0;
-    for (int k = 0; k < EMITTER_PARTS; ++k) sum += e->chance[k];
-    return !(sum > 0);
-}
 
 /* ---- one lane ---- */
 

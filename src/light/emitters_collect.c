@@ -3,12 +3,15 @@
  * open: no place in the tree is theirs. */
 #include "light/emitters_inner.h"
 
+#include "base/kernel.h"
 #include "base/memory.h"
 #include "light/light_surfaces.h"
 
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
+
+KERNEL_BEST(shape_kernels)
 
 static float luminance(const float rgb[3]) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
 
@@ -320,7 +323,7 @@ static fathom_status build_tree(fathom_context *context, emitters *e, uint32_t t
     return fine ? FATHOM_OK : fail_memory(context, bytes);
 }
 
-fathom_status emitters_collect(fathom_context *context, emitters *e) {
+static fathom_status collect(fathom_context *context, emitters *e) {
     uint64_t total = 0;
     if (!find_emission(e) || !find_runs(e, &total) || !sort_lights(e)) return fail_memory(context, 1 << 20);
     if (total + e->lamp_count >= TREE_LEAF / TREE_WIDE) {
@@ -336,4 +339,58 @@ fathom_status emitters_collect(fathom_context *context, emitters *e) {
     share_among_suns(e);
     fathom_status status = find_lamp_surfaces(context, e);
     return status == FATHOM_OK ? build_tree(context, e, e->surface_count + e->lamp_count) : status;
+}
+
+static bool from_outside(const emitters *e) {
+    double sum = e->background_chance;
+    for (uint32_t i = 0; i < e->sky_count; ++i) sum += e->skies[i].chance;
+    return sum > 0;
+}
+
+/* Each part that is there is asked for equally often. */
+static void share(emitters *e) {
+    const bool there[EMITTER_PARTS] = {e->finite_count > 0, from_outside(e), e->sun_count > 0};
+    int parts = 0;
+    for (int k = 0; k < EMITTER_PARTS; ++k) parts += there[k];
+    for (int k = 0; k < EMITTER_PARTS; ++k) e->chance[k] = there[k] ? 1.0 / parts : 0;
+}
+
+fathom_status emitters_create(fathom_context *context, const world *w, const texturing *varied,
+                              emitters **out) {
+    *out = NULL;
+    emitters *e = calloc(1, sizeof *e);
+    if (!e) return fail_memory(context, sizeof *e);
+    e->w = w, e->texturing = varied;
+    e->shapes = shape_kernels_best(), e->points = light_kernels_best();
+    if (!w->scene->in_studio) memcpy(e->background, w->scene->background, sizeof e->background);
+    fathom_status status = collect(context, e);
+    if (status == FATHOM_OK) status = emitters_open_skies(context, e);
+    if (status != FATHOM_OK) {
+        emitters_destroy(e);
+        return status;
+    }
+    share(e);
+    *out = e;
+    return FATHOM_OK;
+}
+
+void emitters_destroy(emitters *e) {
+    if (!e) return;
+    tree_destroy(&e->lights);
+    if (e->run_of) free(e->run_of - 1);
+    free(e->emission);
+    free(e->runs);
+    free(e->slot_of);
+    free(e->lamps);
+    free(e->surfaces);
+    free(e->suns);
+    for (uint32_t i = 0; i < e->sky_count; ++i) environment_destroy(e->skies[i].image);
+    free(e->skies);
+    free(e);
+}
+
+bool emitters_none(const emitters *e) {
+    double sum = 0;
+    for (int k = 0; k < EMITTER_PARTS; ++k) sum += e->chance[k];
+    return !(sum > 0);
 }

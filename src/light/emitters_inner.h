@@ -71,8 +71,6 @@ struct emitters {
     double chance[EMITTER_PARTS]; /* to be asked for; they add up to 1, or are all 0 */
 };
 
-/* Finds emissive surfaces and lamps, and builds the tree over them. */
-fathom_status emitters_collect(fathom_context *context, emitters *e);
 /* Reads the environments. */
 fathom_status emitters_open_skies(fathom_context *context, emitters *e);
 

@@ -48,10 +48,17 @@ static bool has_temporary(int watch) {
     return false;
 }
 
-static bool await_temporary(int watch, long until) {
-    for (long left; (left = until - milliseconds()) > 0;) {
+static bool has_ended(pid_t child) {
+    siginfo_t info = {.si_pid = 0};
+    return waitid(P_PID, (id_t)child, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == child;
+}
+
+/* False once the command has ended, or after a second. */
+static bool await_temporary(int watch, pid_t child) {
+    const long until = milliseconds() + 1000;
+    while (milliseconds() < until && !has_ended(child)) {
         struct pollfd wait = {.fd = watch, .events = POLLIN};
-        if (poll(&wait, 1, (int)left) > 0 && has_temporary(watch)) return true;
+        if (poll(&wait, 1, 10) > 0 && has_temporary(watch)) return true;
     }
     return false;
 }
@@ -73,7 +80,7 @@ int main(int argc, char **argv) {
     sleep_microseconds(moment);
     if (writing) {
         while (has_temporary(watch)) continue; /* those of before */
-        if (await_temporary(watch, milliseconds() + 1000)) sleep_microseconds(later);
+        if (await_temporary(watch, child)) sleep_microseconds(later);
     }
     kill(child, SIGKILL);
     int status;
