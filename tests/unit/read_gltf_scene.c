@@ -107,9 +107,9 @@ static void each_omission_is_reported_once(void **state) {
         {"'animations':[{},{}]," TRIANGLE_MESH,
          "animations are not played; --time SECONDS poses one of 0, 1 (2 such)"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode'"
-         ":1},"
+         ":0},"
          "{'attributes':{'POSITION':0}}]}]",
-         "primitives[0].mode: points and lines are left out (2 such)"},
+         "primitives[0].mode: points have no size, and are shown as small balls (2 such)"},
         {"'meshes':[{'primitives':[{'attributes':{}},{'attributes':{}},{'attributes':{'POSITION':0}}]}]",
          "without POSITION"},
         {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0},{'attributes':{'POSITION':0},"
@@ -134,6 +134,34 @@ static void each_omission_is_reported_once(void **state) {
             fail_msg("\"%s\" lacks \"%s\"", f->warning, cases[i].warning);
         assert_non_null(strstr(f->warning, f->path));
         assert_true(scene->meshes.count > 0 && scene->instances.count == 1);
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Lines, strips and loops of three vertices are as many rods as they have segments; each corner of a rod is
+ * its radius from the nearest end. */
+static void lines_are_rods(void **state) {
+    fixture *f = *state;
+    const uint32_t rods[] = {1, 3, 2};
+    for (uint32_t mode = 1; mode <= 3; ++mode) {
+        char json[4096];
+        snprintf(json, sizeof json,
+                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':%u}]}]"), mode);
+        fathom_scene *scene = read_triangle(f, json);
+        const fathom_mesh *mesh = &scene->meshes.items[0];
+        assert_int_equal(mesh->triangle_count, 24 * rods[mode - 1]);
+        /* A thousandth of the diagonal: of (0,0,0) and (1,0,0), or of all. */
+        const double radius = (mode == 1 ? 1 : 1.5) / 1000;
+        for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
+            double nearest = INFINITY;
+            for (int k = 0; k < 3; ++k) {
+                const vec3_f64 p = widen(load_f32(mesh->positions + 3 * i)),
+                               end = widen(load_f32(triangle.positions[k]));
+                nearest = fmin(nearest, length_f64(sub_f64(p, end)));
+            }
+            assert_near(nearest, radius, 0x1p-23);
+        }
+        assert_non_null(strstr(f->warning, "lines have no width, and are shown as thin rods (1 such)"));
         fathom_scene_destroy(scene);
     }
 }
@@ -265,6 +293,7 @@ int main(void) {
         TEST(gpu_instancing_places_every_entry),
         TEST(the_default_scene_chooses_the_nodes),
         TEST(each_omission_is_reported_once),
+        TEST(lines_are_rods),
         TEST(the_camera_follows_its_node),
         TEST(hidden_nodes_only_keep_their_camera),
         TEST(lights_follow_their_node),

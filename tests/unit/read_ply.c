@@ -316,11 +316,36 @@ static void unused_properties_are_reported(void **state) {
         ROW(&m, "biiiib", 4, 0, 1, 2, 3, 9);
         fathom_scene *scene = ply_read(&m);
         ply_expect_square(scene);
-        expect_warning(":3: textures are not read; the surface has the default grey (1 such");
+        expect_warning(":3: a texture is left out: there is no such image that may be read (1 such");
         expect_warning(":4: element camera is not read (1 such)");
         expect_warning(":6: vertex colours are not used (4 such)");
         expect_warning(":6: element vertex: the property quality is not used (4 such)");
         expect_warning("face colours are not used (1 such)");
+        fathom_scene_destroy(scene);
+    }
+}
+
+/* Without faces each vertex is a ball, its corners at one distance from it, in its colour. */
+static void clouds_of_points_are_balls(void **state) {
+    (void)state;
+    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
+        ply_maker m;
+        ply_header(&m, (ply_flavour)flavour,
+                   XYZ "property float red\nproperty float green\nproperty float blue\n", 0);
+        const double corners[4][2] = {{0, 0}, {4, 0}, {4, 3}, {0, 3}};
+        for (int i = 0; i < 4; ++i) ROW(&m, "ffffff", corners[i][0], corners[i][1], 0, i / 4.0, 0, 1);
+        fathom_scene *scene = ply_read(&m);
+        const fathom_mesh *mesh = mesh_at(scene, 0);
+        assert_int_equal(mesh->triangle_count, 4 * 20);
+        assert_int_equal(mesh->vertex_count, 4 * 12);
+        for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
+            const vec3_f64 p = widen(load_f32(mesh->positions + 3 * i)),
+                           c = {corners[i / 12][0], corners[i / 12][1], 0};
+            /* A two hundredth of the diagonal, 5. Coordinates up to 4 are rounded by 2^-22. */
+            assert_near(length_f64(sub_f64(p, c)), 0.025, 0x1p-21);
+            assert_true(mesh->colors[3 * i] == (float)(i / 12) / 4 && mesh->colors[3 * i + 2] == 1);
+        }
+        expect_warning("points have no size, and are shown as small balls (4 such)");
         fathom_scene_destroy(scene);
     }
 }
@@ -457,6 +482,7 @@ int main(void) {
         cmocka_unit_test(options_are_applied),
         cmocka_unit_test(blanks_in_text_change_nothing),
         cmocka_unit_test(byte_order_mark_and_line_ends_change_nothing),
+        cmocka_unit_test(clouds_of_points_are_balls),
         cmocka_unit_test(unused_properties_are_reported),
         cmocka_unit_test(vertex_colours_are_read),
         cmocka_unit_test(extra_rows_are_reported),

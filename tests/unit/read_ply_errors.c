@@ -53,10 +53,6 @@ static void wrong_headers_name_their_line(void **state) {
 
 static void files_without_faces_are_refused(void **state) {
     (void)state;
-    expect_text_error(START XYZ "end_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n",
-                      "no faces: a cloud of 4 points has no surface");
-    expect_text_error(START XYZ FACES(0) "end_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n",
-                      "no faces: a cloud of 4 points");
     expect_text_error(
         START XYZ
         "element face 1\nproperty list uchar int corners\nend_header\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n1 0\n",

@@ -7,8 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-_Static_assert(FATHOM_FLIP_PPD == FLIP_PPD && FATHOM_FLIP_PPD_LEAST == FLIP_PPD_LEAST &&
-                   FATHOM_FLIP_PPD_MOST == FLIP_PPD_MOST,
+/* clang takes no comparison of floats for a constant. */
+_Static_assert((int)FATHOM_FLIP_PPD == (int)FLIP_PPD && (int)FATHOM_FLIP_PPD_LEAST == (int)FLIP_PPD_LEAST &&
+                   (int)FATHOM_FLIP_PPD_MOST == (int)FLIP_PPD_MOST,
                "fathom/image.h says what FLIP takes");
 
 struct fathom_image {

@@ -19,6 +19,14 @@ static fathom_status check_version(gltf *g) {
     if (status == FATHOM_OK) status = gltf_text(g, &asset, "version", &version);
     if (status == FATHOM_OK) status = gltf_text(g, &asset, "minVersion", &least);
     if (status != FATHOM_OK) return status;
+    /* glTF 1 has objects where 2 has arrays, and its files need not say which they are. */
+    const bool first =
+        version ? strncmp(version, "1.", 2) == 0 : json_is_object(json_object_get(g->root.json, "meshes"));
+    if (first || json_is_number(json_object_get(asset.json, "version")))
+        return gltf_fail(
+            g, &asset, "version",
+            "the file is glTF 1.0, which is not read; expected glTF 2.0: export the model again, or "
+            "convert it, for instance by gltf-pipeline");
     if (!version) return gltf_fail(g, &asset, "version", "is missing; expected a glTF file with \"2.0\"");
     if (strncmp(version, "2.", 2) != 0)
         return gltf_fail(g, &asset, "version", "is \"%.40s\"; expected \"2.0\"", version);
@@ -34,6 +42,7 @@ static bool is_known(const char *name) {
         "KHR_materials_unlit|KHR_materials_emissive_strength|KHR_materials_volume|KHR_materials_clearcoat|"
         "KHR_materials_sheen|KHR_materials_anisotropy|KHR_materials_iridescence|KHR_materials_dispersion|"
         "KHR_materials_diffuse_transmission|KHR_mesh_quantization|KHR_materials_variants|"
+        "EXT_meshopt_compression|KHR_draco_mesh_compression|"
         "EXT_mesh_gpu_instancing|KHR_materials_pbrSpecularGlossiness|KHR_node_visibility|"
         "KHR_texture_transform|EXT_texture_webp|EXT_texture_avif";
     return words_find(names, name, strlen(name)) >= 0;
@@ -54,6 +63,15 @@ static fathom_status check_extensions(gltf *g) {
                            name);
     }
     return status;
+}
+
+bool gltf_requires(const gltf *g, const char *name) {
+    const json_t *required = json_object_get(g->root.json, "extensionsRequired");
+    for (size_t i = 0; i < json_array_size(required); ++i) {
+        const char *item = json_string_value(json_array_get(required, i));
+        if (item && strcmp(item, name) == 0) return true;
+    }
+    return false;
 }
 
 static void note_of(gltf *g, const gltf_value *holder) {
@@ -105,13 +123,14 @@ static fathom_status make_tables(gltf *g) {
     size_t buffers = gltf_count(&g->buffers), materials = gltf_count(&g->materials) + 1,
            meshes = gltf_count(&g->meshes), accessors = gltf_count(&g->accessors);
     g->buffer_table = calloc(buffers + 1, sizeof *g->buffer_table);
+    g->view_table = calloc(gltf_count(&g->views) + 1, sizeof *g->view_table);
     g->image_table = calloc(gltf_count(&g->images) + 1, sizeof *g->image_table);
     g->material_table = calloc(materials, sizeof *g->material_table);
     g->mesh_table = calloc(meshes + 1, sizeof *g->mesh_table);
     g->array_table = calloc(accessors + 1, sizeof *g->array_table);
     g->skin_table = calloc(gltf_count(&g->skins) + 1, sizeof *g->skin_table);
     if (!g->buffer_table || !g->image_table || !g->material_table || !g->mesh_table || !g->array_table ||
-        !g->skin_table)
+        !g->skin_table || !g->view_table)
         return fail_memory(g->context, (buffers + materials + meshes + accessors) * sizeof *g->array_table);
     for (size_t i = 0; i < materials; ++i) g->material_table[i].id = FATHOM_NONE;
     for (size_t i = 0; i < meshes; ++i) g->mesh_table[i] = FATHOM_NONE;
@@ -135,6 +154,7 @@ static fathom_status finish(gltf *g, fathom_status status) {
     for (size_t i = 0; g->skin_table && i < gltf_count(&g->skins); ++i) free(g->skin_table[i].matrices);
     gltf_moment_close(&g->moment);
     free(g->skin_table);
+    free(g->view_table);
     free(g->parents);
     free(g->buffer_table);
     free(g->image_table);

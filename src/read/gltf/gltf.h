@@ -3,7 +3,9 @@
  * gltf.c            versions, extensions, the order of the steps
  * gltf_json.c       typed values with their place in the document
  * gltf_buffer.c     GLB chunks, the JSON text, buffers
+ * gltf_view.c       parts of buffers, and what is unpacked of them
  * gltf_accessor.c   typed arrays in buffers, checked, as plain arrays; limits on memory
+ * gltf_draco.c      meshes that are compressed
  * gltf_mesh.c       meshes to groups
  * gltf_morph.c      morph targets
  * gltf_skin.c       skins
@@ -124,6 +126,7 @@ typedef struct gltf {
     gltf_value extensions, punctual, lights, varying, variants; /* of the document */
     gltf_buffer *buffer_table;                                  /* for each buffer */
     gltf_buffer *image_table;        /* for each image that is a data URI: its bytes, once decoded */
+    gltf_buffer *view_table;         /* for each buffer view that is compressed: unpacked */
     gltf_material *material_table;   /* for each material, then the default one */
     gltf_elements (*array_table)[2]; /* for each accessor: floats, indices */
     fathom_id *mesh_table;           /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
@@ -159,6 +162,8 @@ const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *
             __VA_ARGS__)
 /* Adds the place to the error that a call of the scene left. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
+/* Whether the file requires the extension. */
+bool gltf_requires(const gltf *g, const char *name);
 /* Notes something that is left out or read differently; see notes.h. */
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
@@ -206,6 +211,18 @@ bool gltf_is_data(const char *uri);
 fathom_status gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out);
 /* The path of the file that a uri names; release it with free(). NULL: there is no such file. */
 fathom_status gltf_file_path(gltf *g, const gltf_value *at, const char *uri, char **path);
+
+/* ---- gltf_view.c ---- */
+
+/* The bytes of a buffer view, unpacked where it is compressed, and the buffer that holds them. */
+typedef struct gltf_view {
+    const unsigned char *bytes;
+    uint64_t length;
+    gltf_buffer *buffer;
+} gltf_view;
+
+/* *at: the view, for messages. */
+fathom_status gltf_view_open(gltf *g, uint32_t index, gltf_value *at, gltf_view *out);
 
 /* ---- gltf_accessor.c ---- */
 
@@ -281,6 +298,16 @@ fathom_status gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_
                               gltf_kind kind, gltf_elements *floats);
 /* The joints of skin `index`; they live as long as g. */
 fathom_status gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, const gltf_joints **out);
+
+/* Makes a copy of these the elements of the accessor that member `key` of `user` names, which must be
+ * described by it. normalized: divided by the largest number of the accessor's type already. */
+fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, bool integers,
+                              unsigned components, bool normalized, uint32_t count, const void *values);
+
+/* ---- gltf_draco.c ---- */
+
+/* Unpacks a primitive that is compressed, as elements of its accessors. */
+fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive);
 
 /* The components of the accessor that member `key` of `user` names, 1 to 4; 0: there is no such member. */
 fathom_status gltf_components(gltf *g, const gltf_value *user, const char *key, unsigned *out);

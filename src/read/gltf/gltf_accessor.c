@@ -148,30 +148,17 @@ static fathom_status read_component_type(gltf *g, const gltf_value *at, componen
  * `element` bytes at its byteOffset. `strided`: the view's byteStride applies. */
 static fathom_status open_span(gltf *g, const gltf_value *user, uint64_t count, unsigned element,
                                bool strided, span *out) {
-    uint32_t index = GLTF_ABSENT, buffer = GLTF_ABSENT;
+    uint32_t index = GLTF_ABSENT;
     gltf_value view;
-    uint64_t offset = 0, view_offset = 0, view_length = 0, stride = element;
+    gltf_view from;
+    uint64_t offset = 0, stride = element;
     fathom_status status = gltf_index(g, user, "bufferView", &g->views, &index);
     if (status == FATHOM_OK) status = gltf_integer(g, user, "byteOffset", 0, INT64_MAX, &offset);
     if (status != FATHOM_OK || index == GLTF_ABSENT) return status;
-    status = gltf_item(g, &g->views, index, &view);
-    if (status == FATHOM_OK) status = gltf_index(g, &view, "buffer", &g->buffers, &buffer);
-    if (status == FATHOM_OK && buffer == GLTF_ABSENT)
-        return gltf_fail(g, &view, "buffer", "is missing; expected an index into buffers");
-    if (status == FATHOM_OK) status = gltf_integer(g, &view, "byteOffset", 0, INT64_MAX, &view_offset);
-    if (status == FATHOM_OK) status = gltf_integer(g, &view, "byteLength", 1, INT64_MAX, &view_length);
-    if (status == FATHOM_OK && !view_length)
-        return gltf_fail(g, &view, "byteLength", "is missing; expected the number of bytes");
+    status = gltf_view_open(g, index, &view, &from);
     if (status == FATHOM_OK && strided) status = gltf_integer(g, &view, "byteStride", 1, 252, &stride);
-    if (status == FATHOM_OK) status = gltf_buffer_load(g, buffer, &out->buffer);
     if (status != FATHOM_OK) return status;
-    uint64_t size = out->buffer->size;
-    if (view_offset > size || view_length > size - view_offset) {
-        return gltf_fail(g, &view, NULL,
-                         "spans bytes %llu to %llu + %llu of buffers[%u], which has %llu bytes",
-                         (unsigned long long)view_offset, (unsigned long long)view_offset,
-                         (unsigned long long)view_length, buffer, (unsigned long long)size);
-    }
+    out->buffer = from.buffer;
     if (stride < element) {
         return gltf_fail(g, &view, "byteStride", "is %llu; the elements of %s[%zu] have %u bytes",
                          (unsigned long long)stride, user->parent->key ? user->parent->key : "sparse",
@@ -180,12 +167,12 @@ static fathom_status open_span(gltf *g, const gltf_value *user, uint64_t count, 
     uint64_t need;
     bool beyond =
         __builtin_mul_overflow(stride, count - 1, &need) || __builtin_add_overflow(need, element, &need);
-    if (beyond || offset > view_length || need > view_length - offset) {
+    if (beyond || offset > from.length || need > from.length - offset) {
         return gltf_fail(
             g, user, NULL, "needs %llu bytes from byte %llu of bufferViews[%u], which has %llu bytes",
-            (unsigned long long)need, (unsigned long long)offset, index, (unsigned long long)view_length);
+            (unsigned long long)need, (unsigned long long)offset, index, (unsigned long long)from.length);
     }
-    out->bytes = out->buffer->bytes + view_offset + offset;
+    out->bytes = from.bytes + offset;
     out->stride = (uint32_t)stride;
     return FATHOM_OK;
 }
@@ -245,7 +232,8 @@ static unsigned components_of(const char *type) {
                : 0;
 }
 
-static fathom_status open_at(gltf *g, const gltf_value *at, accessor *out) {
+/* All but where the elements are. */
+static fathom_status open_head(gltf *g, const gltf_value *at, accessor *out) {
     const char *type = "";
     uint64_t count = 0;
     fathom_status status = read_component_type(g, at, &out->type);
@@ -259,12 +247,17 @@ static fathom_status open_at(gltf *g, const gltf_value *at, accessor *out) {
     out->components = components_of(type);
     if (!out->components)
         return gltf_fail(g, at, "type", "is \"%.40s\"; expected SCALAR, VEC2, VEC3, VEC4 or MAT4", type);
-    status = open_span(g, at, count, component_size(out->type) * out->components, true, &out->elements);
-    if (status == FATHOM_OK && !out->elements.bytes && count > ZEROS_MAX)
+    return FATHOM_OK;
+}
+
+static fathom_status open_elements(gltf *g, const gltf_value *at, accessor *out) {
+    fathom_status status =
+        open_span(g, at, out->count, component_size(out->type) * out->components, true, &out->elements);
+    if (status == FATHOM_OK && !out->elements.bytes && out->count > ZEROS_MAX)
         return gltf_fail(
             g, at, "count",
-            "is %llu, and there is no bufferView; expected at most %d elements of nothing but zeros",
-            (unsigned long long)count, ZEROS_MAX);
+            "is %u, and there is no bufferView; expected at most %d elements of nothing but zeros",
+            out->count, ZEROS_MAX);
     return status == FATHOM_OK ? open_sparse(g, at, out) : status;
 }
 
@@ -278,7 +271,9 @@ static fathom_status open_accessor(gltf *g, const gltf_value *user, const char *
     gltf_value at;
     *out = (accessor){.count = 0};
     status = gltf_item(g, &g->accessors, *index, &at);
-    if (status == FATHOM_OK) status = open_at(g, &at, out);
+    if (status == FATHOM_OK) status = open_head(g, &at, out);
+    if (status == FATHOM_OK && !g->array_table[*index][(takes & GLTF_TAKES_UINT) != 0].values)
+        status = open_elements(g, &at, out);
     if (status != FATHOM_OK) return status;
     if (out->components == components && takes & takes_bit(out->type)) return FATHOM_OK;
     return gltf_fail(g, user, key, "is accessors[%u] of %u × %s; expected %u × %s%s%s", *index,
@@ -374,4 +369,32 @@ fathom_status gltf_array_read(gltf *g, const gltf_value *user, const char *key, 
     }
     *out = *kept;
     return FATHOM_OK;
+}
+
+fathom_status gltf_array_give(gltf *g, const gltf_value *user, const char *key, bool integers,
+                              unsigned components, bool normalized, uint32_t count, const void *values) {
+    uint32_t index = GLTF_ABSENT;
+    gltf_value at;
+    accessor a = {.count = 0};
+    void *memory;
+    fathom_status status = gltf_index(g, user, key, &g->accessors, &index);
+    if (status == FATHOM_OK) status = gltf_item(g, &g->accessors, index, &at);
+    if (status == FATHOM_OK) status = open_head(g, &at, &a);
+    if (status != FATHOM_OK) return status;
+    if (a.count != count || a.components != components)
+        return gltf_fail(g, user, key, "is accessors[%u] of %u × %u numbers; what is unpacked has %u × %u",
+                         index, a.count, a.components, count, components);
+    gltf_elements *kept = &g->array_table[index][integers];
+    if (kept->values) return FATHOM_OK;
+    const size_t total = (size_t)count * components;
+    status = gltf_allocate(g, user, key, total * 4, &memory);
+    if (status != FATHOM_OK) return status;
+    memcpy(memory, values, total * 4);
+    const float divisor = a.normalized && !normalized && !integers ? types[a.type - GLTF_BYTE].divisor : 1;
+    float *floats = memory;
+    for (size_t i = 0; divisor != 1 && i < total; ++i) floats[i] = fmaxf(floats[i] / divisor, -1);
+    gltf_elements made = {.values = memory, .stride = (size_t)components * 4, .count = count};
+    if (!integers) status = gltf_within(g, user, key, look_at_floats(g, components, &made));
+    if (status == FATHOM_OK) *kept = made;
+    return status;
 }

@@ -46,9 +46,12 @@ static fathom_status parse_json(gltf *g, const char *text, size_t size, size_t a
 static fathom_status check_header(gltf *g, const file_map *map, size_t *length) {
     if (map->size < HEADER_SIZE) return fail_byte(g, map->size, "the file ends inside the GLB header");
     uint32_t version = word_at(map->bytes, 4);
-    if (version != 2) {
-        return fail_byte(g, 4, "GLB version %u; expected 2", version);
-    }
+    if (version == 1)
+        return fail_byte(
+            g, 4,
+            "the file is glTF 1.0, which is not read; expected glTF 2.0: export the model again, or "
+            "convert it, for instance by gltf-pipeline");
+    if (version != 2) return fail_byte(g, 4, "GLB version %u; expected 2", version);
     *length = word_at(map->bytes, 8);
     if (*length > map->size) {
         return fail_byte(g, 8, "the header says %zu bytes, the file ends after %zu: it is cut short", *length,

@@ -1,10 +1,11 @@
 /* Meshes to groups, a mesh of the scene for each primitive. */
 #include "read/gltf/gltf.h"
 #include "read/mesh/normals.h"
+#include "read/mesh/strokes.h"
 
 #include <stdlib.h>
 
-enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
+enum { MODE_POINTS, MODE_LINES, MODE_LOOP, MODE_LINE_STRIP, MODE_TRIANGLES, MODE_STRIP, MODE_FAN };
 
 typedef struct primitive {
     const gltf_value *at;
@@ -199,12 +200,61 @@ static fathom_status read_material(gltf *g, primitive *p) {
     return FATHOM_OK;
 }
 
-/* *mode is 0 for points and lines, which have no surface. */
 static fathom_status read_mode(gltf *g, const gltf_value *at, uint32_t *mode) {
     uint64_t value = MODE_TRIANGLES;
     fathom_status status = gltf_integer(g, at, "mode", 0, MODE_FAN, &value);
-    *mode = value < MODE_TRIANGLES ? 0 : (uint32_t)value;
-    if (status == FATHOM_OK && !*mode) gltf_note(g, at, "mode", "points and lines are left out");
+    *mode = (uint32_t)value;
+    return status;
+}
+
+/* Each line's two ends, of a strip or a loop. */
+static fathom_status unroll_lines(gltf *g, const primitive *p, const uint32_t *from, strokes *s) {
+    void *memory;
+    const uint32_t corners = s->count;
+    s->count = p->mode == MODE_LINES ? corners / 2 : corners < 2 ? 0 : corners - (p->mode == MODE_LINE_STRIP);
+    s->indices = from;
+    if (p->mode == MODE_LINES || !s->count) return FATHOM_OK;
+    fathom_status status = gltf_allocate(g, p->at, NULL, (uint64_t)s->count * 2 * sizeof(uint32_t), &memory);
+    if (status != FATHOM_OK) return status;
+    uint32_t *to = memory;
+    for (uint32_t i = 0; i < s->count; ++i) to[2 * i] = from[i], to[2 * i + 1] = from[(i + 1) % corners];
+    s->indices = to;
+    return FATHOM_OK;
+}
+
+/* Makes triangles of points and lines. */
+static fathom_status read_strokes(gltf *g, primitive *p) {
+    const uint32_t *corners = NULL;
+    strokes s = {.positions = p->mesh.positions,
+                 .position_stride = p->mesh.position_stride,
+                 .colors = p->mesh.colors,
+                 .color_stride = p->mesh.color_stride,
+                 .color_channels = p->mesh.color_channels,
+                 .lines = p->mode != MODE_POINTS};
+    fathom_status status = read_corners(g, p, &corners, &s.count);
+    if (status != FATHOM_OK) return status;
+    s.indices = corners;
+    if (s.lines) status = unroll_lines(g, p, corners, &s);
+    if (status == FATHOM_OK) status = gltf_charge(g, p->at, NULL, (uint64_t)s.count * STROKES_BYTES);
+    if (status == FATHOM_OK) status = gltf_within(g, p->at, NULL, strokes_make(g->scene, &s, &p->mesh));
+    if (status != FATHOM_OK) return status;
+    gltf_note(g, p->at, "mode",
+              s.lines ? "lines have no width, and are shown as thin rods"
+                      : "points have no size, and are shown as small balls");
+    if (!p->mesh.triangle_count) return FATHOM_OK;
+    status = mesh_look_at_vertices(g->context, "entry", p->mesh.positions, p->mesh.position_stride,
+                                   p->mesh.vertex_count, &p->facts);
+    if (status == FATHOM_OK) status = mesh_look_at_triangles(g->context, "entry", &p->mesh, &p->facts);
+    return gltf_within(g, p->at, NULL, status);
+}
+
+static fathom_status read_surface(gltf *g, primitive *p) {
+    fathom_status status = read_indices(g, p);
+    if (status != FATHOM_OK || !p->mesh.triangle_count) return status;
+    if (!g->options->flat) status = read_normals(g, p);
+    if (status == FATHOM_OK) status = read_material(g, p);
+    if (status == FATHOM_OK && scene_keeps_uvs(g->scene)) status = read_coordinates(g, p);
+    if (status == FATHOM_OK && g->options->material == FATHOM_NONE) status = read_colors(g, p);
     return status;
 }
 
@@ -215,20 +265,23 @@ static fathom_status add_primitive(gltf *g, const gltf_value *at, const gltf_sha
     bool present = false;
     fathom_status status = gltf_object(g, at, "attributes", &attributes);
     if (status == FATHOM_OK) status = read_mode(g, at, &p.mode);
-    if (status != FATHOM_OK || !p.mode) return status;
+    if (status != FATHOM_OK) return status;
+    status = gltf_draco_read(g, at);
+    if (status != FATHOM_OK) return status;
     status = read_positions(g, &p, &present);
     if (status != FATHOM_OK) return status;
     if (!present) {
         gltf_note(g, at, NULL, "a mesh without POSITION is left out");
         return FATHOM_OK;
     }
-    status = read_indices(g, &p);
+    if (p.mode < MODE_TRIANGLES) {
+        status = read_material(g, &p);
+        if (status == FATHOM_OK && g->options->material == FATHOM_NONE) status = read_colors(g, &p);
+        if (status == FATHOM_OK) status = read_strokes(g, &p);
+    } else {
+        status = read_surface(g, &p);
+    }
     if (status != FATHOM_OK || !p.mesh.triangle_count) return status;
-    if (!g->options->flat) status = read_normals(g, &p);
-    if (status == FATHOM_OK) status = read_material(g, &p);
-    if (status == FATHOM_OK && scene_keeps_uvs(g->scene)) status = read_coordinates(g, &p);
-    if (status == FATHOM_OK && g->options->material == FATHOM_NONE) status = read_colors(g, &p);
-    if (status != FATHOM_OK) return status;
     return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }
 

@@ -8,27 +8,12 @@
 /* ---- images ---- */
 
 /* The bytes of an image in a buffer view. */
-static fathom_status view_image(gltf *g, const gltf_value *image, uint32_t index, fathom_texture *out) {
-    gltf_value view;
-    uint32_t buffer = GLTF_ABSENT;
-    uint64_t offset = 0, length = 0;
-    gltf_buffer *from = NULL;
-    fathom_status status = gltf_item(g, &g->views, index, &view);
-    if (status == FATHOM_OK) status = gltf_index(g, &view, "buffer", &g->buffers, &buffer);
-    if (status == FATHOM_OK) status = gltf_integer(g, &view, "byteOffset", 0, INT64_MAX, &offset);
-    if (status == FATHOM_OK) status = gltf_integer(g, &view, "byteLength", 1, INT64_MAX, &length);
-    if (status != FATHOM_OK) return status;
-    if (buffer == GLTF_ABSENT || !length)
-        return gltf_fail(g, &view, NULL, "lacks its buffer or byteLength, and images[%zu] lies there",
-                         image->index);
-    status = gltf_buffer_load(g, buffer, &from);
-    if (status != FATHOM_OK) return status;
-    if (offset > from->size || length > from->size - offset)
-        return gltf_fail(g, &view, NULL, "spans bytes %llu + %llu of buffers[%u], which has %llu bytes",
-                         (unsigned long long)offset, (unsigned long long)length, buffer,
-                         (unsigned long long)from->size);
-    out->bytes = from->bytes + offset, out->byte_count = (size_t)length;
-    return FATHOM_OK;
+static fathom_status view_image(gltf *g, uint32_t index, fathom_texture *out) {
+    gltf_value at;
+    gltf_view view;
+    fathom_status status = gltf_view_open(g, index, &at, &view);
+    out->bytes = view.bytes, out->byte_count = (size_t)view.length;
+    return status;
 }
 
 /* *path: to be freed. *out names the image in one way or another, or in none: then that is noted. */
@@ -40,7 +25,7 @@ static fathom_status open_image(gltf *g, const gltf_value *image, fathom_texture
     if (status == FATHOM_OK) status = gltf_text(g, image, "mimeType", &out->mime);
     if (status == FATHOM_OK) status = gltf_index(g, image, "bufferView", &g->views, &view);
     if (status != FATHOM_OK) return status;
-    if (view != GLTF_ABSENT) return view_image(g, image, view, out);
+    if (view != GLTF_ABSENT) return view_image(g, view, out);
     if (!uri) {
         gltf_note(g, image, NULL, "an image with neither uri nor bufferView is left out");
         return FATHOM_OK;

@@ -1,9 +1,12 @@
 #include "read/ply/ply.h"
 
 #include "read/mesh/normals.h"
+#include "read/mesh/strokes.h"
 
 #include <float.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 /* Allocates the arrays that are present and have no memory, and sets their values and strides. */
 static fathom_status allocate_arrays(ply_reader *r) {
@@ -138,6 +141,52 @@ static fathom_status keep_map(ply_reader *r) {
     return scene_adopt_file(r->scene, kept, release_map, kept);
 }
 
+static fathom_status show_points(ply_reader *r, fathom_mesh *mesh) {
+    const strokes s = {.positions = mesh->positions,
+                       .position_stride = mesh->position_stride,
+                       .colors = mesh->colors,
+                       .color_stride = mesh->color_stride,
+                       .color_channels = mesh->color_channels,
+                       .count = mesh->vertex_count};
+    notes_add(&r->notes, s.count, "", "points have no size, and are shown as small balls");
+    mesh->uvs = NULL;
+    fathom_status status = strokes_make(r->scene, &s, mesh);
+    return status == FATHOM_OK
+               ? status
+               : fail_within(r->scene->context, status, &(fathom_place){.file = r->file.path});
+}
+
+/* The image that a comment of the header names, as the colour of the surface. In these files v grows upwards.
+ */
+static fathom_status read_texture(ply_reader *r) {
+    const fathom_map map = {.transform = {1, 0, 0, 0, -1, 1}};
+    fathom_material material;
+    fathom_texture texture;
+    const char *at = r->texture;
+    char *path = NULL, name[512];
+    if (!at || r->options.material != FATHOM_NONE) return FATHOM_OK;
+    const size_t length = text_rest(&at, r->file.end);
+    snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1), at);
+    fathom_status status = read_beside(r->scene, r->file.path, name, &path);
+    if (status != FATHOM_OK && status != FATHOM_BAD_INPUT) return status;
+    if (status == FATHOM_BAD_INPUT || access(path, F_OK) != 0 || r->role[PLY_U] < 0 || r->role[PLY_V] < 0) {
+        notes_add_at(&r->notes, 1, &r->file, at, true, "a texture is left out: %s",
+                     path && access(path, F_OK) == 0 ? "the vertices have no texture coordinates"
+                                                     : "there is no such image that may be read");
+        free(path);
+        return FATHOM_OK;
+    }
+    fathom_texture_default(&texture);
+    fathom_material_default(&material);
+    texture.file = path, texture.color_space = FATHOM_COLOR_SRGB;
+    for (int c = 0; c < 3; ++c) material.k_d[c] = 1;
+    material.maps[FATHOM_MAP_COLOR] = map;
+    status = fathom_scene_add_texture(r->scene, &texture, &material.maps[FATHOM_MAP_COLOR].texture);
+    free(path);
+    if (status != FATHOM_OK) return status;
+    return fathom_scene_add_material(r->scene, "texture", &material, &r->options.material);
+}
+
 static fathom_status add_mesh(ply_reader *r) {
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
@@ -147,7 +196,7 @@ static fathom_status add_mesh(ply_reader *r) {
     mesh.indices = r->indices;
     mesh.triangle_count = (uint32_t)r->triangle_count;
     ply_array *normals = &r->arrays[PLY_NORMALS];
-    if (!normals->present && r->options.smooth && !r->options.flat) {
+    if (!r->points && !normals->present && r->options.smooth && !r->options.flat) {
         normals->present = true;
         fathom_status status = allocate_arrays(r);
         if (status == FATHOM_OK)
@@ -177,8 +226,10 @@ static fathom_status add_mesh(ply_reader *r) {
     mesh.flags = r->options.flags;
     mesh_facts facts;
     fathom_context *context = r->scene->context;
-    fathom_status status = mesh_look_at_vertices(context, r->file.path, mesh.positions, mesh.position_stride,
-                                                 mesh.vertex_count, &facts);
+    fathom_status status = r->points ? show_points(r, &mesh) : FATHOM_OK;
+    if (status != FATHOM_OK) return status;
+    status = mesh_look_at_vertices(context, r->file.path, mesh.positions, mesh.position_stride,
+                                   mesh.vertex_count, &facts);
     if (status == FATHOM_OK) status = mesh_look_at_triangles(context, r->file.path, &mesh, &facts);
     return status == FATHOM_OK ? scene_add_mesh_checked(r->scene, r->group, &mesh, &facts, NULL) : status;
 }
@@ -187,10 +238,12 @@ static fathom_status read_mapped(ply_reader *r) {
     fathom_status status = ply_read_header(r);
     if (status != FATHOM_OK) return status;
     ply_note_unused(r);
+    status = read_texture(r);
+    if (status != FATHOM_OK) return status;
     choose_arrays(r);
     status = r->header.format == PLY_ASCII ? ply_read_ascii(r) : ply_read_binary(r);
     if (status != FATHOM_OK) return status;
-    if (!r->triangle_count) {
+    if (!r->triangle_count && !r->points) {
         return fail_file(r->scene->context, FATHOM_BAD_INPUT, r->file.path,
                          "no faces: expected at least one with 3 corners or more");
     }

@@ -88,6 +88,8 @@ typedef struct ply_reader {
     ply_header header;
     size_t vertex_element, face_element;
     bool strips;         /* the face element is tristrips */
+    bool points;         /* there is no face element: face_element is SIZE_MAX */
+    const char *texture; /* in the header, up to the end of its line; NULL: none */
     size_t index_list;   /* the face element's property */
     int role[PLY_ROLES]; /* the vertex element's property; -1: none */
     uint32_t vertex_count;

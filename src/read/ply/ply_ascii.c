@@ -117,7 +117,7 @@ static bool read_row(const ascii_reader *a, size_t piece, uint64_t row, const ch
     if (vertex < r->vertex_count)
         return read_properties(r, r->vertex_element, &a->pieces[piece], at, NULL, values) &&
                ply_put_vertex(r, (uint32_t)vertex, values, at, bounds);
-    if (r->moving || face >= r->header.elements.items[r->face_element].count) return true;
+    if (r->moving || r->points || face >= r->header.elements.items[r->face_element].count) return true;
     return read_properties(r, r->face_element, &a->pieces[piece], at, &r->pieces[piece], NULL) &&
            ply_end_row(r, &r->pieces[piece]);
 }

@@ -177,7 +177,7 @@ static void free_rows(const ply_rows *rows) { free(rows->offsets), free(rows->bl
 static bool find_all_rows(binary_reader *b) {
     ply_reader *r = b->r;
     const unsigned char *p = (const unsigned char *)r->header.body;
-    size_t last = r->vertex_element > r->face_element ? r->vertex_element : r->face_element;
+    size_t last = r->points || r->vertex_element > r->face_element ? r->vertex_element : r->face_element;
     for (size_t i = 0; i <= last; ++i) {
         ply_rows rows;
         bool found = find_rows(b, &r->header.elements.items[i], p, &rows);
@@ -367,7 +367,7 @@ fathom_status ply_read_binary(ply_reader *r) {
     for (int a = 0; found && a < PLY_ARRAYS; ++a) use_in_place(&b, &r->arrays[a]);
     fathom_status status = found ? ply_read_vertices(r, b.vertices.block_count, 16, read_vertices, &b)
                                  : text_status(&r->file, &r->fault);
-    if (status == FATHOM_OK) status = read_faces(&b);
+    if (status == FATHOM_OK && !r->points) status = read_faces(&b);
     free_rows(&b.vertices);
     free_rows(&b.faces);
     return status;

@@ -94,9 +94,11 @@ static bool read_property(ply_reader *r, const char *line, const char *p) {
 static void read_comment(ply_reader *r, const char *p) {
     char word[PLY_NAME];
     const char *at = read_word(&p, word);
-    if (strcmp(word, "TextureFile") == 0)
-        notes_add_at(&r->notes, 1, &r->file, at, true,
-                     "textures are not read; the surface has the default grey");
+    if (strcmp(word, "TextureFile") != 0) return;
+    if (r->texture)
+        notes_add_at(&r->notes, 1, &r->file, at, true, "textures after the first one are left out");
+    else
+        r->texture = p;
 }
 
 /* at: the first word of a line, `word`; p: behind it. */
@@ -246,12 +248,14 @@ static bool find_faces(ply_reader *r) {
         r->strips = strips != SIZE_MAX && elements[strips].count > 0;
         if (r->strips) r->face_element = strips;
     }
-    if (r->face_element == SIZE_MAX || !elements[r->face_element].count || !r->vertex_count) {
-        return text_wrong(
-            &r->fault, r->file.begin, NULL,
-            "no faces: a cloud of %u points has no surface to render; expected an element face or "
-            "tristrips that is not empty",
-            r->vertex_count);
+    if (!r->vertex_count)
+        return text_wrong(&r->fault, r->file.begin, NULL,
+                          "no vertices: expected an element vertex that is not empty, and an element face or "
+                          "tristrips");
+    r->points = r->face_element == SIZE_MAX || !elements[r->face_element].count;
+    if (r->points) {
+        r->face_element = SIZE_MAX;
+        return true;
     }
     const ply_element *face = &elements[r->face_element];
     int list = find_property(face, "vertex_indices|vertex_index");

@@ -1,0 +1,183 @@
+/* KHR_draco_mesh_compression: a process of its own unpacks each mesh (helper/draco.cpp), because Draco's
+ * library is not made for broken files. What it answers is checked like a file, and becomes the arrays of the
+ * accessors that the primitive names. */
+#include "read/gltf/gltf_draco.h"
+
+#include "image/helper/helper.h"
+#include "read/gltf/gltf.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <spawn.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define DRACO_FILE "fathom/fathom-draco"
+static const char extension[] = "KHR_draco_mesh_compression";
+
+extern char **environ;
+
+/* ---- the process ---- */
+
+static bool write_all(int file, const unsigned char *bytes, uint64_t size) {
+    while (size) {
+        const ssize_t n = write(file, bytes, size > 1u << 30 ? 1u << 30 : (size_t)size);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return false;
+        bytes += n, size -= (uint64_t)n;
+    }
+    return lseek(file, 0, SEEK_SET) == 0;
+}
+
+/* 0, or why it could not be started. */
+static int run(const char *path, int from, int to, int *status) {
+    posix_spawn_file_actions_t actions;
+    pid_t child;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed) return failed;
+    failed = posix_spawn_file_actions_adddup2(&actions, from, STDIN_FILENO);
+    if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, to, STDOUT_FILENO);
+    if (!failed)
+        failed =
+            posix_spawn(&child, path, &actions, NULL, (char *[]){(char *)(uintptr_t)path, NULL}, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failed) return failed;
+    while (waitpid(child, status, 0) < 0) {
+        if (errno != EINTR) return errno;
+    }
+    return 0;
+}
+
+static fathom_status fail_broken(gltf *g, const gltf_value *at, int status, int answer) {
+    char text[160] = "";
+    const ssize_t n = pread(answer, text, sizeof text - 1, 0);
+    const char *name = WIFSIGNALED(status) ? sigabbrev_np(WTERMSIG(status)) : NULL;
+    if (name)
+        return gltf_fail(g, at, NULL, "cannot be unpacked: Draco was ended by SIG%s; the data is broken",
+                         name);
+    return gltf_fail(g, at, NULL, "cannot be unpacked by Draco: %s", n > 0 ? text : "the data is broken");
+}
+
+/* Has the bytes unpacked into the file `answer`. */
+static fathom_status unpack(gltf *g, const gltf_value *at, const gltf_view *packed, int question,
+                            int answer) {
+    char path[PATH_MAX];
+    int status = 0;
+    if (!helper_find_file(DRACO_FILE, path))
+        return gltf_fail(
+            g, at, NULL,
+            "needs Draco, without which this Fathom was built (Debian: libdraco-dev); build it with, or "
+            "export the model without compression");
+    if (question < 0 || answer < 0 || !write_all(question, packed->bytes, packed->length))
+        return fail_file(g->context, FATHOM_OUT_OF_RESOURCES, g->path, "no memory for a mesh to unpack: %s",
+                         strerror(errno));
+    const int failed = run(path, question, answer, &status);
+    if (failed)
+        return fail_file(g->context, FATHOM_OUT_OF_RESOURCES, path, "cannot be started: %s",
+                         strerror(failed));
+    return status ? fail_broken(g, at, status, answer) : FATHOM_OK;
+}
+
+/* ---- the answer ---- */
+
+typedef struct answer {
+    const unsigned char *bytes, *end;
+    draco_head head;
+    const unsigned char *indices, *attributes;
+} answer;
+
+static bool open_answer(answer *a) {
+    const size_t size = (size_t)(a->end - a->bytes);
+    if (size < sizeof a->head) return false;
+    memcpy(&a->head, a->bytes, sizeof a->head);
+    a->indices = a->bytes + sizeof a->head;
+    const uint64_t indices = (uint64_t)a->head.faces * 3 * sizeof(uint32_t);
+    if (a->head.magic != DRACO_MAGIC || indices > size - sizeof a->head) return false;
+    a->attributes = a->indices + indices;
+    return a->head.points && a->head.faces && a->head.points < UINT32_MAX && a->head.faces < UINT32_MAX / 3;
+}
+
+/* NULL: there is none with this id, or it ends too soon. */
+static const unsigned char *find_attribute(const answer *a, uint64_t id, draco_attribute *out) {
+    const unsigned char *at = a->attributes;
+    for (uint32_t i = 0; i < a->head.attributes && (size_t)(a->end - at) >= sizeof *out; ++i) {
+        memcpy(out, at, sizeof *out);
+        at += sizeof *out;
+        const uint64_t size = (uint64_t)out->components * a->head.points * sizeof(float);
+        if (size > (uint64_t)(a->end - at)) return NULL;
+        if (out->id == id) return at;
+        at += size;
+    }
+    return NULL;
+}
+
+static fathom_status take_attribute(gltf *g, const gltf_value *attributes, const gltf_value *ids,
+                                    const char *key, const answer *a) {
+    uint64_t id = 0;
+    draco_attribute found;
+    fathom_status status = gltf_integer(g, ids, key, 0, UINT32_MAX, &id);
+    if (status != FATHOM_OK || !json_object_get(attributes->json, key)) return status;
+    const unsigned char *values = find_attribute(a, id, &found);
+    if (!values)
+        return gltf_fail(g, ids, key, "is %llu; the data has no such attribute", (unsigned long long)id);
+    return gltf_array_give(g, attributes, key, false, found.components, found.normalized, a->head.points,
+                           values);
+}
+
+static fathom_status take_all(gltf *g, const gltf_value *primitive, const gltf_value *draco,
+                              const answer *a) {
+    gltf_value attributes, ids;
+    const char *key;
+    json_t *value;
+    fathom_status status = gltf_object(g, primitive, "attributes", &attributes);
+    if (status == FATHOM_OK) status = gltf_object(g, draco, "attributes", &ids);
+    if (status != FATHOM_OK) return status;
+    if (!json_object_get(primitive->json, "indices"))
+        return gltf_fail(g, primitive, "indices",
+                         "is missing; expected an accessor that describes what is unpacked");
+    status = gltf_array_give(g, primitive, "indices", true, 1, 0, a->head.faces * 3, a->indices);
+    json_object_foreach(ids.json, key, value) {
+        if (status == FATHOM_OK) status = take_attribute(g, &attributes, &ids, key, a);
+    }
+    return status;
+}
+
+static fathom_status take_answer(gltf *g, const gltf_value *primitive, const gltf_value *draco, int file) {
+    struct stat facts;
+    if (fstat(file, &facts) || facts.st_size <= 0) return gltf_fail(g, draco, NULL, "unpacks to nothing");
+    const size_t size = (size_t)facts.st_size;
+    void *bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, file, 0);
+    if (bytes == MAP_FAILED) return fail_memory(g->context, size);
+    answer a = {.bytes = bytes, .end = (unsigned char *)bytes + size};
+    fathom_status status = open_answer(&a) ? take_all(g, primitive, draco, &a)
+                                           : gltf_fail(g, draco, NULL, "unpacks to no triangles");
+    munmap(bytes, size);
+    return status;
+}
+
+fathom_status gltf_draco_read(gltf *g, const gltf_value *primitive) {
+    gltf_value holder, at, view_at;
+    gltf_view packed;
+    uint32_t view = GLTF_ABSENT;
+    fathom_status status = gltf_extension(g, primitive, extension, &holder, &at);
+    if (status != FATHOM_OK || !at.json) return status;
+    status = gltf_index(g, &at, "bufferView", &g->views, &view);
+    if (status == FATHOM_OK && view == GLTF_ABSENT)
+        return gltf_fail(g, &at, "bufferView", "is missing; expected the compressed mesh");
+    if (status == FATHOM_OK) status = gltf_view_open(g, view, &view_at, &packed);
+    if (status != FATHOM_OK) return status;
+    if (!helper_find_file(DRACO_FILE, (char[PATH_MAX]){""}) && !gltf_requires(g, extension)) {
+        gltf_note(g, primitive, NULL, "Draco is not part of this build; what is not compressed is taken");
+        return FATHOM_OK;
+    }
+    const int question = memfd_create("fathom-draco", MFD_CLOEXEC),
+              reply = memfd_create("fathom-draco", MFD_CLOEXEC);
+    status = unpack(g, &at, &packed, question, reply);
+    if (status == FATHOM_OK) status = take_answer(g, primitive, &at, reply);
+    if (question >= 0) close(question);
+    if (reply >= 0) close(reply);
+    return status;
+}

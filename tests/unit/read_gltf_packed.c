@@ -1,0 +1,175 @@
+/* Compressed glTF: what is unpacked is what was packed, and broken data does no harm. */
+#include "gltf_build.h"
+#include "image/helper/helper.h"
+
+#include <limits.h>
+#if __has_include(<meshoptimizer.h>)
+#include <meshoptimizer.h>
+#define HAS_MESHOPT 1
+#else
+#define HAS_MESHOPT 0
+#endif
+
+/* Two triangles (0,0,0) (1,0,0) (0,1,0) and (0,1,0) (1,0,0) (1,1,2), with colours of bytes: the corner
+ * (1,1,2) has 51, 102, 153, 255. By Draco 1.5.5, edgebreaker, positions of 11 bits. */
+static const uint8_t draco[] = {
+    0x44, 0x52, 0x41, 0x43, 0x4f, 0x02, 0x02, 0x01, 0x01, 0x00, 0x00, 0x00, 0x04, 0x02, 0x01, 0x02, 0x00,
+    0x00, 0x01, 0x1f, 0xff, 0x01, 0x11, 0xff, 0x01, 0x11, 0x02, 0xff, 0x00, 0x00, 0x00, 0x00, 0x00, 0x01,
+    0x00, 0x09, 0x03, 0x00, 0x00, 0x02, 0x01, 0x02, 0x02, 0x04, 0x01, 0x01, 0x01, 0x01, 0x01, 0x01, 0x00,
+    0x0c, 0x03, 0x01, 0x10, 0x23, 0x01, 0x30, 0x03, 0x00, 0x28, 0x82, 0x00, 0xf8, 0x3f, 0x00, 0xfe, 0xff,
+    0x7f, 0x00, 0x00, 0xe0, 0xff, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0xff, 0x07, 0x00, 0x00, 0x00, 0x00,
+    0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x40, 0x0b, 0x01, 0x01,
+    0x01, 0x00, 0x09, 0x03, 0x01, 0x10, 0x01, 0x10, 0x13, 0x01, 0x20, 0x03, 0x00, 0x50, 0x91, 0x4c, 0x62,
+    0xe6, 0xdc, 0x0c, 0x10, 0xe0, 0xbc, 0x0c, 0x00, 0x00, 0x00, 0x00, 0x00, 0xff, 0x00, 0x00, 0x00};
+
+#define DRACO_MESH                                                                                           \
+    "{" ASSET                                                                                                \
+    ",'extensionsRequired':['KHR_draco_mesh_compression'],'buffers':[{'byteLength':%zu}],'bufferViews':[{"   \
+    "'buffer':0,'byteLength':%zu}],'accessors':[{'componentType':5126,'type':'VEC3','count':%d},{'"          \
+    "componentType':"                                                                                        \
+    "5121,'normalized':true,'type':'VEC4','count':4},{'componentType':5125,'type':'SCALAR','count':6}],'"    \
+    "meshes':[{"                                                                                             \
+    "'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1},'indices':2,'extensions':{"                      \
+    "'KHR_draco_mesh_compression':{'bufferView':0,'attributes':{'POSITION':%d,'COLOR_0':1}}}}]}]}"
+
+static void write_draco(fixture *f, const void *bytes, size_t size, int points, int id) {
+    char json[2048];
+    snprintf(json, sizeof json, DRACO_MESH, size, size, points, id);
+    write_glb(f, json, bytes, size);
+}
+
+static bool has_draco(void) {
+    char path[PATH_MAX];
+    return helper_find_file("fathom/fathom-draco", path);
+}
+
+static void draco_unpacks_to_what_was_packed(void **state) {
+    fixture *f = *state;
+    if (!has_draco()) skip();
+    write_draco(f, draco, sizeof draco, 4, 0);
+    fathom_scene *scene = read_file(f);
+    const fathom_mesh *mesh = &scene->meshes.items[0];
+    assert_int_equal(mesh->triangle_count, 2);
+    assert_int_equal(mesh->color_channels, 3);
+    int found = 0;
+    for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
+        const float *p = mesh_vertex(mesh, i);
+        /* Half a step of the largest side, 2, in 2^11 - 1 steps. */
+        if (fabsf(p[2] - 2) > 1 / 2047.0f) continue;
+        ++found;
+        const float *c = (const float *)(const void *)((const char *)mesh->colors + mesh->color_stride * i);
+        assert_vec(widen(load_f32(p)), 1, 1, 2, 1 / 2047.0);
+        assert_vec(widen(load_f32(c)), 0.2, 0.4, 0.6, 1e-7);
+    }
+    assert_int_equal(found, 1);
+    fathom_scene_destroy(scene);
+}
+
+static void assert_refused(fixture *f, const char *text) {
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    assert_int_equal(read_asked(f, &asked, &scene), FATHOM_BAD_INPUT);
+    if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
+}
+
+/* Every cut and many a changed byte: a mesh comes out, or one message; the process lives. */
+static void broken_draco_is_refused(void **state) {
+    fixture *f = *state;
+    if (!has_draco()) skip();
+    for (size_t cut = 1; cut < sizeof draco - 3; cut += 16) {
+        write_draco(f, draco, cut, 4, 0);
+        assert_refused(f, "KHR_draco_mesh_compression: cannot be unpacked by Draco: ");
+    }
+    for (size_t at = 5; at < sizeof draco; at += 9) {
+        uint8_t changed[sizeof draco];
+        fathom_scene *scene;
+        fathom_read_options asked;
+        fathom_read_options_default(&asked);
+        memcpy(changed, draco, sizeof draco);
+        changed[at] ^= 0x55;
+        write_draco(f, changed, sizeof changed, 4, 0);
+        const fathom_status status = read_asked(f, &asked, &scene);
+        assert_true(status == FATHOM_OK || status == FATHOM_BAD_INPUT);
+        if (status == FATHOM_OK) fathom_scene_destroy(scene);
+    }
+    write_draco(f, draco, sizeof draco, 5, 0);
+    assert_refused(f, "is accessors[0] of 5 × 3 numbers; what is unpacked has 4 × 3");
+    write_draco(f, draco, sizeof draco, 4, 7);
+    assert_refused(f, "attributes.POSITION: is 7; the data has no such attribute");
+}
+
+#if HAS_MESHOPT
+
+enum { VERTICES = 40 };
+
+/* A grid, packed with the mode ATTRIBUTES, and its triangles with TRIANGLES. */
+static void write_meshopt(fixture *f, size_t cut, const char *filter, int count) {
+    float vertices[VERTICES][3];
+    uint32_t indices[(VERTICES - 2) * 3];
+    build b = {.size = 0};
+    for (int i = 0; i < VERTICES; ++i)
+        vertices[i][0] = (float)(i / 2), vertices[i][1] = (float)(i % 2), vertices[i][2] = 0;
+    for (uint32_t i = 0; i < VERTICES - 2; ++i)
+        indices[i * 3] = i, indices[i * 3 + 1] = i + 1 + i % 2, indices[i * 3 + 2] = i + 2 - i % 2;
+    const size_t first =
+                     meshopt_encodeVertexBuffer(b.bytes, 4096, vertices, VERTICES, sizeof *vertices) - cut,
+                 second = meshopt_encodeIndexBuffer(b.bytes + 4096, 4096, indices, (VERTICES - 2) * 3);
+    char json[4096];
+    snprintf(
+        json, sizeof json,
+        "{" ASSET
+        ",'extensionsRequired':['EXT_meshopt_compression'],'buffers':[{'byteLength':8192},{'byteLength':"
+        "900000}],'bufferViews':[{'buffer':1,'byteLength':480,'byteStride':12,'extensions':{"
+        "'EXT_meshopt_compression':{'buffer':0,'byteLength':%zu,'byteStride':12,'count':%d,'mode':'"
+        "ATTRIBUTES'"
+        "%s}}},{'buffer':1,'byteLength':456,'extensions':{'EXT_meshopt_compression':{'buffer':0,'byteOffset':"
+        "4096,"
+        "'byteLength':%zu,'byteStride':4,'count':114,'mode':'TRIANGLES'}}}],'accessors':[{'bufferView':0,"
+        "'componentType':5126,'type':'VEC3','count':40},{'bufferView':1,'componentType':5125,'type':'SCALAR',"
+        "'count':114}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]}",
+        first, count, filter, second);
+    write_glb(f, json, b.bytes, 8192);
+}
+
+static void meshopt_unpacks_to_what_was_packed(void **state) {
+    fixture *f = *state;
+    write_meshopt(f, 0, "", VERTICES);
+    fathom_scene *scene = read_file(f);
+    assert_int_equal(scene->meshes.items[0].triangle_count, VERTICES - 2);
+    double area = 0;
+    for (uint32_t t = 0; t < VERTICES - 2; ++t) {
+        const vec3_f64 a = corner(scene, 0, t, 0);
+        area += cross_f64(sub_f64(corner(scene, 0, t, 1), a), sub_f64(corner(scene, 0, t, 2), a)).z / 2;
+    }
+    assert_near(fabs(area), VERTICES / 2 - 1, 0);
+    fathom_scene_destroy(scene);
+}
+
+static void broken_meshopt_is_refused(void **state) {
+    fixture *f = *state;
+    write_meshopt(f, 1, "", VERTICES);
+    assert_refused(
+        f, "bufferViews[0].extensions.EXT_meshopt_compression: cannot be unpacked: the data is broken");
+    write_meshopt(f, 0, ",'filter':'OCTAHEDRAL'", VERTICES);
+    assert_refused(f, "byteStride: is 12, which does not go with the mode and the filter");
+    write_meshopt(f, 0, ",'filter':'BOXES'", VERTICES);
+    assert_refused(f, "filter: is \"BOXES\"; expected one that EXT_meshopt_compression has");
+    write_meshopt(f, 0, "", 16);
+    assert_refused(f, "EXT_meshopt_compression: cannot be unpacked");
+}
+
+#endif
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(draco_unpacks_to_what_was_packed),
+        TEST(broken_draco_is_refused),
+#if HAS_MESHOPT
+        TEST(meshopt_unpacks_to_what_was_packed),
+        TEST(broken_meshopt_is_refused),
+#endif
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
