@@ -3,30 +3,11 @@
  * of the samples is the light that arrives.
  *
  * A path has a slot of its own and never splits, so what it carries from vertex to vertex lies there. */
-#include "integrate/media.h"
-#include "integrate/wave.h"
+#include "integrate/path.h"
 #include "math/limit.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-typedef struct path_wave {
-    wave wave; /* first: the integrator's interface points to it */
-    uint32_t depth;
-    uint64_t pixel[WAVE_SLOTS]; /* of the sample's key; see sample_pixel_hash() */
-    uint32_t index[WAVE_SLOTS];
-    /* The vertex that the ray left: where lights were asked for, and the density of the ray's direction. A
-     * camera ray's is infinite, as is that of a smooth lobe. */
-    float p[3][WAVE_SLOTS], n[3][WAVE_SLOTS], density[WAVE_SLOTS];
-    /* The cone around the ray as it left that vertex: its width there, and its angle. */
-    float width[WAVE_SLOTS], spread[WAVE_SLOTS];
-    /* Surfaces passed as if they were not there, and the way from the vertex to the last of them. */
-    uint32_t passes[WAVE_SLOTS];
-    float passed[WAVE_SLOTS];
-    media *media;                /* NULL: no volume absorbs light or has a priority */
-    uint8_t channel[WAVE_SLOTS]; /* that the path carries alone, from 1; 0: all three */
-    shader hidden;               /* a surface inside a volume of a higher priority */
-} path_wave;
 
 /* How often the path was scattered before the vertex it is at. */
 static uint32_t scattered(const path_wave *p, uint32_t slot) { return p->depth - p->passes[slot]; }
@@ -54,14 +35,6 @@ static void numbers(const path_wave *p, const vertex_block *v, sample_purpose pu
 }
 
 /* ---- light that the rays met ---- */
-
-static vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {
-    return (vec3_f32){from[0][slot], from[1][slot], from[2][slot]};
-}
-
-static vec3_f32 of_lane(const lanes3 from, unsigned i) {
-    return (vec3_f32){from[0][i], from[1][i], from[2][i]};
-}
 
 static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i,
                       const float radiance[3], float density) {
@@ -107,69 +80,10 @@ static void add_emission(path_wave *p, const vertex_block *v, unsigned i, const 
     add_light(p, slot, &v->path, i, s->emission, density);
 }
 
-static void absorb(path_wave *p, vertex_block *v) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        const uint32_t slot = v->path.slot[i];
-        float left[3];
-        const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
-        media_left(p->media, slot, sqrtf(dot_f32(way, way)) - p->passed[slot], left);
-        for (int c = 0; c < 3; ++c) v->path.weight[c][i] *= left[c];
-    }
-}
-
 static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     const uint32_t slot = v->path.slot[i];
     const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
     return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
-}
-
-/* The lanes, as bits, whose surfaces are not there, and the indices around the others. */
-static uint32_t meet_volumes(const path_wave *p, const vertex_block *v, float around[LANES]) {
-    uint32_t hidden = 0;
-    for (unsigned i = 0; i < LANES; ++i) {
-        const shader *s = v->shader.at[i];
-        around[i] = 1;
-        if (!s->encloses || !s->priority) continue;
-        if (!media_meet(p->media, v->path.slot[i], v->surface.material[i], v->surface.entering[i] != 0,
-                        &around[i]))
-            hidden |= 1u << i;
-    }
-    return hidden;
-}
-
-static void hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES], uint32_t hidden) {
-    wave *w = &p->wave;
-    for (unsigned i = 0; i < LANES; ++i) {
-        const uint32_t material = v->surface.material[i];
-        shader *made = &w->made[v - w->vertices][i];
-        if (hidden >> i & 1) {
-            v->shader.at[i] = &p->hidden;
-        } else if (around[i] != 1 && v->shader.at[i] != made) {
-            fathom_material m = w->run.plan->scene->materials.items[material].value;
-            m.ior /= around[i];
-            shader_prepare(&m, made);
-            v->shader.at[i] = made;
-        }
-    }
-}
-
-/* Neighbouring samples of a pixel take the channels in turns; which one begins is a matter of chance. */
-static void choose_channels(const path_wave *p, vertex_block *v) {
-    for (unsigned i = 0; i < LANES; ++i) {
-        const uint32_t slot = v->path.slot[i];
-        const uint32_t turn = (uint32_t)((p->index[slot] + (p->pixel[slot] >> 40)) % 3);
-        v->shader.channel[i] = p->channel[slot] ? p->channel[slot] : 1 + turn;
-    }
-}
-
-/* Light that is another one for each channel counts three times in one of them. crosses: the surface. True:
- * from there on the path carries that channel alone. */
-static bool part_channels(const path_wave *p, const vertex_block *v, unsigned i, bool crosses, float rgb[3]) {
-    const bool inside = !v->surface.entering[i];
-    if (!(v->shader.at[i]->lobes & SHADER_DISPERSIVE) || p->channel[v->path.slot[i]]) return false;
-    if (!crosses && !inside) return false;
-    for (uint32_t c = 0; c < 3; ++c) rgb[c] *= c + 1 == v->shader.channel[i] ? 3 : 0;
-    return true;
 }
 
 /* The materials at the points. */
@@ -178,20 +92,20 @@ static void find_shaders(path_wave *p, vertex_block *v) {
     const render_plan *plan = w->run.plan;
     float width[LANES], around[LANES];
     for (int i = 0; i < LANES; ++i) v->shader.at[i] = &plan->shaders[v->surface.material[i]];
-    const uint32_t hidden = plan->nested ? meet_volumes(p, v, around) : 0;
+    const uint32_t hidden = plan->nested ? path_meet_volumes(p, v, around) : 0;
     if (plan->texturing) {
         for (unsigned i = 0; i < LANES; ++i) width[i] = width_at(p, v, i);
         texturing_shade(plan->texturing, w->gather, width, plan->nested ? around : NULL, &v->surface,
                         w->made[v - w->vertices], v->shader.at);
     }
-    if (plan->nested) hide_surfaces(p, v, around, hidden);
-    if (plan->dispersive) choose_channels(p, v);
+    if (plan->nested) path_hide_surfaces(p, v, around, hidden);
+    if (plan->dispersive) path_choose_channels(p, v);
 }
 
 static void begin_vertices(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     const render_plan *plan = w->run.plan;
-    if (p->media) absorb(p, v);
+    if (p->media) path_absorb(p, v);
     find_shaders(p, v);
     plan->shader_kernels->make(&v->surface, &v->shader);
     for (unsigned i = 0; i < v->surface.count; ++i) {
@@ -249,19 +163,6 @@ static void weigh(const path_wave *p, const vertex_block *v, const emitter_sampl
     }
 }
 
-static void dim_by_media(const path_wave *p, const vertex_block *v, const light_block *ray,
-                         const uint32_t behind[LANES], lanes3 gain) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        float left[3];
-        if (behind[i] && p->wave.run.plan->shaders[v->surface.material[i]].encloses)
-            media_left_behind(p->media, v->path.slot[i], v->surface.material[i], v->surface.entering[i] != 0,
-                              ray->distance[i], left);
-        else
-            media_left(p->media, v->path.slot[i], ray->distance[i], left);
-        for (int c = 0; c < 3; ++c) gain[c][i] *= left[c];
-    }
-}
-
 /* Light from outside ends in no closed mesh. Where other lights lie is not known. */
 static void note_depths(const vertex_block *v, const emitter_sample *light, const light_block *ray,
                         const uint32_t behind[LANES], shadow_depths *out) {
@@ -269,14 +170,6 @@ static void note_depths(const vertex_block *v, const emitter_sample *light, cons
         out->start[i] = behind[i] ? v->depth_behind[i] : v->path.depth[i];
         out->end[i] = ray->distance[i] == INFINITY ? 0 : WATERTIGHT_UNSURE;
         out->sized[i] = light->sized[i] != 0;
-    }
-}
-
-static void part_gains(const path_wave *p, const vertex_block *v, const uint32_t behind[LANES], lanes3 gain) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        float rgb[3] = {gain[0][i], gain[1][i], gain[2][i]};
-        if (!part_channels(p, v, i, behind[i] != 0, rgb)) continue;
-        for (int c = 0; c < 3; ++c) gain[c][i] = rgb[c];
     }
 }
 
@@ -302,8 +195,8 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
     weigh(p, v, &light, f, density, gain);
     aim(&v->surface, &light, &ray, behind);
-    if (p->media) dim_by_media(p, v, &ray, behind, gain);
-    if (plan->dispersive) part_gains(p, v, behind, gain);
+    if (p->media) path_dim_lights(p, v, &ray, behind, gain);
+    if (plan->dispersive) path_part_lights(p, v, behind, gain);
     note_depths(v, &light, &ray, behind, &depths);
     if (p->wave.run.samples.layers) note_tags(p, v, &depths);
     wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
@@ -407,7 +300,7 @@ static void push_paths(path_wave *p, size_t block, const float choice[LANES]) {
         float weight[3];
         for (int c = 0; c < 3; ++c) weight[c] = limited(v->path.weight[c][i] * to.weight[c][i]);
         if (p->wave.run.plan->dispersive && !to.straight[i] &&
-            part_channels(p, v, i, to.through[i] != 0, weight))
+            path_part_channels(p, v, i, to.through[i] != 0, weight))
             p->channel[v->path.slot[i]] = (uint8_t)v->shader.channel[i];
         if (goes_on(p, weight, roulette[0][i])) push_path(p, v, &to, weight, i);
     }

@@ -1,5 +1,10 @@
 /* Chooses one of many lights by how much it may send to a point: a tree of bounds of places, directions and
- * power (Conty Estevez and Kulla 2018), eight children to a node. */
+ * power (Conty Estevez and Kulla 2018), eight children to a node.
+ *
+ * Bounds tell little about lights that surround the point, and a walk from the root would lose half of its
+ * chance to far lights at every level. So the walk starts from a cut through the tree: nodes near the point
+ * are replaced by their children, the heaviest first, up to TREE_NEAR of them (as in Yuksel's stochastic
+ * lightcuts, 2019, but chosen for each point). */
 #ifndef LIGHT_TREE_H
 #define LIGHT_TREE_H
 
@@ -10,6 +15,7 @@
 
 #define TREE_WIDE 8
 #define TREE_LEAF 0x80000000u
+#define TREE_NEAR 15
 
 /* A light, for building. */
 typedef struct tree_item {
@@ -19,10 +25,11 @@ typedef struct tree_item {
     uint32_t light;
 } tree_item;
 
-/* The bounds of each child: a sphere, a cone around ±axis with the cosine `spread`, and the sum of power.
- * Empty ones have no power. Places and radii are multiplied by the tree's scale. */
+/* The bounds of each child: a box by its middle and half its sides, a cone around ±axis with the cosine
+ * `spread`, and the sum of power. Empty ones have no power. Lengths are multiplied by the tree's scale. */
 typedef struct tree_node {
-    float x[TREE_WIDE], y[TREE_WIDE], z[TREE_WIDE], radius[TREE_WIDE];
+    float x[TREE_WIDE], y[TREE_WIDE], z[TREE_WIDE];
+    float half_x[TREE_WIDE], half_y[TREE_WIDE], half_z[TREE_WIDE];
     float axis_x[TREE_WIDE], axis_y[TREE_WIDE], axis_z[TREE_WIDE], spread[TREE_WIDE];
     float power[TREE_WIDE];
     uint32_t child[TREE_WIDE]; /* a node, or TREE_LEAF + a light */
@@ -44,9 +51,19 @@ void tree_destroy(tree *t);
 /* The chance that choose() takes the light in this slot. */
 double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, uint32_t slot);
 
+/* A cut: the children of `count` nodes, of which the first is the root. A child that is among the nodes has
+ * no weight of its own. */
+typedef struct tree_cut {
+    uint32_t count, node[1 + TREE_NEAR];
+    float weight[1 + TREE_NEAR][TREE_WIDE];
+} tree_cut;
+
 typedef struct tree_kernels {
-    /* How much the children of a node may send to p, which is multiplied by the tree's scale. */
-    void (*weigh)(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE]);
+    /* How much the children of a node may send to p, which is multiplied by the tree's scale. unsure:
+     * the most that nodes near p may send, and 0 for all others. */
+    void (*weigh)(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE],
+                  float unsure[TREE_WIDE]);
+    void (*cut)(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out); /* p: likewise */
 
     /* The lights that u in [0,1) chooses for points p with unit normals n (0: none), and their chances, for
      * the lanes whose bit is set; chance 0: no light reaches the point. Changes u. */

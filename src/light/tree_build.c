@@ -216,23 +216,16 @@ static void bound_axes(const tree_item *items, uint32_t count, tree_node *node, 
     node->spread[k] = (float)fmax(least - 0x1p-20, 0);
 }
 
-/* A sphere around the middle of the box; an eighth of a millionth covers roundings. */
-static void bound_places(const tree_item *items, uint32_t count, const sums *all, float scale,
-                         tree_node *node, int k) {
-    double middle[3], square = 0;
-    for (int c = 0; c < 3; ++c) middle[c] = 0.5 * (double)all->lower[c] + 0.5 * (double)all->upper[c];
-    for (uint32_t i = 0; i < count; ++i) {
-        double far = 0;
-        for (int c = 0; c < 3; ++c) {
-            double d = fmax(middle[c] - (double)items[i].lower[c], (double)items[i].upper[c] - middle[c]);
-            far += d * d;
-        }
-        square = fmax(square, far);
+/* A millionth covers roundings. */
+static void bound_places(const sums *all, float scale, tree_node *node, int k) {
+    float *const middle[3] = {&node->x[k], &node->y[k], &node->z[k]};
+    float *const half[3] = {&node->half_x[k], &node->half_y[k], &node->half_z[k]};
+    for (int c = 0; c < 3; ++c) {
+        const double lower = (double)all->lower[c], upper = (double)all->upper[c];
+        const double at = 0.5 * lower + 0.5 * upper, side = 0.5 * upper - 0.5 * lower;
+        *middle[c] = (float)((double)scale * at);
+        *half[c] = (float)((double)scale * (side * (1 + 0x1p-20) + 0x1p-22 * fabs(at)));
     }
-    double s = (double)scale, reach = fabs(middle[0]) + fabs(middle[1]) + fabs(middle[2]);
-    node->x[k] = (float)(s * middle[0]), node->y[k] = (float)(s * middle[1]);
-    node->z[k] = (float)(s * middle[2]);
-    node->radius[k] = (float)(s * (sqrt(square) * (1 + 0x1p-20) + 0x1p-22 * reach));
 }
 
 static piece piece_of(const tree_item *items, uint32_t first, uint32_t count) {
@@ -271,7 +264,7 @@ static bool add_child(builder *b, uint32_t at, int k, const piece *p) {
     tree_node *node = &b->nodes.items[at];
     const tree_item *items = b->items + p->first;
     const uint32_t slot = at * TREE_WIDE + (uint32_t)k;
-    bound_places(items, p->all.count, &p->all, b->scale, node, k);
+    bound_places(&p->all, b->scale, node, k);
     bound_axes(items, p->all.count, node, k);
     node->power[k] = (float)fmax(p->all.power, 0x1p-100);
     node->child[k] = p->all.count == 1 ? TREE_LEAF + items->light : (uint32_t)b->nodes.count;

@@ -1,4 +1,4 @@
-#include "texture/cache.h"
+#include "texture/kernels.h"
 
 #include "image/helper/helper.h"
 #include "scene/scene.h"
@@ -118,7 +118,8 @@ fathom_status texture_cache_open(fathom_context *context, const fathom_scene *sc
     const char *config = getenv("OCIO");
     texture_cache *cache = *out = calloc(1, sizeof *cache);
     if (!cache) return fail_memory(context, sizeof *cache);
-    *cache = (texture_cache){.config = config && *config ? config : NULL,
+    *cache = (texture_cache){.kernels = texture_kernels_best(),
+                             .config = config && *config ? config : NULL,
                              .threads = fathom_context_threads(context),
                              .count = count,
                              .memory.descriptor = -1,
@@ -178,7 +179,7 @@ fathom_status texture_average(texture_cache *cache, fathom_context *context, fat
     }
     /* The last level is the mean; a footprint wider than the image shows it. */
     const cache_slot whole = {img, FATHOM_WRAP_CLAMP, FATHOM_WRAP_CLAMP, FATHOM_TEXTURE_TRILINEAR};
-    cache_look_up(cache, &whole, 0.5f, 0.5f, 2, NULL, rgba);
+    cache->kernels->mean(cache, &whole, 0.5f, 0.5f, 2, rgba);
     return texture_cache_check(cache, context);
 }
 

@@ -28,6 +28,7 @@ typedef struct cache_slot {
 #define CACHE_OPEN 64 /* mip-mapped files that are open at once, at most */
 
 struct texture_cache {
+    const struct texture_kernels *kernels;
     const char *config; /* of OpenColorIO; NULL: the built-in one */
     unsigned threads;
     size_t count, image_count;
@@ -57,12 +58,5 @@ void cache_close_source(cache_image *img);
 static inline const char *cache_name(const fathom_texture *t) {
     return t->name ? t->name : t->file ? t->file : "(texture in memory)";
 }
-
-/* One texel of a level. False when the image is broken. */
-bool cache_texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
-                 float rgba[4]);
-/* One lookup; chance NULL: the weighted mean. */
-void cache_look_up(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
-                   const float *chance, float rgba[4]);
 
 #endif

@@ -4,7 +4,7 @@
 #include "image/output.h"
 #include "image/pack.h"
 #include "scene/scene.h"
-#include "texture/cache.h"
+#include "texture/kernels.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -45,7 +45,7 @@ static bool put_row(written *w, unsigned level, uint32_t y, unsigned char *out) 
     const uint32_t width = w->slot->image->plan.levels[level].width;
     for (uint32_t x = 0; x < width; ++x) {
         float rgba[4];
-        if (!cache_texel(w->cache, w->slot, level, x, y, rgba)) return false;
+        if (!w->cache->kernels->texel(w->cache, w->slot, level, x, y, rgba)) return false;
         for (unsigned c = 0; c < w->channels; ++c, out += image_texel_size(w->type))
             put_number(w, rgba[c], c == 3, out);
     }

@@ -225,9 +225,10 @@ static void pbr_keys_make_a_metallic_roughness_material(void **state) {
     assert_true(m.roughness == 0.125f && m.metallic == 0.75f && m.opacity == 0.5f && m.ior == 1.25f);
     assert_true(m.clearcoat == 0.5f && m.clearcoat_roughness == 0.25f);
     assert_int_equal(material_of("Kd 1 1 1\n").model, FATHOM_MODEL_CLASSIC);
-    material_of("Ps 1\naniso 1\n");
-    expect_warning(":2: Ps (sheen) is not read");
-    expect_warning(":3: aniso");
+    m = material_of("Ps 0.75\naniso 0.5\nanisor 0.25\n");
+    assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
+    assert_true(m.sheen_color[2] == 0.75f && m.sheen_roughness == 0.5f && m.anisotropy == 0.5f);
+    assert_near(m.anisotropy_rotation, 1.5707963, 1e-6);
 }
 
 static void numbers_out_of_range_become_the_nearest(void **state) {

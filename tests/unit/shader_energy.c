@@ -26,6 +26,9 @@ static double mean_weight(const shading *at, float choice, int blocks) {
     return sum / (16.0 * blocks);
 }
 
+/* Smooth lobes have one direction. */
+static int points_of(int lobe, int blocks) { return lobe >= SHADER_TAKE_MIRROR ? 1 : blocks; }
+
 /* What the material sends on of light from all around: each lobe by itself, by its chance. */
 static double sent_on(const fathom_material *m, double cosine, bool entering, int blocks) {
     shading at;
@@ -33,7 +36,7 @@ static double sent_on(const fathom_material *m, double cosine, bool entering, in
     shading_open(&at, m, cosine, entering);
     for (int k = 0; k < SHADER_TAKES; ++k) {
         const double chance = (double)at.block.take[k][0];
-        if (chance > 0) sum += chance * mean_weight(&at, (float)(start + chance / 2), blocks);
+        if (chance > 0) sum += chance * mean_weight(&at, (float)(start + chance / 2), points_of(k, blocks));
         start += chance;
     }
     return sum;
@@ -54,7 +57,7 @@ static const double cosines[] = {1, 0.7, 0.3, 0.1, 0.02};
 #define COUNT(list) (int)(sizeof(list) / sizeof *(list))
 
 /* Loss and gain at most 0.5 %: the curves of energy.h are within 2e-3 but for the last of a degree above the
- * horizon, and the means of 16,384 points are as good. */
+ * horizon, and with the means of 8,192 points the worst that is found is 2.3e-3. */
 static void white_surfaces_and_thin_walls_send_on_all_light(void **state) {
     (void)state;
     for (int r = 0; r < COUNT(roughnesses); ++r) {
@@ -62,7 +65,7 @@ static void white_surfaces_and_thin_walls_send_on_all_light(void **state) {
             fathom_material m = white((float)(k % 3) / 2, roughnesses[r], indices[k / 9 % COUNT(indices)]);
             const double cosine = cosines[k / 9 / COUNT(indices)];
             m.transmission = (float)(k / 3 % 3) / 2, m.opacity = k % 2 ? 0.75f : 1;
-            const double all = sent_on(&m, cosine, true, 1024);
+            const double all = sent_on(&m, cosine, true, 512);
             if (!(fabs(all - 1) <= 0.005))
                 fail_msg("metallic %g, roughness %g, ior %g, transmission %g, cosine %g: %g",
                          (double)m.metallic, (double)m.roughness, (double)m.ior, (double)m.transmission,
@@ -78,7 +81,7 @@ static void solids_gain_nothing_and_clear_ones_lose_nothing(void **state) {
         for (int k = 0; k < COUNT(indices) * COUNT(cosines) * 4; ++k) {
             fathom_material m = white(0, roughnesses[r], indices[k / 4 % COUNT(indices)]);
             m.transmission = 1, m.thickness = 1, m.multiscatter = k % 4 < 2;
-            const double all = sent_on(&m, cosines[k / 4 / COUNT(indices)], k % 2, 1024);
+            const double all = sent_on(&m, cosines[k / 4 / COUNT(indices)], k % 2, 512);
             if (!(all <= 1.005) || (roughnesses[r] < 0.01f && !(fabs(all - 1) < 1e-5)))
                 fail_msg("roughness %g, ior %g, cosine %g, %s: %g", (double)m.roughness, (double)m.ior,
                          cosines[k / 4 / COUNT(indices)], k % 2 ? "entering" : "leaving", all);
@@ -143,7 +146,7 @@ static double sent_on_directed(const fathom_material *m, double cosine, double t
     shading_direct(&at, cos(turn), sin(turn), 0);
     for (int k = 0; k < SHADER_TAKES; ++k) {
         const double chance = (double)at.block.take[k][0];
-        if (chance > 0) sum += chance * mean_weight(&at, (float)(start + chance / 2), blocks);
+        if (chance > 0) sum += chance * mean_weight(&at, (float)(start + chance / 2), points_of(k, blocks));
         start += chance;
     }
     return sum;
@@ -156,7 +159,7 @@ static void brushed_surfaces_send_on_all_light(void **state) {
         fathom_material m = white((float)(k % 2), (const float[]){0.1f, 0.3f, 0.6f}[k / 4 % 3], 1.5f);
         m.anisotropy = k / 2 % 2 ? 1 : 0.5f;
         const double cosine = cosines[k / 12 % 4], turn = (k / 48) * 0.7;
-        const double all = sent_on_directed(&m, cosine, turn, 1024);
+        const double all = sent_on_directed(&m, cosine, turn, 512);
         if (!(fabs(all - 1) <= 0.006))
             fail_msg("metallic %d, roughness %g, anisotropy %g, cosine %g, turn %g: %g", k % 2,
                      (double)m.roughness, (double)m.anisotropy, cosine, turn, all);

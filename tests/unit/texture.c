@@ -1,7 +1,7 @@
 /* Textures: what lookups give, for files of every kind, under any limit and on any threads. */
 #include "image/image.h"
 #include "scene/scene.h"
-#include "texture/cache.h"
+#include "texture/kernels.h"
 #include "unit_folder.h"
 
 #include <pthread.h>
@@ -492,6 +492,34 @@ static void filters_by_chance_keep_the_expectation(void **state) {
     unlink(in_folder("n.ppm"));
 }
 
+/* Bytes and the halves of smaller levels, by each filter. */
+static void instruction_sets_look_up_the_same_bits(void **state) {
+    (void)state;
+    fathom_texture t[4];
+    put_noise("n.ppm", 200, 131, 6);
+    for (unsigned i = 0; i < 4; ++i) {
+        t[i] = texture_of("n.ppm", i % 2 ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR);
+        t[i].wrap_u = t[i].wrap_v = i % 3, t[i].filter = i % 3;
+    }
+    opened o = open_textures(t, 4, ALL);
+    for (unsigned k = 0; k < 400; ++k) {
+        texture_queries q = {.count = TEXTURE_BLOCK, .stochastic = k % 2};
+        for (unsigned i = 0; i < TEXTURE_BLOCK; ++i) {
+            const float x = (float)(k * TEXTURE_BLOCK + i);
+            q.texture[i] = i % 4, q.chance[i] = x * 0x1p-13f;
+            q.u[i] = x * 0.137f - 300, q.v[i] = x * 0.071f - 200, q.width[i] = x * 0x1p-14f;
+        }
+        float plain[4][TEXTURE_BLOCK], found[4][TEXTURE_BLOCK];
+        texture_kernels_at(0)->look_up(o.cache, &q, plain);
+        for (unsigned set = 1; texture_kernels_at(set); ++set) {
+            texture_kernels_at(set)->look_up(o.cache, &q, found);
+            assert_memory_equal(found, plain, sizeof plain);
+        }
+    }
+    close_textures(&o);
+    unlink(in_folder("n.ppm"));
+}
+
 static void places_that_are_not_finite_give_some_texel(void **state) {
     (void)state;
     put_noise("n.ppm", 3, 3, 5);
@@ -828,6 +856,7 @@ int main(void) {
         cmocka_unit_test(the_mean_of_each_level_is_the_mean_of_the_image),
         cmocka_unit_test(trilinear_filters_lie_between_two_levels),
         cmocka_unit_test(filters_by_chance_keep_the_expectation),
+        cmocka_unit_test(instruction_sets_look_up_the_same_bits),
         cmocka_unit_test(places_that_are_not_finite_give_some_texel),
         cmocka_unit_test(mip_mapped_files_keep_texels_and_means),
         cmocka_unit_test(mip_mapped_files_are_read_in_parts),

@@ -2,7 +2,12 @@
 #include "light/tree.h"
 #include "base/kernel.h"
 
+/* Nodes that may send less than this part of all are not worth their children. */
+#define LITTLE 0.02f
+
 static inline float positive(float x) { return x > 0 ? x : 0; }
+
+static inline float least(float a, float b) { return a < b ? a : b; }
 
 /* cos(a - b), and 1 where a <= b, of angles in [0, pi] by their cosines and the sine of b. */
 static inline float cos_less(float cos_a, float cos_b, float sin_b) {
@@ -10,23 +15,77 @@ static inline float cos_less(float cos_a, float cos_b, float sin_b) {
     return cos_a >= cos_b ? 1 : less;
 }
 
-/* Power times the least cosines over the squared distance. Distances less than half the radius tell nothing
- * about where the lights are; so they count as that. */
-static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE]) {
+/* Power times the cosines at both ends over a squared distance. A cosine is the mean of that of the box's
+ * middle and of a bound: the corner that is highest above the surface, or off the lights' own, over the
+ * distance of the nearest point. So a flat field of lights sends little along itself, however large it is,
+ * and lights that reach the point have a chance. Distances of less than half of the half diagonal count as
+ * that, because what a large light sends to a point near it is bounded. Of many lights one may be very near,
+ * so their squared distance is the product of that of the middle and that of the nearest point. */
+static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE],
+                  float unsure[TREE_WIDE]) {
     const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;
+    float leaf[TREE_WIDE];
+    for (int i = 0; i < TREE_WIDE; ++i) leaf[i] = (float)(node->child[i] >> 31);
     for (int i = 0; i < TREE_WIDE; ++i) {
-        float x = node->x[i] - p.x, y = node->y[i] - p.y, z = node->z[i] - p.z, r = node->radius[i];
-        float square = x * x + y * y + z * z, inverse = 1 / sqrtf(square + 0x1p-120f);
-        float seen = r * inverse, sin_u = seen < 1 ? seen : 1, cos_u = sqrtf(1 - sin_u * sin_u);
-        float spread = node->spread[i], sin_o = sqrtf(positive(1 - spread * spread));
-        float cos_ou = spread * cos_u - sin_o * sin_u, sin_ou = sin_o * cos_u + spread * sin_u;
-        float leaving = fabsf(x * node->axis_x[i] + y * node->axis_y[i] + z * node->axis_z[i]) * inverse;
-        float arriving = (x * n.x + y * n.y + z * n.z) * inverse;
-        float sent = cos_less(leaving, cos_ou, sin_ou), met = positive(cos_less(arriving, cos_u, sin_u));
-        float within = 0.25f * r * r, far = square > within ? square : within;
+        float x = node->x[i] - p.x, y = node->y[i] - p.y, z = node->z[i] - p.z;
+        float hx = node->half_x[i], hy = node->half_y[i], hz = node->half_z[i];
+        float ax = node->axis_x[i], ay = node->axis_y[i], az = node->axis_z[i];
+        float square = x * x + y * y + z * z, r2 = hx * hx + hy * hy + hz * hz;
+        float nx = positive(fabsf(x) - hx), ny = positive(fabsf(y) - hy), nz = positive(fabsf(z) - hz);
+        float nearest = nx * nx + ny * ny + nz * nz, spread = node->spread[i];
+        float inverse = 1 / sqrtf(nearest + 0x1p-120f);
+        float leaving = fabsf(x * ax + y * ay + z * az), arriving = x * n.x + y * n.y + z * n.z;
+        float along = hx * fabsf(ax) + hy * fabsf(ay) + hz * fabsf(az);
+        float above = arriving + hx * fabsf(n.x) + hy * fabsf(n.y) + hz * fabsf(n.z);
+        float middle = 1 / sqrtf(square + 0x1p-120f);
+        float off = 0.5f * (least(1, (leaving + along) * inverse) + leaving * middle);
+        float met = 0.5f * (least(1, positive(above * inverse)) + positive(arriving * middle));
         met = one_sided > 0 ? met : 1;
-        met = seen < 1 ? met : 1;
+        float sent = cos_less(off, spread, sqrtf(positive(1 - spread * spread)));
+        float within = 0.25f * r2, far = square > within ? square : within;
+        far = leaf[i] > 0 ? far : sqrtf(far * (nearest + r2 / 64));
         weight[i] = node->power[i] * sent * met / (far + 0x1p-120f);
+        unsure[i] = nearest < r2 && leaf[i] == 0 ? node->power[i] * sent * met / (nearest + 0x1p-100f) : 0;
+    }
+}
+
+/* The largest of the children's values, and whose it is. */
+static inline float largest(const float value[TREE_WIDE], int *which) {
+    float most = value[0];
+    *which = 0;
+    for (int i = 1; i < TREE_WIDE; ++i) {
+        *which = value[i] > most ? i : *which;
+        most = value[i] > most ? value[i] : most;
+    }
+    return most;
+}
+
+static inline float sum_of(const float value[TREE_WIDE]) {
+    float sum = 0;
+    for (int i = 0; i < TREE_WIDE; ++i) sum += value[i];
+    return sum;
+}
+
+static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_cut *out) {
+    float unsure[1 + TREE_NEAR][TREE_WIDE], most[1 + TREE_NEAR], sum;
+    int which[1 + TREE_NEAR];
+    out->node[0] = 0;
+    weigh(t->nodes, p, n, out->weight[0], unsure[0]);
+    most[0] = largest(unsure[0], &which[0]);
+    sum = sum_of(out->weight[0]);
+    for (out->count = 1; out->count <= TREE_NEAR; ++out->count) {
+        const uint32_t last = out->count;
+        uint32_t k = 0;
+        for (uint32_t i = 1; i < last; ++i) k = most[i] > most[k] ? i : k;
+        if (!(most[k] > LITTLE * sum)) return;
+        const int c = which[k];
+        out->node[last] = t->nodes[out->node[k]].child[c];
+        sum -= out->weight[k][c];
+        out->weight[k][c] = unsure[k][c] = 0;
+        most[k] = largest(unsure[k], &which[k]);
+        weigh(&t->nodes[out->node[last]], p, n, out->weight[last], unsure[last]);
+        sum += sum_of(out->weight[last]);
+        most[last] = largest(unsure[last], &which[last]);
     }
 }
 
@@ -46,27 +105,76 @@ static int pick(const float weight[TREE_WIDE], double *u, double *chance) {
     return found;
 }
 
+/* The node of the cut at u times the sum of weights; -1: nothing has a weight. */
+static int pick_node(const tree_cut *cut, double *u, double *chance) {
+    double part[1 + TREE_NEAR] = {0}, sum = 0;
+    for (uint32_t k = 0; k < cut->count; ++k) {
+        for (int i = 0; i < TREE_WIDE; ++i) part[k] += (double)cut->weight[k][i];
+        sum += part[k];
+    }
+    if (!(sum > 0)) return -1;
+    int found = -1;
+    double left = *u * sum;
+    for (int k = 0; k < (int)cut->count; ++k) {
+        if (!(part[k] > 0)) continue;
+        if (found >= 0 && left < part[found]) break;
+        if (found >= 0) left -= part[found];
+        found = k;
+    }
+    *u = left < part[found] * (1 - 0x1p-53) ? left / part[found] : 1 - 0x1p-53;
+    *chance *= part[found] / sum;
+    return found;
+}
+
+/* One step of a walk: the child of a node, whose weights are known. False: it ends there. */
+static inline bool walk(const tree_node *node, const float weight[TREE_WIDE], double *u, uint32_t *light,
+                        double *chance) {
+    const int child = pick(weight, u, chance);
+    if (child < 0) {
+        *chance = 0;
+        return false;
+    }
+    *light = node->child[child];
+    return !(*light & TREE_LEAF);
+}
+
+/* The first step of each lane's walk; returns those that go on. */
+static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
+                           uint32_t light[LANES], double chance[LANES]) {
+    unsigned on = 0;
+    tree_cut c;
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        const vec3_f32 at = {t->scale * p[0][i], t->scale * p[1][i], t->scale * p[2][i]};
+        cut(t, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, &c);
+        const int k = pick_node(&c, &u[i], &chance[i]);
+        if (k < 0)
+            chance[i] = 0;
+        else if (walk(&t->nodes[c.node[k]], c.weight[k], &u[i], &light[i], &chance[i]))
+            on |= 1u << i;
+    }
+    return on;
+}
+
 /* Level by level: the processor works on several lanes' nodes at once while they come from memory. */
 static void choose(const tree *t, const lanes3 p, const lanes3 n, unsigned lanes, double u[LANES],
                    uint32_t light[LANES], double chance[LANES]) {
     for (int i = 0; i < LANES; ++i) light[i] = 0, chance[i] = 1;
+    lanes = leave_cuts(t, p, n, lanes, u, light, chance);
     while (lanes) {
         for (unsigned left = lanes; left; left &= left - 1) {
             const int i = __builtin_ctz(left);
             const vec3_f32 at = {t->scale * p[0][i], t->scale * p[1][i], t->scale * p[2][i]};
             const tree_node *node = &t->nodes[light[i]];
-            float weight[TREE_WIDE];
-            weigh(node, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, weight);
-            const int child = pick(weight, &u[i], &chance[i]);
-            if (child >= 0) light[i] = node->child[child];
-            if (child < 0) chance[i] = 0;
-            if (child < 0 || light[i] & TREE_LEAF)
+            float weight[TREE_WIDE], unsure[TREE_WIDE];
+            weigh(node, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, weight, unsure);
+            if (!walk(node, weight, &u[i], &light[i], &chance[i]))
                 lanes &= ~(1u << i);
             else
-                for (int k = 0; k < 5; ++k) __builtin_prefetch((const char *)&t->nodes[light[i]] + 64 * k);
+                for (int k = 0; k < 6; ++k) __builtin_prefetch((const char *)&t->nodes[light[i]] + 64 * k);
         }
     }
     for (int i = 0; i < LANES; ++i) light[i] &= ~TREE_LEAF;
 }
 
-const tree_kernels KERNEL(tree_kernels) = {.weigh = weigh, .choose = choose};
+const tree_kernels KERNEL(tree_kernels) = {.weigh = weigh, .cut = cut, .choose = choose};

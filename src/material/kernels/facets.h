@@ -31,14 +31,19 @@ static inline void set_half(const shader_block *b, const lanes3 l, lanes3 h, flo
     }
 }
 
-/* D G2 / (4 n·v n·l) times n·l, and the density of l by visible normals: D G1 / (4 n·v). */
+/* D G2 / (4 n·v n·l) times n·l, and the density of l by visible normals: D G1 / (4 n·v). z and lz are the
+ * cosines, to and from what smith() says of both. */
+static inline float both_ways(float d, float z, float lz, float to, float from, float *density) {
+    *density = d / (2 * (z + to));
+    return d * lz / (2 * (z * from + lz * to));
+}
+
 static inline float mirrored_facets(const shader_block *b, float alpha, int i, const lanes3 l, const lanes3 h,
                                     float *density) {
     float a2 = alpha * alpha, z = b->v[2][i], lz = l[2][i];
     float to = smith(a2, b->v[0][i], b->v[1][i], z), from = smith(a2, l[0][i], l[1][i], lz);
     float d = ggx(a2, h[0][i], h[1][i], h[2][i]);
-    *density = d / (2 * (z + to));
-    return d * lz / (2 * (z * from + lz * to));
+    return both_ways(d, z, lz, to, from, density);
 }
 
 /* smith() and mirrored_facets() of the base. rare: some lane may be stretched. */
@@ -57,9 +62,7 @@ static inline float facets_of(const shader_block *b, bool rare, int i, const lan
     if (!is_stretched(b, rare, i)) return mirrored_facets(b, b->alpha[i], i, l, h, density);
     float z = b->v[2][i], lz = l[2][i], to = smith_stretched(b, i, b->v[0][i], b->v[1][i], z);
     float from = smith_stretched(b, i, l[0][i], l[1][i], lz);
-    float d = ggx_stretched(b, i, h[0][i], h[1][i], h[2][i]);
-    *density = d / (2 * (z + to));
-    return d * lz / (2 * (z * from + lz * to));
+    return both_ways(ggx_stretched(b, i, h[0][i], h[1][i], h[2][i]), z, lz, to, from, density);
 }
 
 static inline float along_half(const shader_block *b, const lanes3 h, int i) {

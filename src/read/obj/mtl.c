@@ -98,6 +98,9 @@ static const struct mtl_field {
     [MTL_PM] = {"Pm", offsetof(mtl_entry, pm), 1, 0, 1},
     [MTL_PC] = {"Pc", offsetof(mtl_entry, pc), 1, 0, 1},
     [MTL_PCR] = {"Pcr", offsetof(mtl_entry, pcr), 1, 0, 1},
+    [MTL_PS] = {"Ps", offsetof(mtl_entry, ps), 1, 0, 1},
+    [MTL_ANISO] = {"aniso", offsetof(mtl_entry, aniso), 1, 0, 1},
+    [MTL_ANISOR] = {"anisor", offsetof(mtl_entry, anisor), 1, -1, 1},
 };
 
 /* Images: the map that each makes, and the value that is 1 where the file gives none; -1: none. */
@@ -116,6 +119,7 @@ static const struct mtl_map {
     {"map_Pm", FATHOM_MAP_METALLIC, MTL_PM, false, NULL},
     {"map_Pc", FATHOM_MAP_CLEARCOAT, MTL_PC, false, NULL},
     {"map_Pcr", FATHOM_MAP_CLEARCOAT_ROUGHNESS, MTL_PCR, false, NULL},
+    {"map_Ps", FATHOM_MAP_SHEEN_COLOR, MTL_PS, false, NULL},
     {"norm", FATHOM_MAP_NORMAL, -1, false, NULL},
     {"map_Kn", FATHOM_MAP_NORMAL, -1, false, NULL},
     {"map_bump", FATHOM_MAP_NORMAL, -1, false,
@@ -127,10 +131,6 @@ static const struct mtl_map {
     {"map_Ka", -1, -1, false, "map_Ka is not read; ambient light is reflected as by Kd"},
     {"disp", -1, -1, false, "disp is not read; the surface is not displaced"},
     {"refl", -1, -1, false, "refl is not read; mirrors show the scene alone"},
-    {"Ps", -1, -1, false, "Ps (sheen) is not read"},
-    {"map_Ps", -1, -1, false, "Ps (sheen) is not read"},
-    {"aniso", -1, -1, false, "aniso and anisor are not read; highlights are round"},
-    {"anisor", -1, -1, false, "aniso and anisor are not read; highlights are round"},
 };
 
 /* The value, or the nearest one in the field's range; `before` for NaN. */

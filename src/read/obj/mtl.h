@@ -6,10 +6,10 @@
 
 /* A material's values as the file gives them. */
 typedef struct mtl_entry {
-    double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum, pr, pm, pc, pcr;
+    double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum, pr, pm, pc, pcr, ps, aniso, anisor;
     unsigned given; /* bits of the kinds below */
     double bump;    /* of the normal map */
-    const char *at[14];
+    const char *at[17];
 } mtl_entry;
 
 enum {
@@ -27,6 +27,9 @@ enum {
     MTL_PM,
     MTL_PC,
     MTL_PCR,
+    MTL_PS,
+    MTL_ANISO,
+    MTL_ANISOR,
     MTL_KINDS
 };
 _Static_assert(sizeof(((mtl_entry *)0)->at) == MTL_KINDS * sizeof(char *), "a place for each kind");

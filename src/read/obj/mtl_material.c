@@ -26,13 +26,15 @@
  * conserves energy. Fresnel's law needs ior != 1; with Ni 1 the mirror is a plain one.
  *
  * Pr, Pm, Pc and Pcr (roughness, metal, clear coat and its roughness) make it metallic-roughness: Kd is the
- * base colour, d the opacity, Ni the index; the remaining values above have no meaning there.
+ * base colour, d the opacity, Ni the index; the remaining values above have no meaning there. So do Ps, a
+ * white sheen whose roughness, which the format does not know, is 0.5, and aniso with anisor, a part of a
+ * turn.
  *
- * Images (map_Kd map_Ks map_Ke map_Ns map_d map_Pr map_Pm map_Pc norm) multiply their values, which are 1
- * where the file gives an image alone. Single numbers are the image's red, those of map_d its alpha where it
- * is the image of map_Kd; -imfchan says otherwise. -s, -o and -clamp are followed; v grows upwards in this
- * format. map_Bump is mostly a normal map, as exporters of today write it, where its name says so; heights
- * are not followed. */
+ * Images (map_Kd map_Ks map_Ke map_Ns map_d map_Pr map_Pm map_Pc map_Ps norm) multiply their values, which
+ * are 1 where the file gives an image alone. Single numbers are the image's red, those of map_d its alpha
+ * where it is the image of map_Kd; -imfchan says otherwise. -s, -o and -clamp are followed; v grows upwards
+ * in this format. map_Bump is mostly a normal map, as exporters of today write it, where its name says so;
+ * heights are not followed. */
 #include "read/obj/mtl.h"
 
 #include <stdlib.h>
@@ -84,7 +86,8 @@ static void scale(float rgb[3], double factor) {
 }
 
 static bool is_metallic(const mtl_entry *m) {
-    return mtl_given(m, MTL_PR) || mtl_given(m, MTL_PM) || mtl_given(m, MTL_PC);
+    return mtl_given(m, MTL_PR) || mtl_given(m, MTL_PM) || mtl_given(m, MTL_PC) || mtl_given(m, MTL_PS) ||
+           mtl_given(m, MTL_ANISO);
 }
 
 static fathom_material metallic_from(const mtl_entry *m) {
@@ -97,6 +100,9 @@ static fathom_material metallic_from(const mtl_entry *m) {
     if (mtl_given(m, MTL_PR)) out.roughness = (float)m->pr;
     out.metallic = (float)m->pm;
     out.clearcoat = (float)m->pc, out.clearcoat_roughness = (float)m->pcr;
+    out.anisotropy = (float)m->aniso, out.anisotropy_rotation = (float)(2 * 3.14159265358979 * m->anisor);
+    for (int k = 0; k < 3; ++k) out.sheen_color[k] = (float)m->ps;
+    out.sheen_roughness = m->ps > 0 ? 0.5f : 0;
     out.opacity = (float)m->d;
     if (m->ni >= 1) out.ior = (float)m->ni;
     return out;

@@ -60,7 +60,8 @@ static void white_leaf(law_room *room) {
     law_value(room, white);
 }
 
-/* ---- sheen: KHR_materials_sheen's formulas, by midpoints over the hemisphere ---- */
+/* ---- sheen: KHR_materials_sheen's formulas, by midpoints over the hemisphere
+ * ---- */
 
 static double fit(double x, double alpha) {
     const double t = square(1 - alpha), s = 1 - t;
@@ -93,7 +94,8 @@ static void sheen(law_room *room) {
     lobe(room, m, aside, scale_f64(sheen_reflectance(0.25, 0.6), through));
 }
 
-/* ---- anisotropy: GGX of two alphas with F = 1; see ggx_aslant() in matter.c ---- */
+/* ---- anisotropy: GGX of two alphas with F = 1; see ggx_aslant() in matter.c
+ * ---- */
 
 static double stretched_albedo(double ax, double ay, vec3_f64 v) {
     enum { RINGS = 1500, AROUND = 1000 };
@@ -121,7 +123,8 @@ static void brushed(law_room *room, vec3_f64 from) {
 static void brushed_along(law_room *room) { brushed(room, aside); }
 static void brushed_across(law_room *room) { brushed(room, across); }
 
-/* ---- a thin film on smooth metal, at a cosine of 9/16: Belcour & Barla's (2017) sum, term by term ---- */
+/* ---- a thin film on smooth metal, at a cosine of 9/16: Belcour & Barla's
+ * (2017) sum, term by term ---- */
 
 static double airy(double f0, double index, double nanometres, double cosine, int channel) {
     static const double fits[4][3] = {{5.4856e-13, 1.6810e6, 4.3278e9},
@@ -182,7 +185,8 @@ static void fire(law_room *room) { dispersive(room, 0); }
 
 static double both(double r, double s) { return r + square(1 - r) * s / (1 - r * s); }
 
-/* Both planes are of one material: what is entered by one is left by the other. */
+/* Both planes are of one material: what is entered by one is left by the other.
+ */
 static void slab(law_room *room, double top, double bottom, fathom_material m) {
     fathom_plane plane;
     fathom_plane_default(&plane);
@@ -196,30 +200,66 @@ static void slab(law_room *room, double top, double bottom, fathom_material m) {
     }
 }
 
-/* Two slabs that overlap: the higher priority ends where it ends, and the other one begins there. */
-static void overlap(law_room *room, double first, double second, double reflected) {
-    slab(room, -1, -2, clear(first, 2));
+/* Two slabs that overlap: the higher priority ends where it ends, and the other
+ * one begins there. */
+static void overlap(law_room *room, fathom_material first, double second) {
+    slab(room, -1, -2, first);
     slab(room, -1.5, -3, clear(second, 1));
     law_plane(room, vec_f64(0, 0, 2), down, law_emitter(white));
     law_look(room, origin, down);
-    law_value(room, scale_f64(reflected, white));
 }
 
-static void overlap_even(law_room *room) { overlap(room, 1.5, 1.5, both(0.04, 0.04)); }
+static void overlap_even(law_room *room) {
+    overlap(room, clear(1.5, 2), 1.5);
+    law_value(room, scale_f64(both(0.04, 0.04), white));
+}
+
+/* The first one absorbs over its whole width, there and back. */
+static double from_slabs(double remains, const double *reflected) {
+    const double r = reflected[0], s = reflected[1] * square(remains);
+    return r + square(1 - r) * s / (1 - r * s);
+}
 
 static void overlap_uneven(law_room *room) {
-    const double r = 0.04, between = square((2 - 1.5) / (2 + 1.5)), last = square((2.0 - 1) / (2 + 1));
-    overlap(room, 1.5, 2, both(both(r, between), last));
+    const double reflected[2] = {0.04, both(square((2 - 1.5) / (2 + 1.5)), square((2.0 - 1) / (2 + 1)))};
+    const vec3_f64 remains = {0.25, 0.5, 0.875};
+    fathom_material tinted = clear(1.5, 2);
+    tinted.attenuation_distance = 1;
+    law_set(tinted.attenuation_color, remains);
+    overlap(room, tinted, 2);
+    law_value(room, law_each(remains, from_slabs, reflected));
 }
 
-const law laws_of_layers[] = {{"leaf under an even sky", "(1-t) ρ + t τ", leaf},
-                              {"leaf lit from behind", "k_l t τ", leaf_from_behind},
-                              {"white leaf in an even sky", "L", white_leaf},
-                              {"sheen", "∫ D V cos", sheen},
-                              {"brushed metal, along", "∫ D G₂ v·h / n·v", brushed_along},
-                              {"brushed metal, across", "∫ D G₂ v·h / n·v", brushed_across},
-                              {"thin film on metal", "Belcour & Barla's sum", film},
-                              {"dispersive ball in an even sky", "L", fire},
-                              {"slabs of one index that overlap", "2r/(1+r)", overlap_even},
-                              {"slabs of two indices that overlap", "r₁ ⊕ r₁₂ ⊕ r₂", overlap_uneven},
-                              {NULL, NULL, NULL}};
+/* Where they overlap the higher priority fills the space, and it is clear:
+ * light is absorbed over a way of 1. */
+static double through_slabs(double remains, const double *reflected) {
+    const double r = reflected[0];
+    return square(1 - r) * remains / (1 - square(r * remains));
+}
+
+static void overlap_absorbs(law_room *room) {
+    static const double reflected[1] = {0.04};
+    const vec3_f64 remains = {0.25, 0.5, 0.875};
+    fathom_material tinted = clear(1.5, 1);
+    tinted.attenuation_distance = 1;
+    law_set(tinted.attenuation_color, remains);
+    slab(room, -1, -2, clear(1.5, 2));
+    slab(room, -1.5, -3, tinted);
+    law_plane(room, vec_f64(0, 0, -4), up, law_emitter(white));
+    law_look(room, origin, down);
+    law_value(room, law_each(remains, through_slabs, reflected));
+}
+
+const law laws_of_layers[] = {
+    {"leaf under an even sky", "(1-t) ρ + t τ", leaf},
+    {"leaf lit from behind", "k_l t τ", leaf_from_behind},
+    {"white leaf in an even sky", "L", white_leaf},
+    {"sheen", "∫ D V cos", sheen},
+    {"brushed metal, along", "∫ D G₂ v·h / n·v", brushed_along},
+    {"brushed metal, across", "∫ D G₂ v·h / n·v", brushed_across},
+    {"thin film on metal", "Belcour & Barla's sum", film},
+    {"dispersive ball in an even sky", "L", fire},
+    {"slabs of one index that overlap", "2r/(1+r)", overlap_even},
+    {"slabs of two indices that overlap", "r + (1-r)² c² s/(1-r c² s)", overlap_uneven},
+    {"slabs that overlap, one absorbing", "(1-r)² c/(1-r²c²)", overlap_absorbs},
+    {NULL, NULL, NULL}};

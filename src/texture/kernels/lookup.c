@@ -1,5 +1,6 @@
 /* Texels by place and footprint. */
-#include "texture/cache.h"
+#include "base/kernel.h"
+#include "texture/kernels.h"
 
 #include <math.h>
 #include <string.h>
@@ -239,22 +240,21 @@ INLINE void fetch_ahead(const lookup *at, unsigned level) {
     __builtin_prefetch(from + ((size_t)l->stride << l->shift));
 }
 
-bool cache_texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
-                 float rgba[4]) {
+static bool texel(texture_cache *cache, const cache_slot *slot, unsigned level, uint32_t x, uint32_t y,
+                  float rgba[4]) {
     lookup at = {.cache = cache, .slot = slot};
     const rgba_f32 found = single(&at, level, x, y);
     memcpy(rgba, &found, sizeof found);
     return !at.broken;
 }
 
-void cache_look_up(texture_cache *cache, const cache_slot *slot, float u, float v, float width,
-                   const float *chance, float rgba[4]) {
-    lookup at = begin(cache, slot, u, v, width, chance);
+static void mean(texture_cache *cache, const cache_slot *slot, float u, float v, float width, float rgba[4]) {
+    lookup at = begin(cache, slot, u, v, width, NULL);
     const rgba_f32 found = finish(&at);
     memcpy(rgba, &found, sizeof found);
 }
 
-void texture_lookup(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
+static void look_up(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
     lookup at[TEXTURE_BLOCK];
     for (unsigned i = 0; i < q->count; ++i) {
         at[i] = begin(cache, &cache->slots[q->texture[i]], q->u[i], q->v[i], q->width[i],
@@ -267,3 +267,6 @@ void texture_lookup(texture_cache *cache, const texture_queries *q, float rgba[4
         for (int c = 0; c < 4; ++c) rgba[c][i] = found[c];
     }
 }
+
+extern const texture_kernels KERNEL(texture_kernels);
+const texture_kernels KERNEL(texture_kernels) = {look_up, mean, texel};

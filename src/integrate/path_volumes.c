@@ -1,0 +1,79 @@
+#include "integrate/path.h"
+
+#include <math.h>
+
+void path_absorb(path_wave *p, vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        float left[3];
+        const vec3_f32 way = sub_f32(of_lane(v->surface.p, i), of_slot(p->p, slot));
+        media_left(p->media, slot, sqrtf(dot_f32(way, way)) - p->passed[slot], left);
+        for (int c = 0; c < 3; ++c) v->path.weight[c][i] *= left[c];
+    }
+}
+
+uint32_t path_meet_volumes(const path_wave *p, const vertex_block *v, float around[LANES]) {
+    uint32_t hidden = 0;
+    for (unsigned i = 0; i < LANES; ++i) {
+        const shader *s = v->shader.at[i];
+        around[i] = 1;
+        if (!s->encloses || !s->priority) continue;
+        if (!media_meet(p->media, v->path.slot[i], v->surface.material[i], v->surface.entering[i] != 0,
+                        &around[i]))
+            hidden |= 1u << i;
+    }
+    return hidden;
+}
+
+void path_hide_surfaces(path_wave *p, vertex_block *v, const float around[LANES], uint32_t hidden) {
+    wave *w = &p->wave;
+    for (unsigned i = 0; i < LANES; ++i) {
+        const uint32_t material = v->surface.material[i];
+        shader *made = &w->made[v - w->vertices][i];
+        if (hidden >> i & 1) {
+            v->shader.at[i] = &p->hidden;
+        } else if (around[i] != 1 && v->shader.at[i] != made) {
+            fathom_material m = w->run.plan->scene->materials.items[material].value;
+            m.ior /= around[i];
+            shader_prepare(&m, made);
+            v->shader.at[i] = made;
+        }
+    }
+}
+
+void path_choose_channels(const path_wave *p, vertex_block *v) {
+    for (unsigned i = 0; i < LANES; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        const uint32_t turn = (uint32_t)((p->index[slot] + (p->pixel[slot] >> 40)) % 3);
+        v->shader.channel[i] = p->channel[slot] ? p->channel[slot] : 1 + turn;
+    }
+}
+
+bool path_part_channels(const path_wave *p, const vertex_block *v, unsigned i, bool crosses, float rgb[3]) {
+    const bool inside = !v->surface.entering[i];
+    if (!(v->shader.at[i]->lobes & SHADER_DISPERSIVE) || p->channel[v->path.slot[i]]) return false;
+    if (!crosses && !inside) return false;
+    for (uint32_t c = 0; c < 3; ++c) rgb[c] *= c + 1 == v->shader.channel[i] ? 3 : 0;
+    return true;
+}
+
+void path_dim_lights(const path_wave *p, const vertex_block *v, const light_block *ray,
+                     const uint32_t behind[LANES], lanes3 gain) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        float left[3];
+        if (behind[i] && p->wave.run.plan->shaders[v->surface.material[i]].encloses)
+            media_left_behind(p->media, v->path.slot[i], v->surface.material[i], v->surface.entering[i] != 0,
+                              ray->distance[i], left);
+        else
+            media_left(p->media, v->path.slot[i], ray->distance[i], left);
+        for (int c = 0; c < 3; ++c) gain[c][i] *= left[c];
+    }
+}
+
+void path_part_lights(const path_wave *p, const vertex_block *v, const uint32_t behind[LANES], lanes3 gain) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        float rgb[3] = {gain[0][i], gain[1][i], gain[2][i]};
+        if (!path_part_channels(p, v, i, behind[i] != 0, rgb)) continue;
+        for (int c = 0; c < 3; ++c) gain[c][i] = rgb[c];
+    }
+}

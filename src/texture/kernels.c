@@ -1,0 +1,9 @@
+#include "texture/kernels.h"
+
+#include "base/kernel.h"
+
+KERNEL_CHOICE(texture_kernels)
+
+void texture_lookup(texture_cache *cache, const texture_queries *q, float rgba[4][TEXTURE_BLOCK]) {
+    cache->kernels->look_up(cache, q, rgba);
+}
