@@ -252,6 +252,13 @@ typedef struct fathom_mesh {
     const float *tangents;   /* x y z w: the direction of u, and w = ±1 with bitangent = w normal × tangent.
                                 NULL: from how the first uv set lies on each triangle */
     size_t tangent_stride;
+    /* Motion: the vertices at `key_count` times, in ascending order; 0 (default): they stay. `positions` then
+     * says how many there are, and tangents are made of it. Between two keys vertices and normals move
+     * linearly; before the first and after the last they rest. */
+    uint32_t key_count;
+    const double *key_times;
+    const float *key_positions; /* key_count times vertex_count x y z, tightly packed */
+    const float *key_normals;   /* key_count times normal_count x y z; needed where there are normals */
 } fathom_mesh;
 
 FATHOM_DEFAULT(fathom_sphere)
@@ -318,6 +325,13 @@ typedef struct fathom_instance {
     fathom_id parent;
     double transform[12]; /* group to parent, 3 rows of 4: p' = M p + T. Any invertible affine map. */
     fathom_id material;   /* replaces every material inside; FATHOM_NONE keeps them */
+    /* Motion: the places at `key_count` times, in ascending order; 0 (default): `transform` alone, which is
+     * else not read. Between two keys the translation and the stretch move linearly, and the rotation by the
+     * shorter way (so keys of a spin lie less than half a turn apart); before the first and after the last
+     * it rests. Planes cannot move. The arrays are copied. */
+    const double *key_times;
+    const double *key_transforms; /* 12 numbers each, as `transform` */
+    uint32_t key_count;
 } fathom_instance;
 
 FATHOM_DEFAULT(fathom_instance) /* identity, in the root */
@@ -342,6 +356,16 @@ typedef struct fathom_camera {
                  and for images as wide for their height as w is for h */
     double lens_radius;    /* >= 0; what lies off the plane of focus is blurred; default 0: a pinhole */
     double focus_distance; /* of the plane that is sharp, along the view; > 0 where there is a lens */
+    double shutter[2];     /* it opens and closes at these times, in the unit of the keys' times. What moves
+                              is blurred between them; default 0, 0: all is where it is at that time */
+    /* Motion of the camera: its frames at `key_count` times, as those of instances; 0 (default): it stays. */
+    uint32_t key_count;
+    const double *key_times;
+    const double *key_frames; /* 12 numbers each, camera to world: columns x, y, z and origin, as above */
+    uint32_t blades;          /* of the lens's diaphragm: its hole is a regular polygon of so many sides, with
+                                 corners at lens_radius; 3 to 64, or 0 (default): round */
+    double blade_rotation;    /* of the polygon, counter-clockwise as the image shows it; radians; default 0:
+                                 a corner to the right */
 } fathom_camera;
 
 FATHOM_DEFAULT(fathom_camera)

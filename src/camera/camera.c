@@ -23,6 +23,7 @@ void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height
     out->view = neg_f64(z);
     out->right = x, out->up = y;
     out->lens_radius = camera->lens_radius, out->focus_distance = camera->focus_distance;
+    out->blades = camera->blades, out->blade_rotation = camera->blade_rotation;
 }
 
 /* From the square to the disc by rings of equal area (Shirley and Chiu 1997). */
@@ -37,19 +38,28 @@ static void disc_point(double u, double v, double *x, double *y) {
     *x = r * cos(angle), *y = r * sin(angle);
 }
 
-void camera_through_lens(const shade_camera *c, const double u[LANES], const double v[LANES],
-                         trace_rays *rays) {
-    for (int i = 0; i < LANES; ++i) {
-        double x, y;
-        disc_point(u[i], v[i], &x, &y);
-        const vec3_f64 d = widen(trace_dir(rays, (size_t)i));
-        const vec3_f64 on = madd_f64(scale_f64(c->lens_radius * x, c->right), c->lens_radius * y, c->up);
-        const vec3_f64 focus = scale_f64(c->focus_distance / dot_f64(d, c->view), d);
-        const vec3_f32 org = narrow(add_f64(widen(c->eye), on));
-        const vec3_f32 dir = narrow(normalize_f64(sub_f64(focus, on)));
-        rays->org_x[i] = org.x, rays->org_y[i] = org.y, rays->org_z[i] = org.z;
-        rays->dir_x[i] = dir.x, rays->dir_y[i] = dir.y, rays->dir_z[i] = dir.z;
-    }
+/* In a regular polygon with corners at radius 1: in one of its triangles, by chance, by the square root that
+ * makes triangles even. */
+static void polygon_point(uint32_t blades, double rotation, double u, double v, double *x, double *y) {
+    const double step = 6.283185307179586 / blades, at = u * blades, r = sqrt(v);
+    const double first = rotation + floor(at) * step, part = at - floor(at);
+    *x = r * ((1 - part) * cos(first) + part * cos(first + step));
+    *y = r * ((1 - part) * sin(first) + part * sin(first + step));
+}
+
+void camera_lane_through_lens(const shade_camera *c, double u, double v, trace_rays *rays, uint32_t i) {
+    double x, y;
+    if (c->blades)
+        polygon_point(c->blades, c->blade_rotation, u, v, &x, &y);
+    else
+        disc_point(u, v, &x, &y);
+    const vec3_f64 d = widen(trace_dir(rays, (size_t)i));
+    const vec3_f64 on = madd_f64(scale_f64(c->lens_radius * x, c->right), c->lens_radius * y, c->up);
+    const vec3_f64 focus = scale_f64(c->focus_distance / dot_f64(d, c->view), d);
+    const vec3_f32 org = narrow(add_f64(widen(c->eye), on));
+    const vec3_f32 dir = narrow(normalize_f64(sub_f64(focus, on)));
+    rays->org_x[i] = org.x, rays->org_y[i] = org.y, rays->org_z[i] = org.z;
+    rays->dir_x[i] = dir.x, rays->dir_y[i] = dir.y, rays->dir_z[i] = dir.z;
 }
 
 KERNEL_CHOICE(camera_kernels)

@@ -15,6 +15,8 @@ typedef struct shade_camera {
     vec3_f64 view;                      /* unit, the way the camera looks */
     vec3_f64 right, up;                 /* unit */
     double lens_radius, focus_distance; /* a radius of 0: a pinhole */
+    uint32_t blades;                    /* 0: the lens is round */
+    double blade_rotation;
 } shade_camera;
 
 /* Width and height of the image plane at distance 1. */
@@ -42,10 +44,9 @@ typedef struct square_samples {
     bool alike; /* in the same place of all pixels: only the first is set */
 } square_samples;
 
-/* Turns a pinhole's rays into a thin lens's: each leaves a point of the lens for the point where the
- * pinhole's ray meets the plane of focus. u, v: two numbers in [0,1) a lane. */
-void camera_through_lens(const shade_camera *camera, const double u[LANES], const double v[LANES],
-                         trace_rays *rays);
+/* Turns a lane's ray from a pinhole's into a thin lens's: it leaves a point of the lens for the point where
+ * the pinhole's ray meets the plane of focus. u, v: two numbers in [0,1). */
+void camera_lane_through_lens(const shade_camera *camera, double u, double v, trace_rays *rays, uint32_t i);
 
 typedef struct camera_kernels {
     /* Rays through a square of 4 × 4 pixels, whose first is (left, top), towards t = infinity. */

@@ -368,11 +368,25 @@ static bool scatter(path_wave *p) {
 
 /* ---- the way of the paths ---- */
 
+/* Depths of the first hits along the view of a camera that moves. */
+static void find_depths(path_wave *p) {
+    wave *w = &p->wave;
+    for (size_t k = 0; k < w->vertex_count; ++k) {
+        const vertex_block *v = &w->vertices[k / LANES];
+        const uint32_t slot = v->path.slot[k % LANES];
+        shade_camera camera;
+        wave_camera_when(w->run.plan, w->times[slot], &camera);
+        const vec3_f32 way = sub_f32(of_lane(v->surface.p, k % LANES), camera.eye);
+        w->run.samples.first->z[slot] = (float)dot_f64(widen(way), camera.view);
+    }
+}
+
 static bool step(path_wave *p) {
     wave *w = &p->wave;
     const bool first = p->depth == 0, last = p->depth >= w->run.plan->max_depth && !w->run.plan->covered;
     if (!wave_trace(w, 0, w->now.count, first ? TRACE_COHERENT : TRACE_INCOHERENT)) return false;
     if (!wave_surfaces(w, first)) return false;
+    if (first && w->run.samples.first && w->run.plan->camera_moves) find_depths(p);
     w->next.count = 0;
     if (!last && !scatter(p)) return false;
     const path_queue kept = w->now;
@@ -387,6 +401,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
         const sample_key key = wave_square_key(&batch->squares[k / LANES], k % LANES);
         p->pixel[k] = sample_pixel_hash(&plan->sampler, key.x, key.y);
         p->index[k] = key.index;
+        if (p->wave.times) p->wave.times[k] = wave_time_of(plan, key);
         p->density[k] = INFINITY;
         p->p[0][k] = plan->camera.eye.x, p->p[1][k] = plan->camera.eye.y, p->p[2][k] = plan->camera.eye.z;
         p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
@@ -399,12 +414,23 @@ static void begin(path_wave *p, const wave_batch *batch) {
     if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
 }
 
+/* Paths of a camera that moves begin where it was. */
+static void begin_at_eyes(path_wave *p) {
+    const path_queue *now = &p->wave.now;
+    for (size_t k = 0; k < now->count; ++k) {
+        const uint32_t slot = now->paths[k / LANES].slot[k % LANES];
+        const vec3_f32 org = trace_org(&now->rays[k / LANES].rays, k % LANES);
+        p->p[0][slot] = org.x, p->p[1][slot] = org.y, p->p[2][slot] = org.z;
+    }
+}
+
 static bool run(integration *state, const wave_region *region, const wave_batch *batch) {
     path_wave *p = (path_wave *)state;
     wave *w = &p->wave;
     wave_begin_samples(w);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
+    if (w->run.plan->camera_moves) begin_at_eyes(p);
     for (p->depth = 0; w->now.count; ++p->depth) {
         wave_count_rays(w);
         if (!step(p)) return false;
@@ -428,6 +454,10 @@ static integration *create(const render_plan *plan, const atomic_bool *stop) {
     }
     shader_prepare_hole(&p->hidden);
     if ((plan->absorbs || plan->nested) && !(p->media = media_create(plan->shaders))) {
+        destroy(&p->wave.run);
+        return NULL;
+    }
+    if (plan->moves && !(p->wave.times = calloc(WAVE_SLOTS, sizeof *p->wave.times))) {
         destroy(&p->wave.run);
         return NULL;
     }

@@ -82,6 +82,8 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
     plan->background = !emitters_none(plan->emitters);
+    plan->camera_moves = motion_camera_moves(&plan->scene->camera);
+    plan->moves = plan->world->moves || plan->camera_moves;
     plan->unshadowed = !casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     if (plan->watertight) plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
@@ -137,6 +139,10 @@ static bool plan_lights(render_plan *plan) {
 }
 
 static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
+    if (motion_camera_moves(&plan->scene->camera))
+        return fail_field(context, FATHOM_BAD_USAGE, "integrator",
+                          "the classic integrator knows no motion, and the camera moves while the shutter is "
+                          "open; use path, or a shutter that opens and closes at one time");
     plan->background = parts_background(plan->scene);
     plan->crosses = (plan->features & MATERIAL_REFRACT) != 0;
     plan->max_depth = parts_bounces(plan->scene, &plan->settings) ? plan->settings.max_depth : 0;

@@ -34,6 +34,7 @@ typedef struct render_plan {
     pixel_filter filter;
     shader *shaders;                   /* by material; path tracing */
     texturing *texturing;              /* NULL: no material varies over a surface */
+    bool moves, camera_moves;          /* path tracing, while the shutter is open: something; the camera */
     float pixel_spread;                /* angle of the cone around a camera ray */
     emitters *emitters;                /* path tracing */
     struct reference_scene *reference; /* the reference integrator */

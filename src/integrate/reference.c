@@ -3,7 +3,9 @@
 
 #include "base/threads.h"
 #include "integrate/reference_inner.h"
+
 #include "math/frame.h"
+#include "scene/motion/motion.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -123,9 +125,8 @@ static bool survives(path *p, unsigned bounce, reference_random *random) {
     return reference_uniform(random) < chance;
 }
 
-bool reference_radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, uint64_t key,
-                        vec3_f64 *out) {
-    reference_random random = {reference_mix(key), 0};
+static bool radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, reference_random random,
+                     vec3_f64 *out) {
     path p = {.origin = origin, .direction = direction, .weight = {1, 1, 1}};
     vec3_f64 sum = {0, 0, 0};
     for (unsigned bounce = 0; !p.overlap; ++bounce) {
@@ -147,12 +148,25 @@ bool reference_radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 dire
     return !p.overlap;
 }
 
+bool reference_radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, uint64_t key,
+                        vec3_f64 *out) {
+    const reference_random random = {reference_mix(key), 0, r->scene->camera.shutter[0]};
+    return radiance(r, origin, direction, random, out);
+}
+
 /* ---- images ---- */
+
+/* Farther from the middle of its side than that is. */
+static bool beyond_blades(const fathom_camera *camera, double angle, double radius) {
+    const double step = 2 * PI / camera->blades, turned = (angle - camera->blade_rotation) / step;
+    const double aside = (turned - floor(turned) - 0.5) * step;
+    return radius * cos(aside) > camera->lens_radius * cos(step / 2);
+}
 
 /* Through the point (x, y) of the image, in pixels from the upper left corner. A lens moves the ray's origin,
  * and turns it so that it meets the plane of focus where it did. */
 static void camera_ray(const reference_scene *r, double x, double y, reference_random *random, path *out) {
-    const fathom_camera *camera = &r->scene->camera;
+    const fathom_camera there = motion_camera(&r->scene->camera, random->time), *camera = &there;
     const double width = r->settings.width, height = r->settings.height;
     const double w = camera->w > 0 ? camera->w : camera->h * width / height;
     const vec3_f64 right = load_f64(camera->x), up = load_f64(camera->y);
@@ -160,8 +174,11 @@ static void camera_ray(const reference_scene *r, double x, double y, reference_r
     d = madd_f64(d, -camera->d, load_f64(camera->z));
     out->origin = load_f64(camera->origin);
     if (camera->lens_radius > 0) {
-        const double angle = 2 * PI * reference_uniform(random);
-        const double radius = camera->lens_radius * sqrt(reference_uniform(random));
+        double angle, radius;
+        do {
+            angle = 2 * PI * reference_uniform(random);
+            radius = camera->lens_radius * sqrt(reference_uniform(random));
+        } while (camera->blades && beyond_blades(camera, angle, radius));
         const vec3_f64 off = madd_f64(scale_f64(radius * cos(angle), right), radius * sin(angle), up);
         out->origin = add_f64(out->origin, off);
         d = madd_f64(d, -camera->d / camera->focus_distance, off);
@@ -177,11 +194,14 @@ typedef struct render {
 
 bool reference_sample(const reference_scene *r, uint32_t x, uint32_t y, uint32_t index, vec3_f64 *out) {
     const uint64_t pixel = reference_mix(reference_mix(r->settings.seed) + ((uint64_t)y << 32 | x));
-    reference_random random = {reference_mix(pixel + index), 0};
+    const double *shutter = r->scene->camera.shutter;
+    reference_random random = {reference_mix(pixel + index), 0, shutter[0]};
     const double u = reference_uniform(&random), v = reference_uniform(&random);
     path p;
+    if (shutter[1] > shutter[0]) random.time += reference_uniform(&random) * (shutter[1] - shutter[0]);
     camera_ray(r, x + u, y + v, &random, &p);
-    return reference_radiance(r, p.origin, p.direction, random.key, out);
+    const reference_random own = {reference_mix(random.key), 0, random.time};
+    return radiance(r, p.origin, p.direction, own, out);
 }
 
 static void render_pixel(render *k, size_t index) {
@@ -246,6 +266,7 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
 void reference_close(reference_scene *r) {
     if (!r) return;
     array_free(&r->places);
+    array_free(&r->links);
     array_free(&r->primitives);
     array_free(&r->planes);
     free(r->tree.nodes);

@@ -25,6 +25,7 @@ static inline vec3_f64 blend(vec3_f64 a, vec3_f64 b, double part) {
 
 typedef struct reference_random {
     uint64_t key, count;
+    double time; /* of the sample, in the unit of the keys */
 } reference_random;
 
 /* The finalizer of splitmix64 (Steele, Lea, Flood 2014). */
@@ -42,10 +43,17 @@ static inline double reference_uniform(reference_random *r) {
 
 /* Where a shape is placed; instances are taken apart. */
 typedef struct reference_place {
-    affine_f64 to_world, to_object;
+    affine_f64 to_world, to_object; /* as the shutter opens */
     fathom_id material;
     unsigned flags;
+    uint32_t link; /* of the instance around it, where it moves; else FATHOM_NONE */
 } reference_place;
+
+/* An instance on the way to a place, and the one around it; FATHOM_NONE: the world. */
+typedef struct reference_link {
+    fathom_id instance;
+    uint32_t outer;
+} reference_link;
 
 /* In the shape's own space. */
 typedef struct reference_primitive {
@@ -60,6 +68,7 @@ struct reference_scene {
     const fathom_scene *scene;
     reference_settings settings;
     ARRAY(reference_place) places;
+    ARRAY(reference_link) links;
     ARRAY(reference_primitive) primitives;
     ARRAY(uint32_t) planes; /* of the primitives */
     bvh_item *items;        /* the others */

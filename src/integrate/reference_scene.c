@@ -4,13 +4,27 @@
 #include "reference/reference.h"
 #include "scene/graph.h"
 #include "scene/mesh/absent.h"
+#include "scene/motion/motion.h"
 
 #include <stdlib.h>
 
 /* ---- shapes ---- */
 
-static vec3_f64 mesh_corner(const fathom_mesh *m, uint32_t triangle, size_t k) {
-    return add_f64(load_f64(m->origin), color_of(mesh_vertex(m, m->indices[3 * (size_t)triangle + k])));
+/* Row `index` of keyed rows at a time: before the first key and after the last they rest. */
+static vec3_f64 row_when(const fathom_mesh *m, const float *rows, size_t count, uint32_t index, double time) {
+    uint32_t k = 0;
+    while (k + 1 < m->key_count && m->key_times[k + 1] <= time) ++k;
+    const vec3_f64 a = color_of(rows + 3 * (k * count + index));
+    if (k + 1 == m->key_count || time <= m->key_times[k]) return a;
+    const vec3_f64 b = color_of(rows + 3 * ((k + 1) * count + index));
+    return blend(a, b, (time - m->key_times[k]) / (m->key_times[k + 1] - m->key_times[k]));
+}
+
+static vec3_f64 mesh_corner(const fathom_mesh *m, uint32_t triangle, size_t k, double time) {
+    const uint32_t index = m->indices[3 * (size_t)triangle + k];
+    return add_f64(load_f64(m->origin), m->key_count
+                                            ? row_when(m, m->key_positions, m->vertex_count, index, time)
+                                            : color_of(mesh_vertex(m, index)));
 }
 
 /* Sets the place's flags, too. */
@@ -34,7 +48,8 @@ static reference_primitive load(const fathom_scene *s, const scene_object *o, ui
         break;
     case SCENE_MESH:
         for (size_t k = 0; k < 4; ++k)
-            p.corner[k] = mesh_corner(&s->meshes.items[o->index], triangle, k < 3 ? k : 2);
+            p.corner[k] =
+                mesh_corner(&s->meshes.items[o->index], triangle, k < 3 ? k : 2, s->camera.shutter[0]);
         *flags = s->meshes.items[o->index].flags;
         break;
     }
@@ -61,31 +76,75 @@ static bool add_object(reference_scene *r, fathom_id id, reference_place at, fat
 
 /* material: that of the outermost instance with one, or FATHOM_NONE. */
 static bool add_group(reference_scene *r, const scene_graph *graph, uint32_t group,
-                      const affine_f64 *to_world, fathom_id material) {
-    reference_place at = {.to_world = *to_world};
+                      const affine_f64 *to_world, fathom_id material, uint32_t link, bool moves) {
+    reference_place at = {.to_world = *to_world, .link = moves ? link : FATHOM_NONE};
     if (!affine_invert(to_world, &at.to_object)) return false;
     for (uint32_t i = graph->objects.first[group]; i < graph->objects.first[group + 1]; ++i) {
         if (!add_object(r, graph->objects.items[i], at, material)) return false;
     }
     for (uint32_t i = graph->instances.first[group]; i < graph->instances.first[group + 1]; ++i) {
         const fathom_instance *inner = &r->scene->instances.items[graph->instances.items[i]];
-        affine_f64 map;
-        affine_load(&map, inner->transform);
+        affine_f64 map = motion_place(inner, r->scene->camera.shutter[0]);
         map = affine_compose(to_world, &map);
-        if (!add_group(r, graph, inner->group, &map, material != FATHOM_NONE ? material : inner->material))
+        const uint32_t own = (uint32_t)r->links.count;
+        if (!array_push(&r->links, ((reference_link){graph->instances.items[i], link}))) return false;
+        if (!add_group(r, graph, inner->group, &map, material != FATHOM_NONE ? material : inner->material,
+                       own, moves || motion_is_moving(inner, r->scene->camera.shutter)))
             return false;
     }
     return true;
+}
+
+/* The place at a time: all instances around it, interpolated and composed. */
+static reference_place place_when(const reference_scene *r, uint32_t index, double time) {
+    reference_place at = r->places.items[index];
+    if (at.link == FATHOM_NONE) return at;
+    at.to_world = affine_identity();
+    for (uint32_t l = at.link; l != FATHOM_NONE; l = r->links.items[l].outer) {
+        const affine_f64 outer = motion_place(&r->scene->instances.items[r->links.items[l].instance], time);
+        at.to_world = affine_compose(&outer, &at.to_world);
+    }
+    affine_invert(&at.to_world, &at.to_object);
+    return at;
+}
+
+/* Of a place that moves: its boxes at even times, each as much larger as its corners have moved since the
+ * last; between two times they do not go farther than that. */
+static scene_bounds moved_bounds(const reference_scene *r, uint32_t place, const scene_bounds *inside) {
+    enum { LOOKS = 256 };
+    const double *shutter = r->scene->camera.shutter;
+    scene_bounds all = bounds_empty();
+    vec3_f64 last[8];
+    for (int k = 0; k <= LOOKS; ++k) {
+        const reference_place at = place_when(r, place, shutter[0] + (shutter[1] - shutter[0]) * k / LOOKS);
+        for (int i = 0; i < 8; ++i) {
+            const vec3_f64 p = affine_point(&at.to_world, bounds_corner(inside, i));
+            const vec3_f64 way = gray(k ? length_f64(sub_f64(p, last[i])) : 0);
+            bounds_add(&all, sub_f64(p, way));
+            bounds_add(&all, add_f64(p, way));
+            last[i] = p;
+        }
+    }
+    return all;
+}
+
+/* The corners at every key that a mesh has. */
+static void add_corners(const reference_scene *r, const reference_primitive *p, scene_bounds *b) {
+    const fathom_mesh *m = p->kind == SCENE_MESH ? &r->scene->meshes.items[p->mesh] : NULL;
+    for (int k = 0; k < 4; ++k) bounds_add(b, p->corner[k]);
+    for (uint32_t key = 0; m && key < m->key_count; ++key)
+        for (size_t k = 0; k < 3; ++k) bounds_add(b, mesh_corner(m, p->triangle, k, m->key_times[key]));
 }
 
 /* A box in float around a primitive in the world. */
 static bvh_item item_of(const reference_scene *r, uint32_t primitive) {
     const reference_primitive *p = &r->primitives.items[primitive];
     scene_bounds b = bounds_empty();
-    for (int k = 0; k < 4 && p->kind != SCENE_SPHERE; ++k) bounds_add(&b, p->corner[k]);
+    if (p->kind != SCENE_SPHERE) add_corners(r, p, &b);
     if (p->kind == SCENE_SPHERE)
         b = (scene_bounds){sub_f64(p->corner[0], p->corner[1]), add_f64(p->corner[0], p->corner[1])};
-    b = bounds_transformed(&b, &r->places.items[p->place].to_world);
+    const reference_place *at = &r->places.items[p->place];
+    b = at->link == FATHOM_NONE ? bounds_transformed(&b, &at->to_world) : moved_bounds(r, p->place, &b);
     /* Some times float's rounding. */
     const vec3_f64 margin = gray(0x1p-20 * fmax(length_f64(b.lower), length_f64(b.upper)));
     bvh_item item = {.id = primitive};
@@ -110,7 +169,7 @@ fathom_status reference_gather(reference_scene *r) {
     fathom_status status = graph_create(r->scene, &graph);
     if (status != FATHOM_OK) return status;
     const affine_f64 identity = affine_identity();
-    if (!add_group(r, &graph, FATHOM_ROOT, &identity, FATHOM_NONE))
+    if (!add_group(r, &graph, FATHOM_ROOT, &identity, FATHOM_NONE, FATHOM_NONE, false))
         status = fail_memory(r->scene->context, r->primitives.count * sizeof *r->primitives.items);
     graph_destroy(&graph);
     return status == FATHOM_OK ? build_tree(r) : status;
@@ -121,17 +180,24 @@ fathom_status reference_gather(reference_scene *r) {
 typedef struct query {
     vec3_f64 origin, direction;
     bool shadow;
+    double time;
     reference_hit_f64 hit; /* the closest so far; before there is one, t is where the ray ends */
     const reference_primitive *met;
 } query;
 
+static void corners_when(const reference_scene *r, const reference_primitive *p, double time, vec3_f64 c[4]) {
+    const fathom_mesh *m = p->kind == SCENE_MESH ? &r->scene->meshes.items[p->mesh] : NULL;
+    for (size_t k = 0; k < 4; ++k)
+        c[k] = m && m->key_count ? mesh_corner(m, p->triangle, k < 3 ? k : 2, time) : p->corner[k];
+}
+
 static void test(const reference_scene *r, uint32_t primitive, query *q) {
     const reference_primitive *p = &r->primitives.items[primitive];
-    const reference_place *at = &r->places.items[p->place];
-    if (q->shadow && at->flags & FATHOM_CASTS_NO_SHADOW) return;
-    const vec3_f64 o = affine_point(&at->to_object, q->origin),
-                   d = affine_vector(&at->to_object, q->direction);
-    const vec3_f64 *c = p->corner;
+    if (q->shadow && r->places.items[p->place].flags & FATHOM_CASTS_NO_SHADOW) return;
+    const reference_place at = place_when(r, p->place, q->time);
+    const vec3_f64 o = affine_point(&at.to_object, q->origin), d = affine_vector(&at.to_object, q->direction);
+    vec3_f64 c[4];
+    corners_when(r, p, q->time, c);
     reference_hit_f64 hit = {0, 0, 0};
     bool met = false;
     switch (p->kind) {
@@ -173,7 +239,9 @@ static vec3_f64 vertex_normals(const fathom_mesh *m, const query *q, vec3_f64 fl
     vec3_f64 sum = {0, 0, 0};
     for (int k = 0; k < 3; ++k) {
         const void *n = (const char *)m->normals + index[k] * m->normal_stride;
-        sum = madd_f64(sum, weight[k], color_of(n));
+        sum = madd_f64(sum, weight[k],
+                       m->key_count ? row_when(m, m->key_normals, m->normal_count, index[k], q->time)
+                                    : color_of(n));
     }
     return length_f64(sum) > 0 ? sum : flat;
 }
@@ -182,18 +250,19 @@ static vec3_f64 vertex_normals(const fathom_mesh *m, const query *q, vec3_f64 fl
  * from the viewer, the geometric one takes its place. */
 static void make_surface(const reference_scene *r, const query *q, reference_surface *out) {
     const reference_primitive *p = q->met;
-    const reference_place *at = &r->places.items[p->place];
-    const vec3_f64 *c = p->corner;
+    const reference_place at = place_when(r, p->place, q->time);
+    vec3_f64 c[4];
+    corners_when(r, p, q->time, c);
     out->point = madd_f64(q->origin, q->hit.t, q->direction);
     out->to_viewer = neg_f64(q->direction);
-    out->material = &r->scene->materials.items[at->material].value;
+    out->material = &r->scene->materials.items[at.material].value;
     out->t = q->hit.t;
     vec3_f64 own = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
-    if (p->kind == SCENE_SPHERE) own = sub_f64(affine_point(&at->to_object, out->point), c[0]);
+    if (p->kind == SCENE_SPHERE) own = sub_f64(affine_point(&at.to_object, out->point), c[0]);
     if (p->kind == SCENE_PLANE) own = c[1];
     out->normal = p->kind == SCENE_MESH ? vertex_normals(&r->scene->meshes.items[p->mesh], q, own) : own;
-    out->geometric = normalize_f64(affine_transposed_vector(&at->to_object, own));
-    out->normal = normalize_f64(affine_transposed_vector(&at->to_object, out->normal));
+    out->geometric = normalize_f64(affine_transposed_vector(&at.to_object, own));
+    out->normal = normalize_f64(affine_transposed_vector(&at.to_object, out->normal));
     out->behind = dot_f64(out->geometric, out->to_viewer) < 0;
     if (out->behind) out->geometric = neg_f64(out->geometric);
     if (dot_f64(out->normal, out->geometric) < 0) out->normal = neg_f64(out->normal);
@@ -209,7 +278,7 @@ vec3_f64 reference_leave(const reference_surface *s, vec3_f64 direction) {
 bool reference_closest(const reference_scene *r, vec3_f64 origin, vec3_f64 direction, double t_far,
                        bool shadow, reference_random *random, reference_surface *out) {
     for (double passed = 0;; passed = out->t, origin = reference_leave(out, direction)) {
-        query q = {origin, direction, shadow, {t_far - passed, 0, 0}, NULL};
+        query q = {origin, direction, shadow, random->time, {t_far - passed, 0, 0}, NULL};
         for (size_t i = 0; i < r->planes.count; ++i) test(r, r->planes.items[i], &q);
         for (uint32_t i = 0; i < r->primitives.count && r->settings.without_bvh; ++i) test(r, i, &q);
         if (r->tree.node_count && !r->settings.without_bvh) descend(r, 0, &q);

@@ -136,6 +136,7 @@ void wave_destroy(wave *w) {
     free(w->made);
     free(w->refracted);
     free(w->gather);
+    free(w->times);
     free(w->run.samples.radiance[0]);
     free(w->run.samples.first);
     free(w->run.samples.layers);
@@ -153,7 +154,13 @@ static void repair(wave *w, size_t first, size_t count) {
     }
 }
 
+static void set_times(const wave *w, size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k)
+        w->now.rays[k / LANES].rays.time[k % LANES] = w->times[w->now.paths[k / LANES].slot[k % LANES]];
+}
+
 bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence) {
+    if (w->times) set_times(w, begin, end);
     for (size_t done = begin; done < end; done += trace_piece(w->run.plan->tracer)) {
         if (atomic_load_explicit(w->run.stop, memory_order_relaxed)) return false;
         size_t left = end - done, piece = trace_piece(w->run.plan->tracer);

@@ -89,6 +89,7 @@ struct wave {
     scatter_block *refracted;             /* of each block of vertices; NULL when nothing refracts */
     size_t refracted_capacity;            /* in blocks */
     shader (*made)[LANES]; /* by block of vertices, where materials vary over surfaces; else NULL */
+    float *times;          /* by slot, of the shutter; NULL: nothing moves */
     float *lost[3];        /* by slot, what was left out; NULL: nothing may be */
     uint32_t bounces;      /* the classic integrator's: of the rays of `now` */
 };
@@ -115,6 +116,9 @@ static inline unsigned wave_lanes(size_t count, size_t done) {
 void wave_begin_samples(wave *w);
 /* Fills `now` with the camera's rays of a batch. */
 bool wave_camera_rays(wave *w, const wave_region *region, const wave_batch *batch);
+/* The time of a sample, in [0, 1) of the shutter, and the camera as it is then. */
+float wave_time_of(const render_plan *plan, sample_key key);
+void wave_camera_when(const render_plan *plan, float time, shade_camera *out);
 /* Closest hits of the rays [begin, end) of `now`; begin is a multiple of 16. False: stopped. */
 bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence);
 /* Vertices of all hits of `now`; the integrator's stages see them and the misses. first: of the camera's

@@ -11,14 +11,52 @@ static void place(const render_plan *plan, const wave_square *s, square_samples 
     }
 }
 
+float wave_time_of(const render_plan *plan, sample_key key) {
+    double u, v;
+    sample_2d(&plan->sampler, key, SAMPLE_TIME, &u, &v);
+    return (float)(u * (1 - 0x1p-24)); /* stays below 1 as a float */
+}
+
+void wave_camera_when(const render_plan *plan, float time, shade_camera *out) {
+    const fathom_camera *camera = &plan->scene->camera;
+    const double *shutter = camera->shutter;
+    const fathom_camera at = motion_camera(camera, shutter[0] + (double)time * (shutter[1] - shutter[0]));
+    camera_prepare(&at, plan->settings.width, plan->settings.height, plan->world->origin, out);
+}
+
+/* Each ray with the camera of its own time. */
+static void moving_rays(const render_plan *plan, const wave_square *s, const square_samples *at,
+                        trace_rays *out) {
+    for (uint32_t k = 0; k < LANES; ++k) {
+        const sample_key key = wave_square_key(s, k);
+        shade_camera camera;
+        wave_camera_when(plan, wave_time_of(plan, key), &camera);
+        const uint32_t from = at->alike ? 0 : k;
+        const vec3_f32 d = camera_direction(&camera, (double)(int32_t)(s->left + k % 4) + at->x[from],
+                                            (double)(int32_t)(s->top + k / 4) + at->y[from]);
+        out->org_x[k] = camera.eye.x, out->org_y[k] = camera.eye.y, out->org_z[k] = camera.eye.z;
+        out->dir_x[k] = d.x, out->dir_y[k] = d.y, out->dir_z[k] = d.z;
+        out->t_near[k] = plan->t_near, out->t_far[k] = INFINITY;
+        if (!(camera.lens_radius > 0)) continue;
+        double u, v;
+        sample_2d(&plan->sampler, key, SAMPLE_LENS, &u, &v);
+        camera_lane_through_lens(&camera, u, v, out, k);
+    }
+}
+
 static void camera_rays(const render_plan *plan, const wave_square *s, const square_samples *at,
                         trace_rays *out) {
+    if (plan->camera_moves) {
+        moving_rays(plan, s, at, out);
+        return;
+    }
     plan->camera_kernels->rays(&plan->camera, plan->t_near, s->left, s->top, at, out);
     if (!(plan->camera.lens_radius > 0)) return;
-    double u[LANES], v[LANES];
-    for (uint32_t k = 0; k < LANES; ++k)
-        sample_2d(&plan->sampler, wave_square_key(s, k), SAMPLE_LENS, &u[k], &v[k]);
-    camera_through_lens(&plan->camera, u, v, out);
+    for (uint32_t k = 0; k < LANES; ++k) {
+        double u, v;
+        sample_2d(&plan->sampler, wave_square_key(s, k), SAMPLE_LENS, &u, &v);
+        camera_lane_through_lens(&plan->camera, u, v, out, k);
+    }
 }
 
 /* A packet of 16 rays is a square: its rays stay together longer than those of a line. first: the slot of

@@ -128,6 +128,8 @@ bool wave_cast_shadows(wave *w, trace_coherence coherence) {
     const size_t piece = trace_piece(w->run.plan->tracer);
     const bool walks = w->run.plan->covered || w->run.plan->unshadowed;
     close_queue(queue);
+    for (size_t k = 0; w->times && k < queue->count; ++k)
+        queue->rays[k / LANES].time[k % LANES] = w->times[queue->shadows[k / LANES].slot[k % LANES]];
     if (walks && !wave_note_ends(w)) return false;
     for (size_t done = 0; done < queue->count; done += piece) {
         if (atomic_load_explicit(w->run.stop, memory_order_relaxed)) return false;

@@ -1,5 +1,6 @@
 /* Finds what sends out light, and puts what is finite into a tree. Planes that emit are left to rays that
- * meet them: their light comes from half of all directions. */
+ * meet them: their light comes from half of all directions. So are emitters that move while the shutter is
+ * open: no place in the tree is theirs. */
 #include "light/emitters_inner.h"
 
 #include "base/kernel.h"
@@ -31,6 +32,12 @@ static float power_of(const emitters *e, uint32_t geometry, uint32_t primitive, 
 
 /* ---- runs ---- */
 
+/* Whether it moves while the shutter is open. */
+static bool is_moving(const world *w, uint32_t geometry, uint32_t instance) {
+    return w->geometries.items[geometry].moving ||
+           (instance != FATHOM_NONE && w->instances.items[instance].moving);
+}
+
 /* All triangles of a mesh have one material. */
 static bool emits(const emitters *e, uint32_t geometry, uint32_t instance) {
     const world_geometry *g = &e->w->geometries.items[geometry];
@@ -50,7 +57,12 @@ static bool add_runs(emitters *e, run_list *runs, uint32_t group, uint32_t insta
     bool any = false;
     for (uint32_t k = g->first; k < g->first + g->count; ++k) {
         emitter_run run = {.geometry = k, .instance = instance, .first = (uint32_t)*total};
-        if (emits(e, k, instance)) run.count = e->w->geometries.items[k].count;
+        if (emits(e, k, instance)) {
+            if (is_moving(e->w, k, instance))
+                e->moving = true;
+            else
+                run.count = e->w->geometries.items[k].count;
+        }
         any |= run.count > 0;
         *total += run.count;
         if (!array_push(runs, run)) return false;
@@ -333,6 +345,9 @@ static fathom_status collect(fathom_context *context, emitters *e) {
             (double)total);
     }
     e->surface_count = (uint32_t)total;
+    if (e->moving)
+        warn(context, "an emissive surface moves while the shutter is open: rays find its light by chance "
+                      "alone, which is right and noisy; light the scene by what rests where you can");
     share_among_suns(e);
     fathom_status status = find_lamp_surfaces(context, e);
     return status == FATHOM_OK ? build_tree(context, e, e->surface_count + e->lamp_count) : status;

@@ -53,6 +53,7 @@ struct emitters {
     float (*emission)[3];       /* by material: of both sides, on average over its coverage; without images */
     emitter_run *runs;          /* those of the root's geometries first, then of each instance that emits */
     uint32_t run_count;
+    bool moving;            /* some emitter moves: it is in no run */
     uint32_t *run_of;       /* by instance: the run of its group's first geometry; FATHOM_NONE: nothing */
     uint32_t surface_count; /* emitters below this are primitives, the others lamps */
     uint32_t *slot_of;      /* by emitter: its leaf; FATHOM_NONE: it sends out nothing */

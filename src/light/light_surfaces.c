@@ -276,7 +276,7 @@ static void look_through_group(view *v, uint32_t group) {
     const world_group *g = &w->groups.items[group];
     for (uint32_t i = g->first; i < g->first + g->count; ++i) {
         const world_geometry *geometry = &w->geometries.items[i];
-        if (geometry->flags & FATHOM_CASTS_NO_SHADOW) continue;
+        if (geometry->flags & FATHOM_CASTS_NO_SHADOW || geometry->moving) continue;
         v->mesh = geometry->kind == WORLD_MESH;
         if (v->mesh) {
             look_through_mesh(v, w, geometry->first);
@@ -317,7 +317,9 @@ static void look_through_world(finder *f) {
     const world *w = f->w;
     view v = {.f = f, .probes = f->all, .count = f->count, .loose = f->loose};
     if (w->groups.count) look_through_group(&v, 0);
-    for (size_t i = 0; i < w->instances.count; ++i) look_through_instance(f, &w->instances.items[i]);
+    /* Lamps that something touches on its way shine wherever it is. */
+    for (size_t i = 0; i < w->instances.count; ++i)
+        if (!w->instances.items[i].moving) look_through_instance(f, &w->instances.items[i]);
     v.mesh = false;
     for (size_t i = 0; i < w->planes.count; ++i) {
         if (w->planes.items[i].flags & FATHOM_CASTS_NO_SHADOW) continue;

@@ -1,4 +1,5 @@
 #include "scene/graph.h"
+#include "scene/motion/motion.h"
 
 #include <stdlib.h>
 
@@ -81,9 +82,7 @@ fathom_status graph_bounds(const fathom_scene *scene, const scene_graph *graph, 
         }
         for (uint32_t i = graph->instances.first[g]; i < graph->instances.first[g + 1]; ++i) {
             const fathom_instance *instance = &scene->instances.items[graph->instances.items[i]];
-            affine_f64 map;
-            affine_load(&map, instance->transform);
-            scene_bounds b = bounds_transformed(&of_group[instance->group], &map);
+            scene_bounds b = motion_bounds(instance, scene->camera.shutter, &of_group[instance->group]);
             bounds_join(&of_group[g], &b);
         }
     }

@@ -11,10 +11,21 @@
 
 #define PUT(hash, field) hash_put(hash, &(field), sizeof(field))
 
+/* A scene without keys keeps its number. */
+static void hash_keys(hash *h, uint32_t count, const double *times, const double *maps) {
+    if (!count) return;
+    PUT(h, count);
+    hash_put(h, times, count * sizeof *times);
+    hash_put(h, maps, 12 * (size_t)count * sizeof *maps);
+}
+
 static void hash_camera(hash *h, const fathom_camera *c) {
     PUT(h, c->origin), PUT(h, c->x), PUT(h, c->y), PUT(h, c->z);
     PUT(h, c->d), PUT(h, c->h), PUT(h, c->w);
     PUT(h, c->lens_radius), PUT(h, c->focus_distance);
+    if (c->shutter[0] != 0 || c->shutter[1] != 0) PUT(h, c->shutter);
+    if (c->blades) PUT(h, c->blades), PUT(h, c->blade_rotation);
+    hash_keys(h, c->key_count, c->key_times, c->key_frames);
 }
 
 static void hash_material(hash *h, const fathom_material *m) {
@@ -60,7 +71,9 @@ static void hash_grouped(hash *h, const scene_grouped_light *g) {
 }
 
 static void hash_instance(hash *h, const fathom_instance *i) {
-    PUT(h, i->group), PUT(h, i->parent), PUT(h, i->transform), PUT(h, i->material);
+    PUT(h, i->group), PUT(h, i->parent), PUT(h, i->material);
+    if (!i->key_count) PUT(h, i->transform);
+    hash_keys(h, i->key_count, i->key_times, i->key_transforms);
 }
 
 static void hash_object(hash *h, const scene_object *o) {
@@ -85,6 +98,7 @@ static void hash_mesh(hash *h, const fathom_mesh *m) {
                          (m->colors ? 4u * m->color_channels : 0u) + (m->tangents ? 32u : 0u);
     PUT(h, m->vertex_count), PUT(h, m->triangle_count), PUT(h, m->normal_count), PUT(h, has);
     PUT(h, m->origin), PUT(h, m->material), PUT(h, m->flags);
+    if (m->key_count) PUT(h, m->key_count);
 }
 
 #define PUT_ALL(hash, array, put)                                                                            \
@@ -160,13 +174,20 @@ static bool add_coordinates(pieces *p, const fathom_mesh *m) {
            add_rows(p, m->tangents, m->vertex_count, m->tangent_stride, 4);
 }
 
+static bool add_keys(pieces *p, const fathom_mesh *m) {
+    if (!m->key_count) return true;
+    return add_array(p, m->key_times, m->key_count, sizeof(double), sizeof(double)) &&
+           add_vectors(p, m->key_positions, m->key_count * (size_t)m->vertex_count, 0) &&
+           add_vectors(p, m->key_normals, m->key_count * (size_t)m->normal_count, 0);
+}
+
 static bool add_mesh(pieces *p, const fathom_mesh *m) {
     const size_t corners = (size_t)m->triangle_count * 3, each = sizeof(uint32_t);
     return add_vectors(p, m->positions, m->vertex_count, m->position_stride) &&
            add_array(p, m->indices, corners, each, each) &&
            add_vectors(p, m->normals, m->normal_count, m->normal_stride) &&
            add_array(p, m->normals ? m->normal_indices : NULL, corners, each, each) &&
-           add_rows(p, m->colors, m->vertex_count, m->color_stride, m->color_channels);
+           add_rows(p, m->colors, m->vertex_count, m->color_stride, m->color_channels) && add_keys(p, m);
 }
 
 /* Rows with gaps are packed first: the bytes between them belong to another array, or to none. */

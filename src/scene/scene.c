@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/sized.h"
 #include "scene/metallic.h"
+#include "scene/motion/motion.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -292,11 +293,32 @@ static fathom_status check_instance(const fathom_scene *scene, const fathom_inst
     }
     affine_f64 map, inverse;
     affine_load(&map, instance->transform);
-    if (!affine_invert(&map, &inverse)) {
+    if (!instance->key_count && !affine_invert(&map, &inverse)) {
         return fail_field(context, FATHOM_BAD_INPUT, "transform",
                           "it flattens space or is not finite; expected one that can be inverted");
     }
     return FATHOM_OK;
+}
+
+/* Keys that mirror and keys that do not have flat ones between them. */
+static fathom_status check_motion(fathom_context *context, const fathom_instance *instance) {
+    fathom_status status = motion_check_keys(context, instance->key_times, instance->key_count, NULL, 0);
+    if (status == FATHOM_OK && !instance->key_transforms) status = fail_null(context, "key_transforms");
+    bool mirrored = false;
+    for (uint32_t k = 0; k < instance->key_count && status == FATHOM_OK; ++k) {
+        affine_f64 map, inverse;
+        affine_load(&map, instance->key_transforms + 12 * (size_t)k);
+        if (!affine_invert(&map, &inverse))
+            return fail_item(context, FATHOM_BAD_INPUT, "key_transforms", k,
+                             "it flattens space or is not finite; expected one that can be inverted");
+        const bool mirrors = motion_take_apart(&map).scale[2] < 0;
+        if (k && mirrors != mirrored)
+            return fail_item(context, FATHOM_BAD_INPUT, "key_transforms", k,
+                             "it mirrors and the key before does not, or the reverse: between them the "
+                             "group would be flat");
+        mirrored = mirrors;
+    }
+    return status;
 }
 
 fathom_status fathom_scene_add_instance_sized(fathom_scene *scene, const fathom_instance *instance,
@@ -305,7 +327,11 @@ fathom_status fathom_scene_add_instance_sized(fathom_scene *scene, const fathom_
     fathom_instance item;
     fathom_status status = SIZED_ITEM(scene->context, fathom_instance, instance, size, &item);
     if (status == FATHOM_OK) status = check_instance(scene, &item);
+    if (status == FATHOM_OK && item.key_count) status = check_motion(scene->context, &item);
+    if (status == FATHOM_OK && item.key_count)
+        status = motion_copy_keys(scene, item.key_count, 12, &item.key_times, &item.key_transforms);
     if (status != FATHOM_OK) return status;
+    if (item.key_count) memcpy(item.transform, item.key_transforms, sizeof item.transform);
     if (!array_push(&scene->instances, item)) return fail_memory(scene->context, sizeof item);
     if (out) *out = (fathom_id)(scene->instances.count - 1);
     return FATHOM_OK;

@@ -1,5 +1,6 @@
 /* Adding shapes: what is wrong with one alone is found here. */
 #include "base/sized.h"
+#include "scene/motion/motion.h"
 #include "scene/scene.h"
 
 #include <stdlib.h>
@@ -170,6 +171,29 @@ static fathom_status check_vertex_arrays(fathom_context *context, const fathom_m
     return status;
 }
 
+/* The facts come to hold for every key. */
+static fathom_status check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
+    fathom_status status = motion_check_keys(context, m->key_times, m->key_count, NULL, 0);
+    if (status == FATHOM_OK && !m->key_positions) status = fail_null(context, "key_positions");
+    if (status == FATHOM_OK && m->normals && !m->key_normals)
+        status = fail_field(context, FATHOM_BAD_INPUT, "key_normals",
+                            "the mesh has normals, and its vertices move; expected its normals at each key");
+    for (size_t k = 0; k < m->key_count && status == FATHOM_OK; ++k) {
+        mesh_facts at;
+        status = mesh_look_at_vertices(context, "key_positions", m->key_positions + 3 * k * m->vertex_count,
+                                       3 * sizeof(float), m->vertex_count, &at);
+        for (int c = 0; c < 3 && status == FATHOM_OK; ++c) {
+            facts->lower[c] = fminf(facts->lower[c], at.lower[c]);
+            facts->upper[c] = fmaxf(facts->upper[c], at.upper[c]);
+            facts->largest = fmaxf(facts->largest, fmaxf(fabsf(at.lower[c]), fabsf(at.upper[c])));
+        }
+        if (status == FATHOM_OK && m->normals)
+            status = mesh_check_finite(context, "key_normals", m->key_normals + 3 * k * m->normal_count,
+                                       3 * sizeof(float), 3, m->normal_count);
+    }
+    return status;
+}
+
 static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
     if (!m->positions || !m->vertex_count)
         return fail_field(context, FATHOM_BAD_INPUT, "positions", "the mesh has no vertices");
@@ -202,6 +226,7 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, m
             status = mesh_check_indices(context, "uv_indices", m->uv_indices, corners, m->uv_count);
         }
     }
+    if (status == FATHOM_OK && m->key_count) status = check_vertex_keys(context, m, facts);
     return status == FATHOM_OK ? check_vertex_arrays(context, m) : status;
 }
 
@@ -278,17 +303,20 @@ fathom_status fathom_scene_add_mesh_sized(fathom_scene *scene, fathom_id group, 
     const struct {
         const void *from;
         size_t stride, size, count;
-    } arrays[9] = {{copy.positions, copy.position_stride, 12, copy.vertex_count},
-                   {copy.normals, copy.normal_stride, 12, copy.normal_count},
-                   {copy.uvs, copy.uv_stride, 8, copy.uv_count},
-                   {copy.indices, word, word, corners},
-                   {copy.normal_indices, word, word, corners},
-                   {copy.uv_indices, word, word, corners},
-                   {copy.uvs_1, copy.uv_1_stride, 8, copy.vertex_count},
-                   {copy.colors, copy.color_stride, copy.color_channels * sizeof(float), copy.vertex_count},
-                   {copy.tangents, copy.tangent_stride, 16, copy.vertex_count}};
-    const void *copies[9];
-    for (int i = 0; i < 9; ++i) {
+    } arrays[11] = {
+        {copy.positions, copy.position_stride, 12, copy.vertex_count},
+        {copy.normals, copy.normal_stride, 12, copy.normal_count},
+        {copy.uvs, copy.uv_stride, 8, copy.uv_count},
+        {copy.indices, word, word, corners},
+        {copy.normal_indices, word, word, corners},
+        {copy.uv_indices, word, word, corners},
+        {copy.uvs_1, copy.uv_1_stride, 8, copy.vertex_count},
+        {copy.colors, copy.color_stride, copy.color_channels * sizeof(float), copy.vertex_count},
+        {copy.tangents, copy.tangent_stride, 16, copy.vertex_count},
+        {copy.key_count ? copy.key_positions : NULL, 12, 12, copy.key_count * (size_t)copy.vertex_count},
+        {copy.key_count ? copy.key_normals : NULL, 12, 12, copy.key_count * (size_t)copy.normal_count}};
+    const void *copies[11];
+    for (int i = 0; i < 11; ++i) {
         status =
             copy_array(scene, arrays[i].from, arrays[i].stride, arrays[i].size, arrays[i].count, &copies[i]);
         if (status != FATHOM_OK) return status;
@@ -296,5 +324,8 @@ fathom_status fathom_scene_add_mesh_sized(fathom_scene *scene, fathom_id group, 
     copy.positions = copies[0], copy.normals = copies[1], copy.uvs = copies[2];
     copy.indices = copies[3], copy.normal_indices = copies[4], copy.uv_indices = copies[5];
     copy.uvs_1 = copies[6], copy.colors = copies[7], copy.tangents = copies[8];
+    copy.key_positions = copies[9], copy.key_normals = copies[10];
+    if (copy.key_count) status = motion_copy_keys(scene, copy.key_count, 0, &copy.key_times, NULL);
+    if (status != FATHOM_OK) return status;
     return add_mesh(scene, group, &copy, &facts, out);
 }

@@ -65,7 +65,7 @@ static vec3_f32 lane_f32(const float from[3][LANES], unsigned i) {
 
 static const world_instance *instance_of(const surface_gather *g, const world *w, unsigned i) {
     const bool placed = g->geometry[i] != TRACE_PLANE && g->instance[i] != FATHOM_NONE;
-    return placed ? &w->instances.items[g->instance[i]] : NULL;
+    return placed ? (w->moves ? g->placed[i] : &w->instances.items[g->instance[i]]) : NULL;
 }
 
 static vec3_f32 to_world(const world_instance *instance, vec3_f32 v) {

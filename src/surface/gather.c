@@ -87,6 +87,38 @@ static void put_f32(float to[3][LANES], unsigned i, vec3_f32 v) {
     to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z;
 }
 
+/* Embree interpolates the parts of a place in float. The rotation comes from a sum of two quaternions, made
+ * unit by an inverse root: 3 u for each number and 4 u for the root; an entry of its matrix, of two products,
+ * doubles that and rounds three times: 17 u. The stretch adds 3 u, the products with it 3 u more. So a point
+ * is off by 24 u of the sizes of all that is added up, and the translation by 3 u of itself. */
+#define MOVED_TURN (24 * 0x1p-24)
+#define MOVED_SHIFT (3 * 0x1p-24)
+
+static double moved_along(const world_instance *instance, vec3_f64 n, vec3_f64 object_p) {
+    const double at[3] = {fabs(object_p.x), fabs(object_p.y), fabs(object_p.z)};
+    double reach = 0, shift = 0;
+    const double along[3] = {fabs(n.x), fabs(n.y), fabs(n.z)};
+    for (int i = 0; i < 3; ++i) {
+        const float *m = instance->to_world[i];
+        double square = 0;
+        for (int k = 0; k < 3; ++k)
+            square += (double)instance->to_world[k][i] * (double)instance->to_world[k][i];
+        reach += sqrt(square) * at[i]; /* a column's length: what the rotation turns */
+        shift += along[i] * fabs((double)m[3]);
+    }
+    return MOVED_TURN * (along[0] + along[1] + along[2]) * reach + MOVED_SHIFT * shift;
+}
+
+/* Embree's corners are two products and a sum off, ours one rounding. */
+static void add_corner_error(const facet_block *f, local_block *b, unsigned i) {
+    double size[3] = {0, 0, 0}, sum = 0;
+    for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < 3; ++k) size[c] = fmax(size[c], fabs((double)f->corner[k][c][i]));
+        sum += fabs(b->n[c][i]) * size[c];
+    }
+    b->self_hit[i] += 4 * unit_round * sum;
+}
+
 /* Object to world: to the point that to_object, as it was rounded, carries to the object's: to_world is its
  * inverse but for some u, so what is left after one step of Newton's is of the order u². */
 static void to_world(const world_instance *instance, local_block *b, unsigned i) {
@@ -96,8 +128,10 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
     p = add_f64(p, map_vector(m, sub_f64(object_p, map_point(inverse, p))));
     double length = sqrt(dot_f64(n, n));
     b->self_hit[i] = (b->self_hit[i] + surface_carried_along(instance, object_n, p)) / length;
+    n = scale_f64(1 / length, n);
+    if (instance->moving) b->self_hit[i] += moved_along(instance, n, object_p);
     put_f64(b->p, i, p);
-    put_f64(b->n, i, scale_f64(1 / length, n));
+    put_f64(b->n, i, n);
     put_f32(b->ns, i, narrow(unit_of(map_normal(inverse, lane_f32(b->ns, i)))));
     put_f32(b->lift, i, narrow(map_vector(m, lane_f32(b->lift, i))));
 }
@@ -105,7 +139,7 @@ static void to_world(const world_instance *instance, local_block *b, unsigned i)
 /* ---- hits ---- */
 
 void surface_gather_begin(surface_gather *g) {
-    g->count = 0, g->instances = 0, g->faceted = false;
+    g->count = 0, g->instances = 0, g->shaped = 0, g->faceted = false;
     g->facets.smooth = false;
 }
 
@@ -125,6 +159,21 @@ static const float *vector_at(const float *base, size_t stride, uint32_t i) {
 }
 
 /* A triangle's corners and normals are only fetched here; facets() computes. */
+static void add_moving_facet(surface_gather *g, unsigned i, const world *w, const world_geometry *geometry) {
+    const bool normals = w->meshes.items[geometry->first].normals != NULL;
+    vec3_f32 corner[3], normal[3];
+    world_corners_when(w, geometry, g->primitive[i], g->time[i], corner, normal);
+    for (int k = 0; k < 3; ++k) {
+        put_f32(g->facets.corner[k], i, corner[k]);
+        if (normals) put_f32(g->facets.normal[k], i, normal[k]);
+    }
+    g->facets.facet[i] = ~0u;
+    g->facets.has_normals[i] = normals ? ~0u : 0;
+    g->facets.smooth |= normals;
+    g->faceted = true;
+    g->shaped |= 1u << i;
+}
+
 static void add_facet(surface_gather *g, unsigned i, const fathom_mesh *mesh, uint32_t triangle) {
     const uint32_t *index = mesh->indices + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k)
@@ -169,7 +218,12 @@ static void add_primitive(surface_gather *g, unsigned i, const world *w, const l
     switch (geometry->kind) {
     case WORLD_SPHERES: local_sphere(&w->spheres.items[geometry->first + primitive], local, &hit); break;
     case WORLD_QUADS: add_half(g, i, &w->quads.items[geometry->first + primitive], local); return;
-    case WORLD_MESH: add_facet(g, i, &w->meshes.items[geometry->first], primitive); return;
+    case WORLD_MESH:
+        if (geometry->moving)
+            add_moving_facet(g, i, w, geometry);
+        else
+            add_facet(g, i, &w->meshes.items[geometry->first], primitive);
+        return;
     }
     add_hit(g, i, &hit);
 }
@@ -185,8 +239,13 @@ void surface_gather_add(surface_gather *g, const world *w, const trace_block *bl
     g->primitive[i] = block->hits.primitive[lane];
     g->instance[i] = block->hits.instance[lane];
     put_f32(g->local.ray, i, dir);
+    if (w->moves) g->time[i] = r->time[lane];
     if (g->geometry[i] != TRACE_PLANE && g->instance[i] != FATHOM_NONE) {
         const world_instance *instance = &w->instances.items[g->instance[i]];
+        if (w->moves) {
+            instance = world_instance_when(w, g->instance[i], g->time[i], &g->moved[i]);
+            g->placed[i] = instance;
+        }
         local.org = map_point(instance->to_object, local.org);
         local.dir = map_vector(instance->to_object, local.dir);
         g->instances |= 1u << i;
@@ -203,6 +262,7 @@ static const world_geometry *common_facets(const world *w, const trace_hits *hit
     for (int i = 0; i < LANES; ++i) differ |= (hits->geometry[i] ^ id) | ~hits->instance[i];
     if (differ || id == TRACE_PLANE) return NULL;
     const world_geometry *met = &w->geometries.items[id];
+    if (met->moving) return NULL;
     return met->kind == WORLD_MESH || (met->kind == WORLD_QUADS && !met->flat) ? met : NULL;
 }
 
@@ -291,9 +351,11 @@ static void pad(surface_gather *g) {
 void surface_gather_end(surface_gather *g, const world *w, const surface_kernels *kernels, bool lift,
                         bool automatic, surface_block *s) {
     if (g->faceted) kernels->facets(&g->facets, lift, &g->local);
+    for (uint32_t left = g->shaped; left; left &= left - 1)
+        add_corner_error(&g->facets, &g->local, (unsigned)__builtin_ctz(left));
     for (uint32_t left = g->instances; left; left &= left - 1) {
         unsigned i = (unsigned)__builtin_ctz(left);
-        to_world(&w->instances.items[g->instance[i]], &g->local, i);
+        to_world(w->moves ? g->placed[i] : &w->instances.items[g->instance[i]], &g->local, i);
     }
     pad(g);
     kernels->surfaces(&g->local, automatic, s);

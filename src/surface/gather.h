@@ -12,8 +12,12 @@ typedef struct surface_gather {
     facet_block facets;
     uint32_t geometry[LANES], primitive[LANES], instance[LANES]; /* as in trace_hits */
     unsigned count;
-    uint32_t instances; /* bit i: lane i is in an instance */
-    bool faceted;       /* some lane met a triangle or a quad */
+    uint32_t instances;                  /* bit i: lane i is in an instance */
+    uint32_t shaped;                     /* bit i: lane i met a mesh whose vertices move */
+    float time[LANES];                   /* of the shutter; set in worlds that move */
+    const world_instance *placed[LANES]; /* of lanes in instances, as they are then; set as time is */
+    world_instance moved[LANES];
+    bool faceted; /* some lane met a triangle or a quad */
 } surface_gather;
 
 /* Makes it empty. */

@@ -8,6 +8,7 @@ typedef struct FN(search) {
     VEC3 org, dir; /* in the space at hand */
     FN(triangle_ray) ray;
     REAL t_min, t_max;
+    float time;                  /* of the shutter; 0 where nothing moves */
     bool any;                    /* any hit will do; geometry that casts no shadow does not count */
     bool met;                    /* what follows is set */
     FN(reference_hit) best;      /* on equal t the first in world order */
@@ -27,7 +28,8 @@ static inline void FN(search_enter)(FN(search) * s, uint32_t instance) {
     if (instance == FATHOM_NONE) {
         s->org = FROM(s->world_org), s->dir = FROM(s->world_dir);
     } else {
-        const float(*m)[4] = s->world->instances.items[instance].to_object;
+        world_instance moved;
+        const float(*m)[4] = world_instance_when(s->world, instance, s->time, &moved)->to_object;
         vec3_f32 o = s->world_org, d = s->world_dir;
         s->org = FN(vec)(FN(search_row)(m[0], o, 1), FN(search_row)(m[1], o, 1), FN(search_row)(m[2], o, 1));
         s->dir = FN(vec)(FN(search_row)(m[0], d, 0), FN(search_row)(m[1], d, 0), FN(search_row)(m[2], d, 0));
@@ -100,7 +102,10 @@ static inline void FN(search_primitive)(FN(search) * s, const world_geometry *ge
     case WORLD_QUADS: FN(search_quad)(s, &w->quads.items[geometry->first + k], k); break;
     case WORLD_MESH: {
         vec3_f32 v[3];
-        search_corners(&w->meshes.items[geometry->first], k, v);
+        if (geometry->moving)
+            world_corners_when(w, geometry, k, s->time, v, NULL);
+        else
+            search_corners(&w->meshes.items[geometry->first], k, v);
         FN(search_triangle)(s, v, k);
         break;
     }
@@ -138,6 +143,7 @@ static inline bool FN(search_begin)(FN(search) * s, const world *w, trace_form f
                       .world_dir = trace_dir(rays, lane),
                       .t_min = (REAL)rays->t_near[lane],
                       .t_max = (REAL)rays->t_far[lane],
+                      .time = w->moves ? rays->time[lane] : 0,
                       .any = any};
     return rays->t_near[lane] < rays->t_far[lane];
 }
@@ -155,6 +161,7 @@ static inline vec3_f32 FN(search_normal)(FN(search) * s) {
     } else {
         vec3_f32 v[4];
         const unsigned last = search_flat(w, geometry, s->best_ids[2], v) - 1;
+        if (geometry->moving) world_corners_when(w, geometry, s->best_ids[2], s->time, v, NULL);
         n = FN(cross)(FN(sub)(FROM(v[1]), FROM(v[0])), FN(sub)(FROM(v[last]), FROM(v[0])));
     }
     return vec_f32((float)n.x, (float)n.y, (float)n.z);

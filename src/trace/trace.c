@@ -80,8 +80,31 @@ static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine 
 
 /* ---- tracers ---- */
 
+/* Whoever knows no motion is refused, not wrong. */
+static fathom_status check_motion(fathom_context *context, const world *w, const trace_spec *spec,
+                                  const trace_options *options) {
+    if (!w->moves) return FATHOM_OK;
+    const char *who = NULL;
+    switch (spec->kind) {
+    case TRACE_LINEAR: break;
+    case TRACE_EMBREE: who = spec->shapes == TRACE_SHAPES_USER ? "embree:user" : NULL; break;
+    case TRACE_BVH: who = "bvh"; break;
+    case TRACE_PLUGIN: who = "plug-in"; break;
+    }
+    if (!options->timed) who = "use at hand";
+    if (!who) return FATHOM_OK;
+    return fail_field(
+        context, FATHOM_BAD_INPUT, "camera.shutter",
+        "something moves while it is open, from %g to %g, which this tracer (%s) cannot follow; "
+        "expected path tracing by embree or linear, or a shutter that opens and closes at one "
+        "time",
+        w->scene->camera.shutter[0], w->scene->camera.shutter[1], who);
+}
+
 static fathom_status create(fathom_context *context, const world *w, const trace_spec *spec,
                             const trace_options *options, trace_tracer **out) {
+    fathom_status status = check_motion(context, w, spec, options);
+    if (status != FATHOM_OK) return status;
     switch (spec->kind) {
     case TRACE_LINEAR: return linear_create(context, w, spec, out);
     case TRACE_EMBREE: return embree_create(context, w, spec, options, out);

@@ -18,9 +18,10 @@
 typedef struct trace_rays {
     _Alignas(64) float org_x[16];
     float org_y[16], org_z[16], t_near[16];
-    float dir_x[16], dir_y[16], dir_z[16], time[16];
+    float dir_x[16], dir_y[16], dir_z[16];
+    float time[16];  /* of the shutter, in [0, 1]; read in worlds that move, else the tracer's own */
     float t_far[16]; /* closest: becomes the hit's t; any: becomes -infinity where something is hit */
-    uint32_t mask[16], id[16], flags[16]; /* with time: the tracer's own; callers need not set them */
+    uint32_t mask[16], id[16], flags[16]; /* the tracer's own; callers need not set them */
 } trace_rays;
 
 /* Their coordinates as rows: x, y, z. */
@@ -79,6 +80,7 @@ typedef struct trace_options {
     const char *words; /* as trace_spec_parse() takes them; NULL: "embree", compact where memory is short */
     unsigned width;    /* rays in one call of Embree: 1, 4, 8 or 16; 0 counts as 1. No hit depends on it */
     unsigned threads;  /* for building; 0: the context's */
+    bool timed;        /* the caller's rays have times; a world that moves is refused without */
     uint64_t expected_rays; /* of all kinds; 0: unknown, taken as many */
     trace_quality quality;
     uint64_t memory; /* bytes for building and for the structure; 0: no limit */

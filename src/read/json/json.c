@@ -26,29 +26,72 @@ static fathom_status set_lens(const object_reader *r, const where *at, json_t *v
     return FATHOM_OK;
 }
 
-static fathom_status set_camera(const object_reader *r, json_t *value, const form_camera_values *c) {
-    const where at = {NULL, "camera", 0}, target = {&at, "target", 0}, framed = {&at, "frame", 0};
-    fathom_camera camera = {.d = 1};
+/* By eye and target, or by a frame: of the camera, or of one of its keys. */
+static fathom_status place_camera(const object_reader *r, const where *at, json_t *value,
+                                  const form_camera_values *c, double fovy, fathom_camera *camera) {
+    const where target = {at, "target", 0}, framed = {at, "frame", 0};
     if (doc_has(value, "eye")) {
         vec3_f64 view = sub_f64(load_f64(c->target), load_f64(c->eye));
         if (!(length_f64(view) > 0)) return doc_fail(r->doc, &target, "it is where the eye is");
-        fathom_camera_look_at(c->eye, c->target, c->up, place_radians(c->fovy), &camera);
-    } else {
-        frame_f64 frame;
-        fathom_status status =
-            place_frame(r->doc, &framed, json_object_get(value, "frame"), &c->frame, &frame);
-        if (status != FATHOM_OK) return status;
-        camera = (fathom_camera){.d = 1, .h = 2 * tan(place_radians(c->fovy) / 2)};
-        store_f64(camera.origin, frame.origin);
-        store_f64(camera.x, frame.x);
-        store_f64(camera.y, frame.y);
-        store_f64(camera.z, frame.z);
+        fathom_camera_look_at(c->eye, c->target, c->up, fovy, camera);
+        return FATHOM_OK;
     }
+    frame_f64 frame;
+    fathom_status status = place_frame(r->doc, &framed, json_object_get(value, "frame"), &c->frame, &frame);
+    if (status != FATHOM_OK) return status;
+    *camera = (fathom_camera){.d = 1, .h = 2 * tan(fovy / 2)};
+    store_f64(camera->origin, frame.origin);
+    store_f64(camera->x, frame.x);
+    store_f64(camera->y, frame.y);
+    store_f64(camera->z, frame.z);
+    return FATHOM_OK;
+}
+
+/* *keys: the memory of the camera's keys, for the caller to free, even after a failure. */
+static fathom_status move_camera(const object_reader *r, const where *at, json_t *list, double **keys,
+                                 fathom_camera *camera) {
+    const where motion = {at, "motion", 0};
+    const size_t count = json_array_size(list);
+    if (!count) return doc_fail(r->doc, &motion, "expected one or more keys, found none");
+    *keys = malloc(13 * count * sizeof **keys);
+    if (!*keys) return fail_memory(r->scene->context, 13 * count * sizeof **keys);
+    for (size_t k = 0; k < count; ++k) {
+        const where item = {&motion, NULL, k};
+        json_t *value = json_array_get(list, k);
+        form_camera_values c = {.up = {0, 1, 0}};
+        fathom_camera there;
+        fathom_status status = doc_read(r->doc, &item, value, &form_camera_key, &c);
+        if (status == FATHOM_OK) status = place_camera(r, &item, value, &c, 1, &there);
+        if (status != FATHOM_OK) return status;
+        (*keys)[k] = c.time;
+        for (int i = 0; i < 3; ++i) {
+            const double row[4] = {there.x[i], there.y[i], there.z[i], there.origin[i]};
+            memcpy(*keys + count + 12 * k + 4 * i, row, sizeof row);
+        }
+    }
+    camera->key_count = (uint32_t)count;
+    camera->key_times = *keys, camera->key_frames = *keys + count;
+    return FATHOM_OK;
+}
+
+static fathom_status set_camera(const object_reader *r, json_t *value, const form_camera_values *c) {
+    const where at = {NULL, "camera", 0};
+    double *keys = NULL;
+    fathom_camera camera;
+    fathom_status status = place_camera(r, &at, value, c, place_radians(c->fovy), &camera);
+    if (status != FATHOM_OK) return status;
+    camera.shutter[0] = c->shutter[0], camera.shutter[1] = c->shutter[1];
+    camera.blades = c->blades, camera.blade_rotation = place_radians(c->blade_rotation);
     if (doc_has(value, "h")) camera.d = c->d, camera.h = c->h;
     if (doc_has(value, "w")) camera.w = c->w;
-    fathom_status status = set_lens(r, &at, value, c, &camera);
-    if (status == FATHOM_OK) status = fathom_scene_set_camera(r->scene, &camera);
-    return status == FATHOM_OK ? status : doc_within(r->doc, &at, status);
+    status = set_lens(r, &at, value, c, &camera);
+    if (status == FATHOM_OK && c->motion) status = move_camera(r, &at, c->motion, &keys, &camera);
+    if (status == FATHOM_OK) {
+        status = fathom_scene_set_camera(r->scene, &camera);
+        if (status != FATHOM_OK) status = doc_within(r->doc, &at, status);
+    }
+    free(keys);
+    return status;
 }
 
 /* The integrator decides what the other settings are where the file does not give them. A number of samples,

@@ -48,12 +48,27 @@ static const form_key place_keys[] = {
     {"matrix", FORM_F64, PLACE(matrix), .count = 16},
     END_KEYS,
 };
+static const form_key motion_keys[] = {
+    {"motion", FORM_LIST, AT(form_object_values, motion), .form = &form_place_key},
+    END_KEYS,
+};
+static const form_key time_keys[] = {{"time", FORM_F64, PLACE(time), .required = true}, END_KEYS};
 static const form_rule place_rules[] = {
+    {FORM_EXCLUDES, "motion", {"matrix", "translation", "rotation", "rotate", "scale", "frame"}},
     {FORM_EXCLUDES, "matrix", {"translation", "rotation", "rotate", "scale", "frame"}},
     {FORM_EXCLUDES, "frame", {"translation", "rotation", "rotate"}},
     {FORM_EXCLUDES, "rotation", {"rotate"}},
     END_RULES,
 };
+
+static const form_rule place_key_rules[] = {
+    {FORM_EXCLUDES, "matrix", {"translation", "rotation", "rotate", "scale", "frame"}},
+    {FORM_EXCLUDES, "frame", {"translation", "rotation", "rotate"}},
+    {FORM_EXCLUDES, "rotation", {"rotate"}},
+    END_RULES,
+};
+const form form_place_key = {
+    .name = "placeKey", .parts = {time_keys, place_keys}, .rules = {place_key_rules}};
 
 /* ---- camera and image ---- */
 
@@ -70,6 +85,10 @@ static const form_key camera_keys[] = {
     {"fStop", FORM_F64, AT(form_camera_values, f_stop), POSITIVE},
     {"focalLength", FORM_F64, AT(form_camera_values, focal_length), POSITIVE},
     {"focusDistance", FORM_F64, AT(form_camera_values, focus_distance), POSITIVE},
+    {"blades", FORM_U32, AT(form_camera_values, blades), .range = {3, 64, 0}},
+    {"bladeRotation", FORM_F64, AT(form_camera_values, blade_rotation)},
+    {"shutter", FORM_F64, AT(form_camera_values, shutter), .count = 2},
+    {"motion", FORM_LIST, AT(form_camera_values, motion), .form = &form_camera_key},
     END_KEYS,
 };
 static const form_rule camera_rules[] = {
@@ -84,8 +103,26 @@ static const form_rule camera_rules[] = {
     {FORM_NEEDS, "fStop", {"focalLength"}},
     {FORM_NEEDS, "focalLength", {"fStop"}},
     {FORM_EXCLUDES, "lensRadius", {"fStop"}},
+    {FORM_NEEDS, "bladeRotation", {"blades"}},
+    {FORM_NEEDS, "motion", {"shutter"}},
     END_RULES,
 };
+static const form_key camera_key_keys[] = {
+    {"time", FORM_F64, AT(form_camera_values, time), .required = true},
+    {"eye", FORM_F64, AT(form_camera_values, eye), .count = 3},
+    {"target", FORM_F64, AT(form_camera_values, target), .count = 3},
+    {"up", FORM_F64, AT(form_camera_values, up), .count = 3, .nonzero = true},
+    {"frame", FORM_OBJECT, AT(form_camera_values, frame), .form = &form_frame},
+    END_KEYS,
+};
+static const form_rule camera_key_rules[] = {
+    {FORM_ONE_OF, NULL, {"eye", "frame"}},
+    {FORM_NEEDS, "eye", {"target"}},
+    {FORM_NEEDS, "target", {"eye"}},
+    {FORM_NEEDS, "up", {"eye"}},
+    END_RULES,
+};
+const form form_camera_key = {.name = "cameraKey", .parts = {camera_key_keys}, .rules = {camera_key_rules}};
 const form form_camera = {.name = "camera", .parts = {camera_keys}, .rules = {camera_rules}};
 
 /* Filled in by form_prepare(). */
@@ -288,13 +325,26 @@ static const form_key mesh_keys[] = {
     {"uvs1", FORM_ROWS, OBJECT(as.mesh.uvs_1), FLOATS, .count = 2},
     {"colors", FORM_ROWS, OBJECT(as.mesh.colors), .count = 3, .range = {0, 1, 0}},
     {"shading", FORM_WORD, OBJECT(as.mesh.shading), .words = shading_words},
+    {"vertexKeys", FORM_LIST, OBJECT(as.mesh.keys), .form = &form_vertex_key},
     END_KEYS,
 };
+static const form_key vertex_key_keys[] = {
+    {"time", FORM_F64, AT(form_vertex_values, time), .required = true},
+    {"positions", FORM_ROWS, AT(form_vertex_values, positions), FLOATS, .count = 3, .required = true},
+    {"normals", FORM_ROWS, AT(form_vertex_values, normals), FLOATS, .count = 3},
+    END_KEYS,
+};
+const form form_vertex_key = {.name = "vertexKey", .parts = {vertex_key_keys}};
 static const form_rule mesh_rules[] = {
-    {FORM_ONE_OF, NULL, {"file", "positions"}}, {FORM_NEEDS, "positions", {"indices"}},
-    {FORM_NEEDS, "indices", {"positions"}},     {FORM_NEEDS, "normals", {"positions"}},
-    {FORM_NEEDS, "uvs", {"positions"}},         {FORM_NEEDS, "uvs1", {"positions"}},
-    {FORM_NEEDS, "colors", {"positions"}},      END_RULES,
+    {FORM_ONE_OF, NULL, {"file", "positions"}},
+    {FORM_NEEDS, "positions", {"indices"}},
+    {FORM_NEEDS, "indices", {"positions"}},
+    {FORM_NEEDS, "normals", {"positions"}},
+    {FORM_NEEDS, "uvs", {"positions"}},
+    {FORM_NEEDS, "uvs1", {"positions"}},
+    {FORM_NEEDS, "colors", {"positions"}},
+    {FORM_NEEDS, "vertexKeys", {"positions"}},
+    END_RULES,
 };
 
 /* In the order of fathom_generator. */
@@ -318,8 +368,8 @@ static const form_key instance_keys[] = {
 /* Every shape takes a material, may cast no shadow, and may be placed. */
 #define SHAPE(shape, shape_id, shape_rules)                                                                  \
     {                                                                                                        \
-        .name = #shape, .id = shape_id, .parts = {object_keys, shape##_keys, shadow_keys, place_keys},       \
-        .rules = {                                                                                           \
+        .name = #shape, .id = shape_id,                                                                      \
+        .parts = {object_keys, shape##_keys, shadow_keys, place_keys, motion_keys}, .rules = {               \
             place_rules,                                                                                     \
             shape_rules                                                                                      \
         }                                                                                                    \
@@ -333,11 +383,11 @@ static const form mesh_form = SHAPE(mesh, FORM_MESH, mesh_rules);
 static const form generate_form = SHAPE(generate, FORM_GENERATE, NULL);
 static const form group_form = {.name = "group",
                                 .id = FORM_GROUP,
-                                .parts = {object_keys, group_keys, place_keys},
+                                .parts = {object_keys, group_keys, place_keys, motion_keys},
                                 .rules = {place_rules}};
 static const form instance_form = {.name = "instance",
                                    .id = FORM_INSTANCE,
-                                   .parts = {object_keys, instance_keys, place_keys},
+                                   .parts = {object_keys, instance_keys, place_keys, motion_keys},
                                    .rules = {place_rules}};
 static const form *const object_forms[] = {&sphere_form,   &quad_form,     &plane_form,
                                            &triangle_form, &mesh_form,     &generate_form,

@@ -58,14 +58,14 @@ typedef enum form_rule_kind {
 typedef struct form_rule {
     form_rule_kind kind;
     const char *key;
-    const char *others[6];
+    const char *others[7];
 } form_rule;
 
 /* An object of the document. With variants, its "type" or `tag` chooses which of them it is. */
 struct form {
     const char *name;
     int id;                      /* which variant this is: a form_light_id, form_object_id or fathom_model */
-    const form_key *parts[5];    /* tables of keys */
+    const form_key *parts[6];    /* tables of keys */
     const form_rule *rules[3];   /* tables of rules */
     const form *const *variants; /* ended by NULL */
     const char *tag;             /* the key that chooses, if it is not "type"; the first variant needs none */
@@ -75,7 +75,7 @@ struct form {
  * materials, whose keys are the settings and the material parameters that files may have. */
 void form_prepare(void);
 extern const form form_scene, form_camera, form_image, form_material, form_texture, form_light, form_object,
-    form_frame, form_turn;
+    form_frame, form_turn, form_camera_key, form_place_key, form_vertex_key;
 
 /* NULL when the form knows no such key. */
 const form_key *form_find(const form *f, const char *name);
@@ -91,6 +91,10 @@ typedef struct form_camera_values {
     form_frame_values frame;
     double fovy, d, w, h; /* fovy in degrees */
     double lens_radius, f_stop, focal_length, focus_distance;
+    uint32_t blades;
+    double blade_rotation;   /* degrees */
+    double shutter[2], time; /* time: of a key */
+    json_t *motion;
 } form_camera_values;
 
 /* An image that a material names. */
@@ -133,7 +137,13 @@ typedef struct form_place_values {
     double translation[3], rotation[4], scale[3], matrix[16];
     form_turn_values rotate;
     form_frame_values frame;
+    double time; /* of a key */
 } form_place_values;
+
+typedef struct form_vertex_values {
+    double time;
+    json_t *positions, *normals;
+} form_vertex_values;
 
 typedef enum form_object_id {
     FORM_SPHERE,
@@ -152,6 +162,7 @@ typedef struct form_object_values {
     const char *name, *material, *light_group;
     bool casts_shadow;
     form_place_values place;
+    json_t *motion;
     union {
         fathom_sphere sphere;
         fathom_plane plane;
@@ -163,7 +174,7 @@ typedef struct form_object_values {
         } triangle;
         struct {
             const char *file;
-            json_t *positions, *indices, *normals, *uvs, *uvs_1, *colors;
+            json_t *positions, *indices, *normals, *uvs, *uvs_1, *colors, *keys;
             int shading; /* form_shading */
         } mesh;
         struct {

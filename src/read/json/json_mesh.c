@@ -11,6 +11,8 @@ typedef struct mesh_arrays {
     uint32_t *indices;
     size_t vertices, triangles;
     bool smooth; /* make normals if there are none */
+    size_t keys; /* times of which all vertices, and normals, follow each other; 0: they stay */
+    double *key_times, *key_positions, *key_normals;
 } mesh_arrays;
 
 /* `width` numbers for each vertex, relative to `origin`. NULL stays NULL. */
@@ -31,12 +33,34 @@ static vec3_f64 choose_origin(const mesh_arrays *a) {
     return origin_for(&box);
 }
 
+/* Normals made as the mesh's are, or the given ones. */
+static fathom_status add_keys(const object_reader *r, const mesh_arrays *a, fathom_mesh *mesh,
+                              float **positions, float **normals) {
+    static const double zero[3] = {0, 0, 0};
+    const size_t vertices = a->keys * a->vertices;
+    fathom_status status = narrow_all(r, a->key_positions, vertices, 3, mesh->origin, positions);
+    if (status == FATHOM_OK) status = narrow_all(r, a->key_normals, vertices, 3, zero, normals);
+    mesh->key_count = (uint32_t)a->keys, mesh->key_times = a->key_times;
+    mesh->key_positions = *positions, mesh->key_normals = *normals;
+    if (status != FATHOM_OK || *normals || !mesh->normals || !a->smooth) return status;
+    mesh->key_normals = *normals = malloc(3 * vertices * sizeof **normals);
+    if (!*normals) return fail_memory(r->scene->context, 3 * vertices * sizeof **normals);
+    fathom_mesh there = *mesh;
+    for (size_t k = 0; k < a->keys && status == FATHOM_OK; ++k) {
+        there.positions = *positions + 3 * k * a->vertices;
+        status = normals_smooth(r->scene->context, &there, NULL, mesh->vertex_count,
+                                *normals + 3 * k * a->vertices);
+    }
+    return status;
+}
+
 static fathom_status add_arrays(const object_reader *r, fathom_id group, const mesh_arrays *a,
                                 fathom_id material, unsigned flags) {
     if (a->vertices >= UINT32_MAX || a->triangles >= UINT32_MAX)
         return fail(r->scene->context, FATHOM_BAD_INPUT, "more than 2^32 - 2 vertices or triangles");
     static const double zero[3] = {0, 0, 0};
-    float *positions = NULL, *normals = NULL, *uvs = NULL, *uvs_1 = NULL, *colors = NULL;
+    float *positions = NULL, *normals = NULL, *uvs = NULL, *uvs_1 = NULL, *colors = NULL,
+          *key_positions = NULL, *key_normals = NULL;
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     store_f64(mesh.origin, choose_origin(a));
@@ -59,9 +83,13 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
         mesh.uvs_1 = uvs_1, mesh.colors = colors;
         mesh.material = material;
         mesh.flags = flags;
+        if (a->keys) status = add_keys(r, a, &mesh, &key_positions, &key_normals);
+    }
+    if (status == FATHOM_OK) {
         status = fathom_scene_add_mesh(r->scene, group, &mesh, NULL);
     }
     free(positions), free(normals), free(uvs), free(uvs_1), free(colors);
+    free(key_positions), free(key_normals);
     return status;
 }
 
@@ -159,6 +187,41 @@ static fathom_status check_same_count(const object_reader *r, const where *at, c
                     json_array_size(rows));
 }
 
+static fathom_status load_key(const object_reader *r, const where *at, json_t *value, bool normals, size_t k,
+                              mesh_arrays *out) {
+    form_vertex_values key = {.time = 0};
+    fathom_status status = doc_read(r->doc, at, value, &form_vertex_key, &key);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "positions", key.positions, out->vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "normals", key.normals, out->vertices);
+    if (status == FATHOM_OK && normals && !key.normals)
+        status =
+            doc_fail(r->doc, at, "\"normals\" is missing; the mesh has normals, so each key needs its own");
+    if (status != FATHOM_OK) return status;
+    out->key_times[k] = key.time;
+    doc_rows(key.positions, 3, out->key_positions + 3 * k * out->vertices);
+    if (normals) doc_rows(key.normals, 3, out->key_normals + 3 * k * out->vertices);
+    return FATHOM_OK;
+}
+
+static fathom_status load_keys(const object_reader *r, const where *at, json_t *list, bool normals,
+                               mesh_arrays *out) {
+    const where keys = {at, "vertexKeys", 0};
+    const size_t numbers = 3 * json_array_size(list) * out->vertices;
+    out->keys = json_array_size(list);
+    if (!out->keys) return doc_fail(r->doc, &keys, "expected one or more keys, found none");
+    out->key_times = malloc(out->keys * sizeof(double));
+    out->key_positions = malloc(numbers * sizeof(double));
+    out->key_normals = normals ? malloc(numbers * sizeof(double)) : NULL;
+    if (!out->key_times || !out->key_positions || (normals && !out->key_normals))
+        return fail_memory(r->scene->context, numbers * sizeof(double));
+    fathom_status status = FATHOM_OK;
+    for (size_t k = 0; k < out->keys && status == FATHOM_OK; ++k) {
+        const where item = {&keys, NULL, k};
+        status = load_key(r, &item, json_array_get(list, k), normals, k, out);
+    }
+    return status;
+}
+
 /* The arrays of *out are the caller's, even after a failure. */
 static fathom_status load_inline(const object_reader *r, const where *at, const form_object_values *o,
                                  mesh_arrays *out) {
@@ -177,6 +240,8 @@ static fathom_status load_inline(const object_reader *r, const where *at, const 
     if (status == FATHOM_OK && o->as.mesh.uvs_1) status = load_rows(r, o->as.mesh.uvs_1, 2, &out->uvs_1);
     if (status == FATHOM_OK && o->as.mesh.colors) status = load_rows(r, o->as.mesh.colors, 3, &out->colors);
     if (status == FATHOM_OK) status = load_indices(r, at, o->as.mesh.indices, vertices, &out->indices);
+    if (status == FATHOM_OK && o->as.mesh.keys)
+        status = load_keys(r, at, o->as.mesh.keys, normals != NULL, out);
     return status;
 }
 
@@ -190,5 +255,6 @@ fathom_status mesh_inline(const object_reader *r, const where *at, const form_ob
     }
     free(arrays.positions), free(arrays.normals), free(arrays.uvs), free(arrays.indices);
     free(arrays.uvs_1), free(arrays.colors);
+    free(arrays.key_times), free(arrays.key_positions), free(arrays.key_normals);
     return status;
 }

@@ -90,7 +90,7 @@ typedef struct object {
     form_object_values values;
     fathom_id material; /* FATHOM_NONE: not given */
     unsigned flags;
-    bool placed;
+    bool placed; /* by keys of its own, or by motion */
     affine_f64 map;
 } object;
 
@@ -120,7 +120,9 @@ LEAF fathom_status read_object(const object_reader *r, const where *at, json_t *
     if (out->values.material)
         status = find_id(r, at, "material", "material", out->values.material, r->materials, &out->material);
     if (status != FATHOM_OK) return status;
-    return place_object(r->doc, at, value, &out->values.place, &out->map, &out->placed);
+    status = place_object(r->doc, at, value, &out->values.place, &out->map, &out->placed);
+    out->placed |= out->values.motion != NULL;
+    return status;
 }
 
 /* ---- each kind ---- */
@@ -248,6 +250,31 @@ LEAF fathom_status choose_group(const object_reader *r, const where *at, const o
     return fathom_scene_add_group(r->scene, o->values.name, out);
 }
 
+/* *keys: the memory of the instance's keys, for the caller to free, even after a failure. */
+LEAF fathom_status read_motion(const object_reader *r, const where *at, json_t *list, double **keys,
+                               fathom_instance *out) {
+    const where motion = {at, "motion", 0};
+    const size_t count = json_array_size(list);
+    if (!count) return doc_fail(r->doc, &motion, "expected one or more keys, found none");
+    *keys = malloc(13 * count * sizeof **keys);
+    if (!*keys) return fail_memory(r->scene->context, 13 * count * sizeof **keys);
+    for (size_t k = 0; k < count; ++k) {
+        const where item = {&motion, NULL, k};
+        json_t *value = json_array_get(list, k);
+        form_object_values values = {.name = NULL};
+        affine_f64 map;
+        bool placed;
+        fathom_status status = doc_read(r->doc, &item, value, &form_place_key, &values);
+        if (status == FATHOM_OK) status = place_object(r->doc, &item, value, &values.place, &map, &placed);
+        if (status != FATHOM_OK) return status;
+        (*keys)[k] = values.place.time;
+        memcpy(*keys + count + 12 * k, map.m, sizeof map.m);
+    }
+    out->key_count = (uint32_t)count;
+    out->key_times = *keys, out->key_transforms = *keys + count;
+    return FATHOM_OK;
+}
+
 LEAF fathom_status add_instance(const object_reader *r, const where *at, const object *o, fathom_id parent,
                                 fathom_id group) {
     fathom_instance instance;
@@ -256,8 +283,15 @@ LEAF fathom_status add_instance(const object_reader *r, const where *at, const o
     instance.parent = parent;
     memcpy(instance.transform, o->map.m, sizeof instance.transform);
     if (o->kind == FORM_GROUP || o->kind == FORM_INSTANCE) instance.material = o->material;
-    fathom_status status = fathom_scene_add_instance(r->scene, &instance, NULL);
-    return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
+    double *keys = NULL;
+    fathom_status status = FATHOM_OK;
+    if (o->values.motion) status = read_motion(r, at, o->values.motion, &keys, &instance);
+    if (status == FATHOM_OK) {
+        status = fathom_scene_add_instance(r->scene, &instance, NULL);
+        if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
+    }
+    free(keys);
+    return status;
 }
 
 static fathom_status add_object(const object_reader *r, const where *at, json_t *value, fathom_id parent,

@@ -1,6 +1,7 @@
 #include "scene/camera/camera.h"
 
 #include "base/sized.h"
+#include "scene/motion/motion.h"
 
 static const double default_fovy = 0.78539816339744831; /* 45 degrees */
 
@@ -57,7 +58,45 @@ static fathom_status check_camera(fathom_context *context, const fathom_camera *
                     "found %g and %g",
                     camera->lens_radius, camera->focus_distance);
     }
+    if (camera->blades && (camera->blades < 3 || camera->blades > 64 || !isfinite(camera->blade_rotation)))
+        return fail(context, FATHOM_BAD_INPUT,
+                    "camera: expected no blades or 3 to 64, and a finite rotation; found %u and %g",
+                    camera->blades, camera->blade_rotation);
+    if (!isfinite(camera->shutter[0]) || !isfinite(camera->shutter[1]) ||
+        camera->shutter[1] < camera->shutter[0])
+        return fail(
+            context, FATHOM_BAD_INPUT,
+            "camera: expected a shutter that opens, and then closes, at finite times; found %g and %g",
+            camera->shutter[0], camera->shutter[1]);
     return FATHOM_OK;
+}
+
+/* Each key is a frame as the camera's own. */
+static fathom_status check_keys(fathom_context *context, const fathom_camera *camera) {
+    fathom_status status = motion_check_keys(context, camera->key_times, camera->key_count, NULL, 0);
+    if (status == FATHOM_OK && !camera->key_frames) status = fail_null(context, "key_frames");
+    for (uint32_t k = 0; k < camera->key_count && status == FATHOM_OK; ++k) {
+        const fathom_camera at = motion_camera(camera, camera->key_times[k]);
+        if (!is_frame(&at))
+            status = fail_item(context, FATHOM_BAD_INPUT, "key_frames", k,
+                               "expected a right-handed frame of unit vectors at right angles");
+    }
+    return status;
+}
+
+static fathom_status adopt_keys(fathom_scene *scene, fathom_camera *camera) {
+    fathom_status status = check_keys(scene->context, camera);
+    if (status == FATHOM_OK)
+        status = motion_copy_keys(scene, camera->key_count, 12, &camera->key_times, &camera->key_frames);
+    return status;
+}
+
+/* Whoever knows no motion sees the camera where it is when the shutter opens. */
+static fathom_camera camera_when_open(const fathom_camera *camera) {
+    fathom_camera out = motion_camera(camera, camera->shutter[0]);
+    out.key_count = camera->key_count;
+    out.key_times = camera->key_times, out.key_frames = camera->key_frames;
+    return out;
 }
 
 fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_camera *camera, size_t size) {
@@ -65,7 +104,9 @@ fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_ca
     fathom_camera item;
     fathom_status status = SIZED_ITEM(scene->context, fathom_camera, camera, size, &item);
     if (status == FATHOM_OK) status = check_camera(scene->context, &item);
+    if (status == FATHOM_OK && item.key_count) status = adopt_keys(scene, &item);
     if (status != FATHOM_OK) return status;
+    if (item.key_count) item = camera_when_open(&item);
     scene->camera = item;
     frame_f64 frame = frame_from(load_f64(item.origin), load_f64(item.z), load_f64(item.y));
     set_frame(&scene->camera, &frame);

@@ -12,6 +12,7 @@
 
 #include "scene/camera/extent.h"
 #include "scene/graph.h"
+#include "scene/motion/motion.h"
 
 #include <stdlib.h>
 
@@ -117,8 +118,7 @@ static bool add_object(walk *w, const directions *d, fathom_id id) {
 /* ---- groups ---- */
 
 static bool add_instance(walk *w, const directions *d, const fathom_instance *instance) {
-    affine_f64 map;
-    affine_load(&map, instance->transform);
+    const affine_f64 map = motion_place(instance, w->scene->camera.shutter[0]);
     const step inner = {instance->group, through(d, &map)};
     if (!w->places) {
         add_box(w, &inner.along, &w->of_group[instance->group]);

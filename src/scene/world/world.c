@@ -70,9 +70,11 @@ static bool add_mesh(world *w, uint32_t index, fathom_id object) {
                                .flags = mesh->flags,
                                .smooth = mesh->normals != NULL,
                                .instance = FATHOM_NONE};
-    return array_push(&w->geometries, geometry) && array_push(&w->meshes, *mesh) &&
-           array_push(&w->mesh_facts, w->scene->mesh_facts.items[index]) &&
-           array_push(&w->mesh_objects, object);
+    fathom_mesh made = *mesh;
+    mesh_facts facts = w->scene->mesh_facts.items[index];
+    if (mesh->key_count && !world_add_vertex_motion(w, &geometry, &made, &facts)) return false;
+    return array_push(&w->geometries, geometry) && array_push(&w->meshes, made) &&
+           array_push(&w->mesh_facts, facts) && array_push(&w->mesh_objects, object);
 }
 
 static bool same_point(const double p[3], vec3_f64 q) { return p[0] == q.x && p[1] == q.y && p[2] == q.z; }
@@ -158,6 +160,7 @@ void world_destroy(world *w) {
     array_free(&w->geometries);
     array_free(&w->groups);
     array_free(&w->instances);
+    world_motion_destroy(w);
     free(w);
 }
 

@@ -8,6 +8,7 @@
 #define SCENE_WORLD_H
 
 #include "math/affine.h"
+#include "scene/motion/motion.h"
 #include "scene/scene.h"
 
 /* Coordinates of what is traced, and of where rays start, must be smaller: Embree leaves those beyond 1.8e18
@@ -67,7 +68,22 @@ typedef struct world_geometry {
     float largest;      /* of the coordinates within WORLD_REACH; see world_survey() */
     uint32_t flat;      /* primitives without area: never met */
     fathom_id instance; /* the instance that placed it, where its frame was left out; else FATHOM_NONE */
+    uint32_t moving;    /* a mesh whose vertices move: 1 + index into vertex_motions; else 0 */
 } world_geometry;
+
+/* Motion is `steps` states at even times of the shutter, which is open from 0 to 1: what tracers take. */
+typedef struct world_motion {
+    uint32_t steps;      /* >= 2 */
+    motion_parts *parts; /* of each step, the rotations less than 3 degrees apart */
+} world_motion;
+
+typedef struct world_vertex_motion {
+    uint32_t steps;
+    float *positions; /* vertex_count x y z for each step, and some bytes to read beyond the last */
+    float *normals;   /* normal_count x y z for each step; NULL: none */
+} world_vertex_motion;
+
+#define WORLD_STEPS_MOST 129u /* Embree's */
 
 typedef struct world_group {
     uint32_t first, count; /* geometries */
@@ -80,6 +96,7 @@ typedef struct world_instance {
                            FATHOM_NONE for a frame that world_create() made for a mesh of the root group */
     float to_world[3][4];
     float to_object[3][4];
+    uint32_t moving;             /* 1 + index into motions, and the maps are those of time 0; else 0 */
     float to_object_error[3][3]; /* bounds how far the linear part differs from that of a tracer which inverts
                                     to_world itself, in float */
 } world_instance;
@@ -98,6 +115,10 @@ typedef struct world {
     ARRAY(world_geometry) geometries;
     ARRAY(world_group) groups; /* 0: what is placed in the root itself */
     ARRAY(world_instance) instances;
+    ARRAY(world_motion) motions;
+    ARRAY(world_vertex_motion) vertex_motions;
+    ARRAY(float *) still_vertices; /* of meshes with keys that rest while the shutter is open; owned */
+    bool moves;                    /* some geometry or instance does */
     bool *absent;                  /* by object of the scene: in no geometry; see absent.h */
     uint64_t degenerate_triangles; /* without area: stored, never hit */
     uint64_t beyond_reach; /* primitives with a coordinate not below WORLD_REACH, in their group's space:
@@ -115,6 +136,24 @@ fathom_status world_create(const fathom_scene *scene, world **out);
  * makes of a scene that is not moved near it. NULL: where world_create() counts from. */
 fathom_status world_create_from(const fathom_scene *scene, const vec3_f64 *origin, world **out);
 void world_destroy(world *w);
+
+/* ---- motion: what is where at a time in [0, 1] of the shutter ---- */
+
+/* Sets `moved` to an instance that moves, as it is at a time. */
+void world_move_instance(const world *w, const world_instance *instance, float time, world_instance *moved);
+/* The instance at a time, its maps in `moved` if it moves. */
+static inline const world_instance *world_instance_when(const world *w, uint32_t instance, float time,
+                                                        world_instance *moved) {
+    const world_instance *at = &w->instances.items[instance];
+    if (!at->moving) return at;
+    world_move_instance(w, at, time, moved);
+    return moved;
+}
+/* The two steps around the time, and how far it is from the first to the second. */
+uint32_t world_step(uint32_t steps, float time, double *u);
+/* The corners of a triangle of a mesh, and its normals unless NULL or there are none. */
+void world_corners_when(const world *w, const world_geometry *geometry, uint32_t triangle, float time,
+                        vec3_f32 corner[3], vec3_f32 normal[3]);
 
 /* Call after changing a world's numbers: reads its meshes again and repeats the counts of world_create().
  * Indices must stay in range. */

@@ -14,6 +14,19 @@ void world_count(world *w);
 /* Appends a mesh alone, relative to its own origin. */
 bool world_add_lone_mesh(world *w, fathom_id object);
 
+/* Where a group is placed at a time of the scene: `user` is the caller's. */
+typedef affine_f64 (*world_place_fn)(const void *user, double time);
+
+/* Finds the steps of an instance that moves through the places that the caller tells: as few as are needed to
+ * be off by no more than 2^-14 of the size of `inside`, the bounds of what it moves. Sets the instance's
+ * maps, too. id: for messages. */
+fathom_status world_add_motion(world *w, world_place_fn place, const void *user, const scene_bounds *inside,
+                               const double *times, size_t time_count, fathom_id id,
+                               world_instance *instance);
+/* Resamples the vertices of the mesh of `geometry`, which has keys; its facts stay those of the scene's. */
+bool world_add_vertex_motion(world *w, world_geometry *geometry, fathom_mesh *mesh, mesh_facts *facts);
+void world_motion_destroy(world *w);
+
 /* Chooses origins, makes the groups and places them. origin: the root's, or NULL to choose it, too. */
 fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *origin);
 

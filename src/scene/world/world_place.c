@@ -55,9 +55,7 @@ static vec3_f64 choose(const fathom_scene *scene, const scene_graph *graph, uint
     }
     for (uint32_t i = graph->instances.first[group]; i < graph->instances.first[group + 1]; ++i) {
         const fathom_instance *instance = &scene->instances.items[graph->instances.items[i]];
-        affine_f64 map;
-        affine_load(&map, instance->transform);
-        scene_bounds b = bounds_transformed(&of_group[instance->group], &map);
+        scene_bounds b = motion_bounds(instance, scene->camera.shutter, &of_group[instance->group]);
         if (!bounds_is_empty(&b)) consider(&search, &b, bounds_center(&b));
         bounds_join(&of_group[group], &b);
     }
@@ -84,6 +82,12 @@ typedef struct group_part {
     vec3_f64 origin;
 } group_part;
 
+/* An instance on the way from the root to a placement. */
+typedef struct placement_link {
+    fathom_id instance;
+    uint32_t outer; /* the link of the instance around it, FATHOM_NONE: the root */
+} placement_link;
+
 typedef struct placer {
     world *w;
     const scene_graph *graph;
@@ -93,6 +97,9 @@ typedef struct placer {
     uint32_t *part_count; /* by group */
     double *placements;   /* by group: ways from the root */
     ARRAY(group_part) parts;
+    ARRAY(placement_link) links; /* where something moves */
+    scene_bounds *bounds;        /* by group; where something moves */
+    ARRAY(double) times;         /* of the keys at hand */
 } placer;
 
 static fathom_status no_memory(const placer *p) {
@@ -187,16 +194,22 @@ static bool joins_root(const placer *p, uint32_t group, const affine_f64 *to_wor
 
 typedef struct placement {
     uint32_t group;
-    affine_f64 to_world; /* the scene's world, not yet moved to the origin */
+    affine_f64 to_world; /* the scene's world, not yet moved to the origin; as the shutter opens */
     fathom_id material, id;
+    uint32_t link; /* the innermost instance, where something moves */
+    bool moves;
 } placement;
 
 static placement child_placement(const placer *p, const placement *parent, fathom_id id) {
     const fathom_instance *instance = &p->w->scene->instances.items[id];
-    affine_f64 map;
-    affine_load(&map, instance->transform);
-    placement child = {instance->group, affine_compose(&parent->to_world, &map),
-                       parent->material != FATHOM_NONE ? parent->material : instance->material, id};
+    const double *shutter = p->w->scene->camera.shutter;
+    const affine_f64 map = motion_place(instance, shutter[0]);
+    placement child = {instance->group,
+                       affine_compose(&parent->to_world, &map),
+                       parent->material != FATHOM_NONE ? parent->material : instance->material,
+                       id,
+                       FATHOM_NONE,
+                       parent->moves || motion_is_moving(instance, shutter)};
     return child;
 }
 
@@ -204,10 +217,15 @@ static placement child_placement(const placer *p, const placement *parent, fatho
 typedef ARRAY(placement) placement_stack;
 
 /* Puts the instances in the group of `at` on the stack, in such an order that the first is visited first. */
-static fathom_status push_children(const placer *p, placement_stack *stack, const placement *at) {
+static fathom_status push_children(placer *p, placement_stack *stack, const placement *at) {
     uint32_t first = p->graph->instances.first[at->group];
     for (uint32_t i = p->graph->instances.first[at->group + 1]; i-- > first;) {
-        if (!array_push(stack, child_placement(p, at, p->graph->instances.items[i]))) return no_memory(p);
+        placement child = child_placement(p, at, p->graph->instances.items[i]);
+        if (p->bounds) {
+            child.link = (uint32_t)p->links.count;
+            if (!array_push(&p->links, ((placement_link){child.id, at->link}))) return no_memory(p);
+        }
+        if (!array_push(stack, child)) return no_memory(p);
     }
     return FATHOM_OK;
 }
@@ -217,7 +235,8 @@ typedef fathom_status (*visit_fn)(placer *p, const placement *at, bool *descend)
 /* The root, then everything it holds: each placement before those in it. */
 static fathom_status visit_all(placer *p, visit_fn visit) {
     placement_stack stack = {.items = NULL};
-    placement at = {FATHOM_ROOT, affine_identity(), FATHOM_NONE, FATHOM_NONE};
+    placement at = {FATHOM_ROOT, affine_identity(), FATHOM_NONE, FATHOM_NONE, FATHOM_NONE, false};
+    p->links.count = 0;
     fathom_status status = array_push(&stack, at) ? FATHOM_OK : no_memory(p);
     while (stack.count && status == FATHOM_OK) {
         at = stack.items[--stack.count];
@@ -231,7 +250,8 @@ static fathom_status visit_all(placer *p, visit_fn visit) {
 
 /* The root's geometries first, with those of groups that join it: they must lie together. */
 static fathom_status join_root(placer *p, const placement *at, bool *descend) {
-    *descend = at->group == FATHOM_ROOT || joins_root(p, at->group, &at->to_world, at->material);
+    *descend =
+        at->group == FATHOM_ROOT || (!at->moves && joins_root(p, at->group, &at->to_world, at->material));
     if (!*descend) return FATHOM_OK;
     size_t first = p->w->geometries.count;
     if (!world_add_geometries(p->w, p->graph, at->group, p->w->origin)) return no_memory(p);
@@ -240,9 +260,69 @@ static fathom_status join_root(placer *p, const placement *at, bool *descend) {
     return FATHOM_OK;
 }
 
+/* ---- what moves ---- */
+
+typedef struct moving {
+    const placer *p;
+    const placement *at;
+    vec3_f64 origin; /* of the part */
+} moving;
+
+static affine_f64 place_when(const void *user, double time) {
+    const moving *m = user;
+    const placer *p = m->p;
+    affine_f64 map = affine_translation(m->origin);
+    for (uint32_t l = m->at->link; l != FATHOM_NONE; l = p->links.items[l].outer) {
+        const affine_f64 outer =
+            motion_place(&p->w->scene->instances.items[p->links.items[l].instance], time);
+        map = affine_compose(&outer, &map);
+    }
+    const affine_f64 move = affine_translation(neg_f64(p->w->origin));
+    return affine_compose(&move, &map);
+}
+
+/* Of all keys on the way from the root. */
+static bool find_times(placer *p, const placement *at) {
+    p->times.count = 0;
+    for (uint32_t l = at->link; l != FATHOM_NONE; l = p->links.items[l].outer) {
+        const fathom_instance *instance = &p->w->scene->instances.items[p->links.items[l].instance];
+        for (uint32_t k = 0; k < instance->key_count; ++k)
+            if (!array_push(&p->times, instance->key_times[k])) return false;
+    }
+    return true;
+}
+
+static fathom_status refuse_planes(const placer *p, uint32_t group, fathom_id instance) {
+    for (uint32_t i = p->graph->objects.first[group]; i < p->graph->objects.first[group + 1]; ++i) {
+        const fathom_id id = p->graph->objects.items[i];
+        if (p->w->scene->objects.items[id].kind == SCENE_PLANE && !p->w->absent[id])
+            return fail(p->w->scene->context, FATHOM_BAD_INPUT,
+                        "instance %u: it moves a plane; infinite planes cannot move: use a large quad",
+                        instance);
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status place_moving(placer *p, const placement *at) {
+    fathom_status status = refuse_planes(p, at->group, at->id);
+    if (status == FATHOM_OK && !find_times(p, at)) status = no_memory(p);
+    for (uint32_t i = 0; i < p->part_count[at->group] && status == FATHOM_OK; ++i) {
+        const group_part part = p->parts.items[p->first_part[at->group] + i];
+        world_instance instance = {.group = part.world_group, .material = at->material, .id = at->id};
+        scene_bounds inside = p->bounds[at->group];
+        inside.lower = sub_f64(inside.lower, part.origin), inside.upper = sub_f64(inside.upper, part.origin);
+        const moving m = {p, at, part.origin};
+        status = world_add_motion(p->w, place_when, &m, &inside, p->times.items, p->times.count, at->id,
+                                  &instance);
+        if (status == FATHOM_OK && !array_push(&p->w->instances, instance)) status = no_memory(p);
+    }
+    return status;
+}
+
 static fathom_status place(placer *p, const placement *at, bool *descend) {
     *descend = true;
     fathom_status status = make_parts(p, at->group);
+    if (status == FATHOM_OK && at->moves) return place_moving(p, at);
     if (status == FATHOM_OK) status = place_planes(p, at->group, &at->to_world, at->material, at->id);
     affine_f64 move = affine_translation(neg_f64(p->w->origin));
     for (uint32_t i = 0; i < p->part_count[at->group] && status == FATHOM_OK; ++i) {
@@ -265,6 +345,11 @@ static fathom_status count_placements(placer *p) {
 static fathom_status place_all(placer *p, const vec3_f64 *origin) {
     fathom_status status = count_placements(p);
     if (status == FATHOM_OK) status = choose_origins(p->w->scene, p->graph, p->origins);
+    if (status != FATHOM_OK) return status;
+    bool moves = false;
+    for (size_t i = 0; i < p->w->scene->instances.count && !moves; ++i)
+        moves = motion_is_moving(&p->w->scene->instances.items[i], p->w->scene->camera.shutter);
+    if (moves) status = graph_bounds(p->w->scene, p->graph, &p->bounds);
     if (status != FATHOM_OK) return status;
     if (origin) p->origins[FATHOM_ROOT] = *origin;
     p->w->origin = p->origins[FATHOM_ROOT];
@@ -296,5 +381,8 @@ fathom_status world_place(world *w, const scene_graph *graph, const vec3_f64 *or
     free(p.part_count);
     free(p.placements);
     array_free(&p.parts);
+    array_free(&p.links);
+    array_free(&p.times);
+    free(p.bounds);
     return status;
 }

@@ -157,6 +157,9 @@ static fathom_status open_device(embree_tracer *tracer) {
 static void choose_calls(embree_tracer *tracer) {
     static const unsigned widths[] = {0, 1, 4, 8, 16};
     unsigned asked = widths[tracer->spec.calls];
+    /* Embree's packets and single rays interpolate places by different instructions. Packets are taken apart
+     * by what other rays do, so only single rays have one answer. */
+    if (tracer->base.world->moves) asked = 1;
     tracer->width = embree_call_width(tracer, asked ? asked : tracer->options->width);
     if (tracer->spec.ties == TRACE_SETTLED) tracer->filter = embree_filter(tracer->width);
 }
@@ -193,7 +196,7 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     if (!tracer) return fail_memory(context, sizeof *tracer);
     tracer->base.ops = &ops;
     tracer->kernels = embree_kernels_best();
-    tracer->base.retry = embree_retry(spec);
+    tracer->base.retry = w->moves ? NULL : embree_retry(spec); /* it has no times */
     tracer->base.self = &tracer->base;
     tracer->base.world = w;
     tracer->base.unit = 0x1p-24;
@@ -205,6 +208,9 @@ fathom_status embree_create(fathom_context *context, const world *w, const trace
     if (status == FATHOM_OK) {
         choose_calls(tracer);
         tracer->quality = build_quality(&tracer->spec, options, w);
+        /* At low quality trees depend on the threads, and Embree's hits on moving shapes by a rounding on
+         * them. */
+        if (w->moves && tracer->quality == RTC_BUILD_QUALITY_LOW) tracer->quality = RTC_BUILD_QUALITY_MEDIUM;
         status = embree_build(tracer);
     }
     if (status != FATHOM_OK) {

@@ -71,6 +71,29 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
     }
 }
 
+static void set_motion(RTCGeometry geometry, const world_motion *motion) {
+    rtcSetGeometryTimeStepCount(geometry, motion->steps);
+    for (uint32_t k = 0; k < motion->steps; ++k) {
+        const motion_parts *p = &motion->parts[k];
+        const struct RTCQuaternionDecomposition step = {
+            .scale_x = (float)p->scale[0],
+            .scale_y = (float)p->scale[1],
+            .scale_z = (float)p->scale[2],
+            .skew_xy = (float)p->skew[0],
+            .skew_xz = (float)p->skew[1],
+            .skew_yz = (float)p->skew[2],
+            .quaternion_r = (float)p->turn[0],
+            .quaternion_i = (float)p->turn[1],
+            .quaternion_j = (float)p->turn[2],
+            .quaternion_k = (float)p->turn[3],
+            .translation_x = (float)p->shift[0],
+            .translation_y = (float)p->shift[1],
+            .translation_z = (float)p->shift[2],
+        };
+        rtcSetGeometryTransformQuaternion(geometry, k, &step);
+    }
+}
+
 static void attach_instances(embree_tracer *tracer, RTCScene root) {
     const world *w = tracer->base.world;
     for (size_t k = 0; k < w->instances.count; ++k) {
@@ -80,7 +103,10 @@ static void attach_instances(embree_tracer *tracer, RTCScene root) {
         RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
         if (!geometry) return;
         rtcSetGeometryInstancedScene(geometry, scene);
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->to_world);
+        if (instance->moving)
+            set_motion(geometry, &w->motions.items[instance->moving - 1]);
+        else
+            rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance->to_world);
         attach(tracer, root, geometry, w->groups.items[0].count + (uint32_t)k,
                EMBREE_SEEN | EMBREE_SHADOWS | EMBREE_MESHES | EMBREE_MESH_SHADOWS);
     }
@@ -163,8 +189,24 @@ static bool find_halved(embree_tracer *tracer) {
     return tracer->halved != NULL;
 }
 
+/* The intersectors for user geometry know no times. */
+static fathom_status check_moving(const embree_tracer *tracer) {
+    const world *w = tracer->base.world;
+    for (uint32_t g = 0; w->moves && g < w->geometries.count; ++g) {
+        const world_geometry *geometry = &w->geometries.items[g];
+        if (geometry->moving && !embree_is_native(&tracer->spec, w, geometry))
+            return fail(tracer->context, FATHOM_BAD_INPUT,
+                        "object %u: its vertices move, and its coordinates, up to %g, leave the range from "
+                        "2^-24 to 2^36 in which Embree meets triangles safely; scale the scene",
+                        world_object(w, g, 0), (double)geometry->largest);
+    }
+    return FATHOM_OK;
+}
+
 fathom_status embree_build(embree_tracer *tracer) {
     const world *w = tracer->base.world;
+    const fathom_status movable = check_moving(tracer);
+    if (movable != FATHOM_OK) return movable;
     tracer->scenes = calloc(w->groups.count, sizeof *tracer->scenes);
     bool *placed = reach_placed(w);
     fathom_status status;

@@ -98,6 +98,7 @@ static bool any_sphere(const world_sphere *spheres, uint32_t count) {
 static bool any_usable(const world *w, const world_geometry *geometry) {
     if (geometry->kind == WORLD_SPHERES)
         return any_sphere(&w->spheres.items[geometry->first], geometry->count);
+    if (geometry->moving) return geometry->count > 0;
     for (uint32_t i = 0; i < geometry->count; ++i) {
         vec3_f32 v[4];
         const bool quad = search_flat(w, geometry, i, v) == 4;
@@ -136,6 +137,21 @@ static float group_size(const world *w, uint32_t index) {
 
 static float row_sum(const float m[4]) { return fabsf(m[0]) + fabsf(m[1]) + fabsf(m[2]); }
 
+/* The largest coordinate of what an instance places, at any step. */
+static float instance_size(const world *w, uint32_t k, float size) {
+    const world_instance *instance = &w->instances.items[k];
+    const uint32_t steps = instance->moving ? w->motions.items[instance->moving - 1].steps : 1;
+    float most = 0;
+    for (uint32_t s = 0; s < steps; ++s) {
+        world_instance moved;
+        const float time = steps > 1 ? (float)s / (float)(steps - 1) : 0;
+        const world_instance *at = world_instance_when(w, k, time, &moved);
+        for (int i = 0; i < 3; ++i)
+            most = fmaxf(most, row_sum(at->to_world[i]) * size + fabsf(at->to_world[i][3]));
+    }
+    return most;
+}
+
 /* The largest coordinate that Embree accepts; `sizes`: of the groups. Counts the instances that it leaves
  * out. */
 static float world_size(const world *w, const bool *placed, const float *sizes, uint64_t *left_out) {
@@ -144,11 +160,7 @@ static float world_size(const world *w, const bool *placed, const float *sizes, 
     for (size_t k = 0; k < w->instances.count; ++k) {
         const world_instance *instance = &w->instances.items[k];
         if (!placed[instance->group]) continue;
-        float most = 0;
-        for (int i = 0; i < 3; ++i) {
-            const float *m = instance->to_world[i];
-            most = fmaxf(most, row_sum(m) * sizes[instance->group] + fabsf(m[3]));
-        }
+        const float most = instance_size(w, (uint32_t)k, sizes[instance->group]);
         bool within = most < (float)WORLD_REACH;
         *left_out += !within;
         if (within) size = fmaxf(size, fminf(most, limit));
@@ -166,6 +178,21 @@ static void limit_rays(trace_reach *reach, const world_instance *instance) {
         reach->origin = fminf(reach->origin, (limit - fabsf(m[3])) / s);
         reach->direction = fminf(reach->direction, limit / s);
     }
+}
+
+/* At each step of an instance that moves. False: it does not fit float somewhere. */
+static bool limit_steps(const world *w, uint32_t k, trace_reach *reach) {
+    const world_instance *instance = &w->instances.items[k];
+    const uint32_t steps = instance->moving ? w->motions.items[instance->moving - 1].steps : 1;
+    bool fits = true;
+    for (uint32_t s = 0; s < steps; ++s) {
+        world_instance moved;
+        const float time = steps > 1 ? (float)s / (float)(steps - 1) : 0;
+        const world_instance *at = world_instance_when(w, k, time, &moved);
+        limit_rays(reach, at);
+        fits &= world_instance_fits_float(at);
+    }
+    return fits;
 }
 
 static fathom_status refuse_range(fathom_context *context, const world_instance *instance, float size) {
@@ -187,9 +214,9 @@ static fathom_status find(fathom_context *context, const world *w, const bool *p
     for (size_t k = 0; k < w->instances.count; ++k) {
         const world_instance *instance = &w->instances.items[k];
         if (!placed[instance->group]) continue;
-        limit_rays(out, instance);
+        const bool fits = limit_steps(w, (uint32_t)k, out);
         if (!(out->origin >= size && out->direction >= 2)) return refuse_range(context, instance, size);
-        if (!world_instance_fits_float(instance))
+        if (!fits)
             return fail(context, FATHOM_BAD_INPUT,
                         "instance %u: it scales its group so far that Embree, which inverts its frame in "
                         "float, would miss what is there; scale its contents instead",

@@ -67,6 +67,19 @@ static bool copy_indices(RTCGeometry geometry, const fathom_mesh *mesh) {
     return true;
 }
 
+static RTCGeometry moving_geometry(RTCDevice device, const fathom_mesh *mesh, const world_vertex_motion *m) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!geometry) return NULL;
+    const size_t row = 3 * sizeof(float);
+    rtcSetGeometryTimeStepCount(geometry, m->steps);
+    for (uint32_t k = 0; k < m->steps; ++k)
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, k, RTC_FORMAT_FLOAT3, m->positions,
+                                   k * row * mesh->vertex_count, row, mesh->vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
+                               3 * sizeof(uint32_t), mesh->triangle_count);
+    return geometry;
+}
+
 static RTCGeometry mesh_geometry(RTCDevice device, const fathom_mesh *mesh, bool flat) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!geometry) return NULL;
@@ -168,5 +181,8 @@ RTCGeometry embree_native_geometry(RTCDevice device, trace_shapes shapes, const 
             device, &w->quads.items[geometry->first], geometry->count);
     case WORLD_MESH: break;
     }
+    if (geometry->moving)
+        return moving_geometry(device, &w->meshes.items[geometry->first],
+                               &w->vertex_motions.items[geometry->moving - 1]);
     return mesh_geometry(device, &w->meshes.items[geometry->first], geometry->flat > 0);
 }

@@ -124,6 +124,7 @@ static void ask(const embree_tracer *tracer, const trace_rays *r, unsigned lane,
                 embree_vote *vote) {
     struct RTCRayHit alone =
         embree_alone(trace_org(r, lane), dir, embree_t_near(r->t_near[lane]), t_far, EMBREE_SEEN);
+    alone.ray.time = r->time[lane];
     embree_call call = {.best[0] = INFINITY, .far[0] = t_far, .vote = vote};
     embree_context_init(&call.context);
     embree_intersect(1, NULL, tracer->scenes[0], &call.context, false, filter_any, &alone);

@@ -26,8 +26,8 @@ static ALWAYS_INLINE void prepare(const embree_tracer *tracer, trace_rays *restr
         rays->t_near[i] = embree_t_near(rays->t_near[i]);
         rays->t_far[i] = embree_last_inside(rays->t_far[i]);
     }
-    for (unsigned i = 0; i < lanes; ++i)
-        rays->time[i] = 0, rays->mask[i] = mask, rays->id[i] = i, rays->flags[i] = 0;
+    for (unsigned i = 0; i < lanes; ++i) rays->mask[i] = mask, rays->id[i] = i, rays->flags[i] = 0;
+    for (unsigned i = 0; !tracer->base.world->moves && i < lanes; ++i) rays->time[i] = 0;
 }
 
 static void prepare_lanes(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, uint32_t mask,

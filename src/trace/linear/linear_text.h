@@ -76,7 +76,7 @@ static void FN(linear_geometry)(FN(linear_block) * b, uint32_t index) {
     if (b->s[0].any && geometry->flags & FATHOM_CASTS_NO_SHADOW) return;
     for (unsigned i = 0; i < LANES; ++i) b->s[i].at[1] = index;
     for (uint32_t k = 0; k < geometry->count && b->lanes; ++k) {
-        if (geometry->kind == WORLD_MESH) {
+        if (geometry->kind == WORLD_MESH && !geometry->moving) {
             vec3_f32 v[3];
             search_corners(&w->meshes.items[geometry->first], k, v);
             FN(linear_triangle)(b, v, k);

@@ -9,7 +9,8 @@
 
 /* ---- the list ---- */
 
-static const law *const lists[] = {laws_of_enclosures, laws_of_lights, laws_of_matter, laws_of_layers};
+static const law *const lists[] = {laws_of_enclosures, laws_of_lights, laws_of_matter, laws_of_layers,
+                                   laws_of_motion};
 
 /* The i-th law that is asked for; NULL beyond the last. */
 static const law *law_at(const laws_options *o, size_t i) {

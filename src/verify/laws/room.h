@@ -23,7 +23,7 @@ typedef struct law {
 } law;
 
 /* The lists end with an empty name. */
-extern const law laws_of_enclosures[], laws_of_lights[], laws_of_matter[], laws_of_layers[];
+extern const law laws_of_enclosures[], laws_of_lights[], laws_of_matter[], laws_of_layers[], laws_of_motion[];
 
 fathom_status law_open(fathom_context *context, const law *made, law_room *out);
 /* Release whatever law_open() returned. */

@@ -1,0 +1,194 @@
+#include "scene/motion/motion.h"
+
+#include <string.h>
+
+/* ---- parts ---- */
+
+/* Of a rotation matrix by its columns (Shepperd 1978): the largest of the four numbers is found first. */
+static void quaternion_of(vec3_f64 x, vec3_f64 y, vec3_f64 z, double q[4]) {
+    const double square[4] = {1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z,
+                              1 - x.x - y.y + z.z};
+    int most = 0;
+    for (int i = 1; i < 4; ++i)
+        if (square[i] > square[most]) most = i;
+    const double r = y.z - z.y, i = z.x - x.z, j = x.y - y.x, a = y.x + x.y, b = x.z + z.x, c = z.y + y.z;
+    const double rows[4][4] = {
+        {square[0], r, i, j}, {r, square[1], a, b}, {i, a, square[2], c}, {j, b, c, square[3]}};
+    const double scale = 1 / (2 * sqrt(square[most]));
+    for (int k = 0; k < 4; ++k) q[k] = rows[most][k] * scale;
+}
+
+motion_parts motion_take_apart(const affine_f64 *map) {
+    const double(*m)[4] = map->m;
+    const vec3_f64 a = {m[0][0], m[1][0], m[2][0]}, b = {m[0][1], m[1][1], m[2][1]},
+                   c = {m[0][2], m[1][2], m[2][2]};
+    motion_parts out = {.shift = {m[0][3], m[1][3], m[2][3]}};
+    const vec3_f64 x = normalize_f64(a), y = normalize_f64(madd_f64(b, -dot_f64(x, b), x)),
+                   z = cross_f64(x, y);
+    out.scale[0] = dot_f64(x, a), out.scale[1] = dot_f64(y, b), out.scale[2] = dot_f64(z, c);
+    out.skew[0] = dot_f64(x, b), out.skew[1] = dot_f64(x, c), out.skew[2] = dot_f64(y, c);
+    quaternion_of(x, y, z, out.turn);
+    return out;
+}
+
+affine_f64 motion_put_together(const motion_parts *p) {
+    affine_f64 out = affine_rotation((double[4]){p->turn[1], p->turn[2], p->turn[3], p->turn[0]});
+    for (int i = 0; i < 3; ++i) {
+        const double x = out.m[i][0], y = out.m[i][1], z = out.m[i][2];
+        out.m[i][0] = x * p->scale[0];
+        out.m[i][1] = x * p->skew[0] + y * p->scale[1];
+        out.m[i][2] = x * p->skew[1] + y * p->skew[2] + z * p->scale[2];
+        out.m[i][3] = p->shift[i];
+    }
+    return out;
+}
+
+static double dot_turns(const motion_parts *a, const motion_parts *b) {
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) sum += a->turn[i] * b->turn[i];
+    return sum;
+}
+
+double motion_turn_cosine(const motion_parts *a, const motion_parts *b) { return fabs(dot_turns(a, b)); }
+
+/* The weights of the two quaternions are given; their sum is made unit. */
+static motion_parts mix(const motion_parts *a, const motion_parts *b, double u, double from, double to) {
+    motion_parts out;
+    double square = 0;
+    if (dot_turns(a, b) < 0) to = -to;
+    for (int i = 0; i < 3; ++i) {
+        out.scale[i] = (1 - u) * a->scale[i] + u * b->scale[i];
+        out.skew[i] = (1 - u) * a->skew[i] + u * b->skew[i];
+        out.shift[i] = (1 - u) * a->shift[i] + u * b->shift[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        out.turn[i] = from * a->turn[i] + to * b->turn[i];
+        square += out.turn[i] * out.turn[i];
+    }
+    for (int i = 0; i < 4; ++i) out.turn[i] /= sqrt(square);
+    return out;
+}
+
+motion_parts motion_on_chord(const motion_parts *a, const motion_parts *b, double u) {
+    return mix(a, b, u, 1 - u, u);
+}
+
+/* Below 1e-4 of angle chord and arc are the same to 1e-13. */
+motion_parts motion_between(const motion_parts *a, const motion_parts *b, double u) {
+    const double angle = acos(fmin(motion_turn_cosine(a, b), 1));
+    if (angle < 1e-4) return motion_on_chord(a, b, u);
+    return mix(a, b, u, sin((1 - u) * angle), sin(u * angle));
+}
+
+/* ---- keys ---- */
+
+uint32_t motion_key(const double *times, uint32_t count, double time, double *u) {
+    uint32_t k = 0;
+    *u = 0;
+    if (!(time > times[0])) return 0;
+    if (time >= times[count - 1]) return count - 1;
+    while (times[k + 1] <= time) ++k;
+    *u = (time - times[k]) / (times[k + 1] - times[k]);
+    return k;
+}
+
+static affine_f64 place_of_keys(const double *times, const double *maps, uint32_t count, double time) {
+    double u;
+    const uint32_t k = motion_key(times, count, time, &u);
+    affine_f64 a, b;
+    affine_load(&a, maps + 12 * (size_t)k);
+    if (u == 0 || memcmp(maps + 12 * (size_t)k, maps + 12 * (size_t)(k + 1), 12 * sizeof *maps) == 0)
+        return a;
+    affine_load(&b, maps + 12 * (size_t)(k + 1));
+    const motion_parts from = motion_take_apart(&a), to = motion_take_apart(&b),
+                       at = motion_between(&from, &to, u);
+    return motion_put_together(&at);
+}
+
+affine_f64 motion_place(const fathom_instance *instance, double time) {
+    if (instance->key_count)
+        return place_of_keys(instance->key_times, instance->key_transforms, instance->key_count, time);
+    affine_f64 map;
+    affine_load(&map, instance->transform);
+    return map;
+}
+
+/* Whether the maps that count between the two times differ. */
+static bool keys_move(const double *times, const double *maps, uint32_t count, const double shutter[2]) {
+    if (!count || !(shutter[1] > shutter[0])) return false;
+    double u;
+    const uint32_t first = motion_key(times, count, shutter[0], &u);
+    uint32_t last = motion_key(times, count, shutter[1], &u);
+    last += u > 0;
+    for (uint32_t k = first; k < last; ++k) {
+        if (memcmp(maps + 12 * (size_t)k, maps + 12 * (size_t)(k + 1), 12 * sizeof *maps) != 0) return true;
+    }
+    return false;
+}
+
+bool motion_is_moving(const fathom_instance *instance, const double shutter[2]) {
+    return keys_move(instance->key_times, instance->key_transforms, instance->key_count, shutter);
+}
+
+scene_bounds motion_bounds(const fathom_instance *instance, const double shutter[2],
+                           const scene_bounds *inside) {
+    affine_f64 map = motion_place(instance, shutter[0]);
+    scene_bounds all = bounds_transformed(inside, &map);
+    if (!motion_is_moving(instance, shutter)) return all;
+    for (uint32_t k = 0; k <= instance->key_count; ++k) {
+        const double time = k < instance->key_count ? instance->key_times[k] : shutter[1];
+        if (!(time > shutter[0] && time <= shutter[1])) continue;
+        map = motion_place(instance, time);
+        const scene_bounds there = bounds_transformed(inside, &map);
+        bounds_join(&all, &there);
+    }
+    return all;
+}
+
+/* ---- the camera ---- */
+
+fathom_camera motion_camera(const fathom_camera *camera, double time) {
+    fathom_camera out = *camera;
+    out.key_count = 0, out.key_times = out.key_frames = NULL;
+    if (!camera->key_count) return out;
+    const affine_f64 at = place_of_keys(camera->key_times, camera->key_frames, camera->key_count, time);
+    for (int i = 0; i < 3; ++i)
+        out.x[i] = at.m[i][0], out.y[i] = at.m[i][1], out.z[i] = at.m[i][2], out.origin[i] = at.m[i][3];
+    return out;
+}
+
+bool motion_camera_moves(const fathom_camera *camera) {
+    return keys_move(camera->key_times, camera->key_frames, camera->key_count, camera->shutter);
+}
+
+/* ---- checks and copies ---- */
+
+fathom_status motion_check_keys(fathom_context *context, const double *times, uint32_t count,
+                                const double *numbers, size_t number_count) {
+    if (!times) return fail_null(context, "key_times");
+    for (uint32_t k = 0; k < count; ++k) {
+        if (!isfinite(times[k]) || (k && !(times[k] > times[k - 1])))
+            return fail_item(context, FATHOM_BAD_INPUT, "key_times", k,
+                             "expected finite times, each later than the one before, found %g", times[k]);
+    }
+    for (size_t i = 0; numbers && i < number_count; ++i) {
+        if (!isfinite(numbers[i]))
+            return fail(context, FATHOM_BAD_INPUT, "motion: key %zu holds a NaN or an infinity",
+                        i / (number_count / count));
+    }
+    return FATHOM_OK;
+}
+
+fathom_status motion_copy_keys(fathom_scene *scene, uint32_t count, size_t numbers_each, const double **times,
+                               const double **numbers) {
+    void *own;
+    const size_t all = count * (1 + numbers_each);
+    fathom_status status = scene_allocate_items(scene, all, sizeof(double), &own);
+    if (status != FATHOM_OK) return status;
+    double *to = own;
+    memcpy(to, *times, count * sizeof *to);
+    if (numbers) memcpy(to + count, *numbers, count * numbers_each * sizeof *to);
+    *times = to;
+    if (numbers) *numbers = to + count;
+    return FATHOM_OK;
+}

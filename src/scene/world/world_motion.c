@@ -1,0 +1,281 @@
+/* Motion in even steps, which is what tracers take, and what is where between two of them. */
+#include "scene/world/world_build.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- steps ---- */
+
+/* The product is rounded as Embree rounds it. */
+uint32_t world_step(uint32_t steps, float time, double *u) {
+    const float at = time * (float)(steps - 1);
+    float whole = floorf(at);
+    if (!(whole > 0)) whole = 0;
+    if (whole > (float)(steps - 2)) whole = (float)(steps - 2);
+    *u = (double)(at - whole);
+    return (uint32_t)whole;
+}
+
+/* Numbers of intervals to try, up to Embree's limit. */
+static const uint32_t intervals[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128};
+#define INTERVALS (sizeof intervals / sizeof *intervals)
+_Static_assert(WORLD_STEPS_MOST == 129, "the last of them");
+
+/* Rotations of neighbouring steps are less than 3 degrees apart: Embree goes along the chord below 3.6, and
+ * above along an arc that it only approximates, to some 1e-5. */
+#define TURN_COSINE 0.99965732 /* of half of 3 degrees */
+
+/* ---- instances ---- */
+
+typedef struct way {
+    world_place_fn place;
+    const void *user;
+    const scene_bounds *inside;
+    double open, close;
+    const double *times; /* of keys */
+    size_t time_count;
+    double slack;
+} way;
+
+static float to_float(double x) { return fabs(x) < (double)FLT_MIN ? 0 : (float)x; }
+
+/* As floats: those that tracers get. */
+static motion_parts rounded(const motion_parts *p) {
+    motion_parts out;
+    const double *from = (const double *)p;
+    double *to = (double *)&out;
+    for (size_t i = 0; i < sizeof *p / sizeof *from; ++i) to[i] = (double)to_float(from[i]);
+    return out;
+}
+
+static void sample(const way *y, uint32_t steps, motion_parts *out) {
+    for (uint32_t k = 0; k < steps; ++k) {
+        const double u = (double)k / (steps - 1);
+        const affine_f64 at =
+            y->place(y->user, k + 1 == steps ? y->close : y->open + u * (y->close - y->open));
+        const motion_parts exact = motion_take_apart(&at);
+        out[k] = rounded(&exact);
+    }
+}
+
+static bool turns_slowly(const motion_parts *parts, uint32_t steps) {
+    for (uint32_t k = 1; k < steps; ++k) {
+        if (motion_turn_cosine(&parts[k - 1], &parts[k]) < TURN_COSINE) return false;
+    }
+    return true;
+}
+
+/* How far the corners of what moves are from where they should be. */
+static double off_at(const way *y, const motion_parts *parts, uint32_t steps, double u) {
+    const affine_f64 exact = y->place(y->user, y->open + u * (y->close - y->open));
+    const double at = u * (steps - 1), whole = fmin(floor(at), steps - 2.0);
+    const motion_parts *from = &parts[(size_t)whole];
+    const motion_parts between = motion_on_chord(from, from + 1, at - whole);
+    const affine_f64 made = motion_put_together(&between);
+    double most = 0;
+    for (int i = 0; i < 8; ++i) {
+        const vec3_f64 corner = bounds_corner(y->inside, i);
+        most = fmax(most, length_f64(sub_f64(affine_point(&made, corner), affine_point(&exact, corner))));
+    }
+    return most;
+}
+
+#define LOOKS 64
+
+static bool fits(const way *y, const motion_parts *parts, uint32_t steps) {
+    for (int i = 1; i < LOOKS; ++i) {
+        if (!(off_at(y, parts, steps, (double)i / LOOKS) <= y->slack)) return false;
+    }
+    for (size_t k = 0; k < y->time_count; ++k) {
+        const double u = (y->times[k] - y->open) / (y->close - y->open);
+        if (u > 0 && u < 1 && !(off_at(y, parts, steps, u) <= y->slack)) return false;
+    }
+    return true;
+}
+
+/* 2^-14 of the size, as much as a far place may cost (world_place.c), and some roundings of float. */
+static double slack_of(const way *y) {
+    const affine_f64 at = y->place(y->user, y->open);
+    const scene_bounds there = bounds_transformed(y->inside, &at);
+    if (bounds_is_empty(&there)) return INFINITY;
+    return 0x1p-14 * bounds_radius(&there) +
+           0x1p-21 * (length_f64(bounds_center(&there)) + bounds_radius(&there));
+}
+
+static fathom_status refuse_spin(const world *w, fathom_id id) {
+    return fail(w->scene->context, FATHOM_BAD_INPUT,
+                "instance %u: it turns by more than 380 degrees, or by more than 3 in a 128th of the time "
+                "that the shutter is open; shorten the shutter",
+                id);
+}
+
+fathom_status world_add_motion(world *w, world_place_fn place, const void *user, const scene_bounds *inside,
+                               const double *times, size_t time_count, fathom_id id,
+                               world_instance *instance) {
+    const double *shutter = w->scene->camera.shutter;
+    way y = {place, user, inside, shutter[0], shutter[1], times, time_count, 0};
+    world_motion motion = {.parts = malloc(WORLD_STEPS_MOST * sizeof *motion.parts)};
+    if (!motion.parts || !array_push(&w->motions, motion)) {
+        free(motion.parts);
+        return fail_memory(w->scene->context, WORLD_STEPS_MOST * sizeof *motion.parts);
+    }
+    y.slack = slack_of(&y);
+    bool slow = false, fine = false;
+    for (size_t i = 0; i < INTERVALS && !fine; ++i) {
+        motion.steps = intervals[i] + 1;
+        sample(&y, motion.steps, motion.parts);
+        slow = turns_slowly(motion.parts, motion.steps);
+        fine = slow && fits(&y, motion.parts, motion.steps);
+    }
+    w->motions.items[w->motions.count - 1] = motion;
+    w->moves = true;
+    if (!slow) return refuse_spin(w, id);
+    instance->moving = (uint32_t)w->motions.count;
+    const affine_f64 first = motion_put_together(&motion.parts[0]);
+    if (world_instance_set(instance, &first)) return FATHOM_OK;
+    return fail(w->scene->context, FATHOM_BAD_INPUT,
+                "instance %u: its frame, with those around it, flattens space or leaves the range of float",
+                id);
+}
+
+void world_move_instance(const world *w, const world_instance *instance, float time, world_instance *moved) {
+    const world_motion *motion = &w->motions.items[instance->moving - 1];
+    double u;
+    const motion_parts *from = &motion->parts[world_step(motion->steps, time, &u)];
+    const motion_parts between = motion_on_chord(from, from + 1, u);
+    const affine_f64 map = motion_put_together(&between);
+    *moved = *instance;
+    world_instance_set(moved, &map);
+}
+
+/* ---- vertices ---- */
+
+static void mix_rows(const float *a, const float *b, double u, size_t count, float *out) {
+    for (size_t i = 0; i < count; ++i)
+        out[i] = u > 0 ? (float)((1 - u) * (double)a[i] + u * (double)b[i]) : a[i];
+}
+
+/* Rows of all vertices, or of all normals, at a time. */
+static void rows_when(const fathom_mesh *m, const float *rows, size_t count, double time, float *out) {
+    double u;
+    const uint32_t k = motion_key(m->key_times, m->key_count, time, &u);
+    mix_rows(rows + k * count, rows + (k + (u > 0)) * count, u, count, out);
+}
+
+/* The share of an interval by which a key misses the steps around it, 0 to 1/2; the vertices are off by at
+ * most that part of what they turn aside there. */
+static double misses(const fathom_mesh *m, const double shutter[2], uint32_t steps) {
+    double most = 0;
+    for (uint32_t k = 0; k < m->key_count; ++k) {
+        const double u = (m->key_times[k] - shutter[0]) / (shutter[1] - shutter[0]) * (steps - 1);
+        if (u > 0 && u < steps - 1) most = fmax(most, fabs(u - round(u)));
+    }
+    return most;
+}
+
+static uint32_t choose_steps(const fathom_mesh *m, const double shutter[2]) {
+    for (size_t i = 0; i < INTERVALS; ++i) {
+        if (misses(m, shutter, intervals[i] + 1) <= 0x1p-14) return intervals[i] + 1;
+    }
+    return WORLD_STEPS_MOST;
+}
+
+static bool is_still(const fathom_mesh *m, const double shutter[2]) {
+    if (!(shutter[1] > shutter[0])) return true;
+    double u;
+    const uint32_t first = motion_key(m->key_times, m->key_count, shutter[0], &u);
+    uint32_t last = motion_key(m->key_times, m->key_count, shutter[1], &u);
+    last += u > 0;
+    const size_t points = 3 * (size_t)m->vertex_count, normals = m->normals ? 3 * (size_t)m->normal_count : 0;
+    for (size_t k = first; k < last; ++k) {
+        if (memcmp(m->key_positions + k * points, m->key_positions + (k + 1) * points,
+                   points * sizeof(float)) != 0)
+            return false;
+        if (normals && memcmp(m->key_normals + k * normals, m->key_normals + (k + 1) * normals,
+                              normals * sizeof(float)) != 0)
+            return false;
+    }
+    return true;
+}
+
+/* Bytes that Embree may read beyond the last vertex. */
+#define BEYOND 4
+
+static float *new_rows(size_t steps, size_t count) {
+    float *rows = malloc((steps * count + BEYOND) * sizeof *rows);
+    if (rows) memset(rows + steps * count, 0, BEYOND * sizeof *rows);
+    return rows;
+}
+
+bool world_add_vertex_motion(world *w, world_geometry *geometry, fathom_mesh *mesh, mesh_facts *facts) {
+    const double *shutter = w->scene->camera.shutter;
+    const bool still = is_still(mesh, shutter);
+    const size_t steps = still ? 1 : choose_steps(mesh, shutter);
+    const size_t points = 3 * (size_t)mesh->vertex_count, normals = 3 * (size_t)mesh->normal_count;
+    world_vertex_motion made = {.steps = (uint32_t)steps, .positions = new_rows(steps, points)};
+    if (mesh->normals) made.normals = new_rows(steps, normals);
+    if (!made.positions || (mesh->normals && !made.normals) ||
+        !(still
+              ? array_push(&w->still_vertices, made.positions) && array_push(&w->still_vertices, made.normals)
+              : array_push(&w->vertex_motions, made))) {
+        free(made.positions);
+        free(made.normals);
+        return false;
+    }
+    for (size_t k = 0; k < steps; ++k) {
+        const double u = still ? 0 : (double)k / (double)(steps - 1);
+        const double time = shutter[0] + u * (shutter[1] - shutter[0]);
+        rows_when(mesh, mesh->key_positions, points, time, made.positions + k * points);
+        if (made.normals) rows_when(mesh, mesh->key_normals, normals, time, made.normals + k * normals);
+    }
+    mesh->positions = made.positions, mesh->position_stride = 3 * sizeof(float);
+    if (made.normals) mesh->normals = made.normals, mesh->normal_stride = 3 * sizeof(float);
+    if (still) return mesh_look_at_triangles(w->scene->context, "indices", mesh, facts) == FATHOM_OK;
+    /* A triangle that is flat at one time may not be at another. */
+    facts->flat = 0;
+    geometry->moving = (uint32_t)w->vertex_motions.count;
+    w->moves = true;
+    return true;
+}
+
+static void fetch(const float *rows, size_t count, const uint32_t index[3], double u, vec3_f32 out[3]) {
+    for (int k = 0; k < 3; ++k) {
+        const float *a = rows + 3 * (size_t)index[k];
+        out[k] = narrow(madd_f64(scale_f64(1 - u, widen(load_f32(a))), u, widen(load_f32(a + count))));
+    }
+}
+
+void world_corners_when(const world *w, const world_geometry *geometry, uint32_t triangle, float time,
+                        vec3_f32 corner[3], vec3_f32 normal[3]) {
+    const fathom_mesh *mesh = &w->meshes.items[geometry->first];
+    const size_t at = 3 * (size_t)triangle;
+    const uint32_t *points = mesh->indices + at,
+                   *normals = (mesh->normal_indices ? mesh->normal_indices : mesh->indices) + at;
+    if (!geometry->moving) {
+        for (int k = 0; k < 3; ++k) {
+            corner[k] = load_f32(mesh_vertex(mesh, points[k]));
+            const char *n = (const char *)mesh->normals + mesh->normal_stride * normals[k];
+            if (normal && mesh->normals) normal[k] = load_f32((const float *)(const void *)n);
+        }
+        return;
+    }
+    const world_vertex_motion *m = &w->vertex_motions.items[geometry->moving - 1];
+    double u;
+    const size_t step = world_step(m->steps, time, &u);
+    const size_t rows = 3 * (size_t)mesh->vertex_count, normal_rows = 3 * (size_t)mesh->normal_count;
+    fetch(m->positions + step * rows, rows, points, u, corner);
+    if (normal && m->normals) fetch(m->normals + step * normal_rows, normal_rows, normals, u, normal);
+}
+
+void world_motion_destroy(world *w) {
+    for (size_t i = 0; i < w->motions.count; ++i) free(w->motions.items[i].parts);
+    for (size_t i = 0; i < w->vertex_motions.count; ++i) {
+        free(w->vertex_motions.items[i].positions);
+        free(w->vertex_motions.items[i].normals);
+    }
+    for (size_t i = 0; i < w->still_vertices.count; ++i) free(w->still_vertices.items[i]);
+    array_free(&w->motions);
+    array_free(&w->vertex_motions);
+    array_free(&w->still_vertices);
+}

@@ -1,0 +1,136 @@
+/* What moves while the shutter is open. */
+#include "verify/laws/room.h"
+
+static const vec3_f64 white = {1, 1, 1};
+
+/* ---- an edge that moves steadily across ----
+ * The image is the square of side 1 around 0; a black half plane hides the sky right of x(t) = from + t (to -
+ * from). At a time its share of the image is clamp(1/2 - x), and its mean over time the area of a trapezoid
+ * in x, over to - from. */
+
+/* ∫ clamp(1/2 - y, 0, 1) dy from -1/2 to x. */
+static double trapezoid(double x) {
+    if (x < -0.5) return x + 0.5;
+    if (x > 0.5) return 0.5;
+    return 0.5 * (x + 0.5) - 0.5 * (x * x - 0.25);
+}
+
+static const double from = -0.8, to = 0.35;
+
+/* It looks down on the square, from 4 above, while the shutter is open from 2 to 3. */
+static void look_at_edge(law_room *room, const double *key_times, const double *key_frames) {
+    fathom_camera camera;
+    fathom_camera_look_at((double[3]){0, 0, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 1, &camera);
+    camera.d = 1, camera.h = 0.25, camera.shutter[0] = 2, camera.shutter[1] = 3;
+    camera.key_count = key_times ? 2 : 0, camera.key_times = key_times, camera.key_frames = key_frames;
+    if (room->status == FATHOM_OK) room->status = fathom_scene_set_camera(room->scene, &camera);
+    law_background(room, white);
+    const double seen = 1 - (trapezoid(to) - trapezoid(from)) / (to - from);
+    law_value(room, vec_f64(seen, seen, seen));
+}
+
+/* Between keys at 0 and 4 the edge passes `from` at 2 and `to` at 3. */
+static const double times[2] = {0, 4};
+static double start(void) { return from - 2 * (to - from); }
+static double end(void) { return to + (to - from); }
+
+/* Places a group by two maps at the times above. */
+static void move_group(law_room *room, fathom_id group, const double maps[24]) {
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.group = group;
+    instance.key_count = 2, instance.key_times = times, instance.key_transforms = maps;
+    if (room->status == FATHOM_OK) room->status = fathom_scene_add_instance(room->scene, &instance, NULL);
+}
+
+static fathom_id new_group(law_room *room) {
+    fathom_id group = FATHOM_ROOT;
+    if (room->status == FATHOM_OK) room->status = fathom_scene_add_group(room->scene, NULL, &group);
+    return group;
+}
+
+static void add_half_plane(law_room *room, fathom_id group) {
+    const fathom_material black = law_black();
+    fathom_quad quad;
+    fathom_quad_from_axes((double[3]){10, 0, 0}, (double[3]){10, 0, 0}, (double[3]){0, 10, 0}, &quad);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_material(room->scene, NULL, &black, &quad.material);
+    if (room->status == FATHOM_OK) room->status = fathom_scene_add_quad(room->scene, group, &quad, NULL);
+}
+
+static void moving_edge(law_room *room) {
+    const double maps[24] = {1, 0, 0, start(), 0, 1, 0, 0, 0, 0, 1, 0,
+                             1, 0, 0, end(),   0, 1, 0, 0, 0, 0, 1, 0};
+    const fathom_id group = new_group(room);
+    add_half_plane(room, group);
+    move_group(room, group, maps);
+    look_at_edge(room, NULL, NULL);
+}
+
+static void moving_camera(law_room *room) {
+    const double frames[24] = {1, 0, 0, -start(), 0, 1, 0, 0, 0, 0, 1, 4,
+                               1, 0, 0, -end(),   0, 1, 0, 0, 0, 0, 1, 4};
+    add_half_plane(room, FATHOM_ROOT);
+    look_at_edge(room, times, frames);
+}
+
+/* The corners of the edge move, the others stay. */
+static void moving_corners(law_room *room) {
+    const float a = (float)start(), b = (float)end();
+    const float keys[24] = {a, -10, 0, 20, -10, 0, 20, 10, 0, a, 10, 0,
+                            b, -10, 0, 20, -10, 0, 20, 10, 0, b, 10, 0};
+    const fathom_material black = law_black();
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = keys, mesh.vertex_count = 4;
+    mesh.indices = (const uint32_t[]){0, 1, 2, 0, 2, 3}, mesh.triangle_count = 2;
+    mesh.key_count = 2, mesh.key_times = times, mesh.key_positions = keys;
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_material(room->scene, NULL, &black, &mesh.material);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_mesh(room->scene, FATHOM_ROOT, &mesh, NULL);
+    look_at_edge(room, NULL, NULL);
+}
+
+/* ---- a convex body that flies, turns and is stretched under an even sky: ρ L ----
+ * No ray that leaves it meets it again. */
+
+static void move_body(law_room *room, bool ball) {
+    const double albedo = 0.5, half = sqrt(0.5);
+    const double maps[24] = {1,     0,           0, -0.25, 0,    1,           0, 0,   0, 0, 1, 0,
+                             -half, -1.5 * half, 0, 0.25,  half, -1.5 * half, 0, 0.1, 0, 0, 2, 0.25};
+    const fathom_material body = law_lambert(vec_f64(albedo, albedo, albedo));
+    const fathom_id group = new_group(room);
+    fathom_sphere sphere;
+    fathom_sphere_default(&sphere);
+    if (room->status == FATHOM_OK)
+        room->status = fathom_scene_add_material(room->scene, NULL, &body, &sphere.material);
+    if (ball && room->status == FATHOM_OK)
+        room->status = fathom_scene_add_sphere(room->scene, group, &sphere, NULL);
+    for (int i = 0; !ball && i < 6 && room->status == FATHOM_OK; ++i) {
+        const double side = i % 2 ? 1 : -1;
+        double axis[3][3] = {{0}};
+        for (int k = 0; k < 3; ++k) axis[k][(i / 2 + k) % 3] = k ? 1 : side;
+        fathom_quad quad;
+        fathom_quad_from_axes(axis[0], axis[1], axis[2], &quad);
+        quad.material = sphere.material;
+        room->status = fathom_scene_add_quad(room->scene, group, &quad, NULL);
+    }
+    move_group(room, group, maps);
+    fathom_camera camera;
+    fathom_camera_look_at((double[3]){3, -2, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.1, &camera);
+    camera.shutter[1] = 4;
+    if (room->status == FATHOM_OK) room->status = fathom_scene_set_camera(room->scene, &camera);
+    law_background(room, white);
+    law_value(room, vec_f64(albedo, albedo, albedo));
+}
+
+static void moving_ball(law_room *room) { move_body(room, true); }
+static void moving_box(law_room *room) { move_body(room, false); }
+
+const law laws_of_motion[] = {{"edge that moves across", "1 - trapezoid/(x₁-x₀)", moving_edge},
+                              {"edge that its corners move", "1 - trapezoid/(x₁-x₀)", moving_corners},
+                              {"edge before a moving camera", "1 - trapezoid/(x₁-x₀)", moving_camera},
+                              {"ball that flies and turns", "ρ L", moving_ball},
+                              {"box that flies and turns", "ρ L", moving_box},
+                              {NULL, NULL, NULL}};

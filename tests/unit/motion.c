@@ -1,0 +1,253 @@
+/* Motion: keys in parts and together, what tracers meet at a time, and what is refused. */
+#include "scene/motion/motion.h"
+#include "trace/trace.h"
+
+#include "random.h"
+#include "render.h"
+
+static affine_f64 map_of(double angle, vec3_f64 axis, vec3_f64 shift, vec3_f64 scale) {
+    const affine_f64 turn = affine_rotation_axis(axis, angle), stretch = affine_scaling(scale),
+                     move = affine_translation(shift);
+    const affine_f64 turned = affine_compose(&turn, &stretch);
+    return affine_compose(&move, &turned);
+}
+
+/* Places `group` by two maps at times 0 and 1. */
+static fathom_id place_moving(stage *s, fathom_id group, const affine_f64 *from, const affine_f64 *to) {
+    const double times[2] = {0, 1};
+    double maps[24];
+    memcpy(maps, from->m, sizeof from->m);
+    memcpy(maps + 12, to->m, sizeof to->m);
+    fathom_instance instance;
+    fathom_id id;
+    fathom_instance_default(&instance);
+    instance.group = group;
+    instance.key_count = 2, instance.key_times = times, instance.key_transforms = maps;
+    assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, &id));
+    return id;
+}
+
+static fathom_id new_group(stage *s) {
+    fathom_id group;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, "moving", &group));
+    return group;
+}
+
+static void open_shutter(stage *s, double open, double close) {
+    fathom_camera camera;
+    fathom_camera_look_at((double[3]){0, 0, 8}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.8, &camera);
+    camera.shutter[0] = open, camera.shutter[1] = close;
+    assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
+}
+
+/* ---- parts ---- */
+
+static void a_map_taken_apart_and_put_together_is_the_map(void **state) {
+    (void)state;
+    random_state r = {1};
+    for (int k = 0; k < 1000; ++k) {
+        affine_f64 map;
+        for (int i = 0; i < 12; ++i) map.m[i / 4][i % 4] = random_in(&r, -1, 1);
+        const motion_parts parts = motion_take_apart(&map);
+        const affine_f64 made = motion_put_together(&parts);
+        for (int i = 0; i < 12; ++i) assert_true(fabs(made.m[i / 4][i % 4] - map.m[i / 4][i % 4]) < 1e-12);
+    }
+}
+
+static void rotations_stay_rigid_and_evenly_fast_between_keys(void **state) {
+    (void)state;
+    const vec3_f64 axis = {1, 2, -1}, none = {0, 0, 0}, one = {1, 1, 1};
+    const affine_f64 from = map_of(0.2, axis, none, one), to = map_of(2.9, axis, none, one);
+    const motion_parts a = motion_take_apart(&from), b = motion_take_apart(&to);
+    for (int k = 0; k <= 10; ++k) {
+        const motion_parts at = motion_between(&a, &b, k / 10.0);
+        const affine_f64 made = motion_put_together(&at), expected = map_of(0.2 + 0.27 * k, axis, none, one);
+        for (int i = 0; i < 12; ++i)
+            assert_true(fabs(made.m[i / 4][i % 4] - expected.m[i / 4][i % 4]) < 1e-12);
+    }
+}
+
+/* ---- what tracers meet ---- */
+
+static void moving_vertices(stage *s) {
+    const float from[] = {-1, -2, -1, 1, -2, -1, 0, -1, -1}, to[] = {-1, -2, 1, 2, -2, 1, 0, -0.5f, 0};
+    float keys[18];
+    memcpy(keys, from, sizeof from);
+    memcpy(keys + 9, to, sizeof to);
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = from, mesh.vertex_count = 3;
+    mesh.indices = (const uint32_t[]){0, 1, 2}, mesh.triangle_count = 1;
+    mesh.key_count = 2, mesh.key_times = (const double[]){0, 1}, mesh.key_positions = keys;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &mesh, NULL));
+}
+
+/* A ball of triangles that turns far and is stretched, a sphere that flies, a triangle whose corners move. */
+static stage moving_stage(void) {
+    stage s = stage_open(32, 32);
+    const fathom_id ball = new_group(&s), sphere = new_group(&s);
+    const vec3_f64 axis = {1, 1, 0.3}, still = {0, 0, 0}, one = {1, 1, 1}, wide = {1, 1.5, 0.7};
+    const affine_f64 from = map_of(0, axis, still, one), to = map_of(2.5, axis, vec_f64(0.5, 0, 0), wide);
+    const affine_f64 left = map_of(0, axis, vec_f64(-2, 2, 0), one),
+                     right = map_of(0, axis, vec_f64(2, 2, 0), one);
+    stage_mesh_sphere(&s, ball, 12, 16, 0);
+    fathom_sphere round;
+    fathom_sphere_default(&round);
+    round.radius = 0.5;
+    assert_ok(s.context, fathom_scene_add_sphere(s.scene, sphere, &round, NULL));
+    place_moving(&s, ball, &from, &to);
+    place_moving(&s, sphere, &left, &right);
+    moving_vertices(&s);
+    stage_quad(&s, (double[3]){0, 0, -3}, (double[3]){4, 0, 0}, (double[3]){0, 4, 0}, 0);
+    open_shutter(&s, 0, 1);
+    return s;
+}
+
+static trace_tracer *trace_by(const stage *s, const world *w, const char *words) {
+    const trace_options options = {.words = words, .width = 16, .threads = 1, .timed = true};
+    trace_tracer *tracer;
+    assert_ok(s->context, trace_create(s->context, w, &options, &tracer));
+    return tracer;
+}
+
+static void random_rays(random_state *r, trace_rays *rays) {
+    memset(rays, 0, sizeof *rays);
+    for (int i = 0; i < LANES; ++i) {
+        rays->org_x[i] = (float)random_in(r, -3, 3), rays->org_y[i] = (float)random_in(r, -3, 3);
+        rays->org_z[i] = 8;
+        rays->dir_x[i] = (float)random_in(r, -0.2, 0.2), rays->dir_y[i] = (float)random_in(r, -0.2, 0.2);
+        rays->dir_z[i] = -1;
+        rays->t_far[i] = INFINITY;
+        rays->time[i] = (float)random_unit(r);
+    }
+}
+
+/* Embree interpolates places in float, the linear search in double: at most a few rays pass a rim by
+ * rounding, and none is off by more than some roundings. */
+static void embree_meets_what_the_linear_search_meets_at_the_ray_s_time(void **state) {
+    (void)state;
+    stage s = moving_stage();
+    world *w;
+    assert_ok(s.context, world_create(s.scene, &w));
+    assert_true(w->moves);
+    trace_tracer *fast = trace_by(&s, w, "embree"), *slow = trace_by(&s, w, "linear:f32");
+    random_state r = {7};
+    int met[4] = {0}, differ = 0;
+    float off = 0;
+    for (int k = 0; k < 600; ++k) {
+        trace_block a, b;
+        random_rays(&r, &a.rays);
+        b = a;
+        const unsigned mode = trace_thread_begin();
+        trace_closest(fast, &a, LANES, TRACE_INCOHERENT);
+        trace_closest(slow, &b, LANES, TRACE_INCOHERENT);
+        trace_thread_end(mode);
+        for (int i = 0; i < LANES; ++i) {
+            const bool both_missed = a.hits.geometry[i] == FATHOM_NONE && b.hits.geometry[i] == FATHOM_NONE;
+            if (both_missed) continue;
+            const bool same = a.hits.geometry[i] == b.hits.geometry[i] &&
+                              a.hits.instance[i] == b.hits.instance[i] &&
+                              a.hits.primitive[i] == b.hits.primitive[i];
+            differ += !same;
+            if (!same) continue;
+            ++met[a.hits.instance[i] == FATHOM_NONE ? 2 + (int)(a.hits.geometry[i] & 1)
+                                                    : (int)a.hits.instance[i]];
+            off = fmaxf(off, fabsf(a.rays.t_far[i] - b.rays.t_far[i]));
+        }
+    }
+    for (int k = 0; k < 4; ++k) assert_true(met[k] > 50);
+    assert_true(differ <= 2);
+    assert_true(off < 32 * 0x1p-24f * 9); /* roundings at the distance of the scene */
+    trace_destroy(fast);
+    trace_destroy(slow);
+    world_destroy(w);
+    stage_close(&s);
+}
+
+/* The vertices of a mesh that turns half around are as far from its centre at every time. */
+static void turning_meshes_stay_rigid(void **state) {
+    (void)state;
+    stage s = stage_open(8, 8);
+    const fathom_id ball = new_group(&s);
+    const vec3_f64 axis = {1, 2, 3}, far = {100, 50, -20}, one = {1, 1, 1};
+    const affine_f64 from = map_of(0, axis, far, one), to = map_of(3.1, axis, far, one);
+    stage_mesh_sphere(&s, ball, 4, 6, 0);
+    place_moving(&s, ball, &from, &to);
+    open_shutter(&s, 0, 1);
+    world *w;
+    assert_ok(s.context, world_create(s.scene, &w));
+    assert_int_equal(w->instances.count, 1);
+    for (int k = 0; k <= 1000; ++k) {
+        world_instance moved;
+        const world_instance *at = world_instance_when(w, 0, (float)k / 1000, &moved);
+        for (int i = 0; i < 3; ++i) {
+            double square = 0;
+            for (int c = 0; c < 3; ++c) square += pow((double)at->to_world[c][i], 2);
+            assert_true(fabs(square - 1) < 4 * 0x1p-24);
+        }
+    }
+    world_destroy(w);
+    stage_close(&s);
+}
+
+/* ---- what is refused ---- */
+
+static void assert_refused(const stage *s, fathom_status status, const char *what) {
+    assert_int_not_equal(status, FATHOM_OK);
+    const char *message = fathom_context_message(s->context);
+    if (!strstr(message, what)) fail_msg("\"%s\" lacks \"%s\"", message, what);
+}
+
+static void tracers_without_times_are_refused(void **state) {
+    (void)state;
+    stage s = moving_stage();
+    world *w;
+    trace_tracer *tracer;
+    assert_ok(s.context, world_create(s.scene, &w));
+    static const char *const words[] = {"bvh", "embree:user"};
+    for (int k = 0; k < 2; ++k) {
+        const trace_options options = {.words = words[k], .width = 16, .threads = 1, .timed = true};
+        assert_refused(&s, trace_create(s.context, w, &options, &tracer), words[k]);
+    }
+    const trace_options options = {.words = "embree", .width = 16, .threads = 1};
+    assert_refused(&s, trace_create(s.context, w, &options, &tracer), "shutter");
+    world_destroy(w);
+    fathom_film *film;
+    assert_refused(&s, fathom_render(s.context, s.scene, &s.settings, NULL, NULL, NULL, &film), "shutter");
+    stage_close(&s);
+}
+
+static void bad_keys_are_refused(void **state) {
+    (void)state;
+    stage s = stage_open(8, 8);
+    double maps[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    double times[2] = {1, 1};
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.group = new_group(&s);
+    instance.key_count = 2, instance.key_times = times, instance.key_transforms = maps;
+    assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "later than the one before");
+    times[1] = 2, maps[12] = -1;
+    assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "mirrors");
+    maps[12] = 0;
+    assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "flattens");
+    instance.key_transforms = NULL;
+    assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "key_transforms");
+    fathom_camera camera;
+    fathom_camera_default(&camera);
+    camera.shutter[0] = 1;
+    assert_refused(&s, fathom_scene_set_camera(s.scene, &camera), "shutter");
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_map_taken_apart_and_put_together_is_the_map),
+        cmocka_unit_test(rotations_stay_rigid_and_evenly_fast_between_keys),
+        cmocka_unit_test(embree_meets_what_the_linear_search_meets_at_the_ray_s_time),
+        cmocka_unit_test(turning_meshes_stay_rigid),
+        cmocka_unit_test(tracers_without_times_are_refused),
+        cmocka_unit_test(bad_keys_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

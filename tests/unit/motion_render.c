@@ -1,0 +1,229 @@
+/* Images of what moves: the mean of still images, path tracing against the reference, and which changes
+ * change no bit. */
+#include "render.h"
+#include "verify/laws/laws.h"
+
+static fathom_material shiny(void) {
+    fathom_material m;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    m.metallic = 0.5f, m.roughness = 0.5f, m.multiscatter = false;
+    m.base_color[1] = 0.6f, m.base_color[2] = 0.3f;
+    return m;
+}
+
+/* What moves, in the scene of moving_stage(). */
+enum { TURN = 1, FLY = 2, BEND = 4, PAN = 8, NEST = 16, ALL = 31 };
+
+static const double key_times[2] = {0, 2};
+static const double still_map[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+static fathom_id place(stage *s, fathom_id parent, fathom_id group, const double from[12],
+                       const double to[12], bool moves) {
+    double maps[24];
+    memcpy(maps, from, 12 * sizeof *maps);
+    memcpy(maps + 12, moves ? to : from, 12 * sizeof *maps);
+    fathom_instance instance;
+    fathom_instance_default(&instance);
+    instance.parent = parent, instance.group = group;
+    instance.key_count = 2, instance.key_times = key_times, instance.key_transforms = maps;
+    fathom_id id;
+    assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, &id));
+    return id;
+}
+
+static fathom_id group_of(stage *s) {
+    fathom_id id;
+    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &id));
+    return id;
+}
+
+static void look(stage *s, bool pans, double open, double close) {
+    const double frames[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 6, 1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 5.5};
+    fathom_camera camera;
+    fathom_camera_look_at((double[3]){0, 0, 6}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.7, &camera);
+    camera.shutter[0] = open, camera.shutter[1] = close;
+    if (pans) camera.key_count = 2, camera.key_times = key_times, camera.key_frames = frames;
+    assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
+}
+
+static void bending_mesh(stage *s, bool moves, fathom_id material) {
+    const float from[18] = {-2, -1, 0, -1, -1, 0, -1.5f, 0.5f, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+    const float to[9] = {-2, -1, 0, -1, -1, 0.5f, -0.5f, 1, 0.5f};
+    float keys[18], normals[18];
+    memcpy(keys, from, 9 * sizeof *keys);
+    memcpy(keys + 9, moves ? to : from, 9 * sizeof *keys);
+    memcpy(normals, from + 9, 9 * sizeof *normals);
+    memcpy(normals + 9, from + 9, 9 * sizeof *normals);
+    if (moves) normals[9] = -0.3f;
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = from, mesh.vertex_count = 3, mesh.normals = from + 9, mesh.normal_count = 3;
+    mesh.indices = (const uint32_t[]){0, 1, 2}, mesh.triangle_count = 1, mesh.material = material;
+    mesh.key_count = 2, mesh.key_times = key_times, mesh.key_positions = keys, mesh.key_normals = normals;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, FATHOM_ROOT, &mesh, NULL));
+}
+
+static stage moving_stage(unsigned moves, double open, double close) {
+    const double turned[12] = {-1, 0, 0, 0.3, 0, -1.2, 0,
+                               0,  0, 0, 1,   0}; /* half around z, which is refused
+                                                      no sooner than a whole turn */
+    const double flown[12] = {1, 0, 0, 0.8, 0, 1, 0, 0.6, 0, 0, 1, 0.4},
+                 arm[12] = {1, 0, 0, 1.2, 0, 1, 0, 0, 0, 0, 1, 0};
+    const double quarter[12] = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0};
+    stage s = stage_open(32, 32);
+    const fathom_material m = shiny();
+    const fathom_id material = stage_material(&s, &m), red = stage_lambert(&s, 0.6f);
+    const fathom_id turning = group_of(&s), flying = group_of(&s), nest = group_of(&s);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.target_error = 0, s.settings.spp = 64, s.settings.max_depth = 4;
+    assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.3f, 0.4f, 0.5f}));
+    stage_quad(&s, (double[3]){0, 3, 1}, (double[3]){1, 0, 0}, (double[3]){0, 0, 1}, stage_emitter(&s, 4));
+    stage_quad(&s, (double[3]){0, -1.5, 0}, (double[3]){5, 0, 0}, (double[3]){0, 0, -5}, red);
+    fathom_quad plate;
+    fathom_quad_from_axes((double[3]){0, 0, 0}, (double[3]){0.9, 0.2, 0}, (double[3]){0, 0.5, 0.2}, &plate);
+    plate.material = material;
+    assert_ok(s.context, fathom_scene_add_quad(s.scene, turning, &plate, NULL));
+    fathom_sphere ball;
+    fathom_sphere_default(&ball);
+    ball.radius = 0.4, ball.material = red;
+    assert_ok(s.context, fathom_scene_add_sphere(s.scene, flying, &ball, NULL));
+    place(&s, FATHOM_ROOT, turning, still_map, turned, moves & TURN);
+    place(&s, FATHOM_ROOT, nest, still_map, quarter, moves & NEST);
+    place(&s, nest, flying, arm, flown, moves & FLY);
+    bending_mesh(&s, moves & BEND, red);
+    look(&s, moves & PAN, open, close);
+    return s;
+}
+
+/* ---- against the reference ---- */
+
+static void both_integrators_blur_alike(void **state) {
+    (void)state;
+    const laws_pair options = {
+        .across = 4, .down = 4, .depth = 4, .samples = 1 << 16, .seed = 1, .threads = 2, .allowance = 2e-5};
+    for (unsigned moves = TURN; moves <= ALL; moves = moves == NEST  ? ALL
+                                                      : moves == ALL ? ALL + 1
+                                                                     : 2 * moves) {
+        stage s = moving_stage(moves, 0, 2);
+        laws_difference d;
+        assert_ok(s.context, laws_pair_run(s.context, s.scene, &options, &d));
+        if (d.p < 1e-5)
+            fail_msg("motion %u: p %g, path less reference %g +- %g", moves, d.p, d.relative,
+                     d.relative_error);
+        stage_close(&s);
+    }
+}
+
+/* ---- the mean of still images ---- */
+
+enum { PIXELS = 32 * 32, STILLS = 64, SEEDS = 8 };
+
+static void add_render(stage *s, double sums[PIXELS], double weight) {
+    fathom_film *film = stage_render(s);
+    const float *green = fathom_film_channel(film, "G");
+    for (int i = 0; i < PIXELS; ++i) sums[i] += weight * (double)green[i];
+    fathom_film_destroy(film);
+}
+
+/* Cells of 8 × 8 pixels. The stills lie in the middles of 64 times: a step of an edge, 1/64 of its way, is
+ * far below the errors. Welch's t of each cell from 8 renders; one false alarm in 1e5. */
+static void a_blurred_image_is_the_mean_of_still_ones(void **state) {
+    (void)state;
+    sample_mean blurred[16], still[16];
+    double sums[2][16] = {{0}}, squares[2][16] = {{0}};
+    for (uint64_t seed = 0; seed < SEEDS; ++seed) {
+        double image[2][PIXELS] = {{0}};
+        stage s = moving_stage(ALL, 0, 2);
+        s.settings.spp = 128, s.settings.seed = seed;
+        add_render(&s, image[0], 1);
+        stage_close(&s);
+        for (int k = 0; k < STILLS; ++k) {
+            const double time = 2 * (k + 0.5) / STILLS;
+            s = moving_stage(ALL, time, time);
+            s.settings.spp = 2, s.settings.seed = 1000 + seed * STILLS + (uint64_t)k;
+            add_render(&s, image[1], 1.0 / STILLS);
+            stage_close(&s);
+        }
+        for (int k = 0; k < 2; ++k) {
+            double cells[16] = {0};
+            for (int i = 0; i < PIXELS; ++i) cells[i / 256 * 4 + i % 32 / 8] += image[k][i] / 64;
+            for (int c = 0; c < 16; ++c) sums[k][c] += cells[c], squares[k][c] += cells[c] * cells[c];
+        }
+    }
+    double least = 1;
+    for (int c = 0; c < 16; ++c) {
+        for (int k = 0; k < 2; ++k) {
+            const double mean = sums[k][c] / SEEDS, variance = fmax(squares[k][c] / SEEDS - mean * mean, 0);
+            (k ? still : blurred)[c] = (sample_mean){mean, sqrt(variance / (SEEDS - 1)), SEEDS - 1};
+        }
+        least = fmin(least, welch_p(blurred[c], still[c], 1e-4 * still[c].mean));
+    }
+    if (sidak(least, 16) < 1e-5) fail_msg("p %g", sidak(least, 16));
+}
+
+/* ---- to the last bit ---- */
+
+static void assert_same_images(stage *a, stage *b, bool same) {
+    fathom_film *x = stage_render(a), *y = stage_render(b);
+    int differ = 0;
+    static const char *const names[3] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c)
+        differ += memcmp(fathom_film_channel(x, names[c]), fathom_film_channel(y, names[c]),
+                         PIXELS * sizeof(float)) != 0;
+    if (same)
+        assert_int_equal(differ, 0);
+    else
+        assert_true(differ > 0);
+    fathom_film_destroy(x);
+    fathom_film_destroy(y);
+    stage_close(a);
+    stage_close(b);
+}
+
+static void keys_that_are_alike_change_no_bit(void **state) {
+    (void)state;
+    stage keyed = moving_stage(0, 0, 2), unmoved = moving_stage(0, 0, 0);
+    assert_same_images(&keyed, &unmoved, true);
+}
+
+static void threads_change_no_bit(void **state) {
+    (void)state;
+    stage one = moving_stage(ALL, 0, 2), three = moving_stage(ALL, 0, 2);
+    fathom_context_set_threads(one.context, 1);
+    fathom_context_set_threads(three.context, 3);
+    assert_same_images(&one, &three, true);
+}
+
+/* A crop traces other rays together, as parts, restarts and adaptive renders do. */
+static void a_crop_changes_no_bit(void **state) {
+    (void)state;
+    stage whole = moving_stage(ALL, 0, 2), part = moving_stage(ALL, 0, 2);
+    const uint32_t crop[4] = {5, 3, 30, 22};
+    memcpy(part.settings.crop, crop, sizeof crop);
+    fathom_film *x = stage_render(&whole), *y = stage_render(&part);
+    const float *all = fathom_film_channel(x, "G"), *some = fathom_film_channel(y, "G");
+    for (uint32_t i = 0; i < 19 * 25; ++i) assert_true(some[i] == all[(3 + i / 25) * 32 + 5 + i % 25]);
+    fathom_film_destroy(x);
+    fathom_film_destroy(y);
+    stage_close(&whole);
+    stage_close(&part);
+}
+
+static void other_shutters_show_something_else(void **state) {
+    (void)state;
+    stage a = moving_stage(FLY, 0, 2), b = moving_stage(FLY, 0, 1);
+    assert_same_images(&a, &b, false);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(both_integrators_blur_alike),
+        cmocka_unit_test(a_blurred_image_is_the_mean_of_still_ones),
+        cmocka_unit_test(keys_that_are_alike_change_no_bit),
+        cmocka_unit_test(threads_change_no_bit),
+        cmocka_unit_test(a_crop_changes_no_bit),
+        cmocka_unit_test(other_shutters_show_something_else),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
