@@ -270,7 +270,7 @@ static void groups_with_a_name_that_no_channel_can_have_are_refused(void **state
     }
     assert_fails(s.context, fathom_scene_set_light_group(s.scene, FATHOM_SOURCE_LIGHT, 0, "key"),
                  FATHOM_BAD_USAGE, "no source");
-    char name[8];
+    char name[16];
     for (int i = 0; i < 31; ++i) {
         snprintf(name, sizeof name, "g%d", i);
         group(&s, FATHOM_SOURCE_BACKGROUND, 0, name);
