@@ -9,18 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How often the path was scattered before the vertex it is at. */
-static uint32_t scattered(const path_wave *p, uint32_t slot) { return p->depth - p->passes[slot]; }
-
 /* The path may only pass what it meets: it has had its bounces. */
 static bool is_done(const path_wave *p, uint32_t slot) {
-    return scattered(p, slot) >= p->wave.run.plan->max_depth;
-}
-
-/* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
-static float power_heuristic(float a, float b) {
-    const float ratio = b / a;
-    return 1 / (1 + ratio * ratio);
+    return path_scattered(p, slot) >= p->wave.run.plan->max_depth;
 }
 
 /* Two numbers for each vertex of a block. */
@@ -34,60 +25,7 @@ static void numbers(const path_wave *p, const vertex_block *v, sample_purpose pu
     p->wave.run.plan->sample_kernels->pairs(pixel, index, sample_at_vertex(p->depth, purpose), u[0], u[1]);
 }
 
-/* ---- light that the rays met ---- */
-
-/* Light that a ray met by chance. */
-typedef struct met_light {
-    float radiance[3], density; /* the second: of its direction among those that ask for light */
-    uint8_t group;
-    vec3_f32 direction;
-} met_light;
-
-static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i, const met_light *met) {
-    const float share = power_heuristic(p->density[slot], met->density);
-    float rgb[3];
-    for (int c = 0; c < 3; ++c) {
-        rgb[c] = limited(path->weight[c][i] * (met->radiance[c] * share));
-        p->wave.run.samples.radiance[c][slot] += rgb[c];
-    }
-    if (!p->wave.run.samples.layers) return;
-    const light_tag tag = {(uint8_t)light_kind_of(scattered(p, slot)), met->group};
-    wave_add_layers(&p->wave, slot, tag, met->direction, rgb);
-}
-
-static void add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
-    path_wave *p = (path_wave *)w;
-    for (; missed; missed &= missed - 1) {
-        const unsigned i = (unsigned)__builtin_ctz(missed);
-        const uint32_t slot = path->slot[i];
-        const emitters *e = w->run.plan->emitters;
-        met_light met = {.group = emitters_outside_group(e), .direction = trace_dir(&block->rays, i)};
-        emitters_outside(e, of_slot(p->p, slot), of_slot(p->n, slot), met.direction, met.radiance,
-                         &met.density);
-        if (p->media && media_absorbs(p->media, slot)) continue;
-        add_light(p, slot, path, i, &met);
-    }
-}
-
-static bool sends_light(const shader *s) {
-    return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
-}
-
-static void add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s) {
-    const surface_gather *g = p->wave.gather;
-    const uint32_t slot = v->path.slot[i];
-    const emitter_hit hit = {.geometry = g->geometry[i],
-                             .primitive = g->primitive[i],
-                             .instance = g->instance[i],
-                             .p = of_lane(v->surface.p, i),
-                             .ng = of_lane(v->surface.ng, i)};
-    met_light met = {.group = wave_hit_group(&p->wave, i)};
-    memcpy(met.radiance, s->emission, sizeof met.radiance);
-    if (p->density[slot] < INFINITY)
-        met.density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot),
-                                           of_slot(p->n, slot), neg_f32(of_lane(v->surface.v, i)), &hit);
-    add_light(p, slot, &v->path, i, &met);
-}
+/* ---- vertices ---- */
 
 static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     const uint32_t slot = v->path.slot[i];
@@ -111,25 +49,6 @@ static void find_shaders(path_wave *p, vertex_block *v) {
     if (plan->dispersive) path_choose_channels(p, v);
 }
 
-/* A path shows what it meets behind surfaces that it passes by their opacity. */
-static void show_through(path_wave *p, const vertex_block *v) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        const uint32_t slot = v->path.slot[i];
-        if (!scattered(p, slot)) wave_keep_mattes(&p->wave, slot, i);
-    }
-}
-
-/* Denoisers want normals and albedo of what smooth mirrors and glass show (Open Image Denoise, "Albedos" and
- * "Normals"): of the first vertex that scatters otherwise. Fresnel's law mixes them over the samples, as it
- * mixes the light. */
-static void show_features(path_wave *p, const vertex_block *v) {
-    for (unsigned i = 0; i < v->surface.count; ++i) {
-        const uint32_t slot = v->path.slot[i];
-        const float tint[3] = {p->tint[0][slot], p->tint[1][slot], p->tint[2][slot]};
-        if (p->smooth[slot]) wave_keep_features(&p->wave, v, i, tint);
-    }
-}
-
 static void begin_vertices(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     const render_plan *plan = w->run.plan;
@@ -138,13 +57,13 @@ static void begin_vertices(wave *w, vertex_block *v) {
     plan->shader_kernels->make(&v->surface, &v->shader);
     for (unsigned i = 0; i < v->surface.count; ++i) {
         const shader *s = v->shader.at[i];
-        if (sends_light(s)) add_emission(p, v, i, s);
+        if (path_sends_light(s)) path_add_emission(p, v, i, s);
     }
-    if (w->run.samples.mattes && p->depth) show_through(p, v);
-    if (w->run.samples.first && p->depth) show_features(p, v);
+    if (w->run.samples.mattes && p->depth) path_show_through(p, v);
+    if (w->run.samples.first && p->depth) path_show_features(p, v);
 }
 
-static const wave_stages path_stages = {begin_vertices, add_outside};
+static const wave_stages path_stages = {begin_vertices, path_add_outside};
 
 /* ---- light that vertices ask for ---- */
 
@@ -185,7 +104,7 @@ static void weigh(const path_wave *p, const vertex_block *v, const emitter_sampl
                   const float density[LANES], lanes3 gain) {
     for (int i = 0; i < LANES; ++i) {
         const bool any = light->density[i] > 0 && !is_done(p, v->path.slot[i]);
-        const float share = light->sized[i] && any ? power_heuristic(light->density[i], density[i]) : 1;
+        const float share = light->sized[i] && any ? path_power_heuristic(light->density[i], density[i]) : 1;
         const float scale = any ? share / light->density[i] : 0;
         for (int c = 0; c < 3; ++c)
             gain[c][i] =
@@ -208,7 +127,7 @@ static void note_tags(const path_wave *p, const vertex_block *v, const emitter_s
     const bool groups = p->wave.run.plan->groups.count;
     for (unsigned i = 0; i < LANES; ++i) {
         const bool any = groups && light->density[i] > 0;
-        out->tag[i] = (light_tag){(uint8_t)light_kind_of(scattered(p, v->path.slot[i]) + 1),
+        out->tag[i] = (light_tag){(uint8_t)light_kind_of(path_scattered(p, v->path.slot[i]) + 1),
                                   any ? light->group[i] : (uint8_t)0};
     }
 }
@@ -262,21 +181,15 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
     if (to->density[i] < INFINITY) p->spread[slot] += CONE_PART / sqrtf(to->density[i]);
 }
 
-/* A coloured mirror tints what it shows. */
-static void leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot) {
-    p->smooth[slot] &= to->straight[i] || isinf(to->density[i]);
-    for (int c = 0; c < 3 && p->smooth[slot]; ++c) p->tint[c][slot] *= fminf(to->weight[c][i], 1);
-}
-
 /* The vertex that the ray leaves. One that the ray passes straight is none: what is met next is weighed as if
  * the ray came from the vertex before. */
 static void leave_vertex(path_wave *p, const surface_block *s, const shader_sample *to, unsigned i, bool both,
                          bool hidden, uint32_t slot) {
-    if (p->wave.run.samples.first) leave_features(p, to, i, slot);
+    if (p->wave.run.samples.first) path_leave_features(p, to, i, slot);
     if (to->straight[i]) {
         const vec3_f32 way = sub_f32(of_lane(s->p, i), of_slot(p->p, slot));
         p->passed[slot] = sqrtf(dot_f32(way, way));
-        if (p->wave.run.samples.mattes && !scattered(p, slot)) wave_lose_mattes(&p->wave, slot);
+        if (p->wave.run.samples.mattes && !path_scattered(p, slot)) wave_lose_mattes(&p->wave, slot);
         ++p->passes[slot];
         /* Lights asked for at the vertex before are not seen past a hidden surface. */
         if (hidden) p->density[slot] = INFINITY;

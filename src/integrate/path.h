@@ -35,6 +35,31 @@ static inline vec3_f32 of_lane(const lanes3 from, unsigned i) {
     return (vec3_f32){from[0][i], from[1][i], from[2][i]};
 }
 
+/* How often the path was scattered before the vertex it is at. */
+static inline uint32_t path_scattered(const path_wave *p, uint32_t slot) {
+    return p->depth - p->passes[slot];
+}
+
+/* a^2 / (a^2 + b^2). `a` may be infinite, and is not 0. */
+static inline float path_power_heuristic(float a, float b) {
+    const float ratio = b / a;
+    return 1 / (1 + ratio * ratio);
+}
+
+/* ---- path_met.c ---- */
+
+/* Light from outside of the scene, along the lanes that met nothing. */
+void path_add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed);
+bool path_sends_light(const shader *s);
+/* The light of the surface that lane i met. */
+void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s);
+
+/* What images of objects and features for denoisers keep of the vertices after the first, where they are
+ * asked for, and of the way on from them. */
+void path_show_through(path_wave *p, const vertex_block *v);
+void path_show_features(path_wave *p, const vertex_block *v);
+void path_leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot);
+
 /* ---- path_volumes.c ---- */
 
 /* The light that the way to the vertices leaves. */

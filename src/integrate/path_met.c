@@ -1,0 +1,87 @@
+/* What the rays of paths meet: the light that surfaces and surroundings send, weighed against asking for it,
+ * and what other images than the beauty keep. */
+#include "integrate/path.h"
+#include "math/limit.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Light that a ray met by chance. */
+typedef struct met_light {
+    float radiance[3], density; /* the second: of its direction among those that ask for light */
+    uint8_t group;
+    vec3_f32 direction;
+} met_light;
+
+static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i, const met_light *met) {
+    const float share = path_power_heuristic(p->density[slot], met->density);
+    float rgb[3];
+    for (int c = 0; c < 3; ++c) {
+        rgb[c] = limited(path->weight[c][i] * (met->radiance[c] * share));
+        p->wave.run.samples.radiance[c][slot] += rgb[c];
+    }
+    if (!p->wave.run.samples.layers) return;
+    const light_tag tag = {(uint8_t)light_kind_of(path_scattered(p, slot)), met->group};
+    wave_add_layers(&p->wave, slot, tag, met->direction, rgb);
+}
+
+void path_add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
+    path_wave *p = (path_wave *)w;
+    for (; missed; missed &= missed - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(missed);
+        const uint32_t slot = path->slot[i];
+        const emitters *e = w->run.plan->emitters;
+        met_light met = {.group = emitters_outside_group(e), .direction = trace_dir(&block->rays, i)};
+        emitters_outside(e, of_slot(p->p, slot), of_slot(p->n, slot), met.direction, met.radiance,
+                         &met.density);
+        if (p->media && media_absorbs(p->media, slot)) continue;
+        add_light(p, slot, path, i, &met);
+    }
+}
+
+bool path_sends_light(const shader *s) {
+    return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
+}
+
+void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s) {
+    const surface_gather *g = p->wave.gather;
+    const uint32_t slot = v->path.slot[i];
+    const emitter_hit hit = {.geometry = g->geometry[i],
+                             .primitive = g->primitive[i],
+                             .instance = g->instance[i],
+                             .p = of_lane(v->surface.p, i),
+                             .ng = of_lane(v->surface.ng, i)};
+    met_light met = {.group = wave_hit_group(&p->wave, i)};
+    memcpy(met.radiance, s->emission, sizeof met.radiance);
+    if (p->density[slot] < INFINITY)
+        met.density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot),
+                                           of_slot(p->n, slot), neg_f32(of_lane(v->surface.v, i)), &hit);
+    add_light(p, slot, &v->path, i, &met);
+}
+
+/* ---- objects and features ---- */
+
+/* A path shows what it meets behind surfaces that it passes by their opacity. */
+void path_show_through(path_wave *p, const vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        if (!path_scattered(p, slot)) wave_keep_mattes(&p->wave, slot, i);
+    }
+}
+
+/* Denoisers want normals and albedo of what smooth mirrors and glass show (Open Image Denoise, "Albedos" and
+ * "Normals"): of the first vertex that scatters otherwise. Fresnel's law mixes them over the samples, as it
+ * mixes the light. */
+void path_show_features(path_wave *p, const vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        const float tint[3] = {p->tint[0][slot], p->tint[1][slot], p->tint[2][slot]};
+        if (p->smooth[slot]) wave_keep_features(&p->wave, v, i, tint);
+    }
+}
+
+/* A coloured mirror tints what it shows. */
+void path_leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot) {
+    p->smooth[slot] &= to->straight[i] || isinf(to->density[i]);
+    for (int c = 0; c < 3 && p->smooth[slot]; ++c) p->tint[c][slot] *= fminf(to->weight[c][i], 1);
+}
