@@ -92,7 +92,7 @@ sampling() {
     exr stratified "$example" --size 200x150 --spp 9 --pattern stratified --seed 7
     exr sobol "$example" --size 200x150 --spp 7 --pattern sobol --seed 7
     exr one-sample "$example" --size 333x217 --spp 1
-    for aov in alpha Z N P albedo id samples direct indirect emission; do exr "aov-$aov" "$example" --size 160x120 --spp 4 --aov $aov; done
+    for aov in alpha Z N P albedo id samples direct indirect emission lightGroups cryptoObject cryptoMaterial; do exr "aov-$aov" "$example" --size 160x120 --spp 4 --aov $aov; done
     exr crop "$example" --size 400x300 --spp 4 --crop 101,57,333,222 --aov all
     exr crop-one-pixel "$example" --size 400x300 --spp 4 --crop 200,150,201,151
     exr wide-crop "$example" --size 400x300 --spp 2 --pattern sobol --crop 0,31,400,33

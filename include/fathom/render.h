@@ -33,9 +33,11 @@ enum {
     FATHOM_AOV_ALPHA = 1u << 0,  /* A: covered part of the pixel; R G B are then premultiplied, without the
                                     background behind (mirrors and glass still show it) */
     FATHOM_AOV_Z = 1u << 1,      /* Z: depth along the view axis, of the sample nearest the pixel's centre */
-    FATHOM_AOV_N = 1u << 2,      /* N.X N.Y N.Z: shading normal, world, averaged */
+    FATHOM_AOV_N = 1u << 2,      /* N.X N.Y N.Z: shading normal, world, averaged; under path tracing, as
+                                    albedo, of what smooth mirrors and glass show, for denoisers */
     FATHOM_AOV_P = 1u << 3,      /* P.X P.Y P.Z: world position, of the sample nearest the centre */
-    FATHOM_AOV_ALBEDO = 1u << 4, /* albedo.R albedo.G albedo.B: k_d + k_s, averaged */
+    FATHOM_AOV_ALBEDO = 1u << 4, /* albedo.R albedo.G albedo.B: k_d + k_s, averaged; under path tracing of
+                                    the first surface that is neither, tinted by those before it */
     FATHOM_AOV_ID = 1u << 5, /* id.object id.primitive id.instance: as in fathom_hit, of the sample nearest
                                 the centre; FATHOM_NONE for none */
     FATHOM_AOV_SAMPLES = 1u << 6, /* samples: how many the pixel is the mean of, as an id channel. In files
@@ -56,7 +58,16 @@ enum {
     FATHOM_AOV_DIRECT = 1u << 8,
     FATHOM_AOV_INDIRECT = 1u << 9,
     FATHOM_AOV_EMISSION = 1u << 10,
-    FATHOM_AOVS = (1u << 11) - 1
+    /* light_NAME.R…: what a light group sends out, by all ways (fathom_scene_set_light_group()), the groups
+     * in the order in which the scene names them after "rest", which has all else. They add up to R, G and B.
+     */
+    FATHOM_AOV_LIGHT_GROUPS = 1u << 11,
+    /* Cryptomatte, of objects and of materials: CryptoObject00.R to CryptoObject02.A, CryptoMaterial00.R…:
+     * six pairs of id and coverage, and in the file's header the names that ids are of. What a path passes by
+     * its opacity does not count; glass and mirrors do. A pixel counts the first 16 things that it meets. */
+    FATHOM_AOV_CRYPTO_OBJECT = 1u << 12,
+    FATHOM_AOV_CRYPTO_MATERIAL = 1u << 13,
+    FATHOM_AOVS = (1u << 14) - 1
 };
 
 typedef struct fathom_settings {
@@ -141,6 +152,7 @@ typedef struct fathom_progress {
     double fraction; /* of this phase, [0,1] */
     uint64_t rays;   /* traced so far */
     double seconds;  /* since this phase began */
+    double error; /* with target_error: the largest estimate of the tiles that are finished; 0: of none yet */
 } fathom_progress;
 
 /* Called about ten times a second from the calling thread. Return false to stop: the render then returns

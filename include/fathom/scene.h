@@ -172,6 +172,22 @@ static inline fathom_status fathom_scene_add_light(fathom_scene *scene, const fa
     return fathom_scene_add_light_sized(scene, light, sizeof *light, out);
 }
 
+/* ---- light groups ---- */
+
+typedef enum fathom_light_source {
+    FATHOM_SOURCE_LIGHT, /* its id is that of fathom_scene_add_light(), as the next */
+    FATHOM_SOURCE_ENVIRONMENT,
+    FATHOM_SOURCE_MATERIAL,  /* all surfaces that wear it and send out light */
+    FATHOM_SOURCE_OBJECT,    /* goes before its material */
+    FATHOM_SOURCE_BACKGROUND /* id 0 */
+} fathom_light_source;
+
+/* Puts what sends out light into the group `name`, for FATHOM_AOV_LIGHT_GROUPS. Sources without one are of
+ * the group "rest". name: 1 to 31 letters of A-Z, a-z, 0-9 and _; FATHOM_BAD_INPUT: another name, or more
+ * than 31 groups besides "rest"; FATHOM_BAD_USAGE: there is no such source. */
+FATHOM_API fathom_status fathom_scene_set_light_group(fathom_scene *scene, fathom_light_source source,
+                                                      fathom_id id, const char *name);
+
 /* ---- shapes ----
  * Each shape belongs to a group. FATHOM_ROOT is the world; any other group appears where it is instanced. */
 
@@ -295,6 +311,11 @@ static inline fathom_status fathom_scene_add_mesh_shared(fathom_scene *scene, fa
                                                          const fathom_mesh *mesh, fathom_id *out) {
     return fathom_scene_add_mesh_shared_sized(scene, group, mesh, sizeof *mesh, out);
 }
+
+/* The name of a shape in mattes (FATHOM_AOV_CRYPTO_OBJECT); the text is copied. Shapes of one name are one
+ * matte. Without one, the group's name counts, and in the root the kind and its number: "sphere 3".
+ * FATHOM_BAD_USAGE: there is no such shape. */
+FATHOM_API fathom_status fathom_scene_name_object(fathom_scene *scene, fathom_id object, const char *name);
 
 /* ---- groups and instances ---- */
 

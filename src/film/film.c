@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,16 +27,38 @@ static uint32_t *add_id(fathom_film *film, const char *name, const char *name_in
     return data;
 }
 
+static uint32_t group_count(const light_group_names *groups) { return groups->count ? groups->count : 1; }
+
 /* In the order of film_parts. */
 static void add_layers(fathom_film *film, unsigned aovs) {
     static const char *const names[LIGHT_KINDS][3] = {{"emission.R", "emission.G", "emission.B"},
                                                       {"direct.R", "direct.G", "direct.B"},
                                                       {"indirect.R", "indirect.G", "indirect.B"}};
-    const film_parts parts = film_parts_of(aovs);
+    const film_parts parts = film->parts = film_parts_of(aovs, &film->light_groups);
     float *layer[3];
     film->layers = film->pixels + film->channel_count * (size_t)film->width * film->height;
     for (int k = 0; k < LIGHT_KINDS; ++k) {
         if (parts.kinds[k] >= 0) add_three(film, layer, names[k][0], names[k][1], names[k][2], true);
+    }
+    for (uint32_t g = 0; parts.groups >= 0 && g < group_count(&film->light_groups); ++g) {
+        const char *name = g ? film->light_groups.names[g] : LIGHT_GROUP_REST;
+        for (int c = 0; c < 3; ++c)
+            snprintf(film->group_channels[g][c], sizeof film->group_channels[g][c], "light_%s.%c", name,
+                     "RGB"[c]);
+        add_three(film, layer, film->group_channels[g][0], film->group_channels[g][1],
+                  film->group_channels[g][2], true);
+    }
+}
+
+static void add_mattes(fathom_film *film) {
+#define LAYER(name) name ".R", name ".G", name ".B", name ".A"
+#define LAYERS(name) LAYER(name "00"), LAYER(name "01"), LAYER(name "02")
+    static const char *const names[MATTE_KINDS][2 * MATTE_RANKS] = {
+        [MATTE_OBJECT] = {LAYERS("CryptoObject")}, [MATTE_MATERIAL] = {LAYERS("CryptoMaterial")}};
+    film->mattes = film->pixels + film->channel_count * (size_t)film->width * film->height;
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        for (uint32_t i = 0; film->parts.mattes[k] >= 0 && i < 2 * MATTE_RANKS; ++i)
+            add_channel(film, names[k][i], false, false);
     }
 }
 
@@ -57,9 +80,10 @@ static void add_channels(fathom_film *film, unsigned aovs) {
     }
     if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples", "samples.V");
     add_layers(film, aovs);
+    add_mattes(film);
 }
 
-film_parts film_parts_of(unsigned aovs) {
+film_parts film_parts_of(unsigned aovs, const light_group_names *groups) {
     static const unsigned of_kind[LIGHT_KINDS] = {[LIGHT_EMISSION] = FATHOM_AOV_EMISSION,
                                                   [LIGHT_DIRECT] = FATHOM_AOV_DIRECT,
                                                   [LIGHT_INDIRECT] = FATHOM_AOV_INDIRECT};
@@ -67,19 +91,27 @@ film_parts film_parts_of(unsigned aovs) {
         FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
     film_parts parts = {.hits = aovs & of_hits};
     for (int k = 0; k < LIGHT_KINDS; ++k) parts.kinds[k] = aovs & of_kind[k] ? (int8_t)parts.layers++ : -1;
+    parts.groups = aovs & FATHOM_AOV_LIGHT_GROUPS ? (int8_t)parts.layers : -1;
+    if (parts.groups >= 0) parts.layers += group_count(groups);
+    for (unsigned k = 0; k < MATTE_KINDS; ++k)
+        parts.mattes[k] = aovs & FATHOM_AOV_CRYPTO_OBJECT << k ? (int8_t)parts.matte_count++ : -1;
     return parts;
 }
 
-uint32_t film_channels(unsigned aovs) {
+uint32_t film_channels(unsigned aovs, const light_group_names *groups) {
     const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
                    three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID |
-                           FATHOM_AOV_DIRECT | FATHOM_AOV_INDIRECT | FATHOM_AOV_EMISSION;
-    return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) + (uint32_t)__builtin_popcount(aovs & one) +
-           3 * (uint32_t)__builtin_popcount(aovs & three);
+                           FATHOM_AOV_DIRECT | FATHOM_AOV_INDIRECT | FATHOM_AOV_EMISSION,
+                   mattes = FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_CRYPTO_MATERIAL;
+    return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) +
+           2 * MATTE_RANKS * (uint32_t)__builtin_popcount(aovs & mattes) +
+           (aovs & FATHOM_AOV_LIGHT_GROUPS ? 3 * group_count(groups) : 0) +
+           (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
 }
 
 uint64_t film_bytes(const fathom_film *film) {
-    return (uint64_t)film->width * film->height * sizeof(float) * film_channels(film->settings.aovs);
+    return (uint64_t)film->width * film->height * sizeof(float) *
+           film_channels(film->settings.aovs, &film->light_groups);
 }
 
 static fathom_status check_memory(fathom_context *context, const fathom_film *film) {
@@ -94,11 +126,11 @@ static fathom_status check_memory(fathom_context *context, const fathom_film *fi
 /* Pixels and channels of a film whose size and settings are known; releases it when there is no memory. */
 static fathom_status take_pixels(fathom_context *context, fathom_film *film, const char *scene_name,
                                  fathom_film **out) {
-    pthread_mutex_init(&film->lock, NULL);
     film->scene_name = strdup(scene_name);
     fathom_status status = check_memory(context, film);
     if (status == FATHOM_OK) film->pixels = memory_take(film_bytes(film));
-    if (status == FATHOM_OK && (!film->scene_name || !film->pixels))
+    film->group_channels = calloc(LIGHT_GROUPS, sizeof *film->group_channels);
+    if (status == FATHOM_OK && (!film->scene_name || !film->pixels || !film->group_channels))
         status = fail_memory(context, film_bytes(film));
     if (status != FATHOM_OK) {
         fathom_film_destroy(film);
@@ -109,6 +141,7 @@ static fathom_status take_pixels(fathom_context *context, fathom_film *film, con
     return FATHOM_OK;
 }
 
+/* Of what the scene itself says; environments are read later. */
 static void find_brightest(const fathom_scene *scene, float out[3]) {
     memcpy(out, scene->background, 3 * sizeof *out);
     for (size_t i = 0; i < scene->materials.count; ++i) {
@@ -118,11 +151,22 @@ static void find_brightest(const fathom_scene *scene, float out[3]) {
     }
 }
 
+static fathom_status make_manifests(fathom_context *context, const fathom_scene *scene, fathom_film *film) {
+    const film_parts parts = film_parts_of(film->settings.aovs, &film->light_groups);
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        if (parts.mattes[k] < 0) continue;
+        film->manifests[k] = matte_manifest(scene, (matte_kind)k);
+        if (!film->manifests[k]) return fail_memory(context, scene->objects.count + scene->materials.count);
+    }
+    return FATHOM_OK;
+}
+
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           fathom_film **out) {
     *out = NULL;
     fathom_film *film = calloc(1, sizeof *film);
     if (!film) return fail_memory(context, sizeof *film);
+    pthread_mutex_init(&film->lock, NULL);
     const settings_region region = settings_region_of(settings);
     film->x = region.x, film->y = region.y;
     film->width = region.width, film->height = region.height;
@@ -132,6 +176,12 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     film->camera = scene->camera;
     memcpy(film->background, scene->background, sizeof film->background);
     find_brightest(scene, film->brightest);
+    film->light_groups = scene->light_groups;
+    fathom_status status = make_manifests(context, scene, film);
+    if (status != FATHOM_OK) {
+        fathom_film_destroy(film);
+        return status;
+    }
     return take_pixels(context, film, scene->name, out);
 }
 
@@ -139,11 +189,18 @@ fathom_status film_create_like(fathom_context *context, const fathom_film *film,
     *out = NULL;
     fathom_film *copy = calloc(1, sizeof *copy);
     if (!copy) return fail_memory(context, sizeof *copy);
+    pthread_mutex_init(&copy->lock, NULL);
     copy->width = film->width, copy->height = film->height;
     copy->x = film->x, copy->y = film->y;
     copy->full_width = film->full_width, copy->full_height = film->full_height;
     copy->settings = film->settings;
     copy->camera = film->camera;
+    copy->light_groups = film->light_groups;
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        if (!film->manifests[k] || (copy->manifests[k] = strdup(film->manifests[k]))) continue;
+        fathom_film_destroy(copy);
+        return fail_memory(context, strlen(film->manifests[k]));
+    }
     memcpy(copy->background, film->background, sizeof copy->background);
     memcpy(copy->brightest, film->brightest, sizeof copy->brightest);
     return take_pixels(context, copy, film->scene_name, out);
@@ -161,8 +218,10 @@ fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom
 
 void fathom_film_destroy(fathom_film *film) {
     if (!film) return;
-    memory_return(film->pixels, film_bytes(film));
+    if (film->pixels) memory_return(film->pixels, film_bytes(film));
+    for (int k = 0; k < MATTE_KINDS; ++k) free(film->manifests[k]);
     free(film->scene_name);
+    free(film->group_channels);
     pthread_mutex_destroy(&film->lock);
     array_free(&film->left_out);
     free(film);

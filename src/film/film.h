@@ -3,6 +3,7 @@
 #define FILM_FILM_H
 
 #include "base/array.h"
+#include "film/mattes.h"
 #include "scene/scene.h"
 
 #include <fathom/image.h>
@@ -12,7 +13,7 @@
 /* The stages that a render left out. */
 typedef ARRAY(fathom_left_out) left_out_list;
 
-#define FILM_CHANNELS 40
+#define FILM_CHANNELS (40 + 3 * LIGHT_GROUPS + MATTE_KINDS * 2 * MATTE_RANKS)
 
 /* Light by how often it was scattered. */
 typedef enum light_kind { LIGHT_EMISSION, LIGHT_DIRECT, LIGHT_INDIRECT, LIGHT_KINDS } light_kind;
@@ -22,9 +23,12 @@ typedef struct film_parts {
     bool hits;                 /* the first hits of samples */
     uint32_t layers;           /* parts of the light, of three channels each */
     int8_t kinds[LIGHT_KINDS]; /* the layer of each; -1: it is not asked for */
+    int8_t groups;             /* the layer of the first light group, likewise */
+    uint32_t matte_count;
+    int8_t mattes[MATTE_KINDS]; /* the place of each among those that are asked for, likewise */
 } film_parts;
 
-film_parts film_parts_of(unsigned aovs);
+film_parts film_parts_of(unsigned aovs, const light_group_names *groups);
 
 typedef struct film_channel {
     const char *name, *name_in_file;
@@ -41,12 +45,17 @@ struct fathom_film {
     float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3], *error[3], *doubt;
     uint32_t *object, *primitive, *instance, *samples;
     float *layers; /* of film_parts: three channels each, one after the other */
+    film_parts parts;
+    light_group_names light_groups;
+    char (*group_channels)[3][LIGHT_GROUP_NAME + 8]; /* names */
+    float *mattes;                                   /* of film_parts: 2 * MATTE_RANKS channels each */
+    char *manifests[MATTE_KINDS];                    /* NULL: not asked for */
     /* For the header of image files. */
     fathom_settings settings;
     fathom_camera camera;
     fathom_stats stats;
     bool interrupted;
-    float background[3], brightest[3]; /* the second: emission, of any surface or the background */
+    float background[3], brightest[3]; /* the second: emission, of any surface or the surroundings */
     char *scene_name;
     left_out_list left_out; /* of the render that filled it */
     pthread_mutex_t lock;   /* of the pixels, while it is rendered */
@@ -103,7 +112,7 @@ bool film_error_of(const fathom_film *film, film_error *out);
 double film_error_weight(double grey);
 
 /* Channels of a film with these AOVs, a float or uint32_t a pixel each. */
-uint32_t film_channels(unsigned aovs);
+uint32_t film_channels(unsigned aovs, const light_group_names *groups);
 /* Bytes of the film's pixels. */
 uint64_t film_bytes(const fathom_film *film);
 

@@ -1,9 +1,11 @@
 #include "film/film_marks.h"
 
+#include "base/murmur.h"
 #include "camera/camera.h"
 #include "image/image.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* OpenEXR's matrices (ImfStandardAttributes.h) stand to the right of row vectors, (x y z 1) M, and are stored
  * row by row. One column makes one coordinate. */
@@ -58,6 +60,22 @@ static void add_interruption(const fathom_film *film, film_marks *out) {
     add_text(out, "fathom:finished", out->finished);
 }
 
+/* The key of a layer is the first seven digits of its name's hash. Last of all entries, since files that hold
+ * no mattes leave them out. */
+static void add_mattes(const fathom_film *film, film_marks *out) {
+    static const char *const what[4] = {"name", "hash", "conversion", "manifest"};
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        const char *layer = matte_layer((matte_kind)k);
+        const char *const texts[4] = {layer, "MurmurHash3_32", "uint32_to_float32", film->manifests[k]};
+        for (int i = 0; film->manifests[k] && i < 4; ++i) {
+            char *key = out->matte_keys[k][i];
+            snprintf(key, sizeof out->matte_keys[k][i], "%s%07x/%s", IMAGE_MATTE_ENTRY,
+                     murmur_hash(layer, strlen(layer)) >> 4, what[i]);
+            add_text(out, key, texts[i]);
+        }
+    }
+}
+
 void film_marks_of(const fathom_film *film, const fathom_write_options *options, film_marks *out) {
     *out = (film_marks){.seconds = film->stats.render_seconds + film->stats.resumed_seconds};
     set_to_camera(&film->camera, out->to_camera);
@@ -73,4 +91,5 @@ void film_marks_of(const fathom_film *film, const fathom_write_options *options,
         snprintf(out->exposure, sizeof out->exposure, "%g", (double)options->exposure);
         add_text(out, "fathom:exposure", out->exposure);
     }
+    add_mattes(film, out);
 }

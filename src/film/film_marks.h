@@ -5,13 +5,14 @@
 #include "film/film.h"
 #include "image/image.h"
 
-#define FILM_MARKS 7
+#define FILM_MARKS (7 + 4 * MATTE_KINDS)
 
 typedef struct film_marks {
     image_attribute items[FILM_MARKS];
     size_t count;
     /* What the entries point to. */
     double to_camera[16], to_ndc[16], seconds;
+    char matte_keys[MATTE_KINDS][4][40];
     char finished[32], exposure[32], description[64];
 } film_marks;
 

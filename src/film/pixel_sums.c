@@ -15,7 +15,9 @@ bool pixel_sums_create(const sampler *from, uint32_t groups, film_parts parts, p
     out->parts = parts;
     out->hits = parts.hits ? malloc(sizeof *out->hits) : NULL;
     out->layers = parts.layers ? malloc(3 * parts.layers * sizeof *out->layers) : NULL;
-    if ((out->hits || !parts.hits) && (out->layers || !parts.layers)) return true;
+    out->mattes = parts.matte_count ? malloc(parts.matte_count * sizeof *out->mattes) : NULL;
+    if ((out->hits || !parts.hits) && (out->layers || !parts.layers) && (out->mattes || !parts.matte_count))
+        return true;
     pixel_sums_destroy(out);
     return false;
 }
@@ -23,7 +25,8 @@ bool pixel_sums_create(const sampler *from, uint32_t groups, film_parts parts, p
 void pixel_sums_destroy(pixel_sums *sums) {
     free(sums->hits);
     free(sums->layers);
-    sums->hits = NULL, sums->layers = NULL;
+    free(sums->mattes);
+    sums->hits = NULL, sums->layers = NULL, sums->mattes = NULL;
 }
 
 void hit_sums_clear(hit_sums *hits) {
@@ -35,6 +38,7 @@ void pixel_sums_clear(pixel_sums *sums) {
     memset(sums->rgb, 0, sums->groups * sizeof *sums->rgb);
     if (sums->hits) hit_sums_clear(sums->hits);
     if (sums->layers) memset(sums->layers, 0, 3 * sums->parts.layers * sizeof *sums->layers);
+    if (sums->mattes) memset(sums->mattes, 0, sums->parts.matte_count * sizeof *sums->mattes);
 }
 
 static double distance_to_centre(const sampler *from, sample_key key) {
@@ -79,6 +83,17 @@ void hit_sums_add(hit_sums *hits, const sampler *from, const first_hits *first, 
     }
 }
 
+void matte_sums_add(matte_list (*mattes)[WAVE_SLOTS], const wave_samples *samples, film_parts parts,
+                    const wave_region *region, const wave_batch *batch, uint32_t place) {
+    const wave_square *square = &batch->squares[place];
+    const uint32_t to = slot_of(region, square);
+    for (uint32_t left = wave_square_pixels(region, square); left; left &= left - 1) {
+        const uint32_t k = (uint32_t)__builtin_ctz(left);
+        for (uint32_t m = 0; m < parts.matte_count; ++m)
+            matte_add(&mattes[m][to + k], samples->mattes[m][place * LANES + k], 1);
+    }
+}
+
 /* Slots outside the region hold no radiance. */
 void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_region *region,
                     const wave_batch *batch, uint32_t place) {
@@ -88,6 +103,7 @@ void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_re
         sums->kernels->add_samples(samples->radiance[c] + from, LANES, sums->rgb[square->group][c] + to);
     for (uint32_t k = 0; sums->layers && k < 3 * sums->parts.layers; ++k)
         sums->kernels->add_samples(samples->layers[k] + from, LANES, sums->layers[k] + to);
+    if (sums->mattes) matte_sums_add(sums->mattes, samples, sums->parts, region, batch, place);
     if (sums->hits) hit_sums_add(sums->hits, &sums->sampler, samples->first, region, batch, place);
 }
 
@@ -144,6 +160,17 @@ static void store_layers(const pixel_sums *sums, uint32_t slot, double scale, si
         film->layers[k * pixels + pixel] = (float)(sums->layers[k][slot] * scale);
 }
 
+static void store_mattes(const pixel_sums *sums, uint32_t slot, uint32_t samples, size_t pixel,
+                         fathom_film *film) {
+    const size_t pixels = (size_t)film->width * film->height;
+    for (uint32_t m = 0; m < film->parts.matte_count; ++m) {
+        float ranks[2 * MATTE_RANKS];
+        matte_rank(&sums->mattes[m][slot], samples, ranks);
+        for (uint32_t k = 0; k < 2 * MATTE_RANKS; ++k)
+            film->mattes[(m * 2 * MATTE_RANKS + k) * pixels + pixel] = ranks[k];
+    }
+}
+
 /* All of n samples alike: with a chance of 5 %, what has a share of 1 - 0.05^(1/n) of the pixel was missed.
  */
 static void store_bound(uint32_t samples, size_t pixel, fathom_film *film) {
@@ -178,6 +205,7 @@ static void store_pixel(const pixel_sums *sums, uint32_t slot, sums_count count,
     for (int c = 0; c < 3; ++c) film->rgb[c][pixel] = (float)(sum_of(sums, c, slot) * scale);
     if (sums->hits) store_hits(sums->hits, slot, 1.0 / count.hits, pixel, film);
     if (sums->layers) store_layers(sums, slot, scale, pixel, film);
+    if (sums->mattes) store_mattes(sums, slot, count.hits, pixel, film);
     if (film->doubt) store_error(sums, slot, count.samples, pixel, film);
     if (film->samples) film->samples[pixel] = count.samples;
 }
@@ -202,7 +230,7 @@ void pixel_sums_store_square(const pixel_sums *sums, const wave_region *r, const
                              sums_count count, fathom_film *film) {
     uint32_t slot = slot_of(r, square);
     if (wave_square_is_whole(r, square) && sums->groups == 1 && !sums->hits && !sums->layers &&
-        !film->samples && !film->doubt)
+        !sums->mattes && !film->samples && !film->doubt)
         store_square(sums, slot, count.samples, square->left, square->top, film);
     else
         store_pixels(sums, r, square, slot, count, film);

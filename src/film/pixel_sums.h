@@ -31,6 +31,7 @@ typedef struct pixel_sums {
     double rgb[SAMPLE_GROUPS][3][WAVE_SLOTS]; /* of the groups that there are */
     hit_sums *hits;                           /* NULL: no AOV wants them */
     double (*layers)[WAVE_SLOTS];             /* three of each layer; NULL: there are none */
+    matte_list (*mattes)[WAVE_SLOTS];         /* of each matte; NULL likewise */
     film_parts parts;
     sampler sampler; /* which made the samples */
     const film_kernels *kernels;
@@ -45,6 +46,9 @@ void hit_sums_clear(hit_sums *hits);
  * the region's wave. */
 void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_region *region,
                     const wave_batch *batch, uint32_t place);
+/* The mattes alone. */
+void matte_sums_add(matte_list (*mattes)[WAVE_SLOTS], const wave_samples *samples, film_parts parts,
+                    const wave_region *region, const wave_batch *batch, uint32_t place);
 /* The first hits alone. */
 void hit_sums_add(hit_sums *hits, const sampler *from, const first_hits *first, const wave_region *region,
                   const wave_batch *batch, uint32_t place);

@@ -134,8 +134,9 @@ typedef struct first_hits {
 /* The samples of a batch, by slot. */
 typedef struct wave_samples {
     float *radiance[3];
-    first_hits *first;           /* NULL when no AOV wants it */
-    float (*layers)[WAVE_SLOTS]; /* three of each layer of film_parts; NULL when there are none */
+    first_hits *first;              /* NULL when no AOV wants it */
+    float (*layers)[WAVE_SLOTS];    /* three of each layer of film_parts; NULL when there are none */
+    uint32_t (*mattes)[WAVE_SLOTS]; /* ids, of each matte of film_parts, 0 for nothing; NULL likewise */
 } wave_samples;
 
 #endif

@@ -26,6 +26,12 @@ static void move_words(const move *m, void *wave, void *square) {
     memcpy(m->out ? square : (void *)at, m->out ? (void *)at : square, LANES * sizeof(uint32_t));
 }
 
+static void move_mattes(const move *m, matte_list *wave, matte_list *square) {
+    const size_t bytes = LANES * sizeof *square;
+    memcpy(m->out ? square : wave, m->out ? wave : square, bytes);
+    if (m->out) memset(wave, 0, bytes);
+}
+
 static void move_hits(const move *m, hit_sums *hits, square_sums *square) {
     move_doubles(m, hits->alpha, square->alpha);
     move_doubles(m, hits->nearest, square->nearest);
@@ -46,6 +52,8 @@ static void move_sums(const move *m, pixel_sums *sums, square_sums *square) {
     }
     if (sums->hits) move_hits(m, sums->hits, square);
     for (uint32_t k = 0; k < 3 * sums->parts.layers; ++k) move_doubles(m, sums->layers[k], square->layers[k]);
+    for (uint32_t k = 0; k < sums->parts.matte_count; ++k)
+        move_mattes(m, sums->mattes[k] + m->slot, square->mattes[k]);
 }
 
 void sum_take(pixel_sums *from, uint32_t square, square_sums *out) {
@@ -82,6 +90,9 @@ static void add_node(const pixel_sums *like, const square_sums *from, square_sum
         for (int c = 0; c < 3; ++c) add(from->rgb[g][c], to->rgb[g][c]);
     }
     for (uint32_t k = 0; k < 3 * like->parts.layers; ++k) add(from->layers[k], to->layers[k]);
+    for (uint32_t k = 0; k < like->parts.matte_count; ++k) {
+        for (int i = 0; i < LANES; ++i) matte_add_all(&to->mattes[k][i], &from->mattes[k][i]);
+    }
     if (!like->hits) return;
     add(from->alpha, to->alpha);
     for (int c = 0; c < 3; ++c) {
@@ -116,10 +127,14 @@ void sum_fold(const pixel_sums *like, sum_stack *s) {
 }
 
 sum_node *sum_nodes_create(film_parts parts, size_t count) {
-    const size_t each = 3 * parts.layers;
-    sum_node *nodes = calloc(count, sizeof *nodes + each * LANES * sizeof(double));
+    const size_t each = 3 * parts.layers, lists = parts.matte_count;
+    sum_node *nodes =
+        calloc(count, sizeof *nodes + each * LANES * sizeof(double) + lists * LANES * sizeof(matte_list));
+    if (!nodes) return NULL;
     double(*layers)[LANES] = (double(*)[LANES])(void *)(nodes + count);
-    for (size_t i = 0; nodes && i < count; ++i) nodes[i].sums.layers = layers + i * each;
+    matte_list(*mattes)[LANES] = (matte_list(*)[LANES])(void *)(layers + count * each);
+    for (size_t i = 0; i < count; ++i)
+        nodes[i].sums.layers = layers + i * each, nodes[i].sums.mattes = mattes + i * lists;
     return nodes;
 }
 
@@ -160,21 +175,27 @@ _Static_assert(offsetof(square_sums, layers) == offsetof(square_sums, alpha) + L
 
 static size_t hit_bytes(film_parts parts) { return parts.hits ? HIT_BYTES : 0; }
 
-/* The groups that there are, then the hits if there are any, then the layers. */
+static size_t matte_bytes(film_parts parts) { return parts.matte_count * LANES * sizeof(matte_list); }
+
+/* The groups that there are, then the hits if there are any, the layers, the mattes. */
 size_t sum_bytes(uint32_t groups, film_parts parts) {
-    return groups * RGB_BYTES + hit_bytes(parts) + parts.layers * RGB_BYTES;
+    return groups * RGB_BYTES + hit_bytes(parts) + parts.layers * RGB_BYTES + matte_bytes(parts);
 }
 
 void sum_save(const square_sums *from, uint32_t groups, film_parts parts, unsigned char *out) {
     memcpy(out, from->rgb, groups * RGB_BYTES);
     out += groups * RGB_BYTES;
     memcpy(out, (const char *)from + HITS_AT, hit_bytes(parts));
-    if (parts.layers) memcpy(out + hit_bytes(parts), from->layers, parts.layers * RGB_BYTES);
+    out += hit_bytes(parts);
+    if (parts.layers) memcpy(out, from->layers, parts.layers * RGB_BYTES);
+    if (parts.matte_count) memcpy(out + parts.layers * RGB_BYTES, from->mattes, matte_bytes(parts));
 }
 
 void sum_load(const unsigned char *in, uint32_t groups, film_parts parts, square_sums *to) {
     memcpy(to->rgb, in, groups * RGB_BYTES);
     in += groups * RGB_BYTES;
     memcpy((char *)to + HITS_AT, in, hit_bytes(parts));
-    if (parts.layers) memcpy(to->layers, in + hit_bytes(parts), parts.layers * RGB_BYTES);
+    in += hit_bytes(parts);
+    if (parts.layers) memcpy(to->layers, in, parts.layers * RGB_BYTES);
+    if (parts.matte_count) memcpy(to->mattes, in + parts.layers * RGB_BYTES, matte_bytes(parts));
 }

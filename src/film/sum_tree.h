@@ -19,7 +19,8 @@ typedef struct square_sums {
     double alpha[LANES], n[3][LANES], albedo[3][LANES], nearest[LANES]; /* hits */
     float z[LANES], p[3][LANES];                                        /* of the nearest, as the next */
     uint32_t object[LANES], primitive[LANES], instance[LANES];
-    double (*layers)[LANES]; /* where there are any */
+    double (*layers)[LANES]; /* where there are any, as the next */
+    matte_list (*mattes)[LANES];
 } square_sums;
 
 /* Of leaves first to first + 2^level - 1, or fewer at the end of all. */

@@ -38,6 +38,9 @@ static inline bool image_attribute_is_m44f(const image_attribute *a) {
            (strcmp(a->name, "worldToCamera") == 0 || strcmp(a->name, "worldToNDC") == 0);
 }
 
+/* Entries that begin so are of EXR's channels: other formats leave them out. They are the last ones. */
+#define IMAGE_MATTE_ENTRY "cryptomatte/"
+
 typedef struct image {
     uint32_t width, height;
     uint32_t x, y, full_width, full_height; /* the place of the pixels in the full (uncropped) image */

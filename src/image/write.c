@@ -49,6 +49,10 @@ typedef struct writing {
     image_message message;  /* its reason */
 } writing;
 
+static bool is_of_mattes(const image_attribute *a) {
+    return strncmp(a->name, IMAGE_MATTE_ENTRY, strlen(IMAGE_MATTE_ENTRY)) == 0;
+}
+
 static fathom_status choose_channels(writing *w, const image *img, const fathom_write_options *options) {
     w->shown = *img;
     w->shown.channels = w->channels;
@@ -65,6 +69,8 @@ static fathom_status choose_channels(writing *w, const image *img, const fathom_
         }
         return FATHOM_OK;
     }
+    while (w->shown.attribute_count && is_of_mattes(&img->attributes[w->shown.attribute_count - 1]))
+        --w->shown.attribute_count;
     static const char *const names[] = {"R", "G", "B", "A"};
     for (size_t i = 0; i < (w->format == IMAGE_JPEG ? 3 : 4); ++i) {
         const image_channel *channel = find_channel(img, names[i]);

@@ -9,6 +9,34 @@
 
 /* ---- what the rays met ---- */
 
+static light_tag tag_after(uint32_t bounces, uint8_t group) {
+    return (light_tag){(uint8_t)light_kind_of(bounces), group};
+}
+
+/* There is no environment, so no direction matters. */
+static const vec3_f32 anywhere = {0, 0, 0};
+
+static uint8_t background_group(const render_plan *plan) {
+    return plan->groups.count ? plan->groups.of[FATHOM_SOURCE_BACKGROUND][0] : 0;
+}
+
+static bool emits(const bsdf_block *b) {
+    float sum = 0;
+    for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < LANES; ++i) sum += b->emission[c][i];
+    }
+    return sum > 0;
+}
+
+/* While the hits are known. */
+static void add_emission_layers(wave *w, const vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        float rgb[3];
+        for (int c = 0; c < 3; ++c) rgb[c] = limited(v->path.weight[c][i] * v->bsdf.emission[c][i]);
+        wave_add_layers(w, v->path.slot[i], tag_after(w->bounces, wave_hit_group(w, i)), anywhere, rgb);
+    }
+}
+
 static void make_bsdfs(wave *w, vertex_block *v) {
     static const float exact[LANES];
     const render_plan *plan = w->run.plan;
@@ -17,9 +45,8 @@ static void make_bsdfs(wave *w, vertex_block *v) {
     for (int i = 0; i < LANES; ++i) at[i] = &plan->bsdfs[v->surface.material[i]];
     if (plan->texturing) texturing_classic(plan->texturing, w->gather, exact, &v->surface, made, at);
     plan->material_kernels->make(at, &v->bsdf);
+    if (w->run.samples.layers && emits(&v->bsdf)) add_emission_layers(w, v);
 }
-
-static light_tag tag_after(uint32_t bounces) { return (light_tag){(uint8_t)light_kind_of(bounces)}; }
 
 static void add_background(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
     (void)block;
@@ -32,21 +59,14 @@ static void add_background(wave *w, const trace_block *block, const path_block *
             rgb[c] = limited(path->weight[c][i] * background[c]);
             w->run.samples.radiance[c][slot] += rgb[c];
         }
-        if (w->run.samples.layers) wave_add_layers(w, slot, tag_after(w->bounces), rgb);
+        if (w->run.samples.layers)
+            wave_add_layers(w, slot, tag_after(w->bounces, background_group(w->run.plan)), anywhere, rgb);
     }
 }
 
 const wave_stages classic_stages = {make_bsdfs, add_background};
 
 /* ---- light ---- */
-
-static bool emits(const bsdf_block *b) {
-    float sum = 0;
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < LANES; ++i) sum += b->emission[c][i];
-    }
-    return sum > 0;
-}
 
 /* Ambient and emitted light. */
 static void add_emission(wave *w, const vertex_block *v) {
@@ -56,10 +76,6 @@ static void add_emission(wave *w, const vertex_block *v) {
         for (int i = 0; i < LANES; ++i) value[c][i] = limited(v->path.weight[c][i] * v->bsdf.emission[c][i]);
         for (uint32_t i = 0; i < v->surface.count; ++i)
             w->run.samples.radiance[c][v->path.slot[i]] += value[c][i];
-    }
-    for (uint32_t i = 0; w->run.samples.layers && i < v->surface.count; ++i) {
-        const float rgb[3] = {value[0][i], value[1][i], value[2][i]};
-        wave_add_layers(w, v->path.slot[i], tag_after(w->bounces), rgb);
     }
 }
 
@@ -111,7 +127,8 @@ static void push_light(wave *w, size_t block, uint32_t index, bool first) {
     memcpy(depths.start, v->path.depth, sizeof depths.start);
     memset(depths.sized, 0, sizeof depths.sized);
     memset(depths.end, plan->watertight ? plan->light_depths[index] : WATERTIGHT_UNSURE, sizeof depths.end);
-    for (int i = 0; w->run.samples.layers && i < LANES; ++i) depths.tag[i] = tag_after(w->bounces + 1);
+    for (int i = 0; w->run.samples.layers && i < LANES; ++i)
+        depths.tag[i] = tag_after(w->bounces + 1, plan->light_group_of[index]);
     wave_push_shadows(w, block, index, &sample, &depths, gain, first);
 }
 

@@ -154,8 +154,8 @@ static bool tell_shapes(const world *w, left_out_list *list) {
     return tell_unneeded(words, sizeof words / sizeof *words, list);
 }
 
-static bool tell_stages(const fathom_settings *s, bool repair, left_out_list *list) {
-    const film_parts parts = film_parts_of(s->aovs);
+static bool tell_stages(const world *w, const fathom_settings *s, bool repair, left_out_list *list) {
+    const film_parts parts = film_parts_of(s->aovs, &w->scene->light_groups);
     const wording words[] = {
         {parts.hits, "buffers of AOVs", "no AOV of first hits is asked for"},
         {parts.layers, "layers of light", "no AOV asks for a part of the light"},
@@ -213,7 +213,7 @@ static bool tell_absent(const world *w, left_out_list *list) {
 }
 
 bool left_out_find(const world *w, const fathom_settings *s, bool repair, left_out_list *out) {
-    if (!tell_absent(w, out) || !tell_shapes(w, out) || !tell_stages(s, repair, out)) return false;
+    if (!tell_absent(w, out) || !tell_shapes(w, out) || !tell_stages(w, s, repair, out)) return false;
     if (s->integrator != FATHOM_INTEGRATOR_CLASSIC) return tell_paths(w, out);
     return tell_classic(w, s, out) && tell_lights(w, s, out);
 }

@@ -36,16 +36,23 @@ static void numbers(const path_wave *p, const vertex_block *v, sample_purpose pu
 
 /* ---- light that the rays met ---- */
 
-static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i,
-                      const float radiance[3], float density) {
-    const float share = power_heuristic(p->density[slot], density);
+/* Light that a ray met by chance. */
+typedef struct met_light {
+    float radiance[3], density; /* the second: of its direction among those that ask for light */
+    uint8_t group;
+    vec3_f32 direction;
+} met_light;
+
+static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsigned i, const met_light *met) {
+    const float share = power_heuristic(p->density[slot], met->density);
     float rgb[3];
     for (int c = 0; c < 3; ++c) {
-        rgb[c] = limited(path->weight[c][i] * (radiance[c] * share));
+        rgb[c] = limited(path->weight[c][i] * (met->radiance[c] * share));
         p->wave.run.samples.radiance[c][slot] += rgb[c];
     }
-    if (p->wave.run.samples.layers)
-        wave_add_layers(&p->wave, slot, (light_tag){(uint8_t)light_kind_of(scattered(p, slot))}, rgb);
+    if (!p->wave.run.samples.layers) return;
+    const light_tag tag = {(uint8_t)light_kind_of(scattered(p, slot)), met->group};
+    wave_add_layers(&p->wave, slot, tag, met->direction, rgb);
 }
 
 static void add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
@@ -53,11 +60,12 @@ static void add_outside(wave *w, const trace_block *block, const path_block *pat
     for (; missed; missed &= missed - 1) {
         const unsigned i = (unsigned)__builtin_ctz(missed);
         const uint32_t slot = path->slot[i];
-        float radiance[3], density = 0;
-        emitters_outside(w->run.plan->emitters, of_slot(p->p, slot), of_slot(p->n, slot),
-                         trace_dir(&block->rays, i), radiance, &density);
+        const emitters *e = w->run.plan->emitters;
+        met_light met = {.group = emitters_outside_group(e), .direction = trace_dir(&block->rays, i)};
+        emitters_outside(e, of_slot(p->p, slot), of_slot(p->n, slot), met.direction, met.radiance,
+                         &met.density);
         if (p->media && media_absorbs(p->media, slot)) continue;
-        add_light(p, slot, path, i, radiance, density);
+        add_light(p, slot, path, i, &met);
     }
 }
 
@@ -73,11 +81,12 @@ static void add_emission(path_wave *p, const vertex_block *v, unsigned i, const 
                              .instance = g->instance[i],
                              .p = of_lane(v->surface.p, i),
                              .ng = of_lane(v->surface.ng, i)};
-    float density = 0;
+    met_light met = {.group = wave_hit_group(&p->wave, i)};
+    memcpy(met.radiance, s->emission, sizeof met.radiance);
     if (p->density[slot] < INFINITY)
-        density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot), of_slot(p->n, slot),
-                                       neg_f32(of_lane(v->surface.v, i)), &hit);
-    add_light(p, slot, &v->path, i, s->emission, density);
+        met.density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot),
+                                           of_slot(p->n, slot), neg_f32(of_lane(v->surface.v, i)), &hit);
+    add_light(p, slot, &v->path, i, &met);
 }
 
 static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
@@ -102,6 +111,25 @@ static void find_shaders(path_wave *p, vertex_block *v) {
     if (plan->dispersive) path_choose_channels(p, v);
 }
 
+/* A path shows what it meets behind surfaces that it passes by their opacity. */
+static void show_through(path_wave *p, const vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        if (!scattered(p, slot)) wave_keep_mattes(&p->wave, slot, i);
+    }
+}
+
+/* Denoisers want normals and albedo of what smooth mirrors and glass show (Open Image Denoise, "Albedos" and
+ * "Normals"): of the first vertex that scatters otherwise. Fresnel's law mixes them over the samples, as it
+ * mixes the light. */
+static void show_features(path_wave *p, const vertex_block *v) {
+    for (unsigned i = 0; i < v->surface.count; ++i) {
+        const uint32_t slot = v->path.slot[i];
+        const float tint[3] = {p->tint[0][slot], p->tint[1][slot], p->tint[2][slot]};
+        if (p->smooth[slot]) wave_keep_features(&p->wave, v, i, tint);
+    }
+}
+
 static void begin_vertices(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     const render_plan *plan = w->run.plan;
@@ -112,6 +140,8 @@ static void begin_vertices(wave *w, vertex_block *v) {
         const shader *s = v->shader.at[i];
         if (sends_light(s)) add_emission(p, v, i, s);
     }
+    if (w->run.samples.mattes && p->depth) show_through(p, v);
+    if (w->run.samples.first && p->depth) show_features(p, v);
 }
 
 static const wave_stages path_stages = {begin_vertices, add_outside};
@@ -173,9 +203,14 @@ static void note_depths(const vertex_block *v, const emitter_sample *light, cons
     }
 }
 
-static void note_tags(const path_wave *p, const vertex_block *v, shadow_depths *out) {
-    for (unsigned i = 0; i < LANES; ++i)
-        out->tag[i].kind = (uint8_t)light_kind_of(scattered(p, v->path.slot[i]) + 1);
+static void note_tags(const path_wave *p, const vertex_block *v, const emitter_sample *light,
+                      shadow_depths *out) {
+    const bool groups = p->wave.run.plan->groups.count;
+    for (unsigned i = 0; i < LANES; ++i) {
+        const bool any = groups && light->density[i] > 0;
+        out->tag[i] = (light_tag){(uint8_t)light_kind_of(scattered(p, v->path.slot[i]) + 1),
+                                  any ? light->group[i] : (uint8_t)0};
+    }
 }
 
 static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
@@ -198,7 +233,7 @@ static void push_light(path_wave *p, size_t block, const float choice[LANES]) {
     if (p->media) path_dim_lights(p, v, &ray, behind, gain);
     if (plan->dispersive) path_part_lights(p, v, behind, gain);
     note_depths(v, &light, &ray, behind, &depths);
-    if (p->wave.run.samples.layers) note_tags(p, v, &depths);
+    if (p->wave.run.samples.layers) note_tags(p, v, &light, &depths);
     wave_push_shadows(&p->wave, block, 0, &ray, &depths, gain, p->depth == 0);
 }
 
@@ -227,13 +262,21 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
     if (to->density[i] < INFINITY) p->spread[slot] += CONE_PART / sqrtf(to->density[i]);
 }
 
+/* A coloured mirror tints what it shows. */
+static void leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot) {
+    p->smooth[slot] &= to->straight[i] || isinf(to->density[i]);
+    for (int c = 0; c < 3 && p->smooth[slot]; ++c) p->tint[c][slot] *= fminf(to->weight[c][i], 1);
+}
+
 /* The vertex that the ray leaves. One that the ray passes straight is none: what is met next is weighed as if
  * the ray came from the vertex before. */
 static void leave_vertex(path_wave *p, const surface_block *s, const shader_sample *to, unsigned i, bool both,
                          bool hidden, uint32_t slot) {
+    if (p->wave.run.samples.first) leave_features(p, to, i, slot);
     if (to->straight[i]) {
         const vec3_f32 way = sub_f32(of_lane(s->p, i), of_slot(p->p, slot));
         p->passed[slot] = sqrtf(dot_f32(way, way));
+        if (p->wave.run.samples.mattes && !scattered(p, slot)) wave_lose_mattes(&p->wave, slot);
         ++p->passes[slot];
         /* Lights asked for at the vertex before are not seen past a hidden surface. */
         if (hidden) p->density[slot] = INFINITY;
@@ -364,6 +407,8 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
         p->width[k] = 0, p->spread[k] = plan->pixel_spread;
         p->passes[k] = 0, p->passed[k] = 0;
+        p->smooth[k] = true;
+        p->tint[0][k] = p->tint[1][k] = p->tint[2][k] = 1;
     }
     if (p->media) media_clear(p->media);
     if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);

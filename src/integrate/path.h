@@ -18,6 +18,10 @@ typedef struct path_wave {
     /* Surfaces passed as if they were not there, and the way from the vertex to the last of them. */
     uint32_t passes[WAVE_SLOTS];
     float passed[WAVE_SLOTS];
+    /* Where first hits are kept: whether the path has met smooth surfaces alone, and what is left of white
+     * light by them. */
+    bool smooth[WAVE_SLOTS];
+    float tint[3][WAVE_SLOTS];
     media *media;                /* NULL: no volume absorbs light or has a priority */
     uint8_t channel[WAVE_SLOTS]; /* that the path carries alone, from 1; 0: all three */
     shader hidden;               /* a surface inside a volume of a higher priority */

@@ -76,7 +76,9 @@ static bool casts_all_shadows(const world *w) {
 
 static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     fathom_status status = plan_shaders(context, plan);
-    if (status == FATHOM_OK) status = emitters_create(context, plan->world, plan->texturing, &plan->emitters);
+    if (status == FATHOM_OK)
+        status = emitters_create(context, plan->world, plan->texturing,
+                                 plan->groups.count ? &plan->groups : NULL, &plan->emitters);
     if (status == FATHOM_OK) status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK) return status;
     plan->background = !emitters_none(plan->emitters);
@@ -92,7 +94,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
 
 static fathom_status plan_reference(fathom_context *context, render_plan *plan) {
     const fathom_settings *s = &plan->settings;
-    if (plan->parts.hits || plan->parts.layers)
+    if (plan->parts.hits || plan->parts.layers || plan->parts.matte_count)
         return fail_field(context, FATHOM_BAD_USAGE, "aovs",
                           "the reference integrator makes none but samples");
     if (plan->texturing)
@@ -121,15 +123,19 @@ static fathom_status plan_bsdfs(fathom_context *context, render_plan *plan) {
 }
 
 /* Only lights that can send something to a surface. */
-static void plan_lights(render_plan *plan) {
+static bool plan_lights(render_plan *plan) {
     const fathom_scene *scene = plan->scene;
     const parts_extent extent = parts_extent_of(plan->world, &plan->settings);
-    if (!(plan->features & MATERIAL_LIT)) return;
+    plan->light_group_of = calloc(scene->lights.count + 1, 1);
+    if (!(plan->features & MATERIAL_LIT)) return plan->light_group_of;
     for (size_t i = 0; i < scene->lights.count; ++i) {
         const fathom_light *light = &scene->lights.items[i];
-        if (parts_light(&extent, plan->world, light) == LIGHT_USED)
-            light_prepare(light, plan->world->origin, &plan->lights[plan->light_count++]);
+        if (parts_light(&extent, plan->world, light) != LIGHT_USED) continue;
+        if (plan->groups.count && plan->light_group_of)
+            plan->light_group_of[plan->light_count] = plan->groups.of[FATHOM_SOURCE_LIGHT][i];
+        light_prepare(light, plan->world->origin, &plan->lights[plan->light_count++]);
     }
+    return plan->light_group_of;
 }
 
 static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
@@ -141,8 +147,9 @@ static fathom_status plan_classic(fathom_context *context, render_plan *plan) {
     plan->crosses = (plan->features & MATERIAL_REFRACT) != 0;
     plan->max_depth = parts_bounces(plan->scene, &plan->settings) ? plan->settings.max_depth : 0;
     plan->lifts = plan->settings.terminator_fix && parts_smooth(plan->world);
-    plan_lights(plan);
-    fathom_status status = plan_bsdfs(context, plan);
+    fathom_status status = FATHOM_OK;
+    if (!plan_lights(plan)) status = fail_memory(context, plan->scene->lights.count);
+    if (status == FATHOM_OK) status = plan_bsdfs(context, plan);
     return status == FATHOM_OK ? plan_surroundings(context, plan) : status;
 }
 
@@ -182,6 +189,15 @@ static float spread_of_pixels(const shade_camera *c) {
     return (float)(0.5 * length_f64(c->down) / distance);
 }
 
+static fathom_status plan_mattes(fathom_context *context, render_plan *plan) {
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        if (plan->parts.mattes[k] < 0) continue;
+        plan->matte_ids[k] = matte_ids(plan->scene, (matte_kind)k);
+        if (!plan->matte_ids[k]) return fail_memory(context, plan->scene->objects.count);
+    }
+    return FATHOM_OK;
+}
+
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
                           const fathom_settings *settings, render_plan **out) {
     *out = NULL;
@@ -201,7 +217,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);
-    plan->parts = film_parts_of(settings->aovs);
+    plan->parts = film_parts_of(settings->aovs, &scene->light_groups);
     camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
     plan->sampler =
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
@@ -209,6 +225,8 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->t_near = (float)settings->epsilon;
     plan->pixel_spread = spread_of_pixels(&plan->camera);
     fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
+    if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);
+    if (status == FATHOM_OK) status = plan_mattes(context, plan);
     if (status == FATHOM_OK) status = plan_integrator(context, plan);
     if (status == FATHOM_OK)
         *out = plan;
@@ -223,6 +241,9 @@ void plan_destroy(render_plan *plan) {
     free(plan->light_depths);
     free(plan->light_surfaces);
     free(plan->lights);
+    free(plan->light_group_of);
+    light_groups_destroy(&plan->groups);
+    for (int k = 0; k < MATTE_KINDS; ++k) free(plan->matte_ids[k]);
     free(plan->bsdfs);
     free(plan->shaders);
     emitters_destroy(plan->emitters);

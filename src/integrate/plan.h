@@ -10,6 +10,7 @@
 #include "light/emitters.h"
 #include "material/textured.h"
 #include "sample/sample.h"
+#include "scene/light_groups.h"
 #include "surface/kernels.h"
 #include "trace/watertight/watertight.h"
 
@@ -44,19 +45,22 @@ typedef struct render_plan {
     /* Closed meshes around the camera and around each light, where it is in use; WATERTIGHT_UNSURE: the light
      * lies in a mesh, and which side its rays end on depends on where they come from. */
     uint8_t eye_depth, *light_depths;
-    light_surface *light_surfaces; /* what lights[].surfaces point to */
-    unsigned features;             /* MATERIAL_ bits of the materials in use */
-    bool background;               /* it is not black */
-    film_parts parts;              /* what the AOVs are made of */
-    uint32_t max_depth;            /* 0 when nothing mirrors or refracts */
-    float t_near;                  /* 0, or the fixed epsilon */
-    bool lifts;                    /* shadow rays of smooth meshes begin above their facets */
-    bool crosses;                  /* paths may go on behind a surface */
-    bool absorbs;                  /* some volume does */
-    bool nested;                   /* some volume has a priority */
-    bool dispersive;               /* some volume parts the colours */
-    bool covered;                  /* path tracing: some surface is there in part */
-    bool unshadowed;               /* path tracing: some shape casts no shadow */
+    light_surface *light_surfaces;    /* what lights[].surfaces point to */
+    unsigned features;                /* MATERIAL_ bits of the materials in use */
+    bool background;                  /* it is not black */
+    film_parts parts;                 /* what the AOVs are made of */
+    light_groups groups;              /* none unless AOVs ask for them */
+    uint32_t *matte_ids[MATTE_KINDS]; /* by object and by material; NULL: not asked for */
+    uint8_t *light_group_of;          /* by light; the classic integrator */
+    uint32_t max_depth;               /* 0 when nothing mirrors or refracts */
+    float t_near;                     /* 0, or the fixed epsilon */
+    bool lifts;                       /* shadow rays of smooth meshes begin above their facets */
+    bool crosses;                     /* paths may go on behind a surface */
+    bool absorbs;                     /* some volume does */
+    bool nested;                      /* some volume has a priority */
+    bool dispersive;                  /* some volume parts the colours */
+    bool covered;                     /* path tracing: some surface is there in part */
+    bool unshadowed;                  /* path tracing: some shape casts no shadow */
 } render_plan;
 
 /* Release with plan_destroy(). */

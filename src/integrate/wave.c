@@ -110,12 +110,14 @@ bool wave_create(const render_plan *plan, const atomic_bool *stop, const wave_st
     for (int c = 0; c < 3; ++c) samples->radiance[c] = radiance ? radiance + c * WAVE_SLOTS : NULL;
     for (int c = 0; c < 3; ++c) out->lost[c] = radiance && loses ? radiance + (3 + c) * WAVE_SLOTS : NULL;
     if (plan->parts.hits) samples->first = malloc(sizeof *samples->first);
+    if (plan->parts.matte_count) samples->mattes = malloc(plan->parts.matte_count * sizeof *samples->mattes);
     if (plan->parts.layers) samples->layers = malloc(3 * plan->parts.layers * sizeof *samples->layers);
     void *gather = NULL;
     if (grow(&gather, 0, sizeof *out->gather)) out->gather = gather;
     bool ok = radiance && out->gather && (samples->first || !plan->parts.hits) &&
-              (samples->layers || !plan->parts.layers) && wave_reserve_paths(out, &out->now, WAVE_SLOTS) &&
-              wave_reserve_vertices(out, WAVE_SLOTS) && wave_reserve_shadows(out, WAVE_SLOTS);
+              (samples->layers || !plan->parts.layers) && (samples->mattes || !plan->parts.matte_count) &&
+              wave_reserve_paths(out, &out->now, WAVE_SLOTS) && wave_reserve_vertices(out, WAVE_SLOTS) &&
+              wave_reserve_shadows(out, WAVE_SLOTS);
     if (!ok) wave_destroy(out);
     return ok;
 }
@@ -138,6 +140,7 @@ void wave_destroy(wave *w) {
     free(w->run.samples.radiance[0]);
     free(w->run.samples.first);
     free(w->run.samples.layers);
+    free(w->run.samples.mattes);
     *w = (wave){.run = {.plan = NULL}};
 }
 
@@ -171,13 +174,51 @@ bool wave_trace(wave *w, size_t begin, size_t end, trace_coherence coherence) {
 void wave_begin_samples(wave *w) {
     wave_samples *samples = &w->run.samples;
     memset(samples->radiance[0], 0, 3 * WAVE_SLOTS * sizeof(float));
+    if (samples->mattes) memset(samples->mattes, 0, w->run.plan->parts.matte_count * sizeof *samples->mattes);
     if (samples->layers) memset(samples->layers, 0, 3 * w->run.plan->parts.layers * sizeof *samples->layers);
     if (w->run.square_rays) memset(w->run.square_rays, 0, WAVE_SQUARES * sizeof *w->run.square_rays);
 }
 
-void wave_add_layers(wave *w, uint32_t slot, light_tag tag, const float rgb[3]) {
-    const int layer = w->run.plan->parts.kinds[tag.kind];
+static void add_layer(wave *w, int layer, uint32_t slot, const float rgb[3]) {
     for (int c = 0; layer >= 0 && c < 3; ++c) w->run.samples.layers[3 * layer + c][slot] += rgb[c];
+}
+
+static void add_shares(wave *w, uint32_t slot, vec3_f32 direction, const float rgb[3]) {
+    const render_plan *plan = w->run.plan;
+    float shares[LIGHT_GROUPS][3];
+    emitters_outside_shares(plan->emitters, direction, shares);
+    for (uint32_t g = 0; g < plan->groups.count; ++g) {
+        for (int c = 0; c < 3; ++c) shares[g][c] *= rgb[c];
+        add_layer(w, plan->parts.groups + (int)g, slot, shares[g]);
+    }
+}
+
+void wave_add_layers(wave *w, uint32_t slot, light_tag tag, vec3_f32 direction, const float rgb[3]) {
+    const film_parts *parts = &w->run.plan->parts;
+    add_layer(w, parts->kinds[tag.kind], slot, rgb);
+    if (parts->groups < 0) return;
+    if (tag.group == LIGHT_GROUP_OUTSIDE)
+        add_shares(w, slot, direction, rgb);
+    else
+        add_layer(w, parts->groups + tag.group, slot, rgb);
+}
+
+uint8_t wave_hit_group(const wave *w, unsigned i) {
+    if (!w->run.plan->groups.count) return 0;
+    return light_group_at(&w->run.plan->groups, wave_hit_object(w, i), wave_hit_material(w, i));
+}
+
+void wave_keep_mattes(wave *w, uint32_t slot, unsigned i) {
+    const render_plan *plan = w->run.plan;
+    const fathom_id met[MATTE_KINDS] = {wave_hit_object(w, i), wave_hit_material(w, i)};
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        if (plan->parts.mattes[k] >= 0)
+            w->run.samples.mattes[plan->parts.mattes[k]][slot] = plan->matte_ids[k][met[k]];
+    }
+}
+
+void wave_lose_mattes(wave *w, uint32_t slot) {
+    for (uint32_t m = 0; m < w->run.plan->parts.matte_count; ++m) w->run.samples.mattes[m][slot] = 0;
 }
 
 void wave_count_rays(const wave *w) {

@@ -35,7 +35,8 @@ typedef struct shadow_source {
 
 /* Where light counts besides in its sample: see film_parts. */
 typedef struct light_tag {
-    uint8_t kind; /* light_kind */
+    uint8_t kind;  /* light_kind */
+    uint8_t group; /* of light_groups; LIGHT_GROUP_OUTSIDE */
 } light_tag;
 
 /* How long a shadow ray is, and whether rays can meet its light by chance. */
@@ -142,8 +143,17 @@ void wave_look_from_facets(wave *w, trace_coherence coherence);
 static inline light_kind light_kind_of(uint32_t scattered) {
     return scattered > 1 ? LIGHT_INDIRECT : scattered ? LIGHT_DIRECT : LIGHT_EMISSION;
 }
-/* Only where there are layers: adds to them what samples.radiance gets, in the same order. */
-void wave_add_layers(wave *w, uint32_t slot, light_tag tag, const float rgb[3]);
+/* Only where there are layers: adds to them what samples.radiance gets, in the same order. direction: towards
+ * the light, which matters for light from outside alone. */
+void wave_add_layers(wave *w, uint32_t slot, light_tag tag, vec3_f32 direction, const float rgb[3]);
+/* The light group of lane i of the gathered hits; 0 where nobody asks for groups. */
+uint8_t wave_hit_group(const wave *w, unsigned i);
+/* Only where mattes are asked for: what the sample shows is lane i of the gathered hits; or nothing. */
+void wave_keep_mattes(wave *w, uint32_t slot, unsigned i);
+void wave_lose_mattes(wave *w, uint32_t slot);
+/* Only where first hits are kept: lane i of a block's gathered hits gives the sample's normal and albedo, the
+ * second times `tint`. */
+void wave_keep_features(wave *w, const vertex_block *v, unsigned i, const float tint[3]);
 
 /* Shadow rays that are walked; see wave_walk.c. Before they are cast: keeps their lengths. False: no memory.
  */
@@ -154,6 +164,8 @@ void wave_take_shadows(wave *w);
 bool wave_walk_shadows(wave *w);
 /* The material that lane i of the gathered hits met. */
 fathom_id wave_hit_material(const wave *w, unsigned i);
+/* And the object. */
+fathom_id wave_hit_object(const wave *w, unsigned i);
 
 /* Rays of `now` by square, where they are counted. */
 void wave_count_rays(const wave *w);

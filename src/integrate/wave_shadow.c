@@ -118,7 +118,8 @@ static void add_seen_layers(wave *w) {
         const shadow_block *s = &queue->shadows[k / LANES];
         const size_t i = k % LANES;
         const float gain[3] = {s->gain[0][i], s->gain[1][i], s->gain[2][i]};
-        if (!(queue->rays[k / LANES].t_far[i] < 0)) wave_add_layers(w, s->slot[i], queue->tags[k], gain);
+        if (queue->rays[k / LANES].t_far[i] < 0) continue;
+        wave_add_layers(w, s->slot[i], queue->tags[k], trace_dir(&queue->rays[k / LANES], i), gain);
     }
 }
 

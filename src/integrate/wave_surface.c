@@ -10,6 +10,13 @@ fathom_id wave_hit_material(const wave *w, unsigned i) {
     return world_material(scene, g->geometry[i], g->primitive[i], g->instance[i]);
 }
 
+fathom_id wave_hit_object(const wave *w, unsigned i) {
+    const world *scene = w->run.plan->world;
+    const surface_gather *g = w->gather;
+    if (g->geometry[i] == TRACE_PLANE) return scene->planes.items[g->primitive[i]].object;
+    return world_object(scene, g->geometry[i], g->primitive[i]);
+}
+
 static void keep_miss(first_hits *f, uint32_t slot) {
     f->alpha[slot] = 0;
     f->z[slot] = INFINITY;
@@ -22,34 +29,45 @@ static fathom_id placed_by(const world *scene, const surface_gather *g, unsigned
                                          : scene->geometries.items[g->geometry[i]].instance;
 }
 
-/* Keeps lane i of the gathered hits for the AOVs. */
-static void keep_first(wave *w, unsigned i, uint32_t slot) {
-    const world *scene = w->run.plan->world;
-    const surface_gather *g = w->gather;
-    const local_block *b = &g->local;
-    const bool path = w->run.plan->shaders != NULL;
-    const vertex_block *v = &w->vertices[w->vertex_count / LANES];
-    first_hits *f = w->run.samples.first;
-    vec3_f32 dir = {b->ray[0][i], b->ray[1][i], b->ray[2][i]};
-    bool plane = g->geometry[i] == TRACE_PLANE;
-    vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]}, from_eye = sub_f64(p, widen(w->run.plan->camera.eye));
-    vec3_f32 ng = {(float)b->n[0][i], (float)b->n[1][i], (float)b->n[2][i]};
+/* The shading normal of lane i of the gathered hits, towards where its ray came from. */
+static vec3_f32 hit_normal(const wave *w, const vertex_block *v, unsigned i) {
+    const local_block *b = &w->gather->local;
+    const vec3_f32 dir = {b->ray[0][i], b->ray[1][i], b->ray[2][i]};
+    const vec3_f32 ng = {(float)b->n[0][i], (float)b->n[1][i], (float)b->n[2][i]};
     vec3_f32 ns = {b->ns[0][i], b->ns[1][i], b->ns[2][i]};
     if (v->surface.mapped >> i & 1)
         ns = (vec3_f32){v->surface.ns[0][i], v->surface.ns[1][i], v->surface.ns[2][i]};
-    if (!(dot_f32(ns, ng) * dot_f32(ng, dir) < 0)) ns = neg_f32(ns);
-    const float world_p[3] = {(float)(p.x + scene->origin.x), (float)(p.y + scene->origin.y),
-                              (float)(p.z + scene->origin.z)};
-    const float normal[3] = {ns.x, ns.y, ns.z};
+    return dot_f32(ns, ng) * dot_f32(ng, dir) < 0 ? ns : neg_f32(ns);
+}
+
+void wave_keep_features(wave *w, const vertex_block *v, unsigned i, const float tint[3]) {
+    first_hits *f = w->run.samples.first;
+    const bool path = w->run.plan->shaders != NULL;
+    const uint32_t slot = v->path.slot[i];
+    const vec3_f32 n = hit_normal(w, v, i);
+    f->n[0][slot] = n.x, f->n[1][slot] = n.y, f->n[2][slot] = n.z;
+    for (int c = 0; c < 3; ++c)
+        f->albedo[c][slot] =
+            tint[c] * (path ? v->shader.at[i]->albedo[c] : v->bsdf.k_d[c][i] + v->bsdf.k_s[c][i]);
+}
+
+/* Keeps lane i of the gathered hits for the AOVs. */
+static void keep_first(wave *w, unsigned i, uint32_t slot) {
+    static const float white[3] = {1, 1, 1};
+    const world *scene = w->run.plan->world;
+    const surface_gather *g = w->gather;
+    const local_block *b = &g->local;
+    first_hits *f = w->run.samples.first;
+    const bool plane = g->geometry[i] == TRACE_PLANE;
+    const vec3_f64 p = {b->p[0][i], b->p[1][i], b->p[2][i]},
+                   from_eye = sub_f64(p, widen(w->run.plan->camera.eye));
     f->alpha[slot] = 1;
     f->z[slot] = (float)dot_f64(from_eye, w->run.plan->camera.view);
-    for (int c = 0; c < 3; ++c) {
-        f->p[c][slot] = world_p[c];
-        f->n[c][slot] = normal[c];
-        f->albedo[c][slot] = path ? v->shader.at[i]->albedo[c] : v->bsdf.k_d[c][i] + v->bsdf.k_s[c][i];
-    }
-    f->object[slot] = plane ? scene->planes.items[g->primitive[i]].object
-                            : world_object(scene, g->geometry[i], g->primitive[i]);
+    f->p[0][slot] = (float)(p.x + scene->origin.x);
+    f->p[1][slot] = (float)(p.y + scene->origin.y);
+    f->p[2][slot] = (float)(p.z + scene->origin.z);
+    wave_keep_features(w, &w->vertices[w->vertex_count / LANES], i, white);
+    f->object[slot] = wave_hit_object(w, i);
     f->primitive[slot] = plane ? 0 : world_primitive(scene, g->geometry[i], g->primitive[i]);
     f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, g, i);
 }
@@ -106,6 +124,8 @@ static void end_block(wave *w, bool first) {
     w->stages->vertices(w, v);
     for (unsigned i = 0; first && w->run.samples.first && i < s->count; ++i)
         keep_first(w, i, v->path.slot[i]);
+    for (unsigned i = 0; first && w->run.samples.mattes && i < s->count; ++i)
+        wave_keep_mattes(w, v->path.slot[i], i);
     w->vertex_count += s->count;
     surface_gather_begin(w->gather);
 }

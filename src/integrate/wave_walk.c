@@ -46,10 +46,10 @@ void wave_take_shadows(wave *w) {
     }
 }
 
-static void add_reached(wave *w, const path_block *path, size_t lane, light_tag tag) {
+static void add_reached(wave *w, const path_block *path, size_t lane, light_tag tag, vec3_f32 direction) {
     const float gain[3] = {path->weight[0][lane], path->weight[1][lane], path->weight[2][lane]};
     for (int c = 0; c < 3; ++c) w->run.samples.radiance[c][path->slot[lane]] += gain[c];
-    if (w->run.samples.layers) wave_add_layers(w, path->slot[lane], tag, gain);
+    if (w->run.samples.layers) wave_add_layers(w, path->slot[lane], tag, direction, gain);
 }
 
 static float passed_part(const wave *w, unsigned i, bool sized) {
@@ -86,7 +86,7 @@ static void move_on(wave *w, size_t from, const surface_block *s, unsigned i, fl
     for (int c = 0; c < 3; ++c) to->weight[c][lane] = path->weight[c][old] * part;
     to->slot[lane] = path->slot[old], to->depth[lane] = depth;
     if (!(end.length > 0)) {
-        add_reached(w, to, lane, end.tag);
+        add_reached(w, to, lane, end.tag, trace_dir(&block->rays, old));
         return;
     }
     trace_rays *rays = &w->now.rays[w->now.count / LANES].rays;
@@ -128,7 +128,8 @@ bool wave_walk_shadows(wave *w) {
                            met = w->run.plan->kernels->met(&block->hits) & lanes;
             for (uint32_t seen = lanes & ~met; seen; seen &= seen - 1) {
                 const size_t i = (size_t)__builtin_ctz(seen);
-                add_reached(w, &w->now.paths[done / LANES], i, w->shadows.ends[done + i].tag);
+                add_reached(w, &w->now.paths[done / LANES], i, w->shadows.ends[done + i].tag,
+                            trace_dir(&block->rays, i));
             }
             pass_surfaces(w, done, met);
         }

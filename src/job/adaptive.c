@@ -15,7 +15,9 @@ bool adaptive_create(const render_plan *plan, adaptive_wave *out) {
     out->hits = plan->parts.hits ? malloc(sizeof *out->hits) : NULL;
     const size_t layers = adaptive_layer_count(plan->parts);
     out->layers = layers ? malloc(layers * sizeof *out->layers) : NULL;
-    if ((out->hits || !plan->parts.hits) && (out->layers || !layers)) return true;
+    const uint32_t mattes = plan->parts.matte_count;
+    out->mattes = mattes ? malloc(mattes * sizeof *out->mattes) : NULL;
+    if ((out->hits || !plan->parts.hits) && (out->layers || !layers) && (out->mattes || !mattes)) return true;
     adaptive_destroy(out);
     return false;
 }
@@ -23,17 +25,19 @@ bool adaptive_create(const render_plan *plan, adaptive_wave *out) {
 void adaptive_destroy(adaptive_wave *a) {
     free(a->hits);
     free(a->layers);
-    a->hits = NULL, a->layers = NULL;
+    free(a->mattes);
+    a->hits = NULL, a->layers = NULL, a->mattes = NULL;
 }
 
 size_t adaptive_bytes(film_parts parts) {
-    return adaptive_layer_count(parts) * WAVE_SLOTS * sizeof(double) + (parts.hits ? sizeof(hit_sums) : 0);
+    return adaptive_layer_count(parts) * WAVE_SLOTS * sizeof(double) + (parts.hits ? sizeof(hit_sums) : 0) +
+           parts.matte_count * WAVE_SLOTS * sizeof(matte_list);
 }
 
 adaptive_view *adaptive_view_create(const render_plan *plan) {
     adaptive_view *view = malloc(sizeof *view);
     film_parts parts = plan->parts;
-    parts.hits = false;
+    parts.hits = false, parts.matte_count = 0;
     if (view && pixel_sums_create(&plan->sampler, SAMPLE_GROUPS, parts, &view->sums)) return view;
     free(view);
     return NULL;
@@ -41,7 +45,7 @@ adaptive_view *adaptive_view_create(const render_plan *plan) {
 
 void adaptive_view_destroy(adaptive_view *view) {
     if (!view) return;
-    view->sums.hits = NULL; /* a wave's */
+    view->sums.hits = NULL, view->sums.mattes = NULL; /* a wave's */
     pixel_sums_destroy(&view->sums);
     free(view);
 }
@@ -56,6 +60,7 @@ void adaptive_begin(const render_plan *plan, uint32_t left, uint32_t top, adapti
     memset(a->runs, 0, sizeof a->runs);
     memset(a->seen, 0, sizeof a->seen);
     if (a->hits) hit_sums_clear(a->hits);
+    if (a->mattes) memset(a->mattes, 0, a->parts.matte_count * sizeof *a->mattes);
     if (a->layers) memset(a->layers, 0, adaptive_layer_count(a->parts) * sizeof *a->layers);
     for (uint32_t r = 0; r < ADAPTIVE_RUNS; ++r) {
         for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->runs[r].square_error[s] = INFINITY;
@@ -250,6 +255,7 @@ static void add_square(pass *p, uint32_t place) {
     r->rays[group % 2][s] += p->rays[place];
     if (r->taken[s]++ < a->seen[s]) return;
     ++a->seen[s];
+    if (a->mattes) matte_sums_add(a->mattes, &p->work->samples, a->parts, &a->region, &p->batch, place);
     if (a->hits) hit_sums_add(a->hits, &a->sampler, p->work->samples.first, &a->region, &p->batch, place);
 }
 
@@ -380,7 +386,7 @@ static double image_error(const adaptive_wave *a, const adaptive_view *v, uint32
 unit_result adaptive_unit(const adaptive_wave *a, const fathom_film *film, adaptive_view *view) {
     const wave_region *r = &a->region;
     double sum = 0;
-    view->sums.equal = true, view->sums.hits = a->hits;
+    view->sums.equal = true, view->sums.hits = a->hits, view->sums.mattes = a->mattes;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
         if (min_u32(a->runs[0].taken[s], a->runs[1].taken[s]) < SAMPLE_GROUPS)
             show_few(a, a->runs[1].taken[s] > a->runs[0].taken[s], s, view);

@@ -112,9 +112,10 @@ typedef struct adaptive_wave {
     const film_kernels *kernels;
     adaptive_run runs[ADAPTIVE_RUNS];
     film_parts parts;
-    double (*layers)[WAVE_SLOTS]; /* of adaptive_layers(); NULL: there are none */
-    hit_sums *hits;               /* NULL: no AOV wants them */
-    uint32_t seen[WAVE_SQUARES];  /* samples of which the first hits are there: the most of both runs */
+    double (*layers)[WAVE_SLOTS];     /* of adaptive_layers(); NULL: there are none */
+    matte_list (*mattes)[WAVE_SLOTS]; /* NULL likewise; of all samples that were taken, as the next */
+    hit_sums *hits;                   /* NULL: no AOV wants them */
+    uint32_t seen[WAVE_SQUARES];      /* samples of which the first hits are there: the most of both runs */
 } adaptive_wave;
 
 /* The part of a wave that the film shows. */

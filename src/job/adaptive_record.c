@@ -21,7 +21,9 @@ static size_t layer_bytes(film_parts parts) {
     return adaptive_layer_count(parts) * WAVE_SLOTS * sizeof(double);
 }
 
-/* The runs, the layers, the first hits. */
+static size_t matte_bytes(film_parts parts) { return parts.matte_count * WAVE_SLOTS * sizeof(matte_list); }
+
+/* The runs, the layers, the mattes, the first hits. */
 size_t adaptive_record_bytes(film_parts parts) { return sizeof(runs_record) + adaptive_bytes(parts); }
 
 void adaptive_record_save(const adaptive_wave *a, unsigned char *out) {
@@ -36,7 +38,9 @@ void adaptive_record_save(const adaptive_wave *a, unsigned char *out) {
     }
     out += sizeof(runs_record);
     if (a->layers) memcpy(out, a->layers, layer_bytes(a->parts));
-    if (a->hits) memcpy(out + layer_bytes(a->parts), a->hits, sizeof *a->hits);
+    out += layer_bytes(a->parts);
+    if (a->mattes) memcpy(out, a->mattes, matte_bytes(a->parts));
+    if (a->hits) memcpy(out + matte_bytes(a->parts), a->hits, sizeof *a->hits);
 }
 
 bool adaptive_record_check(const unsigned char *record, uint32_t spp) {
@@ -66,6 +70,8 @@ void adaptive_record_load(const fathom_settings *settings, const unsigned char *
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->seen[s] = max_u32(a->runs[0].done[s], a->runs[1].done[s]);
     record += sizeof(runs_record);
     if (a->layers) memcpy(a->layers, record, layer_bytes(a->parts));
-    if (a->hits) memcpy(a->hits, record + layer_bytes(a->parts), sizeof *a->hits);
+    record += layer_bytes(a->parts);
+    if (a->mattes) memcpy(a->mattes, record, matte_bytes(a->parts));
+    if (a->hits) memcpy(a->hits, record + matte_bytes(a->parts), sizeof *a->hits);
     adaptive_rate(settings, a);
 }

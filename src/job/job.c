@@ -26,6 +26,9 @@ void job_deliver(job *j, worker *self, const unit_result *result) {
     self->samples += unit_samples(result);
     self->error = fmax(self->error, result->error);
     self->wave_error = fmax(self->wave_error, result->error);
+    double most = atomic_load(&j->error_done);
+    while (result->error > most && !atomic_compare_exchange_weak(&j->error_done, &most, result->error)) {
+    }
     atomic_fetch_add_explicit(&j->pixels_done, unit_pixels(result), memory_order_relaxed);
 }
 
@@ -224,7 +227,8 @@ static void report(void *user) {
     fathom_progress now = {.phase = FATHOM_PHASE_RENDER,
                            .fraction = fraction_done(j, seconds),
                            .rays = j->rays_before + atomic_load(&j->rays_done),
-                           .seconds = seconds - j->began};
+                           .seconds = seconds - j->began,
+                           .error = atomic_load(&j->error_done)};
     bool complete = j->deadline > 0 ? atomic_load(&j->complete) : now.fraction >= 1;
     const job_options *o = j->options;
     if (!complete && !j->interrupted) watch_files(j);
@@ -271,6 +275,7 @@ static void continue_before(job *j) {
     atomic_store(&j->pixels_done, before.pixels);
     j->result.samples = before.samples;
     j->result.error = before.error;
+    atomic_store(&j->error_done, before.error);
 }
 
 fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,

@@ -41,6 +41,7 @@ struct job {
     atomic_bool stop, failed;
     atomic_bool lost; /* the share could not take a wave */
     _Atomic uint64_t pixels_done, rays_done;
+    _Atomic double error_done; /* the largest of finished waves, by the schedule to an error */
     job_result result;
     const job_options *options;
     double began;            /* of clock_seconds(), as the next; the calls that this one continues count */

@@ -132,27 +132,31 @@ typedef struct keeping {
     ranks *ranks;
 } keeping;
 
-static fathom_status render_world(fathom_context *context, const world *w, const trace_tracer *tracer,
-                                  const fathom_settings *settings, const job_options *options,
-                                  fathom_film *film) {
-    render_plan *plan;
-    double began = clock_seconds();
-    fathom_status status = plan_create(context, w, tracer, settings, &plan);
+static fathom_status make_plan(fathom_context *context, const world *w, const trace_tracer *tracer,
+                               const fathom_settings *settings, fathom_film *film, render_plan **out) {
+    const double began = clock_seconds();
+    float outside[3];
+    fathom_status status = plan_create(context, w, tracer, settings, out);
     film->stats.build_seconds += clock_seconds() - began;
-    if (status == FATHOM_OK && !left_out_find(w, settings, plan->watertight, &film->left_out))
-        status = fail_memory(context, sizeof(fathom_left_out));
-    if (status != FATHOM_OK) {
-        plan_destroy(plan);
-        return status;
+    if (status != FATHOM_OK) return status;
+    if ((*out)->emitters) {
+        emitters_brightest_outside((*out)->emitters, outside);
+        for (int c = 0; c < 3; ++c) film->brightest[c] = fmaxf(film->brightest[c], outside[c]);
     }
+    return left_out_find(w, settings, (*out)->watertight, &film->left_out)
+               ? FATHOM_OK
+               : fail_memory(context, sizeof(fathom_left_out));
+}
+
+static fathom_status run_plan(fathom_context *context, const render_plan *plan, const job_options *options,
+                              fathom_film *film) {
     job_result result = {.samples = 0};
-    began = clock_seconds();
-    status = job_run(context, plan, options, film, &result);
+    const double began = clock_seconds();
+    fathom_status status = job_run(context, plan, options, film, &result);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
         const fathom_status looked_up = texturing_check(plan->texturing, context);
         if (looked_up != FATHOM_OK) status = looked_up;
     }
-    plan_destroy(plan);
     film->stats.render_seconds = clock_seconds() - began;
     film->stats.camera_rays = result.rays.camera;
     film->stats.shadow_rays = result.rays.shadow;
@@ -168,9 +172,7 @@ static fathom_status render_world(fathom_context *context, const world *w, const
 }
 
 /* Seconds that calls before this one spent come off the time. */
-static fathom_status render_traced(fathom_context *context, const world *w, const trace_tracer *tracer,
-                                   const fathom_settings *settings, keeping *keep, job_options *options,
-                                   fathom_film *film) {
+static fathom_status begin_keeping(const trace_tracer *tracer, keeping *keep, job_options *options) {
     char name[128];
     fathom_status status = FATHOM_OK;
     trace_identity(tracer, name);
@@ -182,7 +184,19 @@ static fathom_status render_traced(fathom_context *context, const world *w, cons
     }
     if (status == FATHOM_OK && keep->ranks)
         status = ranks_begin(keep->ranks, name, keep->saving, &options->share);
-    return status == FATHOM_OK ? render_world(context, w, tracer, settings, options, film) : status;
+    return status;
+}
+
+/* A part's head holds what the plan has found. */
+static fathom_status render_traced(fathom_context *context, const world *w, const trace_tracer *tracer,
+                                   const fathom_settings *settings, keeping *keep, job_options *options,
+                                   fathom_film *film) {
+    render_plan *plan = NULL;
+    fathom_status status = make_plan(context, w, tracer, settings, film, &plan);
+    if (status == FATHOM_OK) status = begin_keeping(tracer, keep, options);
+    if (status == FATHOM_OK) status = run_plan(context, plan, options, film);
+    plan_destroy(plan);
+    return status;
 }
 
 static fathom_status render_scene(fathom_context *context, const fathom_scene *scene,

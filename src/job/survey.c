@@ -120,7 +120,8 @@ static fathom_status find_memory(const fathom_scene *scene, const world *w, fath
     const trace_need need = trace_need_of(w, false);
     s->program_bytes = MEMORY_PROGRAM;
     s->bvh_bytes = (uint64_t)need.kept, s->building_bytes = (uint64_t)need.passed;
-    s->film_bytes = settings_pixels(&scene->settings) * film_channels(scene->settings.aovs) * sizeof(float);
+    s->film_bytes = settings_pixels(&scene->settings) *
+                    film_channels(scene->settings.aovs, &scene->light_groups) * sizeof(float);
     return scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &s->mesh_bytes);
 }
 

@@ -269,7 +269,7 @@ static void sample_sun(const emitters *e, double u, double v, double choice, emi
     const shape_cone cone = {shape_unit(widen(sun->to_light)), 1, sun->cap};
     put_lane(out->direction, i, narrow(shape_cone_sample(&cone, u, v)));
     put_lane(out->radiance, i, scale_f32((float)(2 / (2 - sun->cap)), load_f32(sun->irradiance)));
-    out->distance[i] = INFINITY;
+    out->distance[i] = INFINITY, out->group[i] = sun->group;
     out->density[i] = (float)(e->chance[EMITTER_DIRECTIONAL] * sun->chance);
     out->sized[i] = 0;
 }
@@ -305,6 +305,7 @@ static void sample_outside(const emitters *e, const emitter_query *from, const l
     answer.direction = widen(narrow(aim_outside(e, n, choice, (double)u[0][i], (double)u[1][i])));
     look_outside(e, n, answer.direction, radiance, &answer.density);
     put_answer(out, i, &answer, e->chance[EMITTER_OUTSIDE], radiance);
+    out->group[i] = e->outside_group;
 }
 
 void emitters_outside(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction, float radiance[3],
@@ -386,6 +387,10 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
     double left[LANES];
     const unsigned finite = choose_parts(e, from, u, left, out);
     if (finite) choose_finite(e, finite, left, &c, out);
+    for (unsigned lanes = e->groups ? c.faces | c.balls | c.lamps : 0; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        out->group[i] = emitters_group_of(e, c.emitter[i]);
+    }
     if (c.faces) sample_faces(e, &c, out);
     if (c.balls) sample_balls(e, &c, out);
     if (c.lamps) sample_lamps(e, &c, out);

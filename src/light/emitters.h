@@ -4,6 +4,7 @@
 #define LIGHT_EMITTERS_H
 
 #include "math/lanes.h"
+#include "scene/light_groups.h"
 #include "scene/world/world.h"
 
 #include <stdbool.h>
@@ -11,15 +12,18 @@
 typedef struct emitters emitters;
 struct texturing;
 
-/* varied: materials whose emission varies; NULL: none does. Release with emitters_destroy(). Both must
- * outlive them. Fails when an environment's image cannot be read, or holds a NaN or an infinity (the message
- * names the file and the texel). */
+/* varied: materials whose emission varies; NULL: none does. groups: NULL: nobody asks for them. Release with
+ * emitters_destroy(). Both must outlive them. Fails when an environment's image cannot be read, or holds a
+ * NaN or an infinity (the message names the file and the texel). */
 fathom_status emitters_create(fathom_context *context, const world *w, const struct texturing *varied,
-                              emitters **out);
+                              const light_groups *groups, emitters **out);
 void emitters_destroy(emitters *e);
 
 /* Nothing sends out any light. */
 bool emitters_none(const emitters *e);
+
+/* The most that comes from outside in any direction, by channel. */
+void emitters_brightest_outside(const emitters *e, float out[3]);
 
 /* Where light is asked for, a point a lane. */
 typedef struct emitter_query {
@@ -38,6 +42,7 @@ typedef struct emitter_sample {
                               angle, or of a light without size: the chance of its choice. 0: there is no light
                             */
     uint32_t sized[LANES]; /* all ones: a ray can meet the emitter by chance; 0: it has no size */
+    uint8_t group[LANES];  /* where groups are asked for, as emitters_outside_group() */
 } emitter_sample;
 
 /* u: three numbers in [0,1) a lane; the third chooses the light. */
@@ -57,5 +62,10 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
 /* Radiance from outside of the scene, and the density of its direction as above. */
 void emitters_outside(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction, float radiance[3],
                       float *density);
+
+/* The group of what comes from outside; LIGHT_GROUP_OUTSIDE: of several, which emitters_outside_shares()
+ * tells for each direction: by group and channel, the share of it. */
+uint8_t emitters_outside_group(const emitters *e);
+void emitters_outside_shares(const emitters *e, vec3_f32 direction, float (*shares)[3]);
 
 #endif

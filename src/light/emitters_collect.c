@@ -238,14 +238,16 @@ static bool sort_lights(emitters *e) {
     if (!e->lamps || !e->suns) return false;
     for (size_t i = 0; i < count; ++i) {
         const fathom_light *light = &scene->lights.items[i];
+        const uint8_t group = e->groups ? e->groups->of[FATHOM_SOURCE_LIGHT][i] : 0;
         shade_light made;
         if (!(luminance(light->intensity) > 0)) continue;
         light_prepare(light, e->w->origin, &made);
         if (light->type != FATHOM_LIGHT_DIRECTIONAL) {
-            e->lamps[e->lamp_count++] = (emitter_lamp){made, light->radius};
+            e->lamps[e->lamp_count++] = (emitter_lamp){made, light->radius, group};
             continue;
         }
         emitter_sun *sun = &e->suns[e->sun_count++];
+        sun->group = group;
         const double half = sin((double)light->angular_radius / 2);
         sun->to_light = made.to_light, sun->cap = 2 * half * half;
         for (int c = 0; c < 3; ++c) sun->irradiance[c] = (float)SHAPE_PI * light->intensity[c];
@@ -307,6 +309,16 @@ fathom_status emitters_open_skies(fathom_context *context, emitters *e) {
     return status;
 }
 
+/* Environments and background add up. */
+void emitters_brightest_outside(const emitters *e, float out[3]) {
+    memcpy(out, e->background, sizeof e->background);
+    for (uint32_t i = 0; i < e->sky_count; ++i) {
+        float more[3];
+        environment_brightest(e->skies[i].image, more);
+        for (int c = 0; c < 3; ++c) out[c] += more[c];
+    }
+}
+
 /* ---- the whole ---- */
 
 static fathom_status build_tree(fathom_context *context, emitters *e, uint32_t total) {
@@ -356,11 +368,11 @@ static void share(emitters *e) {
 }
 
 fathom_status emitters_create(fathom_context *context, const world *w, const texturing *varied,
-                              emitters **out) {
+                              const light_groups *groups, emitters **out) {
     *out = NULL;
     emitters *e = calloc(1, sizeof *e);
     if (!e) return fail_memory(context, sizeof *e);
-    e->w = w, e->texturing = varied;
+    e->w = w, e->texturing = varied, e->groups = groups;
     e->shapes = shape_kernels_best(), e->points = light_kernels_best();
     if (!w->scene->in_studio) memcpy(e->background, w->scene->background, sizeof e->background);
     fathom_status status = collect(context, e);
@@ -370,6 +382,7 @@ fathom_status emitters_create(fathom_context *context, const world *w, const tex
         return status;
     }
     share(e);
+    emitters_note_groups(e, groups);
     *out = e;
     return FATHOM_OK;
 }

@@ -30,18 +30,21 @@ typedef struct emitter_sun {
     double cap;    /* 1 - cos of half the angle it fills */
     double chance; /* among suns, and all before it */
     double below;
+    uint8_t group;
 } emitter_sun;
 
 /* A point or spot light. */
 typedef struct emitter_lamp {
     shade_light light;
     float radius;
+    uint8_t group;
 } emitter_lamp;
 
 /* An environment. */
 typedef struct emitter_sky {
     environment *image;
     double chance; /* among what comes from outside */
+    uint8_t group;
 } emitter_sky;
 
 struct emitters {
@@ -68,9 +71,14 @@ struct emitters {
     double background_chance; /* among what comes from outside */
     emitter_sky *skies;
     uint32_t sky_count;
+    const light_groups *groups; /* NULL: nobody asks for them */
+    uint8_t background_group, outside_group;
     double chance[EMITTER_PARTS]; /* to be asked for; they add up to 1, or are all 0 */
 };
 
+/* After all have been found. */
+void emitters_note_groups(emitters *e, const light_groups *groups);
+uint8_t emitters_group_of(const emitters *e, uint32_t emitter);
 /* Reads the environments. */
 fathom_status emitters_open_skies(fathom_context *context, emitters *e);
 

@@ -177,6 +177,13 @@ fathom_status environment_create(fathom_context *context, const fathom_light *li
     return status;
 }
 
+void environment_brightest(const environment *e, float out[3]) {
+    memset(out, 0, 3 * sizeof *out);
+    for (size_t i = 0; i < (size_t)e->width * e->height; ++i) {
+        for (int c = 0; c < 3; ++c) out[c] = fmaxf(out[c], e->texels[i].radiance[c]);
+    }
+}
+
 /* ---- the studio ---- */
 
 /* A texel is a third of a degree wide: less than the soft edges of the panels show. */

@@ -20,6 +20,8 @@ void environment_destroy(environment *e);
 
 /* Luminance times solid angle, over all directions. */
 double environment_power(const environment *e);
+/* The largest of each channel. */
+void environment_brightest(const environment *e, float out[3]);
 
 /* Radiance from a unit direction, and the density with which it is sampled. */
 double environment_at(const environment *e, vec3_f64 direction, float radiance[3]);

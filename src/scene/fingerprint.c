@@ -65,6 +65,11 @@ static void hash_texture(hash *h, const fathom_texture *t) {
     hash_put(h, t->bytes, t->byte_count);
 }
 
+static void hash_grouped(hash *h, const scene_grouped_light *g) {
+    const unsigned source = (unsigned)g->source;
+    PUT(h, source), PUT(h, g->id), PUT(h, g->group);
+}
+
 static void hash_instance(hash *h, const fathom_instance *i) {
     PUT(h, i->group), PUT(h, i->parent), PUT(h, i->material);
     if (!i->key_count) PUT(h, i->transform);
@@ -122,6 +127,9 @@ static void hash_values(hash *h, const fathom_scene *scene) {
     PUT_ALL(h, &scene->quads, hash_quad);
     PUT_ALL(h, &scene->planes, hash_plane);
     PUT_ALL(h, &scene->meshes, hash_mesh);
+    PUT_ALL(h, &scene->grouped_lights, hash_grouped);
+    for (uint32_t i = 0; i < scene->light_groups.count; ++i)
+        hash_put(h, scene->light_groups.names[i], strlen(scene->light_groups.names[i]) + 1);
 }
 
 /* ---- arrays, in pieces that threads share ---- */

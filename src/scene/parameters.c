@@ -81,9 +81,10 @@ static const fathom_parameter setting_rows[] = {
      .help = "Lifts shadow rays off the facets of smooth meshes, which else show black triangles where light grazes."},
     {"aovs", WORDS, SETTING(aovs), PIXELS | IN_FILE, 0, FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR), 0, "LIST", "Output",
      .help = "Further outputs in an EXR file: coverage, depth, shading normal, world position, `kd` + `ks`, the ids of "
-     "object, primitive and instance, how many samples a pixel took, the standard error of each channel, and the light "
-     "that was scattered once, more often, or not at all.",
-     .words = "alpha|Z|N|P|albedo|id|samples|error|direct|indirect|emission"},
+     "object, primitive and instance, how many samples a pixel took, the standard error of each channel, the light "
+     "that was scattered once, more often, or not at all, the light of each light group, and "
+     "Cryptomatte of objects and of materials.",
+     .words = "alpha|Z|N|P|albedo|id|samples|error|direct|indirect|emission|lightGroups|cryptoObject|cryptoMaterial"},
     {"tracer", TEXT, SETTING(tracer), COMMAND, 0, 0, 0, "SPEC|FILE.so", "Light transport",
      .help = "What answers the rays: embree, bvh, linear or reference, which is linear:robust:f32, each with options such as "
      "bvh:f64, linear:textbook:f32 or embree:user:high:16; or a library as in fathom/plugin.h."},

@@ -58,6 +58,7 @@ void fathom_scene_destroy(fathom_scene *scene) {
     array_free(&scene->mesh_facts);
     array_free(&scene->instances);
     array_free(&scene->cameras);
+    array_free(&scene->grouped_lights);
     free(scene->name);
     free(scene->tracer);
     free(scene);

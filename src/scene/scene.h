@@ -18,6 +18,7 @@ typedef struct scene_object {
     scene_kind kind;
     uint32_t index;
     fathom_id group;
+    const char *name; /* the scene's; NULL: none */
 } scene_object;
 
 /* Memory that lives as long as the scene: copied arrays, mapped files. */
@@ -39,6 +40,21 @@ typedef struct scene_named_material {
     fathom_material classic; /* what the classic integrator takes for it: `value` itself if it is classic */
     char *name;              /* NULL when it has none */
 } scene_named_material;
+
+#define LIGHT_GROUPS 32 /* at most, "rest" included */
+#define LIGHT_GROUP_NAME 32
+#define LIGHT_GROUP_REST "rest"
+
+typedef struct light_group_names {
+    uint32_t count; /* 0: only the rest */
+    char names[LIGHT_GROUPS][LIGHT_GROUP_NAME];
+} light_group_names;
+
+typedef struct scene_grouped_light {
+    fathom_light_source source;
+    fathom_id id;
+    uint8_t group; /* of the names */
+} scene_grouped_light;
 
 struct fathom_scene {
     fathom_context *context;
@@ -66,6 +82,8 @@ struct fathom_scene {
     uint32_t camera_taken;             /* of them; FATHOM_NONE: none */
     const fathom_read_options *asked;  /* while it is read: what was asked for; or NULL */
     bool has_animations, has_variants; /* some file has them */
+    light_group_names light_groups;
+    ARRAY(scene_grouped_light) grouped_lights; /* later ones go before earlier ones */
     float background[3], ambient[3];
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;

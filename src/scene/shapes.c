@@ -3,6 +3,7 @@
 #include "scene/motion/motion.h"
 #include "scene/scene.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 SIZED_DEFAULT(fathom_sphere, {.radius = 1})
@@ -36,10 +37,22 @@ static fathom_status book(fathom_scene *scene, scene_kind kind, size_t index, fa
     if (scene->objects.count >= FATHOM_NONE - 2) {
         return fail(scene->context, FATHOM_OUT_OF_RESOURCES, "too many objects: at most 2^32 - 3 fit");
     }
-    scene_object object = {kind, (uint32_t)index, group};
+    scene_object object = {.kind = kind, .index = (uint32_t)index, .group = group};
     if (!array_push(&scene->objects, object)) return fail_memory(scene->context, sizeof object);
     if (out) *out = (fathom_id)(scene->objects.count - 1);
     return FATHOM_OK;
+}
+
+fathom_status fathom_scene_name_object(fathom_scene *scene, fathom_id object, const char *name) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!name) return fail_null(scene->context, "name");
+    if (object >= scene->objects.count)
+        return fail(scene->context, FATHOM_BAD_USAGE, "there is no object %u", object);
+    char *copy = strdup(name);
+    if (!copy) return fail_memory(scene->context, strlen(name));
+    fathom_status status = scene_adopt(scene, copy, free);
+    if (status == FATHOM_OK) scene->objects.items[object].name = copy;
+    return status;
 }
 
 static fathom_status check_sphere(fathom_context *context, const fathom_sphere *sphere) {

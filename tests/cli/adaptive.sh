@@ -5,7 +5,7 @@ write_scene
 holds() { awk "BEGIN { exit !($1) }" || die "expected $1"; }
 
 run 0 render scene.json -o a.exr --exr-float --target-error 0.01 --stats a.json
-grep -q ' spp, error 0\.0[0-9]*, ' out.txt || die 'the line does not tell the error'
+grep -q ' spp, error 0\.0[0-9]* (target 0.01 reached), ' out.txt || die 'the line does not tell the error'
 holds "$(number a.json errorEstimate) > 0 && $(number a.json errorEstimate) <= 0.01"
 holds "$(number a.json meanSpp) >= 4"
 [ "$(number a.json spp)" = 65536 ] || die 'the most samples'
@@ -26,7 +26,7 @@ run 0 render scene.json -o b.exr --integrator path --spp 7 --stats b.json
 
 # Few samples at most: the target is missed, and that is told.
 run 0 render scene.json -o b.exr --target-error 0.0001 --spp 16 --stats b.json
-said out.txt '(above the target)'
+said out.txt '(above the target: some pixels took all 16 samples)'
 holds "$(number b.json errorEstimate) > 0.0001"
 run 0 render scene.json -o b.exr --stats b.json
 said b.json '"errorEstimate": null'

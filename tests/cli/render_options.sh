@@ -77,9 +77,9 @@ same a.exr b.exr
 run 0 render scene.json -o a.exr --aov all
 # The names of channels stand in the head of the file.
 for channel in Z:Z N:N.X P:P.X albedo:albedo.R id:id.instance.V samples:samples.V \
-    direct:direct.R indirect:indirect.R emission:emission.R; do
+    direct:direct.R indirect:indirect.R emission:emission.R lightGroups:light_rest.R; do
     run 0 render scene.json -o b.exr --aov "${channel%:*}"
-    head -c 2000 b.exr | tr '\0' '\n' | grep -axE 'Z|[NP].X|albedo.R|id.instance.V|samples.V|(in)?direct.R|emission.R' >names.txt || true
+    head -c 2000 b.exr | tr '\0' '\n' | grep -axE 'Z|[NP].X|albedo.R|id.instance.V|samples.V|(in)?direct.R|emission.R|light_rest.R' >names.txt || true
     [ "$(cat names.txt)" = "${channel#*:}" ] || die "${channel%:*} is not an AOV of its own: $(cat names.txt)"
 done
 run 0 render scene.json -o a.png --aov alpha

@@ -21,7 +21,7 @@ static void close_light(void) {
 
 static void open_light(void) {
     assert_ok(context, world_create(scene, &w));
-    assert_ok(context, emitters_create(context, w, NULL, &e));
+    assert_ok(context, emitters_create(context, w, NULL, NULL, &e));
 }
 
 static int begin(void **state) {

@@ -49,7 +49,7 @@ static void open_sky(double rotation) {
     write_sky();
     add_sky(rotation);
     assert_ok(context, world_create(scene, &w));
-    assert_ok(context, emitters_create(context, w, NULL, &e));
+    assert_ok(context, emitters_create(context, w, NULL, NULL, &e));
 }
 
 static void fill(emitter_query *q, vec3_f64 n) {
@@ -197,13 +197,13 @@ static void bad_texels_are_refused_with_their_place(void **state) {
         write_sky();
         add_sky(0);
         assert_ok(context, world_create(scene, &w));
-        assert_fails(context, emitters_create(context, w, NULL, &e), FATHOM_BAD_INPUT, "sky.exr");
+        assert_fails(context, emitters_create(context, w, NULL, NULL, &e), FATHOM_BAD_INPUT, "sky.exr");
         assert_non_null(strstr(fathom_context_message(context), "texel (9, 5)"));
         end(state), begin(state);
     }
     add_sky(0);
     assert_ok(context, world_create(scene, &w));
-    assert_fails(context, emitters_create(context, w, NULL, &e), FATHOM_BAD_INPUT, "sky.exr");
+    assert_fails(context, emitters_create(context, w, NULL, NULL, &e), FATHOM_BAD_INPUT, "sky.exr");
 }
 
 static void an_environment_needs_a_file(void **state) {

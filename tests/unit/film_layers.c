@@ -56,7 +56,7 @@ static void each_bounce_of_a_furnace_is_where_it_belongs(void **state) {
 
 /* A room with all that light can do: lights with and without size, a background, glass, a mirror, a surface
  * that is there in part, and a shape without a shadow. */
-static void furnish(stage *s) {
+static void furnish_lit(stage *s, bool veil, bool lamp, bool sky, bool ball) {
     fathom_material glass, mirror, half;
     fathom_material_default(&glass);
     fathom_material_default(&mirror);
@@ -66,11 +66,11 @@ static void furnish(stage *s) {
         mirror.k_d[c] = 0.1f, mirror.k_r[c] = 0.8f;
     }
     glass.fresnel = true;
-    half.model = FATHOM_MODEL_METALLIC_ROUGHNESS, half.opacity = 0.5f, half.emissive[1] = 0.3f;
+    half.model = FATHOM_MODEL_METALLIC_ROUGHNESS, half.opacity = 0.5f, half.emissive[1] = veil ? 0.3f : 0;
     stage_plane(s, (double[3]){0, -1, 0}, up, stage_lambert(s, 0.6f));
     stage_sphere(s, -1.2, 0, 0, 0.7, stage_material(s, &glass));
     stage_sphere(s, 1.2, 0, 0, 0.7, stage_material(s, &mirror));
-    stage_sphere(s, 0, 1.5, -1, 0.3, stage_emitter(s, 8));
+    stage_sphere(s, 0, 1.5, -1, 0.3, stage_emitter(s, ball ? 8 : 0));
     stage_quad(s, (double[3]){0, 0.2, 1}, (double[3]){0.6, 0, 0}, (double[3]){0, 0.6, 0},
                stage_material(s, &half));
     fathom_sphere ghost;
@@ -78,11 +78,13 @@ static void furnish(stage *s) {
     ghost.center[1] = 3, ghost.center[2] = 1, ghost.radius = 0.5, ghost.flags = FATHOM_CASTS_NO_SHADOW;
     ghost.material = stage_lambert(s, 0.5f);
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, FATHOM_ROOT, &ghost, NULL));
-    stage_point_light(s, 0, 4, 1, 6);
-    assert_ok(s->context, fathom_scene_set_background(s->scene, (float[3]){0.1f, 0.2f, 0.4f}));
+    if (lamp) stage_point_light(s, 0, 4, 1, 6);
+    if (sky) assert_ok(s->context, fathom_scene_set_background(s->scene, (float[3]){0.1f, 0.2f, 0.4f}));
     assert_ok(s->context, fathom_scene_set_ambient(s->scene, (float[3]){0.1f, 0.1f, 0.1f}));
     stage_camera(s, (double[3]){0, 0.5, 5}, (double[3]){0, 0, 0}, up, 0.9);
 }
+
+static void furnish(stage *s) { furnish_lit(s, true, true, true, true); }
 
 /* A sample is a sum of at most two terms a vertex, each rounded to float: once in the image, once in its
  * part. */
@@ -181,12 +183,146 @@ static void mirrors_scatter(void **state) {
     stage_close(&s);
 }
 
+/* ---- light groups ---- */
+
+static void group(stage *s, fathom_light_source source, fathom_id id, const char *name) {
+    assert_ok(s->context, fathom_scene_set_light_group(s->scene, source, id, name));
+}
+
+/* The room of above in four groups: what an object is put into goes before its material. */
+static void put_into_groups(stage *s) {
+    group(s, FATHOM_SOURCE_LIGHT, 0, "key");
+    group(s, FATHOM_SOURCE_BACKGROUND, 0, "sky");
+    for (fathom_id m = 0; m < 6; ++m) group(s, FATHOM_SOURCE_MATERIAL, m, "wrong");
+    for (fathom_id o = 0; o < 6; ++o) group(s, FATHOM_SOURCE_OBJECT, o, o == 3 ? "ball_2" : "rest");
+}
+
+static void groups_add_up_to_the_image(void **state) {
+    (void)state;
+    static const char *const names[] = {"light_rest", "light_key", "light_sky", "light_wrong",
+                                        "light_ball_2"};
+    stage s = open_paths(16, 16);
+    furnish(&s);
+    put_into_groups(&s);
+    for (int k = 0; k < 3; ++k) {
+        fathom_settings_set_integrator(&s.settings,
+                                       k == 2 ? FATHOM_INTEGRATOR_CLASSIC : FATHOM_INTEGRATOR_PATH);
+        s.settings.target_error = k == 1 ? 0.05 : 0;
+        s.settings.spp = k == 1 ? 64 : 16;
+        s.settings.aovs = FATHOM_AOV_LIGHT_GROUPS;
+        fathom_film *film = stage_render(&s);
+        const float *whole = fathom_film_channel(film, "G");
+        double sums[5] = {0};
+        for (int i = 0; i < SIDE * SIDE; ++i) {
+            double sum = 0;
+            for (int g = 0; g < 5; ++g) {
+                const double part = (double)channel(film, names[g], 'G')[i];
+                sum += part, sums[g] += part;
+            }
+            assert_near(sum, (double)whole[i], ROUNDINGS * 0x1p-24 * sum);
+        }
+        for (int g = 0; g < 5; ++g) assert_true(g == 3 ? sums[g] == 0 : sums[g] > 0);
+        s.settings.aovs = 0;
+        fathom_film *plain = stage_render(&s);
+        assert_same_image(film, plain);
+        fathom_film_destroy(film);
+        fathom_film_destroy(plain);
+    }
+    stage_close(&s);
+}
+
+/* A group is the image with all other lights out: in expectation, here to 5 standard errors. */
+static void a_group_is_the_image_with_its_lights_alone(void **state) {
+    (void)state;
+    static const char *const names[] = {"light_rest", "light_key", "light_sky", "light_wrong",
+                                        "light_ball_2"};
+    for (int g = 0; g < 5; ++g) {
+        if (g == 3) continue;
+        stage all = open_paths(64, 8), one = open_paths(64, 8);
+        furnish(&all);
+        put_into_groups(&all);
+        all.settings.aovs = FATHOM_AOV_LIGHT_GROUPS, all.settings.seed = 1;
+        furnish_lit(&one, g == 0, g == 1, g == 2, g == 4);
+        fathom_film *a = stage_render(&all), *b = stage_render(&one);
+        const float *x = channel(a, names[g], 'G'), *y = fathom_film_channel(b, "G");
+        double sum = 0, squares = 0;
+        for (int i = 0; i < SIDE * SIDE; ++i) {
+            const double d = (double)x[i] - (double)y[i];
+            sum += d, squares += d * d;
+        }
+        /* Pixels are independent, so their differences have the variance of the mean. */
+        assert_near(sum, 0, 5 * sqrt(squares));
+        assert_true(squares > 0);
+        fathom_film_destroy(a);
+        fathom_film_destroy(b);
+        stage_close(&all);
+        stage_close(&one);
+    }
+}
+
+static void groups_with_a_name_that_no_channel_can_have_are_refused(void **state) {
+    (void)state;
+    stage s = open_paths(1, 1);
+    static const char *const names[] = {"", "a b", "a.b", "12345678901234567890123456789012", "\xc3\xa4"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        assert_fails(s.context, fathom_scene_set_light_group(s.scene, FATHOM_SOURCE_BACKGROUND, 0, names[i]),
+                     FATHOM_BAD_INPUT, "expected 1 to 31 letters");
+    }
+    assert_fails(s.context, fathom_scene_set_light_group(s.scene, FATHOM_SOURCE_LIGHT, 0, "key"),
+                 FATHOM_BAD_USAGE, "no source");
+    char name[16];
+    for (int i = 0; i < 31; ++i) {
+        snprintf(name, sizeof name, "g%d", i);
+        group(&s, FATHOM_SOURCE_BACKGROUND, 0, name);
+    }
+    assert_fails(s.context, fathom_scene_set_light_group(s.scene, FATHOM_SOURCE_BACKGROUND, 0, "more"),
+                 FATHOM_BAD_INPUT, "\"more\" is one too many");
+    stage_close(&s);
+}
+
+/* ---- for denoisers ---- */
+
+/* A mirror of half of the light shows a wall of albedo 0.6 behind the camera; a glass pane with an index of 1
+ * shows the wall behind it. Z and P stay with what is in view. */
+static void normals_and_albedo_follow_smooth_surfaces(void **state) {
+    (void)state;
+    stage s = open_paths(4, 4);
+    s.settings.aovs = FATHOM_AOV_N | FATHOM_AOV_ALBEDO | FATHOM_AOV_Z;
+    fathom_material mirror, pane;
+    fathom_material_default(&mirror);
+    fathom_material_default(&pane);
+    for (int c = 0; c < 3; ++c) mirror.k_d[c] = pane.k_d[c] = 0, mirror.k_r[c] = 0.5f, pane.k_t[c] = 1;
+    pane.ior = 1;
+    const fathom_id wall = stage_lambert(&s, 0.6f);
+    stage_plane(&s, (double[3]){0, 0, -2}, (double[3]){0, 0, 1}, stage_material(&s, &mirror));
+    stage_plane(&s, (double[3]){0, 0, 3}, (double[3]){0, 0, 1}, wall);
+    stage_quad(&s, (double[3]){0, 0, -1}, (double[3]){5, 0, 0}, (double[3]){0, 5, 0},
+               stage_material(&s, &pane));
+    stage_camera(&s, (double[3]){0, 0, 0}, (double[3]){0, 0, -1}, up, 0.1);
+    fathom_film *film = stage_render(&s);
+    for (int i = 0; i < SIDE * SIDE; ++i) {
+        assert_near((double)channel(film, "albedo", 'R')[i], 0.3, 1e-6);
+        assert_near((double)channel(film, "N", 'Z')[i], -1, 1e-6); /* the wall behind, towards the mirror */
+        assert_near((double)fathom_film_channel(film, "Z")[i], 1, 1e-5);
+    }
+    s.settings.max_depth = 0; /* no further than what is in view */
+    fathom_film *near = stage_render(&s);
+    for (int i = 0; i < SIDE * SIDE; ++i) assert_near((double)channel(near, "N", 'Z')[i], 1, 1e-6);
+    fathom_film_destroy(film);
+    fathom_film_destroy(near);
+    stage_close(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_bounce_of_a_furnace_is_where_it_belongs),
         cmocka_unit_test(the_parts_add_up_to_the_image),
         cmocka_unit_test(light_through_a_hole_is_not_scattered),
         cmocka_unit_test(mirrors_scatter),
+        cmocka_unit_test(normals_and_albedo_follow_smooth_surfaces),
+        cmocka_unit_test(groups_add_up_to_the_image),
+        cmocka_unit_test(a_group_is_the_image_with_its_lights_alone),
+        cmocka_unit_test(groups_with_a_name_that_no_channel_can_have_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

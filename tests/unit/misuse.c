@@ -198,6 +198,10 @@ static void null_for_scenes(void **state) {
     fathom_scene_destroy(NULL);
     refuses(fathom_scene_set_name(NULL, "a"));
     names("name", fathom_scene_set_name(s.scene, NULL));
+    refuses(fathom_scene_name_object(NULL, 0, "a"));
+    names("name", fathom_scene_name_object(s.scene, 0, NULL));
+    refuses(fathom_scene_set_light_group(NULL, FATHOM_SOURCE_BACKGROUND, 0, "a"));
+    names("name", fathom_scene_set_light_group(s.scene, FATHOM_SOURCE_BACKGROUND, 0, NULL));
     refuses(fathom_scene_complete(NULL));
     refuses(fathom_scene_check(NULL));
     refuses(fathom_scene_check_files(NULL));

@@ -1,5 +1,6 @@
 /* Scene JSON into the scene: every value arrives where it belongs. */
 #include "json_scene.h"
+#include "scene/light_groups.h"
 
 #define SPHERE "{\"type\": \"sphere\", \"center\": [1, 2, 3], \"radius\": 4}"
 
@@ -215,11 +216,11 @@ static void shapes(void **state) {
 /* Triangles that follow each other become one mesh, as long as nothing about them differs. */
 static void loose_triangles(void **state) {
     (void)state;
-    fathom_scene *scene = with_objects(
-        TRIANGLE "}, " TRIANGLE ", \"name\": \"second\"}, " TRIANGLE ", \"material\": \"m\"}, " TRIANGLE
-                 ", \"material\": \"m\", \"castsShadow\": false}," SPHERE "," TRIANGLE "}, " TRIANGLE
-                 ", \"uvs\": [[0, 0], [1, 0], [0, 1]]}, " TRIANGLE
-                 ", \"normals\": [[0, 0, 1], [0, 1, 0], [1, 0, 0]]}");
+    fathom_scene *scene =
+        with_objects(TRIANGLE "}, " TRIANGLE "}, " TRIANGLE ", \"material\": \"m\"}, " TRIANGLE
+                              ", \"material\": \"m\", \"castsShadow\": false}," SPHERE "," TRIANGLE
+                              "}, " TRIANGLE ", \"uvs\": [[0, 0], [1, 0], [0, 1]]}, " TRIANGLE
+                              ", \"normals\": [[0, 0, 1], [0, 1, 0], [1, 0, 0]]}");
     const uint32_t triangles[] = {2, 1, 1, 1, 1, 1};
     assert_int_equal(scene->meshes.count, 6);
     for (size_t i = 0; i < 6; ++i) assert_int_equal(scene->meshes.items[i].triangle_count, triangles[i]);
@@ -396,6 +397,30 @@ static void textures(void **state) {
                    "materials.m.kdTexture.file");
 }
 
+/* Triangles that follow each other become a mesh, but only those of one group. */
+static void light_groups_of_every_source(void **state) {
+    (void)state;
+    fathom_scene *scene = json_scene_good(
+        &s, "{\"background\": [1, 1, 1], \"backgroundGroup\": \"sky\","
+            "\"materials\": {\"lamp\": {\"ke\": [1, 1, 1], \"group\": \"key\"}},"
+            "\"lights\": [{\"type\": \"sun\", \"direction\": [0, -1, 0], \"group\": \"sun\"},"
+            " {\"type\": \"point\", \"position\": [0, 0, 0]}],"
+            "\"objects\": [{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, \"group\": \"key\"},"
+            "{\"type\": \"triangle\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], \"group\": \"a\"},"
+            "{\"type\": \"triangle\", \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], \"group\": \"b\"}]}");
+    light_groups groups;
+    assert_ok(scene->context, light_groups_create(scene, &groups));
+    assert_int_equal(groups.count, 6); /* the rest, key, sun, sky, a, b in some order */
+    static const char *const expected[] = {"sky", "key", "sun", "key", "a", "b"};
+    const uint8_t found[] = {groups.of[FATHOM_SOURCE_BACKGROUND][0], groups.of[FATHOM_SOURCE_MATERIAL][1],
+                             groups.of[FATHOM_SOURCE_LIGHT][0],      groups.of[FATHOM_SOURCE_OBJECT][0],
+                             groups.of[FATHOM_SOURCE_OBJECT][1],     groups.of[FATHOM_SOURCE_OBJECT][2]};
+    for (int i = 0; i < 6; ++i) assert_string_equal(scene->light_groups.names[found[i]], expected[i]);
+    assert_int_equal(groups.of[FATHOM_SOURCE_LIGHT][1], 0);
+    light_groups_destroy(&groups);
+    fathom_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surroundings),
@@ -405,6 +430,7 @@ int main(void) {
         cmocka_unit_test(materials),
         cmocka_unit_test(lights),
         cmocka_unit_test(shapes),
+        cmocka_unit_test(light_groups_of_every_source),
         cmocka_unit_test(loose_triangles),
         cmocka_unit_test(meshes),
         cmocka_unit_test(far_mesh),

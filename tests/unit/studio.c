@@ -119,12 +119,35 @@ static void only_models_without_light_stand_in_it(void **state) {
     fathom_scene_destroy(scene);
 }
 
+/* Black pixels say what the studio could add unseen: its brightest panel is above 4. */
+static void errors_know_how_bright_it_is(void **state) {
+    (void)state;
+    fathom_scene *scene = open_ball();
+    assert_ok(context, fathom_scene_complete(scene));
+    fathom_settings settings;
+    fathom_film *film;
+    fathom_settings_default(&settings);
+    settings.width = settings.height = 16, settings.spp = 16, settings.target_error = 0;
+    settings.max_depth = 0, settings.aovs = FATHOM_AOV_ERROR;
+    assert_ok(context, fathom_render(context, scene, &settings, NULL, NULL, NULL, &film));
+    /* The ball itself is black without a bounce. By the rule of three for 16 samples. */
+    const size_t middle = 8 * 16 + 8;
+    const double share = 1 - pow(0.05, 1 / 16.0);
+    assert_true(fathom_film_channel(film, "G")[middle] == 0);
+    assert_true(fathom_film_channel(film, "error.doubt")[middle] == 1);
+    assert_true((double)fathom_film_channel(film, "error.G")[middle] > share * 4 / 2.1);
+    assert_true((double)fathom_film_channel(film, "error.G")[middle] < share * 6 / 2.0);
+    fathom_film_destroy(film);
+    fathom_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(texels_hold_the_rule),
         cmocka_unit_test(it_turns_with_the_viewer),
         cmocka_unit_test(a_background_alone_lights_a_model_without_lights),
         cmocka_unit_test(only_models_without_light_stand_in_it),
+        cmocka_unit_test(errors_know_how_bright_it_is),
     };
     return cmocka_run_group_tests(tests, open_folder, remove_folder);
 }

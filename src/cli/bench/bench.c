@@ -178,7 +178,8 @@ void bench_progress_tell(void *unused, double fraction) {
         state.estimated = true;
         progress_estimate(seconds / fraction);
     }
-    progress_update(&(fathom_progress){FATHOM_PHASE_RENDER, fraction, 0, seconds});
+    progress_update(
+        &(fathom_progress){.phase = FATHOM_PHASE_RENDER, .fraction = fraction, .seconds = seconds});
 }
 
 bench_watch bench_progress_part(double from, double to) {

@@ -2,6 +2,7 @@
 
 #include "cli/log.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,9 +98,9 @@ static void put_clock(double seconds, char *out, size_t size) {
         snprintf(out, size, "%u:%02u:%02u", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-/* ", 45.2 Mrays/s, 0:12 left": each part only when it is known. */
+/* ", 45.2 Mrays/s, 0:12 left, error 0.019": each part only when it is known. */
 static void put_rate(const fathom_progress *p, char *out, size_t size) {
-    char rate[32] = "", clock[16], left[32] = "";
+    char rate[32] = "", clock[16], left[32] = "", error[32] = "";
     if (p->rays && p->seconds > 0) {
         double rays = rays_per_second(p);
         bool many = rays >= 1e5; /* 0.1 M */
@@ -109,11 +110,12 @@ static void put_rate(const fathom_progress *p, char *out, size_t size) {
         put_clock(seconds_left(p), clock, sizeof clock);
         snprintf(left, sizeof left, ", %s left", clock);
     }
-    snprintf(out, size, "%s%s", rate, left);
+    if (p->error > 0 && isfinite(p->error)) snprintf(error, sizeof error, ", error %.2g", p->error);
+    snprintf(out, size, "%s%s%s", rate, left, error);
 }
 
 void progress_line(const fathom_progress *p, char *out, size_t size) {
-    char rate[64];
+    char rate[96];
     put_rate(p, rate, sizeof rate);
     snprintf(out, size, "%s %u %%%s", phase_name(p->phase), percent(p), rate);
 }
@@ -125,7 +127,7 @@ void progress_line(const fathom_progress *p, char *out, size_t size) {
 #define BAR_OTHERS 46u /* the text next to it, up to "render 100% [] 12345.6 Mrays/s, 10:00:00 left" */
 
 void progress_bar(const fathom_progress *p, unsigned width, char *out, size_t size) {
-    char rate[64], cells[BAR_MOST + 1];
+    char rate[96], cells[BAR_MOST + 1];
     put_rate(p, rate, sizeof rate);
     size_t room = width ? width - 1 : 0;
     if (room >= size) room = size - 1;
@@ -141,7 +143,7 @@ void progress_bar(const fathom_progress *p, unsigned width, char *out, size_t si
 static void print_line(const fathom_progress *p) {
     unsigned tenths = (unsigned)(10 * clamp_fraction(p->fraction));
     if (p->seconds < LINES_AFTER_SECONDS || tenths <= state.tenths) return;
-    char text[128];
+    char text[160];
     progress_line(p, text, sizeof text);
     log_line(LOG_INFO, text);
     state.tenths = tenths;
@@ -150,12 +152,13 @@ static void print_line(const fathom_progress *p) {
 static void print_json(const fathom_progress *p) {
     const bool ends = p->fraction >= 1 && state.tenths < 10;
     if (state.seconds >= 0 && p->seconds < state.seconds + JSON_EVERY_SECONDS && !ends) return;
-    char text[128], members[256], left[48] = "";
+    char text[160], members[320], left[48] = "", error[48] = "";
     progress_line(p, text, sizeof text);
     if (seconds_left(p) >= 0) snprintf(left, sizeof left, ", \"secondsLeft\": %.3g", seconds_left(p));
+    if (p->error > 0 && isfinite(p->error)) snprintf(error, sizeof error, ", \"error\": %.3g", p->error);
     snprintf(members, sizeof members,
-             "\"phase\": \"%s\", \"fraction\": %.4f, \"seconds\": %.3f, \"raysPerSecond\": %.4g%s",
-             phase_name(p->phase), clamp_fraction(p->fraction), p->seconds, rays_per_second(p), left);
+             "\"phase\": \"%s\", \"fraction\": %.4f, \"seconds\": %.3f, \"raysPerSecond\": %.4g%s%s",
+             phase_name(p->phase), clamp_fraction(p->fraction), p->seconds, rays_per_second(p), left, error);
     log_line_with(LOG_INFO, text, members);
     state.seconds = p->seconds;
     state.tenths = (unsigned)(10 * clamp_fraction(p->fraction));

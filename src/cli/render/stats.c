@@ -170,14 +170,24 @@ static void print_details(const render_report *r, const render_options *options)
     left_out_print(&r->left_out, "left out ");
 }
 
+/* Whether the error or the most samples ended it; of a time or of a part of the image nothing is known. */
+static void print_why_it_ended(const render_report *r, const fathom_settings *s) {
+    if (!(s->target_error > 0) || r->stats.finished < 1) return;
+    if (r->stats.error_estimate <= s->target_error)
+        printf(" (target %g reached)", s->target_error);
+    else if (s->max_time > 0)
+        fputs(" (above the target when time was up)", stdout);
+    else
+        printf(" (above the target: some pixels took all %u samples)", s->spp);
+}
+
 static void print_sampling(const render_report *r, const render_options *options) {
     double error = r->stats.error_estimate;
     if (!(error > 0)) {
         printf("%u spp", options->settings.spp);
     } else if (isfinite(error)) {
         printf("%.1f spp, error %.2g", mean_spp(r), error);
-        if (options->settings.target_error > 0 && error > options->settings.target_error)
-            printf(" (above the target)");
+        print_why_it_ended(r, &options->settings);
     } else {
         printf("%.1f spp, error unknown", mean_spp(r));
     }

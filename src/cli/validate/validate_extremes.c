@@ -24,7 +24,10 @@ typedef struct grid {
 
 static bool on_progress(void *user, uint64_t rays) {
     const grid *g = user;
-    fathom_progress p = {FATHOM_PHASE_RENDER, g->done / g->cases, g->rays + rays, clock_seconds() - g->start};
+    fathom_progress p = {.phase = FATHOM_PHASE_RENDER,
+                         .fraction = g->done / g->cases,
+                         .rays = g->rays + rays,
+                         .seconds = clock_seconds() - g->start};
     progress_update(&p);
     return !interrupt_asked();
 }

@@ -23,7 +23,8 @@ typedef struct light_work {
 
 static bool on_progress(void *user, double fraction) {
     const light_work *k = user;
-    const fathom_progress p = {FATHOM_PHASE_RENDER, fraction, 0, clock_seconds() - k->start};
+    const fathom_progress p = {
+        .phase = FATHOM_PHASE_RENDER, .fraction = fraction, .seconds = clock_seconds() - k->start};
     progress_update(&p);
     return !interrupt_asked();
 }

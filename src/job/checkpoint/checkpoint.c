@@ -77,7 +77,7 @@ static fathom_status prepare(checkpoint *c) {
     if (status != FATHOM_OK) return status;
     fathom_file_remove_left_over(c->options.path);
     checkpoint_key_of(&c->settings, c->film->stats.scene_fingerprint, &c->key);
-    if (!checkpoint_state_create(&c->settings, c->film, film_parts_of(c->settings.aovs), &c->state) ||
+    if (!checkpoint_state_create(&c->settings, c->film, c->film->parts, &c->state) ||
         !checkpoint_write_create(&c->state, c->film, &c->write) ||
         fathom_context_create(&c->saving) != FATHOM_OK)
         return fail_memory(c->context, c->state.grid.count * sizeof(uint64_t));

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 SIZED_DEFAULT_OWN(fathom_part, {.split = FATHOM_SPLIT_AUTO})
@@ -116,7 +117,7 @@ static fathom_status read_map(part *p, const file_map *map) {
     if (status != FATHOM_OK) return status;
     checkpoint_key_set_tracer(&p->head.key, theirs.key.tracer);
     const unsigned char *payload;
-    size_t at = sizeof theirs + sizeof(uint64_t);
+    size_t at = part_head_bytes(&theirs) + sizeof(uint64_t);
     for (const part_record *r;
          (r = part_record_next(&p->shape, map->bytes, map->size, &at, p->done, &payload));)
         count_before(p, r);
@@ -131,7 +132,13 @@ static bool is_begun(const part *p) {
     char bytes[sizeof(part_head) + sizeof(uint64_t)] = "";
     const ssize_t size = read(p->file, bytes, sizeof bytes);
     const size_t magic = size < (ssize_t)strlen(PART_MAGIC) ? (size_t)size : strlen(PART_MAGIC);
-    return size == (ssize_t)sizeof bytes || size < 0 || memcmp(bytes, PART_MAGIC, magic) != 0;
+    if (size < 0 || memcmp(bytes, PART_MAGIC, magic) != 0) return true;
+    if (size < (ssize_t)sizeof bytes) return false;
+    part_head head;
+    struct stat now;
+    memcpy(&head, bytes, sizeof head);
+    return head.format != PART_FORMAT || fstat(p->file, &now) != 0 ||
+           now.st_size >= (off_t)(part_head_bytes(&head) + sizeof(uint64_t));
 }
 
 static fathom_status cannot_write(const part *p, int error) {
@@ -162,8 +169,12 @@ static void fill_head(part *p, const fathom_part *options, const fathom_settings
     h->settings = *settings;
     h->settings.tracer = NULL;
     h->camera = p->film->camera;
+    h->light_groups = p->film->light_groups;
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        const char *text = p->film->manifests[k];
+        h->manifests[k] = text ? (uint32_t)strlen(text) + 1 : 0;
+    }
     memcpy(h->background, p->film->background, sizeof h->background);
-    memcpy(h->brightest, p->film->brightest, sizeof h->brightest);
     snprintf(h->scene, sizeof h->scene, "%s", p->film->scene_name);
 }
 
@@ -279,9 +290,12 @@ fathom_status part_begin(part *p, const char *tracer, wave_share **share) {
     if (ftruncate(p->file, p->size) != 0) return cannot_write(p, errno);
     if (p->size) return FATHOM_OK;
     p->head.stats = p->film->stats;
-    const uint64_t sum = part_hash(&p->head, sizeof p->head);
-    if (write_all(p, &p->head, sizeof p->head) && write_all(p, &sum, sizeof sum)) return FATHOM_OK;
-    return cannot_write(p, p->error);
+    memcpy(p->head.brightest, p->film->brightest, sizeof p->head.brightest);
+    const char *const manifests[MATTE_KINDS] = {p->film->manifests[0], p->film->manifests[1]};
+    const uint64_t sum = part_head_hash(&p->head, manifests);
+    bool fine = write_all(p, &p->head, sizeof p->head);
+    for (int k = 0; k < MATTE_KINDS && fine; ++k) fine = write_all(p, manifests[k], p->head.manifests[k]);
+    return fine && write_all(p, &sum, sizeof sum) ? FATHOM_OK : cannot_write(p, p->error);
 }
 
 static fathom_status finish(part *p, fathom_status status) {

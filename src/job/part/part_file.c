@@ -45,9 +45,10 @@ part_shape part_shape_of(const part_head *head) {
                     .grid = wave_grid_of(r.x, r.y, r.x + r.width, r.y + r.height)};
     s.range = s.sums ? sum_part(settings->spp, s.index, s.count) : (sum_range){0, settings->spp};
     s.stride = stride_of(s.grid.count);
-    s.square_bytes = s.sums ? sum_list_nodes(s.range, NULL) *
-                                  sum_bytes(unit_groups(settings), film_parts_of(settings->aovs))
-                            : film_channels(settings->aovs) * LANES * sizeof(uint32_t);
+    s.square_bytes =
+        s.sums ? sum_list_nodes(s.range, NULL) *
+                     sum_bytes(unit_groups(settings), film_parts_of(settings->aovs, &head->light_groups))
+               : film_channels(settings->aovs, &head->light_groups) * LANES * sizeof(uint32_t);
     return s;
 }
 
@@ -61,6 +62,38 @@ size_t part_wave_bytes(const part_shape *s, uint32_t wave) {
 }
 
 /* ---- the head ---- */
+
+size_t part_head_bytes(const part_head *head) {
+    size_t bytes = sizeof *head;
+    for (int k = 0; k < MATTE_KINDS; ++k) bytes += head->manifests[k];
+    return bytes;
+}
+
+uint64_t part_head_hash(const part_head *head, const char *const manifests[MATTE_KINDS]) {
+    hash h;
+    hash_begin(&h);
+    hash_put(&h, head, sizeof *head);
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        if (head->manifests[k]) hash_put(&h, manifests[k], head->manifests[k]);
+    }
+    return hash_end(&h);
+}
+
+const char *part_manifest(const part_head *head, const unsigned char *bytes, matte_kind kind) {
+    size_t at = sizeof *head;
+    for (int k = 0; k < (int)kind; ++k) at += head->manifests[k];
+    return head->manifests[kind] ? (const char *)bytes + at : NULL;
+}
+
+static bool manifests_make_sense(const part_head *h, const unsigned char *bytes) {
+    const film_parts parts = film_parts_of(h->settings.aovs, &h->light_groups);
+    for (int k = 0; k < MATTE_KINDS; ++k) {
+        const char *text = part_manifest(h, bytes, (matte_kind)k);
+        if ((text != NULL) != (parts.mattes[k] >= 0)) return false;
+        if (text && memchr(text, 0, h->manifests[k]) != text + h->manifests[k] - 1) return false;
+    }
+    return true;
+}
 
 static bool ends(const char *text, size_t size) { return memchr(text, 0, size); }
 
@@ -76,6 +109,10 @@ static bool makes_sense(const part_head *h) {
     if (!split || !h->index || h->index > h->count || h->settings.tracer ||
         h->settings.size != sizeof h->settings)
         return false;
+    if (h->light_groups.count > LIGHT_GROUPS) return false;
+    for (uint32_t i = 0; i < h->light_groups.count; ++i) {
+        if (!ends(h->light_groups.names[i], LIGHT_GROUP_NAME)) return false;
+    }
     if (scene_check_settings(NULL, &h->settings) != FATHOM_OK || h->settings.max_time > 0) return false;
     return h->split == FATHOM_SPLIT_TILES ||
            (!(h->settings.target_error > 0) && h->count <= sum_leaves(h->settings.spp));
@@ -95,7 +132,6 @@ fathom_status part_head_read(fathom_context *context, const char *path, const un
     }
     if (size < sizeof *out + sizeof sum) return damaged(context, path);
     memcpy(out, bytes, sizeof *out);
-    memcpy(&sum, bytes + sizeof *out, sizeof sum);
     const char *now = fathom_version();
     if (out->format != PART_FORMAT || out->bytes != sizeof *out || strcmp(out->key.version, now) != 0) {
         return fail_file(
@@ -104,7 +140,11 @@ fathom_status part_head_read(fathom_context *context, const char *path, const un
             "same version for all parts and for merging them",
             out->key.version, out->format, now, PART_FORMAT);
     }
-    if (part_hash(bytes, sizeof *out) != sum || !is_whole(out) || !makes_sense(out))
+    const size_t whole = part_head_bytes(out);
+    if (size < whole + sizeof sum) return damaged(context, path);
+    memcpy(&sum, bytes + whole, sizeof sum);
+    if (part_hash(bytes, whole) != sum || !is_whole(out) || !makes_sense(out) ||
+        !manifests_make_sense(out, bytes))
         return damaged(context, path);
     return FATHOM_OK;
 }

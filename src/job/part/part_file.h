@@ -4,7 +4,7 @@
  * Little endian, structs as memory has them on this machine: only the same version reads them. Each piece
  * ends with the hash (base/hash.h) of its bytes.
  *
- *     part_head, u64 hash
+ *     part_head, the manifests of mattes, u64 hash
  *     part_record, its bytes, u64 hash     of each tile
  *
  * The bytes of a tile are, square after square of those that the film shows, of 4 × 4 pixels each:
@@ -17,7 +17,7 @@
 #include "job/job.h"
 
 #define PART_MAGIC "FTHMPART"
-#define PART_FORMAT 2u
+#define PART_FORMAT 3u
 #define PART_RECORD 0x45564157u /* "WAVE" */
 
 typedef struct part_head {
@@ -30,7 +30,9 @@ typedef struct part_head {
     fathom_camera camera;
     fathom_stats stats; /* of the scene; what is counted while rendering is in the records */
     float background[3], brightest[3];
-    char scene[1024]; /* its name, cut */
+    light_group_names light_groups;
+    uint32_t manifests[MATTE_KINDS]; /* bytes of these texts, their ends included, which follow the head */
+    char scene[1024];                /* its name, cut */
 } part_head;
 
 typedef struct part_record {
@@ -55,6 +57,12 @@ part_shape part_shape_of(const part_head *head);
  * golden section apart. With samples every tile is of every part. */
 bool part_owns(const part_shape *shape, uint32_t wave);
 size_t part_wave_bytes(const part_shape *shape, uint32_t wave);
+
+/* The head with what follows it; behind all that is its hash, and then the records. */
+size_t part_head_bytes(const part_head *head);
+uint64_t part_head_hash(const part_head *head, const char *const manifests[MATTE_KINDS]);
+/* Where a manifest is, in the bytes of a file whose head was read; NULL: there is none. */
+const char *part_manifest(const part_head *head, const unsigned char *bytes, matte_kind kind);
 
 /* FATHOM_BAD_INPUT: the bytes do not begin with the whole head of a part that this version reads. */
 fathom_status part_head_read(fathom_context *context, const char *path, const unsigned char *bytes,

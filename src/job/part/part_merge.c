@@ -136,7 +136,7 @@ static fathom_status check_whole(const merging *m, const source *s, size_t end) 
 
 static fathom_status read_part(merging *m, source *s) {
     const unsigned char *payload;
-    size_t at = sizeof(part_head) + sizeof(uint64_t);
+    size_t at = part_head_bytes(s->head) + sizeof(uint64_t);
     memset(m->done, 0, s->shape.grid.count * sizeof *m->done);
     for (const part_record *r;
          (r = part_record_next(&s->shape, s->map.bytes, s->map.size, &at, m->done, &payload));) {
@@ -204,18 +204,19 @@ static void add_wave(const merging *m, uint32_t wave, adding *a) {
     film.take(film.user, &result);
 }
 
-static bool prepare_adding(const fathom_settings *s, adding *a) {
+static bool prepare_adding(const fathom_film *film, adding *a) {
+    const fathom_settings *s = &film->settings;
     const sampler none = {FATHOM_PATTERN_GRID, 1, 0};
     const uint32_t depth = sum_stack_depth((sum_range){0, s->spp});
     for (uint32_t i = 0; i < WAVE_SQUARES; ++i) a->samples[i] = s->spp;
-    a->nodes = sum_nodes_create(film_parts_of(s->aovs), 2 * depth);
+    a->nodes = sum_nodes_create(film->parts, 2 * depth);
     a->stack.nodes = a->nodes + depth;
-    return a->nodes && pixel_sums_create(&none, unit_groups(s), film_parts_of(s->aovs), &a->sums);
+    return a->nodes && pixel_sums_create(&none, unit_groups(s), film->parts, &a->sums);
 }
 
 static fathom_status add_samples(const merging *m) {
     adding *a = calloc(1, sizeof *a);
-    const bool fine = a && prepare_adding(&m->film->settings, a);
+    const bool fine = a && prepare_adding(m->film, a);
     if (fine) pixel_sums_clear(&a->sums);
     for (uint32_t i = 0; fine && i < m->sources[0].shape.grid.count; ++i) add_wave(m, i, a);
     if (a) {
@@ -239,9 +240,13 @@ static fathom_status make_film(merging *m) {
                         .full_height = head->settings.height,
                         .settings = head->settings,
                         .camera = head->camera,
+                        .light_groups = head->light_groups,
                         .scene_name = head->scene};
     memcpy(like.background, head->background, sizeof like.background);
     memcpy(like.brightest, head->brightest, sizeof like.brightest);
+    for (int k = 0; k < MATTE_KINDS; ++k)
+        like.manifests[k] =
+            (char *)(uintptr_t)part_manifest(head, m->sources[0].map.bytes, (matte_kind)k); /* is copied */
     fathom_status status = film_create_like(m->context, &like, &m->film);
     if (status != FATHOM_OK) return status;
     m->film->stats = head->stats;

@@ -311,7 +311,11 @@ fathom_status ranks_open(fathom_context *context, const fathom_ranks *options,
     }
     ranks *r = calloc(1, sizeof *r);
     if (!r) return fail_memory(context, sizeof *r);
-    part_head head = {.index = 1, .count = 1, .split = FATHOM_SPLIT_TILES, .settings = *settings};
+    part_head head = {.index = 1,
+                      .count = 1,
+                      .split = FATHOM_SPLIT_TILES,
+                      .settings = *settings,
+                      .light_groups = film->light_groups};
     r->context = context, r->other = options, r->film = film;
     r->shape = part_shape_of(&head);
     r->threads = fathom_context_threads(context);

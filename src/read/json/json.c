@@ -135,6 +135,16 @@ static fathom_status add_materials(const object_reader *r, json_t *materials) {
     return status;
 }
 
+fathom_status light_group_set(const object_reader *r, const where *at, const char *key,
+                              fathom_light_source source, size_t first, size_t end, const char *name) {
+    const where named = {at, key, 0};
+    for (size_t id = first; name && id < end; ++id) {
+        fathom_status status = fathom_scene_set_light_group(r->scene, source, (fathom_id)id, name);
+        if (status != FATHOM_OK) return doc_within(r->doc, &named, status);
+    }
+    return FATHOM_OK;
+}
+
 static fathom_light_type light_type(form_light_id id) {
     switch (id) {
     case FORM_POINT: return FATHOM_LIGHT_POINT;
@@ -180,6 +190,14 @@ static fathom_status add_environment(const object_reader *r, const where *at, co
     return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
 }
 
+static fathom_status group_light(const object_reader *r, const where *at, const form_light_values *v,
+                                 form_light_id id) {
+    const bool sky = id == FORM_ENVIRONMENT;
+    const size_t count = sky ? r->scene->environments.count : r->scene->lights.count;
+    return light_group_set(r, at, "group", sky ? FATHOM_SOURCE_ENVIRONMENT : FATHOM_SOURCE_LIGHT, count - 1,
+                           count, v->group);
+}
+
 static fathom_status add_light(const object_reader *r, const where *at, json_t *value) {
     const form *f;
     fathom_status status = doc_choose(r->doc, at, value, &form_light, &f);
@@ -192,9 +210,13 @@ static fathom_status add_light(const object_reader *r, const where *at, json_t *
     light.type = light_type((form_light_id)f->id);
     set_light(value, &v, &light);
     if (f->id == FORM_SUN) light.angular_radius = (float)place_radians(v.angular_diameter / 2);
-    if (f->id == FORM_ENVIRONMENT) return add_environment(r, at, v.file, &light);
-    status = fathom_scene_add_light(r->scene, &light, NULL);
-    return status == FATHOM_OK ? status : doc_within(r->doc, at, status);
+    if (f->id == FORM_ENVIRONMENT) {
+        status = add_environment(r, at, v.file, &light);
+    } else {
+        status = fathom_scene_add_light(r->scene, &light, NULL);
+        if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
+    }
+    return status == FATHOM_OK ? group_light(r, at, &v, (form_light_id)f->id) : status;
 }
 
 static fathom_status add_lights(const object_reader *r, json_t *lights) {
@@ -282,6 +304,9 @@ static fathom_status build(const object_reader *r, json_t *root, form_scene_valu
     if (status == FATHOM_OK) status = set_image(r, root, v);
     if (status == FATHOM_OK && doc_has(root, "background"))
         status = fathom_scene_set_background(scene, v->background);
+    if (status == FATHOM_OK)
+        status =
+            light_group_set(r, NULL, "backgroundGroup", FATHOM_SOURCE_BACKGROUND, 0, 1, v->background_group);
     if (status == FATHOM_OK && doc_has(root, "ambient")) status = fathom_scene_set_ambient(scene, v->ambient);
     if (status == FATHOM_OK) status = add_materials(r, v->materials);
     if (status == FATHOM_OK) status = add_lights(r, v->lights);

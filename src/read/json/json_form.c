@@ -196,7 +196,8 @@ static const form_rule classic_rules[] = {
     {FORM_NEEDS, "shininess", {"specular"}},
     END_RULES,
 };
-static const form_key model_keys[] = {{"model", FORM_TAG, .required = false}, END_KEYS};
+static const form_key model_keys[] = {
+    {"model", FORM_TAG, .required = false}, {"group", FORM_TEXT, AT(form_material_values, group)}, END_KEYS};
 static const form classic_form = {.name = "classic",
                                   .id = FATHOM_MODEL_CLASSIC,
                                   .parts = {model_keys, classic_keys, classic_textures},
@@ -213,6 +214,7 @@ const form form_material = {.name = "material", .variants = material_forms, .tag
 static const form_key light_keys[] = {
     {"type", FORM_TAG, .required = true},
     {"name", FORM_TEXT, AT(form_light_values, name)},
+    {"group", FORM_TEXT, AT(form_light_values, group)},
     {"color", FORM_F32, AT(form_light_values, color), .count = 3, RADIANCE},
     {"intensity", FORM_F32, AT(form_light_values, intensity), RADIANCE},
     END_KEYS,
@@ -277,7 +279,8 @@ static const form_key object_keys[] = {
     {"material", FORM_TEXT, OBJECT(material)},
     END_KEYS,
 };
-static const form_key shadow_keys[] = {{"castsShadow", FORM_BOOL, OBJECT(casts_shadow)}, END_KEYS};
+static const form_key shadow_keys[] = {
+    {"castsShadow", FORM_BOOL, OBJECT(casts_shadow)}, {"group", FORM_TEXT, OBJECT(light_group)}, END_KEYS};
 
 static const form_key sphere_keys[] = {
     {"center", FORM_F64, OBJECT(as.sphere.center), .count = 3, .required = true},
@@ -399,6 +402,7 @@ static const form_key scene_keys[] = {
     {"camera", FORM_OBJECT, AT(form_scene_values, camera), .form = &form_camera},
     {"image", FORM_OBJECT, AT(form_scene_values, image), .form = &form_image},
     {"background", FORM_F32, AT(form_scene_values, background), .count = 3, RADIANCE},
+    {"backgroundGroup", FORM_TEXT, AT(form_scene_values, background_group)},
     {"ambient", FORM_F32, AT(form_scene_values, ambient), .count = 3, RADIANCE},
     {"materials", FORM_MAP, AT(form_scene_values, materials), .form = &form_material},
     {"lights", FORM_LIST, AT(form_scene_values, lights), .form = &form_light},

@@ -111,6 +111,7 @@ typedef struct form_texture_values {
 typedef struct form_material_values {
     fathom_material material; /* first: its parameters are keys */
     form_texture_values textures[FATHOM_MAPS + 1];
+    const char *group;
 } form_material_values;
 
 typedef enum form_light_id {
@@ -122,7 +123,7 @@ typedef enum form_light_id {
 } form_light_id;
 
 typedef struct form_light_values {
-    const char *name, *file;
+    const char *name, *file, *group;
     double position[3], direction[3], target[3];
     float color[3], intensity, radiant_intensity, irradiance, radius;
     double inner_angle, outer_angle, angular_diameter, rotation; /* degrees */
@@ -158,7 +159,7 @@ typedef enum form_object_id {
 typedef enum form_shading { FORM_AS_GIVEN, FORM_FLAT, FORM_SMOOTH } form_shading;
 
 typedef struct form_object_values {
-    const char *name, *material;
+    const char *name, *material, *light_group;
     bool casts_shadow;
     form_place_values place;
     json_t *motion;
@@ -190,7 +191,7 @@ typedef struct form_object_values {
 } form_object_values;
 
 typedef struct form_scene_values {
-    const char *schema, *name;
+    const char *schema, *name, *background_group;
     form_camera_values camera;
     fathom_settings image;
     float background[3], ambient[3];

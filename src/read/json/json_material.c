@@ -92,6 +92,8 @@ fathom_status material_add(const object_reader *r, const where *at, const char *
     v.material.model = (fathom_model)f->id;
     status = fathom_scene_add_material(r->scene, name, &v.material, &id);
     if (status != FATHOM_OK) return doc_within(r->doc, at, status);
+    status = light_group_set(r, at, "group", FATHOM_SOURCE_MATERIAL, id, id + (size_t)1, v.group);
+    if (status != FATHOM_OK) return status;
     if (json_object_set_new(r->materials, name, json_integer(id)) != 0)
         return fail_memory(r->scene->context, strlen(name));
     return FATHOM_OK;

@@ -101,6 +101,8 @@ void mesh_batch_free(mesh_batch *batch) {
     array_free(&batch->uvs);
 }
 
+static bool same_text(const char *a, const char *b) { return a == b || (a && b && strcmp(a, b) == 0); }
+
 fathom_status mesh_batch_flush(const object_reader *r, mesh_batch *batch) {
     size_t vertices = batch->positions.count / 3;
     if (!vertices) return FATHOM_OK;
@@ -113,7 +115,15 @@ fathom_status mesh_batch_flush(const object_reader *r, mesh_batch *batch) {
                                 .indices = indices,
                                 .vertices = vertices,
                                 .triangles = vertices / 3};
+    const size_t first = r->scene->objects.count;
     fathom_status status = add_arrays(r, batch->group, &arrays, batch->material, batch->flags);
+    for (size_t i = first; status == FATHOM_OK && i < r->scene->objects.count; ++i) {
+        if (batch->light_group)
+            status = fathom_scene_set_light_group(r->scene, FATHOM_SOURCE_OBJECT, (fathom_id)i,
+                                                  batch->light_group);
+        if (batch->name && status == FATHOM_OK)
+            status = fathom_scene_name_object(r->scene, (fathom_id)i, batch->name);
+    }
     free(indices);
     batch->positions.count = batch->normals.count = batch->uvs.count = 0;
     return status;
@@ -123,11 +133,13 @@ fathom_status mesh_batch_add(const object_reader *r, json_t *value, const form_o
                              fathom_id group, fathom_id material, unsigned flags, mesh_batch *batch) {
     bool normals = doc_has(value, "normals"), uvs = doc_has(value, "uvs");
     if (batch->group != group || batch->material != material || batch->flags != flags ||
+        !same_text(batch->light_group, o->light_group) || !same_text(batch->name, o->name) ||
         normals != (batch->normals.count > 0) || uvs != (batch->uvs.count > 0)) {
         fathom_status status = mesh_batch_flush(r, batch);
         if (status != FATHOM_OK) return status;
     }
     batch->group = group, batch->material = material, batch->flags = flags;
+    batch->light_group = o->light_group, batch->name = o->name;
     if (!array_room(&batch->positions, 9) || !array_room(&batch->normals, 9) || !array_room(&batch->uvs, 6))
         return fail_memory(r->scene->context, batch->positions.count * sizeof(double));
     memcpy(batch->positions.items + batch->positions.count, o->as.triangle.vertices, 9 * sizeof(double));

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "read/read.h"
+#include "scene/light_groups.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -302,7 +303,22 @@ static fathom_status add_object(const object_reader *r, const where *at, json_t 
     bool instanced = o.kind == FORM_GROUP || o.kind == FORM_INSTANCE || o.placed;
     if (status == FATHOM_OK && instanced) status = add_instance(r, at, &o, parent, group);
     if (status == FATHOM_OK && o.kind != FORM_TRIANGLE) status = mesh_batch_flush(r, batch);
-    return status == FATHOM_OK ? add_content(r, at, value, &o, group, batch) : status;
+    const size_t first = r->scene->objects.count;
+    if (status == FATHOM_OK) status = add_content(r, at, value, &o, group, batch);
+    if (status != FATHOM_OK) return status;
+    if (o.kind == FORM_TRIANGLE && o.values.light_group) {
+        /* Its mesh comes later. */
+        const where named = {at, "group", 0};
+        uint8_t found;
+        status = light_group_find(r->scene, o.values.light_group, &found);
+        return status == FATHOM_OK ? status : doc_within(r->doc, &named, status);
+    }
+    for (size_t i = first; o.kind != FORM_GROUP && o.values.name && i < r->scene->objects.count; ++i) {
+        status = fathom_scene_name_object(r->scene, (fathom_id)i, o.values.name);
+        if (status != FATHOM_OK) return status;
+    }
+    return light_group_set(r, at, "group", FATHOM_SOURCE_OBJECT, first, r->scene->objects.count,
+                           o.values.light_group);
 }
 
 fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group) {

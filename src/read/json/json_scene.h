@@ -16,6 +16,10 @@ typedef struct object_reader {
 /* Adds the objects of `list` to `group`, in their order. */
 fathom_status object_list(const object_reader *r, const where *at, json_t *list, fathom_id group);
 
+/* Puts sources [first, end) into the light group that `at` names under `key`; NULL: into none. */
+fathom_status light_group_set(const object_reader *r, const where *at, const char *key,
+                              fathom_light_source source, size_t first, size_t end, const char *name);
+
 /* ---- materials (json_material.c) ---- */
 
 fathom_status material_add(const object_reader *r, const where *at, const char *name, json_t *value);
@@ -36,6 +40,7 @@ typedef struct mesh_batch {
     ARRAY(double) positions, normals, uvs;
     fathom_id group, material;
     unsigned flags;
+    const char *light_group, *name; /* of the document; NULL: none */
 } mesh_batch;
 
 /* Adds a triangle; first flushes the batch if its triangles differ from this one. */

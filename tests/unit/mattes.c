@@ -1,0 +1,224 @@
+/* Cryptomatte, decoded by its published rule: the matte of a name is the sum of the coverages that stand next
+ * to its id. */
+#include "base/file.h"
+#include "base/murmur.h"
+#include "film/film.h"
+#include "render.h"
+#include "scene/scene.h"
+#include "unit_folder.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#define SIDE 48
+
+static const double up[3] = {0, 1, 0};
+
+/* Values of the author's own implementation. */
+static void the_hash_is_murmur3(void **state) {
+    (void)state;
+    assert_int_equal(murmur_hash("", 0), 0);
+    assert_int_equal(murmur_hash("test", 4), 0xba6bd213);
+    assert_int_equal(murmur_hash("hello", 5), 0x248bfa47);
+    assert_int_equal(murmur_hash("hello, world", 12), 0x149bbb7f);
+    assert_int_equal(murmur_hash("The quick brown fox jumps over the lazy dog", 43), 0x2e4ff723);
+}
+
+static void ids_are_numbers(void **state) {
+    (void)state;
+    char name[16];
+    for (unsigned i = 0; i < 100000; ++i) {
+        snprintf(name, sizeof name, "object %u", i);
+        const uint32_t id = matte_id(name);
+        float value;
+        memcpy(&value, &id, sizeof value);
+        assert_true(isnormal(value));
+    }
+}
+
+static void name_last(stage *s, const char *name) {
+    assert_ok(s->context, fathom_scene_name_object(s->scene, (fathom_id)(s->scene->objects.count - 1), name));
+}
+
+static fathom_id named_material(stage *s, const char *name, const fathom_material *m) {
+    fathom_id id;
+    assert_ok(s->context, fathom_scene_add_material(s->scene, name, m, &id));
+    return id;
+}
+
+/* Balls before each other, one behind a veil that lets three quarters of the paths through, glass that does
+ * not. */
+static stage open_balls(void) {
+    stage s = stage_open(SIDE, SIDE);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.spp = 64, s.settings.target_error = 0, s.settings.max_depth = 2;
+    s.settings.aovs = FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_CRYPTO_MATERIAL | FATHOM_AOV_ALPHA;
+    fathom_material m;
+    fathom_material_default(&m);
+    const fathom_id red = named_material(&s, "red \"wax\"", &m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.opacity = 0.25f;
+    const fathom_id veil = named_material(&s, "veil", &m);
+    m.opacity = 1, m.transmission = 1, m.thickness = 1, m.roughness = 0;
+    const fathom_id glass = named_material(&s, "glass", &m);
+    stage_sphere(&s, -0.5, 0, 0, 0.8, red), name_last(&s, "left");
+    stage_sphere(&s, 0.5, 0, -1, 0.8, red), name_last(&s, "right");
+    stage_quad(&s, (double[3]){0.9, 0, 2}, (double[3]){0.4, 0, 0}, (double[3]){0, 1, 0}, veil);
+    name_last(&s, "curtain");
+    stage_sphere(&s, 0, 1, 1, 0.3, glass);
+    stage_camera(&s, (double[3]){0, 0.3, 5}, (double[3]){0, 0.2, 0}, up, 0.7);
+    return s;
+}
+
+/* ---- the rule ---- */
+
+static const float *channel(const fathom_film *film, const char *layer, unsigned rank, char c) {
+    char name[40];
+    snprintf(name, sizeof name, "%s%02u.%c", layer, rank / 2, c);
+    const float *pixels = fathom_film_channel(film, name);
+    assert_non_null(pixels);
+    return pixels;
+}
+
+static double matte_of(const fathom_film *film, const char *layer, uint32_t hash, int pixel) {
+    const uint32_t exponent = hash >> 23 & 255;
+    const uint32_t id = exponent == 0 ? hash | 1u << 23 : exponent == 255 ? hash ^ 1u << 23 : hash;
+    double sum = 0;
+    for (unsigned r = 0; r < MATTE_RANKS; ++r) {
+        uint32_t bits;
+        memcpy(&bits, &channel(film, layer, r, r % 2 ? 'B' : 'R')[pixel], sizeof bits);
+        if (bits == id) sum += (double)channel(film, layer, r, r % 2 ? 'A' : 'G')[pixel];
+    }
+    return sum;
+}
+
+static uint32_t hash_of(const char *name) { return murmur_hash(name, strlen(name)); }
+
+static double mean_of(const fathom_film *film, const char *layer, const char *name) {
+    double sum = 0;
+    for (int i = 0; i < SIDE * SIDE; ++i) sum += matte_of(film, layer, hash_of(name), i) / (SIDE * SIDE);
+    return sum;
+}
+
+/* ---- laws ---- */
+
+static void mattes_share_what_is_not_empty(void **state) {
+    (void)state;
+    static const char *const objects[] = {"left", "right", "curtain", "sphere 2"}, *const materials[] = {
+                                                                                       "red \"wax\"", "veil",
+                                                                                       "glass"};
+    stage s = open_balls();
+    for (int k = 0; k < 2; ++k) {
+        s.settings.target_error = k ? 0.05 : 0;
+        fathom_film *film = stage_render(&s);
+        int several = 0;
+        for (int i = 0; i < SIDE * SIDE; ++i) {
+            double object = 0, material = 0;
+            int met = 0;
+            for (int n = 0; n < 4; ++n) {
+                const double matte = matte_of(film, "CryptoObject", hash_of(objects[n]), i);
+                object += matte, met += matte > 0;
+            }
+            for (int n = 0; n < 3; ++n)
+                material += matte_of(film, "CryptoMaterial", hash_of(materials[n]), i);
+            several += met > 1;
+            assert_near(object, material, 1e-6);
+            assert_true(object <= 1 + 1e-6);
+            /* Where the curtain hangs, alpha counts it whole. */
+            const double veiled = matte_of(film, "CryptoObject", hash_of("curtain"), i);
+            const double alpha = (double)fathom_film_channel(film, "A")[i];
+            if (veiled > 0)
+                assert_true(object <= alpha + 1e-6);
+            else if (i % SIDE < SIDE / 2)
+                assert_near(object, alpha, 1e-6);
+            for (unsigned r = 1; r < MATTE_RANKS; ++r)
+                assert_true(channel(film, "CryptoObject", r, r % 2 ? 'A' : 'G')[i] <=
+                            channel(film, "CryptoObject", r - 1, r % 2 ? 'G' : 'A')[i]);
+        }
+        assert_true(several > 20);
+        fathom_film_destroy(film);
+    }
+    stage_close(&s);
+}
+
+/* Each sample meets the curtain with a chance of a quarter: 5 standard errors of all samples on it. */
+static void what_is_there_in_part_covers_in_part(void **state) {
+    (void)state;
+    stage s = open_balls();
+    fathom_film *film = stage_render(&s);
+    const double veil = mean_of(film, "CryptoObject", "curtain");
+    stage whole = open_balls();
+    whole.scene->materials.items[2].value.opacity = 1;
+    fathom_film *solid = stage_render(&whole);
+    const double all = mean_of(solid, "CryptoObject", "curtain"), samples = all * SIDE * SIDE * 64;
+    assert_true(all > 0.05);
+    assert_near(veil / all, 0.25, 5 * sqrt(0.25 * 0.75 / samples));
+    assert_near(veil, mean_of(film, "CryptoMaterial", "veil"), 1e-9);
+    assert_true(mean_of(film, "CryptoObject", "right") > mean_of(solid, "CryptoObject", "right"));
+    fathom_film_destroy(film);
+    fathom_film_destroy(solid);
+    stage_close(&s);
+    stage_close(&whole);
+}
+
+static void assert_holds(const file_map *map, const char *text) {
+    assert_non_null(memmem(map->bytes, map->size, text, strlen(text)));
+}
+
+static void headers_hold_the_names(void **state) {
+    (void)state;
+    stage s = open_balls();
+    fathom_film *film = stage_render(&s);
+    const char *path = in_folder("a.exr");
+    for (int plain = 0; plain < 2; ++plain) {
+        fathom_write_options options;
+        fathom_write_options_default(&options);
+        assert_ok(s.context, plain ? fathom_film_write_plain(s.context, film, path)
+                                   : fathom_film_write(s.context, film, path, &options));
+        file_map map;
+        char text[128];
+        assert_ok(s.context, file_open(s.context, path, &map));
+        snprintf(text, sizeof text, "cryptomatte/%07x/manifest", hash_of("CryptoObject") >> 4);
+        assert_holds(&map, text);
+        assert_holds(&map, "uint32_to_float32");
+        assert_holds(&map, "MurmurHash3_32");
+        snprintf(text, sizeof text, "\"left\":\"%08x\"", hash_of("left"));
+        assert_holds(&map, text);
+        snprintf(text, sizeof text, "\"red \\\"wax\\\"\":\"%08x\"", hash_of("red \"wax\""));
+        assert_holds(&map, text);
+        assert_holds(&map, "CryptoObject02.A");
+        file_close(&map);
+        unlink(path);
+    }
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* A pixel keeps the largest six of sixteen, equal ones by their ids. */
+static void ranks_are_the_largest(void **state) {
+    (void)state;
+    matte_list list = {{0}, {0}};
+    for (uint32_t i = 1; i <= 20; ++i) matte_add(&list, i, i);
+    matte_add(&list, 3, 12);
+    float out[2 * MATTE_RANKS];
+    matte_rank(&list, 100, out);
+    static const uint32_t ids[] = {16, 3, 15, 14, 13, 12};
+    static const float coverage[] = {0.16f, 0.15f, 0.15f, 0.14f, 0.13f, 0.12f};
+    for (unsigned r = 0; r < MATTE_RANKS; ++r) {
+        uint32_t id;
+        memcpy(&id, &out[2 * r], sizeof id);
+        assert_int_equal(id, ids[r]);
+        assert_true(out[2 * r + 1] == coverage[r]);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_hash_is_murmur3),
+        cmocka_unit_test(ids_are_numbers),
+        cmocka_unit_test(mattes_share_what_is_not_empty),
+        cmocka_unit_test(what_is_there_in_part_covers_in_part),
+        cmocka_unit_test(headers_hold_the_names),
+        cmocka_unit_test(ranks_are_the_largest),
+    };
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+}
