@@ -89,6 +89,24 @@ static void keys_follow_the_stills(void **state) {
     }
 }
 
+/* Eight turns in 24 keys: at each eighth of the time it is back where it was. */
+static void a_wheel_does_not_seem_to_stand(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    float at[25], turns[25][4] = {{0}};
+    for (int k = 0; k < 25; ++k) {
+        at[k] = (float)k / 24;
+        turns[k][2] = (float)sin(k * 3.14159265358979 / 3),
+        turns[k][3] = (float)cos(k * 3.14159265358979 / 3);
+    }
+    const int times = put_typed(&b, 5126, "SCALAR", 25, at, sizeof at, ""),
+              values = put_typed(&b, 5126, "VEC4", 25, turns, sizeof turns, "");
+    write_channel(f, &b, "rotation", "LINEAR", "", times, values);
+    fathom_scene *scene = read_blurred(f, 0, 1);
+    assert_true(scene->instances.items[0].key_count > 24);
+    fathom_scene_destroy(scene);
+}
+
 /* ---- vertices ---- */
 
 /* A triangle with two morph targets whose weights change, and a skin of two joints, of which one turns. */
@@ -181,6 +199,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         TEST(an_even_slide_is_two_keys),
         TEST(keys_follow_the_stills),
+        TEST(a_wheel_does_not_seem_to_stand),
         TEST(vertices_follow_the_stills),
         TEST(a_blurred_figure_is_the_mean_of_still_ones),
         TEST(what_cannot_blur_stands_and_is_named),

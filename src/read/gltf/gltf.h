@@ -142,6 +142,7 @@ typedef struct gltf {
     uint32_t *parents;               /* for each node; beyond all nodes: a root */
     uint32_t animation;              /* that is posed; GLTF_ABSENT: none */
     bool posed;                      /* at one moment already: what there is to note has been */
+    size_t keys_inside;              /* the most that a sampler has while the shutter is open */
     uint32_t variant;                /* of materials, likewise */
     ARRAY(gltf_moment) moments;      /* as the shutter opens, at even times, and as it closes; closed: one */
     double *key_times;               /* theirs, in memory of the scene; NULL: one moment */

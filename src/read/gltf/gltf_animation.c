@@ -196,10 +196,11 @@ static int find_path(gltf *g, const gltf_value *target, const char *path) {
 
 /* A jump cannot be blurred: the node stands as the shutter opens. */
 static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint32_t node) {
-    if (s->way != STEP) return m->time;
     const double open = g->moments.items[0].time;
-    const size_t last = find_key(s, open + gltf_shutter(g));
-    if (!g->posed && last != find_key(s, open)) {
+    const size_t keys = find_key(s, open + gltf_shutter(g)) - find_key(s, open);
+    if (keys > g->keys_inside) g->keys_inside = keys;
+    if (s->way != STEP) return m->time;
+    if (!g->posed && keys) {
         const gltf_value at = {
             .json = json_array_get(g->nodes.json, node), .parent = &g->nodes, .index = node};
         gltf_note(g, &at, NULL,

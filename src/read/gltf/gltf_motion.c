@@ -5,7 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Poses are compared at 8 to 64 intervals, twice as many as the keys that they are for may have. */
+/* Poses are compared at 8 to 64 intervals, twice as many as the keys that they are for may have, and at no
+ * fewer than samplers have keys: a wheel that is back where it was at every pose would seem to stand. */
 enum { INTERVALS_FIRST = 8, INTERVALS_MOST = GLTF_MOMENTS - 1 };
 
 double gltf_shutter(const gltf *g) {
@@ -127,6 +128,7 @@ fathom_status gltf_moments_open(gltf *g) {
     size_t stride = 1;
     for (size_t intervals = INTERVALS_FIRST; stride == 1 && intervals <= INTERVALS_MOST; intervals *= 2) {
         fathom_status status = open_even(g, time, shutter, intervals);
+        if (status == FATHOM_OK && intervals < g->keys_inside && intervals < INTERVALS_MOST) continue;
         stride = intervals;
         for (uint32_t i = 0; i < gltf_count(&g->nodes) && status == FATHOM_OK; ++i)
             status = fit_node(g, i, &stride);
