@@ -53,6 +53,11 @@ typedef struct fathom_read_options {
     /* Metres in a unit of a model's lengths: it is scaled to metres. 0 (default): as it is. FATHOM_BAD_USAGE
      * for scene JSON, which scales its models itself. */
     double unit;
+    /* How long the shutter is open, in seconds, from `time` on: animations and the motion of scene JSON are
+     * blurred. It replaces the shutter of scene JSON. FATHOM_BAD_USAGE where nothing is animated or has
+     * motion. 0 (default): still, but for a shutter of scene JSON, which blurs its motion and not animations.
+     */
+    double shutter;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)

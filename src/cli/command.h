@@ -59,6 +59,7 @@ typedef struct command_model {
     fathom_up up;
     unsigned unit; /* its place in COMMAND_UNITS */
     args_f64 time;
+    double shutter;
 } command_model;
 
 #define COMMAND_UNITS "m|mm|cm|dm|km|in|ft"
@@ -74,6 +75,9 @@ fathom_read_options command_read_options(const command_model *model);
         "the list that fathom info prints (the first perspective one)"),                                     \
         COMMAND_MODEL_ROW(settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                      \
                           "pose the animation of .gltf and .glb files at this time (at rest)"),              \
+        COMMAND_MODEL_ROW(settings, "shutter", "SECONDS", take_f64, shutter, 0, 1e9,                         \
+                          "blur what moves while the shutter is open, from --time on; it replaces the "      \
+                          "shutter of scene JSON (still)"),                                                  \
         COMMAND_MODEL_ROW(settings, "animation", "NAME|N", take_text, animation, 0, 0,                       \
                           "which animation, by its name or its number from 0 (0, the first)"),               \
         COMMAND_MODEL_ROW(settings, "variant", "NAME|N", take_text, variant, 0, 0,                           \

@@ -121,6 +121,34 @@ static fathom_status name_after(fathom_scene *scene, const char *path) {
     return status;
 }
 
+static bool has_motion(const fathom_scene *scene) {
+    if (scene->camera.key_count > 1) return true;
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        if (scene->instances.items[i].key_count > 1) return true;
+    }
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        if (scene->meshes.items[i].key_count > 1) return true;
+    }
+    return false;
+}
+
+/* Motion that no shutter was meant for is likely a slip; a shutter of scene JSON that is shut is not. */
+static fathom_status open_shutter(fathom_scene *scene, const char *path) {
+    const double open = scene->asked->time, length = scene->asked->shutter;
+    if (length > 0) {
+        scene->camera.shutter[0] = open, scene->camera.shutter[1] = open + length;
+        /* A camera with keys stands as the shutter opens. */
+        const fathom_camera camera = scene->camera;
+        return camera.key_count ? fathom_scene_set_camera(scene, &camera) : FATHOM_OK;
+    }
+    if (!scene->has_shutter && has_motion(scene))
+        warn(scene->context,
+             "%s: has motion, and no shutter: all is still, where it is at time 0; give the camera a shutter "
+             "[OPEN, CLOSE], or --shutter SECONDS",
+             path);
+    return FATHOM_OK;
+}
+
 /* Options that the file cannot satisfy are reported. */
 static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     const fathom_read_options *asked = scene->asked;
@@ -136,7 +164,12 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
             "them",
             asked->variant);
     }
-    if ((asked->choose_time || asked->animation) && !scene->has_animations) {
+    if (asked->shutter > 0 && !scene->has_animations && !has_motion(scene)) {
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "has nothing that moves while a shutter is open; animations of .gltf and .glb files "
+                         "do, and motion in scene JSON");
+    }
+    if ((asked->animation || (asked->choose_time && !(asked->shutter > 0))) && !scene->has_animations) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
                          "has no animations to pose; .gltf and .glb files may have them");
     }
@@ -150,6 +183,7 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
 static fathom_status read_and_complete(fathom_scene *scene, const char *path) {
     fathom_status status = read_any(scene, path);
     if (status == FATHOM_OK) status = check_asked(scene, path);
+    if (status == FATHOM_OK) status = open_shutter(scene, path);
     if (status != FATHOM_OK) return status;
     status = fathom_scene_complete(scene);
     if (status == FATHOM_OK) status = fathom_scene_check(scene);
@@ -173,6 +207,9 @@ static fathom_status check_options(fathom_context *context, const fathom_read_op
                           (unsigned)options->integrator);
     if (options->choose_time && !isfinite(options->time))
         return fail_field(context, FATHOM_BAD_USAGE, "time", "is %g; expected seconds", options->time);
+    if (!(options->shutter >= 0 && options->shutter <= 1e9))
+        return fail_field(context, FATHOM_BAD_USAGE, "shutter", "is %g; expected seconds, or 0",
+                          options->shutter);
     if (!(options->unit >= 0 && options->unit <= 1e15))
         return fail_field(context, FATHOM_BAD_USAGE, "unit", "is %g; expected metres, or 0", options->unit);
     if (!options->width != !options->height) {

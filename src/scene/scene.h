@@ -87,6 +87,7 @@ struct fathom_scene {
     float background[3], ambient[3];
     /* Said by the file, even if it said none: nothing is added by completing. */
     bool has_ambient, has_background, has_lights;
+    bool has_shutter; /* scene JSON gives the camera one */
     /* Its lights, ambient light and background were made by fathom_scene_complete(). Under path tracing the
      * studio is there in their place; this is the way up in it. */
     bool in_studio;
@@ -119,6 +120,8 @@ fathom_status scene_allocate_items(fathom_scene *scene, size_t count, size_t byt
  * many meshes over the same vertices would have them all looked at again for each. */
 fathom_status scene_add_mesh_checked(fathom_scene *scene, fathom_id group, const fathom_mesh *mesh,
                                      const mesh_facts *facts, fathom_id *out);
+/* Checks the keys of vertices and normals; *facts come to hold for every key. */
+fathom_status mesh_check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts);
 
 /* fathom_scene_add_material() with what the classic integrator takes for the material. */
 fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const fathom_material *material,

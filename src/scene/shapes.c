@@ -171,8 +171,7 @@ static fathom_status check_vertex_arrays(fathom_context *context, const fathom_m
     return status;
 }
 
-/* The facts come to hold for every key. */
-static fathom_status check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
+fathom_status mesh_check_vertex_keys(fathom_context *context, const fathom_mesh *m, mesh_facts *facts) {
     fathom_status status = motion_check_keys(context, m->key_times, m->key_count, NULL, 0);
     if (status == FATHOM_OK && !m->key_positions) status = fail_null(context, "key_positions");
     if (status == FATHOM_OK && m->normals && !m->key_normals)
@@ -226,7 +225,7 @@ static fathom_status check_mesh(fathom_context *context, const fathom_mesh *m, m
             status = mesh_check_indices(context, "uv_indices", m->uv_indices, corners, m->uv_count);
         }
     }
-    if (status == FATHOM_OK && m->key_count) status = check_vertex_keys(context, m, facts);
+    if (status == FATHOM_OK && m->key_count) status = mesh_check_vertex_keys(context, m, facts);
     return status == FATHOM_OK ? check_vertex_arrays(context, m) : status;
 }
 

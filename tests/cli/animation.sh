@@ -60,6 +60,27 @@ refused 2 'expected a name with #### for the number, found "a.png"' render movin
 refused 2 '--frames: expected FIRST-LAST with FIRST <= LAST, such as 1-24, found "3-1"' render moving.gltf -o 'a#.png' --frames 3-1
 refused 2 '--fps: only with --frames' render moving.gltf -o a.png --fps 25
 
+# An open shutter blurs what moves, as motion in scene JSON does, to the last bit; JSON's own motion too.
+sed 's/"animations"/"nothing"/' moving.gltf >still.gltf
+cat >moving.json <<JSON
+{ "camera": { "eye": [0.4, 0.4, 2], "target": [0.4, 0.4, 1], "d": 1, "h": 0.84558643747632356 },
+  "objects": [ { "type": "mesh", "file": "still.gltf",
+    "motion": [ { "time": 0 }, { "time": 1, "translation": [0.5, 0, 0] } ] } ] }
+JSON
+blurred='--size 48x48 --spp 16 --time 0.25 --shutter 0.5'
+# shellcheck disable=SC2086
+{
+    run 0 render moving.gltf $blurred -o blurred.exr
+    run 0 render moving.json $blurred -o json.exr
+    run 0 render moving.gltf --size 48x48 --spp 16 --time 0.25 -o a.exr
+}
+run 0 compare blurred.exr json.exr
+run 1 compare blurred.exr a.exr
+rm ./*.exr
+run 0 render moving.json --size 16x16 --spp 1 -o a.png
+said err.txt 'moving.json: has motion, and no shutter: all is still, where it is at time 0; give the camera a shutter'
+refused 2 'has nothing that moves while a shutter is open' render still.gltf -o a.png --shutter 1
+
 # Units scale the scene; an image without lamps looks the same.
 run 0 info moving.gltf --unit cm --json
 grep -q '0\.01' out.txt || die '--unit cm'

@@ -35,13 +35,13 @@ void fuzz_judge(fathom_status status) {
     look_for_controls(message);
 }
 
-/* Once more as options have it: with smooth normals, at a time, as a variant. */
+/* Once more as options have it: with smooth normals, while a shutter is open, as a variant. */
 static void read_otherwise(const char *path) {
     fathom_scene *scene;
     if (fathom_scene_create(fuzz_context(), &scene) != FATHOM_OK) abort();
     const read_mesh_options options = {.material = FATHOM_NONE, .smooth = true};
     const fathom_read_options asked = {
-        .size = sizeof asked, .choose_time = true, .time = 0.25, .variant = "0"};
+        .size = sizeof asked, .choose_time = true, .time = 0.25, .shutter = 0.5, .variant = "0"};
     scene->asked = &asked;
     fuzz_judge(read_mesh(scene, FATHOM_ROOT, path, &options));
     fathom_scene_destroy(scene);

@@ -1,7 +1,6 @@
 /* Images of what moves: the mean of still images, path tracing against the reference, and which changes
  * change no bit. */
-#include "render.h"
-#include "verify/laws/laws.h"
+#include "stills.h"
 
 static fathom_material shiny(void) {
     fathom_material m;
@@ -117,49 +116,14 @@ static void both_integrators_blur_alike(void **state) {
 
 /* ---- the mean of still images ---- */
 
-enum { PIXELS = 32 * 32, STILLS = 64, SEEDS = 8 };
-
-static void add_render(stage *s, double sums[PIXELS], double weight) {
-    fathom_film *film = stage_render(s);
-    const float *green = fathom_film_channel(film, "G");
-    for (int i = 0; i < PIXELS; ++i) sums[i] += weight * (double)green[i];
-    fathom_film_destroy(film);
+static stage all_moving(void *user, double open, double close) {
+    (void)user;
+    return moving_stage(ALL, open, close);
 }
 
-/* Cells of 8 × 8 pixels. The stills lie in the middles of 64 times: a step of an edge, 1/64 of its way, is
- * far below the errors. Welch's t of each cell from 8 renders; one false alarm in 1e5. */
 static void a_blurred_image_is_the_mean_of_still_ones(void **state) {
     (void)state;
-    sample_mean blurred[16], still[16];
-    double sums[2][16] = {{0}}, squares[2][16] = {{0}};
-    for (uint64_t seed = 0; seed < SEEDS; ++seed) {
-        double image[2][PIXELS] = {{0}};
-        stage s = moving_stage(ALL, 0, 2);
-        s.settings.spp = 128, s.settings.seed = seed;
-        add_render(&s, image[0], 1);
-        stage_close(&s);
-        for (int k = 0; k < STILLS; ++k) {
-            const double time = 2 * (k + 0.5) / STILLS;
-            s = moving_stage(ALL, time, time);
-            s.settings.spp = 2, s.settings.seed = 1000 + seed * STILLS + (uint64_t)k;
-            add_render(&s, image[1], 1.0 / STILLS);
-            stage_close(&s);
-        }
-        for (int k = 0; k < 2; ++k) {
-            double cells[16] = {0};
-            for (int i = 0; i < PIXELS; ++i) cells[i / 256 * 4 + i % 32 / 8] += image[k][i] / 64;
-            for (int c = 0; c < 16; ++c) sums[k][c] += cells[c], squares[k][c] += cells[c] * cells[c];
-        }
-    }
-    double least = 1;
-    for (int c = 0; c < 16; ++c) {
-        for (int k = 0; k < 2; ++k) {
-            const double mean = sums[k][c] / SEEDS, variance = fmax(squares[k][c] / SEEDS - mean * mean, 0);
-            (k ? still : blurred)[c] = (sample_mean){mean, sqrt(variance / (SEEDS - 1)), SEEDS - 1};
-        }
-        least = fmin(least, welch_p(blurred[c], still[c], 1e-4 * still[c].mean));
-    }
-    if (sidak(least, 16) < 1e-5) fail_msg("p %g", sidak(least, 16));
+    assert_mean_of_stills(all_moving, NULL, 0, 2);
 }
 
 /* ---- to the last bit ---- */

@@ -2,8 +2,8 @@
  *
  * Reads the nodes of the default scene (else the first scene, else all root nodes, else every mesh once),
  * triangles of any mode, materials with their textures and vertex colours, skins, morph targets and one
- * animation posed at the time that is asked for, one perspective camera, and the extensions below. Triangles
- * are seen from both sides, which is noted. */
+ * animation posed at the time that is asked for, or while the shutter is open, one perspective camera, and
+ * the extensions below. Triangles are seen from both sides, which is noted. */
 #include "read/gltf/gltf.h"
 
 #include "base/text.h"
@@ -128,9 +128,8 @@ static fathom_status make_tables(gltf *g) {
     g->material_table = calloc(materials, sizeof *g->material_table);
     g->mesh_table = calloc(meshes + 1, sizeof *g->mesh_table);
     g->array_table = calloc(accessors + 1, sizeof *g->array_table);
-    g->skin_table = calloc(gltf_count(&g->skins) + 1, sizeof *g->skin_table);
     if (!g->buffer_table || !g->image_table || !g->material_table || !g->mesh_table || !g->array_table ||
-        !g->skin_table || !g->view_table)
+        !g->view_table)
         return fail_memory(g->context, (buffers + materials + meshes + accessors) * sizeof *g->array_table);
     for (size_t i = 0; i < materials; ++i) g->material_table[i].id = FATHOM_NONE;
     for (size_t i = 0; i < meshes; ++i) g->mesh_table[i] = FATHOM_NONE;
@@ -151,9 +150,8 @@ static fathom_status finish(gltf *g, fathom_status status) {
         if (buffer->owns_source) status = close_source(g, buffer->source, status);
     }
     status = close_source(g, g->source, status);
-    for (size_t i = 0; g->skin_table && i < gltf_count(&g->skins); ++i) free(g->skin_table[i].matrices);
-    gltf_moment_close(&g->moment);
-    free(g->skin_table);
+    gltf_moments_close(g);
+    array_free(&g->moments);
     free(g->view_table);
     free(g->parents);
     free(g->buffer_table);

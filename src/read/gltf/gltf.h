@@ -10,6 +10,7 @@
  * gltf_morph.c      morph targets
  * gltf_skin.c       skins
  * gltf_animation.c  animations, posed at a time
+ * gltf_motion.c     poses while the shutter is open
  * gltf_transform.c  where nodes are
  * gltf_variant.c    variants of materials
  * gltf_choice.c     what there is to choose from by name
@@ -81,20 +82,29 @@ typedef struct gltf_world {
     affine_f64 to_world;
 } gltf_world;
 
+#define GLTF_MOMENTS 65 /* at most */
+
+/* A map at each moment. */
+typedef struct gltf_way {
+    size_t count;
+    affine_f64 at[GLTF_MOMENTS];
+} gltf_way;
+
+/* The matrices of a skin's joints, from meshes to the world, less `origin`. */
+typedef struct gltf_joints {
+    affine_f64 *matrices; /* NULL: not made yet */
+    uint32_t count;
+    vec3_f64 origin; /* the same at all moments */
+} gltf_joints;
+
 /* The nodes at a time. */
 typedef struct gltf_moment {
     double time; /* seconds */
     ARRAY(gltf_pose) poses;
     uint32_t *pose_of;  /* for each node its place in poses, counted from 1; NULL: no animation is posed */
     gltf_world *worlds; /* for each node */
+    gltf_joints *skins; /* for each skin; NULL: none is made yet */
 } gltf_moment;
-
-/* The matrices of a skin's joints, from meshes to the world, less `origin`. */
-typedef struct gltf_joints {
-    affine_f64 *matrices; /* NULL: not made yet */
-    uint32_t count;
-    vec3_f64 origin;
-} gltf_joints;
 
 /* How a node shapes its mesh. */
 typedef struct gltf_shape {
@@ -106,7 +116,6 @@ typedef struct gltf_shape {
 /* A camera of a node; one for each of the scene's cameras. */
 typedef struct gltf_camera {
     uint32_t node, index; /* of nodes and of cameras */
-    affine_f64 to_world;
 } gltf_camera;
 
 typedef struct gltf {
@@ -130,13 +139,15 @@ typedef struct gltf {
     gltf_material *material_table;   /* for each material, then the default one */
     gltf_elements (*array_table)[2]; /* for each accessor: floats, indices */
     fathom_id *mesh_table;           /* for each mesh: the group, FATHOM_NONE (not made) or GLTF_EMPTY */
-    gltf_joints *skin_table;         /* for each skin */
     uint32_t *parents;               /* for each node; beyond all nodes: a root */
     uint32_t animation;              /* that is posed; GLTF_ABSENT: none */
+    bool posed;                      /* at one moment already: what there is to note has been */
+    size_t keys_inside;              /* the most that a sampler has while the shutter is open */
     uint32_t variant;                /* of materials, likewise */
-    gltf_moment moment;
-    uint64_t file_bytes; /* of the files opened */
-    uint64_t charged;    /* bytes: gltf_charge() */
+    ARRAY(gltf_moment) moments;      /* as the shutter opens, at even times, and as it closes; closed: one */
+    double *key_times;               /* theirs, in memory of the scene; NULL: one moment */
+    uint64_t file_bytes;             /* of the files opened */
+    uint64_t charged;                /* bytes: gltf_charge() */
     ARRAY(gltf_camera) seen_cameras;
     note_list notes;
 } gltf;
@@ -267,7 +278,7 @@ fathom_status gltf_variant_material(gltf *g, const gltf_value *primitive, uint32
 
 /* Close it even when it could not be opened. */
 fathom_status gltf_moment_open(gltf *g, double time, gltf_moment *m);
-void gltf_moment_close(gltf_moment *m);
+void gltf_moment_close(gltf_moment *m, const gltf *g);
 /* NULL: no animation poses it. */
 const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node);
 /* g->parents must have no cycle. */
@@ -275,6 +286,27 @@ fathom_status gltf_node_world(gltf *g, gltf_moment *m, uint32_t node, const affi
 affine_f64 gltf_compose(double parts[GLTF_PARTS][4]);
 /* Whether a quaternion is not zero. */
 bool gltf_is_rotation(const double r[4]);
+
+/* ---- gltf_motion.c ---- */
+
+/* How long the shutter is open, in seconds; 0: nothing is animated, or stands. */
+double gltf_shutter(const gltf *g);
+/* Fills in g->moments and g->key_times. */
+fathom_status gltf_moments_open(gltf *g);
+void gltf_moments_close(gltf *g);
+/* Whether `count` shapes of one node, at the moments, differ. */
+bool gltf_shapes_move(const gltf_shape *shapes, size_t count);
+/* To the world, at all moments. */
+fathom_status gltf_node_way(gltf *g, uint32_t node, gltf_way *out);
+/* Of what `inner` places in what goes this way. */
+void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out);
+bool gltf_way_moves(const gltf_way *way);
+/* Whether it is never flat, nor turned inside out on the way. */
+bool gltf_way_can_blur(const gltf_way *way);
+/* The scale that cameras and lights follow. */
+static inline double gltf_unit(const gltf *g) { return g->options->unit > 0 ? g->options->unit : 1; }
+/* For messages; "" where it has none. */
+const char *gltf_name(const gltf_value *at);
 
 /* ---- gltf_animation.c ---- */
 
@@ -290,13 +322,14 @@ void gltf_slerp(double a[4], double b[4], double u, double out[4]);
 /* Weights: posed, else the node's, else the mesh's. node may be NULL. */
 fathom_status gltf_weights_read(gltf *g, const gltf_pose *pose, const gltf_value *node,
                                 const gltf_value *mesh, gltf_shape *out);
-/* Each replaces the floats of an attribute by new ones, in memory of the scene, if the shape moves them. */
+/* Each replaces the floats of an attribute by new ones, if the shape moves them: in `to`, tightly packed, or
+ * where that is NULL in new memory of the scene. */
 fathom_status gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
-                         unsigned components, gltf_elements *floats);
+                         unsigned components, gltf_elements *floats, float *to);
 typedef enum gltf_kind { GLTF_POINT, GLTF_NORMAL, GLTF_TANGENT } gltf_kind;
 fathom_status gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints,
-                              gltf_kind kind, gltf_elements *floats);
-/* The joints of skin `index`; they live as long as g. */
+                              gltf_kind kind, gltf_elements *floats, float *to);
+/* The joints of skin `index` at a moment of g; they live as long as it. */
 fathom_status gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, const gltf_joints **out);
 
 /* Makes a copy of these the elements of the accessor that member `key` of `user` names, which must be
@@ -314,9 +347,9 @@ fathom_status gltf_components(gltf *g, const gltf_value *user, const char *key, 
 
 /* ---- what the document holds ---- */
 
-/* The group that holds mesh `index`, made when first asked for, or GLTF_EMPTY. With a shape: one of its own.
- */
-fathom_status gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shape, fathom_id *out);
+/* The group that holds mesh `index`, made when first asked for, or GLTF_EMPTY. With shapes, one for each
+ * moment: a group of its own. */
+fathom_status gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, fathom_id *out);
 /* The texture that member `key` of `parent` describes; color: its numbers are sRGB. *there is false, and *out
  * as it was, where there is none or it cannot be read, which is noted. */
 fathom_status gltf_map(gltf *g, const gltf_value *parent, const char *key, bool color, bool *there,
@@ -325,8 +358,8 @@ fathom_status gltf_map(gltf *g, const gltf_value *parent, const char *key, bool 
 fathom_status gltf_material_make(gltf *g, uint32_t index, gltf_material *out);
 /* Walks the nodes of the scene. */
 fathom_status gltf_nodes_place(gltf *g);
-fathom_status gltf_light_place(gltf *g, const gltf_value *node, const affine_f64 *to_world);
-fathom_status gltf_camera_note(gltf *g, const gltf_value *node, const affine_f64 *to_world);
+fathom_status gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *to_world);
+fathom_status gltf_camera_note(gltf *g, const gltf_value *node);
 /* Gives the scene the requested camera, else the first perspective one, of those noted. */
 fathom_status gltf_camera_take(gltf *g);
 

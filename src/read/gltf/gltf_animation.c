@@ -190,8 +190,25 @@ static int find_path(gltf *g, const gltf_value *target, const char *path) {
         if (strcmp(path, gltf_part_names[i]) == 0) return i;
     }
     if (strcmp(path, "weights") == 0) return GLTF_PARTS;
-    gltf_note(g, target, "path", "the animation of \"%.40s\" is not followed", path);
+    if (!g->posed) gltf_note(g, target, "path", "the animation of \"%.40s\" is not followed", path);
     return -1;
+}
+
+/* A jump cannot be blurred: the node stands as the shutter opens. */
+static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint32_t node) {
+    const double open = g->moments.items[0].time;
+    const size_t keys = find_key(s, open + gltf_shutter(g)) - find_key(s, open);
+    if (keys > g->keys_inside) g->keys_inside = keys;
+    if (s->way != STEP) return m->time;
+    if (!g->posed && keys) {
+        const gltf_value at = {
+            .json = json_array_get(g->nodes.json, node), .parent = &g->nodes, .index = node};
+        gltf_note(g, &at, NULL,
+                  "\"%.40s\" jumps while the shutter is open, by STEP, and is not blurred; it stands as the "
+                  "shutter opens",
+                  gltf_name(&at));
+    }
+    return open;
 }
 
 static fathom_status pose_channel(gltf *g, gltf_moment *m, const gltf_value *samplers,
@@ -214,7 +231,8 @@ static fathom_status pose_channel(gltf *g, gltf_moment *m, const gltf_value *sam
     if (status != FATHOM_OK) return status;
     gltf_pose *pose = pose_for(g, m, node);
     if (!pose) return fail_memory(g->context, sizeof *pose);
-    return part == GLTF_PARTS ? pose_weights(g, &s, m->time, pose) : pose_part(g, &s, m->time, part, pose);
+    const double time = time_to_pose(g, m, &s, node);
+    return part == GLTF_PARTS ? pose_weights(g, &s, time, pose) : pose_part(g, &s, time, part, pose);
 }
 
 fathom_status gltf_animation_pose(gltf *g, gltf_moment *m) {
@@ -227,6 +245,7 @@ fathom_status gltf_animation_pose(gltf *g, gltf_moment *m) {
         status = gltf_item(g, &channels, i, &channel);
         if (status == FATHOM_OK) status = pose_channel(g, m, &samplers, &channel);
     }
+    g->posed = true;
     return status;
 }
 
@@ -240,7 +259,7 @@ fathom_status gltf_animation_choose(gltf *g) {
     g->scene->has_animations = true;
     if (asked && asked->animation)
         return gltf_choose(g, &g->animations, "animation", asked->animation, &g->animation);
-    if (asked && asked->choose_time) g->animation = 0;
+    if (asked && (asked->choose_time || asked->shutter > 0)) g->animation = 0;
     char list[GLTF_LIST];
     gltf_print_names(&g->animations, list);
     if (g->animation == GLTF_ABSENT)

@@ -31,9 +31,9 @@ static fathom_status charge(gltf *g, const gltf_value *node, const char *own_nam
     return gltf_charge(g, node, "camera", 3 * kept + (own_name ? strlen(own_name) : 0));
 }
 
-fathom_status gltf_camera_note(gltf *g, const gltf_value *node, const affine_f64 *to_world) {
+fathom_status gltf_camera_note(gltf *g, const gltf_value *node) {
     gltf_value camera;
-    gltf_camera noted = {.node = (uint32_t)node->index, .index = GLTF_ABSENT, .to_world = *to_world};
+    gltf_camera noted = {.node = (uint32_t)node->index, .index = GLTF_ABSENT};
     bool orthographic = false;
     fathom_status status = gltf_index(g, node, "camera", &g->cameras, &noted.index);
     if (status != FATHOM_OK || noted.index == GLTF_ABSENT) return status;
@@ -59,26 +59,44 @@ static fathom_status read_perspective(gltf *g, const gltf_value *camera, double 
     return FATHOM_OK;
 }
 
+/* Scale does not change it, but for its place. */
+static affine_f64 frame_of(const gltf *g, const affine_f64 *to_world) {
+    const frame_f64 frame = frame_from(scale_f64(gltf_unit(g), affine_point(to_world, (vec3_f64){0, 0, 0})),
+                                       affine_vector(to_world, (vec3_f64){0, 0, 1}),
+                                       affine_vector(to_world, (vec3_f64){0, 1, 0}));
+    return (affine_f64){{{frame.x.x, frame.y.x, frame.z.x, frame.origin.x},
+                         {frame.x.y, frame.y.y, frame.z.y, frame.origin.y},
+                         {frame.x.z, frame.y.z, frame.z.z, frame.origin.z}}};
+}
+
+static fathom_status set_camera(gltf *g, const gltf_value *node, double fovy, gltf_way *way) {
+    fathom_camera camera = {.d = 1, .h = 2 * tan(fovy / 2)};
+    for (size_t k = 0; k < way->count; ++k) way->at[k] = frame_of(g, &way->at[k]);
+    for (int i = 0; i < 3; ++i) {
+        const double *row = way->at[0].m[i];
+        camera.x[i] = row[0], camera.y[i] = row[1], camera.z[i] = row[2], camera.origin[i] = row[3];
+    }
+    if (gltf_way_moves(way)) {
+        camera.shutter[0] = g->key_times[0], camera.shutter[1] = g->key_times[way->count - 1];
+        camera.key_count = (uint32_t)way->count, camera.key_times = g->key_times;
+        camera.key_frames = &way->at[0].m[0][0];
+    }
+    return gltf_within(g, node, NULL, fathom_scene_set_camera(g->scene, &camera));
+}
+
 fathom_status gltf_camera_take(gltf *g) {
     fathom_status status = scene_choose_camera(g->scene, g->path);
     if (status != FATHOM_OK || g->scene->camera_taken == FATHOM_NONE) return status;
     const gltf_camera *taken = &g->seen_cameras.items[g->scene->camera_taken];
-    const affine_f64 *to_world = &taken->to_world;
     gltf_value node, at;
+    gltf_way way;
     double fovy, aspect;
     status = gltf_item(g, &g->nodes, taken->node, &node);
     if (status == FATHOM_OK) status = gltf_item(g, &g->cameras, taken->index, &at);
     if (status == FATHOM_OK) status = read_perspective(g, &at, &fovy, &aspect);
+    if (status == FATHOM_OK) status = gltf_node_way(g, taken->node, &way);
     if (status != FATHOM_OK) return status;
-    frame_f64 frame =
-        frame_from(affine_point(to_world, (vec3_f64){0, 0, 0}), affine_vector(to_world, (vec3_f64){0, 0, 1}),
-                   affine_vector(to_world, (vec3_f64){0, 1, 0}));
-    fathom_camera camera = {.d = 1, .h = 2 * tan(fovy / 2)};
-    store_f64(camera.origin, frame.origin);
-    store_f64(camera.x, frame.x);
-    store_f64(camera.y, frame.y);
-    store_f64(camera.z, frame.z);
     g->scene->camera_aspect = aspect;
     if (aspect > 0) image_size_follow(&g->scene->settings, aspect, false, false);
-    return gltf_within(g, &node, NULL, fathom_scene_set_camera(g->scene, &camera));
+    return set_camera(g, &node, fovy, &way);
 }

@@ -64,7 +64,9 @@ static fathom_status read_light(gltf *g, const gltf_value *at, fathom_light *out
     return status;
 }
 
-fathom_status gltf_light_place(gltf *g, const gltf_value *node, const affine_f64 *to_world) {
+fathom_status gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
+    const double unit = gltf_unit(g);
+    const affine_f64 *to_world = &way->at[0];
     gltf_value extensions, punctual, at;
     uint32_t index = GLTF_ABSENT;
     fathom_light light;
@@ -74,7 +76,12 @@ fathom_status gltf_light_place(gltf *g, const gltf_value *node, const affine_f64
     status = gltf_item(g, &g->lights, index, &at);
     if (status == FATHOM_OK) status = read_light(g, &at, &light);
     if (status != FATHOM_OK) return status;
-    store_f64(light.position, affine_point(to_world, (vec3_f64){0, 0, 0}));
+    if (gltf_way_moves(way))
+        gltf_note(g, node, NULL,
+                  "the light \"%.40s\" moves while the shutter is open, and is not blurred; it stands as "
+                  "the shutter opens",
+                  gltf_name(node));
+    store_f64(light.position, scale_f64(unit, affine_point(to_world, (vec3_f64){0, 0, 0})));
     store_f64(light.direction, normalize_f64(affine_vector(to_world, (vec3_f64){0, 0, -1})));
     return gltf_within(g, node, NULL, fathom_scene_add_light(g->scene, &light, NULL));
 }

@@ -4,15 +4,17 @@
 #include "read/mesh/strokes.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { MODE_POINTS, MODE_LINES, MODE_LOOP, MODE_LINE_STRIP, MODE_TRIANGLES, MODE_STRIP, MODE_FAN };
 
 typedef struct primitive {
     const gltf_value *at;
     const gltf_value *attributes;
-    const gltf_shape *shape;
+    const gltf_shape *shapes; /* at each moment */
     uint32_t mode;
-    bool blends; /* the material's alpha counts */
+    bool blends;                      /* the material's alpha counts */
+    gltf_elements positions, normals; /* as the file has them; values NULL: none */
     fathom_mesh mesh;
     mesh_facts facts;
 } primitive;
@@ -84,12 +86,12 @@ static fathom_status read_indices(gltf *g, primitive *p) {
     return gltf_within(g, p->at, "indices", status);
 }
 
-/* What the shape makes of an attribute. */
-static fathom_status deform(gltf *g, const primitive *p, const char *key, gltf_kind kind,
-                            gltf_elements *floats) {
-    fathom_status status = gltf_morph(g, p->at, p->shape, key, kind == GLTF_TANGENT ? 4 : 3, floats);
-    if (status != FATHOM_OK || !p->shape->joints) return status;
-    return gltf_skin_carry(g, p->attributes, p->shape->joints, kind, floats);
+/* What a shape makes of an attribute, in `to` or where that is NULL in memory of its own. */
+static fathom_status deform(gltf *g, const primitive *p, const gltf_shape *shape, const char *key,
+                            gltf_kind kind, gltf_elements *floats, float *to) {
+    fathom_status status = gltf_morph(g, p->at, shape, key, kind == GLTF_TANGENT ? 4 : 3, floats, to);
+    if (status != FATHOM_OK || !shape->joints) return status;
+    return gltf_skin_carry(g, p->attributes, shape->joints, kind, floats, to);
 }
 
 static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
@@ -98,9 +100,9 @@ static fathom_status read_positions(gltf *g, primitive *p, bool *present) {
         gltf_array_read(g, p->attributes, "POSITION", 3,
                         GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED | GLTF_TAKES_UNSIGNED, present, &floats);
     if (status != FATHOM_OK || !*present) return status;
-    const void *stored = floats.values;
-    status = deform(g, p, "POSITION", GLTF_POINT, &floats);
-    if (status == FATHOM_OK && floats.values != stored)
+    p->positions = floats;
+    status = deform(g, p, p->shapes, "POSITION", GLTF_POINT, &floats, NULL);
+    if (status == FATHOM_OK && floats.values != p->positions.values)
         status = gltf_within(g, p->attributes, "POSITION",
                              mesh_look_at_vertices(g->context, "deformed entry", floats.values, floats.stride,
                                                    floats.count, &floats.facts));
@@ -142,7 +144,8 @@ static fathom_status read_normals(gltf *g, primitive *p) {
         read_attribute(g, p, "NORMAL", 3, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
     if (status != FATHOM_OK) return status;
     if (!present) return g->options->smooth ? make_normals(g, p) : FATHOM_OK;
-    status = deform(g, p, "NORMAL", GLTF_NORMAL, &floats);
+    p->normals = floats;
+    status = deform(g, p, p->shapes, "NORMAL", GLTF_NORMAL, &floats, NULL);
     p->mesh.normals = floats.values;
     p->mesh.normal_stride = floats.stride;
     p->mesh.normal_count = floats.count;
@@ -162,7 +165,7 @@ static fathom_status read_coordinates(gltf *g, primitive *p) {
     if (status == FATHOM_OK)
         status = read_attribute(g, p, "TANGENT", 4, GLTF_TAKES_FLOAT | GLTF_TAKES_SIGNED, &present, &floats);
     if (status != FATHOM_OK || !present || !p->mesh.normals) return status;
-    status = deform(g, p, "TANGENT", GLTF_TANGENT, &floats);
+    status = deform(g, p, p->shapes, "TANGENT", GLTF_TANGENT, &floats, NULL);
     p->mesh.tangents = floats.values, p->mesh.tangent_stride = floats.stride;
     return status;
 }
@@ -258,9 +261,62 @@ static fathom_status read_surface(gltf *g, primitive *p) {
     return status;
 }
 
-static fathom_status add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape, fathom_id group) {
+/* ---- motion ---- */
+
+static fathom_status new_keys(gltf *g, const primitive *p, float **out) {
+    void *rows;
+    fathom_status status = gltf_allocate(
+        g, p->at, NULL, g->moments.count * (uint64_t)p->mesh.vertex_count * 3 * sizeof(float), &rows);
+    if (status == FATHOM_OK) *out = rows;
+    return status;
+}
+
+/* Rows of an attribute at each moment. */
+static fathom_status read_keys(gltf *g, const primitive *p, const char *key, gltf_kind kind,
+                               const gltf_elements *stored, const float **out) {
+    const size_t row = 3 * (size_t)p->mesh.vertex_count;
+    float *rows = NULL;
+    fathom_status status = new_keys(g, p, &rows);
+    *out = rows;
+    for (size_t k = 0; k < g->moments.count && status == FATHOM_OK; ++k, rows += row) {
+        gltf_elements floats = *stored;
+        status = deform(g, p, &p->shapes[k], key, kind, &floats, rows);
+        for (size_t i = 0; floats.values == stored->values && i < p->mesh.vertex_count; ++i)
+            memcpy(rows + 3 * i, (const char *)stored->values + i * stored->stride, 3 * sizeof *rows);
+    }
+    return status;
+}
+
+/* Smooth normals of the positions at each moment. */
+static fathom_status make_key_normals(gltf *g, const primitive *p, const float **out) {
+    const size_t row = 3 * (size_t)p->mesh.vertex_count;
+    float *rows = NULL;
+    fathom_status status = new_keys(g, p, &rows);
+    *out = rows;
+    for (size_t k = 0; k < g->moments.count && status == FATHOM_OK; ++k) {
+        fathom_mesh then = p->mesh;
+        then.positions = p->mesh.key_positions + k * row, then.position_stride = 3 * sizeof(float);
+        status = normals_smooth(g->context, &then, NULL, then.vertex_count, rows + k * row);
+    }
+    return status;
+}
+
+static fathom_status move_vertices(gltf *g, primitive *p) {
+    fathom_mesh *m = &p->mesh;
+    fathom_status status = read_keys(g, p, "POSITION", GLTF_POINT, &p->positions, &m->key_positions);
+    if (status == FATHOM_OK && p->normals.values)
+        status = read_keys(g, p, "NORMAL", GLTF_NORMAL, &p->normals, &m->key_normals);
+    else if (status == FATHOM_OK && m->normals)
+        status = make_key_normals(g, p, &m->key_normals);
+    if (status != FATHOM_OK) return status;
+    m->key_count = (uint32_t)g->moments.count, m->key_times = g->key_times;
+    return mesh_check_vertex_keys(g->context, m, &p->facts);
+}
+
+static fathom_status add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shapes, bool moves,
+                                   fathom_id group) {
     gltf_value attributes;
-    primitive p = {.at = at, .attributes = &attributes, .shape = shape};
+    primitive p = {.at = at, .attributes = &attributes, .shapes = shapes};
     fathom_mesh_default(&p.mesh);
     bool present = false;
     fathom_status status = gltf_object(g, at, "attributes", &attributes);
@@ -278,14 +334,20 @@ static fathom_status add_primitive(gltf *g, const gltf_value *at, const gltf_sha
         status = read_material(g, &p);
         if (status == FATHOM_OK && g->options->material == FATHOM_NONE) status = read_colors(g, &p);
         if (status == FATHOM_OK) status = read_strokes(g, &p);
+        if (status == FATHOM_OK && moves)
+            gltf_note(g, at, NULL,
+                      "points and lines that a skin or morph targets move are not blurred; they stand as the "
+                      "shutter opens");
     } else {
         status = read_surface(g, &p);
+        if (status == FATHOM_OK && moves && p.mesh.triangle_count) status = move_vertices(g, &p);
     }
     if (status != FATHOM_OK || !p.mesh.triangle_count) return status;
     return gltf_within(g, at, NULL, scene_add_mesh_checked(g->scene, group, &p.mesh, &p.facts, NULL));
 }
 
-static fathom_status make_group(gltf *g, const gltf_value *mesh, const gltf_shape *shape, fathom_id *out) {
+static fathom_status make_group(gltf *g, const gltf_value *mesh, const gltf_shape *shapes, bool moves,
+                                fathom_id *out) {
     gltf_value primitives, at;
     const char *name = NULL;
     fathom_status status = gltf_text(g, mesh, "name", &name);
@@ -295,21 +357,22 @@ static fathom_status make_group(gltf *g, const gltf_value *mesh, const gltf_shap
     size_t before = g->scene->meshes.count;
     for (size_t i = 0; i < gltf_count(&primitives) && status == FATHOM_OK; ++i) {
         status = gltf_item(g, &primitives, i, &at);
-        if (status == FATHOM_OK) status = add_primitive(g, &at, shape, *out);
+        if (status == FATHOM_OK) status = add_primitive(g, &at, shapes, moves, *out);
     }
     if (g->scene->meshes.count == before) *out = GLTF_EMPTY;
     return status;
 }
 
-fathom_status gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shape, fathom_id *out) {
+fathom_status gltf_mesh_group(gltf *g, uint32_t index, const gltf_shape *shapes, fathom_id *out) {
     gltf_value mesh;
     gltf_shape own = {.weights = NULL};
     *out = g->mesh_table[index];
-    if (!shape && *out != FATHOM_NONE) return FATHOM_OK;
+    if (!shapes && *out != FATHOM_NONE) return FATHOM_OK;
     fathom_status status = gltf_item(g, &g->meshes, index, &mesh);
-    if (status == FATHOM_OK && shape) return make_group(g, &mesh, shape, out);
+    if (status == FATHOM_OK && shapes)
+        return make_group(g, &mesh, shapes, gltf_shapes_move(shapes, g->moments.count), out);
     if (status == FATHOM_OK) status = gltf_weights_read(g, NULL, NULL, &mesh, &own);
-    if (status == FATHOM_OK) status = make_group(g, &mesh, &own, out);
+    if (status == FATHOM_OK) status = make_group(g, &mesh, &own, false, out);
     free(own.weights);
     g->mesh_table[index] = *out;
     return status;

@@ -46,7 +46,7 @@ static fathom_status read_target(gltf *g, const gltf_value *targets, size_t k, c
 }
 
 fathom_status gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape *shape, const char *key,
-                         unsigned components, gltf_elements *floats) {
+                         unsigned components, gltf_elements *floats, float *to) {
     gltf_value targets;
     const unsigned threads = fathom_context_threads(g->context);
     morph m = {.base = &(gltf_elements){.values = floats->values, .stride = floats->stride},
@@ -60,9 +60,10 @@ fathom_status gltf_morph(gltf *g, const gltf_value *primitive, const gltf_shape 
         status = read_target(g, &targets, k, key, floats->count, &present, &delta);
         if (status != FATHOM_OK || !present) continue;
         if (!m.to) {
-            void *memory;
-            status = gltf_allocate(g, primitive, NULL, (uint64_t)floats->count * components * sizeof(float),
-                                   &memory);
+            void *memory = to;
+            if (!to)
+                status = gltf_allocate(g, primitive, NULL,
+                                       (uint64_t)floats->count * components * sizeof(float), &memory);
             if (status != FATHOM_OK) return status;
             m.to = memory;
             loop_parallel(threads, floats->count, 1u << 14, copy_base, &m);

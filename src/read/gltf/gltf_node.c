@@ -61,26 +61,40 @@ static fathom_status find_cycle(gltf *g, const uint32_t *parents) {
 
 /* ---- placing ---- */
 
-static fathom_status add_instance(gltf *g, const gltf_value *node, fathom_id group,
-                                  const affine_f64 *to_world) {
+static bool is_finite(const gltf_way *way) {
+    for (size_t i = 0; i < way->count * 12; ++i) {
+        if (!isfinite(way->at[i / 12].m[i % 12 / 4][i % 4])) return false;
+    }
+    return true;
+}
+
+static fathom_status add_instance(gltf *g, const gltf_value *node, fathom_id group, const gltf_way *way) {
     affine_f64 inverse;
     fathom_instance instance;
     fathom_instance_default(&instance);
     instance.group = group;
     instance.parent = g->group;
-    bool finite = true;
-    for (int i = 0; i < 12; ++i) {
-        instance.transform[i] = to_world->m[i / 4][i % 4];
-        finite = finite && isfinite(instance.transform[i]);
-    }
-    if (!finite) return gltf_fail(g, node, NULL, "is placed out of the range of numbers by its transforms");
+    memcpy(instance.transform, way->at[0].m, sizeof instance.transform);
+    if (!is_finite(way))
+        return gltf_fail(g, node, NULL, "is placed out of the range of numbers by its transforms");
     /* Files hide things by a scale of zero. */
-    if (!affine_invert(to_world, &inverse)) {
+    if (!affine_invert(&way->at[0], &inverse)) {
         gltf_note(g, node, NULL, "is scaled to nothing, and left out");
         return FATHOM_OK;
     }
+    const bool moves = gltf_way_moves(way), blurs = moves && gltf_way_can_blur(way);
+    if (moves && !blurs)
+        gltf_note(g, node, NULL,
+                  "\"%.40s\" is flat or turned inside out while the shutter is open, and not blurred; it "
+                  "stands as the shutter opens",
+                  gltf_name(node));
+    if (blurs) {
+        instance.key_count = (uint32_t)way->count, instance.key_times = g->key_times;
+        instance.key_transforms = &way->at[0].m[0][0];
+    }
     /* Held twice, plus half as much again while the array grows. */
-    fathom_status status = gltf_charge(g, node, NULL, 3 * sizeof instance);
+    fathom_status status =
+        gltf_charge(g, node, NULL, 3 * sizeof instance + instance.key_count * 13 * sizeof(double));
     if (status != FATHOM_OK) return status;
     return gltf_within(g, node, NULL, fathom_scene_add_instance(g->scene, &instance, NULL));
 }
@@ -111,9 +125,10 @@ static void part_at(const gltf_elements *part, uint32_t i, int n, double *out) {
 
 /* EXT_mesh_gpu_instancing: one node, many places. */
 static fathom_status add_many(gltf *g, const gltf_value *node, const gltf_value *instancing, fathom_id group,
-                              const affine_f64 *to_world) {
+                              const gltf_way *to_world) {
     gltf_value attributes;
     instance_parts p = {.count = 0};
+    gltf_way way;
     fathom_status status = gltf_object(g, instancing, "attributes", &attributes);
     if (status == FATHOM_OK)
         status = read_part(g, &attributes, "TRANSLATION", 3, GLTF_TAKES_FLOAT, &p.translations, &p.count);
@@ -129,43 +144,55 @@ static fathom_status add_many(gltf *g, const gltf_value *node, const gltf_value 
         part_at(&p.scales, i, 3, parts[GLTF_SCALE]);
         if (!gltf_is_rotation(parts[GLTF_ROTATION]))
             return gltf_fail(g, &attributes, "ROTATION", "entry %u is zero; expected unit quaternions", i);
-        affine_f64 one = gltf_compose(parts), map = affine_compose(to_world, &one);
-        status = add_instance(g, node, group, &map);
+        const affine_f64 one = gltf_compose(parts);
+        gltf_way_of(to_world, &one, &way);
+        status = add_instance(g, node, group, &way);
     }
     return status;
 }
 
 /* A node with a skin, or with weights of its own, has a copy of its mesh. */
-static fathom_status read_shape(gltf *g, const gltf_value *node, uint32_t mesh, bool *own, gltf_shape *out) {
+static fathom_status read_shape(gltf *g, gltf_moment *m, const gltf_value *node, uint32_t mesh, bool *own,
+                                gltf_shape *out) {
     uint32_t skin = GLTF_ABSENT;
     gltf_value at;
-    const gltf_pose *pose = gltf_pose_of(&g->moment, (uint32_t)node->index);
+    const gltf_pose *pose = gltf_pose_of(m, (uint32_t)node->index);
     fathom_status status = gltf_index(g, node, "skin", &g->skins, &skin);
     if (status == FATHOM_OK) status = gltf_item(g, &g->meshes, mesh, &at);
     *own = skin != GLTF_ABSENT || json_object_get(node->json, "weights") || (pose && pose->weights);
     if (status != FATHOM_OK || !*own) return status;
     status = gltf_weights_read(g, pose, node, &at, out);
-    if (status == FATHOM_OK && skin != GLTF_ABSENT)
-        status = gltf_skin_read(g, &g->moment, skin, &out->joints);
+    if (status == FATHOM_OK && skin != GLTF_ABSENT) status = gltf_skin_read(g, m, skin, &out->joints);
     return status;
 }
 
-static fathom_status place_mesh(gltf *g, const gltf_value *node, const affine_f64 *to_world) {
+/* *joints: as the shutter opens; NULL: no skin. */
+static fathom_status shape_mesh(gltf *g, const gltf_value *node, uint32_t mesh, const gltf_joints **joints,
+                                fathom_id *group) {
+    gltf_shape shapes[GLTF_MOMENTS] = {{.weights = NULL}};
+    bool own = false;
+    fathom_status status = FATHOM_OK;
+    for (size_t k = 0; k < g->moments.count && status == FATHOM_OK; ++k)
+        status = read_shape(g, &g->moments.items[k], node, mesh, &own, &shapes[k]);
+    if (status == FATHOM_OK) status = gltf_mesh_group(g, mesh, own ? shapes : NULL, group);
+    for (size_t k = 0; k < g->moments.count; ++k) free(shapes[k].weights);
+    *joints = shapes[0].joints;
+    return status;
+}
+
+static fathom_status place_mesh(gltf *g, const gltf_value *node, const gltf_way *to_world) {
     uint32_t mesh = GLTF_ABSENT;
     fathom_id group = GLTF_EMPTY;
     gltf_value extensions, instancing;
-    gltf_shape shape = {.weights = NULL};
-    bool own = false;
+    const gltf_joints *joints;
     fathom_status status = gltf_index(g, node, "mesh", &g->meshes, &mesh);
     if (status != FATHOM_OK || mesh == GLTF_ABSENT) return status;
-    status = read_shape(g, node, mesh, &own, &shape);
-    if (status == FATHOM_OK) status = gltf_mesh_group(g, mesh, own ? &shape : NULL, &group);
-    free(shape.weights);
+    status = shape_mesh(g, node, mesh, &joints, &group);
     if (status != FATHOM_OK || group == GLTF_EMPTY) return status;
     status = gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
     if (status != FATHOM_OK) return status;
-    if (shape.joints) {
-        const affine_f64 moved = affine_translation(shape.joints->origin);
+    if (joints) {
+        const gltf_way moved = {.count = 1, .at = {affine_translation(joints->origin)}};
         if (instancing.json)
             gltf_note(g, node, NULL, "the instances of a mesh with a skin are left out but one");
         return add_instance(g, node, group, &moved);
@@ -198,19 +225,16 @@ static fathom_status read_visibility(gltf *g, const gltf_value *node, bool *hidd
 
 static fathom_status visit(gltf *g, walk *w, const step *at) {
     gltf_value node, children;
-    const affine_f64 *to_world;
+    gltf_way to_world;
     bool hidden = at->hidden;
     fathom_status status = gltf_item(g, &g->nodes, at->node, &node);
-    if (status == FATHOM_OK) status = gltf_node_world(g, &g->moment, at->node, &to_world);
+    if (status == FATHOM_OK) status = gltf_node_way(g, at->node, &to_world);
     if (status == FATHOM_OK) status = read_visibility(g, &node, &hidden);
     if (status != FATHOM_OK) return status;
-    if (!hidden) status = place_mesh(g, &node, to_world);
+    if (!hidden) status = place_mesh(g, &node, &to_world);
     if (status == FATHOM_OK && g->options->surroundings) {
-        const double unit = g->options->unit > 0 ? g->options->unit : 1;
-        const affine_f64 scale = affine_scaling((vec3_f64){unit, unit, unit}),
-                         placed = affine_compose(&scale, to_world);
-        status = gltf_camera_note(g, &node, &placed);
-        if (status == FATHOM_OK && !hidden) status = gltf_light_place(g, &node, &placed);
+        status = gltf_camera_note(g, &node);
+        if (status == FATHOM_OK && !hidden) status = gltf_light_place(g, &node, &to_world);
     }
     if (status == FATHOM_OK) status = gltf_array(g, &node, "children", &children);
     return status == FATHOM_OK ? stack_children(g, w, &children, hidden) : status;
@@ -266,7 +290,7 @@ static fathom_status walk_roots(gltf *g, walk *w) {
 
 /* A library of meshes without nodes: places each once. */
 static fathom_status place_all_meshes(gltf *g) {
-    affine_f64 identity = affine_identity();
+    const gltf_way identity = {.count = 1, .at = {affine_identity()}};
     fathom_status status = FATHOM_OK;
     for (uint32_t i = 0; i < gltf_count(&g->meshes) && status == FATHOM_OK; ++i) {
         fathom_id group = GLTF_EMPTY;
@@ -277,19 +301,11 @@ static fathom_status place_all_meshes(gltf *g) {
     return status;
 }
 
-/* The moment that is rendered. */
-static fathom_status pose(gltf *g) {
-    const fathom_read_options *asked = g->scene->asked;
-    fathom_status status = gltf_animation_choose(g);
-    if (status == FATHOM_OK) status = gltf_moment_open(g, asked ? asked->time : 0, &g->moment);
-    if (status != FATHOM_OK || g->animation == GLTF_ABSENT) return status;
-    return gltf_animation_pose(g, &g->moment);
-}
-
 static fathom_status place_all(gltf *g, walk *w) {
     fathom_status status = find_parents(g, g->parents);
     if (status == FATHOM_OK) status = find_cycle(g, g->parents);
-    if (status == FATHOM_OK) status = pose(g);
+    if (status == FATHOM_OK) status = gltf_animation_choose(g);
+    if (status == FATHOM_OK) status = gltf_moments_open(g);
     if (status != FATHOM_OK) return status;
     if (!gltf_count(&g->nodes)) return place_all_meshes(g);
     return gltf_count(&g->scenes) ? walk_scene(g, w) : walk_roots(g, w);

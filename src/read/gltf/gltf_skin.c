@@ -53,7 +53,7 @@ static fathom_status fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin
         status = gltf_index_item(g, list, i, &g->nodes, &node);
         if (status == FATHOM_OK) status = gltf_node_world(g, m, node, &world);
         if (status != FATHOM_OK) break;
-        if (i == 0) out->origin = affine_point(world, (vec3_f64){0, 0, 0});
+        if (i == 0 && m == g->moments.items) out->origin = affine_point(world, (vec3_f64){0, 0, 0});
         affine_f64 moved = *world,
                    bind = inverse.values ? affine_of(element(&inverse, i)) : affine_identity();
         moved.m[0][3] -= out->origin.x, moved.m[1][3] -= out->origin.y, moved.m[2][3] -= out->origin.z;
@@ -63,15 +63,21 @@ static fathom_status fill_joints(gltf *g, gltf_moment *m, const gltf_value *skin
 }
 
 fathom_status gltf_skin_read(gltf *g, gltf_moment *m, uint32_t index, const gltf_joints **out) {
-    gltf_joints *joints = &g->skin_table[index];
+    const gltf_joints *first = NULL;
+    if (!m->skins) m->skins = calloc(gltf_count(&g->skins) + 1, sizeof *m->skins);
+    if (!m->skins) return fail_memory(g->context, gltf_count(&g->skins) * sizeof *m->skins);
+    gltf_joints *joints = &m->skins[index];
     *out = joints;
     if (joints->matrices) return FATHOM_OK;
     gltf_value skin, list;
-    fathom_status status = gltf_item(g, &g->skins, index, &skin);
+    fathom_status status = FATHOM_OK;
+    if (m != g->moments.items) status = gltf_skin_read(g, g->moments.items, index, &first);
+    if (status == FATHOM_OK) status = gltf_item(g, &g->skins, index, &skin);
     if (status == FATHOM_OK) status = gltf_array(g, &skin, "joints", &list);
     if (status != FATHOM_OK) return status;
     if (!gltf_count(&list)) return gltf_fail(g, &skin, "joints", "is empty; expected at least one node");
     joints->count = (uint32_t)gltf_count(&list);
+    if (first) joints->origin = first->origin;
     joints->matrices = malloc(joints->count * sizeof *joints->matrices);
     if (!joints->matrices) return fail_memory(g->context, joints->count * sizeof *joints->matrices);
     return fill_joints(g, m, &skin, &list, joints);
@@ -124,7 +130,7 @@ static void carry(void *user, size_t begin, size_t end, unsigned worker) {
         case GLTF_NORMAL: v = carry_normal(&map, v); break;
         case GLTF_TANGENT: v = normalize_f64(affine_vector(&map, v)); break;
         }
-        memcpy(to, from, s->components * sizeof *to);
+        if (s->components == 4) to[3] = from[3];
         store_f32(to, narrow(v));
     }
 }
@@ -177,12 +183,12 @@ static fathom_status read_sets(gltf *g, const gltf_value *attributes, uint32_t v
 }
 
 fathom_status gltf_skin_carry(gltf *g, const gltf_value *attributes, const gltf_joints *joints,
-                              gltf_kind kind, gltf_elements *floats) {
+                              gltf_kind kind, gltf_elements *floats, float *to) {
     skinning s = {
         .joints = joints, .kind = kind, .from = *floats, .components = kind == GLTF_TANGENT ? 4 : 3};
-    void *memory;
+    void *memory = to;
     fathom_status status = read_sets(g, attributes, floats->count, &s);
-    if (status == FATHOM_OK)
+    if (status == FATHOM_OK && !to)
         status = gltf_allocate(g, attributes, NULL, (uint64_t)floats->count * s.components * sizeof(float),
                                &memory);
     if (status != FATHOM_OK) return status;

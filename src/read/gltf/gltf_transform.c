@@ -100,7 +100,9 @@ fathom_status gltf_moment_open(gltf *g, double time, gltf_moment *m) {
     return m->worlds ? FATHOM_OK : fail_memory(g->context, nodes * sizeof *m->worlds);
 }
 
-void gltf_moment_close(gltf_moment *m) {
+void gltf_moment_close(gltf_moment *m, const gltf *g) {
+    for (size_t i = 0; m->skins && i < gltf_count(&g->skins); ++i) free(m->skins[i].matrices);
+    free(m->skins);
     for (size_t i = 0; i < m->poses.count; ++i) free(m->poses.items[i].weights);
     array_free(&m->poses);
     free(m->pose_of);

@@ -143,7 +143,9 @@ static fathom_status frame_everything(fathom_scene *scene) {
     fathom_status status =
         scene_frame_all(scene, &view, up * size.width / size.height, up, &empty, &view.origin);
     if (status != FATHOM_OK || empty) return status;
-    scene->camera = (fathom_camera){.d = 1, .h = 2 * tan(default_fovy / 2)};
+    const double *shutter = scene->camera.shutter;
+    scene->camera =
+        (fathom_camera){.d = 1, .h = 2 * tan(default_fovy / 2), .shutter = {shutter[0], shutter[1]}};
     set_frame(&scene->camera, &view);
     scene->has_camera = true;
     return FATHOM_OK;

@@ -1,0 +1,200 @@
+/* Motion while the shutter is open: the nodes posed at even times, so many that what moves linearly between
+ * two of them is nowhere off by more than 2^-8 of its way in the whole time: a pixel where it draws 256. */
+#include "read/gltf/gltf.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Poses are compared at 8 to 64 intervals, twice as many as the keys that they are for may have, and at no
+ * fewer than samplers have keys: a wheel that is back where it was at every pose would seem to stand. */
+enum { INTERVALS_FIRST = 8, INTERVALS_MOST = GLTF_MOMENTS - 1 };
+
+double gltf_shutter(const gltf *g) {
+    return g->scene->asked && g->animation != GLTF_ABSENT ? g->scene->asked->shutter : 0;
+}
+
+static uint64_t moment_bytes(const gltf *g) { return gltf_count(&g->nodes) * sizeof(gltf_world); }
+
+static fathom_status open_at(gltf *g, double time) {
+    gltf_moment m;
+    fathom_status status = FATHOM_OK;
+    if (g->moments.count) status = gltf_charge(g, &g->animations, NULL, moment_bytes(g));
+    if (status != FATHOM_OK) return status;
+    if (!array_room(&g->moments, 1)) return fail_memory(g->context, sizeof m);
+    status = gltf_moment_open(g, time, &m);
+    array_push(&g->moments, m);
+    if (status != FATHOM_OK || g->animation == GLTF_ABSENT) return status;
+    return gltf_animation_pose(g, &g->moments.items[g->moments.count - 1]);
+}
+
+void gltf_moments_close(gltf *g) {
+    for (size_t i = 0; i < g->moments.count; ++i) gltf_moment_close(&g->moments.items[i], g);
+    g->moments.count = 0;
+}
+
+/* ---- how many keys ---- */
+
+/* A column of a node's matrix, or one of its weights, at all moments. */
+typedef struct curve {
+    gltf *g;
+    uint32_t node;
+    bool weights;
+    size_t at;
+} curve;
+
+static fathom_status point_of(const curve *c, size_t moment, double out[3]) {
+    gltf_moment *m = &c->g->moments.items[moment];
+    out[1] = out[2] = 0;
+    if (c->weights) {
+        out[0] = gltf_pose_of(m, c->node)->weights[c->at];
+        return FATHOM_OK;
+    }
+    const affine_f64 *world;
+    fathom_status status = gltf_node_world(c->g, m, c->node, &world);
+    for (int i = 0; i < 3 && status == FATHOM_OK; ++i) out[i] = world->m[i][c->at];
+    return status;
+}
+
+static double distance(const double a[3], const double b[3]) {
+    return length_f64(sub_f64(load_f64(a), load_f64(b)));
+}
+
+/* *stride shrinks to 1 if need be. Positions are sums of products of doubles: 2^-40 of their size is far
+ * above the rounding and far below what shows. */
+static fathom_status fit_curve(const curve *c, size_t *stride) {
+    double points[INTERVALS_MOST + 1][3], way = 0, size = 0;
+    const size_t intervals = c->g->moments.count - 1;
+    for (size_t i = 0; i <= intervals; ++i) {
+        fathom_status status = point_of(c, i, points[i]);
+        if (status != FATHOM_OK) return status;
+        way = fmax(way, distance(points[i], points[0]));
+        size = fmax(size, length_f64(load_f64(points[i])));
+    }
+    const double slack = 0x1p-8 * way + 0x1p-40 * size;
+    for (size_t i = 0; i<intervals && * stride> 1; ++i) {
+        const size_t from = i / *stride * *stride;
+        const double u = (double)(i - from) / (double)*stride;
+        double between[3];
+        for (int k = 0; k < 3; ++k) between[k] = (1 - u) * points[from][k] + u * points[from + *stride][k];
+        /* Begins again with twice the keys. */
+        if (!(distance(between, points[i]) <= slack)) *stride /= 2, i = 0;
+    }
+    return FATHOM_OK;
+}
+
+static fathom_status fit_node(gltf *g, uint32_t node, size_t *stride) {
+    const gltf_pose *pose = gltf_pose_of(&g->moments.items[0], node);
+    fathom_status status = FATHOM_OK;
+    for (size_t k = 0; k < 4 && status == FATHOM_OK; ++k)
+        status = fit_curve(&(curve){.g = g, .node = node, .at = k}, stride);
+    for (size_t k = 0; pose && pose->weights && k < pose->weight_count && status == FATHOM_OK; ++k)
+        status = fit_curve(&(curve){.g = g, .node = node, .at = k, .weights = true}, stride);
+    return status;
+}
+
+/* Of the poses those that are a stride apart stay. */
+static void thin(gltf *g, size_t stride) {
+    size_t kept = 0;
+    for (size_t i = 0; i < g->moments.count; ++i) {
+        if (i % stride == 0)
+            g->moments.items[kept++] = g->moments.items[i];
+        else
+            gltf_moment_close(&g->moments.items[i], g);
+    }
+    g->moments.count = kept;
+}
+
+static fathom_status open_even(gltf *g, double time, double shutter, size_t intervals) {
+    fathom_status status = FATHOM_OK;
+    if (g->moments.count) g->charged -= (g->moments.count - 1) * moment_bytes(g);
+    gltf_moments_close(g);
+    for (size_t i = 0; i <= intervals && status == FATHOM_OK; ++i)
+        status = open_at(g, time + shutter * ((double)i / (double)intervals));
+    return status;
+}
+
+static fathom_status list_times(gltf *g) {
+    void *times;
+    fathom_status status = scene_allocate_items(g->scene, g->moments.count, sizeof(double), &times);
+    if (status != FATHOM_OK) return status;
+    g->key_times = times;
+    for (size_t i = 0; i < g->moments.count; ++i) g->key_times[i] = g->moments.items[i].time;
+    return FATHOM_OK;
+}
+
+fathom_status gltf_moments_open(gltf *g) {
+    const double time = g->scene->asked ? g->scene->asked->time : 0, shutter = gltf_shutter(g);
+    if (!(shutter > 0)) return open_at(g, time);
+    size_t stride = 1;
+    for (size_t intervals = INTERVALS_FIRST; stride == 1 && intervals <= INTERVALS_MOST; intervals *= 2) {
+        fathom_status status = open_even(g, time, shutter, intervals);
+        if (status == FATHOM_OK && intervals < g->keys_inside && intervals < INTERVALS_MOST) continue;
+        stride = intervals;
+        for (uint32_t i = 0; i < gltf_count(&g->nodes) && status == FATHOM_OK; ++i)
+            status = fit_node(g, i, &stride);
+        if (status != FATHOM_OK) return status;
+    }
+    if (stride == 1) {
+        gltf_note_all(g, &g->animations,
+                      "animations, of which one moves things so unevenly while the shutter is open that %d "
+                      "poses only come near; a shorter shutter follows it",
+                      INTERVALS_MOST + 1);
+    }
+    thin(g, stride);
+    return list_times(g);
+}
+
+/* ---- keys ---- */
+
+bool gltf_shapes_move(const gltf_shape *shapes, size_t count) {
+    for (size_t k = 1; k < count; ++k) {
+        const gltf_shape *a = &shapes[0], *b = &shapes[k];
+        if (a->weight_count && memcmp(a->weights, b->weights, a->weight_count * sizeof *a->weights) != 0)
+            return true;
+        if (a->joints &&
+            memcmp(a->joints->matrices, b->joints->matrices, a->joints->count * sizeof(affine_f64)) != 0)
+            return true;
+    }
+    return false;
+}
+
+const char *gltf_name(const gltf_value *at) {
+    const char *name = json_string_value(json_object_get(at->json, "name"));
+    return name ? name : "";
+}
+
+fathom_status gltf_node_way(gltf *g, uint32_t node, gltf_way *out) {
+    fathom_status status = FATHOM_OK;
+    out->count = g->moments.count;
+    for (size_t k = 0; k < out->count && status == FATHOM_OK; ++k) {
+        const affine_f64 *world;
+        status = gltf_node_world(g, &g->moments.items[k], node, &world);
+        out->at[k] = *world;
+    }
+    return status;
+}
+
+void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out) {
+    out->count = way->count;
+    for (size_t k = 0; k < way->count; ++k) out->at[k] = affine_compose(&way->at[k], inner);
+}
+
+bool gltf_way_moves(const gltf_way *way) {
+    for (size_t k = 1; k < way->count; ++k) {
+        if (memcmp(way->at[0].m, way->at[k].m, sizeof way->at[0].m) != 0) return true;
+    }
+    return false;
+}
+
+static double volume(const affine_f64 *a) {
+    return dot_f64(load_f64(a->m[0]), cross_f64(load_f64(a->m[1]), load_f64(a->m[2])));
+}
+
+bool gltf_way_can_blur(const gltf_way *way) {
+    affine_f64 inverse;
+    for (size_t k = 1; k < way->count; ++k) {
+        if (!affine_invert(&way->at[k], &inverse) || (volume(&way->at[k]) > 0) != (volume(&way->at[0]) > 0))
+            return false;
+    }
+    return true;
+}

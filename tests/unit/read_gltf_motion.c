@@ -1,0 +1,208 @@
+/* Animations of glTF while the shutter is open: keys against the still scenes of their times, and images
+ * against the mean of still ones. */
+#include "gltf_build.h"
+#include "scene/motion/motion.h"
+#include "stills.h"
+
+#include <math.h>
+
+#define TRIANGLE 0, 0, 0, 1, 0, 0, 0, 1, 0
+#define FACING 0, 0, 1, 0, 0, 1, 0, 0, 1
+
+static fathom_scene *read_blurred(fixture *f, double time, double shutter) {
+    fathom_scene *scene;
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    asked.choose_time = true, asked.time = time, asked.shutter = shutter;
+    assert_ok(f->context, read_asked(f, &asked, &scene));
+    return scene;
+}
+
+/* A node with a triangle, a lamp or both, one channel, and a camera. */
+static void write_channel(fixture *f, build *b, const char *path, const char *way, const char *more,
+                          int input, int output) {
+    const int positions = PUT_FLOATS(b, "VEC3", 3, TRIANGLE);
+    build_write(
+        f, b,
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'cameras':[{'type':'perspective',"
+        "'perspective':{'yfov':1}}],'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point'}]}},"
+        "'nodes':[{'name':'it','mesh':0%s}],'animations':[{'samplers':[{'input':%d,'output':%d,"
+        "'interpolation':'%s'}],'channels':[{'sampler':0,'target':{'node':0,'path':'%s'}}]}]",
+        positions, more, input, output, way, path);
+}
+
+static void an_even_slide_is_two_keys(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 4), values = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 8, 0, 0);
+    write_channel(f, &b, "translation", "LINEAR", "", times, values);
+    fathom_scene *scene = read_blurred(f, 1, 0.5);
+    const fathom_instance *it = &scene->instances.items[0];
+    assert_int_equal(f->warnings, 0);
+    assert_int_equal(it->key_count, 2);
+    const double expected[2][2] = {{1, 2}, {1.5, 3}};
+    for (int k = 0; k < 2; ++k) {
+        assert_true(it->key_times[k] == expected[k][0] && it->key_transforms[12 * k + 3] == expected[k][1]);
+        assert_true(scene->camera.shutter[k] == expected[k][0]);
+    }
+    fathom_scene_destroy(scene);
+    scene = read_blurred(f, 4, 1); /* it rests */
+    assert_int_equal(scene->instances.items[0].key_count, 0);
+    fathom_scene_destroy(scene);
+}
+
+/* A turn, a spline and a kink: at keys the very places of the still scene, between them off by no more than
+ * twice 2^-8 of the way (twice: poses are compared at twice the keys, and a kink may lie between those). */
+static void keys_follow_the_stills(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), kinks = PUT_FLOATS(&b, "SCALAR", 3, 0, 0.3f, 1),
+              turns = PUT_FLOATS(&b, "VEC4", 2, 0, 0, 0, 1, 0, 0, 0.9f, 0.435889f),
+              spline = PUT_FLOATS(&b, "VEC3", 6, 0, 0, 0, 1, 0, 0, 3, 0, 0, -1, 9, 0, 5, 0, 0, 0, 0, 0),
+              kinked = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 4, 0, 0, 4, 3, 0);
+    const struct {
+        const char *path, *way;
+        int input, output;
+    } cases[] = {{"rotation", "LINEAR", times, turns},
+                 {"translation", "CUBICSPLINE", times, spline},
+                 {"translation", "LINEAR", kinks, kinked}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        build own = b;
+        write_channel(f, &own, cases[i].path, cases[i].way, ",'camera':0", cases[i].input, cases[i].output);
+        fathom_scene *moving = read_blurred(f, 0, 1);
+        const fathom_instance *it = &moving->instances.items[0];
+        assert_in_range(it->key_count, 3, 65);
+        assert_int_equal(moving->camera.key_count, it->key_count);
+        for (int k = 0; k <= 256; ++k) {
+            fathom_scene *still = read_at(f, k / 256.0);
+            const affine_f64 there = motion_place(it, k / 256.0);
+            const fathom_camera camera = motion_camera(&moving->camera, k / 256.0);
+            const bool at_key = (unsigned)k * (it->key_count - 1) % 256 == 0;
+            for (int e = 0; e < 12; ++e)
+                assert_near(there.m[e / 4][e % 4], still->instances.items[0].transform[e],
+                            at_key ? 0 : 2 * 6 * 0x1p-8);
+            for (int c = 0; c < 3; ++c)
+                assert_near(camera.origin[c], still->camera.origin[c], at_key ? 0 : 2 * 6 * 0x1p-8);
+            fathom_scene_destroy(still);
+        }
+        fathom_scene_destroy(moving);
+    }
+}
+
+/* Eight turns in 24 keys: at each eighth of the time it is back where it was. */
+static void a_wheel_does_not_seem_to_stand(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    float at[25], turns[25][4] = {{0}};
+    for (int k = 0; k < 25; ++k) {
+        at[k] = (float)k / 24;
+        turns[k][2] = (float)sin(k * 3.14159265358979 / 3),
+        turns[k][3] = (float)cos(k * 3.14159265358979 / 3);
+    }
+    const int times = put_typed(&b, 5126, "SCALAR", 25, at, sizeof at, ""),
+              values = put_typed(&b, 5126, "VEC4", 25, turns, sizeof turns, "");
+    write_channel(f, &b, "rotation", "LINEAR", "", times, values);
+    fathom_scene *scene = read_blurred(f, 0, 1);
+    assert_true(scene->instances.items[0].key_count > 24);
+    fathom_scene_destroy(scene);
+}
+
+/* ---- vertices ---- */
+
+/* A triangle with two morph targets whose weights change, and a skin of two joints, of which one turns. */
+static void write_figure(fixture *f) {
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE), normals = PUT_FLOATS(&b, "VEC3", 3, FACING),
+              target = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 0.5f, 0, 0.25f, 0, 0, 0),
+              joints = PUT_BYTES(&b, "VEC4", 3, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0),
+              weights = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0, 0, 1, 0, 0, 0, 0.75f, 0.25f, 0, 0),
+              times = PUT_FLOATS(&b, "SCALAR", 2, 0, 2), morphs = PUT_FLOATS(&b, "SCALAR", 2, 0, 1),
+              turns = PUT_FLOATS(&b, "VEC4", 2, 0, 0, 0, 1, 0, 0.5f, 0, 0.8660254f);
+    build_write(
+        f, &b,
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d,'JOINTS_0':%d,'WEIGHTS_0':%d},"
+        "'targets':[{'POSITION':%d,'NORMAL':%d}]}]}],'skins':[{'joints':[1,2]}],'cameras':[{'type':"
+        "'perspective','perspective':{'yfov':0.7}}],'nodes':[{'mesh':0,'skin':0},{'translation':[-1,0,0]},"
+        "{'translation':[0,-0.5,0]},{'camera':0,'translation':[0,0,4],'extensions':{'KHR_lights_punctual':{"
+        "'light':0}}}],'extensions':{'KHR_lights_punctual':{'lights':[{'type':'directional'}]}},"
+        "'animations':[{'samplers':[{'input':%d,'output':%d},{'input':%d,'output':%d}],'channels':["
+        "{'sampler':0,'target':{'node':0,'path':'weights'}},"
+        "{'sampler':1,'target':{'node':2,'path':'rotation'}}]}]",
+        positions, normals, joints, weights, target, target, times, morphs, times, turns);
+}
+
+static void vertices_follow_the_stills(void **state) {
+    fixture *f = *state;
+    write_figure(f);
+    fathom_scene *moving = read_blurred(f, 0.5, 1);
+    const fathom_mesh *m = &moving->meshes.items[0];
+    assert_int_equal(moving->instances.items[0].key_count, 0);
+    assert_in_range(m->key_count, 3, 65);
+    for (uint32_t k = 0; k < m->key_count; ++k) {
+        fathom_scene *still = read_at(f, m->key_times[k]);
+        const fathom_mesh *there = &still->meshes.items[0];
+        assert_memory_equal(m->key_positions + 9 * k, there->positions, 9 * sizeof(float));
+        assert_memory_equal(m->key_normals + 9 * k, there->normals, 9 * sizeof(float));
+        fathom_scene_destroy(still);
+    }
+    fathom_scene_destroy(moving);
+}
+
+static stage figure_at(void *user, double open, double close) {
+    stage s = stage_open(32, 32);
+    fathom_read_options asked;
+    fathom_read_options_default(&asked);
+    asked.choose_time = true, asked.time = open, asked.shutter = close - open;
+    fathom_scene_destroy(s.scene);
+    assert_ok(s.context, fathom_scene_read_with(s.context, ((fixture *)user)->path, &asked, &s.scene));
+    assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.3f, 0.4f, 0.5f}));
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.target_error = 0, s.settings.max_depth = 3;
+    return s;
+}
+
+static void a_blurred_figure_is_the_mean_of_still_ones(void **state) {
+    write_figure(*state);
+    assert_mean_of_stills(figure_at, *state, 0, 2);
+}
+
+/* ---- what cannot be blurred ---- */
+
+static void what_cannot_blur_stands_and_is_named(void **state) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int times = PUT_FLOATS(&b, "SCALAR", 2, 0.5f, 1),
+              slide = PUT_FLOATS(&b, "VEC3", 2, 1, 0, 0, 8, 0, 0),
+              flat = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 0, 1, 1);
+    const struct {
+        const char *path, *way, *more, *said;
+        int output;
+    } cases[] = {{"translation", "STEP", "",
+                  "\"it\" jumps while the shutter is open, by STEP, and is not blurred", slide},
+                 {"scale", "LINEAR", "",
+                  "\"it\" is flat or turned inside out while the shutter is open, and not blurred", flat},
+                 {"translation", "LINEAR", ",'extensions':{'KHR_lights_punctual':{'light':0}}",
+                  "the light \"it\" moves while the shutter is open, and is not blurred", slide}};
+    for (int i = 0; i < 3; ++i) {
+        build own = b;
+        write_channel(f, &own, cases[i].path, cases[i].way, cases[i].more, times, cases[i].output);
+        fathom_scene *scene = read_blurred(f, 0.5, 0.5);
+        assert_int_equal(f->warnings, 1);
+        if (!strstr(f->warning, cases[i].said)) fail_msg("%s", f->warning);
+        assert_int_equal(scene->instances.items[0].key_count > 0, i == 2);
+        fathom_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(an_even_slide_is_two_keys),
+        TEST(keys_follow_the_stills),
+        TEST(a_wheel_does_not_seem_to_stand),
+        TEST(vertices_follow_the_stills),
+        TEST(a_blurred_figure_is_the_mean_of_still_ones),
+        TEST(what_cannot_blur_stands_and_is_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
