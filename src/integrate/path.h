@@ -46,12 +46,15 @@ static inline float path_power_heuristic(float a, float b) {
     return 1 / (1 + ratio * ratio);
 }
 
+static inline bool path_sends_light(const shader *s) {
+    return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
+}
+
 /* ---- path_met.c ---- */
 
 /* Light from outside of the scene, along the lanes that met nothing. */
 void path_add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed);
-bool path_sends_light(const shader *s);
-/* The light of the surface that lane i met. */
+/* The light of the surface that lane i met; see path_sends_light(). */
 void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s);
 
 /* What images of objects and features for denoisers keep of the vertices after the first, where they are

@@ -39,10 +39,6 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
     }
 }
 
-bool path_sends_light(const shader *s) {
-    return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
-}
-
 void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s) {
     const surface_gather *g = p->wave.gather;
     const uint32_t slot = v->path.slot[i];

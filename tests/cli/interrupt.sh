@@ -22,7 +22,7 @@ for signal in INT TERM HUP XCPU; do
     cp finished.exr i.exr
     # shellcheck disable=SC2086
     case $signal in
-    INT) interrupt 3 render $long --stats i.json ;;
+    INT) interrupt 6 render $long --stats i.json ;;
     *)
         phase=render
         start render $long --stats i.json

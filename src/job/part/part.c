@@ -118,9 +118,8 @@ static fathom_status read_map(part *p, const file_map *map) {
     checkpoint_key_set_tracer(&p->head.key, theirs.key.tracer);
     const unsigned char *payload;
     size_t at = part_head_bytes(&theirs) + sizeof(uint64_t);
-    for (const part_record *r;
-         (r = part_record_next(&p->shape, map->bytes, map->size, &at, p->done, &payload));)
-        count_before(p, r);
+    for (part_record r; part_record_next(&p->shape, map->bytes, map->size, &at, p->done, &r, &payload);)
+        count_before(p, &r);
     p->size = (off_t)at;
     p->film->stats.resumed_seconds = p->share.before.seconds;
     p->film->stats.resumed_samples = p->share.before.samples;

@@ -151,20 +151,24 @@ fathom_status part_head_read(fathom_context *context, const char *path, const un
 
 /* ---- records ---- */
 
-const part_record *part_record_next(const part_shape *shape, const unsigned char *bytes, size_t size,
-                                    size_t *at, bool *done, const unsigned char **payload) {
+bool part_record_next(const part_shape *shape, const unsigned char *bytes, size_t size, size_t *at,
+                      bool *done, part_record *out, const unsigned char **payload) {
+    const size_t left = size - *at;
+    part_record r;
     uint64_t sum;
-    const part_record *r = (const part_record *)(const void *)(bytes + *at);
-    if (size - *at < sizeof *r || r->magic != PART_RECORD || r->wave >= shape->grid.count || done[r->wave] ||
-        !part_owns(shape, r->wave) || r->bytes != part_wave_bytes(shape, r->wave) ||
-        size - *at - sizeof *r < r->bytes + sizeof sum || !(r->error >= 0) || !(r->seconds >= 0))
-        return NULL;
-    memcpy(&sum, bytes + *at + sizeof *r + r->bytes, sizeof sum);
-    if (part_hash(r, sizeof *r + r->bytes) != sum) return NULL;
-    *payload = bytes + *at + sizeof *r;
-    *at += sizeof *r + r->bytes + sizeof sum;
-    done[r->wave] = true;
-    return r;
+    if (left < sizeof r) return false;
+    memcpy(&r, bytes + *at, sizeof r);
+    if (r.magic != PART_RECORD || r.wave >= shape->grid.count || done[r.wave] || !part_owns(shape, r.wave) ||
+        r.bytes != part_wave_bytes(shape, r.wave) || left - sizeof r < r.bytes + sizeof sum ||
+        !(r.error >= 0) || !(r.seconds >= 0))
+        return false;
+    memcpy(&sum, bytes + *at + sizeof r + r.bytes, sizeof sum);
+    if (part_hash(bytes + *at, sizeof r + r.bytes) != sum) return false;
+    *out = r;
+    *payload = bytes + *at + sizeof r;
+    *at += sizeof r + r.bytes + sizeof sum;
+    done[r.wave] = true;
+    return true;
 }
 
 /* ---- pixels ---- */

@@ -69,10 +69,10 @@ fathom_status part_head_read(fathom_context *context, const char *path, const un
                              size_t size, part_head *out);
 uint64_t part_hash(const void *bytes, size_t size);
 
-/* The next whole record at *at, which moves behind it; NULL: the end, or no record of this part. `done` marks
- * tiles that were there before, and gets this one. *payload: its bytes. */
-const part_record *part_record_next(const part_shape *shape, const unsigned char *bytes, size_t size,
-                                    size_t *at, bool *done, const unsigned char **payload);
+/* The next whole record at *at, which moves behind it; false: the end, or no record of this part. `done`
+ * marks tiles that were there before, and gets this one. *payload: its bytes. */
+bool part_record_next(const part_shape *shape, const unsigned char *bytes, size_t size, size_t *at,
+                      bool *done, part_record *out, const unsigned char **payload);
 
 /* The pixels of a tile, between the film and the file. */
 void part_pixels_save(const wave_grid *grid, const fathom_film *film, uint32_t wave, unsigned char *out);

@@ -138,13 +138,12 @@ static fathom_status read_part(merging *m, source *s) {
     const unsigned char *payload;
     size_t at = part_head_bytes(s->head) + sizeof(uint64_t);
     memset(m->done, 0, s->shape.grid.count * sizeof *m->done);
-    for (const part_record *r;
-         (r = part_record_next(&s->shape, s->map.bytes, s->map.size, &at, m->done, &payload));) {
-        count_record(&m->film->stats, r);
+    for (part_record r; part_record_next(&s->shape, s->map.bytes, s->map.size, &at, m->done, &r, &payload);) {
+        count_record(&m->film->stats, &r);
         if (s->tiles)
-            s->tiles[r->wave] = (size_t)(payload - s->map.bytes);
+            s->tiles[r.wave] = (size_t)(payload - s->map.bytes);
         else
-            part_pixels_load(&s->shape.grid, m->film, r->wave, payload);
+            part_pixels_load(&s->shape.grid, m->film, r.wave, payload);
     }
     return check_whole(m, s, at);
 }

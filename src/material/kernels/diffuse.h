@@ -5,8 +5,10 @@
 #include "material/kernels/facets.h"
 
 /* Lambert's lobe under what the dielectric layer leaves. */
-static inline void add_diffuse(const shader_block *b, bool rare, const incidence *at, const lanes3 h,
-                               const float rise[LANES], float (*restrict f)[LANES]) {
+static inline __attribute__((always_inline)) void add_diffuse(const shader_block *b, bool rare,
+                                                              const incidence *at, const lanes3 h,
+                                                              const float rise[LANES],
+                                                              float (*restrict f)[LANES]) {
     for (int i = 0; i < LANES; ++i) {
         uint32_t lit = at->reflected[i] | (at->cross[i] & b->from_behind[i]);
         float cosine = chosen(lit, fabsf(at->l[2][i]) * (1 / PI), 0);

@@ -47,18 +47,20 @@ static inline float mirrored_facets(const shader_block *b, float alpha, int i, c
 }
 
 /* smith() and mirrored_facets() of the base. rare: some lane may be stretched. */
-static inline float smith_of(const shader_block *b, bool rare, int i, float x, float y, float z) {
+static inline __attribute__((always_inline)) float smith_of(const shader_block *b, bool rare, int i, float x,
+                                                            float y, float z) {
     if (is_stretched(b, rare, i)) return smith_stretched(b, i, x, y, z);
     return smith(b->alpha[i] * b->alpha[i], x, y, z);
 }
 
-static inline float ggx_of(const shader_block *b, bool rare, int i, float hx, float hy, float hz) {
+static inline __attribute__((always_inline)) float ggx_of(const shader_block *b, bool rare, int i, float hx,
+                                                          float hy, float hz) {
     if (is_stretched(b, rare, i)) return ggx_stretched(b, i, hx, hy, hz);
     return ggx(b->alpha[i] * b->alpha[i], hx, hy, hz);
 }
 
-static inline float facets_of(const shader_block *b, bool rare, int i, const lanes3 l, const lanes3 h,
-                              float *density) {
+static inline __attribute__((always_inline)) float facets_of(const shader_block *b, bool rare, int i,
+                                                             const lanes3 l, const lanes3 h, float *density) {
     if (!is_stretched(b, rare, i)) return mirrored_facets(b, b->alpha[i], i, l, h, density);
     float z = b->v[2][i], lz = l[2][i], to = smith_stretched(b, i, b->v[0][i], b->v[1][i], z);
     float from = smith_stretched(b, i, l[0][i], l[1][i], lz);
@@ -69,8 +71,10 @@ static inline float along_half(const shader_block *b, const lanes3 h, int i) {
     return b->v[0][i] * h[0][i] + b->v[1][i] * h[1][i] + b->v[2][i] * h[2][i];
 }
 
-static inline void add_ggx(const shader_block *b, bool rare, const incidence *at, const lanes3 h,
-                           const float rise[LANES], float (*restrict f)[LANES], float *restrict density) {
+static inline __attribute__((always_inline)) void add_ggx(const shader_block *b, bool rare,
+                                                          const incidence *at, const lanes3 h,
+                                                          const float rise[LANES], float (*restrict f)[LANES],
+                                                          float *restrict density) {
     for (int i = 0; i < LANES; ++i) {
         float d, value = facets_of(b, rare, i, at->l, h, &d);
         value = chosen(at->reflected[i], value, 0);
@@ -96,8 +100,9 @@ static inline void add_again(const shader_block *b, const incidence *at, float (
 
 /* Through a thin wall: what l mirrored to the viewer's side would reflect, times what the layer lets
  * through. */
-static inline void add_thin(const shader_block *b, bool rare, const incidence *at, float (*restrict f)[LANES],
-                            float *restrict density) {
+static inline __attribute__((always_inline)) void add_thin(const shader_block *b, bool rare,
+                                                           const incidence *at, float (*restrict f)[LANES],
+                                                           float *restrict density) {
     lanes3 l, h;
     float rise[LANES];
     for (int i = 0; i < LANES; ++i)
@@ -114,8 +119,10 @@ static inline void add_thin(const shader_block *b, bool rare, const incidence *a
 
 /* Walter et al. (2007), of radiance over the squared index: times eta^2. h = ±(v + eta l), whose length is
  * v·h + eta l·h. */
-static inline void add_refraction(const shader_block *b, bool rare, const incidence *at,
-                                  float (*restrict f)[LANES], float *restrict density) {
+static inline __attribute__((always_inline)) void add_refraction(const shader_block *b, bool rare,
+                                                                 const incidence *at,
+                                                                 float (*restrict f)[LANES],
+                                                                 float *restrict density) {
     for (int i = 0; i < LANES; ++i) {
         float eta = b->eta[i], h[3], square = 0, vh = 0, lh = 0;
         for (int c = 0; c < 3; ++c) {

@@ -26,12 +26,14 @@ static inline float film_at(const shader_block *b, int i, int c, float cosine) {
 }
 
 /* `plain`, unless the lane has a film. rare: some may have. */
-static inline float film_or(const shader_block *b, bool rare, int i, int c, float cosine, float plain) {
+static inline __attribute__((always_inline)) float film_or(const shader_block *b, bool rare, int i, int c,
+                                                           float cosine, float plain) {
     return rare && b->at[i]->lobes & SHADER_FILM ? film_at(b, i, c, cosine) : plain;
 }
 
 /* What the layer takes from the base, at this cosine and Schlick's factor of it. */
-static inline float layer_of(const shader_block *b, bool rare, int i, float cosine, float rise) {
+static inline __attribute__((always_inline)) float layer_of(const shader_block *b, bool rare, int i,
+                                                            float cosine, float rise) {
     return film_or(b, rare, i, 3, cosine, layer_share(b, i, rise));
 }
 

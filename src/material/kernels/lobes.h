@@ -31,10 +31,9 @@ static inline void add_highlight(const surface_block *s, const shader_block *b, 
 /* ---- all of them ---- */
 
 /* rare: some lane has a film or is stretched. A constant, so that the loops of other blocks stay plain. */
-__attribute__((always_inline)) static inline void add_lobes_as(const surface_block *s, const shader_block *b,
-                                                               bool rare, const lanes3 l, incidence *at,
-                                                               float (*restrict f)[LANES],
-                                                               float *restrict density) {
+__attribute__((always_inline)) static inline __attribute__((always_inline)) void
+add_lobes_as(const surface_block *s, const shader_block *b, bool rare, const lanes3 l, incidence *at,
+             float (*restrict f)[LANES], float *restrict density) {
     lanes3 h = {{0}};
     float rise[LANES] = {0};
     const uint32_t lobes = b->lobes;

@@ -4,7 +4,7 @@
 
 #include "material/kernels/incidence.h"
 
-static inline bool is_stretched(const shader_block *b, bool rare, int i) {
+static inline __attribute__((always_inline)) bool is_stretched(const shader_block *b, bool rare, int i) {
     return rare && b->at[i]->lobes & SHADER_STRETCHED;
 }
 
