@@ -320,6 +320,8 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
         p->width[k] = 0, p->spread[k] = plan->pixel_spread;
         p->passes[k] = 0, p->passed[k] = 0;
+    }
+    for (uint32_t k = 0; p->wave.run.samples.first && k < batch->count * LANES; ++k) {
         p->smooth[k] = true;
         p->tint[0][k] = p->tint[1][k] = p->tint[2][k] = 1;
     }

@@ -194,16 +194,15 @@ static void take_smooth(const surface_block *s, const shader_block *b, const uin
     }
 }
 
+static inline uint32_t is(uint32_t lobe, uint32_t take) { return lobe == take ? ~0u : 0; }
+
 /* Whether the direction is on the side that its lobe is for; a facet's may not be, and other lobes' densities
  * do not count for it. */
 static inline uint32_t meant(const incidence *at, uint32_t lobe, int i) {
-    uint32_t front = (lobe == SHADER_TAKE_DIFFUSE) | (lobe == SHADER_TAKE_GGX) | (lobe == SHADER_TAKE_COAT) |
-                             (lobe == SHADER_TAKE_SHEEN)
-                         ? ~0u
-                         : 0;
-    uint32_t back = (lobe == SHADER_TAKE_BEHIND) | (lobe == SHADER_TAKE_CROSS) ? ~0u : 0;
-    uint32_t any = lobe == SHADER_TAKE_HIGHLIGHT ? ~0u : 0;
-    return (front & at->reflected[i]) | (back & at->cross[i]) | any;
+    uint32_t front = is(lobe, SHADER_TAKE_DIFFUSE) | is(lobe, SHADER_TAKE_GGX) | is(lobe, SHADER_TAKE_COAT) |
+                     is(lobe, SHADER_TAKE_SHEEN);
+    uint32_t back = is(lobe, SHADER_TAKE_BEHIND) | is(lobe, SHADER_TAKE_CROSS);
+    return (front & at->reflected[i]) | (back & at->cross[i]) | is(lobe, SHADER_TAKE_HIGHLIGHT);
 }
 
 static void sample(const surface_block *s, const shader_block *b, const lanes3 u,
