@@ -15,7 +15,7 @@
 
 #define TREE_WIDE 8
 #define TREE_LEAF 0x80000000u
-#define TREE_NEAR 15
+#define TREE_NEAR 23
 
 /* A light, for building. */
 typedef struct tree_item {
