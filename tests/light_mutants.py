@@ -6,18 +6,18 @@ import sys
 # once, or the script stops: whoever changes the code moves the fault along.
 PATH, EMITTERS, SHAPES = "integrate/path.c", "light/emitters.c", "light/emitters_shapes.c"
 SHAPE, TREE, PICK, LOBES = "light/shape.h", "light/tree.c", "light/kernels/tree.c", "material/kernels/lobes.h"
-VOLUMES = "integrate/path_volumes.c"
+VOLUMES, MET, CARRIED = "integrate/path_volumes.c", "integrate/path_met.c", "integrate/path.h"
 FACETS, DIFFUSE, SHEEN, FILM = ("material/kernels/" + name for name in ("facets.h", "diffuse.h", "sheen.h", "film.h"))
 MUTANTS = [
-    ("MIS weights add up to 0.99", PATH, "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
-    ("emission counts whole where lights were asked for, too", PATH, "rectangle",
-     "const float share = power_heuristic(p->density[slot], density);",
-     "const float share = density < 0 ? density : 1;"),
+    ("MIS weights add up to 0.99", CARRIED, "rectangle", "return 1 / (1 + ratio * ratio);", "return 0.99f / (1 + ratio * ratio);"),
+    ("emission counts whole where lights were asked for, too", MET, "rectangle",
+     "const float share = path_power_heuristic(p->density[slot], met->density);",
+     "const float share = met->density < 0 ? met->density : 1;"),
     ("lights count whole where rays find them, too", PATH, "rectangle",
      "power_heuristic(light->density[i], density[i]) : 1;", "1 + 0 * density[i] : 1;"),
-    ("emission by the balance heuristic, lights by the power heuristic", PATH, "rectangle",
-     "const float share = power_heuristic(p->density[slot], density);",
-     "const float share = p->density[slot] < INFINITY ? p->density[slot] / (p->density[slot] + density) : 1;"),
+    ("emission by the balance heuristic, lights by the power heuristic", MET, "rectangle",
+     "const float share = path_power_heuristic(p->density[slot], met->density);",
+     "const float share = p->density[slot] < INFINITY ? p->density[slot] / (p->density[slot] + met->density) : 1;"),
     ("roulette without its weight", PATH, "furnace, sphere",
      "for (int c = 0; c < 3; ++c) weight[c] /= most;", "(void)0;"),
     ("roulette ends more paths than it says", PATH, "furnace, sphere", "return u < most;", "return u < most * 0.9f;"),
@@ -41,8 +41,9 @@ MUTANTS = [
     ("the light tree chooses with another probability", PICK, "forty", "*chance *= (double)weight[found] / sum;",
      "*chance *= 1.0 / TREE_WIDE + 0 * sum;"),
     ("the light tree tells rays another probability", TREE, "disk of",
-     "(double)weight[slot % TREE_WIDE] / sum : 0;", "0.25 * (double)weight[slot % TREE_WIDE] / sum : 0;"),
-    ("the tree picks the child before", PICK, "forty", "return found;", "return found > 0 && weight[found - 1] > 0 ? found - 1 : found;"),
+     "chance *= sum > 0 ? (double)own / sum : 0;", "chance *= sum > 0 ? 0.25 * (double)own / sum : 0;"),
+    ("the tree picks the child before", PICK, "forty", "*chance *= (double)weight[found] / sum;\n    return found;",
+     "*chance *= (double)weight[found] / sum;\n    return found > 0 && weight[found - 1] > 0 ? found - 1 : found;"),
     ("directions by the cosine, density even", SHAPE, "even sky",
      "along > 0 ? along / SHAPE_PI : 0", "along > 0 ? 0.5 / SHAPE_PI : 0"),
     ("a hundredth of a triangle's solid angle lost", SHAPE, "tilted triangle",
@@ -75,7 +76,7 @@ MUTANTS = [
      "FATHOM_CASTS_NO_SHADOW && !sized", "FATHOM_CASTS_NO_SHADOW"),
     ("emission behind sheets counts whole where lights were asked for, too", PATH, "lamp behind",
      "++p->passes[slot];", "++p->passes[slot], p->density[slot] = INFINITY;"),
-    ("passing a sheet is a bounce", PATH, "sky through", "return p->depth - p->passes[slot];", "return p->depth - 0 * p->passes[slot];"),
+    ("passing a sheet is a bounce", CARRIED, "sky through", "return p->depth - p->passes[slot];", "return p->depth - 0 * p->passes[slot];"),
     ("refraction scales radiance by the squared index", "material/kernels/block.h", "lamp in",
      "m->cross[c] * open : 0", "m->cross[c] * open / (eta * eta) : 0"),
     ("a leaf keeps what it should let through", DIFFUSE, "leaf lit", "f[c][i] += m->leaf[c] * value;", "f[c][i] += 0.9f * m->leaf[c] * value;"),
