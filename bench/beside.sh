@@ -1,5 +1,5 @@
 #!/bin/sh
-# What ten quads or spheres cost the rays of a mesh: BUILD=build/release sh bench/beside.sh [TRIANGLES [ROUNDS]]
+# Measures the cost of ten quads or spheres for the rays of a mesh: BUILD=build/release sh bench/beside.sh [TRIANGLES [ROUNDS]]
 # Prints a table for bench/README.md: a displaced sphere under one point light, 1280x720, 1 sample a pixel, one thread,
 # alone and with ten small shapes in a ring around it, inside it, or behind the camera. The scenes take turns; times are
 # the least of all rounds, of the render phase. TRACER=embree:user measures another tracer.

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What error each second buys: `fathom bench error` on a scene of the tour and on a generated forest; and what build quality
+# Measures the error against time: `fathom bench error` on a scene of the tour and on a generated forest; and what build quality
 # costs and saves on a sphere of a million triangles, `fathom bench render`. The error of intersectors against their time is in the page of
 # `fathom validate --report`, section "Error against time".
 # usage: BUILD=build/release sh bench/error.sh [WIDTHxHEIGHT [MAX_SPP [SEEDS [REPORTS]]]]

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What a part of the renderer costs: a scene that does without it, against the same view of a scene that needs it.
+# Measures the cost of a part of the renderer: a scene that does without it, against the same view of a scene that needs it.
 # usage: BUILD=build/release sh bench/leave_out.sh [REPEATS [INSTRUCTIONS]]
 # Prints a table for bench/README.md: ratios of the render phase, one thread. The two scenes take turns; the table has the
 # best times and the median of the rounds' ratios. Instructions are of a smaller image, by valgrind (whose processor has AVX2).
@@ -69,7 +69,7 @@ render_seconds() {
     sed -n '/"seconds"/,/}/s/^ *"render": \([-+.e0-9]*\),*$/\1/p' s.json
 }
 
-# The instructions of the render phase; the image is smaller. What was counted before is remembered.
+# The instructions of the render phase; the image is smaller. Earlier counts are remembered.
 render_instructions() {
     if grep -qxF "$*" counted.txt; then
         grep -xF -A 1 "$*" counted.txt | tail -n 1

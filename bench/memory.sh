@@ -1,5 +1,5 @@
 #!/bin/sh
-# What renders hold in memory, against the meshes, BVH and film that they need: BUILD=build/release sh bench/memory.sh
+# Measures the memory of renders, against the meshes, BVH and film that they need: BUILD=build/release sh bench/memory.sh
 # Prints a table for bench/README.md: displaced spheres, 1280x720, one sample a pixel. MESHES="360k 8M" are which;
 # LIMITS="8G 3G" render each with these limits besides, from 4G on where no more address space can be had (libraries
 # reserve some 0.7 GB of it that they never use); KEEP=DIR keeps the meshes.

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What rays that leave surfaces do wrong: sh bench/offset.sh [RAYS]
+# Counts the errors of rays that leave surfaces: sh bench/offset.sh [RAYS]
 # So many for each shape; prints tables for bench/README.md: shapes as they come, then slivers. BUILD is a release build
 # (default: build).
 set -eu

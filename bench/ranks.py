@@ -1,4 +1,4 @@
-"""What bench/ranks.sh measures: python3 ranks.py FATHOM SCENE SPP WIDTHxHEIGHT SPP FOLDER"""
+"""The measurements of bench/ranks.sh: python3 ranks.py FATHOM SCENE SPP WIDTHxHEIGHT SPP FOLDER"""
 import heapq
 import os
 import resource

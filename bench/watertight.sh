@@ -1,5 +1,5 @@
 #!/bin/sh
-# What slips through the vertices of closed meshes before and after the repair, and what the repair costs:
+# Counts rays through the vertices of closed meshes before and after the repair, and measures its cost:
 #   sh bench/watertight.sh [RAYS [REPEATS]]
 # Prints the tables for bench/README.md. BUILD is a release build (default: build).
 set -eu

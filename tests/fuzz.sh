@@ -4,7 +4,7 @@
 # usage: sh tests/fuzz.sh [SECONDS] [TARGET…]     (default: 10 seconds each of all targets)
 #        sh tests/fuzz.sh coverage [TARGET…]      lines of src/ that all inputs so far reach
 # The build and all inputs that reach something new are kept in build/fuzz, or $FATHOM_BUILD/fuzz: further runs go
-# on from there. What was found is in build/fuzz/findings; run the program on such a file to see it again.
+# on from there. Findings are in build/fuzz/findings; run the program on such a file to see it again.
 set -eu
 cd "$(dirname "$0")/.."
 source=$(pwd)

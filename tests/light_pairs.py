@@ -1,7 +1,7 @@
 """Path tracing against the reference integrator: every small scene of scenes/ by both, compared by Welch's test of means
 of cells, corrected for all of them (Šidák). Prints a row for each scene: the difference of all light in parts of it, its
-standard error, and the p-value over the scene's cells. What the reference does not implement (ambient light, multiscatter)
-is taken out of the scene, and scenes that it refuses are named. It samples by the cosine alone, so that sharp lobes would
+standard error, and the p-value over the scene's cells. Things that the reference does not implement (ambient light, multiscatter)
+are taken out of the scene, and scenes that it refuses are named. It samples by the cosine alone, so that sharp lobes would
 need too many samples before their errors are known: rough materials get a roughness of 0.8.
 usage: python3 tests/light_pairs.py FATHOM [ERROR] [TEXT]
   ERROR  the relative standard error to aim at, by some 4 / ERROR^2 samples (0.003)

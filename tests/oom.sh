@@ -22,7 +22,7 @@ try() {
     printf '%s: ' "$name"
     "$faults/each" -s "$part" -l bad.txt "$@" || fine=no
 }
-# What ends badly in others' code, and cannot be helped from here: the dynamic loader leaves with code 127 and a word of
+# Known bad ends in others' code, which cannot be mended here: the dynamic loader leaves with code 127 and a word of
 # its own where it lacks memory halfway, as for a thread's destructors or thread-local data.
 try_known() {
     name=$1

@@ -44,7 +44,7 @@ rendered() {
     $limit "$program" render "$scene" $by "$@"
 }
 
-# name extension scene options…: renders with both programs. What a program says goes to a file beside its image.
+# name extension scene options…: renders with both programs. A program's messages go to a file next to its image.
 try() {
     name=$1 extension=$2
     shift 2
@@ -105,7 +105,7 @@ sampling() {
     resumed resumed-error "$example" --size 240x180 --pattern sobol --target-error 0.005 --spp 256
 }
 
-# What the renderer does with light and geometry.
+# Light and geometry.
 transport() {
     first=scenes/classic.json
     for depth in 0 1 3 64; do exr "depth-$depth" "$first" --size 160x90 --max-depth $depth; done

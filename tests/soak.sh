@@ -12,6 +12,6 @@ mkdir -p "$build"
     >"$build/soak.log" 2>&1 || { tail -n 20 "$build/soak.log" >&2; exit 1; }
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-# What is kept by others' libraries has come by a tenth of the way. Blocks that threads keep for themselves would count as
-# handed out, and come and go by chance: none are kept.
+# Other libraries have taken what they keep by a tenth of the way. Threads keep no blocks for themselves: such blocks
+# would count as handed out, and come and go by chance.
 GLIBC_TUNABLES=glibc.malloc.tcache_count=0 "$build/tests/soak" "$renders" "$folder" "$((renders / 500 * 50))"

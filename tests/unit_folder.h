@@ -1,4 +1,4 @@
-/* A folder of the test's own, and a context. What is in it at the end was left behind, and the program fails.
+/* A folder of the test's own, and a context. A file left in it at the end makes the program fail.
  */
 #ifndef TESTS_UNIT_FOLDER_H
 #define TESTS_UNIT_FOLDER_H

@@ -29,7 +29,7 @@ def spread(s, count, size, z=0.0):
 
 
 def stage(s):
-    """What most scenes have: a camera, a lamp in the upper left, and a sky of one colour."""
+    """The parts of most scenes: a camera, a lamp in the upper left, and a sky of one colour."""
     s.camera()
     s.sun()
 

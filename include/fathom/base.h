@@ -11,7 +11,7 @@
  *
  * Order. Whatever was made with a context (scenes, tracers) is used only as long as the context is there, and
  * a tracer only as long as its scene; films need neither. `destroy` calls need nothing but their own handle,
- * and come in any order. What is not complete yet, such as a scene without objects, is refused with a status.
+ * and come in any order. Incomplete inputs, such as a scene without objects, are refused with a status.
  *
  * Threads. Calls on different contexts may run at the same time, and each gives what it gives alone, to the
  * bit. One context serves one calling thread at a time; the calls on a scene count as calls on the context it
@@ -34,8 +34,8 @@
  *
  * Stack. 64 KiB are enough for the calling thread, unless plug-ins and callbacks take more.
  *
- * Processes. A child of fork() may make contexts and call with them. What its parent made may only be read
- * there. */
+ * Processes. A child of fork() may make contexts and call with them. It may only
+ * read what its parent made. */
 #ifndef FATHOM_BASE_H
 #define FATHOM_BASE_H
 
@@ -127,16 +127,16 @@ FATHOM_API void fathom_context_on_warning(fathom_context *context, fathom_warnin
 FATHOM_API void fathom_context_set_threads(fathom_context *context, unsigned threads);
 FATHOM_API unsigned fathom_context_threads(const fathom_context *context);
 
-/* Whether files that a scene names (meshes, buffers, material libraries, in turn by those) may lie outside
- * its folder. Default false: absolute paths, and relative ones or symbolic links that lead out of the folder
- * of the file given to fathom_scene_read(), are FATHOM_BAD_INPUT. Links are followed before the check; hard
- * links and mounts cannot be told from what is there. */
+/* Sets whether files that a scene names (meshes, buffers, material libraries, in turn by those) may lie
+ * outside its folder. Default false: absolute paths, and relative ones or symbolic links that lead out of the
+ * folder of the file given to fathom_scene_read(), are FATHOM_BAD_INPUT. Links are followed before the check;
+ * hard links and mounts cannot be told from what is there. */
 FATHOM_API void fathom_context_allow_outside(fathom_context *context, bool allow);
 
-/* Whether files are copied to memory rather than mapped. Default false: meshes are used where the file has
- * them, as long as the scene lives. A mapped file that another process truncates ends this one with SIGBUS,
- * unless fathom_guard_files() was called; and one that is written over under the scene's feet may do any
- * harm. Copies cost their size in memory, and nothing that happens to the file later matters. */
+/* Sets whether files are copied to memory rather than mapped. Default false: meshes are used where the file
+ * has them, as long as the scene lives. A mapped file that another process truncates ends this one with
+ * SIGBUS, unless fathom_guard_files() was called; and one that is written over under the scene's feet may do
+ * any harm. Copies cost their size in memory, and nothing that happens to the file later matters. */
 FATHOM_API void fathom_context_copy_files(fathom_context *context, bool copy);
 
 /* Installs a handler for SIGBUS, once in the process: reading what was cut off of a mapped file then gives

@@ -31,11 +31,11 @@ FATHOM_API fathom_status fathom_write_check(fathom_context *context, const char 
 /* FATHOM_BAD_USAGE when the format of `path` does not hold so many pixels. */
 FATHOM_API fathom_status fathom_write_check_size(fathom_context *context, const char *path, uint32_t width,
                                                  uint32_t height);
-/* Whether the view is the built-in sRGB: neither a config ($OCIO counts) nor another display or view is
+/* True when the view is the built-in sRGB: neither a config ($OCIO counts) nor another display or view is
  * named.
  */
 FATHOM_API bool fathom_write_is_srgb(const fathom_write_options *options);
-/* Whether writing there starts the image helper; false for unknown extensions. */
+/* True when writing there starts the image helper; false for unknown extensions. */
 FATHOM_API bool fathom_write_needs_helper(const char *path, const fathom_write_options *options);
 
 /* The format follows the extension: .exr (scene-linear, all channels), .png, .jpg, .jpeg, .tif, .tiff (8-bit,

@@ -60,8 +60,8 @@ typedef struct fathom_plugin {
     /* The closest hits of all active lanes. Any number of threads call at the same time. Denormals are
      * flushed to zero in those threads. */
     void (*closest)(const void *tracer, fathom_plugin_block *blocks, size_t count);
-    /* Whether anything is hit: `primitive` is any triangle that is, or FATHOM_PLUGIN_MISS; t, u and v are not
-     * looked at. */
+    /* Asks whether anything is hit: `primitive` is any triangle that is, or FATHOM_PLUGIN_MISS; t, u and v
+     * are not looked at. */
     void (*any)(const void *tracer, fathom_plugin_block *blocks, size_t count);
     /* Releases what build() stored. */
     void (*destroy)(void *tracer);

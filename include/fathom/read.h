@@ -47,8 +47,7 @@ typedef struct fathom_read_options {
     /* The animation to pose: its name, else its number, counted from 0. FATHOM_BAD_USAGE, with a list of what
      * there is, when there is none such. NULL (default): the first. */
     const char *animation;
-    /* Of glTF's KHR_materials_variants, by name or number likewise. NULL (default): the materials that hold
-     * without a variant. */
+    /* A variant of glTF's KHR_materials_variants, by name or number likewise. NULL (default): no variant. */
     const char *variant;
     /* Metres in a unit of a model's lengths: it is scaled to metres. 0 (default): as it is. FATHOM_BAD_USAGE
      * for scene JSON, which scales its models itself. */
@@ -67,10 +66,10 @@ FATHOM_API fathom_status fathom_scene_read_with(fathom_context *context, const c
 
 /* FATHOM_BAD_INPUT when a file that the scene was mapped from has been truncated or changed since it was
  * read, or may have been: what was made of the scene is then not to be trusted, now or later.
- * A file that was touched, its time stamp new and its bytes the same, is only warned about. That takes
- * knowing its bytes: of each file the first MiB is remembered at the first call, by a hash, and from ten
- * seconds after it was opened on 100 MB more for each second; before that is complete a new time stamp is a
- * change. Bytes that were written and put back between two calls are not seen. fathom_scene_read() and
+ * A file with a new time stamp and the same bytes is only warned about. A hash remembers the bytes: the first
+ * MiB of each file at the first call, and 100 MB more for each second from ten seconds after it was opened
+ * on. Until the hash is complete, a new time stamp counts as a change. Bytes that were written and put back
+ * between two calls are not seen. fathom_scene_read() and
  * fathom_render() ask this themselves, the latter every second; whoever traces rays by fathom/trace.h may. */
 FATHOM_API fathom_status fathom_scene_check_files(const fathom_scene *scene);
 

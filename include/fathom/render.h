@@ -63,8 +63,9 @@ enum {
      */
     FATHOM_AOV_LIGHT_GROUPS = 1u << 11,
     /* Cryptomatte, of objects and of materials: CryptoObject00.R to CryptoObject02.A, CryptoMaterial00.R…:
-     * six pairs of id and coverage, and in the file's header the names that ids are of. What a path passes by
-     * its opacity does not count; glass and mirrors do. A pixel counts the first 16 things that it meets. */
+     * six pairs of id and coverage. The file's header has the names of the ids. Surfaces that a path passes
+     * because of their opacity do not count; glass and mirrors do. A pixel counts the first 16 things that it
+     * meets. */
     FATHOM_AOV_CRYPTO_OBJECT = 1u << 12,
     FATHOM_AOV_CRYPTO_MATERIAL = 1u << 13,
     FATHOM_AOVS = (1u << 14) - 1

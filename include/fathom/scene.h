@@ -356,8 +356,8 @@ typedef struct fathom_camera {
                  and for images as wide for their height as w is for h */
     double lens_radius;    /* >= 0; what lies off the plane of focus is blurred; default 0: a pinhole */
     double focus_distance; /* of the plane that is sharp, along the view; > 0 where there is a lens */
-    double shutter[2];     /* it opens and closes at these times, in the unit of the keys' times. What moves
-                              is blurred between them; default 0, 0: all is where it is at that time */
+    double shutter[2]; /* it opens and closes at these times, in the unit of the keys' times. Moving things
+                          are blurred between them; default 0, 0: an instant, without blur */
     /* Motion of the camera: its frames at `key_count` times, as those of instances; 0 (default): it stays. */
     uint32_t key_count;
     const double *key_times;

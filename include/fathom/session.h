@@ -100,7 +100,7 @@ static inline void fathom_session_progress(fathom_session *session, fathom_progr
 }
 /* Asks it to stop, and returns at once. */
 FATHOM_API void fathom_session_stop(fathom_session *session);
-/* Waits until it has ended, but no longer than `seconds` (negative: however long it takes). Whether it has.
+/* Waits until it has ended, but no longer than `seconds` (negative: without limit). True when it has ended.
  */
 FATHOM_API bool fathom_session_wait(fathom_session *session, double seconds);
 /* A copy of the film as it is now, to be released with fathom_film_destroy(): pixels with 0 in the channel

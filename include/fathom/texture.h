@@ -52,7 +52,7 @@ typedef struct fathom_texture {
 FATHOM_DEFAULT(fathom_texture)
 
 /* Copies texts and bytes. Equal textures get one id. FATHOM_BAD_INPUT when the file is missing, unreadable or
- * empty. What is in it is checked before anything is rendered. */
+ * empty. Its contents are checked before anything is rendered. */
 FATHOM_API fathom_status fathom_scene_add_texture(fathom_scene *scene, const fathom_texture *texture,
                                                   fathom_id *out);
 

@@ -29,8 +29,8 @@ typedef struct fathom_hit {
     fathom_id material;
 } fathom_hit;
 
-/* Whether there is a tracer of these words: FATHOM_BAD_USAGE says which word is wrong and which there are. A
- * library FILE.so is not opened. Without a context, or words, there is no message, or Embree. */
+/* Checks that there is a tracer of these words: FATHOM_BAD_USAGE says which word is wrong and which there
+ * are. A library FILE.so is not opened. Without a context, or words, there is no message, or Embree. */
 FATHOM_API fathom_status fathom_tracer_check(fathom_context *context, const char *words);
 /* Builds the acceleration structure. words: as in fathom_settings, NULL for Embree; FATHOM_BAD_USAGE when no
  * tracer is called that. The scene must outlive the tracer and must not change. */
@@ -44,7 +44,7 @@ FATHOM_API void fathom_tracer_destroy(fathom_tracer *tracer);
  * aimed at vertices do: renders put that right, single rays have the tracer "reference". */
 FATHOM_API fathom_status fathom_tracer_closest(const fathom_tracer *tracer, const fathom_ray *rays,
                                                size_t count, fathom_hit *hits);
-/* Whether anything is hit, shadow-casting or not. */
+/* Asks whether anything is hit, shadow-casting or not. */
 FATHOM_API fathom_status fathom_tracer_any(const fathom_tracer *tracer, const fathom_ray *rays, size_t count,
                                            bool *hits);
 

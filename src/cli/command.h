@@ -53,7 +53,7 @@ bool command_parse(const command *c, int argc, char **argv, void *settings, fath
             "files that SCENE names may lie outside its folder"                                              \
     }
 
-/* What to take of a file, and how. */
+/* The options that choose what is read from a model, and how. */
 typedef struct command_model {
     const char *camera, *animation, *variant; /* NULL: the first, or none */
     fathom_up up;

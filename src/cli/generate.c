@@ -81,8 +81,8 @@ static fathom_status run(int argc, char **argv) {
 static const args_option options[] = {
     {.help = "Options"},
     {"triangles", 't', "N", take_count, offsetof(generate_settings, triangles), 1, 1e11,
-     "how many, counted with instances; 20k and 8M are understood. What comes is the nearest count the kind "
-     "allows"},
+     "how many, counted with instances; 20k and 8M are understood. The result has the nearest count that the "
+     "kind allows"},
     {"seed", 0, "N", take_u64, offsetof(generate_settings, seed), 0, 0, "of what is random in it (0)"},
     {"output", 'o', "FILE", take_text, offsetof(generate_settings, output), 0, 0,
      ".glb (keeps instances, read without parsing), .ply (binary) or .obj"},

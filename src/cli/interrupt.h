@@ -16,7 +16,7 @@ bool interrupt_asked(void);
 
 /* From now on SIGUSR1 only asks for a save. */
 void interrupt_install_save(void);
-/* Whether it did since the last call. */
+/* True when it did since the last call. */
 bool interrupt_take_save(void);
 
 #endif

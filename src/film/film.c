@@ -141,7 +141,7 @@ static fathom_status take_pixels(fathom_context *context, fathom_film *film, con
     return FATHOM_OK;
 }
 
-/* Of what the scene itself says; environments are read later. */
+/* The brightest emission that the scene itself states; environments are read later. */
 static void find_brightest(const fathom_scene *scene, float out[3]) {
     memcpy(out, scene->background, 3 * sizeof *out);
     for (size_t i = 0; i < scene->materials.count; ++i) {

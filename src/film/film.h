@@ -18,7 +18,7 @@ typedef ARRAY(fathom_left_out) left_out_list;
 /* Light by how often it was scattered. */
 typedef enum light_kind { LIGHT_EMISSION, LIGHT_DIRECT, LIGHT_INDIRECT, LIGHT_KINDS } light_kind;
 
-/* What is summed for the AOVs besides radiance. */
+/* The sums for AOVs besides radiance. */
 typedef struct film_parts {
     bool hits;                 /* the first hits of samples */
     uint32_t layers;           /* parts of the light, of three channels each */
@@ -83,8 +83,8 @@ typedef struct film_outputs {
 } film_outputs;
 
 /* Seconds that writing the film to these files will take: a part of it is written for that, and thrown away;
- * the more, the more seconds are allowed for it. What cannot be written takes no time: fathom_film_write()
- * will say why. */
+ * the more, the more seconds are allowed for it. A file that cannot be written takes no time:
+ * fathom_film_write() will say why. */
 double film_write_seconds(fathom_context *context, const fathom_film *film, const film_outputs *outputs,
                           double allowed);
 

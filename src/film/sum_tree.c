@@ -102,7 +102,7 @@ static void add_node(const pixel_sums *like, const square_sums *from, square_sum
     keep_nearest(from, to);
 }
 
-/* Whether the node at the top completes the one below. */
+/* True when the node at the top completes the one below. */
 static bool is_pair(const sum_stack *s) {
     if (s->count < 2) return false;
     const sum_node *left = &s->nodes[s->count - 2], *right = left + 1;

@@ -86,7 +86,7 @@ static bool fits_tiles(const OIIO::ImageSpec &spec) {
     return fits(spec.tile_width) && fits(spec.tile_height) && spec.tile_depth <= 1;
 }
 
-/* Whether all levels down to one texel are there; then t.levels holds them. */
+/* True when all levels down to one texel are there; then t.levels holds them. */
 static void find_levels(image_texture &t) {
     OIIO::ImageSpec level = t.input->spec();
     t.levels = {level};

@@ -32,7 +32,7 @@ typedef struct image_attribute {
     size_t count;
 } image_attribute;
 
-/* Whether OpenEXR defines the entry as a matrix of floats. */
+/* True when OpenEXR defines the entry as a matrix of floats. */
 static inline bool image_attribute_is_m44f(const image_attribute *a) {
     return !a->text && a->count == 16 &&
            (strcmp(a->name, "worldToCamera") == 0 || strcmp(a->name, "worldToNDC") == 0);
@@ -82,15 +82,15 @@ fathom_status image_check(fathom_context *context, const char *path, const fatho
 /* FATHOM_BAD_USAGE when the format does not hold so many pixels. */
 fathom_status image_check_size(fathom_context *context, const char *path, uint32_t width, uint32_t height);
 
-/* Whether the view is the built-in sRGB: neither a config ($OCIO counts) nor another display or view is
+/* True when the view is the built-in sRGB: neither a config ($OCIO counts) nor another display or view is
  * named. */
 bool image_view_is_srgb(const fathom_write_options *options);
 
-/* Whether $SOURCE_DATE_EPOCH is set: equal renders then give equal files, so nothing in them may tell when or
- * how fast they were made (reproducible-builds.org/specs/source-date-epoch). */
+/* True when $SOURCE_DATE_EPOCH is set: equal renders then give equal files, so nothing in them may tell when
+ * or how fast they were made (reproducible-builds.org/specs/source-date-epoch). */
 bool image_date_is_given(void);
 
-/* Whether writing there needs the helper; false for unknown extensions. */
+/* True when writing there needs the helper; false for unknown extensions. */
 bool image_needs_module(const char *path, const fathom_write_options *options);
 
 /* Reads every channel in the file's order: unsigned 32-bit channels as IMAGE_UINT, the others as float (8-

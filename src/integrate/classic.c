@@ -91,10 +91,10 @@ static bool may_lose(const wave *w, uint32_t slot, const lanes3 gain, uint32_t i
     return true;
 }
 
-/* Takes gains away that are not worth a shadow ray. What is left out of a sample, were every light seen, is
- * at most max_loss + max_relative_loss R, R its radiance so far: radiance only grows, so R is at most the
- * sample's own in the end. A pixel is the mean of its samples, and loses at most max_loss + max_relative_loss
- * times its value. Each sample goes by its own paths alone, in their order, so grouping changes nothing. */
+/* Takes gains away that are not worth a shadow ray. A sample then loses, were every light seen, at most
+ * max_loss + max_relative_loss R, R its radiance so far: radiance only grows, so R is at most the sample's
+ * own in the end. A pixel is the mean of its samples, and loses at most max_loss + max_relative_loss times
+ * its value. Each sample goes by its own paths alone, in their order, so grouping changes nothing. */
 static void leave_out_faint(wave *w, const vertex_block *v, light_block *light, lanes3 gain) {
     for (uint32_t i = 0; i < v->surface.count; ++i) {
         const uint32_t slot = v->path.slot[i];

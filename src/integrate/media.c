@@ -48,8 +48,8 @@ void media_cross(media *m, uint32_t slot, uint32_t material, bool entering) {
         leave(m, slot, material);
 }
 
-/* Of the volumes but the one at `skip`: the highest priority fills the space, and of equals the innermost.
- * The count: none. */
+/* The volume that fills the space, leaving out the one at `skip`: that of the highest priority, the innermost
+ * among equals. The count, if there is none. */
 static uint32_t filling(const media *m, uint32_t slot, uint32_t skip) {
     const uint32_t count = m->count[slot];
     uint32_t best = count;

@@ -10,7 +10,7 @@
 /* MATERIAL_ bits of the materials in use. */
 unsigned parts_features(const fathom_scene *scene);
 
-/* Whether nothing but the background can be seen: every surface passes all light, and adds none. */
+/* True when nothing but the background can be seen: every surface passes all light, and adds none. */
 bool parts_all_transparent(const fathom_scene *scene);
 
 /* A ball around all points from which shadow rays may start, to find the spots that light none of them. */

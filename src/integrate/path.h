@@ -1,4 +1,4 @@
-/* What a wave of path tracing carries, and what volumes do to its paths. */
+/* The state of a wave of path tracing, and the functions that its files share. */
 #ifndef INTEGRATE_PATH_H
 #define INTEGRATE_PATH_H
 
@@ -57,8 +57,8 @@ void path_add_outside(wave *w, const trace_block *block, const path_block *path,
 /* The light of the surface that lane i met; see path_sends_light(). */
 void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const shader *s);
 
-/* What images of objects and features for denoisers keep of the vertices after the first, where they are
- * asked for, and of the way on from them. */
+/* Cryptomatte and the features for denoisers, where asked for, after the first vertex and on the way from
+ * it. */
 void path_show_through(path_wave *p, const vertex_block *v);
 void path_show_features(path_wave *p, const vertex_block *v);
 void path_leave_features(path_wave *p, const shader_sample *to, unsigned i, uint32_t slot);

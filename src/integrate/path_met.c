@@ -1,5 +1,5 @@
-/* What the rays of paths meet: the light that surfaces and surroundings send, weighed against asking for it,
- * and what other images than the beauty keep. */
+/* The ends of the rays of paths: light that surfaces and surroundings send, weighed against light sampling,
+ * and AOVs. */
 #include "integrate/path.h"
 #include "math/limit.h"
 

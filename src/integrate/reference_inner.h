@@ -112,7 +112,7 @@ vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);
 /* f |n·l| of everything but beams, for the unit direction l that light arrives from. */
 vec3_f64 reference_evaluate(const reference_surface *s, vec3_f64 l);
-/* Whether the surface bounds a volume, so that light refracts. */
+/* True when the surface bounds a volume, so that light refracts. */
 bool reference_refracts(const fathom_material *m);
 /* What remains of light after so long a way through the volume. */
 vec3_f64 reference_absorbed(const fathom_material *m, double distance);

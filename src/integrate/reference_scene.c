@@ -108,8 +108,8 @@ static reference_place place_when(const reference_scene *r, uint32_t index, doub
     return at;
 }
 
-/* Of a place that moves: its boxes at even times, each as much larger as its corners have moved since the
- * last; between two times they do not go farther than that. */
+/* The bounds of a moving place: its boxes at even times, each enlarged by how far its corners moved since the
+ * last, because they do not move farther between two times. */
 static scene_bounds moved_bounds(const reference_scene *r, uint32_t place, const scene_bounds *inside) {
     enum { LOOKS = 256 };
     const double *shutter = r->scene->camera.shutter;

@@ -143,7 +143,7 @@ typedef enum adaptive_result {
 
 bool adaptive_create(const render_plan *plan, adaptive_wave *out);
 void adaptive_destroy(adaptive_wave *a);
-/* What a wave holds besides its struct. */
+/* The bytes that a wave holds besides its struct. */
 size_t adaptive_bytes(film_parts parts);
 static inline size_t adaptive_layer_count(film_parts parts) {
     return (size_t)ADAPTIVE_RUNS * SAMPLE_GROUPS * 3 * parts.layers;

@@ -7,7 +7,7 @@
 size_t adaptive_record_bytes(film_parts parts);
 /* a: after adaptive_pass() said ADAPTIVE_PASSED. */
 void adaptive_record_save(const adaptive_wave *a, unsigned char *out);
-/* Whether the bytes can be of a wave whose pixels have at most `spp` samples: then any are safe to load. */
+/* True when the bytes can be of a wave whose pixels have at most `spp` samples: then any are safe to load. */
 bool adaptive_record_check(const unsigned char *record, uint32_t spp);
 /* a: after adaptive_begin(). */
 void adaptive_record_load(const fathom_settings *settings, const unsigned char *record, adaptive_wave *a);

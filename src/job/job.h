@@ -43,7 +43,8 @@ typedef struct wave_share {
     bool (*next)(void *user, const atomic_bool *stop, uint32_t *wave);
     bool (*take)(void *user, const wave_result *result); /* false: it cannot, and the job ends */
     void (*tick)(void *user); /* NULL, or: about ten times a second, on the calling thread */
-    /* Of other processes, but in this one's film: the sums, until the job has ended, and their pixels. */
+    /* Units that other processes rendered into this one's film: the sums, until the job has ended, and their
+     * pixels. */
     wave_result others;
     _Atomic uint64_t others_pixels;
 } wave_share;

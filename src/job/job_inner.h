@@ -45,7 +45,7 @@ struct job {
     job_result result;
     const job_options *options;
     double began;            /* of clock_seconds(), as the next; the calls that this one continues count */
-    _Atomic double deadline; /* 0: none. What has to be reserved comes off it on the way */
+    _Atomic double deadline; /* 0: none. Time reserved for writing is taken off it */
     uint64_t rays_before;    /* of these calls */
     atomic_bool complete;    /* nothing is left to stop */
     bool interrupted;

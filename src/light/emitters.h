@@ -36,8 +36,8 @@ typedef struct emitter_sample {
     _Alignas(64) lanes3 direction; /* unit, towards the light */
     float distance[LANES]; /* a shadow ray of this length ends clear of the emitter by the error bounds of its
                               end; INFINITY: it comes from outside of the scene */
-    lanes3 radiance;       /* that comes from there when nothing is in the way. Of a light without size: the
-                              irradiance of a surface that faces it */
+    lanes3 radiance; /* from there when nothing is in the way; for a light without size, the irradiance of
+                        a surface that faces it */
     float density[LANES];  /* with which this direction is taken, the choice of the light included: per solid
                               angle, or of a light without size: the chance of its choice. 0: there is no light
                             */

@@ -32,7 +32,7 @@ static float power_of(const emitters *e, uint32_t geometry, uint32_t primitive, 
 
 /* ---- runs ---- */
 
-/* Whether it moves while the shutter is open. */
+/* True when it moves while the shutter is open. */
 static bool is_moving(const world *w, uint32_t geometry, uint32_t instance) {
     return w->geometries.items[geometry].moving ||
            (instance != FATHOM_NONE && w->instances.items[instance].moving);

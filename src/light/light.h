@@ -19,7 +19,7 @@ typedef struct shade_light {
     vec3_f32 position;
     vec3_f32 to_light; /* directional: unit, towards the light; spot: unit, against the cone's axis */
     float intensity[3];
-    /* Spot: falloff = clamp((cone_edge - (1 - cos)) cone_scale)^2. That is KHR_lights_punctual's, written in
+    /* Spot: falloff = clamp((cone_edge - (1 - cos)) cone_scale)^2, as in KHR_lights_punctual, but in terms of
      * 1 - cos, which float holds for the narrowest of cones. */
     float cone_edge, cone_scale;
     const light_surface *surfaces; /* point, spot: those near it */

@@ -155,7 +155,7 @@ static void look_at_sphere(const view *v, const probe *p, const world_sphere *s)
     add_contact(v, p, &c);
 }
 
-/* Whether the light, seen along n, lies in the face or within `loose` of it. */
+/* True when the light, seen along n, lies in the face or within `loose` of it. */
 static bool lies_in(const vec3_f64 v[3], vec3_f64 n, vec3_f64 at, double loose) {
     for (int k = 0; k < 3; ++k) {
         vec3_f64 side = sub_f64(v[(k + 1) % 3], v[k]);

@@ -31,7 +31,7 @@ static void sensitivity(double difference, const double shift[3], double rgb[3])
         rgb[c] = (to_rgb[c][0] * xyz[0] + to_rgb[c][1] * xyz[1] + to_rgb[c][2] * xyz[2]) / all;
 }
 
-/* Of a film over a base of reflectance f0. */
+/* The reflectance of a film over a base of reflectance f0. */
 static void reflectance(const fathom_material *m, const float f0[3], double cosine, double rgb[3]) {
     const double thickness = (double)m->iridescence_thickness_max;
     const double index = thickness > 0 ? (double)m->iridescence_ior : 1;

@@ -23,7 +23,7 @@ static void set_fibres(float roughness, shader *out) {
     out->sheen_alpha = (float)alpha;
 }
 
-/* Of light from the cosines mu = x^2, which is where the lobe is. */
+/* The albedo, as a sum over light from the cosines mu = x^2, which lie where the lobe is. */
 static float albedo(const shader *m, const float lambda[ALONG], float z) {
     const float sine = sqrtf((1 - z) * (1 + z)), own = 1 + sheen_lambda(m, z), exponent = 1 / m->sheen_alpha;
     float sum = 0;

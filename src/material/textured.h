@@ -27,7 +27,7 @@ void texturing_destroy(texturing *t);
 /* FATHOM_OK, or why an image could not be looked up. */
 fathom_status texturing_check(const texturing *t, fathom_context *context);
 
-/* Of a block of points whose hits are in g: turns s->ns, and replaces at[i] by &made[i] in lanes whose
+/* For a block of points whose hits are in g: turns s->ns, and replaces at[i] by &made[i] in lanes whose
  * materials vary. width: of the rays' cones at the points. around: what indices are divided by; NULL: 1. Sets
  * s->along where materials ask for it. */
 void texturing_shade(const texturing *t, const surface_gather *g, const float width[LANES],
@@ -42,7 +42,7 @@ float texturing_opacity(const texturing *t, const surface_gather *g, unsigned i,
 /* Some point of the material may let a ray straight through. */
 bool texturing_may_cover(const texturing *t, fathom_id material);
 
-/* Whether the emission of a primitive of this material varies. */
+/* True when the emission of a primitive of this material varies. */
 bool texturing_varies_emission(const texturing *t, fathom_id material);
 /* The emission of a triangle, or of a half quad, at these weights of its corners; all as in shader.emission.
  */

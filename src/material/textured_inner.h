@@ -1,4 +1,4 @@
-/* What the files of textured.h share. */
+/* Shared by the files behind textured.h. */
 #ifndef MATERIAL_TEXTURED_INNER_H
 #define MATERIAL_TEXTURED_INNER_H
 
@@ -67,8 +67,8 @@ bool texturing_sends_alone(const fathom_material *m);
 
 /* ---- textured_normal.c: frames and normals ---- */
 
-/* Of meshes whose own material needs them; those that an instance gives one get the frames of their
- * triangles. */
+/* Makes tangents for meshes whose own material needs them. A mesh that gets such a material from an instance
+ * uses the frames of its triangles. */
 fathom_status texturing_make_tangents(fathom_context *context, texturing *t);
 void texturing_turn_normals(const points *p, surface_block *s);
 /* The tangent of a point whose material asks for one, turned by the material as it is there. */

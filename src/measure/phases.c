@@ -19,7 +19,7 @@ static void add(samples *s, const bench_seconds *start) {
     s->warm = true;
 }
 
-/* Whether to run the phase again. */
+/* True when the phase is to run again. */
 static bool again(const samples *s, const phases_options *options) {
     double spent = 0;
     for (unsigned i = 0; i < s->count; ++i) spent += s->by[BENCH_WALL][i];

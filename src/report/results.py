@@ -41,7 +41,7 @@ def rays_of(runs):
 
 
 def case_verdicts(case, verdict):
-    """Of an extreme case, closest and any hit together."""
+    """The count of a verdict in an extreme case, closest and any hit together."""
     return at(case, "verdicts", verdict, missing=0) + at(case, "any", "verdicts", verdict, missing=0)
 
 
@@ -69,7 +69,7 @@ class Spread:
             self.bins[key] = self.bins.get(key, 0) + n
 
     def quantile(self, q):
-        """What all but a fraction 1 - q do not exceed: 0 when that is none, NaN when nothing was counted."""
+        """The quantile q: 0 when it lies below all classes, NaN when nothing was counted."""
         if not self.total:
             return math.nan
         below = self.zeros

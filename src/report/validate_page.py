@@ -206,7 +206,7 @@ def time_section(results):
     timed = runs and all("nsPerRay" in r for r in runs) and any("histogram" in f.get("tUlps", {}) for f in families_of(runs))
     if not timed:
         return Section("time", "Error against time", absent("Left out: these results have no times of the tracers."))
-    about = paragraph("What an answer costs, and how exact it is. Both axes are logarithmic; lower and further left is better. A filled mark is the error "
+    about = paragraph("The cost of an answer against its error. Both axes are logarithmic; lower and further left is better. A filled mark is the error "
                       "of all but 1 in 1000 rays, a hollow one the largest. Difficult rays are mostly ill-conditioned: there even the nearest float is "
                       "many units off, for any tracer.")
     return Section("time", "Error against time", about + side_by_side([

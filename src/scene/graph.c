@@ -136,7 +136,7 @@ fathom_status scene_check_cycles(const fathom_scene *scene) {
     return status;
 }
 
-/* Whether anything can be seen: an object in a group that the root reaches. */
+/* True when anything can be seen: an object in a group that the root reaches. */
 static fathom_status check_presence(const fathom_scene *scene, const scene_graph *graph) {
     for (uint32_t k = 0; k < graph->order_count; ++k) {
         uint32_t g = graph->order[k];

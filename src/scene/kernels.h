@@ -13,7 +13,7 @@ typedef struct scene_kernels {
      * number is not finite. */
     bool (*vectors)(const float *values, size_t stride, size_t count, float lower[3], float upper[3]);
 
-    /* Whether all of `count` indices are below the limit. */
+    /* True when all of `count` indices are below the limit. */
     bool (*indices)(const uint32_t *indices, size_t count, uint32_t limit);
 
     /* The sum of boundary_sum() over `count` triangles, by the indices of their vertices. */

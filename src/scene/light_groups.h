@@ -5,7 +5,7 @@
 #include "scene/scene.h"
 
 #define LIGHT_SOURCES ((size_t)FATHOM_SOURCE_BACKGROUND + 1)
-/* What comes from outside, where it is of several groups at once; and an object without a group of its own.
+/* Stand for light from outside that belongs to several groups at once, and for an object without a group.
  */
 #define LIGHT_GROUP_OUTSIDE 255
 #define LIGHT_GROUP_NONE 254
@@ -23,7 +23,7 @@ fathom_status light_group_find(fathom_scene *scene, const char *name, uint8_t *o
 fathom_status light_groups_create(const fathom_scene *scene, light_groups *out);
 void light_groups_destroy(light_groups *groups);
 
-/* Of a surface. */
+/* The group of a surface. */
 static inline uint8_t light_group_at(const light_groups *g, fathom_id object, fathom_id material) {
     const uint8_t own = g->of[FATHOM_SOURCE_OBJECT][object];
     return own == LIGHT_GROUP_NONE ? g->of[FATHOM_SOURCE_MATERIAL][material] : own;

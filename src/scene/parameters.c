@@ -53,7 +53,7 @@ static const fathom_parameter setting_rows[] = {
     {"filter_width", F64, SETTING(filter_width), PIXELS | IN_FILE | COMMAND, 0.01, 16, 1, "PIXELS", "Image",
      .help = "Width of the filter: 1 suits `box`, 3 `gaussian` and 4 `blackmanHarris`."},
     {"seed", U64, SETTING(seed), PIXELS | IN_FILE | COMMAND, 0, INFINITY, 0, "N", "Image",
-     .help = "Of the patterns `stratified` and `sobol`."},
+     .help = "Seed of the patterns `stratified` and `sobol`."},
     {"crop", U32, SETTING(crop), PIXELS | IN_FILE | COMMAND, 0, 65536, 0, "X0,Y0,X1,Y1", "Image",
      .help = "Part to render: x0, y0, x1, y1 in pixels, from the upper left corner, x1 and y1 left out. All 0: the "
      "whole image.", .count = 4},
@@ -86,7 +86,7 @@ static const fathom_parameter setting_rows[] = {
      "Cryptomatte of objects and of materials.",
      .words = "alpha|Z|N|P|albedo|id|samples|error|direct|indirect|emission|lightGroups|cryptoObject|cryptoMaterial"},
     {"tracer", TEXT, SETTING(tracer), COMMAND, 0, 0, 0, "SPEC|FILE.so", "Light transport",
-     .help = "What answers the rays: embree, bvh, linear or reference, which is linear:robust:f32, each with options such as "
+     .help = "The tracer that answers the rays: embree, bvh, linear or reference, which is linear:robust:f32, each with options such as "
      "bvh:f64, linear:textbook:f32 or embree:user:high:16; or a library as in fathom/plugin.h."},
     {"block_width", U32, SETTING(block_width), COMMAND, 1, 16, 16, "N", "Running",
      .help = "Rays handed to Embree at once; no pixel depends on it.", .words = "1|4|8|16"},
@@ -124,7 +124,7 @@ static const fathom_parameter classic_rows[] = {
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
      .help = "Factor of the slopes of `normalTexture`."},
     {"lit_from_behind", BOOL, MATERIAL(lit_from_behind), HARD, 0, 1, false, NULL, "Surface",
-     .help = "Whether lights on the far side of the surface count, as on thin cloth or paper."},
+     .help = "Lights on the far side of the surface count, as on thin cloth or paper."},
 };
 
 static const fathom_parameter metallic_rows[] = {
@@ -149,7 +149,7 @@ static const fathom_parameter metallic_rows[] = {
     {"thickness", F32, MATERIAL(thickness), SOFT, 0, RADIANCE, 0, NULL, "Surface",
      .help = "Above 0: the surface bounds a volume, and light refracts; 0: it is a thin wall. The number itself does not matter."},
     {"attenuation_color", F32, MATERIAL(attenuation_color), SOFT, 0, 1, 1, "R,G,B", "Surface",
-     .help = "What is left of white light after `attenuationDistance` in the volume.", .count = 3},
+     .help = "Colour of white light after `attenuationDistance` in the volume.", .count = 3},
     {"attenuation_distance", F32, MATERIAL(attenuation_distance), SOFT, 0, RADIANCE, 0, NULL, "Surface",
      .help = "Distance of `attenuationColor`; 0: nothing is absorbed."},
     {"clearcoat", F32, MATERIAL(clearcoat), HARD, 0, 1, 0, NULL, "Surface",
@@ -179,7 +179,7 @@ static const fathom_parameter metallic_rows[] = {
     {"diffuse_transmission_color", F32, MATERIAL(diffuse_transmission_color), SOFT, 0, 1, 1, "R,G,B", "Surface",
      .help = "Colour of that light.", .count = 3},
     {"priority", U32, MATERIAL(priority), HARD, 0, 255, 0, "N", "Surface",
-     .help = "Of overlapping volumes the one of the highest priority fills the space: glass 2, the drink in it 1. 0: none."},
+     .help = "The volume of the highest priority fills the space where several overlap: glass 2, the drink in it 1. 0: none."},
     {"opacity", F32, MATERIAL(opacity), HARD, 0, 1, 1, NULL, "Surface",
      .help = "Share of the rays that meet the surface; the others pass."},
     {"opacity_cutoff", F32, MATERIAL(opacity_cutoff), HARD, 0, 1e3, 0, NULL, "Surface",

@@ -130,7 +130,7 @@ fathom_status scene_add_material_as(fathom_scene *scene, const char *name, const
 /* The material with this name, FATHOM_NONE when there is none. */
 fathom_id scene_find_material(const fathom_scene *scene, const char *name);
 
-/* Whether some parameter comes from an image. */
+/* True when some parameter comes from an image. */
 bool material_has_maps(const fathom_material *material);
 /* The opacity, or with a cutoff 0 or 1. */
 float material_opacity(const fathom_material *material);
@@ -140,8 +140,8 @@ static inline bool scene_keeps_uvs(const fathom_scene *scene) {
     return !scene->without_uvs || scene->has_maps;
 }
 
-/* Whether paths meet none of the lights, because they were made, and the studio or a background that shines
- * is there in their place. */
+/* True when paths meet none of the lights, because they were made up, and the studio or a shining background
+ * replaces them. */
 bool scene_replaces_lights(const fathom_scene *scene);
 
 /* The material of a shape. */

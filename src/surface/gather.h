@@ -24,7 +24,8 @@ typedef struct surface_gather {
 void surface_gather_begin(surface_gather *g);
 /* Adds what a lane met; there must be room. */
 void surface_gather_add(surface_gather *g, const world *w, const trace_block *block, size_t lane);
-/* All sixteen lanes, which all met something, to an empty one. Whether it is known that they met one object.
+/* Adds all sixteen lanes, which all met something, to an empty one. True when they are known to meet one
+ * object.
  */
 bool surface_gather_block(surface_gather *g, const world *w, const surface_kernels *kernels,
                           const trace_block *block);

@@ -14,7 +14,7 @@ static vec3_f64 unit_of(vec3_f64 v) {
     return square > 0 ? scale_f64(1 / sqrt(square), v) : v;
 }
 
-/* Whether a ray starts inside is decided in double wherever float is in doubt, and for split spheres
+/* True when a ray starts inside is decided in double wherever float is in doubt, and for split spheres
  * (sphere_text.h), by c = |f|² - R²: near the surface it is off by 6 (|f|² + R²) 2^-53, which is 6 R 2^-53 of
  * distance. f and the point here are off by a few 2^-53 of |C| + R more. */
 void local_sphere(const world_sphere *sphere, const local_ray *ray, local_hit *out) {

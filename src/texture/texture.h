@@ -45,7 +45,8 @@ void texture_size(const texture_cache *cache, fathom_id texture, uint32_t *width
 /* The mean of all texels, linear. Decodes the image. */
 fathom_status texture_average(texture_cache *cache, fathom_context *context, fathom_id texture,
                               float rgba[4]);
-/* Whether alpha is 1 everywhere. May say no of a tiled file with alpha. Decodes the image if it has alpha. */
+/* True when alpha is 1 everywhere. May say no of a tiled file with alpha. Decodes the image if it has alpha.
+ */
 fathom_status texture_is_opaque(texture_cache *cache, fathom_context *context, fathom_id texture, bool *out);
 
 #endif

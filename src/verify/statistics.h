@@ -16,9 +16,9 @@ typedef ARRAY(statistics_finding) statistics_findings;
  * below 4, but where many inputs are exactly zero, which have no part in a condition number: 36 in scenes of
  * boxes. */
 #define STATISTICS_MEDIAN 1.0
-/* Of the 99.9th percentile, a quarter of COMPARE_SHAPED: bounds add up 26 roundings and more of one sign. As
- * many that are independent and even within ±1 have a standard deviation of √(26 / 3) = 3, and a 99.9th
- * percentile of 10, less than a third. */
+/* Limits the 99.9th percentile to a quarter of COMPARE_SHAPED: bounds add up 26 roundings and more of one
+ * sign. As many that are independent and even within ±1 have a standard deviation of √(26 / 3) = 3, and
+ * a 99.9th percentile of 10, less than a third. */
 #define STATISTICS_HIGH 64.0
 #define STATISTICS_LEAST 100 /* hits, or nothing is said */
 

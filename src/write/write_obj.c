@@ -9,7 +9,7 @@
 
 /* ---- names ---- */
 
-/* Whether the name is one word, which any reader takes whole, and not one that a nameless material gets. */
+/* True when the name is one word, which any reader takes whole, and not one that a nameless material gets. */
 static bool is_word(const char *name) {
     if (!name || !*name || strncmp(name, "material_", 9) == 0) return false;
     for (; *name; ++name) {

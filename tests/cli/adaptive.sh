@@ -32,7 +32,7 @@ run 0 render scene.json -o b.exr --stats b.json
 said b.json '"errorEstimate": null'
 ! grep -aq 'fathom:errorEstimate' b.exr || die 'an error that nobody estimated'
 
-# To a time: it ends with a whole image, here at its most samples.
+# A render to a time limit ends with a whole image, here at its most samples.
 run 0 render scene.json -o b.exr --integrator path --max-time 300 --spp 8 --aov samples --stats b.json
 [ "$(number b.json meanSpp)" = 8.0 ] || die 'time to spare, and not the most samples'
 run 0 render scene.json -o c.exr --integrator path --pattern sobol --spp 8 --aov samples

@@ -31,7 +31,7 @@ refuse() {
     while IFS="$(printf '\t')" read -r arguments expected message; do
         # shellcheck disable=SC2086 # words, by design
         refuse $arguments
-        # What info refuses, a render refuses in the same words, before there is any file; some of them suffice. A
+        # A render refuses the same as info, in the same words, before there is any file; some of them suffice. A
         # render leaves texture coordinates in their files.
         rows=$((rows + 1))
         case $expected$arguments in
@@ -43,7 +43,7 @@ refuse() {
 )
 ls -A | diff ../before.txt - || die 'files came or went'
 
-# What is no file to read: told at once, whatever it is called. Nobody writes to the pipe, and the device never ends.
+# Pipes, devices and folders are refused at once, whatever they are called. Nobody writes to the pipe, and the device never ends.
 cd ..
 mkfifo pipe.json pipe.obj pipe.ply pipe.glb
 for extension in json obj ply glb gltf; do

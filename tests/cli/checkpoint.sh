@@ -13,7 +13,7 @@ while :; do
     spp=$((spp * 2))
 done
 
-# What is wrong is said before anything is rendered.
+# Errors are told before anything is rendered.
 refused 2 '--resume: only with --checkpoint FILE' render scene.json -o a.exr --resume
 refused 2 '--checkpoint-every: only with --checkpoint FILE' render scene.json -o a.exr --checkpoint-every 5
 refused 2 '--checkpoint-every: expected a number from 0' \
@@ -105,7 +105,7 @@ done
 kill -TERM $child
 end 5
 
-# To a time: what was spent counts, and nothing that was sampled is lost.
+# With a time limit, the time spent before counts, and no sample is lost.
 start render scene.json -o t.exr --size 160x120 --max-time 20 --checkpoint t --aov all
 kill -TERM $child
 end 5

@@ -41,7 +41,7 @@ if [ -z "$SANITIZE" ]; then
         said err.txt "fathom: $name: cannot be written: No space left on device"
         rescued a.rescue.exr
     done
-    # What stands there stays; a rescued image of an earlier run, too.
+    # Existing files stay, as does a rescued image of an earlier run.
     echo old >a.png
     echo old >a.rescue.exr
     fault write a.fathom-tmp 5 6000 render scene.json -o a.png --size 384x256

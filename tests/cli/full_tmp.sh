@@ -71,7 +71,7 @@ if [ -z "${IN_EARNEST:-}" ]; then
     mkdir no-room
     TMPDIR=$PWD/no-room
     without_tmp 'cannot be written: No space left on device'
-    # What is rescued passes it by.
+    # Rescued pixels do not need it.
     mkdir no-room/here
     cp scene.json no-room/here/
     cd no-room/here

@@ -1,4 +1,4 @@
-# What the program, the library and the image module are built with against faults: tables of addresses that are filled
+# The protections of the program, the library and the image module: tables of addresses that are filled
 # when they are loaded and read-only from then on, code at any address, no code on stacks or written to when loaded, canaries.
 . "$SOURCE/tests/cli/check.inc"
 

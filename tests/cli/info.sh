@@ -104,7 +104,7 @@ if cp green.json "$name" 2>/dev/null; then
     rm "$name"
 fi
 
-# What cannot be rendered: said, code 3.
+# Scenes that cannot be rendered are refused with code 3.
 printf '{ "objects": [\n  { "type": "sphere", "radius": -1 }\n] }\n' >bad.json
 refused 3 'bad.json:2: objects[0].radius' info bad.json
 run 3 info bad.json --json
@@ -112,7 +112,7 @@ said out.txt '"renderable": false'
 said out.txt 'bad.json:2: objects[0].radius'
 refused 3 'nothing.glb: No such file' info nothing.glb
 
-# What only Embree cannot do, in the words of a render; what it leaves out is a problem and no more.
+# Embree's limits are told in the words of a render; shapes that it leaves out are problems only.
 placed() { # radius of the group's sphere, scale
     cat <<JSON
 { "image": { "integrator": "classic" }, "camera": { "eye": [0, 0, 5], "target": [0, 0, 0] }, "ambient": [1, 1, 1],
@@ -146,7 +146,7 @@ peak=$(number stats.json peakMemoryBytes)
 [ -n "$SANITIZE" ] || awk "BEGIN { exit !($estimate >= $peak && $estimate <= $peak + 60e6) }" ||
     die "info expects $estimate bytes, the render took $peak"
 
-# What a render leaves out, and why; for programs too.
+# Parts that a render leaves out, and why; for programs too.
 write_scene
 run 0 info scene.json
 said out.txt 'left out  triangle geometry: there is no mesh'

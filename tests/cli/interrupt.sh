@@ -79,7 +79,7 @@ kill -TERM $child
 end 143
 ls -A | grep tmp && die 'a second signal: a temporary file was left behind'
 
-# What was started with SIGINT ignored, as a shell starts its background jobs, goes on ignoring it.
+# A program that is started with SIGINT ignored, as a shell starts background jobs, goes on ignoring it.
 start render heavy.glb --integrator classic -o i.exr --size 640x360 --spp 16
 kill -INT $child
 end 0

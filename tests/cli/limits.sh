@@ -1,4 +1,4 @@
-# What the system grants little of: stack, descriptors, address space, a folder for temporary files, clocks that go
+# A system that grants little: stack, descriptors, address space, a folder for temporary files, clocks that go
 # evenly.
 . "$SOURCE/tests/cli/check.inc"
 faults=$BUILD/tests/faults
@@ -41,8 +41,8 @@ TMPDIR=/nonexistent run 0 render scene.json -o there.png
 TMPDIR=/nonexistent run 0 compare usual.exr usual.exr
 TMPDIR=/nonexistent run 0 validate scene.json --rays 3 -q
 
-# Clocks. That of the day may leap to and fro; the one that times are measured by may leap on, as after a sleep of
-# the machine: then a time that was given is up, and what was sampled is kept.
+# Clocks. The time of day may leap to and fro. The clock that measures times may leap forward, as after a sleep of
+# the machine: then a time limit is up, and the samples are kept.
 [ -z "$SANITIZE" ] || exit 0
 leaping() { LD_PRELOAD=$faults/clock.so FATHOM_CLOCK=$1 FATHOM_CLOCK_AFTER=$2; export LD_PRELOAD FATHOM_CLOCK FATHOM_CLOCK_AFTER; }
 for leap in realtime:-1000000 realtime:1000000; do

@@ -8,7 +8,7 @@ run 0 generate sphere -t 1200k -o ball.glb
 run 0 render ball.glb --integrator classic -o usual.exr --size 64x48 --memory-limit 8G
 not_said err.txt warning
 
-# What was foreseen is never less than what it comes to, nor more by as much as the program's share.
+# The foreseen memory is never less than the peak, nor more by as much as the program's share.
 foreseen() { # image, most that may be foreseen in vain, further arguments…
     image=$1 vain=$2
     shift 2

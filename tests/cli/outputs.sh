@@ -47,7 +47,7 @@ run 0 render scene.json -o a.png -o folder/a.png
 same a.png folder/a.png
 rm -r folder a.png
 
-# What a scene names is no output either, which shows while it is read; a checkpoint may be both.
+# A file that the scene names is no output either, which shows while it is read; a checkpoint may be both.
 run 0 generate sphere -t 20 -o ball.obj
 printf '{ "image": { "integrator": "classic" }, "objects": [ { "type": "mesh", "file": "ball.obj" } ] }' >mesh.json
 cat ball.obj ball.mtl >before.txt

@@ -43,7 +43,7 @@ for bad in ../secret/ball.ply models/../../secret/ball.ply link.ply folder/ball.
     refused 3 "scene.json:2: objects[0].file: \"$bad\" $out" info alias/scene.json
     [ "$bad" = ../box2/ball.ply ] || run 0 info box/scene.json --allow-outside
 done
-# What is not there is told apart from what is only where it is allowed.
+# A missing file is told apart from one that lies outside.
 refused 3 'objects[0].file: box/../box2/ball.ply: No such file' info box/scene.json --allow-outside
 scene models/none.ply
 refused 3 'scene.json:2: objects[0].file: box/models/none.ply: No such file' info box/scene.json

@@ -4,7 +4,7 @@ unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_COUNT SLURM_ARRAY_TASK_MIN SLURM_ARRA
 write_scene
 scene="scene.json --spp 64 --aov all --pattern sobol"
 
-# What is wrong is said before anything is read.
+# Errors are told before anything is read.
 refused 2 '--part: expected K/N with 1 <= K <= N <= 65536, such as 3/16, found "0/3"' render none -o a.part --part 0/3
 refused 2 '--part: expected K/N' render none -o a.part --part 4/3
 refused 2 '--part: expected K/N' render none -o a.part --part 4

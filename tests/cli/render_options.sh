@@ -13,7 +13,7 @@ same base.exr base.exr
 run 0 render --output=a.exr scene.json --exr-float --spp=9 --spp 1
 same base.exr a.exr
 
-# What must not change a pixel.
+# These options must not change a pixel.
 for option in '--threads 1 --seed 5 --size 96x64' '--threads 3 --tile-size 64' '--tile-size 96 --block-width 1' \
     '--block-width 4 --crop 0,0,96,64 --exposure 3' '--block-width 8 --epsilon auto --max-depth 8'; do
     # shellcheck disable=SC2086
@@ -21,7 +21,7 @@ for option in '--threads 1 --seed 5 --size 96x64' '--threads 3 --tile-size 64' '
     same base.exr a.exr
 done
 
-# What must. The image helper does not write PNG files, so these are quicker.
+# These must. PNG files are quicker, because the image helper does not write them.
 run 0 render scene.json -o base.png
 for option in '--spp 4' '--pattern stratified' '--pattern sobol' '--max-depth 0' '--max-depth 1' '--epsilon 0.4' \
     '--background 1,0,0'; do
@@ -58,7 +58,7 @@ run 0 render scene.json -o c.png --pattern sobol --spp 3 --seed 2
 same a.png b.png
 differ a.png c.png
 
-# What the scene asks for holds until the command line says otherwise.
+# The scene's own settings hold until the command line says otherwise.
 sed 's/"width": 96, "height": 64/"width": 40, "height": 30, "spp": 4, "aovs": ["Z"]/' scene.json >asks.json
 run 0 render asks.json -o a.exr --stats a.json
 [ "$(number a.json width) $(number a.json spp)" = '40 4' ] || die 'the settings of the scene'

@@ -55,7 +55,7 @@ if python3 -c 'import json' 2>/dev/null; then
     python3 -c 'import json; json.load(open("s.json"))' || die 'not JSON'
 fi
 
-# What was left out, and the shadow rays that were not cast.
+# Parts that were left out, and the shadow rays that were not cast.
 write_scene
 run 0 render scene.json -o a.exr -v --stats s.json
 said out.txt 'left out triangle geometry: there is no mesh'
@@ -80,7 +80,7 @@ run 0 compare a.exr b.exr --tolerance 0.000489
 refused 2 'expected no --ocio, --display, --view and no $OCIO' render scene.json -o a.png --leave-out-below 8bit --view Raw
 refused 2 '--leave-out-below: expected none|8bit|half' render scene.json -o a.png --leave-out-below 4bit
 
-# What made an image: in the statistics exactly, in the header without folders, and not at all where equal images are to be
+# The origin of an image: exact in the statistics, without folders in the header, and absent where equal images must be
 # equal files.
 mkdir folder
 cp scene.json "folder/the scene.json"

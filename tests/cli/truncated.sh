@@ -1,6 +1,6 @@
 # A file that is truncated or changed while it is rendered. The library $plugin strikes it at the moment that
-# $TRUNCATE_WHEN names, in the way of $TRUNCATE_HOW. What was rendered of a file that is another now is no image: said,
-# code 3, and the pixels are put beside it.
+# $TRUNCATE_WHEN names, in the way of $TRUNCATE_HOW. The pixels of a file that has changed are no image: the
+# program says so, ends with code 3, and saves them next to it.
 . "$SOURCE/tests/cli/check.inc"
 plugin=$BUILD/tests/plugin/truncates.so
 export TRUNCATE TRUNCATE_WHEN TRUNCATE_HOW=cut

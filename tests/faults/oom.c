@@ -1,9 +1,9 @@
 /* Memory that runs out, for programs as they are: to be loaded with LD_PRELOAD. Counts the process's requests
  * for memory, those of all its libraries included, and lets one of them fail, or all from one on.
  *
- * What counts: malloc, calloc, realloc, reallocarray, aligned_alloc, memalign, posix_memalign, mmap, and
- * pthread_create, which needs a stack. What the C library takes for itself by mmap is not seen, but what it
- * takes by malloc is, as strdup() and fopen() do.
+ * Counted are malloc, calloc, realloc, reallocarray, aligned_alloc, memalign, posix_memalign, mmap, and
+ * pthread_create, which needs a stack. The C library's own requests by mmap are not seen; those by malloc
+ * are, as in strdup() and fopen().
  *
  * $FATHOM_OOM says which:
  *   count     none fails

@@ -1,4 +1,4 @@
-"""What a fuzz target's inputs reach of the files that make up its reader, from llvm-cov's summaries.
+"""Prints how much of its reader's files a fuzz target's inputs reach, from llvm-cov's summaries.
 
 usage: coverage.py FOLDER TARGET...    reads FOLDER/TARGET.json"""
 import json

@@ -111,7 +111,7 @@ static void assert_same_film(const fathom_film *a, const fathom_film *b) {
 /* Minutes on any machine: for renders that are always stopped. */
 #define ENDLESS_SPP 65536u
 
-/* Whether the render was stopped often enough; if it ended before, another try gets more samples. */
+/* True when the render was stopped often enough; if it ended before, another try gets more samples. */
 static bool try_parts(place *p, fathom_film **whole, fathom_film **parts) {
     const bool resume = p->saving.resume;
     *whole = stage_render(&p->s);

@@ -43,8 +43,8 @@ static void check_row(const extremes_row *row) {
                  (int)row->counts[VERDICT_WRONG], (int)row->any_counts[VERDICT_WRONG]);
 }
 
-/* Every case, a row for each tracer. That nothing is wrong is said of the tracers that fathom validates by
- * default, with far fewer rays. */
+/* Every case, a row for each tracer. The tracers that fathom validates by default have no wrong answer,
+ * here with far fewer rays. */
 static void every_case_gives_its_rows(void **state) {
     (void)state;
     static const char *const specs[] = {"linear:f32", "linear:f64", "bvh", "embree", "embree:user"};

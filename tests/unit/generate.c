@@ -218,8 +218,8 @@ static void sponge_boundaries_are_closed(void **state) {
     }
 }
 
-/* Nested: 20 instances a level, twenty times the triangles. Of the boundaries and levels there are, none
- * comes nearer to what was asked for. */
+/* Nested: 20 instances a level, twenty times the triangles. No other boundary and level comes
+ * nearer to what was asked for. */
 static void sponges_nest(void **state) {
     (void)state;
     const uint64_t boundary[] = {12, 144, 2112, 36096, 672768};

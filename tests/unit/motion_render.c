@@ -11,7 +11,7 @@ static fathom_material shiny(void) {
     return m;
 }
 
-/* What moves, in the scene of moving_stage(). */
+/* The moving things in the scene of moving_stage(). */
 enum { TURN = 1, FLY = 2, BEND = 4, PAN = 8, NEST = 16, ALL = 31 };
 
 static const double key_times[2] = {0, 2};

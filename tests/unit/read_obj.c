@@ -1,4 +1,4 @@
-/* OBJ files: what they mean. What is wrong with them is in read_obj_errors.c. */
+/* OBJ files: what they mean. Errors are tested in read_obj_errors.c. */
 #include "mesh_file.h"
 
 #include "random.h"

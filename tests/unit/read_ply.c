@@ -1,4 +1,4 @@
-/* PLY files: every flavour of the same thing gives the same mesh. What is wrong with them is in
+/* PLY files: every flavour of the same thing gives the same mesh. Errors are tested in
  * read_ply_errors.c. */
 #include "ply_file.h"
 

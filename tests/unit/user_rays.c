@@ -35,8 +35,8 @@ static void normals_near(const float *a, double x, double y, double z) {
     assert_near(a[2], z, 0x1p-23);
 }
 
-/* Any place that float would lose, any length of the direction. What is left is double's rounding of the
- * place, and float's of a radius: 0.3 is not one. */
+/* Any place that float would lose, any length of the direction. The remaining error is double's rounding
+ * of the place, and float's of the radius: 0.3 is no float. */
 static void a_sphere_anywhere(void **state) {
     (void)state;
     const double places[] = {0, 1000, 1e7}, lengths[] = {1, 1e-200, 1e200};

@@ -7,7 +7,7 @@
 
 #include <limits.h>
 
-/* Whether writing them takes the image helper. */
+/* True when writing them takes the image helper. */
 bool images_need_helper(const render_options *options);
 
 /* Before rendering: FATHOM_BAD_USAGE when an interrupted render would put an image where one of the `count`

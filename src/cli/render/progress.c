@@ -120,7 +120,7 @@ void progress_line(const fathom_progress *p, char *out, size_t size) {
     snprintf(out, size, "%s %u %%%s", phase_name(p->phase), percent(p), rate);
 }
 
-/* "render  47% [=======>        ] 45.2 Mrays/s, 0:12 left". What does not fit is cut off at the right. The
+/* "render  47% [=======>        ] 45.2 Mrays/s, 0:12 left". The line is cut off at the right edge. The
  * bar's own length follows from the columns alone, so that it does not jump about. */
 #define BAR_LEAST 10u
 #define BAR_MOST 50u

@@ -32,7 +32,7 @@ typedef struct task {
     fathom_ranks ranks; /* without --mpi a single one */
 } task;
 
-/* Of an MPI job: it renders, and rank 0 does all else. */
+/* A rank of an MPI job that only renders; rank 0 does all else. */
 static bool is_other(const task *s) { return s->ranks.rank; }
 
 static fathom_status say(const task *s, fathom_status status) {

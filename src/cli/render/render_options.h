@@ -50,7 +50,7 @@ typedef struct frame_names {
 
 /* Makes them the options of one frame, before they are finished. False: wrong usage. */
 bool render_options_frame(render_options *options, uint32_t frame, frame_names *room, args_problem *problem);
-/* Whether the command line has the setting of this name. */
+/* True when the command line has the setting of this name. */
 bool render_options_give(const render_options *options, const char *name);
 
 const args_option *render_option_table(void);

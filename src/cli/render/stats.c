@@ -170,7 +170,8 @@ static void print_details(const render_report *r, const render_options *options)
     left_out_print(&r->left_out, "left out ");
 }
 
-/* Whether the error or the most samples ended it; of a time or of a part of the image nothing is known. */
+/* Says whether the error or the most samples ended it. A time limit, or a part of the image, tells nothing.
+ */
 static void print_why_it_ended(const render_report *r, const fathom_settings *s) {
     if (!(s->target_error > 0) || r->stats.finished < 1) return;
     if (r->stats.error_estimate <= s->target_error)

@@ -86,7 +86,8 @@ void validate_stage_close(validate_stage *stage);
 /* text must outlive the subject; release its tracer with trace_destroy(). */
 fathom_status validate_subject(fathom_context *context, const validate_stage *stage, const char *text,
                                compare_subject *out, trace_tracer **tracer);
-/* Whether the tracer takes such shapes: a library takes triangles. (Planes next to it are answered in float.)
+/* True when the tracer takes such shapes: a library takes triangles. (Planes next to it are answered in
+ * float.)
  */
 bool validate_holds(const world *w, const trace_spec *spec);
 

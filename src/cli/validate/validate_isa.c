@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Whether the words leave the instruction set open. */
+/* True when the words leave the instruction set open. */
 static bool is_open(const char *spec) {
     if (strncmp(spec, "embree", 6) != 0) return false;
     for (isa_set set = ISA_SSE2; set <= ISA_AVX512; ++set) {

@@ -254,7 +254,7 @@ static void on_message(ranks *r, uint32_t from, const void *bytes, size_t size) 
         add_waves(r, m.count, body);
 }
 
-/* Whether anything went. */
+/* True when anything was sent. */
 static bool send_waiting(ranks *r) {
     bool any = false;
     while (r->out) {

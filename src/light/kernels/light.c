@@ -51,8 +51,8 @@ static void reach_along(const lanes3 to, float (*restrict direction)[LANES], flo
 /* ---- shadow rays ----
  * A ray ends as it begins: clear of the surface it touches there. A light that a surface holds is seen from
  * both sides of it, so the end moves to the side from which the ray comes; a surface that lies next to the
- * light hides it from one side, so the end moves away from it. What the end must be clear of is in
- * light_surface (light/light_surfaces.c). */
+ * light hides it from one side, so the end moves away from it. light_surface
+ * (light/light_surfaces.c) has the distance that the end must keep. */
 
 typedef struct ray_ends {
     lanes3 moved;         /* from the light */

@@ -19,8 +19,8 @@ static inline float cos_less(float cos_a, float cos_b, float sin_b) {
  * middle and of a bound: the corner that is highest above the surface, or off the lights' own, over the
  * distance of the nearest point. So a flat field of lights sends little along itself, however large it is,
  * and lights that reach the point have a chance. Distances of less than half of the half diagonal count as
- * that, because what a large light sends to a point near it is bounded. Of many lights one may be very near,
- * so their squared distance is the product of that of the middle and that of the nearest point. */
+ * that, because a large light sends a bounded amount to a point near it. One of many lights may be very near,
+ * so the squared distance of several is the product of the middle's and the nearest point's distances. */
 static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[TREE_WIDE],
                   float unsure[TREE_WIDE]) {
     const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;

@@ -31,7 +31,7 @@ static inline __attribute__((always_inline)) float film_or(const shader_block *b
     return rare && b->at[i]->lobes & SHADER_FILM ? film_at(b, i, c, cosine) : plain;
 }
 
-/* What the layer takes from the base, at this cosine and Schlick's factor of it. */
+/* The share that the layer takes from the base, at this cosine and Schlick's factor of it. */
 static inline __attribute__((always_inline)) float layer_of(const shader_block *b, bool rare, int i,
                                                             float cosine, float rise) {
     return film_or(b, rare, i, 3, cosine, layer_share(b, i, rise));

@@ -196,8 +196,8 @@ static void take_smooth(const surface_block *s, const shader_block *b, const uin
 
 static inline uint32_t is(uint32_t lobe, uint32_t take) { return lobe == take ? ~0u : 0; }
 
-/* Whether the direction is on the side that its lobe is for; a facet's may not be, and other lobes' densities
- * do not count for it. */
+/* True when the direction is on the side that its lobe is for; a facet's may not be, and other lobes'
+ * densities do not count for it. */
 static inline uint32_t meant(const incidence *at, uint32_t lobe, int i) {
     uint32_t front = is(lobe, SHADER_TAKE_DIFFUSE) | is(lobe, SHADER_TAKE_GGX) | is(lobe, SHADER_TAKE_COAT) |
                      is(lobe, SHADER_TAKE_SHEEN);

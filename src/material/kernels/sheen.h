@@ -20,8 +20,8 @@ static inline float sheen_lambda(const shader *m, float cosine) {
     return sheen_exp2(z < 0.5f ? l : fit[5] - l);
 }
 
-/* What the fibres let through: s of shader.h. Their albedo by these formulas exceeds 1 where few lean and the
- * view grazes; they count by no more than 1 over it. */
+/* The share that the fibres let through: s of shader.h. Their albedo by these formulas exceeds 1 where few
+ * lean and the view grazes; they count by no more than 1 over it. */
 static inline float sheen_left(const shader *m, float cosine, float *part) {
     float albedo = m->lobes & SHADER_SHEEN ? curve_at(m->sheen_albedo, fminf(fabsf(cosine), 1)) : 0;
     *part = albedo > 1 ? 1 / albedo : 1;

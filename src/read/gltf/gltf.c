@@ -35,7 +35,7 @@ static fathom_status check_version(gltf *g) {
     return FATHOM_OK;
 }
 
-/* Whether the extension is followed. */
+/* True when the extension is followed. */
 static bool is_known(const char *name) {
     static const char names[] =
         "KHR_lights_punctual|KHR_materials_ior|KHR_materials_transmission|KHR_materials_specular|"

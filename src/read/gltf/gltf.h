@@ -69,7 +69,7 @@ typedef struct gltf_material {
 enum { GLTF_TRANSLATION, GLTF_ROTATION, GLTF_SCALE, GLTF_PARTS };
 extern const char *const gltf_part_names[GLTF_PARTS];
 
-/* What an animation gives a node. */
+/* The pose that an animation gives a node. */
 typedef struct gltf_pose {
     double parts[GLTF_PARTS][4];
     bool given[GLTF_PARTS];
@@ -173,7 +173,7 @@ const fathom_place *gltf_place(const gltf *g, const gltf_value *at, const char *
             __VA_ARGS__)
 /* Adds the place to the error that a call of the scene left. */
 fathom_status gltf_within(gltf *g, const gltf_value *at, const char *key, fathom_status status);
-/* Whether the file requires the extension. */
+/* True when the file requires the extension. */
 bool gltf_requires(const gltf *g, const char *name);
 /* Notes something that is left out or read differently; see notes.h. */
 void gltf_note(gltf *g, const gltf_value *at, const char *key, const char *format, ...)
@@ -217,7 +217,7 @@ fathom_status gltf_open(gltf *g);
 fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
 /* Gives the buffer's bytes to the scene. Call before anything of the scene points into them. */
 fathom_status gltf_buffer_share(gltf *g, gltf_buffer *buffer);
-/* Whether it is a data URI; its bytes, which belong to the scene. */
+/* True when it is a data URI; its bytes, which belong to the scene. */
 bool gltf_is_data(const char *uri);
 fathom_status gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out);
 /* The path of the file that a uri names; release it with free(). NULL: there is no such file. */
@@ -284,7 +284,7 @@ const gltf_pose *gltf_pose_of(const gltf_moment *m, uint32_t node);
 /* g->parents must have no cycle. */
 fathom_status gltf_node_world(gltf *g, gltf_moment *m, uint32_t node, const affine_f64 **out);
 affine_f64 gltf_compose(double parts[GLTF_PARTS][4]);
-/* Whether a quaternion is not zero. */
+/* True when a quaternion is not zero. */
 bool gltf_is_rotation(const double r[4]);
 
 /* ---- gltf_motion.c ---- */
@@ -294,14 +294,14 @@ double gltf_shutter(const gltf *g);
 /* Fills in g->moments and g->key_times. */
 fathom_status gltf_moments_open(gltf *g);
 void gltf_moments_close(gltf *g);
-/* Whether `count` shapes of one node, at the moments, differ. */
+/* True when the `count` shapes of one node at the moments differ. */
 bool gltf_shapes_move(const gltf_shape *shapes, size_t count);
-/* To the world, at all moments. */
+/* The node's maps to the world, at all moments. */
 fathom_status gltf_node_way(gltf *g, uint32_t node, gltf_way *out);
-/* Of what `inner` places in what goes this way. */
+/* The way of a thing that `inner` places inside one that goes `way`. */
 void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out);
 bool gltf_way_moves(const gltf_way *way);
-/* Whether it is never flat, nor turned inside out on the way. */
+/* True when it is never flat, nor turned inside out on the way. */
 bool gltf_way_can_blur(const gltf_way *way);
 /* The scale that cameras and lights follow. */
 static inline double gltf_unit(const gltf *g) { return g->options->unit > 0 ? g->options->unit : 1; }

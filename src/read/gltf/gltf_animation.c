@@ -44,8 +44,8 @@ static void normalize_turn(double q[4]) {
 }
 
 /* The part u of the shorter arc from a to b, which become unit. The arc is halved 24 times: sums, products
- * and roots are the same bits on every processor, sines are not. What is left is below 1e-7 radians, where
- * chord and arc differ by less than a double shows. */
+ * and roots are the same bits on every processor, sines are not. The remaining arc is below 1e-7 radians,
+ * where it and its chord are the same double. */
 void gltf_slerp(double a[4], double b[4], double u, double out[4]) {
     normalize_turn(a);
     normalize_turn(b);

@@ -1,6 +1,6 @@
 /* KHR_draco_mesh_compression: a process of its own unpacks each mesh (helper/draco.cpp), because Draco's
- * library is not made for broken files. What it answers is checked like a file, and becomes the arrays of the
- * accessors that the primitive names. */
+ * library is not made for broken files. Its answer is checked like a file, and becomes the arrays of
+ * the accessors that the primitive names. */
 #include "read/gltf/gltf_draco.h"
 
 #include "image/helper/helper.h"

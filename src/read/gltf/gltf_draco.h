@@ -1,4 +1,4 @@
-/* What the Draco helper writes: a draco_head, three indices for each face, and for each attribute a
+/* The Draco helper's output: a draco_head, three indices for each face, and for each attribute a
  * draco_attribute with its floats, `components` for each point. */
 #ifndef READ_GLTF_DRACO_H
 #define READ_GLTF_DRACO_H

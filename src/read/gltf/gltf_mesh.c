@@ -86,7 +86,7 @@ static fathom_status read_indices(gltf *g, primitive *p) {
     return gltf_within(g, p->at, "indices", status);
 }
 
-/* What a shape makes of an attribute, in `to` or where that is NULL in memory of its own. */
+/* Deforms an attribute by a shape, into `to` or, where that is NULL, into memory of its own. */
 static fathom_status deform(gltf *g, const primitive *p, const gltf_shape *shape, const char *key,
                             gltf_kind kind, gltf_elements *floats, float *to) {
     fathom_status status = gltf_morph(g, p->at, shape, key, kind == GLTF_TANGENT ? 4 : 3, floats, to);

@@ -92,7 +92,7 @@ static fathom_status fit_node(gltf *g, uint32_t node, size_t *stride) {
     return status;
 }
 
-/* Of the poses those that are a stride apart stay. */
+/* Keeps the poses that are a stride apart. */
 static void thin(gltf *g, size_t stride) {
     size_t kept = 0;
     for (size_t i = 0; i < g->moments.count; ++i) {

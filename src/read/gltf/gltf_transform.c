@@ -42,7 +42,7 @@ static fathom_status check_no_parts(gltf *g, const gltf_value *node, const gltf_
     return FATHOM_OK;
 }
 
-/* What an animation gives replaces the node's own. */
+/* Values that an animation gives replace the node's own. */
 static fathom_status read_local(gltf *g, const gltf_value *node, const gltf_pose *pose, affine_f64 *out) {
     if (json_object_get(node->json, "matrix")) {
         fathom_status status = check_no_parts(g, node, pose);

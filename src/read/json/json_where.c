@@ -43,7 +43,7 @@ static const char *next_item(const char *c) {
     return *c == ',' ? skip_space(c + 1) : c;
 }
 
-/* Whether the quoted string from begin to end is `key`. jansson decodes escapes. */
+/* True when the quoted string from begin to end is `key`. jansson decodes escapes. */
 static bool says(const char *begin, const char *end, const char *key) {
     size_t length = (size_t)(end - begin);
     if (!memchr(begin, '\\', length)) {

@@ -18,11 +18,11 @@ static vec3_f64 vertex(const polygon_vertices *v, uint32_t i) {
 /* The corner of a fan: 0, 1, then the last of each triangle. */
 static size_t fan_place(size_t corner) { return corner < 2 ? corner : 3 * (corner - 2) + 2; }
 
-/* Whether to split along 1-3 instead of 0-2. The better diagonal keeps the winding of both triangles. If both
- * do, it is the one opposite to the smaller angles (Delaunay's choice): 0-2 while the angles at 1 and 3 sum
- * to at most pi, sin(B + D) >= 0. Rectangles and cells of grids and spheres are ties that rounding would
- * decide, so 0-2 is kept up to a slack of 2^-8, a quarter of a degree. That is above the rounding of corners
- * whose edges keep 8 of the coordinates' 24 bits. */
+/* True when the quad is to be split along 1-3 instead of 0-2. The better diagonal keeps the winding of both
+ * triangles. If both do, it is the one opposite to the smaller angles (Delaunay's choice): 0-2 while the
+ * angles at 1 and 3 sum to at most pi, sin(B + D) >= 0. Rectangles and cells of grids and spheres are ties
+ * that rounding would decide, so 0-2 is kept up to a slack of 2^-8, a quarter of a degree. This exceeds the
+ * rounding of corners whose edges keep 8 of the coordinates' 24 bits. */
 static bool other_diagonal(const vec3_f64 p[4]) {
     vec3_f64 edge[4];
     for (int i = 0; i < 4; ++i) edge[i] = normalize_f64(sub_f64(p[(i + 1) % 4], p[i]));
@@ -168,7 +168,7 @@ static void project(const polygon_vertices *v, const uint32_t *fan, ring *r) {
     }
 }
 
-/* Whether all corners turn left and the outline goes round once, so that x reverses just twice. */
+/* True when all corners turn left and the outline goes round once, so that x reverses just twice. */
 static bool is_convex(const ring *r) {
     unsigned reversals = 0;
     bool right = r->point[0][0] > r->point[r->n - 1][0];
@@ -261,7 +261,7 @@ static void set_turn(ring *r, uint32_t i, turn to) {
 
 static bool same_point(const double a[2], const double b[2]) { return a[0] == b[0] && a[1] == b[1]; }
 
-/* Whether corner k lies in the ear a, b, c. Corners at the same place as one of the ear's do not count: an
+/* True when corner k lies in the ear a, b, c. Corners at the same place as one of the ear's do not count: an
  * outline may touch itself where a hole is joined to it. */
 static bool blocks(const ring *r, uint32_t k, const double *a, const double *b, const double *c) {
     if (!may_block(r->turns[k])) return false;
@@ -270,15 +270,15 @@ static bool blocks(const ring *r, uint32_t k, const double *a, const double *b, 
            !same_point(p, a) && !same_point(p, b) && !same_point(p, c);
 }
 
-/* Whether all points of the box are to the right of the line from a to b, by orientation(). It is monotonic
+/* True when all points of the box are to the right of the line from a to b, by orientation(). It is monotonic
  * in each coordinate even after rounding, so one corner of the box decides. */
 static bool right_of(const double *a, const double *b, const double box[4]) {
     const double extreme[2] = {b[1] - a[1] < 0 ? box[2] : box[0], b[0] - a[0] < 0 ? box[1] : box[3]};
     return orientation(a, b, extreme) < 0;
 }
 
-/* Whether a corner of the node lies in the ear. A box of one point at a corner of the ear, where the outline
- * touches itself, is skipped. */
+/* True when a corner of the node lies in the ear. A box of one point at a corner of the ear, where the
+ * outline touches itself, is skipped. */
 static bool is_blocked(const ring *r, uint32_t node, const double *a, const double *b, const double *c) {
     const tree *t = &r->tree;
     const double *box = t->box[node];

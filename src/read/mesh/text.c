@@ -120,7 +120,7 @@ const char *text_quote(const char *at, char out[48]) {
     return out;
 }
 
-/* Whether a backslash joins the line that ends at `newline` to the next one. */
+/* True when a backslash joins the line that ends at `newline` to the next one. */
 static bool is_joined(const char *newline, const char *begin) {
     const char *p = newline;
     if (p > begin && p[-1] == '\r') --p;

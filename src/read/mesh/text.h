@@ -63,7 +63,7 @@ static inline bool text_is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 static inline bool text_is_end(char c) { return c == '\n' || c == '\0'; }
-/* Whether a word ends here. */
+/* True when a word ends here. */
 static inline bool text_is_break(char c) { return text_is_blank(c) || text_is_end(c) || c == '\\'; }
 
 /* Skips a backslash at a line end; returns the start of the next line, or p. */

@@ -42,7 +42,7 @@ static const char *read_values(obj_parser *s, const char *what, const char *p, i
     return p;
 }
 
-/* Whether there is room for one more: another process may have changed the file since it was counted. */
+/* True when there is room for one more: another process may have changed the file since it was counted. */
 static bool has_room(obj_parser *s, int kind, const char *at) {
     return s->seen[kind] < s->r->total[kind] ||
            text_wrong(&s->r->fault, at, NULL, "the file has changed since it was counted through");

@@ -109,8 +109,8 @@ static const unsigned char *walk_row(const binary_reader *b, const ply_element *
     return p;
 }
 
-/* Whether all rows have lists as long as the first row's, so that all rows have one size. By induction: a row
- * that starts at its assumed place and has those lengths ends where the next one is assumed to start. */
+/* True when all rows have lists as long as the first row's, so that all rows have one size. By induction: a
+ * row that starts at its assumed place and has those lengths ends where the next one is assumed to start. */
 typedef struct likeness {
     const ply_rows *rows;
     atomic_bool differs;
@@ -338,7 +338,7 @@ static void copy_triangles(void *user, size_t begin, size_t end, unsigned worker
     if (highest >= b->r->vertex_count) atomic_store(&b->refused, true);
 }
 
-/* Whether all faces are triangles with 32-bit indices, by far the most common. Negative indices are out of
+/* True when all faces are triangles with 32-bit indices, by far the most common. Negative indices are out of
  * range as unsigned ones. */
 static bool has_plain_triangles(const binary_reader *b) {
     const ply_property *list = index_list(b);

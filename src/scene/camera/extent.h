@@ -29,7 +29,7 @@ typedef struct extent_boxes {
 /* False when there is no memory. The mesh's strides are set. */
 bool extent_make_boxes(unsigned threads, const fathom_mesh *mesh, extent_boxes *out);
 
-/* Whether a vertex in the box may reach beyond `most` along some side; true where that is not a number. */
+/* True when a vertex in the box may reach beyond `most` along some side; true where that is not a number. */
 bool extent_box_beyond(const extent_sides *sides, const extent_box *box, const double most[EXTENT_SIDES]);
 
 /* Raises `most` to how far the vertices reach. Vertices whose reach is not a number do not count. */

@@ -6,16 +6,16 @@
 
 #include "scene/graph.h"
 
-/* Of a classic material: k_t is 1 with an ior of 1, and everything else is 0. */
+/* True for a classic material with k_t 1, an ior of 1, and everything else 0. */
 bool absent_material(const fathom_material *m);
 
 /* Sets out[object] for each object of the scene. A shape stays where an instance gives it another material:
  * its group is then traced as a whole wherever it is placed. */
 fathom_status absent_find(const fathom_scene *scene, const scene_graph *graph, bool *out);
 
-/* Whether the shape is invisible with its own material. */
+/* True when the shape is invisible with its own material. */
 bool absent_object(const fathom_scene *scene, fathom_id object);
-/* Whether every instance keeps the materials inside, so that absent_object() decides alone. */
+/* True when every instance keeps the materials inside, so that absent_object() decides alone. */
 bool absent_by_own_material(const fathom_scene *scene);
 
 #endif

@@ -93,8 +93,8 @@ static bool join_doubles(search *s, unsigned threads) {
     return true;
 }
 
-/* Every vertex gets its root as parent. Whether that is the same for all: vertices that no triangle has spoil
- * this, and only cost the time of number_roots(). */
+/* Gives every vertex its root as parent. True when all have the same root. Vertices without a triangle spoil
+ * this; then number_roots() is called for nothing. */
 static bool flatten(const search *s) {
     bool one = true;
     for (uint32_t v = 0; v < s->mesh->vertex_count; ++v) {

@@ -4,7 +4,8 @@
 
 /* ---- parts ---- */
 
-/* Of a rotation matrix by its columns (Shepperd 1978): the largest of the four numbers is found first. */
+/* The quaternion of a rotation matrix, given by its columns (Shepperd 1978): the largest of the four numbers
+ * is found first. */
 static void quaternion_of(vec3_f64 x, vec3_f64 y, vec3_f64 z, double q[4]) {
     const double square[4] = {1 + x.x + y.y + z.z, 1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z,
                               1 - x.x - y.y + z.z};
@@ -113,7 +114,7 @@ affine_f64 motion_place(const fathom_instance *instance, double time) {
     return map;
 }
 
-/* Whether the maps that count between the two times differ. */
+/* True when the maps that count between the two times differ. */
 static bool keys_move(const double *times, const double *maps, uint32_t count, const double shutter[2]) {
     if (!count || !(shutter[1] > shutter[0])) return false;
     double u;

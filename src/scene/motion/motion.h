@@ -15,7 +15,7 @@ typedef struct motion_parts {
     double shift[3];          /* T */
 } motion_parts;
 
-/* Of a map that has an inverse. */
+/* The map must have an inverse. */
 motion_parts motion_take_apart(const affine_f64 *map);
 affine_f64 motion_put_together(const motion_parts *parts);
 /* The arc from a to b at u in [0, 1]. */
@@ -33,7 +33,7 @@ uint32_t motion_key(const double *times, uint32_t count, double time, double *u)
 
 /* The place of an instance at a time: the very matrix of a key where it rests there. */
 affine_f64 motion_place(const fathom_instance *instance, double time);
-/* Whether the instance moves in the camera's shutter time. */
+/* True when the instance moves in the camera's shutter time. */
 bool motion_is_moving(const fathom_instance *instance, const double shutter[2]);
 /* The bounds of an instance's group, `inside`, at the shutter's ends and at the keys between. */
 scene_bounds motion_bounds(const fathom_instance *instance, const double shutter[2],

@@ -162,7 +162,7 @@ fathom_status world_survey(world *w);
 /* Sets the three maps of an instance from its place in the world. False when there is no inverse. */
 bool world_instance_set(world_instance *instance, const affine_f64 *to_world);
 
-/* Whether a tracer that inverts to_world itself, in float, gets what to_object_error says. */
+/* True when a tracer that inverts to_world itself, in float, gets what to_object_error says. */
 bool world_instance_fits_float(const world_instance *instance);
 
 /* FATHOM_BAD_INPUT when the scene's camera could not see anything of it: nothing has an area, or the camera

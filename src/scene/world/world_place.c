@@ -281,7 +281,7 @@ static affine_f64 place_when(const void *user, double time) {
     return affine_compose(&move, &map);
 }
 
-/* Of all keys on the way from the root. */
+/* Collects the times of all keys on the way from the root. */
 static bool find_times(placer *p, const placement *at) {
     p->times.count = 0;
     for (uint32_t l = at->link; l != FATHOM_NONE; l = p->links.items[l].outer) {

@@ -91,7 +91,7 @@ INLINE uint64_t place_of(const pyramid_level *l, uint32_t x, uint32_t y) {
     return l->offset + (((uint64_t)tile * PYRAMID_TILE_TEXELS + within) << l->shift);
 }
 
-/* Whether the chunks may be read; marks them as used. */
+/* True when the chunks may be read; marks them as used. */
 INLINE bool readable(texture_cache *cache, cache_image *img, const uint64_t *places, unsigned count) {
     const store *s = img->store;
     unsigned used = STORE_USED;

@@ -179,7 +179,7 @@ struct embree_kernels {
      * stretch.h must scale directions first. scaled: it has. */
     bool (*begin_closest)(const embree_tracer *tracer, trace_block *block, unsigned lanes, bool scaled,
                           embree_asked *asked, embree_call *call);
-    /* Sets t_far, and t_near as it was. Whether lanes are tied. */
+    /* Sets t_far, and t_near as it was. True when lanes are tied. */
     bool (*end_closest)(trace_block *block, unsigned lanes, const embree_asked *asked, embree_call *call);
     bool (*begin_any)(const embree_tracer *tracer, trace_rays *rays, unsigned lanes, bool scaled,
                       embree_asked *asked);

@@ -29,9 +29,9 @@ bool embree_vote_reference(const embree_tracer *tracer, const trace_rays *rays, 
     return true;
 }
 
-/* Whether the reference meets a sphere well before the t that Embree offers. Then Embree, by its own
- * rounding, has lost the near root to the near end of the interval. What it offers is the far root: another
- * hit. */
+/* True when the reference meets a sphere well before the t that Embree offers. Then Embree, by its own
+ * rounding, has lost the near root to the near end of the interval. It offers the far root,
+ * which is another hit. */
 static bool is_far_root(const embree_vote *vote, const embree_offered *c) {
     return vote->tracer->base.world->geometries.items[c->ids[1]].kind == WORLD_SPHERES &&
            vote->search.best.t * EMBREE_HALF_WINDOW < c->t;

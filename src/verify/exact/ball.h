@@ -80,7 +80,7 @@ static inline ball ball_sqrt(ball a) {
     return (ball){r, off / (long double)r * BALL_PAD};
 }
 
-/* Whether the number is known to 12 digits: then so is its sign, and zero is zero exactly. */
+/* True when the number is known to 12 digits: then so is its sign, and zero is zero exactly. */
 static inline bool ball_known(ball a) { return a.error <= ball_size(a) * 0x1p-40L; }
 
 static inline ball3 ball3_sub(ball3 a, ball3 b) {

@@ -21,7 +21,7 @@ static unsigned points_of(const oracle_primitive *primitive) {
     return 4;
 }
 
-/* Whether there is a ray and a shape at all. */
+/* True when there is a ray and a shape at all. */
 static bool answerable(const oracle_ray *ray, const oracle_primitive *primitive) {
     for (unsigned i = 0; i < points_of(primitive); ++i) {
         if (!finite_f32(primitive->v[i])) return false;

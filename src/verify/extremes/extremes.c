@@ -74,7 +74,7 @@ double extremes_parameter(unsigned g, unsigned index) { return groups[g].values[
 
 /* ---- cases of rays ---- */
 
-/* Whether the tracer takes such scenes at all. */
+/* True when the tracer takes such scenes at all. */
 static bool suits(const extremes_case *c, const trace_spec *spec) {
     const world *w = c->world;
     return spec->kind != TRACE_PLUGIN ||

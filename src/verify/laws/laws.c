@@ -60,7 +60,7 @@ static void judge(const laws_options *o, laws_row *row) {
     }
 }
 
-/* An integrator may refuse a scene that it does not implement. That breaks no law of light. */
+/* An integrator may refuse a scene that it does not implement; this breaks no law of light. */
 static void refuse(fathom_context *context, laws_row *row, fathom_status *status) {
     snprintf(row->refusal, sizeof row->refusal, "%s", fathom_context_message(context));
     row->verdict = LAWS_REFUSED, row->p = 1;

@@ -171,7 +171,7 @@ static fathom_material clear(double index, unsigned priority) {
     return m;
 }
 
-/* What loses no light is not seen in an even sky, whatever its colours do. */
+/* A material that loses no light is invisible in an even sky, whatever its colours do. */
 static void dispersive(law_room *room, double roughness) {
     fathom_material m = clear(1.5, 0);
     m.dispersion = 5, m.roughness = (float)roughness;

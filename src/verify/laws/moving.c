@@ -1,4 +1,4 @@
-/* What moves while the shutter is open. */
+/* Laws of motion while the shutter is open. */
 #include "verify/laws/room.h"
 
 static const vec3_f64 white = {1, 1, 1};

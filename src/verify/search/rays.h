@@ -42,7 +42,7 @@ void rays_destroy(rays_source *source);
  * take. */
 #define RAYS_LARGEST 1e30
 #define RAYS_LONGEST 1e37
-/* Whether a ray may be handed to a tracer: it is within these limits, in the space of any instance too. */
+/* True when a ray may be handed to a tracer: it is within these limits, in the space of any instance too. */
 bool rays_allowed(const rays_source *source, const oracle_ray *ray);
 /* Tracers flush denormals, the oracle does not: parts of rays that would be denormal are 0 for both. */
 float rays_normal(double x);

@@ -25,7 +25,7 @@ typedef struct search_tree {
 bool search_tree_build(const world *w, search_tree *tree);
 void search_tree_free(search_tree *tree);
 
-/* Whether all its corners are finite: others are never met, and in no sphere. */
+/* True when all its corners are finite: others are never met, and in no sphere. */
 bool search_tree_takes(const oracle_primitive *primitive);
 
 #endif

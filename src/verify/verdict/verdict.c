@@ -87,7 +87,7 @@ static oracle_ray moved_by_floats(const oracle_ray *ray, int k) {
     return out;
 }
 
-/* Whether the nearest hit is what was reported, or nothing that the tracer could report. */
+/* True when the nearest hit is what was reported, or nothing that the tracer could report. */
 static bool is_fair(const judge *j, const oracle_ray *ray) {
     const search_hit *hit = &j->room->ties.items[0];
     oracle_primitive p = primitive_of(j, hit);
@@ -95,15 +95,15 @@ static bool is_fair(const judge *j, const oracle_ray *ray) {
     return j->said && same_primitive(hit, j->said);
 }
 
-/* Whether the moved ray meets nothing before t, or at whatever t what was reported, or what the tracer cannot
- * hold. */
+/* True when the moved ray meets nothing before t, or at whatever t what was reported, or what the tracer
+ * cannot hold. */
 static bool passes(judge *j, const oracle_ray *ray, double before) {
     if (!finite_f32(ray->org)) return true;
     double t = judge_nearest(j, ray);
     return t >= before || (t < (double)INFINITY && is_fair(j, ray));
 }
 
-/* Whether some ray that the precision cannot tell from this one passes. A surface that goes on beyond the
+/* True when some ray that the precision cannot tell from this one passes. A surface that goes on beyond the
  * edge is met on all sides. Few of these rays pass a thin limb, so there are rings of them. */
 static bool passes_aside(judge *j, const oracle_ray *from, double by, double before) {
     for (int k = 0; k < 8 * ASIDE_RINGS; ++k) {
@@ -203,7 +203,7 @@ static void judge_ask(const judge *j, const oracle_primitive *p, double t, oracl
     out->hit = out->above_near.value > 0 && out->below_far.value > 0;
 }
 
-/* Whether the primitive may be met at that t at all; AGREE: it is, exactly. `a`: what judge_ask() said. */
+/* True when the primitive may be met at that t at all; AGREE: it is, exactly. `a`: what judge_ask() said. */
 static verdict judge_meeting(const judge *j, const oracle_primitive *p, const oracle_answer *a, double t,
                              verdict_bound *bound) {
     /* In its plane a ray exactly misses, but it is as good as on a ray through it. */
@@ -219,7 +219,7 @@ static verdict judge_meeting(const judge *j, const oracle_primitive *p, const or
 
 /* ---- closest hit ---- */
 
-/* Whether there is such a primitive. */
+/* True when there is such a primitive. */
 static bool names_primitive(const world *w, const verdict_answer *a) {
     if (a->geometry == TRACE_PLANE) return a->primitive < w->planes.count;
     if (a->geometry >= w->geometries.count) return false;
@@ -307,7 +307,7 @@ bool verdict_closest(const search *s, const world *w, const verdict_tracer *trac
 
 /* ---- any hit: against everything that casts a shadow ---- */
 
-/* Whether the primitive may be met anywhere in the interval, though exactly it is not: a sphere's roots lie
+/* True when the primitive may be met anywhere in the interval, though exactly it is not: a sphere's roots lie
  * at either end. */
 static verdict judge_candidate(const judge *j, const search_candidate *c) {
     oracle_primitive p = search_primitive(j->world, c->geometry, c->primitive, c->instance);
@@ -334,7 +334,7 @@ static bool casts(const world *w, const verdict_answer *a) {
     return !(flags & FATHOM_CASTS_NO_SHADOW);
 }
 
-/* Whether this primitive, which casts a shadow, is met exactly. */
+/* True when this primitive, which casts a shadow, is met exactly. */
 static bool is_met(const judge *j, const verdict_answer *a) {
     if (!casts(j->world, a)) return false;
     oracle_primitive p = search_primitive(j->world, a->geometry, a->primitive, a->instance);

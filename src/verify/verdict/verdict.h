@@ -90,10 +90,10 @@ double verdict_reported(const verdict_tracer *tracer, const oracle_primitive *pr
 /* The largest verdict_bound.aside of anything within `extent` of the world's origin. */
 double verdict_aside(const verdict_tracer *tracer, const world *w, const oracle_ray *ray, double extent);
 
-/* Whether rounding may bring a ray that is exactly parallel to the primitive's plane into it. */
+/* True when rounding may bring a ray that is exactly parallel to the primitive's plane into it. */
 bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive);
 
-/* Whether the tracer's floats cannot hold what this intersection takes: t above the largest of them, or a
+/* True when the tracer's floats cannot hold what this intersection takes: t above the largest of them, or a
  * coordinate above what it takes, of the ray in any space of the world or of the primitive. */
 bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_ray *ray,
                     const oracle_primitive *primitive, double t);
@@ -109,7 +109,7 @@ vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive 
 verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *ray,
                                 const oracle_primitive *primitive, const oracle_answer *answer);
 
-/* Whether every intersector gets this t without rounding: the ray runs along an axis by a power of two and
+/* True when every intersector gets this t without rounding: the ray runs along an axis by a power of two and
  * meets, at right angles, a primitive with few digits whose weights have few, too. Then the ends of the
  * interval are not in doubt either. */
 bool verdict_is_exact(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *primitive,

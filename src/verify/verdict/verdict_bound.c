@@ -18,7 +18,7 @@
  * It stands in both n·v and n·d, so t is off by 4 u L S |V - P| / |d·n| with P on the plane: within L S L for
  * hits; for a point outside the triangle, which the exact ray only passes, |V - P| <= L Σ|w_k|, with its
  * weights. They also make d·n off by 4 u L S |d|: from so far that this is as large as d·n, nothing is left
- * of the normal, and t is anything. That many u |d| L S / |d·n| are an eighth of the bound of the weights.
+ * of the normal, and t is anything. These u |d| L S / |d·n| are an eighth of the bound of the weights.
  *
  * All of this is to first order, for a denominator that is known: d·n is off by 6 u L² |d|, d itself by the
  * map. Where K u L² |d| / |d·n| = r is not small the quotients are bounded by 1 / (1 - r) times as much, from
@@ -296,7 +296,7 @@ static int axis_of(const oracle_ray *ray) {
 
 static double part_of(vec3_f32 v, int axis) { return (double)(axis == 0 ? v.x : axis == 1 ? v.y : v.z); }
 
-/* Whether all corners are plain and at right angles to the axis, around an area that is a power of two. */
+/* True when all corners are plain and at right angles to the axis, around an area that is a power of two. */
 static bool is_level(const oracle_primitive *p, int axis) {
     if (p->shape == ORACLE_PLANE)
         return is_plain(p->v[0]) && fabs(part_of(p->v[1], axis)) == 1 && length_f64(widen(p->v[1])) == 1;
@@ -350,7 +350,7 @@ static bool origin_beyond(const world *w, vec3_f32 org, double limit) {
     return false;
 }
 
-/* Whether the textbook's products leave their range: the larger overflows, or the smaller loses more than
+/* True when the textbook's products leave their range: the larger overflows, or the smaller loses more than
  * rounding. The robust forms then use a wider precision. */
 static bool textbook_beyond(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p,
                             double t) {
