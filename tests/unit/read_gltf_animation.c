@@ -101,16 +101,27 @@ static void without_a_time_everything_rests_and_it_is_said(void **state) {
     "'meshes':[{%s'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d},'targets':[{'POSITION':%d},{"      \
     "'POSITION':%d,'NORMAL':%d}]}]}],'nodes':[{'mesh':0%s},{'mesh':0}]%s"
 
+/* Two targets: the first moves a corner by (4,0,0), the second by (0,8,0). */
+typedef struct morphed {
+    int positions, normals, first, second;
+} morphed;
+
+static morphed put_morphed(build *b) {
+    morphed m;
+    m.positions = PUT_FLOATS(b, "VEC3", 3, TRIANGLE);
+    m.normals = PUT_FLOATS(b, "VEC3", 3, 0, 0, 1, 0, 0, 1, 0, 0, 1);
+    m.first = PUT_FLOATS(b, "VEC3", 3, 4, 0, 0, 0, 0, 0, 0, 0, 0);
+    m.second = PUT_FLOATS(b, "VEC3", 3, 0, 8, 0, 0, 0, 0, 0, 0, 0);
+    return m;
+}
+
 /* Targets add up by their weights: the node's, else the mesh's, else none. */
 static void targets_add_up_by_weight(void **state) {
     fixture *f = *state;
     build b = {.size = 0};
-    const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
-              normals = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 1, 0, 0, 1, 0, 0, 1),
-              first = PUT_FLOATS(&b, "VEC3", 3, 4, 0, 0, 0, 0, 0, 0, 0, 0),
-              second = PUT_FLOATS(&b, "VEC3", 3, 0, 8, 0, 0, 0, 0, 0, 0, 0),
-              turned = PUT_FLOATS(&b, "VEC3", 3, 1, 0, 0, 0, 0, 0, 0, 0, 0);
-    build_write(f, &b, MORPHED, "'weights':[0.5,0],", positions, normals, first, second, turned,
+    const morphed m = put_morphed(&b);
+    const int turned = PUT_FLOATS(&b, "VEC3", 3, 1, 0, 0, 0, 0, 0, 0, 0, 0);
+    build_write(f, &b, MORPHED, "'weights':[0.5,0],", m.positions, m.normals, m.first, m.second, turned,
                 ",'weights':[0.25,-1]", "");
     fathom_scene *scene = read_file(f);
     assert_int_equal(scene->meshes.count, 2);
@@ -126,13 +137,10 @@ static void targets_add_up_by_weight(void **state) {
 static void weights_are_animated_together(void **state) {
     fixture *f = *state;
     build b = {.size = 0};
-    const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
-              normals = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 1, 0, 0, 1, 0, 0, 1),
-              first = PUT_FLOATS(&b, "VEC3", 3, 4, 0, 0, 0, 0, 0, 0, 0, 0),
-              second = PUT_FLOATS(&b, "VEC3", 3, 0, 8, 0, 0, 0, 0, 0, 0, 0),
-              times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), weights = PUT_FLOATS(&b, "SCALAR", 4, 0, 1, 1, 0);
+    const morphed m = put_morphed(&b);
+    const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), weights = PUT_FLOATS(&b, "SCALAR", 4, 0, 1, 1, 0);
     build_write(
-        f, &b, MORPHED, "", positions, normals, first, second, normals, "",
+        f, &b, MORPHED, "", m.positions, m.normals, m.first, m.second, m.normals, "",
         ",'animations':[{'samplers':[{'input':4,'output':5}],'channels':[{'sampler':0,'target':{'node':0,"
         "'path':'weights'}}]}]");
     assert_int_equal(times, 4);

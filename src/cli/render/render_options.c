@@ -2,6 +2,7 @@
 
 #include "cli/command.h"
 #include "cli/outputs.h"
+#include "cli/render/part_options.h"
 
 #include "base/file_name.h"
 #include "base/parameter.h"
@@ -81,18 +82,6 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
     args_wrong(problem, "%s", fathom_context_message(context));
     fathom_context_destroy(context);
     return false;
-}
-
-/* "3/16". */
-static bool take_part(const args_option *option, const char *value, void *field, args_problem *problem) {
-    fathom_part *part = field;
-    char end;
-    if (strspn(value, "0123456789/") == strlen(value) &&
-        sscanf(value, "%9u/%9u%c", &part->index, &part->count, &end) == 2 && part->index &&
-        part->index <= part->count && part->count <= 65536)
-        return true;
-    return args_wrong(problem, "expected %s with 1 <= K <= N <= 65536, such as 3/16, found \"%.60s\"",
-                      option->value, value);
 }
 
 #define FIELD(name) offsetof(render_options, name)
@@ -177,7 +166,7 @@ static const args_option own_options[] = {
     {"fps", 0, "N", take_f64, FIELD(frames.fps), 1e-3, 1e6, "frames a second (24)"},
 
     {.help = "A part of the image (-o FILE.part), to be merged by fathom merge"},
-    {"part", 0, "K/N", take_part, FIELD(part), 0, 0,
+    {"part", 0, "K/N", part_options_take, FIELD(part), 0, 0,
      "render part K of N, from 1 to N, to FILE.part; the same command goes on where it was killed (task and "
      "count of a "
      "Slurm array: $SLURM_ARRAY_TASK_ID and the like)"},
@@ -353,64 +342,6 @@ static bool merge(render_options *options, const fathom_settings *scene, args_pr
     return true;
 }
 
-/* ---- a part ---- */
-
-static bool number_of(const char *variable, uint32_t *out) {
-    const char *text = getenv(variable);
-    char end;
-    return text && sscanf(text, "%9u%c", out, &end) == 1;
-}
-
-/* Which of the tasks least, least + step, … this one is. */
-static bool take_slurm(fathom_part *part, args_problem *problem) {
-    uint32_t task, least = 0, step = 1;
-    if (!number_of("SLURM_ARRAY_TASK_ID", &task) || !number_of("SLURM_ARRAY_TASK_COUNT", &part->count))
-        return args_wrong(problem,
-                          "-o %.300s: --part K/N is missing, and there is no SLURM_ARRAY_TASK_ID with "
-                          "SLURM_ARRAY_TASK_COUNT",
-                          part->path);
-    number_of("SLURM_ARRAY_TASK_MIN", &least);
-    number_of("SLURM_ARRAY_TASK_STEP", &step);
-    part->index = step && task >= least ? (task - least) / step + 1 : 0;
-    if (part->index && part->index <= part->count && part->count <= 65536 && (task - least) % step == 0)
-        return true;
-    return args_wrong(
-        problem,
-        "-o %.300s: task %u is none of an array of %u tasks from %u on in steps of %u; expected "
-        "such an array, or --part K/N",
-        part->path, task, part->count, least, step);
-}
-
-static bool is_part(const char *path) {
-    char extension[16];
-    file_extension(path, extension);
-    return strcmp(extension, "part") == 0;
-}
-
-static bool finish_part(render_options *options, args_problem *problem) {
-    fathom_part *part = &options->part;
-    args_list *outputs = &options->outputs;
-    if (part->path) return true;
-    size_t i = 0;
-    while (i < outputs->count && !is_part(outputs->items[i])) ++i;
-    if (i == outputs->count) {
-        return (!part->count && part->split == FATHOM_SPLIT_AUTO) ||
-               args_wrong(problem, "--%s: only with -o FILE.part", part->count ? "part" : "split");
-    }
-    if (outputs->count > 1)
-        return args_wrong(problem,
-                          "-o %.300s: a part is the only output; expected fathom merge to write the images",
-                          outputs->items[i]);
-    if (options->mpi)
-        return args_wrong(problem, "--mpi: a part is one process's work; expected one of the two");
-    if (options->checkpoint)
-        return args_wrong(problem,
-                          "--checkpoint: a part is its own checkpoint; expected the same command without it");
-    part->path = outputs->items[i];
-    outputs->count = 0;
-    return part->count || take_slurm(part, problem);
-}
-
 /* ---- frames ---- */
 
 /* The files that are written, besides the outputs. */
@@ -443,7 +374,7 @@ static bool check_frames(const render_options *options, args_problem *problem) {
 }
 
 bool render_options_finish(render_options *options, const fathom_settings *scene, args_problem *problem) {
-    if (!check_frames(options, problem) || !finish_part(options, problem)) return false;
+    if (!check_frames(options, problem) || !part_options_finish(options, problem)) return false;
     if (!options->outputs.count && !options->part.path) return args_wrong(problem, "-o IMAGE is missing");
     if (!merge(options, scene, problem)) return false;
     if (options->quiet && options->verbose)

@@ -22,9 +22,7 @@ static inline __attribute__((always_inline)) void add_diffuse(const shader_block
 static inline void add_leaf(const shader_block *b, const incidence *at, float (*restrict f)[LANES]) {
     lanes3 l, h;
     float rise[LANES];
-    for (int i = 0; i < LANES; ++i)
-        l[0][i] = at->l[0][i], l[1][i] = at->l[1][i], l[2][i] = fabsf(at->l[2][i]);
-    set_half(b, l, h, rise);
+    set_mirrored(b, at, l, h, rise);
     for (int i = 0; i < LANES; ++i) {
         const shader *m = b->at[i];
         if (!(m->lobes & SHADER_LEAF)) continue;

@@ -98,16 +98,22 @@ static inline void add_again(const shader_block *b, const incidence *at, float (
     }
 }
 
-/* Through a thin wall: what l mirrored to the viewer's side would reflect, times what the layer lets
- * through. */
+/* l mirrored to the viewer's side, and its half vector. */
+static inline void set_mirrored(const shader_block *b, const incidence *at, lanes3 l, lanes3 h,
+                                float rise[LANES]) {
+    for (int i = 0; i < LANES; ++i)
+        l[0][i] = at->l[0][i], l[1][i] = at->l[1][i], l[2][i] = fabsf(at->l[2][i]);
+    set_half(b, l, h, rise);
+}
+
+/* Light through a thin wall: the reflection of l mirrored to the viewer's side, times the light that the layer
+ * lets through. */
 static inline __attribute__((always_inline)) void add_thin(const shader_block *b, bool rare,
                                                            const incidence *at, float (*restrict f)[LANES],
                                                            float *restrict density) {
     lanes3 l, h;
     float rise[LANES];
-    for (int i = 0; i < LANES; ++i)
-        l[0][i] = at->l[0][i], l[1][i] = at->l[1][i], l[2][i] = fabsf(at->l[2][i]);
-    set_half(b, l, h, rise);
+    set_mirrored(b, at, l, h, rise);
     for (int i = 0; i < LANES; ++i) {
         uint32_t open = at->cross[i] & (b->eta[i] == 1 ? ~0u : 0);
         float d, value = facets_of(b, rare, i, l, h, &d);

@@ -47,30 +47,18 @@ static fathom_status place_camera(const object_reader *r, const where *at, json_
     return FATHOM_OK;
 }
 
-/* *keys: the memory of the camera's keys, for the caller to free, even after a failure. */
-static fathom_status move_camera(const object_reader *r, const where *at, json_t *list, double **keys,
-                                 fathom_camera *camera) {
-    const where motion = {at, "motion", 0};
-    const size_t count = json_array_size(list);
-    if (!count) return doc_fail(r->doc, &motion, "expected one or more keys, found none");
-    *keys = malloc(13 * count * sizeof **keys);
-    if (!*keys) return fail_memory(r->scene->context, 13 * count * sizeof **keys);
-    for (size_t k = 0; k < count; ++k) {
-        const where item = {&motion, NULL, k};
-        json_t *value = json_array_get(list, k);
-        form_camera_values c = {.up = {0, 1, 0}};
-        fathom_camera there;
-        fathom_status status = doc_read(r->doc, &item, value, &form_camera_key, &c);
-        if (status == FATHOM_OK) status = place_camera(r, &item, value, &c, 1, &there);
-        if (status != FATHOM_OK) return status;
-        (*keys)[k] = c.time;
-        for (int i = 0; i < 3; ++i) {
-            const double row[4] = {there.x[i], there.y[i], there.z[i], there.origin[i]};
-            memcpy(*keys + count + 12 * k + 4 * i, row, sizeof row);
-        }
+static fathom_status read_camera_key(const object_reader *r, const where *at, json_t *value, double *time,
+                                     affine_f64 *map) {
+    form_camera_values c = {.up = {0, 1, 0}};
+    fathom_camera there;
+    fathom_status status = doc_read(r->doc, at, value, &form_camera_key, &c);
+    if (status == FATHOM_OK) status = place_camera(r, at, value, &c, 1, &there);
+    if (status != FATHOM_OK) return status;
+    *time = c.time;
+    for (int i = 0; i < 3; ++i) {
+        const double row[4] = {there.x[i], there.y[i], there.z[i], there.origin[i]};
+        memcpy(map->m[i], row, sizeof row);
     }
-    camera->key_count = (uint32_t)count;
-    camera->key_times = *keys, camera->key_frames = *keys + count;
     return FATHOM_OK;
 }
 
@@ -86,7 +74,10 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     if (doc_has(value, "h")) camera.d = c->d, camera.h = c->h;
     if (doc_has(value, "w")) camera.w = c->w;
     status = set_lens(r, &at, value, c, &camera);
-    if (status == FATHOM_OK && c->motion) status = move_camera(r, &at, c->motion, &keys, &camera);
+    if (status == FATHOM_OK && c->motion) {
+        status = place_motion(r, &at, c->motion, read_camera_key, &camera.key_count, &keys);
+        camera.key_times = keys, camera.key_frames = keys ? keys + camera.key_count : NULL;
+    }
     if (status == FATHOM_OK) {
         status = fathom_scene_set_camera(r->scene, &camera);
         if (status != FATHOM_OK) status = doc_within(r->doc, &at, status);

@@ -1,3 +1,5 @@
+/* The format of scene JSON, as one table: longer than other files, because the schema is checked against it.
+ */
 #include "read/json/json_form.h"
 
 #include "scene/settings.h"
@@ -53,30 +55,34 @@ static const form_key motion_keys[] = {
     END_KEYS,
 };
 static const form_key time_keys[] = {{"time", FORM_F64, PLACE(time), .required = true}, END_KEYS};
+static const form_rule motion_rules[] = {
+    {FORM_EXCLUDES, "motion", {"matrix", "translation", "rotation", "rotate", "scale", "frame"}}, END_RULES};
 static const form_rule place_rules[] = {
-    {FORM_EXCLUDES, "motion", {"matrix", "translation", "rotation", "rotate", "scale", "frame"}},
     {FORM_EXCLUDES, "matrix", {"translation", "rotation", "rotate", "scale", "frame"}},
     {FORM_EXCLUDES, "frame", {"translation", "rotation", "rotate"}},
     {FORM_EXCLUDES, "rotation", {"rotate"}},
     END_RULES,
 };
 
-static const form_rule place_key_rules[] = {
-    {FORM_EXCLUDES, "matrix", {"translation", "rotation", "rotate", "scale", "frame"}},
-    {FORM_EXCLUDES, "frame", {"translation", "rotation", "rotate"}},
-    {FORM_EXCLUDES, "rotation", {"rotate"}},
-    END_RULES,
-};
-const form form_place_key = {
-    .name = "placeKey", .parts = {time_keys, place_keys}, .rules = {place_key_rules}};
+const form form_place_key = {.name = "placeKey", .parts = {time_keys, place_keys}, .rules = {place_rules}};
 
 /* ---- camera and image ---- */
 
-static const form_key camera_keys[] = {
+static const form_key view_keys[] = {
     {"eye", FORM_F64, AT(form_camera_values, eye), .count = 3},
     {"target", FORM_F64, AT(form_camera_values, target), .count = 3},
     {"up", FORM_F64, AT(form_camera_values, up), .count = 3, .nonzero = true},
     {"frame", FORM_OBJECT, AT(form_camera_values, frame), .form = &form_frame},
+    END_KEYS,
+};
+static const form_rule view_rules[] = {
+    {FORM_ONE_OF, NULL, {"eye", "frame"}},
+    {FORM_NEEDS, "eye", {"target"}},
+    {FORM_NEEDS, "target", {"eye"}},
+    {FORM_NEEDS, "up", {"eye"}},
+    END_RULES,
+};
+static const form_key camera_keys[] = {
     {"fovy", FORM_F64, AT(form_camera_values, fovy), .range = {0, 180, FORM_OPEN_LOW | FORM_OPEN_HIGH}},
     {"d", FORM_F64, AT(form_camera_values, d), POSITIVE},
     {"w", FORM_F64, AT(form_camera_values, w), POSITIVE},
@@ -92,10 +98,6 @@ static const form_key camera_keys[] = {
     END_KEYS,
 };
 static const form_rule camera_rules[] = {
-    {FORM_ONE_OF, NULL, {"eye", "frame"}},
-    {FORM_NEEDS, "eye", {"target"}},
-    {FORM_NEEDS, "target", {"eye"}},
-    {FORM_NEEDS, "up", {"eye"}},
     {FORM_NEEDS, "d", {"h"}},
     {FORM_NEEDS, "h", {"d"}},
     {FORM_NEEDS, "w", {"h"}},
@@ -109,21 +111,12 @@ static const form_rule camera_rules[] = {
 };
 static const form_key camera_key_keys[] = {
     {"time", FORM_F64, AT(form_camera_values, time), .required = true},
-    {"eye", FORM_F64, AT(form_camera_values, eye), .count = 3},
-    {"target", FORM_F64, AT(form_camera_values, target), .count = 3},
-    {"up", FORM_F64, AT(form_camera_values, up), .count = 3, .nonzero = true},
-    {"frame", FORM_OBJECT, AT(form_camera_values, frame), .form = &form_frame},
     END_KEYS,
 };
-static const form_rule camera_key_rules[] = {
-    {FORM_ONE_OF, NULL, {"eye", "frame"}},
-    {FORM_NEEDS, "eye", {"target"}},
-    {FORM_NEEDS, "target", {"eye"}},
-    {FORM_NEEDS, "up", {"eye"}},
-    END_RULES,
-};
-const form form_camera_key = {.name = "cameraKey", .parts = {camera_key_keys}, .rules = {camera_key_rules}};
-const form form_camera = {.name = "camera", .parts = {camera_keys}, .rules = {camera_rules}};
+const form form_camera_key = {
+    .name = "cameraKey", .parts = {camera_key_keys, view_keys}, .rules = {view_rules}};
+const form form_camera = {
+    .name = "camera", .parts = {view_keys, camera_keys}, .rules = {view_rules, camera_rules}};
 
 /* Filled in by form_prepare(). */
 enum { FILLED_KEYS = 32 };
@@ -370,6 +363,7 @@ static const form_key instance_keys[] = {
     {                                                                                                        \
         .name = #shape, .id = shape_id,                                                                      \
         .parts = {object_keys, shape##_keys, shadow_keys, place_keys, motion_keys}, .rules = {               \
+            motion_rules,                                                                                    \
             place_rules,                                                                                     \
             shape_rules                                                                                      \
         }                                                                                                    \
@@ -384,11 +378,11 @@ static const form generate_form = SHAPE(generate, FORM_GENERATE, NULL);
 static const form group_form = {.name = "group",
                                 .id = FORM_GROUP,
                                 .parts = {object_keys, group_keys, place_keys, motion_keys},
-                                .rules = {place_rules}};
+                                .rules = {motion_rules, place_rules}};
 static const form instance_form = {.name = "instance",
                                    .id = FORM_INSTANCE,
                                    .parts = {object_keys, instance_keys, place_keys, motion_keys},
-                                   .rules = {place_rules}};
+                                   .rules = {motion_rules, place_rules}};
 static const form *const object_forms[] = {&sphere_form,   &quad_form,     &plane_form,
                                            &triangle_form, &mesh_form,     &generate_form,
                                            &group_form,    &instance_form, NULL};

@@ -66,7 +66,7 @@ struct form {
     const char *name;
     int id;                      /* which variant this is: a form_light_id, form_object_id or fathom_model */
     const form_key *parts[6];    /* tables of keys */
-    const form_rule *rules[3];   /* tables of rules */
+    const form_rule *rules[4];   /* tables of rules */
     const form *const *variants; /* ended by NULL */
     const char *tag;             /* the key that chooses, if it is not "type"; the first variant needs none */
 };

@@ -24,13 +24,25 @@ fathom_status light_group_set(const object_reader *r, const where *at, const cha
 
 fathom_status material_add(const object_reader *r, const where *at, const char *name, json_t *value);
 
-/* ---- frames and transforms (json_object.c) ---- */
+/* ---- frames and transforms (json_place.c) ---- */
 
 /* `value` is the "frame" object that was read into `values`. */
 fathom_status place_frame(const doc *d, const where *at, json_t *value, const form_frame_values *values,
                           frame_f64 *out);
 
 double place_radians(double degrees);
+
+/* The map of an object's placement keys; *placed is false when it has none. */
+fathom_status place_object(const doc *d, const where *at, json_t *object, const form_place_values *values,
+                           affine_f64 *out, bool *placed);
+
+/* Reads one key of a motion: its time and its map. */
+typedef fathom_status place_key_reader(const object_reader *r, const where *at, json_t *value, double *time,
+                                       affine_f64 *map);
+/* The keys of the motion of what is at `at`: *count times, then as many maps of 12 numbers, row by row. The
+ * caller frees *keys, even after a failure. */
+fathom_status place_motion(const object_reader *r, const where *at, json_t *list, place_key_reader *read,
+                           uint32_t *count, double **keys);
 
 /* ---- triangles (json_mesh.c) ---- */
 
