@@ -28,6 +28,12 @@ typedef enum fathom_filter {
     FATHOM_FILTER_BLACKMAN_HARRIS /* the window of four terms */
 } fathom_filter;
 
+/* Samples that are far brighter than what a pixel has met otherwise. */
+typedef enum fathom_fireflies {
+    FATHOM_FIREFLIES_KEEP,
+    FATHOM_FIREFLIES_REWEIGHT /* the film keeps them, and what fathom_film_reweight() needs besides */
+} fathom_fireflies;
+
 /* Extra outputs, a bit each. */
 enum {
     FATHOM_AOV_ALPHA = 1u << 0,  /* A: covered part of the pixel; R G B are then premultiplied, without the
@@ -113,7 +119,8 @@ typedef struct fathom_settings {
     uint64_t memory_limit; /* bytes that the process may have in memory; 0 (default): what is free. Embree's
                               compact structures are taken where only they fit; FATHOM_OUT_OF_RESOURCES
                               before anything is built where not even they do */
-    uint64_t texture_memory; /* bytes of texture tiles in memory; the others are read again; default 1e9 */
+    uint64_t texture_memory;    /* bytes of texture tiles in memory; the others are read again; default 1e9 */
+    fathom_fireflies fireflies; /* default keep */
 } fathom_settings;
 
 typedef enum fathom_loss {
@@ -213,6 +220,14 @@ FATHOM_API void fathom_film_size(const fathom_film *film, uint32_t *width, uint3
  * light or surface adds to a sample is at most 2^100. */
 FATHOM_API const float *fathom_film_channel(const fathom_film *film, const char *name);
 FATHOM_API const uint32_t *fathom_film_channel_id(const fathom_film *film, const char *name);
+
+/* A second film of R, G, B, and A where the first has it: samples that their pixel and its neighbours hardly
+ * ever met count less (Zirr, Hanika and Dachsbacher, "Reweighting firefly samples for improved finite-sample
+ * Monte Carlo estimates", 2018; src/film/fireflies.c has the rule). It is darker than the truth where such
+ * samples are its light. The entry fathom:fireflies of its files' headers says what was done. *out is NULL
+ * when the film was rendered without FATHOM_FIREFLIES_REWEIGHT; release it with fathom_film_destroy(). */
+FATHOM_API fathom_status fathom_film_reweight(fathom_context *context, const fathom_film *film,
+                                              fathom_film **out);
 
 /* A part that a render did without, and why: "shading normals", "no mesh has any". */
 typedef struct fathom_left_out {

@@ -30,11 +30,11 @@ static uint32_t *add_id(fathom_film *film, const char *name, const char *name_in
 static uint32_t group_count(const light_group_names *groups) { return groups->count ? groups->count : 1; }
 
 /* In the order of film_parts. */
-static void add_layers(fathom_film *film, unsigned aovs) {
+static void add_layers(fathom_film *film) {
     static const char *const names[LIGHT_KINDS][3] = {{"emission.R", "emission.G", "emission.B"},
                                                       {"direct.R", "direct.G", "direct.B"},
                                                       {"indirect.R", "indirect.G", "indirect.B"}};
-    const film_parts parts = film->parts = film_parts_of(aovs, &film->light_groups);
+    const film_parts parts = film->parts;
     float *layer[3];
     film->layers = film->pixels + film->channel_count * (size_t)film->width * film->height;
     for (int k = 0; k < LIGHT_KINDS; ++k) {
@@ -48,6 +48,7 @@ static void add_layers(fathom_film *film, unsigned aovs) {
         add_three(film, layer, film->group_channels[g][0], film->group_channels[g][1],
                   film->group_channels[g][2], true);
     }
+    for (uint32_t k = 0; k < 3 * parts.cascades; ++k) add_channel(film, NULL, false, false);
 }
 
 static void add_mattes(fathom_film *film) {
@@ -78,18 +79,23 @@ static void add_channels(fathom_film *film, unsigned aovs) {
         add_three(film, film->error, "error.R", "error.G", "error.B", false);
         film->doubt = add_channel(film, "error.doubt", false, false);
     }
-    if (aovs & FATHOM_AOV_SAMPLES) film->samples = add_id(film, "samples", "samples.V");
-    add_layers(film, aovs);
+    if (aovs & FATHOM_AOV_SAMPLES)
+        film->samples = add_id(film, "samples", "samples.V");
+    else if (film->parts.cascades)
+        film->samples = add_id(film, NULL, NULL);
+    add_layers(film);
     add_mattes(film);
 }
 
-film_parts film_parts_of(unsigned aovs, const light_group_names *groups) {
+film_parts film_parts_of(const fathom_settings *settings, const light_group_names *groups) {
+    const unsigned aovs = settings->aovs;
     static const unsigned of_kind[LIGHT_KINDS] = {[LIGHT_EMISSION] = FATHOM_AOV_EMISSION,
                                                   [LIGHT_DIRECT] = FATHOM_AOV_DIRECT,
                                                   [LIGHT_INDIRECT] = FATHOM_AOV_INDIRECT};
     const unsigned of_hits =
         FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
     film_parts parts = {.hits = aovs & of_hits};
+    if (settings->fireflies == FATHOM_FIREFLIES_REWEIGHT) parts.cascades = FIREFLY_CASCADES;
     for (int k = 0; k < LIGHT_KINDS; ++k) parts.kinds[k] = aovs & of_kind[k] ? (int8_t)parts.layers++ : -1;
     parts.groups = aovs & FATHOM_AOV_LIGHT_GROUPS ? (int8_t)parts.layers : -1;
     if (parts.groups >= 0) parts.layers += group_count(groups);
@@ -98,44 +104,41 @@ film_parts film_parts_of(unsigned aovs, const light_group_names *groups) {
     return parts;
 }
 
-uint32_t film_channels(unsigned aovs, const light_group_names *groups) {
+uint32_t film_channels(const fathom_settings *settings, const light_group_names *groups) {
+    const film_parts parts = film_parts_of(settings, groups);
+    const unsigned aovs = settings->aovs | (parts.cascades ? FATHOM_AOV_SAMPLES : 0);
     const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
-                   three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID |
-                           FATHOM_AOV_DIRECT | FATHOM_AOV_INDIRECT | FATHOM_AOV_EMISSION,
-                   mattes = FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_CRYPTO_MATERIAL;
-    return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) +
-           2 * MATTE_RANKS * (uint32_t)__builtin_popcount(aovs & mattes) +
-           (aovs & FATHOM_AOV_LIGHT_GROUPS ? 3 * group_count(groups) : 0) +
-           (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
-}
-
-uint64_t film_bytes(const fathom_film *film) {
-    return (uint64_t)film->width * film->height * sizeof(float) *
-           film_channels(film->settings.aovs, &film->light_groups);
+                   three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
+    return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) + 2 * MATTE_RANKS * parts.matte_count +
+           3 * film_part_sums(parts) + (uint32_t)__builtin_popcount(aovs & one) +
+           3 * (uint32_t)__builtin_popcount(aovs & three);
 }
 
 static fathom_status check_memory(fathom_context *context, const fathom_film *film) {
-    uint64_t bytes = film_bytes(film), room = memory_free();
-    if (bytes <= room) return FATHOM_OK;
+    const uint64_t room = memory_free();
+    if (film->bytes <= room) return FATHOM_OK;
     return fail(context, FATHOM_OUT_OF_RESOURCES,
                 "out of memory: %u x %u pixels take %.1f GiB, and %.1f GiB are free; render a smaller image "
                 "or a crop",
-                film->width, film->height, (double)bytes * 0x1p-30, (double)room * 0x1p-30);
+                film->width, film->height, (double)film->bytes * 0x1p-30, (double)room * 0x1p-30);
 }
 
 /* Pixels and channels of a film whose size and settings are known; releases it when there is no memory. */
 static fathom_status take_pixels(fathom_context *context, fathom_film *film, const char *scene_name,
                                  fathom_film **out) {
     film->scene_name = strdup(scene_name);
+    film->bytes = (uint64_t)film->width * film->height * sizeof(float) *
+                  film_channels(&film->settings, &film->light_groups);
     fathom_status status = check_memory(context, film);
-    if (status == FATHOM_OK) film->pixels = memory_take(film_bytes(film));
+    if (status == FATHOM_OK) film->pixels = memory_take(film->bytes);
     film->group_channels = calloc(LIGHT_GROUPS, sizeof *film->group_channels);
     if (status == FATHOM_OK && (!film->scene_name || !film->pixels || !film->group_channels))
-        status = fail_memory(context, film_bytes(film));
+        status = fail_memory(context, film->bytes);
     if (status != FATHOM_OK) {
         fathom_film_destroy(film);
         return status;
     }
+    film->parts = film_parts_of(&film->settings, &film->light_groups);
     add_channels(film, film->settings.aovs);
     *out = film;
     return FATHOM_OK;
@@ -152,7 +155,7 @@ static void find_brightest(const fathom_scene *scene, float out[3]) {
 }
 
 static fathom_status make_manifests(fathom_context *context, const fathom_scene *scene, fathom_film *film) {
-    const film_parts parts = film_parts_of(film->settings.aovs, &film->light_groups);
+    const film_parts parts = film_parts_of(&film->settings, &film->light_groups);
     for (int k = 0; k < MATTE_KINDS; ++k) {
         if (parts.mattes[k] < 0) continue;
         film->manifests[k] = matte_manifest(scene, (matte_kind)k);
@@ -177,6 +180,8 @@ fathom_status film_create(fathom_context *context, const fathom_scene *scene, co
     memcpy(film->background, scene->background, sizeof film->background);
     find_brightest(scene, film->brightest);
     film->light_groups = scene->light_groups;
+    if (settings->fireflies == FATHOM_FIREFLIES_REWEIGHT)
+        strcpy(film->fireflies, "kept; a second image has them reweighted");
     fathom_status status = make_manifests(context, scene, film);
     if (status != FATHOM_OK) {
         fathom_film_destroy(film);
@@ -196,6 +201,7 @@ fathom_status film_create_like(fathom_context *context, const fathom_film *film,
     copy->settings = film->settings;
     copy->camera = film->camera;
     copy->light_groups = film->light_groups;
+    memcpy(copy->fireflies, film->fireflies, sizeof copy->fireflies);
     for (int k = 0; k < MATTE_KINDS; ++k) {
         if (!film->manifests[k] || (copy->manifests[k] = strdup(film->manifests[k]))) continue;
         fathom_film_destroy(copy);
@@ -211,14 +217,14 @@ fathom_status film_copy(fathom_context *context, const fathom_film *film, fathom
     if (status != FATHOM_OK) return status;
     pthread_mutex_t *lock = (pthread_mutex_t *)(uintptr_t)&film->lock;
     pthread_mutex_lock(lock);
-    memcpy((*out)->pixels, film->pixels, film_bytes(film));
+    memcpy((*out)->pixels, film->pixels, film->bytes);
     pthread_mutex_unlock(lock);
     return FATHOM_OK;
 }
 
 void fathom_film_destroy(fathom_film *film) {
     if (!film) return;
-    if (film->pixels) memory_return(film->pixels, film_bytes(film));
+    if (film->pixels) memory_return(film->pixels, film->bytes);
     for (int k = 0; k < MATTE_KINDS; ++k) free(film->manifests[k]);
     free(film->scene_name);
     free(film->group_channels);
@@ -240,7 +246,7 @@ uint32_t fathom_film_left_out(const fathom_film *film, const fathom_left_out **o
 static const void *find_channel(const fathom_film *film, const char *name, bool is_id) {
     for (uint32_t i = 0; film && name && i < film->channel_count; ++i) {
         const film_channel *c = &film->channels[i];
-        if (c->is_id == is_id && strcmp(c->name, name) == 0) return c->data;
+        if (c->is_id == is_id && c->name && strcmp(c->name, name) == 0) return c->data;
     }
     return NULL;
 }

@@ -3,6 +3,7 @@
 #define FILM_FILM_H
 
 #include "base/array.h"
+#include "film/fireflies.h"
 #include "film/mattes.h"
 #include "scene/scene.h"
 
@@ -13,7 +14,7 @@
 /* The stages that a render left out. */
 typedef ARRAY(fathom_left_out) left_out_list;
 
-#define FILM_CHANNELS (40 + 3 * LIGHT_GROUPS + MATTE_KINDS * 2 * MATTE_RANKS)
+#define FILM_CHANNELS (40 + 3 * (LIGHT_GROUPS + FIREFLY_CASCADES) + MATTE_KINDS * 2 * MATTE_RANKS)
 
 /* Light by how often it was scattered. */
 typedef enum light_kind { LIGHT_EMISSION, LIGHT_DIRECT, LIGHT_INDIRECT, LIGHT_KINDS } light_kind;
@@ -21,17 +22,20 @@ typedef enum light_kind { LIGHT_EMISSION, LIGHT_DIRECT, LIGHT_INDIRECT, LIGHT_KI
 /* The sums for AOVs besides radiance. */
 typedef struct film_parts {
     bool hits;                 /* the first hits of samples */
-    uint32_t layers;           /* parts of the light, of three channels each */
+    uint32_t layers;           /* parts of the light that integrators tell apart, of three channels each */
+    uint32_t cascades;         /* further ones, by the brightness of samples: none, or FIREFLY_CASCADES */
     int8_t kinds[LIGHT_KINDS]; /* the layer of each; -1: it is not asked for */
     int8_t groups;             /* the layer of the first light group, likewise */
     uint32_t matte_count;
     int8_t mattes[MATTE_KINDS]; /* the place of each among those that are asked for, likewise */
 } film_parts;
 
-film_parts film_parts_of(unsigned aovs, const light_group_names *groups);
+film_parts film_parts_of(const fathom_settings *settings, const light_group_names *groups);
+/* All that is summed by three channels. */
+static inline uint32_t film_part_sums(film_parts parts) { return parts.layers + parts.cascades; }
 
 typedef struct film_channel {
-    const char *name, *name_in_file;
+    const char *name, *name_in_file; /* NULL: of the film alone, and in no file */
     bool is_id, color;
     void *data; /* float or uint32_t, width * height */
 } film_channel;
@@ -40,11 +44,12 @@ struct fathom_film {
     uint32_t width, height, x, y, full_width, full_height;
     film_channel channels[FILM_CHANNELS];
     uint32_t channel_count;
-    float *pixels; /* of all channels */
+    float *pixels;  /* of all channels */
+    uint64_t bytes; /* that these take */
     /* The same memory by meaning; NULL when not asked for. */
     float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3], *error[3], *doubt;
     uint32_t *object, *primitive, *instance, *samples;
-    float *layers; /* of film_parts: three channels each, one after the other */
+    float *layers; /* of film_parts: three channels each, one after the other, and then the cascades' */
     film_parts parts;
     light_group_names light_groups;
     char (*group_channels)[3][LIGHT_GROUP_NAME + 8]; /* names */
@@ -57,8 +62,9 @@ struct fathom_film {
     bool interrupted;
     float background[3], brightest[3]; /* the second: emission, of any surface or the surroundings */
     char *scene_name;
-    left_out_list left_out; /* of the render that filled it */
-    pthread_mutex_t lock;   /* of the pixels, while it is rendered */
+    char fireflies[FIREFLY_TEXT]; /* what was done about them; "": nothing was asked for */
+    left_out_list left_out;       /* of the render that filled it */
+    pthread_mutex_t lock;         /* of the pixels, while it is rendered */
 };
 
 fathom_status film_create(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
@@ -111,9 +117,6 @@ bool film_error_of(const fathom_film *film, film_error *out);
 /* One over the squared unit of target_error, for a pixel of this mean of R, G and B. */
 double film_error_weight(double grey);
 
-/* Channels of a film with these AOVs, a float or uint32_t a pixel each. */
-uint32_t film_channels(unsigned aovs, const light_group_names *groups);
-/* Bytes of the film's pixels. */
-uint64_t film_bytes(const fathom_film *film);
-
+/* Channels of a film with these settings, a float or uint32_t a pixel each. */
+uint32_t film_channels(const fathom_settings *settings, const light_group_names *groups);
 #endif

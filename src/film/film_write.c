@@ -82,10 +82,12 @@ static size_t tell_error(const fathom_film *film, film_error *error, image_attri
 static fathom_status write_film(fathom_context *context, const fathom_film *film, write_call call,
                                 const target *to) {
     image_channel channels[FILM_CHANNELS];
+    uint32_t channel_count = 0;
     for (uint32_t i = 0; i < film->channel_count; ++i) {
         const film_channel *c = &film->channels[i];
-        channels[i] = (image_channel){c->name_in_file, c->is_id ? IMAGE_UINT : IMAGE_FLOAT, c->color, c->data,
-                                      sizeof(float)};
+        if (!c->name_in_file) continue;
+        channels[channel_count++] = (image_channel){c->name_in_file, c->is_id ? IMAGE_UINT : IMAGE_FLOAT,
+                                                    c->color, c->data, sizeof(float)};
     }
     const double spp = film->settings.spp, seed = (double)film->settings.seed,
                  fovy = 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
@@ -104,6 +106,7 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
         {"fathom:version", fathom_version(), NULL, 0},
         {"fathom:commit", fathom_commit(), NULL, 0},
         {"fathom:command", command, NULL, 0},
+        {"fathom:fireflies", film->fireflies, NULL, 0},
         {"fathom:fingerprint", fingerprint, NULL, 0},
         {"fathom:tracer", film->stats.tracer, NULL, 0},
         {"fathom:pattern", pattern, NULL, 0},
@@ -132,7 +135,7 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
                        .full_width = film->full_width,
                        .full_height = film->full_height,
                        .channels = channels,
-                       .channel_count = film->channel_count,
+                       .channel_count = channel_count,
                        .attributes = all,
                        .attribute_count = keep_known(all, count + marks.count)};
     return call(context, &img, to);

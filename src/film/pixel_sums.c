@@ -14,9 +14,10 @@ bool pixel_sums_create(const sampler *from, uint32_t groups, film_parts parts, p
     out->kernels = film_kernels_best();
     out->parts = parts;
     out->hits = parts.hits ? malloc(sizeof *out->hits) : NULL;
-    out->layers = parts.layers ? malloc(3 * parts.layers * sizeof *out->layers) : NULL;
+    const uint32_t layers = film_part_sums(parts);
+    out->layers = layers ? malloc(3 * layers * sizeof *out->layers) : NULL;
     out->mattes = parts.matte_count ? malloc(parts.matte_count * sizeof *out->mattes) : NULL;
-    if ((out->hits || !parts.hits) && (out->layers || !parts.layers) && (out->mattes || !parts.matte_count))
+    if ((out->hits || !parts.hits) && (out->layers || !layers) && (out->mattes || !parts.matte_count))
         return true;
     pixel_sums_destroy(out);
     return false;
@@ -37,7 +38,7 @@ void hit_sums_clear(hit_sums *hits) {
 void pixel_sums_clear(pixel_sums *sums) {
     memset(sums->rgb, 0, sums->groups * sizeof *sums->rgb);
     if (sums->hits) hit_sums_clear(sums->hits);
-    if (sums->layers) memset(sums->layers, 0, 3 * sums->parts.layers * sizeof *sums->layers);
+    if (sums->layers) memset(sums->layers, 0, 3 * film_part_sums(sums->parts) * sizeof *sums->layers);
     if (sums->mattes) memset(sums->mattes, 0, sums->parts.matte_count * sizeof *sums->mattes);
 }
 
@@ -101,8 +102,9 @@ void pixel_sums_add(pixel_sums *sums, const wave_samples *samples, const wave_re
     const uint32_t from = place * LANES, to = slot_of(region, square);
     for (int c = 0; c < 3; ++c)
         sums->kernels->add_samples(samples->radiance[c] + from, LANES, sums->rgb[square->group][c] + to);
-    for (uint32_t k = 0; sums->layers && k < 3 * sums->parts.layers; ++k)
+    for (uint32_t k = 0; k < 3 * sums->parts.layers; ++k)
         sums->kernels->add_samples(samples->layers[k] + from, LANES, sums->layers[k] + to);
+    if (sums->parts.cascades) fireflies_add(samples, from, sums->layers + 3 * sums->parts.layers, to);
     if (sums->mattes) matte_sums_add(sums->mattes, samples, sums->parts, region, batch, place);
     if (sums->hits) hit_sums_add(sums->hits, &sums->sampler, samples->first, region, batch, place);
 }
@@ -156,7 +158,7 @@ static void store_hits(const hit_sums *hits, uint32_t slot, double scale, size_t
 static void store_layers(const pixel_sums *sums, uint32_t slot, double scale, size_t pixel,
                          fathom_film *film) {
     const size_t pixels = (size_t)film->width * film->height;
-    for (uint32_t k = 0; k < 3 * sums->parts.layers; ++k)
+    for (uint32_t k = 0; k < 3 * film_part_sums(sums->parts); ++k)
         film->layers[k * pixels + pixel] = (float)(sums->layers[k][slot] * scale);
 }
 

@@ -30,7 +30,7 @@ typedef struct pixel_sums {
     bool equal;                               /* scaled so that all groups have the same number of samples */
     double rgb[SAMPLE_GROUPS][3][WAVE_SLOTS]; /* of the groups that there are */
     hit_sums *hits;                           /* NULL: no AOV wants them */
-    double (*layers)[WAVE_SLOTS];             /* three of each layer; NULL: there are none */
+    double (*layers)[WAVE_SLOTS];             /* three of each of film_part_sums(); NULL: there are none */
     matte_list (*mattes)[WAVE_SLOTS];         /* of each matte; NULL likewise */
     film_parts parts;
     sampler sampler; /* which made the samples */

@@ -51,7 +51,8 @@ static void move_sums(const move *m, pixel_sums *sums, square_sums *square) {
         for (int c = 0; c < 3; ++c) move_doubles(m, sums->rgb[g][c], square->rgb[g][c]);
     }
     if (sums->hits) move_hits(m, sums->hits, square);
-    for (uint32_t k = 0; k < 3 * sums->parts.layers; ++k) move_doubles(m, sums->layers[k], square->layers[k]);
+    for (uint32_t k = 0; k < 3 * film_part_sums(sums->parts); ++k)
+        move_doubles(m, sums->layers[k], square->layers[k]);
     for (uint32_t k = 0; k < sums->parts.matte_count; ++k)
         move_mattes(m, sums->mattes[k] + m->slot, square->mattes[k]);
 }
@@ -89,7 +90,7 @@ static void add_node(const pixel_sums *like, const square_sums *from, square_sum
     for (uint32_t g = 0; g < like->groups; ++g) {
         for (int c = 0; c < 3; ++c) add(from->rgb[g][c], to->rgb[g][c]);
     }
-    for (uint32_t k = 0; k < 3 * like->parts.layers; ++k) add(from->layers[k], to->layers[k]);
+    for (uint32_t k = 0; k < 3 * film_part_sums(like->parts); ++k) add(from->layers[k], to->layers[k]);
     for (uint32_t k = 0; k < like->parts.matte_count; ++k) {
         for (int i = 0; i < LANES; ++i) matte_add_all(&to->mattes[k][i], &from->mattes[k][i]);
     }
@@ -127,7 +128,7 @@ void sum_fold(const pixel_sums *like, sum_stack *s) {
 }
 
 sum_node *sum_nodes_create(film_parts parts, size_t count) {
-    const size_t each = 3 * parts.layers, lists = parts.matte_count;
+    const size_t each = 3 * film_part_sums(parts), lists = parts.matte_count;
     sum_node *nodes =
         calloc(count, sizeof *nodes + each * LANES * sizeof(double) + lists * LANES * sizeof(matte_list));
     if (!nodes) return NULL;
@@ -175,11 +176,13 @@ _Static_assert(offsetof(square_sums, layers) == offsetof(square_sums, alpha) + L
 
 static size_t hit_bytes(film_parts parts) { return parts.hits ? HIT_BYTES : 0; }
 
+static size_t layer_bytes(film_parts parts) { return film_part_sums(parts) * RGB_BYTES; }
+
 static size_t matte_bytes(film_parts parts) { return parts.matte_count * LANES * sizeof(matte_list); }
 
-/* The groups that there are, then the hits if there are any, the layers, the mattes. */
+/* The groups that there are, then the hits if there are any, the layers and cascades, the mattes. */
 size_t sum_bytes(uint32_t groups, film_parts parts) {
-    return groups * RGB_BYTES + hit_bytes(parts) + parts.layers * RGB_BYTES + matte_bytes(parts);
+    return groups * RGB_BYTES + hit_bytes(parts) + layer_bytes(parts) + matte_bytes(parts);
 }
 
 void sum_save(const square_sums *from, uint32_t groups, film_parts parts, unsigned char *out) {
@@ -187,8 +190,8 @@ void sum_save(const square_sums *from, uint32_t groups, film_parts parts, unsign
     out += groups * RGB_BYTES;
     memcpy(out, (const char *)from + HITS_AT, hit_bytes(parts));
     out += hit_bytes(parts);
-    if (parts.layers) memcpy(out, from->layers, parts.layers * RGB_BYTES);
-    if (parts.matte_count) memcpy(out + parts.layers * RGB_BYTES, from->mattes, matte_bytes(parts));
+    if (layer_bytes(parts)) memcpy(out, from->layers, layer_bytes(parts));
+    if (parts.matte_count) memcpy(out + layer_bytes(parts), from->mattes, matte_bytes(parts));
 }
 
 void sum_load(const unsigned char *in, uint32_t groups, film_parts parts, square_sums *to) {
@@ -196,6 +199,6 @@ void sum_load(const unsigned char *in, uint32_t groups, film_parts parts, square
     in += groups * RGB_BYTES;
     memcpy((char *)to + HITS_AT, in, hit_bytes(parts));
     in += hit_bytes(parts);
-    if (parts.layers) memcpy(to->layers, in, parts.layers * RGB_BYTES);
-    if (parts.matte_count) memcpy(to->mattes, in + parts.layers * RGB_BYTES, matte_bytes(parts));
+    if (layer_bytes(parts)) memcpy(to->layers, in, layer_bytes(parts));
+    if (parts.matte_count) memcpy(to->mattes, in + layer_bytes(parts), matte_bytes(parts));
 }

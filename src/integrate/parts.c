@@ -155,7 +155,7 @@ static bool tell_shapes(const world *w, left_out_list *list) {
 }
 
 static bool tell_stages(const world *w, const fathom_settings *s, bool repair, left_out_list *list) {
-    const film_parts parts = film_parts_of(s->aovs, &w->scene->light_groups);
+    const film_parts parts = film_parts_of(s, &w->scene->light_groups);
     const wording words[] = {
         {parts.hits, "buffers of AOVs", "no AOV of first hits is asked for"},
         {parts.layers, "layers of light", "no AOV asks for a part of the light"},

@@ -217,7 +217,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     plan->settings = *settings;
     plan->lights = lights;
     plan->features = parts_features(scene);
-    plan->parts = film_parts_of(settings->aovs, &scene->light_groups);
+    plan->parts = film_parts_of(settings, &scene->light_groups);
     camera_prepare(&scene->camera, settings->width, settings->height, w->origin, &plan->camera);
     plan->sampler =
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};

@@ -207,7 +207,7 @@ static void copy_layers(const pass *p, uint32_t s) {
     for (uint32_t g = 0; g < SAMPLE_GROUPS; ++g) {
         double(*from)[WAVE_SLOTS] = adaptive_layers(p->a, 1 - p->run, g),
         (*to)[WAVE_SLOTS] = adaptive_layers(p->a, p->run, g);
-        for (uint32_t k = 0; k < 3 * p->a->parts.layers; ++k)
+        for (uint32_t k = 0; k < 3 * film_part_sums(p->a->parts); ++k)
             memcpy(to[k] + s * LANES, from[k] + s * LANES, LANES * sizeof(double));
     }
 }
@@ -248,10 +248,12 @@ static void add_square(pass *p, uint32_t place) {
         a->kernels->add_samples(p->work->samples.radiance[c] + place * LANES, LANES,
                                 r->rgb[group][c] + s * LANES);
     }
-    for (uint32_t k = 0; a->layers && k < 3 * a->parts.layers; ++k) {
-        a->kernels->add_samples(p->work->samples.layers[k] + place * LANES, LANES,
-                                adaptive_layers(a, p->run, group)[k] + s * LANES);
+    double(*layers)[WAVE_SLOTS] = adaptive_layers(a, p->run, group);
+    for (uint32_t k = 0; k < 3 * a->parts.layers; ++k) {
+        a->kernels->add_samples(p->work->samples.layers[k] + place * LANES, LANES, layers[k] + s * LANES);
     }
+    if (a->parts.cascades)
+        fireflies_add(&p->work->samples, place * LANES, layers + 3 * a->parts.layers, s * LANES);
     r->rays[group % 2][s] += p->rays[place];
     if (r->taken[s]++ < a->seen[s]) return;
     ++a->seen[s];
@@ -335,7 +337,7 @@ adaptive_result adaptive_pass(integration *work, const adaptive_goal *goal, adap
 static void show_layers(const adaptive_wave *a, uint32_t run, uint32_t group, uint32_t s, double scale,
                         const adaptive_view *v) {
     double(*from)[WAVE_SLOTS] = adaptive_layers(a, run, group);
-    for (uint32_t i = 0; i < 3 * a->parts.layers; ++i) {
+    for (uint32_t i = 0; i < 3 * film_part_sums(a->parts); ++i) {
         double *to = v->sums.layers[i] + s * LANES;
         for (int k = 0; k < LANES; ++k)
             to[k] = (group ? to[k] : 0) + from[i][s * LANES + (uint32_t)k] * scale;

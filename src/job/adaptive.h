@@ -146,11 +146,11 @@ void adaptive_destroy(adaptive_wave *a);
 /* The bytes that a wave holds besides its struct. */
 size_t adaptive_bytes(film_parts parts);
 static inline size_t adaptive_layer_count(film_parts parts) {
-    return (size_t)ADAPTIVE_RUNS * SAMPLE_GROUPS * 3 * parts.layers;
+    return (size_t)ADAPTIVE_RUNS * SAMPLE_GROUPS * 3 * film_part_sums(parts);
 }
 /* The layers' sums of a group of a run: three each. */
 static inline double (*adaptive_layers(const adaptive_wave *a, uint32_t run, uint32_t group))[WAVE_SLOTS] {
-    return a->layers + (run * SAMPLE_GROUPS + group) * 3 * a->parts.layers;
+    return a->layers + (run * SAMPLE_GROUPS + group) * 3 * film_part_sums(a->parts);
 }
 
 adaptive_goal adaptive_goal_of(double target);

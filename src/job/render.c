@@ -53,7 +53,7 @@ static fathom_status memory_besides(fathom_context *context, const fathom_scene 
     uint64_t meshes;
     fathom_status status = scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &meshes);
     if (status != FATHOM_OK) return status;
-    uint64_t bytes = film_bytes(film), expected = program_bytes(context) + meshes,
+    uint64_t bytes = film->bytes, expected = program_bytes(context) + meshes,
              film_now = film->stats.resumed_samples ? bytes : memory_taken(bytes);
     uint64_t resident = memory_resident();
     resident = resident > film_now ? resident - film_now : 0;
@@ -118,7 +118,7 @@ static fathom_status count_scene(const world *w, const trace_tracer *tracer, con
     stats->degenerate_triangles = w->degenerate_triangles;
     stats->bvh_bytes = trace_bvh_bytes(tracer);
     stats->bvh_peak_bytes = trace_peak_bytes(tracer);
-    stats->film_bytes = film_bytes(film);
+    stats->film_bytes = film->bytes;
     stats->threads = fathom_context_threads(scene->context);
     const char *name = trace_name(tracer);
     for (size_t i = 0; name[i] && i + 1 < sizeof stats->tracer; ++i) stats->tracer[i] = name[i];

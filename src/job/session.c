@@ -114,7 +114,9 @@ static void on_film(void *user, const fathom_film *film) {
 static double seconds_to_write(void *user, const fathom_film *film, double left) {
     const fathom_session *s = user;
     const film_outputs outputs = {s->options.outputs, s->options.output_count, &s->write};
-    return film_write_seconds(s->context, film, &outputs, REHEARSAL * left);
+    /* The second image takes no longer than the first. */
+    const int images = s->settings.fireflies == FATHOM_FIREFLIES_REWEIGHT ? 2 : 1;
+    return images * film_write_seconds(s->context, film, &outputs, REHEARSAL * left);
 }
 
 static void run(void *user) {

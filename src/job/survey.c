@@ -121,7 +121,7 @@ static fathom_status find_memory(const fathom_scene *scene, const world *w, fath
     s->program_bytes = MEMORY_PROGRAM;
     s->bvh_bytes = (uint64_t)need.kept, s->building_bytes = (uint64_t)need.passed;
     s->film_bytes = settings_pixels(&scene->settings) *
-                    film_channels(scene->settings.aovs, &scene->light_groups) * sizeof(float);
+                    film_channels(&scene->settings, &scene->light_groups) * sizeof(float);
     return scene_buffer_bytes(scene, SCENE_TRACED | SCENE_SHADED, &s->mesh_bytes);
 }
 

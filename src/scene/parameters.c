@@ -97,6 +97,9 @@ static const fathom_parameter setting_rows[] = {
      "are taken, and nothing is begun where not even they do.", .zero = "auto"},
     {"texture_memory", U64, SETTING(texture_memory), COMMAND, 1e6, 1e15, 1e9, "BYTES", "Running",
      .help = "Most memory for texture tiles, such as 512M; the others are read again. No pixel depends on it."},
+    {"fireflies", WORD, SETTING(fireflies), PIXELS | COMMAND, 0, 0, FATHOM_FIREFLIES_KEEP, NULL, "Output",
+     .help = "Rare bright samples: `keep`; or `reweight` to write a second image, NAME.reweighted.EXT, in which they count "
+     "less (Zirr et al. 2018). The first image is the same.", .words = "keep|reweight"},
 };
 
 static const fathom_parameter classic_rows[] = {

@@ -82,6 +82,10 @@ static void null_for_images(void **state) {
     assert_false(fathom_write_is_srgb(NULL));
     assert_false(fathom_write_needs_helper(NULL, &options));
     assert_false(fathom_write_needs_helper("a.exr", NULL));
+    fathom_film *second;
+    refuses(fathom_film_reweight(NULL, film, &second));
+    names("film", fathom_film_reweight(s.context, NULL, &second));
+    names("out", fathom_film_reweight(s.context, film, NULL));
     refuses(fathom_film_rescue(NULL, film, "a.exr", text, sizeof text));
     names("film", fathom_film_rescue(s.context, NULL, "a.exr", text, sizeof text));
     names("path", fathom_film_rescue(s.context, film, NULL, text, sizeof text));

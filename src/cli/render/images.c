@@ -10,60 +10,74 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- of an interrupted render ---- */
+/* ---- names ---- */
 
-#define MARK ".partial"
+#define PARTIAL ".partial"
+#define REWEIGHTED ".reweighted"
 
-/* "out.partial.exr" for "out.exr", cut where names may not be as long. False where the path is too long. */
-static bool partial_name(const char *path, char out[PATH_MAX]) {
+/* "out.partial.exr" for "out.exr", cut where names may not be as long. */
+static fathom_status marked_name(fathom_context *context, const char *path, const char *mark,
+                                 char out[PATH_MAX]) {
     const char *name = file_name(path), *extension = path + file_stem_length(path);
-    const size_t fixed = strlen(MARK) + strlen(extension), folder = (size_t)(name - path);
+    const size_t fixed = strlen(mark) + strlen(extension), folder = (size_t)(name - path);
     size_t stem = (size_t)(extension - name);
     if (fixed < NAME_MAX && stem > NAME_MAX - fixed) stem = file_name_cut(name, NAME_MAX - fixed);
-    int length = snprintf(out, PATH_MAX, "%.*s" MARK "%s", (int)(folder + stem), path, extension);
-    return length >= 0 && length < PATH_MAX;
-}
-
-static fathom_status too_long(fathom_context *context, const char *path) {
+    int length = snprintf(out, PATH_MAX, "%.*s%s%s", (int)(folder + stem), path, mark, extension);
+    if (length >= 0 && length < PATH_MAX) return FATHOM_OK;
     return cli_fail_file(context, FATHOM_BAD_USAGE, path,
-                         "expected a path shorter by %zu bytes, which " MARK " takes", strlen(MARK));
+                         "expected a path shorter by %zu bytes, which %s takes", strlen(mark), mark);
 }
 
 fathom_status images_rename(fathom_context *context, args_list *outputs, image_names **room) {
+    fathom_status status = FATHOM_OK;
     *room = malloc(sizeof **room);
     if (!*room) return cli_fail_memory(context);
-    for (size_t i = 0; i < outputs->count; ++i) {
-        if (!partial_name(outputs->items[i], (*room)->names[i])) return too_long(context, outputs->items[i]);
-        outputs->items[i] = (*room)->names[i];
+    for (size_t i = 0; i < outputs->count && status == FATHOM_OK; ++i) {
+        status = marked_name(context, outputs->items[i], PARTIAL, (*room)->names[i]);
+        if (status == FATHOM_OK) outputs->items[i] = (*room)->names[i];
     }
-    return FATHOM_OK;
+    return status;
 }
 
-static fathom_status check_one(fathom_context *context, const char *path, const char *const *files,
-                               size_t count) {
+/* None of the files may be where this one's goes. why: what puts it there. */
+static fathom_status check_one(fathom_context *context, const char *path, const char *mark, const char *why,
+                               const char *const *files, size_t count) {
     char name[PATH_MAX];
-    if (!partial_name(path, name)) return too_long(context, path);
-    for (size_t i = 0; i < count; ++i) {
+    fathom_status status = marked_name(context, path, mark, name);
+    for (size_t i = 0; i < count && status == FATHOM_OK; ++i) {
         if (!outputs_are_same(name, files[i])) continue;
-        return cli_fail_file(context, FATHOM_BAD_USAGE, files[i],
-                             "an interrupted render puts %s there; expected another name for one of the two",
-                             path);
+        status = cli_fail_file(context, FATHOM_BAD_USAGE, files[i],
+                               "%s puts %s there; expected another name for one of the two", why, path);
     }
-    return FATHOM_OK;
+    return status;
 }
 
 fathom_status images_check_partial(fathom_context *context, const args_list *outputs,
                                    const char *const *files, size_t count) {
     fathom_status status = FATHOM_OK;
     for (size_t i = 0; i < outputs->count && status == FATHOM_OK; ++i)
-        status = check_one(context, outputs->items[i], files, count);
+        status = check_one(context, outputs->items[i], PARTIAL, "an interrupted render", files, count);
+    return status;
+}
+
+fathom_status images_check_reweighted(fathom_context *context, const args_list *outputs,
+                                      const char *const *files, size_t count) {
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < outputs->count && status == FATHOM_OK; ++i) {
+        if (standard_output_shown(outputs, i) != outputs->items[i])
+            return cli_fail(context, FATHOM_BAD_USAGE,
+                            "--fireflies reweight writes a second image next to the first; expected a file's "
+                            "name instead of standard output");
+        status = check_one(context, outputs->items[i], REWEIGHTED, "--fireflies reweight", files, count);
+    }
     return status;
 }
 
 void images_remove_left_over(const args_list *outputs) {
     for (size_t i = 0; i < outputs->count; ++i) {
         char partial[PATH_MAX];
-        if (partial_name(outputs->items[i], partial)) fathom_file_remove_left_over(partial);
+        if (marked_name(NULL, outputs->items[i], PARTIAL, partial) == FATHOM_OK)
+            fathom_file_remove_left_over(partial);
     }
 }
 
@@ -92,6 +106,24 @@ static bool holds_all(const char *path) {
     return strcmp(extension, "exr") == 0;
 }
 
+/* The second image of each output, where the film has what that takes. */
+static fathom_status write_reweighted(fathom_context *context, const fathom_film *film,
+                                      const render_options *options) {
+    const args_list *outputs = &options->outputs;
+    char name[PATH_MAX];
+    fathom_film *second;
+    fathom_status status = fathom_film_reweight(context, film, &second);
+    if (status == FATHOM_OK && second)
+        status =
+            images_check_reweighted(context, outputs, (const char *const *)outputs->items, outputs->count);
+    for (size_t i = 0; second && i < outputs->count && status == FATHOM_OK; ++i) {
+        status = marked_name(context, outputs->items[i], REWEIGHTED, name);
+        if (status == FATHOM_OK) status = fathom_film_write(context, second, name, &options->write);
+    }
+    fathom_film_destroy(second);
+    return status;
+}
+
 /* Tries every output: one full disk is no reason to lose the others. */
 fathom_status images_write(fathom_context *context, const fathom_film *film, const render_options *options) {
     fathom_status result = FATHOM_OK;
@@ -107,5 +139,7 @@ fathom_status images_write(fathom_context *context, const fathom_film *film, con
             result = status, failed = standard_output_shown(&options->outputs, i);
     }
     if (failed && !kept) images_rescue(context, film, failed, "the pixels");
+    if (result == FATHOM_OK)
+        result = say_status(&command_render, context, write_reweighted(context, film, options));
     return result;
 }

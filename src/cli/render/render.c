@@ -54,6 +54,8 @@ static fathom_status check_outputs(task *s) {
     if (o->part.path) all[count++] = o->part.path;
     status = outputs_check_distinct(s->context, all, count, o->scene);
     if (status == FATHOM_OK) status = images_check_partial(s->context, &o->outputs, all, count);
+    if (status == FATHOM_OK && o->settings.fireflies == FATHOM_FIREFLIES_REWEIGHT)
+        status = images_check_reweighted(s->context, &o->outputs, all, count);
     for (size_t i = 0; i < o->outputs.count && status == FATHOM_OK; ++i)
         status = fathom_write_check(s->context, o->outputs.items[i], &o->write);
     if (status == FATHOM_OK && stats_file) status = fathom_file_check(s->context, o->stats);

@@ -45,10 +45,10 @@ part_shape part_shape_of(const part_head *head) {
                     .grid = wave_grid_of(r.x, r.y, r.x + r.width, r.y + r.height)};
     s.range = s.sums ? sum_part(settings->spp, s.index, s.count) : (sum_range){0, settings->spp};
     s.stride = stride_of(s.grid.count);
-    s.square_bytes =
-        s.sums ? sum_list_nodes(s.range, NULL) *
-                     sum_bytes(unit_groups(settings), film_parts_of(settings->aovs, &head->light_groups))
-               : film_channels(settings->aovs, &head->light_groups) * LANES * sizeof(uint32_t);
+    s.square_bytes = s.sums
+                         ? sum_list_nodes(s.range, NULL) *
+                               sum_bytes(unit_groups(settings), film_parts_of(settings, &head->light_groups))
+                         : film_channels(settings, &head->light_groups) * LANES * sizeof(uint32_t);
     return s;
 }
 
@@ -86,7 +86,7 @@ const char *part_manifest(const part_head *head, const unsigned char *bytes, mat
 }
 
 static bool manifests_make_sense(const part_head *h, const unsigned char *bytes) {
-    const film_parts parts = film_parts_of(h->settings.aovs, &h->light_groups);
+    const film_parts parts = film_parts_of(&h->settings, &h->light_groups);
     for (int k = 0; k < MATTE_KINDS; ++k) {
         const char *text = part_manifest(h, bytes, (matte_kind)k);
         if ((text != NULL) != (parts.mattes[k] >= 0)) return false;

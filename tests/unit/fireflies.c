@@ -1,0 +1,175 @@
+/* Fireflies: taken out of the second image, and kept in the first. */
+#include "film/film.h"
+
+#include "render.h"
+
+#include <string.h>
+
+enum { SIDE = 32, SAMPLES = 16 };
+
+/* An image of 32 x 32 pixels of a plate that sends out 1, 32 units across, from far away. */
+static stage plate(void) {
+    stage s = stage_open(SIDE, SIDE);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.target_error = 0, s.settings.spp = SAMPLES;
+    s.settings.fireflies = FATHOM_FIREFLIES_REWEIGHT;
+    stage_camera(&s, (double[3]){0, 0, 1600}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 2 * atan(0.01));
+    stage_quad(&s, (double[3]){0, 0, 0}, (double[3]){20, 0, 0}, (double[3]){0, 20, 0}, stage_emitter(&s, 1));
+    return s;
+}
+
+static fathom_film *second_of(stage *s, const fathom_film *film) {
+    fathom_film *second;
+    assert_ok(s->context, fathom_film_reweight(s->context, film, &second));
+    assert_non_null(second);
+    return second;
+}
+
+/* Lamps of a tenth of a pixel across in every eighth pixel. How many samples meet one follows from the
+ * pixel's value. The one that a single sample met is no part of the second image, whatever it sends out;
+ * without it the others are (SAMPLES - 1) / SAMPLES. The sums are of doubles; the film's floats are off by
+ * 2^-24 of them. */
+static void a_sample_that_no_other_confirms_is_left_out(void **state) {
+    (void)state;
+    uint32_t single = 0;
+    for (float lamp = 1e3f; lamp < 1e7f; lamp *= 10) {
+        stage s = plate();
+        const fathom_id material = stage_emitter(&s, lamp);
+        for (int y = 2; y < SIDE; y += 4) {
+            for (int x = 2; x < SIDE; x += 4)
+                stage_sphere(&s, x - SIDE / 2 + 0.5, SIDE / 2 - y - 0.5, 1, 0.1, material);
+        }
+        fathom_film *film = stage_render(&s), *second = second_of(&s, film);
+        for (size_t i = 0; i < SIDE * SIDE; ++i) {
+            const double met = ((double)film->rgb[0][i] - 1) * SAMPLES / ((double)lamp - 1);
+            if (fabs(met - 1) > 0.01) continue;
+            ++single;
+            assert_true(fabs((double)second->rgb[0][i] - (SAMPLES - 1.0) / SAMPLES) <= 0x1p-22);
+        }
+        fathom_film_destroy(second);
+        fathom_film_destroy(film);
+        stage_close(&s);
+    }
+    assert_true(single > 20);
+}
+
+/* Samples of a pixel that met the lamp, or on the mean in the 3 x 3 pixels around it: the larger of both. */
+static double lamp_count(const fathom_film *film, float lamp, int x, int y) {
+    double sum = 0, own = 0;
+    int pixels = 0;
+    for (int v = y - 1; v <= y + 1; ++v) {
+        for (int u = x - 1; u <= x + 1; ++u) {
+            if (u < 0 || v < 0 || u >= SIDE || v >= SIDE) continue;
+            const double met = ((double)film->rgb[0][v * SIDE + u] - 1) * SAMPLES / ((double)lamp - 1);
+            sum += met, ++pixels;
+            if (u == x && v == y) own = met;
+        }
+    }
+    return fmax(own, sum / pixels);
+}
+
+/* Five confirm each other. At a lamp's edge the pixels inside confirm those that it hardly fills. */
+static void what_five_samples_around_confirm_keeps_its_bits(void **state) {
+    (void)state;
+    const float lamp = 1e4f;
+    stage s = plate();
+    stage_quad(&s, (double[3]){0.3, 0.2, 1}, (double[3]){5, 2, 0}, (double[3]){-2, 5, 0},
+               stage_emitter(&s, lamp));
+    fathom_film *film = stage_render(&s), *second = second_of(&s, film);
+    int edge = 0;
+    for (int i = 0; i < SIDE * SIDE; ++i) {
+        const double value = (double)film->rgb[0][i];
+        if (lamp_count(film, lamp, i % SIDE, i / SIDE) < 5.01) continue;
+        edge += value > 1 && value < 5.0 / SAMPLES * (double)lamp;
+        assert_true(film->rgb[0][i] == second->rgb[0][i]);
+    }
+    assert_true(edge > 4);
+    fathom_film_destroy(second);
+    fathom_film_destroy(film);
+    stage_close(&s);
+}
+
+/* Samples of a pixel that are within a factor of 1.5 have the weight 1 (film/fireflies.c), from two on. The
+ * floor's brightness spans several cascades. */
+static void a_smooth_image_keeps_its_bits(void **state) {
+    (void)state;
+    for (int k = 0; k < 6; ++k) {
+        stage s = stage_open(SIDE, SIDE);
+        fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+        s.settings.target_error = k == 5 ? 0.01 : 0, s.settings.spp = k == 5 ? 64 : 1u << k;
+        s.settings.fireflies = FATHOM_FIREFLIES_REWEIGHT;
+        stage_camera(&s, (double[3]){0, 3, 6}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.6);
+        stage_plane(&s, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, stage_lambert(&s, 0.8f));
+        stage_point_light(&s, 0.5, 0.6, 1, 30);
+        fathom_film *film = stage_render(&s), *second = second_of(&s, film);
+        for (int c = 0; c < 3; ++c)
+            assert_memory_equal(film->rgb[c], second->rgb[c], SIDE * SIDE * sizeof(float));
+        fathom_film_destroy(second);
+        fathom_film_destroy(film);
+        stage_close(&s);
+    }
+}
+
+static void the_first_image_is_the_same_with_and_without(void **state) {
+    (void)state;
+    for (int k = 0; k < 3; ++k) {
+        stage s = plate();
+        stage_sphere(&s, 3, 2, 6, 5, stage_lambert(&s, 0.5f));
+        stage_sphere(&s, -7, 4, 3, 0.05, stage_emitter(&s, 1e4f));
+        s.settings.aovs = FATHOM_AOV_DIRECT | FATHOM_AOV_ERROR | FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_Z;
+        if (k == 1) s.settings.target_error = 0.02, s.settings.spp = 256;
+        if (k == 2)
+            fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_CLASSIC), s.settings.aovs = 0;
+        fathom_film *with = stage_render(&s);
+        s.settings.fireflies = FATHOM_FIREFLIES_KEEP;
+        fathom_film *without = stage_render(&s), *second;
+        assert_ok(s.context, fathom_film_reweight(s.context, without, &second));
+        assert_null(second);
+        for (uint32_t i = 0; i < without->channel_count; ++i) {
+            const film_channel *c = &without->channels[i];
+            const void *same = c->is_id ? (const void *)fathom_film_channel_id(with, c->name)
+                                        : fathom_film_channel(with, c->name);
+            assert_memory_equal(c->data, same, SIDE * SIDE * sizeof(float));
+        }
+        fathom_film_destroy(with);
+        fathom_film_destroy(without);
+        stage_close(&s);
+    }
+}
+
+/* A cascade and its neighbours count each sample once, whatever its brightness. */
+static void cascades_add_up_and_count(void **state) {
+    (void)state;
+    static float radiance[3][WAVE_SLOTS];
+    static double sums[3 * FIREFLY_CASCADES][WAVE_SLOTS];
+    const wave_samples samples = {.radiance = {radiance[0], radiance[1], radiance[2]}};
+    for (double brightness = 0x1p-12; brightness < 0x1p23; brightness *= 1.37) {
+        double total[3] = {0}, count = 0;
+        memset(sums, 0, sizeof sums);
+        for (int c = 0; c < 3; ++c) radiance[c][5] = (float)brightness * (0.5f + 0.5f * (float)c);
+        fireflies_add(&samples, 0, sums, 16);
+        for (int k = 0; k < (int)FIREFLY_CASCADES; ++k) {
+            double grey = 0;
+            for (int c = 0; c < 3; ++c)
+                total[c] += sums[3 * k + c][16 + 5], grey += sums[3 * k + c][16 + 5] / 3;
+            count += grey / ldexp(1, 3 * k - 10);
+        }
+        for (int c = 0; c < 3; ++c)
+            assert_true(fabs(total[c] - (double)radiance[c][5]) <= 0x1p-50 * total[c]);
+        if (brightness > 0x1p-10)
+            assert_true(fabs(count - 1) <= 0x1p-20); /* R, G and B are floats */
+        else
+            assert_true(count <= 1 + 0x1p-20);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sample_that_no_other_confirms_is_left_out),
+        cmocka_unit_test(what_five_samples_around_confirm_keeps_its_bits),
+        cmocka_unit_test(a_smooth_image_keeps_its_bits),
+        cmocka_unit_test(the_first_image_is_the_same_with_and_without),
+        cmocka_unit_test(cascades_add_up_and_count),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

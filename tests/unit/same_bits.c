@@ -1,0 +1,204 @@
+/* Every way of rendering a moving scene gives the same bits, with all AOVs and the sums of fireflies. */
+#include "film/film.h"
+
+#include "moving.h"
+
+#include <unistd.h>
+
+#define PARTS 3
+
+typedef struct ways {
+    stage s;
+    char folder[32], checkpoint[64], parts[PARTS][64];
+    int ticks; /* of progress, after which the render stops */
+} ways;
+
+static int set_up(void **state) {
+    ways *w = calloc(1, sizeof *w);
+    *state = w;
+    strcpy(w->folder, "/tmp/fathom-test-XXXXXX");
+    if (!mkdtemp(w->folder)) return -1;
+    snprintf(w->checkpoint, sizeof w->checkpoint, "%s/c", w->folder);
+    for (int i = 0; i < PARTS; ++i) snprintf(w->parts[i], sizeof w->parts[i], "%s/%d", w->folder, i);
+    w->s = moving_stage(ALL, 0, 2);
+    w->s.settings.width = 70, w->s.settings.height = 40, w->s.settings.spp = 16;
+    w->s.settings.aovs = FATHOM_AOVS, w->s.settings.fireflies = FATHOM_FIREFLIES_REWEIGHT;
+    return 0;
+}
+
+static int tear_down(void **state) {
+    ways *w = *state;
+    stage_close(&w->s);
+    unlink(w->checkpoint);
+    for (int i = 0; i < PARTS; ++i) unlink(w->parts[i]);
+    const int left = rmdir(w->folder);
+    free(w);
+    return left;
+}
+
+/* ---- comparing ---- */
+
+/* The pixels that `a` shares with `part`, a crop of the same image, but for `rim` pixels at its edge. */
+static void assert_same_channel(const fathom_film *a, const void *of_a, const fathom_film *part,
+                                const void *of_part, uint32_t rim) {
+    for (uint32_t y = rim; y + rim < part->height; ++y) {
+        const size_t from = (size_t)(y + part->y - a->y) * a->width + part->x - a->x;
+        assert_memory_equal((const uint32_t *)of_a + from + rim,
+                            (const uint32_t *)of_part + (size_t)y * part->width + rim,
+                            (part->width - 2 * rim) * sizeof(uint32_t));
+    }
+}
+
+/* Errors take from their neighbours what the crop has of them, and so do second images. */
+static bool takes_from_neighbours(const film_channel *c) {
+    return c->name && strncmp(c->name, "error", 5) == 0;
+}
+
+static void assert_same(stage *s, const fathom_film *a, const fathom_film *part) {
+    const bool crop = part->width < a->width;
+    assert_int_equal(a->channel_count, part->channel_count);
+    for (uint32_t i = 0; i < a->channel_count; ++i) {
+        if (crop && takes_from_neighbours(&a->channels[i])) continue;
+        assert_same_channel(a, a->channels[i].data, part, part->channels[i].data, 0);
+    }
+    fathom_film *x, *y;
+    assert_ok(s->context, fathom_film_reweight(s->context, a, &x));
+    assert_ok(s->context, fathom_film_reweight(s->context, part, &y));
+    for (int c = 0; c < 3; ++c) assert_same_channel(x, x->rgb[c], y, y->rgb[c], crop);
+    if (!crop) assert_string_equal(x->fireflies, y->fireflies);
+    fathom_film_destroy(x);
+    fathom_film_destroy(y);
+}
+
+/* ---- ways ---- */
+
+static bool stop_after(void *user, const fathom_progress *now) {
+    ways *w = user;
+    return now->phase != FATHOM_PHASE_RENDER || w->ticks-- > 0;
+}
+
+/* Stopped again and again, each time on another number of threads; returns how often. */
+static int render_with_stops(ways *w, fathom_film **out) {
+    fathom_checkpoint saving;
+    fathom_checkpoint_default(&saving);
+    saving.path = w->checkpoint;
+    fathom_session_options options;
+    fathom_session_options_default(&options);
+    options.checkpoint = &saving, options.progress = stop_after, options.user = w;
+    for (int stops = 0;; ++stops) {
+        w->ticks = stops;
+        fathom_context_set_threads(w->s.context, 1 + (unsigned)stops % 2);
+        fathom_status status =
+            fathom_session_run(w->s.context, w->s.scene, &w->s.settings, &options, NULL, out);
+        if (status == FATHOM_OK) return stops;
+        assert_int_equal(status, FATHOM_INTERRUPTED);
+        fathom_film_destroy(*out);
+        saving.resume = true;
+    }
+}
+
+/* More samples until it lasts long enough to be stopped. */
+static void assert_stops_change_nothing(ways *w) {
+    for (int stops = 0; !stops; w->s.settings.spp *= 2) {
+        fathom_film *whole = stage_render(&w->s), *resumed;
+        stops = render_with_stops(w, &resumed);
+        assert_same(&w->s, whole, resumed);
+        fathom_film_destroy(whole);
+        fathom_film_destroy(resumed);
+        unlink(w->checkpoint);
+    }
+}
+
+static void assert_parts_change_nothing(ways *w, fathom_split split) {
+    const char *paths[PARTS];
+    fathom_film *whole = stage_render(&w->s), *merged;
+    for (uint32_t i = 0; i < PARTS; ++i) {
+        fathom_part part;
+        fathom_part_default(&part);
+        part.path = paths[i] = w->parts[i], part.index = i + 1, part.count = PARTS, part.split = split;
+        fathom_session_options options;
+        fathom_session_options_default(&options);
+        options.part = &part;
+        assert_ok(w->s.context,
+                  fathom_session_run(w->s.context, w->s.scene, &w->s.settings, &options, NULL, &merged));
+        fathom_film_destroy(merged);
+    }
+    assert_ok(w->s.context, fathom_parts_merge(w->s.context, paths, PARTS, NULL, &merged));
+    assert_same(&w->s, whole, merged);
+    fathom_film_destroy(whole);
+    fathom_film_destroy(merged);
+}
+
+static void to_an_error(ways *w) { w->s.settings.target_error = 0.05, w->s.settings.spp = 64; }
+
+/* ---- the laws ---- */
+
+static void stops_change_no_bit_of_even_samples(void **state) { assert_stops_change_nothing(*state); }
+
+static void stops_change_no_bit_of_samples_to_an_error(void **state) {
+    to_an_error(*state);
+    assert_stops_change_nothing(*state);
+}
+
+static void parts_by_samples_change_no_bit(void **state) {
+    assert_parts_change_nothing(*state, FATHOM_SPLIT_SAMPLES);
+}
+
+static void parts_by_tiles_change_no_bit(void **state) {
+    assert_parts_change_nothing(*state, FATHOM_SPLIT_TILES);
+}
+
+static void parts_change_no_bit_of_samples_to_an_error(void **state) {
+    to_an_error(*state);
+    assert_parts_change_nothing(*state, FATHOM_SPLIT_TILES);
+}
+
+static void assert_threads_change_nothing(ways *w) {
+    fathom_context_set_threads(w->s.context, 1);
+    fathom_film *one = stage_render(&w->s);
+    fathom_context_set_threads(w->s.context, 3);
+    fathom_film *three = stage_render(&w->s);
+    assert_same(&w->s, one, three);
+    fathom_film_destroy(one);
+    fathom_film_destroy(three);
+}
+
+static void threads_change_no_bit(void **state) {
+    ways *w = *state;
+    assert_threads_change_nothing(w);
+    to_an_error(w);
+    assert_threads_change_nothing(w);
+}
+
+static void assert_crop_changes_nothing(ways *w) {
+    static const uint32_t crop[4] = {5, 3, 66, 37}, none[4] = {0};
+    memcpy(w->s.settings.crop, none, sizeof none);
+    fathom_film *whole = stage_render(&w->s);
+    memcpy(w->s.settings.crop, crop, sizeof crop);
+    fathom_film *part = stage_render(&w->s);
+    assert_same(&w->s, whole, part);
+    fathom_film_destroy(whole);
+    fathom_film_destroy(part);
+}
+
+static void a_crop_changes_no_bit(void **state) {
+    ways *w = *state;
+    assert_crop_changes_nothing(w);
+    to_an_error(w);
+    assert_crop_changes_nothing(w);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        TEST(stops_change_no_bit_of_even_samples),
+        TEST(stops_change_no_bit_of_samples_to_an_error),
+        TEST(parts_by_samples_change_no_bit),
+        TEST(parts_by_tiles_change_no_bit),
+        TEST(parts_change_no_bit_of_samples_to_an_error),
+        TEST(threads_change_no_bit),
+        TEST(a_crop_changes_no_bit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
