@@ -14,6 +14,16 @@ typedef struct ray_counts {
     uint64_t faint;    /* and too little */
 } ray_counts;
 
+static inline void ray_counts_add(const ray_counts *from, ray_counts *to) {
+    to->camera += from->camera;
+    to->shadow += from->shadow;
+    to->reflection += from->reflection;
+    to->refraction += from->refraction;
+    to->repaired += from->repaired;
+    to->unlit += from->unlit;
+    to->faint += from->faint;
+}
+
 /* One thread's work: integrators put this in front of their own state. */
 typedef struct integration {
     const render_plan *plan;

@@ -20,10 +20,7 @@ static sum_range range_of(const job *j) {
 }
 
 /* Squares whose samples follow each other in batches. */
-static uint32_t squares_together(sum_range range) {
-    const uint32_t samples = range.end - range.begin;
-    return samples < WAVE_SQUARES ? WAVE_SQUARES / samples : 1;
-}
+static uint32_t squares_together(sum_range range) { return unit_least_squares(range.end - range.begin); }
 
 static uint32_t square_slot(const even *e, uint32_t place) {
     const wave_square *s = &e->batch.squares[place];
@@ -109,18 +106,15 @@ static bool take_samples(even *e, const wave_square *squares, uint32_t count) {
     return !e->batch.count || run_batch(e);
 }
 
-static bool render(job *j, worker *self, const wave_region *r) {
-    const checkpoint *saving = j->options->saving;
+static bool render(job *j, worker *self, const wave_region *r, uint64_t todo) {
     even e = {.job = j, .self = self, .region = r, .range = range_of(j)};
     wave_square squares[WAVE_SQUARES];
-    uint64_t left = wave_region_bits(r);
-    if (saving) left &= ~checkpoint_finished(saving, checkpoint_wave(saving, r->left, r->top));
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) e.samples[s] = e.range.end - e.range.begin;
     for (uint32_t i = 0; self->nodes && i < squares_together(e.range); ++i)
         e.stacks[i].nodes = self->nodes + i * sum_stack_depth(e.range);
     self->share_bytes = 0;
     pixel_sums_clear(self->sums);
-    return take_samples(&e, squares, wave_list_squares(r, left, squares));
+    return take_samples(&e, squares, wave_list_squares(r, todo, squares));
 }
 
 /* A single leaf is summed in place. */

@@ -68,18 +68,28 @@ static bool hand_over(job *j, const worker *self, wave_result *done, double bega
     return false;
 }
 
-static bool render_wave(job *j, render_wave_fn render, worker *self, const wave_region *region) {
+static bool render_unit(job *j, render_wave_fn render, worker *self, const work_unit *unit) {
     const wave_share *share = j->options->share;
-    if (!share) return render(j, self, region);
-    wave_result done = {.wave = wave_grid_at(&j->grid, region->left, region->top)};
-    if (!share->next && !share->wants(share->user, done.wave)) return true;
+    const wave_region region = wave_grid_region(&j->grid, unit->wave);
+    if (!share) return render(j, self, &region, unit->squares);
+    wave_result done = {.unit = *unit};
     const double began = clock_thread_seconds();
     const ray_counts before = self->integration->rays;
     const uint64_t samples = self->samples;
     self->wave_error = 0;
-    if (!render(j, self, region)) return false;
+    if (!render(j, self, &region, unit->squares)) return false;
     done.samples = self->samples - samples;
     return hand_over(j, self, &done, began, &before);
+}
+
+/* What is not finished, and this process's, of a tile's part of a wave. */
+static work_unit unit_of(const job *j, const wave_region *region) {
+    const wave_share *share = j->options->share;
+    const checkpoint *saving = j->options->saving;
+    work_unit u = {.wave = wave_grid_at(&j->grid, region->left, region->top)};
+    if (!share || share->wants(share->user, u.wave)) u.squares = wave_region_bits(region);
+    if (saving) u.squares &= ~checkpoint_finished(saving, u.wave);
+    return u;
 }
 
 static void render_tile(const tiles *t, worker *self, size_t tile) {
@@ -92,7 +102,8 @@ static void render_tile(const tiles *t, worker *self, size_t tile) {
                                          min_u32(top + size, film->y + film->height));
     for (uint32_t i = 0; i < waves.count; ++i) {
         const wave_region region = wave_grid_region(&waves, i);
-        if (render_wave(t->job, t->render, self, &region)) continue;
+        const work_unit unit = unit_of(t->job, &region);
+        if (!unit.squares || render_unit(t->job, t->render, self, &unit)) continue;
         job_stop(t->job, self->integration);
         return;
     }
@@ -113,12 +124,11 @@ static void run_handed_out(void *user, size_t begin, size_t end, unsigned index)
     const tiles *t = user;
     const wave_share *share = t->job->options->share;
     unsigned state = trace_thread_begin();
-    uint32_t wave;
+    work_unit unit;
     (void)begin, (void)end;
     for (worker *self;
-         (self = job_worker(t->job, index)) && share->next(share->user, &t->job->stop, &wave);) {
-        const wave_region region = wave_grid_region(&t->job->grid, wave);
-        if (!render_wave(t->job, t->render, self, &region)) job_stop(t->job, self->integration);
+         (self = job_worker(t->job, index)) && share->next(share->user, &t->job->stop, &unit);) {
+        if (!render_unit(t->job, t->render, self, &unit)) job_stop(t->job, self->integration);
     }
     trace_thread_end(state);
 }
@@ -151,29 +161,19 @@ worker *job_worker(job *j, unsigned index) {
     return NULL;
 }
 
-static void add_rays(const ray_counts *from, ray_counts *to) {
-    to->camera += from->camera;
-    to->shadow += from->shadow;
-    to->reflection += from->reflection;
-    to->refraction += from->refraction;
-    to->repaired += from->repaired;
-    to->unlit += from->unlit;
-    to->faint += from->faint;
-}
-
 static void collect(job *j) {
     job_result *to = &j->result;
     if (j->options->share) {
         const wave_result *others = &j->options->share->others;
         to->samples += others->samples;
         to->error = fmax(to->error, others->error);
-        add_rays(&others->rays, &to->rays);
+        ray_counts_add(&others->rays, &to->rays);
     }
     for (unsigned i = 0; i < j->threads; ++i) {
         worker *self = &j->workers[i];
         to->samples += self->samples;
         to->error = fmax(to->error, self->error);
-        if (self->integration) add_rays(&self->integration->rays, &to->rays);
+        if (self->integration) ray_counts_add(&self->integration->rays, &to->rays);
         j->plan->integrator->destroy(self->integration);
         if (self->adaptive) adaptive_destroy(self->adaptive);
         if (self->sums) pixel_sums_destroy(self->sums);

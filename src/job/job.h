@@ -19,9 +19,9 @@ typedef struct job_reserve {
     void *user;
 } job_reserve;
 
-/* A wave that is done as far as this process does it. */
+/* A unit that is done as far as this process does it. */
 typedef struct wave_result {
-    uint32_t wave; /* of the film's grid */
+    work_unit unit;
     uint64_t samples;
     double error, seconds; /* the second: of one thread's processor time */
     ray_counts rays;
@@ -38,9 +38,9 @@ typedef struct wave_share {
     uint64_t pixels;        /* of its waves that the film shows */
     checkpoint_past before; /* what earlier calls did of it */
     bool (*wants)(void *user, uint32_t wave);
-    /* Waits for the next wave to do; false: there is none, or *stop. NULL: all waves that it wants, tile by
+    /* Waits for the next unit to do; false: there is none, or *stop. NULL: all waves that it wants, tile by
      * tile. */
-    bool (*next)(void *user, const atomic_bool *stop, uint32_t *wave);
+    bool (*next)(void *user, const atomic_bool *stop, work_unit *unit);
     bool (*take)(void *user, const wave_result *result); /* false: it cannot, and the job ends */
     void (*tick)(void *user); /* NULL, or: about ten times a second, on the calling thread */
     /* Units that other processes rendered into this one's film: the sums, until the job has ended, and their

@@ -70,8 +70,8 @@ void job_stop(job *j, const integration *work);
 void job_deliver(job *j, worker *self, const unit_result *result);
 /* Shows in the film what a wave has sampled so far. */
 void job_show(const job *j, worker *self, const adaptive_wave *a);
-/* Renders a wave, as far as the film shows it; false: stopped, or out of memory. */
-typedef bool (*render_wave_fn)(job *j, worker *self, const wave_region *region);
+/* Renders these squares of a wave, none of which is finished; false: stopped, or out of memory. */
+typedef bool (*render_wave_fn)(job *j, worker *self, const wave_region *region, uint64_t squares);
 /* Tile by tile, and in each wave by wave. */
 void job_run_tiles(job *j, render_wave_fn render);
 

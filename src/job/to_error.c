@@ -26,12 +26,13 @@ static adaptive_result pass_both(job *j, worker *self, const adaptive_goal *goal
     return all;
 }
 
-static bool render(job *j, worker *self, const wave_region *region) {
+/* All squares of a wave decide together. */
+static bool render(job *j, worker *self, const wave_region *region, uint64_t squares) {
     const adaptive_goal goal = adaptive_goal_of(j->plan->settings.target_error);
     checkpoint *saving = j->options->saving;
     const uint32_t wave = saving ? checkpoint_wave(saving, region->left, region->top) : 0;
     adaptive_result result;
-    if (saving && checkpoint_is_finished(saving, wave)) return true;
+    (void)squares;
     adaptive_begin(j->plan, region->left, region->top, self->adaptive);
     if (saving) checkpoint_resume(saving, wave, self->adaptive);
     self->kept = saving ? clock_seconds() : 0;

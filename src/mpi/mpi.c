@@ -5,6 +5,7 @@
 #include <mpi.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 typedef struct sending {
     struct sending *next;
@@ -84,8 +85,20 @@ static const char *open_mpi(fathom_ranks *out) {
     return NULL;
 }
 
+/* MPI_Finalize() would wait for the others, of which one writes the image, and keep a processor busy. */
+static void wait_for_others(void) {
+    const struct timespec pause = {0, 1000000};
+    MPI_Request all;
+    int there = MPI_Ibarrier(MPI_COMM_WORLD, &all) != MPI_SUCCESS;
+    while (!there || state.first) {
+        complete_sends();
+        if (!there) MPI_Test(&all, &there, MPI_STATUS_IGNORE);
+        nanosleep(&pause, NULL);
+    }
+}
+
 static void close_mpi(void) {
-    while (state.first) complete_sends();
+    wait_for_others();
     free(state.message);
     MPI_Finalize();
 }

@@ -200,7 +200,7 @@ bool checkpoint_is_finished(const checkpoint *c, uint32_t place) {
     return !(wave_region_bits(&r) & ~c->state.squares[place]);
 }
 
-static void note(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error) {
+void checkpoint_take(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error) {
     pthread_mutex_lock(&c->lock);
     unsigned char *record = c->state.records[place];
     c->state.records[place] = NULL;
@@ -213,13 +213,8 @@ static void note(checkpoint *c, uint32_t place, uint64_t squares, uint64_t sampl
 
 static void finish(void *user, const unit_result *result) {
     checkpoint *c = user;
-    note(c, checkpoint_wave(c, result->region.left, result->region.top),
-         result->squares & wave_region_bits(&result->region), unit_samples(result), result->error);
-}
-
-void checkpoint_take(checkpoint *c, uint32_t place, uint64_t samples, double error) {
-    const wave_region r = wave_grid_region(&c->state.grid, place);
-    note(c, place, wave_region_bits(&r), samples, error);
+    checkpoint_take(c, checkpoint_wave(c, result->region.left, result->region.top),
+                    result->squares & wave_region_bits(&result->region), unit_samples(result), result->error);
 }
 
 unit_sink checkpoint_sink(checkpoint *c) { return (unit_sink){finish, c}; }

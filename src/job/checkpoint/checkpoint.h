@@ -41,7 +41,7 @@ void checkpoint_tick(checkpoint *c, double fraction, uint64_t rays);
 /* After the last thread has ended. Saves when there is more to do. */
 void checkpoint_end(checkpoint *c, bool interrupted, double fraction, uint64_t rays);
 
-/* ---- on the threads that render; each wave on one at a time ---- */
+/* ---- on the threads that render; each square on one ---- */
 
 uint32_t checkpoint_wave(const checkpoint *c, uint32_t x, uint32_t y);
 /* Squares of a wave that are finished: see checkpoint_state.h. */
@@ -50,8 +50,8 @@ uint64_t checkpoint_finished(const checkpoint *c, uint32_t place);
 bool checkpoint_is_finished(const checkpoint *c, uint32_t place);
 /* Notes the squares that are in the film: after the film's own sink. */
 unit_sink checkpoint_sink(checkpoint *c);
-/* All of the wave's pixels are in the film; samples: of those that were not there before. */
-void checkpoint_take(checkpoint *c, uint32_t place, uint64_t samples, double error);
+/* These squares, which were not finished, are in the film; samples: of their pixels. */
+void checkpoint_take(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error);
 /* Calls before this one have begun the wave, and not finished it. */
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place);
 /* Loads what earlier calls sampled of a wave; false when they had not begun it. a: after adaptive_begin(). */

@@ -113,16 +113,11 @@ static fathom_status read_progress(reading *r) {
     return FATHOM_OK;
 }
 
-static bool read_wave(reading *r, uint32_t place) {
-    for (uint64_t left = r->state->squares[place]; left; left &= left - 1) {
-        for (uint32_t channel = 0; channel < r->film->channel_count; ++channel) {
-            uint32_t values[LANES];
-            if (!copy(r, values, sizeof values)) return false;
-            checkpoint_square_load(&r->state->grid, r->film, place, (unsigned)__builtin_ctzll(left), channel,
-                                   values);
-        }
-    }
-    return true;
+static bool read_wave(reading *r, uint32_t wave) {
+    const uint64_t squares = r->state->squares[wave];
+    const unsigned char *from = take(r, checkpoint_pixel_bytes(r->film->channel_count, squares));
+    if (from) checkpoint_pixels_load(&r->state->grid, r->film, wave, squares, from);
+    return from;
 }
 
 /* What is finished needs no record: one may have been saved just before. */

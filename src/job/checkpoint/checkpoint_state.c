@@ -49,21 +49,39 @@ static char *pixels_of(const fathom_film *film, uint32_t channel, uint32_t x, ui
     return (char *)film->channels[channel].data + pixel * sizeof(float);
 }
 
-void checkpoint_square_save(const wave_grid *grid, const fathom_film *film, uint32_t place, unsigned square,
-                            uint32_t channel, uint32_t out[LANES]) {
-    const part p = shown_part(grid, place, square);
-    if (!is_whole(&p)) memset(out, 0, LANES * sizeof *out);
-    for (uint32_t y = p.y0; y < p.y1; ++y) {
-        memcpy(out + (y - p.top) * 4 + (p.x0 - p.left), pixels_of(film, channel, p.x0, y),
-               (p.x1 - p.x0) * sizeof *out);
+static void save_square(const part *p, const fathom_film *film, uint32_t channel, unsigned char *out) {
+    if (!is_whole(p)) memset(out, 0, LANES * sizeof(float));
+    for (uint32_t y = p->y0; y < p->y1; ++y) {
+        memcpy(out + ((y - p->top) * 4 + (p->x0 - p->left)) * sizeof(float),
+               pixels_of(film, channel, p->x0, y), (p->x1 - p->x0) * sizeof(float));
     }
 }
 
-void checkpoint_square_load(const wave_grid *grid, const fathom_film *film, uint32_t place, unsigned square,
-                            uint32_t channel, const uint32_t in[LANES]) {
-    const part p = shown_part(grid, place, square);
-    for (uint32_t y = p.y0; y < p.y1; ++y) {
-        memcpy(pixels_of(film, channel, p.x0, y), in + (y - p.top) * 4 + (p.x0 - p.left),
-               (p.x1 - p.x0) * sizeof *in);
+static void load_square(const part *p, const fathom_film *film, uint32_t channel, const unsigned char *in) {
+    for (uint32_t y = p->y0; y < p->y1; ++y) {
+        memcpy(pixels_of(film, channel, p->x0, y),
+               in + ((y - p->top) * 4 + (p->x0 - p->left)) * sizeof(float), (p->x1 - p->x0) * sizeof(float));
+    }
+}
+
+size_t checkpoint_pixel_bytes(uint32_t channels, uint64_t squares) {
+    return (size_t)__builtin_popcountll(squares) * channels * LANES * sizeof(float);
+}
+
+void checkpoint_pixels_save(const wave_grid *grid, const fathom_film *film, uint32_t wave, uint64_t squares,
+                            unsigned char *out) {
+    for (; squares; squares &= squares - 1) {
+        const part p = shown_part(grid, wave, (unsigned)__builtin_ctzll(squares));
+        for (uint32_t channel = 0; channel < film->channel_count; ++channel, out += LANES * sizeof(float))
+            save_square(&p, film, channel, out);
+    }
+}
+
+void checkpoint_pixels_load(const wave_grid *grid, const fathom_film *film, uint32_t wave, uint64_t squares,
+                            const unsigned char *in) {
+    for (; squares; squares &= squares - 1) {
+        const part p = shown_part(grid, wave, (unsigned)__builtin_ctzll(squares));
+        for (uint32_t channel = 0; channel < film->channel_count; ++channel, in += LANES * sizeof(float))
+            load_square(&p, film, channel, in);
     }
 }

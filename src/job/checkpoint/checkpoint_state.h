@@ -67,11 +67,13 @@ void checkpoint_state_destroy(checkpoint_state *state);
 /* Pixels of these squares of a wave that the film shows. */
 uint64_t checkpoint_pixels(const wave_grid *grid, uint32_t wave, uint64_t squares);
 
-/* One channel of a square, between the film and 16 values; what the film does not show is 0. */
-void checkpoint_square_save(const wave_grid *grid, const fathom_film *film, uint32_t place, unsigned square,
-                            uint32_t channel, uint32_t out[LANES]);
-void checkpoint_square_load(const wave_grid *grid, const fathom_film *film, uint32_t place, unsigned square,
-                            uint32_t channel, const uint32_t in[LANES]);
+/* The pixels of these squares, between the film and bytes: of each square and channel 16 values, those
+ * beyond the film's rim 0. */
+size_t checkpoint_pixel_bytes(uint32_t channels, uint64_t squares);
+void checkpoint_pixels_save(const wave_grid *grid, const fathom_film *film, uint32_t wave, uint64_t squares,
+                            unsigned char *out);
+void checkpoint_pixels_load(const wave_grid *grid, const fathom_film *film, uint32_t wave, uint64_t squares,
+                            const unsigned char *in);
 
 /* Reads a file's bytes into a film and a state that are made for this render. `name` is the file's, for
  * messages; `tracer` gets what the file says of it. FATHOM_BAD_INPUT: no checkpoint, a damaged one, or one of

@@ -87,17 +87,9 @@ static void put_progress(output *o) {
 
 static void put_film(output *o) {
     for (uint32_t i = 0; i < o->state->grid.count && !atomic_load(o->give_up); ++i) {
-        unsigned char *to = o->room->wave;
-        for (uint64_t left = o->room->squares[i]; left; left &= left - 1) {
-            for (uint32_t channel = 0; channel < o->film->channel_count; ++channel) {
-                uint32_t values[LANES];
-                checkpoint_square_save(&o->state->grid, o->film, i, (unsigned)__builtin_ctzll(left), channel,
-                                       values);
-                memcpy(to, values, sizeof values);
-                to += sizeof values;
-            }
-        }
-        put(o, o->room->wave, (size_t)(to - o->room->wave));
+        const uint64_t squares = o->room->squares[i];
+        checkpoint_pixels_save(&o->state->grid, o->film, i, squares, o->room->wave);
+        put(o, o->room->wave, checkpoint_pixel_bytes(o->film->channel_count, squares));
     }
 }
 

@@ -231,15 +231,15 @@ static void *add_room(part *p, size_t bytes) {
 }
 
 static bool add_record(part *p, const wave_result *w) {
-    const size_t bytes = part_wave_bytes(&p->shape, w->wave), whole = sizeof(part_record) + bytes;
+    const size_t bytes = part_wave_bytes(&p->shape, w->unit.wave), whole = sizeof(part_record) + bytes;
     unsigned char *to = add_room(p, whole + sizeof(uint64_t));
-    const part_record r = {PART_RECORD, w->wave, w->samples, bytes, w->error, w->seconds, w->rays};
+    const part_record r = {PART_RECORD, w->unit.wave, w->samples, bytes, w->error, w->seconds, w->rays};
     if (!to) return false;
     memcpy(to, &r, sizeof r);
     if (w->sums)
         memcpy(to + sizeof r, w->sums, bytes);
     else
-        part_pixels_save(&p->shape.grid, p->film, w->wave, to + sizeof r);
+        checkpoint_pixels_save(&p->shape.grid, p->film, w->unit.wave, w->unit.squares, to + sizeof r);
     const uint64_t sum = part_hash(to, whole);
     memcpy(to + whole, &sum, sizeof sum);
     return true;

@@ -170,28 +170,3 @@ bool part_record_next(const part_shape *shape, const unsigned char *bytes, size_
     done[r.wave] = true;
     return true;
 }
-
-/* ---- pixels ---- */
-
-void part_pixels_save(const wave_grid *grid, const fathom_film *film, uint32_t wave, unsigned char *out) {
-    for (uint64_t left = shown_squares(grid, wave); left; left &= left - 1) {
-        for (uint32_t channel = 0; channel < film->channel_count; ++channel) {
-            uint32_t values[LANES];
-            checkpoint_square_save(grid, film, wave, (unsigned)__builtin_ctzll(left), channel, values);
-            memcpy(out, values, sizeof values);
-            out += sizeof values;
-        }
-    }
-}
-
-void part_pixels_load(const wave_grid *grid, const fathom_film *film, uint32_t wave,
-                      const unsigned char *in) {
-    for (uint64_t left = shown_squares(grid, wave); left; left &= left - 1) {
-        for (uint32_t channel = 0; channel < film->channel_count; ++channel) {
-            uint32_t values[LANES];
-            memcpy(values, in, sizeof values);
-            checkpoint_square_load(grid, film, wave, (unsigned)__builtin_ctzll(left), channel, values);
-            in += sizeof values;
-        }
-    }
-}

@@ -74,8 +74,4 @@ uint64_t part_hash(const void *bytes, size_t size);
 bool part_record_next(const part_shape *shape, const unsigned char *bytes, size_t size, size_t *at,
                       bool *done, part_record *out, const unsigned char **payload);
 
-/* The pixels of a tile, between the film and the file. */
-void part_pixels_save(const wave_grid *grid, const fathom_film *film, uint32_t wave, unsigned char *out);
-void part_pixels_load(const wave_grid *grid, const fathom_film *film, uint32_t wave, const unsigned char *in);
-
 #endif

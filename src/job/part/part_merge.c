@@ -134,6 +134,11 @@ static fathom_status check_whole(const merging *m, const source *s, size_t end) 
         end == s->map.size ? "" : ", and then bytes that are damaged or cut off");
 }
 
+static void load_pixels(const merging *m, const source *s, uint32_t wave, const unsigned char *pixels) {
+    const wave_region region = wave_grid_region(&s->shape.grid, wave);
+    checkpoint_pixels_load(&s->shape.grid, m->film, wave, wave_region_bits(&region), pixels);
+}
+
 static fathom_status read_part(merging *m, source *s) {
     const unsigned char *payload;
     size_t at = part_head_bytes(s->head) + sizeof(uint64_t);
@@ -143,7 +148,7 @@ static fathom_status read_part(merging *m, source *s) {
         if (s->tiles)
             s->tiles[r.wave] = (size_t)(payload - s->map.bytes);
         else
-            part_pixels_load(&s->shape.grid, m->film, r.wave, payload);
+            load_pixels(m, s, r.wave, payload);
     }
     return check_whole(m, s, at);
 }

@@ -1,21 +1,23 @@
-/* The tiles of a render ("waves", film/squares.h) handed out by need.
+/* Units of work (job/unit.h) handed out by need.
  *
  *     rank 0                                  others
  *       ◀── HELLO: what I render ───────────── once
- *       ◀── WANT: so many threads ──────────── when fewer tiles wait than there are threads
- *       ─── WAVES: these, or none: the end ──▶
- *       ◀── DONE: a tile's record and pixels ─ each
+ *       ◀── DONE: records and pixels ───────── of all units that are finished, when more are asked for
+ *       ◀── WANT: so many threads ──────────── when fewer units wait than there are threads
+ *       ─── UNITS: these, or none: the end ──▶
  *
  * One thread of each rank talks, and sleeps between two looks: MPI's own waiting would keep a processor busy.
- * So tiles are asked for ahead. Rank 0 hands out many at a time while there are many, and single ones in the
- * end. A rank that dies takes the whole job with it; what came before is in the film and the checkpoint of
- * rank 0. */
+ * Rank 0 hands out many squares at a time while there are many, and a batch of samples in the end. A rank
+ * that dies takes the whole job with it; what came before is in the film and the checkpoint of rank 0. */
 #include "job/ranks/ranks.h"
 
+#include "base/clock.h"
 #include "base/pool.h"
 #include "base/sized.h"
-#include "job/part/part_file.h"
+#include "job/checkpoint/checkpoint_state.h"
+#include "job/ranks/unit_queue.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,26 +26,39 @@
 
 SIZED_DEFAULT_OWN(fathom_ranks, {.count = 1})
 
-enum { HELLO = 1, WANT, WAVES, DONE };
+enum { HELLO = 1, WANT, UNITS, DONE };
 
-/* Waves of a unit of work for each thread, at most; and the part of all that is left that one request gets.
- */
-#define MOST_WAVES 64u
+/* One request gets this part of all that is left, but enough to last so long, and at most so many units. */
 #define LEFT_SHARE 4u
+#define REQUEST_SECONDS 0.003
+#define MOST_UNITS 1024u
 
-/* Between two looks for messages. */
-#define SLEEP_NANOSECONDS 1000000
+/* Between two looks for messages: of rank 0 or while an answer is due, and else, only for MPI to go on with
+ * what it sends. */
+#define LOOK_SECONDS 0.001
+#define IDLE_SECONDS 0.02
+
+/* Finished units go at once when they take so much, or are so old. */
+#define MOST_RESULTS ((size_t)4 << 20)
+#define RESULT_SECONDS 1.0
 
 typedef struct message {
     uint32_t kind, count;
-    /* the key; nothing; `count` waves; a part_record and pixels */
 } message;
 
-typedef struct outgoing {
-    struct outgoing *next;
-    size_t size;
-    char bytes[];
-} outgoing;
+typedef struct unit_record {
+    work_unit unit;
+    uint64_t samples;
+    double error, seconds;
+    ray_counts rays;
+} unit_record;
+
+/* A message that grows, of `count` records, each with its pixels. */
+typedef struct results {
+    char *bytes;
+    size_t used, room;
+    uint32_t count;
+} results;
 
 struct ranks {
     fathom_context *context;
@@ -51,253 +66,276 @@ struct ranks {
     fathom_film *film;
     checkpoint *saving;
     checkpoint_key key;
-    part_shape shape;
+    wave_grid grid;
     uint32_t threads; /* of this rank, and as a guess of each */
+    uint32_t least;   /* squares of a unit */
     wave_share share;
     pool_task task;
     bool is_talking;
+    char wrong[768];       /* with another rank; "": nothing */
     pthread_mutex_t mutex; /* of the following */
     pthread_cond_t changed;
-    uint32_t *waves; /* to do; others than rank 0 get some at a time */
-    uint32_t first, end, room;
-    uint32_t away;  /* handed to other ranks */
-    uint32_t ended; /* other ranks that were told that there is no more */
-    bool asked;     /* for more */
-    bool no_more;   /* to come */
-    bool stop;      /* talking */
+    unit_queue queue; /* to do; others than rank 0 get some at a time */
+    results done;     /* to send */
+    double next_report;
+    double seconds;   /* that others took for squares, */
+    uint64_t squares; /* so many */
+    uint32_t away;    /* units handed to other ranks */
+    uint32_t ended;   /* other ranks that were told that there is no more */
+    bool asked;       /* for more */
+    bool no_more;     /* to come */
+    bool stop;        /* talking */
     bool no_memory;
-    char differs[768]; /* what another rank renders; "": nothing else */
-    outgoing *out, **out_end;
 };
 
 static bool is_root(const ranks *r) { return !r->other->rank; }
 
 /* ---- work ---- */
 
-/* Under the lock. How many at once: guided by how many are left. */
-static uint32_t hand_out(ranks *r, uint32_t threads, uint32_t *to) {
-    const uint32_t left = r->end - r->first, all = r->threads * r->other->count;
-    uint32_t each = left / (LEFT_SHARE * all), count = 0;
-    each = each < 1 ? 1 : each > MOST_WAVES ? MOST_WAVES : each;
-    while (count < each * threads && r->first < r->end) to[count++] = r->waves[r->first++];
-    return count;
+/* Under the lock, of rank 0. For each thread of who asks; fewer and fewer, so that all end together. */
+static uint32_t squares_each(const ranks *r) {
+    const double all = (double)r->threads * r->other->count, left = (double)r->queue.squares;
+    const double lasting = r->seconds > 0 ? REQUEST_SECONDS * (double)r->squares / r->seconds : 0;
+    const double each = fmax(left / (LEFT_SHARE * all), fmin(lasting, left / all));
+    const uint32_t whole = (uint32_t)fmin(each, MOST_UNITS * WAVE_SQUARES) / r->least * r->least;
+    return max_u32(whole, r->least);
 }
 
-static void wait_changed(ranks *r) {
+static work_unit take_unit(ranks *r, uint32_t squares) {
+    return unit_queue_take(&r->queue, max_u32(min_u32(squares, WAVE_SQUARES), r->least));
+}
+
+static void wait_changed(ranks *r, double seconds) {
     struct timespec until;
     clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += 50000000;
+    until.tv_nsec += (long)(seconds * 1e9);
     if (until.tv_nsec >= 1000000000) until.tv_nsec -= 1000000000, ++until.tv_sec;
     pthread_cond_timedwait(&r->changed, &r->mutex, &until);
 }
 
-/* Rank 0 is done when all others' tiles are there, and all others know that there are no more. */
+/* Rank 0 is done when all others' units are there, and all others know that there are no more. */
 static bool is_waiting(const ranks *r) {
-    return r->first == r->end && (!r->no_more || r->away || (is_root(r) && r->ended + 1 < r->other->count));
+    return !r->queue.squares && (!r->no_more || r->away || (is_root(r) && r->ended + 1 < r->other->count));
 }
 
-static bool next(void *user, const atomic_bool *stop, uint32_t *wave) {
+static bool wants_more(const ranks *r) {
+    return !is_root(r) && !r->asked && !r->no_more && r->queue.end - r->queue.first < r->threads;
+}
+
+static bool next(void *user, const atomic_bool *stop, work_unit *unit) {
     ranks *r = user;
     pthread_mutex_lock(&r->mutex);
-    while (!r->stop && !atomic_load(stop) && is_waiting(r)) wait_changed(r);
-    const bool found = !r->stop && r->first < r->end;
-    if (found) *wave = r->waves[r->first++];
+    while (!r->stop && !atomic_load(stop) && is_waiting(r)) wait_changed(r, 0.05);
+    const bool found = !r->stop && r->queue.squares;
+    if (found) *unit = take_unit(r, is_root(r) ? squares_each(r) : WAVE_SQUARES);
+    if (wants_more(r)) pthread_cond_broadcast(&r->changed);
     pthread_mutex_unlock(&r->mutex);
     return found;
 }
 
-/* Under the lock. The message goes when the talking thread comes to it. */
-static bool put(ranks *r, uint32_t kind, uint32_t count, const void *a, size_t a_size, size_t more,
-                char **rest) {
-    const message head = {kind, count};
-    outgoing *o = malloc(sizeof *o + sizeof head + a_size + more);
-    if (!o) return false;
-    o->next = NULL, o->size = sizeof head + a_size + more;
-    memcpy(o->bytes, &head, sizeof head);
-    if (a_size) memcpy(o->bytes + sizeof head, a, a_size);
-    *rest = o->bytes + sizeof head + a_size;
-    *r->out_end = o;
-    r->out_end = &o->next;
-    return true;
+/* Room for the message's head is in front. */
+static char *add_result(results *all, size_t bytes) {
+    const size_t used = all->used ? all->used : sizeof(message), needed = used + bytes;
+    if (needed > all->room) {
+        char *more = realloc(all->bytes, 2 * needed);
+        if (!more) return NULL;
+        all->bytes = more, all->room = 2 * needed;
+    }
+    all->used = needed;
+    ++all->count;
+    return all->bytes + used;
 }
 
 /* Rank 0 has its own pixels in the film, and the checkpoint knows. */
 static bool take(void *user, const wave_result *w) {
     ranks *r = user;
     if (is_root(r)) return true;
-    const size_t bytes = part_wave_bytes(&r->shape, w->wave);
-    const part_record record = {PART_RECORD, w->wave, w->samples, bytes, w->error, w->seconds, w->rays};
-    char *pixels;
+    const unit_record record = {w->unit, w->samples, w->error, w->seconds, w->rays};
     pthread_mutex_lock(&r->mutex);
-    const bool fine = put(r, DONE, 1, &record, sizeof record, bytes, &pixels);
-    if (fine) part_pixels_save(&r->shape.grid, r->film, w->wave, (unsigned char *)pixels);
-    r->no_memory |= !fine;
+    char *to =
+        add_result(&r->done, sizeof record + checkpoint_pixel_bytes(r->film->channel_count, w->unit.squares));
+    if (to) {
+        memcpy(to, &record, sizeof record);
+        checkpoint_pixels_save(&r->grid, r->film, w->unit.wave, w->unit.squares,
+                               (unsigned char *)to + sizeof record);
+    }
+    r->no_memory |= !to;
+    if (r->no_more) pthread_cond_broadcast(&r->changed);
+    pthread_mutex_unlock(&r->mutex);
+    return to;
+}
+
+/* ---- on the thread that talks ---- */
+
+static void say(ranks *r, uint32_t to, const void *bytes, size_t size) {
+    if (!r->other->send(r->other->user, to, bytes, size)) r->no_memory = r->stop = true;
+}
+
+static void stop(ranks *r) {
+    pthread_mutex_lock(&r->mutex);
+    r->stop = true;
+    pthread_cond_broadcast(&r->changed);
+    pthread_mutex_unlock(&r->mutex);
+}
+
+static void compare_key(ranks *r, uint32_t from, const unsigned char *body) {
+    checkpoint_key theirs;
+    key_difference d;
+    memcpy(&theirs, body, sizeof theirs);
+    if (!checkpoint_key_differs(&theirs, &r->key, &d)) return;
+    snprintf(r->wrong, sizeof r->wrong,
+             "rank %u renders with %s %s, and rank 0 with %s; expected the same program, scene and machines "
+             "of one instruction set ($FATHOM_ISA)",
+             from, d.name, d.saved, d.now);
+    stop(r);
+}
+
+static void answer(ranks *r, uint32_t from, uint32_t threads) {
+    struct {
+        message head;
+        work_unit units[MOST_UNITS];
+    } all = {.head = {UNITS, 0}};
+    pthread_mutex_lock(&r->mutex);
+    const uint64_t wanted = (uint64_t)squares_each(r) * threads;
+    for (uint64_t given = 0; given < wanted && r->queue.squares && all.head.count < MOST_UNITS;) {
+        const work_unit u = take_unit(r, squares_each(r));
+        given += (uint64_t)__builtin_popcountll(u.squares);
+        all.units[all.head.count++] = u;
+    }
+    r->away += all.head.count;
+    r->ended += !all.head.count;
+    say(r, from, &all, sizeof all.head + all.head.count * sizeof *all.units);
+    pthread_cond_broadcast(&r->changed);
+    pthread_mutex_unlock(&r->mutex);
+}
+
+static bool makes_sense(const ranks *r, const work_unit *u) {
+    if (u->wave >= r->grid.count || !u->squares) return false;
+    const wave_region region = wave_grid_region(&r->grid, u->wave);
+    return !(u->squares & ~wave_region_bits(&region));
+}
+
+static void count_result(ranks *r, const unit_record *w) {
+    wave_result *sum = &r->share.others;
+    pthread_mutex_lock(&r->mutex);
+    sum->samples += w->samples;
+    sum->error = fmax(sum->error, w->error);
+    ray_counts_add(&w->rays, &sum->rays);
+    r->seconds += w->seconds;
+    r->squares += (uint64_t)__builtin_popcountll(w->unit.squares);
+    --r->away;
+    pthread_cond_broadcast(&r->changed);
+    pthread_mutex_unlock(&r->mutex);
+}
+
+/* The next record of a message, with its pixels, into the film. */
+static bool take_result(ranks *r, const unsigned char **at, size_t *left) {
+    unit_record w;
+    if (*left < sizeof w) return false;
+    memcpy(&w, *at, sizeof w);
+    const size_t bytes = checkpoint_pixel_bytes(r->film->channel_count, w.unit.squares);
+    if (!makes_sense(r, &w.unit) || *left - sizeof w < bytes || !r->away) return false;
+    pthread_mutex_lock(&r->film->lock);
+    checkpoint_pixels_load(&r->grid, r->film, w.unit.wave, w.unit.squares, *at + sizeof w);
+    pthread_mutex_unlock(&r->film->lock);
+    if (r->saving) checkpoint_take(r->saving, w.unit.wave, w.unit.squares, w.samples, w.error);
+    atomic_fetch_add(&r->share.others_pixels, checkpoint_pixels(&r->grid, w.unit.wave, w.unit.squares));
+    count_result(r, &w);
+    *at += sizeof w + bytes, *left -= sizeof w + bytes;
+    return true;
+}
+
+static bool take_results(ranks *r, uint32_t count, const unsigned char *body, size_t left) {
+    while (count && take_result(r, &body, &left)) --count;
+    return !count && !left;
+}
+
+static bool add_units(ranks *r, uint32_t count, const unsigned char *body) {
+    bool fine = true;
+    pthread_mutex_lock(&r->mutex);
+    r->asked = false;
+    r->no_more |= !count;
+    for (; count && fine; --count, body += sizeof(work_unit)) {
+        work_unit u;
+        memcpy(&u, body, sizeof u);
+        fine = makes_sense(r, &u);
+        if (fine && !unit_queue_add(&r->queue, u)) r->no_memory = r->stop = true;
+    }
+    pthread_cond_broadcast(&r->changed);
     pthread_mutex_unlock(&r->mutex);
     return fine;
 }
 
-/* ---- messages to rank 0 ---- */
-
-static void compare_key(ranks *r, uint32_t from, const checkpoint_key *theirs) {
-    key_difference d;
-    if (!checkpoint_key_differs(theirs, &r->key, &d)) return;
-    snprintf(r->differs, sizeof r->differs,
-             "rank %u renders with %s %s, and rank 0 with %s; expected the same program, scene and machines "
-             "of one "
-             "instruction set ($FATHOM_ISA)",
-             from, d.name, d.saved, d.now);
-    r->stop = true;
-}
-
-static void answer(ranks *r, uint32_t from, uint32_t threads) {
-    uint32_t *waves = malloc((size_t)threads * MOST_WAVES * sizeof *waves);
-    const message head = {WAVES, waves ? hand_out(r, threads, waves) : 0};
-    const size_t bytes = head.count * sizeof *waves;
-    char *all = malloc(sizeof head + bytes);
-    if (waves && all) {
-        memcpy(all, &head, sizeof head);
-        memcpy(all + sizeof head, waves, bytes);
-        r->away += head.count;
-        r->ended += !head.count;
-    }
-    r->no_memory |= !waves || !all || !r->other->send(r->other->user, from, all, sizeof head + bytes);
-    r->stop |= r->no_memory;
-    pthread_cond_broadcast(&r->changed);
-    free(all);
-    free(waves);
-}
-
-static void count_others(ranks *r, const part_record *w, uint64_t pixels) {
-    wave_result *sum = &r->share.others;
-    sum->error = fmax(sum->error, w->error);
-    sum->rays.camera += w->rays.camera;
-    sum->rays.shadow += w->rays.shadow;
-    sum->rays.reflection += w->rays.reflection;
-    sum->rays.refraction += w->rays.refraction;
-    sum->rays.repaired += w->rays.repaired;
-    sum->rays.unlit += w->rays.unlit;
-    sum->rays.faint += w->rays.faint;
-    atomic_fetch_add(&r->share.others_pixels, pixels);
-}
-
-/* Squares that an earlier call has finished keep their pixels, which are the same, and their count. */
-static void take_pixels(ranks *r, const part_record *w, const unsigned char *pixels) {
-    const uint64_t finished = r->saving ? checkpoint_finished(r->saving, w->wave) : 0;
-    const uint64_t count = checkpoint_pixels(&r->shape.grid, w->wave, ~finished);
-    const uint64_t samples = finished ? count * r->film->settings.spp : w->samples;
-    pthread_mutex_lock(&r->film->lock);
-    part_pixels_load(&r->shape.grid, r->film, w->wave, pixels);
-    pthread_mutex_unlock(&r->film->lock);
-    if (r->saving) checkpoint_take(r->saving, w->wave, samples, w->error);
-    r->share.others.samples += samples;
-    count_others(r, w, count);
-    --r->away;
-    pthread_cond_broadcast(&r->changed);
-}
-
-static void on_message_to_root(ranks *r, uint32_t from, const message *m, const unsigned char *body,
-                               size_t size) {
-    part_record record;
-    checkpoint_key key;
-    if (m->kind == HELLO && size == sizeof key) {
-        memcpy(&key, body, sizeof key);
-        compare_key(r, from, &key);
-    } else if (m->kind == WANT) {
+static bool understand(ranks *r, uint32_t from, const message *m, const unsigned char *body, size_t size) {
+    if (!is_root(r))
+        return m->kind == UNITS && size == m->count * sizeof(work_unit) && add_units(r, m->count, body);
+    if (m->kind == HELLO && size == sizeof(checkpoint_key))
+        compare_key(r, from, body);
+    else if (m->kind == WANT && !size)
         answer(r, from, m->count);
-    } else if (m->kind == DONE && size > sizeof record) {
-        memcpy(&record, body, sizeof record);
-        if (record.wave < r->shape.grid.count &&
-            size == sizeof record + part_wave_bytes(&r->shape, record.wave))
-            take_pixels(r, &record, body + sizeof record);
-    }
+    else
+        return m->kind == DONE && take_results(r, m->count, body, size);
+    return true;
 }
 
-/* ---- messages to others ---- */
-
-static void add_waves(ranks *r, uint32_t count, const void *waves) {
-    const uint32_t left = r->end - r->first;
-    r->asked = false;
-    r->no_more |= !count;
-    if (left + count > r->room) {
-        uint32_t *more = malloc((left + count) * sizeof *more);
-        if (!more) {
-            r->no_memory = r->stop = true;
-            return;
-        }
-        memcpy(more, r->waves + r->first, left * sizeof *more);
-        free(r->waves);
-        r->waves = more, r->room = left + count;
-    } else {
-        memmove(r->waves, r->waves + r->first, left * sizeof *r->waves);
-    }
-    memcpy(r->waves + left, waves, count * sizeof *r->waves);
-    r->first = 0, r->end = left + count;
-    pthread_cond_broadcast(&r->changed);
+/* True when there was a message. */
+static bool hear(ranks *r) {
+    uint32_t from;
+    size_t size;
+    const void *bytes;
+    message m = {0, 0};
+    if (!r->other->receive(r->other->user, &from, &bytes, &size)) return false;
+    if (size >= sizeof m) memcpy(&m, bytes, sizeof m);
+    if (size >= sizeof m && understand(r, from, &m, (const unsigned char *)bytes + sizeof m, size - sizeof m))
+        return true;
+    snprintf(r->wrong, sizeof r->wrong,
+             "rank %u sent a message that makes no sense; expected the same program on all machines", from);
+    stop(r);
+    return true;
 }
 
-static void ask_for_more(ranks *r) {
-    char *rest;
-    if (is_root(r) || r->asked || r->no_more || r->end - r->first >= r->threads) return;
-    r->asked = put(r, WANT, r->threads, NULL, 0, 0, &rest);
+static void send_results(ranks *r) {
+    const message head = {DONE, r->done.count};
+    memcpy(r->done.bytes, &head, sizeof head);
+    say(r, 0, r->done.bytes, r->done.used);
+    r->done.used = 0, r->done.count = 0;
+    r->next_report = clock_seconds() + RESULT_SECONDS;
 }
 
-/* ---- talking ---- */
-
-static void on_message(ranks *r, uint32_t from, const void *bytes, size_t size) {
-    message m;
-    if (size < sizeof m) return;
-    memcpy(&m, bytes, sizeof m);
-    const unsigned char *body = (const unsigned char *)bytes + sizeof m;
-    if (is_root(r))
-        on_message_to_root(r, from, &m, body, size - sizeof m);
-    else if (m.kind == WAVES && size - sizeof m == m.count * sizeof(uint32_t))
-        add_waves(r, m.count, body);
-}
-
-/* True when anything was sent. */
-static bool send_waiting(ranks *r) {
-    bool any = false;
-    while (r->out) {
-        outgoing *o = r->out;
-        if (!r->other->send(r->other->user, 0, o->bytes, o->size)) r->no_memory = r->stop = true;
-        r->out = o->next;
-        if (!r->out) r->out_end = &r->out;
-        free(o);
-        any = true;
-    }
-    return any;
+/* Under the lock, of others than rank 0. Results come first: rank 0 knows of them when it hands out more. */
+static void report(ranks *r) {
+    const bool asks = wants_more(r);
+    if (r->done.used &&
+        (asks || r->no_more || r->stop || r->done.used > MOST_RESULTS || clock_seconds() > r->next_report))
+        send_results(r);
+    if (!asks) return;
+    say(r, 0, &(message){WANT, r->threads}, sizeof(message));
+    r->asked = true;
 }
 
 static void talk(void *user) {
     ranks *r = user;
-    const struct timespec pause = {0, SLEEP_NANOSECONDS};
-    for (bool busy, done = false; !done;) {
-        uint32_t from;
-        size_t size;
-        const void *bytes;
+    for (bool heard, done = false; !done;) {
+        heard = hear(r);
         pthread_mutex_lock(&r->mutex);
-        ask_for_more(r);
-        busy = send_waiting(r);
-        if (r->other->receive(r->other->user, &from, &bytes, &size)) {
-            on_message(r, from, bytes, size);
-            busy = true;
-        }
-        done = r->stop && !busy;
+        if (!is_root(r)) report(r);
+        done = r->stop && !heard;
+        if (!heard && !done) wait_changed(r, is_root(r) || r->asked ? LOOK_SECONDS : IDLE_SECONDS);
         pthread_mutex_unlock(&r->mutex);
-        if (!busy) nanosleep(&pause, NULL);
     }
 }
 
 /* ---- beginning and end ---- */
 
-static bool list_waves(ranks *r) {
-    r->room = r->shape.grid.count;
-    r->waves = malloc(r->room * sizeof *r->waves);
-    for (uint32_t i = 0; r->waves && is_root(r) && i < r->room; ++i) {
-        if (!r->saving || !checkpoint_is_finished(r->saving, i)) r->waves[r->end++] = i;
+static bool list_units(ranks *r) {
+    for (uint32_t i = 0; is_root(r) && i < r->grid.count; ++i) {
+        const wave_region region = wave_grid_region(&r->grid, i);
+        work_unit u = {.wave = i, .squares = wave_region_bits(&region)};
+        if (r->saving) u.squares &= ~checkpoint_finished(r->saving, i);
+        if (u.squares && !unit_queue_add(&r->queue, u)) return false;
     }
     r->no_more = is_root(r);
-    return r->waves;
+    return true;
 }
 
 fathom_status ranks_open(fathom_context *context, const fathom_ranks *options,
@@ -311,14 +349,11 @@ fathom_status ranks_open(fathom_context *context, const fathom_ranks *options,
     }
     ranks *r = calloc(1, sizeof *r);
     if (!r) return fail_memory(context, sizeof *r);
-    part_head head = {.index = 1,
-                      .count = 1,
-                      .split = FATHOM_SPLIT_TILES,
-                      .settings = *settings,
-                      .light_groups = film->light_groups};
     r->context = context, r->other = options, r->film = film;
-    r->shape = part_shape_of(&head);
+    r->grid = film_waves(film);
     r->threads = fathom_context_threads(context);
+    /* A wave's error decides for all of its squares. */
+    r->least = settings->target_error > 0 ? WAVE_SQUARES : unit_least_squares(settings->spp);
     checkpoint_key_of(settings, film->stats.scene_fingerprint, &r->key);
     pthread_mutex_init(&r->mutex, NULL);
     pthread_cond_init(&r->changed, NULL);
@@ -326,27 +361,32 @@ fathom_status ranks_open(fathom_context *context, const fathom_ranks *options,
     return FATHOM_OK;
 }
 
+static void say_hello(ranks *r) {
+    struct {
+        message head;
+        checkpoint_key key;
+    } hello = {{HELLO, 0}, r->key};
+    say(r, 0, &hello, sizeof hello);
+}
+
 fathom_status ranks_begin(ranks *r, const char *tracer, checkpoint *saving, wave_share **share) {
-    char *rest;
     r->saving = saving;
-    r->out_end = &r->out;
     checkpoint_key_set_tracer(&r->key, tracer);
-    bool fine = list_waves(r);
-    if (fine && !is_root(r)) fine = put(r, HELLO, 0, &r->key, sizeof r->key, 0, &rest);
-    if (!fine) return fail_memory(r->context, r->room * sizeof *r->waves);
+    if (!list_units(r)) return fail_memory(r->context, r->grid.count * sizeof(work_unit));
     r->share.user = r;
     r->share.pixels = (uint64_t)r->film->width * r->film->height;
     r->share.next = next, r->share.take = take;
+    *share = &r->share;
+    if (r->other->count == 1) return FATHOM_OK;
+    if (!is_root(r)) say_hello(r);
     r->task = (pool_task){.run = talk, .user = r};
     r->is_talking = pool_run(&r->task);
-    if (!r->is_talking)
-        return fail(r->context, FATHOM_OUT_OF_RESOURCES, "there is no thread to talk to other ranks");
-    *share = &r->share;
-    return FATHOM_OK;
+    if (r->is_talking) return FATHOM_OK;
+    return fail(r->context, FATHOM_OUT_OF_RESOURCES, "there is no thread to talk to other ranks");
 }
 
 static fathom_status status_of(const ranks *r, fathom_status status) {
-    if (r->differs[0]) return fail(r->context, FATHOM_BAD_INPUT, "%s", r->differs);
+    if (r->wrong[0]) return fail(r->context, FATHOM_BAD_INPUT, "%s", r->wrong);
     if (r->no_memory)
         return fail(r->context, FATHOM_OUT_OF_RESOURCES, "out of memory for messages between ranks");
     return status;
@@ -354,20 +394,13 @@ static fathom_status status_of(const ranks *r, fathom_status status) {
 
 fathom_status ranks_close(ranks *r, fathom_status status) {
     if (!r) return status;
-    pthread_mutex_lock(&r->mutex);
-    r->stop = true;
-    pthread_cond_broadcast(&r->changed);
-    pthread_mutex_unlock(&r->mutex);
+    stop(r);
     if (r->is_talking) pool_wait(&r->task, -1);
     status = status_of(r, status);
-    while (r->out) {
-        outgoing *o = r->out;
-        r->out = o->next;
-        free(o);
-    }
     pthread_cond_destroy(&r->changed);
     pthread_mutex_destroy(&r->mutex);
-    free(r->waves);
+    free(r->queue.units);
+    free(r->done.bytes);
     free(r);
     return status;
 }
