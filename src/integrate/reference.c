@@ -79,11 +79,68 @@ static vec3_f64 outside(const reference_scene *r, vec3_f64 direction) {
 
 /* ---- paths ---- */
 
+enum { NESTED = 8 };
 typedef struct path {
     vec3_f64 origin, direction, weight;
-    const fathom_material *medium; /* the volume that it is in, or NULL */
-    bool overlap;                  /* of volumes */
+    const fathom_material *in[NESTED]; /* the volumes that it is in, */
+    unsigned nested;                   /* so many */
+    unsigned channel;                  /* the one that it carries, 1 to 3; 0: all */
+    bool overlap;                      /* of volumes without priorities */
 } path;
+
+/* nested: it is not in there. */
+static unsigned place_in(const path *p, const fathom_material *m) {
+    unsigned i = 0;
+    while (i < p->nested && p->in[i] != m) ++i;
+    return i;
+}
+
+/* The volume of the highest priority, but for `out`, which is being left; NULL: none. */
+static const fathom_material *medium_of(const path *p, const fathom_material *out) {
+    const fathom_material *top = NULL;
+    const unsigned leaves = place_in(p, out);
+    for (unsigned i = 0; i < p->nested; ++i) {
+        const fathom_material *m = p->in[i];
+        if (i != leaves && (!top || m->priority > top->priority)) top = m;
+    }
+    return top;
+}
+
+static void enter(path *p, const fathom_material *m) {
+    p->overlap |= p->nested == NESTED;
+    if (!p->overlap) p->in[p->nested++] = m;
+}
+
+static void cross(path *p, const reference_surface *s) {
+    if (!s->behind) return enter(p, s->material);
+    const unsigned i = place_in(p, s->material);
+    if (i < p->nested) p->in[i] = p->in[--p->nested];
+}
+
+/* KHR_materials_dispersion: the indices of red and blue are as far from the one of green. */
+static double index_of(const fathom_material *m, unsigned channel) {
+    const double ior = m ? (double)m->ior : 1, spread = 0.025 * (ior - 1) * (m ? (double)m->dispersion : 0);
+    return channel ? fmax(ior + spread * (channel - 2.0), fmin(ior, 1.0001)) : ior;
+}
+
+/* False: the surface bounds a volume inside one of a higher priority, so that light does not see it. Sets the
+ * indices of others. */
+static bool meets(path *p, reference_surface *s, reference_random *random) {
+    const fathom_material *m = s->material;
+    if (!reference_refracts(m)) return true;
+    const fathom_material *other = medium_of(p, s->behind ? m : NULL);
+    p->overlap |= other && !(other->priority && m->priority);
+    if (other && other->priority >= m->priority) return false;
+    if (!p->channel && (m->dispersion > 0 || (other && other->dispersion > 0))) {
+        const double u = 3 * reference_uniform(random);
+        p->channel = 1 + (unsigned)u;
+        p->weight = times(p->weight, vec_f64(u < 1 ? 3 : 0, u >= 1 && u < 2 ? 3 : 0, u >= 2 ? 3 : 0));
+    }
+    s->ratio = index_of(m, 0) / index_of(other, 0);
+    s->turn = index_of(m, p->channel) / index_of(other, p->channel);
+    if (s->behind) s->ratio = 1 / s->ratio, s->turn = 1 / s->turn;
+    return true;
+}
 
 /* One beam, or a direction by the cosine on either side. False: the path ends. */
 static bool scatter(path *p, const reference_surface *s, reference_random *random) {
@@ -112,9 +169,7 @@ static bool scatter(path *p, const reference_surface *s, reference_random *rando
 /* Out of the surface, and perhaps into a volume or out of one. */
 static void advance(path *p, const reference_surface *s) {
     p->origin = reference_leave(s, p->direction);
-    if (!reference_refracts(s->material) || dot_f64(p->direction, s->geometric) > 0) return;
-    p->overlap |= p->medium && !(s->behind && p->medium == s->material);
-    p->medium = s->behind ? NULL : s->material;
+    if (reference_refracts(s->material) && dot_f64(p->direction, s->geometric) < 0) cross(p, s);
 }
 
 /* From the 17th surface on paths may end by chance. */
@@ -129,19 +184,23 @@ static bool radiance(const reference_scene *r, vec3_f64 origin, vec3_f64 directi
                      vec3_f64 *out) {
     path p = {.origin = origin, .direction = direction, .weight = {1, 1, 1}};
     vec3_f64 sum = {0, 0, 0};
-    for (unsigned bounce = 0; !p.overlap; ++bounce) {
+    for (unsigned bounce = 0; !p.overlap;) {
         reference_surface s;
         if (!reference_closest(r, p.origin, p.direction, (double)INFINITY, false, &random, &s)) {
             sum = add_f64(sum, times(p.weight, outside(r, p.direction)));
             break;
         }
         /* The camera may be inside a volume. */
-        if (!p.medium && s.behind && reference_refracts(s.material)) p.medium = s.material;
-        if (p.medium) p.weight = times(p.weight, reference_absorbed(p.medium, s.t));
-        sum = add_f64(sum, times(p.weight, reference_emission(s.material)));
-        if (bounce == r->settings.depth) break;
-        sum = add_f64(sum, times(p.weight, light_at(r, &s, p.medium, &random)));
-        if (!scatter(&p, &s, &random) || !survives(&p, bounce, &random)) break;
+        if (s.behind && reference_refracts(s.material) && place_in(&p, s.material) == p.nested)
+            enter(&p, s.material);
+        const fathom_material *medium = medium_of(&p, NULL);
+        if (medium) p.weight = times(p.weight, reference_absorbed(medium, s.t));
+        if (meets(&p, &s, &random)) {
+            sum = add_f64(sum, times(p.weight, reference_emission(s.material)));
+            if (bounce == r->settings.depth) break;
+            sum = add_f64(sum, times(p.weight, light_at(r, &s, medium, &random)));
+            if (!scatter(&p, &s, &random) || !survives(&p, bounce++, &random)) break;
+        }
         advance(&p, &s);
     }
     *out = sum;
@@ -197,7 +256,7 @@ bool reference_sample(const reference_scene *r, uint32_t x, uint32_t y, uint32_t
     const double *shutter = r->scene->camera.shutter;
     reference_random random = {reference_mix(pixel + index), 0, shutter[0]};
     const double u = reference_uniform(&random), v = reference_uniform(&random);
-    path p;
+    path p = {.nested = 0};
     if (shutter[1] > shutter[0]) random.time += reference_uniform(&random) * (shutter[1] - shutter[0]);
     camera_ray(r, x + u, y + v, &random, &p);
     const reference_random own = {reference_mix(random.key), 0, random.time};
@@ -240,12 +299,24 @@ static fathom_status check(const reference_scene *r) {
     if (scene->environments.count && !r->settings.environment)
         return lacking(scene, "lights", 0, "environment images");
     if (largest(color_of(scene->ambient)) > 0) return lacking(scene, "ambient", 0, "ambient light");
-    for (size_t i = 0; i < r->places.count; ++i) {
-        const fathom_material *m = &scene->materials.items[r->places.items[i].material].value;
+    for (size_t i = 0; i < r->primitives.count; ++i) {
+        const reference_primitive *p = &r->primitives.items[i];
+        const fathom_id material = r->places.items[p->place].material;
+        const fathom_material *m = &scene->materials.items[material].value;
+        const bool directed = p->kind == SCENE_SPHERE || p->kind == SCENE_QUAD;
         const char *lacks = reference_lacks(m);
-        if (lacks) return lacking(scene, "materials", r->places.items[i].material, lacks);
+        if (!lacks && m->anisotropy > 0 && !directed) lacks = "anisotropy but of spheres and quads";
+        if (lacks) return lacking(scene, "materials", material, lacks);
     }
     return FATHOM_OK;
+}
+
+static fathom_status make_layers(reference_scene *r) {
+    const size_t count = r->scene->materials.count;
+    bool made = (r->layers = calloc(count + 1, sizeof *r->layers)) != NULL;
+    for (size_t i = 0; i < count && made; ++i)
+        made = reference_layers_make(&r->scene->materials.items[i].value, &r->layers[i]);
+    return made ? FATHOM_OK : fail_memory(r->scene->context, sizeof(reference_layers));
 }
 
 fathom_status reference_open(const fathom_scene *scene, const reference_settings *settings,
@@ -256,6 +327,7 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
     r->scene = scene, r->settings = *settings;
     fathom_status status = reference_gather(r);
     if (status == FATHOM_OK) status = check(r);
+    if (status == FATHOM_OK) status = make_layers(r);
     if (status == FATHOM_OK)
         *out = r;
     else
@@ -265,6 +337,8 @@ fathom_status reference_open(const fathom_scene *scene, const reference_settings
 
 void reference_close(reference_scene *r) {
     if (!r) return;
+    for (size_t i = 0; r->layers && i < r->scene->materials.count; ++i) free(r->layers[i]);
+    free(r->layers);
     array_free(&r->places);
     array_free(&r->links);
     array_free(&r->primitives);

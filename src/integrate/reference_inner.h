@@ -64,23 +64,34 @@ typedef struct reference_primitive {
                            triangle: the last twice */
 } reference_primitive;
 
+/* What of light the layers over a material reflect, by the cosine in even steps. */
+enum { REFERENCE_STEPS = 128 };
+typedef struct reference_layers {
+    double coat[REFERENCE_STEPS + 1],
+        sheen[REFERENCE_STEPS + 1]; /* times the coat's strength; of white fibres */
+} reference_layers;
+
 struct reference_scene {
     const fathom_scene *scene;
     reference_settings settings;
     ARRAY(reference_place) places;
     ARRAY(reference_link) links;
     ARRAY(reference_primitive) primitives;
-    ARRAY(uint32_t) planes; /* of the primitives */
-    bvh_item *items;        /* the others */
-    bvh_tree tree;          /* its leaves hold items */
+    ARRAY(uint32_t) planes;    /* of the primitives */
+    reference_layers **layers; /* by material; NULL: it has none */
+    bvh_item *items;           /* the others */
+    bvh_tree tree;             /* its leaves hold items */
 };
 
 /* Where a ray meets a surface. The normals are unit and point to the viewer's side. */
 typedef struct reference_surface {
     vec3_f64 point, to_viewer;
     vec3_f64 geometric, normal; /* normal: for shading */
+    vec3_f64 along;             /* of anisotropy: unit, across the shading normal */
     bool behind;                /* the viewer is on the side that the shape's own normal does not point to */
     const fathom_material *material;
+    const reference_layers *layers; /* NULL: none */
+    double ratio, turn; /* indices of the far side over the viewer's, for reflectances and for directions */
     double t;
 } reference_surface;
 
@@ -102,12 +113,18 @@ typedef struct reference_beam {
 /* How a surface scatters light to its viewer. */
 typedef struct reference_scatter {
     unsigned beams;
-    reference_beam beam[2];
+    reference_beam beam[3];
     double front, back; /* rough guesses of the light that arrives over either hemisphere; 0: none does */
 } reference_scatter;
 
 /* The first parameter of the material that the reference refuses; NULL: none. */
 const char *reference_lacks(const fathom_material *m);
+/* *out: NULL where there are none. False without memory. */
+bool reference_layers_make(const fathom_material *m, reference_layers **out);
+/* KHR_materials_sheen's D V. */
+double reference_fibres(const fathom_material *m, double nl, double nv, double nh);
+/* What a thin film (KHR_materials_iridescence) on a surface of reflectance f0 reflects at this cosine. */
+vec3_f64 reference_film(const fathom_material *m, vec3_f64 f0, double cosine);
 vec3_f64 reference_emission(const fathom_material *m);
 reference_scatter reference_scatter_of(const reference_surface *s);
 /* f |n·l| of everything but beams, for the unit direction l that light arrives from. */

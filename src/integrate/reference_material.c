@@ -1,6 +1,6 @@
 /* Scattering: the classic model of MODEL.md, and glTF's metallic-roughness (glTF 2.0, appendix B;
- * KHR_materials_ior, _specular, _transmission and _volume). n is the shading normal, on the viewer's side; v
- * points to the viewer, l to where light arrives from, h halves them. */
+ * KHR_materials_ior, _specular, _transmission, _volume and those of reference_layers.c). n is the shading
+ * normal, on the viewer's side; v points to the viewer, l to where light arrives from, h halves them. */
 #include "integrate/reference_inner.h"
 
 /* ---- what is implemented ---- */
@@ -13,13 +13,10 @@ const char *reference_lacks(const fathom_material *m) {
     const float *s = m->specular_color;
     const bool plain = m->specular_factor == 1 && s[0] == 1 && s[1] == 1 && s[2] == 1;
     if (m->model == FATHOM_MODEL_CLASSIC) return NULL;
-    if (m->clearcoat > 0) return "clearcoat";
-    if (largest(color_of(m->sheen_color)) > 0) return "sheen_color";
-    if (m->anisotropy > 0) return "anisotropy";
-    if (m->iridescence > 0) return "iridescence";
-    if (m->diffuse_transmission > 0) return "diffuse_transmission";
-    if (reference_refracts(m) && m->dispersion > 0) return "dispersion";
-    if (reference_refracts(m) && m->priority > 0) return "priority";
+    if (m->transmission > 0 && (m->clearcoat > 0 || largest(color_of(m->sheen_color)) > 0))
+        return "clearcoat or sheen_color with transmission";
+    if (m->iridescence > 0 && (reference_refracts(m) || !plain))
+        return "iridescence with refraction, specular_factor or specular_color";
     if (m->multiscatter && m->roughness > 0 &&
         (m->metallic > 0 || m->specular_factor > 0 || m->transmission > 0))
         return "multiscatter";
@@ -42,11 +39,6 @@ vec3_f64 reference_emission(const fathom_material *m) {
 }
 
 /* ---- mirrors and refraction ---- */
-
-/* The index of the far side over that of the viewer's. */
-static double ratio_of(const reference_surface *s) {
-    return s->behind ? 1 / (double)s->material->ior : (double)s->material->ior;
-}
 
 /* The cosine on the far side by Snell's law; negative: total internal reflection. */
 static double far_cosine(double cosine, double ratio) {
@@ -72,7 +64,7 @@ static vec3_f64 refracted(vec3_f64 v, vec3_f64 n, double ratio) {
 
 /* A direction that would come back out is turned to the far side. */
 static vec3_f64 refracted_direction(const reference_surface *s) {
-    const vec3_f64 t = refracted(s->to_viewer, beam_normal(s), ratio_of(s));
+    const vec3_f64 t = refracted(s->to_viewer, beam_normal(s), s->turn);
     return madd_f64(t, -2 * fmax(dot_f64(t, s->geometric), 0), s->geometric);
 }
 
@@ -92,8 +84,8 @@ static double fresnel(double near, double far, double ratio) {
 static reference_scatter classic_scatter(const reference_surface *s) {
     const fathom_material *m = s->material;
     const vec3_f64 k_r = color_of(m->k_r), k_t = color_of(m->k_t);
-    const double near = dot_f64(beam_normal(s), s->to_viewer), far = far_cosine(near, ratio_of(s));
-    const double share = far < 0 ? 1 : m->fresnel ? fresnel(near, far, ratio_of(s)) : 0;
+    const double near = dot_f64(beam_normal(s), s->to_viewer), far = far_cosine(near, s->ratio);
+    const double share = far < 0 ? 1 : m->fresnel ? fresnel(near, far, s->ratio) : 0;
     const double rough = largest(color_of(m->k_d)) + (m->specular ? largest(color_of(m->k_s)) : 0);
     reference_scatter out = {.front = rough, .back = m->lit_from_behind ? rough : 0};
     add_beam(&out, mirror_direction(s), m->fresnel ? scale_f64(share, k_r) : madd_f64(k_r, share, k_t));
@@ -126,80 +118,150 @@ typedef struct reflectances {
  * that both ways of a path reflect alike. */
 static reflectances reflect_of(const reference_surface *s, double cosine) {
     const fathom_material *m = s->material;
-    const double root = ((double)m->ior - 1) / ((double)m->ior + 1), weight = (double)m->specular_factor;
-    const double slant = reference_refracts(m) && ratio_of(s) < 1 ? far_cosine(cosine, ratio_of(s)) : cosine;
+    const double weight = (double)m->specular_factor, ior = reference_refracts(m) ? s->ratio : (double)m->ior;
+    const double slant = reference_refracts(m) && s->ratio < 1 ? far_cosine(cosine, s->ratio) : cosine;
     const double rise = pow(1 - fmin(fmax(slant, 0), 1), 5), metal_rise = pow(1 - fmin(cosine, 1), 5);
+    const double root = (ior - 1) / (ior + 1), mix = (double)m->iridescence;
     const vec3_f64 f0 = scale_f64(root * root, color_of(m->specular_color)), one = gray(1);
-    const vec3_f64 f0_limited = {fmin(f0.x, 1), fmin(f0.y, 1), fmin(f0.z, 1)};
-    const vec3_f64 dielectric = slant < 0 ? one : scale_f64(weight, blend(f0_limited, one, rise));
-    return (reflectances){dielectric, blend(color_of(m->base_color), one, metal_rise),
-                          1 - largest(dielectric)};
+    const vec3_f64 f0_limited = {fmin(f0.x, 1), fmin(f0.y, 1), fmin(f0.z, 1)},
+                   color = color_of(m->base_color);
+    vec3_f64 dielectric = slant < 0 ? one : scale_f64(weight, blend(f0_limited, one, rise));
+    vec3_f64 metal = blend(color, one, metal_rise);
+    if (mix > 0) dielectric = blend(dielectric, reference_film(m, f0_limited, cosine), mix);
+    if (mix > 0) metal = blend(metal, reference_film(m, color, cosine), mix);
+    return (reflectances){dielectric, metal, 1 - largest(dielectric)};
 }
 
 static double alpha_of(const fathom_material *m) { return (double)m->roughness * (double)m->roughness; }
 
-/* GGX's D times G over 4 nl nv, with Smith's height-correlated G. Both cosines are positive. */
-static double lobe_of(double nh, double nl, double nv, double alpha) {
-    const double a2 = alpha * alpha, q = nh * nh * (a2 - 1) + 1;
-    if (!(alpha > 0 && nh > 0)) return 0;
-    return a2 / (PI * q * q) * 0.5 /
-           (nl * sqrt(nv * nv * (1 - a2) + a2) + nv * sqrt(nl * nl * (1 - a2) + a2));
+/* GGX's D times G over 4 nl nv, with Smith's height-correlated G; of two alphas as KHR_materials_anisotropy
+ * has them. l may be on either side. */
+static double lobe_of(const reference_surface *s, vec3_f64 h, vec3_f64 l, double along, double across) {
+    const vec3_f64 t = s->along, b = cross_f64(s->normal, t), v = s->to_viewer;
+    const double nl = fabs(dot_f64(s->normal, l)), nv = dot_f64(s->normal, v), nh = dot_f64(s->normal, h);
+    if (!(across > 0 && nh > 0)) return 0;
+    const double q = length_f64(vec_f64(dot_f64(h, t) / along, dot_f64(h, b) / across, nh));
+    const double from_v = length_f64(vec_f64(along * dot_f64(v, t), across * dot_f64(v, b), nv));
+    const double from_l = length_f64(vec_f64(along * dot_f64(l, t), across * dot_f64(l, b), nl));
+    return 0.5 / (PI * along * across * pow(q, 4) * (nl * from_v + nv * from_l));
+}
+
+static double base_lobe(const reference_surface *s, vec3_f64 h, vec3_f64 l) {
+    const double across = alpha_of(s->material), part = (double)s->material->anisotropy;
+    return lobe_of(s, h, l, across + (1 - across) * part * part, across);
 }
 
 /* Light passes by one direction instead of being scattered. */
-static bool passes_clear(const fathom_material *m) {
-    return alpha_of(m) == 0 || (reference_refracts(m) && m->ior == 1);
+static bool passes_clear(const reference_surface *s) {
+    return alpha_of(s->material) == 0 || (reference_refracts(s->material) && s->ratio == 1);
 }
+
+/* ---- what lies over it: a clear coat (index 1.5) over fibres over all else ---- */
+
+static double value_at(const double *table, double cosine) {
+    const double at = fmin(fabs(cosine), 1) * REFERENCE_STEPS;
+    const int low = (int)fmin(at, REFERENCE_STEPS - 1);
+    return table[low] + (at - low) * (table[low + 1] - table[low]);
+}
+
+static double coat_reflects(double cosine) { return 0.04 + 0.96 * pow(1 - fmin(cosine, 1), 5); }
+
+/* What remains of light that passes the layers from l and to v. */
+static double below_layers(const reference_surface *s, double nl, double nv, double *below_coat) {
+    *below_coat = 1;
+    if (!s->layers) return 1;
+    const double most = largest(color_of(s->material->sheen_color));
+    const double all = fmax(value_at(s->layers->sheen, nl), value_at(s->layers->sheen, nv));
+    *below_coat = (1 - value_at(s->layers->coat, nl)) * (1 - value_at(s->layers->coat, nv));
+    return *below_coat * (1 - most * fmin(all, 1));
+}
+
+/* What the layers themselves reflect; f without the cosine. */
+static vec3_f64 layers_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 h, double below_coat) {
+    const fathom_material *m = s->material;
+    if (!s->layers) return gray(0);
+    const double nl = dot_f64(s->normal, l), nv = dot_f64(s->normal, s->to_viewer);
+    const double rough = (double)m->clearcoat_roughness, alpha = rough * rough;
+    const double all = fmax(value_at(s->layers->sheen, nl), value_at(s->layers->sheen, nv));
+    const double coat = (double)m->clearcoat * coat_reflects(dot_f64(h, l)) * lobe_of(s, h, l, alpha, alpha);
+    const double fibres = reference_fibres(m, nl, nv, dot_f64(s->normal, h)) / fmax(all, 1);
+    return madd_f64(gray(coat), below_coat * fibres, color_of(m->sheen_color));
+}
+
+/* ---- all of it ---- */
 
 static reference_scatter metallic_scatter(const reference_surface *s) {
     const fathom_material *m = s->material;
-    const vec3_f64 base = color_of(m->base_color);
+    const vec3_f64 base = color_of(m->base_color), leaf = color_of(m->diffuse_transmission_color);
     const double metallic = (double)m->metallic, through = (1 - metallic) * (double)m->transmission;
-    const reflectances f = reflect_of(s, dot_f64(s->normal, s->to_viewer));
-    const bool smooth = alpha_of(m) == 0, clear = passes_clear(m);
-    reference_scatter out = {.front =
-                                 smooth ? largest(base) * (1 - metallic) * (1 - (double)m->transmission) : 1,
-                             .back = clear ? 0 : through * largest(base)};
-    if (smooth) add_beam(&out, mirror_direction(s), blend(f.dielectric, f.metal, metallic));
+    const double diffuse = 1 - metallic - through, behind = diffuse * (double)m->diffuse_transmission;
+    const double nv = dot_f64(s->normal, s->to_viewer);
+    const reflectances f = reflect_of(s, nv);
+    const bool smooth = alpha_of(m) == 0, clear = passes_clear(s);
+    double below_coat;
+    const double below = below_layers(s, nv, nv, &below_coat);
+    reference_scatter out = {.front = smooth && !s->layers ? largest(base) * (diffuse - behind) : 1,
+                             .back = (clear ? 0 : through * largest(base)) + behind * largest(leaf)};
+    if (s->layers && m->clearcoat_roughness == 0)
+        add_beam(&out, mirror_direction(s), gray((double)m->clearcoat * coat_reflects(nv)));
+    if (smooth) add_beam(&out, mirror_direction(s), scale_f64(below, blend(f.dielectric, f.metal, metallic)));
     if (clear)
         add_beam(&out, reference_refracts(m) ? refracted_direction(s) : neg_f64(s->to_viewer),
                  scale_f64(through * f.base, base));
     return out;
 }
 
-static vec3_f64 metallic_reflect(const reference_surface *s, vec3_f64 l) {
+/* Lambert's part on either side. */
+static vec3_f64 diffuse_of(const fathom_material *m, bool behind, double base) {
+    const double part = (double)m->diffuse_transmission;
+    const vec3_f64 color = color_of(behind ? m->diffuse_transmission_color : m->base_color);
+    return scale_f64((1 - (double)m->transmission) * (behind ? part : 1 - part) * base / PI, color);
+}
+
+static vec3_f64 metallic_reflect(const reference_surface *s, vec3_f64 l, vec3_f64 h) {
     const fathom_material *m = s->material;
-    const double nl = dot_f64(s->normal, l), nv = dot_f64(s->normal, s->to_viewer);
-    const vec3_f64 h = normalize_f64(add_f64(s->to_viewer, l));
     const reflectances f = reflect_of(s, dot_f64(h, s->to_viewer));
-    const double lobe = lobe_of(dot_f64(s->normal, h), nl, nv, alpha_of(m));
-    const vec3_f64 base = scale_f64((1 - (double)m->transmission) * f.base / PI, color_of(m->base_color));
-    const vec3_f64 dielectric = madd_f64(base, lobe, f.dielectric), metal = scale_f64(lobe, f.metal);
-    return scale_f64(nl, blend(dielectric, metal, (double)m->metallic));
+    const double lobe = base_lobe(s, h, l);
+    const vec3_f64 dielectric = madd_f64(diffuse_of(m, false, f.base), lobe, f.dielectric);
+    return blend(dielectric, scale_f64(lobe, f.metal), (double)m->metallic);
 }
 
 /* Thin walls: the reflected lobe, mirrored to the far side. Others: Walter et al. 2007, equation 21, times
  * the squared ratio of indices (see reference.h). */
-static double transmitted_lobe(const reference_surface *s, vec3_f64 l, double *cosine) {
-    const bool thin = !reference_refracts(s->material);
-    const double nl = -dot_f64(s->normal, l), nv = dot_f64(s->normal, s->to_viewer), ratio = ratio_of(s);
-    vec3_f64 h = thin ? madd_f64(l, 2 * nl, s->normal) : scale_f64(ratio, l);
+static double transmitted_lobe(const reference_surface *s, vec3_f64 l, vec3_f64 mirrored, double *cosine) {
+    const double ratio = s->turn;
+    vec3_f64 h = reference_refracts(s->material) ? scale_f64(ratio, l) : mirrored;
     h = normalize_f64(add_f64(s->to_viewer, h));
     if (dot_f64(h, s->normal) < 0) h = neg_f64(h);
     const double vh = dot_f64(h, s->to_viewer), lh = dot_f64(h, l), sum = vh + ratio * lh;
-    const double lobe = lobe_of(dot_f64(s->normal, h), nl, nv, alpha_of(s->material));
+    const double lobe = base_lobe(s, h, l);
     *cosine = vh;
-    if (thin) return lobe;
+    if (!reference_refracts(s->material)) return lobe;
     return vh > 0 && lh < 0 ? 4 * vh * -lh * ratio * ratio * lobe / (sum * sum) : 0;
 }
 
 static vec3_f64 metallic_transmit(const reference_surface *s, vec3_f64 l) {
     const fathom_material *m = s->material;
-    if (passes_clear(m) || !(m->transmission > 0)) return gray(0);
-    double cosine;
-    const double lobe = transmitted_lobe(s, l, &cosine);
-    const double share = (1 - (double)m->metallic) * (double)m->transmission * reflect_of(s, cosine).base;
-    return scale_f64(share * lobe * fabs(dot_f64(s->normal, l)), color_of(m->base_color));
+    const vec3_f64 front = madd_f64(l, -2 * dot_f64(s->normal, l), s->normal);
+    const vec3_f64 h = normalize_f64(add_f64(s->to_viewer, front));
+    vec3_f64 sum = diffuse_of(m, true, reflect_of(s, dot_f64(h, s->to_viewer)).base);
+    if (!passes_clear(s) && m->transmission > 0) {
+        double cosine;
+        const double lobe = transmitted_lobe(s, l, front, &cosine);
+        sum = madd_f64(sum, (double)m->transmission * reflect_of(s, cosine).base * lobe,
+                       color_of(m->base_color));
+    }
+    return scale_f64(1 - (double)m->metallic, sum);
+}
+
+static vec3_f64 metallic_evaluate(const reference_surface *s, vec3_f64 l) {
+    const double nl = dot_f64(s->normal, l), nv = dot_f64(s->normal, s->to_viewer);
+    const vec3_f64 h = normalize_f64(add_f64(s->to_viewer, l));
+    double below_coat;
+    const double below = below_layers(s, nl, nv, &below_coat);
+    vec3_f64 sum = scale_f64(below, nl > 0 ? metallic_reflect(s, l, h) : metallic_transmit(s, l));
+    if (nl > 0) sum = add_f64(sum, layers_reflect(s, l, h, below_coat));
+    return scale_f64(fabs(nl), sum);
 }
 
 reference_scatter reference_scatter_of(const reference_surface *s) {
@@ -210,6 +272,5 @@ reference_scatter reference_scatter_of(const reference_surface *s) {
 vec3_f64 reference_evaluate(const reference_surface *s, vec3_f64 l) {
     const double nl = dot_f64(s->normal, l), gl = dot_f64(s->geometric, l);
     if (s->material->model == FATHOM_MODEL_CLASSIC) return classic_evaluate(s, l);
-    if (nl > 0 && gl > 0) return metallic_reflect(s, l);
-    return nl < 0 && gl < 0 ? metallic_transmit(s, l) : gray(0);
+    return nl * gl > 0 ? metallic_evaluate(s, l) : gray(0);
 }

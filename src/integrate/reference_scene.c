@@ -1,6 +1,7 @@
 /* Shapes in double, and the rays that meet them: the reference intersectors for every primitive, or for those
  * in boxes that the ray crosses. */
 #include "integrate/reference_inner.h"
+#include "math/frame.h"
 #include "reference/reference.h"
 #include "scene/graph.h"
 #include "scene/mesh/absent.h"
@@ -246,6 +247,13 @@ static vec3_f64 vertex_normals(const fathom_mesh *m, const query *q, vec3_f64 fl
     return length_f64(sum) > 0 ? sum : flat;
 }
 
+/* From the way of u on the shape, turned about its own normal. */
+static void set_direction(reference_surface *s, vec3_f64 u) {
+    const frame_f64 f = frame_from((vec3_f64){0, 0, 0}, s->normal, u);
+    const double angle = (double)s->material->anisotropy_rotation * (s->behind ? -1 : 1);
+    s->along = madd_f64(scale_f64(cos(angle), f.y), -sin(angle), f.x);
+}
+
 /* The shading normal is turned to the viewer's side, which the geometric one tells; where it still faces away
  * from the viewer, the geometric one takes its place. */
 static void make_surface(const reference_scene *r, const query *q, reference_surface *out) {
@@ -256,6 +264,7 @@ static void make_surface(const reference_scene *r, const query *q, reference_sur
     out->point = madd_f64(q->origin, q->hit.t, q->direction);
     out->to_viewer = neg_f64(q->direction);
     out->material = &r->scene->materials.items[at.material].value;
+    out->layers = r->layers[at.material];
     out->t = q->hit.t;
     vec3_f64 own = cross_f64(sub_f64(c[1], c[0]), sub_f64(c[3], c[0]));
     if (p->kind == SCENE_SPHERE) own = sub_f64(affine_point(&at.to_object, out->point), c[0]);
@@ -264,9 +273,14 @@ static void make_surface(const reference_scene *r, const query *q, reference_sur
     out->geometric = normalize_f64(affine_transposed_vector(&at.to_object, own));
     out->normal = normalize_f64(affine_transposed_vector(&at.to_object, out->normal));
     out->behind = dot_f64(out->geometric, out->to_viewer) < 0;
+    out->ratio = out->behind ? 1 / (double)out->material->ior : (double)out->material->ior;
+    out->turn = out->ratio;
     if (out->behind) out->geometric = neg_f64(out->geometric);
     if (dot_f64(out->normal, out->geometric) < 0) out->normal = neg_f64(out->normal);
     if (!(dot_f64(out->normal, out->to_viewer) > 0)) out->normal = out->geometric;
+    vec3_f64 u = sub_f64(c[1], c[0]);
+    if (p->kind == SCENE_SPHERE) u = vec_f64(-own.y, own.x, 0);
+    set_direction(out, affine_vector(&at.to_world, u));
 }
 
 /* Some thousand times the error of a point in double, and far below what can be seen. */

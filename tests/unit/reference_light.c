@@ -115,12 +115,9 @@ static void refused_with(fathom_material m, const char *word) {
 static void unknown_parameters_are_refused_by_name(void **state) {
     (void)state;
     fathom_material m = law_metallic();
-    m.clearcoat = 1, refused_with(m, "clearcoat");
+    m.clearcoat = m.transmission = 1, refused_with(m, "clearcoat");
     m.clearcoat = 0, m.sheen_color[1] = 1, refused_with(m, "sheen_color");
-    m.sheen_color[1] = 0, m.anisotropy = 1, refused_with(m, "anisotropy");
-    m.anisotropy = 0, m.iridescence = 1, refused_with(m, "iridescence");
-    m.iridescence = 0, m.diffuse_transmission = 1, refused_with(m, "diffuse_transmission");
-    m.diffuse_transmission = 0;
+    m.sheen_color[1] = 0, m.iridescence = m.thickness = 1, refused_with(m, "iridescence");
     m = law_metallic(), m.roughness = 0.5f, m.metallic = 1;
     m.multiscatter = true, refused_with(m, "multiscatter");
     m = law_metallic(), m.transmission = m.thickness = 1;

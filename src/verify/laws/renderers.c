@@ -10,14 +10,17 @@
 
 enum { SIDE = 16, PIXELS = SIDE * SIDE };
 
-/* Pixels are independent: errors add up by their squares. */
-static sample_mean mean_of(const reference_estimate *pixels, size_t count, int channel, uint32_t samples) {
+/* Of a square in an image so wide. Pixels are independent: errors add up by their squares. */
+static sample_mean mean_of(const reference_estimate *pixels, uint32_t side, uint32_t width, int channel,
+                           uint32_t samples) {
+    const uint32_t count = side * side;
     double mean = 0, square = 0;
-    for (size_t i = 0; i < count; ++i) {
-        mean += pixels[i].mean[channel] / (double)count;
-        square += pixels[i].error[channel] * pixels[i].error[channel];
+    for (uint32_t i = 0; i < count; ++i) {
+        const reference_estimate *p = &pixels[i / side * width + i % side];
+        mean += p->mean[channel] / count;
+        square += p->error[channel] * p->error[channel];
     }
-    return (sample_mean){mean, sqrt(square) / (double)count, (double)count * (samples - 1.0)};
+    return (sample_mean){mean, sqrt(square) / count, count * (samples - 1.0)};
 }
 
 static fathom_status reference_room(void *user, const law_room *room, uint64_t samples, uint64_t seed,
@@ -32,7 +35,8 @@ static fathom_status reference_room(void *user, const law_room *room, uint64_t s
                                          .environment = room->environment};
     reference_estimate pixels[PIXELS];
     const fathom_status status = reference_render(room->scene, &settings, pixels);
-    for (int c = 0; c < 3 && status == FATHOM_OK; ++c) out[c] = mean_of(pixels, PIXELS, c, settings.samples);
+    for (int c = 0; c < 3 && status == FATHOM_OK; ++c)
+        out[c] = mean_of(pixels, SIDE, SIDE, c, settings.samples);
     return status;
 }
 
@@ -110,19 +114,20 @@ laws_render laws_path(void) { return (laws_render){"path", path_room, NULL}; }
 static fathom_status reference_cells(const fathom_scene *scene, const laws_pair *o, uint32_t side,
                                      sample_mean *out) {
     const uint32_t width = o->across * side, height = o->down * side;
-    reference_settings settings = {.width = width,
-                                   .height = height,
-                                   .samples = (uint32_t)fmax((double)o->samples / width / height, 2),
-                                   .depth = o->depth,
-                                   .seed = o->seed,
-                                   .threads = o->threads};
-    reference_estimate *pixels = malloc((size_t)side * side * sizeof *pixels);
-    fathom_status status = pixels ? FATHOM_OK : fail_memory(scene->context, side * side * sizeof *pixels);
-    for (uint32_t i = 0; i < o->across * o->down && status == FATHOM_OK; ++i) {
-        settings.region = (settings_region){i % o->across * side, i / o->across * side, side, side};
-        status = reference_render(scene, &settings, pixels);
-        for (int c = 0; c < 3 && status == FATHOM_OK; ++c)
-            out[3 * i + (uint32_t)c] = mean_of(pixels, (size_t)side * side, c, settings.samples);
+    const reference_settings settings = {.width = width,
+                                         .height = height,
+                                         .region = {0, 0, width, height},
+                                         .samples = (uint32_t)fmax((double)o->samples / width / height, 2),
+                                         .depth = o->depth,
+                                         .seed = o->seed,
+                                         .threads = o->threads};
+    reference_estimate *pixels = malloc((size_t)width * height * sizeof *pixels);
+    fathom_status status = pixels ? reference_render(scene, &settings, pixels)
+                                  : fail_memory(scene->context, (size_t)width * height * sizeof *pixels);
+    for (uint32_t i = 0; i < 3 * o->across * o->down && status == FATHOM_OK; ++i) {
+        const reference_estimate *corner =
+            pixels + i / 3 / o->across * side * width + i / 3 % o->across * side;
+        out[i] = mean_of(corner, side, width, (int)(i % 3), settings.samples);
     }
     free(pixels);
     return status;

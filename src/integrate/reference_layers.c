@@ -1,0 +1,110 @@
+/* Fibres and films of the reference (KHR_materials_sheen, _iridescence), and what layers reflect in all. */
+#include "integrate/reference_inner.h"
+
+#include <stdlib.h>
+
+/* ---- fibres ---- */
+
+/* The curve that Estevez & Kulla (2017) fitted, as KHR_materials_sheen has it. */
+static double curve(double x, double alpha) {
+    const double t = (1 - alpha) * (1 - alpha);
+    const double a = t * 25.3245 + (1 - t) * 21.5473, b = t * 3.32435 + (1 - t) * 3.82987;
+    const double c = t * 0.16801 + (1 - t) * 0.19823, d = t * -1.27393 + (1 - t) * -1.97760;
+    return a / (1 + b * pow(x, c)) + d * x + (t * -4.85967 + (1 - t) * -4.32054);
+}
+
+static double shadowed(double cosine, double alpha) {
+    return exp(cosine < 0.5 ? curve(cosine, alpha) : 2 * curve(0.5, alpha) - curve(1 - cosine, alpha));
+}
+
+double reference_fibres(const fathom_material *m, double nl, double nv, double nh) {
+    const double rough = fmax((double)m->sheen_roughness, 0.07), alpha = rough * rough;
+    const double d = (2 + 1 / alpha) * pow(fmax(1 - nh * nh, 0), 0.5 / alpha) / (2 * PI);
+    return d / (4 * nl * nv * (1 + shadowed(nl, alpha) + shadowed(nv, alpha)));
+}
+
+/* By midpoints over the hemisphere of l. */
+static double fibres_reflect(const fathom_material *m, double nv) {
+    enum { RINGS = 64, AROUND = 32 };
+    double sum = 0;
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const double nl = (i / AROUND + 0.5) / RINGS, phi = PI * (i % AROUND + 0.5) / AROUND;
+        const double lv = nl * nv + sqrt((1 - nl * nl) * (1 - nv * nv)) * cos(phi);
+        sum += reference_fibres(m, nl, nv, (nl + nv) / sqrt(2 + 2 * lv)) * nl;
+    }
+    return sum * 2 * PI / (RINGS * AROUND);
+}
+
+/* ---- the clear coat ---- */
+
+/* By midpoints over half vectors, as many as D has of them: F G2 (v·h) / ((n·v) (n·h)). */
+static double coat_reflects(const fathom_material *m, double nv) {
+    enum { RINGS = 64, AROUND = 64 };
+    const double rough = (double)m->clearcoat_roughness, alpha = rough * rough, a2 = alpha * alpha;
+    double sum = 0;
+    for (int i = 0; i < RINGS * AROUND; ++i) {
+        const double u = (i / AROUND + 0.5) / RINGS, phi = PI * (i % AROUND + 0.5) / AROUND;
+        const double nh = sqrt((1 - u) / (1 - u + a2 * u));
+        const double vh = nh * nv + sqrt((1 - nh * nh) * (1 - nv * nv)) * cos(phi), nl = 2 * vh * nh - nv;
+        const double g = nl * sqrt(nv * nv * (1 - a2) + a2) + nv * sqrt(nl * nl * (1 - a2) + a2);
+        if (vh > 0 && nl > 0) sum += (0.04 + 0.96 * pow(1 - vh, 5)) * 2 * nl * nv / g * vh / (nv * nh);
+    }
+    return sum / (RINGS * AROUND);
+}
+
+bool reference_layers_make(const fathom_material *m, reference_layers **out) {
+    const bool sheen = largest(color_of(m->sheen_color)) > 0;
+    *out = NULL;
+    if (m->model == FATHOM_MODEL_CLASSIC || !(sheen || m->clearcoat > 0)) return true;
+    *out = calloc(1, sizeof **out);
+    for (int i = 0; *out && i <= REFERENCE_STEPS; ++i) {
+        const double cosine = fmax(i, 0.01) / REFERENCE_STEPS;
+        if (sheen) (*out)->sheen[i] = fibres_reflect(m, cosine);
+        if (m->clearcoat > 0) (*out)->coat[i] = (double)m->clearcoat * coat_reflects(m, cosine);
+    }
+    return *out;
+}
+
+/* ---- films: Belcour & Barla (2017), as KHR_materials_iridescence has them ---- */
+
+static double squared(double x) { return x * x; }
+
+/* What three receptors see of a wave of this phase, in linear Rec.709. */
+static vec3_f64 seen(double way, double shift) {
+    static const double value[4] = {5.4856e-13, 4.4201e-13, 5.2481e-13, 9.7470e-14};
+    static const double place[4] = {1.6810e6, 1.7953e6, 2.2084e6, 2.2399e6};
+    static const double spread[4] = {4.3278e9, 9.3046e9, 6.6121e9, 4.5282e9};
+    const double phase = 2 * PI * way * 1e-9;
+    double xyz[4];
+    for (int k = 0; k < 4; ++k)
+        xyz[k] = value[k] * sqrt(2 * PI * spread[k]) * cos(place[k] * phase + shift) *
+                 exp(-spread[k] * phase * phase) / 1.0685e-7;
+    const double x = xyz[0] + xyz[3], y = xyz[1], z = xyz[2];
+    return vec_f64(3.2404542 * x - 1.5371385 * y - 0.4985314 * z,
+                   -0.9692660 * x + 1.8760108 * y + 0.0415560 * z,
+                   0.0556434 * x - 0.2040259 * y + 1.0572252 * z);
+}
+
+/* What is reflected in each channel of a base that reflects f0 in all. */
+static vec3_f64 film_over(double index, double nanometres, double f0, double cosine) {
+    const double inside2 = 1 - (1 - cosine * cosine) / (index * index);
+    if (inside2 < 0) return gray(1);
+    const double inside = sqrt(inside2), root = sqrt(fmin(f0, 0.9999)), base = (1 + root) / (1 - root);
+    const double top0 = squared((index - 1) / (index + 1)), low0 = squared((base - index) / (base + index));
+    const double top = top0 + (1 - top0) * pow(1 - cosine, 5);
+    const double low = low0 + (1 - low0) * pow(1 - inside, 5), both = fmin(fmax(top * low, 1e-5), 0.9999);
+    const double again = squared(1 - top) * low / (1 - both);
+    vec3_f64 sum = gray(top + again);
+    for (int k = 1; k <= 2; ++k)
+        sum = madd_f64(sum, 2 * (again - (1 - top)) * pow(both, k / 2.0),
+                       seen(k * 2 * index * nanometres * inside, k * (base < index ? 2 * PI : PI)));
+    return vec_f64(fmax(sum.x, 0), fmax(sum.y, 0), fmax(sum.z, 0));
+}
+
+vec3_f64 reference_film(const fathom_material *m, vec3_f64 f0, double cosine) {
+    const double thick = (double)m->iridescence_thickness_max, part = fmin(thick / 0.03, 1);
+    const double index = 1 + ((double)m->iridescence_ior - 1) * part * part * (3 - 2 * part);
+    const double c = fmin(fmax(cosine, 0), 1);
+    return vec_f64(film_over(index, thick, f0.x, c).x, film_over(index, thick, f0.y, c).y,
+                   film_over(index, thick, f0.z, c).z);
+}
