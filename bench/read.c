@@ -21,7 +21,7 @@ static int make(fathom_context *context, uint64_t triangles, const char *path) {
     fathom_status status = fathom_scene_create(context, &scene);
     if (status != FATHOM_OK) return complain(context);
     status = fathom_scene_generate(scene, FATHOM_ROOT, &options);
-    if (status == FATHOM_OK) status = fathom_scene_write_mesh(scene, path);
+    if (status == FATHOM_OK) status = fathom_scene_write(scene, path);
     fathom_scene_destroy(scene);
     return status == FATHOM_OK ? 0 : complain(context);
 }

@@ -58,7 +58,7 @@ static fathom_status make_meshes(soak *s) {
     fathom_status status = fathom_scene_create(s->context, &scene);
     if (status == FATHOM_OK) status = fathom_scene_generate(scene, FATHOM_ROOT, &options);
     for (size_t i = 0; status == FATHOM_OK && i < sizeof meshes / sizeof *meshes; ++i)
-        status = fathom_scene_write_mesh(scene, in_folder(s, meshes[i]));
+        status = fathom_scene_write(scene, in_folder(s, meshes[i]));
     fathom_scene_destroy(scene);
     return status;
 }

@@ -97,12 +97,17 @@ FATHOM_DEFAULT(fathom_generate_options)
  * mesh would not fit the memory that is free. */
 FATHOM_API fathom_status fathom_scene_generate(fathom_scene *scene, fathom_id group,
                                                const fathom_generate_options *options);
-/* Writes all triangles of the scene. The format follows the extension: .glb keeps instances as nodes, and
- * materials as far as glTF has them; .ply (binary) and .obj (with an .mtl beside it) have instances placed.
- * Positions become float there. Other shapes are left out with a warning. Files appear whole or not at all.
- * FATHOM_BAD_USAGE: unknown extension, no triangles, or more than the format can count (4 GiB of .glb, 2^32
- * vertices); FATHOM_OUT_OF_RESOURCES: cannot be written. */
-FATHOM_API fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *path);
+/* Writes the scene. The format follows the extension.
+ * .json: all of it; images that are not in the folder of `path` or below are copied next to it.
+ * .glb: meshes, instances as nodes, materials, images, lights and the camera, as far as glTF has them; of two
+ * integrators' materials, those of path tracing.
+ * .obj (with an .mtl, and images, next to it) and .ply (binary): meshes with instances placed; positions
+ * become float there.
+ * What fathom_scene_complete() made is left out, and made again by a reader. Whatever else a format cannot
+ * hold is left out with a warning a kind, which counts it. Files appear whole or not at all.
+ * FATHOM_BAD_USAGE: unknown extension; no triangles, unless .json; or more than the format can count (4 GiB
+ * of .glb, 2^32 vertices); FATHOM_OUT_OF_RESOURCES: cannot be written. */
+FATHOM_API fathom_status fathom_scene_write(const fathom_scene *scene, const char *path);
 
 #ifdef __cplusplus
 }

@@ -8,9 +8,9 @@
 
 #include <string.h>
 
-const command *const commands[] = {&command_render,   &command_merge,   &command_info,
-                                   &command_generate, &command_texture, &command_compare,
-                                   &command_validate, &command_bench,   &command_help};
+const command *const commands[] = {&command_render,  &command_merge,   &command_info,    &command_generate,
+                                   &command_convert, &command_texture, &command_compare, &command_validate,
+                                   &command_bench,   &command_help};
 const size_t command_count = sizeof commands / sizeof *commands;
 
 const command *command_find(const char *name, args_problem *problem) {

@@ -17,8 +17,8 @@ typedef struct command {
     fathom_status (*run)(int argc, char **argv);
 } command;
 
-extern const command command_render, command_merge, command_info, command_generate, command_texture,
-    command_compare, command_validate, command_bench, command_help;
+extern const command command_render, command_merge, command_info, command_generate, command_convert,
+    command_texture, command_compare, command_validate, command_bench, command_help;
 
 extern const command *const commands[];
 extern const size_t command_count;

@@ -49,7 +49,7 @@ static fathom_status generate(const generate_settings *settings, fathom_generato
     double start = clock_seconds();
     fathom_status status = fathom_scene_generate(scene, FATHOM_ROOT, &options);
     double made = clock_seconds();
-    if (status == FATHOM_OK) status = fathom_scene_write_mesh(scene, settings->output);
+    if (status == FATHOM_OK) status = fathom_scene_write(scene, settings->output);
     if (status != FATHOM_OK) return status;
     struct stat info;
     double bytes = stat(settings->output, &info) == 0 ? (double)info.st_size : 0;

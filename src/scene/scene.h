@@ -93,6 +93,9 @@ struct fathom_scene {
     bool in_studio;
     bool lights_made; /* and ambient light, by fathom_scene_complete(); none were added */
     vec3_f64 studio_up;
+    struct {
+        bool camera, lights, background, ambient;
+    } made;           /* by fathom_scene_complete(); writers leave it out */
     bool without_uvs; /* texture coordinates are not taken where no material has a use for them */
     bool has_maps;    /* some material takes parameters from images */
     fathom_settings settings;

@@ -3,17 +3,25 @@
 #define READ_WRITE_H
 
 #include "base/file.h"
+#include "read/mesh/text.h"
 #include "scene/graph.h"
+
+#include <fathom/parameter.h>
 
 #include <locale.h>
 
 /* The binary formats are little-endian, as is every machine that Embree runs on. */
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are written as they lie in memory");
 
-/* Each writes the whole file or none. The graph is the scene's; at least one mesh is placed. */
-fathom_status write_glb(const fathom_scene *scene, const scene_graph *graph, const char *path);
-fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, const char *path);
-fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path);
+/* Each writes the whole file or none, and notes what it cannot hold. The graph is the scene's. */
+fathom_status write_glb(const fathom_scene *scene, const scene_graph *graph, const char *path,
+                        note_list *notes);
+fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, const char *path,
+                        note_list *notes);
+fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path,
+                        note_list *notes);
+fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, const char *path,
+                         note_list *notes);
 
 /* ---- meshes with one number for each vertex ---- */
 
@@ -36,6 +44,22 @@ void write_mesh_free(write_mesh *m);
 static inline vec3_f32 write_item(const float *base, size_t stride, size_t i) {
     return load_f32((const float *)(const void *)((const char *)base + stride * i));
 }
+
+/* The arrays that have an entry a vertex. */
+typedef enum write_array {
+    WRITE_POSITION,
+    WRITE_NORMAL,
+    WRITE_UV,
+    WRITE_UV_1,
+    WRITE_COLOR,
+    WRITE_TANGENT,
+    WRITE_ARRAYS
+} write_array;
+
+/* Numbers of an entry, 0 where the mesh has none. */
+unsigned write_mesh_width(const fathom_mesh *mesh, write_array kind);
+/* The entry of a vertex. */
+void write_mesh_entry(const write_mesh *m, write_array kind, uint32_t vertex, float out[4]);
 
 vec3_f32 write_mesh_position(const write_mesh *m, uint32_t vertex);
 vec3_f32 write_mesh_normal(const write_mesh *m, uint32_t vertex); /* the mesh has normals, or facets is set */
@@ -106,10 +130,24 @@ void write_quoted(file_writer *file, const char *text);
  * times its exponent. 0: no highlight. */
 double write_blinn_exponent(const fathom_material *m);
 
-/* A unique name of one word for each material. Release *out with write_names_free() even after a failure. */
-fathom_status write_names(const fathom_scene *scene, char ***out);
-void write_names_free(const fathom_scene *scene, char **names);
-/* The members "materials" and "extensionsUsed" of glTF. */
-void write_glb_materials(file_writer *file, const fathom_scene *scene);
+/* A unique name for each material, or for each group; of one word if `words`. Release *out with
+ * write_names_free() even after a failure. */
+fathom_status write_names(const fathom_scene *scene, bool groups, bool words, char ***out);
+void write_names_free(char **names, size_t count);
+
+/* ---- settings ---- */
+
+/* Those that scene JSON of the same integrator has where it gives none. */
+fathom_settings write_usual_settings(const fathom_scene *scene);
+
+/* ---- texture coordinates ---- */
+
+/* The map of an image as a scale, then a turn about the origin as glTF counts it, then an offset. */
+typedef struct write_turn {
+    bool plain, sheared; /* it is the identity; it is no such product */
+    double radians, scale[2];
+} write_turn;
+
+write_turn write_turn_of(const float m[6]);
 
 #endif

@@ -1,6 +1,7 @@
-/* fathom_scene_write_mesh(): which format, what the scene holds for it, and where meshes stand in the world.
- */
+/* Meshes as formats with one index want them, and where they stand in the world. */
 #include "write/write.h"
+
+#include "scene/motion/motion.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -108,6 +109,38 @@ void write_mesh_uv(const write_mesh *m, uint32_t vertex, float uv[2]) {
     memcpy(uv, (const char *)m->mesh->uvs + m->mesh->uv_stride * i, 2 * sizeof *uv);
 }
 
+unsigned write_mesh_width(const fathom_mesh *mesh, write_array kind) {
+    switch (kind) {
+    case WRITE_POSITION: return 3;
+    case WRITE_NORMAL: return mesh->normals ? 3 : 0;
+    case WRITE_UV: return mesh->uvs ? 2 : 0;
+    case WRITE_UV_1: return mesh->uvs_1 ? 2 : 0;
+    case WRITE_COLOR: return mesh->colors ? mesh->color_channels : 0;
+    case WRITE_TANGENT: return mesh->tangents ? 4 : 0;
+    case WRITE_ARRAYS: break;
+    }
+    return 0;
+}
+
+void write_mesh_entry(const write_mesh *m, write_array kind, uint32_t vertex, float out[4]) {
+    const fathom_mesh *mesh = m->mesh;
+    const struct {
+        const float *base;
+        size_t stride;
+    } arrays[WRITE_ARRAYS] = {[WRITE_UV_1] = {mesh->uvs_1, mesh->uv_1_stride},
+                              [WRITE_COLOR] = {mesh->colors, mesh->color_stride},
+                              [WRITE_TANGENT] = {mesh->tangents, mesh->tangent_stride}};
+    if (kind == WRITE_POSITION)
+        store_f32(out, write_mesh_position(m, vertex));
+    else if (kind == WRITE_NORMAL)
+        store_f32(out, write_mesh_normal(m, vertex));
+    else if (kind == WRITE_UV)
+        write_mesh_uv(m, vertex, out);
+    else
+        memcpy(out, (const char *)arrays[kind].base + arrays[kind].stride * position_index(m, vertex),
+               write_mesh_width(mesh, kind) * sizeof *out);
+}
+
 uint32_t write_mesh_index(const write_mesh *m, size_t corner) {
     if (m->facets) return (uint32_t)corner;
     return m->indices ? m->indices[corner] : m->mesh->indices[corner];
@@ -181,8 +214,7 @@ static fathom_status place_group(const placer *p, uint32_t group, const affine_f
         status = place_object(p, objects->items[i], to_world, material);
     for (uint32_t i = instances->first[group]; i < instances->first[group + 1] && status == FATHOM_OK; ++i) {
         const fathom_instance *instance = &p->scene->instances.items[instances->items[i]];
-        affine_f64 map;
-        affine_load(&map, instance->transform);
+        affine_f64 map = motion_place(instance, p->scene->camera.shutter[0]);
         map = affine_compose(to_world, &map);
         status =
             place_group(p, instance->group, &map, material != FATHOM_NONE ? material : instance->material);
@@ -195,72 +227,4 @@ fathom_status write_each_placement(const fathom_scene *scene, const scene_graph 
     placer p = {scene, graph, visit, user};
     affine_f64 identity = affine_identity();
     return place_group(&p, FATHOM_ROOT, &identity, FATHOM_NONE);
-}
-
-/* ---- the format ---- */
-
-static const struct {
-    const char *extension;
-    fathom_status (*write)(const fathom_scene *scene, const scene_graph *graph, const char *path);
-} formats[] = {{"glb", write_glb}, {"ply", write_ply}, {"obj", write_obj}};
-
-/* Mesh files hold triangles only; warns of other shapes, which are left out. */
-static fathom_status check_shapes(const fathom_scene *scene, const scene_graph *graph, const char *path) {
-    size_t placed[4] = {0};
-    for (uint32_t k = 0; k < graph->order_count; ++k) {
-        uint32_t g = graph->order[k];
-        for (uint32_t i = graph->objects.first[g]; i < graph->objects.first[g + 1]; ++i)
-            ++placed[scene->objects.items[graph->objects.items[i]].kind];
-    }
-    const struct {
-        scene_kind kind;
-        const char *name;
-    } others[] = {{SCENE_SPHERE, "spheres"}, {SCENE_QUAD, "quads"}, {SCENE_PLANE, "planes"}};
-    for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
-        size_t count = placed[others[i].kind];
-        if (count) {
-            warn(scene->context, "%s: %s are not triangles and are left out (%zu of them)", path,
-                 others[i].name, count);
-        }
-    }
-    if (placed[SCENE_MESH]) return FATHOM_OK;
-    return fail_file(scene->context, FATHOM_BAD_USAGE, path, "the scene holds no triangles to write");
-}
-
-/* What surfaces wear beyond the factors of their materials is not written. */
-static void tell_appearance(const fathom_scene *scene, const char *path) {
-    size_t mapped = 0, colored = 0;
-    for (size_t i = 0; i < scene->materials.count; ++i)
-        mapped += material_has_maps(&scene->materials.items[i].value);
-    for (size_t i = 0; i < scene->meshes.count; ++i) colored += scene->meshes.items[i].colors != NULL;
-    if (mapped)
-        warn(scene->context, "%s: textures are not written; materials keep their factors alone (%zu of them)",
-             path, mapped);
-    if (colored)
-        warn(scene->context, "%s: vertex colours are not written (%zu meshes have some)", path, colored);
-}
-
-fathom_status fathom_scene_write_mesh(const fathom_scene *scene, const char *path) {
-    if (!scene) return FATHOM_BAD_USAGE;
-    if (!path) return fail_null(scene->context, "path");
-    char extension[16];
-    file_extension(path, extension);
-    size_t count = sizeof formats / sizeof *formats, format = 0;
-    while (format < count && strcmp(formats[format].extension, extension) != 0) ++format;
-    if (format == count) {
-        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "meshes are written as .glb, .ply or .obj, found extension \"%s\"", extension);
-    }
-    scene_graph graph;
-    fathom_status status = graph_create(scene, &graph);
-    if (status != FATHOM_OK) return status;
-    status = check_shapes(scene, &graph, path);
-    if (status == FATHOM_OK) tell_appearance(scene, path);
-    /* Numbers have a dot, whatever the user's locale. */
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
-    if (status == FATHOM_OK) status = formats[format].write(scene, &graph, path);
-    uselocale(before);
-    freelocale(c);
-    graph_destroy(&graph);
-    return status;
 }

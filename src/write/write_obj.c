@@ -7,51 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- names ---- */
-
-/* True when the name is one word, which any reader takes whole, and not one that a nameless material gets. */
-static bool is_word(const char *name) {
-    if (!name || !*name || strncmp(name, "material_", 9) == 0) return false;
-    for (; *name; ++name) {
-        if ((unsigned char)*name <= ' ' || *name == '#') return false;
-    }
-    return true;
-}
-
-/* Two materials with the same name would be one in the file. */
-static bool is_first(const fathom_scene *scene, size_t material) {
-    return scene_find_material(scene, scene->materials.items[material].name) == material;
-}
-
-fathom_status write_names(const fathom_scene *scene, char ***out) {
-    size_t count = scene->materials.count;
-    char **names = *out = calloc(count, sizeof *names);
-    if (!names) return fail_memory(scene->context, count * sizeof *names);
-    for (size_t i = 0; i < count; ++i) {
-        const char *name = scene->materials.items[i].name;
-        char numbered[32];
-        snprintf(numbered, sizeof numbered, "material_%zu", i);
-        names[i] = strdup(is_word(name) && is_first(scene, i) ? name : numbered);
-        if (!names[i]) return fail_memory(scene->context, sizeof numbered);
-    }
-    return FATHOM_OK;
-}
-
-void write_names_free(const fathom_scene *scene, char **names) {
-    for (size_t i = 0; names && i < scene->materials.count; ++i) free(names[i]);
-    free(names);
-}
-
 /* ---- materials ---- */
-
-double write_blinn_exponent(const fathom_material *m) {
-    switch (m->specular) {
-    case FATHOM_SPECULAR_NONE: return 0;
-    case FATHOM_SPECULAR_PHONG: return 4 * (double)m->shininess;
-    case FATHOM_SPECULAR_BLINN: return (double)m->shininess;
-    }
-    return 0;
-}
 
 static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
 
@@ -249,13 +205,15 @@ static fathom_status put_all(obj *o, const char *path, const char *library) {
     return write_stream_close(&o->stream, status);
 }
 
-fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path) {
+fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path,
+                        note_list *notes) {
+    (void)notes;
     obj o = {.scene = scene, .graph = graph, .material = FATHOM_NONE};
     char *library = library_path(path);
     fathom_status status = library ? check_count(&o, path) : fail_memory(scene->context, strlen(path));
-    if (status == FATHOM_OK) status = write_names(scene, &o.names);
+    if (status == FATHOM_OK) status = write_names(scene, false, true, &o.names);
     if (status == FATHOM_OK) status = put_all(&o, path, library);
-    write_names_free(scene, o.names);
+    write_names_free(o.names, scene->materials.count);
     free(library);
     return status;
 }

@@ -143,7 +143,9 @@ static fathom_status put_all(ply *p) {
     return write_stream_close(&p->stream, status);
 }
 
-fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, const char *path) {
+fathom_status write_ply(const fathom_scene *scene, const scene_graph *graph, const char *path,
+                        note_list *notes) {
+    (void)notes;
     ply p = {.scene = scene, .graph = graph, .path = path};
     p.meshes = calloc(scene->meshes.count, sizeof *p.meshes);
     if (!p.meshes) return fail_memory(scene->context, scene->meshes.count * sizeof *p.meshes);

@@ -24,7 +24,7 @@ for arguments in --help -h help 'help help'; do
     said out.txt 'Usage: fathom'
     silent err.txt
 done
-for command in render merge info generate texture compare validate bench help; do
+for command in render merge info generate convert texture compare validate bench help; do
     run 0 help
     said out.txt "  $command "
     run 0 help $command

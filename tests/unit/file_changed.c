@@ -51,7 +51,7 @@ static const char *write_ball(const char *name) {
     unlink(path);
     assert_ok(context, fathom_scene_create(context, &scene));
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
-    assert_ok(context, fathom_scene_write_mesh(scene, path));
+    assert_ok(context, fathom_scene_write(scene, path));
     fathom_scene_destroy(scene);
     return path;
 }

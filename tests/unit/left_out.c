@@ -158,8 +158,8 @@ static void images_do_not_depend_on_reading_texture_coordinates(void **state) {
     write_text("left_out.json", json_text);
     fathom_scene *scene;
     assert_ok(s.context, fathom_scene_read(s.context, "left_out.obj", &scene));
-    assert_ok(s.context, fathom_scene_write_mesh(scene, "left_out.ply"));
-    assert_ok(s.context, fathom_scene_write_mesh(scene, "left_out.glb"));
+    assert_ok(s.context, fathom_scene_write(scene, "left_out.ply"));
+    assert_ok(s.context, fathom_scene_write(scene, "left_out.glb"));
     fathom_scene_destroy(scene);
     stage_close(&s);
     const char *const paths[] = {"left_out.obj", "left_out.ply", "left_out.glb", "left_out.json"};

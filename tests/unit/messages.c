@@ -102,7 +102,7 @@ static void writing_leaves_no_message(void **state) {
     unlink(in_folder("b.exr"));
     fathom_film_destroy(film);
     for (size_t i = 0; i < sizeof meshes / sizeof *meshes; ++i) {
-        assert_quiet(s.context, fathom_scene_write_mesh(s.scene, in_folder(meshes[i])));
+        assert_quiet(s.context, fathom_scene_write(s.scene, in_folder(meshes[i])));
         unlink(in_folder(meshes[i]));
     }
     unlink(in_folder("a.mtl"));

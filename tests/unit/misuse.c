@@ -209,8 +209,8 @@ static void null_for_scenes(void **state) {
     refuses(fathom_scene_complete(NULL));
     refuses(fathom_scene_check(NULL));
     refuses(fathom_scene_check_files(NULL));
-    refuses(fathom_scene_write_mesh(NULL, "a.ply"));
-    names("path", fathom_scene_write_mesh(s.scene, NULL));
+    refuses(fathom_scene_write(NULL, "a.ply"));
+    names("path", fathom_scene_write(s.scene, NULL));
     refuses(fathom_scene_set_settings(NULL, &s.settings));
     names("settings", fathom_scene_set_settings(s.scene, NULL));
     fathom_scene_settings(s.scene, NULL);
@@ -497,7 +497,7 @@ static void unfinished_scenes(void **state) {
     assert_fails(s.context, fathom_tracer_create(s.context, s.scene, "embree", &tracer), FATHOM_BAD_INPUT,
                  nothing);
     assert_null(tracer);
-    assert_fails(s.context, fathom_scene_write_mesh(s.scene, "a.ply"), FATHOM_BAD_USAGE, "no triangles");
+    assert_fails(s.context, fathom_scene_write(s.scene, "a.ply"), FATHOM_BAD_USAGE, "no triangles");
     /* What is named before it is there. */
     fathom_instance instance;
     fathom_instance_default(&instance);

@@ -86,7 +86,7 @@ static fathom_status write_mesh(fathom_context *context, const char *file, outco
     unlink(path);
     fathom_status status = fathom_scene_read(context, in_folder("scene.json"), &scene);
     if (status != FATHOM_OK) return status;
-    status = fathom_scene_write_mesh(scene, path);
+    status = fathom_scene_write(scene, path);
     fathom_scene_destroy(scene);
     unsigned long keep = failing;
     failing = 0;
@@ -170,7 +170,7 @@ static int set_up(void **state) {
     fathom_scene *scene;
     assert_int_equal(fathom_context_create(&context), FATHOM_OK);
     assert_ok(context, fathom_scene_read(context, in_folder("part.gltf"), &scene));
-    assert_ok(context, fathom_scene_write_mesh(scene, in_folder("part.glb")));
+    assert_ok(context, fathom_scene_write(scene, in_folder("part.glb")));
     fathom_scene_destroy(scene);
     fathom_context_destroy(context);
     return 0;

@@ -170,7 +170,7 @@ static fathom_status write_mesh(fathom_context *context, const char *file, outco
     fathom_scene *scene;
     fathom_status status = fathom_scene_read(context, in_folder("all.json"), &scene);
     if (status != FATHOM_OK) return status;
-    status = fathom_scene_write_mesh(scene, in_folder(file));
+    status = fathom_scene_write(scene, in_folder(file));
     fathom_scene_destroy(scene);
     assert_true((access(in_folder(file), F_OK) == 0) == (status == FATHOM_OK));
     unlink(in_folder(file)), unlink(in_folder("made.mtl"));

@@ -100,7 +100,7 @@ static void check_file(const char *extension) {
     fathom_generate_options_default(&options);
     options.triangles = 2000000;
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
-    assert_ok(context, fathom_scene_write_mesh(scene, path));
+    assert_ok(context, fathom_scene_write(scene, path));
     fathom_scene_destroy(scene);
     assert_ok(context, fathom_scene_read(context, path, &scene));
     remove(path);

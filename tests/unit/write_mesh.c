@@ -145,7 +145,7 @@ static void check_same(const triangle *a, const triangle *b, bool colors) {
 
 /* Writes, reads back and compares as soups. */
 static void check_round_trip(const fathom_scene *scene, const char *name, bool colors) {
-    assert_ok(context, fathom_scene_write_mesh(scene, in_folder(name)));
+    assert_ok(context, fathom_scene_write(scene, in_folder(name)));
     fathom_scene *back;
     assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
     soup a = make_soup(scene), b = make_soup(back);
@@ -190,7 +190,7 @@ static void one_mesh_keeps_its_arrays(void **state) {
     for (size_t i = 0; i < 6; ++i) {
         fathom_scene *scene = generate(kinds[i / 3], 50000), *back;
         const char *name = names[i % 3];
-        assert_ok(context, fathom_scene_write_mesh(scene, in_folder(name)));
+        assert_ok(context, fathom_scene_write(scene, in_folder(name)));
         assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
         assert_int_equal(back->meshes.count, 1);
         const fathom_mesh *a = &scene->meshes.items[0], *b = &back->meshes.items[0];
@@ -299,7 +299,7 @@ static void far_meshes_keep_their_digits_in_glb(void **state) {
     fathom_scene *scene = new_scene(), *back;
     const double far[3] = {4.5e6 + 0x1p-20, -5.2e6, 1.0 / 3};
     add_tetra(scene, FATHOM_ROOT, PLAIN, far);
-    assert_ok(context, fathom_scene_write_mesh(scene, in_folder("far.glb")));
+    assert_ok(context, fathom_scene_write(scene, in_folder("far.glb")));
     assert_ok(context, fathom_scene_read(context, in_folder("far.glb"), &back));
     scene_bounds a, b;
     assert_ok(context, scene_world_bounds(scene, &a));
@@ -314,7 +314,7 @@ static void far_meshes_keep_their_digits_in_glb(void **state) {
 
 static const fathom_material *read_back(fathom_scene *scene, const char *name, const char *material,
                                         fathom_scene **back) {
-    assert_ok(context, fathom_scene_write_mesh(scene, in_folder(name)));
+    assert_ok(context, fathom_scene_write(scene, in_folder(name)));
     assert_ok(context, fathom_scene_read(context, in_folder(name), back));
     fathom_id id = scene_find_material(*back, material);
     assert_int_not_equal(id, FATHOM_NONE);
@@ -427,10 +427,10 @@ static void threads_change_no_byte(void **state) {
     for (size_t i = 0; i < 3; ++i) {
         size_t size, other;
         fathom_context_set_threads(context, 1);
-        assert_ok(context, fathom_scene_write_mesh(scene, in_folder(names[i])));
+        assert_ok(context, fathom_scene_write(scene, in_folder(names[i])));
         void *one = whole_file(names[i], &size);
         fathom_context_set_threads(context, 5);
-        assert_ok(context, fathom_scene_write_mesh(scene, in_folder(names[i])));
+        assert_ok(context, fathom_scene_write(scene, in_folder(names[i])));
         void *five = whole_file(names[i], &other);
         assert_int_equal(size, other);
         assert_memory_equal(one, five, size);
@@ -447,7 +447,7 @@ static void threads_change_no_byte(void **state) {
 static void glb_is_laid_out_for_mapping(void **state) {
     (void)state;
     fathom_scene *scene = make_hard_scene();
-    assert_ok(context, fathom_scene_write_mesh(scene, in_folder("a.glb")));
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.glb")));
     size_t size;
     unsigned char *bytes = whole_file("a.glb", &size);
     uint32_t head[5], binary[2];
@@ -529,22 +529,21 @@ static void numbers_are_short(void **state) {
 static void shapes_without_triangles_are_reported(void **state) {
     (void)state;
     fathom_scene *scene = new_scene();
-    assert_fails(context, fathom_scene_write_mesh(scene, in_folder("a.stl")), FATHOM_BAD_USAGE,
-                 ".glb, .ply or .obj");
-    assert_fails(context, fathom_scene_write_mesh(scene, in_folder("a")), FATHOM_BAD_USAGE,
-                 ".glb, .ply or .obj");
-    assert_fails(context, fathom_scene_write_mesh(scene, in_folder("a.ply")), FATHOM_BAD_USAGE,
-                 "no triangles");
+    assert_fails(context, fathom_scene_write(scene, in_folder("a.stl")), FATHOM_BAD_USAGE,
+                 ".glb, .json, .obj or .ply");
+    assert_fails(context, fathom_scene_write(scene, in_folder("a")), FATHOM_BAD_USAGE,
+                 ".glb, .json, .obj or .ply");
+    assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE, "no triangles");
     fathom_sphere sphere;
     fathom_sphere_default(&sphere);
     assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &sphere, NULL));
     add_tetra(scene, FATHOM_ROOT, PLAIN, (const double[3]){0, 0, 0});
     warnings = 0;
-    assert_ok(context, fathom_scene_write_mesh(scene, in_folder("a.ply")));
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
     assert_int_equal(warnings, 1);
-    assert_non_null(strstr(last_warning, "spheres"));
+    assert_non_null(strstr(last_warning, "a sphere is no triangles"));
     remove_file("a.ply");
-    assert_fails(context, fathom_scene_write_mesh(scene, in_folder("none/a.obj")), FATHOM_OUT_OF_RESOURCES,
+    assert_fails(context, fathom_scene_write(scene, in_folder("none/a.obj")), FATHOM_OUT_OF_RESOURCES,
                  "none/a.obj");
     fathom_scene_destroy(scene);
 }
@@ -552,9 +551,8 @@ static void shapes_without_triangles_are_reported(void **state) {
 static void too_many_triangles_are_refused(void **state) {
     (void)state;
     fathom_scene *scene = generate(FATHOM_GENERATE_SPONGE, UINT64_C(100000000000));
-    assert_fails(context, fathom_scene_write_mesh(scene, in_folder("a.ply")), FATHOM_BAD_USAGE,
-                 "107642880000");
-    assert_fails(context, fathom_scene_write_mesh(scene, in_folder("a.obj")), FATHOM_BAD_USAGE, ".glb");
+    assert_fails(context, fathom_scene_write(scene, in_folder("a.ply")), FATHOM_BAD_USAGE, "107642880000");
+    assert_fails(context, fathom_scene_write(scene, in_folder("a.obj")), FATHOM_BAD_USAGE, ".glb");
     fathom_scene_destroy(scene);
     /* 2^30 nodes in a chain of groups that each hold the next one twice. */
     scene = new_scene();
@@ -567,7 +565,7 @@ static void too_many_triangles_are_refused(void **state) {
         add_placed(scene, group, parent, instance.transform, FATHOM_NONE);
     }
     add_tetra(scene, parent, PLAIN, (const double[3]){0, 0, 0});
-    assert_fails(context, fathom_scene_write_mesh(scene, in_folder("a.glb")), FATHOM_BAD_USAGE, "2147483647");
+    assert_fails(context, fathom_scene_write(scene, in_folder("a.glb")), FATHOM_BAD_USAGE, "2147483647");
     fathom_scene_destroy(scene);
 }
 

@@ -98,9 +98,9 @@ static void names_are_words_and_differ(void **state) {
     for (size_t i = 0; i < sizeof given / sizeof *given; ++i)
         assert_ok(context, fathom_scene_add_material(scene, given[i], &material, NULL));
     char **names;
-    assert_int_equal(write_names(scene, &names), FATHOM_OK);
+    assert_int_equal(write_names(scene, false, true, &names), FATHOM_OK);
     for (size_t i = 0; i < sizeof given / sizeof *given; ++i) assert_string_equal(names[i + 1], expected[i]);
-    write_names_free(scene, names);
+    write_names_free(names, scene->materials.count);
     fathom_scene_destroy(scene);
 }
 
@@ -192,7 +192,7 @@ static fathom_material through_file(const char *name, const fathom_material *mat
     fathom_mesh mesh = two_triangles();
     mesh.material = id;
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
-    assert_ok(context, fathom_scene_write_mesh(scene, in_folder(name)));
+    assert_ok(context, fathom_scene_write(scene, in_folder(name)));
     assert_ok(context, fathom_scene_read(context, in_folder(name), &back));
     unlink(in_folder(name)), unlink(in_folder("m.mtl"));
     id = scene_find_material(back, "m");

@@ -308,7 +308,7 @@ static fathom_status measure_sphere(fathom_context *context, const bench_render_
     if (status != FATHOM_OK) return status;
     fathom_context_set_threads(context, 0);
     status = bench_sphere(context, triangles, &scene);
-    if (status == FATHOM_OK) status = fathom_scene_write_mesh(scene, path);
+    if (status == FATHOM_OK) status = fathom_scene_write(scene, path);
     fathom_scene_destroy(scene);
     if (status == FATHOM_OK)
         status = measure_source(context, asked, tracers, "generated sphere", path, watch, root);

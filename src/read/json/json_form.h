@@ -102,11 +102,15 @@ typedef struct form_texture_values {
     const char *file, *color_space;
     int wrap_u, wrap_v, filter, channel; /* fathom_wrap, fathom_texture_filter */
     uint32_t uv_set;
+    bool inverted;
     double scale[2], offset[2], rotation; /* degrees */
 } form_texture_values;
 
 /* The kinds of maps, and metal and roughness in one image, as glTF has them. */
 #define FORM_METALLIC_ROUGHNESS ((int)FATHOM_MAPS)
+
+/* Whether images of this kind of map are sRGB where nothing is said. */
+bool form_map_is_color(int kind);
 
 typedef struct form_material_values {
     fathom_material material; /* first: its parameters are keys */
@@ -174,7 +178,7 @@ typedef struct form_object_values {
         } triangle;
         struct {
             const char *file;
-            json_t *positions, *indices, *normals, *uvs, *uvs_1, *colors, *keys;
+            json_t *positions, *indices, *normals, *uvs, *uvs_1, *colors, *opacities, *tangents, *keys;
             int shading; /* form_shading */
         } mesh;
         struct {

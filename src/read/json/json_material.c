@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool is_color(int kind) {
+bool form_map_is_color(int kind) {
     return kind == FATHOM_MAP_COLOR || kind == FATHOM_MAP_EMISSIVE || kind == FATHOM_MAP_SPECULAR_COLOR ||
            kind == FATHOM_MAP_SHEEN_COLOR || kind == FATHOM_MAP_DIFFUSE_TRANSMISSION_COLOR;
 }
 
 /* sRGB for colours and linear for numbers, unless it is said. */
 static void set_space(const form_texture_values *v, int kind, fathom_texture *out) {
-    out->color_space = is_color(kind) ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+    out->color_space = form_map_is_color(kind) ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
     if (!v->color_space) return;
     out->color_space = FATHOM_COLOR_NAMED;
     out->color_space_name = v->color_space;
@@ -40,7 +40,7 @@ static fathom_status add_texture(const object_reader *r, const where *at, const 
     t.wrap_u = (fathom_wrap)v->wrap_u, t.wrap_v = (fathom_wrap)v->wrap_v;
     t.filter = (fathom_texture_filter)v->filter;
     set_space(v, kind, &t);
-    out->uv_set = v->uv_set, out->channel = (uint32_t)v->channel;
+    out->uv_set = v->uv_set, out->channel = (uint32_t)v->channel, out->inverted = v->inverted;
     set_transform(v, out->transform);
     status = fathom_scene_add_texture(r->scene, &t, &out->texture);
     free(path);

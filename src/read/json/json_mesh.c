@@ -7,7 +7,9 @@
 #include <string.h>
 
 typedef struct mesh_arrays {
-    double *positions, *normals, *uvs, *uvs_1, *colors; /* for each vertex; all but the first may be NULL */
+    double *positions, *normals, *uvs, *uvs_1, *colors, *tangents; /* for each vertex; all but the first may
+                                                                      be NULL */
+    unsigned channels;                                             /* of colours */
     uint32_t *indices;
     size_t vertices, triangles;
     bool smooth; /* make normals if there are none */
@@ -17,7 +19,7 @@ typedef struct mesh_arrays {
 
 /* `width` numbers for each vertex, relative to `origin`. NULL stays NULL. */
 static fathom_status narrow_all(const object_reader *r, const double *from, size_t vertices, unsigned width,
-                                const double origin[3], float **out) {
+                                const double *origin, float **out) {
     *out = NULL;
     if (!from) return FATHOM_OK;
     size_t count = vertices * width;
@@ -58,17 +60,18 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
                                 fathom_id material, unsigned flags) {
     if (a->vertices >= UINT32_MAX || a->triangles >= UINT32_MAX)
         return fail(r->scene->context, FATHOM_BAD_INPUT, "more than 2^32 - 2 vertices or triangles");
-    static const double zero[3] = {0, 0, 0};
-    float *positions = NULL, *normals = NULL, *uvs = NULL, *uvs_1 = NULL, *colors = NULL,
+    static const double none[4] = {0, 0, 0, 0};
+    float *positions = NULL, *normals = NULL, *uvs = NULL, *uvs_1 = NULL, *colors = NULL, *tangents = NULL,
           *key_positions = NULL, *key_normals = NULL;
     fathom_mesh mesh;
     fathom_mesh_default(&mesh);
     store_f64(mesh.origin, choose_origin(a));
     fathom_status status = narrow_all(r, a->positions, a->vertices, 3, mesh.origin, &positions);
-    if (status == FATHOM_OK) status = narrow_all(r, a->normals, a->vertices, 3, zero, &normals);
-    if (status == FATHOM_OK) status = narrow_all(r, a->uvs, a->vertices, 2, zero, &uvs);
-    if (status == FATHOM_OK) status = narrow_all(r, a->uvs_1, a->vertices, 2, zero, &uvs_1);
-    if (status == FATHOM_OK) status = narrow_all(r, a->colors, a->vertices, 3, zero, &colors);
+    if (status == FATHOM_OK) status = narrow_all(r, a->normals, a->vertices, 3, none, &normals);
+    if (status == FATHOM_OK) status = narrow_all(r, a->uvs, a->vertices, 2, none, &uvs);
+    if (status == FATHOM_OK) status = narrow_all(r, a->uvs_1, a->vertices, 2, none, &uvs_1);
+    if (status == FATHOM_OK) status = narrow_all(r, a->colors, a->vertices, a->channels, none, &colors);
+    if (status == FATHOM_OK) status = narrow_all(r, a->tangents, a->vertices, 4, none, &tangents);
     mesh.positions = positions, mesh.indices = a->indices;
     mesh.position_stride = 3 * sizeof *positions;
     mesh.vertex_count = (uint32_t)a->vertices, mesh.triangle_count = (uint32_t)a->triangles;
@@ -80,7 +83,8 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
     if (status == FATHOM_OK) {
         mesh.normals = normals, mesh.normal_count = normals ? mesh.vertex_count : 0;
         mesh.uvs = uvs, mesh.uv_count = uvs ? mesh.vertex_count : 0;
-        mesh.uvs_1 = uvs_1, mesh.colors = colors;
+        mesh.uvs_1 = uvs_1, mesh.colors = colors, mesh.color_channels = a->channels;
+        mesh.tangents = normals ? tangents : NULL;
         mesh.material = material;
         mesh.flags = flags;
         if (a->keys) status = add_keys(r, a, &mesh, &key_positions, &key_normals);
@@ -88,7 +92,7 @@ static fathom_status add_arrays(const object_reader *r, fathom_id group, const m
     if (status == FATHOM_OK) {
         status = fathom_scene_add_mesh(r->scene, group, &mesh, NULL);
     }
-    free(positions), free(normals), free(uvs), free(uvs_1), free(colors);
+    free(positions), free(normals), free(uvs), free(uvs_1), free(colors), free(tangents);
     free(key_positions), free(key_normals);
     return status;
 }
@@ -179,6 +183,20 @@ static fathom_status load_indices(const object_reader *r, const where *at, json_
     return FATHOM_OK;
 }
 
+/* Colours with the opacity behind each. */
+static fathom_status load_colors(const object_reader *r, const form_object_values *o, mesh_arrays *out) {
+    json_t *rows = o->as.mesh.colors, *opacities = o->as.mesh.opacities;
+    out->channels = opacities ? 4 : 3;
+    if (!rows || !opacities) return rows ? load_rows(r, rows, 3, &out->colors) : FATHOM_OK;
+    out->colors = malloc(4 * out->vertices * sizeof *out->colors);
+    if (!out->colors) return fail_memory(r->scene->context, 4 * out->vertices * sizeof *out->colors);
+    for (size_t i = 0; i < 4 * out->vertices; ++i) {
+        json_t *row = json_array_get(i % 4 < 3 ? rows : opacities, i / 4);
+        out->colors[i] = json_number_value(json_array_get(row, i % 4 < 3 ? i % 4 : 0));
+    }
+    return FATHOM_OK;
+}
+
 static fathom_status check_same_count(const object_reader *r, const where *at, const char *key, json_t *rows,
                                       size_t vertices) {
     if (!rows || json_array_size(rows) == vertices) return FATHOM_OK;
@@ -234,11 +252,15 @@ static fathom_status load_inline(const object_reader *r, const where *at, const 
     if (status == FATHOM_OK) status = check_same_count(r, at, "uvs", o->as.mesh.uvs, vertices);
     if (status == FATHOM_OK) status = check_same_count(r, at, "uvs1", o->as.mesh.uvs_1, vertices);
     if (status == FATHOM_OK) status = check_same_count(r, at, "colors", o->as.mesh.colors, vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "opacities", o->as.mesh.opacities, vertices);
+    if (status == FATHOM_OK) status = check_same_count(r, at, "tangents", o->as.mesh.tangents, vertices);
     if (status == FATHOM_OK) status = load_rows(r, o->as.mesh.positions, 3, &out->positions);
     if (status == FATHOM_OK && normals) status = load_rows(r, normals, 3, &out->normals);
     if (status == FATHOM_OK && o->as.mesh.uvs) status = load_rows(r, o->as.mesh.uvs, 2, &out->uvs);
     if (status == FATHOM_OK && o->as.mesh.uvs_1) status = load_rows(r, o->as.mesh.uvs_1, 2, &out->uvs_1);
-    if (status == FATHOM_OK && o->as.mesh.colors) status = load_rows(r, o->as.mesh.colors, 3, &out->colors);
+    if (status == FATHOM_OK) status = load_colors(r, o, out);
+    if (status == FATHOM_OK && o->as.mesh.tangents)
+        status = load_rows(r, o->as.mesh.tangents, 4, &out->tangents);
     if (status == FATHOM_OK) status = load_indices(r, at, o->as.mesh.indices, vertices, &out->indices);
     if (status == FATHOM_OK && o->as.mesh.keys)
         status = load_keys(r, at, o->as.mesh.keys, normals != NULL, out);
@@ -254,7 +276,7 @@ fathom_status mesh_inline(const object_reader *r, const where *at, const form_ob
         if (status != FATHOM_OK) status = doc_within(r->doc, at, status);
     }
     free(arrays.positions), free(arrays.normals), free(arrays.uvs), free(arrays.indices);
-    free(arrays.uvs_1), free(arrays.colors);
+    free(arrays.uvs_1), free(arrays.colors), free(arrays.tangents);
     free(arrays.key_times), free(arrays.key_positions), free(arrays.key_normals);
     return status;
 }

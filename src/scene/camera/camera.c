@@ -147,7 +147,7 @@ static fathom_status frame_everything(fathom_scene *scene) {
     scene->camera =
         (fathom_camera){.d = 1, .h = 2 * tan(default_fovy / 2), .shutter = {shutter[0], shutter[1]}};
     set_frame(&scene->camera, &view);
-    scene->has_camera = true;
+    scene->has_camera = scene->made.camera = true;
     return FATHOM_OK;
 }
 
@@ -172,6 +172,8 @@ static fathom_status light_everything(fathom_scene *scene) {
         if (status != FATHOM_OK) return status;
     }
     fathom_status status = FATHOM_OK;
+    scene->made.lights = true;
+    scene->made.background = !scene->has_background, scene->made.ambient = !scene->has_ambient;
     const bool in_studio = !scene->has_background && !scene->has_ambient, lights_made = !scene->has_ambient;
     if (!scene->has_background)
         status = fathom_scene_set_background(scene, (float[3]){0.05f, 0.055f, 0.065f});

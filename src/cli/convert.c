@@ -1,0 +1,73 @@
+#include "cli/command.h"
+
+#include "base/file_name.h"
+
+#include <fathom/file.h>
+#include <fathom/read.h>
+#include <string.h>
+
+typedef struct convert_settings {
+    command_common common;
+    command_model model;
+    const char *input, *output;
+} convert_settings;
+
+static bool check(const convert_settings *settings, args_problem *problem) {
+    static const char *const known[] = {"glb", "json", "obj", "ply"};
+    char extension[16];
+    file_extension(settings->output, extension);
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
+        if (strcmp(extension, known[i]) == 0) return true;
+    }
+    return args_wrong(problem,
+                      "OUT: expected a name that ends in .glb, .json, .obj or .ply, found \"%.200s\"",
+                      settings->output);
+}
+
+static fathom_status convert(fathom_context *context, void *user) {
+    const convert_settings *settings = user;
+    const fathom_read_options options = command_read_options(&settings->model);
+    fathom_scene *scene = NULL;
+    args_problem problem;
+    if (!check(settings, &problem)) return say_usage(&command_convert, problem.text);
+    fathom_status status = fathom_file_check(context, settings->output);
+    if (status == FATHOM_OK) status = fathom_scene_read_with(context, settings->input, &options, &scene);
+    if (status == FATHOM_OK) status = fathom_scene_write(scene, settings->output);
+    fathom_scene_destroy(scene);
+    return say_status(&command_convert, context, status);
+}
+
+static fathom_status run(int argc, char **argv) {
+    convert_settings settings = {.input = NULL};
+    return command_run(&command_convert, argc, argv, &settings, convert);
+}
+
+static const args_option options[] = {
+    {.help = "Options"},
+    COMMAND_MODEL(convert_settings),
+    {"allow-outside", 0, NULL, take_true, offsetof(command_common, allow_outside), 0, 0,
+     "files that IN names may lie outside its folder"},
+    COMMAND_THREADS,
+    COMMAND_QUIET("only errors and warnings"),
+    {.help = NULL},
+};
+static const char *const operands[] = {"IN", "OUT"};
+static const size_t operand_offsets[] = {offsetof(convert_settings, input),
+                                         offsetof(convert_settings, output)};
+
+const command command_convert = {
+    .name = "convert",
+    .usage = "IN OUT.{glb,json,obj,ply} [options]",
+    .summary = "Write a scene or a model in another format.",
+    .text = "IN is whatever fathom render takes. OUT keeps as much of it as its format holds:\n"
+            "  .json  all of it; images that are not in the folder of OUT are copied there\n"
+            "  .glb   meshes, instances, materials, images, lights and the camera\n"
+            "  .obj   meshes with instances placed, and materials in an .mtl next to it\n"
+            "  .ply   meshes with instances placed\n"
+            "What is left out is said, and counted. A camera and lights that a render adds\n"
+            "to IN are not written: it adds them to OUT as well.\n",
+    .examples = "  fathom convert model.gltf model.glb\n"
+                "  fathom convert walk.glb pose.json --time 1.5\n",
+    .args = {options, operands, operand_offsets, 2},
+    .run = run,
+};

@@ -1,0 +1,126 @@
+#include "write/image.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- content ---- */
+
+static bool same_image(const write_image *a, const write_image *b) {
+    if (a->texture->file && b->texture->file) return strcmp(a->texture->file, b->texture->file) == 0;
+    return a->size == b->size && memcmp(a->bytes, b->bytes, a->size) == 0;
+}
+
+static fathom_status open_image(fathom_context *context, const fathom_texture *texture, write_image *out) {
+    *out = (write_image){.texture = texture, .bytes = texture->bytes, .size = texture->byte_count};
+    if (!texture->file) return FATHOM_OK;
+    fathom_status status = file_open(context, texture->file, &out->map);
+    out->bytes = out->map.bytes, out->size = out->map.size;
+    return status;
+}
+
+/* Adds the image unless it is there already. */
+static fathom_status add_image(fathom_context *context, const fathom_texture *texture, write_images *to,
+                               uint32_t *index) {
+    write_image *image = &to->items[to->count];
+    fathom_status status = open_image(context, texture, image);
+    if (status != FATHOM_OK) return status;
+    for (*index = 0; *index < to->count && !same_image(&to->items[*index], image);) ++*index;
+    if (*index == to->count)
+        ++to->count;
+    else
+        file_close(&image->map);
+    return FATHOM_OK;
+}
+
+fathom_status write_images_open(const fathom_scene *scene, bool skies, write_images *out) {
+    const size_t textures = scene->textures.count, more = skies ? scene->environments.count : 0;
+    fathom_status status = FATHOM_OK;
+    out->count = 0;
+    out->items = calloc(textures + more + 1, sizeof *out->items);
+    out->of_texture = calloc(textures + more + 1, sizeof *out->of_texture);
+    out->skies = calloc(more + 1, sizeof *out->skies);
+    if (!out->items || !out->of_texture || !out->skies)
+        return fail_memory(scene->context, (textures + more) * sizeof *out->items);
+    for (size_t i = 0; i < textures && status == FATHOM_OK; ++i)
+        status = add_image(scene->context, &scene->textures.items[i], out, &out->of_texture[i]);
+    for (size_t i = 0; i < more && status == FATHOM_OK; ++i) {
+        out->skies[i].file = scene->environments.items[i].file;
+        status = add_image(scene->context, &out->skies[i], out, &out->of_texture[textures + i]);
+    }
+    return status;
+}
+
+void write_images_close(write_images *images) {
+    for (uint32_t i = 0; i < images->count; ++i) {
+        file_close(&images->items[i].map);
+        free(images->items[i].name);
+    }
+    free(images->items);
+    free(images->of_texture);
+    free(images->skies);
+}
+
+static bool begins(const write_image *image, size_t at, const char *with) {
+    return image->size >= at + strlen(with) && memcmp(image->bytes + at, with, strlen(with)) == 0;
+}
+
+const char *write_image_type(const write_image *image) {
+    if (begins(image, 0, "\x89PNG\r\n")) return "image/png";
+    if (begins(image, 0, "\xff\xd8\xff")) return "image/jpeg";
+    if (begins(image, 0, "RIFF") && begins(image, 8, "WEBP")) return "image/webp";
+    if (begins(image, 4, "ftypavif")) return "image/avif";
+    return NULL;
+}
+
+/* ---- files ---- */
+
+/* The name of `file` as a file at `path` says it, if it is in its folder or below; else NULL. Links lead
+ * out of a folder. */
+static char *name_within(const char *path, const char *file) {
+    char *folder = file_beside(path, "."), *from = folder ? realpath(folder, NULL) : NULL,
+         *to = from ? realpath(file, NULL) : NULL, *name = NULL;
+    const size_t length = from ? strlen(from) : 0;
+    if (to && strncmp(to, from, length) == 0 && (to[length] == '/' || length == 1))
+        name = strdup(to + length + (length > 1));
+    free(folder), free(from), free(to);
+    return name;
+}
+
+/* "out/scene.json" gets "scene-3.png". */
+static char *copied_name(const char *path, const write_image *image, uint32_t index) {
+    const char *type = write_image_type(image), *file = file_name(path);
+    char extension[16] = "", name[PATH_MAX];
+    if (image->texture->file)
+        file_extension(image->texture->file, extension);
+    else if (type)
+        snprintf(extension, sizeof extension, "%s", strchr(type, '/') + 1);
+    snprintf(name, sizeof name, "%.*s-%u%s%s", (int)(file_stem_length(path) - (size_t)(file - path)), file,
+             index, *extension ? "." : "", extension);
+    return strdup(name);
+}
+
+static fathom_status copy_image(fathom_context *context, const char *path, const write_image *image) {
+    char *to = file_beside(path, image->name);
+    file_writer *file;
+    if (!to) return fail_memory(context, strlen(path));
+    fathom_status status = file_writer_open(context, to, &file);
+    free(to);
+    if (status != FATHOM_OK) return status;
+    file_writer_put(file, image->bytes, image->size);
+    return file_writer_commit(file);
+}
+
+fathom_status write_images_beside(const fathom_scene *scene, const char *path, write_images *images) {
+    fathom_status status = FATHOM_OK;
+    for (uint32_t i = 0; i < images->count && status == FATHOM_OK; ++i) {
+        write_image *image = &images->items[i];
+        if (image->texture->file) image->name = name_within(path, image->texture->file);
+        if (image->name) continue;
+        image->name = copied_name(path, image, i);
+        status =
+            image->name ? copy_image(scene->context, path, image) : fail_memory(scene->context, strlen(path));
+    }
+    return status;
+}

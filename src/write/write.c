@@ -1,0 +1,276 @@
+/* fathom_scene_write(): which format, and what of the scene it cannot hold. */
+#include "write/write.h"
+
+#include "scene/motion/motion.h"
+#include "scene/settings.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- names and numbers that formats share ---- */
+
+typedef struct named {
+    const char *name;
+    size_t index;
+} named;
+
+static int compare_names(const void *a, const void *b) {
+    const named *x = a, *y = b;
+    const int order = strcmp(x->name ? x->name : "", y->name ? y->name : "");
+    return order ? order : x->index < y->index ? -1 : 1;
+}
+
+/* Not one that a nameless thing gets; and if `words`, one word, which any reader takes whole. */
+static bool is_name(const char *name, const char *prefix, bool words) {
+    if (!name || !*name || strncmp(name, prefix, strlen(prefix)) == 0) return false;
+    for (; words && *name; ++name) {
+        if ((unsigned char)*name <= ' ' || *name == '#') return false;
+    }
+    return true;
+}
+
+/* The first of a name keeps it. */
+static fathom_status name_all(fathom_context *context, named *items, size_t count, const char *prefix,
+                              bool words, char ***out) {
+    char **names = *out = calloc(count + 1, sizeof *names);
+    if (!names) return fail_memory(context, count * sizeof *names);
+    qsort(items, count, sizeof *items, compare_names);
+    for (size_t i = 0; i < count; ++i) {
+        const named *at = &items[i];
+        const bool first = i == 0 || !at[-1].name || !at->name || strcmp(at[-1].name, at->name) != 0;
+        char numbered[32];
+        snprintf(numbered, sizeof numbered, "%s%zu", prefix, at->index);
+        names[at->index] = strdup(first && is_name(at->name, prefix, words) ? at->name : numbered);
+        if (!names[at->index]) return fail_memory(context, sizeof numbered);
+    }
+    return FATHOM_OK;
+}
+
+fathom_status write_names(const fathom_scene *scene, bool groups, bool words, char ***out) {
+    const size_t count = groups ? scene->groups.count : scene->materials.count;
+    named *items = calloc(count, sizeof *items);
+    *out = NULL;
+    if (!items) return fail_memory(scene->context, count * sizeof *items);
+    for (size_t i = 0; i < count; ++i)
+        items[i] = (named){groups ? scene->groups.items[i] : scene->materials.items[i].name, i};
+    fathom_status status =
+        name_all(scene->context, items, count, groups ? "group_" : "material_", words, out);
+    free(items);
+    return status;
+}
+
+void write_names_free(char **names, size_t count) {
+    for (size_t i = 0; names && i < count; ++i) free(names[i]);
+    free(names);
+}
+
+double write_blinn_exponent(const fathom_material *m) {
+    switch (m->specular) {
+    case FATHOM_SPECULAR_NONE: return 0;
+    case FATHOM_SPECULAR_PHONG: return 4 * (double)m->shininess;
+    case FATHOM_SPECULAR_BLINN: return (double)m->shininess;
+    }
+    return 0;
+}
+
+write_turn write_turn_of(const float m[6]) {
+    const double a = (double)m[0], b = (double)m[1], c = (double)m[3], d = (double)m[4];
+    write_turn t = {.scale = {a, d}};
+    t.plain = a == 1 && d == 1 && b == 0 && c == 0 && m[2] == 0 && m[5] == 0;
+    if (b == 0 && c == 0) return t;
+    /* The columns are (cos, -sin) and (sin, cos), scaled. */
+    t.radians = atan2(-c, a);
+    t.scale[0] = hypot(a, c), t.scale[1] = b * sin(t.radians) + d * cos(t.radians);
+    t.sheared = fabs(a * b + c * d) > 1e-5 * t.scale[0] * fabs(t.scale[1]);
+    return t;
+}
+
+/* ---- what formats cannot hold ---- */
+
+typedef enum format_id { GLB = 1, PLY = 2, OBJ = 4, JSON = 8 } format_id;
+#define MODELS (GLB | PLY | OBJ)
+#define MESHES (PLY | OBJ)
+#define ALL (MODELS | JSON)
+
+static size_t count_copies(const size_t *ways, const fathom_scene *scene) {
+    size_t copies = 0;
+    for (size_t i = 1; i < scene->groups.count; ++i) copies += ways[i] > 1 ? ways[i] : 0;
+    return copies;
+}
+
+static size_t count_named(const fathom_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->objects.count; ++i) count += scene->objects.items[i].name != NULL;
+    return count;
+}
+
+static size_t count_moving(const fathom_scene *scene) {
+    size_t count = scene->camera.key_count > 1;
+    for (size_t i = 0; i < scene->instances.count; ++i) count += scene->instances.items[i].key_count > 1;
+    for (size_t i = 0; i < scene->meshes.count; ++i) count += scene->meshes.items[i].key_count > 1;
+    return count;
+}
+
+/* Readers of glTF let a mesh of a clear material cast no shadow. */
+static size_t count_shadowless(const fathom_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->meshes.count; ++i) {
+        const fathom_mesh *mesh = &scene->meshes.items[i];
+        const float *clear = scene->materials.items[mesh->material].classic.k_t;
+        count += mesh->flags & FATHOM_CASTS_NO_SHADOW && !(clear[0] + clear[1] + clear[2] > 1.5f);
+    }
+    return count;
+}
+
+static size_t count_maps(const fathom_scene *scene, bool sheared) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        for (int k = 0; k < FATHOM_MAPS; ++k) {
+            const fathom_map *map = &scene->materials.items[i].value.maps[k];
+            count += map->texture != FATHOM_NONE && (!sheared || write_turn_of(map->transform).sheared);
+        }
+    }
+    return count;
+}
+
+static size_t count_spaces(const fathom_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->textures.count; ++i)
+        count += scene->textures.items[i].color_space == FATHOM_COLOR_NAMED;
+    return count;
+}
+
+static size_t count_arrays(const fathom_scene *scene, size_t offset) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->meshes.count; ++i)
+        count +=
+            *(const float *const *)(const void *)((const char *)&scene->meshes.items[i] + offset) != NULL;
+    return count;
+}
+
+fathom_settings write_usual_settings(const fathom_scene *scene) {
+    fathom_settings usual;
+    fathom_settings_default(&usual);
+    const fathom_integrator integrator = usual.integrator;
+    fathom_settings_set_integrator(&usual, scene->settings.integrator);
+    usual.integrator = integrator;
+    return usual;
+}
+
+static size_t count_settings(const fathom_scene *scene) {
+    const fathom_settings usual = write_usual_settings(scene);
+    size_t count = 0;
+    for (size_t i = 0; i < settings_table.count; ++i) {
+        const fathom_parameter *p = &settings_table.rows[i];
+        bool same = !(p->flags & FATHOM_PARAMETER_FILE) || p->offset <= offsetof(fathom_settings, height);
+        for (unsigned k = 0; k < parameter_count(p) && !same; ++k)
+            count += same = parameter_number(p, &usual, k) != parameter_number(p, &scene->settings, k);
+    }
+    return count;
+}
+
+static void note_lost(const fathom_scene *scene, const size_t *ways, format_id format, note_list *notes) {
+    const size_t cameras = scene->cameras.count, taken = cameras && scene->camera_taken != FATHOM_NONE;
+    const struct {
+        unsigned lacking;
+        size_t count;
+        const char *text;
+    } facts[] = {
+        {MESHES, count_copies(ways, scene),
+         "a place of a group that is placed several times has triangles of "
+         "its own"},
+        {ALL, cameras - taken, "a camera that was not chosen is left out"},
+        {ALL, scene->has_animations, "animation is not kept; all stands as it is posed"},
+        {ALL, scene->has_variants, "variants of materials are not kept; the chosen one is"},
+        {ALL, count_maps(scene, true), "the shear of an image on a surface is left out"},
+        {MESHES, scene->has_camera && !scene->made.camera, "the camera is left out"},
+        {MESHES, scene->made.lights ? 0 : scene->lights.count, "a light is left out"},
+        {MODELS, scene->environments.count, "an environment of light is left out"},
+        {MODELS, scene->has_background && !scene->made.background, "the background is left out"},
+        {MODELS, scene->has_ambient && !scene->made.ambient, "the ambient light is left out"},
+        {MODELS, count_moving(scene), "motion is left out; all stands as the shutter opens"},
+        {MODELS, scene->grouped_lights.count, "a light group is left out"},
+        {MODELS, count_named(scene), "the name of a shape is left out; those of groups stay"},
+        {MODELS, count_shadowless(scene), "a mesh that casts no shadow casts one"},
+        {MODELS, count_settings(scene), "a setting of the image is left out"},
+        {MODELS, count_spaces(scene), "the named color space of an image is left out"},
+        {PLY, scene->materials.count - 1, "a material is left out"},
+        {MESHES, count_maps(scene, false), "an image on a surface is left out"},
+        {MESHES, count_arrays(scene, offsetof(fathom_mesh, colors)),
+         "the vertex colours of a mesh are left out"},
+        {MESHES, count_arrays(scene, offsetof(fathom_mesh, uvs_1)),
+         "the second uv set of a mesh is left out"},
+        {MESHES, count_arrays(scene, offsetof(fathom_mesh, tangents)), "the tangents of a mesh are left out"},
+    };
+    for (size_t i = 0; i < sizeof facts / sizeof *facts; ++i) {
+        if (facts[i].lacking & format && facts[i].count)
+            notes_add(notes, facts[i].count, "", "%s", facts[i].text);
+    }
+}
+
+/* Models hold triangles only; notes other shapes, which are left out. */
+static fathom_status check_shapes(const fathom_scene *scene, const size_t *ways, const char *path,
+                                  note_list *notes) {
+    static const char *const names[] = {"a sphere is no triangles, and is left out",
+                                        "a quad is no triangles, and is left out",
+                                        "a plane is no triangles, and is left out"};
+    size_t placed[4] = {0};
+    for (size_t i = 0; i < scene->objects.count; ++i)
+        placed[scene->objects.items[i].kind] += ways[scene->objects.items[i].group] > 0;
+    for (int kind = SCENE_SPHERE; kind < SCENE_MESH; ++kind) {
+        if (placed[kind]) notes_add(notes, placed[kind], "", "%s", names[kind]);
+    }
+    if (placed[SCENE_MESH]) return FATHOM_OK;
+    return fail_file(scene->context, FATHOM_BAD_USAGE, path, "the scene holds no triangles to write");
+}
+
+/* ---- the format ---- */
+
+static const struct format {
+    const char *extension;
+    format_id id;
+    fathom_status (*write)(const fathom_scene *scene, const scene_graph *graph, const char *path,
+                           note_list *notes);
+} formats[] = {
+    {"glb", GLB, write_glb}, {"ply", PLY, write_ply}, {"obj", OBJ, write_obj}, {"json", JSON, write_json}};
+
+static fathom_status write_as(const fathom_scene *scene, const scene_graph *graph,
+                              const struct format *format, const char *path) {
+    note_list *notes = calloc(1, sizeof *notes);
+    size_t *ways = NULL;
+    fathom_status status = notes ? FATHOM_OK : fail_memory(scene->context, sizeof *notes);
+    if (status == FATHOM_OK) status = write_count_ways(scene, graph, &ways);
+    if (status == FATHOM_OK && format->id != JSON) status = check_shapes(scene, ways, path, notes);
+    if (status == FATHOM_OK) note_lost(scene, ways, format->id, notes);
+    if (status == FATHOM_OK) status = format->write(scene, graph, path, notes);
+    if (status == FATHOM_OK) notes_tell(notes, scene->context, path);
+    free(ways);
+    free(notes);
+    return status;
+}
+
+fathom_status fathom_scene_write(const fathom_scene *scene, const char *path) {
+    if (!scene) return FATHOM_BAD_USAGE;
+    if (!path) return fail_null(scene->context, "path");
+    char extension[16];
+    file_extension(path, extension);
+    const size_t count = sizeof formats / sizeof *formats;
+    size_t format = 0;
+    while (format < count && strcmp(formats[format].extension, extension) != 0) ++format;
+    if (format == count) {
+        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                         "scenes are written as .glb, .json, .obj or .ply, found extension \"%s\"",
+                         extension);
+    }
+    scene_graph graph;
+    fathom_status status = graph_create(scene, &graph);
+    if (status != FATHOM_OK) return status;
+    /* Numbers have a dot, whatever the user's locale. */
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
+    status = write_as(scene, &graph, &formats[format], path);
+    uselocale(before);
+    freelocale(c);
+    graph_destroy(&graph);
+    return status;
+}

@@ -1,0 +1,191 @@
+#include "write/write_form.h"
+
+#include "write/write.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const form *form_variant(const form *f, int id) {
+    const form *const *variant = f->variants;
+    while (*variant && (*variant)->id != id) ++variant;
+    return *variant;
+}
+
+const form_key *form_key_at(const form *f, size_t offset) {
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            if (key->kind == FORM_OBJECT && key->offset == offset) return key;
+        }
+    }
+    return NULL;
+}
+
+/* ---- which keys ---- */
+
+static size_t numbers_in(const form_key *key) {
+    return (size_t)(key->count ? key->count : 1) * (key->rows ? key->rows : 1);
+}
+
+static bool differs(const form_key *key, const void *values, const void *usual);
+
+static bool any_differs(const form *f, const void *values, const void *usual) {
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            if (differs(key, values, usual)) return true;
+        }
+    }
+    return false;
+}
+
+static bool differs(const form_key *key, const void *values, const void *usual) {
+    const char *value = (const char *)values + key->offset, *other = (const char *)usual + key->offset;
+    switch (key->kind) {
+    case FORM_BOOL: return *(const bool *)value != *(const bool *)other;
+    case FORM_U32:
+    case FORM_F32:
+    case FORM_WORD:
+    case FORM_WORDS: return memcmp(value, other, 4 * numbers_in(key)) != 0;
+    case FORM_U64:
+    case FORM_F64: return memcmp(value, other, 8 * numbers_in(key)) != 0;
+    case FORM_TEXT: return *(const char *const *)(const void *)value != NULL;
+    case FORM_OBJECT: return any_differs(key->form, value, other);
+    case FORM_TAG:
+    case FORM_ROWS:
+    case FORM_LIST:
+    case FORM_MAP:
+    case FORM_MAP_OF_LISTS: return false;
+    }
+    return false;
+}
+
+static bool named_differs(const form *f, const char *name, const void *values, const void *usual) {
+    const form_key *key = form_find(f, name);
+    return key && differs(key, values, usual);
+}
+
+/* Whether the keys that it needs are there. */
+static bool has_needed(const form *f, const form_key *key, const void *values, const void *usual) {
+    for (const form_rule *const *part = f->rules; *part; ++part) {
+        for (const form_rule *rule = *part; rule->kind != FORM_NO_RULE; ++rule) {
+            if (rule->kind != FORM_NEEDS || strcmp(rule->key, key->name) != 0) continue;
+            for (const char *const *other = rule->others; *other; ++other) {
+                if (!named_differs(f, *other, values, usual)) return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* ---- text ---- */
+
+void form_put_number(file_writer *t, double number) {
+    char text[40];
+    for (int digits = 6; digits <= 17; ++digits) {
+        snprintf(text, sizeof text, "%.*g", digits, number);
+        if (strtod(text, NULL) == number) break;
+    }
+    file_writer_print(t, "%s", text);
+}
+
+static void put_float(file_writer *t, float number) {
+    char text[40];
+    for (int digits = 6; digits <= 9; ++digits) {
+        snprintf(text, sizeof text, "%.*g", digits, (double)number);
+        if (strtof(text, NULL) == number) break;
+    }
+    file_writer_print(t, "%s", text);
+}
+
+static void put_one(file_writer *t, const form_key *key, const char *value, size_t i) {
+    const void *at = value;
+    switch (key->kind) {
+    case FORM_U32: file_writer_print(t, "%u", ((const uint32_t *)at)[i]); break;
+    case FORM_U64: file_writer_print(t, "%llu", (unsigned long long)((const uint64_t *)at)[i]); break;
+    case FORM_F32: put_float(t, ((const float *)at)[i]); break;
+    case FORM_F64: form_put_number(t, ((const double *)at)[i]); break;
+    case FORM_BOOL:
+    case FORM_WORD:
+    case FORM_WORDS:
+    case FORM_TEXT:
+    case FORM_TAG:
+    case FORM_OBJECT:
+    case FORM_ROWS:
+    case FORM_LIST:
+    case FORM_MAP:
+    case FORM_MAP_OF_LISTS: break;
+    }
+}
+
+static void put_numbers(file_writer *t, const form_key *key, const char *value) {
+    const size_t count = numbers_in(key);
+    for (size_t i = 0; i < count; ++i) {
+        const bool opens = key->rows && i % key->count == 0;
+        file_writer_print(t, "%s%s", i ? "," : key->count ? "[" : "", opens ? "[" : "");
+        put_one(t, key, value, i);
+        if (key->rows && i % key->count == key->count - 1) file_writer_print(t, "]");
+    }
+    if (key->count) file_writer_print(t, "]");
+}
+
+/* The word at a place in "a|b|c". */
+static void put_word(file_writer *t, const char *words, uint32_t place) {
+    while (place--) words = strchr(words, '|') + 1;
+    file_writer_print(t, "\"%.*s\"", (int)strcspn(words, "|"), words);
+}
+
+static void put_words(file_writer *t, const char *words, uint32_t bits) {
+    const char *comma = "[";
+    file_writer_print(t, bits ? "" : "[");
+    for (uint32_t i = 0; i < 32; ++i) {
+        if (!(bits >> i & 1)) continue;
+        file_writer_print(t, "%s", comma);
+        put_word(t, words, i);
+        comma = ",";
+    }
+    file_writer_print(t, "]");
+}
+
+static void put_value(file_writer *t, const form *f, const form_key *key, const void *values,
+                      const void *usual) {
+    const char *value = (const char *)values + key->offset, *comma = "";
+    uint32_t word;
+    switch (key->kind) {
+    case FORM_BOOL: file_writer_print(t, *(const bool *)value ? "true" : "false"); break;
+    case FORM_U32:
+    case FORM_U64:
+    case FORM_F32:
+    case FORM_F64: put_numbers(t, key, value); break;
+    case FORM_WORD:
+    case FORM_WORDS:
+        memcpy(&word, value, sizeof word);
+        if (key->kind == FORM_WORD)
+            put_word(t, key->words, word);
+        else
+            put_words(t, key->words, word);
+        break;
+    case FORM_TEXT: write_quoted(t, *(const char *const *)(const void *)value); break;
+    case FORM_TAG: write_quoted(t, f->name); break;
+    case FORM_OBJECT:
+        file_writer_print(t, "{");
+        form_put(t, key->form, value, (const char *)usual + key->offset, &comma);
+        file_writer_print(t, "}");
+        break;
+    case FORM_ROWS:
+    case FORM_LIST:
+    case FORM_MAP:
+    case FORM_MAP_OF_LISTS: break;
+    }
+}
+
+void form_put(file_writer *t, const form *f, const void *values, const void *usual, const char **comma) {
+    for (const form_key *const *part = f->parts; *part; ++part) {
+        for (const form_key *key = *part; key->name; ++key) {
+            const bool listed = key->kind >= FORM_ROWS;
+            const bool given = key->required || key->kind == FORM_TAG || differs(key, values, usual);
+            if (listed || !given || !has_needed(f, key, values, usual)) continue;
+            file_writer_print(t, "%s\"%s\":", *comma, key->name);
+            put_value(t, f, key, values, usual);
+            *comma = ",";
+        }
+    }
+}

@@ -1,0 +1,104 @@
+/* Materials of the classic model as glTF's metallic-roughness materials.
+ *
+ * glTF has no Phong lobe, no light from behind and no ambient reflectance; highlight and mirror are one
+ * reflectance F0, blurred by one roughness. n is the exponent of Blinn's lobe and N(n) = (n + 2)(n + 4) / (8
+ * (2^(-n/2) + n)) the inverse of its integral:
+ * - roughness r: r^4 = 2 / (n + 2), lobes of equal width; 0 with a mirror;
+ * - F0 = k_r with a mirror, else k_s / N(n);
+ * - F0 without k_d and k_t is a metal of that base colour, unless Fresnel's law applies; else it is the
+ * dielectric's
+ *   ((ior - 1) / (ior + 1))^2, tinted by KHR_materials_specular to give F0;
+ * - k_t goes to KHR_materials_transmission; k_d and k_t share the base colour;
+ * - k_t without refraction (ior 1, no Fresnel) becomes 1 - alpha. */
+#include "write/write_glb.h"
+
+#include <string.h>
+
+typedef struct pbr {
+    double base[4], metallic, roughness, transmission, ior, specular, specular_color[3];
+    bool blend;
+} pbr;
+
+static double largest(const double v[3]) { return fmax(v[0], fmax(v[1], v[2])); }
+
+static void widen3(const float from[3], double to[3]) {
+    for (int k = 0; k < 3; ++k) to[k] = (double)from[k];
+}
+
+/* Sets the reflectance at normal incidence; returns the roughness. */
+static double reflectance(const fathom_material *m, double f0[3]) {
+    double n = write_blinn_exponent(m), mirror[3], scale = (n + 2) * (n + 4) / (8 * (exp2(-n / 2) + n));
+    widen3(m->k_r, mirror);
+    bool has_mirror = largest(mirror) > 0, has_lobe = m->specular != FATHOM_SPECULAR_NONE;
+    for (int k = 0; k < 3; ++k)
+        f0[k] = has_mirror ? mirror[k] : has_lobe ? fmin((double)m->k_s[k] / scale, 1) : 0;
+    return has_mirror ? 0 : has_lobe ? sqrt(sqrt(2 / (n + 2))) : 1;
+}
+
+/* Chooses ior and tint so that the layer's reflectance is f0. Under Fresnel's law k_r scales the dielectric's
+ * own reflectance. */
+static void set_layer(const fathom_material *m, double f0[3], pbr *out) {
+    out->ior = m->ior >= 1 ? (double)m->ior : 1 / (double)m->ior;
+    if (m->fresnel && m->k_r[0] + m->k_r[1] + m->k_r[2] > 0) {
+        double own = (out->ior - 1) / (out->ior + 1);
+        for (int k = 0; k < 3; ++k) f0[k] *= own * own;
+    }
+    if (largest(f0) > 0 && out->ior == 1) out->ior = 1.5;
+    double own = (out->ior - 1) / (out->ior + 1);
+    out->specular = largest(f0) > 0 ? 1 : 0;
+    for (int k = 0; k < 3; ++k) out->specular_color[k] = out->specular > 0 ? f0[k] / (own * own) : 1;
+}
+
+static void set_base(const fathom_material *m, const double f0[3], pbr *out) {
+    double diffuse[3], through[3];
+    widen3(m->k_d, diffuse);
+    widen3(m->k_t, through);
+    out->blend = largest(through) > 0 && m->ior == 1 && !m->fresnel;
+    if (out->blend)
+        out->base[3] = 1 - fmin(largest(through), 1);
+    else if (largest(through) > 0)
+        out->transmission = largest(through) / (largest(through) + largest(diffuse));
+    double cover = out->base[3];
+    for (int k = 0; k < 3; ++k) {
+        double under = f0[k] < 1 ? diffuse[k] / (1 - f0[k]) : diffuse[k];
+        if (cover > 0) under /= cover;
+        out->base[k] = fmin(out->blend ? under : under + through[k], 1);
+    }
+}
+
+static void narrow3(const double from[3], float to[3]) {
+    for (int k = 0; k < 3; ++k) to[k] = (float)from[k];
+}
+
+static pbr convert(const fathom_material *m) {
+    pbr out = {.base = {0, 0, 0, 1}, .ior = 1.5, .specular = 1, .specular_color = {1, 1, 1}};
+    double f0[3], diffuse[3], through[3];
+    out.roughness = reflectance(m, f0);
+    widen3(m->k_d, diffuse);
+    widen3(m->k_t, through);
+    if (largest(f0) > 0 && largest(diffuse) == 0 && largest(through) == 0 && !m->fresnel) {
+        out.metallic = 1;
+        for (int k = 0; k < 3; ++k) out.base[k] = fmin(f0[k], 1);
+    } else {
+        set_layer(m, f0, &out);
+        set_base(m, f0, &out);
+    }
+    return out;
+}
+
+/* Maps of what both models have stay. */
+fathom_material glb_classic(const fathom_material *m) {
+    static const fathom_map_kind both[] = {FATHOM_MAP_COLOR, FATHOM_MAP_OPACITY, FATHOM_MAP_EMISSIVE,
+                                           FATHOM_MAP_NORMAL};
+    const pbr p = convert(m);
+    fathom_material out;
+    fathom_material_default(&out);
+    out.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    narrow3(p.base, out.base_color), narrow3(p.specular_color, out.specular_color);
+    out.opacity = (float)p.base[3], out.metallic = (float)p.metallic, out.roughness = (float)p.roughness;
+    out.transmission = (float)p.transmission, out.ior = (float)p.ior, out.specular_factor = (float)p.specular;
+    memcpy(out.emissive, m->k_e, sizeof out.emissive);
+    out.normal_scale = m->normal_scale;
+    for (size_t i = 0; i < sizeof both / sizeof *both; ++i) out.maps[both[i]] = m->maps[both[i]];
+    return out;
+}

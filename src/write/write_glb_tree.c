@@ -1,0 +1,228 @@
+/* The hierarchy of binary glTF: groups as meshes, and each place of a group as nodes. */
+#include "write/write_glb.h"
+
+#include "scene/motion/motion.h"
+
+#include <stdlib.h>
+
+/* ---- groups ---- */
+
+/* A node takes about a hundred bytes of JSON, and a file has at most 2^32. */
+#define MOST_NODES ((size_t)1 << 26)
+
+static bool is_near(const fathom_mesh *mesh) {
+    return mesh->origin[0] == 0 && mesh->origin[1] == 0 && mesh->origin[2] == 0;
+}
+
+static int compare_ids(const void *a, const void *b) {
+    const fathom_id *x = a, *y = b;
+    return *x < *y ? -1 : *x > *y;
+}
+
+static void sort_overrides(glb_group *group) {
+    fathom_id *items = group->overrides.items;
+    size_t count = 0;
+    if (!group->overrides.count) return;
+    qsort(items, group->overrides.count, sizeof *items, compare_ids);
+    for (size_t i = 0; i < group->overrides.count; ++i) {
+        if (!count || items[count - 1] != items[i]) items[count++] = items[i];
+    }
+    group->overrides.count = count;
+}
+
+/* The outermost override counts. */
+static bool pass_overrides(const glb_group *from, const fathom_instance *instance, glb_group *to) {
+    for (size_t i = 0; i < from->overrides.count; ++i) {
+        fathom_id override = from->overrides.items[i];
+        if (!array_push(&to->overrides, override != FATHOM_NONE ? override : instance->material))
+            return false;
+        if (to->overrides.count >= 64 && to->overrides.count == to->overrides.capacity) sort_overrides(to);
+    }
+    return true;
+}
+
+static uint32_t meshes_for_one(const glb_group *group) { return group->far_count + group->near; }
+
+/* The glTF mesh of a group placed under an override. */
+static uint32_t mesh_number(const glb *g, uint32_t index, fathom_id override) {
+    const glb_group *group = &g->groups[index];
+    const fathom_id *found =
+        bsearch(&override, group->overrides.items, group->overrides.count, sizeof override, compare_ids);
+    return group->first_mesh + (uint32_t)(found - group->overrides.items) * meshes_for_one(group);
+}
+
+static void count_meshes(const glb *g, uint32_t index, uint32_t *next_mesh) {
+    glb_group *group = &g->groups[index];
+    uint32_t unused;
+    for (uint32_t i = g->graph->objects.first[index]; i < g->graph->objects.first[index + 1]; ++i) {
+        const fathom_mesh *mesh = glb_object_mesh(g, i, &unused);
+        if (!mesh) continue;
+        if (is_near(mesh))
+            group->near = true;
+        else
+            ++group->far_count;
+    }
+    group->first_mesh = *next_mesh;
+    *next_mesh += meshes_for_one(group) * (uint32_t)group->overrides.count;
+}
+
+static void count_nodes(const glb *g, uint32_t index) {
+    glb_group *group = &g->groups[index];
+    group->nodes = 1 + group->far_count;
+    for (uint32_t i = g->graph->instances.first[index]; i < g->graph->instances.first[index + 1]; ++i) {
+        const fathom_instance *instance = &g->scene->instances.items[g->graph->instances.items[i]];
+        group->nodes = write_add(group->nodes, g->groups[instance->group].nodes);
+    }
+}
+
+/* Overrides and node counts of all groups. */
+fathom_status glb_plan_groups(glb *g) {
+    bool good = array_push(&g->groups[FATHOM_ROOT].overrides, FATHOM_NONE);
+    uint32_t meshes = 0;
+    for (uint32_t k = 0; k < g->graph->order_count && good; ++k) {
+        uint32_t index = g->graph->order[k];
+        sort_overrides(&g->groups[index]);
+        count_meshes(g, index, &meshes);
+        for (uint32_t i = g->graph->instances.first[index]; i < g->graph->instances.first[index + 1] && good;
+             ++i) {
+            const fathom_instance *instance = &g->scene->instances.items[g->graph->instances.items[i]];
+            good = pass_overrides(&g->groups[index], instance, &g->groups[instance->group]);
+        }
+    }
+    if (!good) return fail_memory(g->scene->context, g->scene->instances.count * sizeof(fathom_id));
+    for (uint32_t k = g->graph->order_count; k-- > 0;) count_nodes(g, g->graph->order[k]);
+    size_t nodes = g->groups[FATHOM_ROOT].nodes;
+    if (nodes <= MOST_NODES) return FATHOM_OK;
+    return fail_file(g->scene->context, FATHOM_BAD_USAGE, g->path,
+                     "glTF needs a node for each of %zu placed groups, and a .glb has room for about %zu",
+                     nodes, MOST_NODES);
+}
+
+void glb_put_name(file_writer *t, const char *separator, const char *name) {
+    file_writer_print(t, "%s\"name\":", separator);
+    write_quoted(t, name);
+}
+
+static void put_primitive(const glb *g, file_writer *t, uint32_t index, fathom_id override) {
+    static const char *const names[GLB_INDEX] = {"POSITION",   "NORMAL",  "TEXCOORD_0",
+                                                 "TEXCOORD_1", "COLOR_0", "TANGENT"};
+    const glb_mesh *m = &g->meshes[index];
+    uint32_t accessor = m->accessor;
+    size_t sizes[GLB_ARRAYS];
+    glb_sizes(m, sizes);
+    for (int kind = 0; kind < GLB_INDEX; ++kind) {
+        if (sizes[kind])
+            file_writer_print(t, "%s\"%s\":%u", kind ? "," : "{\"attributes\":{", names[kind], accessor++);
+    }
+    file_writer_print(t, "},\"indices\":%u,\"material\":%u}", accessor,
+                      override != FATHOM_NONE ? override : m->vertices.mesh->material);
+}
+
+/* One glTF mesh for the meshes that share the group's origin, then one for each other mesh, in the order of
+ * mesh_number(). */
+static void put_group_meshes(const glb *g, file_writer *t, uint32_t group, fathom_id override,
+                             const char **comma) {
+    for (int far = g->groups[group].near ? 0 : 1; far < 2; ++far) {
+        const char *separator = far ? *comma : "";
+        if (!far) file_writer_print(t, "%s\n{\"primitives\":[", *comma);
+        for (uint32_t i = g->graph->objects.first[group], index; i < g->graph->objects.first[group + 1];
+             ++i) {
+            const fathom_mesh *mesh = glb_object_mesh(g, i, &index);
+            if (!mesh || is_near(mesh) == (far == 1)) continue;
+            file_writer_print(t, "%s%s", separator, far ? "\n{\"primitives\":[" : "");
+            put_primitive(g, t, index, override);
+            if (far) file_writer_print(t, "]}");
+            separator = *comma = ",";
+        }
+        if (far) continue;
+        file_writer_print(t, "]");
+        if (g->scene->groups.items[group]) glb_put_name(t, ",", g->scene->groups.items[group]);
+        file_writer_print(t, "}");
+    }
+}
+
+static void put_meshes(const glb *g, file_writer *t) {
+    const char *comma = "";
+    for (uint32_t k = 0; k < g->graph->order_count; ++k) {
+        const glb_group *group = &g->groups[g->graph->order[k]];
+        for (size_t i = 0; i < group->overrides.count; ++i)
+            put_group_meshes(g, t, g->graph->order[k], group->overrides.items[i], &comma);
+    }
+}
+
+/* glTF stores matrices by columns, with the row 0 0 0 1. */
+static void put_transform(file_writer *t, const char **separator, const affine_f64 *map) {
+    if (affine_is_identity(map)) return;
+    file_writer_print(t, "%s\"matrix\":", *separator);
+    *separator = ",";
+    for (int i = 0; i < 16; ++i) {
+        double number = i % 4 < 3 ? map->m[i % 4][i / 4] : i / 4 == 3;
+        file_writer_print(t, "%s%.17g", i ? "," : "[", number);
+    }
+    file_writer_print(t, "]");
+}
+
+/* Children are numbered after their parent, each followed by everything inside it. */
+static void put_children(const glb *g, file_writer *t, const char *separator, uint32_t group, size_t number) {
+    size_t child = number + 1;
+    const char *comma = "[";
+    if (g->groups[group].nodes == 1) return;
+    file_writer_print(t, "%s\"children\":", separator);
+    for (uint32_t i = 0; i < g->groups[group].far_count; ++i, comma = ",")
+        file_writer_print(t, "%s%zu", comma, child++);
+    for (uint32_t i = g->graph->instances.first[group]; i < g->graph->instances.first[group + 1];
+         ++i, comma = ",") {
+        file_writer_print(t, "%s%zu", comma, child);
+        child += g->groups[g->scene->instances.items[g->graph->instances.items[i]].group].nodes;
+    }
+    file_writer_print(t, "]");
+}
+
+static void put_far_nodes(const glb *g, file_writer *t, uint32_t group, uint32_t mesh) {
+    for (uint32_t i = g->graph->objects.first[group], index; i < g->graph->objects.first[group + 1]; ++i) {
+        const fathom_mesh *far = glb_object_mesh(g, i, &index);
+        if (!far || is_near(far)) continue;
+        file_writer_print(t, ",\n{\"mesh\":%u,\"translation\":[%.17g,%.17g,%.17g]}", mesh++, far->origin[0],
+                          far->origin[1], far->origin[2]);
+    }
+}
+
+/* Each placement of a group gets its own nodes, because nodes form a tree. */
+static void put_nodes(const glb *g, file_writer *t, uint32_t group, const fathom_instance *instance,
+                      fathom_id override, size_t *number) {
+    const char *name = g->scene->groups.items[group], *separator = "";
+    uint32_t mesh = mesh_number(g, group, override);
+    file_writer_print(t, *number ? ",\n{" : "\n{");
+    if (name) glb_put_name(t, separator, name), separator = ",";
+    if (instance) {
+        const affine_f64 map = motion_place(instance, g->scene->camera.shutter[0]);
+        put_transform(t, &separator, &map);
+    }
+    if (g->groups[group].near) {
+        file_writer_print(t, "%s\"mesh\":%u", separator, mesh++);
+        separator = ",";
+    }
+    put_children(g, t, separator, group, *number);
+    file_writer_print(t, "}");
+    put_far_nodes(g, t, group, mesh);
+    *number += 1 + g->groups[group].far_count;
+    for (uint32_t i = g->graph->instances.first[group]; i < g->graph->instances.first[group + 1]; ++i) {
+        const fathom_instance *child = &g->scene->instances.items[g->graph->instances.items[i]];
+        put_nodes(g, t, child->group, child, override != FATHOM_NONE ? override : child->material, number);
+    }
+}
+
+void glb_put_tree(const glb *g, file_writer *t) {
+    const size_t nodes = g->groups[FATHOM_ROOT].nodes, others = glb_surroundings(g);
+    size_t number = 0;
+    file_writer_print(t, "\"scene\":0,\"scenes\":[{\"nodes\":[0");
+    for (size_t i = 0; i < others; ++i) file_writer_print(t, ",%zu", nodes + i);
+    file_writer_print(t, "]");
+    if (*g->scene->name) glb_put_name(t, ",", g->scene->name);
+    file_writer_print(t, "}],\n\"nodes\":[");
+    put_nodes(g, t, FATHOM_ROOT, NULL, FATHOM_NONE, &number);
+    glb_put_surroundings(g, t);
+    file_writer_print(t, "],\n\"meshes\":[");
+    put_meshes(g, t);
+    file_writer_print(t, "]");
+}

@@ -1,0 +1,222 @@
+/* Groups and objects of scene JSON: meshes with their arrays, other shapes, instances. */
+#include "write/write_json.h"
+
+#include "read/read.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const form_object_values usual = {.casts_shadow = true,
+                                         .place.matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+
+/* ---- meshes ---- */
+
+/* Rows of one array of a mesh, of `count` numbers from `from` on. */
+typedef struct rows {
+    const write_mesh *mesh;
+    write_array kind;
+    unsigned from, count;
+    const double *origin; /* added in double; NULL: floats as they are */
+} rows;
+
+enum { NUMBER_MOST = WRITE_NUMBER_BYTES, ROW_MOST = 4 * NUMBER_MOST + 4 };
+
+static size_t put_row_start(char *out, size_t row) {
+    size_t length = 0;
+    if (row) out[length++] = ',';
+    out[length++] = '[';
+    return length;
+}
+
+static size_t format_rows(const void *user, size_t begin, size_t end, char *out) {
+    const rows *r = user;
+    char *start = out;
+    for (size_t i = begin; i < end; ++i) {
+        float v[4];
+        write_mesh_entry(r->mesh, r->kind, (uint32_t)i, v);
+        out += put_row_start(out, i);
+        for (unsigned k = 0; k < r->count; ++k) {
+            if (k) *out++ = ',';
+            if (r->origin)
+                out += snprintf(out, NUMBER_MOST, "%.17g", r->origin[k] + (double)v[k]);
+            else
+                out += write_float(out, v[r->from + k]);
+        }
+        *out++ = ']';
+    }
+    return (size_t)(out - start);
+}
+
+static void put_rows(json_out *o, const char *key, const rows *r) {
+    file_writer_print(o->stream.file, ",\n\"%s\":[", key);
+    write_items(&o->stream, r->mesh->vertex_count, ROW_MOST, format_rows, r);
+    file_writer_print(o->stream.file, "]");
+}
+
+static size_t format_triangles(const void *user, size_t begin, size_t end, char *out) {
+    const write_mesh *m = user;
+    char *start = out;
+    for (size_t i = begin; i < end; ++i) {
+        out += put_row_start(out, i);
+        for (size_t k = 0; k < 3; ++k) {
+            if (k) *out++ = ',';
+            out += write_integer(out, write_mesh_index(m, 3 * i + k));
+        }
+        *out++ = ']';
+    }
+    return (size_t)(out - start);
+}
+
+/* Floats are short as floats. The reader moves what is far from zero to an origin of its own, in double; only
+ * the whole number leads to the same float there. */
+static const double *origin_of(const fathom_scene *scene, fathom_id object, const fathom_mesh *mesh) {
+    const scene_bounds box = scene_object_bounds(scene, object);
+    const vec3_f64 far = origin_for(&box), own = load_f64(mesh->origin);
+    const bool plain = far.x == 0 && far.y == 0 && far.z == 0 && own.x == 0 && own.y == 0 && own.z == 0;
+    return plain ? NULL : mesh->origin;
+}
+
+/* The vertices at each time. The keys have an entry for each of the mesh's own, so they are written as those
+ * of a mesh that stays. */
+static void put_keys(json_out *o, const write_mesh *m, const double *origin) {
+    const fathom_mesh *mesh = m->mesh;
+    for (uint32_t k = 0; k < mesh->key_count; ++k) {
+        fathom_mesh then = *mesh;
+        write_mesh at = *m;
+        at.mesh = &then;
+        then.positions = mesh->key_positions + (size_t)3 * k * mesh->vertex_count;
+        then.position_stride = then.normal_stride = 3 * sizeof(float);
+        if (mesh->normals) then.normals = mesh->key_normals + (size_t)3 * k * mesh->normal_count;
+        file_writer_print(o->stream.file, "%s{\"time\":", k ? ",\n" : ",\n\"vertexKeys\":[");
+        form_put_number(o->stream.file, mesh->key_times[k]);
+        put_rows(o, "positions", &(rows){&at, WRITE_POSITION, 0, 3, origin});
+        if (mesh->normals) put_rows(o, "normals", &(rows){&at, WRITE_NORMAL, 0, 3, NULL});
+        file_writer_print(o->stream.file, "}");
+    }
+    if (mesh->key_count) file_writer_print(o->stream.file, "]");
+}
+
+static fathom_status put_mesh(json_out *o, fathom_id object, const fathom_mesh *mesh) {
+    static const struct {
+        const char *key;
+        write_array kind;
+        unsigned from, count;
+    } arrays[] = {{"normals", WRITE_NORMAL, 0, 3},  {"uvs", WRITE_UV, 0, 2},
+                  {"uvs1", WRITE_UV_1, 0, 2},       {"colors", WRITE_COLOR, 0, 3},
+                  {"opacities", WRITE_COLOR, 3, 1}, {"tangents", WRITE_TANGENT, 0, 4}};
+    const double *origin = origin_of(o->scene, object, mesh);
+    write_mesh m;
+    fathom_status status = write_mesh_prepare(o->scene->context, mesh, false, &m);
+    if (status != FATHOM_OK) return status;
+    put_rows(o, "positions", &(rows){&m, WRITE_POSITION, 0, 3, origin});
+    file_writer_print(o->stream.file, ",\n\"indices\":[");
+    write_items(&o->stream, mesh->triangle_count, ROW_MOST, format_triangles, &m);
+    file_writer_print(o->stream.file, "]");
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) {
+        if (write_mesh_width(mesh, arrays[i].kind) > arrays[i].from)
+            put_rows(o, arrays[i].key, &(rows){&m, arrays[i].kind, arrays[i].from, arrays[i].count, NULL});
+    }
+    put_keys(o, &m, origin);
+    write_mesh_free(&m);
+    return FATHOM_OK;
+}
+
+/* ---- objects ---- */
+
+static form_object_id object_id(scene_kind kind) {
+    switch (kind) {
+    case SCENE_SPHERE: return FORM_SPHERE;
+    case SCENE_QUAD: return FORM_QUAD;
+    case SCENE_PLANE: return FORM_PLANE;
+    case SCENE_MESH: return FORM_MESH;
+    }
+    return FORM_MESH;
+}
+
+/* Returns the flags. */
+static unsigned set_shape(const fathom_scene *scene, const scene_object *object, form_object_values *v) {
+    switch (object->kind) {
+    case SCENE_SPHERE: v->as.sphere = scene->spheres.items[object->index]; return v->as.sphere.flags;
+    case SCENE_PLANE: v->as.plane = scene->planes.items[object->index]; return v->as.plane.flags;
+    case SCENE_MESH: return scene->meshes.items[object->index].flags;
+    case SCENE_QUAD: {
+        const fathom_quad *quad = &scene->quads.items[object->index];
+        memcpy(v->as.quad.corners, quad->corners, sizeof quad->corners);
+        return quad->flags;
+    }
+    }
+    return 0;
+}
+
+static fathom_status put_object(json_out *o, fathom_id id, const char **comma) {
+    const scene_object *object = &o->scene->objects.items[id];
+    const fathom_id material = scene_object_material(o->scene, id);
+    const char *separator = "";
+    fathom_status status = FATHOM_OK;
+    form_object_values v = usual;
+    v.name = object->name;
+    v.material = material ? o->materials[material] : NULL;
+    v.light_group = json_light_group(o->scene, FATHOM_SOURCE_OBJECT, id);
+    v.casts_shadow = !(set_shape(o->scene, object, &v) & FATHOM_CASTS_NO_SHADOW);
+    file_writer_print(o->stream.file, "%s\n{", *comma);
+    form_put(o->stream.file, form_variant(&form_object, (int)object_id(object->kind)), &v, &usual,
+             &separator);
+    if (object->kind == SCENE_MESH) status = put_mesh(o, id, &o->scene->meshes.items[object->index]);
+    file_writer_print(o->stream.file, "}");
+    *comma = ",";
+    return status;
+}
+
+static void put_motion(file_writer *t, const fathom_instance *instance) {
+    for (uint32_t k = 0; k < instance->key_count; ++k) {
+        file_writer_print(t, "%s{\"time\":", k ? "," : ",\"motion\":[");
+        form_put_number(t, instance->key_times[k]);
+        file_writer_print(t, ",\"matrix\":");
+        json_put_matrix(t, instance->key_transforms + (size_t)12 * k);
+        file_writer_print(t, "}");
+    }
+    if (instance->key_count) file_writer_print(t, "]");
+}
+
+static void put_instance(json_out *o, const fathom_instance *instance, const char **comma) {
+    const char *separator = "";
+    form_object_values v = usual;
+    v.material = instance->material != FATHOM_NONE ? o->materials[instance->material] : NULL;
+    v.as.instance.of = o->groups[instance->group];
+    for (int i = 0; i < 12 && !instance->key_count; ++i)
+        v.place.matrix[i % 4 * 4 + i / 4] = instance->transform[i];
+    file_writer_print(o->stream.file, "%s\n{", *comma);
+    form_put(o->stream.file, form_variant(&form_object, FORM_INSTANCE), &v, &usual, &separator);
+    put_motion(o->stream.file, instance);
+    file_writer_print(o->stream.file, "}");
+    *comma = ",";
+}
+
+static fathom_status put_group(json_out *o, uint32_t group) {
+    const graph_lists *objects = &o->graph->objects, *instances = &o->graph->instances;
+    const char *comma = "";
+    fathom_status status = FATHOM_OK;
+    file_writer_print(o->stream.file, "[");
+    for (uint32_t i = objects->first[group]; i < objects->first[group + 1] && status == FATHOM_OK; ++i)
+        status = put_object(o, objects->items[i], &comma);
+    for (uint32_t i = instances->first[group]; i < instances->first[group + 1]; ++i)
+        put_instance(o, &o->scene->instances.items[instances->items[i]], &comma);
+    file_writer_print(o->stream.file, "]");
+    return status;
+}
+
+fathom_status json_put_objects(json_out *o) {
+    file_writer *t = o->stream.file;
+    fathom_status status = FATHOM_OK;
+    const size_t count = o->scene->groups.count;
+    if (count > 1) file_writer_print(t, ",\n\"groups\":{");
+    for (uint32_t g = FATHOM_ROOT + 1; g < count && status == FATHOM_OK; ++g) {
+        file_writer_print(t, g > FATHOM_ROOT + 1 ? ",\n" : "\n");
+        write_quoted(t, o->groups[g]);
+        file_writer_print(t, ":");
+        status = put_group(o, g);
+    }
+    if (count > 1) file_writer_print(t, "}");
+    file_writer_print(t, ",\n\"objects\":");
+    return status == FATHOM_OK ? put_group(o, FATHOM_ROOT) : status;
+}

@@ -1,0 +1,21 @@
+# fathom convert: every format, what is left out is said once, and nothing is left behind.
+. "$SOURCE/tests/cli/check.inc"
+
+cp "$SOURCE/scenes/example.obj" in.obj
+for format in glb json obj ply; do
+    run 0 convert in.obj out.$format
+    silent out.txt
+    run 0 render out.$format -o $format.png --size 32x32 --spp 4
+done
+run 0 convert "$SOURCE/scenes/example.json" all.json
+silent err.txt
+run 0 convert "$SOURCE/scenes/example.json" some.glb
+said err.txt 'some.glb: a sphere is no triangles, and is left out (4 such)'
+said err.txt 'some.glb: the background is left out (1 such)'
+
+rm -f some.glb all.json
+refused 2 'OUT: expected a name that ends in .glb, .json, .obj or .ply' convert in.obj out.stl
+refused 2 'OUT is missing' convert in.obj
+refused 3 'none.obj' convert none.obj a.glb
+ls -A | grep tmp && die 'a temporary file was left behind'
+exit 0

@@ -1,0 +1,375 @@
+/* Writers keep what readers read: parameters, images and whole renders that go through a file. */
+#include "scene/scene.h"
+
+#include "render.h"
+#include "unit_folder.h"
+
+#include <fathom/parameter.h>
+
+static const char *const formats[] = {"a.glb", "a.json"};
+enum { GLB, JSON, FORMATS };
+
+/* ---- a scene of one triangle ---- */
+
+static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, uvs[6] = {0, 0, 1, 0, 0, 1};
+static const uint32_t corners[3] = {0, 1, 2};
+
+static fathom_mesh triangle(fathom_id material) {
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = corners, mesh.triangle_count = 1;
+    mesh.uvs = uvs, mesh.uv_count = 3, mesh.material = material;
+    return mesh;
+}
+
+static fathom_scene *wearing(const fathom_material *m, const fathom_texture *texture) {
+    fathom_scene *scene;
+    fathom_id id, image;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    if (texture) assert_ok(context, fathom_scene_add_texture(scene, texture, &image));
+    assert_ok(context, fathom_scene_add_material(scene, "two words", m, &id));
+    const fathom_mesh mesh = triangle(id);
+    assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
+    return scene;
+}
+
+/* Writes the scene, destroys it and reads the file. */
+static fathom_scene *through(fathom_scene *scene, int format) {
+    fathom_scene *back;
+    assert_ok(context, fathom_scene_write(scene, in_folder(formats[format])));
+    fathom_scene_destroy(scene);
+    assert_ok(context, fathom_scene_read(context, in_folder(formats[format]), &back));
+    unlink(in_folder(formats[format]));
+    return back;
+}
+
+static const fathom_material *worn(const fathom_scene *scene) {
+    const fathom_id id = scene_find_material(scene, "two words");
+    assert_int_not_equal(id, FATHOM_NONE);
+    return &scene->materials.items[id].value;
+}
+
+/* ---- parameters ---- */
+
+/* glTF has no place for these; the slopes' factor stands at their image there. */
+static bool in_format(int format, const char *name) {
+    static const char *const lacking[] = {"priority", "multiscatter", "normal_scale"};
+    for (int i = 0; i < 3; ++i) {
+        if (format == GLB && strcmp(name, lacking[i]) == 0) return false;
+    }
+    return true;
+}
+
+/* A number that is not the default and that few bits do not hold. */
+static double unusual(const fathom_parameter *p) {
+    static const double candidates[] = {0.3, 0.7, 1.7, 3};
+    if (p->type == FATHOM_PARAMETER_BOOL) return p->fallback == 0;
+    if (p->type == FATHOM_PARAMETER_U32) return 3;
+    if (strcmp(p->name, "ior") == 0) return 1.7; /* glTF's begins at 1 */
+    for (size_t i = 0; i < 4; ++i) {
+        if (candidates[i] >= p->low && candidates[i] <= p->high && candidates[i] != p->fallback)
+            return candidates[i];
+    }
+    fail_msg("no number for %s", p->name);
+    return 0;
+}
+
+static void *member(const fathom_parameter *p, const fathom_material *m) {
+    return (char *)(uintptr_t)m + p->offset;
+}
+
+static size_t width(const fathom_parameter *p) {
+    return p->type == FATHOM_PARAMETER_BOOL ? 1 : 4 * (size_t)(p->count ? p->count : 1);
+}
+
+/* Each alone, beside a volume, without which some mean nothing. */
+static void every_material_parameter_reads_back(void **state) {
+    (void)state;
+    size_t count;
+    const fathom_parameter *rows = fathom_material_parameters(FATHOM_MODEL_METALLIC_ROUGHNESS, &count);
+    for (size_t i = 0; i < FORMATS * count; ++i) {
+        const fathom_parameter *p = &rows[i / FORMATS];
+        const int format = (int)(i % FORMATS);
+        fathom_material given;
+        fathom_material_default(&given);
+        given.model = FATHOM_MODEL_METALLIC_ROUGHNESS, given.thickness = 1;
+        float numbers[3] = {(float)unusual(p), (float)unusual(p) / 2, (float)unusual(p) / 3};
+        const bool flag = numbers[0] != 0;
+        const uint32_t number = 3;
+        memcpy(member(p, &given),
+               p->type == FATHOM_PARAMETER_BOOL  ? (const void *)&flag
+               : p->type == FATHOM_PARAMETER_U32 ? (const void *)&number
+                                                 : numbers,
+               width(p));
+        if (!in_format(format, p->name)) continue;
+        fathom_scene *back = through(wearing(&given, NULL), format);
+        for (size_t k = 0; k < count; ++k) {
+            if (memcmp(member(&rows[k], &given), member(&rows[k], worn(back)), width(&rows[k])) != 0)
+                fail_msg("%s: %s changes with an unusual %s", formats[format], rows[k].name, p->name);
+        }
+        fathom_scene_destroy(back);
+    }
+}
+
+static void every_setting_reads_back_from_json(void **state) {
+    (void)state;
+    static const char *const values[][2] = {
+        {"integrator", "classic"}, {"integrator", "reference"}, {"width", "333"},        {"spp", "64"},
+        {"pattern", "stratified"}, {"filter", "gaussian"},      {"filter_width", "1.7"}, {"seed", "77"},
+        {"crop", "1,2,300,400"},   {"target_error", "0.3"},     {"min_spp", "8"},        {"max_depth", "3"},
+        {"min_weight", "0.001"},   {"aovs", "Z,albedo"}};
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
+        fathom_settings given, got;
+        fathom_material plain;
+        char text[2][256];
+        size_t count;
+        fathom_material_default(&plain);
+        fathom_settings_default(&given);
+        if (strcmp(values[i][0], "pattern") == 0) given.target_error = 0;
+        assert_ok(context, fathom_settings_set_text(context, &given, values[i][0], values[i][1]));
+        if (strcmp(values[i][0], "integrator") == 0) fathom_settings_set_integrator(&given, given.integrator);
+        fathom_scene *scene = wearing(&plain, NULL);
+        assert_ok(context, fathom_scene_set_settings(scene, &given));
+        fathom_scene *back = through(scene, JSON);
+        fathom_scene_settings(back, &got);
+        const fathom_parameter *rows = fathom_settings_parameters(&count);
+        for (size_t k = 0; k < count; ++k) {
+            if (!(rows[k].flags & FATHOM_PARAMETER_FILE)) continue;
+            assert_ok(context, fathom_settings_get_text(context, &given, rows[k].name, text[0], 256));
+            assert_ok(context, fathom_settings_get_text(context, &got, rows[k].name, text[1], 256));
+            if (strcmp(text[0], text[1]) != 0)
+                fail_msg("%s %s: %s is %s, was %s", values[i][0], values[i][1], rows[k].name, text[1],
+                         text[0]);
+        }
+        fathom_scene_destroy(back);
+    }
+}
+
+/* ---- images ---- */
+
+/* The channel that glTF gives an image; -1: it has no image of this alone. */
+static int channel_of(int kind) {
+    switch (kind) {
+    case FATHOM_MAP_SPECULAR:
+    case FATHOM_MAP_SHEEN_ROUGHNESS:
+    case FATHOM_MAP_DIFFUSE_TRANSMISSION: return 3;
+    case FATHOM_MAP_CLEARCOAT_ROUGHNESS:
+    case FATHOM_MAP_IRIDESCENCE_THICKNESS: return 1;
+    case FATHOM_MAP_METALLIC:
+    case FATHOM_MAP_ROUGHNESS:
+    case FATHOM_MAP_OPACITY:
+    case FATHOM_MAP_SHININESS: return -1;
+    default: return 0;
+    }
+}
+
+static void check_map(const fathom_scene *back, const fathom_map *given, int kind,
+                      const fathom_texture *texture) {
+    const fathom_map *map = &worn(back)->maps[kind];
+    assert_int_not_equal(map->texture, FATHOM_NONE);
+    const fathom_texture *got = &back->textures.items[map->texture];
+    assert_true(map->uv_set == given->uv_set && map->channel == given->channel &&
+                map->inverted == given->inverted);
+    /* A turn and a scale have four numbers, too, but a turn is no float: each is rounded twice. All are below
+     * 1. */
+    for (int i = 0; i < 6; ++i) assert_near(map->transform[i], given->transform[i], 2 * 0x1p-24);
+    assert_true(got->wrap_u == texture->wrap_u && got->wrap_v == texture->wrap_v &&
+                got->filter == texture->filter);
+    if (got->bytes) assert_memory_equal(got->bytes, texture->bytes, texture->byte_count);
+}
+
+/* Scaled, turned and moved, in the second set; of every kind that a format has. */
+static void every_image_reads_back(void **state) {
+    (void)state;
+    const fathom_texture texture = {.size = sizeof texture,
+                                    .bytes = "\x89PNG\r\n of no use",
+                                    .byte_count = 18,
+                                    .wrap_u = FATHOM_WRAP_CLAMP,
+                                    .wrap_v = FATHOM_WRAP_MIRROR,
+                                    .filter = FATHOM_TEXTURE_NEAREST};
+    for (int i = 0; i < FORMATS * FATHOM_MAPS; ++i) {
+        const int kind = i / FORMATS, format = i % FORMATS, channel = channel_of(kind);
+        if (kind == FATHOM_MAP_SHININESS || (format == GLB && channel < 0)) continue;
+        fathom_texture image = texture;
+        image.color_space = kind == FATHOM_MAP_COLOR ? FATHOM_COLOR_SRGB : FATHOM_COLOR_LINEAR;
+        fathom_material given;
+        fathom_material_default(&given);
+        given.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+        fathom_map *map = &given.maps[kind];
+        *map = (fathom_map){.texture = 0, .uv_set = 1, .transform = {0.4f, 0.36f, 0.1f, -0.3f, 0.48f, 0.2f}};
+        map->channel = channel < 0 ? 2 : (uint32_t)channel, map->inverted = format == JSON;
+        fathom_scene *back = through(wearing(&given, &image), format);
+        check_map(back, map, kind, &texture);
+        fathom_scene_destroy(back);
+        unlink(in_folder("a-0.png"));
+    }
+}
+
+/* ---- renders ---- */
+
+/* The bits of red, green and blue. */
+static void check_same_render(fathom_scene *a, fathom_scene *b, const char *what) {
+    fathom_film *films[2];
+    fathom_settings settings;
+    for (int i = 0; i < 2; ++i) {
+        fathom_scene_settings(i ? b : a, &settings);
+        settings.width = 40, settings.height = 30, settings.spp = 4, settings.target_error = 0;
+        assert_ok(context, fathom_render(context, i ? b : a, &settings, NULL, NULL, NULL, &films[i]));
+    }
+    double sum = 0;
+    for (const char *c = "RGB"; *c; ++c) {
+        const char name[] = {*c, 0};
+        const float *x = fathom_film_channel(films[0], name), *y = fathom_film_channel(films[1], name);
+        for (int k = 0; k < 40 * 30; ++k) sum += (double)x[k];
+        if (memcmp(x, y, sizeof(float) * 40 * 30) != 0) fail_msg("%s: channel %s differs", what, name);
+    }
+    assert_true(sum > 0);
+    for (int i = 0; i < 2; ++i) fathom_film_destroy(films[i]);
+}
+
+static void add_lights(fathom_scene *scene) {
+    for (int i = 0; i < 3; ++i) {
+        static const double at[3][3] = {{1, 2, 3}, {0, 0, 0}, {-1, 1, 2}},
+                            along[3][3] = {{0, -1, 0}, {-0.3, -1, -0.2}, {0.6, -0.5, -1.1}};
+        fathom_light light;
+        fathom_light_default(&light);
+        light.type = (fathom_light_type)i;
+        memcpy(light.position, at[i], sizeof light.position);
+        memcpy(light.direction, along[i], sizeof light.direction);
+        light.intensity[0] = 3.3f, light.intensity[1] = 0.7f, light.intensity[2] = 1.1f + (float)i;
+        light.inner_angle = 0.2f, light.outer_angle = 0.6f;
+        assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
+    }
+}
+
+/* Two groups in three places, coloured vertices, both uv sets, tangents, an image, lights, a camera. */
+static fathom_scene *rich_scene(void) {
+    static const float second[6] = {0.1f, 0.2f, 0.9f, 0.3f, 0.4f, 1.7f},
+                       colors[12] = {1, 0.5f, 0.2f, 0.9f, 0.3f, 1, 0.4f, 0.5f, 0.7f, 0.8f, 1, 1},
+                       normals[9] = {0, 0.1f, 1, 0.2f, 0, 1, 0, -0.1f, 1},
+                       tangents[12] = {1, 0, 0, 1, 0.9f, 0.1f, 0, 1, 1, 0, 0, -1};
+    static const char picture[] = "P6\n2 2\n255\n\xff\x20\x10\x40\xf0\x70\x20\x30\xe0\xb0\xa0\x90";
+    const fathom_texture texture = {
+        .size = sizeof texture, .bytes = picture, .byte_count = sizeof picture - 1};
+    fathom_scene *scene;
+    fathom_material m;
+    fathom_id id, group;
+    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.roughness = 0.3f, m.clearcoat = 0.4f, m.metallic = 0.2f;
+    assert_ok(context, fathom_scene_add_texture(scene, &texture, &m.maps[FATHOM_MAP_COLOR].texture));
+    m.maps[FATHOM_MAP_OPACITY] = m.maps[FATHOM_MAP_COLOR];
+    m.maps[FATHOM_MAP_OPACITY].channel = 3;
+    m.anisotropy = 0.6f;
+    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
+    for (int i = 0; i < 3; ++i) {
+        fathom_mesh mesh = triangle(id);
+        mesh.normals = normals, mesh.normal_count = 3, mesh.tangents = tangents;
+        mesh.uvs_1 = second, mesh.colors = colors, mesh.color_channels = 4;
+        fathom_instance instance;
+        fathom_instance_default(&instance);
+        if (i < 2) assert_ok(context, fathom_scene_add_group(scene, "same name", &group));
+        if (i < 2) assert_ok(context, fathom_scene_add_mesh(scene, group, &mesh, NULL));
+        instance.group = group;
+        instance.transform[1] = 0.2, instance.transform[3] = i - 1.3, instance.transform[7] = 0.1 * i;
+        assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
+    }
+    add_lights(scene);
+    fathom_camera camera;
+    fathom_camera_look_at((double[]){0.4, 0.6, 3}, (double[]){0.1, 0.4, 0}, (double[]){0, 1, 0}, 0.9,
+                          &camera);
+    assert_ok(context, fathom_scene_set_camera(scene, &camera));
+    return scene;
+}
+
+/* Only normalised directions and axes are rebuilt, in double: the rays, which are float, stay. */
+static void renders_survive_conversion(void **state) {
+    (void)state;
+    fathom_scene *made = rich_scene(), *glb;
+    assert_ok(context, fathom_scene_write(made, in_folder("first.glb")));
+    assert_ok(context, fathom_scene_read(context, in_folder("first.glb"), &glb));
+    for (int format = 0; format < FORMATS; ++format) {
+        fathom_scene *source, *back;
+        assert_ok(context, fathom_scene_read(context, in_folder("first.glb"), &source));
+        assert_ok(context, fathom_scene_write(source, in_folder(formats[format])));
+        assert_ok(context, fathom_scene_read(context, in_folder(formats[format]), &back));
+        check_same_render(glb, back, formats[format]);
+        fathom_scene_destroy(source);
+        fathom_scene_destroy(back);
+        unlink(in_folder(formats[format])), unlink(in_folder("a-0"));
+    }
+    check_same_render(made, glb, "first.glb");
+    unlink(in_folder("first.glb"));
+    fathom_scene_destroy(glb);
+    fathom_scene_destroy(made);
+}
+
+static void scene_json_survives_conversion(void **state) {
+    (void)state;
+    static const char *const files[] = {"light/cornell-box.json", "light/moving-balls.json",
+                                        "tour/08-spot-lights.json", "tour/20-camera.json",
+                                        "tour/21-instances.json"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+        char path[1024];
+        fathom_scene *scene, *back;
+        snprintf(path, sizeof path, "%s/scenes/%s", SOURCE_DIR, files[i]);
+        assert_ok(context, fathom_scene_read(context, path, &scene));
+        assert_ok(context, fathom_scene_write(scene, in_folder("a.json")));
+        assert_ok(context, fathom_scene_read(context, in_folder("a.json"), &back));
+        unlink(in_folder("a.json"));
+        check_same_render(scene, back, files[i]);
+        fathom_scene_destroy(scene);
+        fathom_scene_destroy(back);
+    }
+}
+
+/* ---- what is left out ---- */
+
+static char told[4096];
+
+static void tell(void *user, const char *text) {
+    (void)user;
+    snprintf(told + strlen(told), sizeof told - strlen(told), "%s\n", text);
+}
+
+static void what_a_format_lacks_is_told(void **state) {
+    (void)state;
+    const struct {
+        const char *name, *lacks;
+    } cases[] = {
+        {"a.ply", "the camera is left out"},
+        {"a.ply", "a light is left out (3 such)"},
+        {"a.ply", "a material is left out (1 such)"},
+        {"a.obj", "a place of a group that is placed several times has triangles of its own (2 such)"},
+        {"a.obj", "the second uv set of a mesh is left out (2 such)"},
+        {"a.glb", "the background is left out (1 such)"}};
+    const float grey[3] = {0.1f, 0.1f, 0.1f};
+    fathom_scene *scene = rich_scene();
+    assert_ok(context, fathom_scene_set_background(scene, grey));
+    fathom_context_on_warning(context, tell, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        told[0] = 0;
+        assert_ok(context, fathom_scene_write(scene, in_folder(cases[i].name)));
+        if (!strstr(told, cases[i].lacks))
+            fail_msg("%s: \"%s\" is not in \"%s\"", cases[i].name, cases[i].lacks, told);
+        unlink(in_folder(cases[i].name)), unlink(in_folder("a.mtl")), unlink(in_folder("a-0"));
+    }
+    told[0] = 0;
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.json")));
+    assert_string_equal(told, "");
+    unlink(in_folder("a.json")), unlink(in_folder("a-0"));
+    fathom_context_on_warning(context, NULL, NULL);
+    fathom_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_material_parameter_reads_back),
+        cmocka_unit_test(every_setting_reads_back_from_json),
+        cmocka_unit_test(every_image_reads_back),
+        cmocka_unit_test(renders_survive_conversion),
+        cmocka_unit_test(scene_json_survives_conversion),
+        cmocka_unit_test(what_a_format_lacks_is_told),
+    };
+    return cmocka_run_group_tests(tests, open_folder, remove_folder);
+}
