@@ -28,7 +28,7 @@ typedef struct fathom_read_options {
     bool without_uvs; /* as fathom_scene_read_to_render(); default false */
     /* The camera to take of a glTF file: the name of the node that holds it, else the camera's own, else a
      * number, counted from 0 in the order of the hierarchy. FATHOM_BAD_USAGE, with a list of what there is,
-     * when there is none such. NULL (default): the first perspective camera. */
+     * when there is none such. NULL (default): the first perspective camera, else the first. */
     const char *camera;
     fathom_up
         up; /* of the automatic camera; its lights follow it. Default y. Files with a camera: a warning */

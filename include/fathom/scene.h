@@ -366,6 +366,9 @@ typedef struct fathom_camera {
                                  corners at lens_radius; 3 to 64, or 0 (default): round */
     double blade_rotation;    /* of the polygon, counter-clockwise as the image shows it; radians; default 0:
                                  a corner to the right */
+    bool orthographic; /* a parallel view: rays leave the plane through the origin along -z, from a part of it
+                          that is h high and as wide as the image's shape asks; d is not read, w is 0, and
+                          there is no lens; default false */
 } fathom_camera;
 
 FATHOM_DEFAULT(fathom_camera)

@@ -22,7 +22,7 @@ static inline fathom_status fathom_scene_light(const fathom_scene *scene, uint32
 /* A camera that the scene's file has to choose from. */
 typedef struct fathom_camera_choice {
     const char *node, *name; /* of the node that holds it, and its own; NULL: none */
-    bool orthographic;       /* cannot be taken */
+    bool orthographic;
     bool taken;
 } fathom_camera_choice;
 

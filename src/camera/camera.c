@@ -5,8 +5,9 @@
 #include <math.h>
 
 void camera_extent(const fathom_camera *camera, uint32_t width, uint32_t height, double *w, double *h) {
-    *h = camera->h / camera->d;
-    *w = camera->w > 0 ? camera->w / camera->d : *h * width / height;
+    const double d = camera->orthographic ? 1 : camera->d;
+    *h = camera->h / d;
+    *w = camera->w > 0 ? camera->w / d : *h * width / height;
 }
 
 /* Q(u,v) = O + (u-0.5) w x + (v-0.5) h y - d z with u = X/W and v = 1 - Y/H: image files have the top row
@@ -17,7 +18,8 @@ void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height
     double w, h;
     camera_extent(camera, width, height, &w, &h);
     out->eye = narrow(sub_f64(load_f64(camera->origin), origin));
-    out->corner = madd_f64(madd_f64(neg_f64(z), -0.5 * w, x), 0.5 * h, y);
+    out->parallel = camera->orthographic;
+    out->corner = madd_f64(madd_f64(scale_f64(out->parallel ? 0 : -1, z), -0.5 * w, x), 0.5 * h, y);
     out->across = scale_f64(w / width, x);
     out->down = scale_f64(-h / height, y);
     out->view = neg_f64(z);

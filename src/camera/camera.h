@@ -1,4 +1,4 @@
-/* The camera, a pinhole or a thin lens, as rays. */
+/* The camera, a pinhole, a thin lens or a parallel view, as rays. */
 #ifndef CAMERA_CAMERA_H
 #define CAMERA_CAMERA_H
 
@@ -8,7 +8,8 @@
 
 #include "trace/trace.h"
 
-/* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not yet unit. */
+/* d(x, y) = corner + x across + y down, x and y in pixels from the image's top left; not yet unit. Of a
+ * parallel view it is where the ray begins, from the eye. */
 typedef struct shade_camera {
     vec3_f32 eye; /* in the world's coordinates */
     vec3_f64 corner, across, down;
@@ -17,9 +18,10 @@ typedef struct shade_camera {
     double lens_radius, focus_distance; /* a radius of 0: a pinhole */
     uint32_t blades;                    /* 0: the lens is round */
     double blade_rotation;
+    bool parallel; /* all rays go along `view` */
 } shade_camera;
 
-/* Width and height of the image plane at distance 1. */
+/* Width and height of the image plane at distance 1, or of a parallel view. */
 void camera_extent(const fathom_camera *camera, uint32_t width, uint32_t height, double *w, double *h);
 
 void camera_prepare(const fathom_camera *camera, uint32_t width, uint32_t height, vec3_f64 origin,
@@ -36,6 +38,12 @@ static inline vec3_f64 camera_towards(const shade_camera *c, double x, double y)
 static inline vec3_f32 camera_direction(const shade_camera *c, double x, double y) {
     vec3_f64 d = camera_towards(c, x, y);
     return narrow(scale_f64(inverse_root(dot_f64(d, d)), d));
+}
+
+/* The ray through image position (x, y). */
+static inline void camera_ray(const shade_camera *c, double x, double y, vec3_f32 *org, vec3_f32 *dir) {
+    *org = c->parallel ? narrow(add_f64(widen(c->eye), camera_towards(c, x, y))) : c->eye;
+    *dir = c->parallel ? narrow(c->view) : camera_direction(c, x, y);
 }
 
 /* Where in their pixels the samples of a square of 4 × 4 lie, row by row: [0,1) from the top left. */

@@ -72,7 +72,7 @@ fathom_read_options command_read_options(const command_model *model);
     COMMAND_MODEL_ROW(                                                                                       \
         settings, "camera", "NAME|N", take_text, camera, 0, 0,                                               \
         "which camera of a .gltf or .glb file: the name of its node, its own, or its number from 0 in "      \
-        "the list that fathom info prints (the first perspective one)"),                                     \
+        "the list that fathom info prints (the first perspective one, else the first)"),                     \
         COMMAND_MODEL_ROW(settings, "time", "SECONDS", take_given_f64, time, -1e9, 1e9,                      \
                           "pose the animation of .gltf and .glb files at this time (at rest)"),              \
         COMMAND_MODEL_ROW(settings, "shutter", "SECONDS", take_f64, shutter, 0, 1e9,                         \

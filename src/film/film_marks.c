@@ -27,6 +27,16 @@ static void set_to_camera(const fathom_camera *camera, double out[16]) {
     set_column(out, 3, (vec3_f64){0, 0, 0}, 1);
 }
 
+/* The same of a parallel view, x / w + 1/2 and 1/2 - y / h, without a division. */
+static void set_parallel_ndc(const fathom_camera *camera, double w, double h, double out[16]) {
+    const vec3_f64 origin = load_f64(camera->origin), x = scale_f64(1 / w, load_f64(camera->x)),
+                   y = scale_f64(-1 / h, load_f64(camera->y)), forwards = neg_f64(load_f64(camera->z));
+    set_column(out, 0, x, 0.5 - dot_f64(x, origin));
+    set_column(out, 1, y, 0.5 - dot_f64(y, origin));
+    set_axis(out, 2, forwards, origin);
+    set_column(out, 3, (vec3_f64){0, 0, 0}, 1);
+}
+
 /* With (x, y, z) from the camera, x / (w z) + 1/2 and 1/2 - y / (h z) go from (0, 0) at the upper left corner
  * of the whole image to (1, 1). The sums are divided by the fourth, z. The third is of no meaning there, and
  * 1 - 1/z keeps the matrix invertible. */
@@ -35,6 +45,10 @@ static void set_to_ndc(const fathom_film *film, double out[16]) {
     const vec3_f64 origin = load_f64(camera->origin), forwards = neg_f64(load_f64(camera->z));
     double w, h;
     camera_extent(camera, film->full_width, film->full_height, &w, &h);
+    if (camera->orthographic) {
+        set_parallel_ndc(camera, w, h, out);
+        return;
+    }
     set_axis(out, 0, madd_f64(scale_f64(0.5, forwards), 1 / w, load_f64(camera->x)), origin);
     set_axis(out, 1, madd_f64(scale_f64(0.5, forwards), -1 / h, load_f64(camera->y)), origin);
     set_column(out, 2, forwards, -dot_f64(forwards, origin) - 1);

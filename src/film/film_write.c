@@ -90,7 +90,9 @@ static fathom_status write_film(fathom_context *context, const fathom_film *film
                                                     c->color, c->data, sizeof(float)};
     }
     const double spp = film->settings.spp, seed = (double)film->settings.seed,
-                 fovy = 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
+                 fovy = film->camera.orthographic
+                            ? 0
+                            : 2 * atan(film->camera.h / (2 * film->camera.d)) * 57.29577951308232;
     const double mean_spp = (double)film->stats.samples / ((double)film->width * film->height);
     char settings[SETTINGS_TEXT], pattern[PARAMETER_NAME];
     settings_print(&film->settings, settings);

@@ -318,7 +318,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
         p->density[k] = INFINITY;
         p->p[0][k] = plan->camera.eye.x, p->p[1][k] = plan->camera.eye.y, p->p[2][k] = plan->camera.eye.z;
         p->n[0][k] = p->n[1][k] = p->n[2][k] = 0;
-        p->width[k] = 0, p->spread[k] = plan->pixel_spread;
+        p->width[k] = plan->pixel_width, p->spread[k] = plan->pixel_spread;
         p->passes[k] = 0, p->passed[k] = 0;
     }
     for (uint32_t k = 0; p->wave.run.samples.first && k < batch->count * LANES; ++k) {
@@ -329,7 +329,7 @@ static void begin(path_wave *p, const wave_batch *batch) {
     if (plan->dispersive) memset(p->channel, 0, sizeof p->channel);
 }
 
-/* Paths of a camera that moves begin where it was. */
+/* Paths of a camera that moves begin where it was; those of a parallel view each at a place of its own. */
 static void begin_at_eyes(path_wave *p) {
     const path_queue *now = &p->wave.now;
     for (size_t k = 0; k < now->count; ++k) {
@@ -345,7 +345,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     wave_begin_samples(w);
     begin(p, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
-    if (w->run.plan->camera_moves) begin_at_eyes(p);
+    if (w->run.plan->camera_moves || w->run.plan->camera.parallel) begin_at_eyes(p);
     for (p->depth = 0; w->now.count; ++p->depth) {
         wave_count_rays(w);
         if (!step(p)) return false;

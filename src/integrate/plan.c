@@ -21,20 +21,40 @@ uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s)
     return settings_pixels(s) * spp * (1 + scene->lights.count) * bounces;
 }
 
+/* Rays of a parallel view begin in a part of a plane. Unless that part is clear of the scene, each may begin
+ * on another side of closed meshes. */
+static fathom_status plan_eye(render_plan *plan) {
+    const shade_camera *c = &plan->camera;
+    scene_bounds all, view = bounds_empty();
+    plan->eye_depth = watertight_depth(plan->watertight, c->eye);
+    if (!c->parallel) return FATHOM_OK;
+    fathom_status status = scene_world_bounds(plan->scene, &all);
+    for (int i = 0; i < 4; ++i) {
+        const vec3_f64 at =
+            camera_towards(c, i % 2 ? plan->settings.width : 0, i / 2 ? plan->settings.height : 0);
+        bounds_add(&view, add_f64(load_f64(plan->scene->camera.origin), at));
+    }
+    const bool apart = view.lower.x > all.upper.x || view.upper.x < all.lower.x ||
+                       view.lower.y > all.upper.y || view.upper.y < all.lower.y ||
+                       view.lower.z > all.upper.z || view.upper.z < all.lower.z;
+    plan->eyes_differ = plan->camera_moves || !apart;
+    return status;
+}
+
 /* Directional light comes from outside of all. */
 static fathom_status plan_watertight(fathom_context *context, render_plan *plan, const bool *in_mesh) {
     fathom_status status = watertight_create(context, plan->tracer, &plan->watertight);
     if (status != FATHOM_OK || !plan->watertight) return status;
     plan->light_depths = calloc(plan->light_count + 1, 1);
     if (!plan->light_depths) return fail_memory(context, plan->light_count + 1);
-    plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
+    status = plan_eye(plan);
     for (uint32_t i = 0; i < plan->light_count; ++i) {
         if (in_mesh[i])
             plan->light_depths[i] = WATERTIGHT_UNSURE;
         else if (plan->lights[i].type != FATHOM_LIGHT_DIRECTIONAL)
             plan->light_depths[i] = watertight_depth(plan->watertight, plan->lights[i].position);
     }
-    return FATHOM_OK;
+    return status;
 }
 
 static fathom_status plan_surroundings(fathom_context *context, render_plan *plan) {
@@ -86,8 +106,7 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan) {
     plan->moves = plan->world->moves || plan->camera_moves;
     plan->unshadowed = !casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
-    if (plan->watertight) plan->eye_depth = watertight_depth(plan->watertight, plan->camera.eye);
-    return FATHOM_OK;
+    return plan->watertight ? plan_eye(plan) : FATHOM_OK;
 }
 
 /* ---- the reference ---- */
@@ -184,9 +203,11 @@ static void choose_kernels(render_plan *plan) {
 }
 
 /* Half a pixel in the middle of the image: the samples of a pixel do the other half of the filtering. */
-static float spread_of_pixels(const shade_camera *c) {
-    const double distance = fabs(dot_f64(c->corner, c->view));
-    return (float)(0.5 * length_f64(c->down) / distance);
+static void set_cone(render_plan *plan) {
+    const shade_camera *c = &plan->camera;
+    const double distance = fabs(dot_f64(c->corner, c->view)), half = 0.5 * length_f64(c->down);
+    plan->pixel_spread = c->parallel ? 0 : (float)(half / distance);
+    plan->pixel_width = c->parallel ? (float)half : 0;
 }
 
 static fathom_status plan_mattes(fathom_context *context, render_plan *plan) {
@@ -223,7 +244,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
         (sampler){settings->pattern, (uint32_t)(sqrt((double)settings->spp) + 0.5), settings->seed};
     filter_prepare(settings, &plan->filter);
     plan->t_near = (float)settings->epsilon;
-    plan->pixel_spread = spread_of_pixels(&plan->camera);
+    set_cone(plan);
     fathom_status status = texturing_create(context, w, settings->texture_memory, &plan->texturing);
     if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);
     if (status == FATHOM_OK) status = plan_mattes(context, plan);

@@ -35,7 +35,8 @@ typedef struct render_plan {
     shader *shaders;                   /* by material; path tracing */
     texturing *texturing;              /* NULL: no material varies over a surface */
     bool moves, camera_moves;          /* path tracing, while the shutter is open: something; the camera */
-    float pixel_spread;                /* angle of the cone around a camera ray */
+    float pixel_spread;                /* angle of the cone around a camera ray, */
+    float pixel_width;                 /* and its radius where it begins */
     emitters *emitters;                /* path tracing */
     struct reference_scene *reference; /* the reference integrator */
     bsdf *bsdfs;                       /* by material; the classic integrator, and all that follows */
@@ -45,6 +46,7 @@ typedef struct render_plan {
     /* Closed meshes around the camera and around each light, where it is in use; WATERTIGHT_UNSURE: the light
      * lies in a mesh, and which side its rays end on depends on where they come from. */
     uint8_t eye_depth, *light_depths;
+    bool eyes_differ;                 /* each ray of the camera has a depth of its own */
     light_surface *light_surfaces;    /* what lights[].surfaces point to */
     unsigned features;                /* MATERIAL_ bits of the materials in use */
     bool background;                  /* it is not black */

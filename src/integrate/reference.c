@@ -230,8 +230,13 @@ static void camera_ray(const reference_scene *r, double x, double y, reference_r
     const double w = camera->w > 0 ? camera->w : camera->h * width / height;
     const vec3_f64 right = load_f64(camera->x), up = load_f64(camera->y);
     vec3_f64 d = madd_f64(scale_f64((x / width - 0.5) * w, right), (0.5 - y / height) * camera->h, up);
-    d = madd_f64(d, -camera->d, load_f64(camera->z));
     out->origin = load_f64(camera->origin);
+    if (camera->orthographic) {
+        out->origin = add_f64(out->origin, d);
+        out->direction = normalize_f64(neg_f64(load_f64(camera->z)));
+        return;
+    }
+    d = madd_f64(d, -camera->d, load_f64(camera->z));
     if (camera->lens_radius > 0) {
         double angle, radius;
         do {

@@ -32,9 +32,10 @@ static void moving_rays(const render_plan *plan, const wave_square *s, const squ
         shade_camera camera;
         wave_camera_when(plan, wave_time_of(plan, key), &camera);
         const uint32_t from = at->alike ? 0 : k;
-        const vec3_f32 d = camera_direction(&camera, (double)(int32_t)(s->left + k % 4) + at->x[from],
-                                            (double)(int32_t)(s->top + k / 4) + at->y[from]);
-        out->org_x[k] = camera.eye.x, out->org_y[k] = camera.eye.y, out->org_z[k] = camera.eye.z;
+        vec3_f32 o, d;
+        camera_ray(&camera, (double)(int32_t)(s->left + k % 4) + at->x[from],
+                   (double)(int32_t)(s->top + k / 4) + at->y[from], &o, &d);
+        out->org_x[k] = o.x, out->org_y[k] = o.y, out->org_z[k] = o.z;
         out->dir_x[k] = d.x, out->dir_y[k] = d.y, out->dir_z[k] = d.z;
         out->t_near[k] = plan->t_near, out->t_far[k] = INFINITY;
         if (!(camera.lens_radius > 0)) continue;
@@ -59,11 +60,18 @@ static void camera_rays(const render_plan *plan, const wave_square *s, const squ
     }
 }
 
+static uint8_t depth_at(const render_plan *plan, const trace_rays *rays, size_t i) {
+    return plan->eyes_differ ? watertight_depth(plan->watertight, trace_org(rays, i)) : plan->eye_depth;
+}
+
 /* A packet of 16 rays is a square: its rays stay together longer than those of a line. first: the slot of
  * the square's first pixel. */
 static void push_whole(wave *w, const wave_square *s, uint32_t first, const square_samples *at) {
     camera_rays(w->run.plan, s, at, &w->now.rays[w->now.count / LANES].rays);
     w->run.plan->kernels->begin_paths(first, w->run.plan->eye_depth, &w->now.paths[w->now.count / LANES]);
+    const trace_rays *rays = &w->now.rays[w->now.count / LANES].rays;
+    for (uint32_t k = 0; w->run.plan->eyes_differ && k < LANES; ++k)
+        w->now.paths[w->now.count / LANES].depth[k] = depth_at(w->run.plan, rays, k);
     w->now.count += LANES;
 }
 
@@ -73,7 +81,7 @@ static void push_pixel(wave *w, uint32_t slot, const trace_rays *from, uint32_t 
     trace_rays_move(from, i, &w->now.rays[w->now.count / LANES].rays, lane);
     for (int c = 0; c < 3; ++c) path->weight[c][lane] = 1;
     path->slot[lane] = slot;
-    path->depth[lane] = w->run.plan->eye_depth;
+    path->depth[lane] = depth_at(w->run.plan, from, i);
     ++w->now.count;
 }
 

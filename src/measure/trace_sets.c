@@ -40,7 +40,9 @@ static bool make_camera(const world *w, uint64_t rays, trace_set *out) {
     for (size_t b = 0; b < out->count; ++b) {
         for (size_t k = 0; k < LANES; ++k) {
             double x = (double)(b % across * 4 + k % 4), y = (double)(b / across * 4 + k / 4);
-            set_ray(out, b * LANES + k, camera.eye, camera_direction(&camera, x + 0.5, y + 0.5), 0, INFINITY);
+            vec3_f32 org, dir;
+            camera_ray(&camera, x + 0.5, y + 0.5, &org, &dir);
+            set_ray(out, b * LANES + k, org, dir, 0, INFINITY);
         }
     }
     return true;

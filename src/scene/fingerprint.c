@@ -24,6 +24,7 @@ static void hash_camera(hash *h, const fathom_camera *c) {
     PUT(h, c->d), PUT(h, c->h), PUT(h, c->w);
     PUT(h, c->lens_radius), PUT(h, c->focus_distance);
     if (c->shutter[0] != 0 || c->shutter[1] != 0) PUT(h, c->shutter);
+    if (c->orthographic) PUT(h, c->orthographic);
     if (c->blades) PUT(h, c->blades), PUT(h, c->blade_rotation);
     hash_keys(h, c->key_count, c->key_times, c->key_frames);
 }

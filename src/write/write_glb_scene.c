@@ -131,7 +131,15 @@ static double angle_of(double size) {
 /* glTF needs a near plane, and Fathom none. */
 static void put_camera(const glb *g, file_writer *t) {
     const fathom_camera *c = &g->scene->camera;
+    const fathom_settings *s = &g->scene->settings;
     const double aspect = c->w > 0 ? c->w / c->h : g->scene->camera_aspect;
+    if (c->orthographic) {
+        file_writer_print(t,
+                          ",\n\"cameras\":[{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":%.17g,"
+                          "\"ymag\":%.17g,\"znear\":0,\"zfar\":1e6}}]",
+                          0.5 * c->h * (aspect > 0 ? aspect : (double)s->width / s->height), 0.5 * c->h);
+        return;
+    }
     file_writer_print(t,
                       ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.17g,\"znear\":"
                       "0.001",

@@ -243,7 +243,7 @@ static void add_lights(fathom_scene *scene) {
 }
 
 /* Two groups in three places, coloured vertices, both uv sets, tangents, an image, lights, a camera. */
-static fathom_scene *rich_scene(void) {
+static fathom_scene *rich_scene(bool parallel) {
     static const float second[6] = {0.1f, 0.2f, 0.9f, 0.3f, 0.4f, 1.7f},
                        colors[12] = {1, 0.5f, 0.2f, 0.9f, 0.3f, 1, 0.4f, 0.5f, 0.7f, 0.8f, 1, 1},
                        normals[9] = {0, 0.1f, 1, 0.2f, 0, 1, 0, -0.1f, 1},
@@ -278,14 +278,14 @@ static fathom_scene *rich_scene(void) {
     fathom_camera camera;
     fathom_camera_look_at((double[]){0.4, 0.6, 3}, (double[]){0.1, 0.4, 0}, (double[]){0, 1, 0}, 0.9,
                           &camera);
+    camera.orthographic = parallel;
     assert_ok(context, fathom_scene_set_camera(scene, &camera));
     return scene;
 }
 
 /* Only normalised directions and axes are rebuilt, in double: the rays, which are float, stay. */
-static void renders_survive_conversion(void **state) {
-    (void)state;
-    fathom_scene *made = rich_scene(), *glb;
+static void check_conversion(bool parallel) {
+    fathom_scene *made = rich_scene(parallel), *glb;
     assert_ok(context, fathom_scene_write(made, in_folder("first.glb")));
     assert_ok(context, fathom_scene_read(context, in_folder("first.glb"), &glb));
     for (int format = 0; format < FORMATS; ++format) {
@@ -302,6 +302,12 @@ static void renders_survive_conversion(void **state) {
     unlink(in_folder("first.glb"));
     fathom_scene_destroy(glb);
     fathom_scene_destroy(made);
+}
+
+static void renders_survive_conversion(void **state) {
+    (void)state;
+    check_conversion(false);
+    check_conversion(true);
 }
 
 static void scene_json_survives_conversion(void **state) {
@@ -344,7 +350,7 @@ static void what_a_format_lacks_is_told(void **state) {
         {"a.obj", "the second uv set of a mesh is left out (2 such)"},
         {"a.glb", "the background is left out (1 such)"}};
     const float grey[3] = {0.1f, 0.1f, 0.1f};
-    fathom_scene *scene = rich_scene();
+    fathom_scene *scene = rich_scene(false);
     assert_ok(context, fathom_scene_set_background(scene, grey));
     fathom_context_on_warning(context, tell, NULL);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {

@@ -12,6 +12,18 @@ static inline void directions(const shade_camera *camera, uint32_t left, uint32_
     }
 }
 
+static void parallel_rays(const shade_camera *camera, uint32_t left, uint32_t top, const square_samples *at,
+                          trace_rays *restrict out) {
+    for (uint32_t i = 0; i < LANES; ++i) {
+        const uint32_t from = at->alike ? 0 : i;
+        vec3_f32 org, dir;
+        camera_ray(camera, (double)(int32_t)(left + i % 4) + at->x[from],
+                   (double)(int32_t)(top + i / 4) + at->y[from], &org, &dir);
+        out->org_x[i] = org.x, out->org_y[i] = org.y, out->org_z[i] = org.z;
+        out->dir_x[i] = dir.x, out->dir_y[i] = dir.y, out->dir_z[i] = dir.z;
+    }
+}
+
 /* Samples that are alike are read as two numbers: the processor would wait for sixteen that were stored one
  * by one a moment ago. */
 static void rays(const shade_camera *camera, float t_near, uint32_t left, uint32_t top,
@@ -24,6 +36,7 @@ static void rays(const shade_camera *camera, float t_near, uint32_t left, uint32
         out->org_x[i] = camera->eye.x, out->org_y[i] = camera->eye.y, out->org_z[i] = camera->eye.z;
         out->t_near[i] = t_near, out->t_far[i] = INFINITY;
     }
+    if (camera->parallel) parallel_rays(camera, left, top, at, out);
 }
 
 const camera_kernels KERNEL(camera_kernels) = {.rays = rays};

@@ -1,5 +1,6 @@
-/* Cameras. The walk over the hierarchy notes the nodes with a camera; the chosen one is read when all are
- * known. It looks along its node's -z; scale does not change it otherwise.
+/* Cameras. Near and far planes cut nothing away. The walk over the hierarchy notes the nodes with a camera;
+ * the chosen one is read when all are known. It looks along its node's -z; scale does not change it
+ * otherwise.
  *
  * yfov applies to any image shape, as in Blender's importer: pixels are square. aspectRatio gives the image
  * its shape if no size is asked for. The specification (2.0, Projection Matrices) says that a view should be
@@ -8,6 +9,8 @@
 #include "math/frame.h"
 #include "read/gltf/gltf.h"
 #include "scene/camera/camera.h"
+
+#include <math.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979324;
@@ -45,6 +48,22 @@ fathom_status gltf_camera_note(gltf *g, const gltf_value *node) {
     return scene_note_camera(g->scene, name_of(node), name_of(&camera), orthographic);
 }
 
+/* Half the width and height of the view; a file may mirror it, which says nothing here. */
+static fathom_status read_orthographic(gltf *g, const gltf_value *camera, double *high, double *aspect) {
+    gltf_value orthographic;
+    double across = 0, up = 0;
+    fathom_status status = gltf_object(g, camera, "orthographic", &orthographic);
+    if (status == FATHOM_OK) status = gltf_number(g, &orthographic, "xmag", -1e30, 1e30, &across);
+    if (status == FATHOM_OK) status = gltf_number(g, &orthographic, "ymag", -1e30, 1e30, &up);
+    if (status != FATHOM_OK) return status;
+    if (!(across * up != 0))
+        return gltf_fail(g, &orthographic, NULL, "has xmag %g and ymag %g; expected numbers other than 0",
+                         across, up);
+    *high = 2 * fabs(up) * gltf_unit(g);
+    *aspect = fabs(across / up);
+    return FATHOM_OK;
+}
+
 static fathom_status read_perspective(gltf *g, const gltf_value *camera, double *fovy, double *aspect) {
     gltf_value perspective;
     *fovy = *aspect = 0;
@@ -69,8 +88,7 @@ static affine_f64 frame_of(const gltf *g, const affine_f64 *to_world) {
                          {frame.x.z, frame.y.z, frame.z.z, frame.origin.z}}};
 }
 
-static fathom_status set_camera(gltf *g, const gltf_value *node, double fovy, gltf_way *way) {
-    fathom_camera camera = {.d = 1, .h = 2 * tan(fovy / 2)};
+static fathom_status set_camera(gltf *g, const gltf_value *node, fathom_camera camera, gltf_way *way) {
     for (size_t k = 0; k < way->count; ++k) way->at[k] = frame_of(g, &way->at[k]);
     for (int i = 0; i < 3; ++i) {
         const double *row = way->at[0].m[i];
@@ -90,13 +108,20 @@ fathom_status gltf_camera_take(gltf *g) {
     const gltf_camera *taken = &g->seen_cameras.items[g->scene->camera_taken];
     gltf_value node, at;
     gltf_way way;
+    fathom_camera camera = {.d = 1,
+                            .orthographic = g->scene->cameras.items[g->scene->camera_taken].orthographic};
     double fovy, aspect;
     status = gltf_item(g, &g->nodes, taken->node, &node);
     if (status == FATHOM_OK) status = gltf_item(g, &g->cameras, taken->index, &at);
-    if (status == FATHOM_OK) status = read_perspective(g, &at, &fovy, &aspect);
+    if (status == FATHOM_OK && camera.orthographic) {
+        status = read_orthographic(g, &at, &camera.h, &aspect);
+    } else if (status == FATHOM_OK) {
+        status = read_perspective(g, &at, &fovy, &aspect);
+        camera.h = 2 * tan(fovy / 2);
+    }
     if (status == FATHOM_OK) status = gltf_node_way(g, taken->node, &way);
     if (status != FATHOM_OK) return status;
     g->scene->camera_aspect = aspect;
     if (aspect > 0) image_size_follow(&g->scene->settings, aspect, false, false);
-    return set_camera(g, &node, fovy, &way);
+    return set_camera(g, &node, camera, &way);
 }

@@ -73,6 +73,8 @@ static fathom_status set_camera(const object_reader *r, json_t *value, const for
     camera.blades = c->blades, camera.blade_rotation = place_radians(c->blade_rotation);
     if (doc_has(value, "h")) camera.d = c->d, camera.h = c->h;
     if (doc_has(value, "w")) camera.w = c->w;
+    camera.orthographic = doc_has(value, "orthographic");
+    if (camera.orthographic) camera.h = c->orthographic;
     status = set_lens(r, &at, value, c, &camera);
     if (status == FATHOM_OK && c->motion) {
         status = place_motion(r, &at, c->motion, read_camera_key, &camera.key_count, &keys);

@@ -84,6 +84,7 @@ static const form_rule view_rules[] = {
 };
 static const form_key camera_keys[] = {
     {"fovy", FORM_F64, AT(form_camera_values, fovy), .range = {0, 180, FORM_OPEN_LOW | FORM_OPEN_HIGH}},
+    {"orthographic", FORM_F64, AT(form_camera_values, orthographic), POSITIVE},
     {"d", FORM_F64, AT(form_camera_values, d), POSITIVE},
     {"w", FORM_F64, AT(form_camera_values, w), POSITIVE},
     {"h", FORM_F64, AT(form_camera_values, h), POSITIVE},
@@ -102,6 +103,7 @@ static const form_rule camera_rules[] = {
     {FORM_NEEDS, "h", {"d"}},
     {FORM_NEEDS, "w", {"h"}},
     {FORM_EXCLUDES, "fovy", {"d", "w", "h"}},
+    {FORM_EXCLUDES, "orthographic", {"fovy", "d", "w", "h", "lensRadius", "fStop"}},
     {FORM_NEEDS, "fStop", {"focalLength"}},
     {FORM_NEEDS, "focalLength", {"fStop"}},
     {FORM_EXCLUDES, "lensRadius", {"fStop"}},

@@ -90,6 +90,7 @@ typedef struct form_camera_values {
     double eye[3], target[3], up[3];
     form_frame_values frame;
     double fovy, d, w, h; /* fovy in degrees */
+    double orthographic;  /* the height of a parallel view */
     double lens_radius, f_stop, focal_length, focus_distance;
     uint32_t blades;
     double blade_rotation;   /* degrees */

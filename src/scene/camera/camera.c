@@ -51,6 +51,12 @@ static fathom_status check_camera(fathom_context *context, const fathom_camera *
             camera->d, camera->h, camera->w);
     }
     const bool lens = camera->lens_radius != 0;
+    if (camera->orthographic && (lens || camera->w > 0))
+        return fail(
+            context, FATHOM_BAD_INPUT,
+            "camera: expected neither a lens nor w of an orthographic one, found a lens radius of %g and "
+            "w %g; it has no plane of focus, and its pixels are square",
+            camera->lens_radius, camera->w);
     if (!(camera->lens_radius >= 0) || isinf(camera->lens_radius) ||
         (lens && !(camera->focus_distance > 0 && isfinite(camera->focus_distance)))) {
         return fail(context, FATHOM_BAD_INPUT,

@@ -71,41 +71,33 @@ static fathom_status find_asked(const fathom_scene *scene, const char *path, con
     size_t found = find_name(scene, wanted, NAME_OF_NODE, out);
     if (!found) found = find_name(scene, wanted, NAME_OF_CAMERA, out);
     if (!found && find_number(scene, wanted, out)) found = 1;
-    if (found == 1 && !scene->cameras.items[*out].orthographic) return FATHOM_OK;
+    if (found == 1) return FATHOM_OK;
     print_all(scene, list);
     if (!found) {
         return fail_file(scene->context, FATHOM_BAD_USAGE, path,
                          "there is no camera \"%.60s\"; expected one of %s", wanted, list);
     }
-    if (found > 1) {
-        return fail_file(scene->context, FATHOM_BAD_USAGE, path,
-                         "%zu cameras are called \"%.60s\"; expected the number of one of %s", found, wanted,
-                         list);
-    }
-    return fail_file(
-        scene->context, FATHOM_BAD_USAGE, path,
-        "camera \"%.60s\" is orthographic, which is not rendered; expected a perspective one of %s", wanted,
-        list);
+    return fail_file(scene->context, FATHOM_BAD_USAGE, path,
+                     "%zu cameras are called \"%.60s\"; expected the number of one of %s", found, wanted,
+                     list);
 }
 
 static void warn_others(const fathom_scene *scene, const char *path) {
-    char taken[CAMERA_TEXT] = "the automatic camera", others[CAMERA_TEXT] = "";
-    size_t orthographic = 0;
+    char taken[CAMERA_TEXT];
     const size_t count = scene->cameras.count;
-    for (size_t i = 0; i < count; ++i) orthographic += scene->cameras.items[i].orthographic;
-    if (count < 2 && !orthographic) return;
-    if (orthographic)
-        snprintf(others, sizeof others, ", %zu of them orthographic, which are not rendered", orthographic);
-    if (scene->camera_taken != FATHOM_NONE) print_camera(scene, scene->camera_taken, taken);
-    warn(scene->context, "%s: holds %zu camera%s%s; %s is taken, and --camera NAME|N takes another", path,
-         count, count == 1 ? "" : "s", others, taken);
+    if (count < 2) return;
+    print_camera(scene, scene->camera_taken, taken);
+    warn(scene->context, "%s: holds %zu cameras; %s is taken, and --camera NAME|N takes another", path, count,
+         taken);
 }
 
+/* Perspective ones go before others. */
 fathom_status scene_choose_camera(fathom_scene *scene, const char *path) {
     const char *wanted = scene->asked ? scene->asked->camera : NULL;
     scene->camera_taken = FATHOM_NONE;
     if (!scene->cameras.count) return FATHOM_OK;
     if (wanted) return find_asked(scene, path, wanted, &scene->camera_taken);
+    scene->camera_taken = 0;
     for (size_t i = scene->cameras.count; i-- > 0;) {
         if (!scene->cameras.items[i].orthographic) scene->camera_taken = (uint32_t)i;
     }
