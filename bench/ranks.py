@@ -5,10 +5,16 @@ import resource
 import struct
 import subprocess
 import sys
+from random import Random
 
 fathom, scene, spp, size, simulated_spp, folder = sys.argv[1:]
-LOOK = 0.001  # seconds between two looks for messages, as in src/job/ranks/ranks.c
-MOST, SHARE = 64, 4  # as there
+# As in src/job/ranks/ranks.c.
+LOOK = 0.001  # seconds between two looks for messages
+LEFT_SHARE, REQUEST_SECONDS, ANSWER_SECONDS, MOST_UNITS = 4, 0.003, 8e-6, 1024
+# Of rank 0's processor: a request with the results that come before it and the answer, and each of its squares. Measured
+# with 8 ranks, of 28,812 requests.
+REQUEST_COST, SQUARE_COST = 8e-6, 0.07e-6
+SQUARES = 64  # of a tile
 HEAD_BYTES_AT = 12  # of part_head.bytes
 RECORD = struct.Struct("<IIQQdd7Q")  # part_record
 
@@ -56,32 +62,53 @@ def tile_times():
     return [times[i] for i in sorted(times)]
 
 
-def simulate(times, ranks):
-    """Seconds until the last tile is there, one thread a rank. A rank asks when its queue is empty and it begins its last
-    tile, as ranks.c does; the answer comes two looks later."""
-    first, events = 0, []
+class Squares:
+    """What is not handed out yet. `least`: squares of the smallest unit."""
 
-    def take():
-        nonlocal first
-        each = min(max((len(times) - first) // (SHARE * ranks), 1), MOST)
-        taken = times[first:first + each]
-        first += len(taken)
-        return taken
+    def __init__(self, times, samples, ranks):
+        self.times, self.ranks = times, ranks
+        self.least = max(SQUARES // samples, 1)
+        self.first, self.end = 0, len(times) * SQUARES
+        self.lasting = max(REQUEST_SECONDS, ANSWER_SECONDS * ranks) * self.end / sum(times)
 
-    end = 0.0
-    for rank in range(ranks):
-        heapq.heappush(events, (2 * LOOK, rank, 2 * LOOK))  # (when it asks, rank, when it is free)
+    def take(self):
+        """The seconds of each unit that one request gets."""
+        left, units = self.end - self.first, []
+        each = max(left / (LEFT_SHARE * self.ranks), min(self.lasting, left / self.ranks))
+        each = max(int(min(each, MOST_UNITS * SQUARES)) // self.least * self.least, self.least)
+        end = min(self.first + each, self.end)
+        while self.first < end:
+            tile, square = divmod(self.first, SQUARES)
+            count = min(SQUARES - square, end - self.first)
+            units.append(self.times[tile] * count / SQUARES)
+            self.first += count
+        return units, len(units) and each
+
+
+def simulate(times, samples, ranks):
+    """Seconds until the last square is there, one thread a rank. A rank sends its results and asks when it begins its last
+    unit. Rank 0 takes one message after the other; a message waits for the next look of who sleeps."""
+    random = Random(1)
+    squares, free, waiting, root, end = Squares(times, samples, ranks), [0.0] * ranks, [0] * ranks, 0.0, 0.0
+    events = [(0.0, rank) for rank in range(ranks)]  # when it asks
     while events:
-        asked, rank, free = heapq.heappop(events)
-        got = take()
-        if not got:
+        asked, rank = heapq.heappop(events)
+        sent, waiting[rank] = waiting[rank], 0
+        if rank:
+            begin = asked + random.random() * LOOK if asked > root else root
+            root = begin + REQUEST_COST + sent * SQUARE_COST
+        units, waiting[rank] = squares.take()
+        if not units:
+            end = max(end, root, free[rank] + (random.random() * LOOK if rank else 0))
             continue
-        begin = max(free, asked + 2 * LOOK)
-        last = begin + sum(got[:-1])
-        done = last + got[-1]
-        end = max(end, done + LOOK)
-        heapq.heappush(events, (last, rank, done))
+        heard = root + random.random() * LOOK if rank else asked
+        last = max(free[rank], heard) + sum(units[:-1])
+        free[rank] = last + units[-1]
+        heapq.heappush(events, (last, rank))
     return end
+
+
+FACTORS = 1, 20, 100, 400
 
 
 def efficiency():
@@ -89,10 +116,10 @@ def efficiency():
     work = sum(times)
     print(f"\n{len(times)} tiles of {size}, {simulated_spp} spp: {1000 * work / len(times):.1f} ms each in the mean, "
           f"{1000 * max(times):.1f} ms at most; the same with as many times the samples:")
-    print("\n|ranks|" + "|".join(f"×{k}" for k in (1, 16, 256)) + "|")
-    print("|---|---|---|---|")
+    print("\n|ranks|" + "|".join(f"×{k}" for k in FACTORS) + "|")
+    print("|---|" + "---|" * len(FACTORS))
     for ranks in (2, 8, 32, 128, 512, 1024):
-        row = [work * k / (ranks * simulate([t * k for t in times], ranks)) for k in (1, 16, 256)]
+        row = [work * k / (ranks * simulate([t * k for t in times], int(simulated_spp) * k, ranks)) for k in FACTORS]
         print(f"|{ranks}|" + "|".join(f"{100 * e:.1f} %" for e in row) + "|")
 
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Kills renders at random moments, many of them while a checkpoint is written, and resumes them until they finish; so it
-# does with parts of renders, which are merged then. Each has to give the pixels of a render that nobody disturbed.
+# does with parts of renders, which are merged then, and with ranks of a render by Open MPI where there is that. Each has to give the pixels of a render that nobody disturbed.
 # Prints how often it hit what.
 # usage: sh tests/kill.sh BUILD [KILLS [SEED]]     (default: 100 kills of either, seed 1)
 set -eu
@@ -31,3 +31,8 @@ kills=0 finished=0
 survive_parts $((count - count / 2)) $((seed + 3000)) tiles scene.json --size 160x120 --target-error 0.004 --spp 1024 \
     --aov all --exr-float
 echo "parts by tiles, to an error: $kills kills, $finished images merged"
+[ -e "$BUILD/lib/fathom/fathom_mpi.so" ] && command -v mpirun >/dev/null || exit 0
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+kills=0 finished=0
+survive_ranks "$count" $((seed + 4000)) 1500 scene.json --size 160x120 --spp 1024 --aov all --exr-float
+echo "ranks of Open MPI:           $kills kills, $finished images finished"

@@ -100,7 +100,7 @@ film_parts film_parts_of(const fathom_settings *settings, const light_group_name
     parts.groups = aovs & FATHOM_AOV_LIGHT_GROUPS ? (int8_t)parts.layers : -1;
     if (parts.groups >= 0) parts.layers += group_count(groups);
     for (unsigned k = 0; k < MATTE_KINDS; ++k)
-        parts.mattes[k] = aovs & FATHOM_AOV_CRYPTO_OBJECT << k ? (int8_t)parts.matte_count++ : -1;
+        parts.mattes[k] = aovs & (unsigned)FATHOM_AOV_CRYPTO_OBJECT << k ? (int8_t)parts.matte_count++ : -1;
     return parts;
 }
 

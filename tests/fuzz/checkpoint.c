@@ -16,8 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIDE 12
-#define CHANNELS 4
 #define WAVES 4
 #define KEY_AT 12 /* past the magic number and the format */
 #define HEAD_BYTES (KEY_AT + sizeof(checkpoint_key))
@@ -29,21 +27,6 @@
 #define RECORD_MOST ((size_t)512 << 10)
 
 enum { AS_SUMMED = 1, OF_ANOTHER = 2, WITH_HITS = 4, WHOLE_RECORDS = 8 };
-
-static void make_film(fathom_film *film) {
-    static const char *const names[CHANNELS] = {"R", "G", "B", "A"};
-    *film = (fathom_film){.width = SIDE,
-                          .height = SIDE,
-                          .x = WAVE_SIDE - 6,
-                          .y = WAVE_SIDE - 6,
-                          .full_width = 2 * WAVE_SIDE,
-                          .full_height = 2 * WAVE_SIDE,
-                          .channel_count = CHANNELS};
-    for (unsigned i = 0; i < CHANNELS; ++i) {
-        film->channels[i] = (film_channel){.name = names[i], .data = calloc(SIDE * SIDE, sizeof(float))};
-        if (!film->channels[i].data) abort();
-    }
-}
 
 static void adopt_key(const uint8_t *bytes, size_t size, checkpoint_key *key) {
     char tracer[sizeof key->tracer];
@@ -115,10 +98,7 @@ static void read(const uint8_t *bytes, size_t size, unsigned how) {
     checkpoint_key key;
     checkpoint_state state;
     char tracer[128] = "";
-    fathom_settings_default(&settings);
-    fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
-    settings.width = settings.height = 2 * WAVE_SIDE;
-    make_film(&film);
+    fuzz_film_make(&film, &settings);
     checkpoint_key_of(&settings, 7, &key);
     if (!(how & OF_ANOTHER)) adopt_key(bytes, size, &key);
     if (!checkpoint_state_create(&settings, &film, (film_parts){.hits = how & WITH_HITS}, &state)) abort();
@@ -130,7 +110,7 @@ static void read(const uint8_t *bytes, size_t size, unsigned how) {
     if (status == FATHOM_OK) resume(&settings, &state);
     if (status == FATHOM_OK && !memchr(tracer, '\0', sizeof tracer)) fuzz_wrong("a tracer without an end");
     checkpoint_state_destroy(&state);
-    for (unsigned i = 0; i < CHANNELS; ++i) free(film.channels[i].data);
+    fuzz_film_free(&film);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

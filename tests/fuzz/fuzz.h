@@ -9,6 +9,8 @@
 
 #include "base/file.h"
 
+#include <fathom/render.h>
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -38,6 +40,12 @@ _Noreturn void fuzz_wrong(const char *format, ...) __attribute__((format(printf,
 void fuzz_put_file(unsigned slot, const char *name, const uint8_t *data, size_t size);
 /* Whether the text begins with the name of one of them and a colon. */
 bool fuzz_names_file(const char *text);
+
+/* ---- fuzz_film.c ---- */
+
+/* A film of 12 × 12 pixels that lies in four waves, with its settings. */
+void fuzz_film_make(fathom_film *film, fathom_settings *settings);
+void fuzz_film_free(fathom_film *film);
 
 /* ---- fuzz_scene.c ---- */
 

@@ -243,9 +243,39 @@ def wire():
     }
 
 
+def part():
+    """Tiles of no use after the ones that there are, and a record that says it has all the rest."""
+    def record(wave, payload):
+        return struct.pack("<IIQQdd7Q", 0x45564157, wave, 9, len(payload), 0, 1, *range(7)) + payload + bytes(8)
+
+    tiles = bytes([2, 0]) + b"".join(record(wave, bytes(768)) for wave in range(4))
+    again = record(0, bytes(768))
+    return {
+        "again": tiles + again * ((MEGABYTE - len(tiles)) // len(again)),
+        "one": bytes([2, 0]) + record(0, bytes(MEGABYTE - 200)),
+        "changes": bytes([0, 255]) + bytes([16, 0, 2]) * 255 + bytes(MEGABYTE // 2),
+    }
+
+
+def ranks():
+    """Requests without end; units and results of one square, again and again."""
+    def messages(kind, count, body):
+        one = struct.pack("<HII", 8 + len(body), kind, count) + body
+        return one * ((MEGABYTE - 1) // len(one))
+
+    unit = struct.pack("<IIQ", 0, 0, 1 << 63)
+    done = unit + struct.pack("<Qdd7Q", 1, 0, 0, *range(7)) + bytes(256)
+    return {
+        "requests": b"\4" + messages(2, 1, b""),
+        "units": b"\1" + messages(3, 4000, unit * 4000),
+        "results": b"\4" + messages(2, 9, b"")[:10] + messages(4, 1, done),
+    }
+
+
 def main(folder):
     targets = {"scene_json": scene_json, "gltf": gltf, "glb": glb_files, "obj": obj, "ply": ply, "rays": rays,
-               "command_line": command_line, "checkpoint": checkpoint, "wire": wire}
+               "command_line": command_line, "checkpoint": checkpoint, "wire": wire, "part": part,
+               "ranks": ranks}
     for target, make in targets.items():
         os.makedirs(f"{folder}/{target}", exist_ok=True)
         for name, content in make().items():

@@ -20,6 +20,11 @@ void checkpoint_key_set_tracer(checkpoint_key *key, const char *tracer) {
     snprintf(key->tracer, sizeof key->tracer, "%s", tracer);
 }
 
+bool checkpoint_key_is_whole(const checkpoint_key *key) {
+    return !key->version[sizeof key->version - 1] && !key->tracer[sizeof key->tracer - 1] &&
+           !key->settings[sizeof key->settings - 1];
+}
+
 static bool differs(const char *name, const char *saved, const char *now, key_difference *out) {
     snprintf(out->name, sizeof out->name, "%s", name);
     snprintf(out->saved, sizeof out->saved, "%s", saved);

@@ -66,10 +66,7 @@ static fathom_status read_key(reading *r, checkpoint_key *out) {
     if (!copy(r, out->version, sizeof out->version) || !copy(r, out->tracer, sizeof out->tracer) ||
         !copy(r, &out->scene, sizeof out->scene) || !copy(r, out->settings, sizeof out->settings))
         return damaged(r, "its head is not whole");
-    if (out->version[sizeof out->version - 1] || out->tracer[sizeof out->tracer - 1] ||
-        out->settings[sizeof out->settings - 1])
-        return damaged(r, "a text in its head has no end");
-    return FATHOM_OK;
+    return checkpoint_key_is_whole(out) ? FATHOM_OK : damaged(r, "a text in its head has no end");
 }
 
 static fathom_status read_record(reading *r, uint32_t place) {

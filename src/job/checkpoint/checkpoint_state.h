@@ -50,6 +50,8 @@ typedef struct checkpoint_state {
 /* scene: its fingerprint. The tracer is not in it yet. */
 void checkpoint_key_of(const fathom_settings *settings, uint64_t scene, checkpoint_key *out);
 void checkpoint_key_set_tracer(checkpoint_key *key, const char *tracer);
+/* All its texts have an end, as the next needs it. */
+bool checkpoint_key_is_whole(const checkpoint_key *key);
 /* The first thing that differs, and both values. Tracers are compared where both are known. */
 typedef struct key_difference {
     char name[64], saved[192], now[192];

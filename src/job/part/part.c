@@ -40,10 +40,9 @@ struct part {
 
 fathom_status part_check(fathom_context *context, const fathom_part *options) {
     if (!options->path) return fail_null(context, "part: path");
-    if (!options->index || options->index > options->count || options->count > 65536) {
-        return fail(context, FATHOM_BAD_USAGE,
-                    "part: expected 1 <= part <= parts <= 65536, found part %u of %u", options->index,
-                    options->count);
+    if (!options->index || options->index > options->count || options->count > PART_MOST) {
+        return fail(context, FATHOM_BAD_USAGE, "part: expected 1 <= part <= parts <= %u, found part %u of %u",
+                    PART_MOST, options->index, options->count);
     }
     return fathom_file_check(context, options->path);
 }

@@ -98,15 +98,14 @@ static bool manifests_make_sense(const part_head *h, const unsigned char *bytes)
 static bool ends(const char *text, size_t size) { return memchr(text, 0, size); }
 
 static bool is_whole(const part_head *h) {
-    return ends(h->key.version, sizeof h->key.version) && ends(h->key.tracer, sizeof h->key.tracer) &&
-           ends(h->key.settings, sizeof h->key.settings) && ends(h->scene, sizeof h->scene) &&
+    return checkpoint_key_is_whole(&h->key) && ends(h->scene, sizeof h->scene) &&
            ends(h->stats.tracer, sizeof h->stats.tracer);
 }
 
 /* What a hash of its own does not make sure of: that this program's checks hold for it. */
 static bool makes_sense(const part_head *h) {
     const bool split = h->split == FATHOM_SPLIT_SAMPLES || h->split == FATHOM_SPLIT_TILES;
-    if (!split || !h->index || h->index > h->count || h->settings.tracer ||
+    if (!split || !h->index || h->index > h->count || h->count > PART_MOST || h->settings.tracer ||
         h->settings.size != sizeof h->settings)
         return false;
     if (h->light_groups.count > LIGHT_GROUPS) return false;

@@ -18,6 +18,7 @@
 
 #define PART_MAGIC "FTHMPART"
 #define PART_FORMAT 3u
+#define PART_MOST 65536u        /* of a render */
 #define PART_RECORD 0x45564157u /* "WAVE" */
 
 typedef struct part_head {

@@ -28,9 +28,11 @@ SIZED_DEFAULT_OWN(fathom_ranks, {.count = 1})
 
 enum { HELLO = 1, WANT, UNITS, DONE };
 
-/* One request gets this part of all that is left, but enough to last so long, and at most so many units. */
+/* One request gets this part of all that is left, but enough to last three looks, and until rank 0 has
+ * answered all others. At most so many units. */
 #define LEFT_SHARE 4u
 #define REQUEST_SECONDS 0.003
+#define ANSWER_SECONDS 8e-6
 #define MOST_UNITS 1024u
 
 /* Between two looks for messages: of rank 0 or while an answer is due, and else, only for MPI to go on with
@@ -41,24 +43,6 @@ enum { HELLO = 1, WANT, UNITS, DONE };
 /* Finished units go at once when they take so much, or are so old. */
 #define MOST_RESULTS ((size_t)4 << 20)
 #define RESULT_SECONDS 1.0
-
-typedef struct message {
-    uint32_t kind, count;
-} message;
-
-typedef struct unit_record {
-    work_unit unit;
-    uint64_t samples;
-    double error, seconds;
-    ray_counts rays;
-} unit_record;
-
-/* A message that grows, of `count` records, each with its pixels. */
-typedef struct results {
-    char *bytes;
-    size_t used, room;
-    uint32_t count;
-} results;
 
 struct ranks {
     fathom_context *context;
@@ -75,8 +59,8 @@ struct ranks {
     char wrong[768];       /* with another rank; "": nothing */
     pthread_mutex_t mutex; /* of the following */
     pthread_cond_t changed;
-    unit_queue queue; /* to do; others than rank 0 get some at a time */
-    results done;     /* to send */
+    unit_queue queue;  /* to do; others than rank 0 get some at a time */
+    unit_results done; /* to send */
     double next_report;
     double seconds;   /* that others took for squares, */
     uint64_t squares; /* so many */
@@ -95,7 +79,8 @@ static bool is_root(const ranks *r) { return !r->other->rank; }
 /* Under the lock, of rank 0. For each thread of who asks; fewer and fewer, so that all end together. */
 static uint32_t squares_each(const ranks *r) {
     const double all = (double)r->threads * r->other->count, left = (double)r->queue.squares;
-    const double lasting = r->seconds > 0 ? REQUEST_SECONDS * (double)r->squares / r->seconds : 0;
+    const double enough = fmax(REQUEST_SECONDS, ANSWER_SECONDS * r->other->count);
+    const double lasting = r->seconds > 0 ? enough * (double)r->squares / r->seconds : 0;
     const double each = fmax(left / (LEFT_SHARE * all), fmin(lasting, left / all));
     const uint32_t whole = (uint32_t)fmin(each, MOST_UNITS * WAVE_SQUARES) / r->least * r->least;
     return max_u32(whole, r->least);
@@ -133,27 +118,14 @@ static bool next(void *user, const atomic_bool *stop, work_unit *unit) {
     return found;
 }
 
-/* Room for the message's head is in front. */
-static char *add_result(results *all, size_t bytes) {
-    const size_t used = all->used ? all->used : sizeof(message), needed = used + bytes;
-    if (needed > all->room) {
-        char *more = realloc(all->bytes, 2 * needed);
-        if (!more) return NULL;
-        all->bytes = more, all->room = 2 * needed;
-    }
-    all->used = needed;
-    ++all->count;
-    return all->bytes + used;
-}
-
 /* Rank 0 has its own pixels in the film, and the checkpoint knows. */
 static bool take(void *user, const wave_result *w) {
     ranks *r = user;
     if (is_root(r)) return true;
     const unit_record record = {w->unit, w->samples, w->error, w->seconds, w->rays};
     pthread_mutex_lock(&r->mutex);
-    char *to =
-        add_result(&r->done, sizeof record + checkpoint_pixel_bytes(r->film->channel_count, w->unit.squares));
+    char *to = unit_results_add(
+        &r->done, sizeof record + checkpoint_pixel_bytes(r->film->channel_count, w->unit.squares));
     if (to) {
         memcpy(to, &record, sizeof record);
         checkpoint_pixels_save(&r->grid, r->film, w->unit.wave, w->unit.squares,
@@ -178,16 +150,19 @@ static void stop(ranks *r) {
     pthread_mutex_unlock(&r->mutex);
 }
 
-static void compare_key(ranks *r, uint32_t from, const unsigned char *body) {
+/* False: this is no key. */
+static bool compare_key(ranks *r, uint32_t from, const unsigned char *body) {
     checkpoint_key theirs;
     key_difference d;
     memcpy(&theirs, body, sizeof theirs);
-    if (!checkpoint_key_differs(&theirs, &r->key, &d)) return;
+    if (!checkpoint_key_is_whole(&theirs)) return false;
+    if (!checkpoint_key_differs(&theirs, &r->key, &d)) return true;
     snprintf(r->wrong, sizeof r->wrong,
              "rank %u renders with %s %s, and rank 0 with %s; expected the same program, scene and machines "
              "of one instruction set ($FATHOM_ISA)",
              from, d.name, d.saved, d.now);
     stop(r);
+    return true;
 }
 
 static void answer(ranks *r, uint32_t from, uint32_t threads) {
@@ -269,13 +244,10 @@ static bool add_units(ranks *r, uint32_t count, const unsigned char *body) {
 static bool understand(ranks *r, uint32_t from, const message *m, const unsigned char *body, size_t size) {
     if (!is_root(r))
         return m->kind == UNITS && size == m->count * sizeof(work_unit) && add_units(r, m->count, body);
-    if (m->kind == HELLO && size == sizeof(checkpoint_key))
-        compare_key(r, from, body);
-    else if (m->kind == WANT && !size)
-        answer(r, from, m->count);
-    else
-        return m->kind == DONE && take_results(r, m->count, body, size);
-    return true;
+    if (m->kind == HELLO) return size == sizeof(checkpoint_key) && compare_key(r, from, body);
+    if (m->kind == DONE) return take_results(r, m->count, body, size);
+    if (m->kind == WANT && !size) answer(r, from, m->count);
+    return m->kind == WANT && !size;
 }
 
 /* True when there was a message. */

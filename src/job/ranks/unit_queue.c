@@ -34,3 +34,15 @@ work_unit unit_queue_take(unit_queue *q, uint32_t most) {
     if (!next->squares) ++q->first;
     return taken;
 }
+
+char *unit_results_add(unit_results *all, size_t bytes) {
+    const size_t used = all->used ? all->used : sizeof(message), needed = used + bytes;
+    if (needed > all->room) {
+        char *more = realloc(all->bytes, 2 * needed);
+        if (!more) return NULL;
+        all->bytes = more, all->room = 2 * needed;
+    }
+    all->used = needed;
+    ++all->count;
+    return all->bytes + used;
+}

@@ -1,8 +1,8 @@
-/* Units of work in their order. */
+/* Units of work in their order, and the message that tells of their results. */
 #ifndef JOB_RANKS_UNIT_QUEUE_H
 #define JOB_RANKS_UNIT_QUEUE_H
 
-#include "job/unit.h"
+#include "job/job.h"
 
 /* Zeros are an empty one; release `units` with free(). */
 typedef struct unit_queue {
@@ -15,5 +15,27 @@ typedef struct unit_queue {
 bool unit_queue_add(unit_queue *q, work_unit unit);
 /* At most so many squares of the next unit, of which the others stay; none where there is no unit. */
 work_unit unit_queue_take(unit_queue *q, uint32_t most);
+
+/* In front of each message. */
+typedef struct message {
+    uint32_t kind, count;
+} message;
+
+typedef struct unit_record {
+    work_unit unit;
+    uint64_t samples;
+    double error, seconds;
+    ray_counts rays;
+} unit_record;
+
+/* A message that grows, of `count` records, each with its pixels. Release `bytes` with free(). */
+typedef struct unit_results {
+    char *bytes;
+    size_t used, room; /* with the message's head, which the sender fills in */
+    uint32_t count;
+} unit_results;
+
+/* Room for a record and its pixels; NULL: out of memory. */
+char *unit_results_add(unit_results *all, size_t bytes);
 
 #endif
