@@ -4,6 +4,7 @@
 #define FATHOM_RANKS_H
 
 #include <fathom/base.h>
+#include <fathom/read.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -24,6 +25,16 @@ typedef struct fathom_ranks {
 } fathom_ranks;
 
 FATHOM_DEFAULT(fathom_ranks)
+
+/* fathom_scene_read_with() by all ranks at the same time. A rank that fails gets the scene from rank 0 once
+ * that renders: all files that it has read, which have to lie in or below the scene's folder. *folder gets
+ * the private folder of these, in $TMPDIR or /var/tmp, or NULL; end with fathom_ranks_remove() once the scene
+ * is destroyed, also after a failure. stopped: whether to give up waiting, or NULL: FATHOM_INTERRUPTED. */
+FATHOM_API fathom_status fathom_ranks_read(fathom_context *context, const fathom_ranks *ranks,
+                                           const char *path, const fathom_read_options *options,
+                                           bool (*stopped)(void), fathom_scene **out, char **folder);
+/* Removes the folder with all that is in it. NULL is fine. */
+FATHOM_API void fathom_ranks_remove(char *folder);
 
 /* The processes that mpirun started with this one, by the module fathom_mpi.so, which is loaded now: nothing
  * else of Fathom knows MPI. Once in a process. FATHOM_OUT_OF_RESOURCES: the module was not built, cannot be

@@ -6,6 +6,8 @@
  * changes during the read is in another thread's hands. The slot of the faulting page is not. */
 #include "base/file.h"
 
+#include "base/opened.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -187,6 +189,8 @@ fathom_status file_open(fathom_context *context, const char *path, file_map *out
     if (descriptor < 0) return fail_file(context, status_of(errno), path, "%s", strerror(errno));
     fathom_status status = open_descriptor(context, path, descriptor, out);
     close(descriptor);
+    if (status == FATHOM_OK && !context_add_opened(context, path))
+        status = fail_memory(context, strlen(path));
     if (status != FATHOM_OK) file_close(out);
     return status;
 }

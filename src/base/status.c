@@ -1,6 +1,7 @@
 #include "base/status.h"
 
 #include "base/array.h"
+#include "base/opened.h"
 #include "base/text.h"
 #include "base/threads.h"
 
@@ -33,8 +34,9 @@ struct fathom_context {
     fathom_warning_fn on_warning;
     void *warning_user;
     unsigned threads;
-    bool allow_outside, copy_files;
+    bool allow_outside, copy_files, note_opened;
     ARRAY(file_identity) outputs;
+    ARRAY(char *) opened;
 };
 
 static const fathom_place no_place = {.file = "", .field = ""};
@@ -49,6 +51,8 @@ fathom_status fathom_context_create(fathom_context **out) {
 }
 
 void fathom_context_destroy(fathom_context *context) {
+    for (size_t i = 0; context && i < context->opened.count; ++i) free(context->opened.items[i]);
+    if (context) array_free(&context->opened);
     if (context) array_free(&context->outputs);
     free(context);
 }
@@ -86,6 +90,24 @@ void fathom_context_copy_files(fathom_context *context, bool copy) {
 }
 
 bool context_copies_files(const fathom_context *context) { return context->copy_files; }
+
+void context_note_opened(fathom_context *context, bool note) { context->note_opened = note; }
+
+bool context_add_opened(fathom_context *context, const char *path) {
+    if (!context->note_opened) return true;
+    for (size_t i = 0; i < context->opened.count; ++i)
+        if (strcmp(context->opened.items[i], path) == 0) return true;
+    char *copy = strdup(path);
+    if (copy && array_push(&context->opened, copy)) return true;
+    free(copy);
+    return false;
+}
+
+size_t context_opened_count(const fathom_context *context) { return context->opened.count; }
+
+const char *context_opened(const fathom_context *context, size_t index) {
+    return context->opened.items[index];
+}
 
 fathom_status fathom_file_protect(fathom_context *context, const char *const *paths, size_t count) {
     if (!context || (!paths && count)) return fail_null(context, "paths");

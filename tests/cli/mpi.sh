@@ -58,3 +58,24 @@ long="scene.json --size 240x180 --spp 400 --exr-float"
     [ "$(number all.json resumedSamples)" -gt 0 ] || die 'nothing was resumed'
     [ ! -e c ] || die 'the checkpoint is left'
 }
+
+# A rank that cannot open the scene's files gets them from rank 0, and leaves none behind.
+mkdir -p shared/meshes elsewhere tmp
+printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n-1 0 0\n1 0 0\n0 1 1\n3 0 1 2\n' >shared/meshes/t.ply
+sed 's|"objects": \[|"objects": [ { "type": "mesh", "file": "meshes/t.ply" },|' scene.json >shared/scene.json
+run 0 render shared/scene.json --spp 16 -o one.exr --exr-float
+there() {
+    code=0
+    TMPDIR=$PWD/tmp mpirun --oversubscribe -n 1 "$FATHOM" render "$1" --spp 16 -o all.exr --exr-float --mpi $2 : \
+        -n 1 -wdir "$PWD/elsewhere" "$FATHOM" render "$1" --spp 16 -o all.exr --exr-float --mpi $2 >out.txt 2>err.txt || code=$?
+}
+there shared/scene.json ''
+[ $code -eq 0 ] || die "a rank without the scene's files: exit code $code"
+same one.exr all.exr
+[ -z "$(ls -A elsewhere)" ] && ! ls -d tmp/fathom-* 2>/dev/null || die 'files of rank 0 are left'
+sed 's|meshes/t.ply|../t.ply|' shared/scene.json >shared/outside.json
+cp shared/meshes/t.ply t.ply
+there shared/outside.json --allow-outside
+[ $code -eq 3 ] || die "a file outside of the scene's folder: exit code $code, expected 3"
+said err.txt 't.ply: cannot be opened by rank 1, and rank 0 cannot send it; expected a file below the folder of the scene'
+! ls -d tmp/fathom-* 2>/dev/null || die 'files of rank 0 are left after a failure'

@@ -355,6 +355,13 @@ static void null_for_renders(void **state) {
     refuses(fathom_mpi_open(NULL, NULL));
     names("ranks", fathom_mpi_open(s.context, NULL));
     fathom_mpi_close(true);
+    const fathom_ranks alone = {.size = sizeof alone, .count = 1};
+    fathom_scene *read;
+    char *folder;
+    refuses(fathom_ranks_read(NULL, &alone, "a", NULL, NULL, &read, &folder));
+    names("ranks", fathom_ranks_read(s.context, NULL, "a", NULL, NULL, &read, &folder));
+    names("folder", fathom_ranks_read(s.context, &alone, "a", NULL, NULL, &read, NULL));
+    fathom_ranks_remove(NULL);
     refuses(fathom_checkpoint_check(NULL, &saving));
     names("checkpoint", fathom_checkpoint_check(s.context, NULL));
     names("checkpoint: path", fathom_checkpoint_check(s.context, &nowhere));

@@ -30,6 +30,7 @@ typedef struct task {
     render_report report;
     saving saving;
     fathom_ranks ranks; /* without --mpi a single one */
+    char *fetched;      /* the folder of files that came from rank 0; NULL: none */
 } task;
 
 /* A rank of an MPI job that only renders; rank 0 does all else. */
@@ -73,7 +74,9 @@ static fathom_status read_scene(task *s) {
     read.width = o->size.width, read.height = o->size.height;
     read.choose_integrator = render_options_give(o, "integrator"), read.integrator = o->asked.integrator;
     const double began = clock_seconds();
-    fathom_status status = fathom_scene_read_with(s->context, o->scene, &read, &s->scene);
+    fathom_status status = o->mpi ? fathom_ranks_read(s->context, &s->ranks, o->scene, &read, interrupt_asked,
+                                                      &s->scene, &s->fetched)
+                                  : fathom_scene_read_with(s->context, o->scene, &read, &s->scene);
     s->report.read_seconds = clock_seconds() - began;
     fathom_status free_again = fathom_file_protect(s->context, NULL, 0); /* the checkpoint is read */
     return status == FATHOM_OK ? free_again : status;
@@ -281,6 +284,7 @@ static fathom_status run_once(task *s) {
     fathom_mpi_close(status == FATHOM_OK);
     warnings_free(&s->report.warnings);
     fathom_scene_destroy(s->scene);
+    fathom_ranks_remove(s->fetched);
     standard_output_end();
     fathom_context_destroy(s->context);
     return status;

@@ -6,6 +6,8 @@
  *       ◀── WANT: so many threads ──────────── when fewer units wait than there are threads
  *       ─── UNITS: these, or none: the end ──▶
  *
+ * Ranks that cannot open the scene's files ask for these before: ranks_files.c.
+ *
  * One thread of each rank talks, and sleeps between two looks: MPI's own waiting would keep a processor busy.
  * Rank 0 hands out many squares at a time while there are many, and a batch of samples in the end. A rank
  * that dies takes the whole job with it; what came before is in the film and the checkpoint of rank 0. */
@@ -15,7 +17,7 @@
 #include "base/pool.h"
 #include "base/sized.h"
 #include "job/checkpoint/checkpoint_state.h"
-#include "job/ranks/unit_queue.h"
+#include "job/ranks/ranks_files.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -25,8 +27,6 @@
 #include <time.h>
 
 SIZED_DEFAULT_OWN(fathom_ranks, {.count = 1})
-
-enum { HELLO = 1, WANT, UNITS, DONE };
 
 /* One request gets this part of all that is left, but enough to last three looks, and until rank 0 has
  * answered all others. At most so many units. */
@@ -245,6 +245,7 @@ static bool understand(ranks *r, uint32_t from, const message *m, const unsigned
     if (!is_root(r))
         return m->kind == UNITS && size == m->count * sizeof(work_unit) && add_units(r, m->count, body);
     if (m->kind == HELLO) return size == sizeof(checkpoint_key) && compare_key(r, from, body);
+    if (m->kind == FILE_WANTED) return ranks_answer_file(r->other, r->context, from, body, size, m->count);
     if (m->kind == DONE) return take_results(r, m->count, body, size);
     if (m->kind == WANT && !size) answer(r, from, m->count);
     return m->kind == WANT && !size;

@@ -16,6 +16,8 @@ bool unit_queue_add(unit_queue *q, work_unit unit);
 /* At most so many squares of the next unit, of which the others stay; none where there is no unit. */
 work_unit unit_queue_take(unit_queue *q, uint32_t most);
 
+enum { HELLO = 1, WANT, UNITS, DONE, FILE_WANTED, FILE_PIECE };
+
 /* In front of each message. */
 typedef struct message {
     uint32_t kind, count;
