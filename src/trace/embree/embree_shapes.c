@@ -113,8 +113,7 @@ static float packet_end(packet p, unsigned i) {
 typedef struct shape {
     world_kind kind;
     const world_sphere *sphere;
-    const world_quad *quad;
-    vec3_f32 corner[3];
+    vec3_f32 corner[4]; /* of a quad or a triangle */
 } shape;
 
 /* `kind` is a constant in each callback, so that only one shape's code is left in it. */
@@ -124,7 +123,7 @@ ALWAYS_INLINE shape shape_of(world_kind kind, const void *first, uint32_t primit
     shape s = {.kind = kind};
     switch (kind) {
     case WORLD_SPHERES: s.sphere = (const world_sphere *)first + primitive; break;
-    case WORLD_QUADS: s.quad = (const world_quad *)first + primitive; break;
+    case WORLD_QUADS: memcpy(s.corner, ((const world_quad *)first)[primitive].corner, sizeof s.corner); break;
     case WORLD_MESH: search_corners(first, primitive, s.corner); break;
     }
     return s;
@@ -133,7 +132,7 @@ ALWAYS_INLINE shape shape_of(world_kind kind, const void *first, uint32_t primit
 ALWAYS_INLINE bool shape_met(const shape *s, packet p, unsigned i, reference_hit_f32 *hit) {
     const vec3_f32 org = packet_vector(p, EMBREE_ROW_ORG, i), dir = packet_vector(p, EMBREE_ROW_DIR, i);
     const float t_near = p.ray[EMBREE_ROW_T_NEAR * p.n + i], t_far = packet_end(p, i);
-    const vec3_f32 *v = s->kind == WORLD_QUADS ? s->quad->corner : s->corner;
+    const vec3_f32 *v = s->corner;
     switch (s->kind) {
     case WORLD_SPHERES:
         hit->u = hit->v = 0;
@@ -145,7 +144,7 @@ ALWAYS_INLINE bool shape_met(const shape *s, packet p, unsigned i, reference_hit
 }
 
 ALWAYS_INLINE vec3_f32 shape_normal(const shape *s, packet p, unsigned i, float t) {
-    const vec3_f32 *v = s->kind == WORLD_QUADS ? s->quad->corner : s->corner;
+    const vec3_f32 *v = s->corner;
     if (s->kind == WORLD_SPHERES)
         return madd_f32(sub_f32(packet_vector(p, EMBREE_ROW_ORG, i), s->sphere->center), t,
                         packet_vector(p, EMBREE_ROW_DIR, i));
