@@ -128,10 +128,7 @@ static bool take_tracer(const args_option *option, const char *value, void *fiel
 static const args_option own_options[] = {
     {.help = "Output"},
     OUTPUT_OPTION,
-    {"aov", 0, "LIST", take_aovs, 0, 0, 0,
-     "further channels: any of alpha,Z,N,P,albedo,id,samples, or none; alpha makes the background "
-     "transparent, "
-     "and the others need an .exr; all: the others, without alpha"},
+    {"aov", 0, "LIST", take_aovs, 0, 0, 0, "by aov_help()"},
     FLOAT_OPTION,
     {"stats", 0, "FILE.json", take_text, FIELD(stats), 0, 0,
      "write counts, times, rays and memory as JSON, with the command line and the scene's fingerprint; - is "
@@ -204,7 +201,7 @@ const args_option merge_option_table[] = {
 
 /* ---- the whole table ---- */
 
-enum { OPTIONS_MAX = 96, SETTINGS_MAX = 32, HELP_MAX = 640 };
+enum { OPTIONS_MAX = 96, SETTINGS_MAX = 32, HELP_MAX = 1024 };
 
 /* Room for the texts of the options that set settings. */
 static struct setting_texts { char name[PARAMETER_NAME + 3], help[HELP_MAX]; } texts[SETTINGS_MAX];
@@ -223,6 +220,22 @@ static void put_help(const fathom_parameter *p, char out[HELP_MAX]) {
     out[used] = '\0';
     const bool shown = *value && p->type != FATHOM_PARAMETER_BOOL && !p->count;
     if (shown) snprintf(out + used, HELP_MAX - used, " (%s)", value);
+}
+
+/* --aov says what its setting does, and which words there are. */
+static const char *aov_help(void) {
+    static char help[HELP_MAX];
+    const fathom_parameter *p = &settings_table().rows[index_of("aovs")];
+    put_help(p, help);
+    FILE *to = fmemopen(help + strlen(help), sizeof help - strlen(help), "w");
+    if (!to) return help;
+    fputs(" Some of ", to);
+    for (const char *c = p->words; *c; ++c) *c == '|' ? fputs(", ", to) : fputc(*c, to);
+    fputs("; all, without alpha and error; or none. alpha makes the background transparent; the others need "
+          "an .exr.",
+          to);
+    fclose(to);
+    return help;
 }
 
 static args_option option_of(size_t index) {
@@ -257,7 +270,9 @@ const args_option *render_option_table(void) {
     const char *group = "";
     for (const args_option *o = own_options; o->help; ++o) {
         if (!o->name) to = add_settings(to, group), group = o->help;
-        *to++ = *o;
+        *to = *o;
+        if (o->take == take_aovs) to->help = aov_help();
+        ++to;
     }
     add_settings(to, group);
     return all;
