@@ -196,7 +196,7 @@ static void note_lost(const fathom_scene *scene, const size_t *ways, format_id f
         {MODELS, count_settings(scene), "a setting of the image is left out"},
         {MODELS, count_spaces(scene), "the named color space of an image is left out"},
         {PLY, scene->materials.count - 1, "a material is left out"},
-        {MESHES, count_maps(scene, false), "an image on a surface is left out"},
+        {PLY, count_maps(scene, false), "an image on a surface is left out"},
         {MESHES, count_arrays(scene, offsetof(fathom_mesh, colors)),
          "the vertex colours of a mesh are left out"},
         {MESHES, count_arrays(scene, offsetof(fathom_mesh, uvs_1)),

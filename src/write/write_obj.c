@@ -1,65 +1,18 @@
 /* OBJ: instances are placed, normals and uvs have their own indices, materials are in a library next to the
- * file. The library is the inverse of reading, as far as the format allows: it has one colour for highlight
- * and mirror, one kind of highlight (Blinn's), and no light from behind. */
-#include "write/write.h"
+ * file (write_mtl.c). */
+#include "write/write_obj.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- materials ---- */
-
-static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
-
-static void put_color(file_writer *file, const char *key, const float rgb[3], float factor) {
-    file_writer_print(file, "%s", key);
-    for (int k = 0; k < 3; ++k) file_writer_print(file, " %.9g", (double)(factor * rgb[k]));
-    file_writer_print(file, "\n");
-}
-
-/* 1 Lambert, 2 with highlight, 3 and a mirror, 5 the same by Fresnel's law, 6 glass, 7 glass by Fresnel's
- * law, 9 glass that does not refract. */
-static int illumination(const fathom_material *m) {
-    if (largest(m->k_t) > 0) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
-    if (largest(m->k_r) > 0) return m->fresnel ? 5 : 3;
-    return m->specular == FATHOM_SPECULAR_NONE ? 1 : 2;
-}
-
-static void put_material(file_writer *t, const char *name, const fathom_material *m) {
-    int illum = illumination(m);
-    bool glass = illum == 6 || illum == 7 || illum == 9, mirror = illum >= 3 && largest(m->k_r) > 0;
-    /* Reading scales the diffuse part of glass by 1 - k_t. */
-    float left = glass && largest(m->k_t) < 1 ? 1 - largest(m->k_t) : 1;
-    file_writer_print(t, "newmtl %s\n", name);
-    put_color(t, "Kd", m->k_d, 1 / left);
-    if (m->k_a[0] >= 0) put_color(t, "Ka", m->k_a, 1 / left);
-    put_color(t, "Ks",
-              mirror                                ? m->k_r
-              : m->specular == FATHOM_SPECULAR_NONE ? (const float[3]){0}
-                                                    : m->k_s,
-              1);
-    if (largest(m->k_e) > 0) put_color(t, "Ke", m->k_e, 1);
-    file_writer_print(t, "Ns %.9g\n", (double)(float)write_blinn_exponent(m));
-    if (illum >= 5) file_writer_print(t, "Ni %.9g\n", (double)m->ior);
-    if (glass) put_color(t, "Tf", m->k_t, 1);
-    file_writer_print(t, "illum %d\n", illum);
-}
-
-static fathom_status write_mtl(const fathom_scene *scene, const char *path, char **names) {
-    file_writer *file;
-    fathom_status status = file_writer_open(scene->context, path, &file);
-    if (status != FATHOM_OK) return status;
-    file_writer_print(file, "# Fathom %s\n", fathom_version());
-    for (size_t i = 0; i < scene->materials.count; ++i)
-        put_material(file, names[i], &scene->materials.items[i].classic);
-    return file_writer_commit(file);
-}
-
 typedef struct obj {
     const fathom_scene *scene;
     const scene_graph *graph;
     write_stream stream;
-    char **names;       /* of materials */
+    char **names; /* of materials */
+    bool flips;   /* v is written as 1 - v */
+    note_list *notes;
     fathom_id material; /* in use */
     size_t objects;
     size_t positions, normals, uvs; /* lines before the placement being written */
@@ -98,6 +51,7 @@ static size_t format_vertices(const void *user, size_t begin, size_t end, char *
             store_f32(v, write_placed_normal(at, write_item(m->normals, m->normal_stride, i)));
         else
             memcpy(v, (const char *)m->uvs + m->uv_stride * i, 2 * sizeof *v);
+        if (part->kind == UVS && part->o->flips) v[1] = 1 - v[1];
         out = put_line(out, keys[part->kind], v, part->kind == UVS ? 2 : 3);
     }
     return (size_t)(out - start);
@@ -195,20 +149,30 @@ static char *library_path(const char *path) {
     return library;
 }
 
+static fathom_status put_library(const obj *o, const char *path, const char *library) {
+    write_images images;
+    fathom_status status = write_images_open(o->scene, false, &images);
+    if (status == FATHOM_OK) status = write_images_beside(o->scene, path, &images);
+    if (status == FATHOM_OK)
+        status = write_mtl(&(write_library){o->scene, &images, o->names, o->flips, o->notes}, library);
+    write_images_close(&images);
+    return status;
+}
+
 static fathom_status put_all(obj *o, const char *path, const char *library) {
     fathom_status status = write_stream_open(o->scene->context, path, &o->stream);
     if (status != FATHOM_OK) return status;
     file_writer_print(o->stream.file, "# Fathom %s\nmtllib %s\n", fathom_version(), file_name(library));
     status = write_each_placement(o->scene, o->graph, put_placement, o);
-    /* The library exists before the file that names it. */
-    if (status == FATHOM_OK) status = write_mtl(o->scene, library, o->names);
+    /* The images and the library exist before the file that names it. */
+    if (status == FATHOM_OK) status = put_library(o, path, library);
     return write_stream_close(&o->stream, status);
 }
 
 fathom_status write_obj(const fathom_scene *scene, const scene_graph *graph, const char *path,
                         note_list *notes) {
-    (void)notes;
-    obj o = {.scene = scene, .graph = graph, .material = FATHOM_NONE};
+    obj o = {.scene = scene, .graph = graph, .material = FATHOM_NONE, .notes = notes};
+    o.flips = write_mtl_flips(scene);
     char *library = library_path(path);
     fathom_status status = library ? check_count(&o, path) : fail_memory(scene->context, strlen(path));
     if (status == FATHOM_OK) status = write_names(scene, false, true, &o.names);

@@ -205,6 +205,62 @@ static void every_image_reads_back(void **state) {
     }
 }
 
+/* The file's v is one minus the scene's, so that an image that lies as glTF's do needs no options. */
+static void mtl_keeps_metal_and_its_images(void **state) {
+    (void)state;
+    const fathom_texture texture = {.size = sizeof texture,
+                                    .bytes = "\x89PNG\r\n",
+                                    .byte_count = 6,
+                                    .wrap_u = FATHOM_WRAP_CLAMP,
+                                    .wrap_v = FATHOM_WRAP_CLAMP};
+    static const fathom_map_kind kinds[] = {FATHOM_MAP_COLOR, FATHOM_MAP_ROUGHNESS, FATHOM_MAP_NORMAL};
+    fathom_material m;
+    fathom_scene *back;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.roughness = 0.3f, m.metallic = 0.7f, m.clearcoat = 0.2f;
+    m.clearcoat_roughness = 0.1f, m.anisotropy = 0.6f, m.opacity = 0.9f, m.ior = 1.7f, m.normal_scale = 0.3f;
+    for (size_t i = 0; i < 3; ++i)
+        m.maps[kinds[i]] = (fathom_map){.texture = 0, .transform = {2, 0, 0.25f, 0, 3, -0.5f}};
+    m.maps[FATHOM_MAP_ROUGHNESS].channel = 1;
+    fathom_scene *scene = wearing(&m, &texture);
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
+    assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
+    const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+    assert_true(got->roughness == m.roughness && got->metallic == m.metallic &&
+                got->clearcoat == m.clearcoat);
+    assert_true(got->anisotropy == m.anisotropy && got->opacity == m.opacity && got->ior == m.ior);
+    assert_true(got->clearcoat_roughness == m.clearcoat_roughness && got->normal_scale == m.normal_scale);
+    for (size_t i = 0; i < 3; ++i) {
+        const fathom_map *map = &got->maps[kinds[i]];
+        const float *t = map->transform;
+        assert_int_not_equal(map->texture, FATHOM_NONE);
+        assert_true(back->textures.items[map->texture].wrap_u == FATHOM_WRAP_CLAMP);
+        assert_int_equal(map->channel, m.maps[kinds[i]].channel);
+        assert_true(t[0] == 2 && t[2] == 0.25f && -t[4] == 3 && t[4] + t[5] == -0.5f);
+    }
+    for (int i = 0; i < 3; ++i) assert_true(back->meshes.items[0].uvs[2 * i + 1] == 1 - uvs[2 * i + 1]);
+    fathom_scene_destroy(back);
+    fathom_scene_destroy(scene);
+    unlink(in_folder("a.obj")), unlink(in_folder("a.mtl")), unlink(in_folder("a-0.png"));
+}
+
+/* MTL has no transmission among the keys of metals, but has glass. */
+static void mtl_makes_glass_of_transmission(void **state) {
+    (void)state;
+    fathom_material m;
+    fathom_scene *back;
+    fathom_material_default(&m);
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.transmission = 1, m.roughness = 0, m.ior = 1.7f;
+    fathom_scene *scene = wearing(&m, NULL);
+    assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
+    assert_ok(context, fathom_scene_read(context, in_folder("a.obj"), &back));
+    const fathom_material *got = &back->materials.items[scene_find_material(back, "material_1")].value;
+    assert_true(got->model == FATHOM_MODEL_CLASSIC && got->k_t[0] == 1 && got->fresnel && got->ior == 1.7f);
+    fathom_scene_destroy(back);
+    fathom_scene_destroy(scene);
+    unlink(in_folder("a.obj")), unlink(in_folder("a.mtl"));
+}
+
 /* ---- renders ---- */
 
 /* The bits of red, green and blue. */
@@ -373,6 +429,8 @@ int main(void) {
         cmocka_unit_test(every_material_parameter_reads_back),
         cmocka_unit_test(every_setting_reads_back_from_json),
         cmocka_unit_test(every_image_reads_back),
+        cmocka_unit_test(mtl_keeps_metal_and_its_images),
+        cmocka_unit_test(mtl_makes_glass_of_transmission),
         cmocka_unit_test(renders_survive_conversion),
         cmocka_unit_test(scene_json_survives_conversion),
         cmocka_unit_test(what_a_format_lacks_is_told),

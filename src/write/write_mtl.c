@@ -1,0 +1,164 @@
+/* The library of materials of an OBJ file: the inverse of reading, as far as the format allows.
+ *
+ * The classic model has one colour for highlight and mirror there, one kind of highlight (Blinn's), and no
+ * light from behind. The keys of metallic-roughness materials have neither transmission, for which the
+ * classic equivalent is written, nor most layers. Images have a scale and an offset, and repeat or end at
+ * their edge; v grows upwards. */
+#include "write/write_obj.h"
+
+#include <string.h>
+
+static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
+
+static void put_color(file_writer *file, const char *key, const float rgb[3], float factor) {
+    file_writer_print(file, "%s", key);
+    for (int k = 0; k < 3; ++k) file_writer_print(file, " %.9g", (double)(factor * rgb[k]));
+    file_writer_print(file, "\n");
+}
+
+/* ---- the classic model ---- */
+
+/* 1 Lambert, 2 with highlight, 3 and a mirror, 5 the same by Fresnel's law, 6 glass, 7 glass by Fresnel's
+ * law, 9 glass that does not refract. */
+static int illumination(const fathom_material *m) {
+    if (largest(m->k_t) > 0) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
+    if (largest(m->k_r) > 0) return m->fresnel ? 5 : 3;
+    return m->specular == FATHOM_SPECULAR_NONE ? 1 : 2;
+}
+
+static void put_classic(file_writer *t, const fathom_material *m) {
+    int illum = illumination(m);
+    bool glass = illum == 6 || illum == 7 || illum == 9, mirror = illum >= 3 && largest(m->k_r) > 0;
+    /* Reading scales the diffuse part of glass by 1 - k_t. */
+    float left = glass && largest(m->k_t) < 1 ? 1 - largest(m->k_t) : 1;
+    put_color(t, "Kd", m->k_d, 1 / left);
+    if (m->k_a[0] >= 0) put_color(t, "Ka", m->k_a, 1 / left);
+    put_color(t, "Ks",
+              mirror                                ? m->k_r
+              : m->specular == FATHOM_SPECULAR_NONE ? (const float[3]){0}
+                                                    : m->k_s,
+              1);
+    if (largest(m->k_e) > 0) put_color(t, "Ke", m->k_e, 1);
+    file_writer_print(t, "Ns %.9g\n", (double)(float)write_blinn_exponent(m));
+    if (illum >= 5) file_writer_print(t, "Ni %.9g\n", (double)m->ior);
+    if (glass) put_color(t, "Tf", m->k_t, 1);
+    file_writer_print(t, "illum %d\n", illum);
+}
+
+/* ---- metallic-roughness ---- */
+
+static const struct mtl_number {
+    const char *key;
+    size_t offset;
+    double factor;
+} numbers[] = {{"Pr", offsetof(fathom_material, roughness), 1},
+               {"Pm", offsetof(fathom_material, metallic), 1},
+               {"Pc", offsetof(fathom_material, clearcoat), 1},
+               {"Pcr", offsetof(fathom_material, clearcoat_roughness), 1},
+               {"aniso", offsetof(fathom_material, anisotropy), 1},
+               {"anisor", offsetof(fathom_material, anisotropy_rotation), 0.5 / 3.14159265358979}, /* turns */
+               {"d", offsetof(fathom_material, opacity), 1},
+               {"Ni", offsetof(fathom_material, ior), 1}};
+
+static bool is_black(const float rgb[3]) { return !(largest(rgb) > 0); }
+
+static bool is_white(const float rgb[3]) { return rgb[0] == 1 && rgb[1] == 1 && rgb[2] == 1; }
+
+static void put_metallic(file_writer *t, const fathom_material *m, note_list *notes) {
+    put_color(t, "Kd", m->base_color, 1);
+    if (!is_black(m->emissive)) put_color(t, "Ke", m->emissive, m->emissive_strength);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
+        const float value = *(const float *)(const void *)((const char *)m + numbers[i].offset);
+        file_writer_print(t, "%s %.9g\n", numbers[i].key, numbers[i].factor * (double)value);
+    }
+    if (m->specular_factor != 1 || !is_white(m->specular_color) || !is_black(m->sheen_color) ||
+        m->iridescence > 0 || m->diffuse_transmission > 0 || m->opacity_cutoff > 0 || !(m->ior >= 1))
+        notes_add(notes, 1, "", "a material has layers, a tint or a cutoff that MTL has no place for");
+}
+
+/* ---- images ---- */
+
+static const struct mtl_image_key {
+    const char *key;
+    fathom_map_kind map;
+    bool color;
+} images[] = {{"map_Kd", FATHOM_MAP_COLOR, true},
+              {"map_Ks", FATHOM_MAP_SPECULAR_COLOR, true},
+              {"map_Ke", FATHOM_MAP_EMISSIVE, true},
+              {"map_Ns", FATHOM_MAP_SHININESS, false},
+              {"map_d", FATHOM_MAP_OPACITY, false},
+              {"map_Pr", FATHOM_MAP_ROUGHNESS, false},
+              {"map_Pm", FATHOM_MAP_METALLIC, false},
+              {"map_Pc", FATHOM_MAP_CLEARCOAT, false},
+              {"map_Pcr", FATHOM_MAP_CLEARCOAT_ROUGHNESS, false},
+              {"norm", FATHOM_MAP_NORMAL, true}};
+enum { IMAGES = sizeof images / sizeof *images };
+
+/* The reader's map is u' = s0 u + o0 and v' = 1 - o1 - s1 v, for the file's v. */
+static void put_image(const write_library *l, file_writer *t, const struct mtl_image_key *key,
+                      const fathom_material *m) {
+    const fathom_map *map = &m->maps[key->map];
+    const fathom_texture *texture = &l->scene->textures.items[map->texture];
+    const double e = (double)map->transform[4], f = (double)map->transform[5], a = (double)map->transform[0],
+                 c = (double)map->transform[2], s1 = l->flips ? e : -e, o1 = l->flips ? 1 - e - f : 1 - f;
+    file_writer_print(t, "%s", key->key);
+    if (a != 1 || s1 != 1) file_writer_print(t, " -s %.9g %.9g 1", a, s1);
+    if (c != 0 || o1 != 0) file_writer_print(t, " -o %.9g %.9g 0", c, o1);
+    if (texture->wrap_u == FATHOM_WRAP_CLAMP) file_writer_print(t, " -clamp on");
+    if (!key->color) file_writer_print(t, " -imfchan %c", "rgbm"[map->channel]);
+    if (key->map == FATHOM_MAP_NORMAL && m->normal_scale != 1)
+        file_writer_print(t, " -bm %.9g", (double)m->normal_scale);
+    file_writer_print(t, " %s\n", l->images->items[l->images->of_texture[map->texture]].name);
+}
+
+/* Whether the format can say how the image lies, and which part of it counts. */
+static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool color) {
+    const fathom_texture *texture = &scene->textures.items[map->texture];
+    return map->uv_set == 0 && !map->inverted && map->transform[1] == 0 && map->transform[3] == 0 &&
+           texture->wrap_u == texture->wrap_v && texture->wrap_u != FATHOM_WRAP_MIRROR &&
+           (!color || !map->channel);
+}
+
+static void put_images(const write_library *l, file_writer *t, const fathom_material *m) {
+    size_t left = 0;
+    for (int k = 0; k < FATHOM_MAPS; ++k) left += m->maps[k].texture != FATHOM_NONE;
+    for (size_t i = 0; i < IMAGES; ++i) {
+        const fathom_map *map = &m->maps[images[i].map];
+        if (map->texture == FATHOM_NONE || !is_plain(l->scene, map, images[i].color)) continue;
+        put_image(l, t, &images[i], m);
+        --left;
+    }
+    if (left)
+        notes_add(l->notes, left, "",
+                  "an image that MTL has no place for, by its parameter, its turn, its uv set "
+                  "or its wrapping, is left out");
+}
+
+/* ---- file ---- */
+
+bool write_mtl_flips(const fathom_scene *scene) {
+    for (size_t i = 0; i < scene->materials.count; ++i) {
+        for (int k = 0; k < FATHOM_MAPS; ++k) {
+            const fathom_map *map = &scene->materials.items[i].value.maps[k];
+            if (map->texture != FATHOM_NONE) return map->transform[4] > 0;
+        }
+    }
+    return false;
+}
+
+fathom_status write_mtl(const write_library *l, const char *path) {
+    file_writer *file;
+    fathom_status status = file_writer_open(l->scene->context, path, &file);
+    if (status != FATHOM_OK) return status;
+    file_writer_print(file, "# Fathom %s\n", fathom_version());
+    for (size_t i = 0; i < l->scene->materials.count; ++i) {
+        const fathom_material *m = &l->scene->materials.items[i].value;
+        file_writer_print(file, "newmtl %s\n", l->names[i]);
+        if (m->model == FATHOM_MODEL_CLASSIC || m->transmission > 0)
+            put_classic(file, &l->scene->materials.items[i].classic);
+        else
+            put_metallic(file, m, l->notes);
+        put_images(l, file, m);
+    }
+    return file_writer_commit(file);
+}

@@ -1,0 +1,22 @@
+/* The library of materials next to an OBJ file. */
+#ifndef WRITE_OBJ_H
+#define WRITE_OBJ_H
+
+#include "write/image.h"
+#include "write/write.h"
+
+typedef struct write_library {
+    const fathom_scene *scene;
+    const write_images *images; /* named */
+    char *const *names;         /* of the materials */
+    bool flips;                 /* write_mtl_flips() */
+    note_list *notes;
+} write_library;
+
+/* Whether the file's v is one minus the scene's, so that images lie upright in most readers: those of OBJ
+ * files do already. */
+bool write_mtl_flips(const fathom_scene *scene);
+/* Writes the whole file or none. */
+fathom_status write_mtl(const write_library *l, const char *path);
+
+#endif
