@@ -183,7 +183,7 @@ static void every_image_reads_back(void **state) {
     (void)state;
     const fathom_texture texture = {.size = sizeof texture,
                                     .bytes = "\x89PNG\r\n of no use",
-                                    .byte_count = 18,
+                                    .byte_count = 16,
                                     .wrap_u = FATHOM_WRAP_CLAMP,
                                     .wrap_v = FATHOM_WRAP_MIRROR,
                                     .filter = FATHOM_TEXTURE_NEAREST};
