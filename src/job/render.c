@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/opened.h"
 #include "job/checkpoint/checkpoint.h"
 #include "job/job.h"
 #include "job/part/part.h"
@@ -258,6 +259,7 @@ static fathom_status fill(fathom_context *context, const fathom_scene *scene, co
                            .user = request->user};
     keeping keep = {.saving = NULL};
     fathom_status status = scene_fingerprint(scene, &film->stats.scene_fingerprint);
+    context_note_opened(context, false);
     if (status == FATHOM_OK && request->saving)
         status = checkpoint_open(context, request->saving, scene, settings, film, &keep.saving);
     if (status == FATHOM_OK && request->part)

@@ -62,7 +62,9 @@ long="scene.json --size 240x180 --spp 400 --exr-float"
 # A rank that cannot open the scene's files gets them from rank 0, and leaves none behind.
 mkdir -p shared/meshes elsewhere tmp
 printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n-1 0 0\n1 0 0\n0 1 1\n3 0 1 2\n' >shared/meshes/t.ply
-sed 's|"objects": \[|"objects": [ { "type": "mesh", "file": "meshes/t.ply" },|' scene.json >shared/scene.json
+run 0 render scene.json --size 32x16 -o shared/sky.exr
+sed 's|"objects": \[|"objects": [ { "type": "mesh", "file": "meshes/t.ply" },|; s|"classic"|"path"|
+    s|"lights": \[|"lights": [ { "type": "environment", "file": "sky.exr" },|' scene.json >shared/scene.json
 run 0 render shared/scene.json --spp 16 -o one.exr --exr-float
 there() {
     code=0

@@ -183,23 +183,16 @@ static fathom_status fetch(fetching *f, const fathom_read_options *options, fath
     return status == FATHOM_OK ? fathom_scene_read_with(f->context, scene, options, out) : status;
 }
 
-static fathom_status read_noted(fathom_context *context, const char *path, const fathom_read_options *options,
-                                fathom_scene **out) {
-    context_note_opened(context, true);
-    fathom_status status = fathom_scene_read_with(context, path, options, out);
-    context_note_opened(context, false);
-    return status;
-}
-
 fathom_status fathom_ranks_read(fathom_context *context, const fathom_ranks *ranks, const char *path,
                                 const fathom_read_options *options, bool (*stopped)(void), fathom_scene **out,
                                 char **folder) {
     if (!context || !ranks) return fail_null(context, "ranks");
     if (!folder) return fail_null(context, "folder");
     *folder = NULL;
-    if (!ranks->rank) return read_noted(context, path, options, out);
+    /* Until the scene's fingerprint is known, which opens the images that reading does not. */
+    context_note_opened(context, !ranks->rank);
     fathom_status status = fathom_scene_read_with(context, path, options, out);
-    if (status != FATHOM_BAD_INPUT) return status;
+    if (status != FATHOM_BAD_INPUT || !ranks->rank) return status;
     fetching *f = calloc(1, sizeof *f);
     if (!f) return fail_memory(context, sizeof *f);
     f->context = context, f->ranks = ranks, f->stopped = stopped;
