@@ -752,9 +752,9 @@ static void files_that_are_no_textures_are_named(void **state) {
     t.bytes = "this is no image", t.byte_count = 16, t.file = NULL, t.name = "inner";
     check_opening_fails(&t, FATHOM_BAD_INPUT, "inner: cannot be read as a texture");
     t = texture_of("wide.ppm", FATHOM_COLOR_SRGB);
-    check_opening_fails(&t, FATHOM_BAD_INPUT, "at most 65536 texels on a side");
+    check_opening_fails(&t, FATHOM_BAD_INPUT, "65537"); /* some versions of OpenImageIO refuse it first */
     t = texture_of("many.ppm", FATHOM_COLOR_SRGB);
-    check_opening_fails(&t, FATHOM_BAD_INPUT, "found 65536 x 65537");
+    check_opening_fails(&t, FATHOM_BAD_INPUT, "65537");
     put_format("a.ppm");
     t = texture_of("a.ppm", FATHOM_COLOR_NAMED), t.color_space_name = "Mauve";
     check_opening_fails(&t, FATHOM_BAD_INPUT,
