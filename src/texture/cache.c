@@ -164,7 +164,7 @@ void texture_size(const texture_cache *cache, fathom_id texture, uint32_t *width
 /* Decodes the image, unless it is a mip-mapped file. */
 static fathom_status be_decoded(texture_cache *cache, fathom_context *context, cache_image *img) {
     if (__atomic_load_n(&img->decoded, __ATOMIC_ACQUIRE) || img->info.mipmapped) return FATHOM_OK;
-    if (cache_touch(cache, img, img->offset >> PYRAMID_CHUNK_SHIFT)) return FATHOM_OK;
+    if (cache_fill(cache, img, img->offset >> PYRAMID_CHUNK_SHIFT)) return FATHOM_OK;
     return texture_cache_check(cache, context);
 }
 

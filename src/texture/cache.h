@@ -44,9 +44,16 @@ struct texture_cache {
     image_message why;
 };
 
-/* Makes a chunk of the store readable that holds texels of the image; decodes the image if need be. False
- * when it is broken. Any thread. */
-bool cache_touch(texture_cache *cache, cache_image *img, uint64_t chunk);
+/* Has the store hold a chunk with texels of the image; decodes the image if need be. False when it is broken.
+ * Any thread. */
+bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk);
+/* The same of up to four texels of `size` bytes. at[i] is where texel i may be read: in the store, or in
+ * `copy`. */
+typedef struct cache_copy {
+    _Alignas(16) unsigned char bytes[2048]; /* two rows of a tile and more, of texels up to 16 bytes */
+} cache_copy;
+bool cache_fetch(texture_cache *cache, cache_image *img, const uint64_t *places, unsigned count, size_t size,
+                 cache_copy *copy, const unsigned char **at);
 
 /* Opens the image's file, or bytes, in the helper. On failure `why` says why; "": memory is lacking. */
 fathom_status cache_open_source(const texture_cache *cache, const fathom_texture *t, image_texture **out,

@@ -269,10 +269,38 @@ static bool fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
     return !is_broken(img);
 }
 
-bool cache_touch(texture_cache *cache, cache_image *img, uint64_t chunk) {
+bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
     if (is_broken(img)) return false;
-    if (!__atomic_load_n(&img->store->filled[chunk], __ATOMIC_ACQUIRE) && !fill(cache, img, chunk))
-        return false;
-    if (img->store->dropping) store_admit(img->store, chunk);
+    return __atomic_load_n(&img->store->filled[chunk], __ATOMIC_ACQUIRE) || fill(cache, img, chunk);
+}
+
+/* One read of all that lies between, where that is little: the texels of a filter mostly share a tile. */
+static bool copy_texels(const cache_image *img, const uint64_t *places, unsigned count, size_t size,
+                        cache_copy *copy, const unsigned char **at) {
+    uint64_t low = places[0], high = places[0];
+    for (unsigned i = 1; i < count; ++i) {
+        low = places[i] < low ? places[i] : low;
+        high = places[i] > high ? places[i] : high;
+    }
+    const bool close = high - low + size <= sizeof copy->bytes;
+    for (unsigned i = 0; i < count; ++i) {
+        at[i] = copy->bytes + (close ? places[i] - low : i * size);
+        if (!close && !store_read(img->store, img->offset + places[i], copy->bytes + i * size, size))
+            return false;
+    }
+    return !close || store_read(img->store, img->offset + low, copy->bytes, high - low + size);
+}
+
+bool cache_fetch(texture_cache *cache, cache_image *img, const uint64_t *places, unsigned count, size_t size,
+                 cache_copy *copy, const unsigned char **at) {
+    bool mapped = true;
+    for (unsigned i = 0; i < count; ++i) {
+        const uint64_t chunk = (img->offset + places[i]) >> PYRAMID_CHUNK_SHIFT;
+        if (!cache_fill(cache, img, chunk)) return false;
+        const bool again = i > 0 && chunk == (img->offset + places[i - 1]) >> PYRAMID_CHUNK_SHIFT;
+        if (img->store->dropping && !again) mapped &= store_admit(img->store, chunk);
+    }
+    if (!mapped && copy_texels(img, places, count, size, copy, at)) return true;
+    for (unsigned i = 0; i < count; ++i) at[i] = img->store->bytes + img->offset + places[i];
     return true;
 }

@@ -78,31 +78,58 @@ void store_fill(store *s, uint64_t chunk) {
     if (!s->dropping) __atomic_store_n(&s->states[chunk], STORE_USED, __ATOMIC_RELEASE);
 }
 
-/* A chunk that was used since the hand came by gets another round. */
+bool store_read(const store *s, uint64_t offset, void *bytes, size_t size) {
+    ssize_t n;
+    do n = pread(s->descriptor, bytes, size, (off_t)offset);
+    while (n < 0 && errno == EINTR);
+    return n == (ssize_t)size;
+}
+
+static bool exchange(store *s, uint64_t chunk, unsigned char from, unsigned char to) {
+    return __atomic_compare_exchange_n(&s->states[chunk], &from, to, false, __ATOMIC_RELAXED,
+                                       __ATOMIC_RELAXED);
+}
+
+static void count_resident(store *s, uint64_t resident) {
+    __atomic_store_n(&s->resident, resident, __ATOMIC_RELAXED);
+}
+
+/* A chunk that was used since the hand came by gets another round; one that was read is forgotten. */
 static void pass_hand(store *s) {
     const uint64_t chunk = s->hand;
-    unsigned char idle = STORE_IDLE, used = STORE_USED;
+    const unsigned char state = store_state(s, chunk);
     s->hand = s->hand + 1 < s->size >> PYRAMID_CHUNK_SHIFT ? s->hand + 1 : 0;
-    if (__atomic_compare_exchange_n(&s->states[chunk], &idle, STORE_ABSENT, false, __ATOMIC_RELAXED,
-                                    __ATOMIC_RELAXED)) {
+    if (state == STORE_USED) {
+        exchange(s, chunk, STORE_USED, STORE_IDLE);
+    } else if (state >= STORE_READ) {
+        exchange(s, chunk, state, STORE_ABSENT);
+    } else if (state == STORE_IDLE && exchange(s, chunk, STORE_IDLE, STORE_ABSENT)) {
         madvise(s->bytes + (chunk << PYRAMID_CHUNK_SHIFT), PYRAMID_CHUNK, MADV_DONTNEED);
-        s->resident -= PYRAMID_CHUNK, ++s->dropped;
-    } else {
-        __atomic_compare_exchange_n(&s->states[chunk], &used, STORE_IDLE, false, __ATOMIC_RELAXED,
-                                    __ATOMIC_RELAXED);
+        count_resident(s, s->resident - PYRAMID_CHUNK), ++s->dropped;
     }
 }
 
-void store_admit(store *s, uint64_t chunk) {
-    unsigned char idle = STORE_IDLE;
-    if (__atomic_compare_exchange_n(&s->states[chunk], &idle, STORE_USED, false, __ATOMIC_RELAXED,
-                                    __ATOMIC_RELAXED))
-        return;
+static void map_chunk(store *s, uint64_t chunk) {
     pthread_mutex_lock(&s->lock);
-    if (store_state(s, chunk) == STORE_ABSENT) {
+    const unsigned char state = store_state(s, chunk);
+    if (state != STORE_IDLE && state != STORE_USED) {
         while (s->resident && s->resident + PYRAMID_CHUNK > s->limit) pass_hand(s);
-        s->resident += PYRAMID_CHUNK;
+        count_resident(s, s->resident + PYRAMID_CHUNK);
         __atomic_store_n(&s->states[chunk], STORE_USED, __ATOMIC_RELEASE);
     }
     pthread_mutex_unlock(&s->lock);
+}
+
+bool store_admit(store *s, uint64_t chunk) {
+    const unsigned char state = store_state(s, chunk);
+    if (state == STORE_USED || (state == STORE_IDLE && exchange(s, chunk, STORE_IDLE, STORE_USED)))
+        return true;
+    const bool full = __atomic_load_n(&s->resident, __ATOMIC_RELAXED) + PYRAMID_CHUNK > s->limit;
+    if (full && state != STORE_IDLE && state < STORE_READS * STORE_READ) {
+        /* Others may count at the same time; a few reads more or less do not matter. */
+        exchange(s, chunk, state, (unsigned char)(state + STORE_READ));
+        return false;
+    }
+    map_chunk(s, chunk);
+    return true;
 }

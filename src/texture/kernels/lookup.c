@@ -91,17 +91,17 @@ INLINE uint64_t place_of(const pyramid_level *l, uint32_t x, uint32_t y) {
     return l->offset + (((uint64_t)tile * PYRAMID_TILE_TEXELS + within) << l->shift);
 }
 
-/* True when the chunks may be read; marks them as used. */
-INLINE bool readable(texture_cache *cache, cache_image *img, const uint64_t *places, unsigned count) {
+/* Where the texels may be read. False: the image is broken. */
+INLINE bool reachable(texture_cache *cache, cache_image *img, const pyramid_level *l, const uint64_t *places,
+                      unsigned count, cache_copy *copy, const unsigned char **at) {
     const store *s = img->store;
     unsigned used = STORE_USED;
-    for (unsigned i = 0; i < count; ++i)
-        used &= store_state(s, (img->offset + places[i]) >> PYRAMID_CHUNK_SHIFT);
-    if (__builtin_expect(used == STORE_USED, 1)) return true;
     for (unsigned i = 0; i < count; ++i) {
-        if (!cache_touch(cache, img, (img->offset + places[i]) >> PYRAMID_CHUNK_SHIFT)) return false;
+        used &= store_state(s, (img->offset + places[i]) >> PYRAMID_CHUNK_SHIFT);
+        at[i] = s->bytes + img->offset + places[i];
     }
-    return true;
+    if (__builtin_expect(used == STORE_USED, 1)) return true;
+    return cache_fetch(cache, img, places, count, (size_t)1 << l->shift, copy, at);
 }
 
 /* ---- filters ---- */
@@ -116,13 +116,13 @@ typedef struct lookup {
     bool broken;
 } lookup;
 
-INLINE rgba_f32 between(const unsigned char *base, const uint64_t p[4], const pair *x, const pair *y,
+INLINE rgba_f32 between(const unsigned char *const at[4], const pair *x, const pair *y,
                         const cache_image *img, image_texel type, unsigned channels) {
     const float *color = img->decoding.color, *alpha = img->decoding.alpha;
-    const rgba_f32 a = texel_at(base + p[0], type, channels, color, alpha);
-    const rgba_f32 b = texel_at(base + p[1], type, channels, color, alpha);
-    const rgba_f32 c = texel_at(base + p[2], type, channels, color, alpha);
-    const rgba_f32 d = texel_at(base + p[3], type, channels, color, alpha);
+    const rgba_f32 a = texel_at(at[0], type, channels, color, alpha);
+    const rgba_f32 b = texel_at(at[1], type, channels, color, alpha);
+    const rgba_f32 c = texel_at(at[2], type, channels, color, alpha);
+    const rgba_f32 d = texel_at(at[3], type, channels, color, alpha);
     const rgba_f32 top = a + x->share * (b - a), low = c + x->share * (d - c);
     return top + y->share * (low - top);
 }
@@ -144,12 +144,13 @@ static rgba_f32 bilinear(lookup *at, unsigned level) {
                y = pair_at(at->v, l->height, at->slot->wrap_v);
     const uint64_t p[4] = {place_of(l, x.first, y.first), place_of(l, x.second, y.first),
                            place_of(l, x.first, y.second), place_of(l, x.second, y.second)};
-    if (!readable(at->cache, img, p, 4)) {
+    const unsigned char *texels[4];
+    cache_copy copy;
+    if (!reachable(at->cache, img, l, p, 4, &copy, texels)) {
         at->broken = true;
         return grey(0);
     }
-    const unsigned char *base = img->store->bytes + img->offset;
-#define CALL(type, channels) between(base, p, &x, &y, img, type, channels)
+#define CALL(type, channels) between(texels, &x, &y, img, type, channels)
     BY_TYPE(CALL, l->type, img->plan.channels);
 #undef CALL
 }
@@ -158,11 +159,12 @@ static rgba_f32 single(lookup *at, unsigned level, uint32_t x, uint32_t y) {
     cache_image *img = at->slot->image;
     const pyramid_level *l = &img->plan.levels[level];
     const uint64_t p = place_of(l, x, y);
-    if (!readable(at->cache, img, &p, 1)) {
+    const unsigned char *from;
+    cache_copy copy;
+    if (!reachable(at->cache, img, l, &p, 1, &copy, &from)) {
         at->broken = true;
         return grey(0);
     }
-    const unsigned char *from = img->store->bytes + img->offset + p;
 #define CALL(type, channels) texel_at(from, type, channels, img->decoding.color, img->decoding.alpha)
     BY_TYPE(CALL, l->type, img->plan.channels);
 #undef CALL
