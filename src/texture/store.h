@@ -18,7 +18,7 @@
 /* In the order of use. An absent chunk's state counts the lookups that read it from the file, in steps of
  * STORE_READ. */
 enum { STORE_ABSENT = 0, STORE_IDLE = 1, STORE_USED = 3, STORE_READ = 4 };
-#define STORE_READS 16u
+#define STORE_READS 4u
 
 typedef struct store {
     int descriptor;
