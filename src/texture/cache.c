@@ -80,6 +80,7 @@ static fathom_status open_image(texture_cache *cache, fathom_context *context, c
         return fail_file(context, status == FATHOM_BAD_USAGE ? FATHOM_BAD_INPUT : status, cache_name(t),
                          "cannot be read as a texture: %s", why.text[0] ? why.text : "out of memory");
     cache_close_source(img);
+    pthread_mutex_init(&img->lock, NULL);
     ++cache->image_count;
     check_mime(context, t, img->info.format);
     return plan_image(cache, context, img);
@@ -138,7 +139,10 @@ fathom_status texture_cache_open(fathom_context *context, const fathom_scene *sc
 
 void texture_cache_close(texture_cache *cache) {
     if (!cache) return;
-    for (size_t i = 0; i < cache->image_count; ++i) cache_close_source(&cache->images[i]);
+    for (size_t i = 0; i < cache->image_count; ++i) {
+        cache_close_source(&cache->images[i]);
+        pthread_mutex_destroy(&cache->images[i].lock);
+    }
     store_close(&cache->memory);
     store_close(&cache->disk);
     for (int i = 0; i < 4; ++i) free(cache->tables[i / 2][i % 2]);

@@ -14,6 +14,7 @@ typedef struct cache_image {
     store *store;
     uint64_t offset;            /* in the store */
     image_texture *source;      /* a mip-mapped file that is open; guarded by the cache's lock */
+    pthread_mutex_t lock;       /* held while it is decoded whole */
     bool decoded, broken;       /* atomic */
     float mean[4], least_alpha; /* once it is decoded */
 } cache_image;
@@ -36,7 +37,7 @@ struct texture_cache {
     cache_image *images;
     store memory, disk;
     float *tables[2][2];  /* of 8 and 16 bits; linear and sRGB; NULL: not needed */
-    pthread_mutex_t lock; /* held while an image is decoded; guards the members below */
+    pthread_mutex_t lock; /* held while tiles of a mip-mapped file are read; guards the members below */
     cache_image *open[CACHE_OPEN];
     unsigned next_open;
     fathom_status status; /* of the first failure */

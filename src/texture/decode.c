@@ -243,7 +243,7 @@ static fathom_status fill_chunk(filling *f, uint64_t chunk) {
     return status;
 }
 
-/* Under the lock. */
+/* Under the lock of the cache. */
 static void keep_failure(texture_cache *cache, cache_image *img, fathom_status status,
                          const image_message *why) {
     if (cache->status == FATHOM_OK) {
@@ -257,21 +257,41 @@ static void keep_failure(texture_cache *cache, cache_image *img, fathom_status s
 
 static bool is_broken(const cache_image *img) { return __atomic_load_n(&img->broken, __ATOMIC_ACQUIRE); }
 
-/* Fills the chunk, or all if the image is no mip-mapped file. */
-static bool fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
+static bool is_filled(const cache_image *img, uint64_t chunk) {
+    return __atomic_load_n(&img->store->filled[chunk], __ATOMIC_ACQUIRE);
+}
+
+/* While the helper decodes one image, another thread may make the levels of another. */
+static void fill_image(texture_cache *cache, cache_image *img, uint64_t chunk) {
+    filling f = {.cache = cache, .img = img};
+    pthread_mutex_lock(&img->lock);
+    const bool needed = !is_broken(img) && !is_filled(img, chunk);
+    const fathom_status status = needed ? fill_all(&f) : FATHOM_OK;
+    if (status != FATHOM_OK) {
+        pthread_mutex_lock(&cache->lock);
+        keep_failure(cache, img, status, &f.why);
+        pthread_mutex_unlock(&cache->lock);
+    }
+    pthread_mutex_unlock(&img->lock);
+}
+
+static void fill_tiles(texture_cache *cache, cache_image *img, uint64_t chunk) {
     filling f = {.cache = cache, .img = img};
     pthread_mutex_lock(&cache->lock);
-    if (!is_broken(img) && !img->store->filled[chunk]) {
-        const fathom_status status = img->info.mipmapped ? fill_chunk(&f, chunk) : fill_all(&f);
-        if (status != FATHOM_OK) keep_failure(cache, img, status, &f.why);
-    }
+    const bool needed = !is_broken(img) && !is_filled(img, chunk);
+    const fathom_status status = needed ? fill_chunk(&f, chunk) : FATHOM_OK;
+    if (status != FATHOM_OK) keep_failure(cache, img, status, &f.why);
     pthread_mutex_unlock(&cache->lock);
-    return !is_broken(img);
 }
 
 bool cache_fill(texture_cache *cache, cache_image *img, uint64_t chunk) {
     if (is_broken(img)) return false;
-    return __atomic_load_n(&img->store->filled[chunk], __ATOMIC_ACQUIRE) || fill(cache, img, chunk);
+    if (is_filled(img, chunk)) return true;
+    if (img->info.mipmapped)
+        fill_tiles(cache, img, chunk);
+    else
+        fill_image(cache, img, chunk);
+    return !is_broken(img);
 }
 
 /* One read of all that lies between, where that is little: the texels of a filter mostly share a tile. */
