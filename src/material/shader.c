@@ -217,8 +217,15 @@ void shader_emission(const fathom_material *m, float out[3]) {
     }
 }
 
+/* But for the curves that prepare_even() sets: textured surfaces prepare a shader for each point. */
+static void clear(const fathom_material *m, shader *out) {
+    const bool even = m->model == FATHOM_MODEL_METALLIC_ROUGHNESS && m->multiscatter;
+    memset(out, 0, even ? offsetof(shader, missing) : offsetof(shader, below_coat));
+    memset(out->leaf, 0, offsetof(shader, stretch) - offsetof(shader, leaf));
+}
+
 void shader_prepare(const fathom_material *m, shader *out) {
-    memset(out, 0, offsetof(shader, stretch));
+    clear(m, out);
     out->model = m->model, out->alpha = out->ior = out->eta = 1;
     shader_emission(m, out->emission);
     for (int k = 0; k < ENERGY_NODES; ++k) out->below_coat[k] = 1;

@@ -79,7 +79,7 @@ static void apply_others(const material_plan *p, const float (*values)[4], fatho
 
 void texturing_apply(const material_plan *p, const float (*values)[4], const float color[4],
                      fathom_material *m) {
-    *m = *p->material;
+    memcpy(m, p->material, offsetof(fathom_material, maps));
     for (int kind = 0; kind < FATHOM_MAPS; ++kind) {
         if (p->of[kind] == NO_LOOKUP) continue;
         const fathom_map *map = &p->material->maps[kind];

@@ -57,7 +57,7 @@ typedef struct points {
 
 /* Times the factors of an image; see fathom_map.inverted. */
 void texturing_multiply(fathom_material *m, int kind, const float *factor, bool inverted);
-/* values: of the lookups. The material's parameters become those of the point. */
+/* values: of the lookups. The material's parameters become those of the point; its maps are not copied. */
 void texturing_apply(const material_plan *p, const float (*values)[4], const float color[4],
                      fathom_material *m);
 /* For the classic integrator: light passes straight through the part of the surface that is not there. */

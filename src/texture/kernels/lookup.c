@@ -31,11 +31,19 @@ INLINE rgba_f32 from_halves(rgba_u32 half) {
 
 INLINE rgba_f32 grey(float value) { return (rgba_f32){value, value, value, 1}; }
 
-/* `type` and `channels` are constants where this is inlined. */
+typedef unsigned char rgba_u8 __attribute__((vector_size(4)));
+
+/* `type`, `channels` and whether `color` is NULL are constants where this is inlined. NULL: linear; the
+ * quotients are those of the table. */
 INLINE rgba_f32 texel_at(const unsigned char *at, image_texel type, unsigned channels, const float *color,
                          const float *alpha) {
     switch (type) {
     case IMAGE_TEXEL_U8:
+        if (!color) {
+            rgba_u8 n;
+            memcpy(&n, at, sizeof n);
+            return __builtin_convertvector(n, rgba_f32) / 255.0f;
+        }
         if (channels == 1) return grey(color[*at]);
         return (rgba_f32){color[at[0]], color[at[1]], color[at[2]], alpha[at[3]]};
     case IMAGE_TEXEL_U16: {
@@ -85,10 +93,18 @@ INLINE pair pair_at(float t, uint32_t size, fathom_wrap mode) {
     return p;
 }
 
+/* Of a column and of a row: a texel lies at the level's offset and both. */
+INLINE uint64_t column_of(const pyramid_level *l, uint32_t x) {
+    return (uint64_t)(x / PYRAMID_TILE * PYRAMID_TILE_TEXELS + x % PYRAMID_TILE) << l->shift;
+}
+
+INLINE uint64_t row_of(const pyramid_level *l, uint32_t y) {
+    const uint64_t tiles = (uint64_t)(y / PYRAMID_TILE * l->across) * PYRAMID_TILE_TEXELS;
+    return (tiles + y % PYRAMID_TILE * l->stride) << l->shift;
+}
+
 INLINE uint64_t place_of(const pyramid_level *l, uint32_t x, uint32_t y) {
-    const uint32_t tile = y / PYRAMID_TILE * l->across + x / PYRAMID_TILE;
-    const uint32_t within = y % PYRAMID_TILE * l->stride + x % PYRAMID_TILE;
-    return l->offset + (((uint64_t)tile * PYRAMID_TILE_TEXELS + within) << l->shift);
+    return l->offset + column_of(l, x) + row_of(l, y);
 }
 
 /* Where the texels may be read. False: the image is broken. */
@@ -116,9 +132,8 @@ typedef struct lookup {
     bool broken;
 } lookup;
 
-INLINE rgba_f32 between(const unsigned char *const at[4], const pair *x, const pair *y,
-                        const cache_image *img, image_texel type, unsigned channels) {
-    const float *color = img->decoding.color, *alpha = img->decoding.alpha;
+INLINE rgba_f32 between(const unsigned char *const at[4], const pair *x, const pair *y, image_texel type,
+                        unsigned channels, const float *color, const float *alpha) {
     const rgba_f32 a = texel_at(at[0], type, channels, color, alpha);
     const rgba_f32 b = texel_at(at[1], type, channels, color, alpha);
     const rgba_f32 c = texel_at(at[2], type, channels, color, alpha);
@@ -142,15 +157,19 @@ static rgba_f32 bilinear(lookup *at, unsigned level) {
     const pyramid_level *l = &img->plan.levels[level];
     const pair x = pair_at(at->u, l->width, at->slot->wrap_u),
                y = pair_at(at->v, l->height, at->slot->wrap_v);
-    const uint64_t p[4] = {place_of(l, x.first, y.first), place_of(l, x.second, y.first),
-                           place_of(l, x.first, y.second), place_of(l, x.second, y.second)};
+    const uint64_t left = l->offset + column_of(l, x.first), right = l->offset + column_of(l, x.second);
+    const uint64_t top = row_of(l, y.first), low = row_of(l, y.second);
+    const uint64_t p[4] = {left + top, right + top, left + low, right + low};
     const unsigned char *texels[4];
     cache_copy copy;
     if (!reachable(at->cache, img, l, p, 4, &copy, texels)) {
         at->broken = true;
         return grey(0);
     }
-#define CALL(type, channels) between(texels, &x, &y, img, type, channels)
+    const float *color = img->decoding.color, *alpha = img->decoding.alpha;
+    if (l->type == IMAGE_TEXEL_U8 && img->plan.channels == 4 && color == alpha)
+        return between(texels, &x, &y, IMAGE_TEXEL_U8, 4, NULL, NULL);
+#define CALL(type, channels) between(texels, &x, &y, type, channels, color, alpha)
     BY_TYPE(CALL, l->type, img->plan.channels);
 #undef CALL
 }
