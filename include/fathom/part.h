@@ -13,8 +13,8 @@ typedef enum fathom_split {
     /* Samples if every part then gets some, and all pixels get the same number; tiles otherwise. */
     FATHOM_SPLIT_AUTO,
     /* Each part has some of the samples of all pixels, in runs of four. Parts take about the same time. The
-     * file holds sums: 24 bytes a pixel, or 112 for paths; with AOVs 92 more; up to some times that where the
-     * number of parts is no power of two. FATHOM_BAD_USAGE with a target_error or max_time, and with more
+     * file holds sums: 24 bytes a pixel, or 112 for paths; with AOVs 108 more; up to some times that where
+     * the number of parts is no power of two. FATHOM_BAD_USAGE with a target_error or max_time, and with more
      * parts than runs of samples. */
     FATHOM_SPLIT_SAMPLES,
     /* Each part has some of the tiles of 32 × 32 pixels, with all their samples, from all over the image. The

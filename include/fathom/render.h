@@ -74,7 +74,12 @@ enum {
      * meets. */
     FATHOM_AOV_CRYPTO_OBJECT = 1u << 12,
     FATHOM_AOV_CRYPTO_MATERIAL = 1u << 13,
-    FATHOM_AOVS = (1u << 14) - 1
+    /* forward.u forward.v backward.u backward.v: how far the surface of the sample nearest the pixel's centre
+     * moves in the image, in pixels, u to the right and v upwards, from the middle of the shutter's time to
+     * its end and to its beginning: by its own motion, its vertices' and the camera's. Seen in perspective,
+     * the background is infinitely far. 0 where the point is behind the camera at one of the three times. */
+    FATHOM_AOV_MOTION = 1u << 14,
+    FATHOM_AOVS = (1u << 15) - 1
 };
 
 typedef struct fathom_settings {
@@ -121,6 +126,8 @@ typedef struct fathom_settings {
                               before anything is built where not even they do */
     uint64_t texture_memory;    /* bytes of texture tiles in memory; the others are read again; default 1e9 */
     fathom_fireflies fireflies; /* default keep */
+    bool motion_blur; /* default true; false: all samples are of the middle of the shutter's time, and motion
+                         vectors still are of all of it */
 } fathom_settings;
 
 typedef enum fathom_loss {

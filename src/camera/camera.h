@@ -46,6 +46,16 @@ static inline void camera_ray(const shade_camera *c, double x, double y, vec3_f3
     *dir = c->parallel ? narrow(c->view) : camera_direction(c, x, y);
 }
 
+/* Where a point, from_eye off the camera, is in the image. False: it is behind the camera. */
+static inline bool camera_place(const shade_camera *c, vec3_f64 from_eye, double *x, double *y) {
+    const double depth = dot_f64(from_eye, c->view);
+    if (!(depth > 0)) return false;
+    const vec3_f64 on = sub_f64(scale_f64(c->parallel ? 1 : 1 / depth, from_eye), c->corner);
+    *x = dot_f64(on, c->across) / dot_f64(c->across, c->across);
+    *y = dot_f64(on, c->down) / dot_f64(c->down, c->down);
+    return true;
+}
+
 /* Where in their pixels the samples of a square of 4 × 4 lie, row by row: [0,1) from the top left. */
 typedef struct square_samples {
     _Alignas(64) double x[LANES], y[LANES];

@@ -70,6 +70,10 @@ static void add_channels(fathom_film *film, unsigned aovs) {
     if (aovs & FATHOM_AOV_N) add_three(film, film->n, "N.X", "N.Y", "N.Z", false);
     if (aovs & FATHOM_AOV_P) add_three(film, film->p, "P.X", "P.Y", "P.Z", false);
     if (aovs & FATHOM_AOV_ALBEDO) add_three(film, film->albedo, "albedo.R", "albedo.G", "albedo.B", true);
+    if (aovs & FATHOM_AOV_MOTION) {
+        static const char *const names[4] = {"forward.u", "forward.v", "backward.u", "backward.v"};
+        for (int c = 0; c < 4; ++c) film->motion[c] = add_channel(film, names[c], false, false);
+    }
     if (aovs & FATHOM_AOV_ID) {
         film->object = add_id(film, "id.object", "id.object.V");
         film->primitive = add_id(film, "id.primitive", "id.primitive.V");
@@ -92,8 +96,8 @@ film_parts film_parts_of(const fathom_settings *settings, const light_group_name
     static const unsigned of_kind[LIGHT_KINDS] = {[LIGHT_EMISSION] = FATHOM_AOV_EMISSION,
                                                   [LIGHT_DIRECT] = FATHOM_AOV_DIRECT,
                                                   [LIGHT_INDIRECT] = FATHOM_AOV_INDIRECT};
-    const unsigned of_hits =
-        FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
+    const unsigned of_hits = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P |
+                             FATHOM_AOV_ALBEDO | FATHOM_AOV_ID | FATHOM_AOV_MOTION;
     film_parts parts = {.hits = aovs & of_hits};
     if (settings->fireflies == FATHOM_FIREFLIES_REWEIGHT) parts.cascades = FIREFLY_CASCADES;
     for (int k = 0; k < LIGHT_KINDS; ++k) parts.kinds[k] = aovs & of_kind[k] ? (int8_t)parts.layers++ : -1;
@@ -109,9 +113,9 @@ uint32_t film_channels(const fathom_settings *settings, const light_group_names 
     const unsigned aovs = settings->aovs | (parts.cascades ? FATHOM_AOV_SAMPLES : 0);
     const unsigned one = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_SAMPLES,
                    three = FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO | FATHOM_AOV_ID;
-    return 3 + (aovs & FATHOM_AOV_ERROR ? 4u : 0u) + 2 * MATTE_RANKS * parts.matte_count +
-           3 * film_part_sums(parts) + (uint32_t)__builtin_popcount(aovs & one) +
-           3 * (uint32_t)__builtin_popcount(aovs & three);
+    return 3 + 4 * (uint32_t)__builtin_popcount(aovs & (FATHOM_AOV_ERROR | FATHOM_AOV_MOTION)) +
+           2 * MATTE_RANKS * parts.matte_count + 3 * film_part_sums(parts) +
+           (uint32_t)__builtin_popcount(aovs & one) + 3 * (uint32_t)__builtin_popcount(aovs & three);
 }
 
 static fathom_status check_memory(fathom_context *context, const fathom_film *film) {

@@ -47,7 +47,7 @@ struct fathom_film {
     float *pixels;  /* of all channels */
     uint64_t bytes; /* that these take */
     /* The same memory by meaning; NULL when not asked for. */
-    float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3], *error[3], *doubt;
+    float *rgb[3], *alpha, *z, *n[3], *p[3], *albedo[3], *error[3], *doubt, *motion[4];
     uint32_t *object, *primitive, *instance, *samples;
     float *layers; /* of film_parts: three channels each, one after the other, and then the cascades' */
     film_parts parts;

@@ -51,6 +51,7 @@ static double distance_to_centre(const sampler *from, sample_key key) {
 static void keep_centre(hit_sums *sums, const first_hits *f, uint32_t from, uint32_t slot) {
     sums->centre.z[slot] = f->z[from];
     for (int c = 0; c < 3; ++c) sums->centre.p[c][slot] = f->p[c][from];
+    for (int c = 0; c < 4; ++c) sums->centre.motion[c][slot] = f->motion[c][from];
     sums->centre.object[slot] = f->object[from];
     sums->centre.primitive[slot] = f->primitive[from];
     sums->centre.instance[slot] = f->instance[from];
@@ -148,6 +149,7 @@ static void store_hits(const hit_sums *hits, uint32_t slot, double scale, size_t
     }
     if (film->alpha) film->alpha[pixel] = (float)(hits->alpha[slot] * scale);
     if (film->z) film->z[pixel] = hits->centre.z[slot];
+    for (int c = 0; film->motion[0] && c < 4; ++c) film->motion[c][pixel] = hits->centre.motion[c][slot];
     if (film->object) {
         film->object[pixel] = hits->centre.object[slot];
         film->primitive[pixel] = hits->centre.primitive[slot];

@@ -128,6 +128,7 @@ typedef struct wave_batch {
 /* The first hit of each slot's sample, for the AOVs. */
 typedef struct first_hits {
     float z[WAVE_SLOTS], n[3][WAVE_SLOTS], p[3][WAVE_SLOTS], albedo[3][WAVE_SLOTS], alpha[WAVE_SLOTS];
+    float motion[4][WAVE_SLOTS]; /* forward u and v, backward u and v */
     uint32_t object[WAVE_SLOTS], primitive[WAVE_SLOTS], instance[WAVE_SLOTS];
 } first_hits;
 

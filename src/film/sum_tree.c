@@ -41,6 +41,7 @@ static void move_hits(const move *m, hit_sums *hits, square_sums *square) {
         move_words(m, hits->centre.p[c], square->p[c]);
     }
     move_words(m, hits->centre.z, square->z);
+    for (int c = 0; c < 4; ++c) move_words(m, hits->centre.motion[c], square->motion[c]);
     move_words(m, hits->centre.object, square->object);
     move_words(m, hits->centre.primitive, square->primitive);
     move_words(m, hits->centre.instance, square->instance);
@@ -80,6 +81,7 @@ static void keep_nearest(const square_sums *from, square_sums *to) {
         to->nearest[k] = from->nearest[k];
         to->z[k] = from->z[k];
         for (int c = 0; c < 3; ++c) to->p[c][k] = from->p[c][k];
+        for (int c = 0; c < 4; ++c) to->motion[c][k] = from->motion[c][k];
         to->object[k] = from->object[k];
         to->primitive[k] = from->primitive[k];
         to->instance[k] = from->instance[k];
@@ -168,7 +170,7 @@ uint32_t sum_stack_depth(sum_range range) {
 #define RGB_BYTES (3 * LANES * sizeof(double))
 
 _Static_assert(offsetof(square_sums, alpha) == SAMPLE_GROUPS * RGB_BYTES, "no bytes between the fields");
-_Static_assert(offsetof(square_sums, layers) == offsetof(square_sums, alpha) + LANES * (8 * 8 + 7 * 4),
+_Static_assert(offsetof(square_sums, layers) == offsetof(square_sums, alpha) + LANES * (8 * 8 + 11 * 4),
                "nor behind the hits");
 
 #define HITS_AT offsetof(square_sums, alpha)

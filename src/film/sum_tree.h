@@ -17,7 +17,7 @@
 typedef struct square_sums {
     double rgb[SAMPLE_GROUPS][3][LANES];
     double alpha[LANES], n[3][LANES], albedo[3][LANES], nearest[LANES]; /* hits */
-    float z[LANES], p[3][LANES];                                        /* of the nearest, as the next */
+    float z[LANES], p[3][LANES], motion[4][LANES];                      /* of the nearest, as the next */
     uint32_t object[LANES], primitive[LANES], instance[LANES];
     double (*layers)[LANES]; /* where there are any, as the next */
     matte_list (*mattes)[LANES];

@@ -372,7 +372,8 @@ static integration *create(const render_plan *plan, const atomic_bool *stop) {
         destroy(&p->wave.run);
         return NULL;
     }
-    if (plan->moves && !(p->wave.times = calloc(WAVE_SLOTS, sizeof *p->wave.times))) {
+    if (plan->moves &&
+        (!(p->wave.times = calloc(WAVE_SLOTS, sizeof *p->wave.times)) || !wave_create_vectors(&p->wave))) {
         destroy(&p->wave.run);
         return NULL;
     }

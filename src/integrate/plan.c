@@ -125,7 +125,8 @@ static fathom_status plan_reference(fathom_context *context, render_plan *plan) 
                                          .region = settings_region_of(s),
                                          .samples = s->spp,
                                          .depth = s->max_depth,
-                                         .seed = s->seed};
+                                         .seed = s->seed,
+                                         .sharp = !s->motion_blur};
     return reference_open(plan->scene, &settings, &plan->reference);
 }
 

@@ -262,7 +262,8 @@ bool reference_sample(const reference_scene *r, uint32_t x, uint32_t y, uint32_t
     reference_random random = {reference_mix(pixel + index), 0, shutter[0]};
     const double u = reference_uniform(&random), v = reference_uniform(&random);
     path p = {.nested = 0};
-    if (shutter[1] > shutter[0]) random.time += reference_uniform(&random) * (shutter[1] - shutter[0]);
+    if (shutter[1] > shutter[0])
+        random.time += (r->settings.sharp ? 0.5 : reference_uniform(&random)) * (shutter[1] - shutter[0]);
     camera_ray(r, x + u, y + v, &random, &p);
     const reference_random own = {reference_mix(random.key), 0, random.time};
     return radiance(r, p.origin, p.direction, own, out);

@@ -17,6 +17,7 @@ typedef struct reference_settings {
     uint32_t depth;         /* bounces */
     uint64_t seed;
     unsigned threads; /* 0: one */
+    bool sharp;       /* all samples are of the middle of the shutter's time */
     bool without_bvh; /* closest hits by testing every primitive */
     /* Radiance from outside in a unit direction, in place of environment lights; NULL: the scene's background
      * alone. Called from several threads. */

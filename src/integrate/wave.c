@@ -137,6 +137,7 @@ void wave_destroy(wave *w) {
     free(w->refracted);
     free(w->gather);
     free(w->times);
+    free(w->cameras);
     free(w->run.samples.radiance[0]);
     free(w->run.samples.first);
     free(w->run.samples.layers);

@@ -90,6 +90,7 @@ struct wave {
     size_t refracted_capacity;            /* in blocks */
     shader (*made)[LANES]; /* by block of vertices, where materials vary over surfaces; else NULL */
     float *times;          /* by slot, of the shutter; NULL: nothing moves */
+    shade_camera *cameras; /* for motion vectors; NULL: nobody asks for them, or nothing moves */
     float *lost[3];        /* by slot, what was left out; NULL: nothing may be */
     uint32_t bounces;      /* the classic integrator's: of the rays of `now` */
 };
@@ -154,6 +155,14 @@ void wave_lose_mattes(wave *w, uint32_t slot);
 /* Only where first hits are kept: lane i of a block's gathered hits gives the sample's normal and albedo, the
  * second times `tint`. */
 void wave_keep_features(wave *w, const vertex_block *v, unsigned i, const float tint[3]);
+
+/* ---- motion vectors ---- */
+
+/* Prepares them where they are asked for and something moves; false: no memory. */
+bool wave_create_vectors(wave *w);
+/* Only then: those of lane i of a block's gathered hits, and of what is infinitely far. */
+void wave_keep_vectors(wave *w, unsigned i, uint32_t slot);
+void wave_keep_far_vectors(wave *w, vec3_f32 direction, uint32_t slot);
 
 /* Shadow rays that are walked; see wave_walk.c. Before they are cast: keeps their lengths. False: no memory.
  */

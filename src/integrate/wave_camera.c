@@ -13,6 +13,7 @@ static void place(const render_plan *plan, const wave_square *s, square_samples 
 
 float wave_time_of(const render_plan *plan, sample_key key) {
     double u, v;
+    if (!plan->settings.motion_blur) return 0.5f;
     sample_2d(&plan->sampler, key, SAMPLE_TIME, &u, &v);
     return (float)(u * (1 - 0x1p-24)); /* stays below 1 as a float */
 }

@@ -21,6 +21,7 @@ static void keep_miss(first_hits *f, uint32_t slot) {
     f->alpha[slot] = 0;
     f->z[slot] = INFINITY;
     for (int c = 0; c < 3; ++c) f->n[c][slot] = f->p[c][slot] = f->albedo[c][slot] = 0;
+    for (int c = 0; c < 4; ++c) f->motion[c][slot] = 0;
     f->object[slot] = f->primitive[slot] = f->instance[slot] = FATHOM_NONE;
 }
 
@@ -67,6 +68,8 @@ static void keep_first(wave *w, unsigned i, uint32_t slot) {
     f->p[1][slot] = (float)(p.y + scene->origin.y);
     f->p[2][slot] = (float)(p.z + scene->origin.z);
     wave_keep_features(w, &w->vertices[w->vertex_count / LANES], i, white);
+    for (int c = 0; c < 4; ++c) f->motion[c][slot] = 0;
+    if (w->cameras) wave_keep_vectors(w, i, slot);
     f->object[slot] = wave_hit_object(w, i);
     f->primitive[slot] = plane ? 0 : world_primitive(scene, g->geometry[i], g->primitive[i]);
     f->instance[slot] = plane ? FATHOM_NONE : placed_by(scene, g, i);
@@ -165,8 +168,11 @@ static bool shows_background(const wave *w, bool first) {
 static void add_misses(wave *w, const trace_block *block, const path_block *path, uint32_t missed,
                        bool background, bool first) {
     if (background) w->stages->misses(w, block, path, missed);
-    for (; first && w->run.samples.first && missed; missed &= missed - 1)
-        keep_miss(w->run.samples.first, path->slot[__builtin_ctz(missed)]);
+    for (; first && w->run.samples.first && missed; missed &= missed - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(missed);
+        keep_miss(w->run.samples.first, path->slot[lane]);
+        if (w->cameras) wave_keep_far_vectors(w, trace_dir(&block->rays, lane), path->slot[lane]);
+    }
 }
 
 /* Blocks between asking for indices, asking for corners, and reading these: bench/README.md has what others

@@ -15,7 +15,7 @@ typedef struct runs_record {
 
 _Static_assert(sizeof(squares_record) == WAVE_SQUARES * 28, "no bytes between the fields");
 _Static_assert(sizeof(runs_record) == 2 * (WAVE_SQUARES * 28 + 12 * WAVE_SLOTS * 8), "nor between these");
-_Static_assert(sizeof(hit_sums) == WAVE_SLOTS * (8 * 8 + 14 * 4), "nor between these");
+_Static_assert(sizeof(hit_sums) == WAVE_SLOTS * (8 * 8 + 18 * 4), "nor between these");
 
 static size_t layer_bytes(film_parts parts) {
     return adaptive_layer_count(parts) * WAVE_SLOTS * sizeof(double);

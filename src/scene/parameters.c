@@ -83,8 +83,8 @@ static const fathom_parameter setting_rows[] = {
      .help = "Further outputs in an EXR file: coverage, depth, shading normal, world position, `kd` + `ks`, the ids of "
      "object, primitive and instance, how many samples a pixel took, the standard error of each channel, the light "
      "that was scattered once, more often, or not at all, the light of each light group, and "
-     "Cryptomatte of objects and of materials.",
-     .words = "alpha|Z|N|P|albedo|id|samples|error|direct|indirect|emission|lightGroups|cryptoObject|cryptoMaterial"},
+     "Cryptomatte of objects and of materials, and motion vectors.",
+     .words = "alpha|Z|N|P|albedo|id|samples|error|direct|indirect|emission|lightGroups|cryptoObject|cryptoMaterial|motion"},
     {"tracer", TEXT, SETTING(tracer), COMMAND, 0, 0, 0, "SPEC|FILE.so", "Light transport",
      .help = "The tracer that answers the rays: embree, bvh, linear or reference, which is linear:robust:f32, each with options such as "
      "bvh:f64, linear:textbook:f32 or embree:user:high:16; or a library as in fathom/plugin.h."},
@@ -100,6 +100,9 @@ static const fathom_parameter setting_rows[] = {
     {"fireflies", WORD, SETTING(fireflies), PIXELS | COMMAND, 0, 0, FATHOM_FIREFLIES_KEEP, NULL, "Output",
      .help = "Rare bright samples: `keep`; or `reweight` to write a second image, NAME.reweighted.EXT, in which they count "
      "less (Zirr et al. 2018). The first image is the same.", .words = "keep|reweight"},
+    {"motion_blur", BOOL, SETTING(motion_blur), PIXELS | IN_FILE | COMMAND, 0, 1, true, NULL, "Light transport",
+     .help = "Samples are of all times at which the shutter is open; without it, of the middle one: for programs that blur "
+     "by the AOV `motion`."},
 };
 
 static const fathom_parameter classic_rows[] = {

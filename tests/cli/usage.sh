@@ -125,7 +125,7 @@ done <<'TABLE'
 --aov|normals|expected names from alpha,Z,N,P,albedo,id
 TABLE
 refused 2 '--aov: expected names' render a.json -o a.exr --aov Z,,N
-refused 2 '--aov: expected names from alpha,Z,N,P,albedo,id,samples,error,direct,indirect,emission,lightGroups,cryptoObject,cryptoMaterial, or all, or none, found "'"$(printf '%060d' 0)\"" \
+refused 2 '--aov: expected names from alpha,Z,N,P,albedo,id,samples,error,direct,indirect,emission,lightGroups,cryptoObject,cryptoMaterial,motion, or all, or none, found "'"$(printf '%060d' 0)\"" \
     render a.json -o a.exr --aov "$(printf '%070d' 0)"
 refused 2 '--ocio: expected FILE, found nothing' render a.json -o a.png --ocio=
 

@@ -17,7 +17,7 @@
 #include "job/job.h"
 
 #define PART_MAGIC "FTHMPART"
-#define PART_FORMAT 3u
+#define PART_FORMAT 4u
 #define PART_MOST 65536u        /* of a render */
 #define PART_RECORD 0x45564157u /* "WAVE" */
 
