@@ -68,14 +68,47 @@ static bool find_frame(const points *p, unsigned i, const lookup *l, vec3_f32 n,
 /* The normal is seen under no more than this cosine from its horizon. */
 #define FACES_VIEWER 0x1p-6f
 
-static void turn_normal(const points *p, unsigned i, surface_block *s) {
+/* As a normal map has it; `outside` without one. */
+static vec3_f32 mapped_normal(const points *p, unsigned i, vec3_f32 outside) {
     const material_plan *plan = p->plan[i];
-    const float *rgb = p->values[i][plan->of[FATHOM_MAP_NORMAL]], scale = plan->material->normal_scale;
-    vec3_f32 outside = lane(p->g->local.ns, i), t, b;
-    if (!find_frame(p, i, &plan->lookups[plan->of[FATHOM_MAP_NORMAL]], outside, &t, &b)) return;
-    const float side = dot_f32(outside, lane(s->ns, i)) < 0 ? -1 : 1, z = 2 * rgb[2] - 1;
-    vec3_f32 n = scale_f32(z > 0x1p-6f ? z : 0x1p-6f, outside);
-    n = madd_f32(madd_f32(n, scale * (2 * rgb[0] - 1), t), scale * (2 * rgb[1] - 1), b);
+    const unsigned at = plan->of[FATHOM_MAP_NORMAL];
+    vec3_f32 t, b;
+    if (at == NO_LOOKUP || !find_frame(p, i, &plan->lookups[at], outside, &t, &b)) return outside;
+    const float *rgb = p->values[i][at], scale = plan->material->normal_scale, z = 2 * rgb[2] - 1;
+    const vec3_f32 n = scale_f32(z > 0x1p-6f ? z : 0x1p-6f, outside);
+    return madd_f32(madd_f32(n, scale * (2 * rgb[0] - 1), t), scale * (2 * rgb[1] - 1), b);
+}
+
+/* How a height map rises along the surface: from the point over a footprint, and at least a texel, along each
+ * side of the image (Blinn, "Simulation of Wrinkled Surfaces", 1978). */
+static vec3_f32 slope_of_bump(const points *p, unsigned i, vec3_f32 n) {
+    const material_plan *plan = p->plan[i];
+    const fathom_map *map = &plan->material->maps[FATHOM_MAP_BUMP];
+    const lookup *l = &plan->lookups[plan->of[FATHOM_MAP_BUMP]];
+    const surface_uv *at = &p->uv[l->uv_set][i];
+    const vec3_f32 up = cross_f32(at->dv, n), right = cross_f32(n, at->du);
+    const float area = dot_f32(n, cross_f32(at->du, at->dv));
+    texture_queries q = {.count = 0};
+    float rgba[4][TEXTURE_BLOCK], rise[2];
+    uint32_t size[2];
+    texture_size(p->t->cache, l->texture, &size[0], &size[1]);
+    for (int c = 0; c < 3; ++c) texturing_place_lookup(l, at->u, at->v, p->width[l->uv_set][i], &q);
+    const float step[2] = {fmaxf(q.width[0], 1 / (float)size[0]), fmaxf(q.width[0], 1 / (float)size[1])};
+    q.u[1] += step[0], q.v[2] += step[1];
+    texture_lookup(p->t->cache, &q, rgba);
+    const float *h = rgba[map->channel];
+    for (int k = 0; k < 2; ++k) rise[k] = plan->material->bump_scale * (h[k + 1] - h[0]) / step[k];
+    const float du = rise[0] * l->m[0] + rise[1] * l->m[3], dv = rise[0] * l->m[1] + rise[1] * l->m[4];
+    const vec3_f32 slope = scale_f32(1 / area, madd_f32(scale_f32(du, up), dv, right));
+    return area != 0 && finite_f32(slope) ? slope : (vec3_f32){0, 0, 0};
+}
+
+static void turn_normal(const points *p, unsigned i, surface_block *s) {
+    const vec3_f32 outside = lane(p->g->local.ns, i);
+    const float side = dot_f32(outside, lane(s->ns, i)) < 0 ? -1 : 1;
+    vec3_f32 n = mapped_normal(p, i, outside);
+    if (!make_unit(&n)) return;
+    if (p->plan[i]->of[FATHOM_MAP_BUMP] != NO_LOOKUP) n = sub_f32(n, slope_of_bump(p, i, outside));
     if (!make_unit(&n)) return;
     n = scale_f32(side, n);
     const float facing = dot_f32(n, lane(s->v, i));
@@ -90,7 +123,8 @@ void texturing_turn_normals(const points *p, surface_block *s) {
     uint32_t mapped = 0;
     for (uint32_t left = p->lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
-        if (p->plan[i]->of[FATHOM_MAP_NORMAL] != NO_LOOKUP) mapped |= 1u << i;
+        if (p->plan[i]->of[FATHOM_MAP_NORMAL] != NO_LOOKUP || p->plan[i]->of[FATHOM_MAP_BUMP] != NO_LOOKUP)
+            mapped |= 1u << i;
     }
     if (!mapped) return;
     memcpy(s->base, s->ns, sizeof s->base);

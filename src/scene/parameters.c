@@ -129,6 +129,8 @@ static const fathom_parameter classic_rows[] = {
      .help = "Radiance the surface sends out by itself, as it is seen from outside of any glass around it. It lights other surfaces under path tracing.", .count = 3},
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
      .help = "Factor of the slopes of `normalTexture`."},
+    {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
+     .help = "Height of the surface in units of length where `bumpTexture` is 1."},
     {"lit_from_behind", BOOL, MATERIAL(lit_from_behind), HARD, 0, 1, false, NULL, "Surface",
      .help = "Lights on the far side of the surface count, as on thin cloth or paper."},
 };
@@ -192,6 +194,8 @@ static const fathom_parameter metallic_rows[] = {
      .help = "Above 0: where `opacity` is below it there is no surface, and elsewhere all of it."},
     {"normal_scale", F32, MATERIAL(normal_scale), HARD, -1e3, 1e3, 1, NULL, "Surface",
      .help = "Factor of the slopes of `normalTexture`."},
+    {"bump_scale", F32, MATERIAL(bump_scale), SOFT, -1e6, 1e6, 1, "LENGTH", "Surface",
+     .help = "Height of the surface in units of length where `bumpTexture` is 1."},
     {"multiscatter", BOOL, MATERIAL(multiscatter), HARD, 0, 1, true, NULL, "Surface",
      .help = "Gives back what rough surfaces lose to light that scatters between their facets; without it, glTF's formulas alone."},
 };

@@ -200,6 +200,7 @@ static void images_become_maps(void **state) {
     expect_map("map_Pr r\n", FATHOM_MAP_ROUGHNESS, "r", 0, plain);
     expect_map("norm n\n", FATHOM_MAP_NORMAL, "n", 0, plain);
     expect_map("map_Bump -bm 0.5 wall_normal.png\n", FATHOM_MAP_NORMAL, "wall_normal.png", 0, plain);
+    expect_map("map_Bump -bm 0.5 -imfchan g wall.png\n", FATHOM_MAP_BUMP, "wall.png", 1, plain);
 }
 
 static void an_image_alone_has_factors_of_one(void **state) {
@@ -209,10 +210,11 @@ static void an_image_alone_has_factors_of_one(void **state) {
     expect_color(body, "k_d", m.k_d, 1, 1, 1);
     expect_color(body, "k_e", m.k_e, 0.5, 0.5, 0.5);
     assert_true(material_of("norm -bm 0.25 n\n").normal_scale == 0.25f);
-    material_of("map_Ka e\nbump h\nmap_Kd\n");
+    assert_true(material_of("norm n\nbump -bm 0.25 h\n").bump_scale == 0.25f);
+    assert_true(material_of("norm n\nbump -bm 0.25 h\n").normal_scale == 1);
+    material_of("map_Ka e\nmap_Kd\n");
     expect_warning(":2: map_Ka");
-    expect_warning(":3: map_bump is left out");
-    expect_warning(":4: an image without the name");
+    expect_warning(":3: an image without the name");
 }
 
 static void pbr_keys_make_a_metallic_roughness_material(void **state) {

@@ -270,6 +270,39 @@ static void a_normal_map_tilts_the_normal(void **state) {
     }
 }
 
+/* A ramp over the whole square, 2 wide and high: 16 steps of 8 grey levels each along u, as many of -4 along
+ * v. A pixel is smaller than a texel, and slopes go over a texel. */
+static void a_ramp_of_heights_tilts_the_normal_by_its_slope(void **state) {
+    (void)state;
+    unsigned char rgb[16 * 16][3];
+    for (int k = 0; k < 16 * 16; ++k) memset(rgb[k], 70 + 8 * (k % 16) - 4 * (k / 16), 3);
+    const double to_light[3] = {0.36, 0.48, 0.8};
+    for (int how = 0; how < LIES_KINDS; ++how) {
+        stage s = stage_open(64, 64);
+        fathom_material m;
+        fathom_light light;
+        fathom_material_default(&m);
+        for (int c = 0; c < 3; ++c) m.k_d[c] = 1;
+        m.bump_scale = 0.75f;
+        m.maps[FATHOM_MAP_BUMP].texture = add_texels(&s, 16, 16, rgb[0]);
+        add_mapped(&s, (lies)how, stage_material(&s, &m));
+        fathom_light_default(&light);
+        light.type = FATHOM_LIGHT_DIRECTIONAL;
+        for (int c = 0; c < 3; ++c) light.direction[c] = -to_light[c];
+        assert_ok(s.context, fathom_scene_add_light(s.scene, &light, NULL));
+        look_at_square(&s);
+        const double across = 0.75 * 16 * 8 / 255 / 2, up = 0.75 * 16 * 4 / 255 / 2;
+        const double n[3] = {how == LIES_MIRRORED ? across : -across, -up, 1};
+        const double length = sqrt(n[0] * n[0] + n[1] * n[1] + 1);
+        double cosine = 0;
+        for (int c = 0; c < 3; ++c) cosine += n[c] * to_light[c] / length;
+        fathom_film *film = stage_render(&s);
+        assert_near(value(film, 'R', 30, 30), cosine, 1e-5);
+        fathom_film_destroy(film);
+        stage_close(&s);
+    }
+}
+
 /* ---- opacity ---- */
 
 /* The light of the floor below a sheet whose opacity an image says, straight under the sun. */
@@ -396,6 +429,7 @@ int main(void) {
         cmocka_unit_test(wrap_modes_go_on_beside_the_image),
         cmocka_unit_test(vertex_colours_interpolate),
         cmocka_unit_test(a_normal_map_tilts_the_normal),
+        cmocka_unit_test(a_ramp_of_heights_tilts_the_normal_by_its_slope),
         cmocka_unit_test(opacity_from_an_image_shades_the_floor),
         cmocka_unit_test(half_a_light_by_its_image_is_the_light_of_that_half),
         cmocka_unit_test(threads_tiles_and_crops_change_no_pixel),

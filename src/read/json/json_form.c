@@ -149,13 +149,10 @@ const form form_texture = {.name = "texture", .parts = {texture_keys}};
 #define TEXTURE(key, kind)                                                                                   \
     { key, FORM_OBJECT, AT(form_material_values, textures[kind]), .form = &form_texture }
 static const form_key classic_textures[] = {
-    TEXTURE("kdTexture", FATHOM_MAP_COLOR),
-    TEXTURE("ksTexture", FATHOM_MAP_SPECULAR_COLOR),
-    TEXTURE("keTexture", FATHOM_MAP_EMISSIVE),
-    TEXTURE("shininessTexture", FATHOM_MAP_SHININESS),
-    TEXTURE("opacityTexture", FATHOM_MAP_OPACITY),
-    TEXTURE("normalTexture", FATHOM_MAP_NORMAL),
-    END_KEYS,
+    TEXTURE("kdTexture", FATHOM_MAP_COLOR),        TEXTURE("ksTexture", FATHOM_MAP_SPECULAR_COLOR),
+    TEXTURE("keTexture", FATHOM_MAP_EMISSIVE),     TEXTURE("shininessTexture", FATHOM_MAP_SHININESS),
+    TEXTURE("opacityTexture", FATHOM_MAP_OPACITY), TEXTURE("normalTexture", FATHOM_MAP_NORMAL),
+    TEXTURE("bumpTexture", FATHOM_MAP_BUMP),       END_KEYS,
 };
 static const form_key metallic_textures[] = {
     TEXTURE("baseColorTexture", FATHOM_MAP_COLOR),
@@ -164,6 +161,7 @@ static const form_key metallic_textures[] = {
     TEXTURE("metallicRoughnessTexture", FORM_METALLIC_ROUGHNESS),
     TEXTURE("emissiveTexture", FATHOM_MAP_EMISSIVE),
     TEXTURE("normalTexture", FATHOM_MAP_NORMAL),
+    TEXTURE("bumpTexture", FATHOM_MAP_BUMP),
     TEXTURE("transmissionTexture", FATHOM_MAP_TRANSMISSION),
     TEXTURE("specularTexture", FATHOM_MAP_SPECULAR),
     TEXTURE("specularColorTexture", FATHOM_MAP_SPECULAR_COLOR),

@@ -46,6 +46,8 @@ static void finish_material(mtl_reader *r) {
     for (int k = 0; k < FATHOM_MAPS; ++k) m->images[k].map.channel %= 4;
     note_unused(r);
     m->value = mtl_material_from(&r->entry);
+    if (m->images[FATHOM_MAP_NORMAL].file) m->value.normal_scale = (float)m->images[FATHOM_MAP_NORMAL].bump;
+    if (m->images[FATHOM_MAP_BUMP].file) m->value.bump_scale = (float)m->images[FATHOM_MAP_BUMP].bump;
 }
 
 static void free_images(mtl_material *m) {
@@ -73,7 +75,7 @@ static bool begin_material(mtl_reader *r, const char *p) {
     fathom_material plain;
     fathom_material_default(&plain);
     free_images(&r->library->materials.items[known]);
-    r->entry = (mtl_entry){.ns = 0, .d = 1, .bump = 1};
+    r->entry = (mtl_entry){.ns = 0, .d = 1};
     for (int k = 0; k < 3; ++k) r->entry.kd[k] = (double)plain.k_d[k];
     return true;
 }
@@ -122,12 +124,9 @@ static const struct mtl_map {
     {"map_Ps", FATHOM_MAP_SHEEN_COLOR, MTL_PS, false, NULL},
     {"norm", FATHOM_MAP_NORMAL, -1, false, NULL},
     {"map_Kn", FATHOM_MAP_NORMAL, -1, false, NULL},
-    {"map_bump", FATHOM_MAP_NORMAL, -1, false,
-     "map_bump is left out where its name does not say that it is a normal map"},
-    {"map_Bump", FATHOM_MAP_NORMAL, -1, false,
-     "map_bump is left out where its name does not say that it is a normal map"},
-    {"bump", FATHOM_MAP_NORMAL, -1, false,
-     "map_bump is left out where its name does not say that it is a normal map"},
+    {"map_bump", FATHOM_MAP_BUMP, -1, false, NULL},
+    {"map_Bump", FATHOM_MAP_BUMP, -1, false, NULL},
+    {"bump", FATHOM_MAP_BUMP, -1, false, NULL},
     {"map_Ka", -1, -1, false, "map_Ka is not read; ambient light is reflected as by Kd"},
     {"disp", -1, -1, false, "disp is not read; the surface is not displaced"},
     {"refl", -1, -1, false, "refl is not read; mirrors show the scene alone"},
@@ -222,7 +221,7 @@ static const char *read_options(mtl_reader *r, const char *p, mtl_image *image) 
         } else if (is_word(at, "-s")) {
             p = read_option_numbers(value, size);
         } else if (is_word(at, "-bm")) {
-            p = number_read(&value, &r->entry.bump) ? value : p;
+            p = number_read(&value, &image->bump) ? value : p;
         } else if (is_word(at, "-clamp")) {
             image->clamp = is_word(value, "on");
         } else if (is_word(at, "-imfchan")) {
@@ -261,17 +260,19 @@ static void set_one(mtl_reader *r, int kind, const char *at) {
 
 static bool read_image(mtl_reader *r, const struct mtl_map *map, const char *at) {
     mtl_image image = {.color = map->color,
+                       .bump = 1,
                        .map = {.texture = FATHOM_NONE, .channel = map->map == FATHOM_MAP_OPACITY ? 4 : 0}};
     const char *p = read_options(r, at + strlen(map->keyword), &image);
     const size_t length = text_rest(&p, r->file.end);
     image.file = strndup(p, length);
     if (!image.file) return text_no_memory(&r->fault);
-    if (!length || (map->text && !says_normal(image.file))) {
-        note_at(r, at, length ? map->text : "an image without the name of a file is left out");
+    if (!length) {
+        note_at(r, at, "an image without the name of a file is left out");
         free(image.file);
         return true;
     }
-    mtl_image *to = &r->library->materials.items[r->current].images[map->map];
+    const bool normals = map->map == FATHOM_MAP_BUMP && says_normal(image.file);
+    mtl_image *to = &r->library->materials.items[r->current].images[normals ? FATHOM_MAP_NORMAL : map->map];
     free(to->file);
     *to = image;
     set_one(r, map->kind, at);

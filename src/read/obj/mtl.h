@@ -8,7 +8,6 @@
 typedef struct mtl_entry {
     double ka[3], kd[3], ks[3], ke[3], tf[3], ns, ni, d, illum, pr, pm, pc, pcr, ps, aniso, anisor;
     unsigned given; /* bits of the kinds below */
-    double bump;    /* of the normal map */
     const char *at[17];
 } mtl_entry;
 

@@ -33,8 +33,8 @@
  * Images (map_Kd map_Ks map_Ke map_Ns map_d map_Pr map_Pm map_Pc map_Ps norm) multiply their values, which
  * are 1 where the file gives an image alone. Single numbers are the image's red, those of map_d its alpha
  * where it is the image of map_Kd; -imfchan says otherwise. -s, -o and -clamp are followed; v grows upwards
- * in this format. map_Bump is mostly a normal map, as exporters of today write it, where its name says so;
- * heights are not followed. */
+ * in this format. map_Bump and bump are heights; -bm is the height of 1 in units of length. Where the image's
+ * name says that it is a normal map, as exporters of today write it, it is one, and -bm its factor. */
 #include "read/obj/mtl.h"
 
 #include <stdlib.h>
@@ -131,9 +131,7 @@ static fathom_material classic_from(const mtl_entry *m) {
 }
 
 fathom_material mtl_material_from(const mtl_entry *m) {
-    fathom_material out = is_metallic(m) ? metallic_from(m) : classic_from(m);
-    out.normal_scale = (float)m->bump;
-    return out;
+    return is_metallic(m) ? metallic_from(m) : classic_from(m);
 }
 
 /* ---- images ---- */

@@ -39,6 +39,7 @@ void names_free(name_table *table);
 typedef struct mtl_image {
     char *file; /* next to the library; NULL: none */
     bool color, clamp;
+    double bump;    /* -bm */
     fathom_map map; /* without its texture */
 } mtl_image;
 
